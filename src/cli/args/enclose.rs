@@ -35,7 +35,7 @@ pub struct EncloseArgs {
     /// a measure within this of its value: how many times the given ones. NAME=VALUE.
     #[arg(long, value_name = "NAME=VALUE", value_parser = named_limit)]
     pub allow: Option<(String, f64)>,
-    /// Do not look for pieces near the ends of the bands.
+    /// Skip the search for pieces near the ends of the bands.
     #[arg(long)]
     pub no_search: bool,
     /// Prove bands between the samples, too: they hold for all pieces at all times.

@@ -20,7 +20,8 @@ pub struct FileArgs {
     /// PNG compression level [default: balanced; fast for sequences].
     #[arg(long, value_enum)]
     pub compression: Option<Compression>,
-    /// Colour of a y4m video: at every pixel (444, the default), or one for two by two pixels as most players want (420).
+    /// Chroma of a y4m video: full resolution (444, the default), or one sample for 2 by 2 pixels, as most players
+    /// expect (420).
     #[arg(long, value_enum)]
     pub chroma: Option<ChromaArg>,
     /// Whether a GIF or APNG repeats.

@@ -29,11 +29,11 @@ pub struct Cli {
     /// When to colour messages; NO_COLOR is respected.
     #[arg(long, global = true, value_enum, default_value_t = ColourChoice::Auto)]
     pub color: ColourChoice,
-    /// What the run may use, such as time=10s,memory=512M,samples=1M,pairs=10k,triangles=1M,pixels=8M,message=64K; the
-    /// variable MECHANIM_LIMITS sets limits that this can only make smaller.
+    /// Limits of what the run may use, such as time=10s,memory=512M,samples=1M,pairs=10k,triangles=1M,pixels=8M,message=64K;
+    /// they can only tighten those of the variable MECHANIM_LIMITS.
     #[arg(long, global = true, value_name = "NAME=AMOUNT,…", value_parser = Limits::parse)]
     pub limits: Option<Limits>,
-    /// Say nothing but errors: no report, no warning. What is asked for by name (a file, `-`, a list) is written.
+    /// Print errors only, no report and no warnings. What is asked for by name (a file, `-`, a list) is still written.
     #[arg(long, short, global = true)]
     pub quiet: bool,
 }
@@ -56,9 +56,9 @@ pub enum Command {
     Render(RenderArgs),
     /// Solve the motion and write every coordinate with its proof (CSV or JSON).
     Solve(SolveArgs),
-    /// Check loop closure, proofs and clearances over the whole motion, measures at its samples, or judge a given pose.
+    /// Check loop closure, proofs, measures and clearances over the whole motion, or judge a given pose.
     Check(CheckArgs),
-    /// Search the assemblies that close at a pose of the inputs, from many starts, and list them.
+    /// List the assemblies that close at given inputs, searched from many starts.
     Modes(ModesArgs),
     /// Plot outputs, coordinates and their derivatives against input or time (SVG or PNG).
     Plot(PlotArgs),
@@ -68,17 +68,17 @@ pub enum Command {
     Encode(EncodeArgs),
     /// Compare two pictures, two animations or two folders of pictures.
     Diff(DiffArgs),
-    /// Draw a list of pictures and compare them with the golden ones beside it.
+    /// Draw a list of pictures and compare them with their golden files.
     Snapshot(SnapshotArgs),
     /// Derivatives of the study's measures by every dimension, ranked.
     Sensitivity(SensitivityArgs),
-    /// Tolerance analysis of the study's measures: linear sums, random pieces, and what no piece is beyond.
+    /// Tolerance analysis of the study's measures: linear sums, random pieces and proved bounds.
     Tolerance(ToleranceArgs),
-    /// Bands that no piece within its tolerances leaves: the motion and its measures for all dimensions in their intervals.
+    /// Prove bands that the motion and its measures keep for all dimensions within their tolerances.
     Enclose(EncloseArgs),
     /// Minimise the study's objective over its design variables.
     Optimise(OptimiseArgs),
-    /// Search dimensions from many starts, prove the best, and compare scenes of one task.
+    /// Search for dimensions from many starts, prove the best ones, and compare scenes of one task.
     Synthesise(SynthesiseArgs),
     /// List the built-in scenes, or print one.
     Scenes {
@@ -96,7 +96,7 @@ pub enum Command {
         /// bash, zsh, fish, elvish or powershell.
         shell: clap_complete::Shell,
     },
-    /// Print the JSON Schema of a kind of file, for editors that complete and check it.
+    /// Print the JSON Schema of a kind of file, with which editors complete and check it.
     Schema {
         /// Which file.
         #[arg(value_enum)]

@@ -35,16 +35,17 @@ pub struct RenderArgs {
     /// Samples per pixel: 1, 2, 4, 8 or 16 (a graphics adapter takes the nearest it knows).
     #[arg(long = "supersample", alias = "samples", value_name = "N", default_value_t = 4, value_parser = sample_count)]
     pub samples: u32,
-    /// Who draws: a hardware adapter if there is one, else the built-in renderer (auto); gpu also takes software adapters.
+    /// Renderer: a hardware adapter if there is one, else the built-in renderer (auto); gpu also accepts software
+    /// adapters.
     #[arg(long, value_enum, default_value_t = RendererArg::Auto)]
     pub renderer: RendererArg,
     /// Graphics adapter: `software`, or a part of its name (also from MECHANIM_ADAPTER).
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
-    /// Of models: the greatest distance between a round surface and its facets, in the scene's unit.
+    /// For 3-D models: the largest distance between a round surface and its facets, in the scene's unit.
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = positive_number)]
     pub resolution: Option<f64>,
-    /// Point something out: bodies that come nearer to each other than the scene's `[clearance]` allows turn red.
+    /// Highlight something: bodies that come closer to each other than the scene's `[clearance]` allows turn red.
     #[arg(long, value_enum, value_name = "WHAT")]
     pub show: Option<ShowArg>,
     /// Print where the time went, stage by stage.
@@ -94,8 +95,8 @@ pub struct SolveArgs {
     /// Add columns with proved bounds of traced points and outputs, as they are printed: bound(NAME).
     #[arg(long, conflicts_with = "trace_iterations")]
     pub bounds: bool,
-    /// Locate the limit positions too: where an unknown or output turns back while the drive goes on. Printed, and
-    /// written to JSON.
+    /// Also locate limit positions, where an unknown or output turns back while the drive goes on; printed, and written
+    /// to JSON.
     #[arg(long)]
     pub events: bool,
     /// What is proved: nothing, every pose, or also the motion between the samples.
@@ -115,8 +116,8 @@ pub struct CheckArgs {
     /// Judge this pose instead of solving: values of the unknowns, NAME=VALUE,NAME=VALUE,…
     #[arg(long, value_name = "NAME=VALUE,…", value_delimiter = ',', value_parser = name_and_text)]
     pub pose: Vec<(String, String)>,
-    /// Judge the clearances over a range of this input, or with a second one over the box of both, in place of the motion:
-    /// proved for all values at once, or with the part of the box named that is not.
+    /// Check the clearances over a range of this input instead of the motion; given twice, over a box of two inputs.
+    /// They are proved for all values at once, or the part of the box that is not is named.
     #[arg(long, value_name = "INPUT=LOW:HIGH", value_parser = range, num_args = 1, conflicts_with_all = ["pose", "samples", "csv", "plot", "render", "matrix", "swept"])]
     pub inputs_box: Vec<(String, [f64; 2])>,
     /// Largest closure error that passes, relative to the mechanism's size.
@@ -133,7 +134,7 @@ pub struct CheckArgs {
     /// Write the report as JSON to this file (`-` for standard output).
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
-    /// Write the verdict as JUnit XML, one case for everything that was asked: closing, proofs, measures, pairs of bodies.
+    /// Write the verdict as JUnit XML, one test case for each question: closure, proofs, measures, pairs of bodies.
     #[arg(long, value_name = "FILE")]
     pub junit: Option<PathBuf>,
     /// Write a table as CSV: the distance of every judged pair over time.
@@ -143,28 +144,29 @@ pub struct CheckArgs {
     /// worst moment.
     #[arg(long, value_name = "FILE", conflicts_with = "pose")]
     pub plot: Option<PathBuf>,
-    /// Draw the moment at which the worst pair is nearest, with the distance, time and verdict, to this PNG file; in red if
-    /// it does not pass.
+    /// Draw the worst pair where it is nearest, with distance, time and verdict, into this PNG file; in red if it does
+    /// not pass.
     #[arg(long, value_name = "FILE.png", conflicts_with = "pose")]
     pub render: Option<PathBuf>,
-    /// Draw the least distances of all pairs of bodies as a matrix to this file (.svg or .png), coloured by class: below the
-    /// minimum, not proved, near, clear, excluded.
+    /// Draw the least distances of all pairs of bodies as a matrix into this file (.svg or .png), coloured by class:
+    /// below the minimum, not proved, near, clear, excluded.
     #[arg(long, value_name = "FILE", conflicts_with = "pose")]
     pub matrix: Option<PathBuf>,
-    /// Write a closed mesh around everything that the body of --body sweeps over the motion to this file (.stl, .obj or .glb).
-    /// How far it is from that at most is printed.
+    /// Write a closed mesh around everything that the body --body sweeps over the motion (.stl, .obj or .glb), and
+    /// print how far at most it stands off.
     #[arg(long, value_name = "FILE", conflicts_with = "pose", requires = "body")]
     pub swept: Option<PathBuf>,
     /// The body of --swept.
     #[arg(long, value_name = "NAME", requires = "swept")]
     pub body: Option<String>,
-    /// What --swept writes is seen from this body, not from the world.
+    /// Frame of the --swept mesh: this body instead of the world.
     #[arg(long, value_name = "NAME", requires = "swept")]
     pub relative_to: Option<String>,
-    /// Cells along the longest side of what --swept writes: the more, the nearer.
+    /// Cells along the longest side of the --swept mesh: with more of them it fits closer.
     #[arg(long, value_name = "N", default_value_t = 96, value_parser = clap::value_parser!(u32).range(4..=1024))]
     pub cells: u32,
-    /// Pairs within this length of their minimum are near; within the minimum once more if absent.
+    /// A pair counts as near if it is less than this length above its minimum; the length of the minimum itself if
+    /// absent.
     #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
     pub band: Option<f64>,
     /// Let pairs of bodies pass whose bound is only estimated.
@@ -173,11 +175,11 @@ pub struct CheckArgs {
     /// Let a check pass that judges no pair of bodies though the scene asks for clearances.
     #[arg(long, conflicts_with = "pose")]
     pub allow_empty: bool,
-    /// How many pairs the table shows, the worst first. Of more than 200 pairs of bodies, or of this many, those that are far
-    /// apart are settled together.
+    /// Rows of the table of pairs, the worst first. Of more than 200 pairs distant ones are settled together, but at
+    /// least this many are judged one by one.
     #[arg(long, value_name = "N", default_value_t = 10)]
     pub worst: usize,
-    /// How near the proved bound must come to the least distance found, as a part of the pair's minimum (of that
+    /// How close the proved bound must come to the least distance found, as a fraction of the pair's minimum (of that
     /// distance where the minimum is 0).
     #[arg(long = "bound-tolerance", alias = "tolerance", value_name = "E", default_value_t = 1e-3, value_parser = proper_share)]
     pub tolerance: f64,

@@ -19,15 +19,17 @@ pub struct SceneArgs {
     /// Replace the start value of an unknown, which chooses the assembly mode: NAME=VALUE. May be repeated.
     #[arg(long = "guess", value_name = "NAME=VALUE", value_parser = name_and_text)]
     pub guess: Vec<(String, String)>,
-    /// Take the inputs from the rows of a table, `-` for standard input: a CSV file as spreadsheets write it, with `,`, `;`
-    /// or tabs. Columns are found by the names of the inputs; one named `time` says when, else row k is met at second k.
+    /// Read the inputs from the rows of a CSV table (`-` for standard input) with `,`, `;` or tabs, as spreadsheets
+    /// write it. Columns are matched by the names of the inputs; a column `time` gives the instants, otherwise row k is
+    /// at k seconds.
     #[arg(long = "inputs", value_name = "TABLE.csv")]
     pub table: Option<PathBuf>,
-    /// Let the scene read mesh files from this folder, too, not only from below its own. May be repeated.
+    /// Also let the scene read mesh files from this folder; by default only from its own folder and below. May be
+    /// repeated.
     #[arg(long = "allow-files", value_name = "DIR")]
     pub allowed: Vec<PathBuf>,
     /// Start from assembly number K of `mechanim modes` at the start of the drive, or from the one with that branch
-    /// signature (such as `+-`), in place of the start values.
+    /// signature (such as `+-`), instead of the start values.
     #[arg(long, value_name = "K", conflicts_with = "guess", value_parser = mode_choice, allow_hyphen_values = true)]
     pub mode: Option<ModeChoice>,
 }

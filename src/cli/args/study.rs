@@ -59,7 +59,7 @@ pub struct ToleranceArgs {
     /// How a dimension scatters within its tolerance (normal: the tolerance is three deviations).
     #[arg(long, value_enum, default_value_t = DistributionArg::Uniform)]
     pub distribution: DistributionArg,
-    /// Where random numbers start.
+    /// Seed of the random numbers.
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
     /// Worker threads; all cores if absent. The numbers do not depend on it.
@@ -77,10 +77,10 @@ pub struct ToleranceArgs {
     /// Draw a chart (.svg or .png): these paths unrolled, with the deviation across the path as bands of quantiles.
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
-    /// Most pieces whose paths are drawn.
+    /// Number of pieces whose paths are drawn, at most.
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = path_count)]
     pub paths: usize,
-    /// How much deviations are enlarged in the picture; a round number that lets them be seen if absent.
+    /// Enlargement of the deviations in the picture; a round number that makes them visible if absent.
     #[arg(long, value_name = "FACTOR", value_parser = enlargement)]
     pub enlarge: Option<f64>,
     /// Time in seconds of the pose in the picture.
@@ -103,7 +103,7 @@ pub struct OptimiseArgs {
     /// How the minimum is searched.
     #[arg(long, value_enum, default_value_t = MethodArg::Bfgs)]
     pub method: MethodArg,
-    /// Free every variable within this share of its value (0.2 or 20%), in place of the study's ranges.
+    /// Let every variable move by this share of its value (0.2 or 20%), instead of within the study's ranges.
     #[arg(long, value_name = "SHARE", value_parser = proper_share)]
     pub within: Option<f64>,
     /// Relative accuracy at which a search ends: of gradients (bfgs), of values and variables (nelder-mead), of the
@@ -113,7 +113,7 @@ pub struct OptimiseArgs {
     /// Most iterations.
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = iteration_count)]
     pub iterations: usize,
-    /// Where random numbers start (evolution).
+    /// Seed of the random numbers (evolution).
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
     /// Optimise every pair of the variables on its own and rank the pairs.
@@ -179,16 +179,17 @@ pub struct SynthesiseArgs {
     /// Replace a parameter of every scene: NAME=FORMULA. May be repeated.
     #[arg(long = "param", value_name = "NAME=VALUE", value_parser = super::values::name_and_text)]
     pub parameters: Vec<(String, String)>,
-    /// Number of starts: the scene's own values, then in turn near the minima found and random ones of the whole ranges.
+    /// Number of starts: the scene's own values, then alternately near minima already found and random within the whole
+    /// ranges.
     #[arg(long, value_name = "N", default_value_t = 128, value_parser = search_starts)]
     pub starts: usize,
-    /// Where random numbers start.
+    /// Seed of the random numbers.
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
     /// Most iterations from one start; the best are polished with forty times as many.
     #[arg(long, value_name = "N", default_value_t = 25, value_parser = iteration_count)]
     pub iterations: usize,
-    /// End every scene's search after so many seconds, with the best so far.
+    /// Stop the search of each scene after this many seconds and keep the best so far.
     #[arg(long, value_name = "SECONDS", value_parser = positive_number)]
     pub time: Option<f64>,
     /// Where searches start, besides near the minima found: everywhere, from the scene's own values only, or from random

@@ -28,7 +28,7 @@ pub struct ViewArgs {
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = orbit_angle)]
     pub orbit: Option<f64>,
     /// Kind of projection.
-    #[arg(long = "projection", value_parser = named_word(&ViewProjection::NAMES))]
+    #[arg(long = "projection", value_name = "PROJECTION", value_parser = named_word(&ViewProjection::NAMES))]
     pub parallel: Option<bool>,
     /// Light or dark: colours of background, text and ground.
     #[arg(long, value_parser = named_word(&Theme::NAMES))]
@@ -42,10 +42,10 @@ pub struct ViewArgs {
     /// No background, in PNG and APNG.
     #[arg(long, conflicts_with = "background")]
     pub transparent: bool,
-    /// Leave this many earlier poses standing as translucent bodies.
+    /// Show this many earlier poses as translucent bodies.
     #[arg(long, value_name = "N", value_parser = ghost_count)]
     pub ghosts: Option<usize>,
-    /// Leave the poses at these times in seconds standing.
+    /// Show the poses at these times in seconds as translucent bodies.
     #[arg(
         long,
         value_name = "T,T,…",
