@@ -156,7 +156,7 @@ fn camera() -> Camera {
 
 fn stage(scale: u32, samples: u32, ground: bool) -> Stage {
     Stage {
-        meshes: bodies().into_iter().map(|(mesh, _)| mesh).collect(),
+        meshes: bodies().into_iter().map(|(mesh, _)| mesh.into()).collect(),
         size: SIZE.map(|n| n * scale),
         samples,
         camera: camera(),

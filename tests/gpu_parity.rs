@@ -79,7 +79,10 @@ fn stage(projection: Projection, size: [u32; 2], samples: u32) -> Arc<Stage> {
     };
     let aspect = f64::from(size[0]) / f64::from(size[1]);
     Arc::new(Stage {
-        meshes: solids().iter().map(|solid| mesh_of(solid, 0.004)).collect(),
+        meshes: solids()
+            .iter()
+            .map(|solid| mesh_of(solid, 0.004).into())
+            .collect(),
         size,
         samples,
         camera: fit_camera((0..8).map(corner), &view, projection, aspect, 0.06),

@@ -5,8 +5,8 @@
 
 use super::ground::ground_axes;
 use super::look::{KEY_DIRECTION, larger_of, smaller_of};
-use super::{Camera, Frame, Ground, Instance, Stage};
-use crate::math::{Pose, narrow_pose, narrow_vector};
+use super::{Camera, Frame, Ground, Instance, Stage, StageMesh};
+use crate::math::{Pose, narrow_pose};
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
 
@@ -124,22 +124,14 @@ impl ContactShadow {
     }
 }
 
-/// A mesh seen from the ground: fine parts count by their corners, coarse ones by their triangles.
-#[derive(Clone, Debug)]
-struct Caster {
-    corners: Vec<[f32; 3]>,
-    triangles: Vec<[u32; 3]>,
-    /// For each triangle, whether an edge is longer than a texel.
-    coarse: Vec<u32>,
-}
-
 /// Makes the contact shadows of a stage's frames. Keeps its memory between frames.
 #[derive(Clone, Debug)]
 pub struct ShadowCaster {
     ground: Ground,
     axes: DMat3,
-    /// Shared by copies.
-    casters: Arc<[Caster]>,
+    meshes: Arc<[StageMesh]>,
+    /// Of each mesh the triangles with an edge longer than a texel, which count as a whole; of others the corners do.
+    coarse: Arc<[Vec<u32>]>,
     /// Least height over each texel in radii, of opaque and of translucent bodies; infinite where nothing is above.
     heights: [Vec<f32>; 2],
     /// The same over the places that the key light throws them to.
@@ -157,29 +149,16 @@ impl ShadowCaster {
             .filter(|g| g.radius > 0.0 && g.center.is_finite())?;
         let texel = (2.0 * ground.radius / f64::from(SHADOW_SIZE)) as f32;
         let area = (SHADOW_SIZE * SHADOW_SIZE) as usize;
-        let casters = stage.meshes.iter().map(|mesh| {
-            let corners: Vec<[f32; 3]> = mesh.positions.iter().map(|p| narrow_vector(*p)).collect();
-            let inside = |t: &&[u32; 3]| t.iter().all(|i| (*i as usize) < corners.len());
-            let triangles: Vec<[u32; 3]> = mesh
-                .triangles
-                .iter()
-                .map(|t| if inside(&t) { *t } else { [0; 3] })
-                .collect();
-            let coarse = (0..triangles.len() as u32)
-                .filter(|k| {
-                    !corners.is_empty() && is_coarse(&corners, triangles[*k as usize], texel)
-                })
-                .collect();
-            Caster {
-                corners,
-                triangles,
-                coarse,
-            }
+        let coarse = stage.meshes.iter().map(|mesh| {
+            let is_coarse =
+                |k: &u32| is_coarse(&mesh.positions, mesh.triangles[*k as usize], texel);
+            (0..mesh.triangles.len() as u32).filter(is_coarse).collect()
         });
         Some(Self {
             ground,
             axes: ground_axes(&ground),
-            casters: casters.collect(),
+            coarse: coarse.collect(),
+            meshes: Arc::clone(&stage.meshes),
             heights: [vec![f32::INFINITY; area], vec![f32::INFINITY; area]],
             thrown: [vec![f32::INFINITY; area], vec![f32::INFINITY; area]],
             layers: [vec![0.0; area], vec![0.0; area], vec![0.0; area]],
@@ -214,10 +193,15 @@ impl ShadowCaster {
             });
             let casts = |i: &&Instance| i.casts_shadow && (i.opacity < 1.0) == translucent;
             for instance in frame.instances.iter().filter(casts) {
-                if let Some(caster) = self.casters.get(instance.mesh) {
+                let mesh = self
+                    .meshes
+                    .get(instance.mesh)
+                    .zip(self.coarse.get(instance.mesh));
+                if let Some((mesh, coarse)) = mesh {
                     let pose = ground_from_world * instance.world_from_mesh;
                     let maps = std::iter::once(&mut below).chain(thrown.as_mut());
                     for map in maps {
+                        let caster = Caster { mesh, coarse };
                         caster.drop_on(map, instance, &pose, self.ground.radius);
                     }
                 }
@@ -293,7 +277,13 @@ fn is_coarse(corners: &[[f32; 3]], triangle: [u32; 3], texel: f32) -> bool {
     longer(a, b) || longer(b, c) || longer(c, a)
 }
 
-impl Caster {
+/// A mesh seen from the ground.
+struct Caster<'a> {
+    mesh: &'a StageMesh,
+    coarse: &'a [u32],
+}
+
+impl Caster<'_> {
     fn drop_on(&self, map: &mut HeightMap, instance: &Instance, pose: &Pose, radius: f64) {
         let [x, y, z] = narrow_pose(pose);
         let radius = radius as f32;
@@ -309,22 +299,24 @@ impl Caster {
                 height / radius,
             ]
         };
-        let count = self.triangles.len() as u32;
+        let count = self.mesh.triangles.len() as u32;
         let (start, end) = (
             instance.triangles.start.min(count),
             instance.triangles.end.min(count),
         );
         if start == 0 && end == count {
-            self.corners.iter().for_each(|p| map.dot(place(*p)));
+            self.mesh.positions.iter().for_each(|p| map.dot(place(*p)));
         } else if start < end {
-            for triangle in &self.triangles[start as usize..end as usize] {
+            for triangle in &self.mesh.triangles[start as usize..end as usize] {
                 triangle
                     .iter()
-                    .for_each(|i| map.dot(place(self.corners[*i as usize])));
+                    .for_each(|i| map.dot(place(self.mesh.positions[*i as usize])));
             }
         }
         for k in self.coarse.iter().filter(|k| (start..end).contains(k)) {
-            map.triangle(self.triangles[*k as usize].map(|i| place(self.corners[i as usize])));
+            map.triangle(
+                self.mesh.triangles[*k as usize].map(|i| place(self.mesh.positions[i as usize])),
+            );
         }
     }
 }

@@ -4,8 +4,6 @@
 //! half the line's width, or if the depth of its own surface jumps beside it. Lines are mixed in where samples are: in
 //! linear light, a share of each pixel.
 
-use crate::geometry::Mesh;
-
 /// Width of a line in 480ths of the picture's height.
 const WIDTH: f64 = 1.15;
 
@@ -64,12 +62,11 @@ impl Edges {
     }
 }
 
-/// The smooth patch that each vertex of a mesh belongs to, and their number: two triangles are of one patch if a chain of
+/// The smooth patch that each of `count` vertices of a mesh belongs to, and their number: two triangles are of one patch if a chain of
 /// common vertices joins them. Where a mesh has a crease, its sides have vertices of their own.
-pub fn patches(mesh: &Mesh) -> (Vec<u32>, u32) {
-    let count = mesh.positions.len();
+pub fn patches(count: usize, triangles: &[[u32; 3]]) -> (Vec<u32>, u32) {
     let mut parent: Vec<u32> = (0..count as u32).collect();
-    for triangle in &mesh.triangles {
+    for triangle in triangles {
         let [a, b, c] = triangle.map(|i| i as usize);
         if a.max(b).max(c) < count {
             join(&mut parent, a, b);

@@ -16,21 +16,23 @@ pub mod matte;
 pub mod open;
 pub mod overlay;
 pub mod ramp;
+mod stage_mesh;
 pub mod text;
 
-use crate::geometry::Mesh;
 use crate::math::Pose;
 use edges::Edges;
 use glam::DVec3;
 use image::RgbaImage;
 use look::Rim;
+pub use stage_mesh::StageMesh;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// What stays the same over all frames.
 #[derive(Clone, Debug)]
 pub struct Stage {
     /// Meshes that instances refer to by index.
-    pub meshes: Vec<Mesh>,
+    pub meshes: Arc<[StageMesh]>,
     /// Picture size in pixels.
     pub size: [u32; 2],
     /// Samples per pixel: 1 or 4 (the CPU renderer also takes 2, 8 and 16).

@@ -111,7 +111,7 @@ mod tests {
 
     fn stage() -> Arc<Stage> {
         Arc::new(Stage {
-            meshes: Vec::new(),
+            meshes: Arc::default(),
             size: [9, 7],
             samples: 4,
             camera: Camera {

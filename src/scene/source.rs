@@ -3,8 +3,10 @@
 use super::builtin;
 use crate::diag::{Source, nearest_name};
 use std::ffi::OsStr;
-use std::io::Read;
+use std::fs::File;
+use std::io::{ErrorKind, Read};
 use std::path::Path;
+use std::time::Duration;
 
 /// Largest scene that is read: a hundred times the largest hand-written one.
 pub const MAX_SCENE_BYTES: u64 = 4 << 20;
@@ -41,7 +43,7 @@ pub fn find_source(name: &OsStr) -> Result<Source, SourceError> {
 /// The text of a file. Errors: likewise.
 pub fn open_source(path: &Path) -> Result<Source, SourceError> {
     let name = path.to_string_lossy();
-    match std::fs::File::open(path) {
+    match open_input(path) {
         Ok(file) => read_source(file, &name),
         Err(error) => Err(missing_source(&name, &error)),
     }
@@ -70,7 +72,7 @@ pub fn read_source(reader: impl Read, name: &str) -> Result<Source, SourceError>
 
 fn missing_source(name: &str, error: &std::io::Error) -> SourceError {
     let looks_like_path = name.contains(std::path::is_separator) || name.ends_with(".toml");
-    if looks_like_path {
+    if looks_like_path || error.kind() != ErrorKind::NotFound {
         return SourceError::unreadable(name, error);
     }
     let mut error = no_builtin(name);
@@ -98,4 +100,27 @@ pub fn no_builtin(name: &str) -> SourceError {
 pub fn folder_of(path: &Path) -> std::path::PathBuf {
     let parent = path.parent();
     parent.map(Path::to_path_buf).unwrap_or_default()
+}
+
+/// How long a pipe is waited for that nobody has opened to write into.
+const PATIENCE: Duration = Duration::from_secs(5);
+
+/// Opens a file that somebody has named. Of a pipe or a device that does not open the wait ends with an error.
+///
+/// # Errors
+/// What the system says; [`ErrorKind::TimedOut`].
+pub fn open_input(path: &Path) -> std::io::Result<File> {
+    let about = std::fs::metadata(path)?;
+    if about.is_file() || about.is_dir() {
+        return File::open(path);
+    }
+    let (sender, receiver) = std::sync::mpsc::channel();
+    let place = path.to_owned();
+    // The thread stays behind where nothing comes; it holds nothing else.
+    let wait = std::thread::Builder::new();
+    wait.spawn(move || drop(sender.send(File::open(place))))?;
+    receiver.recv_timeout(PATIENCE).unwrap_or_else(|_| {
+        let message = format!("nothing was written to it for {} s", PATIENCE.as_secs());
+        Err(std::io::Error::new(ErrorKind::TimedOut, message))
+    })
 }

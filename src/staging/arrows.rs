@@ -1,12 +1,11 @@
 //! Velocity arrows on traced points. Speeds are differences between neighbouring samples.
 
 use super::solids::{arrow_solids, merged_mesh, sign_instance};
-use crate::geometry::Mesh;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::math::Pose;
 use crate::model::mechanism::Trace;
 use crate::model::view::Decor;
-use crate::render::Instance;
+use crate::render::{Instance, StageMesh};
 use glam::DVec3;
 
 /// Length of the fastest arrow over the extent of the motion, where the scene gives no scale.
@@ -39,7 +38,7 @@ impl Arrows {
         trajectory: &Trajectory,
         decor: &Decor,
         [extent, pixel]: [f64; 2],
-        meshes: &mut Vec<Mesh>,
+        meshes: &mut Vec<StageMesh>,
     ) -> Option<Self> {
         if !decor.arrows {
             return None;
@@ -64,7 +63,7 @@ impl Arrows {
             let length = longest * level as f64 / LEVELS as f64;
             let head = (HEAD_PIXELS * pixel).min(0.6 * length);
             let solids = arrow_solids(DVec3::Z, length, SHAFT_PIXELS * pixel, head);
-            meshes.push(merged_mesh(&solids, 0.2 * pixel));
+            meshes.push(merged_mesh(&solids, 0.2 * pixel).into());
         }
         Some(Self {
             velocities,
@@ -75,7 +74,7 @@ impl Arrows {
     }
 
     /// The arrows at sample `index`, whose traced points are `points`.
-    pub fn instances(&self, index: usize, points: &[DVec3], meshes: &[Mesh]) -> Vec<Instance> {
+    pub fn instances(&self, index: usize, points: &[DVec3], meshes: &[StageMesh]) -> Vec<Instance> {
         let moving = self.velocities[index].iter().zip(points).zip(&self.colours);
         moving
             .filter(|((velocity, _), _)| velocity.length() > STILL * self.fastest)

@@ -1,11 +1,10 @@
 //! Axes of the world and of the bodies: red x, green y, blue z, in tones that colour-blind eyes tell apart.
 
 use super::solids::{arrow_solids, merged_mesh, sign_instance};
-use crate::geometry::Mesh;
 use crate::kinematics::results::trajectory::ClosedPose;
 use crate::math::Pose;
 use crate::model::view::ShownAxes;
-use crate::render::{Anchor, Instance, Label};
+use crate::render::{Anchor, Instance, Label, StageMesh};
 use glam::DVec3;
 
 /// Colours of x, y and z.
@@ -38,12 +37,12 @@ pub fn world_length(axes: ShownAxes, extent: f64) -> Option<f64> {
 
 impl AxisSigns {
     /// Adds the meshes.
-    pub fn new(axes: ShownAxes, extent: f64, meshes: &mut Vec<Mesh>) -> Self {
+    pub fn new(axes: ShownAxes, extent: f64, meshes: &mut Vec<StageMesh>) -> Self {
         let mut add = |length: f64| {
             let first = meshes.len();
             for axis in DVec3::AXES {
                 let solids = arrow_solids(axis, length, SHAFT * length, HEAD * length);
-                meshes.push(merged_mesh(&solids, 2e-3 * length));
+                meshes.push(merged_mesh(&solids, 2e-3 * length).into());
             }
             first
         };
@@ -63,7 +62,7 @@ impl AxisSigns {
     }
 
     /// The axes at a pose.
-    pub fn instances(&self, pose: &ClosedPose, meshes: &[Mesh]) -> Vec<Instance> {
+    pub fn instances(&self, pose: &ClosedPose, meshes: &[StageMesh]) -> Vec<Instance> {
         let world = self.world.map(|first| (first, Pose::IDENTITY));
         let bodies = pose.bodies.iter();
         let bodies = bodies.filter_map(|at| Some((self.bodies?, *at)));

@@ -1,11 +1,11 @@
 //! Meshes of bodies and traces at the fineness the picture needs, and their instances.
 
 use super::bounds;
-use crate::geometry::{Mesh, mesh_of};
+use crate::geometry::mesh_of;
 use crate::kinematics::results::trajectory::ClosedPose;
 use crate::math::Pose;
 use crate::model::mechanism::Mechanism;
-use crate::render::{Camera, Instance};
+use crate::render::{Camera, Instance, StageMesh};
 use glam::DVec3;
 
 /// Largest distance between a round surface and its facets, in pixels: below what four samples can show.
@@ -27,7 +27,7 @@ impl StagedPart {
     }
 
     /// Where and how it is drawn at a pose.
-    pub fn instance(&self, pose: &ClosedPose, meshes: &[Mesh]) -> Instance {
+    pub fn instance(&self, pose: &ClosedPose, meshes: &[StageMesh]) -> Instance {
         Instance {
             mesh: self.mesh,
             world_from_mesh: pose.bodies[self.body] * self.body_from_shape,
@@ -71,11 +71,15 @@ fn nearest_pixel(camera: &Camera, size: [u32; 2], points: &[DVec3]) -> f64 {
 }
 
 /// One part per shape of every body.
-pub fn of_bodies(mechanism: &Mechanism, pixel: f64, meshes: &mut Vec<Mesh>) -> Vec<StagedPart> {
+pub fn of_bodies(
+    mechanism: &Mechanism,
+    pixel: f64,
+    meshes: &mut Vec<StageMesh>,
+) -> Vec<StagedPart> {
     let mut parts = Vec::new();
     for (body, b) in mechanism.bodies.iter().enumerate() {
         for shape in &b.shapes {
-            meshes.push(mesh_of(&shape.solid, FACET_ERROR_PIXELS * pixel));
+            meshes.push(mesh_of(&shape.solid, FACET_ERROR_PIXELS * pixel).into());
             parts.push(StagedPart {
                 mesh: meshes.len() - 1,
                 body,

@@ -6,9 +6,8 @@ use super::body_meshes::StagedPart;
 use super::joint_symbols::JointSymbols;
 use super::trails::{self, TracePart, TrailLook};
 use super::{bounds, ghosts, joints};
-use crate::geometry::Mesh;
 use crate::kinematics::results::trajectory::{ClosedPose, Trajectory};
-use crate::render::{Instance, Label};
+use crate::render::{Instance, Label, StageMesh};
 use crate::scene::Scene;
 use glam::DVec3;
 
@@ -30,7 +29,7 @@ impl DecorParts {
     pub fn before_camera(
         (scene, trajectory): MovingDecor,
         (bounds, up): (&mut Vec<DVec3>, DVec3),
-        meshes: &mut Vec<Mesh>,
+        meshes: &mut Vec<StageMesh>,
     ) -> Self {
         let (mechanism, decor) = (&scene.mechanism, &scene.view.decor);
         let extent = bounds::box_of(bounds).map_or(1.0, |[low, high]| (high - low).length());
@@ -40,7 +39,7 @@ impl DecorParts {
         } else {
             JointSymbols::default()
         };
-        bounds.extend(joints.still_points(meshes));
+        bounds.extend(joints.still_points());
         if let Some(length) = axes::world_length(decor.axes, extent) {
             bounds.extend(DVec3::AXES.map(|axis| axis * length));
             bounds.push(DVec3::ZERO);
@@ -60,7 +59,7 @@ impl DecorParts {
         &mut self,
         (scene, trajectory): MovingDecor,
         (pixel, height): (f64, f64),
-        meshes: &mut Vec<Mesh>,
+        meshes: &mut Vec<StageMesh>,
     ) {
         let (mechanism, view) = (&scene.mechanism, &scene.view);
         let look = TrailLook {
@@ -92,7 +91,7 @@ impl DecorParts {
         parts: &[StagedPart],
         (index, shown): (usize, usize),
         pose: &ClosedPose,
-        meshes: &[Mesh],
+        meshes: &[StageMesh],
     ) -> Vec<Instance> {
         let mut all: Vec<Instance> = self
             .traces

@@ -1,11 +1,10 @@
 //! Earlier poses that stay in the picture as translucent bodies.
 
 use super::body_meshes::StagedPart;
-use crate::geometry::Mesh;
 use crate::kinematics::results::trajectory::{ClosedPose, Trajectory};
 use crate::math::Pose;
 use crate::model::view::Ghosts;
-use crate::render::Instance;
+use crate::render::{Instance, StageMesh};
 
 /// What is left of a body's opacity.
 const OPACITY: f64 = 0.16;
@@ -43,7 +42,7 @@ pub fn ghost_instances(
     samples: &[usize],
     trajectory: &Trajectory,
     (index, now): (usize, &ClosedPose),
-    meshes: &[Mesh],
+    meshes: &[StageMesh],
 ) -> Vec<Instance> {
     let earlier = samples.iter().take_while(|sample| **sample < index);
     let poses = earlier.filter_map(|sample| trajectory.samples[*sample].pose.as_ref());

@@ -5,14 +5,13 @@ use super::joint_places::Outlines;
 use super::joints::{self, PlacedJoint};
 use super::link_symbols;
 use super::solids::{merged_mesh, sign_instance};
-use crate::geometry::Mesh;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::math::Pose;
 use crate::model::chain::{ArgumentValue, Chain, ChainStep};
 use crate::model::joints::JointKind;
 use crate::model::mechanism::Mechanism;
 use crate::model::shape::Solid;
-use crate::render::Instance;
+use crate::render::{Instance, StageMesh};
 use glam::DVec3;
 
 /// Radius of a pin over the extent of the motion; all signs are made of it.
@@ -50,6 +49,8 @@ struct SignPiece {
 #[derive(Default)]
 pub struct JointSymbols {
     pieces: Vec<SignPiece>,
+    /// Points of the ground's signs.
+    still: Vec<DVec3>,
 }
 
 impl JointSymbols {
@@ -58,7 +59,7 @@ impl JointSymbols {
         mechanism: &Mechanism,
         trajectory: &Trajectory,
         (extent, up): (f64, DVec3),
-        meshes: &mut Vec<Mesh>,
+        meshes: &mut Vec<StageMesh>,
     ) -> Self {
         let values = argument_rows(mechanism, trajectory);
         let Some(first) = values.first() else {
@@ -68,7 +69,7 @@ impl JointSymbols {
         let mut signs = Self::default();
         if mechanism.bodies.is_empty() {
             for link in link_symbols::drawn_links(mechanism, ROD * radius) {
-                meshes.push(merged_mesh(&link.solids, FACETS * radius));
+                meshes.push(merged_mesh(&link.solids, FACETS * radius).into());
                 signs.pieces.push(SignPiece {
                     mesh: meshes.len() - 1,
                     carrier: Some(mechanism.joints.links[link.link].world_from_link.clone()),
@@ -87,7 +88,11 @@ impl JointSymbols {
             let (seat, mover) = joint_solids(&joint, radius, stroke);
             let mut add = |solids: Vec<Solid>, carrier: Option<&Chain>, colour| {
                 if !solids.is_empty() {
-                    meshes.push(merged_mesh(&solids, FACETS * radius));
+                    let mesh = merged_mesh(&solids, FACETS * radius);
+                    if carrier.is_none() {
+                        signs.still.extend(&mesh.positions);
+                    }
+                    meshes.push(mesh.into());
                     signs.pieces.push(SignPiece {
                         mesh: meshes.len() - 1,
                         carrier: carrier.cloned(),
@@ -116,11 +121,8 @@ impl JointSymbols {
     }
 
     /// Points that the camera must hold: the ground's signs.
-    pub fn still_points(&self, meshes: &[Mesh]) -> Vec<DVec3> {
-        let still = self.pieces.iter().filter(|piece| piece.carrier.is_none());
-        still
-            .flat_map(|piece| meshes[piece.mesh].positions.iter().copied())
-            .collect()
+    pub fn still_points(&self) -> &[DVec3] {
+        &self.still
     }
 
     /// Whether there are none.
@@ -129,7 +131,7 @@ impl JointSymbols {
     }
 
     /// The signs at the values of the arguments.
-    pub fn instances(&self, arguments: &[ArgumentValue], meshes: &[Mesh]) -> Vec<Instance> {
+    pub fn instances(&self, arguments: &[ArgumentValue], meshes: &[StageMesh]) -> Vec<Instance> {
         let pieces = self.pieces.iter();
         pieces
             .map(|piece| {

@@ -1,10 +1,9 @@
 //! Bodies and distances that a picture points out. Holds no judgement of its own.
 
 use super::solids::{merged_mesh, sign_instance};
-use crate::geometry::Mesh;
 use crate::math::Pose;
 use crate::model::shape::Solid;
-use crate::render::{Anchor, Instance, Label};
+use crate::render::{Anchor, Instance, Label, StageMesh};
 use glam::DVec3;
 
 /// Colour of bodies that are too near to another one.
@@ -94,7 +93,7 @@ impl Marks {
     }
 
     /// Adds the mesh of the line; returns its index.
-    pub fn mesh(&self, pixel: f64, meshes: &mut Vec<Mesh>) -> Option<usize> {
+    pub fn mesh(&self, pixel: f64, meshes: &mut Vec<StageMesh>) -> Option<usize> {
         let [from, to] = self.measure.as_ref()?.points;
         let radius = LINE_PIXELS * pixel;
         let mut solids: Vec<Solid> = [from, to]
@@ -106,12 +105,12 @@ impl Marks {
         if from.distance(to) > radius {
             solids.insert(0, Solid::Cylinder { from, to, radius });
         }
-        meshes.push(merged_mesh(&solids, 0.2 * pixel));
+        meshes.push(merged_mesh(&solids, 0.2 * pixel).into());
         Some(meshes.len() - 1)
     }
 
     /// The line as it is drawn.
-    pub fn line(mesh: usize, meshes: &[Mesh]) -> Instance {
+    pub fn line(mesh: usize, meshes: &[StageMesh]) -> Instance {
         sign_instance(mesh, meshes, Pose::IDENTITY, LINE, 1.0)
     }
 

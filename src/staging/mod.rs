@@ -118,7 +118,7 @@ impl<'a> Staging<'a> {
         decor.after_camera(moving, (pixel, height), &mut meshes);
         let measure = marks.mesh(pixel, &mut meshes);
         let stage = Stage {
-            meshes,
+            meshes: meshes.into(),
             size: options.size,
             samples: options.samples,
             camera: cameras.first,

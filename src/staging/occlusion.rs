@@ -1,9 +1,8 @@
 //! Whether a body stands between the eye and a point.
 
 use super::body_meshes::StagedPart;
-use crate::geometry::Mesh;
 use crate::kinematics::results::trajectory::ClosedPose;
-use crate::render::{Camera, Instance};
+use crate::render::{Camera, Instance, StageMesh};
 use glam::DVec3;
 
 /// A body counts as being in front only where it is nearer to the eye by this share of the distance.
@@ -16,7 +15,7 @@ pub fn is_hidden(
     camera: &Camera,
     parts: &[StagedPart],
     pose: &ClosedPose,
-    meshes: &[Mesh],
+    meshes: &[StageMesh],
 ) -> bool {
     let to_eye = if camera.is_perspective() {
         camera.world_from_camera.translation - point
@@ -30,7 +29,7 @@ pub fn is_hidden(
 }
 
 /// Whether the way from `point` along `way` meets a triangle of the mesh.
-fn crosses_instance(instance: &Instance, mesh: &Mesh, point: DVec3, way: DVec3) -> bool {
+fn crosses_instance(instance: &Instance, mesh: &StageMesh, point: DVec3, way: DVec3) -> bool {
     let mesh_from_world = instance.world_from_mesh.inverse();
     let from = mesh_from_world.transform_point(point);
     let way = mesh_from_world.transform_vector(way);
@@ -38,15 +37,14 @@ fn crosses_instance(instance: &Instance, mesh: &Mesh, point: DVec3, way: DVec3) 
         return false;
     }
     mesh.triangles.iter().any(|corners| {
-        let [a, b, c] = corners.map(|k| mesh.positions[k as usize]);
+        let corner = |k: u32| DVec3::from(mesh.positions[k as usize].map(f64::from));
+        let [a, b, c] = corners.map(corner);
         meets_triangle(from, way, [a, b - a, c - a])
     })
 }
 
-fn passes_box(mesh: &Mesh, from: DVec3, way: DVec3) -> bool {
-    let Some([low, high]) = mesh.bounds() else {
-        return false;
-    };
+fn passes_box(mesh: &StageMesh, from: DVec3, way: DVec3) -> bool {
+    let [low, high] = mesh.bounds;
     let (mut enter, mut leave) = (0.0f64, 1.0f64);
     for k in 0..3 {
         let times = [(low[k] - from[k]) / way[k], (high[k] - from[k]) / way[k]];

@@ -3,7 +3,7 @@
 use crate::geometry::{Mesh, mesh_of};
 use crate::math::Pose;
 use crate::model::shape::Solid;
-use crate::render::Instance;
+use crate::render::{Instance, StageMesh};
 use glam::DVec3;
 
 /// The mesh of all `solids`; facets are off by `tolerance` at most.
@@ -43,7 +43,7 @@ pub fn arrow_solids(direction: DVec3, length: f64, shaft: f64, head: f64) -> Vec
 /// A whole mesh, opaque, without shadow; `flat` as in [`Instance`].
 pub fn sign_instance(
     mesh: usize,
-    meshes: &[Mesh],
+    meshes: &[StageMesh],
     at: Pose,
     colour: [u8; 3],
     flat: f64,

@@ -1,12 +1,11 @@
 //! Traced paths: growing with the motion, or its last stretch fading into the background.
 
-use crate::geometry::Mesh;
 use crate::geometry::trace::trace_mesh;
 use crate::kinematics::motion::sampling::is_cyclic;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::math::Pose;
 use crate::model::view::Trails;
-use crate::render::Instance;
+use crate::render::{Instance, StageMesh};
 use crate::scene::Scene;
 use glam::DVec3;
 use std::ops::Range;
@@ -135,7 +134,7 @@ pub fn of_traces(
     scene: &Scene,
     trajectory: &Trajectory,
     look: TrailLook,
-    meshes: &mut Vec<Mesh>,
+    meshes: &mut Vec<StageMesh>,
 ) -> Vec<TracePart> {
     let mechanism = &scene.mechanism;
     let count = trajectory.samples.len();
@@ -169,12 +168,12 @@ pub fn of_traces(
             let thin = (AHEAD_RADIUS * radius).max(LEAST_RADIUS_PIXELS * look.pixel);
             let path = trace_mesh(&kept, thin, TRACE_SIDES).mesh;
             let triangles = path.triangles.len() as u32;
-            meshes.push(path);
+            meshes.push(path.into());
             let shade = mixed_colour(look.background, trace.colour, AHEAD_SHADE);
             (meshes.len() - 1, triangles, shade)
         });
         let path = trace_mesh(&kept, radius, TRACE_SIDES);
-        meshes.push(path.mesh);
+        meshes.push(path.mesh.into());
         parts.push(TracePart {
             mesh: meshes.len() - 1,
             ahead,

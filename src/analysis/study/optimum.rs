@@ -195,11 +195,13 @@ fn search_optimum(
     };
     // Augmented Lagrangian where there are limits.
     let start = family.start();
-    let minimum = if limits.is_empty() {
+    let mut minimum = if limits.is_empty() {
         run(&mut search, &start)
     } else {
         constraints::minimise_constrained(&mut search, &start, &limits, LET_PASS, &mut run)
     };
+    // A line search that is told to end goes through its trials without a look at any.
+    minimum.evaluations = minimum.evaluations.min(search.looks());
     Ok(Optimum {
         minimum,
         first_value,

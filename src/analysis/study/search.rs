@@ -46,6 +46,8 @@ pub struct StudySearch<'f, 'w> {
     pub refusals: Refusals,
     /// The point of the last iteration, then those looked at since.
     looked_at: Vec<LookedAt>,
+    /// Points that were looked at in earnest.
+    looks: usize,
     watch: Box<Watch<'w>>,
 }
 
@@ -94,6 +96,7 @@ impl<'f, 'w> StudySearch<'f, 'w> {
             objective,
             refusals: Refusals::default(),
             looked_at: Vec::new(),
+            looks: 0,
             watch,
         })
     }
@@ -109,6 +112,11 @@ impl<'f, 'w> StudySearch<'f, 'w> {
     /// The objective at the best values so far (at the start: at the file's own).
     pub fn value(&self) -> f64 {
         self.base_value
+    }
+
+    /// Number of points that were looked at, those not counted that were refused because the search is to end.
+    pub fn looks(&self) -> usize {
+        self.looks
     }
 
     /// The box of the variables.
@@ -150,6 +158,7 @@ impl<'f, 'w> StudySearch<'f, 'w> {
 
     /// All measures at `x`, and their gradients if `with_gradients`.
     fn look(&mut self, x: &[f64], with_gradients: bool) -> Option<(Vec<f64>, Vec<Vec<f64>>)> {
+        self.looks += usize::from(!self.evaluator.is_cancelled());
         match self.look_or_refuse(x, with_gradients) {
             Ok(found) => Some(found),
             Err(rejection) => {

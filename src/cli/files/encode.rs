@@ -29,10 +29,11 @@ pub fn run_encode(args: &EncodeArgs, term: &Term) -> Result<Outcome, Failure> {
             "for all frames write a .gif, .apng, a folder, or a pattern such as frame-%04d.png";
         return Err(Failure::usage(message, vec![hint.to_owned()]));
     }
-    let first = read_png(&paths[0])?;
+    // Only its size is kept: pictures may be as large as the memory allows.
+    let size = read_png(&paths[0])?.dimensions().into();
     let frames = Frames {
         paths: &paths,
-        size: first.dimensions().into(),
+        size,
         opaque: holds_no_alpha(&format).then(|| format.name()),
         background: args.background,
     };
@@ -94,6 +95,8 @@ struct Frames<'a> {
 impl Frames<'_> {
     fn read(&self, index: usize, image: &mut RgbaImage) -> Result<(), ImportError> {
         let path = &self.paths[index];
+        // The picture before goes first.
+        *image = RgbaImage::new(0, 0);
         let mut frame = read_png(path)?;
         let got = <[u32; 2]>::from(frame.dimensions());
         if got != self.size {
@@ -111,7 +114,7 @@ impl Frames<'_> {
             let path = path.clone();
             return Err(ImportError::Transparent { path, format });
         }
-        image.copy_from_slice(frame.as_raw());
+        *image = frame;
         Ok(())
     }
 

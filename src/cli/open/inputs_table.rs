@@ -7,6 +7,7 @@ use crate::limits::{Resource, current_limits};
 use crate::model::actuation::Actuation;
 use crate::model::drive::{Drive, Ease};
 use crate::model::mechanism::Mechanism;
+use crate::scene::source::open_input;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 
@@ -27,7 +28,7 @@ pub fn apply_inputs(
     let failed = |e: std::io::Error| Failure::usage(format!("cannot read {name}: {e}"), Vec::new());
     let file: Box<dyn BufRead> = match path == Path::new("-") {
         true => Box::new(std::io::stdin().lock()),
-        false => Box::new(BufReader::new(std::fs::File::open(path).map_err(failed)?)),
+        false => Box::new(BufReader::new(open_input(path).map_err(failed)?)),
     };
     let mut table = InputsTable {
         path,

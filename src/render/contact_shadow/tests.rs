@@ -19,7 +19,9 @@ fn caster() -> (ShadowCaster, Pose) {
         size: DVec3::new(2.0, 2.0, 0.1),
     };
     let stage = Stage {
-        meshes: vec![mesh_of(&ball, 1e-3), mesh_of(&plate, 1e-3)],
+        meshes: [&ball, &plate]
+            .map(|solid| mesh_of(solid, 1e-3).into())
+            .into(),
         size: [64, 64],
         samples: 1,
         camera: Camera {

@@ -3,13 +3,12 @@
 use super::clip::{ClipCorner, clip_triangle};
 use super::lens::{Lens, LensVertex, OUTSIDE};
 use super::samples::SamplePattern;
-use super::solid::SolidPixels;
 use super::window::{Window, apron, pitch};
 use crate::math::narrow_pose;
 use crate::render::colour::ToneCurve;
 use crate::render::edges::{self, BACKDROP};
 use crate::render::look::Rgb;
-use crate::render::{Frame, Instance, Stage};
+use crate::render::{Frame, Instance, Stage, StageMesh};
 
 /// Set in [`Facet::instance`] when the back of the triangle is seen.
 const BACK: u32 = 1 << 31;
@@ -140,7 +139,7 @@ impl TriangleAssembly {
     pub(super) fn assemble<const G: usize>(
         &mut self,
         frame: &Frame,
-        solids: &[SolidPixels],
+        solids: &[StageMesh],
         lens: &Lens,
         pattern: &SamplePattern<G>,
     ) {
@@ -182,7 +181,7 @@ impl TriangleAssembly {
     }
 
     /// Puts an instance's vertices on the screen.
-    fn place(&mut self, instance: &Instance, solid: Option<&SolidPixels>, lens: &Lens) {
+    fn place(&mut self, instance: &Instance, solid: Option<&StageMesh>, lens: &Lens) {
         let curve = ToneCurve::shared();
         self.first_vertex.push(self.vertices.len() as u32);
         self.paints.push(Paint {
@@ -214,7 +213,7 @@ impl TriangleAssembly {
         &mut self,
         index: usize,
         instance: &Instance,
-        solid: &SolidPixels,
+        solid: &StageMesh,
         lens: &Lens,
         pattern: &SamplePattern<G>,
         faces: FacesDrawn,
@@ -238,7 +237,7 @@ impl TriangleAssembly {
 
     /// The surface of the patch of an instance that a vertex belongs to.
     #[inline(always)]
-    fn surface_of(&self, index: usize, solid: &SolidPixels, vertex: u32) -> u32 {
+    fn surface_of(&self, index: usize, solid: &StageMesh, vertex: u32) -> u32 {
         let [first, step] = self.first_surface[index];
         first + step * solid.patches[vertex as usize]
     }
@@ -304,7 +303,7 @@ impl TriangleAssembly {
         &mut self,
         index: usize,
         instance: &Instance,
-        solid: &SolidPixels,
+        solid: &StageMesh,
         lens: &Lens,
         pattern: &SamplePattern<G>,
         faces: FacesDrawn,

@@ -16,7 +16,6 @@ mod raster;
 mod rasterise;
 mod samples;
 mod shading;
-mod solid;
 mod tile;
 mod translucent;
 mod view;
@@ -24,12 +23,11 @@ mod window;
 
 use super::contact_shadow::{ContactShadow, ShadowCaster};
 use super::look::Surroundings;
-use super::{Camera, Frame, RenderError, Renderer, Stage, colour};
+use super::{Camera, Frame, RenderError, Renderer, Stage, StageMesh, colour};
 use assembly::TriangleAssembly;
 use backdrop::Backdrop;
 use image::RgbaImage;
 use lens::Lens;
-use solid::SolidPixels;
 use std::sync::Arc;
 use tile::Tile;
 use view::RasterView;
@@ -47,8 +45,6 @@ pub(super) fn sample_places(samples: u32) -> Vec<[f32; 2]> {
 #[derive(Clone, Debug)]
 pub struct CpuRenderer {
     stage: Arc<Stage>,
-    /// Shared by the renderers of all workers.
-    solids: Arc<[SolidPixels]>,
     /// The camera that the next three are made for.
     camera: Camera,
     lens: Lens,
@@ -89,7 +85,6 @@ impl CpuRenderer {
             _ => AnyTile::One(Tile::new(&stage)),
         };
         Ok(Self {
-            solids: stage.meshes.iter().map(SolidPixels::new).collect(),
             camera: stage.camera,
             around: lens_surroundings(&lens, &stage),
             lens,
@@ -116,7 +111,7 @@ impl CpuRenderer {
             return false;
         };
         frame.instances.iter().any(|instance| {
-            let Some(solid) = self.solids.get(instance.mesh) else {
+            let Some(solid) = self.stage.meshes.get(instance.mesh) else {
                 return false;
             };
             let [low, high] = solid.bounds;
@@ -162,7 +157,7 @@ impl Renderer for CpuRenderer {
         let shadow = caster.map(|caster| caster.cast(frame, &self.camera));
         let scene = DrawnScene {
             frame,
-            solids: &self.solids,
+            solids: &self.stage.meshes,
             lens: &self.lens,
             backdrop: &self.backdrop,
             shadow,
@@ -186,7 +181,7 @@ impl Renderer for CpuRenderer {
 /// One frame with all it is drawn from.
 struct DrawnScene<'a> {
     frame: &'a Frame,
-    solids: &'a [SolidPixels],
+    solids: &'a [StageMesh],
     lens: &'a Lens,
     backdrop: &'a Backdrop,
     shadow: Option<&'a ContactShadow>,

@@ -3,6 +3,7 @@
 use super::*;
 use crate::geometry::mesh_of;
 use crate::model::shape::Solid;
+use crate::render::StageMesh;
 use glam::DVec3;
 
 #[test]
@@ -33,7 +34,7 @@ fn a_box_has_six_patches_a_cylinder_three_a_ball_one() {
             tube: 0.5,
         },
     ];
-    let counts = solid.map(|solid| patches(&mesh_of(&solid, 0.01)).1);
+    let counts = solid.map(|solid| StageMesh::from(mesh_of(&solid, 0.01)).patch_count);
     assert_eq!(counts, [6, 3, 1, 1, 1]);
 }
 

@@ -3,9 +3,7 @@
 use super::device::Device;
 use super::frame::MeshSpan;
 use super::layout::{GpuVertex, InstanceData};
-use crate::geometry::Mesh;
-use crate::math::narrow_vector;
-use crate::render::{RenderError, edges};
+use crate::render::{RenderError, StageMesh};
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
 /// All meshes of a stage in one vertex and one index buffer; clones are the same ones.
@@ -21,29 +19,26 @@ pub struct Meshes {
 
 impl Meshes {
     /// Uploads a stage's meshes; indices are absolute.
-    pub fn new(device: &Device, meshes: &[Mesh]) -> Result<Self, RenderError> {
+    pub fn new(device: &Device, meshes: &[StageMesh]) -> Result<Self, RenderError> {
         check_total(meshes, device.device.limits().max_buffer_size)?;
         let mut vertices = Vec::new();
         let mut indices = Vec::new();
         let mut spans = Vec::new();
         for mesh in meshes {
             let base = vertices.len() as u32;
-            let (patches, patch_count) = edges::patches(mesh);
-            let pairs = mesh.positions.iter().zip(&mesh.normals).zip(patches);
-            vertices.extend(pairs.map(|((position, normal), patch)| GpuVertex {
-                position: narrow_vector(*position),
-                normal: narrow_vector(*normal),
-                patch,
+            let points = mesh.positions.iter().zip(&mesh.normals).zip(&mesh.patches);
+            vertices.extend(points.map(|((position, normal), patch)| GpuVertex {
+                position: *position,
+                normal: *normal,
+                patch: *patch,
             }));
-            let count = vertices.len() as u32 - base;
             spans.push(MeshSpan {
                 first_index: indices.len() as u32,
                 triangles: mesh.triangles.len() as u32,
-                closed: mesh.hides_its_inside(),
-                patches: patch_count,
+                closed: mesh.closed,
+                patches: mesh.patch_count,
             });
-            let sound = mesh.triangles.iter().map(|t| sound_corners(*t, count));
-            indices.extend(sound.flatten().map(|corner| base + corner));
+            indices.extend(mesh.triangles.iter().flatten().map(|corner| base + corner));
         }
         Ok(Self {
             vertices: upload_buffer(device, "vertices", &vertices, wgpu::BufferUsages::VERTEX),
@@ -69,7 +64,7 @@ fn upload_buffer<T: bytemuck::Pod>(
     })
 }
 
-fn check_total(meshes: &[Mesh], largest: u64) -> Result<(), RenderError> {
+fn check_total(meshes: &[StageMesh], largest: u64) -> Result<(), RenderError> {
     let vertices: usize = meshes.iter().map(|m| m.positions.len()).sum();
     let corners: usize = meshes.iter().map(|m| 3 * m.triangles.len()).sum();
     let bytes = (vertices * size_of::<GpuVertex>()).max(corners * size_of::<u32>()) as u64;
@@ -81,15 +76,6 @@ fn check_total(meshes: &[Mesh], largest: u64) -> Result<(), RenderError> {
         )));
     }
     Ok(())
-}
-
-/// A triangle's corners, or a triangle without area where one is not a vertex, so that ranges stay what they are.
-fn sound_corners(triangle: [u32; 3], vertices: u32) -> [u32; 3] {
-    if triangle.iter().all(|corner| *corner < vertices) {
-        triangle
-    } else {
-        [0; 3]
-    }
 }
 
 /// The instance buffer, which grows with the frames.
@@ -123,15 +109,4 @@ fn allocate_instances(device: &Device, instances: usize) -> wgpu::Buffer {
         usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
         mapped_at_creation: false,
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_corner_without_vertex_takes_its_triangle_away() {
-        assert_eq!(sound_corners([0, 1, 11], 12), [0, 1, 11]);
-        assert_eq!(sound_corners([0, 1, 12], 12), [0; 3]);
-    }
 }

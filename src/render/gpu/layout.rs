@@ -223,7 +223,7 @@ mod tests {
         };
         let corners = [DVec3::splat(-1.0), DVec3::splat(1.0)];
         Stage {
-            meshes: Vec::new(),
+            meshes: Default::default(),
             size: [320, 200],
             samples: 4,
             camera: fit_camera(corners.into_iter(), &view, projection, 1.6, 0.1),

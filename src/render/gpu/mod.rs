@@ -352,7 +352,7 @@ mod tests {
         let corners = [DVec3::ZERO, DVec3::ONE];
         let projection = Projection::Perspective { fov_y: 0.5 };
         let stage = Arc::new(Stage {
-            meshes: Vec::new(),
+            meshes: Arc::default(),
             size: [64, 48],
             samples: 4,
             camera: fit_camera(corners.into_iter(), &view, projection, 64.0 / 48.0, 0.1),

@@ -183,6 +183,17 @@ impl Factor {
     }
 }
 
+impl Item {
+    /// Adds the names of the chains that the item refers to.
+    pub fn add_references<'a>(&'a self, names: &mut Vec<&'a str>) {
+        match self {
+            Self::Reference(name, _) => names.push(name),
+            Self::Inverse(inner) => inner.iter().for_each(|item| item.add_references(names)),
+            Self::Identity | Self::Broken | Self::Transform { .. } => {}
+        }
+    }
+}
+
 /// Longest chain after expansion; references that multiply each other would otherwise fill the memory.
 pub const MAX_FACTORS: usize = 20_000;
 

@@ -15,6 +15,8 @@ use crate::model::fixed::FixedPose;
 use crate::model::mechanism::{AngleUnit, Closes, Equation, Kind, Loop};
 use crate::numbers::constant::Constant;
 use glam::DVec3;
+use std::collections::HashMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
 
 /// Largest fixed length or angle of a chain. The solver squares lengths and multiplies the squares; a fourth power
 /// must stay finite, with room for sums.
@@ -26,6 +28,8 @@ pub struct FoldedJoints<'a> {
     unit: &'a AngleUnit,
     /// Every different argument once.
     pub arguments: Vec<Argument>,
+    /// Those with equal marks, by number.
+    alike: HashMap<u64, Vec<usize>>,
 }
 
 impl<'a> FoldedJoints<'a> {
@@ -35,6 +39,7 @@ impl<'a> FoldedJoints<'a> {
             names,
             unit,
             arguments: Vec::new(),
+            alike: HashMap::new(),
         }
     }
 
@@ -266,14 +271,32 @@ impl<'a> FoldedJoints<'a> {
     }
 
     fn share(&mut self, argument: Argument) -> usize {
-        match self.arguments.iter().position(|known| *known == argument) {
-            Some(index) => index,
-            None => {
-                self.arguments.push(argument);
-                self.arguments.len() - 1
+        let alike = self.alike.entry(argument_mark(&argument)).or_default();
+        let known = alike.iter().find(|k| self.arguments[**k] == argument);
+        if let Some(index) = known {
+            return *index;
+        }
+        alike.push(self.arguments.len());
+        self.arguments.push(argument);
+        self.arguments.len() - 1
+    }
+}
+
+/// The same for equal arguments, and for few others.
+fn argument_mark(argument: &Argument) -> u64 {
+    let mut mark = DefaultHasher::new();
+    // Adding zero makes -0 into 0.
+    let bits = |number: f64| (number + 0.0).to_bits();
+    match argument {
+        Argument::Affine(affine) => {
+            bits(affine.constant.number()).hash(&mut mark);
+            for (slot, coefficient) in affine.numbers() {
+                (slot, bits(coefficient)).hash(&mut mark);
             }
         }
+        Argument::Formula(formula) => formula.slots().hash(&mut mark),
     }
+    mark.finish()
 }
 
 /// Indices of the factors that are left when neighbours that undo each other are taken out, as often as there are any.

@@ -19,19 +19,28 @@ pub fn estimate_magnitudes(mechanism: &mut Mechanism, actuation: &Actuation) {
     if !mechanism.loops.is_empty() || !mechanism.contacts.is_empty() || !is_number {
         return;
     }
-    let poses: Vec<Vec<f64>> = INSTANTS
+    let mut poses: Vec<Vec<f64>> = INSTANTS
         .iter()
         .map(|share| actuation.start_at(share * actuation.duration))
         .collect();
-    for slot in 0..mechanism.unknowns.len() {
-        if mechanism.kind_of(slot) == Kind::Number {
-            mechanism.scales[slot] = unknown_magnitude(mechanism, &poses, slot);
-        }
+    let mut using = vec![Vec::new(); mechanism.coordinate_count()];
+    for equation in &mechanism.equations {
+        let slots = equation.expression.slots();
+        slots
+            .into_iter()
+            .for_each(|slot| using[slot].push(equation));
+    }
+    let numbers = (0..mechanism.unknowns.len()).filter(|k| mechanism.kind_of(*k) == Kind::Number);
+    let found: Vec<(usize, f64)> = numbers
+        .map(|slot| (slot, unknown_magnitude(&using[slot], &mut poses, slot)))
+        .collect();
+    for (slot, magnitude) in found {
+        mechanism.scales[slot] = magnitude;
     }
     let scales = &mechanism.scales[..mechanism.unknowns.len()];
     let unit = mechanism.size;
     for equation in &mut mechanism.equations {
-        let found = equation_size(equation, &poses, scales);
+        let found = equation_size(equation, &mut poses, scales);
         let known = unit.powf(equation.length_exponent);
         equation.magnitude = sound_magnitude(found / known).unwrap_or(1.0);
     }
@@ -41,20 +50,22 @@ fn sound_magnitude(value: f64) -> Option<f64> {
     (value.is_normal() && value > 0.0).then_some(value)
 }
 
-/// What a number amounts to: its start value, or the least change that its equations feel.
-fn unknown_magnitude(mechanism: &Mechanism, poses: &[Vec<f64>], slot: usize) -> f64 {
-    let using = mechanism
-        .equations
-        .iter()
-        .filter(|e| e.expression.slots().contains(&slot));
-    let changes = using.filter_map(|equation| {
-        let reach = poses.iter().map(|pose| equation_terms(equation, pose));
-        let reach = sound_magnitude(reach.fold(0.0, f64::max))?;
-        let felt =
-            |power: &i32| moved_equation(equation, &poses[0], slot, 2f64.powi(*power)) >= reach;
-        POWERS.step_by(2).find(felt).map(|power| 2f64.powi(power))
-    });
-    let least = changes.fold(f64::INFINITY, f64::min);
+/// What a number amounts to: its start value, or the least change that the equations `using` it feel.
+fn unknown_magnitude(using: &[&Equation], poses: &mut [Vec<f64>], slot: usize) -> f64 {
+    let mut least = f64::INFINITY;
+    for equation in using {
+        let reach = poses.iter_mut().map(|pose| equation_terms(equation, pose));
+        let Some(reach) = sound_magnitude(reach.fold(0.0, f64::max)) else {
+            continue;
+        };
+        let powers = POWERS.step_by(2).map(|power| 2f64.powi(power));
+        for by in powers {
+            if moved_equation(equation, &mut poses[0], slot, by) >= reach {
+                least = least.min(by);
+                break;
+            }
+        }
+    }
     // Every pose begins with the start values.
     let given = poses[0][slot].abs();
     let least = if least.is_finite() { least } else { 0.0 };
@@ -62,7 +73,7 @@ fn unknown_magnitude(mechanism: &Mechanism, poses: &[Vec<f64>], slot: usize) -> 
 }
 
 /// How far the terms of an equation reach: its value, or what would be missing without one of its coordinates.
-pub fn equation_terms(equation: &Equation, pose: &[f64]) -> f64 {
+pub fn equation_terms(equation: &Equation, pose: &mut [f64]) -> f64 {
     let mut reach = finite_or_zero(equation.expression.value(pose));
     for slot in equation.expression.slots() {
         reach = reach.max(moved_equation(equation, pose, slot, -pose[slot]));
@@ -70,21 +81,24 @@ pub fn equation_terms(equation: &Equation, pose: &[f64]) -> f64 {
     reach
 }
 
-/// Change of an equation's value when one coordinate changes.
-pub fn moved_equation(equation: &Equation, pose: &[f64], slot: usize, by: f64) -> f64 {
-    let mut changed = pose.to_vec();
-    changed[slot] += by;
-    finite_or_zero(equation.expression.value(&changed) - equation.expression.value(pose))
+/// Change of an equation's value when one coordinate changes; the pose is as before afterwards.
+pub fn moved_equation(equation: &Equation, pose: &mut [f64], slot: usize, by: f64) -> f64 {
+    let (before, here) = (pose[slot], equation.expression.value(pose));
+    pose[slot] += by;
+    let there = equation.expression.value(pose);
+    pose[slot] = before;
+    finite_or_zero(there - here)
 }
 
 pub fn finite_or_zero(value: f64) -> f64 {
     if value.is_finite() { value.abs() } else { 0.0 }
 }
 
-fn equation_size(equation: &Equation, poses: &[Vec<f64>], scales: &[f64]) -> f64 {
+fn equation_size(equation: &Equation, poses: &mut [Vec<f64>], scales: &[f64]) -> f64 {
     let slots = equation.expression.slots();
     let own = slots.iter().filter(|slot| **slot < scales.len());
-    let felt = own.map(|slot| moved_equation(equation, &poses[0], *slot, scales[*slot]));
-    let terms = poses.iter().map(|pose| equation_terms(equation, pose));
-    felt.chain(terms).fold(0.0, f64::max)
+    let felt = own.map(|slot| moved_equation(equation, &mut poses[0], *slot, scales[*slot]));
+    let felt = felt.fold(0.0, f64::max);
+    let terms = poses.iter_mut().map(|pose| equation_terms(equation, pose));
+    terms.fold(felt, f64::max)
 }

@@ -5,7 +5,7 @@ use super::super::formula::chain::{Factor, Item, parse_chain};
 use super::super::formula::expression::FormulaNode;
 use super::super::measures::MeasureFile;
 use super::contacts::chains::{ContactItems, ParsedContact};
-use super::parsing::{Named, expand_items, note_diagnostic, parsed_expression};
+use super::parsing::{Named, NamedChains, note_diagnostic, parsed_expression};
 use crate::diag::Diagnostics;
 use crate::scene::reader::Spanned;
 use crate::scene::values::FormulaText;
@@ -28,7 +28,7 @@ pub struct Parsed {
     pub tracks: Vec<FormulaNode>,
     pub measures: Vec<FormulaNode>,
     /// Named chains, for placing shapes.
-    pub chains: Vec<Named<Vec<Item>>>,
+    pub chains: NamedChains,
     /// Every loop and equation could be read: only then is it known which names are unknowns.
     pub is_complete: bool,
 }
@@ -58,6 +58,7 @@ impl Parsed {
         for contact in &contacts {
             chains.extend(contact.frame().map(|items| (contact.name.clone(), items)));
         }
+        let chains = NamedChains::new(chains);
         let contacts: Vec<ParsedContact> = contacts
             .into_iter()
             .filter_map(|contact| contact.expand(&chains, diagnostics))
@@ -96,11 +97,7 @@ impl Parsed {
             .iter()
             .filter_map(|(name, input)| Some((name.clone(), parse_input(input, diagnostics)?)))
             .collect();
-        // A chain that nothing refers to may still hold mistakes.
-        for (name, _) in &chains {
-            let items = [Item::Reference(name.value.clone(), name.span.clone())];
-            let _ = expand_items(&items, &chains, diagnostics);
-        }
+        chains.judge_all(diagnostics);
         let points = file.traces.iter().flat_map(|trace| trace.point.iter());
         let ends = file.tracks.iter().flat_map(|track| &track.inputs);
         Self {
@@ -159,9 +156,9 @@ fn parse_input(input: &InputFile, diagnostics: &mut Diagnostics) -> Option<Parse
 
 fn expanded_chains(
     text: &FormulaText,
-    chains: &[Named<Vec<Item>>],
+    chains: &NamedChains,
     diagnostics: &mut Diagnostics,
 ) -> Option<Vec<Factor>> {
     let items = note_diagnostic(parse_chain, text, diagnostics)?;
-    expand_items(&items, chains, diagnostics)
+    chains.expand(&items, diagnostics)
 }

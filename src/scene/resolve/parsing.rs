@@ -5,6 +5,8 @@ use super::super::formula::expression::{FormulaNode, parse_expression};
 use super::super::reader::Spanned;
 use super::super::values::FormulaText;
 use crate::diag::{Diagnostic, Diagnostics};
+use std::cell::Cell;
+use std::collections::{HashMap, HashSet};
 
 /// A name and what was parsed for it.
 pub type Named<T> = (Spanned<String>, T);
@@ -14,26 +16,102 @@ pub fn parsed_expression(text: &FormulaText, diagnostics: &mut Diagnostics) -> O
     note_diagnostic(parse_expression, text, diagnostics)
 }
 
-/// The factors of a chain, in which references to `chains` are followed.
-pub fn expand_items(
-    items: &[Item],
-    chains: &[Named<Vec<Item>>],
-    diagnostics: &mut Diagnostics,
-) -> Option<Vec<Factor>> {
-    let names: Vec<&str> = chains.iter().map(|(name, _)| name.value.as_str()).collect();
-    let find = |wanted: &str| {
-        chains
-            .iter()
-            .find(|(name, _)| name.value == wanted)
-            .map(|(_, items)| items.as_slice())
-    };
-    match expand_chain(items, &find, &names) {
-        Ok(factors) => Some(factors),
-        Err(diagnostic) => {
-            diagnostics.push(diagnostic);
-            None
+/// Transforms of all chains of a scene together, as often as they are referred to: more than a text of the largest size
+/// holds, fewer than fill the memory.
+const ALL_FACTORS: usize = 1_000_000;
+
+/// The chains that others may refer to.
+pub struct NamedChains {
+    list: Vec<Named<Vec<Item>>>,
+    places: HashMap<String, usize>,
+    /// How many transforms may still be made of them.
+    left: Cell<usize>,
+}
+
+impl NamedChains {
+    /// Of two chains with one name the first is found.
+    pub fn new(list: Vec<Named<Vec<Item>>>) -> Self {
+        let mut places = HashMap::new();
+        for (place, (name, _)) in list.iter().enumerate() {
+            places.entry(name.value.clone()).or_insert(place);
+        }
+        Self {
+            list,
+            places,
+            left: Cell::new(ALL_FACTORS),
         }
     }
+
+    fn find(&self, name: &str) -> Option<&[Item]> {
+        let place = self.places.get(name)?;
+        Some(&self.list[*place].1)
+    }
+
+    /// The factors of a chain, in which references are followed.
+    pub fn expand(&self, items: &[Item], diagnostics: &mut Diagnostics) -> Option<Vec<Factor>> {
+        let factors = note_error(self.expanded(items), diagnostics)?;
+        match self.left.get().checked_sub(factors.len()) {
+            Some(left) => self.left.set(left),
+            None => {
+                diagnostics.push(Diagnostic::error(format!(
+                    "the chains of the scene have more than {ALL_FACTORS} transforms together"
+                )));
+                return None;
+            }
+        }
+        Some(factors)
+    }
+
+    fn expanded(&self, items: &[Item]) -> Result<Vec<Factor>, Diagnostic> {
+        let names: Vec<&str> = self.list.iter().map(|(n, _)| n.value.as_str()).collect();
+        expand_chain(items, &|name| self.find(name), &names)
+    }
+
+    /// Notes what is wrong with chains that nothing refers to. What a sound chain is made of is sound.
+    pub fn judge_all(&self, diagnostics: &mut Diagnostics) {
+        let mut is_sound = vec![false; self.list.len()];
+        let referred: HashSet<usize> = (0..self.list.len())
+            .flat_map(|k| self.referred_by(k))
+            .collect();
+        for place in (0..self.list.len()).filter(|k| !referred.contains(k)) {
+            if self.expanded(&self.list[place].1).is_ok() {
+                self.mark(place, &mut is_sound);
+            }
+        }
+        let left = (0..self.list.len()).filter(|k| !is_sound[*k]);
+        for place in left.collect::<Vec<_>>() {
+            let name = &self.list[place].0;
+            let items = [Item::Reference(name.value.clone(), name.span.clone())];
+            note_error(self.expanded(&items), diagnostics);
+        }
+    }
+
+    /// Marks a chain and all that it refers to.
+    fn mark(&self, place: usize, is_sound: &mut [bool]) {
+        let mut open = vec![place];
+        while let Some(place) = open.pop() {
+            if !std::mem::replace(&mut is_sound[place], true) {
+                open.extend(self.referred_by(place));
+            }
+        }
+    }
+
+    /// The chains that one refers to itself.
+    fn referred_by(&self, place: usize) -> Vec<usize> {
+        let mut names = Vec::new();
+        self.list[place]
+            .1
+            .iter()
+            .for_each(|item| item.add_references(&mut names));
+        let places = names.into_iter().filter_map(|name| self.places.get(name));
+        places.copied().collect()
+    }
+}
+
+fn note_error<T>(result: Result<T, Diagnostic>, diagnostics: &mut Diagnostics) -> Option<T> {
+    result
+        .map_err(|diagnostic| diagnostics.push(diagnostic))
+        .ok()
 }
 
 /// Parses a text: its value, or the message with its place inside the file.

@@ -18,17 +18,18 @@ const CLEAR: f64 = 1e3;
 
 /// Gives every loop, coordinate and equation of `mechanism`, whose size is known, its unit.
 pub fn estimate_scales(mechanism: &mut Mechanism, actuation: &Actuation) {
-    let poses: Vec<Vec<f64>> = INSTANTS
+    let mut poses: Vec<Vec<f64>> = INSTANTS
         .iter()
         .map(|share| actuation.start_at(share * actuation.duration))
         .collect();
     let of_loops = mechanism.loops.iter();
     let of_loops =
         of_loops.map(|item| (of_loop(mechanism, item, &poses), slots_of(mechanism, item)));
+    let mut members: Vec<(f64, Vec<usize>)> = of_loops.collect();
     let of_equations = mechanism.equations.iter();
-    let of_equations =
-        of_equations.map(|e| (of_equation(mechanism, e, &poses), e.expression.slots()));
-    let mut members: Vec<(f64, Vec<usize>)> = of_loops.chain(of_equations).collect();
+    members.extend(
+        of_equations.map(|e| (of_equation(mechanism, e, &mut poses), e.expression.slots())),
+    );
     for (_, slots) in &mut members {
         slots.retain(|slot| mechanism.kind_of(*slot) == Kind::Length);
     }
@@ -124,7 +125,7 @@ fn of_loop(mechanism: &Mechanism, item: &Loop, poses: &[Vec<f64>]) -> f64 {
 }
 
 /// The length that the terms of an equation amount to.
-fn of_equation(mechanism: &Mechanism, equation: &Equation, poses: &[Vec<f64>]) -> f64 {
+fn of_equation(mechanism: &Mechanism, equation: &Equation, poses: &mut [Vec<f64>]) -> f64 {
     if equation.length_exponent <= 0.0 {
         return 0.0;
     }

@@ -3,6 +3,7 @@
 
 use crate::driven::{frame_times, solve};
 use crate::snapshot;
+use glam::DVec3;
 use image::RgbaImage;
 use mechanim::diag::Source;
 
@@ -162,7 +163,8 @@ fn every_body_is_seen_and_the_camera_holds_the_whole_motion() {
             for instance in staging.frame(index).instances {
                 let mesh = &staging.stage.meshes[instance.mesh];
                 for point in &mesh.positions {
-                    let world = instance.world_from_mesh.transform_point(*point);
+                    let point = DVec3::from(point.map(f64::from));
+                    let world = instance.world_from_mesh.transform_point(point);
                     let [x, y, _] = staging.stage.camera.project(world, SMALL.size).unwrap();
                     let inside = (0.0..=192.0).contains(&x) && (0.0..=144.0).contains(&y);
                     assert!(

@@ -70,7 +70,7 @@ fn workshop(samples: u32) -> (Stage, Frame) {
     let corners = [DVec3::splat(-1.5), DVec3::splat(1.5)];
     let projection = Projection::Perspective { fov_y: 0.6 };
     let stage = Stage {
-        meshes: solids.iter().map(|s| mesh_of(s, 0.002)).collect(),
+        meshes: solids.iter().map(|s| mesh_of(s, 0.002).into()).collect(),
         size: [161, 99],
         samples,
         camera: crate::render::camera::fit_camera(corners.into_iter(), &view, projection, 1.6, 0.1),
@@ -154,7 +154,8 @@ fn what_cannot_be_drawn_is_left_out() {
     broken.positions[4] = DVec3::splat(1e300);
     broken.normals[5] = DVec3::NAN;
     broken.normals[6] = DVec3::ZERO;
-    stage.meshes.extend([broken, Mesh::default()]);
+    let more = [broken.into(), StageMesh::default()];
+    stage.meshes = stage.meshes.iter().cloned().chain(more).collect();
     let bad_pose = |v: f64| Pose::from_translation(DVec3::new(0.0, v, v));
     for (mesh, value) in [
         (3, 0.0),

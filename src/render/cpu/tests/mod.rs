@@ -22,7 +22,7 @@ const BLACK: [u8; 3] = [0; 3];
 /// One unit is one pixel; x to the right and y up from the picture's middle, seen from z = 100.
 fn flat_stage(size: [u32; 2], samples: u32, meshes: Vec<Mesh>) -> Stage {
     Stage {
-        meshes,
+        meshes: meshes.into_iter().map(StageMesh::from).collect(),
         size,
         samples,
         camera: Camera {

@@ -14,7 +14,7 @@ use super::super::super::reader::Spanned;
 use crate::diag::Diagnostics;
 use crate::model::chain::ElementaryMotion;
 use crate::numbers::constant::Constant;
-use crate::scene::resolve::parsing::{Named, expand_items, note_diagnostic, parsed_expression};
+use crate::scene::resolve::parsing::{NamedChains, note_diagnostic, parsed_expression};
 
 /// A contact, parsed.
 pub struct ParsedContact {
@@ -127,18 +127,18 @@ impl ContactItems {
     /// Expands the contact by the named chains.
     pub fn expand(
         self,
-        chains: &[Named<Vec<Item>>],
+        chains: &NamedChains,
         diagnostics: &mut Diagnostics,
     ) -> Option<ParsedContact> {
         let closure = match self.closing_items() {
             (_, None) => Some(Closure::Distance),
-            (true, Some(items)) => expand_items(&items, chains, diagnostics).map(Closure::Frame),
-            (false, Some(items)) => expand_items(&items, chains, diagnostics).map(Closure::Point),
+            (true, Some(items)) => chains.expand(&items, diagnostics).map(Closure::Frame),
+            (false, Some(items)) => chains.expand(&items, diagnostics).map(Closure::Point),
         };
         let frame = self.frame();
-        let frame = frame.map(|items| expand_items(&items, chains, diagnostics));
+        let frame = frame.map(|items| chains.expand(&items, diagnostics));
         let sides = self.surfaces.map(|(surface, items)| {
-            let frame = expand_items(&items, chains, diagnostics)?;
+            let frame = chains.expand(&items, diagnostics)?;
             Some(ContactSide { surface, frame })
         });
         let [first, second] = sides;
