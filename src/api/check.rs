@@ -93,8 +93,9 @@ impl Check {
         let (answer, pairs) = if trajectory.poses().next().is_none() {
             (check.without_pose(&trajectory, None), Vec::new())
         } else {
-            let found = check.clearances(&trajectory, &|_, _| {})?;
-            let answer = check.answer(&trajectory, found.as_ref(), solving);
+            let mut covered = check.cover(&trajectory);
+            let found = check.clearances(&mut covered, &|_, _| {})?;
+            let answer = check.answer(&trajectory, &mut covered, found.as_ref(), solving);
             (
                 answer,
                 found.map_or_else(Vec::new, |found| pairs(loaded, &found)),

@@ -10,8 +10,9 @@
 use super::meeting::Meeting;
 use super::motion::ProvedMotion;
 use super::sweep::{Best, Least, PairSweep};
-use crate::distance::bodies::{nearest_bodies, sphere_separation};
+use crate::distance::bodies::{nearest_bodies, separation_along, sphere_separation};
 use crate::distance::core::{Element, Primitive};
+use glam::DVec3;
 use std::rc::Rc;
 
 /// Most pieces of time looked at for one pair.
@@ -72,6 +73,13 @@ pub(super) struct BoundGoal {
     pub(super) near: Option<Rc<[[usize; 2]]>>,
 }
 
+/// From the first to the second of every pair of elements, where they were nearest when they were last looked at: planes
+/// square to it part most of them for a long time. Zero if not known.
+pub(super) struct PartingNormals {
+    columns: usize,
+    list: Vec<DVec3>,
+}
+
 /// What is to be proved.
 #[derive(Clone, Copy)]
 enum Goal {
@@ -82,11 +90,11 @@ enum Goal {
 }
 
 /// Pieces still to be looked at, and those that are settled.
-#[derive(Default)]
 struct SegmentSearch {
     open: Vec<Segment>,
     settled: Vec<(Segment, BoundGoal)>,
     looks: usize,
+    normals: PartingNormals,
 }
 
 impl PairSweep<'_> {
@@ -96,13 +104,16 @@ impl PairSweep<'_> {
         let mut best = self.best_of(motion, &samples, Some(distances))?;
         let mut search = SegmentSearch {
             open: self.roots(motion, distances),
-            ..SegmentSearch::default()
+            settled: Vec::new(),
+            looks: 0,
+            normals: self.parting_normals(),
         };
         for goal in [Goal::Minimum, Goal::Tolerance] {
             let value = self.value_of(motion, goal, &best);
-            search.reopen(motion, value);
+            search.reopen(value);
             self.settle(motion, &mut search, goal, &mut best);
         }
+        self.decide(motion, &search, &mut best);
         let all = || search.settled.iter();
         let lowest = all().map(|(_, look)| look.lowest);
         let near = best.found.proximity.distance;
@@ -117,6 +128,22 @@ impl PairSweep<'_> {
         let is_refined = bound >= self.target(&best);
         let bound = bound - self.pose_slack(motion);
         Some(self.least(motion, &best, bound, [is_certified, is_refined]))
+    }
+
+    /// Where neither passes nor fails what is known, the least distance may be just below the minimum: it is looked for where
+    /// the bound is lowest.
+    fn decide(&self, motion: &mut ProvedMotion, search: &SegmentSearch, best: &mut Best) {
+        let lowest = search
+            .settled
+            .iter()
+            .filter(|(_, look)| look.lowest > self.deepest());
+        let lowest = lowest.min_by(|(_, p), (_, q)| p.lowest.total_cmp(&q.lowest));
+        if let Some((piece, look)) = lowest
+            && look.lowest < self.enough()
+            && best.found.proximity.distance >= self.enough()
+        {
+            self.descend_finely(motion, (piece.stretch, piece.middle), best);
+        }
     }
 
     /// Whether the bodies are known to be in each other, or a mesh meets the other one.
@@ -167,7 +194,7 @@ impl PairSweep<'_> {
             // Depth first; what a piece cannot fall below is compared with what is asked now.
             search.looks += 1;
             let goals = [self.value_of(motion, goal, best), self.target(best)];
-            let look = self.look(motion, &piece, goals);
+            let look = self.look(motion, &piece, goals, &mut search.normals);
             self.measure(motion, &piece, &look, best);
             let most = if self.is_cut(best) && self.minimum() >= 0.0 {
                 LOOKS_IN_OVERLAP
@@ -217,12 +244,22 @@ impl PairSweep<'_> {
         }
     }
 
+    /// Nothing is known of any pair of elements.
+    pub(super) fn parting_normals(&self) -> PartingNormals {
+        let [rows, columns] = self.hulls.map(|hull| hull.elements.len());
+        PartingNormals {
+            columns,
+            list: vec![DVec3::ZERO; rows * columns],
+        }
+    }
+
     /// Lower bound over a piece, as far as the goal needs it. Pairs of elements are near unless they reach the last goal, too.
     pub(super) fn look(
         &self,
         motion: &ProvedMotion,
         piece: &Segment,
         [goal, last]: [f64; 2],
+        normals: &mut PartingNormals,
     ) -> BoundGoal {
         let stretch = &motion.stretches[piece.stretch];
         // The pose in the middle, with what the bodies can move within the piece.
@@ -247,19 +284,25 @@ impl PairSweep<'_> {
         let back = self.back.as_ref().map(|b| b.around(arguments, s, half));
         let (mut lowest, mut nearest) = (f64::INFINITY, f64::INFINITY);
         let mut left: Vec<[usize; 2]> = Vec::new();
-        let mut placed: Vec<Option<Element>> = vec![None; self.hulls[1].elements.len()];
+        // Elements of the second body where they are in the middle, and how far they move from there.
+        let mut placed: Vec<Option<(Element, f64)>> = vec![None; self.hulls[1].elements.len()];
         let mut visit = |[i, j]: [usize; 2]| {
             if self.left_out.contains(&[i, j]) {
                 return;
             }
             let first = &self.hulls[0].elements[i];
             let mine = &self.hulls[1].elements[j];
-            let second = placed[j].get_or_insert_with(|| mine.moved(&moved.pose));
+            let (second, way) = placed[j]
+                .get_or_insert_with(|| (mine.moved(&moved.pose), moved.distance(mine.bounds())));
             let way = match (&back, &mine.core) {
                 (Some(back), Primitive::HalfSpace(_)) => back.distance(first.bounds()),
-                _ => moved.distance(mine.bounds()),
+                _ => *way,
             };
-            let far = sphere_separation(first, second) - way;
+            let normal = &mut normals.list[i * normals.columns + j];
+            let mut far = sphere_separation(first, second, goal + way) - way;
+            if far < goal && *normal != DVec3::ZERO {
+                far = far.max(separation_along(first, second, *normal) - way);
+            }
             if far >= goal {
                 lowest = lowest.min(far);
                 left.extend((far < last).then_some([i, j]));
@@ -268,6 +311,7 @@ impl PairSweep<'_> {
             // The distance in the middle, and a bound of the second order over the piece.
             let meeting = Meeting::new(first, second, mine, &moved);
             nearest = nearest.min(meeting.found.distance);
+            *normal = meeting.found.normal;
             let below = match (&back, &mine.core) {
                 (Some(back), Primitive::HalfSpace(_)) => {
                     Meeting::new(mine, &first.moved(&back.pose), first, back).below([goal, last])
@@ -303,21 +347,20 @@ impl PairSweep<'_> {
 }
 
 impl SegmentSearch {
-    /// Halves what is settled below the goal.
-    fn reopen(&mut self, motion: &mut ProvedMotion, goal: f64) {
+    /// Opens what is settled below the goal: a look goes no farther than what was asked of it.
+    fn reopen(&mut self, goal: f64) {
         let mut kept = Vec::new();
         // The lowest is looked at first.
         self.settled
             .sort_by(|(_, p), (_, q)| q.lowest.total_cmp(&p.lowest));
         for (piece, look) in self.settled.drain(..) {
             let is_low = look.lowest < goal && look.lowest > f64::NEG_INFINITY;
-            let is_open = is_low && self.looks < MAX_LOOKS;
-            match is_open
-                .then(|| split_piece(motion, &piece, &look))
-                .flatten()
-            {
-                Some(parts) => self.open.extend(parts),
-                None => kept.push((piece, look)),
+            match is_low && self.looks + self.open.len() < MAX_LOOKS {
+                true => self.open.push(Segment {
+                    near: look.near,
+                    ..piece
+                }),
+                false => kept.push((piece, look)),
             }
         }
         self.settled = kept;

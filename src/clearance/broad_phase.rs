@@ -220,8 +220,8 @@ impl<'m> BroadPhase<'m> {
                 body.swept(arguments, [0.0, 1.0], fine, SPLITS)
             }
             Some(place) => {
-                let instant = &motion.instants[self.alone[place]];
-                body.placed(&instant.bodies[body.body], 0.0)
+                let pose = motion.body_pose(self.alone[place], body.body);
+                body.placed(&pose, 0.0)
             }
         };
         self.bodies.iter().map(swept).collect()

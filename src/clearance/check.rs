@@ -54,13 +54,13 @@ pub fn check_clearance(
 ) -> ClearanceReport {
     // Proving the motion and sorting the triangles of meshes may take a while.
     progress(0, 1);
-    let motion = ProvedMotion::new(system, actuation, trajectory);
-    check_over(motion, rules, closely, progress)
+    let mut motion = ProvedMotion::new(system, actuation, trajectory);
+    check_over(&mut motion, rules, closely, progress)
 }
 
 /// The same over a motion that is covered already.
-pub(super) fn check_over(
-    mut motion: ProvedMotion,
+pub fn check_over(
+    motion: &mut ProvedMotion,
     rules: &ClearanceRules,
     closely: Closely,
     progress: &dyn Fn(usize, usize),
@@ -70,7 +70,7 @@ pub(super) fn check_over(
     // Of several patterns the first one counts.
     let ignored = rules.ignored.iter().rev();
     let ignored: HashMap<[usize; 2], &Ignored> = ignored.map(|i| (i.pair, i)).collect();
-    let selection = Selection::new(&motion, &hulls, rules, &ignored, closely.pairs);
+    let selection = Selection::new(motion, &hulls, rules, &ignored, closely.pairs);
     let instants = motion.samples.iter().map(|k| motion.instants[*k].time);
     let mut report = ClearanceReport {
         judged: Vec::new(),
@@ -98,7 +98,7 @@ pub(super) fn check_over(
             tolerance: closely.tolerance,
             with_times: closely.times,
         };
-        let found = asked.look(&mut motion);
+        let found = asked.look(motion);
         motion.forget(poses);
         let timed = |pair: PairReport| PairReport {
             seconds: begun.elapsed().as_secs_f64(),

@@ -147,7 +147,7 @@ impl PairSweep<'_> {
         for mine in &self.hulls[1].elements {
             let second = mine.moved(&moved.pose);
             for first in &self.hulls[0].elements {
-                if sphere_separation(first, &second) - way >= high.min(low) {
+                if sphere_separation(first, &second, high.min(low) + way) - way >= high.min(low) {
                     continue;
                 }
                 let meeting = Meeting::new(first, &second, mine, moved);

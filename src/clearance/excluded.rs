@@ -11,16 +11,19 @@ use crate::distance::bodies::nearest_bodies;
 /// Steps from the lowest place to lower ones, each half as long as the one before: a stretch to 1e-4 of it.
 const HALVINGS: u32 = 13;
 
+/// The same where a hair decides: least values are known with the square of the step.
+const FINE_HALVINGS: u32 = 26;
+
 impl PairSweep<'_> {
     /// The least distance over the whole motion as a search finds it, without a bound.
     pub(super) fn searched(&self, motion: &mut ProvedMotion) -> Option<Least> {
         let samples = motion.samples.clone();
         let mut best = self.best_of(motion, &samples, None)?;
         if let Some(stretch) = self.lowest_middle(motion, &best) {
-            self.descend(motion, (stretch, 0.0), &mut best);
+            self.descend(motion, (stretch, 0.0), HALVINGS, &mut best);
         }
         for (stretch, s) in ends_at(motion, best.instant) {
-            self.descend(motion, (stretch, s), &mut best);
+            self.descend(motion, (stretch, s), HALVINGS, &mut best);
         }
         let bound = best.found.proximity.distance;
         Some(self.least(motion, &best, bound, [false; 2]))
@@ -28,7 +31,7 @@ impl PairSweep<'_> {
 
     /// The stretch in whose middle the bodies are nearest, if that is nearer than at the samples.
     fn lowest_middle(&self, motion: &ProvedMotion, best: &Best) -> Option<usize> {
-        let mut limit = best.found.proximity.distance;
+        let mut limit = best.found.proximity.distance - self.slack();
         let mut track = PairTrack::new(self.hulls, &self.left_out);
         let mut lowest = None;
         for index in 0..motion.roots {
@@ -38,29 +41,47 @@ impl PairSweep<'_> {
                 .pose;
             let found = track.at(&pose, limit);
             if let Some(found) = found.filter(|f| f.proximity.distance < limit) {
-                (limit, lowest) = (found.proximity.distance, Some(index));
+                (limit, lowest) = (found.proximity.distance - self.slack(), Some(index));
             }
         }
         lowest
     }
 
+    /// Goes from a place of a stretch to the lowest one that is found from there, to nearly all digits.
+    pub(super) fn descend_finely(
+        &self,
+        motion: &mut ProvedMotion,
+        place: (usize, f64),
+        best: &mut Best,
+    ) {
+        self.descend(motion, place, FINE_HALVINGS, best);
+    }
+
     /// Goes from a place of a stretch to lower ones.
-    fn descend(&self, motion: &mut ProvedMotion, (stretch, start): (usize, f64), best: &mut Best) {
+    fn descend(
+        &self,
+        motion: &mut ProvedMotion,
+        (stretch, start): (usize, f64),
+        halvings: u32,
+        best: &mut Best,
+    ) {
         let arguments = &motion.stretches[stretch].arguments;
-        let distance = |s: f64| {
+        let mut track = PairTrack::new(self.hulls, &self.left_out);
+        // What is no lower than the limit, but for rounding, need not be known.
+        let mut distance = |s: f64, limit: f64| {
             let pose = self.chain.around(arguments, s, 0.0).pose;
-            let found = nearest_bodies(self.hulls[0], self.hulls[1], &pose, &self.left_out);
+            let found = track.at(&pose, limit - self.slack());
             found.map_or(f64::INFINITY, |f| f.proximity.distance)
         };
         // Compass search along the stretch, with steps that are halved.
-        let (mut at, mut lowest) = (start, distance(start));
-        for halving in 1..=HALVINGS {
+        let (mut at, mut lowest) = (start, distance(start, f64::INFINITY));
+        for halving in 1..=halvings {
             let step = 0.5_f64.powi(halving as i32);
             for s in [at - step, at + step]
                 .into_iter()
                 .filter(|s| s.abs() <= 1.0)
             {
-                let value = distance(s);
+                let value = distance(s, lowest);
                 if value < lowest {
                     (at, lowest) = (s, value);
                 }

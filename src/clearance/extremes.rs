@@ -1,7 +1,8 @@
 //! The greatest value of a formula over the whole motion, with a bound: branch and bound over the stretches.
 //!
 //! Over a stretch a formula is a polynomial and a remainder. Where it may still exceed the best value found, a pose is solved
-//! and the part is halved; where the remainder is what is left, the stretch itself is.
+//! and the part is halved; where the remainder is what is left, the stretch itself is. Kinks and jumps are part of the
+//! remainder, which shrinks with the stretch about a kink, and at a jump holds the values on both sides of it.
 
 use super::motion::ProvedMotion;
 use crate::kinematics::certificate::tube::TaylorModel;
@@ -19,6 +20,9 @@ const MOST_PARTS: usize = 20_000;
 
 /// Parts of halves reach this much over their ends: the middle of a stretch is a rounded time.
 const OVERLAP: f64 = 1e-9;
+
+/// Parts are not halved below this share of the time, or of a second: jumps are known no better.
+const NARROWEST: f64 = 1e-12;
 
 /// Steps of the golden section that settle the value: each takes 0.6 of the width, and the value goes with its square.
 const SETTLING: u32 = 40;
@@ -202,7 +206,10 @@ impl Search<'_, '_> {
         };
         let around = model.around(middle, 0.5 * (to - from));
         let moves = around.way.abs() + around.bend.abs();
-        if moves > around.off && to - from > f64::EPSILON {
+        let [start, end] = self.motion.times(stretch, [from, to]);
+        if end - start <= NARROWEST * end.abs().max(1.0) {
+            self.stuck = self.stuck.max(part.bound);
+        } else if moves > around.off && to - from > f64::EPSILON {
             self.push(stretch, from, middle);
             self.push(stretch, middle, to);
         } else if let Some(halves) = self.motion.halves(stretch) {

@@ -130,7 +130,7 @@ fn look(
     report: &mut BoxReport,
 ) -> Option<Vec<[usize; 2]>> {
     let whole = [sides[0].range, strip.range];
-    let Some((along, motion)) = motion_along(system, actuation, sides, strip.range) else {
+    let Some((along, mut motion)) = motion_along(system, actuation, sides, strip.range) else {
         if is_last {
             report.unreached.push(whole);
             return None;
@@ -142,7 +142,7 @@ fn look(
         pairs: usize::MAX,
         ..Closely::to(tolerance)
     };
-    let found = check_over(motion, rules, closely, &|_, _| {});
+    let found = check_over(&mut motion, rules, closely, &|_, _| {});
     // Empty after a strip that was not reached: all pairs then.
     let wanted = strip.open.as_ref().filter(|open| !open.is_empty());
     let mut open = Vec::new();

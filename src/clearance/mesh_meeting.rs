@@ -153,15 +153,17 @@ impl<'e> MeetingSearch<'e> {
         self.goals[1].min(self.lowest)
     }
 
-    fn slab(&self, supports: impl Fn([DVec3; 2]) -> Option<f64> + Copy) -> f64 {
+    fn slab(&self, goal: f64, supports: impl Fn([DVec3; 2]) -> Option<f64> + Copy) -> f64 {
         let gaps = self.slabs.iter().flatten();
-        let gaps = gaps.filter_map(|slab| slab.gap(supports));
+        let gaps = gaps.filter_map(|slab| slab.gap(goal, supports));
         gaps.fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// Lower bound of the distance of two parts: of their boxes along the plane, or in the middle less the way of the second.
     fn bound(&self, [a, b]: [MeetingPart<'e>; 2]) -> f64 {
-        let flat = self.slab(|[n, back]| Some(a.support(n)? + b.support(back)?));
+        // Boxes are too rough to be looked at more closely.
+        let supports = |[n, back]: [DVec3; 2]| Some(a.support(n)? + b.support(back)?);
+        let flat = self.slab(f64::INFINITY, supports);
         if flat >= self.enough() {
             return flat;
         }
@@ -221,7 +223,9 @@ impl<'e> MeetingSearch<'e> {
             return self.leaves(parts);
         }
         if a.weight().max(b.weight()) > WORTH_A_CLIMB {
-            let exact = self.slab(|[n, back]| Some(a.exact_support(n)? + b.exact_support(back)?));
+            let supports =
+                |[n, back]: [DVec3; 2]| Some(a.exact_support(n)? + b.exact_support(back)?);
+            let exact = self.slab(self.enough(), supports);
             if exact >= self.enough() {
                 self.lower(exact);
                 return;
@@ -255,8 +259,9 @@ impl<'e> MeetingSearch<'e> {
         let of = |core: Primitive, element: &Element| Element { core, ..*element };
         for (theirs, own) in part_cores(b, second).zip(part_cores(b, mine)) {
             for core in part_cores(a, first) {
-                let flat =
-                    self.slab(|[n, back]| Some(core_reach(&core, n)? + core_reach(&theirs, back)?));
+                let flat = self.slab(self.enough(), |[n, back]| {
+                    Some(core_reach(&core, n)? + core_reach(&theirs, back)?)
+                });
                 let low = if flat >= self.enough() {
                     flat
                 } else {

@@ -7,6 +7,7 @@ mod branch_and_bound;
 mod broad_phase;
 pub mod check;
 mod contact;
+pub mod covered;
 mod curved;
 mod excluded;
 pub mod extremes;

@@ -5,7 +5,6 @@
 //! its bound is an estimate, and is said to be.
 
 use crate::kinematics::certificate::tube::{Prover, TaylorModel, Tube};
-use crate::kinematics::loops::forward::body_poses;
 use crate::kinematics::loops::observed::observed_slots;
 use crate::kinematics::results::trajectory::{Sample, Trajectory};
 use crate::kinematics::solve::newton::Pace;
@@ -42,8 +41,6 @@ pub struct SampledInstant {
     pub time: f64,
     /// Unknowns, then inputs.
     pub coordinates: Vec<f64>,
-    /// `world_from_body` of every body.
-    pub bodies: Vec<Pose>,
     /// Values of all arguments.
     pub arguments: Vec<ArgumentValue>,
 }
@@ -152,7 +149,6 @@ impl<'m> ProvedMotion<'m> {
                 let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();
                 motion.instants.push(SampledInstant {
                     time: sample.time,
-                    bodies: pose.bodies.clone(),
                     arguments: mechanism.argument_values(&coordinates),
                     coordinates,
                 });
@@ -184,6 +180,12 @@ impl<'m> ProvedMotion<'m> {
     pub fn poses(&self) -> impl Iterator<Item = &Vec<ArgumentValue>> + Clone {
         let samples = self.samples.iter();
         samples.map(|k| &self.instants[*k].arguments)
+    }
+
+    /// `world_from_body` of one body at a solved pose.
+    pub fn body_pose(&self, instant: usize, body: usize) -> Pose {
+        let chain = &self.system.mechanism().bodies[body].world_from_body;
+        chain.pose(&self.instants[instant].arguments)
     }
 
     /// The first and the last sampled time.
@@ -230,6 +232,7 @@ impl<'m> ProvedMotion<'m> {
     fn cover(&mut self, pair: &[Sample], places: [usize; 2]) -> bool {
         let (tubes, refused) = self.prover.tubes(pair, FLOOR);
         let (from, to) = (pair[0].time, pair[1].time);
+        let before = self.stretches.len();
         let mut whole = refused.is_none();
         for tube in tubes {
             let arguments = self.prover.arguments(&tube);
@@ -242,14 +245,15 @@ impl<'m> ProvedMotion<'m> {
                 (tube.start == from).then_some(places[0]),
                 (tube.end == to).then_some(places[1]),
             ];
-            if ends[1].is_some() && !self.prover.meets(&tube, &pair[1]) {
-                ends[1] = None;
+            for (end, sample) in ends.iter_mut().zip(pair) {
+                *end = end.filter(|_| self.prover.meets(&tube, sample));
             }
             self.add_tube(tube, arguments, ends);
         }
         if whole {
-            let last = self.stretches.last();
-            return last.is_some_and(|s| s.ends[1] == Some(places[1]));
+            let [first, last] = [self.stretches.get(before), self.stretches.last()];
+            return first.is_some_and(|s| s.ends[0] == Some(places[0]))
+                && last.is_some_and(|s| s.ends[1] == Some(places[1]));
         }
         // What is behind the refusal is looked at as a whole.
         let reached = self.stretches.last().map(|s| s.end);
@@ -327,7 +331,6 @@ impl<'m> ProvedMotion<'m> {
         let mechanism = self.system.mechanism();
         self.instants.push(SampledInstant {
             time,
-            bodies: body_poses(mechanism, &coordinates),
             arguments: mechanism.argument_values(&coordinates),
             coordinates,
         });

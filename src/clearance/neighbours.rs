@@ -57,9 +57,9 @@ pub fn joint_neighbours(
         return Some(Neighbours::Rigid);
     }
     let joint = joints.between(a, b)?;
-    let instant = motion.samples.first().map(|k| &motion.instants[*k])?;
-    let place = place_of(joints, joint, &instant.arguments);
-    let [world_from_a, world_from_b] = [a, b].map(|body| instant.bodies[body]);
+    let first = *motion.samples.first()?;
+    let place = place_of(joints, joint, &motion.instants[first].arguments);
+    let [world_from_a, world_from_b] = [a, b].map(|body| motion.body_pose(first, body));
     let a_from_b = world_from_a.inverse() * world_from_b;
     // At the first pose: elements that touch at the joint itself.
     let mut touching = Vec::new();

@@ -43,6 +43,12 @@ fn cross_matrix(v: DVec3) -> DMat3 {
     DMat3::from_cols(v.cross(DVec3::X), v.cross(DVec3::Y), v.cross(DVec3::Z))
 }
 
+/// The matrix of a × (b ×).
+fn cross_twice(a: DVec3, b: DVec3) -> DMat3 {
+    let along = a.dot(b);
+    DMat3::from_cols(b * a.x, b * a.y, b * a.z) - DMat3::from_diagonal(DVec3::splat(along))
+}
+
 /// Nothing times an endless length is nothing.
 fn rate_times(rate: f64, length: f64) -> f64 {
     if rate == 0.0 { 0.0 } else { rate * length }
@@ -120,9 +126,8 @@ impl Carried for MovingBody {
         let spin = unit * by.way;
         let origin = moved.pose.translation;
         // The rotation to second order, and a bound of all higher ones.
-        let turn = cross_matrix(spin);
-        let second =
-            cross_matrix(unit * by.bend) + turn * turn * 0.5 + cross_matrix(moved.spin) * turn;
+        let before = moved.spin + spin * 0.5;
+        let second = cross_matrix(unit * by.bend) + cross_twice(before, spin);
         moved.twist += second;
         moved.bend -= second * origin;
         moved.spin += spin;

@@ -293,7 +293,7 @@ impl<'a> PairSweep<'a> {
         let found = best.found;
         let a_from_b = self.relative(motion, best.instant);
         let instant = &motion.instants[best.instant];
-        let world_from_a = instant.bodies[self.bodies[0]];
+        let world_from_a = motion.body_pose(best.instant, self.bodies[0]);
         // The two elements as the first body sees them.
         let [i, j] = found.elements;
         let (first, second) = (

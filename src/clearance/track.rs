@@ -49,8 +49,9 @@ impl<'a> PairTrack<'a> {
         let mut placed: Vec<Option<Element>> = vec![None; columns];
         let mut best: Option<BodyProximity> = None;
         let count = self.lower.len();
-        let others = (0..count).filter(|k| *k != self.nearest);
-        for k in std::iter::once(self.nearest).chain(others.collect::<Vec<_>>()) {
+        let nearest = self.nearest;
+        let others = (0..count).filter(|k| *k != nearest);
+        for k in std::iter::once(nearest).chain(others) {
             // Bounds from the last pose leave out most pairs; separating directions that worked are tried again.
             let limit = best.map_or(limit, |b| b.proximity.distance);
             if k >= count || self.lower[k] >= limit {
@@ -60,7 +61,7 @@ impl<'a> PairTrack<'a> {
             let first = &self.hulls[0].elements[i];
             let second = placed[j].get_or_insert_with(|| self.hulls[1].elements[j].moved(a_from_b));
             if limit < f64::INFINITY {
-                self.lower[k] = self.lower[k].max(sphere_separation(first, second));
+                self.lower[k] = self.lower[k].max(sphere_separation(first, second, limit));
                 if self.lower[k] < limit && self.normals[k] != DVec3::ZERO {
                     self.lower[k] =
                         self.lower[k].max(separation_along(first, second, self.normals[k]));

@@ -86,11 +86,12 @@ impl PairSweep<'_> {
     fn low_pieces(&self, motion: &mut ProvedMotion, goal: f64) -> Vec<Low> {
         let mut open: Vec<Segment> = (0..motion.roots).map(Segment::whole).collect();
         let (mut low, mut looks) = (Vec::new(), 0);
+        let mut normals = self.parting_normals();
         let [start, end] = motion.span();
         let shortest = SHORTEST * (end - start) / motion.roots.max(1) as f64;
         while let Some(piece) = open.pop() {
             looks += 1;
-            let look = self.look(motion, &piece, [goal; 2]);
+            let look = self.look(motion, &piece, [goal; 2], &mut normals);
             if look.lowest >= goal {
                 continue;
             }

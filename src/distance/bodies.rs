@@ -8,7 +8,7 @@ use super::point::point_to;
 use crate::math::Pose;
 use crate::model::mechanism::Body;
 use glam::DVec3;
-use std::collections::HashSet;
+use std::collections::BTreeSet;
 
 /// A body's elements in its frame, and a ball around them.
 #[derive(Clone, Debug)]
@@ -81,13 +81,17 @@ impl Hull {
     }
 }
 
-/// Lower bound of the distance of two elements in one frame.
-pub fn sphere_separation(a: &Element, b: &Element) -> f64 {
+/// Lower bound of the distance of two elements in one frame; no better than `enough` if it reaches that.
+pub fn sphere_separation(a: &Element, b: &Element, enough: f64) -> f64 {
     let ((p, r), (q, s)) = (a.bounds(), b.bounds());
     let mut lowest = p.distance(q) - r - s;
     // Long elements are far larger than they are thick: one's ball from the other itself says more.
     for (element, center, radius) in [(a, q, s), (b, p, r)] {
-        if let Some(hit) = point_to(&element.core, center) {
+        if lowest >= enough {
+            break;
+        }
+        let is_ball = matches!(element.core, Primitive::Point(_));
+        if let Some(hit) = point_to(&element.core, center).filter(|_| !is_ball) {
             lowest = lowest.max(hit.distance - element.radius - radius);
         }
     }
@@ -104,7 +108,7 @@ pub fn separation_along(a: &Element, b: &Element, n: DVec3) -> f64 {
 }
 
 /// Pairs of elements that are left out.
-pub type LeftOut = HashSet<[usize; 2]>;
+pub type LeftOut = BTreeSet<[usize; 2]>;
 
 /// The nearest elements of two hulls, but for some pairs.
 pub fn nearest_bodies(
@@ -121,7 +125,7 @@ pub fn nearest_bodies(
                 .iter()
                 .enumerate()
                 .filter(|(j, _)| !left_out.contains(&[i, *j]))
-                .map(|(j, second)| (sphere_separation(first, second), i, j)),
+                .map(|(j, second)| (sphere_separation(first, second, f64::INFINITY), i, j)),
         );
     }
     pairs.sort_by(|p, q| p.0.total_cmp(&q.0));
@@ -153,7 +157,7 @@ pub fn enclosed_shell(
             let placed = second.moved(a_from_b);
             if mesh::is_any([first, second])
                 && !left_out.contains(&[i, j])
-                && sphere_separation(first, &placed) < 0.0
+                && sphere_separation(first, &placed, 0.0) < 0.0
                 && mesh::one_inside(&first.core, &placed.core)
             {
                 return Some([i, j]);

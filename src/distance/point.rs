@@ -172,6 +172,9 @@ fn to_frustum(frustum: &Frustum, point: DVec3) -> PointHit {
 fn to_profile(frustum: &Frustum, p: DVec2) -> (f64, DVec2, DVec2) {
     let [low, high] = frustum.radii;
     let top = frustum.length;
+    if low == high {
+        return to_rectangle(DVec2::new(low, top), p);
+    }
     let corners = [
         DVec2::ZERO,
         DVec2::new(low, 0.0),
@@ -209,6 +212,28 @@ fn to_profile(frustum: &Frustum, p: DVec2) -> (f64, DVec2, DVec2) {
         outward
     };
     (distance, nearest, normal)
+}
+
+/// The same of a cylinder, whose profile is a rectangle.
+fn to_rectangle(corner: DVec2, p: DVec2) -> (f64, DVec2, DVec2) {
+    let clamped = DVec2::new(p.x.min(corner.x), p.y.clamp(0.0, corner.y));
+    let out = p - clamped;
+    let distance = out.length();
+    if distance > 0.0 {
+        return (distance, clamped, out / distance);
+    }
+    // Inside: through the nearest of its side and its ends.
+    let exits = [
+        (p.y, DVec2::new(p.x, 0.0), DVec2::NEG_Y),
+        (corner.x - p.x, DVec2::new(corner.x, p.y), DVec2::X),
+        (corner.y - p.y, DVec2::new(p.x, corner.y), DVec2::Y),
+    ];
+    let nearer = |best: (f64, DVec2, DVec2), next: (f64, DVec2, DVec2)| match next.0 < best.0 {
+        true => next,
+        false => best,
+    };
+    let (depth, nearest, normal) = exits[1..].iter().copied().fold(exits[0], nearer);
+    (-depth, nearest, normal)
 }
 
 /// Nearest point of a triangle: the foot in its plane if it lies inside, else the nearest point of its edges.

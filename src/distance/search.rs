@@ -33,6 +33,9 @@ const REMAINS: f64 = 0.1 * f64::EPSILON;
 /// points, four of them minima.
 const PIECES: usize = 16;
 
+/// The same of functions that are known to bend down little: two tangents say of a piece what is least there.
+const BENT_PIECES: usize = 8;
+
 /// Parts into which pieces are halved that could hide a smaller value.
 const FINEST: usize = 128;
 
@@ -82,15 +85,64 @@ pub fn least_near(start: f64, step: f64, f: impl Fn(f64) -> CurveSpot) -> Option
     Some(here)
 }
 
+/// What is known of a function before it is searched.
+#[derive(Clone, Copy)]
+struct Shape {
+    /// Its slope never exceeds this.
+    steepest: f64,
+    /// It bends down by no more than this: with half of it times the square of the variable added it is convex.
+    bends: Option<f64>,
+}
+
+impl Shape {
+    /// Between two spots the function cannot fall below this.
+    fn lowest(&self, a: &CurveSpot, b: &CurveSpot) -> f64 {
+        let wide = b.at - a.at;
+        // By the slope: Lipschitz.
+        let by_slope = 0.5 * (a.value + b.value - self.steepest * wide);
+        let Some(bends) = self.bends else {
+            return by_slope;
+        };
+        // By the tangents of the convex sum: least at an end, or where they cross.
+        let steepens = b.slope - a.slope + bends * wide;
+        let crossing = (a.value - b.value + wide * (b.slope + 0.5 * bends * wide)) / steepens;
+        let ends = a.value.min(b.value);
+        let by_tangents = match crossing > 0.0 && crossing < wide {
+            true => ends.min(a.value + crossing * (a.slope - 0.5 * bends * crossing)),
+            false => ends,
+        };
+        by_slope.max(by_tangents)
+    }
+}
+
 /// Least spot of any function of an angle over a whole turn whose slope never exceeds `steepest`. The function is given the
 /// angle's sine and cosine too.
 ///
 /// Exact when no two minima of very different depth share a piece of 1/128 of the turn that a bound of the slope
 /// cannot rule out.
 pub fn least_on_circle(steepest: f64, f: impl Fn(f64, (f64, f64)) -> CurveSpot) -> CurveSpot {
+    let bends = None;
+    least_on_turn(PIECES, Shape { steepest, bends }, f)
+}
+
+/// The same of the values of a convex function on a circle: where that changes by no more than `steepest` along a radius' length
+/// of way, it bends down by no more than that along the circle, and much fewer places tell which is the least.
+pub fn least_of_convex_on_circle(
+    steepest: f64,
+    f: impl Fn(f64, (f64, f64)) -> CurveSpot,
+) -> CurveSpot {
+    let bends = Some(steepest);
+    least_on_turn(BENT_PIECES, Shape { steepest, bends }, f)
+}
+
+fn least_on_turn(
+    pieces: usize,
+    shape: Shape,
+    f: impl Fn(f64, (f64, f64)) -> CurveSpot,
+) -> CurveSpot {
     let grid = angle_grid();
     let at = |k: usize| f(TAU * (k as f64 / FINEST as f64), grid[k]);
-    least_of(steepest, at, |angle| f(angle, sin_cos(angle)))
+    least_of(pieces, shape, at, |angle| f(angle, sin_cos(angle)))
 }
 
 /// All minima below `limit` of a function of an angle over a whole turn whose slope never exceeds `steepest`, but those
@@ -148,7 +200,8 @@ fn perpendicular_foot(
 /// [`least_on_circle`].
 pub fn least_spot(low: f64, high: f64, steepest: f64, f: impl Fn(f64) -> CurveSpot) -> CurveSpot {
     let at = |k: usize| f(low + (high - low) * (k as f64 / FINEST as f64));
-    least_of(steepest, at, &f)
+    let bends = None;
+    least_of(PIECES, Shape { steepest, bends }, at, &f)
 }
 
 /// Sines and cosines of even parts of a turn, both ends included: of all places that halving comes to.
@@ -159,13 +212,14 @@ pub fn angle_grid() -> &'static [(f64, f64); FINEST + 1] {
 
 /// The search, with `at` for the places of the grid.
 fn least_of(
-    steepest: f64,
+    pieces: usize,
+    shape: Shape,
     at: impl Fn(usize) -> CurveSpot,
     f: impl Fn(f64) -> CurveSpot,
 ) -> CurveSpot {
-    let mut stride = FINEST / PIECES;
-    let mut spots: Vec<(usize, CurveSpot)> = Vec::with_capacity(2 * PIECES + 1);
-    spots.extend((0..=PIECES).map(|k| (k * stride, at(k * stride))));
+    let mut stride = FINEST / pieces;
+    let mut spots: Vec<(usize, CurveSpot)> = Vec::with_capacity(2 * pieces + 1);
+    spots.extend((0..=pieces).map(|k| (k * stride, at(k * stride))));
     let far = CurveSpot {
         value: f64::INFINITY,
         ..CurveSpot::default()
@@ -174,10 +228,7 @@ fn least_of(
         far,
         |best, (_, s)| if s.value < best.value { *s } else { best },
     );
-    let hides = |a: &CurveSpot, b: &CurveSpot, best: &CurveSpot| {
-        let lowest = 0.5 * (a.value + b.value - steepest * (b.at - a.at));
-        lowest < best.value
-    };
+    let hides = |a: &CurveSpot, b: &CurveSpot, best: &CurveSpot| shape.lowest(a, b) < best.value;
     while stride > 1 {
         best = find_valleys(&spots, best, &hides, &f);
         stride /= 2;
@@ -206,13 +257,20 @@ fn find_valleys(
     hides: &impl Fn(&CurveSpot, &CurveSpot, &CurveSpot) -> bool,
     f: &impl Fn(f64) -> CurveSpot,
 ) -> CurveSpot {
-    for pair in spots.windows(2) {
-        let [(_, a), (_, b)] = [pair[0], pair[1]];
-        for end in [a, b] {
-            if end.value < best.value {
-                best = end;
-            }
+    for (_, spot) in spots {
+        if spot.value < best.value {
+            best = *spot;
         }
+    }
+    // From the lowest place on: what is found there leaves little to look for in the others.
+    let lowest = (1..spots.len()).fold(0, |k, j| match spots[j].1.value < spots[k].1.value {
+        true => j,
+        false => k,
+    });
+    let (before, behind) = spots.split_at(lowest.saturating_sub(1));
+    let around = behind.windows(2).chain(spots[..=before.len()].windows(2));
+    for pair in around {
+        let [(_, a), (_, b)] = [pair[0], pair[1]];
         let known = best.at > a.at && best.at < b.at;
         if a.slope < 0.0 && b.slope > 0.0 && !known && hides(&a, &b, &best) {
             let found = refine_valley(a, b, f);

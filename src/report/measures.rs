@@ -2,8 +2,8 @@
 
 use super::rounded::{not_above, not_below};
 use super::verdict::{Case, MEASURES, Status};
+use crate::clearance::covered::CoveredMotion;
 use crate::clearance::measured::{Known, is_of_whole_motion, known};
-use crate::clearance::motion::ProvedMotion;
 use crate::kinematics::measures::{formula_value, measure_motion};
 use crate::kinematics::motion::sampling::only_times;
 use crate::kinematics::results::trajectory::Trajectory;
@@ -29,8 +29,8 @@ pub struct TakenMeasure<'m> {
 pub fn take_whole<'s>(
     system: &System,
     scene: &'s Scene,
-    trajectory: &Trajectory,
-    times: &[f64],
+    (trajectory, times): (&Trajectory, &[f64]),
+    covered: &mut CoveredMotion,
     tolerance: f64,
 ) -> Vec<TakenMeasure<'s>> {
     let (mechanism, actuation) = (&*scene.mechanism, &scene.actuation);
@@ -38,7 +38,6 @@ pub fn take_whole<'s>(
     if !needs_certified_poses(scene) {
         return list;
     }
-    let mut motion = ProvedMotion::new(system, actuation, trajectory);
     let inputs = actuation.inputs_at(0.0);
     let mut slots = inputs;
     for measured in &mut list {
@@ -46,7 +45,7 @@ pub fn take_whole<'s>(
             // Of the earlier ones as they are now.
             measured.value = formula_value(formula, &slots);
         } else if measured.value.is_some() && is_of_whole_motion(mechanism, measured.measure) {
-            measured.known = known(&mut motion, measured.measure, tolerance);
+            measured.known = known(covered.proved(), measured.measure, tolerance);
             measured.value = measured.known.map(|known| known.value);
         }
         slots.push(measured.value.unwrap_or(f64::NAN));
@@ -176,7 +175,9 @@ impl TakenMeasure<'_> {
         let time = time.map_or_else(String::new, |time| format!(", at {time}"));
         let bound = self.shown_bound(&known);
         if !bound.is_finite() {
-            return format!("{time}; no bound: a kink or jump of the formula");
+            return format!(
+                "{time}; no bound: the formula may have no value or no slope somewhere"
+            );
         }
         let decimals = decimals(bound).map_or(12, |d| d.saturating_sub(1));
         let never = match known.bound < known.value {

@@ -4,7 +4,8 @@
 use super::check::{MotionReport, without_pose};
 use super::verdict::{Asked, Verdict};
 use super::{closure, measures};
-use crate::clearance::check::{ClearanceReport, Closely, check_clearance};
+use crate::clearance::check::{ClearanceReport, Closely, check_over};
+use crate::clearance::covered::CoveredMotion;
 use crate::kinematics::motion::proved::{Proofs, solve_proved};
 use crate::kinematics::motion::sampling::{allow_samples, knot_times};
 use crate::kinematics::results::trajectory::Trajectory;
@@ -41,7 +42,7 @@ pub struct MotionAnswer {
     pub verdict: Verdict,
 }
 
-impl MotionCheck<'_> {
+impl<'a> MotionCheck<'a> {
     /// Tubes, which clearances are bounded by, join certified poses: more may be proved than is asked for.
     fn proofs(&self) -> Proofs {
         let needs_tubes = self.scene.clearance.is_some()
@@ -71,12 +72,20 @@ impl MotionCheck<'_> {
         ))
     }
 
+    /// The motion between the samples of a trajectory, for all that is asked of it.
+    pub fn cover<'t>(&self, trajectory: &'t Trajectory) -> CoveredMotion<'t>
+    where
+        'a: 't,
+    {
+        CoveredMotion::new(self.system, &self.scene.actuation, trajectory)
+    }
+
     /// The clearances that the scene asks for; `None` if it asks for none. `progress` hears of pairs done and of all.
     ///
     /// Errors: more pairs than a run may have.
     pub fn clearances(
         &self,
-        trajectory: &Trajectory,
+        covered: &mut CoveredMotion,
         progress: &dyn Fn(usize, usize),
     ) -> Result<Option<ClearanceReport>, LimitExceeded> {
         let Some(rules) = &self.scene.clearance else {
@@ -87,9 +96,9 @@ impl MotionCheck<'_> {
         let pairs = bodies as f64 * (bodies as f64 - 1.0) / 2.0;
         let who = format!("[clearance] of {bodies} bodies");
         current_limits().allow(Resource::Pairs, pairs, &who)?;
-        let actuation = &self.scene.actuation;
-        let closely = self.closely;
-        let found = check_clearance(self.system, actuation, rules, trajectory, closely, progress);
+        // Proving the motion and sorting the triangles of meshes may take a while.
+        progress(0, 1);
+        let found = check_over(covered.proved(), rules, self.closely, progress);
         Ok(Some(found))
     }
 
@@ -97,11 +106,13 @@ impl MotionCheck<'_> {
     pub fn answer(
         &self,
         trajectory: &Trajectory,
+        covered: &mut CoveredMotion,
         clearances: Option<&ClearanceReport>,
         seconds: f64,
     ) -> MotionAnswer {
         let (system, scene, tolerance) = (self.system, self.scene, self.closely.tolerance);
-        let measured = measures::take_whole(system, scene, trajectory, self.times, tolerance);
+        let sampled = (trajectory, self.times);
+        let measured = measures::take_whole(system, scene, sampled, covered, tolerance);
         let driven = (system, &scene.actuation);
         let report = MotionReport::new(driven, trajectory, self.asked, &measured, clearances);
         let verdict = report.verdict(seconds);

@@ -2,6 +2,7 @@
 
 use crate::charts;
 use crate::clearance::check::ClearanceReport;
+use crate::clearance::covered::CoveredMotion;
 use crate::cli::args::files::ProgressArg;
 use crate::cli::args::motion::CheckArgs;
 use crate::cli::files::chart;
@@ -45,7 +46,7 @@ pub fn check_pairs(
     args: &CheckArgs,
     opened: &OpenScene,
     check: &MotionCheck,
-    trajectory: &Trajectory,
+    (trajectory, covered): (&Trajectory, &mut CoveredMotion),
     term: &Term,
 ) -> Result<Option<ClearanceReport>, Failure> {
     if opened.scene.clearance.is_none() {
@@ -53,7 +54,7 @@ pub fn check_pairs(
     }
     let mechanism = &opened.scene.mechanism;
     let progress = Progress::new(ProgressArg::Auto, term.quiet()).counting("pairs");
-    let found = check.clearances(trajectory, &|done, all| {
+    let found = check.clearances(covered, &|done, all| {
         progress.show(done, all);
     })?;
     progress.end();

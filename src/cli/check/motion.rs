@@ -59,9 +59,11 @@ pub fn check_motion(args: &CheckArgs, opened: &OpenScene, term: &Term) -> Result
             failure: Some(failure),
         });
     }
-    let clearances = clearance::check_pairs(args, opened, &check, &trajectory, term)?;
-    swept::write(args, opened, &trajectory, term)?;
-    let answer = check.answer(&trajectory, clearances.as_ref(), seconds);
+    let mut covered = check.cover(&trajectory);
+    let clearances =
+        clearance::check_pairs(args, opened, &check, (&trajectory, &mut covered), term)?;
+    swept::write(args, opened, &mut covered, term)?;
+    let answer = check.answer(&trajectory, &mut covered, clearances.as_ref(), seconds);
     Ok(Answer {
         text: answer.text,
         document: args.json.is_some().then_some(answer.document),

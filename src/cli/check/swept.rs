@@ -1,6 +1,6 @@
 //! `mechanim check --swept`: what a body sweeps, as a file.
 
-use crate::clearance::motion::ProvedMotion;
+use crate::clearance::covered::CoveredMotion;
 use crate::clearance::swept::Swept;
 use crate::cli::args::motion::CheckArgs;
 use crate::cli::io;
@@ -10,7 +10,6 @@ use crate::cli::term::outcome::Failure;
 use crate::export::glb::write_glb;
 use crate::export::solid::{write_obj, write_stl};
 use crate::export::{Format, Target};
-use crate::kinematics::results::trajectory::Trajectory;
 use crate::report::rounded::at_most_three;
 use crate::staging::model::of_mesh;
 use std::path::Path;
@@ -19,7 +18,7 @@ use std::path::Path;
 pub fn write(
     args: &CheckArgs,
     opened: &OpenScene,
-    trajectory: &Trajectory,
+    covered: &mut CoveredMotion,
     term: &Term,
 ) -> Result<(), Failure> {
     let (Some(path), Some(name)) = (&args.swept, &args.body) else {
@@ -30,8 +29,7 @@ pub fn write(
     let seen_from = from.map(|name| index(opened, name)).transpose()?;
     let format = format_of(path)?;
     io::refuse_input(&args.scene, path)?;
-    let motion = ProvedMotion::new(&opened.system, &opened.scene.actuation, trajectory);
-    let swept = Swept::new(&motion, body, seen_from, args.cells)
+    let swept = Swept::new(covered.proved(), body, seen_from, args.cells)
         .map_err(|error| Failure::usage(format!("`{name}` sweeps no mesh: {error}"), Vec::new()))?;
     let sure = if swept.is_certified {
         "proved"

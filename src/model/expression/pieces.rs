@@ -37,8 +37,8 @@ enum KinkSide {
 #[derive(Clone, Debug)]
 pub struct TimePiece {
     sides: Vec<KinkSide>,
-    /// It jumps at the start, at the end.
-    pub jumps: [bool; 2],
+    /// What jumps at the start, and at the end: a `floor` or `mod` with all that it is of.
+    pub jumps: [Option<Vec<Op>>; 2],
 }
 
 /// Values of all operations over a stretch, without its ends, and about its ends with their rates.
@@ -62,7 +62,11 @@ impl Expression {
 
     /// The formula of time over `all`, as what it is between two `ends`, seconds.
     pub fn piece(&self, all: Interval, ends: [f64; 2]) -> TimePiece {
-        let abouts = ends.map(around_instant);
+        let mut abouts = ends.map(around_instant);
+        // Nothing is before the beginning.
+        if ends[0] == 0.0 {
+            abouts[0].lo = 0.0;
+        }
         let core = match abouts[0].hi <= abouts[1].lo {
             true => Interval::new(abouts[0].hi, abouts[1].lo),
             false => Interval::point(0.5 * ends[0] + 0.5 * ends[1]),
@@ -107,7 +111,7 @@ impl Expression {
         }
         TimePiece {
             sides,
-            jumps: jumps.map(|jump| jump.is_some()),
+            jumps: jumps.map(|jump| jump.map(|op| subtree(&canonical, op))),
         }
     }
 
@@ -226,6 +230,27 @@ impl Expression {
         }
         list
     }
+}
+
+/// An operation with all that it is of, in the order of the formula: the same for the same written elsewhere.
+fn subtree(ops: &[Op], root: Op) -> Vec<Op> {
+    let mut is_needed = vec![false; ops.len()];
+    let last = ops.iter().position(|op| *op == root).unwrap_or(0);
+    is_needed[last] = true;
+    for k in (0..=last).rev() {
+        if is_needed[k] {
+            ops[k]
+                .operands()
+                .for_each(|operand| is_needed[operand] = true);
+        }
+    }
+    let mut places = vec![0; ops.len()];
+    let mut list = Vec::new();
+    for (k, op) in ops.iter().enumerate().filter(|(k, _)| is_needed[*k]) {
+        places[k] = list.len();
+        list.push(op.mapped(|operand| places[operand]));
+    }
+    list
 }
 
 impl Ranges {

@@ -238,7 +238,8 @@ impl LinkGraph {
         let axis = here.link_from_here * met.to_axis;
         self.at[here.link].iter().find_map(|index| {
             let edge = &self.edges[*index];
-            if edge.label != met.label || edge.motion != met.motion {
+            let is_alike = edge.label == met.label && edge.motion == met.motion;
+            if !is_alike || !self.may_commute(edge, here.link, &axis) {
                 return None;
             }
             [false, true].into_iter().find_map(|is_inverse| {
@@ -296,6 +297,22 @@ impl LinkGraph {
             is_inverse: false,
         };
         (behind, crossing)
+    }
+
+    /// Whether one of an edge's frames on a link may have the axis of a frame, either way round: of the many edges that may
+    /// meet at a link most do not.
+    fn may_commute(&self, edge: &LinkEdge, link: usize, axis: &Pose) -> bool {
+        edge.ends.iter().map(|end| self.resolved(*end)).any(|end| {
+            let (own, z) = (&end.link_from_here, axis.rotation.z_axis);
+            let aside = match edge.motion {
+                ElementaryMotion::Rotation => (own.translation - axis.translation).cross(z),
+                ElementaryMotion::Translation => DVec3::ZERO,
+            };
+            let tilted = own.rotation.z_axis.cross(z);
+            end.link == link
+                && tilted.length() <= 4.0 * EXACT
+                && aside.length() <= 4.0 * EXACT * self.size
+        })
     }
 
     /// Whether a pose between two frames of an axis along z leaves the motion as it is.

@@ -13,6 +13,7 @@ mod clearance_scenes;
 mod clearance_times;
 mod distances;
 mod envelopes;
+mod estimates;
 mod exclusions;
 mod gate;
 mod mesh_shells;

@@ -65,7 +65,7 @@ fn drive(random: &mut Random) -> Drive {
         random.range(-3.0, 3.0),
     );
     let at = random.range(0.2, 1.8);
-    match random.pick(7) {
+    match random.pick(8) {
         0 => Drive {
             text: format!("{p} + {w}*t"),
             value: Box::new(move |t| p + w * t),
@@ -99,18 +99,23 @@ fn drive(random: &mut Random) -> Drive {
                 .filter(|t| *t < DURATION)
                 .collect(),
         },
-        // Not zero at the beginning: of two drives that jump at one instant nothing is proved.
-        _ => {
-            let early = random.range(0.01, 0.1);
-            Drive {
-                text: format!("{p} + mod({w}*t + {early}, {a})"),
-                value: Box::new(move |t| p + (w * t + early).rem_euclid(a)),
-                places: (1..200)
-                    .map(|k| (f64::from(k) * a - early) / w)
-                    .filter(|t| *t < DURATION)
-                    .collect(),
-            }
-        }
+        // The values at the jumps are those before them, at the very beginning as well.
+        6 => Drive {
+            text: format!("{p} - {a}*floor(-{w}*t)"),
+            value: Box::new(move |t| p - a * (-w * t).floor()),
+            places: (0..40)
+                .map(|k| f64::from(k) / w)
+                .filter(|t| *t < DURATION)
+                .collect(),
+        },
+        _ => Drive {
+            text: format!("{p} + mod({w}*t, {a})"),
+            value: Box::new(move |t| p + (w * t).rem_euclid(a)),
+            places: (1..200)
+                .map(|k| f64::from(k) * a / w)
+                .filter(|t| *t < DURATION)
+                .collect(),
+        },
     }
 }
 

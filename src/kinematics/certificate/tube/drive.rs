@@ -2,6 +2,7 @@
 
 use super::model::{TERMS, TaylorEnclosure};
 use crate::model::drive::Drive;
+use crate::model::expression::Op;
 use crate::model::expression::pieces::around_instant;
 use crate::numbers::interval::Interval;
 
@@ -36,10 +37,10 @@ impl DriveStretch {
     }
 
     /// The same with a little more where a drive jumps at its ends: a tube goes on beyond the jump as far as its time is
-    /// unknown. `None` where it is open which of two drives jumps first.
+    /// unknown. `None` where it is open which of two drives jumps first; what jumps in both of them does so at once.
     pub fn over_jumps(self, drives: &[Drive]) -> Option<Self> {
         let ends = self.ends;
-        let mut jumping: [Option<&Drive>; 2] = [None; 2];
+        let mut jumping: [Option<Vec<Op>>; 2] = [None, None];
         for drive in drives {
             let jumps = match drive {
                 Drive::Formula(formula) if formula.has_pieces() => {
@@ -47,11 +48,12 @@ impl DriveStretch {
                 }
                 _ => continue,
             };
-            for (known, _) in jumping.iter_mut().zip(jumps).filter(|(_, jump)| *jump) {
-                if known.is_some_and(|other| other != drive) {
-                    return None;
+            for (known, jump) in jumping.iter_mut().zip(jumps) {
+                match (&known, jump) {
+                    (Some(other), Some(jump)) if *other != jump => return None,
+                    (None, Some(jump)) => *known = Some(jump),
+                    _ => {}
                 }
-                *known = Some(drive);
             }
         }
         let mut over = ends;
@@ -104,7 +106,7 @@ mod tests {
     #![allow(clippy::panic)]
     use super::*;
     use crate::model::drive::Ease;
-    use crate::model::expression::{Expression, Function, Op};
+    use crate::model::expression::{Expression, Function};
     use crate::numbers::constant::Constant;
 
     /// t, then t + 1.3, and a function of both; `Floor` and `Mod` are smooth where the test looks.

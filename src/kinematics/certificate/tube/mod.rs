@@ -21,6 +21,7 @@ mod proof;
 mod prover;
 mod rows;
 mod shown;
+mod shown_value;
 mod stretches;
 
 use crate::kinematics::results::certificate::{IntervalCertificate, Reason};

@@ -78,7 +78,7 @@ impl<'m> Prover<'m> {
         self
     }
 
-    /// Lets intervals end where the drive jumps: they are proved up to there, and the sample after it is not joined.
+    /// Lets intervals begin and end where the drive jumps: they are proved up to there, and the sample beyond it is not joined.
     pub fn up_to_jumps(mut self) -> Self {
         self.may_jump = true;
         self
@@ -176,6 +176,10 @@ impl<'m> Prover<'m> {
         let mut last = self.place(end).map_err(|o| refuse(end, o))?;
         if self.may_jump {
             last = self.before_a_jump(&here, last);
+            // Of two jumps neither pose is on the motion between them: of open chains alone it is known where that is.
+            if last.sample.is_some() || last.unknowns.is_empty() {
+                here = self.after_a_jump(here, &last);
+            }
         }
         let floor = floor * (end.time - start.time);
         // Bisection in time: a stack of poses ahead, halved until every tube is proved.
@@ -231,27 +235,40 @@ impl<'m> Prover<'m> {
     fn before_a_jump(&mut self, here: &Station, last: Station) -> Station {
         let keys = keys_between(&self.actuation.drives, here.time, last.time);
         let from = keys.last().copied().unwrap_or(here.time);
-        let inputs = InputPath::new(&self.actuation, DriveStretch::new(from, last.time));
-        let values = last.sample.iter().flat_map(|(values, _)| values);
-        let limit = |k: usize| inputs.at(k, last.time).middle();
+        self.beside_a_jump(last, here, from)
+    }
+
+    /// The pose from which the drive leads on right after `here`, where it jumps from that; else `here` itself.
+    fn after_a_jump(&mut self, here: Station, last: &Station) -> Station {
+        let keys = keys_between(&self.actuation.drives, here.time, last.time);
+        let from = keys.first().copied().unwrap_or(last.time);
+        self.beside_a_jump(here, last, from)
+    }
+
+    /// The limit of the motion at a jump to or from `at`, on the side of `from`: followed from the pose on that side.
+    fn beside_a_jump(&mut self, at: Station, there: &Station, from: f64) -> Station {
+        let ends = [from.min(at.time), from.max(at.time)];
+        let inputs = InputPath::new(&self.actuation, DriveStretch::new(ends[0], ends[1]));
+        let values = at.sample.iter().flat_map(|(values, _)| values);
+        let limit = |k: usize| inputs.at(k, at.time).middle();
         let jumps = |(k, v): (usize, &f64)| (limit(k) - v).abs() > SAME_INPUT * self.unit(k, *v);
         if !values.enumerate().any(jumps) {
-            return last;
+            return at;
         }
-        let mut coordinates = here.unknowns.clone();
+        let mut coordinates = there.unknowns.clone();
         for step in 1..=STEPS_TO_JUMP {
             let share = f64::from(step) / f64::from(STEPS_TO_JUMP);
-            let time = from + share * (last.time - from);
-            coordinates.truncate(here.unknowns.len());
+            let time = from + share * (at.time - from);
+            coordinates.truncate(there.unknowns.len());
             let drives = 0..self.actuation.drives.len();
             coordinates.extend(drives.map(|k| inputs.at(k, time).middle()));
             if !self.solver.closed(&mut coordinates, Pace::Brisk) {
-                return last;
+                return at;
             }
         }
-        coordinates.truncate(here.unknowns.len());
+        coordinates.truncate(there.unknowns.len());
         Station {
-            time: last.time,
+            time: at.time,
             unknowns: coordinates,
             rates: None,
             sample: None,

@@ -1,0 +1,201 @@
+//! What is estimated passes only where estimates are enough, and what is below its minimum then neither; drives that jump
+//! where a motion begins, or together, need no estimates.
+
+use crate::program::Workspace;
+use serde_json::Value;
+
+/// A ball that turns by a drive beside a post, 3 above its circle unless the post is elsewhere.
+fn turning(drive: &str, post: &str, minimum: f64) -> String {
+    format!(
+        r#"
+duration = 2
+[inputs]
+u = "{drive}"
+[[bodies]]
+name = "ball"
+frame = "Rz(u)"
+shapes = [{{ sphere = {{ center = [1, 0, 0], radius = 0.1 }} }}]
+[[bodies]]
+name = "post"
+shapes = [{{ sphere = {{ center = {post}, radius = 0.1 }} }}]
+[clearance]
+minimum = {minimum}
+pairs = [{{ pair = ["ball", "post"], minimum = {minimum} }}]
+"#
+    )
+}
+
+/// Exit code, result and verdict of the pair.
+fn said(w: &Workspace, options: &[&str]) -> (i32, String, String) {
+    let fixed = ["check", "scene.toml", "--json", "r.json"];
+    let code = w.run(&[&fixed, options].concat()).code;
+    let json: Value = serde_json::from_slice(&w.read("r.json")).expect("JSON");
+    let word = |value: &Value| value.as_str().expect("a word").to_owned();
+    let pair = &json["clearance"]["pairs"][0];
+    (code, word(&json["result"]), word(&pair["verdict"]))
+}
+
+#[test]
+fn estimates_pass_where_they_are_enough_and_nowhere_else() {
+    let w = Workspace::new();
+    // Its speed has no bound at 1 s, so that nothing is proved there.
+    for (drive, minimum, without, with) in [
+        (
+            "sqrt(abs(t - 1))",
+            0.1,
+            (1, "not proved", "estimated"),
+            (0, "passed", "estimated"),
+        ),
+        (
+            "sqrt(abs(t - 1))",
+            2.97,
+            (1, "failed", "failed"),
+            (1, "failed", "failed"),
+        ),
+        (
+            "0.5*sin(t)",
+            0.1,
+            (0, "passed", "passed"),
+            (0, "passed", "passed"),
+        ),
+        (
+            "0.5*sin(t)",
+            2.97,
+            (1, "failed", "failed"),
+            (1, "failed", "failed"),
+        ),
+    ] {
+        w.write("scene.toml", turning(drive, "[0, 0, 3]", minimum));
+        for (options, expected) in [(&[][..], without), (&["--allow-estimates"], with)] {
+            let (code, result, verdict) = said(&w, options);
+            let found = (code, result.as_str(), verdict.as_str());
+            assert_eq!(found, expected, "{drive}, {minimum}, {options:?}");
+        }
+    }
+}
+
+#[test]
+fn jumps_where_a_motion_begins_and_jumps_together_are_proved() {
+    let w = Workspace::new();
+    for (drive, u_at) in [
+        // From the value of the first instant at once to another one.
+        ("floor(1 - 1.6*t)", [1.0, 0.0, -1.0, -2.0, -3.0].as_slice()),
+        ("-floor(-t/2)", &[0.0, 1.0]),
+        ("-floor(-3*t)", &[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0]),
+        ("1 - mod(-2*t, 1.5)", &[1.0, -0.5]),
+        // What jumps in two places at once.
+        (
+            "floor(3*t) + 0.1*floor(3*t)",
+            &[0.0, 1.1, 2.2, 3.3, 4.4, 5.5],
+        ),
+    ] {
+        for samples in ["2", "7", "40"] {
+            w.write("scene.toml", turning(drive, "[0, 0, 3]", 0.1));
+            let found = said(&w, &["--samples", samples]);
+            assert_eq!(
+                found,
+                (0, "passed".into(), "passed".into()),
+                "{drive}, {samples}"
+            );
+            // A post where the ball is before and after a jump: that of one instant counts as well.
+            for u in u_at {
+                let post = format!("[{}, {}, 0]", f64::cos(*u), f64::sin(*u));
+                w.write("scene.toml", turning(drive, &post, 0.1));
+                let (code, result, _) = said(&w, &["--samples", samples]);
+                assert_eq!(
+                    (code, result.as_str()),
+                    (1, "failed"),
+                    "{drive}, {samples}, {u}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn two_drives_that_jump_together_are_proved() {
+    let w = Workspace::new();
+    let scene = |v: &str, post: &str| {
+        turning("0.5*floor(t + 0.5)", post, 0.1)
+            .replace(
+                "[[bodies]]\nname = \"ball\"",
+                &format!("v = \"{v}\"\n[[bodies]]\nname = \"ball\""),
+            )
+            .replace("\"Rz(u)\"", "\"Rz(u) Tx(v)\"")
+    };
+    w.write("scene.toml", scene("2*floor(t + 0.5)", "[0, 0, 3]"));
+    assert_eq!(said(&w, &[]).0, 0);
+    // Where the ball would be if one of the drives jumped before the other: it never is there.
+    for (u, v) in [(0.5_f64, 0.0), (0.0, 2.0)] {
+        let post = format!("[{}, {}, 0]", (1.0 + v) * u.cos(), (1.0 + v) * u.sin());
+        w.write("scene.toml", scene("2*floor(t + 0.5)", &post));
+        assert_eq!(said(&w, &[]).0, 0, "{u} {v}");
+        // Of other jumps about that time it is not known which comes first.
+        w.write("scene.toml", scene("2*floor(2*t) - 2*floor(t)", &post));
+        assert_eq!(said(&w, &[]).0, 1, "{u} {v}");
+    }
+}
+
+/// A cube of triangles as STL text.
+fn cube() -> String {
+    let corner = |k: usize| [1, 2, 4].map(|bit| if k & bit == 0 { -10.0 } else { 10.0 });
+    let sides = [
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
+    let triangles = sides
+        .into_iter()
+        .flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
+    let facet = |triangle: [usize; 3]| {
+        let vertices = triangle
+            .map(corner)
+            .map(|[x, y, z]| format!("vertex {x} {y} {z}\n"));
+        format!(
+            "facet normal 0 0 0\nouter loop\n{}endloop\nendfacet\n",
+            vertices.concat()
+        )
+    };
+    format!(
+        "solid cube\n{}endsolid cube\n",
+        triangles.map(facet).collect::<String>()
+    )
+}
+
+/// With a minimum of nothing a mesh that is cut fails: not only is it open whether it passes.
+#[test]
+fn a_mesh_that_is_cut_fails_where_only_an_overlap_is_forbidden() {
+    let w = Workspace::new();
+    w.write("cube.stl", cube());
+    for (shape, height, expected) in [
+        ("sphere = { radius = 1 }", "10.5 + 0.2*t", (1, "failed")),
+        (
+            "sphere = { radius = 1 }",
+            "12 - 3*sin(1.5*t)",
+            (1, "failed"),
+        ),
+        ("box = { size = [30, 2, 1] }", "9 + t", (1, "failed")),
+        (
+            "stl = { file = \"cube.stl\" }",
+            "19.5 + 0.1*t",
+            (1, "failed"),
+        ),
+        ("sphere = { radius = 1 }", "11.001 + t", (0, "passed")),
+        ("stl = { file = \"cube.stl\" }", "20.01 + t", (0, "passed")),
+    ] {
+        let scene = turning("0", "[0, 0, 0]", 0.0)
+            .replace("u = \"0\"", &format!("u = \"{height}\""))
+            .replace("Rz(u)", "Tx(0.3) Ty(0.2) Tz(u)")
+            .replacen("sphere = { center = [1, 0, 0], radius = 0.1 }", shape, 1)
+            .replace(
+                "sphere = { center = [0, 0, 0], radius = 0.1 }",
+                "stl = { file = \"cube.stl\" }",
+            );
+        w.write("scene.toml", scene);
+        let (code, result, _) = said(&w, &[]);
+        assert_eq!((code, result.as_str()), expected, "{shape} at {height}");
+    }
+}
