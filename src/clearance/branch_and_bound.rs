@@ -10,7 +10,9 @@
 use super::meeting::Meeting;
 use super::motion::ProvedMotion;
 use super::sweep::{Best, Least, PairSweep};
-use crate::distance::bodies::{nearest_bodies, separation_along, sphere_separation};
+use crate::distance::bodies::{
+    nearest_bodies, ring_separation, separation_along, sphere_separation,
+};
 use crate::distance::core::{Element, Primitive};
 use glam::DVec3;
 use std::rc::Rc;
@@ -302,6 +304,9 @@ impl PairSweep<'_> {
             let mut far = sphere_separation(first, second, goal + way) - way;
             if far < goal && *normal != DVec3::ZERO {
                 far = far.max(separation_along(first, second, *normal) - way);
+            }
+            if far < goal {
+                far = ring_separation(first, second).map_or(far, |ring| far.max(ring - way));
             }
             if far >= goal {
                 lowest = lowest.min(far);
