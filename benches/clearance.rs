@@ -15,6 +15,8 @@ mod parry;
 use driven::{check, frame_times, knots, solve};
 use glam::{DMat3, DVec3};
 
+use mechanim::analysis::random::Random;
+use mechanim::clearance::sweep_and_prune::{AxisBox, near_boxes};
 use mechanim::diag::Source;
 use mechanim::distance::core::{Element, shape_elements};
 use mechanim::distance::pair::signed_distance;
@@ -23,6 +25,8 @@ use mechanim::math::Pose;
 use mechanim::model::shape::{Shape, Solid, TriangleSoup};
 use mechanim::scene::{Overrides, load_scene};
 use parry::Peer;
+use parry3d_f64::bounding_volume::Aabb;
+use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
 use std::f64::consts::{PI, TAU};
 use std::hint::black_box;
 use std::sync::Arc;
@@ -284,6 +288,65 @@ fn check_scene(path: &str) -> f64 {
     start.elapsed().as_secs_f64() * 1e3
 }
 
+/// Boxes of random edges at random places, the same in every run.
+fn random_boxes(count: usize, room: DVec3, edge: f64) -> Vec<AxisBox> {
+    let mut random = Random::new(1, 0, count as u64);
+    let mut vector = || DVec3::from_array([0, 1, 2].map(|_| random.unit()));
+    let one = |_| {
+        let (center, half) = (room * vector(), 0.5 * edge * vector());
+        AxisBox {
+            low: center - half,
+            high: center + half,
+        }
+    };
+    (0..count).map(one).collect()
+}
+
+/// The broad phase at one instant, where all boxes are new: ours beside parry's tree, built and traversed.
+fn near_pairs(name: &str, boxes: &[AxisBox]) {
+    const APART: f64 = 1.0;
+    let ours = || {
+        let mut met = 0;
+        near_boxes(boxes, APART, |_| {
+            met += 1;
+            true
+        });
+        met
+    };
+    let mut workspace = BvhWorkspace::default();
+    let mut theirs = || {
+        let grown = DVec3::splat(0.5 * APART);
+        let leaves = boxes
+            .iter()
+            .map(|b| Aabb::new(b.low - grown, b.high + grown));
+        let tree = Bvh::from_leaves(BvhBuildStrategy::Binned, &leaves.collect::<Vec<_>>());
+        let mut met = 0;
+        tree.traverse_bvtt_single_tree::<false>(&mut workspace, &mut |a, b| {
+            met += usize::from(boxes[a as usize].apart(&boxes[b as usize]) <= APART);
+        });
+        met
+    };
+    assert_eq!(ours(), theirs(), "{name}");
+    let rounds = (20_000 / boxes.len()).max(1);
+    let [own, parry] = [fastest(rounds, ours), fastest(rounds, theirs)];
+    println!(
+        "near pairs of {:>5} boxes in {name:<12} {own:>8.1} us, parry {parry:>8.1}",
+        boxes.len()
+    );
+}
+
+/// Microseconds of the fastest of some runs of so many calls.
+fn fastest(calls: usize, mut call: impl FnMut() -> usize) -> f64 {
+    let times = (0..ROUNDS).map(|_| {
+        let start = Instant::now();
+        for _ in 0..calls {
+            black_box(call());
+        }
+        1e6 * start.elapsed().as_secs_f64() / calls as f64
+    });
+    times.fold(f64::INFINITY, f64::min)
+}
+
 fn main() {
     let mut words = std::env::args().skip(1);
     if let Some(path) = words.find(|word| !word.starts_with("--")) {
@@ -327,6 +390,15 @@ fn main() {
         ("cylinder", &cylinder),
     ]);
     known_pairs();
+    for (name, count, room, edge) in [
+        ("a mechanism", 22, DVec3::splat(300.0), 100.0),
+        ("a cube", 300, DVec3::splat(1000.0), 60.0),
+        ("a slide", 1000, DVec3::new(1e4, 50.0, 50.0), 8.0),
+        ("a cube", 1000, DVec3::splat(1000.0), 40.0),
+        ("a cube", 10_000, DVec3::splat(1000.0), 20.0),
+    ] {
+        near_pairs(name, &random_boxes(count, room, edge));
+    }
     for scene in ["gearshift", "slider-crank", "seven-r"] {
         let path = format!("{}/scenes/{scene}.toml", env!("CARGO_MANIFEST_DIR"));
         let best = (0..3)

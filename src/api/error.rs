@@ -3,7 +3,7 @@
 use crate::analysis::study::FamilyError;
 use crate::diag::{Diagnostic, SceneError, Severity, Source, Span, nearest_name};
 use crate::export::ExportError;
-use crate::export::frame_pipeline::PipelineError;
+use crate::export::error::PipelineError;
 use crate::kinematics::structure::block::StructureError;
 use crate::limits::LimitExceeded;
 use crate::render::RenderError;

@@ -2,11 +2,12 @@
 //!
 //! Over a stretch of the motion no point of a body leaves the box around it in the middle of the stretch, grown by the
 //! farthest way of its points. So two bodies whose boxes are apart are as far apart, and that is proved as far as the
-//! stretch is. Boxes are sorted along an axis and compared with those that follow (sweep and prune).
+//! stretch is.
 
 use super::motion::ProvedMotion;
 use super::relative::RelativeChain;
 use super::sweep::slack_of_poses;
+use super::sweep_and_prune::{AxisBox, near_boxes};
 use crate::distance::bodies::Hull;
 use crate::distance::core::Element;
 use crate::kinematics::certificate::tube::TaylorModel;
@@ -30,37 +31,6 @@ const FINE: f64 = 0.5;
 /// ... and else halved as often as this.
 const SPLITS: u32 = 4;
 
-/// A box along the axes of the world.
-#[derive(Clone, Copy, Debug)]
-struct SweptBox {
-    low: DVec3,
-    high: DVec3,
-}
-
-impl SweptBox {
-    const EVERYWHERE: Self = Self {
-        low: DVec3::NEG_INFINITY,
-        high: DVec3::INFINITY,
-    };
-
-    fn around(&self, other: &Self) -> Self {
-        Self {
-            low: self.low.min(other.low),
-            high: self.high.max(other.high),
-        }
-    }
-
-    fn is_finite(&self) -> bool {
-        self.low.is_finite() && self.high.is_finite()
-    }
-
-    /// Distance of the boxes.
-    fn apart(&self, other: &Self) -> f64 {
-        let gap = (self.low - other.high).max(other.low - self.high);
-        gap.max(DVec3::ZERO).length()
-    }
-}
-
 /// A body as the broad phase sees it.
 pub(super) struct Sweeper {
     /// Index of the body.
@@ -76,14 +46,14 @@ pub(super) struct Sweeper {
 }
 
 /// How far an element reaches along the axes of its body.
-fn swept_reach(element: &Element) -> SweptBox {
+fn swept_reach(element: &Element) -> AxisBox {
     let (center, radius) = element.bounds();
     let along = |n: DVec3| {
         let reach = element.core.support(n).map(|s| s + element.radius);
         reach.unwrap_or_else(|| n.dot(center) + radius)
     };
     let [x, y, z] = DVec3::AXES;
-    SweptBox {
+    AxisBox {
         low: -DVec3::new(along(-x), along(-y), along(-z)),
         high: DVec3::new(along(x), along(y), along(z)),
     }
@@ -97,7 +67,7 @@ impl Sweeper {
         let (center, radius) = hull.ball;
         let extent = chain.longest(motion.poses()) + center.length() + radius;
         let all = hull.elements.iter().map(swept_reach);
-        let own = all.reduce(|a, b| a.around(&b)).filter(SweptBox::is_finite);
+        let own = all.reduce(|a, b| a.around(&b)).filter(AxisBox::is_finite);
         Self {
             body,
             part: mechanism.joints.of_body[body],
@@ -119,7 +89,7 @@ impl Sweeper {
         [s, half]: [f64; 2],
         fine: f64,
         splits: u32,
-    ) -> SweptBox {
+    ) -> AxisBox {
         let moved = self.chain.around(arguments, s, half);
         let way = moved.distance(self.ball);
         if way <= fine || splits == 0 || self.own.is_none() {
@@ -131,21 +101,21 @@ impl Sweeper {
         first.around(&second)
     }
 
-    fn placed(&self, pose: &Pose, grown: f64) -> SweptBox {
+    fn placed(&self, pose: &Pose, grown: f64) -> AxisBox {
         let Some([center, half]) = self.own else {
-            return SweptBox::EVERYWHERE;
+            return AxisBox::EVERYWHERE;
         };
         let center = pose.transform_point(center);
         let columns = [0, 1, 2].map(|k| pose.rotation.col(k).abs());
         let half = columns[0] * half.x + columns[1] * half.y + columns[2] * half.z;
         let half = half + DVec3::splat(grown + self.slack);
-        let bounds = SweptBox {
+        let bounds = AxisBox {
             low: center - half,
             high: center + half,
         };
         match bounds.is_finite() {
             true => bounds,
-            false => SweptBox::EVERYWHERE,
+            false => AxisBox::EVERYWHERE,
         }
     }
 }
@@ -211,7 +181,7 @@ impl<'m> BroadPhase<'m> {
         self.motion.roots + self.alone.len()
     }
 
-    fn boxes(&self, moment: usize, apart: f64) -> Vec<SweptBox> {
+    fn boxes(&self, moment: usize, apart: f64) -> Vec<AxisBox> {
         let motion = self.motion;
         let swept = |body: &Sweeper| match moment.checked_sub(motion.roots) {
             None => {
@@ -267,31 +237,11 @@ impl<'m> BroadPhase<'m> {
         }
     }
 
-    /// Pairs of boxes that are no farther apart than this, until `meet` wants no more.
-    fn compare(&self, boxes: &[SweptBox], apart: f64, mut meet: impl FnMut([usize; 2]) -> bool) {
-        let axis = widest_axis(boxes);
-        let mut order: Vec<usize> = (0..boxes.len()).collect();
-        order.sort_by(|a, b| boxes[*a].low[axis].total_cmp(&boxes[*b].low[axis]));
-        let mut open: Vec<usize> = Vec::new();
-        for k in order {
-            let here = &boxes[k];
-            open.retain(|j| here.low[axis] - boxes[*j].high[axis] <= apart);
-            for &j in &open {
-                let [a, b] = [&self.bodies[j], &self.bodies[k]];
-                let is_near = a.part != b.part && boxes[j].apart(here) <= apart;
-                if is_near && !meet([a.body.min(b.body), a.body.max(b.body)]) {
-                    return;
-                }
-            }
-            open.push(k);
-        }
+    /// Pairs of bodies whose boxes are no farther apart than this, until `meet` wants no more.
+    fn compare(&self, boxes: &[AxisBox], apart: f64, mut meet: impl FnMut([usize; 2]) -> bool) {
+        near_boxes(boxes, apart, |pair| {
+            let [a, b] = pair.map(|k| &self.bodies[k]);
+            a.part == b.part || meet([a.body.min(b.body), a.body.max(b.body)])
+        });
     }
-}
-
-/// The axis along which boxes lie farthest apart.
-fn widest_axis(boxes: &[SweptBox]) -> usize {
-    let finite = boxes.iter().filter(|b| b.is_finite()).copied();
-    let all = finite.reduce(|a, b| a.around(&b));
-    let edges = all.map_or(DVec3::ZERO, |b| b.high - b.low);
-    edges.max_position()
 }

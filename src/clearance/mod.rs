@@ -24,6 +24,7 @@ pub mod neighbours;
 mod relative;
 mod slab;
 pub mod sweep;
+pub mod sweep_and_prune;
 pub mod swept;
 mod track;
 mod violations;

@@ -126,3 +126,25 @@ impl ExportError {
         matches!(self, Self::Write { source, .. } if source.kind() == io::ErrorKind::BrokenPipe)
     }
 }
+
+/// Why no file came out.
+#[derive(Debug, thiserror::Error)]
+pub enum PipelineError<E: std::error::Error + 'static> {
+    /// A frame could not be drawn.
+    #[error("frame {frame}: {source}")]
+    Draw {
+        /// Its index.
+        frame: usize,
+        /// The worker's error.
+        source: E,
+    },
+    /// The file could not be made.
+    #[error(transparent)]
+    Export(#[from] ExportError),
+    /// The cancel flag was raised.
+    #[error("cancelled")]
+    Cancelled,
+    /// There is nobody to draw.
+    #[error("no worker was given to draw the frames")]
+    NoWorkers,
+}

@@ -2,13 +2,14 @@
 
 use super::apng::{ApngSettings, ApngSink};
 use super::colour_histogram::Histogram;
-use super::error::ExportError;
+use super::error::{ExportError, PipelineError};
 use super::format::FramePattern;
-use super::frame_pipeline::{DrawnSamples, PipelineError, draw_samples, look_at, write_frames};
+use super::frame_pipeline::write_frames;
 use super::gif::{GifSettings, GifSink, Quality, sample_indices};
 use super::palette::{MOST_COLOURS, Palette};
 use super::png::{Effort, PngSettings, SequenceSink, StillSink};
 use super::raw::{Chroma, RawKind, RawSink};
+use super::sampled_frames::{DrawnSamples, draw_samples, look_at};
 use super::timing::{FrameTimes, Schedule};
 use super::{ExportSummary, Format, FrameSink, Output, Target};
 use image::RgbaImage;

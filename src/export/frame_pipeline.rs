@@ -3,7 +3,8 @@
 //! The bytes that come out do not depend on the number of workers or their speed: every step is a function of the
 //! frame's index, and only the writing is ordered.
 
-use super::error::ExportError;
+use super::error::{ExportError, PipelineError};
+use super::sampled_frames::{DrawnSamples, lock_mutex};
 use super::{ExportSummary, FrameCoder, FrameSink};
 use image::RgbaImage;
 use std::collections::VecDeque;
@@ -16,110 +17,6 @@ const WINDOW_PER_WORKER: usize = 3;
 
 /// How long the writing thread sleeps before it looks at the cancel flag again.
 const CANCEL_POLL: Duration = Duration::from_millis(50);
-
-/// Frames drawn for the palette, kept so that they are not drawn twice.
-pub type DrawnSamples = Vec<(usize, RgbaImage)>;
-
-/// Why no file came out.
-#[derive(Debug, thiserror::Error)]
-pub enum PipelineError<E: std::error::Error + 'static> {
-    /// A frame could not be drawn.
-    #[error("frame {frame}: {source}")]
-    Draw {
-        /// Its index.
-        frame: usize,
-        /// The worker's error.
-        source: E,
-    },
-    /// The file could not be made.
-    #[error(transparent)]
-    Export(#[from] ExportError),
-    /// The cancel flag was raised.
-    #[error("cancelled")]
-    Cancelled,
-    /// There is nobody to draw.
-    #[error("no worker was given to draw the frames")]
-    NoWorkers,
-}
-
-/// Draws the frames `indices` (pixels `size`) with all `workers` at once and returns them in the order of `indices`.
-///
-/// Errors: the first a worker reports, or the cancel flag.
-pub fn draw_samples<W, E>(
-    workers: &mut [W],
-    indices: &[usize],
-    size: [u32; 2],
-    cancel: &AtomicBool,
-) -> Result<DrawnSamples, PipelineError<E>>
-where
-    W: FnMut(usize, &mut RgbaImage) -> Result<(), E> + Send,
-    E: std::error::Error + Send + 'static,
-{
-    let drawn = Mutex::new(Vec::new());
-    let take = |place: usize, image: &mut RgbaImage| {
-        let empty = RgbaImage::new(size[0], size[1]);
-        lock_mutex(&drawn).push((place, std::mem::replace(image, empty)));
-    };
-    look_at(workers, indices, size, cancel, &take)?;
-    let mut drawn = drawn.into_inner().unwrap_or_else(PoisonError::into_inner);
-    drawn.sort_by_key(|d| d.0);
-    let frames = drawn.into_iter();
-    Ok(frames
-        .map(|(place, image)| (indices[place], image))
-        .collect())
-}
-
-/// Draws the frames `indices` (pixels `size`) with all `workers` at once and shows each to `take`, with its place in
-/// `indices` and in whatever order they are done.
-///
-/// Errors: the first a worker reports, or the cancel flag.
-pub fn look_at<W, E>(
-    workers: &mut [W],
-    indices: &[usize],
-    size: [u32; 2],
-    cancel: &AtomicBool,
-    take: &(dyn Fn(usize, &mut RgbaImage) + Sync),
-) -> Result<(), PipelineError<E>>
-where
-    W: FnMut(usize, &mut RgbaImage) -> Result<(), E> + Send,
-    E: std::error::Error + Send + 'static,
-{
-    let next = Mutex::new(indices.iter().copied().enumerate());
-    let failed = Mutex::new(None);
-    let work = |draw: &mut W| {
-        let mut image = RgbaImage::new(size[0], size[1]);
-        loop {
-            let Some((place, frame)) = lock_mutex(&next).next() else {
-                break;
-            };
-            if cancel.load(Ordering::Relaxed) || lock_mutex(&failed).is_some() {
-                break;
-            }
-            match draw(frame, &mut image) {
-                Ok(()) => take(place, &mut image),
-                Err(source) => *lock_mutex(&failed) = Some(PipelineError::Draw { frame, source }),
-            }
-        }
-    };
-    std::thread::scope(|scope| {
-        // The calling thread works, too, with whatever threads the system starts.
-        let mut workers = workers.iter_mut();
-        let own = workers.next();
-        for draw in workers {
-            let work = &work;
-            let started = std::thread::Builder::new().spawn_scoped(scope, move || work(draw));
-            if started.is_err() {
-                break;
-            }
-        }
-        own.into_iter().for_each(work);
-    });
-    match failed.into_inner().unwrap_or_else(PoisonError::into_inner) {
-        Some(failure) => Err(failure),
-        None if cancel.load(Ordering::Relaxed) => Err(PipelineError::Cancelled),
-        None => Ok(()),
-    }
-}
 
 /// Draws frames 0 to `frame_count - 1` with `workers` (each on its own thread) and writes them with `sink`.
 ///
@@ -368,9 +265,4 @@ impl<E: std::error::Error + 'static> Drop for StopOnPanic<'_, E> {
             self.0.stop();
         }
     }
-}
-
-/// A panicking worker leaves the state consistent: it is changed in single steps under the lock.
-fn lock_mutex<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

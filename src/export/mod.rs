@@ -26,6 +26,7 @@ mod nearest_colour;
 pub mod palette;
 pub mod png;
 pub mod raw;
+pub mod sampled_frames;
 pub mod solid;
 pub mod target;
 pub mod timing;

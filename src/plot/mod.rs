@@ -3,9 +3,11 @@
 //! A [`Chart`] says what is shown; [`draw_chart`] turns it into a [`Drawing`], a list of lines, areas and
 //! texts at places in pixels; [`svg`] and [`raster`] write that list.
 
+mod area;
 pub mod bars;
 pub mod chart;
 pub mod companion;
+mod curves;
 pub mod drawing;
 mod frame;
 mod headings;

@@ -23,6 +23,7 @@ pub mod schema;
 pub mod sensitivity;
 pub mod sentences;
 pub mod synthesis;
+pub mod synthesis_document;
 pub mod table;
 pub mod tolerance;
 pub mod verdict;

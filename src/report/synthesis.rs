@@ -8,9 +8,6 @@ use crate::analysis::synthesis::{Start, Synthesis, ending_word};
 use crate::model::measure::Measure;
 use serde_json::{Map, Value, json};
 
-/// Version of the JSON document.
-const SCHEMA: u32 = 2;
-
 /// Violation of a limit that is still called kept.
 const KEPT: f64 = 1e-6;
 
@@ -40,7 +37,7 @@ impl FoundMechanism<'_> {
             .is_ok_and(|p| p.holds() && self.violation(p) <= KEPT)
     }
 
-    fn violation(&self, proof: &Proof) -> f64 {
+    pub(super) fn violation(&self, proof: &Proof) -> f64 {
         let pairs = self.family.measures.list.iter().zip(&proof.measures);
         let values = pairs.map(|(m, v)| m.violation(v.unwrap_or(f64::NAN)));
         values.fold(f64::NEG_INFINITY, |worst, v| {
@@ -49,7 +46,7 @@ impl FoundMechanism<'_> {
     }
 
     /// Printed, own and found values of a measure, in the file's unit.
-    fn values(&self, index: usize, measure: &Measure) -> [Option<f64>; 3] {
+    pub(super) fn values(&self, index: usize, measure: &Measure) -> [Option<f64>; 3] {
         let study = &self.family.study;
         let printed = study.printed.iter().find(|(k, _)| *k == index);
         let is_objective = study.objective == Some(index);
@@ -286,101 +283,4 @@ pub fn restart_ladder(found: &[FoundMechanism]) -> String {
         text.push('\n');
     }
     text
-}
-
-/// The ladder as CSV: scene, kind, name, printed, own and found value.
-pub fn found_rows(found: &[FoundMechanism]) -> String {
-    let mut text = "scene,kind,name,printed,scene_value,found\n".to_owned();
-    let number = |v: Option<f64>| v.map_or(String::new(), |v| format!("{v:?}"));
-    for one in found {
-        for (index, measure) in one.family.measures.list.iter().enumerate() {
-            let [printed, own, value] = one.values(index, measure).map(number);
-            text.push_str(&format!(
-                "{},measure,{},{printed},{own},{value}\n",
-                quoted_cell(&one.name),
-                quoted_cell(&measure.name)
-            ));
-        }
-        let study = &one.family.study;
-        for (variable, x) in study.variables.iter().zip(&one.synthesis.best) {
-            let unit = one.family.units(variable.kind);
-            let (own, value) = (variable.start * unit, x * unit);
-            text.push_str(&format!(
-                "{},variable,{},,{own:?},{value:?}\n",
-                quoted_cell(&one.name),
-                quoted_cell(&variable.name)
-            ));
-        }
-    }
-    text
-}
-
-/// All scenes for programs.
-pub fn synthesis_document(found: &[FoundMechanism]) -> Value {
-    let scenes: Vec<Value> = found.iter().map(scene_document).collect();
-    json!({ "schema": format!("mechanim-synthesise/{SCHEMA}"), "scenes": scenes })
-}
-
-fn scene_document(found: &FoundMechanism) -> Value {
-    let (family, synthesis) = (found.family, &found.synthesis);
-    let objective = family.objective();
-    let unit = objective.map_or(1.0, |m| family.units(m.kind));
-    let starts: Vec<Value> = synthesis
-        .starts
-        .iter()
-        .map(|start| {
-            json!({
-                "from": start.origin.words(),
-                "first": start.first * unit,
-                "found": start.minimum.as_ref().map(|m| m.value * unit),
-                "evaluations": start.minimum.as_ref().map_or(0, |m| m.evaluations + m.gradients),
-                "refused": { "not_reached": start.refusals.not_reached, "torn": start.refusals.torn, "no_value": start.refusals.no_value,
-                             "interpenetrating": start.interpenetrating },
-                "limits_kept": start.value().is_finite(),
-                "ended": start.minimum.as_ref().map_or("no draw moves", |m| ending_word(m.ended)),
-            })
-        })
-        .collect();
-    let mut measures = Map::new();
-    for (index, measure) in family.measures.list.iter().enumerate() {
-        let [printed, own, value] = found.values(index, measure);
-        let entry = json!({ "printed": printed, "scene": own, "found": value });
-        measures.insert(measure.name.clone(), entry);
-    }
-    let mut variables = Map::new();
-    for (variable, x) in family.study.variables.iter().zip(&synthesis.best) {
-        let unit = family.units(variable.kind);
-        let entry = json!({ "scene": variable.start * unit, "found": x * unit });
-        variables.insert(variable.name.clone(), entry);
-    }
-    let rejected = synthesis.rejected();
-    let proof = found.proof.as_ref().ok().map(|p| {
-        json!({
-            "poses": p.poses, "missing": p.missing, "unproved": p.unproved, "error_bound": p.error_bound,
-            "one_branch": p.one_branch, "open": p.open, "cutting": p.cutting, "meeting": p.meeting,
-            "violation": found.violation(p).max(0.0),
-        })
-    });
-    json!({
-        "name": found.name,
-        "title": family.mechanism().title,
-        "note": family.study.note,
-        "objective": objective.map(|m| &m.name),
-        "value": synthesis.value * unit,
-        "seed": found.seed,
-        "evaluations": synthesis.evaluations(),
-        "stopped": synthesis.stopped,
-        "rejected": { "not_assembled": rejected.not_assembled, "not_moving": rejected.not_moving,
-                      "interpenetrating": rejected.interpenetrating },
-        "starts": starts,
-        "measures": measures,
-        "variables": variables,
-        "proof": proof,
-        "holds": found.holds(),
-        // All that differs between equal runs.
-        "timing": {
-            "seconds": synthesis.seconds,
-            "starts": synthesis.starts.iter().map(|start| start.seconds).collect::<Vec<_>>(),
-        },
-    })
 }

@@ -1,13 +1,13 @@
 //! The scene file as typed: every section and key it may have but those of shapes and plots, with places, before
 //! anything is looked up.
 
+use super::bodies::{BodyFile, LabelFile, TraceFile, read_body, read_label, read_trace};
 use super::clearance::{self, ClearanceFile, DistanceFile};
 use super::contacts::{ContactFile, read_surfaces};
 use super::keys::tables::{CONTACT, DISTANCE, INPUT, MEASURE, SCENE, TRACK};
 use super::measures::{MeasureFile, TrackFile, measure_formula, read_measure, read_track};
 use super::plots::{PlotFile, read_plot};
 use super::reader::{FoundValue, NamedFormula, Spanned, TableReader, read_table, required_value};
-use super::shapes::{ShapeFile, read_shape};
 use super::studies::{StudyFile, read_study};
 use super::values::{FormulaText, formula_of};
 use super::views::{ViewFile, read_view};
@@ -99,61 +99,6 @@ pub enum InputFile {
         /// Name of the easing.
         ease: Option<Spanned<String>>,
     },
-}
-
-/// One entry of `[[bodies]]`.
-#[derive(Clone, Debug)]
-pub struct BodyFile {
-    /// `name`
-    pub name: Spanned<String>,
-    /// `frame`: the chain `world_from_body`; the world itself if absent.
-    pub frame: Option<FormulaText>,
-    /// `colour`
-    pub colour: Option<[u8; 3]>,
-    /// `opacity`
-    pub opacity: Option<FormulaText>,
-    /// `shapes`
-    pub shapes: Vec<ShapeFile>,
-}
-
-/// One entry of `[[traces]]`.
-#[derive(Clone, Debug)]
-pub struct TraceFile {
-    /// `name`
-    pub name: Spanned<String>,
-    /// `body`
-    pub body: Spanned<String>,
-    /// `point`; the origin of the body's frame if absent.
-    pub point: Option<[FormulaText; 3]>,
-    /// `colour`
-    pub colour: Option<[u8; 3]>,
-    /// `radius`
-    pub radius: Option<FormulaText>,
-}
-
-/// One entry of `[[labels]]`.
-#[derive(Clone, Debug)]
-pub struct LabelFile {
-    /// `text`
-    pub text: Spanned<String>,
-    /// `body`
-    pub body: Option<Spanned<String>>,
-    /// `point`
-    pub point: Option<[FormulaText; 3]>,
-    /// `trace`
-    pub trace: Option<Spanned<String>>,
-    /// `time`
-    pub time: Option<FormulaText>,
-    /// `colour`
-    pub colour: Option<[u8; 3]>,
-    /// `size`
-    pub size: Option<FormulaText>,
-    /// `leader`
-    pub leader: Option<bool>,
-    /// `hides`
-    pub hides: Option<bool>,
-    /// The whole entry.
-    pub span: Span,
 }
 
 /// Reads the text of a scene; mistakes go to `diagnostics`, and what could be read is returned.
@@ -355,57 +300,4 @@ fn input_table(r: &mut TableReader) -> Option<InputFile> {
             None
         }
     }
-}
-
-fn read_body(r: &mut TableReader) -> Option<BodyFile> {
-    let name = required_value(r, "name", |r, key| r.string(key));
-    let frame = r.formula("frame");
-    let colour = r.colour("colour");
-    let opacity = r.formula("opacity");
-    let shapes = r
-        .tables("shapes", read_shape)
-        .into_iter()
-        .flatten()
-        .collect();
-    Some(BodyFile {
-        name: name?,
-        frame,
-        colour,
-        opacity,
-        shapes,
-    })
-}
-
-fn read_trace(r: &mut TableReader) -> Option<TraceFile> {
-    let name = required_value(r, "name", |r, k| r.string(k));
-    let body = required_value(r, "body", |r, k| r.string(k));
-    let (point, colour, radius) = (r.vector("point"), r.colour("colour"), r.formula("radius"));
-    Some(TraceFile {
-        name: name?,
-        body: body?,
-        point,
-        colour,
-        radius,
-    })
-}
-
-fn read_label(r: &mut TableReader) -> Option<LabelFile> {
-    let span = r.span.clone();
-    let text = required_value(r, "text", |r, k| r.lines(k));
-    let (body, point) = (r.string("body"), r.vector("point"));
-    let (trace, time) = (r.string("trace"), r.formula("time"));
-    let (colour, size) = (r.colour("colour"), r.formula("size"));
-    let (leader, hides) = (r.boolean("leader"), r.boolean("hides"));
-    Some(LabelFile {
-        text: text?,
-        body,
-        point,
-        trace,
-        time,
-        colour,
-        size,
-        leader,
-        hides,
-        span,
-    })
 }

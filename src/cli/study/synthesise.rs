@@ -14,9 +14,8 @@ use crate::cli::term::outcome::{Failure, Outcome};
 use crate::diag::Source;
 use crate::jobs::core_count;
 use crate::report::cells::six_digits;
-use crate::report::synthesis::{
-    FoundMechanism, found_rows, restart_ladder, synthesis_document, synthesis_text,
-};
+use crate::report::synthesis::{FoundMechanism, restart_ladder, synthesis_text};
+use crate::report::synthesis_document::{found_rows, synthesis_document};
 use crate::scene::Overrides;
 use crate::scene::edit::with_values;
 use std::ffi::OsStr;

@@ -3,11 +3,13 @@
 use super::super::file::SceneFile;
 use super::super::formula::compile::constant_node;
 use super::super::shapes::{ShapeFile, SolidFile};
+use super::body_constants::BodyConstants;
 use super::joints::FoldedJoints;
 use super::meshes::MeshFiles;
 use super::names::Names;
 use super::parsed::Parsed;
 use super::parsing::parsed_expression;
+use super::solids::resolve_solid;
 use crate::diag::{Diagnostic, Diagnostics, Span, shown_number};
 use crate::math::Pose;
 use crate::model::mechanism::{Body, Trace};
@@ -16,64 +18,6 @@ use crate::model::shape::{Shape, Solid};
 use crate::scene::values::FormulaText;
 use glam::DVec3;
 use std::collections::HashMap;
-
-/// Constant formulas of shapes and views, with their messages.
-pub struct BodyConstants<'a> {
-    /// Parameters and their values.
-    pub names: &'a Names,
-}
-
-impl BodyConstants<'_> {
-    /// The value of a formula of parameters.
-    pub fn value(&self, text: &FormulaText, diagnostics: &mut Diagnostics) -> Option<f64> {
-        let node = parsed_expression(text, diagnostics)?;
-        match constant_node(&node, &|n, s| self.names.constant(n, s)) {
-            Ok(value) => Some(value),
-            Err(diagnostic) => {
-                diagnostics.push(diagnostic);
-                None
-            }
-        }
-    }
-
-    /// Three of them.
-    pub fn vector(&self, texts: &[FormulaText; 3], diagnostics: &mut Diagnostics) -> Option<DVec3> {
-        let [x, y, z] = texts.each_ref().map(|text| self.value(text, diagnostics));
-        Some(DVec3::new(x?, y?, z?))
-    }
-
-    /// A vector that may be absent.
-    pub fn vector_or_zero(
-        &self,
-        texts: &Option<[FormulaText; 3]>,
-        diagnostics: &mut Diagnostics,
-    ) -> Option<DVec3> {
-        texts
-            .as_ref()
-            .map_or(Some(DVec3::ZERO), |texts| self.vector(texts, diagnostics))
-    }
-
-    /// A value that must be positive.
-    pub fn positive(
-        &self,
-        what: &str,
-        text: &FormulaText,
-        diagnostics: &mut Diagnostics,
-    ) -> Option<f64> {
-        let value = self.value(text, diagnostics)?;
-        if value > 0.0 {
-            return Some(value);
-        }
-        diagnostics.push(
-            Diagnostic::error(format!(
-                "{what} must be positive, found {}",
-                shown_number(value)
-            ))
-            .at(text.span.clone()),
-        );
-        None
-    }
-}
 
 /// Resolves all bodies.
 pub fn resolve_bodies(
@@ -181,188 +125,6 @@ fn resolve_shape(
         colour: shape.colour.unwrap_or(inherited.colour),
         opacity: opacity?,
     })
-}
-
-fn resolve_solid(
-    solid: &SolidFile,
-    span: &Span,
-    constants: &BodyConstants,
-    meshes: &mut MeshFiles,
-    diagnostics: &mut Diagnostics,
-) -> Option<Solid> {
-    let d = diagnostics;
-    match solid {
-        SolidFile::Sphere { center, radius } => {
-            let (center, radius) = (
-                constants.vector_or_zero(center, d),
-                constants.positive("radius", radius, d),
-            );
-            Some(Solid::Sphere {
-                center: center?,
-                radius: radius?,
-            })
-        }
-        SolidFile::Capsule { from, to, radius } => {
-            let (from, to) = (constants.vector(from, d), constants.vector(to, d));
-            let radius = constants.positive("radius", radius, d);
-            Some(Solid::Capsule {
-                from: from?,
-                to: to?,
-                radius: radius?,
-            })
-        }
-        SolidFile::Cylinder { from, to, radius } => {
-            let (from, to) = (constants.vector(from, d), constants.vector(to, d));
-            let radius = constants.positive("radius", radius, d);
-            let (from, to) = distinct_names(from?, to?, span, d)?;
-            Some(Solid::Cylinder {
-                from,
-                to,
-                radius: radius?,
-            })
-        }
-        SolidFile::Cone {
-            from,
-            to,
-            radius_from,
-            radius_to,
-        } => {
-            let (from, to) = (constants.vector(from, d), constants.vector(to, d));
-            let (first, last) = (
-                constants.value(radius_from, d)?,
-                constants.value(radius_to, d)?,
-            );
-            if first < 0.0 || last < 0.0 || first + last <= 0.0 {
-                d.push(
-                    Diagnostic::error("radii of a cone must not be negative, and not both zero")
-                        .at(span.clone()),
-                );
-                return None;
-            }
-            let (from, to) = distinct_names(from?, to?, span, d)?;
-            Some(Solid::Cone {
-                from,
-                to,
-                radius_from: first,
-                radius_to: last,
-            })
-        }
-        SolidFile::Box { center, size } => {
-            let (center, size) = (
-                constants.vector_or_zero(center, d),
-                constants.vector(size, d)?,
-            );
-            if size.min_element() <= 0.0 {
-                d.push(Diagnostic::error("edges of a box must be positive").at(span.clone()));
-                return None;
-            }
-            Some(Solid::Box {
-                center: center?,
-                size,
-            })
-        }
-        SolidFile::Torus {
-            center,
-            axis,
-            ring,
-            tube,
-        } => {
-            let center = constants.vector_or_zero(center, d);
-            let axis = axis
-                .as_ref()
-                .map_or(Some(DVec3::Z), |axis| constants.vector(axis, d));
-            let (ring, tube) = (
-                constants.positive("ring radius", ring, d),
-                constants.positive("tube radius", tube, d),
-            );
-            let Some(axis) = axis?.try_normalize() else {
-                d.push(Diagnostic::error("the axis of a torus has no direction").at(span.clone()));
-                return None;
-            };
-            Some(Solid::Torus {
-                center: center?,
-                axis,
-                ring: ring?,
-                tube: tube?,
-            })
-        }
-        SolidFile::Tube {
-            points,
-            radius,
-            closed,
-        } => {
-            let list: Option<Vec<DVec3>> = points
-                .value
-                .iter()
-                .map(|p| constants.vector(p, d))
-                .collect();
-            let radius = constants.positive("radius", radius, d);
-            let list = list?;
-            if list.len() < 2 {
-                d.push(
-                    Diagnostic::error("a tube needs at least two points").at(points.span.clone()),
-                );
-                return None;
-            }
-            Some(Solid::Tube {
-                points: list,
-                radius: radius?,
-                closed: *closed,
-            })
-        }
-        SolidFile::HalfSpace {
-            point,
-            normal,
-            size,
-        } => {
-            let point = constants.vector_or_zero(point, d);
-            let normal = normal
-                .as_ref()
-                .map_or(Some(DVec3::Z), |normal| constants.vector(normal, d));
-            let size = constants.positive("size", size, d);
-            let Some(normal) = normal?.try_normalize() else {
-                d.push(
-                    Diagnostic::error("the normal of a half-space has no direction")
-                        .at(span.clone()),
-                );
-                return None;
-            };
-            Some(Solid::HalfSpace {
-                point: point?,
-                normal,
-                size: size?,
-            })
-        }
-        SolidFile::Stl {
-            file,
-            scale,
-            surface,
-        } => {
-            let scale = scale
-                .as_ref()
-                .map_or(Some(1.0), |s| constants.positive("scale", s, d))?;
-            match meshes.read(&file.value, scale, *surface) {
-                Ok(soup) => Some(Solid::Triangles(soup)),
-                Err(error) => {
-                    d.push(Diagnostic::error(error).at(file.span.clone()));
-                    None
-                }
-            }
-        }
-    }
-}
-
-fn distinct_names(
-    from: DVec3,
-    to: DVec3,
-    span: &Span,
-    diagnostics: &mut Diagnostics,
-) -> Option<(DVec3, DVec3)> {
-    if from != to {
-        return Some((from, to));
-    }
-    diagnostics.push(Diagnostic::error("both ends are the same point").at(span.clone()));
-    None
 }
 
 /// Resolves the traces.

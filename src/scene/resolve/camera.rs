@@ -1,7 +1,7 @@
 //! The keys of `[view]` that move the camera.
 
 use super::super::views::{CameraKeyFile, ViewFile};
-use super::bodies::BodyConstants;
+use super::body_constants::BodyConstants;
 use crate::diag::{Diagnostic, Diagnostics, shown_number};
 use crate::model::camera_path::{CameraKey, CameraPath};
 use crate::scene::values::FormulaText;

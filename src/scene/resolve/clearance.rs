@@ -3,7 +3,8 @@
 use super::super::clearance::{ClearanceFile, DistanceFile, IgnoredFile, PairFile};
 use super::super::reader::Spanned;
 use super::super::values::FormulaText;
-use super::bodies::{BodyConstants, body_index};
+use super::bodies::body_index;
+use super::body_constants::BodyConstants;
 use crate::diag::{Diagnostic, Diagnostics, Span, shown_number};
 use crate::distance::solids::Rigid;
 use crate::model::clearance::{ClearanceRules, Ignored, PairMinimum};

@@ -1,7 +1,7 @@
 //! The keys of `[view]` that say what is shown beside the bodies.
 
 use super::super::views::ViewFile;
-use super::bodies::BodyConstants;
+use super::body_constants::BodyConstants;
 use super::choices::{MOST_GHOSTS, chosen_word};
 use crate::diag::{Diagnostic, Diagnostics, shown_number};
 use crate::model::view::{Decor, Ghosts, ShownAxes, Trails};

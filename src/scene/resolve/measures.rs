@@ -4,7 +4,7 @@ use super::super::file::SceneFile;
 use super::super::formula::compile::{CompiledValue, compile_formula, constant_node};
 use super::super::formula::kinds::to_radians;
 use super::super::measures::{MeasureFile, MeasureSourceFile, TrackFile};
-use super::bodies::BodyConstants;
+use super::body_constants::BodyConstants;
 use super::names::Names;
 use super::outputs::{Scope, kind_of};
 use super::parsing::parsed_expression;

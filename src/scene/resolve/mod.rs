@@ -1,6 +1,7 @@
 //! From the file as typed to the mechanism: names to indices, units to radians, formulas to operations.
 
 pub mod bodies;
+mod body_constants;
 pub mod camera;
 pub mod choices;
 mod clearance;
@@ -8,6 +9,7 @@ mod contacts;
 mod coordinates;
 mod decor;
 mod joints;
+mod kinds_of_names;
 mod loops;
 mod magnitudes;
 mod measures;
@@ -18,6 +20,7 @@ mod parsed;
 mod parsing;
 mod plots;
 mod scales;
+mod solids;
 mod study;
 mod symbolic;
 mod varied;
@@ -89,7 +92,7 @@ pub fn resolve_scene(
     }
     let plots = plots::resolve_plots(file, &scope, diagnostics);
     let view = view::resolve_view(file, &names, &bodies, &traces, diagnostics);
-    let constants = bodies::BodyConstants { names: &names };
+    let constants = body_constants::BodyConstants { names: &names };
     let clearance = file
         .clearance
         .as_ref()

@@ -28,7 +28,7 @@ pub struct Names {
     pub unknowns: Vec<Coordinate>,
     /// Where each unknown stands first.
     pub unknown_places: Vec<Span>,
-    kinds: BTreeMap<String, (Kind, Span)>,
+    pub(super) kinds: BTreeMap<String, (Kind, Span)>,
     /// Parameters and outputs whose own formula is faulty: what uses them is not judged.
     broken: BTreeSet<String>,
     /// All loops could be read, so that every unknown is known.
@@ -238,96 +238,6 @@ impl Names {
         self.kinds.get(name).map(|(kind, _)| *kind)
     }
 
-    /// Finds what every name measures from where it stands; a contradiction is an error.
-    pub fn infer_kinds(&mut self, parsed: &Parsed, diagnostics: &mut Diagnostics) {
-        let mut sites: Vec<(&FormulaNode, Option<Kind>)> = Vec::new();
-        for factor in parsed
-            .loops
-            .iter()
-            .flat_map(|(_, f)| f)
-            .chain(parsed.contacts.iter().flat_map(|c| c.factors()))
-            .chain(parsed.frames.iter().flatten())
-        {
-            if let Factor::Elementary(motion, _, node) = factor {
-                sites.push((node, Some(kind_of_motion(*motion))));
-            }
-        }
-        sites.extend(
-            parsed
-                .equations
-                .iter()
-                .chain(&parsed.outputs)
-                .map(|(_, node)| (node, None)),
-        );
-        // The radii of two spheres stand in no chain.
-        let pairs = parsed.contacts.iter().filter(|c| c.is_of_spheres());
-        let radii = pairs.flat_map(|c| c.sides.iter().flat_map(|side| side.surface.sizes()));
-        sites.extend(radii.map(|(_, node)| (node, Some(Kind::Length))));
-        sites.extend(parsed.points.iter().map(|node| (node, Some(Kind::Length))));
-        for (node, wanted) in sites {
-            self.note(node, wanted, diagnostics);
-        }
-        for (name, input) in &parsed.inputs {
-            let wanted = self.kind(&name.value);
-            match input {
-                ParsedInput::Formula(node) => self.note(node, wanted, diagnostics),
-                ParsedInput::Keys(keys) => keys
-                    .iter()
-                    .for_each(|[_, value]| self.note(value, wanted, diagnostics)),
-            }
-        }
-        for (name, node) in &parsed.guess {
-            self.note(node, self.kind(&name.value), diagnostics);
-        }
-        // A parameter is used only below its definition, so the way up meets every use before the definition.
-        for (name, node) in parsed.parameters.iter().rev() {
-            self.note(node, self.kind(&name.value), diagnostics);
-        }
-        self.store_kinds();
-    }
-
-    fn note(&mut self, node: &FormulaNode, wanted: Option<Kind>, diagnostics: &mut Diagnostics) {
-        let kinds = &mut self.kinds;
-        infer_kind(
-            node,
-            wanted,
-            &mut |name, kind, span| match kinds.get(name) {
-                // The time of a drive is a number of seconds wherever it stands.
-                _ if name == TIME => {}
-                None => {
-                    kinds.insert(name.to_owned(), (kind, span.clone()));
-                }
-                Some((known, _)) if *known == kind => {}
-                Some((known, first)) => diagnostics.push(
-                    Diagnostic::error(format!(
-                        "`{name}` is used both as {} {} and as {} {}",
-                        kind_article(*known),
-                        known.word(),
-                        kind_article(kind),
-                        kind.word()
-                    ))
-                    .at(span.clone())
-                    .label(format!("here as {} {}", kind_article(kind), kind.word()))
-                    .related(
-                        first.clone(),
-                        format!("here as {} {}", kind_article(*known), known.word()),
-                    ),
-                ),
-            },
-        );
-    }
-
-    fn store_kinds(&mut self) {
-        let kinds = &self.kinds;
-        let kind = |name: &str| kinds.get(name).map(|(kind, _)| *kind);
-        for parameter in &mut self.parameters {
-            parameter.kind = kind(&parameter.name);
-        }
-        for coordinate in self.inputs.iter_mut().chain(&mut self.unknowns) {
-            coordinate.kind = kind(&coordinate.name).unwrap_or(Kind::Number);
-        }
-    }
-
     /// Makes a constant of an unknown that turns out to be one.
     pub fn settle(&mut self, name: &str, value: Constant) {
         let Some(Meaning::Unknown(index)) = self.meaning(name) else {
@@ -397,18 +307,6 @@ impl Names {
             }
         }
     }
-}
-
-/// The kind of a joint's argument.
-pub fn kind_of_motion(motion: ElementaryMotion) -> Kind {
-    match motion {
-        ElementaryMotion::Translation => Kind::Length,
-        ElementaryMotion::Rotation => Kind::Angle,
-    }
-}
-
-fn kind_article(kind: Kind) -> &'static str {
-    if kind == Kind::Angle { "an" } else { "a" }
 }
 
 fn visit_factor(factor: &Factor, visit: &mut dyn FnMut(&str, &Span)) {

@@ -4,7 +4,7 @@ use super::super::file::SceneFile;
 use super::super::formula::compile::{CompiledValue, compile_formula};
 use super::super::formula::expression::{FormulaNode, NodeKind};
 use super::super::formula::kinds::to_radians;
-use super::bodies::BodyConstants;
+use super::body_constants::BodyConstants;
 use super::clearance::asked_distance;
 use super::contacts::closure::Contacts;
 use super::names::Names;

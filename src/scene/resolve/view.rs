@@ -1,7 +1,9 @@
 //! The `[view]` section and the labels.
 
-use super::super::file::{LabelFile, SceneFile};
-use super::bodies::{BodyConstants, body_index};
+use super::super::bodies::LabelFile;
+use super::super::file::SceneFile;
+use super::bodies::body_index;
+use super::body_constants::BodyConstants;
 use super::choices::chosen_word;
 use super::names::Names;
 use crate::diag::{Diagnostic, Diagnostics, shown_number};

@@ -1,9 +1,11 @@
 //! Frames to export and a decoder that shows what a viewer would see.
 
 use image::{Rgba, RgbaImage};
-use mechanim::export::frame_pipeline::{DrawnSamples, PipelineError, write_frames};
+use mechanim::export::error::PipelineError;
+use mechanim::export::frame_pipeline::write_frames;
 use mechanim::export::gif::{GifSettings, GifSink, Quality, sample_indices};
 use mechanim::export::palette::{MOST_COLOURS, Palette};
+use mechanim::export::sampled_frames::DrawnSamples;
 use mechanim::export::timing::{FrameTimes, Schedule};
 use mechanim::export::{ExportSummary, FrameSink, Output};
 use std::convert::Infallible;

@@ -3,9 +3,11 @@
 use crate::frames;
 use crate::frames::{flat, run, shaded, sink};
 use image::RgbaImage;
+use mechanim::export::error::PipelineError;
 use mechanim::export::format::FramePattern;
-use mechanim::export::frame_pipeline::{PipelineError, draw_samples, write_frames};
+use mechanim::export::frame_pipeline::write_frames;
 use mechanim::export::png::{Effort, PngSettings, SequenceSink, StillSink};
+use mechanim::export::sampled_frames::draw_samples;
 use mechanim::export::{ExportError, Output, Stream, Target};
 use std::io::{self, Write};
 use std::path::Path;
