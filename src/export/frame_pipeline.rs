@@ -3,13 +3,13 @@
 //! The bytes that come out do not depend on the number of workers or their speed: every step is a function of the
 //! frame's index, and only the writing is ordered.
 
-use super::error::{ExportError, PipelineError};
+use super::error::PipelineError;
 use super::sampled_frames::{DrawnSamples, lock_mutex};
 use super::{ExportSummary, FrameCoder, FrameSink};
 use image::RgbaImage;
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::Duration;
 
 /// Frames in flight a worker: one being drawn, two waiting for their turn.

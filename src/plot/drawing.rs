@@ -1,13 +1,11 @@
 //! A chart as a list of primitives: ranges without values, grid, events, curves, axes, in this order.
 
 pub use super::area::PanelArea;
-use super::chart::{Chart, Panel, SeriesStyle};
+use super::chart::{Chart, Panel};
 use super::curves::draw_curves;
 use super::frame::{AxesFrame, left_room};
-use super::headings::curve_stroke;
 use super::layout::{ChartLayout, Ruler, Sizes};
 use super::primitive::{DrawnPrimitive, Rect, Stroke, TextAnchor};
-use super::scale::Scale;
 use super::theme::{ChartTheme, Dashes};
 
 /// Most pixels of a hatched range's lines from each other, in heights of the capitals.

@@ -1,12 +1,11 @@
 //! The report of a synthesis: every scene's starts, what was found and what proves it; several scenes as a ladder.
 
-use super::cells::{aligned_rows, quoted_cell, six_digits};
+use super::cells::{aligned_rows, six_digits};
 use super::rounded::at_most;
 use crate::analysis::study::{FamilyError, ParametricMechanism};
 use crate::analysis::synthesis::verify::Proof;
 use crate::analysis::synthesis::{Start, Synthesis, ending_word};
 use crate::model::measure::Measure;
-use serde_json::{Map, Value, json};
 
 /// Violation of a limit that is still called kept.
 const KEPT: f64 = 1e-6;

@@ -7,11 +7,11 @@ use super::contacts::{ContactFile, read_surfaces};
 use super::keys::tables::{CONTACT, DISTANCE, INPUT, MEASURE, SCENE, TRACK};
 use super::measures::{MeasureFile, TrackFile, measure_formula, read_measure, read_track};
 use super::plots::{PlotFile, read_plot};
-use super::reader::{FoundValue, NamedFormula, Spanned, TableReader, read_table, required_value};
+use super::reader::{FoundValue, NamedFormula, Spanned, TableReader, read_table};
 use super::studies::{StudyFile, read_study};
 use super::values::{FormulaText, formula_of};
 use super::views::{ViewFile, read_view};
-use crate::diag::{Diagnostic, Diagnostics, Source, Span};
+use crate::diag::{Diagnostic, Diagnostics, Source};
 use toml::de::{DeTable, DeValue};
 
 /// A scene file.

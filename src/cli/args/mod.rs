@@ -87,7 +87,7 @@ pub enum Command {
     },
     /// Versions, graphics adapters and drivers, for bug reports.
     Info {
-        /// Machine-readable.
+        /// Write the report as JSON.
         #[arg(long)]
         json: bool,
     },

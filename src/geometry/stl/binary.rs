@@ -1,7 +1,9 @@
 //! The binary form of STL.
 
-use super::TriangleCorners;
 use super::error::{MAX_STL_TRIANGLES, StlError};
+
+/// The three corners of a triangle.
+pub(super) type TriangleCorners = [[f64; 3]; 3];
 
 /// Bytes before the triangles of a binary file: title and count.
 pub(super) const BINARY_HEADER: usize = 84;

@@ -10,7 +10,8 @@ use super::weld::{first_equal, number_first, point_bits};
 use crate::diag::shown_text;
 use crate::model::shape::TriangleSoup;
 use binary::{
-    BINARY_HEADER, BINARY_TRIANGLE, announced_triangles, binary_size, check_binary, of_binary,
+    BINARY_HEADER, BINARY_TRIANGLE, TriangleCorners, announced_triangles, binary_size,
+    check_binary, of_binary,
 };
 use error::LARGEST;
 use glam::DVec3;
@@ -22,9 +23,6 @@ use text::StlText;
 const MAX_STL_BYTES: u64 = 540_000_000;
 /// What some editors put before a text.
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
-
-/// The three corners of a triangle.
-type TriangleCorners = [[f64; 3]; 3];
 
 /// Reads the triangles of an STL file, equal corners made one; coordinates as they stand in the file.
 ///

@@ -1,6 +1,6 @@
 //! The text form of STL.
 
-use super::TriangleCorners;
+use super::binary::TriangleCorners;
 use std::io::{BufRead, Read};
 use std::ops::Range;
 

@@ -1,22 +1,19 @@
 //! Links, their solids and their traced points.
 
 use super::super::file::SceneFile;
-use super::super::formula::compile::constant_node;
-use super::super::shapes::{ShapeFile, SolidFile};
+use super::super::shapes::ShapeFile;
 use super::body_constants::BodyConstants;
 use super::joints::FoldedJoints;
 use super::meshes::MeshFiles;
 use super::names::Names;
 use super::parsed::Parsed;
-use super::parsing::parsed_expression;
 use super::solids::resolve_solid;
 use crate::diag::{Diagnostic, Diagnostics, Span, shown_number};
 use crate::math::Pose;
 use crate::model::mechanism::{Body, Trace};
 use crate::model::palette;
-use crate::model::shape::{Shape, Solid};
+use crate::model::shape::Shape;
 use crate::scene::values::FormulaText;
-use glam::DVec3;
 use std::collections::HashMap;
 
 /// Resolves all bodies.

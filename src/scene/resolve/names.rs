@@ -3,12 +3,10 @@
 use super::super::file::SceneFile;
 use super::super::formula::chain::Factor;
 use super::super::formula::compile::{CompiledValue, exact_constant};
-use super::super::formula::expression::FormulaNode;
-use super::super::formula::kinds::{infer_kind, to_radians};
-use super::parsed::{Parsed, ParsedInput};
-use super::words::{TIME, refuse_double_and_reserved};
+use super::super::formula::kinds::to_radians;
+use super::parsed::Parsed;
+use super::words::refuse_double_and_reserved;
 use crate::diag::{Diagnostic, Diagnostics, Span};
-use crate::model::chain::ElementaryMotion;
 use crate::model::mechanism::{AngleUnit, Coordinate, Kind};
 use crate::numbers::constant::Constant;
 use std::cell::Cell;

@@ -40,7 +40,7 @@ fn rust_files(folder: &Path, found: &mut Vec<PathBuf>) {
 
 /// Whether a whole file holds tests.
 pub fn is_test(name: &str) -> bool {
-    name.ends_with("tests.rs")
+    name.ends_with("tests.rs") || name.contains("/tests/")
 }
 
 /// The text with comments, strings and characters blanked out, and without what is compiled for tests only.

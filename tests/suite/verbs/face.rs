@@ -53,7 +53,7 @@ fn checks_of_library_and_program_agree() {
     assert!(failed > 0);
 }
 
-/// A study with a limit, and one whose optimum would break it.
+/// Studies of a closed contact and of a linkage.
 const STUDIES: [&str; 2] = ["sphere-sphere", "gearshift-optimised"];
 
 #[test]
@@ -103,7 +103,7 @@ fn optima_of_library_and_program_agree() {
         iterations: 3,
         ..Default::default()
     };
-    for name in STUDIES {
+    for name in ["gearshift", "gearshift-optimised"] {
         let own = Scene::builtin(name)
             .unwrap()
             .study()

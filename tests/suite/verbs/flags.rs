@@ -91,7 +91,8 @@ fn misnamed(text: &str) -> Vec<String> {
     let names = text.split("\"mechanim-").skip(1).filter_map(|rest| {
         let name = rest.split('"').next()?;
         // Only what ends in a version is the name of a document.
-        let has_version = name.ends_with(|c: char| c.is_ascii_digit() || c == '}');
+        let has_version =
+            name.ends_with(|c: char| c.is_ascii_digit()) || name.ends_with("{SCHEMA}");
         has_version.then_some(name)
     });
     let well = |name: &str| {
