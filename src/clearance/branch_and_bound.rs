@@ -7,12 +7,11 @@
 //! First the minimum is proved everywhere, which is what the verdict rests on; then the bound is brought as near to the
 //! distance as was asked. A search that is cut off has what was proved until then.
 
+use super::curved::in_parts;
 use super::meeting::Meeting;
 use super::motion::ProvedMotion;
 use super::sweep::{Best, Least, PairSweep};
-use crate::distance::bodies::{
-    nearest_bodies, ring_separation, separation_along, sphere_separation,
-};
+use crate::distance::bodies::{nearest_bodies, separation_along, sphere_separation};
 use crate::distance::core::{Element, Primitive};
 use glam::DVec3;
 use std::rc::Rc;
@@ -37,6 +36,8 @@ pub(super) struct Segment {
     pub(super) half: f64,
     /// A distance that both ends keep.
     ends: f64,
+    /// No distance is lower, as looks at a longer piece or for another goal have shown.
+    known: f64,
     /// Pairs of elements that may be near; all, if nothing is known.
     near: Option<Rc<[[usize; 2]]>>,
 }
@@ -54,6 +55,7 @@ impl Segment {
             middle,
             half,
             ends: f64::NEG_INFINITY,
+            known: f64::NEG_INFINITY,
             near: None,
         }
     }
@@ -196,7 +198,9 @@ impl PairSweep<'_> {
             // Depth first; what a piece cannot fall below is compared with what is asked now.
             search.looks += 1;
             let goals = [self.value_of(motion, goal, best), self.target(best)];
-            let look = self.look(motion, &piece, goals, &mut search.normals);
+            let mut look = self.look(motion, &piece, goals, &mut search.normals);
+            // A look for a higher goal may tell less.
+            look.lowest = look.lowest.max(piece.known);
             self.measure(motion, &piece, &look, best);
             let most = if self.is_cut(best) && self.minimum() >= 0.0 {
                 LOOKS_IN_OVERLAP
@@ -306,7 +310,8 @@ impl PairSweep<'_> {
                 far = far.max(separation_along(first, second, *normal) - way);
             }
             if far < goal {
-                far = ring_separation(first, second).map_or(far, |ring| far.max(ring - way));
+                let parts = in_parts([first, second, mine], &moved, goal);
+                far = parts.map_or(far, |low| far.max(low));
             }
             if far >= goal {
                 lowest = lowest.min(far);
@@ -362,6 +367,7 @@ impl SegmentSearch {
             let is_low = look.lowest < goal && look.lowest > f64::NEG_INFINITY;
             match is_low && self.looks + self.open.len() < MAX_LOOKS {
                 true => self.open.push(Segment {
+                    known: look.lowest,
                     near: look.near,
                     ..piece
                 }),
@@ -383,6 +389,7 @@ pub(super) fn split_piece(
         middle,
         half,
         ends: f64::NEG_INFINITY,
+        known: look.lowest,
         near: look.near.clone(),
     };
     let is_certified = motion.stretches[piece.stretch].is_certified;

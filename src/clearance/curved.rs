@@ -9,7 +9,7 @@
 
 use super::meeting::Meeting;
 use super::relative::RelativeMove;
-use crate::distance::core::{Circle, Primitive};
+use crate::distance::core::{Circle, Element, Primitive};
 use crate::distance::point::{PointHit, point_to, to_circle, to_disc};
 use crate::distance::search::{CurveSpot, angle_grid, least_on_circle, least_spot};
 use glam::DVec3;
@@ -89,6 +89,50 @@ pub fn lower_bound(meeting: &Meeting) -> Option<f64> {
         return None;
     }
     Some(apart - meeting.radii())
+}
+
+/// A rod is looked at in parts of no less than this share of it.
+const SHORTEST: f64 = 1.0 / 256.0;
+
+/// Lower bound of the distance of a ring and a rod that moves, in the frame of the ring and in its own: where a long rod is
+/// near the ring it may move much less than its ends do. `None` of other pairs; no better than `goal`.
+pub fn in_parts(
+    [ring, placed, own]: [&Element; 3],
+    moved: &RelativeMove,
+    goal: f64,
+) -> Option<f64> {
+    let (Primitive::Circle(circle), Primitive::Segment(there), Primitive::Segment(here)) =
+        (&ring.core, &placed.core, &own.core)
+    else {
+        return None;
+    };
+    let length = here[0].distance(here[1]);
+    // A part is in the ball around its middle; that of no size cannot be bettered by shorter parts.
+    let below = |middle: f64, half: f64| {
+        let apart = to_circle(circle, there[0].lerp(there[1], middle)).distance - half;
+        apart - moved.distance((here[0].lerp(here[1], middle), half))
+    };
+    let goal = goal + ring.radius + placed.radius;
+    let lowest = lowest_part(&below, [0.5, 0.5], length, goal);
+    Some(lowest - ring.radius - placed.radius)
+}
+
+fn lowest_part(
+    below: &impl Fn(f64, f64) -> f64,
+    [middle, half]: [f64; 2],
+    length: f64,
+    goal: f64,
+) -> f64 {
+    let low = below(middle, half * length);
+    if low >= goal || half < SHORTEST || below(middle, 0.0) < goal {
+        return low;
+    }
+    let half = 0.5 * half;
+    let first = lowest_part(below, [middle - half, half], length, goal);
+    match first < goal {
+        true => low,
+        false => first.min(lowest_part(below, [middle + half, half], length, goal)),
+    }
 }
 
 /// How far a point is from the axis of a circle.

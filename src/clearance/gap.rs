@@ -204,7 +204,7 @@ mod tests {
     #[test]
     fn no_distance_during_a_move_is_beyond_its_bounds() {
         let mut draws = Draws(7);
-        let (mut near, mut gained) = ([0, 0], 0);
+        let (mut near, mut gained) = ([0, 0], [0, 0]);
         for round in 0..4000 {
             let kinds = [0, 1, 2, 3, 4, 5, 6, 7, 7];
             let (kind, moving) = (kinds[round % 9], [0, 1, 2, 3, 4, 5, 7][round / 9 % 7]);
@@ -239,10 +239,12 @@ mod tests {
             let meeting = Meeting::new(&a, &b, &mine, &moved);
             let found = meeting.found;
             let (low, high) = (meeting.below_in_contact(f64::INFINITY), meeting.above());
+            let parts = curved::in_parts([&a, &b, &mine], &moved, found.distance - 0.1);
+            gained[1] += usize::from(parts.is_some_and(|low| low >= found.distance - 0.1));
             // What is asked for is looked at more closely, and is no less true.
             let asked = [1e-3, 1e-2, 0.1, 0.5].map(|off| found.distance - off);
             let reached = asked.map(|goal| meeting.below([goal; 2]));
-            gained += asked
+            gained[0] += asked
                 .iter()
                 .zip(reached)
                 .filter(|(goal, low)| low >= goal)
@@ -257,6 +259,7 @@ mod tests {
                     models.map(|m| ArgumentValue::new(m.c[0] + there * (m.c[1] + there * m.c[2])));
                 let d = signed_distance(&a, &mine.moved(&chain.pose(&values))).distance;
                 least = least.min(d);
+                assert!(parts.is_none_or(|low| low <= d + 1e-12), "{parts:?} > {d}");
                 assert!(
                     reached.iter().all(|low| *low <= d + 1e-12),
                     "{kind} {moving}: {reached:?} > {d}"
@@ -274,6 +277,6 @@ mod tests {
         }
         // What is lost goes with the square of the way, not with the way.
         assert!(near[1] > 9 * near[0], "{near:?}");
-        assert!(gained > 4000, "{gained}");
+        assert!(gained[0] > 4000 && gained[1] > 20, "{gained:?}");
     }
 }

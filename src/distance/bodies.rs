@@ -1,7 +1,6 @@
 //! Distance of two bodies: the least of all pairs of their elements.
 
 use super::core::{Element, Primitive, shape_elements};
-use super::cores::below_circle;
 use super::mesh;
 use super::mesh_tree::ShellEnclosure;
 use super::pair::{Proximity, signed_distance};
@@ -97,25 +96,6 @@ pub fn sphere_separation(a: &Element, b: &Element, enough: f64) -> f64 {
         }
     }
     lowest
-}
-
-/// Lower bound of the distance of a torus and an element that is convex; `None` of other pairs.
-pub fn ring_separation(a: &Element, b: &Element) -> Option<f64> {
-    let is_other = |core: &Primitive| {
-        matches!(
-            core,
-            Primitive::Segment(_) | Primitive::Box(_) | Primitive::Frustum(_)
-        )
-    };
-    let cores = match (&a.core, &b.core) {
-        (Primitive::Circle(circle), other) | (other, Primitive::Circle(circle))
-            if is_other(other) =>
-        {
-            below_circle(other, circle)
-        }
-        _ => return None,
-    };
-    Some(cores - a.radius - b.radius)
 }
 
 /// Lower bound of the signed distance of two elements in one frame: of what parts them along `n`, unit, from the first to

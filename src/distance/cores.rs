@@ -8,8 +8,7 @@ use super::core::{BOX_EDGES, Circle, Frustum, Primitive};
 use super::core_pair::CorePair;
 use super::point::{on_segment, point_to, to_segment};
 use super::search::{
-    CurveSpot, below_convex_on_circle, least_convex, least_near, least_of_convex_on_circle,
-    least_on_circle,
+    CurveSpot, least_convex, least_near, least_of_convex_on_circle, least_on_circle,
 };
 use super::triangles;
 use crate::math::sin_cos;
@@ -105,15 +104,6 @@ fn core_spot(a: &Primitive, at: f64, point: DVec3, tangent: DVec3) -> CurveSpot 
         at,
         value: hit.distance,
         slope: hit.normal.dot(tangent),
-    })
-}
-
-/// Lower bound of the distance of a convex core and a circle: a few places of that tell.
-pub fn below_circle(a: &Primitive, circle: &Circle) -> f64 {
-    let [x, y] = circle.directions().map(|d| d * circle.radius);
-    below_convex_on_circle(circle.radius, |angle, (sin, cos)| {
-        let point = circle.center + x * cos + y * sin;
-        core_spot(a, angle, point, y * cos - x * sin)
     })
 }
 

@@ -43,6 +43,8 @@ pub struct TimePiece {
 
 /// Values of all operations over a stretch, without its ends, and about its ends with their rates.
 struct Ranges {
+    /// It begins where the motion does.
+    is_first: bool,
     all: Vec<Series<Interval, 1>>,
     core: Vec<Series<Interval, 1>>,
     ends: [Vec<Series<Interval, 2>>; 2],
@@ -75,6 +77,7 @@ impl Expression {
         let end_clocks = abouts.map(|about| Series::linear(about, Interval::ONE, 1));
         let canonical = self.canonical();
         let mut r = Ranges {
+            is_first: ends[0] == 0.0,
             all: Vec::new(),
             core: Vec::new(),
             ends: [Vec::new(), Vec::new()],
@@ -263,7 +266,7 @@ impl Ranges {
             return None;
         }
         let mut here = [false; 2];
-        for (here, values) in here.iter_mut().zip(&self.ends) {
+        for (end, (here, values)) in here.iter_mut().zip(&self.ends).enumerate() {
             let series = match op {
                 Op::Call(Function::Mod, a, b) => values[a] / values[b],
                 Op::Call(_, a, _) => values[a],
@@ -271,6 +274,11 @@ impl Ranges {
             };
             let [value, rate] = *series.coefficients();
             if value.lo.floor() == whole && value.hi.floor() == whole {
+                continue;
+            }
+            // What falls from a whole number at the very beginning is below it at all later times.
+            let falls = value.hi <= whole + 1.0 && rate.hi < 0.0;
+            if end == 0 && self.is_first && falls && value.lo.floor() == whole {
                 continue;
             }
             // It passes one whole number, and once.

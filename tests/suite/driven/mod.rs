@@ -15,7 +15,7 @@ use mechanim::model::actuation::Actuation;
 use mechanim::model::measure::Measures;
 use mechanim::model::mechanism::Mechanism;
 use mechanim::scene::Scene;
-use std::collections::{BTreeSet, HashSet};
+use std::collections::HashSet;
 use std::ops::{Deref, DerefMut};
 use std::sync::Arc;
 
@@ -259,7 +259,7 @@ fn far_pairs_stay_apart(scene: &Scene, trajectory: &Trajectory, report: &Clearan
         let rounding = 1e-9 * extent(scene, trajectory, [a, b]);
         for pose in trajectory.poses() {
             let a_from_b = pose.bodies[a].inverse() * pose.bodies[b];
-            let found = nearest_bodies(first, second, &a_from_b, &BTreeSet::new()).unwrap();
+            let found = nearest_bodies(first, second, &a_from_b, &Default::default()).unwrap();
             let distance = found.proximity.distance;
             assert!(
                 distance >= far.apart - rounding,
