@@ -37,23 +37,8 @@ impl Op {
         self.mapped(|k| k + by)
     }
 
-    /// What it is of.
-    fn operands(self) -> impl Iterator<Item = usize> {
-        let both = match self {
-            Self::Constant(_) | Self::Slot(_) => [None, None],
-            Self::Negate(a) => [Some(a), None],
-            Self::Add(a, b)
-            | Self::Subtract(a, b)
-            | Self::Multiply(a, b)
-            | Self::Divide(a, b)
-            | Self::Power(a, b)
-            | Self::Call(_, a, b) => [Some(a), Some(b)],
-        };
-        both.into_iter().flatten()
-    }
-
     /// The same operation of other operands.
-    fn mapped(self, to: impl Fn(usize) -> usize) -> Self {
+    fn mapped(self, mut to: impl FnMut(usize) -> usize) -> Self {
         match self {
             Self::Constant(_) | Self::Slot(_) => self,
             Self::Negate(a) => Self::Negate(to(a)),

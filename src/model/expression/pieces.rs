@@ -235,25 +235,24 @@ impl Expression {
     }
 }
 
-/// An operation with all that it is of, in the order of the formula: the same for the same written elsewhere.
+/// An operation with all that it is of, operands first: the same for the same written elsewhere.
 fn subtree(ops: &[Op], root: Op) -> Vec<Op> {
-    let mut is_needed = vec![false; ops.len()];
-    let last = ops.iter().position(|op| *op == root).unwrap_or(0);
-    is_needed[last] = true;
-    for k in (0..=last).rev() {
-        if is_needed[k] {
-            ops[k]
-                .operands()
-                .for_each(|operand| is_needed[operand] = true);
-        }
-    }
-    let mut places = vec![0; ops.len()];
-    let mut list = Vec::new();
-    for (k, op) in ops.iter().enumerate().filter(|(k, _)| is_needed[*k]) {
-        places[k] = list.len();
-        list.push(op.mapped(|operand| places[operand]));
+    let (mut places, mut list) = (vec![None; ops.len()], Vec::new());
+    if let Some(last) = ops.iter().position(|op| *op == root) {
+        add_operation(ops, last, &mut places, &mut list);
     }
     list
+}
+
+/// Adds an operation once; its place.
+fn add_operation(ops: &[Op], k: usize, places: &mut [Option<usize>], list: &mut Vec<Op>) -> usize {
+    if let Some(known) = places[k] {
+        return known;
+    }
+    let op = ops[k].mapped(|operand| add_operation(ops, operand, places, list));
+    list.push(op);
+    places[k] = Some(list.len() - 1);
+    list.len() - 1
 }
 
 impl Ranges {

@@ -131,7 +131,7 @@ fn two_drives_that_jump_together_are_proved() {
         w.write("scene.toml", scene("2*floor(t + 0.5)", &post));
         assert_eq!(said(&w, &[]).0, 0, "{u} {v}");
         // Of other jumps about that time it is not known which comes first.
-        w.write("scene.toml", scene("2*floor(2*t) - 2*floor(t)", &post));
+        w.write("scene.toml", scene("2*floor(3*t - 0.5)", &post));
         assert_eq!(said(&w, &[]).0, 1, "{u} {v}");
     }
 }
