@@ -58,16 +58,26 @@ impl Mesh {
 /// Number of distinct vertices, edges and triangles of a closed mesh; `None` for an open one.
 pub(super) fn closed_edges(mesh: &Mesh) -> Option<[usize; 3]> {
     let welded = first_equal(mesh.positions.len(), |k| point_bits(mesh.positions[k]));
-    let mut edges: Vec<[u32; 2]> = Vec::with_capacity(3 * mesh.triangles.len());
-    for triangle in &mesh.triangles {
-        let corners = triangle.map(|i| welded.get(i as usize).copied());
-        let [Some(a), Some(b), Some(c)] = corners else {
-            return None;
-        };
-        if a != b && b != c && c != a {
-            edges.extend([[a, b], [b, c], [c, a]]);
-        }
+    let is_corner = |i: &u32| (*i as usize) < welded.len();
+    if !mesh.triangles.iter().flatten().all(is_corner) {
+        return None;
     }
+    let edges = || {
+        let corners = mesh.triangles.iter();
+        let corners = corners.map(|triangle| triangle.map(|i| welded[i as usize]));
+        let has_edges = |[a, b, c]: &[u32; 3]| a != b && b != c && c != a;
+        let corners = corners.filter(has_edges);
+        corners.flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]])
+    };
+    // Most open meshes are told without a list of their edges, which fills the memory of large ones.
+    let balance = edges().fold(0u64, |sum, [a, b]| match a < b {
+        true => sum.wrapping_add(edge_mark(a, b)),
+        false => sum.wrapping_sub(edge_mark(b, a)),
+    });
+    if balance != 0 {
+        return None;
+    }
+    let mut edges: Vec<[u32; 2]> = edges().collect();
     let triangles = edges.len() / 3;
     let ends = |edge: &[u32; 2]| [edge[0].min(edge[1]), edge[0].max(edge[1])];
     edges.sort_unstable_by_key(ends);
@@ -83,4 +93,10 @@ pub(super) fn closed_edges(mesh: &Mesh) -> Option<[usize; 3]> {
     used.sort_unstable();
     used.dedup();
     (triangles > 0).then_some([used.len(), count, triangles])
+}
+
+/// A number for an edge that others seldom have: the marks of edges that run there and back cancel.
+fn edge_mark(low: u32, high: u32) -> u64 {
+    let mixed = (u64::from(low) << 32 | u64::from(high)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    (mixed ^ (mixed >> 29)).wrapping_mul(0xbf58_476d_1ce4_e5b9)
 }

@@ -16,6 +16,9 @@ const COARSE: f64 = 0.02;
 /// Points of a mesh beyond which only outermost ones are looked at: at every sample of a motion all would fill the memory.
 const MANY: usize = 50_000;
 
+/// Points of all bodies and samples beyond which again only the outermost are kept: thousands of bodies over a motion.
+const MOST: usize = 2_000_000;
+
 /// Columns across a box along each of its axes; what stands out by less than one of them does not widen a picture.
 const COLUMNS: usize = 64;
 
@@ -71,7 +74,11 @@ pub fn moving_points(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<DVec
     let mut points = Vec::new();
     for pose in poses.iter().step_by(stride) {
         for (body, hull) in &hulls {
-            points.extend(hull.iter().map(|p| pose.bodies[*body].transform_point(*p)));
+            let placed = hull.iter().map(|p| pose.bodies[*body].transform_point(*p));
+            points.extend(placed.filter(|p| p.is_finite()));
+            if points.len() > MOST {
+                points = outermost_points(&points);
+            }
         }
     }
     points.extend(poses.iter().flat_map(|pose| pose.traces.iter().copied()));

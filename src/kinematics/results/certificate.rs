@@ -81,6 +81,8 @@ pub enum Reason {
     GimbalLock,
     /// A loop is turned by more than a right angle: the skew part cannot tell closed from turned by π.
     HalfTurn,
+    /// An angle so large that its last digit is worth a part of a turn.
+    Precision,
     /// A redundant equation does not hold: what it is open by is more than rounding and the digits of the dimensions
     /// explain.
     Open,
@@ -96,6 +98,7 @@ impl Reason {
             Self::Singular => "near-singular",
             Self::GimbalLock => "gimbal-lock",
             Self::HalfTurn => "half-turn",
+            Self::Precision => "precision",
             Self::Open => "open",
             Self::NotAsked => "not-asked",
         }

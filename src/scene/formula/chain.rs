@@ -164,6 +164,14 @@ impl Factor {
         }
     }
 
+    /// Where its value, or its direction, stands in the file.
+    pub fn place(&self) -> Span {
+        match self {
+            Self::Elementary(_, _, node) => node.span.clone(),
+            Self::Direction([x, _, z], _) => x.span.start..z.span.end,
+        }
+    }
+
     /// Whether the same is written, wherever it stands.
     pub fn is_alike(&self, other: &Self) -> bool {
         match (self, other) {

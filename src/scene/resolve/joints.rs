@@ -23,6 +23,10 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 /// must stay finite, with room for sums.
 const LARGEST: f64 = 1e60;
 
+/// Most motions of a chain that are not fixed: each of them makes a link, whose place is a chain of all before it, so that
+/// time and memory grow with the square of their number.
+const MOST_MOTIONS: usize = 1000;
+
 /// Compiles chains and keeps the list of their arguments.
 pub struct FoldedJoints<'a> {
     names: &'a Names,
@@ -156,7 +160,18 @@ impl<'a> FoldedJoints<'a> {
                 Err(diagnostic) => diagnostics.push(diagnostic),
             }
         }
-        (steps.len() == factors.len()).then_some(steps)
+        let is_sound = steps.len() == factors.len();
+        let moving = steps.iter().filter(|step| step.joint().is_some()).count();
+        if moving > MOST_MOTIONS {
+            diagnostics.push(
+                Diagnostic::error(format!(
+                    "a chain has {moving} motions that are not fixed, at most {MOST_MOTIONS} are analysed"
+                ))
+                .at(factors[0].place()),
+            );
+            return None;
+        }
+        is_sound.then_some(steps)
     }
 
     /// A chain that may hold parameters only, as a pose.
@@ -273,7 +288,10 @@ impl<'a> FoldedJoints<'a> {
 
     fn share(&mut self, argument: Argument) -> usize {
         let alike = self.alike.entry(argument_mark(&argument)).or_default();
-        let known = alike.iter().find(|k| self.arguments[**k] == argument);
+        // Some may have been taken back since.
+        let known = alike
+            .iter()
+            .find(|k| self.arguments.get(**k) == Some(&argument));
         if let Some(index) = known {
             return *index;
         }

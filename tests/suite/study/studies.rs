@@ -150,6 +150,41 @@ fn gradients_of_a_contact_agree_with_differences() {
     }
 }
 
+/// A Ctrl-C ends the search of a study before the next look, with values that belong to each other, penalties left out.
+#[test]
+fn a_search_that_is_told_to_end_says_what_it_has() {
+    use mechanim::analysis::optimise::Ended;
+    use mechanim::analysis::study::optimum::{Method, find_optimum};
+    use std::sync::atomic::Ordering;
+    let source = builtin::find_builtin("torus-torus").unwrap();
+    let family = ParametricMechanism::load(&source, &Overrides::default(), &[]).unwrap();
+    let mut evaluator = Evaluator::new(&family);
+    let start = evaluator.nominal(family.nominal().unwrap().poses);
+    for method in [
+        Method::Bfgs { tolerance: 1e-9 },
+        Method::NelderMead { tolerance: 1e-9 },
+        Method::Minimax { tolerance: 1e-9 },
+    ] {
+        let cancel = AtomicBool::new(false);
+        let watch = |_: usize, _: &[f64], _: f64| {
+            cancel.store(true, Ordering::Relaxed);
+            true
+        };
+        let found = find_optimum(&family, method, 50, Box::new(watch), &cancel).unwrap();
+        let minimum = &found.minimum;
+        assert_eq!(minimum.ended, Ended::Stopped, "{method:?}");
+        assert!(minimum.iterations < 10, "{method:?}: {minimum:?}");
+        assert_eq!(found.refusals.count(), 0, "{method:?}");
+        let stand = evaluator.approach(&start, &minimum.x).unwrap();
+        let measured = evaluator.measure(&stand).unwrap().measures;
+        let value = measured[family.study.objective.unwrap()];
+        assert!(
+            (minimum.value - value).abs() < 1e-9 * value,
+            "{method:?}: {value} {minimum:?}"
+        );
+    }
+}
+
 /// The paper's parameters are far from the least largest deviation; a few linear programmes show it.
 #[test]
 fn minimax_improves_the_torus_pair_and_keeps_its_pressure_angle() {

@@ -1,6 +1,7 @@
 //! The program as a stranger meets it: commands, messages, documents, hostile files.
 
 mod bad_scenes;
+mod bombs;
 mod cli;
 mod document_commands;
 mod documents;

@@ -1,16 +1,20 @@
 //! Damaged files of every kind: each is read or refused, none makes the program panic, none takes more than it may.
 //!
 //! Short by default. `MECHANIM_MUTATIONS=1000000` reads so many scenes, and as many of the other kinds together;
-//! `MECHANIM_RUNS=100000` sends so many mutated scenes through check, solve, render and plot, and prints the figures that
-//! docs/strangers.md has. A mutation depends on its number only; `MECHANIM_FIRST` is the number to begin with.
+//! `MECHANIM_RUNS=100000` sends so many mutated scenes through check, solve, render and plot, each run a process, and
+//! `MECHANIM_INSIDE=100000` without processes of their own; both print the figures that docs/strangers.md has. A mutation depends on its number only; `MECHANIM_FIRST` is the number to begin with.
 
 use crate::program;
 use crate::program::{Workspace, finish, seconds_of_children};
+use mechanim::cli::interrupt::CANCEL;
 use mechanim::diag::Source;
 use mechanim::import::FilmReader;
 use mechanim::scene::{Overrides, Scene, builtin, load_scene};
 use mechanim::snapshot::Manifest;
+use std::ffi::OsString;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::Ordering;
+use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
 /// Reading one file may take so long: mutations of a few kilobytes take milliseconds.
@@ -311,6 +315,86 @@ fn manifests_are_read_or_refused() {
     );
 }
 
+/// What mutated scenes go through.
+const VERBS: [&[&str]; 4] = [
+    &["check", "s.toml", "--samples", "3"],
+    &["solve", "s.toml", "--samples", "3", "--out", "o.csv"],
+    &[
+        "render", "s.toml", "--frames", "3", "--size", "32x24", "--out", "o.gif",
+    ],
+    &["plot", "s.toml", "--samples", "3", "--out", "o.svg"],
+];
+
+/// Exit codes that are promised for a scene, whatever stands in it.
+const CODES: [i32; 4] = [0, 1, 2, 4];
+
+/// Whole runs in this process, which starts none and so makes many: `MECHANIM_INSIDE=20000`. Those that take long are told
+/// to end and named; how much processor time and memory they take says a process of their own.
+#[test]
+fn runs_inside_end_as_promised() {
+    let (seeds, w) = (scene_seeds(), Workspace::new());
+    let (first, count) = (asked("MECHANIM_FIRST", 0), asked("MECHANIM_INSIDE", 24));
+    let (mut slow, mut runs, start) = (Vec::new(), 0u64, Instant::now());
+    for number in first.. {
+        if runs >= count {
+            break;
+        }
+        let bytes = mutated(&seeds, number);
+        if read_scene(&bytes).is_none() {
+            continue;
+        }
+        w.write("s.toml", &bytes);
+        for verb in VERBS {
+            runs += 1;
+            let (outcome, is_slow) = unless_slow(|| run_inside(&w, verb));
+            if is_slow {
+                slow.push((number, verb[0]));
+                continue;
+            }
+            let code = outcome.unwrap_or(70);
+            assert!(
+                CODES.contains(&code),
+                "mutation {number} {verb:?}: exit {code}\n{}",
+                String::from_utf8_lossy(&bytes)
+            );
+        }
+    }
+    println!(
+        "{runs} runs of mutated scenes from {first} on: 0 panics, {:.1} ms each, above {} s: {slow:?}",
+        start.elapsed().as_secs_f64() / runs as f64 * 1e3,
+        LONGEST.as_secs()
+    );
+}
+
+/// The verb in this process; its files stand in the workspace.
+fn run_inside(w: &Workspace, verb: &[&str]) -> i32 {
+    let placed = verb.iter().map(|word| match word.contains('.') {
+        true => w.path(word).into_os_string(),
+        false => (*word).into(),
+    });
+    let all = ["mechanim".into(), "-q".into()].into_iter().chain(placed);
+    mechanim::cli::run(all.collect::<Vec<OsString>>())
+}
+
+/// What `work` gives, `None` where it panics; told to end by a Ctrl-C of our own where it takes longer than [`LONGEST`].
+fn unless_slow<T>(work: impl FnOnce() -> T) -> (Option<T>, bool) {
+    let (done, told) = mpsc::channel::<()>();
+    std::thread::scope(|scope| {
+        let watch = scope.spawn(move || {
+            let is_slow = told.recv_timeout(LONGEST) == Err(mpsc::RecvTimeoutError::Timeout);
+            CANCEL.fetch_or(is_slow, Ordering::Relaxed);
+            is_slow
+        });
+        let outcome = catch_unwind(AssertUnwindSafe(work));
+        drop(done);
+        let is_slow = watch.join().unwrap();
+        if is_slow {
+            CANCEL.store(false, Ordering::Relaxed);
+        }
+        (outcome.ok(), is_slow)
+    })
+}
+
 /// Whole runs, each a process of its own with limits: exit codes are those that are promised.
 #[test]
 fn runs_end_as_promised() {
@@ -327,14 +411,7 @@ fn runs_end_as_promised() {
             continue;
         }
         w.write("s.toml", &bytes);
-        for arguments in [
-            &["check", "s.toml", "--samples", "3"][..],
-            &["solve", "s.toml", "--samples", "3", "--out", "-"],
-            &[
-                "render", "s.toml", "--frames", "3", "--size", "32x24", "--out", "o.gif",
-            ],
-            &["plot", "s.toml", "--samples", "3", "--out", "o.svg"],
-        ] {
+        for arguments in VERBS {
             runs += 1;
             let before = seconds_of_children(start);
             let run = finish(
@@ -342,7 +419,7 @@ fn runs_end_as_promised() {
                     .spawn()
                     .unwrap(),
             );
-            let is_known = [0, 1, 2, 4].contains(&run.code);
+            let is_known = CODES.contains(&run.code);
             assert!(
                 is_known,
                 "mutation {number} {arguments:?}: exit {}\n{}",

@@ -250,7 +250,11 @@ impl BlockSystem {
         let item = &mut self.at_pose[index];
         // The chain with every product's rounding, in double-double.
         item.evaluate(plan, &self.arguments, |a| forms[a].rate * BALL, *size);
-        if !may_turn && (item.trace.is_nan() || item.trace <= LEAST_TRACE) {
+        // Sine and cosine have no value there.
+        if item.trace.is_nan() {
+            return Err(Reason::Precision);
+        }
+        if !may_turn && item.trace <= LEAST_TRACE {
             return Err(Reason::HalfTurn);
         }
         // An argument is open by what its own formula rounds.

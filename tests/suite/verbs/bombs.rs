@@ -1,0 +1,380 @@
+//! Files made to be expensive: small ones that ask for much, deep ones, endless ones, pipes that nobody writes into. Each is
+//! refused or answered in little time and memory.
+
+use crate::program::{Run, STILL, Workspace, moving, seconds_of_children};
+use std::time::Instant;
+
+/// What a run may use here, and the processor seconds it may take.
+const LIMITS: &str = "time=60s,memory=1G";
+const MOST: f64 = 20.0;
+
+/// Runs within the limits, ended by none of them.
+fn bounded(w: &Workspace, what: &str, arguments: &[&str]) -> Run {
+    let begun = Instant::now();
+    let before = seconds_of_children(begun);
+    let run = w.run(&[arguments, &["--limits", LIMITS]].concat());
+    let seconds = seconds_of_children(begun) - before;
+    println!("{what}: {seconds:.2} CPU s, exit {}", run.code);
+    assert!(seconds < MOST, "{what}: {seconds} CPU s");
+    assert!(
+        [0, 1, 2, 4].contains(&run.code),
+        "{what}: exit {}\n{}",
+        run.code,
+        run.stderr
+    );
+    for limit in ["`memory`", "`time`"] {
+        let ended = format!("the limit {limit}");
+        assert!(!run.stderr.contains(&ended), "{what}: {}", run.stderr);
+    }
+    assert!(run.stderr.len() < 30_000, "{what}: {}", run.stderr.len());
+    run
+}
+
+/// `moving` with `phi` driven by another formula.
+fn driven_by(formula: &str) -> String {
+    let scene = moving().replace("2*t", formula);
+    assert!(scene.contains(formula));
+    scene
+}
+
+fn nested(open: &str, inside: &str, close: &str, depth: usize) -> String {
+    [&open.repeat(depth), inside, &close.repeat(depth)].concat()
+}
+
+#[test]
+fn deep_and_long_texts_are_answered() {
+    let w = Workspace::new();
+    let count = 20_000;
+    let many = |head: &str, line: &dyn Fn(usize) -> String| {
+        let lines: String = (0..count).map(line).collect();
+        format!("{}{head}\n{lines}", moving())
+    };
+    let long_chain = |factor: &str, count: usize| {
+        format!("{}[chains]\nc = \"{}\"\n", moving(), factor.repeat(count))
+    };
+    for (what, scene, says) in [
+        (
+            "a chain of 1e5 factors",
+            long_chain("Tx(1) ", 100_000),
+            "longer than",
+        ),
+        ("a chain of 16000 factors", long_chain("Tx(1) ", 16_000), ""),
+        (
+            "a chain of 24000 motions",
+            long_chain("T(1,1,1) ", 8_000),
+            "transforms",
+        ),
+        (
+            "a chain of 9000 angles",
+            moving().replace("Rz(phi)", &["Rz(phi)", &" Rx(alpha)".repeat(9000)].concat()),
+            "not fixed",
+        ),
+        (
+            "a chain inverted 1e4 times",
+            format!(
+                "{}[chains]\nc = \"{}\"\n",
+                moving(),
+                nested("inv(", "Tx(1)", ")", 10_000)
+            ),
+            "",
+        ),
+        (
+            "49000 parentheses",
+            driven_by(&nested("(", "t", ")", 49_000)),
+            "",
+        ),
+        (
+            "1e4 functions",
+            driven_by(&nested("sin(", "t", ")", 10_000)),
+            "",
+        ),
+        ("99000 signs", driven_by(&nested("-", "t", "", 99_000)), ""),
+        (
+            "49000 powers",
+            driven_by(&nested("2^", "t", "", 49_000)),
+            "",
+        ),
+        (
+            "a sum of 1e6 terms",
+            driven_by(&nested("t+", "t", "", 1_000_000)),
+            "longer than",
+        ),
+        (
+            "a sum of 49000 terms",
+            driven_by(&nested("t+", "t", "", 49_000)),
+            "",
+        ),
+        (
+            "chains of chains",
+            many("[chains]\nc0 = \"Tx(1)\"", &|k| {
+                format!("c{} = \"c{k} Tx(1)\"\n", k + 1)
+            }),
+            "",
+        ),
+        (
+            "bodies on chains of chains",
+            format!(
+                "{}{}",
+                many("[chains]\nc0 = \"Tx(1)\"", &|k| format!(
+                    "c{} = \"c{k} Tx(1)\"\n",
+                    k + 1
+                )),
+                (0..2000)
+                    .map(|k| format!("[[bodies]]\nname = \"b{k}\"\nframe = \"c19000\"\n"))
+                    .collect::<String>()
+            ),
+            "transforms together",
+        ),
+        (
+            "1e4 loops",
+            format!(
+                "title = \"l\"\nduration = 1\n[inputs]\nphi = \"t\"\n[loops]\n{}[guess]\n{}",
+                (0..3000)
+                    .map(|k| format!(
+                        "L{k} = \"Rz(phi) Tx(40) Rz(a{k}) Tx(80) Rz(b{k}) Tx(-h{k})\"\n"
+                    ))
+                    .collect::<String>(),
+                (0..3000)
+                    .map(|k| format!("h{k} = 100\n"))
+                    .collect::<String>()
+            ),
+            "",
+        ),
+        (
+            "a name of 1 MB",
+            format!("{}[outputs]\n{} = \"h\"\n", moving(), "n".repeat(1_000_000)),
+            "",
+        ),
+        (
+            "a title of 1 MB",
+            moving().replace("\"moving\"", &format!("\"{}\"", "W".repeat(1_000_000))),
+            "",
+        ),
+        (
+            "outputs",
+            many("[outputs]", &|k| format!("o{k} = \"h + {k}\"\n")),
+            "",
+        ),
+        (
+            "bodies",
+            many("", &|k| {
+                format!(
+                    "[[bodies]]\nname = \"b{k}\"\nshapes = [{{ sphere = {{ center = [{k}, 0, 0], radius = 1 }} }}]\n"
+                )
+            }),
+            "",
+        ),
+    ] {
+        w.write("s.toml", scene);
+        let run = bounded(&w, what, &["check", "s.toml", "--samples", "3"]);
+        assert!(run.stderr.contains(says), "{what}: {}", run.stderr);
+        let still = [
+            "render", "s.toml", "--at", "0", "--size", "64x48", "--out", "o.png",
+        ];
+        bounded(&w, what, &still);
+    }
+}
+
+/// A binary STL file that announces `count` triangles and holds these.
+fn stl(count: u32, triangles: &[[f32; 9]]) -> Vec<u8> {
+    let mut bytes = vec![0; 80];
+    bytes.extend(count.to_le_bytes());
+    for triangle in triangles {
+        bytes.extend([0; 12]);
+        bytes.extend(triangle.iter().flat_map(|c| c.to_le_bytes()));
+        bytes.extend([0; 2]);
+    }
+    bytes
+}
+
+#[test]
+fn meshes_made_to_be_expensive_are_refused_or_drawn() {
+    const ONE: [f32; 9] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    let turn = |k: usize, n: usize| std::f32::consts::TAU * k as f32 / n as f32;
+    let fan = (0..50_000).map(|k| {
+        let (a, b) = (turn(k, 50_000), turn(k + 1, 50_000));
+        [0.0, 0.0, 1.0, a.cos(), a.sin(), 0.0, b.cos(), b.sin(), 0.0]
+    });
+    let around_an_edge = (0..50_000).map(|k| {
+        let a = turn(k, 50_000);
+        [0.0, 0.0, 0.0, 0.0, 0.0, 1.0, a.cos(), a.sin(), a]
+    });
+    let text = |inside: &str| format!("solid a\nfacet normal 0 0 1\n{inside}").into_bytes();
+    let w = Workspace::new();
+    let scene = format!(
+        "{STILL}[[bodies]]\nname = \"m\"\nshapes = [{{ stl = {{ file = \"m.stl\" }} }}]\n\
+         [[bodies]]\nname = \"n\"\nshapes = [{{ sphere = {{ center = [0, 900, 0], radius = 3 }} }}]\n\
+         [clearance]\nminimum = 0.1\n"
+    );
+    w.write("s.toml", scene);
+    for (what, mesh, says) in [
+        ("4e9 announced", stl(u32::MAX, &[ONE]), "cut short"),
+        (
+            "not a number",
+            stl(2, &[ONE, [f32::NAN; 9]]),
+            "not a finite number",
+        ),
+        (
+            "infinite",
+            stl(1, &[[f32::INFINITY; 9]]),
+            "not a finite number",
+        ),
+        (
+            "beyond single squares",
+            stl(1, &[ONE.map(|c| 1e38 * c)]),
+            "beyond",
+        ),
+        (
+            "without area",
+            stl(3, &[[1.0; 9]; 3]),
+            "no triangle with an area",
+        ),
+        (
+            "without a size",
+            stl(1, &[ONE.map(|c| 1e-40 * c)]),
+            "no triangle with an area",
+        ),
+        (
+            "one endless line",
+            text(&"x".repeat(5_000_000)),
+            "longer than",
+        ),
+        (
+            "blanks without end",
+            text(&" ".repeat(5_000_000)),
+            "longer than",
+        ),
+        (
+            "empty lines without end",
+            text(&"\n".repeat(20_000_000)),
+            "ends where",
+        ),
+        (
+            "a number of a million digits",
+            text(&format!("outer loop\nvertex {} 0 0", "1".repeat(1_000_000))),
+            "",
+        ),
+        ("a fan", stl(50_000, &fan.collect::<Vec<_>>()), ""),
+        (
+            "all at one edge",
+            stl(50_000, &around_an_edge.collect::<Vec<_>>()),
+            "",
+        ),
+        ("all equal", stl(50_000, &vec![ONE; 50_000]), ""),
+    ] {
+        w.write("m.stl", mesh);
+        let run = bounded(&w, what, &["check", "s.toml"]);
+        assert!(run.stderr.contains(says), "{what}: {}", run.stderr);
+        assert!(
+            says.is_empty() || run.code == 2,
+            "{what}: exit {}",
+            run.code
+        );
+        let still = [
+            "render", "s.toml", "--at", "0", "--size", "64x48", "--out", "o.png",
+        ];
+        bounded(&w, what, &still);
+    }
+}
+
+/// A chunk of a PNG file; the sum at its end is only looked at once its contents were.
+fn chunk(kind: &[u8], contents: &[u8]) -> Vec<u8> {
+    let length = (contents.len() as u32).to_be_bytes();
+    [&length[..], kind, contents, &[0; 4]].concat()
+}
+
+#[test]
+fn pictures_made_to_be_expensive_are_refused() {
+    let png = |width: u32, height: u32| {
+        let size = [width.to_be_bytes(), height.to_be_bytes()].concat();
+        let head = chunk(b"IHDR", &[&size[..], &[8, 6, 0, 0, 0]].concat());
+        [
+            b"\x89PNG\r\n\x1a\n",
+            &head[..],
+            &chunk(b"IDAT", &[]),
+            &chunk(b"IEND", &[]),
+        ]
+        .concat()
+    };
+    let gif = [
+        &b"GIF89a\xff\xff\xff\xff\0\0\0,\0\0\0\0\xff\xff\xff\xff\0"[..],
+        b"\x02\x02\x4c\x01\0;",
+    ];
+    let w = Workspace::new();
+    for (what, bytes) in [
+        (
+            "a PNG of the largest size",
+            png(i32::MAX as u32, i32::MAX as u32),
+        ),
+        ("a PNG of one line", png(i32::MAX as u32, 1)),
+        ("a PNG of 268 megapixels", png(16384, 16384)),
+        ("a GIF of the largest size", gif.concat()),
+    ] {
+        w.write("a", bytes);
+        for arguments in [&["diff", "a", "a"][..], &["encode", "a", "--out", "o.gif"]] {
+            bounded(&w, what, arguments)
+                .exits(2)
+                .says(&["the limit `pixels`"]);
+        }
+    }
+}
+
+#[test]
+fn tables_without_end_are_refused() {
+    let w = Workspace::new();
+    w.write("s.toml", moving());
+    for (what, table) in [
+        (
+            "a million columns",
+            format!("phi{}\n", ",c".repeat(1_000_000)),
+        ),
+        ("one quote", "\"".repeat(3_000_000)),
+    ] {
+        w.write("t.csv", table);
+        bounded(
+            &w,
+            what,
+            &["solve", "s.toml", "--inputs", "t.csv", "--out", "-"],
+        )
+        .exits(2)
+        .says(&["longer than"]);
+    }
+}
+
+/// What is named on the command line may be a pipe; one that nobody writes into is not waited for without end. What a scene
+/// names may not.
+#[cfg(unix)]
+#[test]
+fn pipes_are_not_waited_for() {
+    let w = Workspace::new();
+    let pipe = |name: &str| {
+        let made = std::process::Command::new("mkfifo")
+            .arg(w.path(name))
+            .status();
+        assert!(made.unwrap().success());
+    };
+    for name in ["scene.toml", "table.csv", "a.png", "m.stl"] {
+        pipe(name);
+    }
+    w.write("s.toml", moving());
+    let mesh = "[[bodies]]\nname = \"m\"\nshapes = [{ stl = { file = \"m.stl\" } }]\n";
+    w.write("m.toml", format!("{STILL}{mesh}"));
+    for (arguments, says) in [
+        (&["check", "scene.toml"][..], "nothing was written"),
+        (
+            &["solve", "s.toml", "--inputs", "table.csv", "--out", "-"],
+            "nothing was written",
+        ),
+        (&["diff", "a.png", "a.png"], "no regular file"),
+        (&["encode", "a.png", "--out", "o.gif"], "no regular file"),
+        (&["check", "m.toml"], "no regular file"),
+    ] {
+        bounded(&w, arguments[0], arguments).exits(2).says(&[says]);
+    }
+    // One that is written to is read.
+    let text = moving();
+    std::thread::scope(|scope| {
+        scope.spawn(|| std::fs::write(w.path("scene.toml"), text));
+        bounded(&w, "a pipe with a writer", &["check", "scene.toml"]).exits(0);
+    });
+}
