@@ -364,7 +364,7 @@ fn event_word(event: &Event, place: f64, x: &Abscissa) -> String {
         EventKind::SingularPosePassed | EventKind::SingularPoseMet => "singular pose".to_owned(),
         EventKind::OtherStart => "other start".to_owned(),
         EventKind::StartMoved { .. } => "start moved".to_owned(),
-        EventKind::InputUndefined { name } => format!("{name} has no value"),
+        EventKind::InputUndefined { name, .. } => format!("{name} has no value"),
         EventKind::LimitPosition { name, .. } => format!("{name} turns back"),
         EventKind::GimbalLock { .. } => "gimbal lock".to_owned(),
         EventKind::StartSingular => "singular start".to_owned(),

@@ -1,6 +1,7 @@
 //! Motion of the driven coordinates over time: keyframes with easing, a formula, or rows of a table.
 
 use super::expression::Expression;
+use super::printed::printing_error;
 use crate::numbers::constant::Constant;
 use crate::numbers::interval::Interval;
 use crate::numbers::scalar::Scalar;
@@ -65,6 +66,18 @@ impl Drive {
     /// The value at `time`; may be not finite where a formula has no value.
     pub fn value(&self, time: f64) -> f64 {
         self.value_beside(time, time)
+    }
+
+    /// Whether it is not proved that it has no value at `time`, read as a number or as a table prints it.
+    pub fn may_have_value(&self, time: f64) -> bool {
+        let printed = Interval::sum_of(time, printing_error(time, Constant::exact(1.0)));
+        match self {
+            Self::Formula(formula) => {
+                let times = Interval::point(time).hull(printed);
+                formula.range(&[times]).is_some()
+            }
+            Self::Keys { .. } => true,
+        }
     }
 
     /// The value at a time of any kind, between the keys that are next to `place`: a key belongs to what follows.

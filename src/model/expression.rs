@@ -324,8 +324,10 @@ fn combine_affine(a: &Affine, x: Constant, b: &Affine, y: Constant) -> Affine {
     }
 }
 
+mod domain;
 mod fault;
 pub mod pieces;
+mod quadratic;
 
 #[cfg(test)]
 mod tests;

@@ -51,7 +51,7 @@ pub fn refusal_text(plan: &Plan, enclosed: &Enclosed) -> Option<String> {
     match &enclosed.bands {
         Ok(_) => None,
         Err(Obstacle::NoPose) => Some(format!(
-            "t = {} s: there is no pose",
+            "t = {} s: no pose was found",
             shortest_decimal(enclosed.time)
         )),
         Err(Obstacle::Test { reason, dimension }) => {

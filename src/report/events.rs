@@ -77,7 +77,7 @@ fn event_value(mechanism: &Mechanism, event: &Event) -> Value {
             object.insert("branch".to_owned(), json!(taken));
             object.insert("others".to_owned(), json!(others));
         }
-        EventKind::StartNotClosed { proved, .. } => {
+        EventKind::StartNotClosed { proved, .. } | EventKind::InputUndefined { proved, .. } => {
             object.insert("proved".to_owned(), json!(proved));
         }
         EventKind::GimbalLock { names, distance } => {
@@ -94,7 +94,9 @@ fn ending_value(ending: &Ending) -> Value {
     let word = ending.word();
     match ending {
         Ending::Fold { proved, .. } => json!({ "kind": word, "proved": proved }),
-        Ending::NoValue { name } => json!({ "kind": word, "equation": name }),
+        Ending::NoValue { name, proved, .. } => {
+            json!({ "kind": word, "equation": name, "proved": proved })
+        }
         Ending::GivenUp { sigma_min } => json!({ "kind": word, "sigma_min": sigma_min }),
         Ending::AngleTooLarge | Ending::NotFound => json!({ "kind": word }),
     }

@@ -5,6 +5,7 @@ use super::rounded::at_most;
 use crate::analysis::optimise::Ended;
 use crate::analysis::study::kept_clearances::{Clearances, NearestPair};
 use crate::analysis::study::optimum::Verified;
+use crate::analysis::study::whole_limits::WholeLimit;
 use crate::analysis::study::{FamilyError, FoundOptimum, KEPT, LoadedStudy};
 use serde_json::{Map, Value, json};
 
@@ -109,10 +110,11 @@ impl OptimumReport<'_> {
             at_most(verified.error_bound),
             family.mechanism().length_unit
         );
-        let mut rows = vec![vec!["measure".to_owned(), "value".to_owned()]];
+        let mut rows = vec![vec!["measure".to_owned(), "at these poses".to_owned()]];
         let measures = family.measures.list.iter().zip(&verified.measures);
         rows.extend(measures.map(|(m, v)| vec![m.name.clone(), six_digits(family.shown(m, *v))]));
         text.push_str(&aligned_rows(&rows));
+        text.extend(verified.whole.iter().map(|limit| self.whole_line(limit)));
         if !self.found.agrees(self.study, verified) {
             text.push_str(
                 "Not confirmed: this motion is another than the one that was optimised.\n",
@@ -126,6 +128,32 @@ impl OptimumReport<'_> {
             ));
         }
         text
+    }
+
+    /// A limited measure over the whole motion, as a line.
+    fn whole_line(&self, limit: &WholeLimit) -> String {
+        let family = &self.study.family;
+        let measure = &family.measures.list[limit.measure];
+        let value = limit.value.map_or_else(
+            || "no value".to_owned(),
+            |value| six_digits(family.shown(measure, value)),
+        );
+        let verdict = match limit.missed {
+            _ if !limit.is_proved => "that its limits are kept there is not proved".to_owned(),
+            missed if missed <= 0.0 => "its limits are kept (proved)".to_owned(),
+            missed => {
+                let share = 100.0 * missed;
+                let how = match limit.is_kept() {
+                    true => "kept but for the rounding of the search",
+                    false => "missed between those poses",
+                };
+                format!("its limits are {how}, by at most {share:.2e} %")
+            }
+        };
+        format!(
+            "Over the whole motion `{}` is {value}: {verdict}.\n",
+            measure.name
+        )
     }
 
     /// Name of the measure that breaks its limit most.
@@ -168,6 +196,17 @@ impl OptimumReport<'_> {
         })
     }
 
+    fn whole_object(&self, limit: &WholeLimit) -> Value {
+        let family = &self.study.family;
+        let measure = &family.measures.list[limit.measure];
+        json!({
+            "measure": measure.name,
+            "value": limit.value.map(|value| family.shown(measure, value)),
+            "kept": limit.is_kept(),
+            "proved": limit.is_proved,
+        })
+    }
+
     fn verified_object(&self, verified: &Verified) -> Value {
         let family = &self.study.family;
         let measures = family.measures.list.iter().zip(&verified.measures);
@@ -177,6 +216,7 @@ impl OptimumReport<'_> {
             "unproved": verified.unproved,
             "error_bound": verified.error_bound,
             "violation": verified.violation.max(0.0),
+            "whole_motion": verified.whole.iter().map(|l| self.whole_object(l)).collect::<Vec<_>>(),
             "measures": measures.collect::<Map<String, Value>>(),
         })
     }

@@ -78,7 +78,14 @@ fn ending_words(ending: &Ending) -> String {
     match ending {
         Ending::Fold { proved: true, .. } => "at a fold (proved)".to_owned(),
         Ending::Fold { proved: false, .. } => "at a fold (located, not proved)".to_owned(),
-        Ending::NoValue { name } => format!("where equation `{name}` has no value beyond"),
+        Ending::NoValue { name, proved, .. } => {
+            let how = if *proved {
+                "proved"
+            } else {
+                "located, not proved"
+            };
+            format!("where equation `{name}` has no value beyond ({how})")
+        }
         Ending::GivenUp { sigma_min } => format!(
             "undecided: steps became too small, or too many, near a smallest singular value of {sigma_min:.1e}, and poses may exist beyond"
         ),
@@ -128,7 +135,17 @@ pub fn event_sentence(mechanism: &Mechanism, event: &Event) -> String {
             let value = with_unit(mechanism, *measure, *value);
             format!("`{name}` turns back at {at}: a local {extreme} of {value}")
         }
-        EventKind::InputUndefined { name } => format!("input `{name}` has no value at {at}"),
+        EventKind::InputUndefined { name, proved: true } => {
+            format!("input `{name}` has no value at {at}")
+        }
+        EventKind::InputUndefined {
+            name,
+            proved: false,
+        } => {
+            format!(
+                "input `{name}` has no finite value in numbers at {at}: that it has none is not proved"
+            )
+        }
         EventKind::StartNotClosed {
             proved,
             name,

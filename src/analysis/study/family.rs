@@ -316,7 +316,10 @@ impl ParametricMechanism {
             let Some(pose) = &sample.pose else {
                 return Err(FamilyError::Track {
                     track: self.row_name(row),
-                    message: format!("no motion leads to pose {} with the file's values", k + 1),
+                    message: format!(
+                        "no motion was found that leads to pose {} with the file's values",
+                        k + 1
+                    ),
                 });
             };
             let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();

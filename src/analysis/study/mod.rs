@@ -15,6 +15,7 @@ mod search;
 mod search_steps;
 mod slopes;
 mod track_poses;
+pub mod whole_limits;
 
 pub use family::{FamilyError, Nominal, ParametricMechanism};
 pub use gradient::Gradients;
@@ -22,5 +23,6 @@ pub use loaded::{LoadedStudy, NominalStudy, varied_names};
 pub use measure::Measured;
 pub use peaks::{Guard, Peaks};
 pub use search::{Refusals, StudySearch, Watch};
-pub use search_steps::{FoundOptimum, KEPT};
+pub use search_steps::FoundOptimum;
 pub use track_poses::{Evaluator, Rejection, TrackPoses};
+pub use whole_limits::KEPT;

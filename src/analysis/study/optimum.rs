@@ -4,11 +4,12 @@ use super::family::{FamilyError, ParametricMechanism};
 use super::peaks::Peaks;
 use super::search::{Refusals, StudySearch, Watch};
 use super::track_poses::Evaluator;
+use super::whole_limits::{WholeLimit, whole_limits};
 use crate::analysis::optimise::{
     Ended, Minimum, Objective, bfgs, constraints, evolution, minimax, nelder_mead,
 };
 use crate::diag::Source;
-use crate::scene::Overrides;
+use crate::scene::{Overrides, load_scene};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A violation of a constraint that is let pass, as a share of its bound.
@@ -248,6 +249,8 @@ pub struct Verified {
     pub poses: usize,
     /// Largest violation of a constraint, as a share of its bound; zero or less inside.
     pub violation: f64,
+    /// The limited measures of the drive over the whole motion, between those poses too.
+    pub whole: Vec<WholeLimit>,
 }
 
 /// Reads the scene again with the values as its parameters, follows the tracks from the start of the drive, and measures.
@@ -283,5 +286,6 @@ pub fn verify_optimum(
         unproved,
         poses,
         violation,
+        whole: whole_limits(&load_scene(source, &overrides).map_err(Box::new)?)?,
     })
 }

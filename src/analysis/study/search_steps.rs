@@ -4,10 +4,8 @@ use super::family::FamilyError;
 use super::kept_clearances::{Clearances, settle_clearances};
 use super::loaded::LoadedStudy;
 use super::optimum::{Improvement, Method, Optimum, Verified, find_optimum, verify_optimum};
+use super::whole_limits::{KEPT, WholeLimit};
 use std::sync::atomic::AtomicBool;
-
-/// Violation of a constraint that is still called kept: searches let a ten-millionth pass.
-pub const KEPT: f64 = 1e-6;
 
 /// How far an objective that is measured again may be off, as a share of it (or of this share of the first value).
 const SAME: f64 = 1e-6;
@@ -110,10 +108,14 @@ impl FoundOptimum {
         again.is_some_and(|again| (again - value).abs() <= SAME * scale)
     }
 
-    /// Whether the independent motion has the same objective and all limits and clearances are kept.
+    /// Whether the independent motion has the same objective and all limits, proved for the whole motion, and clearances are
+    /// kept.
     pub fn holds(&self, study: &LoadedStudy, verified: &Result<Verified, FamilyError>) -> bool {
         let is_clear = self.clearances.as_ref().is_none_or(|c| c.kept);
-        let is_verified = |v: &Verified| v.violation <= KEPT && self.agrees(study, v);
+        let is_verified = |v: &Verified| {
+            let is_kept = v.whole.iter().all(WholeLimit::is_kept);
+            v.violation <= KEPT && is_kept && self.agrees(study, v)
+        };
         verified.as_ref().is_ok_and(is_verified) && is_clear
     }
 }

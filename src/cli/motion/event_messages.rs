@@ -135,10 +135,7 @@ fn never_closed(system: &System, actuation: &Actuation, trajectory: &Trajectory)
             list.join(", and from ")
         ));
     }
-    match trajectory.is_undecided() {
-        true => Failure::Undecided { message, hints },
-        false => Failure::NeverClosed { message, hints },
-    }
+    Failure::without_pose(trajectory.is_undecided(), message, hints)
 }
 
 /// What to say when the loop that does not close has too few unknowns for its equations.

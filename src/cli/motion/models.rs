@@ -91,10 +91,11 @@ fn refuse_missing(scene: &Scene, trajectory: &Trajectory, sample: usize) -> Resu
         return Ok(());
     }
     let values = input_sentence(&scene.mechanism, &sample.inputs);
-    Err(Failure::NeverClosed {
-        message: format!("the motion has no pose at t = {} s ({values})", sample.time),
-        hints: vec!["take another time with --at SECONDS".to_owned()],
-    })
+    Err(Failure::without_pose(
+        trajectory.is_undecided(),
+        format!("the motion has no pose at t = {} s ({values})", sample.time),
+        vec!["take another time with --at SECONDS".to_owned()],
+    ))
 }
 
 fn tell_model(

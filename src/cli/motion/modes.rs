@@ -9,6 +9,7 @@ use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::diag::shown_number;
 use crate::kinematics::assemblies::{Mode, Modes};
+use crate::kinematics::certificate::absence::has_no_pose;
 use crate::kinematics::structure::system::System;
 use crate::model::mechanism::{Coordinate, Mechanism};
 use crate::report::{assemblies, sentences};
@@ -48,11 +49,15 @@ pub fn run_modes(args: &ModesArgs, term: &Term) -> Result<Outcome, Failure> {
         args.json.as_deref(),
         &modes_text(&system, inputs, args.at, &modes),
     )?;
-    Ok(if modes.list.is_empty() {
-        Outcome::NotClosed
-    } else {
-        Outcome::Done
-    })
+    if !modes.list.is_empty() {
+        return Ok(Outcome::Done);
+    }
+    if has_no_pose(&system, inputs) {
+        term.note("no pose exists (proved)");
+        return Ok(Outcome::NotClosed);
+    }
+    term.note("that no pose exists is not proved");
+    Ok(Outcome::Undecided)
 }
 
 /// The table, and what it is worth.

@@ -171,7 +171,7 @@ fn trace_iterations(
     let outcome = if closed {
         Outcome::Done
     } else {
-        Outcome::NotClosed
+        Outcome::Undecided
     };
     Ok((plan, trajectory, outcome))
 }
@@ -333,8 +333,8 @@ fn kind_of_output(args: &RenderArgs) -> Result<Format, Failure> {
 /// Only frames that were drawn count.
 fn outcome_of_frames(outcome: Outcome, trajectory: &Trajectory, plan: &RenderPlan) -> Outcome {
     let drawn = &trajectory.samples[plan.samples()];
-    if outcome == Outcome::NotClosed && drawn.iter().all(|sample| sample.pose.is_some()) {
-        return Outcome::Done;
+    match drawn.iter().all(|sample| sample.pose.is_some()) {
+        true => Outcome::Done,
+        false => outcome,
     }
-    outcome
 }

@@ -131,7 +131,7 @@ fn trace_iterations(
         return Ok(Outcome::Done);
     }
     term.warning("plain Newton does not close from these start values; the solver, which damps its steps, may");
-    Ok(Outcome::NotClosed)
+    Ok(Outcome::Undecided)
 }
 
 fn row_times(args: &SolveArgs, scene: &Scene) -> Result<Vec<f64>, Failure> {

@@ -43,7 +43,8 @@ pub fn open_with_plot(
     if let Some(path) = &args.table {
         inputs_table::apply_inputs(&scene.mechanism, &mut scene.actuation, path)?;
     }
-    let system = System::new(Arc::clone(&scene.mechanism), &scene.actuation)?;
+    let analyse = || System::new(Arc::clone(&scene.mechanism), &scene.actuation);
+    let system = announce_work("analysing the mechanism", term.quiet(), analyse)?;
     if let Some(choice) = &args.mode {
         scene.actuation.guess = mode::start_of(&system, &scene.actuation, choice)?;
     }

@@ -89,7 +89,7 @@ impl From<FamilyError> for Failure {
                 let hint = format!("measures: {}", known.join(", "));
                 Self::usage(error.to_string(), vec![hint])
             }
-            FamilyError::Track { .. } => Self::NeverClosed {
+            FamilyError::Track { .. } => Self::Undecided {
                 message: error.to_string(),
                 hints: vec![
                     "`mechanim solve` and `mechanim modes` show where the mechanism closes"

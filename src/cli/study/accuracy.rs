@@ -10,6 +10,7 @@ use crate::cli::open::scene::OpenScene;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::export::Output;
+use crate::kinematics::motion::continuation::solve_motion;
 use crate::model::mechanism::Mechanism;
 use crate::report::precision;
 use std::path::Path;
@@ -35,11 +36,15 @@ pub fn run_accuracy(args: &AccuracyArgs, term: &Term) -> Result<Outcome, Failure
     let mut output = args.out.as_deref().map(io::open_output).transpose()?;
     let study = match study_precision(&system, &scene.actuation, args.poses, args.turns) {
         Ok(study) => study,
-        Err(error @ StudyError::Gap { .. }) => {
-            return Err(Failure::NeverClosed {
-                message: error.to_string(),
-                hints: vec!["`mechanim check` tells where the motion ends".to_owned()],
-            });
+        Err(error @ StudyError::Gap { time }) => {
+            let motion = solve_motion(&system, &scene.actuation, &[0.0, time]);
+            let is_undecided = motion.is_whole() || motion.is_undecided();
+            let hints = vec!["`mechanim check` tells where the motion ends".to_owned()];
+            return Err(Failure::without_pose(
+                is_undecided,
+                error.to_string(),
+                hints,
+            ));
         }
     };
     crate::cli::interrupt::refuse_interrupted()?;

@@ -124,6 +124,14 @@ impl From<SourceError> for Failure {
 }
 
 impl Failure {
+    /// There is no pose: surely, or as far as was found.
+    pub fn without_pose(is_undecided: bool, message: String, hints: Vec<String>) -> Self {
+        match is_undecided {
+            true => Self::Undecided { message, hints },
+            false => Self::NeverClosed { message, hints },
+        }
+    }
+
     /// A usage error with hints.
     pub fn usage(message: impl Into<String>, hints: Vec<String>) -> Self {
         Self::Usage {

@@ -5,10 +5,11 @@
 //! and slider-cranks. Else, of a block with few angles, the cube of all their values is halved until in every piece some
 //! equation has no zero. Neither finding anything says nothing.
 
+use crate::kinematics::loops::enclosed::is_open_throughout;
 use crate::kinematics::solve::assembly::turns_matter;
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::system::System;
-use crate::model::chain::{ArgumentValue, ChainStep, ElementaryMotion};
+use crate::model::chain::{Argument, ArgumentValue, ChainStep, ElementaryMotion};
 use crate::model::mechanism::{Closes, Kind, Loop, Mechanism};
 use crate::model::outputs::output_arguments;
 use crate::model::walk::{Triple, WalkFrame};
@@ -26,13 +27,7 @@ const MOST_ANGLES: usize = 3;
 /// table prints. `false` says nothing.
 pub fn has_no_pose(system: &System, inputs: &[f64]) -> bool {
     let mechanism = system.mechanism();
-    let unknowns = mechanism.unknowns.len();
-    let mut coordinates = vec![Interval::ENTIRE; unknowns];
-    let mut numbers = vec![0.0; unknowns];
-    numbers.extend(inputs);
-    let rests = mechanism.printed_rests(&numbers);
-    let given = numbers.iter().zip(rests).skip(unknowns);
-    coordinates.extend(given.map(|(v, rest)| Interval::point(*v).hull(Interval::sum_of(*v, rest))));
+    let coordinates = enclosed_inputs(mechanism, inputs);
     let loops = mechanism.loops.iter();
     let mut too_long = loops.map(|item| has_too_long_a_side(mechanism, item, &coordinates));
     too_long.any(|is| is)
@@ -40,6 +35,19 @@ pub fn has_no_pose(system: &System, inputs: &[f64]) -> bool {
             .blocks()
             .iter()
             .any(|block| Halving::new(mechanism, block).finds_nothing(&coordinates))
+}
+
+/// All coordinates of poses with these inputs, read as numbers or as the decimals that a table prints: of the unknowns nothing
+/// is known.
+pub fn enclosed_inputs(mechanism: &Mechanism, inputs: &[f64]) -> Vec<Interval> {
+    let unknowns = mechanism.unknowns.len();
+    let mut numbers = vec![0.0; unknowns];
+    numbers.extend(inputs);
+    let rests = mechanism.printed_rests(&numbers);
+    let read = |(v, rest): (&f64, f64)| Interval::point(*v).hull(Interval::sum_of(*v, rest));
+    let given = numbers.iter().zip(rests).skip(unknowns).map(read);
+    let free = std::iter::repeat_n(Interval::ENTIRE, unknowns);
+    free.chain(given).collect()
 }
 
 /// Rigid parts of a loop between the joints that turn freely.
@@ -155,12 +163,12 @@ impl<'m> Halving<'m> {
 
     /// Whether it is proved that the block has no solution; other unknowns may have any value.
     fn finds_nothing(&self, coordinates: &[Interval]) -> bool {
-        if self.angles.len() > MOST_ANGLES {
-            return false;
-        }
         let mut whole = coordinates.to_vec();
         for slot in &self.angles {
             whole[*slot] = Interval::around_zero(PI.next_up());
+        }
+        if self.angles.len() > MOST_ANGLES {
+            return self.is_excluded(&whole);
         }
         let mut pieces = vec![whole];
         for _ in 0..MOST_PIECES {
@@ -192,30 +200,24 @@ impl<'m> Halving<'m> {
         Some(halves)
     }
 
-    /// Some equation has no zero here.
+    /// Some equation has no zero here, or a formula no value.
     fn is_excluded(&self, piece: &[Interval]) -> bool {
-        let arguments = output_arguments(self.mechanism, &self.block.arguments, piece);
-        let is_open = |item: &Loop| {
-            let end = WalkFrame::at_end_of(&item.chain.steps, &arguments);
-            let is_turned = (0..3).any(|i| {
-                (0..3).any(|j| {
-                    let wanted = if i == j {
-                        Interval::ONE
-                    } else {
-                        Interval::ZERO
-                    };
-                    !(end.axes[i][j] - wanted).holds_zero()
-                })
-            });
-            let is_apart = end.origin.iter().any(|c| !c.holds_zero());
-            is_apart || item.closes == Closes::Frame && is_turned
-        };
-        let mut loops = self.block.loops.iter();
-        let mut equations = self.block.equations.iter();
-        loops.any(|part| is_open(&self.mechanism.loops[part.index]))
-            || equations.any(|k| {
-                let value = self.mechanism.equations[*k].expression.value(piece);
-                !value.holds_zero()
+        let Mechanism {
+            loops, equations, ..
+        } = self.mechanism;
+        let used = &self.block.arguments;
+        let arguments = output_arguments(self.mechanism, used, piece);
+        let mut parts = self.block.loops.iter();
+        let mut scalars = self.block.equations.iter();
+        let mut values = used.iter();
+        parts.any(|part| is_open_throughout(&loops[part.index], &arguments))
+            || scalars.any(|k| {
+                let range = equations[*k].expression.range(piece);
+                range.is_none_or(|values| !values.holds_zero())
+            })
+            || values.any(|k| match &self.mechanism.arguments[*k] {
+                Argument::Affine(_) => false,
+                Argument::Formula(formula) => formula.range(piece).is_none(),
             })
     }
 }

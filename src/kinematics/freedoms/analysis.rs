@@ -7,6 +7,7 @@
 use super::generic_rank::{EMPTY, Ranks, closed_poses, poses_around, random_poses};
 use super::passive;
 use crate::kinematics::ball::chart::chart_system;
+use crate::kinematics::loops::enclosed::is_open_throughout;
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::solve::assembly::assemble_pose;
 use crate::kinematics::solve::newton::Corrector;
@@ -17,8 +18,13 @@ use crate::kinematics::structure::loop_part::{LoopPart, component_name, componen
 use crate::kinematics::structure::ordering::{Incidence, Member, of_group, unknowns_of};
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
-use crate::model::mechanism::Mechanism;
+use crate::model::mechanism::{Kind, Mechanism};
+use crate::model::outputs::output_arguments;
+use crate::numbers::interval::Interval;
 use std::sync::Arc;
+
+/// Lengths above this are none of a mechanism; products of two are still numbers.
+const LONGEST: f64 = 1e150;
 
 impl System {
     /// Analyses `mechanism` and lays it out for solving.
@@ -133,6 +139,19 @@ fn refuse_unheld(
     Err(StructureError::Unheld { names })
 }
 
+/// Whether a loop is proved to be open at all poses whose lengths are numbers.
+fn is_open_everywhere(mechanism: &Mechanism, index: usize) -> bool {
+    let slots = 0..mechanism.coordinate_count();
+    let everywhere = slots.map(|slot| match mechanism.kind_of(slot) {
+        Kind::Angle => Interval::ENTIRE,
+        Kind::Length | Kind::Number => Interval::around_zero(LONGEST),
+    });
+    let everywhere: Vec<Interval> = everywhere.collect();
+    let item = &mechanism.loops[index];
+    let arguments = output_arguments(mechanism, &item.chain.arguments(), &everywhere);
+    is_open_throughout(item, &arguments)
+}
+
 type LiveEquations = (Vec<LoopPart>, Vec<(usize, usize)>);
 
 /// Splits every loop's six equations into those that say something and those that always hold.
@@ -168,6 +187,14 @@ fn live_equations(
             constant.copy_from_slice(&workspace.residual);
         }
         let wanted = components_of(mechanism, index);
+        // What differs at the poses looked at, and is not proved to differ at all others, has to be solved.
+        if wanted
+            .clone()
+            .any(|k| !live[k] && constant[k].abs() > EMPTY)
+            && !is_open_everywhere(mechanism, index)
+        {
+            (0..6).for_each(|k| live[k] |= constant[k].abs() > EMPTY);
+        }
         let components: Vec<usize> = wanted.clone().filter(|k| live[*k]).collect();
         for k in wanted.filter(|k| !live[*k]) {
             if constant[k].abs() > EMPTY {

@@ -231,11 +231,19 @@ impl BlockWorkspace {
     ) {
         let equation = &site.mechanism.equations[planned.index];
         let row = planned.row;
-        if !with_columns {
+        let shares = &site.plan.shares[planned.shares.clone()];
+        if !with_columns || planned.slopes.is_some() {
             let value = equation
                 .expression
                 .value_with(site.coordinates, &mut self.values);
             self.residual[row] = value * planned.scale;
+            let slopes = planned.slopes.iter().flatten();
+            for (share, slope) in shares.iter().zip(slopes).filter(|_| with_columns) {
+                let derivative = slope.value(site.coordinates) * planned.scale * share.scale;
+                let column =
+                    column_at(&mut self.jacobian, &mut self.outer, site.rows, share.column);
+                column[row] += derivative;
+            }
             return;
         }
         self.gradient.resize(site.coordinates.len(), 0.0);
@@ -248,7 +256,7 @@ impl BlockWorkspace {
             adjoints,
         );
         self.residual[row] = value * planned.scale;
-        for share in &site.plan.shares[planned.shares.clone()] {
+        for share in shares {
             let derivative = std::mem::take(&mut self.gradient[share.slot]) * share.scale;
             let column = column_at(&mut self.jacobian, &mut self.outer, site.rows, share.column);
             column[row] += derivative;

@@ -94,6 +94,8 @@ pub enum EventKind {
     },
     /// An input has no value (division by zero in its formula, say).
     InputUndefined {
+        /// Its formula has none; else numbers do not reach as far.
+        proved: bool,
         /// Name of the input.
         name: String,
     },
@@ -155,6 +157,10 @@ pub enum Ending {
     NoValue {
         /// The equation.
         name: String,
+        /// It has none a little farther, with all that the unknowns before it can be there; else with those of the last pose.
+        proved: bool,
+        /// Proofs were asked for.
+        asked: bool,
     },
     /// No step could be trusted, and no fold was found: whether the motion goes on is not known.
     GivenUp {
@@ -178,6 +184,11 @@ impl Ending {
                 | Self::Fold {
                     proved: false,
                     asked: true
+                }
+                | Self::NoValue {
+                    proved: false,
+                    asked: true,
+                    ..
                 }
         )
     }
@@ -234,13 +245,11 @@ pub struct Gap {
 }
 
 impl Gap {
-    /// Whether the motion was only given up, so that it may go on inside.
+    /// Whether nothing tells that the motion ends: it may go on inside.
     pub fn is_undecided(&self) -> bool {
-        if self.widest.as_ref().is_some_and(|lack| lack.proved) {
-            return false;
-        }
-        let end = self.ending.as_ref().or(self.beginning.as_ref());
-        end.is_some_and(Ending::is_undecided)
+        let is_proved = self.widest.as_ref().is_some_and(|lack| lack.proved);
+        let mut ends = [&self.ending, &self.beginning].into_iter().flatten();
+        !is_proved && ends.next().is_none_or(Ending::is_undecided)
     }
 }
 
@@ -269,9 +278,18 @@ impl Trajectory {
         self.missing() == 0 && self.gaps.is_empty()
     }
 
-    /// Whether the motion was given up wherever it has no pose: poses may exist there.
+    /// Whether poses are missing and nothing tells that the motion ends, or that an instant has none.
     pub fn is_undecided(&self) -> bool {
-        !self.gaps.is_empty() && self.gaps.iter().all(Gap::is_undecided)
+        let is_proved = |event: &Event| {
+            matches!(
+                event.kind,
+                EventKind::StartNotClosed { proved: true, .. }
+                    | EventKind::InputUndefined { proved: true, .. }
+            )
+        };
+        !self.is_whole()
+            && self.gaps.iter().all(Gap::is_undecided)
+            && !self.events.iter().any(is_proved)
     }
 
     /// The worst closure error of all poses.

@@ -3,6 +3,7 @@
 
 use crate::math::Pose;
 use crate::model::chain::{Argument, ChainStep, ElementaryMotion};
+use crate::model::expression::Affine;
 use crate::model::mechanism::Mechanism;
 use glam::{DMat3, DVec3};
 use std::ops::Range;
@@ -121,6 +122,8 @@ pub struct PlannedEquation {
     pub scale: f64,
     /// Coordinates it depends on.
     pub shares: Range<usize>,
+    /// Of an equation of second degree: its derivatives by these coordinates, in their order.
+    pub slopes: Option<Vec<Affine>>,
 }
 
 /// The layout of a block.
@@ -195,6 +198,7 @@ impl BlockPlan {
                 row: row + k,
                 scale: mechanism.weight_of(index),
                 shares,
+                slopes: equation.expression.affine_slopes(),
             });
         }
         plan

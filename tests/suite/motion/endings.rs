@@ -171,6 +171,28 @@ fn a_crank_keeps_its_poses_and_its_turns_after_a_hundred_thousand_turns() {
     }
 }
 
+/// More turns from one row to the next than are followed: nothing is said of the way, and the rows that are found are poses.
+#[test]
+fn a_crank_that_turns_too_often_between_two_rows_is_undecided() {
+    let model = written(
+        "units = { length = \"mm\", angle = \"rad\" }\nduration = 4\n[inputs]\nphi = \"1e12*t/4\"\n[loops]\n\
+         A = \"Rz(phi) Tx(40) Rz(alpha) Tx(80) Rz(beta) Tx(-h)\"\n[guess]\nh = 120\n",
+    );
+    let trajectory = solve(&model, &even_times(&model, 3)).unwrap();
+    assert!(!trajectory.is_whole() && trajectory.is_undecided());
+    for (sample, pose) in trajectory
+        .samples
+        .iter()
+        .filter_map(|s| Some((s, s.pose.as_ref()?)))
+    {
+        let phi = sample.inputs[0];
+        let h = pose.unknowns[slot(&model, "h")];
+        let along = 80.0 * (0.5 * phi.sin()).asin().cos();
+        let off = (h - 40.0 * phi.cos()).abs() - along;
+        assert!(off.abs() < 1e-9, "{phi} {h}");
+    }
+}
+
 #[test]
 fn angles_too_large_to_close_a_loop_are_called_so() {
     let model = written(
@@ -275,16 +297,86 @@ fn nothing_is_called_proved_that_nobody_proved() {
 fn the_end_of_a_formula_is_no_fold() {
     for (drive, text, guess) in [
         ("1 - t/2", "x - sqrt(phi)", 1.0),
+        ("1e-6 - t/2e6", "x - sqrt(phi)", 1e-3),
         ("t/2", "x - asin(phi)", 0.0),
         ("1 - t/2", "x - ln(phi + 0.1)", 0.1),
+        ("1 - t/2", "x - phi^0.3", 1.0),
+        ("1 - t/2", "x^3 - (1 - x)^2*sqrt(phi) - sqrt(phi)", 1.0),
     ] {
         let model = equation(drive, text, guess);
-        let trajectory = solve(&model, &even_times(&model, 9)).unwrap();
+        let times = even_times(&model, 9);
+        let unproved = solve_unproved(&model.system().unwrap(), model.actuation(), &times);
+        for (is_asked, trajectory) in [(true, solve(&model, &times).unwrap()), (false, unproved)] {
+            let ends = endings(&trajectory);
+            let [(_, ending)] = &ends[..] else {
+                panic!("{text}: {ends:?}")
+            };
+            let wanted = Ending::NoValue {
+                name: "e".to_owned(),
+                proved: is_asked,
+                asked: is_asked,
+            };
+            assert_eq!(*ending, wanted, "{text}");
+            assert!(!trajectory.is_undecided());
+        }
+    }
+}
+
+/// The end of a formula of what a loop before it determines; its own unknown stands in no proof.
+#[test]
+fn the_end_of_a_formula_of_another_block_is_proved_along_its_motion() {
+    for (angle, turn) in [("rad", "2*t"), ("deg", "360*t/3.2")] {
+        let model = written(&format!(
+            "units = {{ length = \"mm\", angle = \"{angle}\" }}\nduration = 1\n[inputs]\nphi = \"{turn}\"\n[loops]\n\
+             A = \"Rz(phi) Tx(40) Rz(alpha) Tx(80) Rz(beta) Tx(-h)\"\n[equations]\ne = \"x - sqrt(h - 90)\"\n\
+             [guess]\nh = 120\nx = 5\n"
+        ));
+        let trajectory = solve(&model, &even_times(&model, 12)).unwrap();
         let ends = endings(&trajectory);
-        let [(_, Ending::NoValue { name })] = &ends[..] else {
-            panic!("{text}: {ends:?}")
+        let [(phi, Ending::NoValue { proved: true, .. })] = &ends[..] else {
+            panic!("{ends:?}")
         };
-        assert_eq!(name, "e");
+        // 90^2 - 2 90 40 cos + 40^2 = 80^2
+        let exact = ((90.0 * 90.0 + 1600.0 - 6400.0) / 7200.0_f64).acos();
+        assert!((phi - exact).abs() < 1e-9, "{phi} {exact}");
+    }
+}
+
+/// Two equations that are solved together: neither has an end of its own, and nothing is proved of both.
+#[test]
+fn the_end_of_formulas_that_hold_each_other_is_undecided() {
+    let model = written(
+        "duration = 2\n[inputs]\nphi = \"1 - t\"\n[equations]\na = \"y + x - phi\"\nb = \"x - sqrt(y)\"\n\
+         [guess]\nx = 0.6\ny = 0.4\n",
+    );
+    let trajectory = solve(&model, &even_times(&model, 9)).unwrap();
+    let ends = endings(&trajectory);
+    assert!(!ends.is_empty() && ends[0].0.abs() < 1e-6, "{ends:?}");
+    assert!(trajectory.is_undecided(), "{:?}", trajectory.gaps);
+}
+
+/// A drive without a value, and one whose value numbers do not reach: only the first is proved.
+#[test]
+fn drives_without_a_value_are_told_from_those_beyond_numbers() {
+    // The drive, the samples, whether that it has no value is proved; `None` if it has values everywhere.
+    let cases: [(&str, usize, Option<bool>); 6] = [
+        ("1/(t - 2)", 5, Some(true)),
+        ("sqrt(1 - t)", 5, Some(true)),
+        ("ln(2 - t)", 5, Some(true)),
+        ("exp(1000*t)", 5, Some(false)),
+        ("1/sqrt(1e-300*t + 1e-320)^3", 5, Some(false)),
+        ("sqrt(4 - t)", 5, None),
+    ];
+    for (drive, samples, proved) in cases {
+        let model = equation(drive, "x - phi", 0.0);
+        let trajectory = solve(&model, &even_times(&model, samples)).unwrap();
+        let mut events = trajectory.events.iter();
+        let found = events.find_map(|event| match event.kind {
+            EventKind::InputUndefined { proved, .. } => Some(proved),
+            _ => None,
+        });
+        assert_eq!(found, proved, "{drive}: {:?}", trajectory.events);
+        assert_eq!(trajectory.is_undecided(), proved == Some(false), "{drive}");
     }
 }
 

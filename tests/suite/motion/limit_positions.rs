@@ -156,3 +156,80 @@ fn the_table_has_them_when_asked() {
     assert_eq!(of_h[1]["extreme"], "smallest");
     assert!((of_h[1]["value"].as_f64().unwrap() - 40.0).abs() < 1e-12);
 }
+
+/// A place where a value turns back is no place where it is least or greatest of all: the sentence says so.
+#[test]
+fn turning_back_is_a_local_word() {
+    let w = Workspace::new();
+    for (output, kinds) in [
+        (
+            "sin(3*phi) + 0.3*sin(phi)",
+            ["local minimum", "local maximum"],
+        ),
+        (
+            "psi + 0.001*sin(2000*phi)",
+            ["local minimum", "local maximum"],
+        ),
+    ] {
+        let scene = format!(
+            "duration = 4\nunits = {{ length = \"mm\", angle = \"deg\" }}\n[inputs]\nphi = \"30 + 200*t/4\"\n[chains]\n\
+             T13 = \"Rz(phi) Tx(35) Rz(alpha)\"\nT14 = \"Tx(105) Rz(psi)\"\n[loops]\n\
+             A = \"T13 Tx(95) Rz(mu) inv(T14 Tx(80))\"\n[guess]\nalpha = 60\npsi = 90\nmu = 70\n\
+             [outputs]\no = \"{output} + 0*psi\"\n"
+        );
+        w.write("local.toml", scene);
+        let run = w.run(&[
+            "solve",
+            "local.toml",
+            "--events",
+            "--samples",
+            "41",
+            "--out",
+            "x.csv",
+        ]);
+        let run = run.exits(0);
+        let lines = run.stderr.lines().filter(|line| line.contains("`o`"));
+        let mut count = 0;
+        for line in lines {
+            count += 1;
+            assert!(line.contains("turns back at"), "{line}");
+            assert!(kinds.iter().any(|kind| line.contains(kind)), "{line}");
+            assert!(
+                !line.contains("smallest") && !line.contains("largest"),
+                "{line}"
+            );
+        }
+        assert!(count >= 2, "{}", run.stderr);
+    }
+}
+
+/// A gap is of the motion that is followed: another assembly that closes inside is neither denied nor measured.
+#[test]
+fn words_of_a_gap_leave_room_for_other_assemblies() {
+    let w = Workspace::new();
+    w.write(
+        "contact.toml",
+        "units = { length = \"mm\", angle = \"deg\" }\nduration = 1\n[inputs]\nu = \"360*t\"\n[chains]\n\
+         a = \"Rz(u)\"\ns2 = \"Rz(u) Ty(0.4) Tx(h)\"\n[contacts.c]\n\
+         first = { torus = { ring = 3, tube = 1 }, frame = \"Rx(90)\" }\n\
+         second = { sphere = { radius = 0.5 }, frame = \"s2\" }\n[parameters]\nk = 1\n",
+    );
+    let run = w.run(&["check", "contact.toml"]).exits(4);
+    let run = run.says(&[
+        "the motion has no pose between",
+        "the nearest to closing that was found leaves `c`",
+        "other assemblies may have one",
+    ]);
+    assert!(
+        !run.stderr.contains("no pose exists there"),
+        "{}",
+        run.stderr
+    );
+    // They do.
+    let modes = w.run(&["modes", "contact.toml", "--at", "0.1"]).exits(0);
+    assert!(
+        modes.text().contains("2 assemblies found"),
+        "{}",
+        modes.text()
+    );
+}

@@ -332,8 +332,8 @@ fn a_track_with_a_gap_between_two_samples_is_no_motion() {
         &["optimise", "parted.toml", "--out", "found.toml"],
     ] {
         w.run(arguments)
-            .exits(4)
-            .says(&["track `back`", "no motion leads to pose 31"]);
+            .exits(1)
+            .says(&["track `back`", "no motion was found that leads to pose 31"]);
     }
     let text = w.run(&["check", "parted.toml"]).exits(1).text();
     assert!(text.contains("stroke           no value"), "{text}");
@@ -449,4 +449,47 @@ fn mistakes_of_a_study_are_said_with_their_place() {
         text.contains("No candidate keeps all constraints; with this one `stroke` misses its bound by 72.000 %"),
         "{text}"
     );
+}
+
+/// The search looks at instants: what it finds is judged over the whole motion, as `check` judges it.
+#[test]
+fn limits_of_an_optimum_are_those_of_the_whole_motion() {
+    let wiper = |limits: &str, objective: &str| {
+        format!(
+            "duration = 2\nunits = {{ length = \"mm\", angle = \"deg\" }}\n[parameters]\ncrank = 30\ncoupler = 110\n[inputs]\n\
+             phi = \"180*t\"\n[chains]\nrod = \"Rz(phi) Tx(crank) Rz(alpha)\"\narm = \"Tx(120) Rz(psi)\"\n[loops]\n\
+             A = \"rod Tx(coupler) Rz(beta) inv(arm Tx(60))\"\n[guess]\npsi = 100\n[measures]\n\
+             wiped = {{ of = \"psi\", take = \"range\", {limits} }}\nlost = \"100 - wiped\"\n[study]\nminimise = \"{objective}\"\n\
+             [study.variables]\ncrank = {{ range = [20, 40] }}\ncoupler = {{ range = [100, 130] }}\n"
+        )
+    };
+    let w = Workspace::new();
+    // The range between the dead points is more than that of 180 instants: a least one is kept, a greatest one is not.
+    for (objective, word, code) in [
+        ("wiped", "its limits are kept (proved)", 0),
+        ("lost", "its limits are missed between those poses", 1),
+    ] {
+        w.write("wiper.toml", wiper("min = 55, max = 60.4", objective));
+        let search = ["optimise", "wiper.toml", "--out", "best.toml"];
+        let report = [&search[..], &["--json", "best.json"]].concat();
+        w.run(&report).exits(code);
+        let text = w.run(&search).exits(code).text();
+        for part in ["Over the whole motion `wiped` is ", word] {
+            assert!(text.contains(part), "{text}");
+        }
+        let json: serde_json::Value = serde_json::from_slice(&w.read("best.json")).unwrap();
+        let whole = &json["verified"]["whole_motion"][0];
+        assert_eq!(whole["measure"], "wiped");
+        assert_eq!(whole["kept"], code == 0, "{whole}");
+        assert_eq!(whole["proved"], true, "{whole}");
+        // `check` says the same of the scene that was written.
+        let best = w
+            .run(&["check", "best.toml", "--json", "-"])
+            .exits(code)
+            .text();
+        let best: serde_json::Value = serde_json::from_str(&best).unwrap();
+        let value = best["measures"][0]["value"].as_f64().unwrap();
+        let told = whole["value"].as_f64().unwrap();
+        assert!((value - told).abs() < 1e-6, "{value} {told}");
+    }
 }

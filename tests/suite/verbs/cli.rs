@@ -807,7 +807,7 @@ fn iterates_are_traced_as_a_table_and_as_polygons() {
         "--out",
         "-",
     ];
-    workspace.run(&far).exits(4);
+    workspace.run(&far).exits(1);
 }
 
 #[test]

@@ -10,6 +10,9 @@ use crate::numbers::interval::Interval;
 use crate::numbers::scalar::Scalar;
 use crate::numbers::series::Series;
 
+/// More than sums of a few thousand rounded products are off by, relative to themselves.
+const SUM_SLACK: f64 = 1e-12;
+
 /// A formula to the second order along a line.
 type Bend = Series<Interval, 3>;
 
@@ -28,6 +31,8 @@ pub struct Sparse {
     /// Of `slots`, in their order.
     expression: Expression,
     slots: Vec<usize>,
+    /// Of a formula of second degree: its derivatives, of all coordinates.
+    slopes: Option<Vec<Affine>>,
 }
 
 impl Sparse {
@@ -35,6 +40,7 @@ impl Sparse {
         let slots = expression.slots();
         Self {
             expression: expression.renumbered(&slots),
+            slopes: expression.affine_slopes(),
             slots,
         }
     }
@@ -109,6 +115,13 @@ impl Form {
                 };
                 affine.terms.iter().map(|(_, c)| number(*c)).collect()
             }
+            Self::Formula(Sparse {
+                slopes: Some(slopes),
+                ..
+            }) => {
+                let of = |slope: &Affine| TaylorModel::of_affine(slope, &path.coordinates);
+                slopes.iter().map(of).collect()
+            }
             Self::Formula(formula) => {
                 if let Some(still) = path.still() {
                     let gradient = formula.gradient(still).into_iter();
@@ -131,17 +144,36 @@ impl Form {
                 let terms = affine.terms.iter();
                 let rate: f64 = terms.map(|(slot, c)| c.largest() * rates[*slot]).sum();
                 FormChange {
-                    rate: rate * (1.0 + 1e-12),
+                    rate: rate * (1.0 + SUM_SLACK),
                     bend: 0.0,
                 }
             }
             Self::Formula(formula) => {
                 let own = formula.own(place);
-                let rates = formula.own(rates);
-                let [rate, bend] = form_bounds(&formula.expression, &own, &rates);
-                FormChange { rate, bend }
+                let own_rates = formula.own(rates);
+                let [rate, bend] = form_bounds(&formula.expression, &own, &own_rates);
+                FormChange {
+                    rate,
+                    bend: self.bend(rates).unwrap_or(bend),
+                }
             }
         }
+    }
+
+    /// Bound of the second derivative along two such directions, where it is the same everywhere.
+    pub fn bend(&self, rates: &[f64]) -> Option<f64> {
+        let Self::Formula(formula) = self else {
+            return Some(0.0);
+        };
+        let along = |slope: &Affine| -> f64 {
+            let terms = slope.terms.iter();
+            terms.map(|(slot, c)| c.largest() * rates[*slot]).sum()
+        };
+        let slopes = formula.slots.iter().zip(formula.slopes.as_ref()?);
+        let sum: f64 = slopes
+            .map(|(slot, slope)| rates[*slot] * along(slope))
+            .sum();
+        Some(sum * (1.0 + SUM_SLACK))
     }
 
     /// All values in `place`.

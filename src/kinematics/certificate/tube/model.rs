@@ -93,6 +93,12 @@ impl TaylorModel {
         model
     }
 
+    /// The number that it is everywhere, if it is one.
+    pub fn as_number(&self) -> Option<f64> {
+        let is_number = self.c[1..] == [0.0; TERMS - 1] && self.rest == 0.0;
+        is_number.then_some(self.c[0])
+    }
+
     /// A number in an interval, which does not change.
     pub fn standing(value: Interval) -> Self {
         let middle = value.middle();

@@ -2,7 +2,7 @@
 
 use super::chain::{ArgumentModel, LoopModel, Reaches};
 use super::form::{Form, FormChange};
-use super::model::{TERMS, TaylorModel, polynomial_size};
+use super::model::{TaylorModel, polynomial_size};
 use super::path::TubePath;
 use crate::kinematics::certificate::rows::ProofRows;
 use crate::kinematics::results::certificate::Reason;
@@ -35,8 +35,11 @@ pub struct TubeLayout<'m> {
     moves: Vec<Vec<(usize, f64)>>,
     /// For every unknown, its scale if it is one of the columns, and if it is one of the own.
     rates: [Vec<f64>; 2],
-    /// Changes of affine forms by the own unknowns and by all.
+    /// Changes, by the own unknowns and by all, of forms that change alike everywhere: affine ones, and equations of second
+    /// degree, which are only asked how they bend.
     changes: [Vec<FormChange>; 2],
+    /// Forms whose changes depend on the place.
+    bent: Vec<usize>,
 }
 
 /// A block over a stretch.
@@ -118,17 +121,27 @@ impl<'m> TubeLayout<'m> {
             }
             rates
         });
-        // Affine arguments change by constants, once and for all.
-        let affine = |rates: &Vec<f64>| {
-            let mut changes = vec![FormChange::default(); forms.len()];
-            for form in &used {
-                if let Form::Affine(_) = forms[*form] {
-                    changes[*form] = forms[*form].change(&[], rates);
+        // What changes alike everywhere, once and for all.
+        let mut changes = [(); 2].map(|()| vec![FormChange::default(); forms.len()]);
+        let mut bent = Vec::new();
+        for &form in &used {
+            let is_equation = form >= first;
+            for (changes, rates) in changes.iter_mut().zip(&rates) {
+                match &forms[form] {
+                    affine @ Form::Affine(_) => changes[form] = affine.change(&[], rates),
+                    formula @ Form::Formula(_) => {
+                        let bend = formula.bend(rates).filter(|_| is_equation);
+                        changes[form] = FormChange {
+                            rate: f64::INFINITY,
+                            bend: bend.unwrap_or(f64::INFINITY),
+                        };
+                    }
                 }
             }
-            changes
-        };
-        let changes = [affine(&rates[0]), affine(&rates[1])];
+            if changes[0][form].bend.is_infinite() {
+                bent.push(form);
+            }
+        }
         Self {
             mechanism,
             block,
@@ -139,6 +152,7 @@ impl<'m> TubeLayout<'m> {
             moves,
             rates,
             changes,
+            bent,
         }
     }
 
@@ -235,10 +249,10 @@ impl<'m> TubeLayout<'m> {
         of_form: &[TaylorModel],
     ) {
         for ((column, scale), rate) in self.moves[form].iter().zip(of_form) {
-            let entry = if rate.c[1..] == [0.0; TERMS - 1] && rate.rest == 0.0 {
-                by_form.scaled(rate.c[0] * scale)
-            } else {
-                by_form.times(rate).scaled(*scale)
+            let entry = match (rate.as_number(), by_form.as_number()) {
+                (Some(rate), _) => by_form.scaled(rate * scale),
+                (None, Some(by_form)) => rate.scaled(by_form * scale),
+                (None, None) => by_form.times(rate).scaled(*scale),
             };
             let entry = entry.shortened(JACOBIAN_TERMS);
             for (matrix, c) in rows.jacobian.iter_mut().zip(&entry.c) {
@@ -252,25 +266,18 @@ impl<'m> TubeLayout<'m> {
 
     /// Second derivatives and turns, valid within `ball` around the whole path.
     pub fn bends(&self, forms: &[Form], path: &TubePath, ball: f64) -> Result<Bends, Reason> {
-        let needs_place = self
-            .used
-            .iter()
-            .any(|f| matches!(forms[*f], Form::Formula(_)));
-        // Formulas are bounded over the box of the path and its ball; affine arguments need no box.
-        let place = if needs_place {
-            path.place(&self.rates[1], ball)
-        } else {
-            Vec::new()
+        // Formulas are bounded over the box of the path and its ball; what changes alike everywhere needs no box.
+        let place = match self.bent.is_empty() {
+            true => Vec::new(),
+            false => path.place(&self.rates[1], ball),
         };
         let [mut own, mut all] = self.changes.clone();
-        for form in &self.used {
-            if let Form::Formula(_) = forms[*form] {
-                all[*form] = forms[*form].change(&place, &self.rates[1]);
-                own[*form] = match self.own == self.columns.len() {
-                    true => all[*form],
-                    false => forms[*form].change(&place, &self.rates[0]),
-                };
-            }
+        for form in &self.bent {
+            all[*form] = forms[*form].change(&place, &self.rates[1]);
+            own[*form] = match self.own == self.columns.len() {
+                true => all[*form],
+                false => forms[*form].change(&place, &self.rates[0]),
+            };
         }
         let mut bends = Bends {
             own: vec![0.0; self.count()],

@@ -60,21 +60,37 @@ pub(crate) fn zero_between(
                 nodes.push(crossing_between(tracker, &low, &high, time, block)?);
             }
         }
-        zero = inverse_at_zero(&nodes)?;
+        let found = inverse_at_zero(&nodes);
         let values = nodes.iter().map(|n| n.value.abs());
-        if values.fold(f64::INFINITY, f64::min) < NEAR_ENOUGH * tracker.best_sigma {
-            return Some(zero);
-        }
+        let nearest = values.fold(f64::INFINITY, f64::min);
+        let on_side = |side: f64| nodes.iter().any(|n| n.value * side > 0.0);
+        let is_around = on_side(low.value) && on_side(high.value);
+        // Signs keep the zero between two poses, whatever the interpolation says: in a drive that comes to rest there time
+        // is no smooth function of the value.
         for node in nodes {
-            if node.point.time < zero && node.point.time > low.point.time {
-                low = node;
-            } else if node.point.time > zero && node.point.time < high.point.time {
-                high = node;
+            let is_between = (low.point.time..high.point.time).contains(&node.point.time);
+            match node.value * low.value > 0.0 {
+                true if is_between => low = node,
+                false if is_between => high = node,
+                _ => {}
             }
         }
-        spread *= CLOSER;
+        let bracket = low.point.time..=high.point.time;
+        let middle = 0.5 * (low.point.time + high.point.time);
+        zero = found
+            .filter(|zero| is_around && bracket.contains(zero))
+            .unwrap_or(middle);
+        if is_around && nearest < NEAR_ENOUGH * tracker.best_sigma {
+            break;
+        }
+        // Nodes that are all on one side of it were too close.
+        let width = match is_around {
+            true => spread,
+            false => high.point.time - low.point.time,
+        };
+        spread = CLOSER * width;
     }
-    None
+    Some(zero)
 }
 
 fn crossing_node(tracker: &mut PathTracker, point: PathPoint, block: usize) -> CrossingNode {

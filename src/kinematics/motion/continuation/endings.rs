@@ -1,5 +1,6 @@
 //! Where steps in time end: the way on, if there is one, else what the motion ends at.
 
+use super::domain_proof;
 use super::fold_proof;
 use super::recorder::{MOST_WAYS_ON, Recorder, WayOn};
 use crate::kinematics::motion::tracker::arc_length::Onward;
@@ -63,15 +64,34 @@ impl Recorder<'_> {
         if self.is_angle_too_large(&end.coordinates) {
             return Ending::AngleTooLarge;
         }
+        self.formula_ending(end, time).unwrap_or(Ending::GivenUp {
+            sigma_min: end.branch.sigma_min,
+        })
+    }
+
+    /// The equation that has no value beyond `end`, if one is found.
+    fn formula_ending(&self, end: &PathPoint, time: f64) -> Option<Ending> {
         let away = (time - end.time).signum() * self.tracker.interval;
-        let mut beyond = BEYOND.iter().map(|share| end.time + share * away);
-        let undefined = beyond.find_map(|time| self.undefined_equation(end, time));
-        match undefined {
-            Some(name) => Ending::NoValue { name },
-            None => Ending::GivenUp {
-                sigma_min: end.branch.sigma_min,
-            },
-        }
+        let times = BEYOND.map(|share| end.time + share * away);
+        let asked = self.is_proof_wanted();
+        let (system, actuation) = (self.tracker.system(), self.tracker.actuation());
+        let has_none = |equation: usize, time: f64| {
+            asked && domain_proof::is_proved(system, &actuation.inputs_at(time), end, equation)
+        };
+        // With the unknowns of the last pose; else what a loop before it determines may have moved out of its range.
+        let mut undefined = times.iter().map(|time| self.undefined_equation(end, *time));
+        let (equation, proved) = match undefined.find_map(|equation| equation) {
+            Some(first) => (first, times.iter().any(|time| has_none(first, *time))),
+            None => {
+                let mut all = 0..system.mechanism().equations.len();
+                (all.find(|k| has_none(*k, times[times.len() - 1]))?, true)
+            }
+        };
+        Some(Ending::NoValue {
+            name: system.mechanism().equations[equation].name.clone(),
+            proved,
+            asked,
+        })
     }
 
     /// Whether the angles leave loops open by their own rounding.
@@ -81,14 +101,13 @@ impl Recorder<'_> {
     }
 
     /// An equation that has no value with the unknowns of `point` and the inputs of `time`.
-    fn undefined_equation(&self, point: &PathPoint, time: f64) -> Option<String> {
+    fn undefined_equation(&self, point: &PathPoint, time: f64) -> Option<usize> {
         let mechanism = self.tracker.system().mechanism();
         let n = self.tracker.unknowns();
         let inputs = self.tracker.inputs(time).ok()?;
         let coordinates = [&point.coordinates[..n], &inputs].concat();
         let mut equations = mechanism.equations.iter();
-        let undefined = equations.find(|e| !e.expression.value(&coordinates).is_finite());
-        undefined.map(|equation| equation.name.clone())
+        equations.position(|e| !e.expression.value(&coordinates).is_finite())
     }
 
     /// Where the motion to `found` begins, and what at; `None` if it can be followed back to where the gap began, or to the

@@ -4,19 +4,15 @@
 //! behind it. If the input at the fold is beyond its values at both ends, by more than the error bounds, then it has an
 //! extremum on that path.
 
-use super::recorder::Recorder;
-use crate::kinematics::certificate::tube::certify_motion;
+use super::proved_stretch::{bare_mechanism, proved_samples, proved_value};
 use crate::kinematics::motion::tracker::arc_length::Fold;
-use crate::kinematics::results::certificate::Certificate;
 use crate::kinematics::results::trajectory::Sample;
 use crate::kinematics::structure::block::block_of;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::chain::Argument;
 use crate::model::expression::{Expression, Op};
-use crate::model::joints::Joints;
-use crate::model::mechanism::{Kind, Mechanism};
-use crate::model::printed::InputReading;
+use crate::model::mechanism::Kind;
 use std::sync::Arc;
 
 /// Most unknowns: all blocks are proved as one.
@@ -67,14 +63,7 @@ impl Exchanged {
     fn new(system: &System, unknown: usize, input: usize) -> Self {
         let old = system.mechanism();
         let slots = [unknown, old.unknowns.len() + input];
-        let mut mechanism = Mechanism {
-            bodies: Vec::new(),
-            traces: Vec::new(),
-            outputs: Vec::new(),
-            // The scene's table of joints says nothing of these arguments, and nobody asks for it.
-            joints: Joints::default(),
-            ..old.clone()
-        };
+        let mut mechanism = bare_mechanism(old);
         // Unknown and input change places, in the chains and in the equations.
         std::mem::swap(
             &mut mechanism.unknowns[unknown],
@@ -123,39 +112,16 @@ impl Exchanged {
         from[self.input] -= reach * scale;
         to[self.input] += reach * scale;
         let actuation = Actuation::straight(&from, &to, guess);
-        let recorder = Recorder::new(&self.system, &actuation, &|| false);
-        let motion = recorder
-            .proving(InputReading::Numbers)
-            .up_to_gaps()
-            .run(&[0.0, 0.5, 1.0]);
-        if motion.missing() > 0 || !motion.events.is_empty() {
-            return None;
-        }
-        let tubes = certify_motion(&self.system, &actuation, &motion);
-        if tubes.iter().any(|tube| tube.refused.is_some()) {
-            return None;
-        }
-        let known: Option<Vec<[f64; 2]>> = motion.samples.iter().map(|s| self.known(s)).collect();
+        let samples = proved_samples(&self.system, &actuation, &[0.0, 0.5, 1.0])?;
+        // The input that has become an unknown.
+        let known = |sample: &Sample| proved_value(mechanism, sample, self.unknown);
+        let known: Option<Vec<[f64; 2]>> = samples.iter().map(known).collect();
         let [[before, e0], [at, e1], [behind, e2]] = known?[..] else {
             return None;
         };
         let rounding = f64::EPSILON * at.abs();
         let beyond = |other: f64, error: f64| (at - other) * sense > e1 + error + rounding;
         Some(beyond(before, e0) && beyond(behind, e2))
-    }
-
-    /// The input that has become an unknown, and the error that its proof leaves.
-    fn known(&self, sample: &Sample) -> Option<[f64; 2]> {
-        let mechanism = self.system.mechanism();
-        let pose = sample.pose.as_ref()?;
-        let Certificate::Certified { error_bound, .. } = pose.certificate else {
-            return None;
-        };
-        let error = match mechanism.unknowns[self.unknown].kind {
-            Kind::Angle => error_bound / mechanism.size,
-            Kind::Length | Kind::Number => error_bound,
-        };
-        Some([pose.unknowns[self.unknown], error])
     }
 }
 

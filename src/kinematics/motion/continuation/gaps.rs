@@ -41,9 +41,10 @@ impl Gaps {
         });
     }
 
-    /// Poses may exist in the present gap.
+    /// Poses may exist in the present gap; that a motion surely ended before stays said.
     pub fn give_up(&mut self, ending: Ending) {
-        if let Some(gap) = self.list.last_mut() {
+        let undecided = |gap: &&mut Gap| gap.ending.as_ref().is_none_or(Ending::is_undecided);
+        if let Some(gap) = self.list.last_mut().filter(undecided) {
             gap.ending = Some(ending);
         }
     }

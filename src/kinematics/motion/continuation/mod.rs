@@ -2,12 +2,14 @@
 //! them is located and told.
 
 mod crossings;
+mod domain_proof;
 mod endings;
 mod events;
 mod fold_proof;
 mod gaps;
 mod locks;
 mod poses;
+mod proved_stretch;
 mod recorder;
 mod resumptions;
 mod starts;

@@ -231,11 +231,13 @@ impl<'s> Recorder<'s> {
 
     fn undefined(&mut self, time: f64, index: usize) {
         let name = self.tracker.system().mechanism().inputs[index].name.clone();
+        let proved = !self.tracker.actuation().drives[index].may_have_value(time);
         let mut known = self.events.list.iter();
-        let is_known =
-            known.any(|e| matches!(&e.kind, EventKind::InputUndefined { name: n } if *n == name));
-        if !is_known {
-            self.event(time, EventKind::InputUndefined { name });
+        let says_more = known.all(|e| {
+            !matches!(&e.kind, EventKind::InputUndefined { name: n, proved: p } if *n == name && *p >= proved)
+        });
+        if says_more {
+            self.event(time, EventKind::InputUndefined { proved, name });
         }
     }
 
@@ -253,9 +255,9 @@ impl<'s> Recorder<'s> {
         for _ in 0..MOST_WAYS_ON {
             match self.tracker.follow(here, time, &mut self.events) {
                 Ok(point) => return Ok(point),
-                Err(Stop::Undefined(index, point)) => {
-                    self.undefined(time, index);
-                    return Err(Some(point));
+                Err(Stop::Undefined { input, time, last }) => {
+                    self.undefined(time, input);
+                    return Err(Some(last));
                 }
                 Err(Stop::Ends(end)) if self.tracker.budget.is_spent() => {
                     let sigma_min = end.branch.sigma_min;

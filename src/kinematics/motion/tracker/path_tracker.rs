@@ -51,15 +51,22 @@ pub struct PathPoint {
 pub enum Stop {
     /// No step beyond can be trusted; the last good pose.
     Ends(PathPoint),
-    /// The input of this index has no value there; the last good pose.
-    Undefined(usize, PathPoint),
+    /// An input has no value.
+    Undefined {
+        /// Its index.
+        input: usize,
+        /// Where, seconds.
+        time: f64,
+        /// The last good pose.
+        last: PathPoint,
+    },
 }
 
 impl Stop {
     /// The last good pose.
     pub fn last(self) -> PathPoint {
         match self {
-            Self::Ends(point) | Self::Undefined(_, point) => point,
+            Self::Ends(last) | Self::Undefined { last, .. } => last,
         }
     }
 }
@@ -232,7 +239,13 @@ impl<'s> PathTracker<'s> {
                     here = self.keep(point, watcher);
                 }
                 Ok(None) => steps.refuse(),
-                Err(index) => return Err(Stop::Undefined(index, here)),
+                Err(input) => {
+                    return Err(Stop::Undefined {
+                        input,
+                        time: steps.target(),
+                        last: here,
+                    });
+                }
             }
             if steps.is_stuck() {
                 break;

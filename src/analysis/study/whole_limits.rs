@@ -1,0 +1,79 @@
+//! Whether values keep the limits of the measures over the whole motion, and not only at the poses that a search looks at: with
+//! the bounds of a check.
+
+use super::family::FamilyError;
+use crate::clearance::measured::{Known, is_of_whole_motion, known};
+use crate::clearance::motion::ProvedMotion;
+use crate::kinematics::motion::continuation::solve_motion;
+use crate::kinematics::motion::sampling::{frame_times, knot_times};
+use crate::kinematics::structure::system::System;
+use crate::model::measure::Measure;
+use crate::scene::Scene;
+use std::sync::Arc;
+
+/// Violation of a constraint that is still called kept: searches let a ten-millionth pass.
+pub const KEPT: f64 = 1e-6;
+
+/// How near bounds of distances come, as a part of them.
+const NEAR: f64 = 1e-3;
+
+/// A limited measure of the drive over the whole motion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WholeLimit {
+    /// Its place among the measures.
+    pub measure: usize,
+    /// As found, in internal units; `None` where it has no value.
+    pub value: Option<f64>,
+    /// By how much it may miss its limits, as a share of them: zero or less if it keeps them.
+    pub missed: f64,
+    /// That it misses them by no more is proved.
+    pub is_proved: bool,
+}
+
+impl WholeLimit {
+    /// Whether it is proved that the limits are kept as far as searches keep them.
+    pub fn is_kept(&self) -> bool {
+        self.is_proved && self.missed <= KEPT
+    }
+}
+
+/// The limited measures of the drive.
+///
+/// # Errors
+/// A mechanism that is not determined.
+pub fn whole_limits(scene: &Scene) -> Result<Vec<WholeLimit>, FamilyError> {
+    let (mechanism, actuation) = (&scene.mechanism, &scene.actuation);
+    let list = scene.measures.list.iter().enumerate();
+    let limited = list.filter(|(_, measure)| {
+        let is_limited = measure.min.is_some() || measure.max.is_some();
+        is_limited && is_of_whole_motion(mechanism, measure)
+    });
+    let limited: Vec<(usize, &Measure)> = limited.collect();
+    if limited.is_empty() {
+        return Ok(Vec::new());
+    }
+    let system = System::new(Arc::clone(mechanism), actuation)?;
+    let times = frame_times(mechanism, actuation, scene.view.fps);
+    let trajectory = solve_motion(&system, actuation, &knot_times(actuation, &times));
+    let mut motion = ProvedMotion::new(&system, actuation, &trajectory);
+    let judged = limited.into_iter().map(|(index, measure)| {
+        let found = known(&mut motion, measure, NEAR);
+        let (missed, is_proved) = found.map_or((f64::INFINITY, false), |k| missed(measure, &k));
+        WholeLimit {
+            measure: index,
+            value: found.map(|found| found.value),
+            missed,
+            is_proved,
+        }
+    });
+    Ok(judged.collect())
+}
+
+/// By how much limits are missed at most, and whether that is proved.
+fn missed(measure: &Measure, found: &Known) -> (f64, bool) {
+    if found.is_enclosed {
+        return (f64::INFINITY, true);
+    }
+    let ends = [found.value, found.bound].map(|value| measure.violation(value));
+    (ends[0].max(ends[1]), found.is_certified)
+}

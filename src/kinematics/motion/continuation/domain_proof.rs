@@ -1,0 +1,64 @@
+//! Proof that an equation has no value beyond the end of a motion.
+//!
+//! With the inputs of a place beyond, and with nothing known of the unknowns, its formula is enclosed. Where that says
+//! nothing, the blocks that are solved before its own are followed to that place by tubes, and what they are there is put in.
+
+use super::proved_stretch::{bare_mechanism, proved_samples, proved_value};
+use crate::kinematics::certificate::absence::enclosed_inputs;
+use crate::kinematics::motion::tracker::path_tracker::PathPoint;
+use crate::kinematics::structure::system::System;
+use crate::model::actuation::Actuation;
+use crate::numbers::interval::Interval;
+use std::sync::Arc;
+
+/// Of larger mechanisms the blocks before an equation are not followed once more.
+const MOST_UNKNOWNS: usize = 60;
+
+/// Whether equation `index` is proved to have no value with these inputs, beyond the last pose `end`.
+pub(super) fn is_proved(system: &System, inputs: &[f64], end: &PathPoint, index: usize) -> bool {
+    let mechanism = system.mechanism();
+    let formula = &mechanism.equations[index].expression;
+    if formula.has_value_everywhere() {
+        return false;
+    }
+    let mut known = enclosed_inputs(mechanism, inputs);
+    if formula.range(&known).is_none() {
+        return true;
+    }
+    let Some(values) = values_before(system, inputs, end, index) else {
+        return false;
+    };
+    for (slot, value) in values {
+        known[slot] = value;
+    }
+    formula.range(&known).is_none()
+}
+
+/// The unknowns of all blocks before that of an equation, on the motion from `end` on.
+fn values_before(
+    system: &System,
+    inputs: &[f64],
+    end: &PathPoint,
+    equation: usize,
+) -> Option<Vec<(usize, Interval)>> {
+    let mut blocks = system.blocks().iter();
+    let own = blocks.position(|block| block.equations.contains(&equation))?;
+    let before = &system.blocks()[..own];
+    if before.is_empty() || system.mechanism().unknowns.len() > MOST_UNKNOWNS {
+        return None;
+    }
+    let mechanism = bare_mechanism(system.mechanism());
+    let mut structure = system.structure().clone();
+    structure.blocks.truncate(own);
+    let (unknowns, from) = end.coordinates.split_at(mechanism.unknowns.len());
+    let actuation = Actuation::straight(from, inputs, unknowns.to_vec());
+    let part = System::bare(Arc::new(mechanism), structure);
+    let samples = proved_samples(&part, &actuation, &[0.0, 1.0])?;
+    let slots = before.iter().flat_map(|block| &block.unknowns);
+    let values = slots.map(|slot| {
+        let [value, error] = proved_value(part.mechanism(), samples.last()?, *slot)?;
+        let radius = Interval::around_zero(error);
+        Some((*slot, Interval::point(value) + radius))
+    });
+    values.collect()
+}

@@ -1,0 +1,143 @@
+//! Where formulas have values: a root of what is below zero has none, whatever else stands in the formula.
+
+use super::{Expression, Function, Op, apply_op};
+use crate::numbers::interval::Interval;
+
+/// Operands of roots, logarithms and powers with a fraction.
+const NOT_BELOW_ZERO: Interval = Interval {
+    lo: 0.0,
+    hi: f64::INFINITY,
+};
+
+/// Sines and cosines.
+const UP_TO_ONE: Interval = Interval { lo: -1.0, hi: 1.0 };
+
+impl Expression {
+    /// Holds all values that the formula has for members of the slots, those left out for which it has none; `None` where
+    /// it is proved to have none for any.
+    pub fn range(&self, slots: &[Interval]) -> Option<Interval> {
+        let mut values = Vec::with_capacity(self.ops().len());
+        for op in self.ops() {
+            confine_operands(*op, &mut values)?;
+            values.push(apply_op(*op, &values, slots));
+        }
+        Some(values.last().copied().unwrap_or(Interval::ZERO))
+    }
+
+    /// Whether none of its operations can lack a value.
+    pub fn has_value_everywhere(&self) -> bool {
+        let constant = |k: usize| match self.ops()[k] {
+            Op::Constant(constant) => constant.number(),
+            _ => f64::NAN,
+        };
+        self.ops().iter().all(|op| match *op {
+            Op::Divide(_, b) => constant(b).abs() > 0.0,
+            Op::Power(_, b) => constant(b) >= 0.0 && constant(b).fract() == 0.0,
+            Op::Call(
+                Function::Sqrt | Function::Ln | Function::Asin | Function::Acos | Function::Mod,
+                ..,
+            ) => false,
+            _ => true,
+        })
+    }
+}
+
+/// Cuts the operands to where the operation has values; other operations that use them are asked for these only.
+fn confine_operands(op: Op, values: &mut [Interval]) -> Option<()> {
+    match op {
+        Op::Divide(_, b) | Op::Call(Function::Mod, _, b) => refuse_zero(values[b]),
+        Op::Call(Function::Sqrt, a, _) => confine(&mut values[a], NOT_BELOW_ZERO),
+        Op::Call(Function::Asin | Function::Acos, a, _) => confine(&mut values[a], UP_TO_ONE),
+        Op::Call(Function::Ln, a, _) => {
+            confine(&mut values[a], NOT_BELOW_ZERO)?;
+            refuse_zero(values[a])
+        }
+        Op::Power(a, b) => {
+            let exponent = values[b];
+            let whole = exponent.lo.floor();
+            let has_fraction = whole < exponent.lo && exponent.hi < whole + 1.0;
+            if has_fraction {
+                confine(&mut values[a], NOT_BELOW_ZERO)?;
+            }
+            match exponent.hi < 0.0 {
+                true => refuse_zero(values[a]),
+                false => Some(()),
+            }
+        }
+        _ => Some(()),
+    }
+}
+
+fn confine(value: &mut Interval, domain: Interval) -> Option<()> {
+    let (lo, hi) = (value.lo.max(domain.lo), value.hi.min(domain.hi));
+    *value = Interval::new(lo, hi);
+    (lo <= hi).then_some(())
+}
+
+fn refuse_zero(value: Interval) -> Option<()> {
+    (value != Interval::ZERO).then_some(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numbers::constant::Constant;
+
+    fn number(value: f64) -> Op {
+        Op::Constant(Constant::exact(value))
+    }
+
+    fn called(function: Function) -> Expression {
+        Expression::new(vec![Op::Slot(0), Op::Call(function, 0, 0)])
+    }
+
+    fn power(exponent: f64) -> Expression {
+        Expression::new(vec![Op::Slot(0), number(exponent), Op::Power(0, 1)])
+    }
+
+    #[test]
+    fn a_formula_has_no_value_where_its_operands_are_out_of_range() {
+        let [sqrt, asin, ln] = [Function::Sqrt, Function::Asin, Function::Ln].map(called);
+        let [root, inverse] = [0.5, -1.0].map(power);
+        let over = Expression::new(vec![number(1.0), Op::Slot(0), Op::Divide(0, 1)]);
+        // A formula, where it has no value, where it has some.
+        let cases = [
+            (&sqrt, [-2.0, -1e-300], [-2.0, 0.0]),
+            (&asin, [1.0_f64.next_up(), 3.0], [1.0, 3.0]),
+            (&ln, [-1.0, 0.0], [-1.0, 1e-300]),
+            (&root, [-3.0, -1.0], [-3.0, 0.0]),
+            (&inverse, [0.0, 0.0], [0.0, 1e-300]),
+            (&over, [0.0, 0.0], [-1.0, 1.0]),
+        ];
+        for (formula, none, some) in cases {
+            let [none, some] = [none, some].map(|[lo, hi]| Interval::new(lo, hi));
+            assert_eq!(formula.range(&[none]), None, "{formula:?}");
+            assert!(formula.range(&[some]).is_some(), "{formula:?}");
+        }
+        for formula in [&sqrt, &asin, &ln, &root, &inverse, &over] {
+            assert!(!formula.has_value_everywhere(), "{formula:?}");
+        }
+        assert!(power(2.0).has_value_everywhere());
+        // Whole powers and a third of a negative number in f64 have values or are not judged.
+        assert!(power(3.0).range(&[Interval::point(-2.0)]).is_some());
+        assert!(sqrt.range(&[Interval::ENTIRE]).is_some());
+    }
+
+    /// sqrt(1 - x^2) is between zero and one where it is a number at all.
+    #[test]
+    fn values_are_those_of_operands_in_range() {
+        let formula = Expression::new(vec![
+            number(1.0),
+            Op::Slot(0),
+            Op::Multiply(1, 1),
+            Op::Subtract(0, 2),
+            Op::Call(Function::Sqrt, 3, 3),
+        ]);
+        let range = formula.range(&[Interval::ENTIRE]);
+        let is_right = |v: Interval| v.lo <= 0.0 && v.lo > -1e-12 && v.hi >= 1.0 && v.hi < 1.1;
+        assert!(range.is_some_and(is_right), "{range:?}");
+        let half = formula.range(&[Interval::point(0.6)]);
+        let is_right = |v: Interval| v.lo <= 0.8 && v.hi >= 0.8 && v.hi - v.lo < 1e-12;
+        assert!(half.is_some_and(is_right), "{half:?}");
+    }
+}
