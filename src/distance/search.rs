@@ -26,6 +26,9 @@ const NEARER: f64 = 1e-6;
 /// Steps after which the bracket must be half as wide.
 const PATIENCE: usize = 4;
 
+/// Values that differ by more than this part of the first ones differ indeed, not by rounding.
+const TELLS: f64 = 64.0 * f64::EPSILON;
+
 /// A slope that promises less than this part of the value over the whole bracket promises nothing.
 const REMAINS: f64 = 0.1 * f64::EPSILON;
 
@@ -298,6 +301,7 @@ fn refine_valley(mut a: CurveSpot, mut b: CurveSpot, f: &impl Fn(f64) -> CurveSp
         (b, a)
     };
     let mut width_before = f64::INFINITY;
+    let tells = TELLS * a.value.abs().max(b.value.abs());
     for step in 0..MAX_STEPS {
         let width = b.at - a.at;
         let mut is_slow = false;
@@ -322,8 +326,12 @@ fn refine_valley(mut a: CurveSpot, mut b: CurveSpot, f: &impl Fn(f64) -> CurveSp
         if done || width <= 4.0 * f64::EPSILON * (a.at.abs() + b.at.abs()) {
             return if spot.value <= best.value { spot } else { best };
         }
-        // The sign of the slope says on which side the minimum is.
-        if spot.slope < 0.0 {
+        // The sign of the slope says on which side a minimum is; beside a lower spot there is one towards that.
+        let is_left = match spot.value > best.value + tells {
+            true => spot.at < best.at,
+            false => spot.slope < 0.0,
+        };
+        if is_left {
             a = spot;
         } else {
             b = spot;
@@ -350,6 +358,23 @@ mod tests {
     fn draw(state: &mut u32) -> f64 {
         *state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         f64::from(*state >> 8) / f64::from(1_u32 << 23) - 1.0
+    }
+
+    /// A bracket with two valleys: one of them is found to its bottom, and it is not a side of it.
+    #[test]
+    fn a_valley_beside_another_is_followed_to_its_bottom() {
+        for round in 0..400 {
+            let tilt = 0.002 * f64::from(round) - 0.4;
+            let f = |at: f64| CurveSpot {
+                at,
+                value: (at * at - 1.0).powi(2) + tilt * at + 5.0,
+                slope: 4.0 * at * (at * at - 1.0) + tilt,
+            };
+            let off = 0.01 * f64::from(round % 37);
+            let found = refine_valley(f(-2.0 - off), f(1.7 + off), &f);
+            assert!(found.slope.abs() < 1e-6, "{tilt}: {found:?}");
+            assert!(found.value <= f(0.0).value, "{tilt}: {found:?}");
+        }
     }
 
     /// The largest of a few heights over planes is convex, and has kinks.
