@@ -18,8 +18,8 @@ use glam::{DMat3, DVec3};
 use mechanim::analysis::random::Random;
 use mechanim::clearance::sweep_and_prune::{AxisBox, near_boxes};
 use mechanim::diag::Source;
-use mechanim::distance::core::{Element, shape_elements};
 use mechanim::distance::pair::signed_distance;
+use mechanim::distance::primitive::{Element, shape_elements};
 
 use mechanim::math::Pose;
 use mechanim::model::shape::{Shape, Solid, TriangleSoup};

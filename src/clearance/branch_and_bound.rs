@@ -12,7 +12,7 @@ use super::meeting::Meeting;
 use super::motion::ProvedMotion;
 use super::sweep::{Best, Least, PairSweep};
 use crate::distance::bodies::{nearest_bodies, separation_along, sphere_separation};
-use crate::distance::core::{Element, Primitive};
+use crate::distance::primitive::{Element, Primitive};
 use glam::DVec3;
 use std::rc::Rc;
 

@@ -9,7 +9,7 @@ use super::relative::RelativeChain;
 use super::sweep::slack_of_poses;
 use super::sweep_and_prune::{AxisBox, near_boxes};
 use crate::distance::bodies::Hull;
-use crate::distance::core::Element;
+use crate::distance::primitive::Element;
 use crate::kinematics::certificate::tube::TaylorModel;
 use crate::math::Pose;
 use crate::model::chain::Chain;

@@ -9,8 +9,8 @@
 
 use super::meeting::Meeting;
 use super::relative::RelativeMove;
-use crate::distance::core::{Circle, Element, Primitive};
 use crate::distance::point::{PointHit, point_to, to_circle, to_disc};
+use crate::distance::primitive::{Circle, Element, Primitive};
 use crate::distance::search::{CurveSpot, angle_grid, least_on_circle, least_spot};
 use glam::DVec3;
 use std::f64::consts::TAU;

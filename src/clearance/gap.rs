@@ -4,8 +4,8 @@ use super::curved;
 use super::meeting::Meeting;
 use super::mesh_meeting;
 use super::slab::Slab;
-use crate::distance::core::Primitive;
 use crate::distance::point::point_to;
+use crate::distance::primitive::Primitive;
 use glam::DVec3;
 
 impl Meeting<'_> {
@@ -107,9 +107,9 @@ impl Meeting<'_> {
 mod tests {
     use super::super::relative::RelativeChain;
     use super::*;
-    use crate::distance::core::{BoxCore, Circle, Element, Frustum, HalfSpace};
     use crate::distance::mesh_tree::MeshTree;
     use crate::distance::pair::signed_distance;
+    use crate::distance::primitive::{BoxCore, Circle, Element, Frustum, HalfSpace};
     use crate::kinematics::certificate::tube::TaylorModel;
     use crate::math::Pose;
     use crate::model::chain::{ArgumentValue, Chain, ChainStep, ElementaryMotion};

@@ -4,7 +4,7 @@
 //! the near parts of two shapes are left out of a check. A bar that folds onto its neighbour far from their pin is seen.
 
 use crate::distance::bodies::{Hull, LeftOut, nearest_bodies};
-use crate::distance::core::{BoxCore, Element, Frustum, Primitive};
+use crate::distance::primitive::{BoxCore, Element, Frustum, Primitive};
 use crate::math::Pose;
 use glam::DVec3;
 

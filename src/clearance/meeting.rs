@@ -1,8 +1,8 @@
 //! Two elements of which one moves for a short time, and where they are in the middle of it.
 
 use super::relative::RelativeMove;
-use crate::distance::core::Element;
 use crate::distance::pair::{Proximity, signed_distance};
+use crate::distance::primitive::Element;
 use glam::DVec3;
 
 /// Two elements, the second of which moves for a short time.

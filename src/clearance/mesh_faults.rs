@@ -1,8 +1,8 @@
 //! What is odd about the meshes of a check, and what is wrong with them.
 
 use crate::distance::bodies::Hull;
-use crate::distance::core::Primitive;
 use crate::distance::mesh_tree::{MeshTree, ShellEnclosure};
+use crate::distance::primitive::Primitive;
 use crate::model::mechanism::Mechanism;
 
 /// Every mesh of a body.

@@ -7,9 +7,9 @@
 use super::meeting::Meeting;
 use super::slab::Slab;
 use crate::distance::boxes::OrientedBox;
-use crate::distance::core::{Element, Primitive};
 use crate::distance::mesh_tree::{Content, MeshTree, corner_support, nearer_first};
 use crate::distance::point::point_to;
+use crate::distance::primitive::{Element, Primitive};
 use crate::math::Pose;
 use glam::DVec3;
 

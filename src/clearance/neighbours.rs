@@ -6,9 +6,9 @@
 use super::joint_region::{JointRegion, Place};
 use super::motion::ProvedMotion;
 use crate::distance::bodies::Hull;
-use crate::distance::core::Element;
 use crate::distance::mesh;
 use crate::distance::pair::signed_distance;
+use crate::distance::primitive::Element;
 use crate::math::Pose;
 use crate::model::chain::{ArgumentValue, ElementaryMotion as StepMotion};
 use crate::model::joints::{Joint, JointKind, Joints};

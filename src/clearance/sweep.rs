@@ -5,9 +5,9 @@ use super::motion::ProvedMotion;
 use super::relative::RelativeChain;
 use super::track::PairTrack;
 use crate::distance::bodies::{BodyProximity, Hull, LeftOut, enclosed_shell, nearest_bodies};
-use crate::distance::core::{Element, Primitive};
 use crate::distance::mesh;
 use crate::distance::pair::is_inside;
+use crate::distance::primitive::{Element, Primitive};
 use crate::math::Pose;
 use glam::DVec3;
 

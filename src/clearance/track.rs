@@ -2,8 +2,8 @@
 //! move, so that most elements need not be looked at again.
 
 use crate::distance::bodies::{BodyProximity, Hull, LeftOut, separation_along, sphere_separation};
-use crate::distance::core::Element;
 use crate::distance::pair::signed_distance;
+use crate::distance::primitive::Element;
 use crate::math::Pose;
 use glam::{DMat3, DVec3};
 use std::f64::consts::FRAC_1_SQRT_2;

@@ -1,10 +1,10 @@
 //! Distance of two bodies: the least of all pairs of their elements.
 
-use super::core::{Element, Primitive, shape_elements};
 use super::mesh;
 use super::mesh_tree::ShellEnclosure;
 use super::pair::{Proximity, signed_distance};
 use super::point::point_to;
+use super::primitive::{Element, Primitive, shape_elements};
 use crate::math::Pose;
 use crate::model::mechanism::Body;
 use glam::DVec3;

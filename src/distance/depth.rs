@@ -6,10 +6,10 @@
 //! a circle of directions, which is searched as a whole. Only two rims are left, which meet on a surface that is curved
 //! both ways: its point nearest to the origin is a least distance of the two circles, and all of these are tried.
 
-use super::core::{Circle, Frustum, Primitive};
-use super::core_pair::CorePair;
-use super::cores::{is_coaxial, nearest_cores};
 use super::point::to_circle;
+use super::primitive::{Circle, Frustum, Primitive};
+use super::primitive_distance::{is_coaxial, nearest_cores};
+use super::primitive_pair::CorePair;
 use super::search::{CurveSpot, least_of_convex_on_circle, minima_on_circle};
 use crate::math::{Pose, sin_cos};
 use glam::DVec3;

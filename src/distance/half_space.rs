@@ -1,8 +1,8 @@
 //! Half-spaces: how far any core lies from one, or how deep in it. Closed forms.
 
-use super::core::{Circle, HalfSpace, Primitive};
-use super::core_pair::CorePair;
 use super::point::to_half_space;
+use super::primitive::{Circle, HalfSpace, Primitive};
+use super::primitive_pair::CorePair;
 use glam::DVec3;
 
 /// Normals this far from opposite are not: the planes meet somewhere.

@@ -8,11 +8,11 @@
 //! A mesh is a surface. It has distances and a test for points inside, but no depth.
 
 use super::boxes::OrientedBox;
-use super::core::{Element, Primitive};
-use super::core_pair::CorePair;
-use super::cores;
 use super::mesh_tree::{Content, MeshTree, corner_support, nearer_first};
 use super::point::point_to;
+use super::primitive::{Element, Primitive};
+use super::primitive_distance;
+use super::primitive_pair::CorePair;
 use super::triangles;
 use crate::math::Pose;
 use glam::DVec3;
@@ -38,7 +38,7 @@ struct ToCore<'a> {
 
 impl ToCore<'_> {
     fn take(&mut self, triangle: usize) {
-        let pair = cores::nearest_cores(
+        let pair = primitive_distance::nearest_cores(
             &Primitive::Triangle(self.tree.triangles[triangle]),
             self.core,
         );

@@ -2,9 +2,6 @@
 
 pub mod bodies;
 pub(crate) mod boxes;
-pub mod core;
-mod core_pair;
-pub(crate) mod cores;
 mod depth;
 mod flaps;
 mod half_space;
@@ -12,6 +9,9 @@ pub mod mesh;
 pub mod mesh_tree;
 pub mod pair;
 pub(crate) mod point;
+pub mod primitive;
+pub(crate) mod primitive_distance;
+mod primitive_pair;
 pub(crate) mod search;
 mod shells;
 pub mod solids;

@@ -5,13 +5,13 @@
 //! its centre circle, whatever it would take to unhook the two. Meshes have no depth: they touch (zero) or do not, but
 //! for half-spaces, in which everything has one.
 
-use super::core::{Element, Primitive};
-use super::core_pair::CorePair;
-use super::cores::nearest_cores;
 use super::depth::overlap_depth;
 use super::half_space;
 use super::mesh;
 use super::point::point_to;
+use super::primitive::{Element, Primitive};
+use super::primitive_distance::nearest_cores;
+use super::primitive_pair::CorePair;
 use super::search::{CurveSpot, least_on_circle, least_spot};
 use glam::DVec3;
 use std::cmp::Ordering;
@@ -144,7 +144,7 @@ fn backward_spot(core: &Primitive, at: f64, point: DVec3, tangent: DVec3) -> Cur
     })
 }
 
-fn farthest_of_circle(core: &Primitive, circle: &super::core::Circle) -> f64 {
+fn farthest_of_circle(core: &Primitive, circle: &super::primitive::Circle) -> f64 {
     if circle.radius <= 0.0 {
         return farthest_reach(core, &[circle.center]);
     }

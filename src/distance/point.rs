@@ -1,6 +1,6 @@
 //! Distance of a point from a core: closed forms with sign, nearest point and outward direction.
 
-use super::core::{BoxCore, Circle, Frustum, HalfSpace, Primitive};
+use super::primitive::{BoxCore, Circle, Frustum, HalfSpace, Primitive};
 use crate::math::{Pose, square_to};
 use glam::{DVec2, DVec3};
 

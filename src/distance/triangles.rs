@@ -3,8 +3,8 @@
 //! Two triangles are nearest at two edges, or at a corner and a face, or they cut each other. Where the slab between the
 //! nearest points of two edges has both triangles outside of it, it proves them to be the nearest of all.
 
-use super::core::BoxCore;
-use super::core_pair::CorePair;
+use super::primitive::BoxCore;
+use super::primitive_pair::CorePair;
 use glam::DVec3;
 
 /// A triangle.

@@ -44,6 +44,7 @@ fn judge_clearances(
     study: &LoadedStudy,
     values: &[f64],
 ) -> Result<Option<Clearances>, FamilyError> {
+    // The scene is read anew, since bodies have the shapes of these values.
     let scene = study.scene_at(values)?;
     let Some(rules) = &scene.clearance else {
         return Ok(None);
@@ -51,6 +52,7 @@ fn judge_clearances(
     let (mechanism, actuation) = (&scene.mechanism, &scene.actuation);
     let system = System::new(Arc::clone(mechanism), actuation)?;
     let times = frame_times(mechanism, actuation, scene.view.fps);
+    // At the frames and the keys of the drive; the bounds cover what lies between.
     let trajectory = solve_motion(&system, actuation, &knot_times(actuation, &times));
     let report = check_clearance(
         &system,

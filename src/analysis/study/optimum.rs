@@ -267,6 +267,7 @@ pub fn verify_optimum(
         parameters,
         ..overrides.clone()
     };
+    // Nothing of the search is used: neither its poses nor its branch.
     let family = ParametricMechanism::load(source, &overrides, vary)?;
     let nominal = family.nominal()?;
     let (error_bound, unproved, poses) =
@@ -278,6 +279,7 @@ pub fn verify_optimum(
         .map_err(|r| FamilyError::Lacks(r.to_string()))?
         .measures;
     let pairs = family.measures.list.iter().zip(&measures);
+    // Negative inside of all limits.
     let violations = pairs.map(|(m, value)| m.violation(*value));
     let violation = violations.fold(f64::NEG_INFINITY, f64::max);
     Ok(Verified {

@@ -187,6 +187,7 @@ impl<'f> Reader<'f> {
     fn slope(&mut self, rows: &StudyRows, pose: &[f64]) -> Vec<f64> {
         let variables = self.family.study.variables.len();
         let first = self.family.own_inputs();
+        // Coordinates alone: the formula's gradient times the rates of the pose.
         if rows.per.is_none() && rows.is_free_of_traces {
             self.fill_gradient(rows, pose);
             let count = pose.len();

@@ -172,12 +172,14 @@ impl<'f> Evaluator<'f> {
         values: &[f64],
         settle: bool,
     ) -> Result<TrackPoses, Rejection> {
+        // As a rule one step does.
         let first = match self.step(stand, values, settle) {
             Ok(reached) => return Ok(reached),
             Err(pose) => pose,
         };
         let (mut here, mut stuck) = (stand.clone(), first);
         let mut steps = Steps::new(0.0, 1.0, 0.5, SMALLEST_SHARE);
+        // Else the way is halved until a step is trusted, and doubled again behind it.
         while !steps.is_done() {
             if steps.is_stuck() {
                 let (track, pose) = self.family.place_of(stuck);
@@ -246,6 +248,7 @@ impl<'f> Evaluator<'f> {
         let family = self.family;
         let n = family.mechanism().unknowns.len();
         let mut pose = stand.poses[index].clone();
+        // Predicted along the sensitivities, ...
         let mut length = 0.0_f64;
         let sensitivity = &stand.sensitivities[index];
         for k in 0..n {
@@ -256,12 +259,14 @@ impl<'f> Evaluator<'f> {
         }
         let first = pose.len() - values.len();
         pose[first..].copy_from_slice(values);
+        // ... corrected by Newton steps, and trusted if the correction is small against the step ...
         let correction = self.solver.correct(&mut pose, Pace::Brisk);
         let prediction = Prediction { length, bend: 0.0 };
         let trusted = follows_prediction(&correction, &prediction);
         if !trusted {
             return None;
         }
+        // ... and the pose is regular, on the same side of all singular ones.
         let (signs, sigma) = self.side(&pose);
         let regular = sigma >= LEAST_SIGMA * stand.sigmas[index];
         (regular && signs == stand.signs[index]).then_some(pose)

@@ -5,8 +5,8 @@ use crate::slow_distance::{known, off_distance, size};
 use crate::solids::{Random, element};
 #[allow(dead_code)]
 use glam::DVec3;
-use mechanim::distance::core::{Element, Primitive};
 use mechanim::distance::pair::signed_distance;
+use mechanim::distance::primitive::{Element, Primitive};
 use mechanim::math::Pose;
 use mechanim::model::shape::{Solid, TriangleSoup};
 use std::sync::Arc;

@@ -5,10 +5,10 @@ use crate::solids::{
     BOX_TRIANGLES, Random, box_corner, capsule, cone, cuboid, cylinder, element, sphere, torus, v,
 };
 use glam::{DMat3, DQuat, DVec3};
-use mechanim::distance::core::{Element, Primitive};
 use mechanim::distance::mesh::one_inside;
 use mechanim::distance::mesh_tree::{MeshTree, ShellEnclosure};
 use mechanim::distance::pair::{is_inside, signed_distance};
+use mechanim::distance::primitive::{Element, Primitive};
 use mechanim::math::Pose;
 use mechanim::model::shape::{Solid, TriangleSoup};
 use std::sync::Arc;

@@ -3,8 +3,8 @@
 use crate::slow_distance::{inside_by, known, off_distance, size};
 use crate::solids::{Random, capsule, cone, cuboid, cylinder, half_space, sphere, torus, v};
 use glam::DVec3;
-use mechanim::distance::core::{Element, Primitive};
 use mechanim::distance::pair::{Proximity, signed_distance};
+use mechanim::distance::primitive::{Element, Primitive};
 use mechanim::math::Pose;
 use std::thread;
 

@@ -9,7 +9,7 @@ mod number;
 mod solids;
 
 use glam::DVec3;
-use mechanim::distance::core::Element;
+use mechanim::distance::primitive::Element;
 use mechanim::numbers::double_double::DoubleDouble;
 use number::{Number, Vector};
 use solids::Solid;

@@ -1,7 +1,7 @@
 //! Cores in either arithmetic: the signed distance of a point, and the farthest point in a direction.
 
 use super::number::{Number, Vector};
-use mechanim::distance::core::{Element, Primitive};
+use mechanim::distance::primitive::{Element, Primitive};
 
 /// A core; unit vectors are made unit in its own arithmetic.
 pub enum Solid<N> {

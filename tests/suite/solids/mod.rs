@@ -3,7 +3,7 @@
 pub mod parry;
 
 use glam::{DMat3, DQuat, DVec3};
-use mechanim::distance::core::{Element, shape_elements};
+use mechanim::distance::primitive::{Element, shape_elements};
 use mechanim::math::Pose;
 use mechanim::model::shape::{Shape, Solid};
 

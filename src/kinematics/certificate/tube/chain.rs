@@ -6,7 +6,7 @@
 //! so that such a bound is handed on from joint to joint and does not grow.
 
 use super::form::FormChange;
-use super::model::{
+use super::taylor_model::{
     Polynomial, TERMS, TaylorModel, Turn, polynomial_size, tail_sums, truncated_part,
 };
 use crate::model::chain::{ChainStep, ElementaryMotion};

@@ -1,6 +1,6 @@
 //! The inputs over a stretch of time as series.
 
-use super::model::{TERMS, TaylorEnclosure};
+use super::taylor_model::{TERMS, TaylorEnclosure};
 use crate::model::drive::Drive;
 use crate::model::expression::Op;
 use crate::model::expression::pieces::around_instant;

@@ -1,7 +1,7 @@
 //! Arguments and equations over a stretch: dot products where they are affine, general formulas elsewhere.
 
-use super::model::TaylorModel;
 use super::path::TubePath;
+use super::taylor_model::TaylorModel;
 use crate::model::chain::Argument;
 use crate::model::expression::{Affine, Expression};
 use crate::model::mechanism::Mechanism;

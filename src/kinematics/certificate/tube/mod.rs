@@ -14,7 +14,6 @@ mod chain;
 mod constants;
 mod drive;
 mod form;
-mod model;
 mod partings;
 mod path;
 mod proof;
@@ -23,16 +22,17 @@ mod rows;
 mod shown;
 mod shown_value;
 mod stretches;
+mod taylor_model;
 
 use crate::kinematics::results::certificate::{IntervalCertificate, Reason};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use blocks::Blocks;
-pub use model::{Polynomial, TaylorCentre, TaylorModel};
 use path::TubePath;
 pub use prover::{FLOOR, Prover};
 pub use stretches::Tube;
+pub use taylor_model::{Polynomial, TaylorCentre, TaylorModel};
 
 /// Proves every interval between consecutive samples; one entry less than there are samples.
 pub fn certify_motion(

@@ -1,7 +1,7 @@
 //! The curve that a tube is laid around: polynomials in the unknowns, the drive itself in the inputs.
 
 use super::drive::DriveStretch;
-use super::model::{Polynomial, TaylorEnclosure, TaylorModel};
+use super::taylor_model::{Polynomial, TaylorEnclosure, TaylorModel};
 use crate::model::actuation::Actuation;
 use crate::numbers::interval::Interval;
 use crate::numbers::scalar::Scalar;

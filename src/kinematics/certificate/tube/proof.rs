@@ -10,9 +10,9 @@
 
 use super::constants::{EarlierTube, TubeConstants, accept_constants};
 use super::form::Form;
-use super::model::{Polynomial, TERMS, polynomial_size};
 use super::path::TubePath;
 use super::rows::{Bends, JACOBIAN_TERMS, TubeLayout, TubeRows};
+use super::taylor_model::{Polynomial, TERMS, polynomial_size};
 use crate::kinematics::certificate::neighbourhood::BALL;
 use crate::kinematics::certificate::rows::LARGEST_GAP_OF_TUBE;
 use crate::kinematics::results::certificate::Reason;

@@ -3,9 +3,9 @@
 use super::blocks::Blocks;
 use super::drive::{DriveStretch, keys_between};
 use super::form::Form;
-use super::model::{Polynomial, TERMS, TaylorModel};
 use super::path::{InputPath, TubePath};
 use super::stretches::{Bases, Station, Tube, largest_value};
+use super::taylor_model::{Polynomial, TERMS, TaylorModel};
 use crate::kinematics::certificate::pose::prover::PoseProver;
 use crate::kinematics::certificate::rows::redundant_rows;
 use crate::kinematics::results::certificate::{

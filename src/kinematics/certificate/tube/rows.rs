@@ -2,8 +2,8 @@
 
 use super::chain::{ArgumentModel, LoopModel, Reaches};
 use super::form::{Form, FormChange};
-use super::model::{TaylorModel, polynomial_size};
 use super::path::TubePath;
+use super::taylor_model::{TaylorModel, polynomial_size};
 use crate::kinematics::certificate::rows::ProofRows;
 use crate::kinematics::results::certificate::Reason;
 use crate::kinematics::structure::block::Block;

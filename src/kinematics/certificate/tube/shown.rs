@@ -1,8 +1,8 @@
 //! What formulas of a pose (coordinates, traced points, outputs) show over a tube, as Taylor models.
 
-use super::model::TaylorModel;
 use super::shown_value::{Line, ShownValue};
 use super::stretches::Tube;
+use super::taylor_model::TaylorModel;
 use crate::kinematics::loops::observed::observed_slots;
 use crate::model::expression::Expression;
 use crate::model::mechanism::Mechanism;

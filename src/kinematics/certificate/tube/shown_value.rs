@@ -5,7 +5,7 @@
 //! number of an interval in it, which may be another one at every instant and every place beside the path: enclosures of
 //! all such formulas enclose this one.
 
-use super::model::{TaylorEnclosure, TaylorModel};
+use super::taylor_model::{TaylorEnclosure, TaylorModel};
 use crate::numbers::constant::Constant;
 use crate::numbers::interval::Interval;
 use crate::numbers::scalar::{Ring, Scalar};

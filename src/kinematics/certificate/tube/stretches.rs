@@ -1,7 +1,7 @@
 //! What is proved of a stretch, and the poses at its ends.
 
-use super::model::TaylorModel;
 use super::path::TubePath;
+use super::taylor_model::TaylorModel;
 use crate::model::mechanism::Mechanism;
 use std::sync::Arc;
 

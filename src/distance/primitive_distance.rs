@@ -4,9 +4,9 @@
 //! sides whose common normal is known in closed form. Each candidate is a point of one core and its nearest point on
 //! the other, so none can be too small, and one of them is the nearest pair. A circle is searched along its angle.
 
-use super::core::{BOX_EDGES, Circle, Frustum, Primitive};
-use super::core_pair::CorePair;
 use super::point::{on_segment, point_to, to_segment};
+use super::primitive::{BOX_EDGES, Circle, Frustum, Primitive};
+use super::primitive_pair::CorePair;
 use super::search::{
     CurveSpot, least_convex, least_near, least_of_convex_on_circle, least_on_circle,
 };
