@@ -333,8 +333,12 @@ fn kind_of_output(args: &RenderArgs) -> Result<Format, Failure> {
 /// Only frames that were drawn count.
 fn outcome_of_frames(outcome: Outcome, trajectory: &Trajectory, plan: &RenderPlan) -> Outcome {
     let drawn = &trajectory.samples[plan.samples()];
-    match drawn.iter().all(|sample| sample.pose.is_some()) {
-        true => Outcome::Done,
-        false => outcome,
+    match outcome {
+        Outcome::NotClosed | Outcome::Undecided
+            if drawn.iter().all(|sample| sample.pose.is_some()) =>
+        {
+            Outcome::Done
+        }
+        _ => outcome,
     }
 }

@@ -154,7 +154,7 @@ const BUILT_IN: [ByHand; 22] = [
     ("twin-steer", 31, &[6, 6, 6, 6, 6], 0, 1),
 ];
 
-const HARD: [ByHand; 24] = [
+const HARD: [ByHand; 25] = [
     ("h01-slider-crank", 4, &[3], 0, 1),
     ("h02-slider-drives", 4, &[3], 0, 1),
     ("h03-change-point", 4, &[3], 0, 1),
@@ -187,6 +187,8 @@ const HARD: [ByHand; 24] = [
     ("h29-lazy-tongs-3", 10, &[3, 3], -3, 1),
     // 4R about one point
     ("h30-hooke", 4, &[3], 0, 1),
+    // Six legs of U P S and the six coordinates of the plate; one drive for six slides
+    ("h31-platform", 42, &[6; 6], -5, 1),
 ];
 
 #[test]
