@@ -245,3 +245,64 @@ impl<'m> BroadPhase<'m> {
         });
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::chain::{ArgumentValue, ChainStep, ElementaryMotion};
+
+    /// A ball at the end of an arm that turns and grows: the box holds it at all places of the piece, however that is split.
+    #[test]
+    fn no_body_leaves_the_box_around_what_it_sweeps() {
+        let joint = |motion, axis, argument| ChainStep::Joint {
+            motion,
+            axis,
+            argument,
+            sign: 1.0,
+        };
+        let turn = |axis, argument| joint(ElementaryMotion::Rotation, axis, argument);
+        let steps = vec![
+            turn(2, 0),
+            joint(ElementaryMotion::Translation, 0, 1),
+            turn(1, 2),
+            joint(ElementaryMotion::Translation, 1, 1),
+        ];
+        let chain = RelativeChain::new(&Chain::default(), &Chain { steps });
+        let (center, radius) = (DVec3::new(0.7, -0.2, 0.4), 0.05);
+        let sweeper = Sweeper {
+            body: 0,
+            part: 0,
+            chain: chain.clone(),
+            ball: (center, radius),
+            own: Some([center, DVec3::splat(radius)]),
+            slack: 0.0,
+        };
+        let mut tightest = f64::INFINITY;
+        for round in 0..400 {
+            let model = |k: usize| {
+                let phase = (round * 3 + k) as f64;
+                let mut model = TaylorModel::constant(2.0 * phase.sin());
+                (model.c[1], model.c[2]) = (1.5 * (1.7 * phase).sin(), 0.4 * (2.3 * phase).sin());
+                model
+            };
+            let models = [0, 1, 2].map(model);
+            let (half, splits) = ([1.0, 0.3, 0.02][round % 3], (round % 5) as u32);
+            let swept = sweeper.swept(&models, [0.0, half], 0.01, splits);
+            for place in -16..=16 {
+                let u = half * f64::from(place) / 16.0;
+                let value =
+                    |m: &TaylorModel| ArgumentValue::new(m.c[0] + u * (m.c[1] + u * m.c[2]));
+                let pose = chain.pose(&models.each_ref().map(value));
+                let at = pose.transform_point(center);
+                let inside = (at - radius - swept.low).min(swept.high - at - radius);
+                assert!(
+                    inside.min_element() >= -1e-12,
+                    "{round} {place}: {at} {swept:?}"
+                );
+                tightest = tightest.min(inside.min_element() / half);
+            }
+        }
+        // It is not made up by far too large a box.
+        assert!(tightest < 0.3, "{tightest}");
+    }
+}

@@ -14,6 +14,10 @@ const HALVINGS: u32 = 13;
 /// The same where a hair decides: least values are known with the square of the step.
 const FINE_HALVINGS: u32 = 26;
 
+/// Where a stretch ends a drive may jump, and the pose of that instant is another one: places are no nearer to its ends, which
+/// the lowest one may be as near as can be told.
+const INNERMOST: f64 = 1.0 - 1e-8;
+
 impl PairSweep<'_> {
     /// The least distance over the whole motion as a search finds it, without a bound.
     pub(super) fn searched(&self, motion: &mut ProvedMotion) -> Option<Least> {
@@ -77,10 +81,7 @@ impl PairSweep<'_> {
         let (mut at, mut lowest) = (start, distance(start, f64::INFINITY));
         for halving in 1..=halvings {
             let step = 0.5_f64.powi(halving as i32);
-            for s in [at - step, at + step]
-                .into_iter()
-                .filter(|s| s.abs() <= 1.0)
-            {
+            for s in [at - step, at + step].map(|s| s.clamp(-INNERMOST, INNERMOST)) {
                 let value = distance(s, lowest);
                 if value < lowest {
                     (at, lowest) = (s, value);

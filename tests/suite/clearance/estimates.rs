@@ -136,6 +136,30 @@ fn two_drives_that_jump_together_are_proved() {
     }
 }
 
+/// A saw comes as near as may be before it jumps back, and never all the way.
+#[test]
+fn what_is_only_approached_before_a_jump_counts() {
+    let w = Workspace::new();
+    for (drive, falls) in [
+        ("-mod(3.5999*t, 0.2876)", 0.2876),
+        ("mod(-3.5999*t, 0.2876) - 0.2876", 0.2876),
+        ("-0.3*t + 0.6*floor(0.9*t)", 1.0 / 3.0),
+    ] {
+        for (off, expected) in [(1e-6, (1, "failed")), (-1e-6, (0, "passed"))] {
+            let scene = turning(drive, "[1, 0, -3]", 2.8 - falls + off).replace("Rz(u)", "Tz(u)");
+            for samples in ["3", "40"] {
+                w.write("scene.toml", &scene);
+                let (code, result, _) = said(&w, &["--samples", samples]);
+                assert_eq!(
+                    (code, result.as_str()),
+                    expected,
+                    "{drive}, {off}, {samples}"
+                );
+            }
+        }
+    }
+}
+
 /// A cube of triangles as STL text.
 fn cube() -> String {
     let corner = |k: usize| [1, 2, 4].map(|bit| if k & bit == 0 { -10.0 } else { 10.0 });
