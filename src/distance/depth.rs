@@ -10,7 +10,7 @@ use super::point::to_circle;
 use super::primitive::{Circle, Frustum, Primitive};
 use super::primitive_distance::{is_coaxial, nearest_cores};
 use super::primitive_pair::CorePair;
-use super::search::{CurveSpot, least_of_convex_on_circle, minima_on_circle};
+use super::search::{CurveSpot, least_on_circle, minima_on_circle};
 use crate::math::{Pose, sin_cos};
 use glam::DVec3;
 
@@ -162,8 +162,7 @@ fn ring_direction(a: &Primitive, b: &Primitive, ring: &DepthRing) -> DVec3 {
     let at = |(sin, cos): (f64, f64)| ring.u * cos + ring.v * sin + ring.lift;
     let [(p, r), (q, s)] = [a.bounds(), b.bounds()];
     let steepest = p.distance(q) + r + s;
-    // Supports are convex functions of the direction.
-    let best = least_of_convex_on_circle(steepest, |angle, (sin, cos)| {
+    let best = least_on_circle(steepest, |angle, (sin, cos)| {
         let n = at((sin, cos));
         farthest_direction(a, b, n).map_or(CurveSpot::default(), |x| CurveSpot {
             at: angle,

@@ -7,9 +7,7 @@
 use super::point::{on_segment, point_to, to_segment};
 use super::primitive::{BOX_EDGES, Circle, Frustum, Primitive};
 use super::primitive_pair::CorePair;
-use super::search::{
-    CurveSpot, least_convex, least_near, least_of_convex_on_circle, least_on_circle,
-};
+use super::search::{CurveSpot, least_convex, least_near, least_on_circle};
 use super::triangles;
 use crate::math::sin_cos;
 use glam::DVec3;
@@ -120,13 +118,9 @@ fn of_circle(a: &Primitive, circle: &Circle) -> CorePair {
     }
     let [x, y] = circle.directions().map(|d| d * circle.radius);
     let point = |(sin, cos): (f64, f64)| circle.center + x * cos + y * sin;
-    let spot = |angle: f64, (sin, cos): (f64, f64)| {
+    let best = least_on_circle(circle.radius, |angle, (sin, cos)| {
         core_spot(a, angle, point((sin, cos)), y * cos - x * sin)
-    };
-    let best = match a {
-        Primitive::Circle(_) => least_on_circle(circle.radius, spot),
-        _ => least_of_convex_on_circle(circle.radius, spot),
-    };
+    });
     of_point(a, point(sin_cos(best.at)))
 }
 

@@ -36,9 +36,6 @@ const REMAINS: f64 = 0.1 * f64::EPSILON;
 /// points, four of them minima.
 const PIECES: usize = 16;
 
-/// The same of functions that are known to bend down little: two tangents say of a piece what is least there.
-const BENT_PIECES: usize = 8;
-
 /// Parts into which pieces are halved that could hide a smaller value.
 const FINEST: usize = 128;
 
@@ -97,67 +94,6 @@ pub fn least_on_circle(steepest: f64, f: impl Fn(f64, (f64, f64)) -> CurveSpot) 
     let grid = angle_grid();
     let at = |k: usize| f(TAU * (k as f64 / FINEST as f64), grid[k]);
     least_of(steepest, at, |angle| f(angle, sin_cos(angle)))
-}
-
-/// The same of the values of a convex function at the places of a circle: where that changes by no more than `steepest` along a
-/// radius' length of way, it bends down by no more than that along the circle, and much fewer places tell which is the least.
-pub fn least_of_convex_on_circle(
-    steepest: f64,
-    f: impl Fn(f64, (f64, f64)) -> CurveSpot,
-) -> CurveSpot {
-    let grid = angle_grid();
-    let at = |part: usize| f(TAU * (part as f64 / FINEST as f64), grid[part]);
-    let spots: [CurveSpot; BENT_PIECES + 1] =
-        std::array::from_fn(|k| at(k * (FINEST / BENT_PIECES)));
-    let lowest = (0..BENT_PIECES).fold(0, |k, j| match spots[j].value < spots[k].value {
-        true => j,
-        false => k,
-    });
-    let mut best = spots[lowest];
-    // From the lowest place on: what is found there leaves little to look for in the others.
-    let mut open: Vec<(usize, usize, [CurveSpot; 2])> = Vec::with_capacity(4 * BENT_PIECES);
-    let stride = FINEST / BENT_PIECES;
-    for k in (0..BENT_PIECES).map(|j| (lowest + 1 + j) % BENT_PIECES) {
-        open.push((k * stride, stride, [spots[k], spots[k + 1]]));
-    }
-    while let Some((k, stride, [a, b])) = open.pop() {
-        let hides = |best: &CurveSpot| lowest_of_bent(steepest, &a, &b) < best.value;
-        if !hides(&best) {
-            continue;
-        }
-        let is_known = best.at > a.at && best.at < b.at;
-        if a.slope < 0.0 && b.slope > 0.0 && !is_known {
-            best = lower(best, refine_valley(a, b, &|angle| f(angle, sin_cos(angle))));
-        }
-        let half = stride / 2;
-        if half > 0 && hides(&best) {
-            let middle = f(
-                TAU * ((k + half) as f64 / FINEST as f64),
-                angle_grid()[k + half],
-            );
-            best = lower(best, middle);
-            open.push((k + half, half, [middle, b]));
-            open.push((k, half, [a, middle]));
-        }
-    }
-    best
-}
-
-fn lower(a: CurveSpot, b: CurveSpot) -> CurveSpot {
-    if b.value < a.value { b } else { a }
-}
-
-/// Between two spots a function cannot fall below this that is convex with half of `bends` times the square of the variable
-/// added: the tangents of that sum are least at an end, or where they cross.
-fn lowest_of_bent(bends: f64, a: &CurveSpot, b: &CurveSpot) -> f64 {
-    let wide = b.at - a.at;
-    let steepens = b.slope - a.slope + bends * wide;
-    let crossing = (a.value - b.value + wide * (b.slope + 0.5 * bends * wide)) / steepens;
-    let ends = a.value.min(b.value);
-    match crossing > 0.0 && crossing < wide {
-        true => ends.min(a.value + crossing * (a.slope - 0.5 * bends * crossing)),
-        false => ends,
-    }
 }
 
 /// All minima below `limit` of a function of an angle over a whole turn whose slope never exceeds `steepest`, but those
@@ -352,13 +288,6 @@ fn refine_valley(mut a: CurveSpot, mut b: CurveSpot, f: &impl Fn(f64) -> CurveSp
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec3;
-
-    /// Numbers in -1..1 that are the same in every run.
-    fn draw(state: &mut u32) -> f64 {
-        *state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        f64::from(*state >> 8) / f64::from(1_u32 << 23) - 1.0
-    }
 
     /// A bracket with two valleys: one of them is found to its bottom, and it is not a side of it.
     #[test]
@@ -374,41 +303,6 @@ mod tests {
             let found = refine_valley(f(-2.0 - off), f(1.7 + off), &f);
             assert!(found.slope.abs() < 1e-6, "{tilt}: {found:?}");
             assert!(found.value <= f(0.0).value, "{tilt}: {found:?}");
-        }
-    }
-
-    /// The largest of a few heights over planes is convex, and has kinks.
-    #[test]
-    fn least_values_of_convex_functions_on_circles_are_found() {
-        let mut state = 5;
-        for round in 0..3000 {
-            let mut vector = |size: f64| DVec3::from_array([0; 3].map(|_| size * draw(&mut state)));
-            let planes: Vec<(DVec3, f64)> = (0..1 + round % 5)
-                .map(|_| (vector(1.0).normalize_or_zero(), vector(1.0).x))
-                .collect();
-            let (center, axis, radius) = (vector(2.0), vector(1.0), 0.1 + vector(1.0).x.abs());
-            let (x, y) = axis.normalize_or(DVec3::Z).any_orthonormal_pair();
-            let f = |at: f64, (sin, cos): (f64, f64)| {
-                let point = center + (x * cos + y * sin) * radius;
-                let higher = |best: (f64, DVec3), (n, off): &(DVec3, f64)| {
-                    let height = n.dot(point) - off;
-                    if height > best.0 { (height, *n) } else { best }
-                };
-                let (value, n) = planes.iter().fold((f64::NEG_INFINITY, DVec3::ZERO), higher);
-                let slope = n.dot(y * cos - x * sin) * radius;
-                CurveSpot { at, value, slope }
-            };
-            let dense = (0..20_000).map(|k| {
-                let angle = TAU * f64::from(k) / 20_000.0;
-                f(angle, sin_cos(angle)).value
-            });
-            let dense = dense.fold(f64::INFINITY, f64::min);
-            let found = least_of_convex_on_circle(radius, f).value;
-            assert!(
-                (found - dense).abs() < 1e-3 * radius,
-                "{round}: {found} {dense}"
-            );
-            assert!(found <= dense + 1e-12, "{round}: {found} {dense}");
         }
     }
 }
