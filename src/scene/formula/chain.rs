@@ -205,6 +205,9 @@ impl Item {
 /// Longest chain after expansion; references that multiply each other would otherwise fill the memory.
 pub const MAX_FACTORS: usize = 20_000;
 
+/// Most chains of which each refers to the next: every one takes half a kilobyte of the stack.
+const MAX_REFERENCES: usize = 1000;
+
 /// Expands references and inverses. `find` gives the items of a named chain.
 pub fn expand_chain<'a>(
     items: &'a [Item],
@@ -279,6 +282,10 @@ impl<'a> Expansion<'a, '_> {
         };
         if let Some(first) = self.open.iter().position(|(open, _)| *open == name) {
             return Err(self.circle(first, span));
+        }
+        if self.open.len() >= MAX_REFERENCES {
+            let message = format!("chains that refer to chains more than {MAX_REFERENCES} deep");
+            return Err(Diagnostic::error(message).at(span.clone()));
         }
         self.open.push((name, span.clone()));
         self.items(items, inverted)?;
