@@ -8,6 +8,8 @@ use crate::kinematics::certificate::absence::enclosed_inputs;
 use crate::kinematics::motion::tracker::path_tracker::PathPoint;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
+use crate::model::expression::Expression;
+use crate::numbers::constant::Constant;
 use crate::numbers::interval::Interval;
 use std::sync::Arc;
 
@@ -47,7 +49,20 @@ fn values_before(
     if before.is_empty() || system.mechanism().unknowns.len() > MOST_UNKNOWNS {
         return None;
     }
-    let mechanism = bare_mechanism(system.mechanism());
+    let mut mechanism = bare_mechanism(system.mechanism());
+    // What is not followed has no closure error: it may have no value there.
+    let is_kept = |equation: usize| before.iter().any(|b| b.equations.contains(&equation));
+    for (k, equation) in mechanism.equations.iter_mut().enumerate() {
+        if !is_kept(k) {
+            equation.expression = Expression::constant(Constant::exact(0.0));
+        }
+    }
+    let parts = before.iter().flat_map(|block| &block.loops);
+    for (k, item) in mechanism.loops.iter_mut().enumerate() {
+        if !parts.clone().any(|part| part.index == k) {
+            item.chain.steps.clear();
+        }
+    }
     let mut structure = system.structure().clone();
     structure.blocks.truncate(own);
     let (unknowns, from) = end.coordinates.split_at(mechanism.unknowns.len());
