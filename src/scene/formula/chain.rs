@@ -5,6 +5,7 @@ use super::lexer::{TokenKind, tokenize_text};
 use crate::diag::{Diagnostic, Span};
 use crate::model::chain::ElementaryMotion;
 use crate::numbers::constant::Constant;
+use std::collections::HashSet;
 
 /// One factor as typed.
 #[derive(Clone, Debug, PartialEq)]
@@ -218,6 +219,7 @@ pub fn expand_chain<'a>(
         find,
         names,
         open: Vec::new(),
+        is_open: HashSet::new(),
         factors: Vec::new(),
     };
     expansion.items(items, false)?;
@@ -229,6 +231,8 @@ struct Expansion<'a, 'b> {
     names: &'b [&'b str],
     /// Names being expanded, each with the place of the reference to it.
     open: Vec<(&'a str, Span)>,
+    /// The same names, found without a walk.
+    is_open: HashSet<&'a str>,
     factors: Vec<Factor>,
 }
 
@@ -280,7 +284,9 @@ impl<'a> Expansion<'a, '_> {
                 .suggest(name, others)
                 .hint("a transform has parentheses: `Rx(phi)`; a name alone is a chain"));
         };
-        if let Some(first) = self.open.iter().position(|(open, _)| *open == name) {
+        if self.is_open.contains(name)
+            && let Some(first) = self.open.iter().position(|(open, _)| *open == name)
+        {
             return Err(self.circle(first, span));
         }
         if self.open.len() >= MAX_REFERENCES {
@@ -288,8 +294,10 @@ impl<'a> Expansion<'a, '_> {
             return Err(Diagnostic::error(message).at(span.clone()));
         }
         self.open.push((name, span.clone()));
+        self.is_open.insert(name);
         self.items(items, inverted)?;
         self.open.pop();
+        self.is_open.remove(name);
         Ok(())
     }
 }
