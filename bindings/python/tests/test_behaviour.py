@@ -109,6 +109,7 @@ def test_ctrl_c_ends_a_run_soon(python, tmp_path):
         "    print('interrupted', flush=True)\n"
     )
     run = subprocess.Popen([python, str(script)], stdout=subprocess.PIPE, text=True)
+    assert run.stdout is not None
     assert run.stdout.readline() == "ready\n"
     time.sleep(0.5)
     sent = time.monotonic()
