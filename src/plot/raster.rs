@@ -110,16 +110,7 @@ fn paint_shape(shape: &DrawnPrimitive, image: &mut RgbaImage) {
         DrawnPrimitive::Region { points, fill } => {
             let mut path = joined_path(points);
             path.close();
-            if let Some(path) = path.finish() {
-                let identity = Transform::identity();
-                pixels.fill_path(
-                    &path,
-                    &solid_paint(*fill),
-                    FillRule::Winding,
-                    identity,
-                    None,
-                );
-            }
+            fill_outline(path, *fill, &mut pixels);
         }
         DrawnPrimitive::Circle {
             centre,
@@ -132,16 +123,7 @@ fn paint_shape(shape: &DrawnPrimitive, image: &mut RgbaImage) {
                 path.push_circle(centre[0] as f32, centre[1] as f32, *radius as f32);
                 path
             };
-            if let Some(path) = circle().finish() {
-                let identity = Transform::identity();
-                pixels.fill_path(
-                    &path,
-                    &solid_paint(*fill),
-                    FillRule::Winding,
-                    identity,
-                    None,
-                );
-            }
+            fill_outline(circle(), *fill, &mut pixels);
             stroke_outline(circle(), *stroke, &mut pixels);
         }
         DrawnPrimitive::Text { .. } => {}
@@ -157,6 +139,17 @@ fn joined_path(points: &[[f64; 2]]) -> PathBuilder {
         }
     }
     path
+}
+
+fn fill_outline(path: PathBuilder, fill: Colour, pixels: &mut PixmapMut) {
+    let Some(path) = path.finish() else { return };
+    pixels.fill_path(
+        &path,
+        &solid_paint(fill),
+        FillRule::Winding,
+        Transform::identity(),
+        None,
+    );
 }
 
 fn stroke_outline(path: PathBuilder, stroke: Stroke, pixels: &mut PixmapMut) {

@@ -2,6 +2,7 @@
 //!
 //! Works in f64. Holds no pixels and no matrix of a graphics interface.
 
+use super::depth_order::Eye;
 use super::{Camera, Projection};
 use crate::math::{Pose, sin_cos};
 use glam::{DMat3, DVec3};
@@ -208,6 +209,15 @@ impl Camera {
                 0.5 * f64::from(size[1]) * cos / sin
             }
             Projection::Orthographic { height } => f64::from(size[1]) / height,
+        }
+    }
+
+    /// Where instances are looked at from, in a picture of `size` pixels.
+    pub fn eye(&self, size: [u32; 2]) -> Eye {
+        Eye {
+            camera_from_world: self.world_from_camera.inverse(),
+            perspective: self.is_perspective(),
+            pixel: 1.0 / self.pixels_per_unit(size),
         }
     }
 

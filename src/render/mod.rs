@@ -7,6 +7,7 @@ pub mod camera;
 pub mod colour;
 pub mod contact_shadow;
 pub mod cpu;
+pub mod depth_order;
 pub mod edges;
 #[cfg(feature = "gpu")]
 pub mod gpu;

@@ -151,15 +151,8 @@ impl<'f, 'w> Peaks<'f, 'w> {
     }
 
     fn look(&mut self, x: &[f64], with_slopes: bool) -> Option<(PeakValues, PeakGradients)> {
-        match self.look_or_refuse(x, with_slopes) {
-            Ok(found) => found,
-            Err(rejection) => {
-                if !self.evaluator.is_cancelled() {
-                    self.refusals.count_one(&rejection);
-                }
-                None
-            }
-        }
+        let found = self.look_or_refuse(x, with_slopes);
+        self.refusals.keep(found, self.evaluator.is_cancelled())?
     }
 
     fn look_or_refuse(

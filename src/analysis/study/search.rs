@@ -18,13 +18,16 @@ pub struct Refusals {
 }
 
 impl Refusals {
-    /// Counts a refusal by its cause.
-    pub(super) fn count_one(&mut self, rejection: &Rejection) {
-        match rejection {
-            Rejection::NotReached { .. } => self.not_reached += 1,
-            Rejection::Torn { .. } => self.torn += 1,
-            Rejection::NoValue(_) => self.no_value += 1,
+    /// What a candidate gave. A refusal is counted by its cause, unless the search was stopped meanwhile.
+    pub(super) fn keep<T>(&mut self, found: Result<T, Rejection>, is_stopped: bool) -> Option<T> {
+        match found {
+            Ok(found) => return Some(found),
+            Err(_) if is_stopped => {}
+            Err(Rejection::NotReached { .. }) => self.not_reached += 1,
+            Err(Rejection::Torn { .. }) => self.torn += 1,
+            Err(Rejection::NoValue(_)) => self.no_value += 1,
         }
+        None
     }
 
     /// All of them.
@@ -159,15 +162,8 @@ impl<'f, 'w> StudySearch<'f, 'w> {
     /// All measures at `x`, and their gradients if `with_gradients`.
     fn look(&mut self, x: &[f64], with_gradients: bool) -> Option<(Vec<f64>, Vec<Vec<f64>>)> {
         self.looks += usize::from(!self.evaluator.is_cancelled());
-        match self.look_or_refuse(x, with_gradients) {
-            Ok(found) => Some(found),
-            Err(rejection) => {
-                if !self.evaluator.is_cancelled() {
-                    self.refusals.count_one(&rejection);
-                }
-                None
-            }
-        }
+        let found = self.look_or_refuse(x, with_gradients);
+        self.refusals.keep(found, self.evaluator.is_cancelled())
     }
 
     fn look_or_refuse(

@@ -4,7 +4,6 @@ use super::clip::{ClipCorner, clip_triangle};
 use super::lens::{Lens, LensVertex, OUTSIDE};
 use super::samples::SamplePattern;
 use super::window::{Window, apron, pitch};
-use crate::math::narrow_pose;
 use crate::render::colour::ToneCurve;
 use crate::render::edges::{self, BACKDROP};
 use crate::render::look::Rgb;
@@ -144,8 +143,8 @@ impl TriangleAssembly {
         pattern: &SamplePattern<G>,
     ) {
         self.clear();
-        for instance in &frame.instances {
-            self.place(instance, solids.get(instance.mesh), lens);
+        for (index, instance) in frame.instances.iter().enumerate() {
+            self.place(index, instance, solids.get(instance.mesh), lens);
         }
         for (index, instance) in frame.instances.iter().enumerate() {
             let Some(solid) = solids.get(instance.mesh) else {
@@ -181,7 +180,7 @@ impl TriangleAssembly {
     }
 
     /// Puts an instance's vertices on the screen.
-    fn place(&mut self, instance: &Instance, solid: Option<&StageMesh>, lens: &Lens) {
+    fn place(&mut self, index: usize, instance: &Instance, solid: Option<&StageMesh>, lens: &Lens) {
         let curve = ToneCurve::shared();
         self.first_vertex.push(self.vertices.len() as u32);
         self.paints.push(Paint {
@@ -198,7 +197,7 @@ impl TriangleAssembly {
         self.first_surface.push(surface);
         let Some(solid) = solid else { return };
         self.surfaces += solid.patch_count;
-        let [x, y, z] = narrow_pose(&(lens.camera_from_world * instance.world_from_mesh));
+        let [x, y, z] = lens.eye.camera_from_mesh(instance, index);
         let row = |r: [f32; 4], p: [f32; 3]| r[0] * p[0] + r[1] * p[1] + r[2] * p[2];
         let points = solid.positions.iter().zip(&solid.normals);
         self.vertices.extend(points.map(|(p, n)| {
@@ -309,7 +308,7 @@ impl TriangleAssembly {
         faces: FacesDrawn,
         triangle: usize,
     ) {
-        let [x, y, z] = narrow_pose(&(lens.camera_from_world * instance.world_from_mesh));
+        let [x, y, z] = lens.eye.camera_from_mesh(instance, index);
         let row = |r: [f32; 4], p: [f32; 3]| r[0] * p[0] + r[1] * p[1] + r[2] * p[2];
         let corners = solid.triangles[triangle].map(|i| {
             let (p, n) = (solid.positions[i as usize], solid.normals[i as usize]);

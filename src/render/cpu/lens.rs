@@ -1,8 +1,8 @@
 //! From camera space to screen units, and from pixels to the directions they look in.
 
 use super::samples::SUBPIXELS;
-use crate::math::Pose;
 use crate::render::Camera;
+use crate::render::depth_order::Eye;
 
 /// Screen coordinates beyond this many units are clipped: the rounding below holds to 2^22, and some room
 /// is left for the rounding of the clipped corners themselves.
@@ -28,7 +28,7 @@ pub(super) struct LensVertex {
 /// A camera's projection in f32.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lens {
-    pub(super) camera_from_world: Pose,
+    pub(super) eye: Eye,
     pub(super) perspective: bool,
     pub(super) near: f32,
     /// Screen units per unit at distance 1, or anywhere.
@@ -42,7 +42,7 @@ impl Lens {
     pub(super) fn new(camera: &Camera, size: [u32; 2]) -> Self {
         let pixels = camera.pixels_per_unit(size);
         Self {
-            camera_from_world: camera.world_from_camera.inverse(),
+            eye: camera.eye(size),
             perspective: camera.is_perspective(),
             near: camera.near as f32,
             scale: (pixels * f64::from(SUBPIXELS)) as f32,

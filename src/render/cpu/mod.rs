@@ -127,7 +127,7 @@ impl CpuRenderer {
 /// Up is the ground's normal, or the picture's own without a ground.
 fn lens_surroundings(lens: &Lens, stage: &Stage) -> Surroundings {
     let up = match &stage.ground {
-        Some(ground) => lens.camera_from_world.transform_vector(ground.normal),
+        Some(ground) => lens.eye.camera_from_world.transform_vector(ground.normal),
         None => glam::DVec3::Y,
     };
     Surroundings {

@@ -1,7 +1,7 @@
 //! A frame as a list of draws: which instances, in which order, through which pipeline. Touches no device.
 
 use super::layout::{InstanceData, instance_data};
-use crate::math::Pose;
+use crate::render::depth_order::Eye;
 use crate::render::{Frame, Instance, edges};
 
 /// Where a mesh lies in the index buffer, and what drawing needs to know of it.
@@ -48,18 +48,19 @@ impl DrawPlan {
     /// ranges are left out, and so are instances of a mesh that the stage lacks.
     ///
     /// Lines stand at creases too if `creases`: then every patch is a surface of its own.
-    pub fn new(frame: &Frame, spans: &[MeshSpan], camera_from_world: &Pose, creases: bool) -> Self {
+    pub fn new(frame: &Frame, spans: &[MeshSpan], eye: &Eye, creases: bool) -> Self {
         let mut plan = Self::default();
         let mut translucent = Vec::new();
         let mut surfaces = 0;
-        for instance in &frame.instances {
+        for (number, instance) in frame.instances.iter().enumerate() {
             let Some(span) = spans.get(instance.mesh).copied() else {
                 continue;
             };
             let surface =
                 edges::first_surface(instance.outline, instance.opacity, creases, surfaces);
             surfaces += span.patches;
-            let data = instance_data(instance, camera_from_world, surface);
+            let rows = eye.camera_from_mesh(instance, number);
+            let data = instance_data(instance, rows, surface);
             if instance.opacity >= 1.0 {
                 push_draw(&mut plan.opaque, &mut plan.instances, &span, instance, data);
             } else if instance.opacity > 0.0 {
@@ -109,6 +110,7 @@ fn same_triangles(a: &Draw, b: &Draw) -> bool {
 mod tests {
     #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
     use super::*;
+    use crate::math::Pose;
     use glam::DVec3;
 
     const SPANS: [MeshSpan; 2] = [
@@ -144,7 +146,12 @@ mod tests {
             instances,
             ..Frame::default()
         };
-        DrawPlan::new(&frame, &SPANS, &Pose::IDENTITY, true)
+        let eye = Eye {
+            camera_from_world: Pose::IDENTITY,
+            perspective: true,
+            pixel: 0.0,
+        };
+        DrawPlan::new(&frame, &SPANS, &eye, true)
     }
 
     #[test]
@@ -173,7 +180,7 @@ mod tests {
         let depths: Vec<f32> = plan
             .instances
             .iter()
-            .map(|i| i.camera_from_mesh[2][3])
+            .map(|i| i.camera_from_mesh[2][3].round())
             .collect();
         assert_eq!(depths, [-5.0, -1.0, -9.0]);
         let [draw] = plan.translucent[..] else {

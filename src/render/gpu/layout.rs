@@ -2,7 +2,6 @@
 //!
 //! Mirrors `Globals` of `shaders/scene.wgsl` and the vertex inputs of `shaders/body.wgsl`.
 
-use crate::math::{Pose, narrow_pose};
 use crate::render::colour::ToneCurve;
 use crate::render::edges::{Edges, JUMP};
 use crate::render::ground::{GroundView, ground_axes};
@@ -155,13 +154,13 @@ fn up_in_camera(stage: &Stage, camera: &Camera) -> DVec3 {
 /// The instance as the shader takes it; `surface` is that of its first patch and the step from patch to patch.
 pub fn instance_data(
     instance: &Instance,
-    camera_from_world: &Pose,
+    camera_from_mesh: [[f32; 4]; 3],
     surface: [u32; 2],
 ) -> InstanceData {
     let [r, g, b] = ToneCurve::shared().decode_rgb(instance.colour);
     let flatness = (instance.flat as f32).clamp(0.0, 1.0);
     InstanceData {
-        camera_from_mesh: narrow_pose(&(*camera_from_world * instance.world_from_mesh)),
+        camera_from_mesh,
         colour: [r, g, b, (instance.opacity as f32).clamp(0.0, 1.0)],
         flatness,
         surface,

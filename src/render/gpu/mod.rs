@@ -318,10 +318,9 @@ impl Renderer for GpuRenderer {
             )));
         }
         self.look_through(frame.camera(&self.stage));
-        let camera_from_world = self.camera.world_from_camera.inverse();
         let creases = self.stage.edges.is_some_and(|edges| edges.creases);
         let spans = &self.meshes.spans;
-        let plan = DrawPlan::new(frame, spans, &camera_from_world, creases);
+        let plan = DrawPlan::new(frame, spans, &self.camera.eye(self.stage.size), creases);
         self.cast_shadow(frame);
         let encoder = self.record(&plan);
         self.target.finish(&self.device, encoder, image)?;

@@ -5,6 +5,7 @@
 
 pub mod chain;
 pub mod compile;
+pub mod expansion;
 pub mod expression;
 pub mod kinds;
 pub mod lexer;

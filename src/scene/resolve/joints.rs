@@ -1,7 +1,7 @@
 //! Chains of factors to chains of steps: constants folded to poses, arguments shared.
 
-use super::super::formula::chain::Factor;
 use super::super::formula::compile::{compile_formula, exact_constant};
+use super::super::formula::expansion::Factor;
 use super::super::formula::expression::{FormulaNode, NodeKind};
 use super::super::formula::kinds::to_radians;
 use super::kinds_of_names::kind_of_motion;

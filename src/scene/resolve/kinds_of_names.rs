@@ -1,6 +1,6 @@
 //! What every name of a scene measures, a length, an angle or a number: found from where it stands.
 
-use super::super::formula::chain::Factor;
+use super::super::formula::expansion::Factor;
 use super::super::formula::expression::FormulaNode;
 use super::super::formula::kinds::infer_kind;
 use super::names::Names;

@@ -1,8 +1,8 @@
 //! What every name of a scene stands for, what it measures, and the values of the parameters.
 
 use super::super::file::SceneFile;
-use super::super::formula::chain::Factor;
 use super::super::formula::compile::{CompiledValue, exact_constant};
+use super::super::formula::expansion::Factor;
 use super::super::formula::kinds::to_radians;
 use super::parsed::Parsed;
 use super::words::refuse_double_and_reserved;

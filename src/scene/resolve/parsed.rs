@@ -1,7 +1,8 @@
 //! All formulas and chains of a file, parsed. No names are looked up here.
 
 use super::super::file::{InputFile, SceneFile};
-use super::super::formula::chain::{Factor, Item, parse_chain};
+use super::super::formula::chain::{Item, parse_chain};
+use super::super::formula::expansion::Factor;
 use super::super::formula::expression::FormulaNode;
 use super::super::measures::MeasureFile;
 use super::contacts::chains::{ContactItems, ParsedContact};

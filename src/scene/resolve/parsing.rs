@@ -1,6 +1,7 @@
 //! Single formulas and chains parsed; what is wrong with them is noted at its place in the file.
 
-use super::super::formula::chain::{Factor, Item, expand_chain};
+use super::super::formula::chain::Item;
+use super::super::formula::expansion::{Factor, expand_chain};
 use super::super::formula::expression::{FormulaNode, parse_expression};
 use super::super::reader::Spanned;
 use super::super::values::FormulaText;

@@ -3,7 +3,7 @@
 //! read them anew (`analysis/study/reshaped`).
 
 use super::super::file::SceneFile;
-use super::super::formula::chain::Factor;
+use super::super::formula::expansion::Factor;
 use super::super::formula::expression::{FormulaNode, NodeKind};
 use super::joints::FoldedJoints;
 use super::names::{Meaning, Names, Parameter};

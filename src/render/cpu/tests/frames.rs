@@ -235,3 +235,43 @@ fn the_ground_hides_what_is_below_it() {
     let buried = draw(stage, frame.instances);
     assert!(bare == buried);
 }
+
+/// Of surfaces that lie in one plane the one listed first is seen, whole, however they are cut into triangles.
+#[test]
+fn surfaces_at_one_depth_do_not_break_through_each_other() {
+    let red = [220, 30, 30];
+    let turned = |mesh: &Mesh, angle: f64| {
+        let turn = Pose::from_axis_rotation(2, angle);
+        let mut mesh = mesh.clone();
+        for position in &mut mesh.positions {
+            *position = turn.transform_point(*position);
+        }
+        mesh
+    };
+    let square = rectangle([-30.0; 2], [30.0; 2], 0.0);
+    let mut seed = 7;
+    for case in 0..24 {
+        let other = turned(&square, noise(&mut seed) * 3.0);
+        let [a, b] = [noise(&mut seed), noise(&mut seed)];
+        let about = |axis: usize, share: f64| Pose::from_axis_rotation(axis, 2.0 * share - 1.0);
+        let tilt = about(0, a) * about(1, b);
+        let at = |mesh: usize, colour: [u8; 3]| Instance {
+            world_from_mesh: tilt,
+            ..instance(mesh, colour)
+        };
+        let stage = || {
+            let mut stage = flat_stage([100, 80], 4, vec![square.clone(), other.clone()]);
+            if case % 2 == 0 {
+                stage.camera.projection = Projection::Perspective { fov_y: 0.8 };
+            }
+            stage
+        };
+        let alone = draw(stage(), vec![at(0, red)]);
+        let both = draw(stage(), vec![at(0, red), at(1, [30, 30, 220])]);
+        let whole = alone.pixels().zip(both.pixels());
+        let whole = whole.filter(|(alone, _)| alone.0[..3] == red);
+        let broken = whole.clone().filter(|(alone, both)| alone != both).count();
+        assert!(whole.count() > 500, "{case}: the square is seen");
+        assert_eq!(broken, 0, "{case}");
+    }
+}

@@ -8,7 +8,8 @@
 //! along a line, and has no place along it.
 
 use super::super::super::contacts::{ContactFile, ContactSurface, SurfaceFile};
-use super::super::super::formula::chain::{Factor, Item, Transform, parse_chain};
+use super::super::super::formula::chain::{Item, Transform, parse_chain};
+use super::super::super::formula::expansion::Factor;
 use super::super::super::formula::expression::{FormulaNode, NodeKind};
 use super::super::super::reader::Spanned;
 use crate::diag::Diagnostics;

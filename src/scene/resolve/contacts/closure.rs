@@ -2,8 +2,8 @@
 //! outputs may use: `c.point.x`, `c.normal.x`, `c.pressure_angle`.
 
 use super::super::super::contacts::ContactSurface;
-use super::super::super::formula::chain::Factor;
 use super::super::super::formula::compile::{compile_formula, constant_node, exact_constant};
+use super::super::super::formula::expansion::Factor;
 use super::super::super::formula::expression::FormulaNode;
 use super::super::joints::FoldedJoints;
 use super::super::names::{Meaning, Names};

@@ -6,7 +6,7 @@
 //! and what is left is a planar loop.
 
 use super::super::super::contacts::ContactSurface;
-use super::super::super::formula::chain::Factor;
+use super::super::super::formula::expansion::Factor;
 use super::super::joints::FoldedJoints;
 use super::super::names::Names;
 use super::super::parsed::Parsed;
