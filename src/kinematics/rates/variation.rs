@@ -5,7 +5,8 @@
 //! are the mixed derivative of the rotation vector, which the unknowns' own mixed derivative must cancel.
 
 use super::residual_part;
-use crate::kinematics::solve::newton::{Corrector, REFINEMENTS};
+use crate::kinematics::solve::linearisation::REFINEMENTS;
+use crate::kinematics::solve::newton::Corrector;
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::system::System;
 use crate::linalg::lanes::lane_groups;

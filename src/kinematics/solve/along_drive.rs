@@ -1,6 +1,7 @@
 //! One block's equations with time as an unknown more: residual, Jacobian, and the derivative along the drive.
 
-use super::newton::{Corrector, REFINEMENTS};
+use super::linearisation::REFINEMENTS;
+use super::newton::Corrector;
 use crate::kinematics::structure::system::System;
 
 /// A block linearised along the drive.

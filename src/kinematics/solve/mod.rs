@@ -7,6 +7,7 @@ pub mod branch;
 pub mod closure;
 mod descent;
 pub mod iterates;
+pub mod linearisation;
 pub mod newton;
 pub mod pose_check;
 pub mod pose_solver;

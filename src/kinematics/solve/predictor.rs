@@ -6,7 +6,8 @@
 //! unknowns comes from the Jacobian of the pose. (Brackets of twists: Murray, Li and Sastry, A Mathematical
 //! Introduction to Robotic Manipulation, chapter 2.)
 
-use super::newton::{BlockBuffers, Corrector};
+use super::linearisation::Linearisation;
+use super::newton::Corrector;
 use crate::kinematics::loops::joint_lanes::Twists;
 use crate::kinematics::loops::residual::residual_of;
 use crate::kinematics::structure::block::Block;
@@ -102,7 +103,7 @@ impl Predictor {
     fn block_series(
         &mut self,
         block: &Block,
-        buffers: &mut BlockBuffers,
+        buffers: &mut Linearisation,
         count: usize,
         order: usize,
     ) {
