@@ -3,8 +3,8 @@
 //!
 //! Power iteration on A Aᵀ with a Rayleigh quotient θ and its residual ρ. The sum of all eigenvalues is the squared
 //! Frobenius norm of A, so that all but the largest are at most b = sum - θ; where b is below θ, the largest is at most
-//! θ + ρ² / (θ - b) (Temple's inequality; Parlett, The Symmetric Eigenvalue Problem, chapter 10). The sum of their squares,
-//! the same of A Aᵀ, gives a better b where it is needed. So the smallest singular value is proved; where no b serves, the
+//! θ + ρ² / (θ - b) (Temple's inequality; Parlett, The Symmetric Eigenvalue Problem, chapter 10). The sums of their second and
+//! fourth powers, the Frobenius norms of A Aᵀ and of its square, give a better b where it is needed. So the smallest singular value is proved; where no b serves, the
 //! caller decomposes exactly. The largest has no such proof: its iteration starts at every pose from a vector that has a
 //! part in every direction, so that it cannot stay with a value that has been overtaken.
 
@@ -43,6 +43,7 @@ fn spread_angle(k: usize) -> f64 {
 pub struct Extremes {
     small: PowerIteration,
     large: PowerIteration,
+    powers: PowerSums,
 }
 
 impl Extremes {
@@ -50,13 +51,15 @@ impl Extremes {
     /// may be transposed. `None` where the iterations do not decide.
     pub fn of(&mut self, matrix: &LaneMatrix, inverse: &LaneMatrix) -> Option<(f64, f64)> {
         let sum: f64 = inverse.rows().map(|row| dot_lanes(row, row)).sum();
-        let mut squares = None;
+        self.powers.known.clear();
         // Rounding of the sums is far below what is clear.
         let small = self.small.largest(inverse, |value, residual| {
             let mut others = sum - value;
             if others > CLEAR_SHARE * value {
-                let squares = *squares.get_or_insert_with(|| sum_of_squares(inverse));
-                others = (squares - value * value).max(0.0).sqrt();
+                others = self.powers.others(0, inverse, value);
+            }
+            if others > CLEAR_SHARE * value {
+                others = self.powers.others(1, inverse, value);
             }
             others <= CLEAR_SHARE * value
                 && residual <= 2.0 * SMALLEST_ERROR * value * (value - others)
@@ -70,16 +73,49 @@ impl Extremes {
     }
 }
 
-/// Sum of the squares of the eigenvalues of A Aᵀ.
-fn sum_of_squares(a: &LaneMatrix) -> f64 {
-    let mut sum = 0.0;
+/// Sums of the second and the fourth powers of the eigenvalues of A Aᵀ, found where they are asked for.
+#[derive(Clone, Debug, Default)]
+struct PowerSums {
+    known: Vec<f64>,
+    gram: LaneMatrix,
+}
+
+impl PowerSums {
+    /// Bound of all eigenvalues but the largest, which is at least `value`, from power 2 or 4 (`level` 0 or 1).
+    fn others(&mut self, level: usize, a: &LaneMatrix, value: f64) -> f64 {
+        while self.known.len() <= level {
+            let sum = match self.known.len() {
+                0 => gram_into(&mut self.gram, a),
+                _ => square_norm_of_gram(&self.gram),
+            };
+            self.known.push(sum);
+        }
+        let of_others = (0..=level).fold(value, |power, _| power * power);
+        let rest = (self.known[level] - of_others).max(0.0);
+        (0..=level).fold(rest, |root, _| root.sqrt())
+    }
+}
+
+/// A Aᵀ, and the sum of the squares of its entries.
+fn gram_into(gram: &mut LaneMatrix, a: &LaneMatrix) -> f64 {
+    let n = a.rows().len();
+    gram.reset(n, n);
     for (i, row) in a.rows().enumerate() {
-        let beside: f64 = a
-            .rows()
-            .take(i)
-            .map(|other| dot_lanes(row, other).powi(2))
-            .sum();
-        sum += dot_lanes(row, row).powi(2) + 2.0 * beside;
+        for (j, other) in a.rows().enumerate().take(i + 1) {
+            let entry = dot_lanes(row, other);
+            *gram.at_mut(i, j) = entry;
+            *gram.at_mut(j, i) = entry;
+        }
+    }
+    gram.rows().map(|row| dot_lanes(row, row)).sum()
+}
+
+/// Sum of the squares of the entries of G Gᵀ.
+fn square_norm_of_gram(g: &LaneMatrix) -> f64 {
+    let mut sum = 0.0;
+    for (i, row) in g.rows().enumerate() {
+        let beside = g.rows().take(i).map(|other| dot_lanes(row, other).powi(2));
+        sum += dot_lanes(row, row).powi(2) + 2.0 * beside.sum::<f64>();
     }
     sum
 }

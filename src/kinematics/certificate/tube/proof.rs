@@ -23,7 +23,7 @@ use crate::numbers::rounding::{GROW, OPERATION};
 /// A trace below this could belong to a half-turn (trace -1) as well as to the identity (trace 3).
 const LEAST_TRACE: f64 = 1e-6;
 
-/// Coefficients of R.
+/// Coefficients of R where anything moves.
 const INVERSE_TERMS: usize = 3;
 
 /// Most corrections of a path. From a straight line two or three leave what the polynomials cannot follow.
@@ -61,6 +61,8 @@ pub struct Workspace {
     n: usize,
     /// Coefficients of J that are not all zero, the constant one among them.
     terms: usize,
+    /// Coefficients of R.
+    inverse_terms: usize,
     /// Groups of a row of J.
     stride: usize,
 }
@@ -151,14 +153,15 @@ impl Workspace {
         let products = self.products();
         self.stride = lane_groups(width);
         self.stacked.clear();
-        for matrix in self.rows.jacobian.iter().rev() {
+        for matrix in self.rows.jacobian().iter().rev() {
             for row in basis {
                 self.stacked.extend_from_slice(matrix.row(*row));
             }
         }
         let moves = |m: &&LaneMatrix| m.groups().iter().any(|g| *g != [0.0; 4]);
-        let last = self.rows.jacobian[1..].iter().rposition(|m| moves(&m));
+        let last = self.rows.jacobian()[1..].iter().rposition(|m| moves(&m));
         self.terms = last.map_or(1, |k| k + 2);
+        self.inverse_terms = last.map_or(1, |_| INVERSE_TERMS);
         self.residuals.clear();
         self.slack.clear();
         self.open.clear();
@@ -181,15 +184,17 @@ impl Workspace {
 
     /// Rows of coefficient `k` of J and of all lower ones.
     fn coefficients_from(&self, k: usize) -> &[Lanes] {
-        &self.stacked[(JACOBIAN_TERMS - 1 - k) * self.n * self.stride..]
+        let above = self.rows.jacobian().len() - 1 - k;
+        &self.stacked[above * self.n * self.stride..]
     }
 
     /// Inverts J₀ into the first factors.
     fn invert(&mut self) -> Result<(), Reason> {
         let n = self.n;
         self.square.reset(n, n);
-        let constant = &self.stacked[(JACOBIAN_TERMS - 1) * n * self.stride..];
-        for (i, row) in constant.chunks_exact(self.stride).enumerate() {
+        let first = (self.rows.jacobian().len() - 1) * n * self.stride;
+        let constant = self.stacked[first..].chunks_exact(self.stride);
+        for (i, row) in constant.enumerate() {
             let groups = lane_groups(n);
             self.square.row_mut(i).copy_from_slice(&row[..groups]);
             // Columns of earlier blocks share the last group.
@@ -218,7 +223,7 @@ impl Workspace {
         for k in 0..TERMS {
             for i in 0..n {
                 let mut value = self.residuals[i * POLYNOMIAL + k / 4][k % 4];
-                for m in 1..JACOBIAN_TERMS.min(k + 1) {
+                for m in 1..self.rows.jacobian().len().min(k + 1) {
                     let row = &self.coefficients_from(m)[i * self.stride..(i + 1) * self.stride];
                     value += dot_lanes(
                         row,
@@ -261,8 +266,8 @@ impl Workspace {
     /// R₀ and, from it, R₁ = -R₀ J₁ R₀ and R₂ = -R₀ (J₂ R₀ + J₁ R₁).
     fn follow_inverse(&mut self) {
         let (n, width) = (self.n, lane_groups(self.n));
-        let mut factors = vec![0.0; n * n * INVERSE_TERMS];
-        let all = INVERSE_TERMS * n;
+        let all = self.inverse_terms * n;
+        let mut factors = vec![0.0; n * all];
         for (i, row) in factors.chunks_exact_mut(all).enumerate() {
             row[..n].copy_from_slice(&self.inverse.row(i).as_flattened()[..n]);
         }
@@ -320,7 +325,7 @@ impl Workspace {
         bends: &Bends,
         earlier: &EarlierTube,
     ) -> Vec<TubeConstants> {
-        let of_unknown = self.factors.chunks_exact(INVERSE_TERMS * self.n);
+        let of_unknown = self.factors.chunks_exact(self.inverse_terms * self.n);
         let of_unknown = of_unknown.enumerate();
         of_unknown
             .map(|(i, factors)| self.bound(factors, Aim::Unknown(i), layout, basis, bends, earlier))
@@ -336,9 +341,10 @@ impl Workspace {
         bends: &Bends,
         earlier: &EarlierTube,
     ) -> TubeConstants {
-        let (n, all) = (self.n, INVERSE_TERMS * self.n);
+        let (n, all) = (self.n, self.inverse_terms * self.n);
         let mut factors = vec![0.0; all];
-        for (k, matrix) in self.rows.jacobian.iter().enumerate().take(INVERSE_TERMS) {
+        let matrices = self.rows.jacobian().iter().enumerate();
+        for (k, matrix) in matrices.take(self.inverse_terms) {
             let slopes = &matrix.row(row).as_flattened()[..n];
             for (slope, of_unknown) in slopes.iter().zip(self.factors.chunks_exact(all.max(1))) {
                 // Coefficients m of R go to those k + m of the product.
@@ -364,7 +370,10 @@ impl Workspace {
         let drift = earlier.largest;
         // Row sums of |A|: what an error of the rows does to an unknown.
         let sizes: Vec<f64> = (0..n)
-            .map(|r| (0..INVERSE_TERMS).map(|m| factors[m * n + r].abs()).sum())
+            .map(|r| {
+                let sizes = (0..self.inverse_terms).map(|m| factors[m * n + r].abs());
+                sizes.sum()
+            })
             .collect();
         let weigh = |bounds: &[f64]| -> f64 {
             let pairs = sizes.iter().zip(basis);
@@ -376,12 +385,12 @@ impl Workspace {
         let mut whole = product.clone();
         let all = match self.terms {
             1 => 1,
-            _ => JACOBIAN_TERMS + INVERSE_TERMS - 1,
+            _ => JACOBIAN_TERMS + self.inverse_terms - 1,
         };
         for k in 0..all {
             // Coefficients m of the factors meet those k - m of J.
             let least = (k + 1).saturating_sub(JACOBIAN_TERMS);
-            let most = k.min(INVERSE_TERMS - 1);
+            let most = k.min(self.inverse_terms - 1);
             let rows = self.coefficients_from(k - least);
             let count = (most - least + 1) * n;
             let factors = &factors[least * n..least * n + count];
@@ -389,8 +398,8 @@ impl Workspace {
             // Less the identity, or less the row that is judged: what is left is the contraction.
             match aim {
                 Aim::Unknown(i) if k == 0 => product[i / 4][i % 4] -= 1.0,
-                Aim::Row(row) if k < JACOBIAN_TERMS => {
-                    add_scaled(&mut product, -1.0, self.rows.jacobian[k].row(row));
+                Aim::Row(row) if k < self.rows.jacobian().len() => {
+                    add_scaled(&mut product, -1.0, self.rows.jacobian()[k].row(row));
                 }
                 _ => {}
             }
@@ -427,7 +436,7 @@ impl Workspace {
     fn residual(&self, factors: &[f64], aim: Aim) -> f64 {
         let mut all = [0.0; TERMS + INVERSE_TERMS];
         let mut part = [[0.0; 4]; POLYNOMIAL];
-        for m in 0..INVERSE_TERMS {
+        for m in 0..self.inverse_terms {
             let of_r = &factors[m * self.n..(m + 1) * self.n];
             combine_rows(&mut part, of_r, &self.residuals);
             for (sum, c) in all[m..].iter_mut().zip(&part.as_flattened()[..TERMS]) {

@@ -48,7 +48,9 @@ pub struct TubeRows {
     /// Residuals.
     pub residual: Vec<TaylorModel>,
     /// Derivatives by the columns: one matrix a coefficient.
-    pub jacobian: [LaneMatrix; JACOBIAN_TERMS],
+    jacobian: [LaneMatrix; JACOBIAN_TERMS],
+    /// As many of them are in use: of what stands still only the first.
+    terms: usize,
     /// What they leave out.
     pub rest: LaneMatrix,
     /// Of every loop that must not be turned by π: the trace of its rotation.
@@ -56,11 +58,26 @@ pub struct TubeRows {
 }
 
 impl TubeRows {
+    /// The coefficients of the Jacobian, a matrix each.
+    pub fn jacobian(&self) -> &[LaneMatrix] {
+        &self.jacobian[..self.terms]
+    }
+
+    fn begin(&mut self, [rows, columns]: [usize; 2], terms: usize) {
+        self.terms = terms;
+        for matrix in self.jacobian[..terms].iter_mut().chain([&mut self.rest]) {
+            matrix.reset(rows, columns);
+        }
+        self.residual.clear();
+        self.residual.resize(rows, TaylorModel::ZERO);
+        self.traces.clear();
+    }
+
     /// Appends what a row of the Jacobian leaves out and what its products round: `products` of every entry.
     pub fn add_slack(&self, row: usize, products: f64, slack: &mut Vec<Lanes>) {
         let first = slack.len();
         slack.extend_from_slice(self.rest.row(row));
-        for matrix in &self.jacobian {
+        for matrix in self.jacobian() {
             for (sums, entries) in slack[first..].iter_mut().zip(matrix.row(row)) {
                 let pairs = sums.iter_mut().zip(entries);
                 pairs.for_each(|(sum, entry)| *sum += products * entry.abs());
@@ -179,13 +196,8 @@ impl<'m> TubeLayout<'m> {
 
     /// Residual and Jacobian along the path.
     pub fn rows(&self, forms: &[Form], path: &TubePath, rows: &mut TubeRows) -> Result<(), Reason> {
-        let count = self.count();
-        for matrix in rows.jacobian.iter_mut().chain([&mut rows.rest]) {
-            matrix.reset(count, self.columns.len());
-        }
-        rows.residual.clear();
-        rows.residual.resize(count, TaylorModel::ZERO);
-        rows.traces.clear();
+        let terms = path.still().map_or(JACOBIAN_TERMS, |_| 1);
+        rows.begin([self.count(), self.columns.len()], terms);
         // Arguments of the joints as Taylor models of the path parameter.
         let mut arguments: Vec<Option<ArgumentModel>> = vec![None; self.mechanism.arguments.len()];
         for &index in &self.block.arguments {
@@ -232,7 +244,7 @@ impl<'m> TubeLayout<'m> {
                 self.add(rows, row, index, &weight, &derivatives[form]);
             }
         }
-        let matrices = rows.jacobian.iter().chain([&rows.rest]);
+        let matrices = rows.jacobian().iter().chain([&rows.rest]);
         let numbers = matrices.flat_map(|m| m.groups().as_flattened());
         let models = rows.residual.iter().chain(&rows.traces);
         let whole = numbers.copied().all(f64::is_finite) && models.copied().all(|m| m.is_finite());
@@ -255,7 +267,7 @@ impl<'m> TubeLayout<'m> {
                 (None, None) => by_form.times(rate).scaled(*scale),
             };
             let entry = entry.shortened(JACOBIAN_TERMS);
-            for (matrix, c) in rows.jacobian.iter_mut().zip(&entry.c) {
+            for (matrix, c) in rows.jacobian[..rows.terms].iter_mut().zip(&entry.c) {
                 *matrix.at_mut(row, *column) += c;
             }
             // Sums of a few entries in one place round by less than each of them once.
