@@ -241,13 +241,9 @@ impl<'m> ProvedMotion<'m> {
                 whole = false;
                 break;
             }
-            let mut ends = [
-                (tube.start == from).then_some(places[0]),
-                (tube.end == to).then_some(places[1]),
-            ];
-            for (end, sample) in ends.iter_mut().zip(pair) {
-                *end = end.filter(|_| self.prover.meets(&tube, sample));
-            }
+            let begins = tube.start == from && self.prover.has_inputs(&tube, &pair[0]);
+            let ends = tube.end == to && self.prover.meets(&tube, &pair[1]);
+            let ends = [begins.then_some(places[0]), ends.then_some(places[1])];
             self.add_tube(tube, arguments, ends);
         }
         if whole {
