@@ -44,7 +44,11 @@ pub struct Optimum {
 }
 
 impl Optimum {
-    pub(super) fn search(mut study: LoadedStudy, options: &OptimiseOptions) -> Result<Self, Error> {
+    pub(super) fn search(
+        mut study: LoadedStudy,
+        options: &OptimiseOptions,
+        cancel: &AtomicBool,
+    ) -> Result<Self, Error> {
         if let Some(share) = options.within {
             study.family.free_within(share);
         }
@@ -52,8 +56,7 @@ impl Optimum {
         let method = options
             .method
             .with_tolerance(options.tolerance, options.seed);
-        let never = AtomicBool::new(false);
-        let mut found = study.search_optimum(method, options.iterations, &mut |_, _| {}, &never)?;
+        let mut found = study.search_optimum(method, options.iterations, &mut |_, _| {}, cancel)?;
         study.settle(&mut found)?;
         let verified = study.verify(&found.optimum.minimum.x);
         Ok(Self {

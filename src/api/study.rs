@@ -7,6 +7,7 @@ use super::sensitivity::Sensitivity;
 use super::tolerance::{Tolerance, ToleranceOptions};
 use crate::analysis::study::{LoadedStudy, varied_names};
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 /// The measures of a scene as functions of its parameters. Made by [`Scene::study`](crate::Scene::study).
 ///
@@ -20,12 +21,16 @@ use std::sync::Arc;
 pub struct Study {
     loaded: Arc<Loaded>,
     names: Vec<String>,
+    cancel: Arc<AtomicBool>,
 }
 
 impl Study {
     pub(super) fn new(loaded: Arc<Loaded>) -> Self {
-        let names = Vec::new();
-        Self { loaded, names }
+        Self {
+            loaded,
+            names: Vec::new(),
+            cancel: Arc::default(),
+        }
     }
 
     /// The study with these parameters as its variables, in place of those that it has by itself: the scene's
@@ -41,6 +46,25 @@ impl Study {
         Self {
             loaded: Arc::clone(&self.loaded),
             names: names.iter().map(|name| (*name).to_owned()).collect(),
+            cancel: Arc::clone(&self.cancel),
+        }
+    }
+
+    /// The study with searches and random pieces that end as soon as `cancel` is raised, with what they have until then.
+    ///
+    /// ```
+    /// use mechanim::{OptimiseOptions, Scene};
+    /// use std::sync::{Arc, atomic::AtomicBool};
+    ///
+    /// let raised = Arc::new(AtomicBool::new(true));
+    /// let study = Scene::builtin("gearshift-optimised")?.study().until(&raised);
+    /// assert!(study.optimise(&OptimiseOptions::default()).is_ok_and(|best| !best.objective()[1].is_nan()));
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn until(&self, cancel: &Arc<AtomicBool>) -> Self {
+        Self {
+            cancel: Arc::clone(cancel),
+            ..self.clone()
         }
     }
 
@@ -74,7 +98,7 @@ impl Study {
     /// # Ok::<(), mechanim::Error>(())
     /// ```
     pub fn tolerance(&self, options: &ToleranceOptions) -> Result<Tolerance, Error> {
-        Tolerance::of(&self.load(true)?, options)
+        Tolerance::of(&self.load(true)?, options, &self.cancel)
     }
 
     /// The values of the variables that make the study's objective least, kept within its limits, and proved afterwards.
@@ -92,7 +116,7 @@ impl Study {
     /// # Ok::<(), mechanim::Error>(())
     /// ```
     pub fn optimise(&self, options: &OptimiseOptions) -> Result<Optimum, Error> {
-        Optimum::search(self.load(false)?, options)
+        Optimum::search(self.load(false)?, options, &self.cancel)
     }
 
     fn load(&self, all_by_default: bool) -> Result<LoadedStudy, Error> {

@@ -64,7 +64,11 @@ pub struct Tolerance {
 }
 
 impl Tolerance {
-    pub(super) fn of(loaded: &LoadedStudy, options: &ToleranceOptions) -> Result<Self, Error> {
+    pub(super) fn of(
+        loaded: &LoadedStudy,
+        options: &ToleranceOptions,
+        cancel: &AtomicBool,
+    ) -> Result<Self, Error> {
         let batch = SampleBatch {
             samples: options.samples.max(1),
             first: 0,
@@ -74,7 +78,7 @@ impl Tolerance {
         };
         let begun = Instant::now();
         let study = ToleranceStudy::new(loaded, options.tolerance, batch)?;
-        let pieces = study.pieces(&AtomicBool::new(false), &|_| {});
+        let pieces = study.pieces(cancel, &|_| {});
         let report = ToleranceReport {
             study: &study,
             pieces: &pieces,

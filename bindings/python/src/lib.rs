@@ -6,6 +6,7 @@ mod errors;
 mod motion;
 mod scene;
 mod signals;
+mod study;
 mod sweep;
 
 use pyo3::prelude::*;
@@ -22,6 +23,8 @@ mod _mechanim {
     use super::motion::Motion;
     #[pymodule_export]
     use super::scene::{Scene, load, loads, scenes};
+    #[pymodule_export]
+    use super::study::{Optimum, Sensitivity, Study, Tolerance};
     #[pymodule_export]
     use super::sweep::Table;
 

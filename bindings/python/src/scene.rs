@@ -4,6 +4,7 @@ use crate::check::{Assembly, Check};
 use crate::errors::{OrRaise, warn};
 use crate::motion::Motion;
 use crate::signals::interruptible;
+use crate::study::Study;
 use crate::sweep::{self, Table};
 use mechanim::Samples;
 use numpy::PyReadonlyArray1;
@@ -245,6 +246,14 @@ impl Scene {
     fn modes(&self, py: Python<'_>, time: f64) -> PyResult<Vec<Assembly>> {
         let found = py.detach(|| self.inner.assemblies(time)).or_raise(py)?;
         Ok(found.into_iter().map(Assembly::new).collect())
+    }
+
+    /// The measures of the scene as functions of its parameters: of these, or of those that the scene varies by itself.
+    /// "all" stands for every length and angle.
+    #[pyo3(signature = (*variables))]
+    fn study(&self, variables: Vec<String>) -> Study {
+        let names: Vec<&str> = variables.iter().map(String::as_str).collect();
+        Study::new(self.inner.study().vary(&names))
     }
 
     /// Solves one design a row: parameters by name as arrays of one length, values by name at `samples` even times.

@@ -2,10 +2,45 @@
 
 use pyo3::prelude::*;
 use std::cell::{Cell, RefCell};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// How often signals are looked at: Ctrl-C is answered within 50 ms.
 const PERIOD: Duration = Duration::from_millis(20);
+
+/// How often a thread is looked at.
+const POLL: Duration = Duration::from_millis(1);
+
+/// Runs `work` on a thread of its own while other Python threads go on; it is given a flag that is raised when a signal
+/// handler raises.
+pub fn watched<T: Send>(
+    py: Python<'_>,
+    work: impl FnOnce(&Arc<AtomicBool>) -> T + Send,
+) -> PyResult<T> {
+    let flag = Arc::new(AtomicBool::new(false));
+    let (result, raised) = py.detach(|| {
+        std::thread::scope(|scope| {
+            let worker = scope.spawn(|| work(&flag));
+            let mut raised = None;
+            while !worker.is_finished() {
+                std::thread::sleep(POLL);
+                if raised.is_none()
+                    && let Err(error) = Python::attach(|py| py.check_signals())
+                {
+                    raised = Some(error);
+                    flag.store(true, Ordering::Relaxed);
+                }
+            }
+            (worker.join(), raised)
+        })
+    });
+    match (raised, result) {
+        (Some(error), _) => Err(error),
+        (None, Ok(result)) => Ok(result),
+        (None, Err(panic)) => std::panic::resume_unwind(panic),
+    }
+}
 
 /// Runs `work` while other Python threads go on. It is given a question that it asks between its steps: whether to give up.
 pub fn interruptible<T: Send>(
