@@ -1,6 +1,7 @@
 //! Studies of the solver itself and of mechanisms: loops around solving, never a second engine.
 
 pub mod cloud;
+pub mod dyads;
 pub mod enclosure;
 pub mod extremes;
 pub mod observer;

@@ -8,5 +8,6 @@ pub mod clearance_matrix;
 pub mod cloud;
 mod gaps;
 pub mod motion;
+pub mod paving;
 pub mod precision;
 pub mod sensitivity;

@@ -3,6 +3,7 @@
 pub mod about;
 pub mod args;
 mod check;
+pub mod dyads;
 pub mod files;
 pub mod interrupt;
 pub mod io;
@@ -17,6 +18,7 @@ pub mod watch;
 use about::{completions, info, manual, scenes, schema};
 use args::{Cli, Command};
 use clap::{CommandFactory, FromArgMatches};
+use dyads::{intervals, row};
 use files::{diff, encode, snapshot};
 use motion::{modes, plot, render, solve};
 use std::ffi::OsString;
@@ -55,6 +57,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> i32 {
         Command::Sensitivity(args) => sensitivity::run_sensitivity(&args, &term),
         Command::Tolerance(args) => tolerance::run_tolerance(&args, &term),
         Command::Enclose(args) => enclose::run_enclose(&args, &term),
+        Command::Dyads(args) => row::run_dyads(&args, &term),
+        Command::Intervals(args) => intervals::run_intervals(&args, &term),
         Command::Optimise(args) => optimise::run_optimise(&args, &term),
         Command::Synthesise(args) => synthesise::run_synthesise(&args, &term),
         Command::Scenes { name } => scenes::print_scenes(name.as_deref()),

@@ -7,6 +7,7 @@
 use super::kaucher::Kaucher;
 use crate::numbers::interval::Interval;
 use crate::numbers::scalar::{Ring, Scalar};
+use std::ops::{Add, Mul, Neg};
 
 /// A point with the far ends of its two bars.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,34 +37,27 @@ pub fn conjugate_coefficients([a, b, c, d]: Coefficients) -> Coefficients {
     [d, -c, -b, a]
 }
 
-/// The exact ranges of the coefficients where the first bar has any direction and the second is turned from it by an angle
-/// in `delta` (radians), rounded outwards; `None` if the bars can be in line.
+/// The exact ranges of the coefficients where the first bar has a direction in `first` and the second is turned from it by an
+/// angle in `delta` (radians), rounded outwards; `None` if the bars can be in line.
 ///
-/// With s = 2 φ + δ free of δ, i₁ = ½ + sin s / (2 sin δ) and i₂ = (cos δ - cos s) / (2 sin δ): every value is taken at an
-/// end of δ, or where |sin δ| is least.
-pub fn exact_ranges(delta: Kaucher) -> Option<[Kaucher; 4]> {
+/// With s = 2 φ + δ, i₁ = ½ + sin s / (2 sin δ) and i₂ = (cos δ - cos s) / (2 sin δ). For a direction that stays both are monotone in δ, so
+/// that every extreme is taken at an end of δ.
+pub fn exact_ranges(first: Kaucher, delta: Kaucher) -> Option<[Kaucher; 4]> {
     let half = Interval::point(0.5);
-    let sine = delta.interval().sin_cos().0;
-    if sine.holds_zero() {
+    if delta.interval().sin_cos().0.holds_zero() {
         return None;
     }
-    let reach = |end: f64| half / end_sine(end);
-    let wide = [delta.lo, delta.hi].map(|end| {
-        let reach = reach(end);
-        (half - reach).hull(half + reach)
+    let [low, high] = [delta.lo, delta.hi].map(|end| {
+        let (sine, cosine) = Interval::point(end).sin_cos();
+        let sum = first.interval().scale(2.0) + Interval::point(end);
+        let (sin, cos) = sum.sin_cos();
+        let shifted = half * sin / sine;
+        let two = half * (cosine - cos) / sine;
+        let three = -(half * (cosine + cos) / sine);
+        [half + shifted, two, three, half - shifted]
     });
-    let one = wide[0].hull(wide[1]);
-    let two = [delta.lo, delta.hi].map(|end| {
-        let (sin, cos) = Interval::point(0.5 * end).sin_cos();
-        let (tan, cot) = (sin / cos, cos / sin);
-        (-tan).scale(0.5).hull(cot.scale(0.5))
-    });
-    let two = two[0].hull(two[1]);
-    Some([one, two, -two, one].map(Kaucher::from))
-}
-
-fn end_sine(end: f64) -> Interval {
-    Interval::point(end).sin_cos().0
+    let all = [0, 1, 2, 3].map(|k| low[k].hull(high[k]));
+    Some(all.map(Kaucher::from))
 }
 
 /// What interval arithmetic makes of sin φ₁₃ cos φ₁₂ / sin δ and its like, with every angle taken for itself: the same
@@ -93,42 +87,111 @@ pub fn printed_ranges(first: Kaucher, delta: Kaucher) -> Kaucher {
     Kaucher::from(t13 / (t13 - t12))
 }
 
-/// The linear system of the velocities of a row of dyads: two rows a dyad, v = J v' + J' v'', in unknowns whose columns
-/// are two for every point of `unknowns`. Points of `fixed` stand still; what is `known` is on the right.
-pub fn velocity_system(
-    points: &[[f64; 2]],
+/// The exact ranges where both bars have directions in intervals of their own, rounded outwards; `None` if they can be in line.
+/// Every coefficient is monotone in each direction whatever the other is, so that its extremes stand at corners.
+pub fn corner_ranges(first: Kaucher, second: Kaucher) -> Option<[Kaucher; 4]> {
+    let sine = (second.interval() - first.interval()).sin_cos().0;
+    if sine.holds_zero() {
+        return None;
+    }
+    let mut found: Option<[Kaucher; 4]> = None;
+    for a in [first.lo, first.hi] {
+        for b in [second.lo, second.hi] {
+            let (s12, c12) = Interval::point(a).sin_cos();
+            let (s13, c13) = Interval::point(b).sin_cos();
+            let cross = s13 * c12 - c13 * s12;
+            let here = [s13 * c12, s13 * s12, -(c13 * c12), -(c13 * s12)];
+            let here = here.map(|v| Kaucher::from(v / cross));
+            found = Some(match found {
+                None => here,
+                Some(known) => [0, 1, 2, 3].map(|k| known[k].join(here[k])),
+            });
+        }
+    }
+    found
+}
+
+/// What numbers of a system need.
+pub trait Entry: Copy + Add<Output = Self> + Mul<Output = Self> + Neg<Output = Self> {
+    /// Exactly this number.
+    fn of(value: f64) -> Self;
+}
+
+impl Entry for f64 {
+    fn of(value: f64) -> Self {
+        value
+    }
+}
+
+impl Entry for Kaucher {
+    fn of(value: f64) -> Self {
+        Self::point(value)
+    }
+}
+
+/// The linear system of a row of dyads: two rows a dyad, v = J v' + J' v'', in unknowns whose columns are two for every
+/// point of `unknowns`. All other points have their `values`, which stand on the right.
+pub fn dyad_system<T: Entry>(
+    matrices: &[[[T; 4]; 2]],
     dyads: &[Dyad],
     unknowns: &[usize],
-    known: (usize, [f64; 2]),
-) -> Option<(Vec<Vec<f64>>, Vec<f64>)> {
+    values: &[[T; 2]],
+) -> (Vec<Vec<T>>, Vec<T>) {
     let width = 2 * unknowns.len();
+    let (zero, one) = (T::of(0.0), T::of(1.0));
     let (mut rows, mut sides) = (Vec::new(), Vec::new());
-    for dyad in dyads {
-        let far = dyad.ends.map(|end| points[end]);
-        let matrices = j_matrices(points[dyad.point], far)?;
-        let mut pair = vec![vec![0.0; width]; 2];
-        let column = |point: usize| unknowns.iter().position(|u| *u == point);
+    let column = |point: usize| unknowns.iter().position(|u| *u == point);
+    for (dyad, both) in dyads.iter().zip(matrices) {
+        let mut pair = vec![vec![zero; width]; 2];
+        let own = column(dyad.point);
         // Unknown velocities stand on the left, so that the row of a known point is J v' + J' v'' = v.
-        let sign = if dyad.point == known.0 { 1.0 } else { -1.0 };
-        for (end, matrix) in dyad.ends.iter().zip(&matrices) {
-            if let Some(k) = column(*end) {
-                for row in 0..2 {
-                    pair[row][2 * k] += sign * matrix[2 * row];
-                    pair[row][2 * k + 1] += sign * matrix[2 * row + 1];
+        let is_unknown = own.is_some();
+        let signed = |v: T| if is_unknown { -v } else { v };
+        let mut side = match own {
+            Some(_) => [zero; 2],
+            None => values[dyad.point],
+        };
+        if let Some(k) = own {
+            pair[0][2 * k] = one;
+            pair[1][2 * k + 1] = one;
+        }
+        for (end, matrix) in dyad.ends.iter().zip(both) {
+            for row in 0..2 {
+                let [a, b] = [matrix[2 * row], matrix[2 * row + 1]].map(signed);
+                match column(*end) {
+                    Some(k) => {
+                        pair[row][2 * k] = pair[row][2 * k] + a;
+                        pair[row][2 * k + 1] = pair[row][2 * k + 1] + b;
+                    }
+                    None => {
+                        let [x, y] = values[*end];
+                        side[row] = side[row] + -(a * x + b * y);
+                    }
                 }
             }
         }
-        match column(dyad.point) {
-            Some(k) => {
-                pair[0][2 * k] += 1.0;
-                pair[1][2 * k + 1] += 1.0;
-                sides.extend([0.0; 2]);
-            }
-            None => sides.extend(known.1),
-        }
         rows.extend(pair);
+        sides.extend(side);
     }
-    Some((rows, sides))
+    (rows, sides)
+}
+
+/// Whether the bars of a dyad are nowhere nearer to each other's line than an angle of this `sine`, wherever its points are
+/// in their boxes: |e x f| against sine |e| |f|. `None` where that differs, or is not told.
+pub fn are_apart(point: [Interval; 2], ends: [[Interval; 2]; 2], sine: Interval) -> Option<bool> {
+    let [e, f] = ends.map(|end| [point[0] - end[0], point[1] - end[1]]);
+    let cross = e[0] * f[1] - e[1] * f[0];
+    let length = |u: [Interval; 2]| (u[0].square() + u[1].square()).sqrt();
+    let needed = sine * length(e) * length(f);
+    let least = if cross.holds_zero() {
+        0.0
+    } else {
+        cross.lo.abs().min(cross.hi.abs())
+    };
+    if least >= needed.hi && needed.hi > 0.0 {
+        return Some(true);
+    }
+    (cross.magnitude() < needed.lo).then_some(false)
 }
 
 /// Half the side of a cube about velocities in which every choice of them belongs to directions of the bars that are nowhere
@@ -142,16 +205,8 @@ pub fn tied_cube(velocities: &[[f64; 2]], still: &[usize], dyads: &[Dyad], least
             velocities[k].map(|v| Interval::point(v) + Interval::around_zero(wide))
         };
         dyads.iter().all(|dyad| {
-            let v = of(dyad.point);
-            let [e, f] = dyad.ends.map(|end| {
-                let w = of(end);
-                [v[0] - w[0], v[1] - w[1]]
-            });
-            let cross = e[0] * f[1] - e[1] * f[0];
-            let length = |u: [Interval; 2]| (u[0].square() + u[1].square()).sqrt();
-            let needed = sine * length(e) * length(f);
-            let far = if cross.lo > 0.0 { cross.lo } else { -cross.hi };
-            far >= needed.hi
+            let far = dyad.ends.map(of);
+            are_apart(of(dyad.point), far, sine) == Some(true)
         })
     };
     let (mut low, mut high) = (0.0, 1.0);

@@ -150,8 +150,8 @@ fn product_ends(a: Kaucher, lo: f64, hi: f64) -> [[f64; 3]; 2] {
     ]
 }
 
-/// The solution of a square system of numbers.
-fn solved_numbers(matrix: &[Vec<f64>], side: &[f64]) -> Option<Vec<f64>> {
+/// The solution of a square system of numbers; `None` where a pivot is rounding.
+pub fn solved_numbers(matrix: &[Vec<f64>], side: &[f64]) -> Option<Vec<f64>> {
     let n = side.len();
     let (mut rows, mut inverse) = (LaneMatrix::default(), LaneMatrix::default());
     rows.reset(n, n);

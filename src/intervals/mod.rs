@@ -1,5 +1,5 @@
 //! Interval linear systems A x = b: Kaucher arithmetic, solution sets for any choice of quantifiers, formal solutions, and
-//! boxes inside and around the sets.
+//! boxes inside and around the sets; and the row of dyads whose velocities are such a system.
 //!
 //! Whether a point or a box belongs to a set is decided with outward rounding; hulls and best centres come from linear
 //! programmes in plain f64 and say so. After S. P. Shary (Reliable Computing 8, 2002; the subdifferential Newton method:
@@ -7,12 +7,16 @@
 
 pub mod auxiliary;
 pub mod centre;
+pub mod chain;
 pub mod dyad;
 pub mod formal;
 pub mod hull;
 pub mod kaucher;
+pub mod paving;
+pub mod peeling;
 pub mod regular;
 mod simplex;
+pub mod sweep;
 pub mod system;
 
 pub use kaucher::Kaucher;

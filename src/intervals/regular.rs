@@ -69,10 +69,9 @@ pub fn positive_share(
     count: usize,
     mut random: impl FnMut() -> f64,
 ) -> f64 {
-    let n = system.unknowns();
     let mut positive = 0_usize;
     for _ in 0..count {
-        let mut matrix: Vec<Vec<f64>> = system
+        let matrix: Vec<Vec<f64>> = system
             .a
             .iter()
             .map(|row| {
@@ -81,26 +80,27 @@ pub fn positive_share(
                     .collect()
             })
             .collect();
-        positive += usize::from(determinant_is_positive(&mut matrix, n));
+        positive += usize::from(determinant(&matrix) > 0.0);
     }
     positive as f64 / count.max(1) as f64
 }
 
-/// The sign of a determinant by elimination.
-fn determinant_is_positive(matrix: &mut [Vec<f64>], n: usize) -> bool {
-    let mut is_positive = true;
+/// A determinant, by elimination.
+pub fn determinant(matrix: &[Vec<f64>]) -> f64 {
+    let mut matrix = matrix.to_vec();
+    let (n, mut product) = (matrix.len(), 1.0);
     for k in 0..n {
         let place = (k..n).max_by(|i, j| matrix[*i][k].abs().total_cmp(&matrix[*j][k].abs()));
         let place = place.unwrap_or(k);
         if place != k {
             matrix.swap(place, k);
-            is_positive = !is_positive;
+            product = -product;
         }
         let pivot = matrix[k][k];
+        product *= pivot;
         if pivot == 0.0 {
-            return false;
+            return 0.0;
         }
-        is_positive ^= pivot < 0.0;
         let row = matrix[k].clone();
         for below in &mut matrix[k + 1..] {
             let factor = below[k] / pivot;
@@ -111,5 +111,5 @@ fn determinant_is_positive(matrix: &mut [Vec<f64>], n: usize) -> bool {
                 .for_each(|(b, r)| *b -= factor * r);
         }
     }
-    is_positive
+    product
 }

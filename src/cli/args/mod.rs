@@ -1,6 +1,7 @@
 //! The argument table: names, help texts, ranges that need no scene. Nothing is done here.
 
 pub mod charts;
+pub mod dyads;
 pub mod enclose;
 pub mod files;
 pub mod motion;
@@ -12,6 +13,7 @@ pub mod view;
 use crate::limits::Limits;
 use charts::{AccuracyArgs, PlotArgs};
 use clap::{Parser, Subcommand, ValueEnum};
+use dyads::{DyadsArgs, IntervalsArgs};
 use enclose::EncloseArgs;
 use files::{DiffArgs, EncodeArgs, SnapshotArgs};
 use motion::{CheckArgs, ModesArgs, RenderArgs, SolveArgs};
@@ -76,6 +78,10 @@ pub enum Command {
     Tolerance(ToleranceArgs),
     /// Prove bands that the motion and its measures keep for all dimensions within their tolerances.
     Enclose(EncloseArgs),
+    /// Take a planar linkage apart into dyads: their matrices, the table of the velocities, ranges of its coefficients.
+    Dyads(DyadsArgs),
+    /// Intervals for the directions of a linkage's bars: random trials, formal solutions, cubes, the exact set.
+    Intervals(IntervalsArgs),
     /// Minimise the study's objective over its design variables.
     Optimise(OptimiseArgs),
     /// Search for dimensions from many starts, prove the best ones, and compare scenes of one task.

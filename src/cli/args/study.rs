@@ -100,7 +100,7 @@ pub struct OptimiseArgs {
     /// What is varied; the study's variables if absent.
     #[command(flatten)]
     pub vary: VaryArgs,
-    /// How the minimum is searched.
+    /// How it is done: which search for the minimum.
     #[arg(long, value_enum, default_value_t = MethodArg::Bfgs)]
     pub method: MethodArg,
     /// Let every variable move by this share of its value (0.2 or 20%), instead of within the study's ranges.

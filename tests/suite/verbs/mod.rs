@@ -5,6 +5,7 @@ mod bombs;
 mod cli;
 mod document_commands;
 mod documents;
+mod dyad_verbs;
 mod face;
 mod flags;
 mod large_texts;

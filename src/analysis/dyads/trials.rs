@@ -1,0 +1,237 @@
+//! Statistical trials: directions of all bars drawn at random, the velocities and the conjugate positions solved for each.
+//!
+//! The velocities have no largest value, since the determinant can be as small as one likes: quantiles settle, least and greatest do
+//! not. Trial n is the same on any number of threads.
+
+use crate::analysis::random::Random;
+use crate::analysis::tolerance::sorted_quantile;
+use crate::intervals::chain::{Directions, DyadChain};
+use crate::intervals::sweep::{Projector, Sweep, Swept};
+use crate::jobs::share_work;
+use crate::math::sin_cos;
+use std::f64::consts::TAU;
+
+/// What is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrialsAsked {
+    /// Directions that bars may have.
+    pub directions: Directions,
+    /// Velocity of the given point.
+    pub given: [f64; 2],
+    /// Number of trials.
+    pub count: usize,
+    /// Where random numbers start.
+    pub seed: u64,
+    /// Worker threads.
+    pub threads: usize,
+}
+
+/// What came of them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Trials {
+    /// Trials with a solution.
+    pub solved: usize,
+    /// Share whose determinant has the sign of the drawn pose.
+    pub same_sign: f64,
+    /// Of every unknown point its velocity components, each ascending over the trials.
+    pub velocities: Vec<[Vec<f64>; 2]>,
+    /// The same of positions by the conjugate system.
+    pub positions: Vec<[Vec<f64>; 2]>,
+    /// The largest speed of a point in every trial, ascending.
+    pub speeds: Vec<f64>,
+    /// |cos| of the angle between the lever and the velocity of its end, ascending: zero where the lever keeps its length.
+    pub lever: Vec<f64>,
+}
+
+impl Trials {
+    /// The share of trials in which no point is faster.
+    pub fn share_below(&self, speed: f64) -> f64 {
+        self.speeds.partition_point(|v| *v <= speed) as f64 / self.solved.max(1) as f64
+    }
+
+    /// The value below which `share` of an ascending list lie.
+    pub fn quantile(list: &[f64], share: f64) -> f64 {
+        sorted_quantile(list, share)
+    }
+}
+
+/// Trials that a worker takes at once.
+const PORTION: usize = 1024;
+
+/// One trial: velocities and positions of all unknown points, and what is told of both.
+#[derive(Clone, Debug, Default)]
+struct Row {
+    values: Vec<f64>,
+    same_sign: bool,
+    speed: f64,
+    lever: f64,
+}
+
+/// Runs the trials; `None` if the row needs more parameters than are solved for.
+pub fn run_trials(chain: &DyadChain, asked: &TrialsAsked) -> Option<Trials> {
+    let sweep = Sweep::new(chain)?;
+    let trial = TrialRun::new(chain, &sweep, asked)?;
+    let work = |scratch: &mut Scratch, portion: usize| {
+        let first = portion * PORTION;
+        let items = first..asked.count.min(first + PORTION);
+        Some(
+            items
+                .filter_map(|item| trial.row(item, scratch))
+                .collect::<Vec<Row>>(),
+        )
+    };
+    let portions = asked.count.div_ceil(PORTION);
+    let list = share_work(portions, asked.threads, Scratch::default, work);
+    let rows: Vec<Row> = list.into_iter().flat_map(|(_, rows)| rows).collect();
+    Some(collected(&rows, chain.unknowns().len()))
+}
+
+fn collected(rows: &[Row], unknowns: usize) -> Trials {
+    let ascending = |of: &dyn Fn(&Row) -> f64| {
+        let mut list: Vec<f64> = rows.iter().map(of).collect();
+        list.sort_unstable_by(f64::total_cmp);
+        list
+    };
+    let column = |k: usize| ascending(&|row: &Row| row.values[k]);
+    let pairs = |first: usize| {
+        let pair = |k: usize| [column(first + 2 * k), column(first + 2 * k + 1)];
+        (0..unknowns).map(pair).collect()
+    };
+    let same = rows.iter().filter(|row| row.same_sign).count();
+    Trials {
+        solved: rows.len(),
+        same_sign: same as f64 / rows.len().max(1) as f64,
+        velocities: pairs(0),
+        positions: pairs(2 * unknowns),
+        speeds: ascending(&|row| row.speed),
+        lever: ascending(&|row| row.lever),
+    }
+}
+
+#[derive(Clone, Debug, Default)]
+struct Scratch {
+    along: Vec<Projector>,
+    across: Vec<Projector>,
+    places: Vec<[[f64; crate::intervals::sweep::MOST_PARAMETERS + 1]; 2]>,
+    velocities: Swept,
+    positions: Swept,
+}
+
+/// What trials share.
+struct TrialRun<'c> {
+    chain: &'c DyadChain,
+    sweep: &'c Sweep,
+    asked: &'c TrialsAsked,
+    unknowns: Vec<usize>,
+    /// Velocities that are known.
+    given: Vec<[f64; 2]>,
+    /// Directions of both bars of every dyad.
+    drawn: Vec<[f64; 2]>,
+    sign: f64,
+}
+
+impl<'c> TrialRun<'c> {
+    fn new(chain: &'c DyadChain, sweep: &'c Sweep, asked: &'c TrialsAsked) -> Option<Self> {
+        let mut given = vec![[0.0; 2]; chain.points.len()];
+        given[chain.given()] = asked.given;
+        let dyads = chain.dyads.iter();
+        let drawn: Vec<[f64; 2]> = dyads
+            .map(|d| [chain.direction(d), chain.direction(d) + chain.angle(d)])
+            .collect();
+        let mut run = Self {
+            chain,
+            sweep,
+            asked,
+            unknowns: chain.unknowns(),
+            given,
+            drawn,
+            sign: 1.0,
+        };
+        let mut scratch = Scratch::default();
+        let own = run.drawn.clone();
+        for pair in own {
+            run.push_pair(pair, &mut scratch);
+        }
+        let solved = sweep.solve(
+            &scratch.along,
+            &run.given,
+            &mut scratch.places,
+            &mut scratch.velocities,
+        );
+        run.sign = scratch.velocities.determinant.signum();
+        solved.then_some(run)
+    }
+
+    /// The projectors of a dyad whose bars have these directions, for velocities and for positions.
+    fn push_pair(&self, [first, second]: [f64; 2], scratch: &mut Scratch) {
+        let ((s12, c12), (s13, c13)) = (sin_cos(first), sin_cos(second));
+        let cross = s13 * c12 - c13 * s12;
+        scratch.along.push(Projector {
+            reads: [c12, s12],
+            moves: [s13 / cross, -c13 / cross],
+        });
+        // Relative velocities are square to the bars.
+        scratch.across.push(Projector {
+            reads: [-s12, c12],
+            moves: [c13 / cross, s13 / cross],
+        });
+    }
+
+    fn row(&self, item: usize, scratch: &mut Scratch) -> Option<Row> {
+        let mut random = Random::new(self.asked.seed, 0, item as u64);
+        scratch.along.clear();
+        scratch.across.clear();
+        for drawn in &self.drawn {
+            let pair = match self.asked.directions {
+                Directions::Near(by) => drawn.map(|a| a + by * random.symmetric()),
+                Directions::Turned(delta) => {
+                    let first = TAU * random.unit();
+                    [
+                        first,
+                        first + delta.lo + (delta.hi - delta.lo) * random.unit(),
+                    ]
+                }
+            };
+            self.push_pair(pair, scratch);
+        }
+        let Scratch {
+            along,
+            across,
+            places,
+            velocities,
+            positions,
+        } = scratch;
+        let solved = self.sweep.solve(along, &self.given, places, velocities)
+            && self
+                .sweep
+                .solve(across, &self.chain.points, places, positions);
+        let mut values: Vec<f64> = Vec::with_capacity(4 * self.unknowns.len());
+        values.extend(
+            self.unknowns
+                .iter()
+                .flat_map(|k| velocities.values.get(*k))
+                .flatten(),
+        );
+        values.extend(
+            self.unknowns
+                .iter()
+                .flat_map(|k| positions.values.get(*k))
+                .flatten(),
+        );
+        if !solved || !values.iter().all(|v| v.is_finite()) {
+            return None;
+        }
+        let speed = |k: &usize| libm::hypot(velocities.values[*k][0], velocities.values[*k][1]);
+        let [end, pivot] = self.chain.lever;
+        let bar = [0, 1].map(|i| positions.values[end][i] - positions.values[pivot][i]);
+        let v = velocities.values[end];
+        let lever = (bar[0] * v[0] + bar[1] * v[1]).abs()
+            / (libm::hypot(bar[0], bar[1]) * libm::hypot(v[0], v[1]));
+        Some(Row {
+            values,
+            same_sign: velocities.determinant * self.sign > 0.0,
+            speed: self.unknowns.iter().map(speed).fold(0.0, f64::max),
+            lever,
+        })
+    }
+}

@@ -1,0 +1,256 @@
+//! `mechanim intervals`: the system of a row of dyads with intervals for the directions of its bars.
+
+use super::row::{OpenRow, open_row};
+use crate::analysis::dyads::{TrialsAsked, run_trials};
+use crate::analysis::random::Random;
+use crate::charts::paving::paving_chart;
+use crate::cli::args::dyads::{IntervalMethod, IntervalsArgs};
+use crate::cli::files::chart::{PlotFormat, write_chart};
+use crate::cli::io;
+use crate::cli::term::Term;
+use crate::cli::term::outcome::{Failure, Outcome};
+use crate::intervals::centre::{tolerable_radius, tolerance_at, united_radius};
+use crate::intervals::chain::Directions;
+use crate::intervals::dyad::tied_cube;
+use crate::intervals::formal::{Formal, formal_solution};
+use crate::intervals::paving::{Window, pave_projection, pave_section};
+use crate::intervals::regular::spectral_bound;
+use crate::intervals::system::{Answer, SolutionSet};
+use crate::intervals::{IntervalSystem, Kaucher};
+use crate::jobs::{core_count, share_work};
+use crate::limits::allow_memory;
+use crate::report::row_intervals::{
+    FormalPair, PavedPoint, TiedReport, centre_document, centre_text, trials_document, trials_text,
+};
+use serde_json::Value;
+use std::f64::consts::PI;
+
+/// Right sides are as wide as this share of the given velocity where nothing is said.
+const SIDE: f64 = 0.05;
+
+/// Points are looked for within this share of the mechanism's size where nothing is said.
+const REACH: f64 = 0.1;
+
+/// Places of the other points that are tried for squares inside a projection.
+const TRIES: usize = 200;
+
+/// Damping of the subdifferential Newton method: none.
+const TAU: f64 = 1.0;
+
+/// What a method gives: words, a document, and whether it answers what was asked.
+type Answered = (String, Value, Outcome);
+
+/// Runs the verb.
+pub fn run_intervals(args: &IntervalsArgs, term: &Term) -> Result<Outcome, Failure> {
+    let reports = [
+        ("--out", args.out.as_deref()),
+        ("--plot", args.plot.as_deref()),
+    ];
+    io::refuse_clashes(&[&args.row.scene], &reports)?;
+    if args.plot.is_some() && args.method != IntervalMethod::Tied {
+        let message = "--plot draws the sets that --method tied paves";
+        return Err(Failure::usage(message, Vec::new()));
+    }
+    let format = args.plot.as_deref().map(PlotFormat::of).transpose()?;
+    let row = open_row(&args.row, term)?;
+    let (text, document, outcome) = match args.method {
+        IntervalMethod::Trials => run_random(args, &row)?,
+        IntervalMethod::Formal => run_formal(args, &row)?,
+        IntervalMethod::Centre => run_centre(args, &row)?,
+        IntervalMethod::Tied => run_tied(args, &row, format)?,
+    };
+    if let Some(path) = &args.out {
+        io::write_json(&args.row.scene, path, &document)?;
+    }
+    let text = format!("{}\n{text}", row.report().headline());
+    io::print_beside(term, args.out.as_deref(), &text)?;
+    Ok(outcome)
+}
+
+/// Directions that the bars may have.
+fn directions(args: &IntervalsArgs, row: &OpenRow) -> Directions {
+    match args.spread {
+        Some(degrees) => Directions::Near(degrees.to_radians()),
+        None => Directions::Turned(row.delta),
+    }
+}
+
+/// Velocity of the given point.
+fn given(args: &IntervalsArgs, row: &OpenRow) -> [f64; 2] {
+    let chain = &row.row.chain;
+    args.velocity.unwrap_or(chain.velocities[chain.given()])
+}
+
+fn speed([x, y]: [f64; 2]) -> f64 {
+    libm::hypot(x, y)
+}
+
+fn run_random(args: &IntervalsArgs, row: &OpenRow) -> Result<Answered, Failure> {
+    let chain = &row.row.chain;
+    let numbers = 4 * chain.unknowns().len() + 4;
+    // Kept once a trial, and once sorted.
+    let bytes = 2.0 * (args.trials * numbers * std::mem::size_of::<f64>()) as f64;
+    allow_memory(bytes, &format!("{} trials", args.trials))?;
+    let asked = TrialsAsked {
+        directions: directions(args, row),
+        given: given(args, row),
+        count: args.trials,
+        seed: args.seed,
+        threads: args.threads.unwrap_or_else(core_count),
+    };
+    let trials = run_trials(chain, &asked).ok_or_else(|| {
+        let message = "the row of dyads is too entangled for trials";
+        Failure::usage(message, vec!["see `mechanim dyads`".to_owned()])
+    })?;
+    let size = speed(asked.given);
+    let outcome = match trials.solved > 0 {
+        true => Outcome::Done,
+        false => Outcome::CheckFailed,
+    };
+    Ok((
+        trials_text(&row.row, &trials, args.trials, size),
+        trials_document(&row.row, &trials, size),
+        outcome,
+    ))
+}
+
+/// The system with intervals for its coefficients.
+fn system(args: &IntervalsArgs, row: &OpenRow) -> Result<(IntervalSystem, f64), Failure> {
+    let given = given(args, row);
+    let side = args.side.unwrap_or(SIDE * speed(given));
+    let system = row
+        .row
+        .chain
+        .interval_system(directions(args, row), given, side);
+    let system = system.ok_or_else(|| {
+        Failure::usage(
+            "the bars of a dyad can be in line within these directions: its coefficients have no bounds",
+            vec!["choose narrower ones with --delta or --spread".to_owned()],
+        )
+    })?;
+    Ok((system, side))
+}
+
+fn run_formal(args: &IntervalsArgs, row: &OpenRow) -> Result<Answered, Failure> {
+    let (system, _) = system(args, row)?;
+    let judged = |kind: &SolutionSet| {
+        let formal = formal_solution(&system.inclusion(kind), TAU);
+        let is_inside = match &formal {
+            Formal::Solved { x, improper, .. } if improper.is_empty() => {
+                system.holds_box(x, kind) == Answer::Yes
+            }
+            _ => false,
+        };
+        (formal, is_inside)
+    };
+    let tolerable = judged(&SolutionSet::Tolerable);
+    let united = judged(&SolutionSet::United);
+    let pair = FormalPair {
+        tolerable: (&tolerable.0, tolerable.1),
+        united: (&united.0, united.1),
+        spectral: spectral_bound(&system),
+    };
+    let outcome = match pair.proves() {
+        true => Outcome::Done,
+        false => Outcome::CheckFailed,
+    };
+    Ok((pair.text(&row.row), pair.document(), outcome))
+}
+
+fn run_centre(args: &IntervalsArgs, row: &OpenRow) -> Result<Answered, Failure> {
+    let (system, side) = system(args, row)?;
+    let chain = &row.row.chain;
+    let velocities = chain
+        .unknowns()
+        .into_iter()
+        .flat_map(|k| chain.velocities[k]);
+    let share = if args.about_zero { 0.0 } else { 1.0 };
+    let centre: Vec<f64> = velocities.map(|v| share * v).collect();
+    let (tolerance, radius) = (
+        tolerance_at(&system, &centre),
+        tolerable_radius(&system, &centre),
+    );
+    // What the functional says is in plain numbers; the cube is tested with outward rounding before it is claimed.
+    let radius = proved_radius(&system, &centre, radius);
+    let united = united_radius(&system, &centre);
+    let outcome = match radius > 0.0 {
+        true => Outcome::Done,
+        false => Outcome::CheckFailed,
+    };
+    Ok((
+        centre_text(tolerance, radius, united, side),
+        centre_document(&centre, tolerance, radius, united),
+        outcome,
+    ))
+}
+
+/// The largest of a few slightly smaller radii whose cube is proved to be tolerable; not positive if none is.
+fn proved_radius(system: &IntervalSystem, centre: &[f64], radius: f64) -> f64 {
+    /// Shares that rounding may take.
+    const SHARES: [f64; 4] = [1e-14, 1e-12, 1e-9, 1e-6];
+    if radius <= 0.0 {
+        return radius;
+    }
+    let fits = |r: &f64| {
+        let cube = centre.iter().map(|c| Kaucher::new(c - r, c + r));
+        let cube: Vec<Kaucher> = cube.collect();
+        system.holds_box(&cube, &SolutionSet::Tolerable) == Answer::Yes
+    };
+    let smaller = SHARES.map(|share| radius * (1.0 - share));
+    smaller.into_iter().find(fits).unwrap_or(0.0)
+}
+
+fn run_tied(
+    args: &IntervalsArgs,
+    row: &OpenRow,
+    format: Option<PlotFormat>,
+) -> Result<Answered, Failure> {
+    let (chain, mechanism) = (&row.row.chain, &row.open.scene.mechanism);
+    // The set is that of lines: an angle and what it lacks of half a turn are the same.
+    let least = row.delta.lo.min(PI - row.delta.hi);
+    if !(least > 0.0 && row.delta.hi < PI && least < 0.5 * PI) {
+        return Err(Failure::usage(
+            "--method tied takes angles between 0 and 180 degrees, such as 5..175",
+            Vec::new(),
+        ));
+    }
+    let window = Window {
+        least,
+        reach: args.reach.unwrap_or(REACH * mechanism.size),
+        halvings: args.halvings,
+    };
+    let still = [chain.fixed.clone(), vec![chain.given()]].concat();
+    let moving: Vec<usize> = (0..chain.points.len())
+        .filter(|k| !chain.fixed.contains(k))
+        .collect();
+    let work = |_: &mut (), index: usize| {
+        let point = moving[index];
+        let mut random = Random::new(args.seed, 0, point as u64);
+        Some(PavedPoint {
+            point,
+            section: pave_section(chain, point, window),
+            projection: pave_projection(chain, point, window, TRIES, || random.symmetric()),
+        })
+    };
+    let threads = args.threads.unwrap_or_else(core_count);
+    let paved = share_work(moving.len(), threads, || (), work);
+    let report = TiedReport {
+        row: &row.row,
+        window,
+        velocities: tied_cube(&chain.velocities, &still, &chain.dyads, least),
+        positions: tied_cube(&chain.points, &chain.fixed, &chain.dyads, least),
+        paved: paved.into_iter().map(|(_, p)| p).collect(),
+        unit: mechanism.length_unit.clone(),
+    };
+    if let (Some(path), Some(format)) = (&args.plot, format) {
+        let chart = paving_chart(&row.row, &mechanism.title, &report.unit, &report.paved);
+        let mut output = io::open_output(path)?;
+        let written = write_chart(&chart, format, None, args.theme, output.as_mut());
+        io::unless_reader_left(written.and_then(|()| Ok(output.commit()?)))?;
+    }
+    let outcome = match report.positions > 0.0 {
+        true => Outcome::Done,
+        false => Outcome::CheckFailed,
+    };
+    Ok((report.text(), report.document(), outcome))
+}

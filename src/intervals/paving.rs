@@ -1,0 +1,168 @@
+//! The exact set of places from which bars keep their angles: squares that lie in it, squares on its edge, and the rest.
+//!
+//! A dyad whose bars are nowhere nearer to one line than an angle δ keeps |e × f| ≥ sin δ |e| |f|, whatever the lengths of its bars. For
+//! one point beside fixed ends that is: inside exactly one of two circles. Two sets of a point are paved: where it may be with the
+//! others as drawn (`section`), and where it may be for some places of the others about theirs (`projection`).
+
+use super::chain::DyadChain;
+use super::dyad::{Dyad, are_apart};
+use crate::numbers::interval::Interval;
+use crate::numbers::scalar::Scalar;
+
+/// A square: its middle and half its side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cell {
+    /// Middle.
+    pub middle: [f64; 2],
+    /// Half of the side.
+    pub half: f64,
+}
+
+/// A paved set.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Paving {
+    /// Squares all of whose points belong to it (proved).
+    pub inner: Vec<Cell>,
+    /// Squares that are not decided. All points of the window outside of both do not belong to it (proved).
+    pub edge: Vec<Cell>,
+    /// Half the side of the window.
+    pub reach: f64,
+}
+
+impl Paving {
+    /// Shares of the window that are inside, and on the edge.
+    pub fn shares(&self) -> [f64; 2] {
+        let whole = self.reach * self.reach;
+        [&self.inner, &self.edge].map(|list| {
+            let areas = list.iter().map(|cell| cell.half * cell.half);
+            areas.fold(0.0, |sum, area| sum + area) / whole
+        })
+    }
+}
+
+/// What a paving asks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Window {
+    /// The least angle between the bars of a dyad as lines, radians.
+    pub least: f64,
+    /// Half the side of the square about a point as drawn in which it is looked for.
+    pub reach: f64,
+    /// How often squares are halved.
+    pub halvings: u32,
+}
+
+type Box2 = [Interval; 2];
+
+fn point_box(p: [f64; 2], half: f64) -> Box2 {
+    p.map(|v| Interval::point(v) + Interval::around_zero(half))
+}
+
+/// Where `point` may be with all others as drawn.
+pub fn pave_section(chain: &DyadChain, point: usize, window: Window) -> Paving {
+    let drawn: Vec<Box2> = chain.points.iter().map(|p| point_box(*p, 0.0)).collect();
+    pave(chain, point, window, |cell| {
+        judge(&chain.dyads, point, cell, &drawn, window.least)
+    })
+}
+
+/// Where `point` may be for some places of the other moving points within `reach` of their own. `random` gives numbers from -1
+/// to 1 and `tries` says how many places of the others are looked at for squares inside.
+pub fn pave_projection(
+    chain: &DyadChain,
+    point: usize,
+    window: Window,
+    tries: usize,
+    mut random: impl FnMut() -> f64,
+) -> Paving {
+    let anywhere: Vec<Box2> = (0..chain.points.len())
+        .map(|k| {
+            let wide = !chain.fixed.contains(&k) && k != point;
+            point_box(chain.points[k], if wide { window.reach } else { 0.0 })
+        })
+        .collect();
+    let others = |k: &usize| !chain.fixed.contains(k) && *k != point;
+    let mut witnesses: Vec<Vec<Box2>> = Vec::new();
+    for item in 0..tries {
+        // The drawing first, then places farther and farther from it.
+        let share = item as f64 / tries as f64;
+        let mut places = chain.points.clone();
+        for k in (0..places.len()).filter(others) {
+            for axis in &mut places[k] {
+                *axis += share * window.reach * random();
+            }
+        }
+        let places: Vec<Box2> = places.iter().map(|p| point_box(*p, 0.0)).collect();
+        let mut apart = chain.dyads.iter().filter(|d| !touches(d, point));
+        let sine = Interval::point(window.least).sin_cos().0;
+        if apart.all(|dyad| dyad_answer(dyad, &places, sine) == Some(true)) {
+            witnesses.push(places);
+        }
+    }
+    pave(chain, point, window, |cell| {
+        let is_inside = |places: &Vec<Box2>| {
+            judge(&chain.dyads, point, cell, places, window.least) == Some(true)
+        };
+        if witnesses.iter().any(is_inside) {
+            return Some(true);
+        }
+        let none = judge(&chain.dyads, point, cell, &anywhere, window.least);
+        (none == Some(false)).then_some(false)
+    })
+}
+
+fn touches(dyad: &Dyad, point: usize) -> bool {
+    dyad.point == point || dyad.ends.contains(&point)
+}
+
+fn dyad_answer(dyad: &Dyad, places: &[Box2], sine: Interval) -> Option<bool> {
+    are_apart(places[dyad.point], dyad.ends.map(|end| places[end]), sine)
+}
+
+/// Whether all places in a cell keep all dyads, or none does.
+fn judge(dyads: &[Dyad], point: usize, cell: Cell, places: &[Box2], least: f64) -> Option<bool> {
+    let sine = Interval::point(least).sin_cos().0;
+    let mut all = Some(true);
+    let own = point_box(cell.middle, cell.half);
+    for dyad in dyads {
+        let of = |k: usize| if k == point { own } else { places[k] };
+        match are_apart(of(dyad.point), dyad.ends.map(of), sine) {
+            Some(false) => return Some(false),
+            None => all = None,
+            Some(true) => {}
+        }
+    }
+    all
+}
+
+/// Halves the window's square until every cell is decided or small.
+fn pave(
+    chain: &DyadChain,
+    point: usize,
+    window: Window,
+    answer: impl Fn(Cell) -> Option<bool>,
+) -> Paving {
+    let mut paving = Paving {
+        reach: window.reach,
+        ..Paving::default()
+    };
+    let whole = Cell {
+        middle: chain.points[point],
+        half: window.reach,
+    };
+    let mut open = vec![(whole, 0)];
+    while let Some((cell, halvings)) = open.pop() {
+        match answer(cell) {
+            Some(true) => paving.inner.push(cell),
+            Some(false) => {}
+            None if halvings == window.halvings => paving.edge.push(cell),
+            None => {
+                let half = 0.5 * cell.half;
+                for [x, y] in [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]] {
+                    let middle = [cell.middle[0] + x * half, cell.middle[1] + y * half];
+                    open.push((Cell { middle, half }, halvings + 1));
+                }
+            }
+        }
+    }
+    paving
+}

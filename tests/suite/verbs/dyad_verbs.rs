@@ -1,0 +1,221 @@
+//! `dyads` and `intervals`: the mechanism of the source, its tables, and what is refused.
+
+use crate::program::Workspace;
+use serde_json::Value;
+
+fn document(space: &Workspace, arguments: &[&str]) -> Value {
+    let run = space.run(arguments).exits(0);
+    serde_json::from_slice(&run.stdout).unwrap()
+}
+
+#[test]
+fn the_row_of_the_scene_is_that_of_the_source() {
+    let space = Workspace::new();
+    let row = document(&space, &["dyads", "dyads", "--out", "-"]);
+    assert_eq!(row["schema"], "mechanim-dyads/1");
+    let dyads: Vec<String> = row["row"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|d| {
+            let end = |k: usize| d["ends"][k].as_str().unwrap();
+            format!("{};{},{}", d["point"].as_str().unwrap(), end(0), end(1))
+        })
+        .collect();
+    let wanted = [
+        "7;8,9", "6;7,4", "5;6,1", "4;5,10", "3;4,10", "2;3,8", "1;2,8", "0;1,5",
+    ];
+    assert_eq!(dyads, wanted);
+    assert_eq!(row["lever"], serde_json::json!(["8", "9"]));
+    assert_eq!(row["bars"].as_array().unwrap().len(), 17);
+    let heads = serde_json::json!(["8", "7", "6", "5", "4", "3", "2", "1"]);
+    assert_eq!(row["columns"], heads);
+    let of = |name: &str| {
+        let points = row["points"].as_array().unwrap();
+        points.iter().find(|p| p["name"] == name).unwrap().clone()
+    };
+    for (name, velocity) in [
+        ("0", [1.427881086484795, -15.219787068799338]),
+        ("8", [-5.609640136817703, -26.645790649884088]),
+    ] {
+        for (axis, wanted) in velocity.into_iter().enumerate() {
+            let found = of(name)["velocity"][axis].as_f64().unwrap();
+            assert!((found - wanted).abs() < 1e-11, "{name}: {found}");
+        }
+    }
+    assert!(row["conjugate_positions_off"].as_f64().unwrap() < 1e-9);
+    assert!(row["printed_signs_off"].as_f64().unwrap() > 10.0);
+    let range = &row["ranges"]["exact"];
+    assert!((range[0][0].as_f64().unwrap() + 2.379385241572).abs() < 1e-11);
+    assert!((range[1][1].as_f64().unwrap() - 5.715026151381).abs() < 1e-11);
+}
+
+#[test]
+fn the_table_is_written_in_three_ways() {
+    let space = Workspace::new();
+    for (name, head, mark) in [
+        (
+            "t.csv",
+            ",v8x,v8y,v7x,v7y,v6x,v6y",
+            "\"7; 8, 9 x\",-0.43942133",
+        ),
+        ("t.md", "|  | v8x | v8y | v7x", "|---|---|"),
+        ("t.tex", " & v8x & v8y & v7x", "\\end{tabular}"),
+    ] {
+        space.run(&["dyads", "dyads", "--out", name]).exits(0);
+        let text = String::from_utf8(space.read(name)).unwrap();
+        assert!(text.contains(head), "{text}");
+        assert!(text.contains(mark), "{text}");
+        let rows = text.lines().filter(|l| l.contains("; ")).count();
+        assert_eq!(rows, 16, "{text}");
+    }
+    space
+        .run(&["dyads", "dyads", "--out", "t.xls"])
+        .exits(2)
+        .says(&["unknown kind of table", ".tex"]);
+}
+
+#[test]
+fn other_poses_and_linkages_come_apart_too() {
+    let space = Workspace::new();
+    let text = space.run(&["dyads", "four-bar"]).exits(0).text();
+    assert!(text.contains("and the lever"), "{text}");
+    let text = space
+        .run(&["dyads", "dyads", "--at", "1.5"])
+        .exits(0)
+        .text();
+    assert!(text.contains("at t = 1.5 s"), "{text}");
+}
+
+#[test]
+fn what_is_no_row_of_dyads_is_refused_with_its_reason() {
+    let space = Workspace::new();
+    for (scene, reason) in [
+        ("slider-crank", "prismatic joint"),
+        ("gearshift", "joint"),
+        ("bennett", "not parallel"),
+        ("sarrus", "not"),
+    ] {
+        space
+            .run(&["dyads", scene])
+            .exits(2)
+            .says(&["not a chain of dyads", reason])
+            .prints_nothing();
+    }
+    for (arguments, reason) in [
+        (
+            &["dyads", "dyads", "--delta", "170..10"][..],
+            "is above the upper end",
+        ),
+        (&["dyads", "dyads", "--per", "psi"], "`psi` is no input"),
+        (&["dyads", "dyads", "--at", "9"], "lasts from 0 to 4 s"),
+        (
+            &[
+                "intervals",
+                "dyads",
+                "--method",
+                "formal",
+                "--delta",
+                "0..180",
+            ],
+            "can be in line",
+        ),
+        (
+            &["intervals", "dyads", "--method", "formal", "--spread", "7"],
+            "can be in line",
+        ),
+        (
+            &[
+                "intervals",
+                "dyads",
+                "--method",
+                "trials",
+                "--plot",
+                "a.svg",
+            ],
+            "--method tied",
+        ),
+        (
+            &[
+                "intervals",
+                "dyads",
+                "--method",
+                "tied",
+                "--delta",
+                "190..350",
+            ],
+            "between 0 and 180",
+        ),
+    ] {
+        space.run(arguments).exits(2).says(&[reason]);
+    }
+}
+
+#[test]
+fn methods_answer_or_say_that_they_do_not() {
+    let space = Workspace::new();
+    fn with<'a>(rest: &[&'a str]) -> Vec<&'a str> {
+        [&["intervals", "dyads", "--method"], rest].concat()
+    }
+    // Improper: nothing is proved, and that is the answer.
+    let run = space.run(&with(&["formal", "--spread", "0.1"])).exits(1);
+    assert!(run.text().contains("improper in"), "{}", run.text());
+    assert!(run.text().contains("every matrix in A is regular (proved)"));
+    let run = space.run(&with(&["formal"])).exits(1);
+    assert!(run.text().contains("D is singular"), "{}", run.text());
+    let run = space.run(&with(&["centre", "--spread", "0.0001"])).exits(0);
+    assert!(run.text().contains("half width 0.037"), "{}", run.text());
+    let run = space.run(&with(&["centre", "--spread", "0.01"])).exits(1);
+    assert!(run.text().contains("there is no cube"), "{}", run.text());
+    let zero = [
+        "centre",
+        "--about-zero",
+        "--velocity",
+        "0,0",
+        "--side",
+        "0.1",
+    ];
+    let run = space.run(&with(&zero)).exits(0);
+    assert!(run.text().contains("half width 0.00521"), "{}", run.text());
+    let trials = ["trials", "--trials", "2000", "--velocity", "1,0.5"];
+    let one = space.run(&with(&trials)).exits(0).text();
+    assert!(one.contains("2000 trials, 2000 of them solved"), "{one}");
+    let again = [&trials[..], &["--threads", "1"]].concat();
+    assert_eq!(one, space.run(&with(&again)).exits(0).text());
+}
+
+#[test]
+fn the_tied_set_is_paved_and_drawn() {
+    let space = Workspace::new();
+    let tied = |delta: &'static str| {
+        vec![
+            "intervals",
+            "dyads",
+            "--method",
+            "tied",
+            "--delta",
+            delta,
+            "--reach",
+            "10",
+            "--halvings",
+            "4",
+            "--plot",
+            "tied.svg",
+        ]
+    };
+    let run = space.run(&tied("5..175")).exits(0);
+    let text = run.text();
+    assert!(
+        text.contains("proved cube of velocities: half width 0.0596"),
+        "{text}"
+    );
+    assert!(
+        text.contains("narrowest at the pose: dyad 5 with 6.5266 deg"),
+        "{text}"
+    );
+    let svg = String::from_utf8(space.read("tied.svg")).unwrap();
+    assert!(svg.contains("Projection") && svg.matches("<polygon").count() > 10);
+    // The pose itself has 6.53 degrees.
+    let run = space.run(&tied("10..170")).exits(1);
+    assert!(run.text().contains("the pose itself is not in the set"));
+}
