@@ -241,8 +241,9 @@ impl<'m> ProvedMotion<'m> {
                 whole = false;
                 break;
             }
+            // Both poses are held by the tubes that begin and end with them, if their inputs are.
             let begins = tube.start == from && self.prover.has_inputs(&tube, &pair[0]);
-            let ends = tube.end == to && self.prover.meets(&tube, &pair[1]);
+            let ends = tube.end == to && self.prover.has_inputs(&tube, &pair[1]);
             let ends = [begins.then_some(places[0]), ends.then_some(places[1])];
             self.add_tube(tube, arguments, ends);
         }

@@ -84,14 +84,8 @@ impl<'m> Prover<'m> {
         self
     }
 
-    /// Whether a sample's exact pose is the tube's at that time: its inputs, which right after a jump are not, and its unknowns.
-    pub fn meets(&mut self, tube: &Tube, sample: &Sample) -> bool {
-        self.has_inputs(tube, sample)
-            && matches!(self.place(sample), Ok(place) if self.holds(tube, &place))
-    }
-
-    /// Whether a sample's inputs are the tube's at that time: those of a sample from which the drive jumps are not. Tubes begin
-    /// with the poses of the samples that have their inputs.
+    /// Whether a sample's inputs are the tube's at that time: those of a sample at which the drive jumps are not. Tubes begin and
+    /// end with the exact poses of the samples that have their inputs.
     pub fn has_inputs(&self, tube: &Tube, sample: &Sample) -> bool {
         let slot = self.system.mechanism().unknowns.len();
         let is_same = |(k, value): (usize, &f64)| {
