@@ -38,8 +38,23 @@ pub(super) struct Segment {
     ends: f64,
     /// No distance is lower, as looks at a longer piece or for another goal have shown.
     known: f64,
-    /// Pairs of elements that may be near; all, if nothing is known.
-    near: Option<Rc<[[usize; 2]]>>,
+    near: NearElements,
+}
+
+/// Pairs of elements that may be near; all, if nothing is known.
+#[derive(Clone)]
+pub(super) struct NearElements {
+    list: Option<Rc<[[usize; 2]]>>,
+    /// All others are no nearer than this.
+    others: f64,
+}
+
+impl NearElements {
+    /// Nothing is known.
+    pub(super) const ALL: Self = Self {
+        list: None,
+        others: f64::INFINITY,
+    };
 }
 
 impl Segment {
@@ -56,7 +71,7 @@ impl Segment {
             half,
             ends: f64::NEG_INFINITY,
             known: f64::NEG_INFINITY,
-            near: None,
+            near: NearElements::ALL,
         }
     }
 
@@ -74,7 +89,7 @@ pub(super) struct BoundGoal {
     pub(super) middle: f64,
     /// Narrower bounds of the motion would help more than shorter pieces.
     pub(super) is_blurred: bool,
-    pub(super) near: Option<Rc<[[usize; 2]]>>,
+    pub(super) near: NearElements,
 }
 
 /// From the first to the second of every pair of elements, where they were nearest when they were last looked at: planes
@@ -288,7 +303,8 @@ impl PairSweep<'_> {
         }
         // Element by element: only those that could come below `last` are kept for the halves.
         let back = self.back.as_ref().map(|b| b.around(arguments, s, half));
-        let (mut lowest, mut nearest) = (f64::INFINITY, f64::INFINITY);
+        let mut others = piece.near.others;
+        let (mut lowest, mut nearest) = (others, f64::INFINITY);
         let mut left: Vec<[usize; 2]> = Vec::new();
         // Elements of the second body where they are in the middle, and how far they move from there.
         let mut placed: Vec<Option<(Element, f64)>> = vec![None; self.hulls[1].elements.len()];
@@ -315,7 +331,10 @@ impl PairSweep<'_> {
             }
             if far >= goal {
                 lowest = lowest.min(far);
-                left.extend((far < last).then_some([i, j]));
+                match far < last {
+                    true => left.push([i, j]),
+                    false => others = others.min(far),
+                }
                 return;
             }
             // The distance in the middle, and a bound of the second order over the piece.
@@ -338,7 +357,7 @@ impl PairSweep<'_> {
             };
             left.push([i, j]);
         };
-        match &piece.near {
+        match &piece.near.list {
             Some(near) => near.iter().for_each(|pair| visit(*pair)),
             None => {
                 for i in 0..self.hulls[0].elements.len() {
@@ -351,7 +370,10 @@ impl PairSweep<'_> {
             lowest,
             middle: nearest + blur,
             is_blurred: nearest - 2.0 * blur < goal,
-            near: Some(left.into()),
+            near: NearElements {
+                list: Some(left.into()),
+                others,
+            },
         }
     }
 }

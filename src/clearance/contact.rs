@@ -1,6 +1,6 @@
 //! Bodies that are meant to touch: how far apart, or how deep in each other, they can come between the samples.
 
-use super::branch_and_bound::{BoundGoal, Segment, split_piece};
+use super::branch_and_bound::{BoundGoal, NearElements, Segment, split_piece};
 use super::meeting::Meeting;
 use super::motion::ProvedMotion;
 use super::relative::{RelativeChain, RelativeMove};
@@ -116,7 +116,7 @@ impl PairSweep<'_> {
                     lowest: low,
                     middle: high,
                     is_blurred: self.chain.blur(arguments, self.hulls[1].ball) > BLURRED * allowed,
-                    near: None,
+                    near: NearElements::ALL,
                 };
                 let halves = (!is_settled)
                     .then(|| split_piece(motion, &piece, &look))
