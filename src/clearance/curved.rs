@@ -9,9 +9,12 @@
 
 use super::meeting::Meeting;
 use super::relative::RelativeMove;
+use crate::distance::curve_bend::CurveBend;
 use crate::distance::point::{PointHit, point_to, to_circle, to_disc};
 use crate::distance::primitive::{Circle, Element, Primitive};
-use crate::distance::search::{CurveSpot, angle_grid, least_on_circle, least_spot};
+use crate::distance::search::{
+    CurveSpot, Spot, angle_grid, least_between, least_on_circle, lowest_of_bent,
+};
 use glam::DVec3;
 use std::f64::consts::TAU;
 
@@ -30,6 +33,11 @@ impl Still<'_> {
             Primitive::Circle(circle) if self.is_filled => Some(to_disc(circle, point)),
             core => point_to(core, point),
         }
+    }
+
+    /// The circle that f bends down inside of.
+    fn ring(&self) -> Option<&Circle> {
+        self.core.circle().filter(|_| !self.is_filled)
     }
 
     /// No larger circle that moves is looked along.
@@ -174,7 +182,23 @@ fn of_point(still: &Still, q: DVec3, moved: &RelativeMove) -> Option<f64> {
     Some(2.0 * here?.distance - back?.distance.max(ahead?.distance))
 }
 
-/// 2 f(q) - f(q ± X) at a point that moves along a core with the given tangent.
+/// A place q of a core that moves: f(q) with its slope along the core, and f(q ± X).
+#[derive(Clone, Copy, Default)]
+struct MovedSpot {
+    here: CurveSpot,
+    there: CurveSpot,
+}
+
+impl Spot for MovedSpot {
+    fn place(&self) -> CurveSpot {
+        CurveSpot {
+            at: self.here.at,
+            value: 2.0 * self.here.value - self.there.value,
+            slope: 2.0 * self.here.slope - self.there.slope,
+        }
+    }
+}
+
 fn moved_spot(
     still: &Still,
     moved: &RelativeMove,
@@ -182,46 +206,90 @@ fn moved_spot(
     at: f64,
     q: DVec3,
     tangent: DVec3,
-) -> CurveSpot {
+) -> MovedSpot {
+    let spot = |q: DVec3, tangent: DVec3| {
+        still.hit(q).map(|hit| CurveSpot {
+            at,
+            value: hit.distance,
+            slope: hit.normal.dot(tangent),
+        })
+    };
     let there = q + moved.rate(q) * sign;
     let turned = tangent + moved.spin.cross(tangent) * sign;
-    let hits = [still.hit(q), still.hit(there)];
-    let [Some(here), Some(there)] = hits else {
-        return CurveSpot::default();
-    };
-    CurveSpot {
-        at,
-        value: 2.0 * here.distance - there.distance,
-        slope: 2.0 * here.normal.dot(tangent) - there.normal.dot(turned),
+    match [spot(q, tangent), spot(there, turned)] {
+        [Some(here), Some(there)] => MovedSpot { here, there },
+        _ => MovedSpot::default(),
     }
 }
 
-/// X changes along a core as fast as the spin takes its points: the slope of 2 f(q) - f(q ± X) for each unit of length.
-fn steepest_rate(moved: &RelativeMove) -> f64 {
-    3.0 + moved.spin.length()
+/// Of the curve along which f is taken, where it is and where X takes it.
+struct MovedBends([CurveBend; 2]);
+
+impl MovedBends {
+    /// X changes along a core as fast as the spin takes its points.
+    fn new(still: &Still, moved: &RelativeMove, here: CurveBend) -> Self {
+        let stretched = 1.0 + moved.spin.length();
+        Self([here, CurveBend::elsewhere(still.ring(), &here, stretched)])
+    }
+
+    /// 2 f(q) - f(q ± X) is nowhere between two places lower: f is above its tangents and below its chord, but for what it
+    /// bends down.
+    fn lowest_between(&self, a: &MovedSpot, b: &MovedSpot) -> f64 {
+        let [here, there] = &self.0;
+        let wide = b.here.at - a.here.at;
+        let plain =
+            2.0 * here.lowest_between(&a.here, &b.here) - there.highest_between(&a.there, &b.there);
+        let bends = [
+            here.between(&a.here, &b.here),
+            there.between(&a.there, &b.there),
+        ];
+        let [Some(here), Some(there)] = bends else {
+            return plain;
+        };
+        let rise = (b.there.value - a.there.value) / wide;
+        let above_chord = |spot: &MovedSpot| CurveSpot {
+            at: spot.here.at,
+            value: 2.0 * spot.here.value - spot.there.value,
+            slope: 2.0 * spot.here.slope - rise,
+        };
+        let bent = lowest_of_bent(2.0 * here, &above_chord(a), &above_chord(b));
+        plain.max(bent - 0.125 * there * wide * wide)
+    }
 }
+
+/// What a search along a core may miss, in its length or radius: far less than bodies in contact are proved to.
+const MISSED: f64 = 1e-8;
 
 /// The least of 2 f(q) - f(q ± X) over the points q of a segment.
 fn of_segment(still: &Still, ends: &[DVec3; 2], moved: &RelativeMove) -> f64 {
     let span = ends[1] - ends[0];
-    let steepest = span.length() * steepest_rate(moved);
+    let bends = MovedBends::new(
+        still,
+        moved,
+        CurveBend::of_segment(still.ring(), span.length()),
+    );
+    let missed = MISSED * span.length();
+    let lowest = |a: &MovedSpot, b: &MovedSpot| bends.lowest_between(a, b);
     let towards = |sign: f64| {
         let at = |t: f64| moved_spot(still, moved, sign, t, ends[0] + span * t, span);
-        least_spot(0.0, 1.0, steepest, at).value
+        least_between([0.0, 1.0], lowest, missed, at).floor
     };
     towards(1.0).min(towards(-1.0))
 }
 
-/// The same over those of a circle.
+/// The same over those of a circle. Of a circle along which f hardly changes no bound is near enough, so that what was found
+/// counts: what may be missed is then narrower than the places looked at, and no deeper than a circle leaves its chord there.
 fn of_circle(still: &Still, circle: &Circle, moved: &RelativeMove) -> f64 {
     let [x, y] = circle.directions().map(|d| d * circle.radius);
-    let steepest = circle.radius * steepest_rate(moved);
+    let bends = MovedBends::new(still, moved, CurveBend::of_circle(still.ring(), circle));
+    let missed = MISSED * circle.radius;
+    let lowest = |a: &MovedSpot, b: &MovedSpot| bends.lowest_between(a, b);
     let towards = |sign: f64| {
         let at = |angle: f64, (sin, cos): (f64, f64)| {
             let (q, tangent) = (circle.center + x * cos + y * sin, y * cos - x * sin);
             moved_spot(still, moved, sign, angle, q, tangent)
         };
-        least_on_circle(steepest, at).value
+        least_on_circle(lowest, missed, at).spot.value - missed
     };
     towards(1.0).min(towards(-1.0))
 }

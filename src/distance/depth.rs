@@ -10,12 +10,15 @@ use super::point::to_circle;
 use super::primitive::{Circle, Frustum, Primitive};
 use super::primitive_distance::{is_coaxial, nearest_cores};
 use super::primitive_pair::CorePair;
-use super::search::{CurveSpot, least_on_circle, minima_on_circle};
+use super::search::{CurveSpot, least_on_circle, lowest_of_bent, minima_on_circle};
 use crate::math::{Pose, sin_cos};
 use glam::DVec3;
 
 /// Cores as far apart as this, in their size, are apart in spite of rounding.
 const SEEN_APART: f64 = 1e-10;
+
+/// A shorter way out may be missed if it is shorter by no more than this part of the extent: rounding.
+const MISSED: f64 = 1e-12;
 
 /// A direction and the way along it.
 #[derive(Clone, Copy)]
@@ -162,7 +165,9 @@ fn ring_direction(a: &Primitive, b: &Primitive, ring: &DepthRing) -> DVec3 {
     let at = |(sin, cos): (f64, f64)| ring.u * cos + ring.v * sin + ring.lift;
     let [(p, r), (q, s)] = [a.bounds(), b.bounds()];
     let steepest = p.distance(q) + r + s;
-    let best = least_on_circle(steepest, |angle, (sin, cos)| {
+    // Supports are convex functions of the direction.
+    let lowest = |a: &CurveSpot, b: &CurveSpot| lowest_of_bent(steepest, a, b);
+    let best = least_on_circle(lowest, MISSED * steepest, |angle, (sin, cos)| {
         let n = at((sin, cos));
         farthest_direction(a, b, n).map_or(CurveSpot::default(), |x| CurveSpot {
             at: angle,
@@ -170,7 +175,7 @@ fn ring_direction(a: &Primitive, b: &Primitive, ring: &DepthRing) -> DVec3 {
             slope: x.dot(ring.v * cos - ring.u * sin),
         })
     });
-    at(sin_cos(best.at))
+    at(sin_cos(best.spot.at))
 }
 
 /// Directions in which two rims may part by less than `limit`: where their circles are nearest to each other, locally.

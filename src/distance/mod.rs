@@ -2,6 +2,7 @@
 
 pub mod bodies;
 pub(crate) mod boxes;
+pub(crate) mod curve_bend;
 mod depth;
 mod flaps;
 mod half_space;

@@ -5,6 +5,7 @@
 //! its centre circle, whatever it would take to unhook the two. Meshes have no depth: they touch (zero) or do not, but
 //! for half-spaces, in which everything has one.
 
+use super::curve_bend::CurveBend;
 use super::depth::overlap_depth;
 use super::half_space;
 use super::mesh;
@@ -12,7 +13,7 @@ use super::point::point_to;
 use super::primitive::{Element, Primitive};
 use super::primitive_distance::nearest_cores;
 use super::primitive_pair::CorePair;
-use super::search::{CurveSpot, least_on_circle, least_spot};
+use super::search::{CurveSpot, least_between, least_on_circle};
 use glam::DVec3;
 use std::cmp::Ordering;
 
@@ -114,10 +115,12 @@ pub fn is_inside(a: &Element, b: &Element) -> bool {
         }
         (Primitive::Segment(ends), Primitive::Circle(_)) => {
             let span = ends[1] - ends[0];
-            -least_spot(0.0, 1.0, span.length(), |t| {
+            let bend = CurveBend::of_segment(b.core.circle(), span.length());
+            let lowest = |p: &CurveSpot, q: &CurveSpot| lowest_backward(&bend, p, q);
+            let found = least_between([0.0, 1.0], lowest, bend.missed(ends[0]), |t| {
                 backward_spot(&b.core, t, ends[0] + span * t, span)
-            })
-            .value
+            });
+            -found.spot.value
         }
         (Primitive::Segment(ends), _) => farthest_reach(&b.core, ends),
         (Primitive::Triangle(corners), Primitive::Box(_) | Primitive::Frustum(_)) => {
@@ -144,14 +147,25 @@ fn backward_spot(core: &Primitive, at: f64, point: DVec3, tangent: DVec3) -> Cur
     })
 }
 
+/// Of the opposite of a distance.
+fn lowest_backward(bend: &CurveBend, p: &CurveSpot, q: &CurveSpot) -> f64 {
+    let opposite = |spot: &CurveSpot| CurveSpot {
+        value: -spot.value,
+        ..*spot
+    };
+    -bend.highest_between(&opposite(p), &opposite(q))
+}
+
 fn farthest_of_circle(core: &Primitive, circle: &super::primitive::Circle) -> f64 {
     if circle.radius <= 0.0 {
         return farthest_reach(core, &[circle.center]);
     }
     let [x, y] = circle.directions().map(|d| d * circle.radius);
-    -least_on_circle(circle.radius, |angle, (sin, cos)| {
+    let bend = CurveBend::of_circle(core.circle(), circle);
+    let lowest = |p: &CurveSpot, q: &CurveSpot| lowest_backward(&bend, p, q);
+    let found = least_on_circle(lowest, bend.missed(circle.center), |angle, (sin, cos)| {
         let point = circle.center + x * cos + y * sin;
         backward_spot(core, angle, point, y * cos - x * sin)
-    })
-    .value
+    });
+    -found.spot.value
 }

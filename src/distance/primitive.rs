@@ -144,6 +144,14 @@ impl BoxCore {
 }
 
 impl Primitive {
+    /// The circle, if it is one.
+    pub fn circle(&self) -> Option<&Circle> {
+        match self {
+            Self::Circle(circle) => Some(circle),
+            _ => None,
+        }
+    }
+
     /// The same core after a motion.
     pub fn moved(&self, pose: &Pose) -> Self {
         let point = |p: &DVec3| pose.transform_point(*p);

@@ -4,6 +4,7 @@
 //! sides whose common normal is known in closed form. Each candidate is a point of one core and its nearest point on
 //! the other, so none can be too small, and one of them is the nearest pair. A circle is searched along its angle.
 
+use super::curve_bend::CurveBend;
 use super::point::{on_segment, point_to, to_segment};
 use super::primitive::{BOX_EDGES, Circle, Frustum, Primitive};
 use super::primitive_pair::CorePair;
@@ -118,10 +119,12 @@ fn of_circle(a: &Primitive, circle: &Circle) -> CorePair {
     }
     let [x, y] = circle.directions().map(|d| d * circle.radius);
     let point = |(sin, cos): (f64, f64)| circle.center + x * cos + y * sin;
-    let best = least_on_circle(circle.radius, |angle, (sin, cos)| {
+    let bend = CurveBend::of_circle(a.circle(), circle);
+    let lowest = |p: &CurveSpot, q: &CurveSpot| bend.lowest_between(p, q);
+    let found = least_on_circle(lowest, bend.missed(circle.center), |angle, (sin, cos)| {
         core_spot(a, angle, point((sin, cos)), y * cos - x * sin)
     });
-    of_point(a, point(sin_cos(best.at)))
+    of_point(a, point(sin_cos(found.spot.at)))
 }
 
 /// Whether a core turns into itself about a circle's axis, to rounding: all points of the circle are as near then.

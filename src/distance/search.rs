@@ -32,11 +32,14 @@ const TELLS: f64 = 64.0 * f64::EPSILON;
 /// A slope that promises less than this part of the value over the whole bracket promises nothing.
 const REMAINS: f64 = 0.1 * f64::EPSILON;
 
-/// Even pieces into which a range is cut first. The squared distance of two circles has at most eight stationary
-/// points, four of them minima.
-const PIECES: usize = 16;
+/// Even pieces into which a range is cut first.
+const PIECES: usize = 8;
 
-/// Parts into which pieces are halved that could hide a smaller value.
+/// Most spots of one search, but for those in valleys. A function that hardly changes may hide something in every piece that
+/// is wider than the root of what could be hidden.
+const MOST_SPOTS: usize = 256;
+
+/// Parts of a turn of which sine and cosine are known.
 const FINEST: usize = 128;
 
 /// How often a piece is halved in which a minimum is looked for that is not the least.
@@ -85,15 +88,77 @@ pub fn least_near(start: f64, step: f64, f: impl Fn(f64) -> CurveSpot) -> Option
     Some(here)
 }
 
-/// Least spot of any function of an angle over a whole turn whose slope never exceeds `steepest`. The function is given the
-/// angle's sine and cosine too.
+/// Looks at a curve that bend bounds: what was found, and a bound of all that was not.
+#[derive(Clone, Copy, Debug)]
+pub struct LeastFound {
+    /// The least spot found.
+    pub spot: CurveSpot,
+    /// The function is nowhere lower.
+    pub floor: f64,
+}
+
+/// A spot of a curve, with what else a bound between two of them needs.
+pub trait Spot: Copy {
+    /// The function there.
+    fn place(&self) -> CurveSpot;
+}
+
+impl Spot for CurveSpot {
+    fn place(&self) -> CurveSpot {
+        *self
+    }
+}
+
+/// Between two spots a function cannot fall below this whose slope never exceeds `steepest`.
+pub fn lowest_of_steep(steepest: f64, a: &CurveSpot, b: &CurveSpot) -> f64 {
+    0.5 * (a.value + b.value - steepest * (b.at - a.at))
+}
+
+/// Between two spots a function cannot fall below this that is convex with half of `bends` times the square of the variable
+/// added: the tangents of that sum are least at an end, or where they cross. Slopes are those of any planes that support the
+/// sum.
+pub fn lowest_of_bent(bends: f64, a: &CurveSpot, b: &CurveSpot) -> f64 {
+    let wide = b.at - a.at;
+    let steepens = b.slope - a.slope + bends * wide;
+    let crossing = (a.value - b.value + wide * (b.slope + 0.5 * bends * wide)) / steepens;
+    let ends = a.value.min(b.value);
+    match crossing > 0.0 && crossing < wide {
+        true => ends.min(a.value + crossing * (a.slope - 0.5 * bends * crossing)),
+        false => ends,
+    }
+}
+
+/// Least spot of a function of an angle over a whole turn that is nowhere between two spots below `lowest` of them. The
+/// function is given the angle's sine and cosine too.
 ///
-/// Exact when no two minima of very different depth share a piece of 1/128 of the turn that a bound of the slope
-/// cannot rule out.
-pub fn least_on_circle(steepest: f64, f: impl Fn(f64, (f64, f64)) -> CurveSpot) -> CurveSpot {
+/// Nothing that is lower by more than `tolerance` is missed unless [`MOST_SPOTS`] do not tell, which are enough but for
+/// functions that hardly change over the turn.
+pub fn least_on_circle<S: Spot>(
+    lowest: impl Fn(&S, &S) -> f64,
+    tolerance: f64,
+    f: impl Fn(f64, (f64, f64)) -> S,
+) -> LeastFound {
     let grid = angle_grid();
-    let at = |k: usize| f(TAU * (k as f64 / FINEST as f64), grid[k]);
-    least_of(steepest, at, |angle| f(angle, sin_cos(angle)))
+    let at = |k: usize, parts: usize| {
+        let angle = TAU * (k as f64 / parts as f64);
+        match FINEST.checked_rem(parts) {
+            Some(0) => f(angle, grid[k * (FINEST / parts)]),
+            _ => f(angle, sin_cos(angle)),
+        }
+    };
+    let spot = |angle: f64| f(angle, sin_cos(angle)).place();
+    least_of(&lowest, tolerance, at, spot)
+}
+
+/// The same of a function on [low, high].
+pub fn least_between<S: Spot>(
+    [low, high]: [f64; 2],
+    lowest: impl Fn(&S, &S) -> f64,
+    tolerance: f64,
+    f: impl Fn(f64) -> S,
+) -> LeastFound {
+    let at = |k: usize, parts: usize| f(low + (high - low) * (k as f64 / parts as f64));
+    least_of(&lowest, tolerance, at, |t| f(t).place())
 }
 
 /// All minima below `limit` of a function of an angle over a whole turn whose slope never exceeds `steepest`, but those
@@ -147,84 +212,71 @@ fn perpendicular_foot(
     }
 }
 
-/// Least spot of any function on [low, high] whose slope never exceeds `steepest`; as exact as
-/// [`least_on_circle`].
-pub fn least_spot(low: f64, high: f64, steepest: f64, f: impl Fn(f64) -> CurveSpot) -> CurveSpot {
-    let at = |k: usize| f(low + (high - low) * (k as f64 / FINEST as f64));
-    least_of(steepest, at, &f)
-}
-
 /// Sines and cosines of even parts of a turn, both ends included: of all places that halving comes to.
 pub fn angle_grid() -> &'static [(f64, f64); FINEST + 1] {
     static GRID: OnceLock<[(f64, f64); FINEST + 1]> = OnceLock::new();
     GRID.get_or_init(|| std::array::from_fn(|k| sin_cos(TAU * (k as f64 / FINEST as f64))))
 }
 
-/// The search, with `at` for the places of the grid.
-fn least_of(
-    steepest: f64,
-    at: impl Fn(usize) -> CurveSpot,
+/// The search, with `at` for even parts of the range: pieces that could hide something lower are halved, all of one width
+/// before any narrower ones.
+fn least_of<S: Spot>(
+    lowest: &impl Fn(&S, &S) -> f64,
+    tolerance: f64,
+    at: impl Fn(usize, usize) -> S,
     f: impl Fn(f64) -> CurveSpot,
-) -> CurveSpot {
-    let mut stride = FINEST / PIECES;
-    let mut spots: Vec<(usize, CurveSpot)> = Vec::with_capacity(2 * PIECES + 1);
-    spots.extend((0..=PIECES).map(|k| (k * stride, at(k * stride))));
-    let far = CurveSpot {
-        value: f64::INFINITY,
-        ..CurveSpot::default()
-    };
-    let mut best = spots.iter().fold(
-        far,
-        |best, (_, s)| if s.value < best.value { *s } else { best },
-    );
-    let hides = |a: &CurveSpot, b: &CurveSpot, best: &CurveSpot| {
-        let lowest = 0.5 * (a.value + b.value - steepest * (b.at - a.at));
-        lowest < best.value
-    };
-    while stride > 1 {
-        best = find_valleys(&spots, best, &hides, &f);
-        stride /= 2;
-        let mut finer = Vec::with_capacity(2 * spots.len());
-        for pair in spots.windows(2) {
-            let [(k, a), (next, b)] = [pair[0], pair[1]];
-            finer.push((k, a));
-            // Pieces that were not halved before hide nothing.
-            if next - k == 2 * stride && hides(&a, &b, &best) {
-                finer.push((k + stride, at(k + stride)));
+) -> LeastFound {
+    let mut parts = PIECES;
+    let spots: [S; PIECES + 1] = std::array::from_fn(|k| at(k, parts));
+    let values = spots.map(|spot| spot.place().value);
+    let first = (0..PIECES).fold(0, |k, j| if values[j] < values[k] { j } else { k });
+    let mut best = lower(spots[first].place(), spots[PIECES].place());
+    // From the lowest place on: what is found there leaves little to look for in the others.
+    let turned = (0..PIECES).map(|j| (first + j) % PIECES);
+    let mut open: Vec<(usize, [S; 2])> = turned.map(|k| (k, [spots[k], spots[k + 1]])).collect();
+    let (mut looks, mut floor) = (PIECES, f64::INFINITY);
+    loop {
+        open.retain(|(_, [p, q])| {
+            let low = lowest(p, q);
+            let hides = low < best.value - tolerance;
+            if hides {
+                best = lower(best, lowest_valley([p.place(), q.place()], &best, &f));
+            } else {
+                floor = floor.min(low);
             }
+            hides
+        });
+        if open.is_empty() || looks + open.len() > MOST_SPOTS {
+            let left = open.iter().map(|(_, [p, q])| lowest(p, q));
+            let floor = left.fold(floor.min(best.value), f64::min);
+            return LeastFound { spot: best, floor };
         }
-        finer.extend(spots.last());
-        if finer.len() == spots.len() {
-            return best;
+        looks += open.len();
+        let mut halves = Vec::with_capacity(2 * open.len());
+        for (k, [p, q]) in open {
+            let middle = at(2 * k + 1, 2 * parts);
+            best = lower(best, middle.place());
+            halves.extend([(2 * k, [p, middle]), (2 * k + 1, [middle, q])]);
         }
-        spots = finer;
+        (open, parts) = (halves, 2 * parts);
     }
-    find_valleys(&spots, best, &hides, &f)
 }
 
-/// The best of all bracketed minima.
-fn find_valleys(
-    spots: &[(usize, CurveSpot)],
-    mut best: CurveSpot,
-    hides: &impl Fn(&CurveSpot, &CurveSpot, &CurveSpot) -> bool,
+fn lower(a: CurveSpot, b: CurveSpot) -> CurveSpot {
+    if b.value < a.value { b } else { a }
+}
+
+/// The minimum that lies between a falling and a rising spot, unless it is known; else the lowest one so far.
+fn lowest_valley(
+    [a, b]: [CurveSpot; 2],
+    best: &CurveSpot,
     f: &impl Fn(f64) -> CurveSpot,
 ) -> CurveSpot {
-    for pair in spots.windows(2) {
-        let [(_, a), (_, b)] = [pair[0], pair[1]];
-        for end in [a, b] {
-            if end.value < best.value {
-                best = end;
-            }
-        }
-        let known = best.at > a.at && best.at < b.at;
-        if a.slope < 0.0 && b.slope > 0.0 && !known && hides(&a, &b, &best) {
-            let found = refine_valley(a, b, f);
-            if found.value < best.value {
-                best = found;
-            }
-        }
+    let is_known = best.at > a.at && best.at < b.at;
+    match a.slope < 0.0 && b.slope > 0.0 && !is_known {
+        true => refine_valley(a, b, f),
+        false => *best,
     }
-    best
 }
 
 /// The minimum between a falling and a rising spot: the root of the slope by secants through the last two spots, with a
@@ -288,6 +340,7 @@ fn refine_valley(mut a: CurveSpot, mut b: CurveSpot, f: &impl Fn(f64) -> CurveSp
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::DVec3;
 
     /// A bracket with two valleys: one of them is found to its bottom, and it is not a side of it.
     #[test]
@@ -304,5 +357,55 @@ mod tests {
             assert!(found.slope.abs() < 1e-6, "{tilt}: {found:?}");
             assert!(found.value <= f(0.0).value, "{tilt}: {found:?}");
         }
+    }
+
+    /// Numbers in -1..1 that are the same in every run.
+    fn draw(state: &mut u32) -> f64 {
+        *state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f64::from(*state >> 8) / f64::from(1_u32 << 23) - 1.0
+    }
+
+    /// The largest of a few heights over planes is convex, and has kinks; some planes are the two sides of thin sheets.
+    #[test]
+    fn least_values_of_convex_functions_on_circles_are_found() {
+        let (mut state, mut proved) = (5, 0);
+        for round in 0..3000 {
+            let mut vector = |size: f64| DVec3::from_array([0; 3].map(|_| size * draw(&mut state)));
+            let mut planes: Vec<(DVec3, f64)> = (0..1 + round % 5)
+                .map(|_| (vector(1.0).normalize_or_zero(), vector(1.0).x))
+                .collect();
+            let (center, axis, radius) = (vector(2.0), vector(1.0), 0.1 + vector(1.0).x.abs());
+            let (x, y) = axis.normalize_or(DVec3::Z).any_orthonormal_pair();
+            if round % 3 == 0 {
+                // Nearly a tangent plane of the circle.
+                let off = x.dot(center) + radius * (1.0 - 1e-3 * vector(1.0).x.abs());
+                planes.extend([(x, off), (-x, 1e-4 - off)]);
+            }
+            let f = |at: f64, (sin, cos): (f64, f64)| {
+                let point = center + (x * cos + y * sin) * radius;
+                let higher = |best: (f64, DVec3), (n, off): &(DVec3, f64)| {
+                    let height = n.dot(point) - off;
+                    if height > best.0 { (height, *n) } else { best }
+                };
+                let (value, n) = planes.iter().fold((f64::NEG_INFINITY, DVec3::ZERO), higher);
+                let slope = n.dot(y * cos - x * sin) * radius;
+                CurveSpot { at, value, slope }
+            };
+            let dense = (0..20_000).map(|k| {
+                let angle = TAU * f64::from(k) / 20_000.0;
+                f(angle, sin_cos(angle)).value
+            });
+            let dense = dense.fold(f64::INFINITY, f64::min);
+            let lowest = |a: &CurveSpot, b: &CurveSpot| lowest_of_bent(radius, a, b);
+            let LeastFound { spot, floor } = least_on_circle(lowest, 1e-12, f);
+            assert!(
+                (spot.value - dense).abs() < 1e-3 * radius,
+                "{round}: {spot:?} {dense}"
+            );
+            assert!(spot.value <= dense + 1e-11, "{round}: {spot:?} {dense}");
+            assert!(floor <= spot.value, "{round}: {spot:?} {floor}");
+            proved += usize::from(floor > spot.value - 1e-11);
+        }
+        assert!(proved > 2800, "{proved}");
     }
 }

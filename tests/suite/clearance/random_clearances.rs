@@ -19,7 +19,7 @@ const DENSE: usize = 800;
 const KNOWN: f64 = 1e-7;
 
 /// Reproducible numbers.
-struct Random(u64);
+pub(super) struct Random(pub(super) u64);
 
 impl Random {
     fn unit(&mut self) -> f64 {
@@ -34,31 +34,33 @@ impl Random {
         (x >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    fn range(&mut self, low: f64, high: f64) -> f64 {
+    pub(super) fn range(&mut self, low: f64, high: f64) -> f64 {
         // Few digits: the scene's text has them all.
         (1e4 * (low + (high - low) * self.unit())).round() / 1e4
     }
 
-    fn pick(&mut self, count: usize) -> usize {
+    pub(super) fn pick(&mut self, count: usize) -> usize {
         ((self.unit() * count as f64) as usize).min(count - 1)
     }
 
-    fn vector(&mut self, reach: f64) -> DVec3 {
+    pub(super) fn vector(&mut self, reach: f64) -> DVec3 {
         DVec3::from_array([(); 3].map(|()| self.range(-reach, reach)))
     }
 }
 
 /// A drive: its text, its value, and times at which it has kinks or jumps.
-struct Drive {
-    text: String,
-    value: Box<dyn Fn(f64) -> f64>,
+pub(super) struct Drive {
+    pub(super) text: String,
+    pub(super) value: Box<dyn Fn(f64) -> f64>,
     /// It changes quickly near these times.
-    places: Vec<f64>,
+    pub(super) places: Vec<f64>,
 }
 
-const DURATION: f64 = 2.0;
+/// Of every scene.
+pub(super) const DURATION: f64 = 2.0;
 
-fn drive(random: &mut Random) -> Drive {
+/// A drive that is smooth, or has kinks or jumps.
+pub(super) fn drive(random: &mut Random) -> Drive {
     let (a, w, p) = (
         random.range(0.2, 1.5),
         random.range(0.5, 9.0),
@@ -214,7 +216,7 @@ struct Case {
     is_contact: bool,
 }
 
-fn turn(axis: usize, angle: f64) -> DMat3 {
+pub(super) fn turn(axis: usize, angle: f64) -> DMat3 {
     match axis {
         0 => DMat3::from_rotation_x(angle),
         1 => DMat3::from_rotation_y(angle),
@@ -440,7 +442,7 @@ fn judge(number: u64, folder: &Path, tally: &mut Tally) {
     }
 }
 
-fn asked(name: &str, usual: u64) -> u64 {
+pub(super) fn asked(name: &str, usual: u64) -> u64 {
     std::env::var(name)
         .ok()
         .and_then(|v| v.parse().ok())

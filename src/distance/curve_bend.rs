@@ -1,0 +1,94 @@
+//! How far the distance from a core may bend down along a segment or a circle: what bounds it between two places of it.
+//!
+//! A circle bends away from any plane by its radius for each radian squared. The signed distance from a convex core adds
+//! nothing to that, since planes support it; that from another circle bends down only where ρ, the distance from its axis, is
+//! less than its radius R, by no more than 1/ρ for each length squared. There the distance is no less than R - ρ.
+
+use super::primitive::Circle;
+use super::search::{CurveSpot, lowest_of_bent, lowest_of_steep};
+use glam::DVec3;
+
+/// What a search along a curve may miss, in its speeds and in lengths of where it is: far less than poses are off, and more
+/// than rounding.
+const MISSED: [f64; 2] = [1e-11, 1e-15];
+
+/// Bounds of the distance from a core along a curve.
+#[derive(Clone, Copy, Debug)]
+pub struct CurveBend {
+    /// How fast the curve goes, for each unit of its variable, ...
+    speed: f64,
+    /// ... and how it bends itself.
+    own: f64,
+    /// R; nothing for convex cores, and for circles that no point of the curve is inside of.
+    ring: Option<f64>,
+    /// No point of the curve is nearer to the axis of that circle.
+    off_axis: f64,
+}
+
+impl CurveBend {
+    /// Along a circle, whose variable is an angle; `ring` is the core if that is a circle, all others are convex.
+    pub fn of_circle(ring: Option<&Circle>, circle: &Circle) -> Self {
+        let off_axis = ring.map_or(0.0, |ring| {
+            let offset = circle.center - ring.center;
+            (offset - ring.axis * offset.dot(ring.axis)).length() - circle.radius
+        });
+        Self {
+            speed: circle.radius,
+            own: circle.radius,
+            ring: ring.map(|ring| ring.radius).filter(|r| off_axis < *r),
+            off_axis,
+        }
+    }
+
+    /// Along a segment of this length, whose variable goes from 0 to 1.
+    pub fn of_segment(ring: Option<&Circle>, length: f64) -> Self {
+        Self {
+            speed: length,
+            own: 0.0,
+            ring: ring.map(|ring| ring.radius),
+            off_axis: 0.0,
+        }
+    }
+
+    /// Along the same curve wherever an affine map takes it that makes nothing longer than this many times.
+    pub fn elsewhere(ring: Option<&Circle>, curve: &Self, stretched: f64) -> Self {
+        Self {
+            speed: curve.speed * stretched,
+            own: curve.own * stretched,
+            ring: ring.map(|ring| ring.radius),
+            off_axis: 0.0,
+        }
+    }
+
+    /// What a search may miss on a curve about `center`.
+    pub fn missed(&self, center: DVec3) -> f64 {
+        MISSED[0] * self.speed + MISSED[1] * center.length()
+    }
+
+    /// The second derivative is nowhere between two spots below minus this; `None` if that is not known.
+    pub fn between(&self, a: &CurveSpot, b: &CurveSpot) -> Option<f64> {
+        let Some(ring) = self.ring else {
+            return Some(self.own);
+        };
+        let farthest = 0.5 * (a.value + b.value + self.speed * (b.at - a.at));
+        let near = self.off_axis.max(ring - farthest);
+        (near > 0.0).then(|| self.own + self.speed * self.speed / near)
+    }
+
+    /// The distance is nowhere between two spots lower.
+    pub fn lowest_between(&self, a: &CurveSpot, b: &CurveSpot) -> f64 {
+        let steep = lowest_of_steep(self.speed, a, b);
+        let bent = self.between(a, b);
+        bent.map_or(steep, |bends| steep.max(lowest_of_bent(bends, a, b)))
+    }
+
+    /// The distance is nowhere between two spots higher: it stays below its chord but for what it bends down.
+    pub fn highest_between(&self, a: &CurveSpot, b: &CurveSpot) -> f64 {
+        let wide = b.at - a.at;
+        let steep = 0.5 * (a.value + b.value + self.speed * wide);
+        let bent = self.between(a, b);
+        bent.map_or(steep, |bends| {
+            steep.min(a.value.max(b.value) + 0.125 * bends * wide * wide)
+        })
+    }
+}

@@ -1,0 +1,102 @@
+//! Two valleys of a distance side by side on a large ring, one of them deeper: the deeper one counts.
+
+use crate::dense::golden;
+use crate::solids::{cuboid, torus, v};
+use glam::{DMat3, DQuat, DVec3};
+use mechanim::distance::pair::signed_distance;
+use mechanim::distance::primitive::Element;
+use mechanim::math::Pose;
+use std::f64::consts::TAU;
+
+const R: f64 = 100.0;
+
+/// So thin that it does not matter.
+const TUBE: f64 = 3e-4;
+
+fn turn(angle: f64) -> Pose {
+    Pose {
+        rotation: DMat3::from_rotation_z(angle),
+        translation: DVec3::ZERO,
+    }
+}
+
+/// The least of a function of a small angle: dense, then finely around the three lowest places.
+fn dense(reach: f64, f: impl Fn(f64) -> f64) -> f64 {
+    let at = |k: i32| reach * f64::from(k) / 4000.0;
+    let mut order: Vec<(f64, i32)> = (-4000..=4000).map(|k| (f(at(k)), k)).collect();
+    order.sort_by(|p, q| p.0.total_cmp(&q.0));
+    let near = order[..3]
+        .iter()
+        .map(|(_, k)| golden(at(k - 1), at(k + 1), &f).1);
+    near.fold(order[0].0, f64::min)
+}
+
+/// A ring cuts the plane of a thin sheet twice, 1 to 2 degrees apart; the sheet's edge lies between, beside the first cut.
+#[test]
+fn a_ring_that_passes_by_the_edge_of_a_sheet_is_seen_to_pierce_it() {
+    let ring = torus(DVec3::ZERO, DVec3::Z, R, TUBE);
+    for part in 0..128 {
+        for side in [1.0, -1.0] {
+            for [cut, edge, half] in [
+                [0.015, 1.3, 2e-3],
+                [0.018, 1.6, 2e-3],
+                [0.01, 0.8, 1e-3],
+                [0.02, 1.85, 2e-3],
+                [0.003, 0.27, 1e-4],
+            ] {
+                let middle = TAU * (f64::from(part) + 0.5) / 128.0;
+                let out = R * f64::cos(cut);
+                let sheet = cuboid(
+                    v(out, side * 0.5 * (50.0 - edge), 0.0),
+                    v(2.0 * half, 50.0 + edge, 20.0),
+                );
+                let found = signed_distance(&ring, &sheet.moved(&turn(middle))).distance;
+                // In the sheet's plane: the profile is a rectangle.
+                let truth = dense(0.025, |angle| {
+                    let (x, y) = (R * angle.cos() - out, side * R * angle.sin());
+                    let [dx, dy] = [x.abs() - half, (-edge - y).max(y - 50.0)];
+                    dx.max(0.0).hypot(dy.max(0.0)) + dx.max(dy).min(0.0)
+                }) - TUBE;
+                assert!(
+                    (found - truth).abs() < 1e-8,
+                    "{part} {side} {cut}: {found} {truth}"
+                );
+            }
+        }
+    }
+}
+
+fn least_of_rings(first: &Element, second: &Element) -> f64 {
+    signed_distance(first, second).distance + 2.0 * TUBE
+}
+
+/// A ring that fits into another one and grazes it from inside, tilted a little: they cross in two valleys side by side.
+#[test]
+fn rings_that_graze_each_other_are_seen_to_meet() {
+    let outer = torus(DVec3::ZERO, DVec3::Z, R, TUBE);
+    for part in 0..64 {
+        for (r, beyond, tilt) in [
+            (60.0, 0.01, 1e-3),
+            (90.0, 2e-3, -1e-3),
+            (20.0, 5e-3, 3e-3),
+            (97.0, 1e-3, 1e-4),
+        ] {
+            let middle = TAU * (f64::from(part) + 0.5) / 64.0;
+            let out = DVec3::X * (R - r + beyond);
+            // About the direction outwards, as seen from a place beside that in which they would touch.
+            let aside = 0.7 * (2.0 * beyond * r * R / (R - r)).sqrt();
+            let rotation = DMat3::from_quat(DQuat::from_rotation_x(tilt));
+            let tilted = Pose {
+                rotation,
+                translation: out - rotation * v(0.0, aside, 0.0) + v(0.0, aside, 0.0),
+            };
+            let inner = torus(DVec3::ZERO, DVec3::Z, r, TUBE).moved(&(turn(middle) * tilted));
+            let found = least_of_rings(&outer, &inner);
+            let truth = dense(0.15, |angle| {
+                let p = tilted.transform_point(v(r * angle.cos(), r * angle.sin(), 0.0));
+                (p.x.hypot(p.y) - R).hypot(p.z)
+            });
+            assert!((found - truth).abs() < 1e-8, "{part} {r}: {found} {truth}");
+        }
+    }
+}
