@@ -121,7 +121,19 @@ impl<'a> AskedPair<'a> {
             let Some(least) = least else {
                 continue;
             };
-            let allowed = assembled.distance.min(0.0) - region.growth(*pair);
+            let growth = region.growth(*pair);
+            let allowed = assembled.distance.min(0.0) - growth;
+            // A mesh has no depth: how far it may be shifted tells.
+            let is_mesh = only.hulls.iter().any(|hull| hull.has_mesh());
+            let cut = match is_mesh {
+                true => only.cut_deeper(motion, growth),
+                false => None,
+            };
+            if let Some(cut) = cut {
+                let report = excluded_report(&only, 0.0, cut, Judgement::Failed);
+                found.judged.push(report);
+                continue;
+            }
             match least.distance < allowed {
                 true => {
                     let report = excluded_report(&only, allowed, least, Judgement::Failed);

@@ -17,6 +17,7 @@ pub mod inputs_box;
 mod joint_region;
 pub mod measured;
 pub mod meeting;
+mod mesh_cut;
 mod mesh_faults;
 mod mesh_meeting;
 pub mod motion;

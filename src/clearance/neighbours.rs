@@ -7,7 +7,8 @@ use super::joint_region::{JointRegion, Place};
 use super::motion::ProvedMotion;
 use crate::distance::bodies::Hull;
 use crate::distance::mesh;
-use crate::distance::pair::signed_distance;
+use crate::distance::pair::{Proximity, signed_distance};
+use crate::distance::point::on_segment;
 use crate::distance::primitive::Element;
 use crate::math::Pose;
 use crate::model::chain::{ArgumentValue, ElementaryMotion as StepMotion};
@@ -88,8 +89,16 @@ fn contact_of(first: &Element, second: &Element, minimum: f64) -> Option<(DVec3,
     let found = signed_distance(first, second);
     let is_near = found.distance <= minimum + TOUCH * radius;
     let is_inside = || mesh::is_any([first, second]) && mesh::one_inside(&first.core, &second.core);
-    let point = 0.5 * (found.points[0] + found.points[1]);
-    (is_near || is_inside()).then_some((point, radius))
+    (is_near || is_inside()).then(|| (contact_place(first, second, &found), radius))
+}
+
+/// The middle between the surfaces, but not beyond the nearest points of the cores: where two elements are deep in each other
+/// the way out leads in any direction, and far away from where they meet.
+fn contact_place(first: &Element, second: &Element, found: &Proximity) -> DVec3 {
+    let [p, q] = found.points;
+    let n = found.normal;
+    let cores = [p - n * first.radius, q + n * second.radius];
+    on_segment(&cores, 0.5 * (p + q))
 }
 
 /// Where a joint is at a pose, in the world.

@@ -4,7 +4,7 @@
 use super::motion::ProvedMotion;
 use super::relative::RelativeChain;
 use super::track::PairTrack;
-use crate::distance::bodies::{BodyProximity, Hull, LeftOut, enclosed_shell, nearest_bodies};
+use crate::distance::bodies::{BodyProximity, Hull, LeftOut, enclosed_shell};
 use crate::distance::mesh;
 use crate::distance::pair::is_inside;
 use crate::distance::primitive::{Element, Primitive};
@@ -18,9 +18,6 @@ pub const POSE_SLACK: f64 = 1e-10;
 /// A pair passes where the bound is no farther below the minimum than this, in the same lengths: bodies that keep exactly
 /// their minimum cannot be proved to more.
 pub const JUDGED: f64 = 1e-9;
-
-/// Bodies that touch are parted by a shift of this many lengths of the pair, in one of many directions: far more than rounding.
-const CUT: f64 = 1e-6;
 
 /// A minimum, in lengths of the pair, below which the bound need not be finer than its share.
 const SMALLEST_SCALE: f64 = 1e-4;
@@ -60,7 +57,7 @@ pub struct PairSweep<'a> {
     /// No bound need be finer than this share of it.
     least_scale: f64,
     /// Length of the chain between the bodies, with their own.
-    extent: f64,
+    pub(super) extent: f64,
     /// Pairs of elements that do not count.
     pub(super) left_out: LeftOut,
     is_swapped: bool,
@@ -164,29 +161,6 @@ impl<'a> PairSweep<'a> {
         distance <= 0.0 && mesh::is_any(elements)
     }
 
-    /// Whether a mesh is cut at a solved time: the bodies meet, and no small shift parts them, which it would if they just
-    /// touched.
-    pub(super) fn is_mesh_cut(&self, motion: &ProvedMotion, time: f64) -> bool {
-        let at_time = |k: &usize| motion.instants[*k].time == time;
-        (0..motion.instants.len()).filter(at_time).any(|instant| {
-            let pose = self.relative(motion, instant);
-            let meets = |shift: DVec3| {
-                let mut moved = pose;
-                moved.translation += shift * (CUT * self.extent);
-                let found = nearest_bodies(self.hulls[0], self.hulls[1], &moved, &self.left_out);
-                found.is_some_and(|f| self.meets(f.elements, f.proximity.distance))
-            };
-            let axes = DVec3::AXES.into_iter().flat_map(|axis| [axis, -axis]);
-            let signs = [-1.0, 1.0];
-            let corners = signs.into_iter().flat_map(|x| {
-                signs
-                    .into_iter()
-                    .flat_map(move |y| signs.map(|z| DVec3::new(x, y, z)))
-            });
-            axes.chain(corners).chain([DVec3::ZERO]).all(meets)
-        })
-    }
-
     /// No distance is lower, however deep bodies are in each other.
     pub(super) fn deepest(&self) -> f64 {
         -self.extent
@@ -265,7 +239,7 @@ impl<'a> PairSweep<'a> {
         let anew = instants.iter().skip(1).filter(|k| motion.begins_anew(**k));
         for &instant in first.into_iter().chain(anew) {
             if let Some(best) = &mut best
-                && best.found.proximity.distance > 0.0
+                && (best.found.proximity.distance > 0.0 || self.minimum < 0.0)
                 && let Some(elements) = enclosed_shell(
                     self.hulls[0],
                     self.hulls[1],
@@ -273,10 +247,13 @@ impl<'a> PairSweep<'a> {
                     &self.left_out,
                 )
             {
-                best.found.elements = elements;
-                best.found.proximity.distance = 0.0;
-                best.instant = instant;
                 best.is_enclosed = true;
+                // Of other elements that are in each other the depth is known.
+                if best.found.proximity.distance > 0.0 {
+                    best.found.elements = elements;
+                    best.found.proximity.distance = 0.0;
+                    best.instant = instant;
+                }
             }
         }
         best

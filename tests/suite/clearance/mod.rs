@@ -18,6 +18,7 @@ mod estimates;
 mod exclusions;
 mod gate;
 mod grazing;
+mod joint_meshes;
 mod mesh_shells;
 mod narrow_gaps;
 mod random_clearances;

@@ -1,0 +1,77 @@
+//! Whether meshes cut each other, and how far. A mesh has no depth: instead shifts in many directions are tried, and what none
+//! of them parts is in each other by more.
+
+use super::motion::ProvedMotion;
+use super::sweep::{Least, PairSweep};
+use crate::distance::bodies::{enclosed_shell, nearest_bodies};
+use crate::math::Pose;
+use glam::DVec3;
+
+/// Bodies that touch are parted by a shift of this many lengths of the pair, in one of many directions: far more than rounding.
+const CUT: f64 = 1e-6;
+
+/// A shift in one of the directions parts bodies that a shorter one in the best direction does, if it is this many times as
+/// long: no direction is farther from one of them than the edge of a cube from its corner.
+const SLANT: f64 = 1.25;
+
+/// How often a shift is doubled until it parts what meets at the first pose.
+const DOUBLINGS: u32 = 16;
+
+/// Along the edges and the diagonals of a cube.
+fn directions() -> impl Iterator<Item = DVec3> {
+    let axes = DVec3::AXES.into_iter().flat_map(|axis| [axis, -axis]);
+    let sign = |k: usize, bit: usize| if k & bit == 0 { -1.0 } else { 1.0 };
+    let corner = move |k| DVec3::new(sign(k, 1), sign(k, 2), sign(k, 4)).normalize_or_zero();
+    axes.chain((0..8).map(corner))
+}
+
+impl PairSweep<'_> {
+    /// Whether a mesh is cut at a solved time: the bodies meet, and no small shift parts them, which it would if they just
+    /// touched.
+    pub(super) fn is_mesh_cut(&self, motion: &ProvedMotion, time: f64) -> bool {
+        let at_time = |k: &usize| motion.instants[*k].time == time;
+        (0..motion.instants.len())
+            .filter(at_time)
+            .any(|instant| self.is_cut_beyond(&self.relative(motion, instant), CUT * self.extent))
+    }
+
+    /// Whether the bodies are in each other, a mesh among what is, and no shift as long as this parts them.
+    fn is_cut_beyond(&self, pose: &Pose, shift: f64) -> bool {
+        let mut shifts = std::iter::once(DVec3::ZERO).chain(directions().map(|n| n * shift));
+        shifts.all(|shift| {
+            let mut moved = *pose;
+            moved.translation += shift;
+            let [first, second] = self.hulls;
+            let found = nearest_bodies(first, second, &moved, &self.left_out);
+            found.is_some_and(|f| self.meets(f.elements, f.proximity.distance))
+                || enclosed_shell(first, second, &moved, &self.left_out).is_some()
+        })
+    }
+
+    /// A pose at which meshes are farther in each other than at the first one, by more than `growth`: it is looked for at every
+    /// sample and in the middle of every stretch. `None` also where nothing parts them at the first pose.
+    pub(super) fn cut_deeper(&self, motion: &mut ProvedMotion, growth: f64) -> Option<Least> {
+        let first = self.relative(motion, *motion.samples.first()?);
+        let at_first = |shift: &f64| !self.is_cut_beyond(&first, *shift);
+        let parted = (0..DOUBLINGS).map(|k| growth * f64::from(1_u32 << k));
+        let parted = std::iter::once(0.0).chain(parted).find(at_first)?;
+        let allowed = SLANT * parted + growth;
+        let is_deeper = |pose: Pose| self.is_cut_beyond(&pose, allowed);
+        let samples = motion.samples.iter().copied();
+        let found = samples
+            .into_iter()
+            .find(|k| is_deeper(self.relative(motion, *k)));
+        let middle = |root: &usize| {
+            let arguments = &motion.stretches[*root].arguments;
+            is_deeper(self.chain.around(arguments, 0.0, 0.0).pose)
+        };
+        let instant = match found {
+            Some(instant) => instant,
+            None => {
+                let root = (0..motion.roots).find(middle)?;
+                motion.pose_at(root, 0.0)?
+            }
+        };
+        self.sampled(motion, &[instant], None)
+    }
+}
