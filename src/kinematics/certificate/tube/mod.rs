@@ -14,6 +14,7 @@ mod chain;
 mod constants;
 mod drive;
 mod form;
+mod inverse;
 mod partings;
 mod path;
 mod proof;

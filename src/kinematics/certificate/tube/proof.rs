@@ -47,9 +47,9 @@ pub struct Workspace {
     pub rows: TubeRows,
     elimination: Elimination,
     square: LaneMatrix,
-    inverse: LaneMatrix,
+    pub(super) inverse: LaneMatrix,
     /// Row by row: R₀, R₁, R₂ beside each other.
-    factors: Vec<f64>,
+    pub(super) factors: Vec<f64>,
     /// The coefficients of J on the rows of the basis, the highest on top.
     stacked: Vec<Lanes>,
     /// What J leaves out and what its products round.
@@ -58,13 +58,13 @@ pub struct Workspace {
     residuals: Vec<Lanes>,
     /// What F leaves out and what its products round.
     open: Vec<f64>,
-    n: usize,
+    pub(super) n: usize,
     /// Coefficients of J that are not all zero, the constant one among them.
-    terms: usize,
+    pub(super) terms: usize,
     /// Coefficients of R.
-    inverse_terms: usize,
+    pub(super) inverse_terms: usize,
     /// Groups of a row of J.
-    stride: usize,
+    pub(super) stride: usize,
 }
 
 /// Groups that the coefficients of a polynomial take.
@@ -183,7 +183,7 @@ impl Workspace {
     }
 
     /// Rows of coefficient `k` of J and of all lower ones.
-    fn coefficients_from(&self, k: usize) -> &[Lanes] {
+    pub(super) fn coefficients_from(&self, k: usize) -> &[Lanes] {
         let above = self.rows.jacobian().len() - 1 - k;
         &self.stacked[above * self.n * self.stride..]
     }
@@ -261,61 +261,6 @@ impl Workspace {
             path.add(*unknown, (0..TERMS).map(|k| scale * step(i, k)));
         }
         Ok(false)
-    }
-
-    /// R₀ and, from it, R₁ = -R₀ J₁ R₀ and R₂ = -R₀ (J₂ R₀ + J₁ R₁).
-    fn follow_inverse(&mut self) {
-        let (n, width) = (self.n, lane_groups(self.n));
-        let all = self.inverse_terms * n;
-        let mut factors = vec![0.0; n * all];
-        for (i, row) in factors.chunks_exact_mut(all).enumerate() {
-            row[..n].copy_from_slice(&self.inverse.row(i).as_flattened()[..n]);
-        }
-        if self.terms == 1 {
-            // What does not move has one inverse.
-            self.factors = factors;
-            return;
-        }
-        let mut product = vec![[0.0; 4]; self.stride];
-        let times = |row: &[f64], k: usize, product: &mut Vec<Lanes>| {
-            combine_rows(product, row, &self.coefficients_from(k)[..n * self.stride]);
-        };
-        let mut first = vec![[0.0; 4]; n * width];
-        let mut sum = vec![[0.0; 4]; width];
-        let mut bent = vec![0.0; 2 * n];
-        for i in 0..n {
-            let row: Vec<f64> = factors[i * all..i * all + n].to_vec();
-            times(&row, 1, &mut product);
-            combine_rows(
-                &mut sum,
-                &product.as_flattened()[..n],
-                self.inverse.groups(),
-            );
-            first[i * width..(i + 1) * width].copy_from_slice(&sum);
-            for (f, s) in factors[i * all + n..].iter_mut().zip(sum.as_flattened()) {
-                *f = -s;
-            }
-            // The next coefficient needs R₁ as a whole.
-            factors[i * all + 2 * n..(i + 1) * all].fill(0.0);
-        }
-        let mut both = Vec::with_capacity(2 * n * width);
-        both.extend_from_slice(self.inverse.groups());
-        both.extend(first.iter().map(|g| g.map(|v| -v)));
-        for i in 0..n {
-            let row: Vec<f64> = factors[i * all..i * all + n].to_vec();
-            times(&row, 2, &mut product);
-            bent[..n].copy_from_slice(&product.as_flattened()[..n]);
-            times(&row, 1, &mut product);
-            bent[n..].copy_from_slice(&product.as_flattened()[..n]);
-            combine_rows(&mut sum, &bent, &both);
-            for (f, s) in factors[i * all + 2 * n..(i + 1) * all]
-                .iter_mut()
-                .zip(sum.as_flattened())
-            {
-                *f = -s;
-            }
-        }
-        self.factors = factors;
     }
 
     fn constants(
