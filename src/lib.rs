@@ -89,6 +89,8 @@ pub mod model;
 #[doc(hidden)]
 pub mod numbers;
 #[doc(hidden)]
+pub mod parts;
+#[doc(hidden)]
 pub mod pictures;
 #[doc(hidden)]
 pub mod plot;
@@ -102,3 +104,5 @@ pub mod scene;
 pub mod snapshot;
 #[doc(hidden)]
 pub mod staging;
+#[doc(hidden)]
+pub mod sweep;

@@ -1,10 +1,10 @@
 //! Exact derivatives of a motion's values by parameters of its scene, through the closed loops.
 
-use super::column::Column;
-use super::error::{Error, ErrorKind};
+use super::error::{Error, ErrorKind, find_column};
 use super::loaded::Loaded;
 use super::motion::Motion;
 use crate::kinematics::rates::variation::Variation;
+use crate::kinematics::results::columns::Column;
 use crate::model::mechanism::Mechanism;
 use crate::numbers::hyper_dual::HyperDual;
 use crate::scene::Overrides;
@@ -30,7 +30,7 @@ impl Motion {
         let mechanism = &self.loaded.scene.mechanism;
         let columns: Vec<Column> = names
             .iter()
-            .map(|name| Column::find(mechanism, name))
+            .map(|name| find_column(mechanism, name))
             .collect::<Result<_, Error>>()?;
         let family = varied(&self.loaded, parameters)?;
         let varied = family.system.mechanism();

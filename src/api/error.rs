@@ -4,8 +4,10 @@ use crate::analysis::study::FamilyError;
 use crate::diag::{Diagnostic, SceneError, Severity, Source, Span, nearest_name};
 use crate::export::ExportError;
 use crate::export::error::PipelineError;
+use crate::kinematics::results::columns::Column;
 use crate::kinematics::structure::block::StructureError;
 use crate::limits::LimitExceeded;
+use crate::model::mechanism::Mechanism;
 use crate::render::RenderError;
 use crate::scene::source::SourceError;
 use std::fmt;
@@ -176,4 +178,15 @@ pub(super) fn line(source: &Source, diagnostic: &Diagnostic) -> String {
     });
     let place = place.unwrap_or_else(|| " ".to_owned());
     format!("{}:{place}{}", source.name, diagnostic.message)
+}
+
+/// The column of a named value.
+///
+/// Errors: nothing in the mechanism has that name.
+pub(super) fn find_column(mechanism: &Mechanism, name: &str) -> Result<Column, Error> {
+    let unknown = |names: Vec<String>| {
+        let names = names.iter().map(String::as_str);
+        Error::unknown_name("value", name, names)
+    };
+    Column::find(mechanism, name).map_err(unknown)
 }

@@ -2,7 +2,6 @@
 
 mod assembly;
 mod check;
-mod column;
 mod derivatives;
 mod error;
 mod film;

@@ -1,7 +1,6 @@
 //! A solved motion: its samples, what happened between them, its values as columns.
 
-use super::column::Column;
-use super::error::{Error, ErrorKind};
+use super::error::{Error, ErrorKind, find_column};
 use super::film::Film;
 use super::loaded::Loaded;
 use super::pose::Pose;
@@ -184,7 +183,7 @@ impl Motion {
     /// ```
     pub fn values(&self, name: &str) -> Result<Vec<f64>, Error> {
         let mechanism = &self.loaded.scene.mechanism;
-        let column = Column::find(mechanism, name)?;
+        let column = find_column(mechanism, name)?;
         let samples = self.trajectory.samples.iter();
         let values = samples.map(|sample| match &sample.pose {
             Some(pose) => column.value(mechanism, sample, pose),

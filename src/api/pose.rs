@@ -1,7 +1,6 @@
 //! One closed pose with everything that is known of it.
 
-use super::column::Column;
-use super::error::Error;
+use super::error::{Error, find_column};
 use super::loaded::Loaded;
 use crate::kinematics::results::certificate::Certificate;
 use crate::kinematics::results::trajectory::{ClosedPose, Sample};
@@ -60,7 +59,7 @@ impl<'m> Pose<'m> {
     /// ```
     pub fn value(&self, name: &str) -> Result<f64, Error> {
         let mechanism = &self.loaded.scene.mechanism;
-        let column = Column::find(mechanism, name)?;
+        let column = find_column(mechanism, name)?;
         Ok(column.value(mechanism, self.sample, self.pose))
     }
 

@@ -2,13 +2,13 @@
 
 use super::assembly::Assembly;
 use super::check::{Check, CheckOptions};
-use super::column::columns;
 use super::error::{Error, line};
 use super::loaded::Loaded;
 use super::motion::{Motion, Samples};
 use super::rows;
 use super::study::Study;
 use crate::diag::Source;
+use crate::kinematics::results::columns::columns;
 use crate::model::mechanism::Kind;
 use crate::scene::{Overrides, builtin, source};
 use std::fmt;

@@ -11,3 +11,4 @@ pub mod motion;
 pub mod paving;
 pub mod precision;
 pub mod sensitivity;
+pub mod sweep;

@@ -22,7 +22,7 @@ use dyads::{intervals, row};
 use files::{diff, encode, snapshot};
 use motion::{modes, plot, render, solve};
 use std::ffi::OsString;
-use study::{accuracy, enclose, optimise, sensitivity, synthesise, tolerance};
+use study::{accuracy, enclose, optimise, sensitivity, sweep, synthesise, tolerance, units};
 pub use term::outcome::{Failure, Outcome};
 use term::{Term, outcome};
 
@@ -61,6 +61,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> i32 {
         Command::Intervals(args) => intervals::run_intervals(&args, &term),
         Command::Optimise(args) => optimise::run_optimise(&args, &term),
         Command::Synthesise(args) => synthesise::run_synthesise(&args, &term),
+        Command::Sweep(args) => sweep::run_sweep(&args, &term),
+        Command::Study { command } => units::run_study(&command, &term),
         Command::Scenes { name } => scenes::print_scenes(name.as_deref()),
         Command::Info { json } => info::print_info(json),
         Command::Completions { shell } => completions::print_completions(shell),

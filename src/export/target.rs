@@ -128,6 +128,26 @@ impl Target {
         self.move_to_place(false)
     }
 
+    /// As [`Self::commit`], unless something stands there by now, which then stays: false.
+    pub fn commit_new(self) -> Result<bool, ExportError> {
+        let fail = |e| ExportError::write(&self.name, e);
+        match self.body {
+            FileBody::Direct(mut file) => file.flush().map_err(fail).map(|()| true),
+            FileBody::Atomic(file, temporary) => {
+                let file = file.into_inner().map_err(|e| fail(e.into_error()))?;
+                sync_file(&file).map_err(fail)?;
+                let known = temporary.to_path_buf();
+                let linked = temporary.persist_noclobber(&self.path);
+                leave_unfinished(&[known]);
+                match linked {
+                    Ok(_) => Ok(true),
+                    Err(e) if e.error.kind() == io::ErrorKind::AlreadyExists => Ok(false),
+                    Err(e) => Err(fail(e.error)),
+                }
+            }
+        }
+    }
+
     fn move_to_place(self, wait: bool) -> Result<(), ExportError> {
         let fail = |e| ExportError::write(&self.name, e);
         match self.body {

@@ -1,6 +1,7 @@
 //! What a chart shows, as a value: panels, series, marks. All numbers are in the units of the axes; no pixels here.
 
 use super::scale::ScaleKind;
+use super::theme::Colour;
 
 /// One or several panels under a title.
 #[derive(Clone, Debug, PartialEq, Default)]
@@ -24,7 +25,9 @@ pub struct Panel {
     pub x: Axis,
     /// The vertical axis.
     pub y: Axis,
-    /// Areas between two curves, behind everything else.
+    /// Coloured rectangles of a map, behind everything else.
+    pub tiles: Vec<Tile>,
+    /// Areas between two curves, behind all but tiles.
     pub bands: Vec<Band>,
     /// Faint lines without a name, many of which make a cloud.
     pub cloud: Vec<Vec<[f64; 2]>>,
@@ -89,6 +92,17 @@ pub struct Band {
     pub upper: Vec<[f64; 2]>,
 }
 
+/// A rectangle of a map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tile {
+    /// The corner with the smaller numbers.
+    pub from: [f64; 2],
+    /// The corner with the larger ones.
+    pub to: [f64; 2],
+    /// Colour.
+    pub fill: Colour,
+}
+
 /// A place on the horizontal axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EventMark {
@@ -123,7 +137,7 @@ impl Axis {
 }
 
 impl Panel {
-    /// All finite points of series, bands, clouds, marks and lines.
+    /// All finite points of series, bands, clouds, tiles, marks and lines.
     pub fn points(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
         let series = self.series.iter().flat_map(|s| s.points.iter().flatten());
         let lines = self.lines.iter().flatten();
@@ -132,10 +146,12 @@ impl Panel {
             .iter()
             .flat_map(|b| b.lower.iter().chain(&b.upper));
         let spread = bands.chain(self.cloud.iter().flatten());
+        let tiles = self.tiles.iter().flat_map(|tile| [&tile.from, &tile.to]);
         let all = series
             .chain(&self.marks)
             .chain(lines)
             .chain(spread)
+            .chain(tiles)
             .copied();
         all.filter(|p| p[0].is_finite() && p[1].is_finite())
     }

@@ -11,6 +11,9 @@ use super::theme::{ChartTheme, Dashes};
 /// Most pixels of a hatched range's lines from each other, in heights of the capitals.
 const HATCH: f64 = 1.4;
 
+/// Pixels by which tiles of a map reach under each other.
+const SEAM: f64 = 0.5;
+
 /// Opacity of a band and of a line of a cloud, of 255: several of them add up.
 const BAND_OPACITY: u8 = 46;
 const CLOUD_OPACITY: u8 = 40;
@@ -92,6 +95,7 @@ pub fn draw_chart(chart: &Chart, size: [u32; 2], theme: ChartTheme) -> Drawing {
             x: frame.x,
             y: frame.y,
         };
+        draw_tiles(panel, &area, &mut drawing.primitives);
         draw_shades(
             panel,
             &area,
@@ -138,6 +142,25 @@ fn panel_words(panel: &Panel, width: f64, ruler: &Ruler, sizes: &Sizes) -> Vec<(
     words.extend(events);
     words.dedup_by(|a, b| a.0 == b.0 && a.1 == b.1);
     words
+}
+
+/// The rectangles of a map; each reaches a little under the next, so that no seam is seen.
+fn draw_tiles(panel: &Panel, area: &PanelArea, list: &mut Vec<DrawnPrimitive>) {
+    for tile in &panel.tiles {
+        let (Some([left, bottom]), Some([right, top])) =
+            (area.pixel(tile.from), area.pixel(tile.to))
+        else {
+            continue;
+        };
+        let rect = Rect {
+            left,
+            top: (top - SEAM).max(area.rect.top),
+            right: (right + SEAM).min(area.rect.right),
+            bottom,
+        };
+        let fill = tile.fill;
+        list.push(DrawnPrimitive::Area { rect, fill });
+    }
 }
 
 /// Hatched ranges with their words.

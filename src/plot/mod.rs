@@ -6,6 +6,7 @@
 mod area;
 pub mod bars;
 pub mod chart;
+pub mod colour_bar;
 pub mod companion;
 mod curves;
 pub mod drawing;
@@ -21,7 +22,7 @@ pub mod svg;
 pub mod theme;
 pub mod ticks;
 
-pub use chart::{Axis, Band, Chart, EventMark, Panel, PlotSeries, SeriesStyle, Shade};
+pub use chart::{Axis, Band, Chart, EventMark, Panel, PlotSeries, SeriesStyle, Shade, Tile};
 pub use drawing::{Drawing, draw_chart};
 pub use layout::usual_size;
 pub use scale::ScaleKind;

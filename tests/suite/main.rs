@@ -25,4 +25,5 @@ mod pictures;
 mod proofs;
 mod structure;
 mod study;
+mod sweep;
 mod verbs;

@@ -7,6 +7,7 @@ pub mod files;
 pub mod motion;
 pub mod scene;
 pub mod study;
+pub mod sweep;
 pub mod values;
 pub mod view;
 
@@ -19,6 +20,7 @@ use files::{DiffArgs, EncodeArgs, SnapshotArgs};
 use motion::{CheckArgs, ModesArgs, RenderArgs, SolveArgs};
 use std::path::PathBuf;
 use study::{OptimiseArgs, SensitivityArgs, SynthesiseArgs, ToleranceArgs};
+use sweep::{StudyCommand, SweepArgs};
 use values::ColourChoice;
 
 /// Exact motion, checks and pictures of spatial mechanisms, from their equations, without a display.
@@ -86,6 +88,14 @@ pub enum Command {
     Optimise(OptimiseArgs),
     /// Search for dimensions from many starts, prove the best ones, and compare scenes of one task.
     Synthesise(SynthesiseArgs),
+    /// Solve many designs of a scene, one row each: measures, values or checks over ranges of parameters (CSV, JSON lines, map).
+    Sweep(SweepArgs),
+    /// Cut a sweep into units that any number of machines do, stopped and resumed at will, and put together to the same bytes.
+    Study {
+        /// What to do with it.
+        #[command(subcommand)]
+        command: StudyCommand,
+    },
     /// List the built-in scenes, or print one.
     Scenes {
         /// Name of the scene whose file is printed.

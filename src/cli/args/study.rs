@@ -255,7 +255,7 @@ pub(super) fn thread_count(text: &str) -> Result<usize, String> {
     whole_between(text, 1, 256)
 }
 
-fn whole_between(text: &str, low: usize, high: usize) -> Result<usize, String> {
+pub(super) fn whole_between(text: &str, low: usize, high: usize) -> Result<usize, String> {
     match text.parse::<usize>() {
         Ok(n) if (low..=high).contains(&n) => Ok(n),
         _ => Err(format!("a whole number from {low} to {high}")),

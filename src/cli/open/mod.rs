@@ -6,3 +6,4 @@ pub mod intervals;
 pub mod mode;
 pub mod scene;
 pub mod study;
+pub mod sweep;

@@ -29,7 +29,17 @@ pub fn nominal_source(
     scene: &SceneArgs,
     term: &Term,
 ) -> Result<(Source, Overrides, Scene), Failure> {
-    let (source, mut overrides) = open_scene::text_of(scene)?;
+    let (source, overrides) = open_scene::text_of(scene)?;
+    nominal_of(scene, source, overrides, term)
+}
+
+/// The same of a text that is there already.
+pub fn nominal_of(
+    scene: &SceneArgs,
+    source: Source,
+    mut overrides: Overrides,
+    term: &Term,
+) -> Result<(Source, Overrides, Scene), Failure> {
     let mut nominal = load_scene(&source, &overrides).map_err(Box::new)?;
     apply_variables(scene, &mut nominal, &mut overrides)?;
     term.diagnostics(&source, &nominal.warnings);

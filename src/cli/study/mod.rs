@@ -1,4 +1,4 @@
-//! The verbs on studies: sensitivity, tolerance, optimisation, synthesis, accuracy.
+//! The verbs on studies: sensitivity, tolerance, optimisation, synthesis, accuracy, sweeps and their units.
 
 pub mod accuracy;
 pub mod enclose;
@@ -6,5 +6,9 @@ pub mod optimise;
 pub mod pairs;
 pub mod search_film;
 pub mod sensitivity;
+pub mod submit;
+pub mod sweep;
+mod sweep_plot;
 pub mod synthesise;
 pub mod tolerance;
+pub mod units;

@@ -10,6 +10,7 @@ use crate::diag::{Diagnostic, Diagnostics, Severity, Source, shorten_text, shown
 use crate::import::ImportError;
 use crate::kinematics::structure::block::StructureError;
 use crate::limits::{Resource, current_limits};
+use crate::parts::PartsError;
 use codespan_reporting::term::termcolor::{
     BufferWriter, BufferedStandardStream, Color, ColorChoice, ColorSpec, WriteColor,
 };
@@ -70,6 +71,10 @@ impl Term {
     pub fn failure(&self, failure: &Failure) {
         if let Failure::Scene(error) = failure {
             return self.diagnostics(&error.source_text, &error.diagnostics);
+        }
+        if let Failure::Parts(PartsError::Faulty(faults)) = failure {
+            let each = faults.iter();
+            return each.for_each(|fault| self.headed("error", Color::Red, fault));
         }
         self.headed("error", Color::Red, &failure.to_string());
         let one_hint;

@@ -5,6 +5,7 @@ use crate::export::ExportError;
 use crate::import::ImportError;
 use crate::kinematics::structure::block::StructureError;
 use crate::limits::LimitExceeded;
+use crate::parts::PartsError;
 use crate::render::RenderError;
 use crate::report::verdict::Status;
 use crate::scene::source::SourceError;
@@ -103,6 +104,9 @@ pub enum Failure {
     /// A picture could not be made.
     #[error(transparent)]
     Render(#[from] RenderError),
+    /// The folder of a study is not as it must be.
+    #[error(transparent)]
+    Parts(#[from] PartsError),
     /// Standard output failed.
     #[error("cannot write to standard output: {0}")]
     Stdout(#[from] std::io::Error),
@@ -144,7 +148,8 @@ impl Failure {
     pub fn code(&self) -> i32 {
         match self {
             _ if self.is_broken_pipe() => DONE,
-            Self::Undecided { .. } => CHECK_FAILED,
+            Self::Undecided { .. } | Self::Parts(PartsError::Faulty(_)) => CHECK_FAILED,
+            Self::Parts(_) => BAD_USAGE,
             Self::Scene(_) | Self::Usage { .. } | Self::Export(_) => BAD_USAGE,
             Self::Import(_) | Self::Stdout(_) | Self::Limit(_) => BAD_USAGE,
             Self::Structure(
@@ -165,7 +170,7 @@ impl Failure {
     pub fn is_broken_pipe(&self) -> bool {
         match self {
             Self::Stdout(error) => error.kind() == std::io::ErrorKind::BrokenPipe,
-            Self::Export(error) => error.is_broken_pipe(),
+            Self::Export(error) | Self::Parts(PartsError::Export(error)) => error.is_broken_pipe(),
             _ => false,
         }
     }

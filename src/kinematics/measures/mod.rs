@@ -23,15 +23,29 @@ pub fn measure_motion(
     measures: &Measures,
     trajectory: &Trajectory,
 ) -> Vec<Option<f64>> {
-    let mut over = measure_over(system, measures, None, &trajectory.samples);
+    measure_watched(
+        system,
+        actuation,
+        measures,
+        &trajectory.samples,
+        &mut |_| (),
+    )
+}
+
+/// The same from the samples along the drive; `seen` is shown the samples of every track.
+pub fn measure_watched(
+    system: &System,
+    actuation: &Actuation,
+    measures: &Measures,
+    samples: &[Sample],
+    seen: &mut dyn FnMut(&[Sample]),
+) -> Vec<Option<f64>> {
+    let mut over = measure_over(system, measures, None, samples);
     for (k, track) in measures.tracks.iter().enumerate() {
         // The poses of one track at a time: together they would fill the memory.
-        over.extend(self::measure_over(
-            system,
-            measures,
-            Some(k),
-            &poses_of(system, actuation, track),
-        ));
+        let poses = poses_of(system, actuation, track);
+        seen(&poses);
+        over.extend(measure_over(system, measures, Some(k), &poses));
     }
     let inputs = actuation.inputs_at(0.0);
     let mut values: Vec<Option<f64>> = Vec::new();

@@ -1,4 +1,5 @@
 //! What solving and proving give, as values.
 
 pub mod certificate;
+pub mod columns;
 pub mod trajectory;

@@ -37,6 +37,7 @@ const FLOORS: &[&[&str]] = &[
     &["render/", "export/", "import/"],
     &["plot/", "staging/", "compare/"],
     &["report/"],
+    &["parts/", "sweep/"],
     &["pictures/"],
     &["charts/", "snapshot/"],
     &["api/"],
@@ -55,6 +56,7 @@ const NARROW: &[(&str, &[&str])] = &[
     ("render/", &["math.rs", "geometry/"]),
     ("export/", &["math.rs", "geometry/"]),
     ("import/", &["limits.rs"]),
+    ("parts/", &["export/"]),
     ("plot/", &["render/text/"]),
     ("compare/", &["import/"]),
 ];

@@ -10,7 +10,7 @@ struct Wall {
     rooms: &'static [&'static str],
 }
 
-const WALLS: [Wall; 19] = [
+const WALLS: [Wall; 20] = [
     Wall {
         words: &["nix::"],
         rooms: &["cli/program.rs"],
@@ -65,7 +65,11 @@ const WALLS: [Wall; 19] = [
     },
     Wall {
         words: &["serde_json::"],
-        rooms: &["report/", "export/", "cli/"],
+        rooms: &["report/", "export/", "parts/", "sweep/", "cli/"],
+    },
+    Wall {
+        words: &["blake3::"],
+        rooms: &["parts/"],
     },
     Wall {
         words: &["clap::", "clap_complete::", "clap_mangen::"],

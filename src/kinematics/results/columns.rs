@@ -1,15 +1,18 @@
 //! Values of a motion by name: inputs, unknowns, coordinates of traced points, outputs.
 
-use super::error::Error;
-use crate::kinematics::results::trajectory::{ClosedPose, Sample};
+use super::trajectory::{ClosedPose, Sample};
 use crate::model::mechanism::{Kind, Mechanism};
 
 /// Where a named value stands in a sample.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Column {
+pub enum Column {
+    /// An input.
     Input(usize),
+    /// An unknown.
     Unknown(usize),
+    /// A traced point, and which of its coordinates.
     Trace(usize, usize),
+    /// An output.
     Output(usize),
 }
 
@@ -17,20 +20,17 @@ pub(super) enum Column {
 const AXES: [&str; 3] = [".x", ".y", ".z"];
 
 impl Column {
-    /// Errors: nothing in the mechanism has that name.
-    pub(super) fn find(mechanism: &Mechanism, name: &str) -> Result<Self, Error> {
+    /// The column of that name; else the names that there are.
+    pub fn find(mechanism: &Mechanism, name: &str) -> Result<Self, Vec<String>> {
         let all = columns(mechanism);
         match all.iter().find(|(other, _, _)| other == name) {
             Some((_, column, _)) => Ok(*column),
-            None => {
-                let names = all.iter().map(|(name, _, _)| name.as_str());
-                Err(Error::unknown_name("value", name, names))
-            }
+            None => Err(all.into_iter().map(|(name, _, _)| name).collect()),
         }
     }
 
     /// Where it stands among the slots that formulas of a pose may use.
-    pub(super) fn slot(self, mechanism: &Mechanism) -> usize {
+    pub fn slot(self, mechanism: &Mechanism) -> usize {
         let unknowns = mechanism.unknowns.len();
         let coordinates = unknowns + mechanism.inputs.len();
         match self {
@@ -42,7 +42,7 @@ impl Column {
     }
 
     /// What it measures.
-    pub(super) fn kind(self, mechanism: &Mechanism) -> Kind {
+    pub fn kind(self, mechanism: &Mechanism) -> Kind {
         match self {
             Self::Input(k) => mechanism.inputs[k].kind,
             Self::Unknown(k) => mechanism.unknowns[k].kind,
@@ -52,7 +52,7 @@ impl Column {
     }
 
     /// The value in the scene's units.
-    pub(super) fn value(self, mechanism: &Mechanism, sample: &Sample, pose: &ClosedPose) -> f64 {
+    pub fn value(self, mechanism: &Mechanism, sample: &Sample, pose: &ClosedPose) -> f64 {
         let inside = match self {
             Self::Input(k) => sample.inputs[k],
             Self::Unknown(k) => pose.unknowns[k],
@@ -64,7 +64,7 @@ impl Column {
 }
 
 /// All named values of a sample with what they measure, in the order of a table's columns.
-pub(super) fn columns(mechanism: &Mechanism) -> Vec<(String, Column, Kind)> {
+pub fn columns(mechanism: &Mechanism) -> Vec<(String, Column, Kind)> {
     let inputs = mechanism.inputs.iter().enumerate();
     let inputs = inputs.map(|(k, c)| (c.name.clone(), Column::Input(k)));
     let unknowns = mechanism.unknowns.iter().enumerate();

@@ -1,0 +1,344 @@
+//! Opening a sweep: the scene, the designs, what is asked of them, and the plan by which its rows are known.
+
+use super::cells::Cells;
+use super::scene::text_of;
+use super::study::nominal_of;
+use crate::cli::args::scene::ModeChoice;
+use crate::cli::args::sweep::SweepAsked;
+use crate::cli::term::Term;
+use crate::cli::term::outcome::Failure;
+use crate::diag::Source;
+use crate::kinematics::motion::sampling::allow_samples;
+use crate::model::mechanism::Mechanism;
+use crate::model::shape::Solid;
+use crate::model::study::Variable;
+use crate::parts::identity::identity;
+use crate::parts::plan::{Plan, VERSION};
+use crate::scene::source::open_input;
+use crate::scene::{Overrides, Scene};
+use crate::sweep::design::Design;
+use crate::sweep::design_text::{OwnRange, is_written_out, read_design};
+use crate::sweep::swept_scene::{Asked, DRIVE_SAMPLES, Instants, Sweep};
+use std::io::{BufReader, Read};
+use std::path::{Path, PathBuf};
+
+/// The verb, as plans name it.
+pub const VERB: &str = "sweep";
+
+/// Instants of values where nothing is said.
+const OUTPUT_SAMPLES: usize = 60;
+
+/// Names of files beside a plan.
+pub const SCENE_FILE: &str = "scene.toml";
+const DESIGN_FILE: &str = "design.csv";
+
+/// Largest table of designs: as many bytes as a run should read before it begins.
+const LARGEST_TABLE: u64 = 1 << 30;
+
+/// A sweep that is ready.
+pub struct OpenSweep {
+    /// The sweep.
+    pub sweep: Sweep,
+    /// By which its rows are known; one unit as yet.
+    pub plan: Plan,
+    /// Files that belong beside the plan.
+    pub files: Vec<(&'static str, Vec<u8>)>,
+}
+
+/// Opens the sweep that the command line asks for.
+pub fn open_sweep(asked: &SweepAsked, term: &Term) -> Result<OpenSweep, Failure> {
+    let (source, overrides) = text_of(&asked.scene)?;
+    let table = match is_written_out(&asked.design) {
+        true => None,
+        false => Some(read_table(Path::new(&asked.design))?),
+    };
+    open(asked, source, overrides, table, term)
+}
+
+/// Opens the sweep of a plan whose files lie in `folder`; its arguments were read from the plan.
+pub fn open_planned(
+    asked: &SweepAsked,
+    plan: &Plan,
+    folder: &Path,
+    term: &Term,
+) -> Result<OpenSweep, Failure> {
+    let place = folder.join(SCENE_FILE);
+    let text = std::fs::read_to_string(&place).map_err(|e| cannot_read(&place, &e))?;
+    let source = Source {
+        name: plan.scene.clone(),
+        text,
+    };
+    let overrides = changes(asked, PathBuf::from(&plan.meshes));
+    let table = match is_written_out(&asked.design) {
+        true => None,
+        false => Some(read_table(&folder.join(DESIGN_FILE))?),
+    };
+    open(asked, source, overrides, table, term)
+}
+
+/// What the arguments change in a scene whose meshes are in `folder`.
+fn changes(asked: &SweepAsked, folder: PathBuf) -> Overrides {
+    let scene = &asked.scene;
+    Overrides {
+        parameters: scene.parameters.clone(),
+        inputs: scene.inputs.clone(),
+        guess: scene.guess.clone(),
+        folder,
+        allowed_folders: scene.allowed.clone(),
+        ..Overrides::default()
+    }
+}
+
+fn open(
+    asked: &SweepAsked,
+    source: Source,
+    overrides: Overrides,
+    table: Option<Vec<u8>>,
+    term: &Term,
+) -> Result<OpenSweep, Failure> {
+    if asked.scene.table.is_some() {
+        let message = "a sweep follows the scene's own drive: --inputs cannot be used";
+        let hint = "replace a drive with --input NAME=FORMULA";
+        return Err(Failure::usage(message, vec![hint.to_owned()]));
+    }
+    let (source, overrides, nominal) = nominal_of(&asked.scene, source, overrides, term)?;
+    let own = own_ranges(&nominal);
+    let design = match &table {
+        Some(bytes) => table_design(bytes, &asked.design)?,
+        None => read_design(&asked.design, &own, asked.seed)
+            .map_err(|why| Failure::usage(format!("--design {why}"), Vec::new()))?,
+    };
+    refuse_beyond(&design, &own)?;
+    let wanted = asked_of(asked);
+    refuse_instants(&wanted, &nominal)?;
+    let arguments = arguments_of(asked);
+    let scene_bytes = source.text.clone().into_bytes();
+    let meshes = mesh_bytes(&nominal.mechanism);
+    let joined = arguments.join("\n");
+    let identity = identity(&[
+        ("verb", VERB.as_bytes()),
+        ("scene", &scene_bytes),
+        ("meshes", &meshes),
+        ("arguments", joined.as_bytes()),
+        ("design", table.as_deref().unwrap_or_default()),
+    ]);
+    let folder = overrides.folder.canonicalize();
+    let folder = folder.unwrap_or_else(|_| overrides.folder.clone());
+    let mut files = vec![(SCENE_FILE, scene_bytes)];
+    files.extend(table.map(|bytes| (DESIGN_FILE, bytes)));
+    let name = source.name.clone();
+    let sweep = Sweep::new(source, overrides, design, wanted)?;
+    let plan = Plan {
+        verb: VERB.to_owned(),
+        arguments,
+        scene: name,
+        meshes: folder.display().to_string(),
+        identity,
+        version: VERSION.to_owned(),
+        items: sweep.design.count(),
+        unit: sweep.design.count(),
+        width: sweep.width() as u64,
+    };
+    Ok(OpenSweep { sweep, plan, files })
+}
+
+fn asked_of(asked: &SweepAsked) -> Asked {
+    if asked.check {
+        return Asked::Check;
+    }
+    if asked.outputs.is_empty() {
+        return Asked::Measures {
+            samples: asked.samples.unwrap_or(DRIVE_SAMPLES),
+        };
+    }
+    let at = match asked.at.is_empty() {
+        true => Instants::Even(asked.samples.unwrap_or(OUTPUT_SAMPLES)),
+        false => Instants::At(asked.at.clone()),
+    };
+    Asked::Outputs {
+        names: asked.outputs.clone(),
+        at,
+    }
+}
+
+/// Refuses instants beside the motion, and more of them than a run may have.
+fn refuse_instants(asked: &Asked, scene: &Scene) -> Result<(), Failure> {
+    let last = scene.actuation.duration;
+    let count = match asked {
+        Asked::Check => 1,
+        Asked::Measures { samples } => *samples,
+        Asked::Outputs { at, .. } => match at {
+            Instants::Even(count) => *count,
+            Instants::At(times) => {
+                let ascends = times.windows(2).all(|pair| pair[0] < pair[1]);
+                if !ascends || times.iter().any(|t| !(0.0..=last).contains(t)) {
+                    let message = format!("times of --at ascend, from 0 to {last} s at most");
+                    return Err(Failure::usage(message, Vec::new()));
+                }
+                times.len()
+            }
+        },
+    };
+    Ok(allow_samples(&scene.mechanism, count)?)
+}
+
+/// The arguments that rows depend on, as they are read again; the same for whatever means the same.
+fn arguments_of(asked: &SweepAsked) -> Vec<String> {
+    let scene = &asked.scene;
+    let mut list = Vec::new();
+    let changed = [
+        ("param", &scene.parameters),
+        ("input", &scene.inputs),
+        ("guess", &scene.guess),
+    ];
+    for (option, pairs) in changed {
+        let named = pairs.iter();
+        list.extend(named.map(|(name, value)| format!("--{option}={name}={value}")));
+    }
+    let allowed = scene.allowed.iter();
+    list.extend(allowed.map(|path| format!("--allow-files={}", path.display())));
+    if let Some(mode) = &scene.mode {
+        list.push(match mode {
+            ModeChoice::Number(number) => format!("--mode={number}"),
+            ModeChoice::Signature(signs) => format!("--mode={signs}"),
+        });
+    }
+    let design = match is_written_out(&asked.design) {
+        true => &asked.design,
+        false => DESIGN_FILE,
+    };
+    list.push(format!("--design={design}"));
+    list.push(format!("--seed={}", asked.seed));
+    match asked_of(asked) {
+        Asked::Check => list.push("--check".to_owned()),
+        Asked::Measures { samples } => list.push(format!("--samples={samples}")),
+        Asked::Outputs { names, at } => {
+            list.push(format!("--outputs={}", names.join(",")));
+            list.push(match at {
+                Instants::Even(count) => format!("--samples={count}"),
+                Instants::At(times) => {
+                    let times: Vec<String> = times.iter().map(|t| format!("{t:?}")).collect();
+                    format!("--at={}", times.join(","))
+                }
+            });
+        }
+    }
+    list
+}
+
+/// Ranges of the scene's study, in the file's units.
+fn own_ranges(scene: &Scene) -> Vec<OwnRange> {
+    let variables = scene.study.iter().flat_map(|study| &study.variables);
+    let range = |v: &Variable| {
+        let unit = scene.mechanism.file_units(v.kind);
+        OwnRange {
+            name: v.name.clone(),
+            low: v.lower * unit,
+            high: v.upper * unit,
+        }
+    };
+    let finite = |range: &OwnRange| range.low.is_finite() && range.high.is_finite();
+    variables.map(range).filter(finite).collect()
+}
+
+/// A part of a range by which a design may be beyond it: units are converted back and forth.
+const ROUNDING: f64 = 1e-12;
+
+fn refuse_beyond(design: &Design, own: &[OwnRange]) -> Result<(), Failure> {
+    for axis in &design.axes {
+        let Some(range) = own.iter().find(|range| range.name == axis.name) else {
+            continue;
+        };
+        let slack = ROUNDING * (range.high - range.low);
+        if axis.low < range.low - slack || axis.high > range.high + slack {
+            let message = format!(
+                "the design takes `{}` from {} to {}, and the scene's study allows {} to {}",
+                axis.name, axis.low, axis.high, range.low, range.high
+            );
+            let hint = "its range stands in [study.variables]";
+            return Err(Failure::usage(message, vec![hint.to_owned()]));
+        }
+    }
+    Ok(())
+}
+
+/// The meshes of the scene as numbers: whatever their files are called, these are what counts.
+fn mesh_bytes(mechanism: &Mechanism) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let shapes = mechanism.bodies.iter().flat_map(|body| &body.shapes);
+    for shape in shapes {
+        if let Solid::Triangles(soup) = &shape.solid {
+            let corners = soup.triangles.iter().flatten();
+            let places = corners.filter_map(|k| soup.vertices.get(*k as usize));
+            for place in places {
+                bytes.extend(place.to_array().iter().flat_map(|v| v.to_le_bytes()));
+            }
+        }
+    }
+    bytes
+}
+
+fn read_table(path: &Path) -> Result<Vec<u8>, Failure> {
+    let file = open_input(path).map_err(|e| {
+        let known = "a design is grid:…, lhs:…, sobol:… or the name of a table";
+        match cannot_read(path, &e) {
+            Failure::Usage { message, .. } => Failure::usage(message, vec![known.to_owned()]),
+            other => other,
+        }
+    })?;
+    let mut bytes = Vec::new();
+    let read = file.take(LARGEST_TABLE + 1).read_to_end(&mut bytes);
+    read.map_err(|e| cannot_read(path, &e))?;
+    if bytes.len() as u64 > LARGEST_TABLE {
+        let message = format!("{} is larger than {LARGEST_TABLE} bytes", path.display());
+        return Err(Failure::usage(message, Vec::new()));
+    }
+    Ok(bytes)
+}
+
+fn cannot_read(path: &Path, error: &std::io::Error) -> Failure {
+    Failure::usage(
+        format!("cannot read {}: {error}", path.display()),
+        Vec::new(),
+    )
+}
+
+/// A table of designs: every column is a parameter, every cell a number.
+fn table_design(bytes: &[u8], name: &str) -> Result<Design, Failure> {
+    let mut cells = Cells::new(BufReader::new(bytes));
+    let refused = |line: usize, why: String| {
+        Failure::usage(format!("{name}, line {line}: {why}"), Vec::new())
+    };
+    let names = cells.row().map_err(|why| refused(cells.number, why))?;
+    let names = names.unwrap_or_default();
+    for (k, column) in names.iter().enumerate() {
+        if column.is_empty() {
+            let why = format!("column {} has no name", k + 1);
+            return Err(refused(cells.number, why));
+        }
+        if names[..k].contains(column) {
+            let why = format!("two columns are called `{column}`");
+            return Err(refused(cells.number, why));
+        }
+    }
+    let mut values = Vec::new();
+    while let Some(row) = cells.row().map_err(|why| refused(cells.number, why))? {
+        if row.len() != names.len() {
+            let why = format!("{} cells under {} names", row.len(), names.len());
+            return Err(refused(cells.number, why));
+        }
+        for (cell, column) in row.iter().zip(&names) {
+            let value = cells.value(cell);
+            values.push(
+                value.map_err(|why| {
+                    refused(cells.number, format!("`{column}` is `{cell}`: {why}"))
+                })?,
+            );
+        }
+    }
+    if values.is_empty() {
+        let message = format!("{name} has no rows of designs under a line of names");
+        return Err(Failure::usage(message, Vec::new()));
+    }
+    Ok(Design::table(names, values))
+}

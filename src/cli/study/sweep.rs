@@ -1,0 +1,335 @@
+//! `mechanim sweep`: many designs of a scene, one row each. Rows are kept in parts beside the file until all are there, so
+//! that a run that is stopped, or killed, goes on where it was.
+
+use super::sweep_plot::PlotFile;
+use crate::cli::args::sweep::{RowsArgs, SweepArgs, WorkArgs};
+use crate::cli::interrupt::{is_interrupted, save_results};
+use crate::cli::io;
+use crate::cli::open::sweep::{OpenSweep, open_sweep};
+use crate::cli::term::Term;
+use crate::cli::term::outcome::{Failure, Outcome};
+use crate::cli::term::progress::Progress;
+use crate::export::Output;
+use crate::jobs::{core_count, share_watched};
+use crate::parts::PartsError;
+use crate::parts::folder::Folder;
+use crate::parts::merge::Merge;
+use crate::parts::work::{Ended, Share, work_on};
+use crate::sweep::row::Row;
+use crate::sweep::rows::RowWorker;
+use crate::sweep::summary::Summary;
+use crate::sweep::swept_scene::Sweep;
+use crate::sweep::table::{RowTable, TableFormat};
+use std::cell::Cell;
+use std::ffi::OsString;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// Rows that a thread takes at once; one where a row takes as long as a check.
+const PORTION: u64 = 16;
+
+/// Work after which rows are put aside: what a kill can cost.
+const UNIT_TIME: Duration = Duration::from_secs(5);
+
+/// Most bytes of the numbers of a unit, and most rows.
+const UNIT_BYTES: u64 = 1 << 24;
+const UNIT_ROWS: u64 = 1 << 16;
+
+/// Most units: each is a file.
+const MOST_UNITS: u64 = 100_000;
+
+/// Text that is written at once.
+const BUFFER: usize = 1 << 16;
+
+/// Runs the verb.
+pub fn run_sweep(args: &SweepArgs, term: &Term) -> Result<Outcome, Failure> {
+    let rows = &args.rows;
+    let reports = [
+        ("--out", rows.out.as_deref()),
+        ("--plot", rows.plot.as_deref()),
+    ];
+    io::refuse_clashes(&[&args.asked.scene], &reports)?;
+    refuse_format(rows)?;
+    let opened = open_sweep(&args.asked, term)?;
+    let mut taker = RowTaker::new(&opened.sweep, rows)?;
+    let file = rows.out.as_deref().filter(|out| *out != Path::new("-"));
+    let begun = Instant::now();
+    match file {
+        Some(file) => in_parts(args, &opened, file, &mut taker, term)?,
+        None => in_memory(&opened, &args.work, &mut taker, term)?,
+    }
+    let text = taker.finish()?;
+    let seconds = begun.elapsed().as_secs_f64();
+    let text = format!("{text}  {seconds:.2} s\n");
+    io::print_beside(term, rows.out.as_deref(), &text)?;
+    Ok(Outcome::Done)
+}
+
+/// Rows in parts beside `file`, put together once all are there.
+fn in_parts(
+    args: &SweepArgs,
+    opened: &OpenSweep,
+    file: &Path,
+    taker: &mut RowTaker,
+    term: &Term,
+) -> Result<(), Failure> {
+    let place = parts_beside(file);
+    let folder = match Folder::open(&place) {
+        Ok(folder) if args.resume => folder,
+        Err(PartsError::NoStudy(_)) if !place.exists() => {
+            let mut plan = opened.plan.clone();
+            plan.unit = unit_size(&opened.sweep, threads(&args.work), UNIT_TIME);
+            Folder::create(&place, plan, &borrowed(&opened.files))?
+        }
+        Ok(_) | Err(PartsError::NoStudy(_)) => {
+            let message = format!(
+                "{} is what a run has left that was stopped",
+                place.display()
+            );
+            let hint = "go on with it: --resume; or remove it";
+            return Err(Failure::usage(message, vec![hint.to_owned()]));
+        }
+        Err(error) => return Err(error.into()),
+    };
+    refuse_other(&folder, opened)?;
+    let share = Share {
+        units: 0..folder.plan.units(),
+        begin: 0,
+        until: None,
+    };
+    if run_share(&folder, &opened.sweep, &share, &args.work, term)? == Ended::Stopped {
+        let (all, missing) = (folder.plan.units(), folder.missing_units().len() as u64);
+        return Err(Failure::Stopped(format!(
+            "{} of {all} units are in {}: go on with --resume",
+            all - missing,
+            place.display()
+        )));
+    }
+    merge_into(&folder, taker)?;
+    taker.commit()?;
+    Ok(folder.remove()?)
+}
+
+/// Rows that are handed on as they are made.
+fn in_memory(
+    opened: &OpenSweep,
+    work: &WorkArgs,
+    taker: &mut RowTaker,
+    term: &Term,
+) -> Result<(), Failure> {
+    let sweep = &opened.sweep;
+    let step = unit_size(sweep, threads(work), Duration::from_secs(1));
+    let progress = Progress::new(work.progress, term.quiet()).counting("designs");
+    let (width, all) = (sweep.width(), sweep.design.count());
+    for first in (0..all).step_by(step as usize) {
+        let items = first..all.min(first + step);
+        let watch = |made: u64| progress.show((first + made) as usize, all as usize);
+        let Some(numbers) = numbers_of(sweep, items.clone(), threads(work), &watch) else {
+            progress.end();
+            taker.commit()?;
+            return Err(match first {
+                0 => Failure::Interrupted,
+                _ => Failure::Stopped(format!("only the first {first} designs were looked at")),
+            });
+        };
+        for (item, record) in items.zip(numbers.chunks_exact(width)) {
+            taker.take(item, record)?;
+        }
+    }
+    progress.end();
+    taker.commit()
+}
+
+/// Does a share of a study, with all threads on one unit.
+pub fn run_share(
+    folder: &Folder,
+    sweep: &Sweep,
+    share: &Share,
+    work: &WorkArgs,
+    term: &Term,
+) -> Result<Ended, Failure> {
+    let progress = Progress::new(work.progress, term.quiet()).counting("designs");
+    // Only what this run makes tells how long it will take.
+    let units = share.units.clone().filter(|unit| !folder.has(*unit));
+    let all: u64 = units
+        .map(|unit| items_in(&folder.plan.items_of(unit)))
+        .sum();
+    let before = Cell::new(0);
+    let mut compute = |items: Range<u64>| {
+        let count = items_in(&items);
+        let watch = |made: u64| progress.show((before.get() + made) as usize, all as usize);
+        let numbers = numbers_of(sweep, items, threads(work), &watch);
+        before.set(before.get() + count);
+        numbers
+    };
+    // A unit that is being written is worth waiting for.
+    save_results(true);
+    let ended = work_on(folder, share, &mut compute, &is_interrupted);
+    save_results(false);
+    progress.end();
+    Ok(ended?)
+}
+
+/// Hands all rows of a study to `taker`, in order.
+pub fn merge_into(folder: &Folder, taker: &mut RowTaker) -> Result<(), Failure> {
+    Merge::new(folder)?.each(&mut |item, record| taker.take(item, record))
+}
+
+/// The study that lies in a folder must be the one that is asked for.
+pub fn refuse_other(folder: &Folder, opened: &OpenSweep) -> Result<(), Failure> {
+    if folder.plan.identity == opened.plan.identity {
+        return Ok(());
+    }
+    Err(Failure::Parts(PartsError::Foreign {
+        path: folder.path().to_owned(),
+        why: "holds rows of another scene, other meshes or other arguments than these".to_owned(),
+    }))
+}
+
+/// The numbers of some rows; nothing after Ctrl-C. `watch` hears how many are made.
+fn numbers_of(
+    sweep: &Sweep,
+    items: Range<u64>,
+    threads: usize,
+    watch: &dyn Fn(u64),
+) -> Option<Vec<f64>> {
+    let portion = if sweep.reads_anew() { 1 } else { PORTION };
+    let count = items_in(&items).div_ceil(portion);
+    let work = |worker: &mut RowWorker, index: usize| {
+        if is_interrupted() {
+            return None;
+        }
+        let first = items.start + portion * index as u64;
+        let mut numbers = Vec::with_capacity(portion as usize * sweep.width());
+        for item in first..items.end.min(first + portion) {
+            numbers.extend(worker.row(item).record());
+        }
+        Some(numbers)
+    };
+    let make = || RowWorker::new(sweep);
+    let portions = |done: usize| watch((done as u64 * portion).min(items_in(&items)));
+    let made = share_watched(count as usize, threads, make, work, &portions);
+    let is_whole = made.len() as u64 == count;
+    is_whole.then(|| made.into_iter().flat_map(|(_, numbers)| numbers).collect())
+}
+
+fn items_in(items: &Range<u64>) -> u64 {
+    items.end - items.start
+}
+
+/// Rows of a unit that takes about `time`, a power of two. Rows do not depend on it.
+pub fn unit_size(sweep: &Sweep, threads: usize, time: Duration) -> u64 {
+    let begun = Instant::now();
+    RowWorker::new(sweep).row(sweep.design.count() / 2);
+    let row = begun.elapsed().as_secs_f64().max(1e-7) / threads as f64;
+    let most = (UNIT_BYTES / (8 * sweep.width() as u64)).clamp(1, UNIT_ROWS);
+    let rows = ((time.as_secs_f64() / row) as u64).clamp(1, most);
+    let least = sweep.design.count().div_ceil(MOST_UNITS);
+    (1 << rows.ilog2()).max(least)
+}
+
+/// Threads that are asked for.
+pub fn threads(work: &WorkArgs) -> usize {
+    work.threads.unwrap_or_else(core_count)
+}
+
+/// Names and bytes of files.
+pub fn borrowed<'f>(files: &'f [(&'static str, Vec<u8>)]) -> Vec<(&'f str, &'f [u8])> {
+    let each = files.iter();
+    each.map(|(name, bytes)| (*name, bytes.as_slice()))
+        .collect()
+}
+
+/// `rows.csv.parts` beside `rows.csv`.
+fn parts_beside(file: &Path) -> PathBuf {
+    let mut name = OsString::from(file);
+    name.push(".parts");
+    PathBuf::from(name)
+}
+
+/// Refuses a file of rows whose kind is not known.
+pub fn refuse_format(rows: &RowsArgs) -> Result<(), Failure> {
+    rows.out
+        .as_deref()
+        .map(table_format)
+        .transpose()
+        .map(|_| ())
+}
+
+fn table_format(path: &Path) -> Result<TableFormat, Failure> {
+    if path == Path::new("-") {
+        return Ok(TableFormat::Csv);
+    }
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+    match extension.as_deref() {
+        Some("csv") => Ok(TableFormat::Csv),
+        Some("jsonl") => Ok(TableFormat::JsonLines),
+        _ => Err(Failure::usage(
+            format!("{}: unknown kind of table", path.display()),
+            vec!["known are .csv and .jsonl".to_owned()],
+        )),
+    }
+}
+
+/// Takes rows in order: into a file, a picture, and the summary.
+pub struct RowTaker<'s> {
+    table: Option<(RowTable<'s>, Box<dyn Output>)>,
+    plot: Option<PlotFile<'s>>,
+    summary: Summary<'s>,
+    text: String,
+}
+
+impl<'s> RowTaker<'s> {
+    /// Opens the files before anything is computed.
+    pub fn new(sweep: &'s Sweep, rows: &RowsArgs) -> Result<Self, Failure> {
+        let table = match &rows.out {
+            Some(path) => {
+                let table = RowTable::new(sweep, table_format(path)?);
+                Some((table, io::open_output(path)?))
+            }
+            None => None,
+        };
+        Ok(Self {
+            text: table.as_ref().map_or_else(String::new, |(t, _)| t.header()),
+            table,
+            plot: PlotFile::open(sweep, rows)?,
+            summary: Summary::new(sweep),
+        })
+    }
+
+    /// Takes the row of design `item`.
+    pub fn take(&mut self, item: u64, record: &[f64]) -> Result<(), Failure> {
+        let row = Row::of_record(record)
+            .ok_or_else(|| Failure::Internal("a part holds what is no row".to_owned()))?;
+        self.summary.add(item, &row);
+        if let Some(plot) = &mut self.plot {
+            plot.add(item, &row);
+        }
+        if let Some((table, output)) = &mut self.table {
+            table.add(item, &row, &mut self.text);
+            if self.text.len() > BUFFER {
+                output.emit(self.text.as_bytes())?;
+                self.text.clear();
+            }
+        }
+        Ok(())
+    }
+
+    /// Ends the file of rows.
+    pub fn commit(&mut self) -> Result<(), Failure> {
+        if let Some((_, mut output)) = self.table.take() {
+            output.emit(self.text.as_bytes())?;
+            output.commit()?;
+        }
+        Ok(())
+    }
+
+    /// Draws, and says what was found.
+    pub fn finish(self) -> Result<String, Failure> {
+        if let Some(plot) = self.plot {
+            plot.write()?;
+        }
+        Ok(self.summary.text())
+    }
+}

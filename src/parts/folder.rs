@@ -1,0 +1,149 @@
+//! The folder of a study: its plan, and which parts of it are there.
+
+use super::error::PartsError;
+use super::part::{Part, part_name};
+use super::plan::Plan;
+use crate::export::Target;
+use std::fs;
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+const PLAN: &str = "plan.json";
+const PARTS: &str = "parts";
+const LEASES: &str = "leases";
+
+/// Ending of a part's name.
+const PART: &str = "part";
+
+/// A study on disk.
+#[derive(Clone, Debug)]
+pub struct Folder {
+    path: PathBuf,
+    /// What is done.
+    pub plan: Plan,
+}
+
+impl Folder {
+    /// Makes the folder of a study that is `plan`, with further files beside it.
+    ///
+    /// Errors: there is something of that name already, or it cannot be made.
+    pub fn create(path: &Path, plan: Plan, files: &[(&str, &[u8])]) -> Result<Self, PartsError> {
+        match fs::create_dir(path) {
+            Err(e) if e.kind() == ErrorKind::AlreadyExists => {
+                return Err(PartsError::Exists(path.to_owned()));
+            }
+            other => other.map_err(|e| PartsError::io(path, e))?,
+        }
+        for folder in [PARTS, LEASES] {
+            let folder = path.join(folder);
+            fs::create_dir(&folder).map_err(|e| PartsError::io(&folder, e))?;
+        }
+        for (name, bytes) in files {
+            write_file(&path.join(name), bytes)?;
+        }
+        // With its plan the study begins to exist.
+        let text = format!("{:#}\n", plan.document());
+        write_file(&path.join(PLAN), text.as_bytes())?;
+        Ok(Self {
+            path: path.to_owned(),
+            plan,
+        })
+    }
+
+    /// Opens the folder of a study.
+    ///
+    /// Errors: there is none, or it is one of another version of the program.
+    pub fn open(path: &Path) -> Result<Self, PartsError> {
+        let place = path.join(PLAN);
+        let text = match fs::read_to_string(&place) {
+            Err(e) if matches!(e.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {
+                return Err(PartsError::NoStudy(path.to_owned()));
+            }
+            other => other.map_err(|e| PartsError::io(&place, e))?,
+        };
+        Ok(Self {
+            plan: Plan::read(&place, &text)?,
+            path: path.to_owned(),
+        })
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Where the parts are.
+    pub(super) fn parts_folder(&self) -> PathBuf {
+        self.path.join(PARTS)
+    }
+
+    /// The lease of a unit.
+    pub(super) fn lease(&self, unit: u64) -> PathBuf {
+        self.path.join(LEASES).join(format!("unit-{unit}"))
+    }
+
+    /// Whether a unit is done.
+    pub fn has(&self, unit: u64) -> bool {
+        let name = part_name(&self.plan.items_of(unit));
+        self.parts_folder().join(name).is_file()
+    }
+
+    /// Units without a part of their own, ascending.
+    pub fn missing_units(&self) -> Vec<u64> {
+        (0..self.plan.units())
+            .filter(|unit| !self.has(*unit))
+            .collect()
+    }
+
+    /// Units that somebody works on, or worked on when he was stopped.
+    pub fn leased_units(&self) -> Vec<u64> {
+        let units = 0..self.plan.units();
+        units.filter(|unit| self.lease(*unit).is_file()).collect()
+    }
+
+    /// When the parts were made, ascending.
+    pub fn part_times(&self) -> Vec<SystemTime> {
+        let entries = fs::read_dir(self.parts_folder()).into_iter().flatten();
+        let times = entries.filter_map(|entry| entry.ok()?.metadata().ok()?.modified().ok());
+        let mut times: Vec<SystemTime> = times.collect();
+        times.sort_unstable();
+        times
+    }
+
+    /// All parts in the order of their items, and what is wrong with the other files beside them.
+    pub(super) fn parts(&self) -> Result<(Vec<Part>, Vec<String>), PartsError> {
+        let folder = self.parts_folder();
+        let failed = |e| PartsError::io(&folder, e);
+        let (mut parts, mut faults) = (Vec::new(), Vec::new());
+        for entry in fs::read_dir(&folder).map_err(failed)? {
+            let path = entry.map_err(failed)?.path();
+            let is_hidden = path
+                .file_name()
+                .is_some_and(|name| name.to_string_lossy().starts_with('.'));
+            // What begins with a point is a part that is being written.
+            if is_hidden || path.extension().is_none_or(|e| e != PART) {
+                continue;
+            }
+            match Part::open(&path, &self.plan) {
+                Ok(part) => parts.push(part),
+                Err(error) => faults.push(error.to_string()),
+            }
+        }
+        parts.sort_by(|a, b| (a.items.start, &a.path).cmp(&(b.items.start, &b.path)));
+        faults.sort_unstable();
+        Ok((parts, faults))
+    }
+
+    /// Removes the folder with all that is in it.
+    pub fn remove(self) -> Result<(), PartsError> {
+        fs::remove_dir_all(&self.path).map_err(|e| PartsError::io(&self.path, e))
+    }
+}
+
+fn write_file(path: &Path, bytes: &[u8]) -> Result<(), PartsError> {
+    let mut target = Target::create(path)?;
+    let written = target.write_all(bytes);
+    written.map_err(|e| PartsError::io(path, e))?;
+    Ok(target.commit()?)
+}

@@ -1,0 +1,180 @@
+//! Leases: a file says that somebody works on a unit. Who holds one touches it; whoever sees one that is not touched any
+//! more takes it over. Two workers on one unit lose time and nothing else: their parts are the same.
+
+use super::error::PartsError;
+use std::collections::HashMap;
+use std::fs;
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant, SystemTime};
+
+/// How often the holder of a lease touches it.
+const TOUCH: Duration = Duration::from_secs(5);
+
+/// A lease that has not been touched for so long belongs to nobody: six touches, for disks that are slow to tell.
+const STALE: Duration = Duration::from_secs(30);
+
+/// How often the keeper of a lease looks whether it is done.
+const LOOK: Duration = Duration::from_millis(20);
+
+/// A lease that is held; given back when dropped.
+pub(super) struct Lease {
+    path: PathBuf,
+    is_done: std::sync::Arc<AtomicBool>,
+    keeper: Option<JoinHandle<()>>,
+}
+
+/// Which leases of others were seen, when they had been touched, and since when by the clock of this machine: clocks of
+/// two machines may differ by any amount.
+#[derive(Default)]
+pub(super) struct Seen {
+    others: HashMap<PathBuf, (SystemTime, Instant)>,
+}
+
+impl Seen {
+    /// Takes the lease at `path`, or that of a holder who has gone.
+    ///
+    /// Errors: the folder cannot be written to.
+    pub fn take(&mut self, path: &Path) -> Result<Option<Lease>, PartsError> {
+        match create(path) {
+            Ok(lease) => return Ok(Some(lease)),
+            Err(e) if e.kind() == ErrorKind::AlreadyExists => {}
+            Err(e) => return Err(PartsError::io(path, e)),
+        }
+        if !self.is_left(path) {
+            return Ok(None);
+        }
+        self.others.remove(path);
+        let _ = fs::remove_file(path);
+        match create(path) {
+            Ok(lease) => Ok(Some(lease)),
+            // Somebody was quicker.
+            Err(e) if e.kind() == ErrorKind::AlreadyExists => Ok(None),
+            Err(e) => Err(PartsError::io(path, e)),
+        }
+    }
+
+    fn is_left(&mut self, path: &Path) -> bool {
+        if fs::read_to_string(path).is_ok_and(|holder| is_gone(&holder)) {
+            return true;
+        }
+        let Ok(touched) = fs::metadata(path).and_then(|about| about.modified()) else {
+            return false;
+        };
+        let known = self.others.entry(path.to_owned());
+        let known = known.or_insert_with(|| (touched, Instant::now()));
+        if known.0 != touched {
+            *known = (touched, Instant::now());
+        }
+        known.1.elapsed() > STALE
+    }
+}
+
+/// Makes a lease that is not there and keeps it.
+fn create(path: &Path) -> std::io::Result<Lease> {
+    let mut file = fs::OpenOptions::new()
+        .write(true)
+        .create_new(true)
+        .open(path)?;
+    let _ = file.write_all(holder().as_bytes());
+    let is_done = std::sync::Arc::new(AtomicBool::new(false));
+    let (done, place) = (std::sync::Arc::clone(&is_done), path.to_owned());
+    let keep = move || {
+        let mut touched = Instant::now();
+        while !done.load(Ordering::Relaxed) {
+            std::thread::sleep(LOOK);
+            if touched.elapsed() > TOUCH {
+                let own = fs::OpenOptions::new().write(true).open(&place);
+                let _ = own.and_then(|file| file.set_modified(SystemTime::now()));
+                touched = Instant::now();
+            }
+        }
+    };
+    // Without a thread the lease goes stale, and the unit may be done twice.
+    let keeper = std::thread::Builder::new().spawn(keep).ok();
+    Ok(Lease {
+        path: path.to_owned(),
+        is_done,
+        keeper,
+    })
+}
+
+impl Drop for Lease {
+    fn drop(&mut self) {
+        self.is_done.store(true, Ordering::Relaxed);
+        if let Some(keeper) = self.keeper.take() {
+            let _ = keeper.join();
+        }
+        let _ = fs::remove_file(&self.path);
+    }
+}
+
+/// Where Linux says which processes there are, and which start of the system this is.
+const PROCESSES: &str = "/proc";
+const BOOT: &str = "/proc/sys/kernel/random/boot_id";
+
+/// This process, as a lease names it.
+fn holder() -> String {
+    format!("{} {}", boot(), std::process::id())
+}
+
+fn boot() -> String {
+    let text = fs::read_to_string(BOOT).unwrap_or_default();
+    text.trim().to_owned()
+}
+
+/// Whether a holder was a process of this machine that has ended. Of other machines nothing is known.
+fn is_gone(holder: &str) -> bool {
+    let Some((machine, process)) = holder.split_once(' ') else {
+        return false;
+    };
+    let is_here = !machine.is_empty() && machine == boot();
+    is_here && !Path::new(PROCESSES).join(process.trim()).exists()
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn a_lease_is_held_by_one() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("unit-0");
+        let lease = Seen::default().take(&path).unwrap();
+        assert!(lease.is_some());
+        assert!(Seen::default().take(&path).unwrap().is_none());
+        drop(lease);
+        assert!(Seen::default().take(&path).unwrap().is_some());
+    }
+
+    /// A clock an hour behind makes no lease stale: only one that stays as it is for a while.
+    #[test]
+    fn clocks_of_others_do_not_matter() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("unit-0");
+        fs::write(&path, "another-machine 1").unwrap();
+        let file = fs::OpenOptions::new().write(true).open(&path).unwrap();
+        let hour = Duration::from_secs(3600);
+        file.set_modified(SystemTime::now() - hour).unwrap();
+        let mut seen = Seen::default();
+        assert!(seen.take(&path).unwrap().is_none());
+        let back = Instant::now().checked_sub(STALE + TOUCH).unwrap();
+        seen.others.get_mut(&path).unwrap().1 = back;
+        file.set_modified(SystemTime::now() + hour).unwrap();
+        assert!(seen.take(&path).unwrap().is_none());
+        seen.others.get_mut(&path).unwrap().1 = back;
+        assert!(seen.take(&path).unwrap().is_some());
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn what_a_process_left_that_was_killed_is_taken_at_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("unit-0");
+        fs::write(&path, format!("{} 4294967295", boot())).unwrap();
+        assert!(Seen::default().take(&path).unwrap().is_some());
+    }
+}

@@ -1,0 +1,114 @@
+//! Putting parts together: all items in their order, whatever the units were, or the reasons why not.
+
+use super::error::PartsError;
+use super::folder::Folder;
+use super::part::Part;
+use std::ops::Range;
+
+/// Most faults that are listed.
+const MOST_FAULTS: usize = 50;
+
+/// Parts that cover all items.
+pub struct Merge {
+    parts: Vec<Part>,
+    width: usize,
+}
+
+impl Merge {
+    /// Looks which parts there are.
+    ///
+    /// Errors: a line for every file that does not belong here or is broken, and for every stretch of items that is
+    /// missing.
+    pub fn new(folder: &Folder) -> Result<Self, PartsError> {
+        let (parts, mut faults) = folder.parts()?;
+        let mut next = 0;
+        let mut missing = |items: Range<u64>| {
+            if !items.is_empty() {
+                faults.push(format!(
+                    "items {} to {}: missing",
+                    items.start,
+                    items.end - 1
+                ));
+            }
+        };
+        for part in &parts {
+            missing(next..part.items.start);
+            next = next.max(part.items.end);
+        }
+        missing(next..folder.plan.items);
+        match faults.is_empty() {
+            true => Ok(Self {
+                parts,
+                width: folder.plan.width as usize,
+            }),
+            false => Err(PartsError::Faulty(shortened(faults))),
+        }
+    }
+
+    /// Hands out every item with its numbers, in order. One part is held at a time.
+    ///
+    /// Errors: a part whose bytes have changed; two parts that hold other numbers of the same item; what `give` says.
+    pub fn each<E: From<PartsError>>(
+        &self,
+        give: &mut dyn FnMut(u64, &[f64]) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let mut next = 0;
+        // Earlier parts that reach over the one in hand: as a rule none.
+        let mut over: Vec<&Part> = Vec::new();
+        for part in &self.parts {
+            let numbers = part.numbers().map_err(as_fault)?;
+            over.retain(|other| other.items.end > part.items.start);
+            for other in &over {
+                self.compare(other, part, &numbers)?;
+            }
+            over.push(part);
+            let rows = part.items.clone().zip(numbers.chunks_exact(self.width));
+            for (item, row) in rows.skip_while(|(item, _)| *item < next) {
+                give(item, row)?;
+            }
+            next = next.max(part.items.end);
+        }
+        Ok(())
+    }
+
+    /// Holds a part against an earlier one where they have items in common.
+    fn compare(&self, other: &Part, part: &Part, numbers: &[f64]) -> Result<(), PartsError> {
+        let common = part.items.start..part.items.end.min(other.items.end);
+        if common.is_empty() {
+            return Ok(());
+        }
+        let others = other.numbers().map_err(as_fault)?;
+        let row = |part: &Part, numbers: &[f64], item: u64| -> Vec<u64> {
+            let start = (item - part.items.start) as usize * self.width;
+            let row = &numbers[start..start + self.width];
+            row.iter().map(|number| number.to_bits()).collect()
+        };
+        for item in common {
+            if row(other, &others, item) != row(part, numbers, item) {
+                return Err(PartsError::Faulty(vec![format!(
+                    "item {item} has other numbers in {} than in {}: one of the machines, or one of the programs, is at fault",
+                    part.path.display(),
+                    other.path.display()
+                )]));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A part that is broken keeps a study from being put together, as one that is missing does.
+fn as_fault(error: PartsError) -> PartsError {
+    match error {
+        PartsError::Foreign { .. } => PartsError::Faulty(vec![error.to_string()]),
+        other => other,
+    }
+}
+
+fn shortened(mut faults: Vec<String>) -> Vec<String> {
+    let all = faults.len();
+    faults.truncate(MOST_FAULTS);
+    if all > MOST_FAULTS {
+        faults.push(format!("and {} more", all - MOST_FAULTS));
+    }
+    faults
+}

@@ -1,0 +1,110 @@
+//! The plan of a study: what is done, to how many items, and how the work is cut.
+
+use super::error::PartsError;
+use serde_json::{Value, json};
+use std::ops::Range;
+use std::path::Path;
+
+/// Version of the plan's document.
+const SCHEMA: &str = "mechanim-study/1";
+
+/// The program that makes and reads parts. Its numbers are held to be those of no other version.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// What a study does.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Plan {
+    /// The verb.
+    pub verb: String,
+    /// Its arguments without the scene, as they are read again by whoever runs a unit.
+    pub arguments: Vec<String>,
+    /// What messages call the scene, whose text lies beside the plan.
+    pub scene: String,
+    /// Where the meshes of the scene are looked for.
+    pub meshes: String,
+    /// Digest of all that the numbers depend on.
+    pub identity: String,
+    /// The program that planned it.
+    pub version: String,
+    /// Number of items.
+    pub items: u64,
+    /// Items of a unit; the last one may have fewer.
+    pub unit: u64,
+    /// Numbers of an item.
+    pub width: u64,
+}
+
+impl Plan {
+    /// Number of units.
+    pub fn units(&self) -> u64 {
+        self.items.div_ceil(self.unit)
+    }
+
+    /// The items of unit `index`.
+    pub fn items_of(&self, index: u64) -> Range<u64> {
+        let first = index * self.unit;
+        first..self.items.min(first + self.unit)
+    }
+
+    /// As the folder keeps it.
+    pub fn document(&self) -> Value {
+        json!({
+            "schema": SCHEMA,
+            "verb": self.verb,
+            "scene": self.scene,
+            "meshes": self.meshes,
+            "arguments": self.arguments,
+            "identity": self.identity,
+            "version": self.version,
+            "items": self.items,
+            "items_of_a_unit": self.unit,
+            "units": self.units(),
+            "numbers_of_an_item": self.width,
+        })
+    }
+
+    /// Reads such a document.
+    pub(super) fn read(path: &Path, text: &str) -> Result<Self, PartsError> {
+        let bad = |why: String| PartsError::BadPlan {
+            path: path.to_owned(),
+            why,
+        };
+        let document: Value = serde_json::from_str(text).map_err(|e| bad(e.to_string()))?;
+        if document["schema"] != SCHEMA {
+            return Err(bad(format!("is no plan of the kind {SCHEMA}")));
+        }
+        let word = |name: &str| {
+            let value = document[name].as_str().map(str::to_owned);
+            value.ok_or_else(|| bad(format!("`{name}` is no text")))
+        };
+        let number = |name: &str| {
+            let value = document[name].as_u64().filter(|n| *n > 0);
+            value.ok_or_else(|| bad(format!("`{name}` is no positive whole number")))
+        };
+        let arguments = document["arguments"].as_array().into_iter().flatten();
+        let arguments = arguments.map(|a| a.as_str().map(str::to_owned));
+        let plan = Self {
+            verb: word("verb")?,
+            arguments: arguments
+                .collect::<Option<_>>()
+                .ok_or_else(|| bad("`arguments` are no texts".to_owned()))?,
+            scene: word("scene")?,
+            meshes: word("meshes")?,
+            identity: word("identity")?,
+            version: word("version")?,
+            items: number("items")?,
+            unit: number("items_of_a_unit")?,
+            width: number("numbers_of_an_item")?,
+        };
+        if plan.version != VERSION {
+            return Err(PartsError::Foreign {
+                path: path.to_owned(),
+                why: format!(
+                    "planned by version {} of the program, this is {VERSION}: numbers of two versions are not mixed",
+                    plan.version
+                ),
+            });
+        }
+        Ok(plan)
+    }
+}

@@ -1,0 +1,85 @@
+//! Working on a study: unit after unit that is not done and that nobody else works on.
+
+use super::error::PartsError;
+use super::folder::Folder;
+use super::lease::Seen;
+use super::part::write_part;
+use std::ops::Range;
+use std::time::{Duration, Instant};
+
+/// How often somebody who waits for others looks what they have done.
+const WAIT: Duration = Duration::from_millis(500);
+
+/// Which units a worker does, and for how long.
+#[derive(Clone, Debug)]
+pub struct Share {
+    /// Units that it may do.
+    pub units: Range<u64>,
+    /// The one with which it begins; it goes on from there, and from the first one behind the last.
+    pub begin: u64,
+    /// No unit is begun after this.
+    pub until: Option<Instant>,
+}
+
+/// How a worker ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ended {
+    /// All units of its share are done.
+    Done,
+    /// Its time is over.
+    TimeOver,
+    /// It was told to stop; the unit it worked on is dropped.
+    Stopped,
+}
+
+/// Does all units of a share that are missing. `compute` gives the numbers of some items, or nothing if it is told to stop;
+/// `is_stopped` is asked while others are waited for.
+///
+/// Errors: the folder cannot be written to.
+pub fn work_on(
+    folder: &Folder,
+    share: &Share,
+    compute: &mut dyn FnMut(Range<u64>) -> Option<Vec<f64>>,
+    is_stopped: &dyn Fn() -> bool,
+) -> Result<Ended, PartsError> {
+    let mut seen = Seen::default();
+    let mut missing: Vec<u64> = ordered(share).filter(|unit| !folder.has(*unit)).collect();
+    while !missing.is_empty() {
+        let mut held = Vec::new();
+        for unit in missing {
+            if is_stopped() {
+                return Ok(Ended::Stopped);
+            }
+            if share.until.is_some_and(|end| Instant::now() >= end) {
+                return Ok(Ended::TimeOver);
+            }
+            if folder.has(unit) {
+                continue;
+            }
+            let Some(_lease) = seen.take(&folder.lease(unit))? else {
+                held.push(unit);
+                continue;
+            };
+            // Whoever held it before may have ended well in between.
+            if folder.has(unit) {
+                continue;
+            }
+            let items = folder.plan.items_of(unit);
+            let Some(numbers) = compute(items.clone()) else {
+                return Ok(Ended::Stopped);
+            };
+            write_part(&folder.parts_folder(), &folder.plan, &items, &numbers)?;
+        }
+        missing = held;
+        if !missing.is_empty() {
+            std::thread::sleep(WAIT);
+        }
+    }
+    Ok(Ended::Done)
+}
+
+/// The units of a share in the order in which they are tried.
+fn ordered(share: &Share) -> impl Iterator<Item = u64> {
+    let begin = share.begin.clamp(share.units.start, share.units.end);
+    (begin..share.units.end).chain(share.units.start..begin)
+}

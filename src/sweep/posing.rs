@@ -1,0 +1,113 @@
+//! How a design is posed: the mechanism with its parameters as inputs is followed from the file's own values to those of
+//! the design, so that a row is of the same assembly or says that it is not.
+
+use super::row::RowStatus;
+use crate::analysis::study::{FamilyError, ParametricMechanism};
+use crate::kinematics::motion::continuation::{solve_motion, solve_whole};
+use crate::kinematics::results::certificate::Certificate;
+use crate::kinematics::results::trajectory::{ClosedPose, EventKind, Trajectory};
+use crate::model::actuation::Actuation;
+
+/// The first pose of the motion with the file's own values: where the way to every design begins.
+#[derive(Clone, Debug)]
+pub(super) struct Origin {
+    /// Inputs, the parameters last.
+    inputs: Vec<f64>,
+    unknowns: Vec<f64>,
+    branch: String,
+}
+
+/// Where the motion of a design begins.
+pub(super) struct Start {
+    /// Unknowns of the first pose.
+    pub unknowns: Vec<f64>,
+    /// Whether it is the file's assembly: `Ok`, `OtherBranch` or `NotReached`.
+    pub status: RowStatus,
+}
+
+impl Origin {
+    /// The first pose with the file's own values.
+    ///
+    /// # Errors
+    /// There is none.
+    pub fn new(family: &ParametricMechanism) -> Result<Self, FamilyError> {
+        let motion = solve_motion(family.system(), &family.actuation, &[0.0]);
+        let pose = motion.poses().next().ok_or_else(|| {
+            let message = "no pose was found at the start of the drive with the file's own values, from which every design is reached";
+            FamilyError::Lacks(message.to_owned())
+        })?;
+        Ok(Self {
+            inputs: family.actuation.inputs_at(0.0),
+            unknowns: pose.unknowns.clone(),
+            branch: pose.branch.clone(),
+        })
+    }
+
+    /// The first pose at other inputs (the parameters among them); `None` where none was found.
+    pub fn start_at(&self, family: &ParametricMechanism, inputs: &[f64]) -> Option<Start> {
+        if let Some(unknowns) = self.followed(family, inputs) {
+            return Some(Start {
+                unknowns,
+                status: RowStatus::Ok,
+            });
+        }
+        // Beyond a place without poses there may be poses again: of which assembly only its signs tell.
+        let assembled = Actuation::straight(inputs, inputs, self.unknowns.clone());
+        let motion = solve_motion(family.system(), &assembled, &[0.0]);
+        let pose = motion.poses().next()?;
+        let status = match pose.branch == self.branch {
+            true => RowStatus::NotReached,
+            false => RowStatus::OtherBranch,
+        };
+        Some(Start {
+            unknowns: pose.unknowns.clone(),
+            status,
+        })
+    }
+
+    /// The straight way from the file's values, if it leads there without a singular pose.
+    fn followed(&self, family: &ParametricMechanism, inputs: &[f64]) -> Option<Vec<f64>> {
+        if self.inputs == inputs {
+            return Some(self.unknowns.clone());
+        }
+        let way = Actuation::straight(&self.inputs, inputs, self.unknowns.clone());
+        let motion = solve_whole(family.system(), &way, &[0.0, 1.0])?;
+        let end = motion.poses().last()?;
+        let is_same = stays(&motion) && end.branch == self.branch;
+        is_same.then(|| end.unknowns.clone())
+    }
+}
+
+/// Whether a motion is one assembly from its start values on, as far as is known.
+pub(super) fn stays(motion: &Trajectory) -> bool {
+    let leaves = |kind: &EventKind| {
+        matches!(
+            kind,
+            EventKind::OtherStart | EventKind::SingularPosePassed | EventKind::MotionResumes { .. }
+        )
+    };
+    !motion.events.iter().any(|event| leaves(&event.kind))
+}
+
+/// The largest closure error and certified error of some poses, and how many of them have no certificate.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Proved {
+    pub closure_error: f64,
+    pub error_bound: f64,
+    pub unproved: f64,
+}
+
+impl Proved {
+    pub fn add<'p>(&mut self, poses: impl Iterator<Item = &'p ClosedPose>) {
+        for pose in poses {
+            self.closure_error = self.closure_error.max(pose.closure_error);
+            match pose.certificate {
+                Certificate::Certified { error_bound, .. }
+                | Certificate::Consistent { error_bound, .. } => {
+                    self.error_bound = self.error_bound.max(error_bound)
+                }
+                Certificate::Locked { .. } | Certificate::Refused { .. } => self.unproved += 1.0,
+            }
+        }
+    }
+}

@@ -1,0 +1,136 @@
+//! Rows for which the scene is read anew: its bodies, drives and measures are those of the design.
+
+use super::posing::{Proved, Start};
+use super::row::{Row, RowStatus};
+use super::swept_scene::{Asked, Posed, Sweep, motion_status};
+use crate::clearance::check::{ClearanceReport, Closely, PairReport};
+use crate::kinematics::motion::sampling::frame_times;
+use crate::kinematics::structure::system::System;
+use crate::report::motion_check::MotionCheck;
+use crate::report::verdict::{Asked as AskedOfCheck, Status};
+use crate::scene::{Overrides, Scene, load_scene};
+use std::sync::Arc;
+
+/// Largest closure error that passes, and how near a bound must come to its distance: those of `mechanim check`.
+const CLOSURE: f64 = 1e-9;
+const NEARNESS: f64 = 1e-3;
+
+/// The row of a design: its values in the file's units, and inside.
+pub(super) fn row(sweep: &Sweep, design: &[f64], internal: &[f64]) -> Row {
+    let refused = || sweep.empty_row(RowStatus::Refused);
+    let Some(mut scene) = scene_with(sweep, design) else {
+        return refused();
+    };
+    let Ok(system) = System::new(Arc::clone(&scene.mechanism), &scene.actuation) else {
+        return refused();
+    };
+    let mut inputs = scene.actuation.inputs_at(0.0);
+    inputs.extend_from_slice(internal);
+    let Some(start) = sweep.origin.start_at(&sweep.family, &inputs) else {
+        return sweep.empty_row(RowStatus::NotClosed);
+    };
+    let Some(guess) = guess_of(sweep, &scene, &start) else {
+        return refused();
+    };
+    scene.actuation.guess = guess;
+    scene.actuation.named.clear();
+    if sweep.asked == Asked::Check {
+        return checked(sweep, &scene, &system, start.status);
+    }
+    let posed = Posed {
+        system: &system,
+        actuation: &scene.actuation,
+        measures: &scene.measures,
+    };
+    sweep.answer(&posed, start.status)
+}
+
+fn scene_with(sweep: &Sweep, design: &[f64]) -> Option<Scene> {
+    let mut parameters = sweep.overrides.parameters.clone();
+    for (axis, value) in sweep.design.axes.iter().zip(design) {
+        parameters.retain(|(name, _)| *name != axis.name);
+        parameters.push((axis.name.clone(), format!("{value:?}")));
+    }
+    let overrides = Overrides {
+        parameters,
+        ..sweep.overrides.clone()
+    };
+    load_scene(&sweep.source, &overrides).ok()
+}
+
+/// The first pose by the names of the unknowns; `None` if the scene has others.
+fn guess_of(sweep: &Sweep, scene: &Scene, start: &Start) -> Option<Vec<f64>> {
+    let known = &sweep.family.mechanism().unknowns;
+    let value = |name: &str| {
+        let place = known.iter().position(|other| other.name == name)?;
+        start.unknowns.get(place).copied()
+    };
+    let unknowns = scene.mechanism.unknowns.iter();
+    unknowns.map(|unknown| value(&unknown.name)).collect()
+}
+
+/// Everything that `mechanim check` asks of the scene, at its frames and between them.
+fn checked(sweep: &Sweep, scene: &Scene, system: &System, start: RowStatus) -> Row {
+    let times = frame_times(&scene.mechanism, &scene.actuation, scene.view.fps);
+    let check = MotionCheck {
+        scene,
+        system,
+        times: &times,
+        asked: AskedOfCheck {
+            closure: CLOSURE,
+            poses: true,
+            motion: false,
+            estimates: false,
+            empty: false,
+            band: None,
+        },
+        closely: Closely::to(NEARNESS),
+        is_swept: false,
+        worst: 0,
+    };
+    // What is too large to be checked is no finding about the design.
+    let Ok(motion) = check.solve(&|| false) else {
+        return sweep.empty_row(RowStatus::Refused);
+    };
+    let status = motion_status(&motion, start);
+    if motion.poses().next().is_none() {
+        return sweep.empty_row(status);
+    }
+    let mut covered = check.cover(&motion);
+    let Ok(found) = check.clearances(&mut covered, &|_, _| {}) else {
+        return sweep.empty_row(RowStatus::Refused);
+    };
+    let answer = check.answer(&motion, &mut covered, found.as_ref(), 0.0);
+    let is_passed = matches!(answer.verdict.result(), Status::Passed | Status::Skipped);
+    let mut proved = Proved::default();
+    proved.add(motion.poses());
+    let [margin, bound] = margins(found.as_ref());
+    Row {
+        status,
+        is_feasible: is_passed && status == RowStatus::Ok,
+        values: vec![f64::from(u8::from(is_passed)), margin, bound],
+        closure_error: proved.closure_error,
+        error_bound: proved.error_bound,
+        unproved: proved.unproved,
+    }
+}
+
+/// By how much the nearest pair keeps its minimum: as found, and at least, proved. NaN without pairs, or without a proof.
+fn margins(found: Option<&ClearanceReport>) -> [f64; 2] {
+    let pairs = found.map_or(&[][..], |found| &found.judged);
+    if pairs.is_empty() {
+        return [f64::NAN; 2];
+    }
+    let least = |value: &dyn Fn(&PairReport) -> f64| {
+        let values = pairs.iter().map(value);
+        values.fold(f64::INFINITY, |least, v| match v < least || v.is_nan() {
+            true => v,
+            false => least,
+        })
+    };
+    let bound = |p: &PairReport| match p.least.is_certified {
+        true => p.least.bound - p.minimum,
+        false => f64::NAN,
+    };
+    [least(&|p| p.least.distance - p.minimum), least(&bound)]
+}

@@ -1,0 +1,94 @@
+//! A row of a sweep as numbers: how its design went, what was asked for, and what is proved of it.
+
+/// How the motion of a design went.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RowStatus {
+    /// All poses are there, on the assembly that the file's own values have.
+    Ok,
+    /// Some poses do not exist.
+    NotClosed,
+    /// The poses are those of another assembly.
+    OtherBranch,
+    /// The straight way from the file's values does not lead there; the poses were assembled anew, and have the signs of
+    /// the file's assembly.
+    NotReached,
+    /// The scene cannot be read with these values, or something that is asked for has no value.
+    Refused,
+    /// The motion was given up where poses may exist.
+    Undecided,
+}
+
+impl RowStatus {
+    /// All of them, in the order of their codes.
+    pub const ALL: [Self; 6] = [
+        Self::Ok,
+        Self::NotClosed,
+        Self::OtherBranch,
+        Self::NotReached,
+        Self::Refused,
+        Self::Undecided,
+    ];
+
+    /// As tables say it.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Ok => "ok",
+            Self::NotClosed => "not-closed",
+            Self::OtherBranch => "other-branch",
+            Self::NotReached => "not-reached",
+            Self::Refused => "refused",
+            Self::Undecided => "undecided",
+        }
+    }
+}
+
+/// One row.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// How it went.
+    pub status: RowStatus,
+    /// Whether it is ok and keeps all limits; of a check, whether that passed.
+    pub is_feasible: bool,
+    /// What was asked for, in the file's units; NaN where there is none.
+    pub values: Vec<f64>,
+    /// Largest gap of any loop, relative to the size, by an independent product.
+    pub closure_error: f64,
+    /// Largest certified error of a coordinate.
+    pub error_bound: f64,
+    /// Poses without a certificate.
+    pub unproved: f64,
+}
+
+/// Numbers of a row beside its values.
+const BESIDE: usize = 5;
+
+impl Row {
+    /// Numbers that a part keeps of a row with so many values.
+    pub const fn width(values: usize) -> usize {
+        BESIDE + values
+    }
+
+    /// As numbers that a part keeps.
+    pub fn record(&self) -> Vec<f64> {
+        let status = RowStatus::ALL.iter().position(|s| *s == self.status);
+        let mut record = Vec::with_capacity(BESIDE + self.values.len());
+        record.push(status.unwrap_or(0) as f64);
+        record.push(f64::from(u8::from(self.is_feasible)));
+        record.extend([self.closure_error, self.error_bound, self.unproved]);
+        record.extend_from_slice(&self.values);
+        record
+    }
+
+    /// The row of such numbers; `None` if they are none.
+    pub fn of_record(record: &[f64]) -> Option<Self> {
+        let (beside, values) = record.split_at_checked(BESIDE)?;
+        Some(Self {
+            status: *RowStatus::ALL.get(beside[0] as usize)?,
+            is_feasible: beside[1] == 1.0,
+            closure_error: beside[2],
+            error_bound: beside[3],
+            unproved: beside[4],
+            values: values.to_vec(),
+        })
+    }
+}

@@ -1,0 +1,63 @@
+//! The rows of a sweep: what becomes of one design after another.
+
+use super::posing::Start;
+use super::reread;
+use super::row::{Row, RowStatus};
+use super::swept_scene::{Posed, Sweep};
+use crate::model::actuation::Actuation;
+use crate::model::drive::Drive;
+use crate::model::measure::Measures;
+
+/// Makes rows; one for each thread.
+pub struct RowWorker<'s> {
+    sweep: &'s Sweep,
+    actuation: Actuation,
+    measures: Measures,
+}
+
+impl<'s> RowWorker<'s> {
+    /// Buffers for one thread.
+    pub fn new(sweep: &'s Sweep) -> Self {
+        Self {
+            sweep,
+            actuation: sweep.family().actuation.clone(),
+            measures: sweep.family().measures.clone(),
+        }
+    }
+
+    /// The row of design `item`.
+    pub fn row(&mut self, item: u64) -> Row {
+        let sweep = self.sweep;
+        let design = sweep.design.values(item);
+        let values = sweep.internal(&design);
+        if sweep.reads_anew() {
+            return reread::row(sweep, &design, &values);
+        }
+        self.set(&values);
+        let inputs = self.actuation.inputs_at(0.0);
+        let Some(start) = sweep.origin.start_at(&sweep.family, &inputs) else {
+            return sweep.empty_row(RowStatus::NotClosed);
+        };
+        let Start { unknowns, status } = start;
+        self.actuation.guess = unknowns;
+        let posed = Posed {
+            system: sweep.family.system(),
+            actuation: &self.actuation,
+            measures: &self.measures,
+        };
+        sweep.answer(&posed, status)
+    }
+
+    /// Puts values in place of those of the design before.
+    fn set(&mut self, values: &[f64]) {
+        let first = self.sweep.family.own_inputs();
+        for (k, value) in values.iter().enumerate() {
+            self.actuation.drives[first + k] = Drive::constant(*value);
+            for track in &mut self.measures.tracks {
+                (track.from[first + k], track.to[first + k]) = (*value, *value);
+            }
+        }
+        // Wishes for the first pose are those of the file's values.
+        self.actuation.named.clear();
+    }
+}

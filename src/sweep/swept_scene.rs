@@ -1,0 +1,318 @@
+//! A scene whose parameters are swept: what is asked of every design, and the answer once a design is posed.
+
+use super::design::Design;
+use super::posing::{Origin, Proved};
+use super::row::{Row, RowStatus};
+use crate::analysis::study::{FamilyError, ParametricMechanism};
+use crate::diag::Source;
+use crate::kinematics::measures::measure_watched;
+use crate::kinematics::motion::continuation::solve_motion;
+use crate::kinematics::motion::sampling::even_times;
+use crate::kinematics::results::columns::Column;
+use crate::kinematics::results::trajectory::{EventKind, Sample, Trajectory};
+use crate::kinematics::structure::system::System;
+use crate::model::actuation::Actuation;
+use crate::model::measure::{Measure, MeasureSource, Measures};
+use crate::scene::Overrides;
+
+/// What is asked of every design.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Asked {
+    /// The measures of the scene, along the drive with so many samples.
+    Measures {
+        /// Poses along the drive, where a measure looks along it.
+        samples: usize,
+    },
+    /// Named values at instants of the drive.
+    Outputs {
+        /// Names of inputs, unknowns, coordinates of traced points, or outputs.
+        names: Vec<String>,
+        /// When.
+        at: Instants,
+    },
+    /// Everything that `mechanim check` asks.
+    Check,
+}
+
+/// Instants of a drive.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Instants {
+    /// So many, evenly spread.
+    Even(usize),
+    /// These, in seconds, ascending.
+    At(Vec<f64>),
+}
+
+/// Poses along the drive where nothing is said: those of a study.
+pub const DRIVE_SAMPLES: usize = 180;
+
+/// A scene whose parameters are swept.
+#[derive(Clone, Debug)]
+pub struct Sweep {
+    /// Which designs.
+    pub design: Design,
+    /// What is asked of each.
+    pub asked: Asked,
+    /// Names of the values of a row, with their units.
+    pub columns: Vec<(String, String)>,
+    pub(super) family: ParametricMechanism,
+    pub(super) source: Source,
+    pub(super) overrides: Overrides,
+    pub(super) origin: Origin,
+    /// Places of the parameters of the family among those of the design.
+    order: Vec<usize>,
+    shown: Vec<Column>,
+}
+
+impl Sweep {
+    /// Reads the scene with the design's parameters as inputs of its mechanism, and poses it with the file's values.
+    ///
+    /// # Errors
+    /// Mistakes in the scene; no pose with the file's values; a value that the scene does not have.
+    pub fn new(
+        source: Source,
+        overrides: Overrides,
+        design: Design,
+        asked: Asked,
+    ) -> Result<Self, FamilyError> {
+        let names = design.names();
+        let family = ParametricMechanism::varying(&source, &overrides, &names)?;
+        let variables = family.study.variables.iter();
+        let place = |name: &String| names.iter().position(|other| other == name);
+        let order = variables.filter_map(|v| place(&v.name)).collect();
+        let shown = shown_columns(&family, &asked)?;
+        if matches!(asked, Asked::Measures { .. }) && family.measures.list.is_empty() {
+            let message =
+                "the scene has no `[measures]`: ask for values with --outputs, or for --check";
+            return Err(FamilyError::Lacks(message.to_owned()));
+        }
+        Ok(Self {
+            origin: Origin::new(&family)?,
+            columns: value_names(&family, &asked, &shown),
+            family,
+            design,
+            asked,
+            source,
+            overrides,
+            order,
+            shown,
+        })
+    }
+
+    /// Title of the scene.
+    pub fn title(&self) -> &str {
+        &self.family.mechanism().title
+    }
+
+    /// The family of all designs.
+    pub fn family(&self) -> &ParametricMechanism {
+        &self.family
+    }
+
+    /// Numbers that a part keeps of a row.
+    pub fn width(&self) -> usize {
+        Row::width(self.columns.len())
+    }
+
+    /// Whether every row reads the scene anew: a check does, whose bodies follow the design, and so do parameters that
+    /// stand in drives, tracks, or measures by another parameter.
+    pub fn reads_anew(&self) -> bool {
+        self.asked == Asked::Check || !self.family.kept.is_empty()
+    }
+
+    /// A row without numbers.
+    pub(super) fn empty_row(&self, status: RowStatus) -> Row {
+        Row {
+            status,
+            is_feasible: false,
+            values: vec![f64::NAN; self.columns.len()],
+            closure_error: f64::NAN,
+            error_bound: f64::NAN,
+            unproved: f64::NAN,
+        }
+    }
+
+    /// What is asked for beside a check, of a mechanism that is driven along `posed`.
+    pub(super) fn answer(&self, posed: &Posed, start: RowStatus) -> Row {
+        let mut proved = Proved::default();
+        let times = self.times(posed);
+        let motion = solve_motion(posed.system, posed.actuation, &times);
+        proved.add(motion.poses());
+        let mut status = motion_status(&motion, start);
+        let values = match &self.asked {
+            Asked::Outputs { .. } => self.outputs(posed, &motion),
+            _ => {
+                let mut is_missing = false;
+                let mut seen = |samples: &[Sample]| {
+                    proved.add(samples.iter().filter_map(|s| s.pose.as_ref()));
+                    is_missing |= samples.iter().any(|s| s.pose.is_none());
+                };
+                let samples = &motion.samples;
+                let found = measure_watched(
+                    posed.system,
+                    posed.actuation,
+                    posed.measures,
+                    samples,
+                    &mut seen,
+                );
+                if is_missing && status != RowStatus::Undecided {
+                    status = RowStatus::NotClosed;
+                }
+                found.into_iter().map(|v| v.unwrap_or(f64::NAN)).collect()
+            }
+        };
+        if status == RowStatus::Ok && values.iter().any(|v: &f64| !v.is_finite()) {
+            status = RowStatus::Refused;
+        }
+        let is_feasible = status == RowStatus::Ok && self.keeps_limits(&values);
+        Row {
+            status,
+            is_feasible,
+            values: self.in_file_units(values),
+            closure_error: proved.closure_error,
+            error_bound: proved.error_bound,
+            unproved: proved.unproved,
+        }
+    }
+
+    fn times(&self, posed: &Posed) -> Vec<f64> {
+        let mechanism = posed.system.mechanism();
+        let even = |count| even_times(mechanism, posed.actuation, count);
+        match &self.asked {
+            Asked::Outputs {
+                at: Instants::At(times),
+                ..
+            } => times.clone(),
+            Asked::Outputs {
+                at: Instants::Even(count),
+                ..
+            } => even(*count),
+            Asked::Measures { samples } if looks_along_drive(posed.measures) => even(*samples),
+            // Of the drive nothing but its start is asked.
+            _ => vec![0.0],
+        }
+    }
+
+    /// Value after value of every instant, in the file's units.
+    fn outputs(&self, posed: &Posed, motion: &Trajectory) -> Vec<f64> {
+        let mechanism = posed.system.mechanism();
+        let at = |column: &Column, sample: &Sample| match &sample.pose {
+            Some(pose) => column.value(mechanism, sample, pose),
+            None => f64::NAN,
+        };
+        let columns = self.shown.iter();
+        columns
+            .flat_map(|column| motion.samples.iter().map(|sample| at(column, sample)))
+            .collect()
+    }
+
+    /// Whether measures keep their own limits and those of the study.
+    fn keeps_limits(&self, values: &[f64]) -> bool {
+        match self.asked {
+            Asked::Measures { .. } => {
+                let mut pairs = self.family.measures.list.iter().zip(values);
+                pairs.all(|(measure, value)| measure.allows(*value))
+            }
+            _ => true,
+        }
+    }
+
+    /// Measures are computed in radians; outputs are in the file's units already.
+    fn in_file_units(&self, mut values: Vec<f64>) -> Vec<f64> {
+        if let Asked::Measures { .. } = self.asked {
+            let measures = self.family.measures.list.iter();
+            for (value, measure) in values.iter_mut().zip(measures) {
+                *value = self.family.shown(measure, *value);
+            }
+        }
+        values
+    }
+
+    /// The parameters of a design in internal units, in the order of the family.
+    pub(super) fn internal(&self, design: &[f64]) -> Vec<f64> {
+        let variables = self.family.study.variables.iter().zip(&self.order);
+        variables
+            .map(|(v, place)| design[*place] / self.family.units(v.kind))
+            .collect()
+    }
+}
+
+/// A mechanism that is driven, and what is measured of it.
+pub(super) struct Posed<'p> {
+    pub system: &'p System,
+    pub actuation: &'p Actuation,
+    pub measures: &'p Measures,
+}
+
+/// How a motion went that began as `start` says.
+pub(super) fn motion_status(motion: &Trajectory, start: RowStatus) -> RowStatus {
+    let jumped = |kind: &EventKind| matches!(kind, EventKind::OtherStart);
+    if motion.is_undecided() {
+        return RowStatus::Undecided;
+    }
+    if !motion.is_whole() {
+        return RowStatus::NotClosed;
+    }
+    match motion.events.iter().any(|event| jumped(&event.kind)) {
+        true => RowStatus::OtherBranch,
+        false => start,
+    }
+}
+
+fn looks_along_drive(measures: &Measures) -> bool {
+    let along = |m: &Measure| matches!(m.source, MeasureSource::Over { track: None, .. });
+    measures.list.iter().any(along)
+}
+
+fn shown_columns(family: &ParametricMechanism, asked: &Asked) -> Result<Vec<Column>, FamilyError> {
+    let Asked::Outputs { names, .. } = asked else {
+        return Ok(Vec::new());
+    };
+    let find = |name: &String| {
+        Column::find(family.mechanism(), name).map_err(|known| {
+            let known = known.join(", ");
+            FamilyError::Lacks(format!("the scene has no value `{name}`; it has: {known}"))
+        })
+    };
+    names.iter().map(find).collect()
+}
+
+/// Names and units of the values of a row.
+fn value_names(
+    family: &ParametricMechanism,
+    asked: &Asked,
+    shown: &[Column],
+) -> Vec<(String, String)> {
+    let mechanism = family.mechanism();
+    match asked {
+        Asked::Measures { .. } => {
+            let measures = family.measures.list.iter();
+            measures
+                .map(|m| (m.name.clone(), mechanism.unit_name(m.kind).to_owned()))
+                .collect()
+        }
+        Asked::Outputs { names, at } => {
+            let times = match at {
+                Instants::At(times) => times.clone(),
+                Instants::Even(count) => even_times(mechanism, &family.actuation, *count),
+            };
+            let columns = names.iter().zip(shown);
+            let cells = columns.flat_map(|(name, column)| {
+                let unit = mechanism.unit_name(column.kind(mechanism));
+                times.iter().map(move |time| (name, *time, unit))
+            });
+            cells
+                .map(|(name, time, unit)| (format!("{name}@{time}"), unit.to_owned()))
+                .collect()
+        }
+        Asked::Check => {
+            let length = &mechanism.length_unit;
+            let named = |name: &str, unit: &str| (name.to_owned(), unit.to_owned());
+            vec![
+                named("passed", ""),
+                named("clearance_margin", length),
+                named("proved_margin", length),
+            ]
+        }
+    }
+}

@@ -1,0 +1,89 @@
+//! Rows as CSV or JSON lines: the design's number, how it went, its parameters, its values, and what is proved of them.
+
+use super::row::Row;
+use super::swept_scene::Sweep;
+use crate::model::printed::shortest_decimal;
+use crate::report::cells::quoted_cell;
+use serde_json::{Map, Value, json};
+
+/// How rows are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TableFormat {
+    /// A header, then a line a row; what has no value is an empty cell.
+    Csv,
+    /// A JSON object a line; what has no value is null.
+    JsonLines,
+}
+
+/// Columns before the parameters, and behind the values.
+const FIRST: [&str; 3] = ["design", "status", "feasible"];
+const LAST: [&str; 3] = ["closure_error", "error_bound", "unproved"];
+
+/// Writes the rows of a sweep.
+pub struct RowTable<'s> {
+    sweep: &'s Sweep,
+    format: TableFormat,
+    names: Vec<String>,
+}
+
+impl<'s> RowTable<'s> {
+    /// For the rows of `sweep`.
+    pub fn new(sweep: &'s Sweep, format: TableFormat) -> Self {
+        let axes = sweep.design.axes.iter().map(|axis| axis.name.clone());
+        let values = sweep.columns.iter().map(|(name, _)| name.clone());
+        let own = |list: [&str; 3]| list.map(str::to_owned).into_iter();
+        Self {
+            sweep,
+            format,
+            names: own(FIRST)
+                .chain(axes)
+                .chain(values)
+                .chain(own(LAST))
+                .collect(),
+        }
+    }
+
+    /// What stands before the rows.
+    pub fn header(&self) -> String {
+        match self.format {
+            TableFormat::Csv => {
+                let cells: Vec<String> = self.names.iter().map(|name| quoted_cell(name)).collect();
+                cells.join(",") + "\n"
+            }
+            TableFormat::JsonLines => String::new(),
+        }
+    }
+
+    /// Adds the row of design `item`.
+    pub fn add(&self, item: u64, row: &Row, text: &mut String) {
+        let design = self.sweep.design.values(item);
+        let proofs = [row.closure_error, row.error_bound, row.unproved];
+        let numbers = design.iter().chain(&row.values).chain(&proofs).copied();
+        match self.format {
+            TableFormat::Csv => {
+                text.push_str(&format!(
+                    "{item},{},{}",
+                    row.status.word(),
+                    u8::from(row.is_feasible)
+                ));
+                for number in numbers {
+                    text.push(',');
+                    if number.is_finite() {
+                        text.push_str(&shortest_decimal(number));
+                    }
+                }
+            }
+            TableFormat::JsonLines => {
+                let first = [
+                    json!(item),
+                    json!(row.status.word()),
+                    json!(row.is_feasible),
+                ];
+                let cells = first.into_iter().chain(numbers.map(|number| json!(number)));
+                let object: Map<String, Value> = self.names.iter().cloned().zip(cells).collect();
+                text.push_str(&Value::Object(object).to_string());
+            }
+        }
+        text.push('\n');
+    }
+}
