@@ -65,6 +65,8 @@ pub mod compare;
 #[doc(hidden)]
 pub mod diag;
 #[doc(hidden)]
+pub mod diagram;
+#[doc(hidden)]
 pub mod distance;
 #[doc(hidden)]
 pub mod export;

@@ -13,6 +13,7 @@ use crate::model::plot::{Abscissa, Per, Plot, PlotCurve, Rate};
 use crate::numbers::series::TaylorSeries;
 use crate::plot::chart::{Axis, Chart, EventMark, Panel, PlotSeries};
 use crate::plot::scale::ScaleKind;
+use crate::staging::quantity_names::written_label;
 use std::f64::consts::PI;
 
 /// Curves of a plot nobody asked for.
@@ -184,12 +185,12 @@ impl ChartedMotion<'_> {
             Abscissa::Quantity(curve) => (curve.label.as_str(), curve.unit.as_str()),
         };
         let alone = match curves {
-            [only] => only.label.clone(),
+            [only] => written_label(&only.label),
             _ => String::new(),
         };
         let mut panel = Panel {
             x: Axis {
-                label: label.to_owned(),
+                label: written_label(label),
                 unit: unit.to_owned(),
                 scale: ScaleKind::Linear,
                 tight: is_known && !plot.equal,
@@ -225,7 +226,7 @@ impl ChartedMotion<'_> {
     ) -> PlotSeries {
         let values = self.values(curve);
         let mut series = PlotSeries {
-            name: curve.label.clone(),
+            name: written_label(&curve.label),
             ..PlotSeries::default()
         };
         for (k, value) in values.iter().enumerate() {

@@ -20,7 +20,7 @@ use args::{Cli, Command};
 use clap::{CommandFactory, FromArgMatches};
 use dyads::{intervals, row};
 use files::{diff, encode, snapshot};
-use motion::{modes, plot, render, solve};
+use motion::{draw, modes, plot, render, show, solve};
 use std::ffi::OsString;
 use study::{accuracy, enclose, optimise, sensitivity, sweep, synthesise, tolerance, units};
 pub use term::outcome::{Failure, Outcome};
@@ -50,6 +50,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> i32 {
         Command::Check(args) => check::run_check(&args, &term),
         Command::Modes(args) => modes::run_modes(&args, &term),
         Command::Plot(args) => plot::run_plot(&args, &term),
+        Command::Draw(args) => draw::run_draw(&args, &term),
+        Command::Show(args) => show::run_show(&args, &term),
         Command::Accuracy(args) => accuracy::run_accuracy(&args, &term),
         Command::Encode(args) => encode::run_encode(&args, &term),
         Command::Diff(args) => diff::run_diff(&args, &term),

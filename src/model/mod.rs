@@ -12,6 +12,7 @@ pub mod function;
 pub mod joints;
 pub mod measure;
 pub mod mechanism;
+pub mod notation;
 pub mod outputs;
 pub mod palette;
 pub mod pattern;

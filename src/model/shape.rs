@@ -83,6 +83,23 @@ pub enum Solid {
     Triangles(Arc<TriangleSoup>),
 }
 
+impl Solid {
+    /// Its key in scene files.
+    pub const fn word(&self) -> &'static str {
+        match self {
+            Self::Sphere { .. } => "sphere",
+            Self::Capsule { .. } => "capsule",
+            Self::Cylinder { .. } => "cylinder",
+            Self::Cone { .. } => "cone",
+            Self::Box { .. } => "box",
+            Self::Torus { .. } => "torus",
+            Self::Tube { .. } => "tube",
+            Self::HalfSpace { .. } => "half_space",
+            Self::Triangles(_) => "stl",
+        }
+    }
+}
+
 /// Triangles as a file holds them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TriangleSoup {

@@ -1,7 +1,7 @@
-//! Charts: values in, SVG text or pixels out. Knows nothing of mechanisms, files or 3-D pictures.
+//! Charts: values in, SVG text, PDF or pixels out. Knows nothing of mechanisms, files or 3-D pictures.
 //!
 //! A [`Chart`] says what is shown; [`draw_chart`] turns it into a [`Drawing`], a list of lines, areas and
-//! texts at places in pixels; [`svg`] and [`raster`] write that list.
+//! texts at places in pixels; [`svg`], [`pdf`] and [`raster`] write that list.
 
 mod area;
 pub mod bars;
@@ -12,8 +12,10 @@ mod curves;
 pub mod drawing;
 mod frame;
 mod headings;
-mod layout;
+pub mod layout;
 pub mod matrix;
+pub mod pdf;
+mod pdf_text;
 pub mod playhead;
 pub mod primitive;
 pub mod raster;

@@ -1,6 +1,7 @@
 //! Round numbers along an axis, and how they are written.
 
 use super::scale::{Scale, ScaleKind};
+use std::f64::consts::PI;
 
 /// A number on an axis.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,6 +26,10 @@ const STEPS: [f64; 4] = [1.0, 2.0, 5.0, 10.0];
 
 /// Steps of an axis in degrees: parts of a turn.
 const DEGREES: [f64; 10] = [5.0, 10.0, 15.0, 30.0, 45.0, 60.0, 90.0, 180.0, 360.0, 720.0];
+
+/// Steps of an axis in radians, in twelfths of π, and the range from which on they are taken: below it they are too coarse.
+const TWELFTHS: [u32; 9] = [1, 2, 3, 4, 6, 12, 24, 48, 96];
+const WIDE: f64 = PI / 3.0;
 
 /// Numbers of this size and larger, or whose steps are smaller than the other, get a common power of ten.
 const LARGE: f64 = 1e5;
@@ -55,7 +60,48 @@ pub fn round_step(range: f64, most: usize, unit: &str) -> f64 {
     step.unwrap_or(10.0) * decade
 }
 
+/// Ticks of an axis in radians as parts of π; `None` for a range in which there are too few.
+fn pi_ticks(low: f64, high: f64, most: usize) -> Option<Ticks> {
+    let range = high - low;
+    let fits = |twelfths: &u32| range / (f64::from(*twelfths) * PI / 12.0) <= most as f64;
+    let twelfths = TWELFTHS.into_iter().find(fits).filter(|_| range >= WIDE)?;
+    let step = f64::from(twelfths) * PI / 12.0;
+    let first = libm::ceil(low / step - 1e-6) as i64;
+    let last = libm::floor(high / step + 1e-6) as i64;
+    let tick = |k: i64| Tick {
+        value: k as f64 * step,
+        text: pi_text(k * i64::from(twelfths)),
+    };
+    let list: Vec<Tick> = (first..=last).map(tick).collect();
+    (list.len() > 1).then_some(Ticks { list, factor: 0 })
+}
+
+/// So many twelfths of π: `−3π/4`.
+fn pi_text(twelfths: i64) -> String {
+    let common = (1..=12)
+        .rev()
+        .find(|k| twelfths % k == 0 && 12 % k == 0)
+        .unwrap_or(1);
+    let (above, below) = ((twelfths / common).abs(), 12 / common);
+    let sign = if twelfths < 0 { "\u{2212}" } else { "" };
+    let number = if above == 1 {
+        String::new()
+    } else {
+        above.to_string()
+    };
+    match (above, below) {
+        (0, _) => "0".to_owned(),
+        (_, 1) => format!("{sign}{number}π"),
+        _ => format!("{sign}{number}π/{below}"),
+    }
+}
+
 fn linear_ticks(low: f64, high: f64, most: usize, unit: &str) -> Ticks {
+    if unit == "rad"
+        && let Some(ticks) = pi_ticks(low, high, most)
+    {
+        return ticks;
+    }
     let step = round_step(high - low, most, unit);
     // Counted, not summed up; a little beyond the ends so that rounding loses none.
     let first = libm::ceil(low / step - 1e-6);
@@ -165,6 +211,17 @@ mod tests {
             (0.0, 10.0, 5, "", "0 2 4 6 8 10", 0),
             (-1.0, 1.0, 4, "", "−1.0 −0.5 0.0 0.5 1.0", 0),
             (0.0, 360.0, 8, "deg", "0 45 90 135 180 225 270 315 360", 0),
+            (
+                0.0,
+                6.2832,
+                8,
+                "rad",
+                "0 π/4 π/2 3π/4 π 5π/4 3π/2 7π/4 2π",
+                0,
+            ),
+            (-3.2, 3.2, 5, "rad", "−π −π/2 0 π/2 π", 0),
+            (-0.6, 0.7, 6, "rad", "−π/6 −π/12 0 π/12 π/6", 0),
+            (-0.2, 0.2, 4, "rad", "−0.2 −0.1 0.0 0.1 0.2", 0),
             (-0.3, 0.31, 4, "mm", "−0.2 0.0 0.2", 0),
             (0.0, 3e-6, 3, "", "0 1 2 3", -6),
             (0.0, 2.5e7, 3, "", "0 10 20", 6),

@@ -14,6 +14,7 @@ pub mod freedoms;
 pub mod inputs_box;
 pub mod iterates;
 pub mod junit;
+pub mod matrices;
 pub mod measures;
 pub mod motion_check;
 pub mod optimum;

@@ -5,6 +5,7 @@ use crate::model::actuation::Actuation;
 use crate::model::clearance::ClearanceRules;
 use crate::model::measure::Measures;
 use crate::model::mechanism::{Kind, Mechanism};
+use crate::model::notation::Notation;
 use crate::model::plot::Plot;
 use crate::model::study::Study;
 use crate::model::view::View;
@@ -55,6 +56,8 @@ pub struct Scene {
     pub kinds: Vec<(String, Kind)>,
     /// Varied parameters whose file's values are kept somewhere.
     pub kept: Vec<Kept>,
+    /// Its chains as written, where they were asked for.
+    pub notation: Option<Notation>,
     /// What is odd but usable.
     pub warnings: Diagnostics,
 }

@@ -29,6 +29,8 @@ pub struct Overrides {
     pub size: Option<f64>,
     /// `--inputs`: other drives of the scene's own inputs.
     pub drives: Option<OtherDrives>,
+    /// Whether the chains are kept as they are written, for drawings.
+    pub notation: bool,
 }
 
 /// Drives in place of those of the file.

@@ -22,7 +22,7 @@ pub mod model;
 mod occlusion;
 pub mod panes;
 mod placed_labels;
-mod quantity_names;
+pub mod quantity_names;
 pub mod shared_camera;
 mod solids;
 mod trails;

@@ -12,7 +12,7 @@ pub struct PlotArgs {
     /// The scene.
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// File to write: .svg or .png; `-` for SVG on standard output.
+    /// File to write: .svg, .pdf or .png; `-` for SVG on standard output.
     #[arg(long, short, value_name = "FILE")]
     pub out: PathBuf,
     /// Curves in place of the scene's plots: names or formulas as in outputs, or d(NAME, INPUT, ORDER). May be repeated.

@@ -1,5 +1,6 @@
 //! The argument table: names, help texts, ranges that need no scene. Nothing is done here.
 
+pub mod board;
 pub mod charts;
 pub mod dyads;
 pub mod enclose;
@@ -12,6 +13,7 @@ pub mod values;
 pub mod view;
 
 use crate::limits::Limits;
+use board::{DrawArgs, ShowArgs};
 use charts::{AccuracyArgs, PlotArgs};
 use clap::{Parser, Subcommand, ValueEnum};
 use dyads::{DyadsArgs, IntervalsArgs};
@@ -66,6 +68,10 @@ pub enum Command {
     Modes(ModesArgs),
     /// Plot outputs, coordinates and their derivatives against input or time (SVG or PNG).
     Plot(PlotArgs),
+    /// Draw the kinematic diagram: links, signs of joints, dimensions, angles, loops (SVG, PDF or PNG).
+    Draw(DrawArgs),
+    /// Write the matrices of chains and loops, with symbols and as numbers (text, JSON, LaTeX or HTML).
+    Show(ShowArgs),
     /// Measure time per pose against true error for many ways along the motion (table, JSON, CSV, chart).
     Accuracy(AccuracyArgs),
     /// Assemble PNG frames made elsewhere into an animation.

@@ -45,7 +45,7 @@ pub struct RenderArgs {
     /// For 3-D models: the largest distance between a round surface and its facets, in the scene's unit.
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = positive_number)]
     pub resolution: Option<f64>,
-    /// Highlight something: bodies that come closer to each other than the scene's `[clearance]` allows turn red.
+    /// Show what is asked for: bodies that come closer to each other than the scene's `[clearance]` allows turn red.
     #[arg(long, value_enum, value_name = "WHAT")]
     pub show: Option<ShowArg>,
     /// Print where the time went, stage by stage.

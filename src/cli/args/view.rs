@@ -10,6 +10,7 @@ use crate::scene::Scene;
 use crate::scene::resolve::camera::MOST_ORBIT;
 use crate::scene::resolve::choices::MOST_GHOSTS;
 use clap::Args;
+use std::sync::Arc;
 
 /// How the scene is looked at; each replaces a key of its `[view]`.
 #[derive(Debug, Args)]
@@ -78,6 +79,9 @@ pub struct ViewArgs {
     /// Leave out title and input values.
     #[arg(long)]
     pub no_captions: bool,
+    /// Leave out a body, or its solids of one kind (BODY.torus). May be repeated.
+    #[arg(long, value_name = "BODY")]
+    pub hide: Vec<String>,
 }
 
 impl ViewArgs {
@@ -112,6 +116,9 @@ impl ViewArgs {
     ///
     /// Errors: a transparent background in a format without alpha.
     pub fn apply(&self, format: &Format, scene: &mut Scene) -> Result<(), Failure> {
+        self.hide
+            .iter()
+            .try_for_each(|name| hide_shapes(name, scene))?;
         let view = &mut scene.view;
         self.change().apply(view);
         if let (Some(length), Trails::Fading(seconds)) = (self.trail_length, &mut view.decor.trails)
@@ -133,7 +140,42 @@ impl ViewArgs {
     }
 }
 
-fn azimuth_angle(text: &str) -> Result<f64, String> {
+/// Takes a body's solids out of the pictures; its motion stays.
+fn hide_shapes(name: &str, scene: &mut Scene) -> Result<(), Failure> {
+    let mechanism = Arc::make_mut(&mut scene.mechanism);
+    let whole = mechanism.bodies.iter().position(|body| body.name == name);
+    let (body, kind) = match (whole, name.rsplit_once('.')) {
+        (Some(body), _) => (Some(body), None),
+        (None, Some((name, kind))) => {
+            let body = mechanism.bodies.iter().position(|body| body.name == name);
+            (body, Some(kind))
+        }
+        (None, None) => (None, None),
+    };
+    let names: Vec<&str> = mechanism
+        .bodies
+        .iter()
+        .map(|body| body.name.as_str())
+        .collect();
+    let hint = format!("its bodies are: {}", names.join(", "));
+    let Some(body) = body.map(|k| &mut mechanism.bodies[k]) else {
+        let message = format!("the scene has no body `{name}`");
+        return Err(Failure::usage(message, vec![hint]));
+    };
+    let before = body.shapes.len();
+    body.shapes
+        .retain(|shape| kind.is_some_and(|kind| shape.solid.word() != kind));
+    match kind {
+        Some(kind) if body.shapes.len() == before => {
+            let message = format!("body `{}` has no {kind}", body.name);
+            Err(Failure::usage(message, Vec::new()))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Degrees about the up axis.
+pub fn azimuth_angle(text: &str) -> Result<f64, String> {
     angle_between(text, -720.0, 720.0)
 }
 
@@ -141,7 +183,8 @@ fn orbit_angle(text: &str) -> Result<f64, String> {
     angle_between(text, -MOST_ORBIT, MOST_ORBIT)
 }
 
-fn elevation_angle(text: &str) -> Result<f64, String> {
+/// Degrees above the horizon.
+pub fn elevation_angle(text: &str) -> Result<f64, String> {
     angle_between(text, -90.0, 90.0)
 }
 

@@ -5,7 +5,7 @@ use crate::export::Output;
 use crate::export::png::{Effort, encode_png};
 use crate::model::theme::Theme;
 use crate::plot::raster::ChartPainter;
-use crate::plot::{Chart, ChartTheme, Drawing, draw_chart, svg};
+use crate::plot::{Chart, ChartTheme, Drawing, draw_chart, pdf, svg};
 use std::path::Path;
 
 /// What a chart's file holds.
@@ -13,6 +13,8 @@ use std::path::Path;
 pub enum PlotFormat {
     /// Text with shapes.
     Svg,
+    /// Shapes on a page.
+    Pdf,
     /// Pixels.
     Png,
 }
@@ -26,10 +28,11 @@ impl PlotFormat {
         let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
         match extension.as_deref() {
             Some("svg") => Ok(Self::Svg),
+            Some("pdf") => Ok(Self::Pdf),
             Some("png") => Ok(Self::Png),
             _ => Err(Failure::usage(
                 format!("{}: unknown kind of plot", path.display()),
-                vec!["known are .svg and .png".to_owned()],
+                vec!["known are .svg, .pdf and .png".to_owned()],
             )),
         }
     }
@@ -44,11 +47,15 @@ pub fn write_chart(
     output: &mut dyn Output,
 ) -> Result<(), Failure> {
     let size = size.unwrap_or_else(|| crate::plot::usual_size(chart));
-    let theme = match theme {
+    write_drawing(&draw_chart(chart, size, chart_theme(theme)), format, output)
+}
+
+/// Colours of a drawing.
+pub fn chart_theme(theme: Theme) -> ChartTheme {
+    match theme {
         Theme::Light => ChartTheme::LIGHT,
         Theme::Dark => ChartTheme::DARK,
-    };
-    write_drawing(&draw_chart(chart, size, theme), format, output)
+    }
 }
 
 /// Writes what has been laid out.
@@ -59,6 +66,7 @@ pub fn write_drawing(
 ) -> Result<(), Failure> {
     let bytes = match format {
         PlotFormat::Svg => svg::write_svg(drawing).into_bytes(),
+        PlotFormat::Pdf => pdf::write_pdf(drawing),
         PlotFormat::Png => {
             let mut bytes = Vec::new();
             encode_png(

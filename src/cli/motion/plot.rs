@@ -17,7 +17,7 @@ use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::plot::Plot;
 use crate::plot::companion::Companion;
-use crate::scene::{PlotText, Scene};
+use crate::scene::{Overrides, PlotText, Scene};
 
 /// Samples of a plot unless told otherwise: every degree of a turn.
 const USUAL_SAMPLES: usize = 361;
@@ -26,8 +26,9 @@ const USUAL_SAMPLES: usize = 361;
 pub fn run_plot(args: &PlotArgs, term: &Term) -> Result<Outcome, Failure> {
     let format = PlotFormat::of(&args.out)?;
     io::refuse_input(&args.scene, &args.out)?;
-    let OpenScene { scene, system } =
-        open_scene::open_with_plot(&args.scene, asked_plot(args)?, term)?;
+    let asked = asked_plot(args)?;
+    let change = |overrides: &mut Overrides| overrides.plot = asked;
+    let OpenScene { scene, system } = open_scene::open_changed(&args.scene, change, term)?;
     let actuation = &scene.actuation;
     let plots = chosen_plots(args.only.as_deref(), &scene)?;
     let times = plot_times(args, actuation);

@@ -7,7 +7,7 @@ use crate::cli::term::outcome::Failure;
 use crate::cli::term::progress::announce_work;
 use crate::diag::Source;
 use crate::kinematics::structure::system::System;
-use crate::scene::{Overrides, PlotText, Scene, load_scene, source};
+use crate::scene::{Overrides, Scene, load_scene, source};
 use std::ffi::OsStr;
 use std::path::Path;
 use std::sync::Arc;
@@ -22,13 +22,13 @@ pub struct OpenScene {
 
 /// Reads, resolves and adapts the scene, and analyses its mechanism; warnings are printed.
 pub fn open_scene(args: &SceneArgs, term: &Term) -> Result<OpenScene, Failure> {
-    open_with_plot(args, None, term)
+    open_changed(args, |_| {}, term)
 }
 
-/// As [`open_scene`], with a plot asked for in place of the scene's own.
-pub fn open_with_plot(
+/// As [`open_scene`], with more changed in it than its own options say.
+pub fn open_changed(
     args: &SceneArgs,
-    plot: Option<PlotText>,
+    change: impl FnOnce(&mut Overrides),
     term: &Term,
 ) -> Result<OpenScene, Failure> {
     if args.scene == "-" && args.table.as_deref() == Some(Path::new("-")) {
@@ -36,7 +36,7 @@ pub fn open_with_plot(
         return Err(Failure::usage(message, Vec::new()));
     }
     let (source, mut overrides) = text_of(args)?;
-    overrides.plot = plot;
+    change(&mut overrides);
     let read = || load_scene(&source, &overrides).map_err(Box::new);
     let mut scene = announce_work("reading the scene and its meshes", term.quiet(), read)?;
     term.diagnostics(&source, &scene.warnings);

@@ -18,6 +18,7 @@ impl LinkGraph {
         self.paths.bases = vec![Vec::new(); loops.len()];
         self.paths.loops = vec![Vec::new(); loops.len()];
         self.closes = vec![false; loops.len()];
+        self.loop_starts = vec![LinkFrame::WORLD; loops.len()];
         let mut left: Vec<usize> = (0..loops.len()).collect();
         while !left.is_empty() {
             // The first that has a place or meets anything; else the first.
@@ -56,6 +57,7 @@ impl LinkGraph {
         self.paths.loops[index] = reversed.chain(path_on).collect();
         // A loop that closes in a point also ends on a link, which the touching surface belongs to.
         self.loop_ends.extend([start, end]);
+        self.loop_starts[index] = start;
         self.closes[index] = match item.closes {
             Closes::Frame => {
                 self.join(start, end);

@@ -126,6 +126,8 @@ pub struct Joints {
     pub along_bodies: Vec<Vec<Passage>>,
     /// Passages of every loop, in its order.
     pub along_loops: Vec<Vec<Passage>>,
+    /// Where every loop begins, on the link that it begins on.
+    pub loop_starts: Vec<LinkFrame>,
     /// Whether a loop closes anything that the loops before it have left open.
     pub closes: Vec<bool>,
 }

@@ -98,6 +98,8 @@ pub struct LinkGraph {
     body_ends: Vec<LinkFrame>,
     /// Where loops begin and end.
     pub(super) loop_ends: Vec<LinkFrame>,
+    /// Where every loop begins.
+    pub(super) loop_starts: Vec<LinkFrame>,
     pub(super) closes: Vec<bool>,
 }
 
@@ -114,6 +116,8 @@ pub struct Finished {
     pub of_body: Vec<usize>,
     /// Links on which loops begin or end.
     pub loop_ends: Vec<usize>,
+    /// Where every loop begins.
+    pub loop_starts: Vec<LinkFrame>,
     /// Whether every loop closed something new.
     pub closes: Vec<bool>,
 }
@@ -132,6 +136,7 @@ impl LinkGraph {
             paths: Paths::default(),
             body_ends: Vec::new(),
             loop_ends: Vec::new(),
+            loop_starts: Vec::new(),
             closes: Vec::new(),
         }
     }
@@ -172,6 +177,7 @@ impl LinkGraph {
             },
             of_body: links(&self.body_ends),
             loop_ends: links(&self.loop_ends),
+            loop_starts: self.loop_starts.iter().map(|p| self.resolved(*p)).collect(),
             closes: self.closes.clone(),
             at: self.at.clone(),
             routes: self.routes.clone(),

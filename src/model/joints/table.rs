@@ -65,7 +65,12 @@ fn joint_table(mechanism: &Mechanism, graph: &Finished) -> Joints {
             after,
         })
     };
+    let loop_starts = graph.loop_starts.iter().map(|start| LinkFrame {
+        link: numbers.get(start.link),
+        ..*start
+    });
     Joints {
+        loop_starts: loop_starts.collect(),
         list: runs.iter().enumerate().filter_map(joint).collect(),
         links,
         of_body,

@@ -9,3 +9,4 @@ pub mod expansion;
 pub mod expression;
 pub mod kinds;
 pub mod lexer;
+pub mod written;

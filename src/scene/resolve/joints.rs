@@ -11,7 +11,7 @@ use super::parsing::Named;
 use crate::diag::{Diagnostic, Diagnostics, Span, shown_number};
 use crate::math::Pose;
 use crate::model::chain::{Argument, ArgumentValue, Chain, ChainStep, ElementaryMotion};
-use crate::model::expression::{Affine, Function};
+use crate::model::expression::{Affine, Expression, Function};
 use crate::model::fixed::FixedPose;
 use crate::model::mechanism::{AngleUnit, Closes, Equation, Kind, Loop};
 use crate::numbers::constant::Constant;
@@ -66,6 +66,18 @@ impl<'a> FoldedJoints<'a> {
         diagnostics: &mut Diagnostics,
     ) -> Option<Loop> {
         let steps = self.steps(factors, diagnostics)?;
+        let [base, core] = Self::parted(factors, &steps, closes);
+        Some(Loop {
+            name: name.to_owned(),
+            base: folded_chain(base.into_iter().map(|k| steps[k])),
+            chain: folded_chain(core.into_iter().map(|k| steps[k])),
+            closes,
+            size: 1.0,
+        })
+    }
+
+    /// The factors, with a step each, that carry a loop around, and those that are the loop.
+    pub fn parted(factors: &[Factor], steps: &[ChainStep], closes: Closes) -> [Vec<usize>; 2] {
         let kept = without_pairs(factors);
         let around = match closes {
             Closes::Frame => kept_around(factors, &kept),
@@ -74,17 +86,15 @@ impl<'a> FoldedJoints<'a> {
         };
         let (base, rest) = kept.split_at(around);
         let moves = base.iter().any(|k| steps[*k].joint().is_some());
-        let (base, core) = match moves {
-            true => (base, &rest[..rest.len() - around]),
-            false => (&[][..], &kept[..]),
-        };
-        Some(Loop {
-            name: name.to_owned(),
-            base: folded_chain(base.iter().map(|k| steps[*k])),
-            chain: folded_chain(core.iter().map(|k| steps[*k])),
-            closes,
-            size: 1.0,
-        })
+        match moves {
+            true => [base.to_vec(), rest[..rest.len() - around].to_vec()],
+            false => [Vec::new(), kept],
+        }
+    }
+
+    /// The factors of a chain that are left when neighbours that undo each other are taken out.
+    pub fn kept(factors: &[Factor]) -> Vec<usize> {
+        without_pairs(factors)
     }
 
     /// The scalar equations of the file.
@@ -148,7 +158,7 @@ impl<'a> FoldedJoints<'a> {
     }
 
     /// A step for every factor.
-    fn steps(
+    pub fn steps(
         &mut self,
         factors: &[Factor],
         diagnostics: &mut Diagnostics,
@@ -230,17 +240,36 @@ impl<'a> FoldedJoints<'a> {
         Ok(if back { pose.inverse() } else { pose })
     }
 
+    /// The argument of a motion, which is not added to the list.
+    pub fn argument(
+        &self,
+        motion: ElementaryMotion,
+        node: &FormulaNode,
+    ) -> Result<Argument, Diagnostic> {
+        let expression = self.expression(motion, node)?;
+        let affine = expression.affine().map(Argument::Affine);
+        Ok(affine.unwrap_or(Argument::Formula(expression)))
+    }
+
+    fn expression(
+        &self,
+        motion: ElementaryMotion,
+        node: &FormulaNode,
+    ) -> Result<Expression, Diagnostic> {
+        let wanted = Some(kind_of_motion(motion));
+        let converted = to_radians(node.clone(), wanted, self.unit.radians, &|n| {
+            self.names.is_angle(n)
+        });
+        compile_formula(&converted, &|n, s| self.names.coordinate(n, s))
+    }
+
     fn elementary(
         &mut self,
         motion: ElementaryMotion,
         axis: usize,
         node: &FormulaNode,
     ) -> Result<ChainStep, Diagnostic> {
-        let wanted = Some(kind_of_motion(motion));
-        let converted = to_radians(node.clone(), wanted, self.unit.radians, &|n| {
-            self.names.is_angle(n)
-        });
-        let expression = compile_formula(&converted, &|n, s| self.names.coordinate(n, s))?;
+        let expression = self.expression(motion, node)?;
         match expression.affine() {
             Some(affine) if affine.terms.is_empty() => {
                 let value = affine.constant;

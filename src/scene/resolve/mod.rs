@@ -26,6 +26,7 @@ mod symbolic;
 mod varied;
 mod view;
 mod words;
+mod written;
 
 use super::file::SceneFile;
 use super::loaded::Scene;
@@ -158,6 +159,9 @@ pub fn resolve_scene(
     magnitudes::estimate_magnitudes(&mut mechanism, &actuation);
     mechanism.joints = Joints::new(&mechanism);
     loops::warn_of_loops(&mechanism, &parsed, diagnostics);
+    let notation = overrides
+        .notation
+        .then(|| written::resolve_notation(file, &parsed, (&names, &angle_unit), &mechanism));
     let description = file.description.clone().unwrap_or_default();
     Some(Scene {
         description,
@@ -174,6 +178,7 @@ pub fn resolve_scene(
         kept,
         clearance,
         plots,
+        notation,
         warnings: Diagnostics::default(),
     })
 }

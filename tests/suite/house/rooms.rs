@@ -39,7 +39,7 @@ const FLOORS: &[&[&str]] = &[
     &["report/"],
     &["parts/", "sweep/"],
     &["pictures/"],
-    &["charts/", "snapshot/"],
+    &["charts/", "diagram/", "snapshot/"],
     &["api/"],
     &["cli/"],
     &["lib.rs", "main.rs"],

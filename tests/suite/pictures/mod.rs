@@ -1,5 +1,6 @@
 //! Pictures, films, plots, and the files that hold them.
 
+mod diagrams;
 mod export_files;
 mod export_formats;
 mod export_gif;

@@ -182,7 +182,7 @@ fn curves_in_the_svg_are_the_closed_form() {
     );
     assert!(
         all.iter()
-            .any(|e| e.name == "desc" && e.text.contains("against phi [deg]"))
+            .any(|e| e.name == "desc" && e.text.contains("against φ [deg]"))
     );
     let stroke = move |p: f64| r * p.cos() + (l * l - (r * p.sin()).powi(2)).sqrt();
     let first = move |p: f64| {
@@ -194,9 +194,9 @@ fn curves_in_the_svg_are_the_closed_form() {
     let expected: [(&str, usize, Form); 4] = [
         ("stroke", 0, Box::new(stroke)),
         ("pin", 0, Box::new(move |p| r * p.cos())),
-        ("dstroke/dphi", 1, Box::new(move |p| first(p) * degree)),
+        ("dstroke/dφ", 1, Box::new(move |p| first(p) * degree)),
         (
-            "d²stroke/dphi²",
+            "d²stroke/dφ²",
             2,
             Box::new(move |p| (first(p + step) - first(p - step)) / (2.0 * step) * degree * degree),
         ),
@@ -474,17 +474,7 @@ fn the_program_writes_what_is_asked() {
         .map(|(name, _)| name)
         .collect();
     // Panels in the order of their units: mm and its derivatives, degrees and theirs.
-    assert_eq!(
-        names,
-        [
-            "h",
-            "alpha",
-            "dh/dphi",
-            "dalpha/dphi",
-            "d²h/dphi²",
-            "d²alpha/dphi²"
-        ]
-    );
+    assert_eq!(names, ["h", "α", "dh/dφ", "dα/dφ", "d²h/dφ²", "d²α/dφ²"]);
 }
 
 #[test]
@@ -493,8 +483,8 @@ fn what_cannot_be_plotted_is_said() {
     w.write("ok.toml", crank(40.0, 80.0));
     for (arguments, words) in [
         (
-            &["--out", "a.pdf"][..],
-            &["unknown kind of plot", ".svg and .png"][..],
+            &["--out", "a.eps"][..],
+            &["unknown kind of plot", ".svg, .pdf and .png"][..],
         ),
         (
             &["--out", "a.svg", "--y", "hh"],

@@ -2,6 +2,7 @@
 
 mod fixed_poses;
 mod joint_bodies;
+mod matrices;
 mod mobility;
 mod models;
 mod modes;

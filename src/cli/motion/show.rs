@@ -1,0 +1,70 @@
+//! `mechanim show`: chains and loops as matrices.
+
+use crate::cli::args::board::{BoardFormat, ShowArgs};
+use crate::cli::io;
+use crate::cli::open::pose::coordinates_at;
+use crate::cli::open::scene::open_changed;
+use crate::cli::term::Term;
+use crate::cli::term::outcome::{Failure, Outcome};
+use crate::diag::nearest_name;
+use crate::model::notation::{Notation, WrittenChain};
+use crate::report::matrices::ShownChains;
+use std::path::Path;
+
+/// Runs the verb.
+pub fn run_show(args: &ShowArgs, term: &Term) -> Result<Outcome, Failure> {
+    let open = open_changed(&args.scene, |overrides| overrides.notation = true, term)?;
+    let notation = open.scene.notation.clone().unwrap_or_default();
+    let chains = chosen_chains(args, &notation)?;
+    let coordinates = coordinates_at(&open, args.at)?;
+    let shown = ShownChains::new(
+        &open.scene.mechanism,
+        &notation,
+        &chains,
+        (args.at, &coordinates),
+    );
+    let text = match args.board_format() {
+        BoardFormat::Text => shown.text(),
+        BoardFormat::Latex => shown.latex(),
+        BoardFormat::Html => shown.html(),
+        BoardFormat::Json => format!("{:#}\n", shown.json()),
+    };
+    let out = args.out.as_deref().unwrap_or(Path::new("-"));
+    io::write_text(&args.scene, out, &text)?;
+    Ok(Outcome::Done)
+}
+
+/// The chains and loops asked for; all loops if none is.
+fn chosen_chains<'n>(
+    args: &ShowArgs,
+    notation: &'n Notation,
+) -> Result<Vec<&'n WrittenChain>, Failure> {
+    let chains = args
+        .chains
+        .iter()
+        .map(|name| named("chain", name, &notation.chains));
+    let loops = args
+        .loops
+        .iter()
+        .map(|name| named("loop", name, &notation.loops));
+    let chosen: Vec<&WrittenChain> = chains.chain(loops).collect::<Result<_, _>>()?;
+    Ok(match chosen.is_empty() {
+        true => notation.loops.iter().collect(),
+        false => chosen,
+    })
+}
+
+fn named<'n>(
+    what: &str,
+    name: &str,
+    list: &'n [WrittenChain],
+) -> Result<&'n WrittenChain, Failure> {
+    list.iter().find(|chain| chain.name == name).ok_or_else(|| {
+        let names = list.iter().map(|chain| chain.name.as_str());
+        let hint = match nearest_name(name, names.clone()) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => format!("it has: {}", names.collect::<Vec<_>>().join(", ")),
+        };
+        Failure::usage(format!("the scene has no {what} `{name}`"), vec![hint])
+    })
+}

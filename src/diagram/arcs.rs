@@ -1,0 +1,97 @@
+//! Angles as arcs in space, from where they are measured to where they lead.
+
+use super::ink::{Ink, Label};
+use super::plane::{Plane, Spot, ahead, minus, norm};
+use super::scheme::{QuantitySource, SchemeAngle};
+use super::sheet::{Lettering, source_colour};
+use crate::math::sin_cos;
+use crate::plot::theme::Dashes;
+use glam::DVec3;
+use std::f64::consts::{PI, TAU};
+
+/// Radius of the first arc about a place, and what every further one is larger by, in units of the drawing.
+const RADIUS: f64 = 27.0;
+const STEP: f64 = 10.0;
+
+/// The lines from which, and to which, an angle is measured reach so far beyond its arc.
+const BEYOND: f64 = 9.0;
+
+/// An arc of a turn and more is drawn up to here.
+const MOST: f64 = 0.97 * TAU;
+
+/// Corners of an arc.
+const CORNERS: usize = 48;
+
+/// Draws an angle; `level` arcs are about its place already.
+pub fn draw_angle(
+    angle: &SchemeAngle,
+    level: usize,
+    plane: &Plane,
+    lettering: &Lettering,
+    ink: &mut Ink,
+) {
+    let radius = (RADIUS + STEP * level as f64) * ink.unit;
+    let centre = plane.spot(angle.at);
+    let colour = source_colour(angle.source, &ink.theme);
+    let across = angle.axis.cross(angle.zero);
+    let shown = wrapped(angle);
+    let direction = |share: f64| {
+        let (sin, cos) = sin_cos(shown * share);
+        plane.direction(angle.zero * cos + across * sin)
+    };
+    let arc: Vec<Spot> = (0..=CORNERS)
+        .map(|k| ahead(centre, direction(k as f64 / CORNERS as f64), radius))
+        .collect();
+    for share in [0.0, 1.0] {
+        let from = ahead(centre, direction(share), 0.35 * radius);
+        let to = ahead(centre, direction(share), radius + BEYOND * ink.unit);
+        ink.line(&[from, to], colour, 0.7, Dashes::Short);
+    }
+    draw_arc(&arc, shown * radius, colour, ink);
+    let middle = ahead(centre, direction(0.5), radius);
+    ink.labels.push(Label {
+        text: lettering.angle(angle),
+        anchor: middle,
+        wish: minus(middle, centre),
+        size: lettering.size,
+        colour,
+        ringed: false,
+        least: 0.0,
+    });
+}
+
+fn draw_arc(arc: &[Spot], length: f64, colour: [u8; 4], ink: &mut Ink) {
+    ink.line(arc, colour, 1.1, Dashes::None);
+    // A head longer than its arc says nothing.
+    let [.., _, tip] = arc else { return };
+    if length.abs() > 11.0 * ink.unit {
+        let back = arc
+            .iter()
+            .rev()
+            .find(|p| norm(minus(*tip, **p)) > 6.0 * ink.unit);
+        if let Some(back) = back {
+            ink.head(*tip, minus(*tip, *back), colour);
+        }
+    }
+}
+
+/// An angle as it is drawn: what is driven as far as it has gone within its turn, what follows the short way.
+fn wrapped(angle: &SchemeAngle) -> f64 {
+    let within = angle.value % TAU;
+    let short = match angle.source {
+        QuantitySource::Unknown if within > PI => within - TAU,
+        QuantitySource::Unknown if within < -PI => within + TAU,
+        _ => within,
+    };
+    short.clamp(-MOST, MOST)
+}
+
+/// How many of the first angles have the same vertex as the one at `index`.
+pub fn level(angles: &[SchemeAngle], index: usize, plane: &Plane, near: f64) -> usize {
+    let at = |place: DVec3| plane.spot(place);
+    let own = at(angles[index].at);
+    let earlier = angles[..index].iter();
+    earlier
+        .filter(|a| norm(minus(at(a.at), own)) < near)
+        .count()
+}

@@ -1,0 +1,151 @@
+//! What a drawing is made of while it grows: primitives, the lines that labels keep away from, and labels to be placed.
+
+use super::plane::{Spot, across, ahead, minus, norm, unit};
+use crate::plot::primitive::{DrawnPrimitive, Rect, Stroke, TextAnchor};
+use crate::plot::theme::{ChartTheme, Colour, Dashes};
+
+/// A label to be placed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Label {
+    /// Its text.
+    pub text: String,
+    /// What it belongs to.
+    pub anchor: Spot,
+    /// Where it wants to stand from there; any length.
+    pub wish: Spot,
+    /// Height of the capitals.
+    pub size: f64,
+    /// Colour of the text.
+    pub colour: Colour,
+    /// In a circle.
+    pub ringed: bool,
+    /// Pixels from the anchor that it keeps at least.
+    pub least: f64,
+}
+
+/// A drawing that grows.
+pub struct Ink {
+    /// From back to front.
+    pub primitives: Vec<DrawnPrimitive>,
+    /// Lines that labels had better not cover.
+    pub lines: Vec<[Spot; 2]>,
+    /// Boxes that labels must not cover.
+    pub boxes: Vec<Rect>,
+    /// Labels, the first placed first.
+    pub labels: Vec<Label>,
+    /// Texts whose middle is fixed: text, place, height of capitals, colour.
+    pub letters: Vec<(String, Spot, f64, Colour)>,
+    /// Colours.
+    pub theme: ChartTheme,
+    /// Lengths in pixels are multiples of this.
+    pub unit: f64,
+}
+
+/// Length and half width of an arrow's head.
+const HEAD: [f64; 2] = [9.0, 2.8];
+
+impl Ink {
+    /// A line of a width, which labels avoid.
+    pub fn line(&mut self, points: &[Spot], colour: Colour, width: f64, dashes: Dashes) {
+        if points.len() < 2 {
+            return;
+        }
+        self.lines
+            .extend(points.windows(2).map(|ends| [ends[0], ends[1]]));
+        self.mark(points, colour, width, dashes);
+    }
+
+    /// A line that labels need not avoid.
+    pub fn mark(&mut self, points: &[Spot], colour: Colour, width: f64, dashes: Dashes) {
+        let width = width * self.unit;
+        self.primitives.push(DrawnPrimitive::Line {
+            points: points.to_vec(),
+            stroke: Stroke {
+                colour,
+                width,
+                dashes,
+            },
+            name: String::new(),
+        });
+    }
+
+    /// A filled shape with an outline.
+    pub fn shape(&mut self, points: &[Spot], fill: Colour, colour: Colour, width: f64) {
+        self.primitives.push(DrawnPrimitive::Region {
+            points: points.to_vec(),
+            fill,
+        });
+        let closed: Vec<Spot> = points.iter().chain(points.first()).copied().collect();
+        self.mark(&closed, colour, width, Dashes::None);
+    }
+
+    /// A circle of a radius in units of the drawing.
+    pub fn circle(&mut self, centre: Spot, radius: f64, fill: Colour, colour: Colour, width: f64) {
+        self.primitives.push(DrawnPrimitive::Circle {
+            centre,
+            radius: radius * self.unit,
+            fill,
+            stroke: Stroke::solid(colour, width * self.unit),
+        });
+    }
+
+    /// The head of an arrow at `tip` that points along `direction`.
+    pub fn head(&mut self, tip: Spot, direction: Spot, colour: Colour) {
+        let Some(d) = unit(direction) else { return };
+        let back = ahead(tip, d, -HEAD[0] * self.unit);
+        let side = across(d);
+        let half = HEAD[1] * self.unit;
+        self.primitives.push(DrawnPrimitive::Region {
+            points: vec![tip, ahead(back, side, half), ahead(back, side, -half)],
+            fill: colour,
+        });
+    }
+
+    /// A line with a head at its end.
+    pub fn arrow(&mut self, points: &[Spot], colour: Colour, width: f64) {
+        let [.., before, tip] = points else { return };
+        let direction = minus(*tip, *before);
+        self.line(points, colour, width, Dashes::None);
+        self.head(*tip, direction, colour);
+    }
+
+    /// A text whose place is fixed.
+    pub fn text(&mut self, at: Spot, text: &str, size: f64, anchor: TextAnchor, colour: Colour) {
+        self.primitives.push(DrawnPrimitive::Text {
+            at,
+            text: text.to_owned(),
+            size,
+            anchor,
+            colour,
+        });
+    }
+
+    /// Keeps labels out of a circle.
+    pub fn reserve(&mut self, at: Spot, radius: f64) {
+        let r = radius * self.unit;
+        self.boxes.push(Rect {
+            left: at[0] - r,
+            top: at[1] - r,
+            right: at[0] + r,
+            bottom: at[1] + r,
+        });
+    }
+
+    /// How much of a line runs along, or close to, what is drawn already; pixels.
+    pub fn covered(&self, [a, b]: [Spot; 2], within: f64) -> f64 {
+        let step = 5.0 * self.unit;
+        let length = norm(minus(b, a));
+        let count = ((length / step).ceil() as usize).clamp(1, 400);
+        let near = |at: Spot| {
+            self.lines
+                .iter()
+                .any(|line| super::plane::distance_to(at, *line) < within)
+        };
+        let inside = |at: Spot| self.boxes.iter().any(|r| r.contains(at));
+        let hits = (0..=count).filter(|k| {
+            let at = ahead(a, minus(b, a), *k as f64 / count as f64);
+            near(at) || inside(at)
+        });
+        hits.count() as f64 * length / (count + 1) as f64
+    }
+}

@@ -1,0 +1,144 @@
+//! Lengths with their names: dimension lines beside what they measure, or vectors on it.
+
+use super::ink::{Ink, Label};
+use super::plane::{Plane, Spot, across, ahead, minus, norm, unit};
+use super::scheme::{QuantitySource, SchemeLength};
+use super::sheet::{Lettering, source_colour};
+use crate::plot::theme::Dashes;
+
+/// Distances at which a dimension line may stand beside what it measures, in units of the drawing.
+const ASIDE: [f64; 8] = [0.0, 17.0, 30.0, 43.0, 56.0, 69.0, 82.0, 95.0];
+
+/// A dimension line is free of what is farther than this.
+const FREE: f64 = 5.0;
+
+/// Lines shorter than this have their heads outside.
+const SHORT: f64 = 24.0;
+
+/// Below this a length is seen end-on.
+const END_ON: f64 = 2.5;
+
+/// What a pixel beside something else costs, in pixels of distance.
+const COVERED: f64 = 3.0;
+
+/// Width of dimension lines, and how far the lines to them reach beyond.
+const THIN: f64 = 0.9;
+const BEYOND: f64 = 4.0;
+
+/// Draws a length beside its ends; `false` if it is seen end-on.
+pub fn draw_dimension(
+    length: &SchemeLength,
+    plane: &Plane,
+    lettering: &Lettering,
+    ink: &mut Ink,
+) -> bool {
+    let ends = [length.from, length.to].map(|p| plane.spot(p));
+    let along = minus(ends[1], ends[0]);
+    let Some(direction) = unit(along).filter(|_| norm(along) > END_ON * ink.unit) else {
+        return false;
+    };
+    let offset = cheapest_offset(length, ends, plane, ink);
+    let colour = source_colour(length.source, &ink.theme);
+    let line = ends.map(|end| ahead(end, offset, 1.0));
+    if let Some(out) = unit(offset) {
+        let reach = norm(offset) + BEYOND * ink.unit;
+        for end in ends {
+            let to = ahead(end, out, reach);
+            ink.line(
+                &[ahead(end, out, 3.0 * ink.unit), to],
+                colour,
+                0.6 * THIN,
+                Dashes::None,
+            );
+        }
+    }
+    let outside = norm(along) < SHORT * ink.unit;
+    let tail = if outside { 12.0 * ink.unit } else { 0.0 };
+    ink.line(
+        &[
+            ahead(line[0], direction, -tail),
+            ahead(line[1], direction, tail),
+        ],
+        colour,
+        THIN,
+        Dashes::None,
+    );
+    let sign = if outside { -1.0 } else { 1.0 };
+    ink.head(line[1], ahead([0.0; 2], direction, sign), colour);
+    ink.head(line[0], ahead([0.0; 2], direction, -sign), colour);
+    let middle = ahead(line[0], along, 0.5);
+    let wish = unit(offset).unwrap_or(across(direction));
+    ink.labels.push(Label {
+        text: lettering.length(length),
+        anchor: middle,
+        wish,
+        size: lettering.size,
+        colour,
+        ringed: false,
+        least: 0.0,
+    });
+    true
+}
+
+/// Where a dimension line runs along nothing else.
+fn cheapest_offset(length: &SchemeLength, ends: [Spot; 2], plane: &Plane, ink: &Ink) -> Spot {
+    let along = unit(minus(ends[1], ends[0])).unwrap_or([1.0, 0.0]);
+    let mut sides: Vec<Spot> = vec![across(along), ahead([0.0; 2], across(along), -1.0)];
+    for aside in length.aside {
+        let seen = plane.direction(aside);
+        let Some(d) = unit(seen) else { continue };
+        // Lines to a dimension stand across it, not along.
+        if (d[0] * along[1] - d[1] * along[0]).abs() > 0.5 && norm(seen) > 0.3 {
+            sides.extend([d, [-d[0], -d[1]]]);
+        }
+    }
+    let mut best = (f64::INFINITY, [0.0, 0.0]);
+    let inside = plane.inside(14.0 * ink.unit);
+    for distance in ASIDE {
+        for side in &sides {
+            let offset = ahead([0.0; 2], *side, distance * ink.unit);
+            let line = ends.map(|end| ahead(end, offset, 1.0));
+            if line.iter().any(|end| !inside.contains(*end)) && distance > 0.0 {
+                continue;
+            }
+            let covered = ink.covered(line, FREE * ink.unit);
+            let cost = distance * ink.unit + COVERED * covered;
+            if cost < best.0 {
+                best = (cost, offset);
+            }
+            if distance == 0.0 {
+                break;
+            }
+        }
+    }
+    best.1
+}
+
+/// Draws a length as a vector on its place.
+pub fn draw_vector(
+    length: &SchemeLength,
+    plane: &Plane,
+    lettering: &Lettering,
+    ink: &mut Ink,
+) -> bool {
+    let ends = [length.from, length.to].map(|p| plane.spot(p));
+    let along = minus(ends[1], ends[0]);
+    if norm(along) <= END_ON * ink.unit {
+        return false;
+    }
+    let colour = match length.source {
+        QuantitySource::Constant => ink.theme.series[0],
+        source => source_colour(source, &ink.theme),
+    };
+    ink.arrow(&ends, colour, 2.6);
+    ink.labels.push(Label {
+        text: lettering.length(length),
+        anchor: ahead(ends[0], along, 0.5),
+        wish: across(along),
+        size: 1.1 * lettering.size,
+        colour,
+        ringed: false,
+        least: 2.0,
+    });
+    true
+}

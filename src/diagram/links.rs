@@ -1,0 +1,219 @@
+//! Links as lines between the signs of their joints, and where these signs stand.
+
+use super::ink::{Ink, Label};
+use super::plane::{Plane, Spot, across, ahead, minus, norm, unit};
+use super::scheme::{Scheme, SchemeJoint};
+use super::sheet::Lettering;
+use super::symbols::{half_length, hull};
+use crate::model::joints::JointKind;
+use crate::plot::primitive::DrawnPrimitive;
+use crate::plot::theme::{Colour, Dashes};
+use glam::DVec3;
+
+/// Width of a link's line.
+const LINE: f64 = 3.4;
+
+/// Signs nearer than this are taken apart, along the axes on which they may stand anywhere.
+const APART: f64 = 12.0;
+
+/// Free pixels between two signs on one axis, in units of the drawing.
+const BETWEEN: f64 = 9.0;
+
+/// Where the sign of every joint stands: on its axis, and on no other sign if it may be moved.
+pub fn sign_places(scheme: &Scheme, plane: &Plane, unit_length: f64) -> Vec<Spot> {
+    let joints = &scheme.joints;
+    let mut spots: Vec<Spot> = joints.iter().map(|j| plane.spot(j.at)).collect();
+    // Those on the frame move first, and those that have a point do not.
+    let mut order: Vec<usize> = (0..joints.len()).collect();
+    order.sort_by_key(|k| (!joints[*k].links.contains(&0), *k));
+    for k in order {
+        let near = |other: usize, spots: &[Spot]| {
+            other != k && norm(minus(spots[other], spots[k])) < APART * unit_length
+        };
+        let Some(other) = (0..joints.len()).find(|o| near(*o, &spots)) else {
+            continue;
+        };
+        if let Some(along) = slide_direction(&joints[k], plane) {
+            let [own, its] = [k, other].map(|j| half_length(&joints[j], plane, unit_length));
+            let seen = plane.direction(joints[other].axes.first().copied().unwrap_or_default());
+            // A sign that lies across takes little room along this axis.
+            let parallel = unit(seen).map_or(0.0, |d| (d[0] * along[0] + d[1] * along[1]).abs());
+            let room = own + its * parallel + (BETWEEN + 8.0 * (1.0 - parallel)) * unit_length;
+            let inward = links_middle(scheme, k, plane);
+            let side = minus(inward, spots[k]);
+            let sign = if side[0] * along[0] + side[1] * along[1] > 0.0 {
+                -1.0
+            } else {
+                1.0
+            };
+            spots[k] = ahead(spots[k], along, sign * room);
+        }
+    }
+    spots
+}
+
+/// The direction in the drawing in which a sign may be moved: that of its axis, unless it is seen end-on.
+fn slide_direction(joint: &SchemeJoint, plane: &Plane) -> Option<Spot> {
+    let may = matches!(
+        joint.kind,
+        JointKind::Revolute | JointKind::Cylindrical | JointKind::Helical
+    );
+    let seen = plane.direction(*joint.axes.first()?);
+    unit(seen).filter(|_| may && norm(seen) > 0.3)
+}
+
+/// The middle of all joints on the links that a joint connects.
+fn links_middle(scheme: &Scheme, index: usize, plane: &Plane) -> Spot {
+    let links = scheme.joints[index].links;
+    let on = |j: &&SchemeJoint| j.links.iter().any(|l| *l != 0 && links.contains(l));
+    let spots: Vec<Spot> = scheme
+        .joints
+        .iter()
+        .filter(on)
+        .map(|j| plane.spot(j.at))
+        .collect();
+    let share = 1.0 / spots.len().max(1) as f64;
+    spots.iter().fold([0.0; 2], |m, p| ahead(m, *p, share))
+}
+
+/// Where a link reaches a joint: the frame of a sliding joint reaches the begin of its guide.
+fn reach(joint: &SchemeJoint, link: usize) -> DVec3 {
+    let slides_first = joint.links[1] == 0;
+    match (joint.links[0] == link) == slides_first {
+        true => joint.at,
+        false => joint.from,
+    }
+}
+
+/// Draws all links but the frame.
+pub fn draw_links(scheme: &Scheme, signs: &[Spot], plane: &Plane, is_plane: bool, ink: &mut Ink) {
+    let text = ink.theme.text;
+    for (index, link) in scheme.links.iter().enumerate().skip(1) {
+        let own = scheme.joints.iter().filter(|j| j.links.contains(&index));
+        let points = scheme.points.iter().filter(|p| p.2 == link.number);
+        let ends: Vec<Spot> = own
+            .map(|j| plane.spot(reach(j, index)))
+            .chain(points.map(|p| plane.spot(p.1)))
+            .collect();
+        let paths: Vec<Vec<Spot>> = link.paths.iter().map(|p| shown_path(p, plane)).collect();
+        if is_plane && ends.len() > 2 {
+            draw_plate(&ends, text, ink);
+        } else if is_plane {
+            ink.line(&ends, text, LINE, Dashes::None);
+        } else {
+            paths
+                .iter()
+                .for_each(|path| ink.line(path, text, LINE, Dashes::None));
+        }
+    }
+    for (joint, sign) in scheme.joints.iter().zip(signs) {
+        let at = plane.spot(joint.at);
+        if norm(minus(at, *sign)) > 0.5 {
+            ink.line(&[at, *sign], text, LINE, Dashes::None);
+        }
+        // The guide of a slider is a part of the link that it slides on.
+        if joint.from != joint.at && !joint.links.contains(&0) {
+            ink.line(
+                &[plane.spot(joint.from), at],
+                text,
+                0.8 * LINE,
+                Dashes::None,
+            );
+        }
+    }
+}
+
+/// A link with three joints and more: a plate.
+fn draw_plate(ends: &[Spot], text: Colour, ink: &mut Ink) {
+    let outline = hull(ends);
+    if outline.len() > 2 {
+        let [r, g, b, _] = text;
+        ink.primitives.push(DrawnPrimitive::Region {
+            points: outline.clone(),
+            fill: [r, g, b, 26],
+        });
+    }
+    let closed: Vec<Spot> = outline.iter().chain(outline.first()).copied().collect();
+    ink.line(&closed, text, 0.8 * LINE, Dashes::None);
+}
+
+/// Two pieces of a path whose directions are opposite up to this (one and their cosine) lie on each other.
+const BACK: f64 = 1e-3;
+
+/// The corners of a path if it never comes back the way it went; else only its ends.
+fn shown_path(path: &[DVec3], plane: &Plane) -> Vec<Spot> {
+    let pieces = path.windows(2).map(|p| (p[1] - p[0]).normalize_or_zero());
+    let pieces: Vec<DVec3> = pieces.collect();
+    let returns = |(k, a): (usize, &DVec3)| pieces[k + 1..].iter().any(|b| a.dot(*b) < BACK - 1.0);
+    let ends = [path.first(), path.last()];
+    match pieces.iter().enumerate().any(returns) {
+        true => ends.into_iter().flatten().map(|p| plane.spot(*p)).collect(),
+        false => path.iter().map(|p| plane.spot(*p)).collect(),
+    }
+}
+
+/// Numbers of all links in circles.
+pub fn number_links(
+    scheme: &Scheme,
+    (signs, grounds): (&[Spot], &[Spot]),
+    (plane, is_plane): (&Plane, bool),
+    lettering: &Lettering,
+    ink: &mut Ink,
+) {
+    for (index, link) in scheme.links.iter().enumerate() {
+        let (anchor, wish) = match index {
+            0 => (grounds.first().copied(), [0.9, 0.5]),
+            _ => number_place(scheme, index, signs, plane, is_plane),
+        };
+        let Some(anchor) = anchor else { continue };
+        ink.labels.push(Label {
+            text: link.number.to_string(),
+            anchor,
+            wish,
+            size: 1.05 * lettering.size,
+            colour: ink.theme.text,
+            ringed: true,
+            least: if index == 0 { 12.0 } else { 4.0 },
+        });
+    }
+}
+
+/// The middle of a link's longest line, else one of its signs.
+fn number_place(
+    scheme: &Scheme,
+    index: usize,
+    signs: &[Spot],
+    plane: &Plane,
+    is_plane: bool,
+) -> (Option<Spot>, Spot) {
+    let lines =
+        |spots: Vec<Spot>| -> Vec<[Spot; 2]> { spots.windows(2).map(|s| [s[0], s[1]]).collect() };
+    let own = (0..signs.len()).filter(|k| scheme.joints[*k].links.contains(&index));
+    let ends: Vec<Spot> = own.map(|k| signs[k]).collect();
+    let paths = scheme.links[index].paths.iter();
+    let mut pieces: Vec<[Spot; 2]> = paths.flat_map(|p| lines(shown_path(p, plane))).collect();
+    // Plates and bars of a plane go straight from sign to sign.
+    if is_plane || pieces.is_empty() {
+        pieces = lines(ends.clone());
+    }
+    let length = |s: &[Spot; 2]| norm(minus(s[1], s[0]));
+    let long = pieces
+        .into_iter()
+        .max_by(|a, b| length(a).total_cmp(&length(b)));
+    match long {
+        Some([a, b]) => (Some(ahead(a, minus(b, a), 0.42)), across(minus(b, a))),
+        None => (ends.first().copied(), [0.7, -0.7]),
+    }
+}
+
+/// From the sign of a joint to the rest of the link behind it.
+pub fn leaving(scheme: &Scheme, index: usize, signs: &[Spot], plane: &Plane) -> Spot {
+    let joint = &scheme.joints[index];
+    let behind = joint.links[1];
+    let others =
+        (0..signs.len()).filter(|k| *k != index && scheme.joints[*k].links.contains(&behind));
+    let far = others
+        .map(|k| minus(signs[k], signs[index]))
+        .find(|d| norm(*d) > 1.0);
+    far.unwrap_or_else(|| plane.direction(DVec3::Z))
+}

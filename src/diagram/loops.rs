@@ -1,0 +1,174 @@
+//! Loops as round arrows with their letters, and frames as triads.
+
+use super::ink::{Ink, Label};
+use super::plane::{Plane, Spot, ahead, distance_to, minus, norm};
+use super::scheme::SchemeLink;
+use super::sheet::Lettering;
+use crate::math::sin_cos;
+use crate::plot::primitive::Rect;
+use glam::DVec3;
+use std::f64::consts::TAU;
+
+/// Least and greatest radius of a loop's arrow, and what it keeps from links, in units of the drawing.
+const RADII: [f64; 2] = [17.0, 46.0];
+const FREE: f64 = 9.0;
+
+/// Places across the box of a loop that are tried for its arrow.
+const PLACES: usize = 28;
+
+/// The arrow goes round so far, from below.
+const ROUND: f64 = 0.86 * TAU;
+
+/// Corners of an arrow.
+const CORNERS: usize = 40;
+
+/// Length of a triad's arrows.
+const TRIAD: f64 = 34.0;
+
+/// Draws loop number `index` as a round arrow where there is most room within it, in the sense of its chain.
+pub fn draw_loop(
+    name: &str,
+    points: &[DVec3],
+    index: usize,
+    plane: &Plane,
+    lettering: &Lettering,
+    ink: &mut Ink,
+) {
+    let corners: Vec<Spot> = points.iter().map(|p| plane.spot(*p)).collect();
+    let (centre, room) = roomiest(&corners, plane, ink);
+    let [least, most] = RADII.map(|r| r * ink.unit);
+    let radius = (room - FREE * ink.unit).clamp(least, most);
+    // On the sheet y points down: a positive area is walked clockwise.
+    let sense = if area(&corners) >= 0.0 { 1.0 } else { -1.0 };
+    let colour = ink.theme.colour(index + 2);
+    let point = |k: usize| {
+        let (sin, cos) =
+            sin_cos(0.25 * TAU + sense * (0.07 * TAU + ROUND * k as f64 / CORNERS as f64));
+        ahead(centre, [cos, sin], radius)
+    };
+    let arc: Vec<Spot> = (0..=CORNERS).map(point).collect();
+    ink.arrow(&arc, colour, 1.8);
+    ink.reserve(
+        centre,
+        (radius / ink.unit) * std::f64::consts::FRAC_1_SQRT_2,
+    );
+    let size = 1.5 * lettering.size;
+    ink.letters.push((name.to_owned(), centre, size, colour));
+}
+
+/// The place within a polygon, or near to one that is flat, that is farthest from all lines, and how far.
+fn roomiest(corners: &[Spot], plane: &Plane, ink: &Ink) -> (Spot, f64) {
+    let rim = plane.inside((RADII[0] + FREE) * ink.unit);
+    let fold = |k: usize, pick: fn(f64, f64) -> f64, from: f64| {
+        corners.iter().map(|c| c[k]).fold(from, pick)
+    };
+    let low = [0, 1].map(|k| fold(k, f64::min, f64::INFINITY));
+    let high = [0, 1].map(|k| fold(k, f64::max, f64::NEG_INFINITY));
+    let reach = (RADII[0] + FREE) * ink.unit;
+    let middle = [0, 1].map(|k| 0.5 * (low[k] + high[k]));
+    let mut best = (f64::NEG_INFINITY, middle, 0.0);
+    for i in 0..=PLACES {
+        for j in 0..=PLACES {
+            let share = |k: usize, at: usize| {
+                let wide = high[k] - low[k] + 4.0 * reach;
+                low[k] - 2.0 * reach + wide * at as f64 / PLACES as f64
+            };
+            let at = [share(0, i), share(1, j)];
+            if !rim.contains(at) {
+                continue;
+            }
+            let lines = ink.lines.iter().map(|line| distance_to(at, *line));
+            let boxes = ink.boxes.iter().map(|b| from_box(at, b));
+            let room = lines.chain(boxes).fold(f64::INFINITY, f64::min);
+            // Outside only where there is no room inside; then near to it.
+            let outside = match is_inside(at, corners) {
+                true => 0.0,
+                false => 0.8 * reach,
+            };
+            let tight = 3.0 * (reach - room).max(0.0);
+            let kept = room.min((RADII[1] + FREE) * ink.unit);
+            let value = kept - outside - tight - 0.05 * norm(minus(at, middle));
+            if value > best.0 {
+                best = (value, at, room);
+            }
+        }
+    }
+    (best.1, best.2)
+}
+
+fn from_box(at: Spot, b: &Rect) -> f64 {
+    let near = [at[0].clamp(b.left, b.right), at[1].clamp(b.top, b.bottom)];
+    norm(minus(at, near))
+}
+
+/// Twice the area within a polygon, with its sense.
+fn area(corners: &[Spot]) -> f64 {
+    let next = corners.iter().cycle().skip(1);
+    let pieces = corners
+        .iter()
+        .zip(next)
+        .map(|(a, b)| a[0] * b[1] - a[1] * b[0]);
+    pieces.sum()
+}
+
+/// Whether a ray to the right crosses the polygon an odd number of times.
+fn is_inside(at: Spot, corners: &[Spot]) -> bool {
+    let next = corners.iter().cycle().skip(1);
+    let crosses = |(a, b): &(&Spot, &Spot)| {
+        (a[1] > at[1]) != (b[1] > at[1])
+            && at[0] < a[0] + (b[0] - a[0]) * (at[1] - a[1]) / (b[1] - a[1])
+    };
+    corners.iter().zip(next).filter(crosses).count() % 2 == 1
+}
+
+/// An arrow of a triad, shared by all frames in which it is the same.
+struct TriadArrow {
+    origin: Spot,
+    tip: Spot,
+    text: String,
+}
+
+/// Draws the axes of all links' frames.
+pub fn draw_frames(links: &[SchemeLink], plane: &Plane, lettering: &Lettering, ink: &mut Ink) {
+    let mut arrows: Vec<TriadArrow> = Vec::new();
+    let mut ordered: Vec<&SchemeLink> = links.iter().collect();
+    ordered.sort_by_key(|link| link.number);
+    for link in ordered {
+        let origin = plane.spot(link.frame.translation);
+        for axis in 0..3 {
+            let seen = plane.direction(link.frame.rotation.col(axis));
+            let tip = ahead(origin, seen, TRIAD * ink.unit);
+            let text = lettering.symbol(&format!("{}{}", ["x", "y", "z"][axis], link.number));
+            let same = |a: &&mut TriadArrow| {
+                norm(minus(a.origin, origin)) < ink.unit && norm(minus(a.tip, tip)) < 2.0 * ink.unit
+            };
+            match arrows.iter_mut().find(same) {
+                Some(known) => known.text = format!("{}, {text}", known.text),
+                None => arrows.push(TriadArrow { origin, tip, text }),
+            }
+        }
+    }
+    let colour = ink.theme.series[2];
+    for arrow in arrows {
+        let along = minus(arrow.tip, arrow.origin);
+        if norm(along) < 0.12 * TRIAD * ink.unit {
+            ink.circle(arrow.origin, 4.5, ink.theme.background, colour, 1.2);
+            ink.circle(arrow.origin, 1.2, colour, colour, 0.5);
+        } else {
+            ink.arrow(&[arrow.origin, arrow.tip], colour, 1.3);
+        }
+        ink.labels.push(Label {
+            text: arrow.text,
+            anchor: arrow.tip,
+            wish: if norm(along) > 1.0 {
+                along
+            } else {
+                [-0.7, 0.7]
+            },
+            size: lettering.size,
+            colour,
+            ringed: false,
+            least: 0.0,
+        });
+    }
+}

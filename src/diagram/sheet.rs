@@ -1,0 +1,443 @@
+//! The sheet: what is shown, in which order, and the lines under the drawing.
+
+use super::arcs::{draw_angle, level};
+use super::ground::draw_ground;
+use super::ink::{Ink, Label};
+use super::labels::{PlacedLabel, place_labels};
+use super::lengths::{draw_dimension, draw_vector};
+use super::links::{draw_links, leaving, number_links, sign_places};
+use super::loops::{draw_frames, draw_loop};
+use super::plane::{Plane, Spot, facing};
+use super::scheme::{QuantitySource, Scheme, SchemeAngle, SchemeLength};
+use super::surfaces::draw_surface;
+use super::symbols::draw_joint;
+use crate::plot::Drawing;
+use crate::plot::layout::{Ruler, Sizes};
+use crate::plot::primitive::{DrawnPrimitive, Rect, TextAnchor};
+use crate::plot::theme::{ChartTheme, Colour};
+use crate::staging::quantity_names::written_names;
+use glam::DMat3;
+
+/// Width of a drawing in pixels unless asked otherwise: lengths on it are those of this width.
+pub const USUAL_WIDTH: f64 = 1200.0;
+
+/// Height of capitals of labels, and of the lines under the drawing.
+const LETTERS: f64 = 9.6;
+const NOTES: f64 = 8.6;
+
+/// What is shown beside links and joints.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Shown {
+    /// Axes of the links' frames.
+    pub frames: bool,
+    /// Numbers of the links.
+    pub bodies: bool,
+    /// Named lengths and constant angles.
+    pub dimensions: bool,
+    /// Loops.
+    pub loops: bool,
+    /// Names of the bodies under the drawing, and of traced points.
+    pub names: bool,
+    /// Named lengths as vectors in place of dimension lines.
+    pub vectors: bool,
+    /// Coordinates: angles as arcs, lengths as lines.
+    pub angles: bool,
+    /// Values behind the names.
+    pub values: bool,
+}
+
+impl Shown {
+    /// The words of the command line, each with what it turns on.
+    pub const WORDS: [(&'static str, fn(&mut Self)); 8] = [
+        ("frames", |s| s.frames = true),
+        ("bodies", |s| s.bodies = true),
+        ("dimensions", |s| s.dimensions = true),
+        ("loops", |s| s.loops = true),
+        ("names", |s| s.names = true),
+        ("vectors", |s| s.vectors = true),
+        ("angles", |s| s.angles = true),
+        ("values", |s| s.values = true),
+    ];
+
+    /// What is shown unless something is asked for.
+    pub const USUAL: Self = Self {
+        frames: false,
+        bodies: true,
+        dimensions: true,
+        loops: true,
+        names: true,
+        vectors: false,
+        angles: true,
+        values: false,
+    };
+}
+
+/// How a scheme is drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SheetOptions {
+    /// Right, up, and towards the viewer; a planar mechanism is looked at from its front if absent.
+    pub axes: Option<DMat3>,
+    /// The axes for what is not planar.
+    pub spatial_axes: DMat3,
+    /// Pixels.
+    pub width: u32,
+    /// Colours.
+    pub theme: ChartTheme,
+    /// What is shown.
+    pub shown: Shown,
+    /// Above the drawing.
+    pub title: String,
+    /// Unit of lengths.
+    pub length_unit: String,
+    /// Unit of angles, and radians in one.
+    pub angle_unit: (String, f64),
+}
+
+/// A scheme laid out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sheet {
+    /// For the writers.
+    pub drawing: Drawing,
+    /// The labels on it.
+    pub labels: Vec<PlacedLabel>,
+    /// The lines under it.
+    pub notes: Vec<String>,
+}
+
+/// How names are written.
+pub struct Lettering {
+    /// Height of capitals in pixels.
+    pub size: f64,
+    values: bool,
+    length_unit: String,
+    angle_unit: (String, f64),
+}
+
+impl Lettering {
+    /// A formula with its names as by hand.
+    pub fn symbol(&self, text: &str) -> String {
+        written_names(text)
+    }
+
+    /// Name of a length, with its value where that is wanted.
+    pub fn length(&self, length: &SchemeLength) -> String {
+        self.named(&length.name, length.value, &self.length_unit)
+    }
+
+    /// Name of an angle, likewise.
+    pub fn angle(&self, angle: &SchemeAngle) -> String {
+        let (unit, radians) = &self.angle_unit;
+        let unit = if unit == "deg" { "°" } else { unit };
+        self.named(&angle.name, angle.value / radians, unit)
+    }
+
+    fn named(&self, name: &str, value: f64, unit: &str) -> String {
+        match self.values {
+            true => valued(name, value, unit),
+            false => written_names(name),
+        }
+    }
+}
+
+/// A name with its value.
+fn valued(name: &str, value: f64, unit: &str) -> String {
+    let digits = format!("{:.4}", value + 0.0);
+    let short = digits
+        .trim_end_matches('0')
+        .trim_end_matches('.')
+        .replace('-', "\u{2212}");
+    let gap = if unit == "°" || unit.is_empty() {
+        ""
+    } else {
+        " "
+    };
+    format!("{} = {short}{gap}{unit}", written_names(name))
+}
+
+/// Colour of a quantity: dimensions are pale, what is driven and what follows stand out.
+pub fn source_colour(source: QuantitySource, theme: &ChartTheme) -> Colour {
+    match source {
+        QuantitySource::Constant => theme.faint_text,
+        QuantitySource::Input => theme.series[1],
+        QuantitySource::Unknown => theme.series[0],
+    }
+}
+
+/// Lays a scheme out.
+pub fn draw_sheet(scheme: &Scheme, options: &SheetOptions) -> Sheet {
+    let normal = scheme.normal();
+    let axes = options
+        .axes
+        .or(normal.map(facing))
+        .unwrap_or(options.spatial_axes);
+    let width = f64::from(options.width);
+    let plane = Plane::fitted(axes, scheme, width);
+    let is_plane = normal.is_some_and(|n| plane.nearness(n).abs() > 0.999);
+    let unit = width / USUAL_WIDTH;
+    let mut ink = Ink {
+        primitives: Vec::new(),
+        lines: Vec::new(),
+        boxes: Vec::new(),
+        labels: Vec::new(),
+        letters: Vec::new(),
+        theme: options.theme,
+        unit,
+    };
+    let lettering = Lettering {
+        size: LETTERS * unit,
+        values: options.shown.values,
+        length_unit: options.length_unit.clone(),
+        angle_unit: options.angle_unit.clone(),
+    };
+    draw_mechanism(
+        scheme,
+        &plane,
+        is_plane,
+        &lettering,
+        options.shown,
+        &mut ink,
+    );
+    let mut notes = Vec::new();
+    let hidden = draw_quantities(scheme, &plane, &lettering, options, &mut ink);
+    if options.shown.loops {
+        for (k, item) in scheme.loops.iter().enumerate() {
+            draw_loop(&item.name, &item.points, k, &plane, &lettering, &mut ink);
+        }
+    }
+    if options.shown.frames {
+        draw_frames(&scheme.links, &plane, &lettering, &mut ink);
+    }
+    let title_height = 4.0 * LETTERS * unit;
+    let mut area = plane.inside(6.0 * unit);
+    area.top += title_height;
+    let (labels, left_out) = place_labels(&mut ink, area);
+    if options.shown.names {
+        notes.push(body_names(scheme));
+    }
+    notes.extend(sentence("not seen from here", hidden));
+    notes.extend(sentence("without room", left_out));
+    finished(ink, &plane, labels, notes, options)
+}
+
+fn sentence(what: &str, list: Vec<String>) -> Option<String> {
+    (!list.is_empty()).then(|| format!("{what}: {}", list.join(", ")))
+}
+
+/// `1 frame · 2 crank`
+fn body_names(scheme: &Scheme) -> String {
+    let mut named: Vec<(usize, String)> = scheme
+        .links
+        .iter()
+        .filter(|link| !link.names.is_empty())
+        .map(|link| (link.number, link.names.join(", ")))
+        .collect();
+    named.sort();
+    let texts: Vec<String> = named
+        .into_iter()
+        .map(|(k, names)| format!("{k} {names}"))
+        .collect();
+    texts.join("  ·  ")
+}
+
+/// Links, signs, ground, numbers.
+fn draw_mechanism(
+    scheme: &Scheme,
+    plane: &Plane,
+    is_plane: bool,
+    lettering: &Lettering,
+    shown: Shown,
+    ink: &mut Ink,
+) {
+    let signs = sign_places(scheme, plane, ink.unit);
+    for surface in &scheme.surfaces {
+        draw_surface(surface, scheme.size, plane, ink);
+    }
+    draw_links(scheme, &signs, plane, is_plane, ink);
+    let mut grounds: Vec<Spot> = Vec::new();
+    for (joint, sign) in scheme.joints.iter().zip(&signs) {
+        if joint.links.contains(&0) {
+            grounds.push(draw_ground(joint, *sign, plane, ink));
+        }
+    }
+    for (k, joint) in scheme.joints.iter().enumerate() {
+        draw_joint(
+            joint,
+            signs[k],
+            leaving(scheme, k, &signs, plane),
+            plane,
+            ink,
+        );
+    }
+    for (name, at, _) in &scheme.points {
+        let spot = plane.spot(*at);
+        ink.circle(spot, 3.2, ink.theme.text, ink.theme.text, 0.5);
+        ink.reserve(spot, 6.0);
+        if shown.names {
+            let colour = ink.theme.text;
+            push_label(
+                ink,
+                written_names(name),
+                spot,
+                [0.7, -0.7],
+                1.15 * lettering.size,
+                colour,
+            );
+        }
+    }
+    if shown.bodies {
+        number_links(
+            scheme,
+            (&signs, &grounds),
+            (plane, is_plane),
+            lettering,
+            ink,
+        );
+    }
+    if shown.angles {
+        for (joint, sign) in scheme
+            .joints
+            .iter()
+            .zip(&signs)
+            .filter(|(j, _)| !j.names.is_empty())
+        {
+            let names: Vec<String> = joint.names.iter().map(|n| written_names(n)).collect();
+            let colour = ink.theme.series[0];
+            push_label(
+                ink,
+                names.join(", "),
+                *sign,
+                [0.8, 0.6],
+                lettering.size,
+                colour,
+            );
+        }
+    }
+}
+
+fn push_label(ink: &mut Ink, text: String, anchor: Spot, wish: Spot, size: f64, colour: Colour) {
+    ink.labels.push(Label {
+        text,
+        anchor,
+        wish,
+        size,
+        colour,
+        ringed: false,
+        least: 9.0,
+    });
+}
+
+/// Lengths and angles; those that are seen end-on or are zero, with their values.
+fn draw_quantities(
+    scheme: &Scheme,
+    plane: &Plane,
+    lettering: &Lettering,
+    options: &SheetOptions,
+    ink: &mut Ink,
+) -> Vec<String> {
+    let shown = options.shown;
+    let mut hidden = Vec::new();
+    let is_shown = |source: QuantitySource| match source {
+        QuantitySource::Constant => shown.dimensions,
+        _ => shown.angles,
+    };
+    // Short ones next to what they measure, longer ones farther out.
+    let mut lengths: Vec<&SchemeLength> = scheme.lengths.iter().collect();
+    lengths.sort_by(|a, b| a.from.distance(a.to).total_cmp(&b.from.distance(b.to)));
+    for length in lengths {
+        let as_vector = shown.vectors && length.in_loop;
+        let drawn = match as_vector {
+            true => draw_vector(length, plane, lettering, ink),
+            false if is_shown(length.source) => draw_dimension(length, plane, lettering, ink),
+            false => continue,
+        };
+        if !drawn {
+            hidden.push(valued(&length.name, length.value, &options.length_unit));
+        }
+    }
+    for (k, angle) in scheme.angles.iter().enumerate() {
+        if is_shown(angle.source) {
+            let level = level(&scheme.angles, k, plane, 6.0 * ink.unit);
+            draw_angle(angle, level, plane, lettering, ink);
+        }
+    }
+    hidden
+}
+
+/// Title, drawing and notes as one.
+fn finished(
+    mut ink: Ink,
+    plane: &Plane,
+    labels: Vec<PlacedLabel>,
+    notes: Vec<String>,
+    options: &SheetOptions,
+) -> Sheet {
+    let (unit, theme) = (ink.unit, options.theme);
+    let ruler = Ruler::default();
+    let note_size = NOTES * unit;
+    let wide = plane.size[0] - 36.0 * unit;
+    let lines: Vec<String> = notes
+        .iter()
+        .flat_map(|note| folded(note, wide, note_size, &ruler))
+        .collect();
+    let line_height = 2.1 * note_size;
+    let mut baseline = plane.size[1] + 0.9 * line_height;
+    let left = 18.0 * unit;
+    ink.text(
+        [left, 2.6 * LETTERS * unit],
+        &options.title,
+        1.35 * LETTERS * unit,
+        TextAnchor::Start,
+        theme.text,
+    );
+    for line in &lines {
+        ink.text(
+            [left, baseline],
+            line,
+            note_size,
+            TextAnchor::Start,
+            theme.faint_text,
+        );
+        baseline += line_height;
+    }
+    let height = plane.size[1] + line_height * lines.len() as f64 + 0.8 * line_height;
+    let size = [plane.size[0], height].map(|side| side.ceil() as u32);
+    let rect = Rect {
+        left: 0.0,
+        top: 0.0,
+        right: f64::from(size[0]),
+        bottom: f64::from(size[1]),
+    };
+    let paper = DrawnPrimitive::Area {
+        rect,
+        fill: theme.background,
+    };
+    let mut primitives = vec![paper];
+    primitives.append(&mut ink.primitives);
+    let names: Vec<&str> = labels.iter().map(|l| l.text.as_str()).collect();
+    Sheet {
+        drawing: Drawing {
+            size,
+            title: options.title.clone(),
+            description: format!("kinematic diagram with the labels {}", names.join("; ")),
+            primitives,
+            areas: Vec::new(),
+            theme,
+            sizes: Sizes::scaled(unit),
+        },
+        labels,
+        notes,
+    }
+}
+
+/// A text in lines that are no wider than `wide`.
+fn folded(text: &str, wide: f64, size: f64, ruler: &Ruler) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split(' ') {
+        let longer = lines.last().map(|line| format!("{line} {word}"));
+        match (lines.last_mut(), longer) {
+            (Some(line), Some(longer)) if ruler.width(&longer, size) <= wide => *line = longer,
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}

@@ -1,0 +1,289 @@
+//! A drawing as a PDF of one page: lines as lines, texts as texts in the faces that every reader has (Helvetica, and
+//! Symbol for Greek), so that nothing is embedded.
+
+use super::drawing::Drawing;
+use super::pdf_text::{Run, text_runs, text_width};
+use super::primitive::{DrawnPrimitive, Stroke, TextAnchor};
+use super::theme::Colour;
+use std::fmt::Write;
+
+/// Points of a pixel: 96 pixels are an inch, and 72 points.
+const POINT: f64 = 0.75;
+
+/// Height of Helvetica's capitals in sizes of the font.
+const CAPITALS_PER_EM: f64 = 0.718;
+
+/// Handle of a quarter circle's Bézier curve over its radius.
+const QUARTER: f64 = 0.552_284_75;
+
+/// The drawing as a complete document. The same drawing gives the same bytes.
+pub fn write_pdf(drawing: &Drawing) -> Vec<u8> {
+    let size = drawing.size.map(f64::from);
+    let mut page = Page::default();
+    let _ = writeln!(
+        page.content,
+        "{} 0 0 {} 0 {} cm 1 J 1 j",
+        number(POINT),
+        number(-POINT),
+        number(size[1] * POINT)
+    );
+    drawing.primitives.iter().for_each(|p| page.draw(p));
+    let states: String = page
+        .opacities
+        .iter()
+        .map(|a| {
+            let share = number(f64::from(*a) / 255.0);
+            format!("/A{a} << /ca {share} /CA {share} >> ")
+        })
+        .collect();
+    let [width, height] = size.map(|side| number(side * POINT));
+    let face = |name: &str, encoding: &str| {
+        format!("<< /Type /Font /Subtype /Type1 /BaseFont /{name}{encoding} >>")
+    };
+    let objects = [
+        "<< /Type /Catalog /Pages 2 0 R >>".to_owned(),
+        "<< /Type /Pages /Kids [3 0 R] /Count 1 >>".to_owned(),
+        format!(
+            "<< /Type /Page /Parent 2 0 R /MediaBox [0 0 {width} {height}] /Contents 4 0 R \
+             /Resources << /Font << /H 5 0 R /S 6 0 R >> /ExtGState << {states}>> >> >>"
+        ),
+        format!(
+            "<< /Length {} >>\nstream\n{}endstream",
+            page.content.len(),
+            page.content
+        ),
+        face("Helvetica", " /Encoding /WinAnsiEncoding"),
+        face("Symbol", ""),
+        format!(
+            "<< /Title <{}> /Producer (mechanim) >>",
+            utf16_hex(&drawing.title)
+        ),
+    ];
+    numbered_document(&objects)
+}
+
+/// Objects with the table of their places, which a reader starts from.
+fn numbered_document(objects: &[String]) -> Vec<u8> {
+    let mut text = "%PDF-1.4\n".to_owned();
+    let mut places = Vec::new();
+    for (k, object) in objects.iter().enumerate() {
+        places.push(text.len());
+        let _ = writeln!(text, "{} 0 obj\n{object}\nendobj", k + 1);
+    }
+    let (table, count) = (text.len(), objects.len() + 1);
+    let _ = write!(text, "xref\n0 {count}\n0000000000 65535 f \n");
+    for place in places {
+        let _ = writeln!(text, "{place:010} 00000 n ");
+    }
+    let _ = write!(
+        text,
+        "trailer\n<< /Size {count} /Root 1 0 R /Info {} 0 R >>\nstartxref\n{table}\n%%EOF\n",
+        objects.len()
+    );
+    text.into_bytes()
+}
+
+/// The page while it grows.
+#[derive(Default)]
+struct Page {
+    content: String,
+    /// Opacities that occur, each once.
+    opacities: Vec<u8>,
+}
+
+// Writing to a String cannot fail.
+impl Page {
+    fn draw(&mut self, primitive: &DrawnPrimitive) {
+        match primitive {
+            DrawnPrimitive::Area { rect, fill } => {
+                self.begin(*fill, None);
+                let [x, y, w, h] = [rect.left, rect.top, rect.width(), rect.height()].map(number);
+                let _ = writeln!(self.content, "{x} {y} {w} {h} re f Q");
+            }
+            DrawnPrimitive::Line { points, stroke, .. } => {
+                self.begin(stroke.colour, Some(stroke));
+                self.path(points);
+                self.content.push_str("S Q\n");
+            }
+            DrawnPrimitive::Region { points, fill } => {
+                self.begin(*fill, None);
+                self.path(points);
+                self.content.push_str("h f Q\n");
+            }
+            DrawnPrimitive::Circle {
+                centre,
+                radius,
+                fill,
+                stroke,
+            } => {
+                self.begin(*fill, None);
+                self.round(*centre, *radius);
+                self.content.push_str("f Q\n");
+                self.begin(stroke.colour, Some(stroke));
+                self.round(*centre, *radius);
+                self.content.push_str("S Q\n");
+            }
+            DrawnPrimitive::Text {
+                at,
+                text,
+                size,
+                anchor,
+                colour,
+            } => {
+                self.begin(*colour, None);
+                self.text(*at, text, size / CAPITALS_PER_EM, *anchor);
+                self.content.push_str("Q\n");
+            }
+        }
+    }
+
+    /// Saves the state and sets colours, and what a line looks like.
+    fn begin(&mut self, [r, g, b, a]: Colour, stroke: Option<&Stroke>) {
+        let [r, g, b] = [r, g, b].map(|code| number(f64::from(code) / 255.0));
+        let operator = if stroke.is_some() { "RG" } else { "rg" };
+        let _ = write!(self.content, "q {r} {g} {b} {operator} ");
+        if a < 255 {
+            if !self.opacities.contains(&a) {
+                self.opacities.push(a);
+            }
+            let _ = write!(self.content, "/A{a} gs ");
+        }
+        let Some(stroke) = stroke else { return };
+        let _ = write!(self.content, "{} w ", number(stroke.width));
+        if let Some([dash, gap]) = stroke.dashes.lengths(stroke.width) {
+            let _ = write!(self.content, "0 J [{} {}] 0 d ", number(dash), number(gap));
+        }
+    }
+
+    fn path(&mut self, points: &[[f64; 2]]) {
+        for (k, [x, y]) in points.iter().enumerate() {
+            let operator = if k == 0 { 'm' } else { 'l' };
+            let _ = write!(self.content, "{} {} {operator} ", number(*x), number(*y));
+        }
+    }
+
+    /// A circle of four curves.
+    fn round(&mut self, [x, y]: [f64; 2], r: f64) {
+        let h = QUARTER * r;
+        let _ = write!(self.content, "{} {} m ", number(x + r), number(y));
+        for [a, b, c] in [
+            [[r, h], [h, r], [0.0, r]],
+            [[-h, r], [-r, h], [-r, 0.0]],
+            [[-r, -h], [-h, -r], [0.0, -r]],
+            [[h, -r], [r, -h], [r, 0.0]],
+        ] {
+            for [dx, dy] in [a, b, c] {
+                let _ = write!(self.content, "{} {} ", number(x + dx), number(y + dy));
+            }
+            self.content.push_str("c ");
+        }
+    }
+
+    fn text(&mut self, at: [f64; 2], text: &str, size: f64, anchor: TextAnchor) {
+        let width = text_width(text) * size;
+        let mut x = at[0]
+            - match anchor {
+                TextAnchor::Start => 0.0,
+                TextAnchor::Middle => 0.5 * width,
+                TextAnchor::End => width,
+            };
+        self.content.push_str("BT ");
+        for Run {
+            face,
+            codes,
+            width,
+            scale,
+            drop,
+        } in text_runs(text)
+        {
+            let _ = write!(
+                self.content,
+                "/{face} {} Tf 1 0 0 -1 {} {} Tm <",
+                number(size * scale),
+                number(x),
+                number(at[1] + drop * size)
+            );
+            for code in codes {
+                let _ = write!(self.content, "{code:02x}");
+            }
+            self.content.push_str("> Tj ");
+            x += width * size;
+        }
+        self.content.push_str("ET ");
+    }
+}
+
+fn utf16_hex(text: &str) -> String {
+    let codes = std::iter::once(0xfeff).chain(text.encode_utf16());
+    codes.map(|code| format!("{code:04x}")).collect()
+}
+
+/// Thousandths are finer than any printer.
+fn number(value: f64) -> String {
+    let text = format!("{value:.3}");
+    let short = text.trim_end_matches('0').trim_end_matches('.');
+    if short == "-0" {
+        "0".to_owned()
+    } else {
+        short.to_owned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::super::layout::Sizes;
+    use super::super::theme::ChartTheme;
+    use super::*;
+
+    #[test]
+    fn the_table_leads_to_every_object() {
+        let drawing = Drawing {
+            size: [200, 100],
+            title: "β".to_owned(),
+            description: String::new(),
+            primitives: vec![
+                DrawnPrimitive::Text {
+                    at: [10.0, 20.0],
+                    text: "φ₁ = 3 mm".to_owned(),
+                    size: 8.0,
+                    anchor: TextAnchor::Start,
+                    colour: [0, 0, 0, 128],
+                },
+                DrawnPrimitive::Circle {
+                    centre: [50.0, 50.0],
+                    radius: 5.0,
+                    fill: [255; 4],
+                    stroke: Stroke::solid([0, 0, 0, 255], 1.0),
+                },
+            ],
+            areas: Vec::new(),
+            theme: ChartTheme::LIGHT,
+            sizes: Sizes::scaled(1.0),
+        };
+        let text = String::from_utf8(write_pdf(&drawing)).unwrap();
+        let table = text.find("xref\n").unwrap();
+        let entries: Vec<usize> = text[table..]
+            .lines()
+            .filter(|l| l.ends_with("n "))
+            .map(|l| l[..10].parse().unwrap())
+            .collect();
+        assert_eq!(entries.len(), 7);
+        for (k, place) in entries.iter().enumerate() {
+            assert!(text[*place..].starts_with(&format!("{} 0 obj\n", k + 1)));
+        }
+        assert!(text.ends_with(&format!("startxref\n{table}\n%%EOF\n")));
+        let length: usize = text
+            .split("/Length ")
+            .nth(1)
+            .unwrap()
+            .split(' ')
+            .next()
+            .unwrap()
+            .parse()
+            .unwrap();
+        let begin = text.find("stream\n").unwrap() + 7;
+        assert_eq!(text.find("endstream").unwrap() - begin, length);
+        assert!(text.contains("/A128 << /ca 0.502") && text.contains("/S 11"));
+    }
+}

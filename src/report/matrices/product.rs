@@ -1,0 +1,144 @@
+//! The product of a chain with symbols in place of its names. Turns about one axis in a row are one turn by the sum of their
+//! angles, whatever is shifted in between, so that planar chains stay as short as on a board.
+
+use super::symbol::{AngleSum, SignedName, SymbolSum};
+use crate::model::chain::ElementaryMotion;
+use crate::model::notation::{WrittenChain, WrittenFactor};
+
+/// Entries with more products than this are not written out.
+const MOST_TERMS: usize = 48;
+
+/// Rows of a product: rotation, and the shift in the last column; the fourth row is 0 0 0 1.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SymbolMatrix {
+    /// `entries[row][column]`
+    pub entries: [[SymbolSum; 4]; 3],
+}
+
+/// The product of the chain; `None` where an entry would be too long to be read.
+pub fn symbolic_product(chain: &WrittenChain) -> Option<SymbolMatrix> {
+    let mut product = GrowingProduct::new();
+    for factor in &chain.factors {
+        product.take(factor);
+        if product.is_too_long() {
+            return None;
+        }
+    }
+    product.settle();
+    (!product.is_too_long()).then_some(SymbolMatrix {
+        entries: product.entries,
+    })
+}
+
+struct GrowingProduct {
+    entries: [[SymbolSum; 4]; 3],
+    /// A turn about an axis that is not multiplied out yet.
+    pending: Option<(usize, AngleSum)>,
+}
+
+impl GrowingProduct {
+    fn new() -> Self {
+        let unit =
+            |row: usize| [0, 1, 2, 3].map(|k| SymbolSum::number(if k == row { 1.0 } else { 0.0 }));
+        Self {
+            entries: [0, 1, 2].map(unit),
+            pending: None,
+        }
+    }
+
+    fn is_too_long(&self) -> bool {
+        self.entries
+            .iter()
+            .flatten()
+            .any(|sum| sum.terms().len() > MOST_TERMS)
+    }
+
+    fn take(&mut self, factor: &WrittenFactor) {
+        match factor.motion {
+            Some((ElementaryMotion::Rotation, axis)) if !factor.is_number() => {
+                if self
+                    .pending
+                    .as_ref()
+                    .is_some_and(|(known, _)| *known != axis)
+                {
+                    self.settle();
+                }
+                let (_, angle) = self
+                    .pending
+                    .get_or_insert_with(|| (axis, AngleSum::default()));
+                names(factor).for_each(|name| angle.add(name));
+            }
+            Some((ElementaryMotion::Translation, axis)) => self.shift(axis, &length_of(factor)),
+            // A turn by a number, or to the direction of an axis.
+            _ => self.turn_by_numbers(factor),
+        }
+    }
+
+    /// Columns of the turn that is pending, in terms of those of the product.
+    fn turned_columns(&self) -> [[SymbolSum; 3]; 3] {
+        let column = |k: usize| [0, 1, 2].map(|row| self.entries[row][k].clone());
+        let mut columns = [0, 1, 2].map(column);
+        if let Some((axis, angle)) = &self.pending {
+            let [cos, sin] = SymbolSum::turn(angle);
+            let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+            let minus = sin.scaled(-1.0);
+            let mix = |a: &SymbolSum, x: &SymbolSum, b: &SymbolSum, y: &SymbolSum| {
+                a.times(x).plus(&b.times(y))
+            };
+            let (a, b) = (columns[i].clone(), columns[j].clone());
+            columns[i] = [0, 1, 2].map(|row| mix(&a[row], &cos, &b[row], &sin));
+            columns[j] = [0, 1, 2].map(|row| mix(&a[row], &minus, &b[row], &cos));
+        }
+        columns
+    }
+
+    /// Multiplies the pending turn out.
+    fn settle(&mut self) {
+        let columns = self.turned_columns();
+        self.pending = None;
+        for (k, column) in columns.into_iter().enumerate() {
+            for (row, entry) in column.into_iter().enumerate() {
+                self.entries[row][k] = entry;
+            }
+        }
+    }
+
+    fn shift(&mut self, axis: usize, by: &SymbolSum) {
+        let columns = self.turned_columns();
+        for row in 0..3 {
+            let own = std::mem::take(&mut self.entries[row][3]);
+            self.entries[row][3] = own.plus(&columns[axis][row].times(by));
+        }
+    }
+
+    fn turn_by_numbers(&mut self, factor: &WrittenFactor) {
+        self.settle();
+        let rotation = factor.pose(&[]).rotation;
+        let old = self.turned_columns();
+        for k in 0..3 {
+            for row in 0..3 {
+                let parts = (0..3).map(|i| old[i][row].scaled(rotation.col(k)[i]));
+                self.entries[row][k] =
+                    parts.fold(SymbolSum::default(), |sum, part| sum.plus(&part));
+            }
+        }
+    }
+}
+
+fn names(factor: &WrittenFactor) -> impl Iterator<Item = SignedName> + '_ {
+    factor.terms.iter().map(|term| SignedName {
+        text: term.text.clone(),
+        argument: term.argument,
+        count: if term.is_negative { -1 } else { 1 },
+    })
+}
+
+/// A length as the sum of its names; a number if it has none.
+fn length_of(factor: &WrittenFactor) -> SymbolSum {
+    if factor.is_number() {
+        return SymbolSum::number(factor.value(&[]));
+    }
+    names(factor).fold(SymbolSum::default(), |sum, name| {
+        sum.plus(&SymbolSum::length(name))
+    })
+}

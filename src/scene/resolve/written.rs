@@ -1,0 +1,267 @@
+//! The chains of a scene as they are written, for drawings and for matrices on a board.
+
+use super::super::file::SceneFile;
+use super::super::formula::chain::Factor;
+use super::super::formula::compile::constant_node;
+use super::super::formula::expression::{FormulaNode, NodeKind};
+use super::super::formula::written::written_formula;
+use super::contacts::chains::{Closure, ContactSide, ParsedContact};
+use super::joints::FoldedJoints;
+use super::names::Names;
+use super::parsed::Parsed;
+use super::parsing::parsed_expression;
+use crate::diag::Diagnostics;
+use crate::model::chain::{Argument, ChainStep, ElementaryMotion};
+use crate::model::mechanism::{AngleUnit, Closes, Mechanism};
+use crate::model::notation::{
+    Notation, WrittenChain, WrittenContact, WrittenFactor, WrittenSurface, WrittenTerm,
+};
+
+/// Everything a scene writes as a chain; mistakes were reported where the mechanism was resolved.
+pub fn resolve_notation(
+    file: &SceneFile,
+    parsed: &Parsed,
+    (names, unit): (&Names, &AngleUnit),
+    mechanism: &Mechanism,
+) -> Notation {
+    let mut writer = ChainWriter {
+        joints: FoldedJoints::new(names, unit),
+        names,
+        terms: TermList::default(),
+    };
+    let loops = mechanism.loops.iter().map(|item| {
+        let own = parsed
+            .loops
+            .iter()
+            .find(|(name, _)| name.value == item.name);
+        let factors = own.map(|(_, factors)| factors.as_slice());
+        let of_contact = || {
+            parsed
+                .contacts
+                .iter()
+                .find_map(|c| closing_factors(c, &item.name))
+        };
+        let mut chain = writer.chain(&item.name, factors.or_else(of_contact).unwrap_or(&[]));
+        chain.text = text_of(&file.loops, &item.name);
+        writer.place_loop(
+            &mut chain,
+            factors.or_else(of_contact).unwrap_or(&[]),
+            item.closes,
+        );
+        chain
+    });
+    let loops = loops.collect();
+    let bodies = mechanism.bodies.iter().map(|body| {
+        let own = file.bodies.iter().position(|b| b.name.value == body.name);
+        let factors = own.map_or(&[][..], |k| parsed.frames[k].as_slice());
+        let mut chain = writer.chain(&body.name, factors);
+        let frame = own.and_then(|k| file.bodies[k].frame.as_ref());
+        chain.text = frame.map_or_else(String::new, |frame| frame.text.clone());
+        let kept = FoldedJoints::kept(factors);
+        place_steps(&mut chain, &kept);
+        chain
+    });
+    let bodies = bodies.collect();
+    let chains = file.chains.iter().filter_map(|(name, text)| {
+        let factors = parsed.factors(text, &mut Diagnostics::default())?;
+        let mut chain = writer.chain(&name.value, &factors);
+        chain.text.clone_from(&text.text);
+        Some(chain)
+    });
+    let chains = chains.collect();
+    let points = mechanism.traces.iter().map(|trace| {
+        let own = file.traces.iter().find(|t| t.name.value == trace.name);
+        let texts = own.and_then(|t| t.point.as_ref());
+        let nodes = texts
+            .into_iter()
+            .flatten()
+            .map(|text| parsed_expression(text, &mut Diagnostics::default()));
+        let factors: Vec<Factor> = nodes
+            .enumerate()
+            .filter_map(|(axis, node)| {
+                Some(Factor::Elementary(
+                    ElementaryMotion::Translation,
+                    axis,
+                    node?,
+                ))
+            })
+            .collect();
+        writer.chain(&trace.name, &factors)
+    });
+    let points = points.collect();
+    let contacts = parsed.contacts.iter().map(|contact| WrittenContact {
+        name: contact.name.value.clone(),
+        sides: contact.sides.each_ref().map(|side| writer.surface(side)),
+    });
+    Notation {
+        contacts: contacts.collect(),
+        loops,
+        bodies,
+        chains,
+        points,
+        arguments: writer.joints.arguments,
+        terms: writer.terms.0,
+    }
+}
+
+fn text_of<T>(list: &[(T, crate::scene::values::FormulaText)], name: &str) -> String
+where
+    T: std::borrow::Borrow<crate::scene::reader::Spanned<String>>,
+{
+    let own = list.iter().find(|(known, _)| known.borrow().value == name);
+    own.map_or_else(String::new, |(_, text)| text.text.clone())
+}
+
+fn closing_factors<'p>(contact: &'p ParsedContact, name: &str) -> Option<&'p [Factor]> {
+    match &contact.closure {
+        Closure::Frame(factors) | Closure::Point(factors) if contact.name.value == name => {
+            Some(factors)
+        }
+        _ => None,
+    }
+}
+
+/// Writes chains factor by factor.
+struct ChainWriter<'a> {
+    joints: FoldedJoints<'a>,
+    names: &'a Names,
+    terms: TermList,
+}
+
+/// The parts of all sums, each once.
+#[derive(Default)]
+struct TermList(Vec<Argument>);
+
+impl TermList {
+    /// The parts of an argument.
+    fn of(
+        &mut self,
+        joints: &FoldedJoints,
+        motion: ElementaryMotion,
+        node: &FormulaNode,
+    ) -> Vec<WrittenTerm> {
+        let mut parts = Vec::new();
+        signed_parts(node, false, &mut parts);
+        let written = parts.into_iter().filter_map(|(part, is_negative)| {
+            let argument = joints.argument(motion, part).ok()?;
+            let known = self.0.iter().position(|known| *known == argument);
+            Some(WrittenTerm {
+                text: written_formula(part),
+                is_negative,
+                argument: known.unwrap_or_else(|| {
+                    self.0.push(argument);
+                    self.0.len() - 1
+                }),
+            })
+        });
+        written.collect()
+    }
+}
+
+/// The parts of a sum, and whether each is taken off.
+fn signed_parts<'n>(
+    node: &'n FormulaNode,
+    is_negative: bool,
+    parts: &mut Vec<(&'n FormulaNode, bool)>,
+) {
+    match &node.kind {
+        NodeKind::Negate(inner) => signed_parts(inner, !is_negative, parts),
+        NodeKind::Binary(sign @ ('+' | '-'), a, b) => {
+            signed_parts(a, is_negative, parts);
+            signed_parts(b, is_negative != (*sign == '-'), parts);
+        }
+        _ => parts.push((node, is_negative)),
+    }
+}
+
+impl ChainWriter<'_> {
+    fn chain(&mut self, name: &str, factors: &[Factor]) -> WrittenChain {
+        let steps = self.joints.steps(factors, &mut Diagnostics::default());
+        let steps = steps.unwrap_or_default();
+        let written = factors
+            .iter()
+            .zip(steps)
+            .map(|(factor, step)| WrittenFactor {
+                motion: match factor {
+                    Factor::Elementary(motion, axis, _) => Some((*motion, *axis)),
+                    Factor::Direction(..) => None,
+                },
+                text: factor_text(factor),
+                step,
+                terms: match factor {
+                    Factor::Elementary(motion, _, node) => {
+                        self.terms.of(&self.joints, *motion, node)
+                    }
+                    Factor::Direction(..) => Vec::new(),
+                },
+                is_dimension: step.joint().is_none() && has_name(factor),
+                place: None,
+            });
+        WrittenChain {
+            name: name.to_owned(),
+            factors: written.collect(),
+            ..WrittenChain::default()
+        }
+    }
+
+    /// Which factors became which steps of the mechanism's loop.
+    fn place_loop(&self, chain: &mut WrittenChain, factors: &[Factor], closes: Closes) {
+        let steps: Vec<ChainStep> = chain.factors.iter().map(|f| f.step).collect();
+        if steps.len() != factors.len() {
+            return;
+        }
+        let [base, core] = FoldedJoints::parted(factors, &steps, closes);
+        chain.before = base.last().map_or(0, |last| last + 1);
+        place_steps(chain, &core);
+    }
+
+    fn surface(&mut self, side: &ContactSide) -> WrittenSurface {
+        let sizes = side.surface.sizes().into_iter().map(|(_, node)| {
+            let value = constant_node(node, &|n, s| self.names.constant(n, s));
+            (written_formula(node), value.unwrap_or(0.0))
+        });
+        WrittenSurface {
+            word: side.surface.word(),
+            sizes: sizes.collect(),
+            frame: self.chain("", &side.frame),
+        }
+    }
+}
+
+fn factor_text(factor: &Factor) -> String {
+    match factor {
+        Factor::Elementary(_, _, node) => written_formula(node),
+        Factor::Direction(nodes, back) => {
+            let nodes: Vec<String> = nodes.iter().map(written_formula).collect();
+            let sign = if *back { "-" } else { "" };
+            format!("{sign}{}", nodes.join(", "))
+        }
+    }
+}
+
+fn has_name(factor: &Factor) -> bool {
+    let mut found = false;
+    let mut look = |node: &FormulaNode| node.visit_names(&mut |_, _| found = true);
+    match factor {
+        Factor::Elementary(_, _, node) => look(node),
+        Factor::Direction(..) => {}
+    }
+    found
+}
+
+/// Numbers the moving factors of `kept` by the steps that they become when constants side by side are folded.
+fn place_steps(chain: &mut WrittenChain, kept: &[usize]) {
+    let (mut next, mut was_fixed) = (0, false);
+    for k in kept {
+        let Some(factor) = chain.factors.get_mut(*k) else {
+            return;
+        };
+        let is_fixed = factor.step.joint().is_none();
+        if is_fixed && was_fixed {
+            continue;
+        }
+        factor.place = (!is_fixed).then_some(next);
+        next += 1;
+        was_fixed = is_fixed;
+    }
+}
