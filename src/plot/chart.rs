@@ -41,6 +41,8 @@ pub struct Panel {
     pub marks: Vec<[f64; 2]>,
     /// Reference lines, from point to point.
     pub lines: Vec<[[f64; 2]; 2]>,
+    /// Words beside points.
+    pub words: Vec<PointWord>,
     /// A unit is as long on one axis as on the other.
     pub equal: bool,
     /// Place of every sample on the horizontal axis, also of those without a point: where the playhead stands.
@@ -68,6 +70,8 @@ pub enum SeriesStyle {
     Line,
     /// By a line with a dot at every point.
     Dots,
+    /// By a dashed line: what was before.
+    Dashed,
 }
 
 /// A curve.
@@ -81,6 +85,15 @@ pub struct PlotSeries {
     pub breaks: Vec<usize>,
     /// Joined how.
     pub style: SeriesStyle,
+}
+
+/// A word beside a point.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct PointWord {
+    /// The point.
+    pub at: [f64; 2],
+    /// The word.
+    pub text: String,
 }
 
 /// The area between two curves.

@@ -19,7 +19,7 @@ pub(super) fn draw_curves(
     list: &mut Vec<DrawnPrimitive>,
 ) {
     for (index, series) in panel.series.iter().enumerate() {
-        let stroke = curve_stroke(index, sizes, theme);
+        let stroke = curve_stroke(panel, index, sizes, theme);
         let dot = |centre| DrawnPrimitive::Circle {
             centre,
             radius: 1.6 * sizes.curve,
@@ -35,7 +35,7 @@ pub(super) fn draw_curves(
             match points.as_slice() {
                 [] => {}
                 // A point without neighbours has no line, but is there.
-                [alone] if series.style == SeriesStyle::Line => list.push(dot(*alone)),
+                [alone] if series.style != SeriesStyle::Dots => list.push(dot(*alone)),
                 [_] => {}
                 _ => list.push(DrawnPrimitive::Line {
                     points: thin_line(&points),

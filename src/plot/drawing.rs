@@ -110,6 +110,7 @@ pub fn draw_chart(chart: &Chart, size: [u32; 2], theme: ChartTheme) -> Drawing {
         draw_marks(panel, &area, &sizes, &theme, &mut drawing.primitives);
         frame.draw_axes(panel, &sizes, &theme, &mut drawing.primitives);
         draw_curves(panel, &area, &sizes, &theme, &mut drawing.primitives);
+        draw_words(panel, &area, &sizes, &theme, &mut drawing.primitives);
         drawing.areas.push(area);
     }
     drawing
@@ -277,6 +278,35 @@ fn draw_events(
                 name: String::new(),
             });
         }
+    }
+}
+
+/// Words beside their points, away from the middle of the area.
+fn draw_words(
+    panel: &Panel,
+    area: &PanelArea,
+    sizes: &Sizes,
+    theme: &ChartTheme,
+    list: &mut Vec<DrawnPrimitive>,
+) {
+    let middle = 0.5 * (area.rect.top + area.rect.bottom);
+    for word in &panel.words {
+        let Some([x, y]) = area.pixel(word.at) else {
+            continue;
+        };
+        let down = y > middle;
+        let shift = if down {
+            sizes.gap + sizes.heading
+        } else {
+            -sizes.gap
+        };
+        list.push(DrawnPrimitive::Text {
+            at: [x, y + shift],
+            text: word.text.clone(),
+            size: sizes.heading,
+            anchor: TextAnchor::Middle,
+            colour: theme.text,
+        });
     }
 }
 

@@ -2,11 +2,11 @@
 //!
 //! Nothing of it lies over the curves.
 
-use super::chart::Panel;
+use super::chart::{Panel, SeriesStyle};
 use super::layout::{Ruler, Sizes};
 use super::primitive::{DrawnPrimitive, Rect, Stroke, TextAnchor};
 use super::scale::Scale;
-use super::theme::ChartTheme;
+use super::theme::{ChartTheme, Dashes};
 
 /// Most rows of words above an area; what does not fit keeps its line and loses its word.
 const MOST_ROWS: usize = 3;
@@ -111,19 +111,23 @@ impl Heading {
             let (x, y) = (left + entry.left, row(entry) - 0.45 * sizes.text);
             list.push(DrawnPrimitive::Line {
                 points: vec![[x, y], [x + sample, y]],
-                stroke: curve_stroke(entry.series, sizes, theme),
+                stroke: curve_stroke(panel, entry.series, sizes, theme),
                 name: String::new(),
             });
         }
     }
 }
 
-/// The look of curve `index`.
-pub fn curve_stroke(index: usize, sizes: &Sizes, theme: &ChartTheme) -> Stroke {
+/// The look of curve `index` of a panel.
+pub fn curve_stroke(panel: &Panel, index: usize, sizes: &Sizes, theme: &ChartTheme) -> Stroke {
+    let style = panel.series.get(index).map(|series| series.style);
     Stroke {
         colour: theme.colour(index),
         width: sizes.curve,
-        dashes: theme.dashes(index),
+        dashes: match style {
+            Some(SeriesStyle::Dashed) => Dashes::Long,
+            _ => theme.dashes(index),
+        },
     }
 }
 

@@ -24,7 +24,9 @@ pub mod svg;
 pub mod theme;
 pub mod ticks;
 
-pub use chart::{Axis, Band, Chart, EventMark, Panel, PlotSeries, SeriesStyle, Shade, Tile};
+pub use chart::{
+    Axis, Band, Chart, EventMark, Panel, PlotSeries, PointWord, SeriesStyle, Shade, Tile,
+};
 pub use drawing::{Drawing, draw_chart};
 pub use layout::usual_size;
 pub use scale::ScaleKind;

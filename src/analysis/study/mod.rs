@@ -11,7 +11,7 @@ pub mod optimum;
 mod peaks;
 mod reshaped;
 mod rows;
-mod search;
+pub mod search;
 mod search_steps;
 mod slopes;
 mod track_poses;

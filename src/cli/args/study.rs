@@ -134,6 +134,15 @@ pub struct OptimiseArgs {
     /// Write a film of the improvements, one frame each: .gif, .apng, a folder, or a pattern of frames.
     #[arg(long, value_name = "FILE", conflicts_with = "pairs")]
     pub film: Option<PathBuf>,
+    /// Draw a chart (.svg, .pdf or .png): the paths of the scene's plots with equal axes, those of the start dashed.
+    #[arg(long, value_name = "FILE", conflicts_with = "pairs")]
+    pub plot: Option<PathBuf>,
+    /// Draw the objective over the two variables as contours, with the points that the search came to (.svg, .pdf or .png).
+    #[arg(long, value_name = "FILE", conflicts_with = "pairs")]
+    pub map: Option<PathBuf>,
+    /// Write the points that the search came to as CSV: iteration, objective, variables (`-` for standard output).
+    #[arg(long, value_name = "FILE", conflicts_with = "pairs")]
+    pub history: Option<PathBuf>,
     /// Progress on standard error: the best value so far in one line on a terminal (auto), a line every 50 iterations
     /// (plain), or none.
     #[arg(long, value_enum, default_value_t = ProgressArg::Auto)]

@@ -5,6 +5,8 @@ pub mod enclose;
 pub mod optimise;
 pub mod pairs;
 pub mod search_film;
+pub mod search_map;
+pub mod search_paths;
 pub mod sensitivity;
 pub mod submit;
 pub mod sweep;

@@ -1,10 +1,11 @@
 //! `mechanim optimise`: the study's objective made small; the result proved, reported, and written as a scene.
 
-use super::{pairs, search_film};
+use super::{pairs, search_film, search_map, search_paths};
 use crate::analysis::optimise::Ended;
 use crate::analysis::study::optimum::Verified;
 use crate::analysis::study::{FamilyError, FoundOptimum, LoadedStudy};
 use crate::cli::args::study::OptimiseArgs;
+use crate::cli::files::chart::PlotFormat;
 use crate::cli::interrupt::{CANCEL, is_interrupted, save_results, unless_interrupted};
 use crate::cli::io;
 use crate::cli::open::study::open_study;
@@ -14,7 +15,7 @@ use crate::cli::term::progress::Progress;
 use crate::report::cells::six_digits;
 use crate::report::optimum::OptimumReport;
 use crate::scene::edit::with_values;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -27,8 +28,13 @@ pub fn run_optimise(args: &OptimiseArgs, term: &Term) -> Result<Outcome, Failure
         ("--out", args.out.as_deref()),
         ("--json", args.json.as_deref()),
         ("--film", args.film.as_deref()),
+        ("--plot", args.plot.as_deref()),
+        ("--history", args.history.as_deref()),
+        ("--map", args.map.as_deref()),
     ];
     io::refuse_clashes(&[&args.scene], &reports)?;
+    let chart = args.plot.as_deref().map(PlotFormat::of).transpose()?;
+    let map = args.map.as_deref().map(PlotFormat::of).transpose()?;
     let film = args.film.as_deref().map(search_film::film_file);
     let film = film.transpose()?;
     let mut study = open_study(&args.scene, &args.vary, args.pairs, term)?;
@@ -37,6 +43,12 @@ pub fn run_optimise(args: &OptimiseArgs, term: &Term) -> Result<Outcome, Failure
     }
     if args.pairs {
         return pairs::run_pairs(args, &study, term);
+    }
+    if chart.is_some() {
+        search_paths::refuse_without_paths(&study)?;
+    }
+    if map.is_some() {
+        search_map::refuse_other_count(&study)?;
     }
     let start = Instant::now();
     let study = Arc::new(study);
@@ -59,7 +71,16 @@ pub fn run_optimise(args: &OptimiseArgs, term: &Term) -> Result<Outcome, Failure
     if let Some(path) = &args.json {
         io::write_json(&args.scene, &complete(path), &report.document())?;
     }
-    io::print_beside(term, args.json.as_deref(), &report.text())?;
+    if let Some(path) = &args.history {
+        let history = search_paths::search_history(&study, &found.improvements);
+        io::write_text(&args.scene, &complete(path), &history)?;
+    }
+    let on_output = [&args.json, &args.history];
+    let on_output = on_output
+        .into_iter()
+        .flatten()
+        .find(|path| *path == Path::new("-"));
+    io::print_beside(term, on_output.map(PathBuf::as_path), &report.text())?;
     if is_stopped {
         let kept = out.map_or_else(
             || "the best so far was reported".to_owned(),
@@ -68,6 +89,12 @@ pub fn run_optimise(args: &OptimiseArgs, term: &Term) -> Result<Outcome, Failure
         return Err(Failure::Stopped(kept));
     }
     save_results(false);
+    if let (Some(path), Some(format)) = (&args.plot, chart) {
+        search_paths::write_paths(path, format, &study, &found.improvements)?;
+    }
+    if let (Some(path), Some(format)) = (&args.map, map) {
+        search_map::write_map(path, format, &study, &found.improvements)?;
+    }
     if let Some(film) = &film {
         search_film::write_search_film(film, &study, &found.improvements, term)?;
     }

@@ -1,0 +1,117 @@
+//! `mechanim optimise --plot` and `--history`: the paths before and after a search, and the points that it came to.
+
+use crate::analysis::study::LoadedStudy;
+use crate::analysis::study::optimum::Improvement;
+use crate::charts::motion::motion_chart;
+use crate::charts::search::{name_places, start_and_result};
+use crate::cli::files::chart::{PlotFormat, write_chart};
+use crate::cli::interrupt::{is_interrupted, refuse_interrupted};
+use crate::cli::io;
+use crate::cli::term::outcome::Failure;
+use crate::kinematics::motion::continuation::solve_with_ends;
+use crate::kinematics::motion::sampling::even_times;
+use crate::kinematics::structure::system::System;
+use crate::model::plot::Plot;
+use crate::model::theme::Theme;
+use crate::model::view::LabelPlace;
+use crate::plot::Chart;
+use crate::scene::Scene;
+use std::fmt::Write;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Samples of a path.
+const SAMPLES: usize = 721;
+
+/// Refuses a chart of paths of a scene that plots none, before the search.
+pub fn refuse_without_paths(study: &LoadedStudy) -> Result<(), Failure> {
+    match path_plots(&study.scene_at(&study.family.start())?).is_empty() {
+        false => Ok(()),
+        true => Err(Failure::usage(
+            "the scene has no plot of a path, with `equal = true`",
+            vec!["write one in [[plots]]: x = \"M.x\", y = [\"M.y\"], equal = true".to_owned()],
+        )),
+    }
+}
+
+/// Plots in which a unit is as long on both axes.
+fn path_plots(scene: &Scene) -> Vec<Plot> {
+    scene
+        .plots
+        .iter()
+        .filter(|plot| plot.equal)
+        .cloned()
+        .collect()
+}
+
+/// Draws the paths of the first and the last improvement.
+pub fn write_paths(
+    path: &Path,
+    format: PlotFormat,
+    study: &LoadedStudy,
+    improvements: &[Improvement],
+) -> Result<(), Failure> {
+    let [Some(first), Some(last)] = [improvements.first(), improvements.last()] else {
+        return Ok(());
+    };
+    let (start, _, _) = improvement_chart(study, first)?;
+    let (result, times, words) = improvement_chart(study, last)?;
+    let mut chart = start_and_result(start, result);
+    chart
+        .panels
+        .iter_mut()
+        .for_each(|panel| name_places(panel, &times, &words));
+    let mut output = io::open_output(path)?;
+    let written = write_chart(&chart, format, None, Theme::Light, output.as_mut());
+    io::unless_reader_left(written.and_then(|()| Ok(output.commit()?)))
+}
+
+/// A chart, the times of its samples, and the words at some of them.
+type TimedChart = (Chart, Vec<f64>, Vec<(f64, String)>);
+
+/// The paths with the values of an improvement, and the scene's labels on them.
+fn improvement_chart(
+    study: &LoadedStudy,
+    improvement: &Improvement,
+) -> Result<TimedChart, Failure> {
+    let scene = study.scene_at(&improvement.values)?;
+    let system = System::new(Arc::clone(&scene.mechanism), &scene.actuation)?;
+    let times = even_times(&scene.mechanism, &scene.actuation, SAMPLES);
+    let trajectory = solve_with_ends(&system, &scene.actuation, &times, &is_interrupted);
+    refuse_interrupted()?;
+    let chart = motion_chart(&system, &scene.actuation, &path_plots(&scene), &trajectory);
+    let times = trajectory.samples.iter().map(|s| s.time).collect();
+    let words = scene
+        .view
+        .labels
+        .iter()
+        .filter_map(|label| match label.place {
+            LabelPlace::OnTrace { time, .. } => Some((time, label.text.clone())),
+            LabelPlace::OnBody { .. } => None,
+        });
+    Ok((chart, times, words.collect()))
+}
+
+/// The points that a search came to, a row each, in the units of the scene.
+pub fn search_history(study: &LoadedStudy, improvements: &[Improvement]) -> String {
+    let unit = study.objective_unit();
+    let variables = &study.family.study.variables;
+    let mut text = format!("iteration,{}", study.objective_name());
+    variables
+        .iter()
+        .for_each(|variable| _ = write!(text, ",{}", variable.name));
+    text.push('\n');
+    for improvement in improvements {
+        _ = write!(
+            text,
+            "{},{}",
+            improvement.iteration,
+            improvement.objective * unit
+        );
+        for (variable, value) in variables.iter().zip(&improvement.values) {
+            _ = write!(text, ",{}", value * study.family.units(variable.kind));
+        }
+        text.push('\n');
+    }
+    text
+}
