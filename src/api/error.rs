@@ -121,7 +121,10 @@ impl From<SceneError> for Error {
 
 impl From<StructureError> for Error {
     fn from(error: StructureError) -> Self {
-        Self::new(ErrorKind::Mechanism, error.to_string(), Vec::new())
+        match error {
+            StructureError::Limit(limit) => limit.into(),
+            other => Self::new(ErrorKind::Mechanism, other.to_string(), Vec::new()),
+        }
     }
 }
 

@@ -1,5 +1,6 @@
-//! Dense matrices without a mechanism: lanes, elimination, pivoted QR, singular values.
+//! Matrices without a mechanism: lanes, elimination, pivoted QR, singular values, ranks of sparse ones.
 
+pub mod fronts;
 pub mod gauss_jordan;
 pub mod lanes;
 pub mod pivoted_qr;

@@ -72,7 +72,7 @@ impl JointSymbols {
                 meshes.push(merged_mesh(&link.solids, FACETS * radius).into());
                 signs.pieces.push(SignPiece {
                     mesh: meshes.len() - 1,
-                    carrier: Some(mechanism.joints.links[link.link].world_from_link.clone()),
+                    carrier: Some(mechanism.joints.world_from_link(link.link)),
                     colour: link.colour,
                 });
             }

@@ -77,14 +77,14 @@ impl Term {
             return each.for_each(|fault| self.headed("error", Color::Red, fault));
         }
         self.headed("error", Color::Red, &failure.to_string());
-        let one_hint;
+        let (one_hint, of_structure);
         let hints: &[String] = match failure {
             Failure::Usage { hints, .. }
             | Failure::NeverClosed { hints, .. }
             | Failure::Undecided { hints, .. } => hints,
             Failure::Structure(error) => {
-                one_hint = [hint_of(error)];
-                &one_hint
+                of_structure = hint_of(error);
+                &of_structure
             }
             Failure::Import(ImportError::Transparent { .. }) => {
                 one_hint = [
@@ -160,8 +160,8 @@ impl Term {
     }
 }
 
-fn hint_of(error: &StructureError) -> String {
-    match error {
+fn hint_of(error: &StructureError) -> Vec<String> {
+    let hint = match error {
         StructureError::Impossible { .. } => "check the constant offsets of this loop: they must cancel".to_owned(),
         StructureError::UnderDetermined { .. } => {
             "drive them as inputs, add a loop or an equation, or look for a misspelt parameter: an undefined name \
@@ -171,7 +171,9 @@ fn hint_of(error: &StructureError) -> String {
         StructureError::Unheld { .. } => {
             "give it a loop or an equation that changes with it, drive it as an input, or take it out".to_owned()
         }
-    }
+        StructureError::Limit(_) => return Vec::new(),
+    };
+    vec![hint]
 }
 
 /// What a message says without what it quotes.

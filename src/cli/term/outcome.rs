@@ -153,7 +153,9 @@ impl Failure {
             Self::Scene(_) | Self::Usage { .. } | Self::Export(_) => BAD_USAGE,
             Self::Import(_) | Self::Stdout(_) | Self::Limit(_) => BAD_USAGE,
             Self::Structure(
-                StructureError::UnderDetermined { .. } | StructureError::Unheld { .. },
+                StructureError::UnderDetermined { .. }
+                | StructureError::Unheld { .. }
+                | StructureError::Limit(_),
             ) => BAD_USAGE,
             Self::Structure(StructureError::Impossible { .. }) | Self::NeverClosed { .. } => {
                 NOT_CLOSED

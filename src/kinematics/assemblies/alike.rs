@@ -63,8 +63,8 @@ impl<'s> Alike<'s> {
         // Poses of the links, less the angle of those that spin about a line of their own.
         let mut links = Vec::new();
         let mut still = Vec::new();
-        for (link, line) in mechanism.joints.links.iter().zip(&lines).skip(1) {
-            let pose = link.world_from_link.pose(&arguments);
+        for (link, line) in lines.iter().enumerate().skip(1) {
+            let pose = mechanism.joints.world_from_link(link).pose(&arguments);
             note_pose(&mut links, &pose, line.as_ref(), mechanism.size);
             if line.is_none() {
                 note_pose(&mut still, &pose, None, mechanism.size);

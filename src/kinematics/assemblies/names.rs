@@ -5,10 +5,10 @@ use super::sets::SINGULAR;
 use crate::kinematics::ball::chart::BallChart;
 use crate::kinematics::ball::joint::Ball;
 use crate::kinematics::loops::forward::closure_error;
-use crate::kinematics::solve::assembly::turns_matter;
 use crate::kinematics::solve::branch::BranchWatch;
 use crate::kinematics::solve::newton::Corrector;
 use crate::kinematics::solve::random_starts::CLOSED;
+use crate::kinematics::solve::turns::WholeTurns;
 use crate::kinematics::structure::system::System;
 use crate::model::mechanism::{Kind, Mechanism};
 use std::f64::consts::{PI, TAU};
@@ -198,10 +198,11 @@ fn angle_sum(mechanism: &Mechanism, coordinates: &[f64]) -> f64 {
 
 /// Brings angles whose turns do not matter to -π (exclusive) … π.
 fn wrap_angles(mechanism: &Mechanism, coordinates: &mut [f64]) {
+    let whole = WholeTurns::of(mechanism);
     for (slot, unknown) in mechanism.unknowns.iter().enumerate() {
         let value = coordinates[slot];
         let outside = value > PI + EQUAL || value <= -PI + EQUAL;
-        if unknown.kind == Kind::Angle && outside && !turns_matter(mechanism, slot) {
+        if unknown.kind == Kind::Angle && outside && !whole.matter(slot) {
             let turns = ((value - PI - EQUAL) / TAU).ceil();
             coordinates[slot] = value - TAU * turns;
         }

@@ -6,7 +6,7 @@
 //! equation has no zero. Neither finding anything says nothing.
 
 use crate::kinematics::loops::enclosed::is_open_throughout;
-use crate::kinematics::solve::assembly::turns_matter;
+use crate::kinematics::solve::turns::WholeTurns;
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::system::System;
 use crate::model::chain::{Argument, ArgumentValue, ChainStep, ElementaryMotion};
@@ -30,11 +30,13 @@ pub fn has_no_pose(system: &System, inputs: &[f64]) -> bool {
     let coordinates = enclosed_inputs(mechanism, inputs);
     let loops = mechanism.loops.iter();
     let mut too_long = loops.map(|item| has_too_long_a_side(mechanism, item, &coordinates));
-    too_long.any(|is| is)
-        || system
-            .blocks()
-            .iter()
-            .any(|block| Halving::new(mechanism, block).finds_nothing(&coordinates))
+    if too_long.any(|is| is) {
+        return true;
+    }
+    let turns = WholeTurns::of(mechanism);
+    let blocks = system.blocks().iter();
+    let mut halvings = blocks.map(|block| Halving::new(mechanism, block, &turns));
+    halvings.any(|halving| halving.finds_nothing(&coordinates))
 }
 
 /// All coordinates of poses with these inputs, read as numbers or as the decimals that a table prints: of the unknowns nothing
@@ -149,10 +151,10 @@ struct Halving<'m> {
 }
 
 impl<'m> Halving<'m> {
-    fn new(mechanism: &'m Mechanism, block: &'m Block) -> Self {
+    fn new(mechanism: &'m Mechanism, block: &'m Block, turns: &WholeTurns) -> Self {
         let angles = block.unknowns.iter().copied().filter(|slot| {
             let is_angle = mechanism.unknowns[*slot].kind == Kind::Angle;
-            is_angle && !turns_matter(mechanism, *slot)
+            is_angle && !turns.matter(*slot)
         });
         Self {
             mechanism,

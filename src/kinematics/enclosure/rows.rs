@@ -2,6 +2,7 @@
 
 use super::twists::Twists;
 use crate::kinematics::structure::block::Block;
+use crate::kinematics::structure::columns::Columns;
 use crate::model::chain::Argument;
 use crate::model::expression::Expression;
 use crate::model::mechanism::Mechanism;
@@ -16,7 +17,7 @@ pub struct Layout<'m> {
     pub block: &'m Block,
     /// Coordinates of the columns: the block's own unknowns, then all others.
     pub slots: Vec<usize>,
-    column_of: Vec<Option<usize>>,
+    columns: Columns,
 }
 
 /// Residuals and derivatives, row after row.
@@ -38,17 +39,13 @@ impl<'m> Layout<'m> {
         let mut others: Vec<usize> = of_arguments.chain(of_equations).collect();
         others.sort_unstable();
         others.dedup();
-        others.retain(|slot| block.column_of[*slot].is_none());
+        others.retain(|slot| block.columns.of(*slot).is_none());
         let slots = [block.unknowns.clone(), others].concat();
-        let mut column_of = vec![None; mechanism.coordinate_count()];
-        for (column, slot) in slots.iter().enumerate() {
-            column_of[*slot] = Some(column);
-        }
         Self {
             mechanism,
             block,
+            columns: Columns::new(&slots),
             slots,
-            column_of,
         }
     }
 
@@ -77,7 +74,7 @@ impl<'m> Layout<'m> {
             rows.residual.extend(residuals);
             twists.columns(per_size, |argument, by_argument| {
                 for (slot, rate) in rates.of(argument) {
-                    let Some(column) = self.column_of[*slot] else {
+                    let Some(column) = self.columns.of(*slot) else {
                         continue;
                     };
                     for (row, component) in components.iter().enumerate() {
@@ -95,7 +92,7 @@ impl<'m> Layout<'m> {
             rows.residual
                 .push(expression.value(coordinates).scale(weight));
             for (slot, rate) in expression_gradient(expression, coordinates) {
-                if let Some(column) = self.column_of[slot] {
+                if let Some(column) = self.columns.of(slot) {
                     rows.jacobian[row * columns + column] = rate.scale(weight);
                 }
             }

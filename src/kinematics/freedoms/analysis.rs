@@ -34,7 +34,7 @@ impl System {
     /// over-constrained loop has its true rank only there, and only there it shows whether a freedom is passive.
     ///
     /// # Errors
-    /// A loop that closes nowhere, unknowns that nothing determines.
+    /// A loop that closes nowhere, unknowns that nothing determines, more coupled equations than there is memory for.
     pub fn new(mechanism: Arc<Mechanism>, actuation: &Actuation) -> Result<Self, StructureError> {
         Ok(analyse_system(mechanism, actuation)?.with_ball_joints(chart_system))
     }
@@ -58,7 +58,7 @@ fn analyse_system(
         System::bare(Arc::clone(&mechanism), structure)
     };
     let system = trial(
-        generic.blocks(&incidence, incidence.groups(&[])),
+        generic.blocks(&incidence, incidence.groups(&[]))?,
         Vec::new(),
     );
     let is_sure = |b: &Block| b.rows() == b.unknowns.len() && !generic.lacks(b);
@@ -73,7 +73,7 @@ fn analyse_system(
         poses.extend(poses_around(&system, &pose.clone()));
     }
     if poses.is_empty() && system.blocks().len() > 1 {
-        let groups = incidence.merged(&[]);
+        let groups = incidence.allowed(incidence.merged(&[]))?;
         let merged = groups.iter().map(|g| of_group(&mechanism, &incidence, g));
         poses = closed_poses(&trial(merged.collect(), Vec::new()), actuation);
     }
@@ -86,14 +86,17 @@ fn analyse_system(
         };
     }
     let closed = Ranks::new(&mechanism, &poses);
-    let system = trial(closed.blocks(&incidence, incidence.groups(&[])), Vec::new());
+    let system = trial(
+        closed.blocks(&incidence, incidence.groups(&[]))?,
+        Vec::new(),
+    );
     let held = passive::find_passive(&system, &closed)?;
     if held.is_empty() {
         return Ok(system);
     }
     let slots: Vec<usize> = held.iter().map(|h| h.unknown).collect();
     Ok(trial(
-        closed.blocks(&incidence, incidence.groups(&slots)),
+        closed.blocks(&incidence, incidence.groups(&slots))?,
         held,
     ))
 }
@@ -161,6 +164,13 @@ fn live_equations(
 ) -> Result<LiveEquations, StructureError> {
     let (mut parts, mut empty) = (Vec::new(), Vec::new());
     let mut workspace = BlockWorkspace::default();
+    // Inputs move too: a row that only they change is live, though no unknown can repair it.
+    let mut rates = vec![0.0; mechanism.coordinate_count()];
+    let inputs = rates[mechanism.unknowns.len()..].iter_mut();
+    // Each at a rate of its own, so that they do not cancel.
+    inputs
+        .zip(1..)
+        .for_each(|(rate, k)| *rate = f64::from(k).sqrt());
     for index in 0..mechanism.loops.len() {
         let whole = LoopPart {
             index,
@@ -171,13 +181,6 @@ fn live_equations(
         let mut live = [false; 6];
         let mut constant = [0.0_f64; 6];
         for probe in probes {
-            // Inputs move too: a row that only they change is live, though no unknown can repair it.
-            let mut rates = vec![0.0; mechanism.coordinate_count()];
-            let inputs = rates[mechanism.unknowns.len()..].iter_mut();
-            // Each at a rate of its own, so that they do not cancel.
-            inputs
-                .zip(1..)
-                .for_each(|(rate, k)| *rate = f64::from(k).sqrt());
             workspace.evaluate(mechanism, &all, probe, Want::Drift(&rates));
             for (k, live) in live.iter_mut().enumerate() {
                 let row = (0..all.unknowns.len()).map(|j| workspace.jacobian[j * 6 + k].abs());

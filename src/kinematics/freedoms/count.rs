@@ -13,7 +13,7 @@ use crate::model::joints::{Joint, Joints};
 use crate::model::mechanism::{Closes, Loop, Mechanism};
 use crate::model::walk::walk_chain;
 use glam::DVec3;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The motions that a loop's joints can make together.
 #[derive(Clone, Debug, PartialEq)]
@@ -124,8 +124,8 @@ fn counted_joints(mechanism: &Mechanism) -> Vec<usize> {
     }
     let in_loops = counted.len();
     for (index, joint) in list.iter().enumerate() {
-        if !counted[..in_loops].contains(&index) && adds_freedom(mechanism, &mut span, joint, pose)
-        {
+        let is_in_loop = counted[..in_loops].binary_search(&index).is_ok();
+        if !is_in_loop && adds_freedom(mechanism, &mut span, joint, pose) {
             counted.push(index);
         }
     }
@@ -188,16 +188,11 @@ impl TwistSpan {
 
 fn in_equations_only(mechanism: &Mechanism, counted: &[usize]) -> usize {
     let joints = &mechanism.joints.list;
+    let of_joints = counted.iter().flat_map(|j| &joints[*j].coordinates);
+    let of_joints: BTreeSet<usize> = of_joints.copied().collect();
     let equations = mechanism.equations.iter();
-    let mut slots: Vec<usize> = equations.flat_map(|e| e.expression.slots()).collect();
-    slots.sort_unstable();
-    slots.dedup();
-    let is_joint = |slot: &&usize| {
-        counted
-            .iter()
-            .any(|j| joints[*j].coordinates.contains(slot))
-    };
-    slots.len() - slots.iter().filter(is_joint).count()
+    let slots: BTreeSet<usize> = equations.flat_map(|e| e.expression.slots()).collect();
+    slots.difference(&of_joints).count()
 }
 
 /// How many of the arguments change independently of each other.
@@ -219,21 +214,22 @@ struct Space {
 /// Spans of the loops' twists over random poses, closed or not: the groups that the joints generate.
 fn loop_spaces(mechanism: &Mechanism, poses: &[Vec<f64>]) -> Vec<Space> {
     let loops = mechanism.loops.iter().zip(&mechanism.joints.closes);
+    let values = poses.iter().map(|pose| mechanism.argument_values(pose));
+    let values: Vec<Vec<ArgumentValue>> = values.collect();
     let of_loop = |(item, closes): (&Loop, &bool)| {
         let (mut joints, mut turns, mut coordinates) = (Vec::new(), Vec::new(), Vec::new());
-        for pose in poses {
-            let arguments = mechanism.argument_values(pose);
-            let mut columns = vec![[0.0; 6]; pose.len()];
-            each_twist(item, &arguments, |argument, unit, twist| {
+        for (pose, arguments) in poses.iter().zip(&values) {
+            let mut columns: BTreeMap<usize, [f64; 6]> = BTreeMap::new();
+            each_twist(item, arguments, |argument, unit, twist| {
                 joints.extend(twist);
                 turns.extend(&twist[..3]);
                 for (slot, rate) in mechanism.arguments[argument].gradient(pose) {
                     let rate = rate * mechanism.scale_of(slot) / unit;
-                    let column = columns[slot].iter_mut().zip(twist);
+                    let column = columns.entry(slot).or_default().iter_mut().zip(twist);
                     column.for_each(|(c, t)| *c += rate * t);
                 }
             });
-            coordinates.extend(columns.into_iter().flatten());
+            coordinates.extend(columns.into_values().flatten());
         }
         // Where a point closes the loop, its three coordinates are all that counts.
         let most = match (closes, item.closes) {

@@ -7,10 +7,12 @@ use crate::kinematics::solve::wishes::assemble_as_meant;
 use crate::kinematics::structure::block::{Block, StructureError, slot_names};
 use crate::kinematics::structure::ordering::{BlockGroup, Incidence, of_group};
 use crate::kinematics::structure::system::System;
+use crate::limits::LimitExceeded;
 use crate::linalg::pivoted_qr::PivotedQr;
 use crate::linalg::sparse_lu::{LEAST, SparseLu};
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::{Kind, Mechanism};
+use std::collections::BTreeSet;
 
 /// Poses at which equations are probed: random ones, so that nothing vanishes by accident.
 const PROBES: usize = 6;
@@ -211,21 +213,34 @@ impl<'a> Ranks<'a> {
     }
 
     /// Blocks of the groups. A group that is square by counting but not by rank needs the equations of others.
-    pub fn blocks(&self, incidence: &Incidence, mut groups: Vec<BlockGroup>) -> Vec<Block> {
+    ///
+    /// Errors: some have to be solved together and need more memory than there is.
+    pub fn blocks(
+        &self,
+        incidence: &Incidence,
+        groups: Vec<BlockGroup>,
+    ) -> Result<Vec<Block>, LimitExceeded> {
+        let mut groups = incidence.allowed(groups)?;
+        // Groups that stay as they are: each is measured once, however often others are joined.
+        let mut settled: BTreeSet<Vec<usize>> = BTreeSet::new();
         let mut k = 0;
         while k < groups.len() {
+            if settled.contains(&groups[k].members) {
+                k += 1;
+                continue;
+            }
             let joined = self
                 .lacks(&of_group(self.mechanism, incidence, &groups[k]))
                 .then(|| incidence.joined(&groups, k));
             match joined.flatten() {
-                Some(joined) => (groups, k) = (joined, 0),
-                None => k += 1,
+                Some(joined) => (groups, k) = (incidence.allowed(joined)?, 0),
+                None => drop(settled.insert(groups[k].members.clone())),
             }
         }
-        groups
-            .iter()
+        let blocks = groups.iter();
+        Ok(blocks
             .map(|g| of_group(self.mechanism, incidence, g))
-            .collect()
+            .collect())
     }
 
     /// Names the unknowns that move while all equations hold.

@@ -5,17 +5,20 @@
 //! there the numeric one holds.
 
 use super::count::JointCount;
-use super::generic_rank::{closed_poses, rank_of_rows};
+use super::generic_rank::{EMPTY, RANK, closed_poses};
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::solve::branch::BranchWatch;
 use crate::kinematics::solve::newton::Corrector;
 use crate::kinematics::solve::wishes::assemble_as_meant;
-use crate::kinematics::structure::block::{Block, Held, block_of};
+use crate::kinematics::structure::block::{Block, Held};
 use crate::kinematics::structure::loop_part::{LoopPart, components_of};
+use crate::kinematics::structure::ordering::{Incidence, of_group};
 use crate::kinematics::structure::system::System;
+use crate::linalg::fronts::{Fronts, SparseRow};
 use crate::model::actuation::Actuation;
 use crate::model::chain::Chain;
 use crate::model::mechanism::Mechanism;
+use std::collections::BTreeSet;
 
 /// Freedoms at closed poses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,13 +56,13 @@ impl Mobility {
     pub fn new(system: &System, actuation: &Actuation) -> Self {
         let mechanism = system.mechanism();
         let structure = system.structure();
-        let whole = Whole::new(mechanism);
+        let whole = Whole::new(system);
         let poses = closed_poses(system, actuation);
         let numeric: Vec<Numeric> = poses.iter().map(|pose| whole.numeric(pose)).collect();
-        let used = whole.block.unknowns.iter();
+        let used = whole.used.iter();
         let mut mobility = Self {
             count: JointCount::new(mechanism),
-            coordinates: whole.block.unknowns.len(),
+            coordinates: whole.used.len(),
             inputs: used.filter(|u| **u >= mechanism.unknowns.len()).count(),
             at_start: start_pose(system, actuation).map(|pose| whole.numeric(&pose)),
             generic: numeric.into_iter().min_by_key(|n| n.mobility),
@@ -80,30 +83,27 @@ impl Mobility {
         let mut watch = BranchWatch::default();
         let mut corrector = Corrector::new(system);
         watch.observe(system, &mut corrector, pose);
-        let (mut solved, mut others) = (Vec::new(), Vec::new());
+        let (mut solved, mut others) = (BTreeSet::new(), Vec::new());
         for (block, basis) in structure.blocks.iter().zip(watch.bases()) {
             for (row, name) in row_names(block).enumerate() {
-                if basis.contains(&row) {
-                    solved.push(name);
+                if basis.binary_search(&row).is_ok() {
+                    solved.insert(name);
                 } else {
                     others.push(name);
                 }
             }
         }
-        let mut rows = whole.rows(&solved, pose);
-        let mut rank = whole.rank_of(&rows);
+        let mut space = whole.row_space(pose, |name| solved.contains(&name));
         for name in others {
-            rows.extend(whole.rows(&[name], pose));
-            let with = whole.rank_of(&rows);
+            let is_implied = !space.add(&whole.named_row(name, pose));
             match name {
-                RowName::Loop(index, component) if with == rank => {
+                RowName::Loop(index, component) if is_implied => {
                     self.redundant.push((index, component));
                 }
-                RowName::Equation(_) if with == rank => {}
+                RowName::Equation(_) if is_implied => {}
                 RowName::Loop(index, _) => self.condition(&mechanism.loops[index].name),
                 RowName::Equation(index) => self.condition(&mechanism.equations[index].name),
             }
-            rank = with;
         }
         self.redundant.sort_unstable();
     }
@@ -125,7 +125,7 @@ fn start_pose(system: &System, actuation: &Actuation) -> Option<Vec<f64>> {
 }
 
 /// One row of a Jacobian.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum RowName {
     /// Loop and component.
     Loop(usize, usize),
@@ -140,14 +140,20 @@ fn row_names(block: &Block) -> impl Iterator<Item = RowName> + '_ {
     loops.chain(block.equations.iter().map(|e| RowName::Equation(*e)))
 }
 
-/// All equations as one block whose unknowns are all coordinates that are used, by bodies too, and the inputs too.
+/// All equations, each by the coordinates that it uses, the inputs being unknowns, too.
 struct Whole {
     mechanism: Mechanism,
-    block: Block,
+    /// Every loop with all its equations, then every scalar equation.
+    members: Vec<Block>,
+    /// Coordinates that are used, by bodies too, ascending.
+    used: Vec<usize>,
+    /// Front of every coordinate: blocks in the reverse order of their solution, then all that no block solves.
+    front_of: Vec<usize>,
 }
 
 impl Whole {
-    fn new(mechanism: &Mechanism) -> Self {
+    fn new(system: &System) -> Self {
+        let mechanism = system.mechanism();
         // Inputs come after the unknowns: making them unknowns changes no slot.
         let lifted = Mechanism {
             unknowns: [mechanism.unknowns.clone(), mechanism.inputs.clone()].concat(),
@@ -157,51 +163,92 @@ impl Whole {
             outputs: Vec::new(),
             ..mechanism.clone()
         };
-        let loops: Vec<LoopPart> = (0..lifted.loops.len())
-            .map(|index| LoopPart {
-                index,
-                components: components_of(&lifted, index).collect(),
-            })
-            .collect();
-        let used = |slot: &usize| {
-            let mut arguments = mechanism.chains().flat_map(Chain::arguments);
-            let mut equations = lifted.equations.iter();
-            arguments.any(|a| lifted.arguments[a].coordinates().contains(slot))
-                || equations.any(|e| e.expression.slots().contains(slot))
-        };
-        let unknowns = (0..lifted.unknowns.len()).filter(used).collect();
-        let equations = (0..lifted.equations.len()).collect();
-        let block = block_of(&lifted, loops, equations, unknowns);
+        let parts = (0..lifted.loops.len()).map(|index| LoopPart {
+            index,
+            components: components_of(&lifted, index).collect(),
+        });
+        let incidence = Incidence::new(&lifted, parts.collect());
+        let all = 0..incidence.members.len();
+        let alone = all.map(|member| incidence.whole(vec![member], &[]));
+        let members = alone.map(|group| of_group(&lifted, &incidence, &group));
         Self {
+            members: members.collect(),
+            used: used_coordinates(mechanism),
+            front_of: block_fronts(system),
             mechanism: lifted,
-            block,
         }
     }
 
     fn numeric(&self, pose: &[f64]) -> Numeric {
-        let all: Vec<RowName> = row_names(&self.block).collect();
-        let rank = self.rank_of(&self.rows(&all, pose));
-        let mobility = self.block.unknowns.len() - rank;
+        let rank = self.row_space(pose, |_| true).rank();
+        let mobility = self.used.len() - rank;
         Numeric { mobility, rank }
     }
 
-    /// The named rows, one after the other.
-    fn rows(&self, names: &[RowName], pose: &[f64]) -> Vec<f64> {
+    /// The space of the rows that `are_meant`.
+    fn row_space(&self, pose: &[f64], are_meant: impl Fn(RowName) -> bool) -> Fronts {
         let mut workspace = BlockWorkspace::default();
-        workspace.evaluate(&self.mechanism, &self.block, pose, Want::Jacobian);
-        let (rows, columns) = (self.block.rows(), self.block.unknowns.len());
-        let all: Vec<RowName> = row_names(&self.block).collect();
-        let mut list = Vec::with_capacity(names.len() * columns);
-        for name in names {
-            let Some(row) = all.iter().position(|known| known == name) else {
-                continue;
-            };
-            list.extend((0..columns).map(|j| workspace.jacobian[j * rows + row]));
+        let mut rows = Vec::new();
+        for block in &self.members {
+            let wanted: Vec<RowName> = row_names(block).filter(|name| are_meant(*name)).collect();
+            if !wanted.is_empty() {
+                workspace.evaluate(&self.mechanism, block, pose, Want::Jacobian);
+            }
+            let named = row_names(block).enumerate();
+            let meant = named.filter(|(_, name)| wanted.contains(name));
+            rows.extend(meant.map(|(row, _)| sparse_row(block, &workspace, row)));
         }
-        list
+        Fronts::new(rows, self.front_of.clone(), RANK)
     }
 
-    fn rank_of(&self, rows: &[f64]) -> usize {
-        rank_of_rows(rows, self.block.unknowns.len())
+    /// A row by name.
+    fn named_row(&self, name: RowName, pose: &[f64]) -> SparseRow {
+        let member = match name {
+            RowName::Loop(index, _) => index,
+            RowName::Equation(index) => self.mechanism.loops.len() + index,
+        };
+        let block = &self.members[member];
+        let mut workspace = BlockWorkspace::default();
+        workspace.evaluate(&self.mechanism, block, pose, Want::Jacobian);
+        let row = row_names(block).position(|known| known == name);
+        row.map_or_else(Vec::new, |row| sparse_row(block, &workspace, row))
     }
+}
+
+/// One row of the block's Jacobian, without what is rounding.
+fn sparse_row(block: &Block, workspace: &BlockWorkspace, row: usize) -> SparseRow {
+    let column = |j: usize| workspace.jacobian[j * block.rows() + row];
+    let entries = block.unknowns.iter().copied().zip((0..).map(column));
+    entries
+        .filter(|(_, v)| v.is_nan() || v.abs() > EMPTY)
+        .collect()
+}
+
+/// Coordinates that stand in a chain or in an equation, ascending.
+fn used_coordinates(mechanism: &Mechanism) -> Vec<usize> {
+    let mut is_used = vec![false; mechanism.coordinate_count()];
+    let mut arguments: Vec<usize> = mechanism.chains().flat_map(Chain::arguments).collect();
+    arguments.sort_unstable();
+    arguments.dedup();
+    let in_chains = arguments.into_iter();
+    let in_chains = in_chains.flat_map(|a| mechanism.arguments[a].coordinates());
+    let in_equations = mechanism.equations.iter();
+    let in_equations = in_equations.flat_map(|e| e.expression.slots());
+    in_chains.chain(in_equations).for_each(|slot| {
+        if let Some(is_used) = is_used.get_mut(slot) {
+            *is_used = true;
+        }
+    });
+    (0..is_used.len()).filter(|slot| is_used[*slot]).collect()
+}
+
+/// The front of every coordinate. An equation has unknowns of its own block and of those before it.
+fn block_fronts(system: &System) -> Vec<usize> {
+    let count = system.blocks().len();
+    let mut front_of = vec![count; system.mechanism().coordinate_count()];
+    for (index, block) in system.blocks().iter().enumerate() {
+        let front = count - 1 - index;
+        block.unknowns.iter().for_each(|u| front_of[*u] = front);
+    }
+    front_of
 }

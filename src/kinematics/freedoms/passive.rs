@@ -260,8 +260,8 @@ impl Spins {
             for rates in released_slots(mechanism, block, pose, columns) {
                 let physical = site.with(&rates).physical();
                 let walk = Walk::new(mechanism, pose, &physical, mechanism.size);
-                for (line, link) in lines.iter_mut().zip(links) {
-                    let twist = walk.whole(&link.world_from_link);
+                for (link, line) in lines.iter_mut().enumerate() {
+                    let twist = walk.whole(&mechanism.joints.world_from_link(link));
                     *line = line.or_else(|| line_of(twist));
                 }
             }

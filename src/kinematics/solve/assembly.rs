@@ -3,9 +3,9 @@
 use super::closure::CLOSURE_TOLERANCE;
 use super::descent::Descent;
 use super::newton::{Corrector, Pace};
+use super::turns::WholeTurns;
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::system::System;
-use crate::model::chain::{Argument, ChainStep, ElementaryMotion};
 use crate::model::mechanism::{Kind, Mechanism};
 use std::f64::consts::{PI, TAU};
 
@@ -160,9 +160,11 @@ pub fn close_block(
     let mechanism = system.mechanism();
     let structure = system.structure();
     let mut descent = Descent::default();
+    let (mut turns, mut before) = (None, Vec::new());
     for (index, block) in structure.blocks.iter().enumerate() {
         *iterations += descent.minimise(mechanism, block, coordinates).0;
-        let before = coordinates.to_vec();
+        before.clear();
+        before.extend(block.unknowns.iter().map(|slot| coordinates[*slot]));
         let mut correct = |coordinates: &mut [f64]| {
             let correction = corrector.correct_block(system, index, coordinates, Pace::Patient);
             *iterations += correction.iterations;
@@ -170,11 +172,12 @@ pub fn close_block(
         };
         let mut is_closed = correct(coordinates);
         // Angles of many turns cannot be closed as well as those that are left of them.
-        if is_closed && wrap_angles(system, coordinates) {
+        if is_closed && wrap_angles(mechanism, block, &mut turns, coordinates) {
             is_closed = correct(coordinates);
         }
         if !is_closed {
-            coordinates.copy_from_slice(&before);
+            let pairs = block.unknowns.iter().zip(&before);
+            pairs.for_each(|(slot, value)| coordinates[*slot] = *value);
             return Err(closure_gap(mechanism, block, coordinates));
         }
     }
@@ -184,49 +187,29 @@ pub fn close_block(
 /// Angles up to this (radians) close to the tolerance whatever their rounding.
 const LOOSE_ANGLE: f64 = 1e3;
 
-/// Angles from a long search may have made whole turns; they are brought to -π..π where nothing but plain
+/// A block's angles from a long search may have made whole turns; they are brought to -π..π where nothing but plain
 /// rotations by whole multiples uses them.
 ///
 /// Whether any was so large that its rounding may have loosened the closure.
-fn wrap_angles(system: &System, coordinates: &mut [f64]) -> bool {
-    let mechanism = system.mechanism();
-    let is_held = |slot| system.structure().held.iter().any(|h| h.unknown == slot);
+fn wrap_angles(
+    mechanism: &Mechanism,
+    block: &Block,
+    turns: &mut Option<WholeTurns>,
+    coordinates: &mut [f64],
+) -> bool {
     let mut any = false;
-    for (slot, (unknown, value)) in mechanism.unknowns.iter().zip(coordinates).enumerate() {
-        let wraps = unknown.kind == Kind::Angle && value.abs() > PI;
-        if wraps && !is_held(slot) && !turns_matter(mechanism, slot) {
+    for &slot in &block.unknowns {
+        let value = &mut coordinates[slot];
+        if mechanism.unknowns[slot].kind != Kind::Angle || value.abs() <= PI {
+            continue;
+        }
+        let turns = turns.get_or_insert_with(|| WholeTurns::of(mechanism));
+        if !turns.matter(slot) {
             any |= value.abs() > LOOSE_ANGLE;
             *value -= TAU * (*value / TAU).round();
         }
     }
     any
-}
-
-/// Whether a whole turn of the coordinate changes anything: it drives a translation, a gear or an equation.
-pub(crate) fn turns_matter(mechanism: &Mechanism, slot: usize) -> bool {
-    let mut steps = mechanism.chains().flat_map(|c| &c.steps);
-    let translated = steps.any(|step| match step {
-        ChainStep::Joint {
-            motion: ElementaryMotion::Translation,
-            argument,
-            ..
-        } => mechanism.arguments[*argument].coordinates().contains(&slot),
-        _ => false,
-    });
-    // A whole turn changes an angle that is geared by no whole number.
-    let geared = mechanism.arguments.iter().any(|argument| match argument {
-        Argument::Affine(affine) => affine
-            .terms
-            .iter()
-            .any(|(s, c)| *s == slot && c.number().fract() != 0.0),
-        Argument::Formula(expression) => expression.slots().contains(&slot),
-    });
-    translated
-        || geared
-        || mechanism
-            .equations
-            .iter()
-            .any(|e| e.expression.slots().contains(&slot))
 }
 
 /// The loop or equation of `block` that is farthest from closing.

@@ -51,6 +51,8 @@ pub struct Descent {
     matrix: Vec<f64>,
     right_side: Vec<f64>,
     step: Vec<f64>,
+    /// The block's unknowns before the step.
+    before: Vec<f64>,
 }
 
 impl Default for Descent {
@@ -69,6 +71,7 @@ impl Default for Descent {
             matrix: Vec::new(),
             right_side: Vec::new(),
             step: Vec::new(),
+            before: Vec::new(),
         }
     }
 }
@@ -103,16 +106,17 @@ impl Descent {
             }
             iterations += 1;
             self.damped_step(block, damping);
-            let trial: Vec<f64> = self.moved(mechanism, block, coordinates);
+            self.advance_block(mechanism, block, coordinates);
             self.trial
-                .evaluate(mechanism, block, &trial, Want::Jacobian);
+                .evaluate(mechanism, block, coordinates, Want::Jacobian);
             let trial_value = self.norm(&self.trial.residual);
             if trial_value < value {
-                coordinates.copy_from_slice(&trial);
                 std::mem::swap(&mut self.workspace, &mut self.trial);
                 value = trial_value;
                 damping = (damping * 0.1).max(1e-15);
             } else {
+                let pairs = block.unknowns.iter().zip(&self.before);
+                pairs.for_each(|(slot, value)| coordinates[*slot] = *value);
                 damping *= 8.0;
             }
         }
@@ -230,11 +234,12 @@ impl Descent {
         self.qr.solve(&mut self.right_side, &mut self.step);
     }
 
-    fn moved(&self, mechanism: &Mechanism, block: &Block, coordinates: &[f64]) -> Vec<f64> {
-        let mut trial = coordinates.to_vec();
-        for (column, unknown) in block.unknowns.iter().enumerate() {
-            trial[*unknown] += mechanism.scale_of(*unknown) * self.step[column];
+    /// Takes the step, and keeps where the block's unknowns were.
+    fn advance_block(&mut self, mechanism: &Mechanism, block: &Block, coordinates: &mut [f64]) {
+        self.before.clear();
+        for (slot, step) in block.unknowns.iter().zip(&self.step) {
+            self.before.push(coordinates[*slot]);
+            coordinates[*slot] += mechanism.scale_of(*slot) * step;
         }
-        trial
     }
 }

@@ -13,4 +13,5 @@ pub mod pose_check;
 pub mod pose_solver;
 pub mod predictor;
 pub mod random_starts;
+pub(crate) mod turns;
 pub mod wishes;

@@ -6,10 +6,11 @@
 //! well as they can, from where they are and from anywhere; then all are let go. Of what is found the assembly
 //! nearest to the named values is taken.
 
-use super::assembly::{Assembled, NotClosed, assemble_pose, close_block, turns_matter};
+use super::assembly::{Assembled, NotClosed, assemble_pose, close_block};
 use super::descent::Descent;
 use super::newton::{Corrector, Pace};
 use super::random_starts::{CLOSED, start_values};
+use super::turns::WholeTurns;
 use crate::kinematics::loops::forward::closure_error;
 use crate::kinematics::structure::block::{Block, block_of};
 use crate::kinematics::structure::system::System;
@@ -31,6 +32,7 @@ const NEARER: f64 = 1e-6;
 
 /// The start values that a scene names.
 pub struct Wishes {
+    /// By unknown, ascending.
     list: Vec<StartWish>,
 }
 
@@ -47,6 +49,7 @@ struct StartWish {
 impl Wishes {
     /// Those unknowns of `start` that are `named`.
     pub fn new(mechanism: &Mechanism, start: &[f64], named: &[bool]) -> Self {
+        let turns = WholeTurns::of(mechanism);
         let wish = |unknown: usize| {
             let is_turn = mechanism.unknowns[unknown].kind == Kind::Angle;
             StartWish {
@@ -56,7 +59,7 @@ impl Wishes {
                     true => FAR_ANGLE,
                     false => FAR_SHARE * mechanism.scale_of(unknown),
                 },
-                period: match is_turn && !turns_matter(mechanism, unknown) {
+                period: match is_turn && !turns.matter(unknown) {
                     true => TAU,
                     false => f64::INFINITY,
                 },
@@ -100,7 +103,8 @@ impl Wishes {
     }
 
     fn is_named(&self, unknown: usize) -> bool {
-        self.list.iter().any(|wish| wish.unknown == unknown)
+        let place = self.list.binary_search_by_key(&unknown, |w| w.unknown);
+        place.is_ok()
     }
 }
 

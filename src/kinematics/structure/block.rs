@@ -3,8 +3,10 @@
 //! Plain values. They depend on the mechanism only, not on a pose, and are made once, in
 //! [`analysis`](crate::kinematics::freedoms::analysis).
 
+use super::columns::Columns;
 use super::layout::BlockPlan;
 use super::loop_part::LoopPart;
+use crate::limits::LimitExceeded;
 use crate::model::mechanism::Mechanism;
 
 /// A group of loops and equations that is solved together.
@@ -16,8 +18,8 @@ pub struct Block {
     pub equations: Vec<usize>,
     /// Unknowns it determines.
     pub unknowns: Vec<usize>,
-    /// Column of each coordinate in the block's Jacobian, if it is one of its unknowns.
-    pub column_of: Vec<Option<usize>>,
+    /// Where its unknowns stand in its Jacobian.
+    pub columns: Columns,
     /// Arguments that its loops use.
     pub arguments: Vec<usize>,
     /// Layout for evaluation.
@@ -86,6 +88,9 @@ pub enum StructureError {
         /// Their names.
         names: Vec<String>,
     },
+    /// Equations that have to be solved together need more memory than the run may use.
+    #[error(transparent)]
+    Limit(#[from] LimitExceeded),
 }
 
 impl Structure {
@@ -124,22 +129,19 @@ pub fn block_of(
     equations: Vec<usize>,
     unknowns: Vec<usize>,
 ) -> Block {
-    let mut column_of = vec![None; mechanism.coordinate_count()];
-    for (column, unknown) in unknowns.iter().enumerate() {
-        column_of[*unknown] = Some(column);
-    }
+    let columns = Columns::new(&unknowns);
     let mut arguments: Vec<usize> = loops
         .iter()
         .flat_map(|part| mechanism.loops[part.index].chain.arguments())
         .collect();
     arguments.sort_unstable();
     arguments.dedup();
-    let plan = BlockPlan::new(mechanism, &loops, &equations, &arguments, &column_of);
+    let plan = BlockPlan::new(mechanism, &loops, &equations, &arguments, &unknowns);
     Block {
         loops,
         equations,
         unknowns,
-        column_of,
+        columns,
         arguments,
         plan,
     }

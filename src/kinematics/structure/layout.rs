@@ -8,6 +8,7 @@ use crate::model::mechanism::Mechanism;
 use glam::{DMat3, DVec3};
 use std::ops::Range;
 
+use super::columns::Columns;
 use super::loop_part::LoopPart;
 use crate::linalg::lanes::{Lanes, lane_groups};
 
@@ -152,26 +153,22 @@ pub struct BlockPlan {
 }
 
 impl BlockPlan {
-    /// Lays out loops and equations whose unknowns stand at `column_of`.
+    /// Lays out loops and equations. `arguments` are those that the loops use, ascending; `unknowns` are the columns.
     pub fn new(
         mechanism: &Mechanism,
         loops: &[LoopPart],
         equations: &[usize],
         arguments: &[usize],
-        column_of: &[Option<usize>],
+        unknowns: &[usize],
     ) -> Self {
+        let scales = unknowns.iter().map(|slot| mechanism.scale_of(*slot));
         let mut plan = Self {
             is_affine: true,
+            scales: scales.collect(),
             ..Self::default()
         };
-        // Columns of the Jacobian and their scales.
-        let columns = column_of.iter().flatten().count();
-        plan.scales.resize(columns, 1.0);
-        for (slot, column) in column_of.iter().enumerate() {
-            if let Some(column) = column {
-                plan.scales[*column] = mechanism.scale_of(slot);
-            }
-        }
+        let columns = unknowns.len();
+        let column_of = &Columns::new(unknowns);
         for &index in arguments {
             plan.add_argument(mechanism, index, column_of, columns);
         }
@@ -208,7 +205,7 @@ impl BlockPlan {
         &mut self,
         mechanism: &Mechanism,
         index: usize,
-        column_of: &[Option<usize>],
+        column_of: &Columns,
         columns: usize,
     ) {
         let (constant, terms, is_formula): (_, Vec<_>, _) = match &mechanism.arguments[index] {
@@ -247,12 +244,12 @@ impl BlockPlan {
         &mut self,
         mechanism: &Mechanism,
         terms: &[(usize, f64)],
-        column_of: &[Option<usize>],
+        column_of: &Columns,
         columns: usize,
     ) -> Range<usize> {
         let start = self.shares.len();
         for &(slot, coefficient) in terms {
-            let own = column_of.get(slot).copied().flatten();
+            let own = column_of.of(slot);
             let (column, scale) = match own {
                 Some(column) => (column, mechanism.scale_of(slot)),
                 None => (columns + self.outer_column(slot), 1.0),
@@ -294,7 +291,7 @@ impl BlockPlan {
                         turn,
                         motion,
                         axis,
-                        argument: used.iter().position(|a| *a == argument).unwrap_or(0),
+                        argument: used.binary_search(&argument).unwrap_or(0),
                         sign,
                     });
                     fixed = Pose::IDENTITY;

@@ -1,6 +1,7 @@
 //! Which loops and equations are solved together, in which order, and how a block is laid out for evaluation.
 
 pub mod block;
+pub mod columns;
 pub mod layout;
 pub mod loop_part;
 pub mod ordering;

@@ -6,8 +6,13 @@
 
 use super::block::{Block, block_of};
 use super::loop_part::LoopPart;
+use crate::limits::{LimitExceeded, allow_memory};
 use crate::model::mechanism::Mechanism;
 use std::collections::{BTreeSet, VecDeque};
+
+/// Matrices of a block that are held at once, as measured: seven to solve it (Jacobians at this pose and the last one,
+/// factors, inverses, a trial), fifteen to prove its poses.
+const MATRICES: f64 = 22.0;
 
 /// A loop part or an equation, before grouping.
 #[derive(Clone, Debug, PartialEq)]
@@ -78,6 +83,19 @@ impl Incidence {
             });
         }
         groups
+    }
+
+    /// The groups, if the matrices of the largest have room.
+    pub fn allowed(&self, groups: Vec<BlockGroup>) -> Result<Vec<BlockGroup>, LimitExceeded> {
+        let size = |group: &BlockGroup| {
+            let rows: usize = group.members.iter().map(|m| self.rows[*m]).sum();
+            (rows.saturating_mul(group.unknowns.len()), rows)
+        };
+        let (entries, rows) = groups.iter().map(size).max().unwrap_or_default();
+        let bytes = MATRICES * entries as f64 * std::mem::size_of::<f64>() as f64;
+        let who = format!("solving and proving {rows} coupled equations together");
+        allow_memory(bytes, &who)?;
+        Ok(groups)
     }
 
     /// Joins group `index` with all groups that use its unknowns. `None` if there are no such groups.

@@ -2,8 +2,10 @@
 
 use super::joint::LinkFrame;
 use super::links::{LinkGraph, Stride};
+use super::motions::MotionKey;
 use crate::model::chain::ChainStep;
 use crate::model::mechanism::{Closes, Loop};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A loop's step, and the position it starts from.
 struct JointAnchor {
@@ -19,13 +21,34 @@ impl LinkGraph {
         self.paths.loops = vec![Vec::new(); loops.len()];
         self.closes = vec![false; loops.len()];
         self.loop_starts = vec![LinkFrame::WORLD; loops.len()];
-        let mut left: Vec<usize> = (0..loops.len()).collect();
-        while !left.is_empty() {
-            // The first that has a place or meets anything; else the first.
-            let is_known = |item: &Loop| !item.base.steps.is_empty() || self.anchor(item).is_some();
-            let known = left.iter().position(|k| is_known(&loops[*k]));
-            let index = left.remove(known.unwrap_or(0));
+        let mut left: BTreeSet<usize> = (0..loops.len()).collect();
+        // Those that have a place or meet anything, and by motion those that wait for it.
+        let mut known: BTreeSet<usize> = BTreeSet::new();
+        let mut waiting: BTreeMap<MotionKey, Vec<usize>> = BTreeMap::new();
+        for (index, item) in loops.iter().enumerate() {
+            let met = item.chain.steps.iter();
+            let met = met.filter_map(|step| Some(self.motions.met(step).ok()?.motion_key()));
+            for key in met {
+                match self.alike.contains_key(&key) {
+                    true => drop(known.insert(index)),
+                    false => waiting.entry(key).or_default().push(index),
+                }
+            }
+            if !item.base.steps.is_empty() {
+                known.insert(index);
+            }
+        }
+        // The first that is known; else the first.
+        while let Some(index) = known.pop_first().or_else(|| left.first().copied()) {
+            if !left.remove(&index) {
+                continue;
+            }
+            let before = self.edges.len();
             self.add_loop(index, &loops[index]);
+            for edge in &self.edges[before..] {
+                let met = waiting.remove(&edge.motion_key()).unwrap_or_default();
+                known.extend(met.into_iter().filter(|index| left.contains(index)));
+            }
         }
     }
 
@@ -80,11 +103,9 @@ impl LinkGraph {
             let Ok(met) = self.motions.met(met) else {
                 continue;
             };
-            for (edge, merged) in self.edges.iter().zip(&self.merged_edges) {
-                let is_it = edge.label == met.label && edge.motion == met.motion;
-                if !is_it || merged.is_some() {
-                    continue;
-                }
+            let alike = self.alike.get(&met.motion_key()).into_iter().flatten();
+            for &index in alike.filter(|index| self.merged_edges[**index].is_none()) {
+                let edge = &self.edges[index];
                 // One motion alone fits both ways round. A loop that passes it backwards then lies upright, and not
                 // forwards upside down.
                 for is_inverse in [met.is_reversed, !met.is_reversed] {

@@ -98,8 +98,17 @@ pub struct LinkFrame {
 pub struct Link {
     /// Bodies that belong to it.
     pub bodies: Vec<usize>,
-    /// A way to it, by the chains and closed loops.
-    pub world_from_link: Chain,
+    /// The last part of a way to it, by the chains and closed loops.
+    pub(super) route: usize,
+}
+
+/// A part of the way to links: kept once, however many links it leads to.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RoutePart {
+    /// The part before it; number 0 is the frame of the mechanism, and leads nowhere.
+    pub(super) before: usize,
+    /// From there on.
+    pub(super) steps: Vec<ChainStep>,
 }
 
 /// Where a chain passes a joint.
@@ -120,6 +129,8 @@ pub struct Joints {
     pub list: Vec<Joint>,
     /// The frame first.
     pub links: Vec<Link>,
+    /// Parts of the ways to the links.
+    pub(super) routes: Vec<RoutePart>,
     /// Link of every body.
     pub of_body: Vec<usize>,
     /// Passages of every body's chain, in its order.
@@ -133,9 +144,23 @@ pub struct Joints {
 }
 
 impl Joints {
+    /// Chain from the world to a link.
+    pub fn world_from_link(&self, link: usize) -> Chain {
+        let mut parts = Vec::new();
+        let mut part = self.links[link].route;
+        while part != 0 {
+            parts.push(&self.routes[part].steps);
+            part = self.routes[part].before;
+        }
+        let steps = parts.into_iter().rev().flatten();
+        Chain {
+            steps: steps.copied().collect(),
+        }
+    }
+
     /// Chain from the world to a frame of a link.
     pub fn world_from(&self, frame: &LinkFrame) -> Chain {
-        let mut chain = self.links[frame.link].world_from_link.clone();
+        let mut chain = self.world_from_link(frame.link);
         if frame.link_from_here != Pose::IDENTITY {
             chain
                 .steps

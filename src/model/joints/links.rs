@@ -9,12 +9,20 @@
 //! commutes with the motion (a turn about the axis; of a rotation a shift along it; of a translation any shift) are frames of
 //! the same motion.
 
-use super::joint::{EXACT, LinkFrame};
-use super::motions::{FLIP, Met, Motions};
+use super::joint::{EXACT, LinkFrame, RoutePart};
+use super::motions::{FLIP, Met, MotionKey, Motions};
 use crate::math::Pose;
 use crate::model::chain::{Chain, ChainStep, ElementaryMotion};
 use crate::model::mechanism::Mechanism;
 use glam::{DMat3, DVec3};
+use std::collections::{BTreeMap, BTreeSet};
+
+impl LinkEdge {
+    /// What tells its motion from others.
+    pub fn motion_key(&self) -> MotionKey {
+        (self.label, self.motion == ElementaryMotion::Rotation)
+    }
+}
 
 impl LinkFrame {
     pub(super) const WORLD: Self = Self {
@@ -85,13 +93,17 @@ pub struct LinkGraph {
     /// What lengths of the chain that is followed are measured in.
     pub(super) size: f64,
     pub(super) motions: Motions,
-    /// Steps from the world to every link.
-    routes: Vec<Vec<ChainStep>>,
+    /// To every link from the one that it was reached from.
+    routes: Vec<RoutePart>,
     /// Where a link went that was found to be part of another.
     merged_links: Vec<Option<LinkFrame>>,
     pub(super) edges: Vec<LinkEdge>,
     /// The edge that an edge was found to be.
     pub(super) merged_edges: Vec<Option<LoopCrossing>>,
+    /// Edges by what moves them, in their order.
+    pub(super) alike: BTreeMap<MotionKey, Vec<usize>>,
+    /// Links and edges that were merged into others.
+    merged: [i64; 2],
     /// Edges at every link.
     at: Vec<Vec<usize>>,
     pub(super) paths: Paths,
@@ -110,8 +122,8 @@ pub struct Finished {
     /// Edges at every link.
     pub at: Vec<Vec<usize>>,
     pub paths: Paths,
-    /// Steps from the world to every link.
-    pub routes: Vec<Vec<ChainStep>>,
+    /// To every link from the one that it was reached from.
+    pub routes: Vec<RoutePart>,
     /// Link of every body.
     pub of_body: Vec<usize>,
     /// Links on which loops begin or end.
@@ -128,10 +140,12 @@ impl LinkGraph {
         Self {
             size: mechanism.size,
             motions: Motions::new(&mechanism.arguments),
-            routes: vec![Vec::new()],
+            routes: vec![RoutePart::default()],
             merged_links: vec![None],
             edges: Vec::new(),
             merged_edges: Vec::new(),
+            alike: BTreeMap::new(),
+            merged: [0, 0],
             at: vec![Vec::new()],
             paths: Paths::default(),
             body_ends: Vec::new(),
@@ -149,7 +163,18 @@ impl LinkGraph {
     }
 
     /// The graph with all positions on the links that remain.
-    pub fn finished(self) -> Finished {
+    pub fn finished(mut self) -> Finished {
+        // In place: paths fill most of the memory of long chains.
+        let mut paths = std::mem::take(&mut self.paths);
+        for list in [&mut paths.bodies, &mut paths.bases, &mut paths.loops] {
+            for stride in list.iter_mut().flatten().flatten() {
+                *stride = Stride {
+                    crossing: self.resolved_edge(stride.crossing),
+                    from: self.resolved(stride.from),
+                    to: self.resolved(stride.to),
+                };
+            }
+        }
         let edges = self.edges.iter().zip(&self.merged_edges);
         let edges = edges.map(|(edge, merged)| {
             let ends = edge.ends.map(|end| self.resolved(end));
@@ -158,38 +183,23 @@ impl LinkGraph {
                 ..edge.clone()
             })
         });
-        let resolve = |list: &[LinkPath]| -> Vec<LinkPath> {
-            let stride = |stride: Stride| Stride {
-                crossing: self.resolved_edge(stride.crossing),
-                from: self.resolved(stride.from),
-                to: self.resolved(stride.to),
-            };
-            let path = |path: &LinkPath| path.iter().map(|s| s.map(stride)).collect();
-            list.iter().map(path).collect()
-        };
         let links = |list: &[LinkFrame]| list.iter().map(|p| self.resolved(*p).link).collect();
         Finished {
             edges: edges.collect(),
-            paths: Paths {
-                bodies: resolve(&self.paths.bodies),
-                bases: resolve(&self.paths.bases),
-                loops: resolve(&self.paths.loops),
-            },
+            paths,
             of_body: links(&self.body_ends),
             loop_ends: links(&self.loop_ends),
             loop_starts: self.loop_starts.iter().map(|p| self.resolved(*p)).collect(),
-            closes: self.closes.clone(),
-            at: self.at.clone(),
-            routes: self.routes.clone(),
+            closes: self.closes,
+            at: self.at,
+            routes: self.routes,
         }
     }
 
     /// Independent cycles of the graph, which is connected.
     pub(super) fn cycles(&self) -> i64 {
-        let live = |list: &mut dyn Iterator<Item = bool>| list.filter(|live| *live).count() as i64;
-        let edges = live(&mut self.merged_edges.iter().map(Option::is_none));
-        let links = live(&mut self.merged_links.iter().map(Option::is_none));
-        edges - links + 1
+        let [links, edges] = [self.at.len(), self.edges.len()].map(|count| count as i64);
+        (edges - self.merged[1]) - (links - self.merged[0]) + 1
     }
 
     fn resolved(&self, mut position: LinkFrame) -> LinkFrame {
@@ -279,12 +289,12 @@ impl LinkGraph {
             link,
             link_from_here: Pose::IDENTITY,
         };
-        let mut route = self.routes[here.link].clone();
-        if here.link_from_here != Pose::IDENTITY {
-            route.push(ChainStep::Fixed(here.link_from_here.into()));
-        }
-        route.push(*step);
-        self.routes.push(route);
+        let moved = here.link_from_here != Pose::IDENTITY;
+        let fixed = moved.then(|| ChainStep::Fixed(here.link_from_here.into()));
+        self.routes.push(RoutePart {
+            before: here.link,
+            steps: fixed.into_iter().chain([*step]).collect(),
+        });
         self.edges.push(LinkEdge {
             motion: met.motion,
             label: met.label,
@@ -294,6 +304,8 @@ impl LinkGraph {
                 behind.moved(met.from_axis.inverse()),
             ],
         });
+        let alike = self.alike.entry(met.motion_key()).or_default();
+        alike.push(edge);
         self.merged_edges.push(None);
         self.merged_links.push(None);
         self.at.push(vec![edge]);
@@ -349,37 +361,48 @@ impl LinkGraph {
             // The older link stays, so that the world is always itself.
             let [a, b] = if a.link < b.link { [a, b] } else { [b, a] };
             self.merged_links[b.link] = Some(a.moved(b.link_from_here.inverse()));
+            self.merged[0] += 1;
             let edges = std::mem::take(&mut self.at[b.link]);
-            for edge in edges {
-                if !self.at[a.link].contains(&edge) {
-                    self.at[a.link].push(edge);
-                }
-            }
-            self.fold(a.link, &mut same);
+            let known: BTreeSet<usize> = self.at[a.link].iter().copied().collect();
+            let new = edges.iter().filter(|edge| !known.contains(edge));
+            self.at[a.link].extend(new);
+            self.fold(a.link, &edges.into_iter().collect(), &mut same);
         }
     }
 
-    /// Merges edges at a link that are the same motion; what they lead to is the same.
-    fn fold(&mut self, link: usize, same: &mut Vec<[LinkFrame; 2]>) {
-        let mut k = 0;
+    /// Merges edges at a link that are the same motion; what they lead to is the same. Only those that are `new` at the link
+    /// can be the same as others.
+    fn fold(&mut self, link: usize, new: &BTreeSet<usize>, same: &mut Vec<[LinkFrame; 2]>) {
+        let (mut k, mut is_new_before) = (0, false);
         while k < self.at[link].len() {
             let index = self.at[link][k];
-            let twin = (0..k).find_map(|j| self.twin(link, self.at[link][j], index));
+            let is_new = new.contains(&index);
+            if !is_new && !is_new_before {
+                k += 1;
+                continue;
+            }
+            let before = self.at[link][..k].iter();
+            let mut others = before.filter(|other| {
+                self.edges[**other].motion_key() == self.edges[index].motion_key()
+                    && (is_new || new.contains(other))
+            });
+            let twin = others.find_map(|other| self.twin(link, *other, index));
             match twin {
                 Some((crossing, ends)) => {
                     self.merged_edges[index] = Some(crossing);
+                    self.merged[1] += 1;
                     let [before, after] = self.edges[index].ends.map(|e| self.resolved(e).link);
                     self.at[before].retain(|edge| *edge != index);
                     self.at[after].retain(|edge| *edge != index);
                     same.push(ends);
                 }
-                None => k += 1,
+                None => (k, is_new_before) = (k + 1, is_new_before || is_new),
             }
         }
     }
 
-    /// Edge `other` as a passage of edge `known`, if it is the same motion from the link, and two positions that
-    /// are the same frame behind it.
+    /// Edge `other` as a passage of edge `known`, which is moved alike, if it is the same motion from the link, and two
+    /// positions that are the same frame behind it.
     fn twin(
         &self,
         link: usize,
@@ -387,9 +410,6 @@ impl LinkGraph {
         other: usize,
     ) -> Option<(LoopCrossing, [LinkFrame; 2])> {
         let (one, two) = (&self.edges[known], &self.edges[other]);
-        if one.label != two.label || one.motion != two.motion {
-            return None;
-        }
         let ways = [[false, false], [false, true], [true, false], [true, true]];
         ways.into_iter().find_map(|[first, second]| {
             let ([from, to], [from_other, to_other]) =

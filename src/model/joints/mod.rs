@@ -20,7 +20,7 @@ mod motions;
 mod pairs;
 mod table;
 
-pub use joint::{EXACT, Joint, JointKind, Joints, Link, LinkFrame, Passage};
+pub use joint::{EXACT, Joint, JointKind, Joints, Link, LinkFrame, Passage, RoutePart};
 
 #[cfg(test)]
 mod tests;

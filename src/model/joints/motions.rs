@@ -3,6 +3,7 @@
 use crate::math::Pose;
 use crate::model::chain::{Argument, ChainStep, ElementaryMotion};
 use glam::{DMat3, DVec3};
+use std::collections::BTreeMap;
 
 /// Half a turn about x: reverses a motion along z, and undoes itself.
 pub const FLIP: Pose = Pose {
@@ -33,6 +34,16 @@ pub struct Met {
     /// From the frame before the step to the frame whose z is the axis, and the way back behind it.
     pub to_axis: Pose,
     pub from_axis: Pose,
+}
+
+/// Which combination of coordinates moves something, and whether it turns it: motions that differ in it are not the same.
+pub type MotionKey = (usize, bool);
+
+impl Met {
+    /// What tells it from others.
+    pub fn motion_key(&self) -> MotionKey {
+        (self.label, self.motion == ElementaryMotion::Rotation)
+    }
 }
 
 impl Motions {
@@ -73,7 +84,7 @@ impl Motions {
 
 /// What every argument is: equal combinations of coordinates, their sign aside, get the same label.
 fn argument_values(arguments: &[Argument]) -> Vec<ArgumentKind> {
-    let mut labels: Vec<Vec<(usize, f64)>> = Vec::new();
+    let mut labels: BTreeMap<Vec<(usize, u64)>, usize> = BTreeMap::new();
     let constants = arguments.iter().enumerate().map(|(index, argument)| {
         let Argument::Affine(affine) = argument else {
             // A formula is itself only.
@@ -87,12 +98,10 @@ fn argument_values(arguments: &[Argument]) -> Vec<ArgumentKind> {
             Some((_, factor)) if factor.number() < 0.0 => -1.0,
             _ => 1.0,
         };
-        let terms: Vec<_> = affine.numbers().map(|(slot, c)| (slot, sign * c)).collect();
-        let known = labels.iter().position(|label| *label == terms);
-        let label = known.unwrap_or_else(|| {
-            labels.push(terms);
-            labels.len() - 1
-        });
+        let numbers = affine.numbers();
+        let terms = numbers.map(|(slot, c)| (slot, (sign * c).to_bits()));
+        let next = labels.len();
+        let label = *labels.entry(terms.collect()).or_insert(next);
         ArgumentKind {
             label: (!affine.terms.is_empty()).then_some(label),
             sign,

@@ -5,6 +5,7 @@ use super::links::{Finished, LinkGraph, LinkPath, Paths};
 use super::pairs::{MotionRun, PairRows};
 use crate::model::chain::{Chain, ChainStep};
 use crate::model::mechanism::Mechanism;
+use std::collections::BTreeMap;
 
 impl Joints {
     /// The joints of `mechanism`, whose own table is not looked at.
@@ -14,11 +15,16 @@ impl Joints {
             graph.add_body(&body.world_from_body);
         }
         graph.add_loops(&mechanism.loops);
-        joint_table(mechanism, &graph.finished())
+        let mut graph = graph.finished();
+        let routes = std::mem::take(&mut graph.routes);
+        Self {
+            routes,
+            ..joint_table(mechanism, &graph)
+        }
     }
 }
 
-/// The table of a finished graph.
+/// The table of a finished graph, without the ways to its links.
 fn joint_table(mechanism: &Mechanism, graph: &Finished) -> Joints {
     let rows = PairRows::new(mechanism, graph);
     let runs = rows.runs();
@@ -34,11 +40,9 @@ fn joint_table(mechanism: &Mechanism, graph: &Finished) -> Joints {
     };
     let numbers = JointNumbers::new(graph, &rows.within(&runs));
     let mut links = vec![Link::default(); numbers.count];
-    for (route, number) in graph.routes.iter().zip(&numbers.of) {
+    for (route, number) in numbers.of.iter().enumerate() {
         if let Some(number) = number {
-            links[*number].world_from_link = Chain {
-                steps: route.clone(),
-            };
+            links[*number].route = route;
         }
     }
     let of_body = graph.of_body.iter().map(|link| numbers.get(*link));
@@ -73,6 +77,7 @@ fn joint_table(mechanism: &Mechanism, graph: &Finished) -> Joints {
         loop_starts: loop_starts.collect(),
         list: runs.iter().enumerate().filter_map(joint).collect(),
         links,
+        routes: Vec::new(),
         of_body,
         along_bodies,
         along_loops,
@@ -134,8 +139,11 @@ fn path_passages(path: &LinkPath, joint_of: &[Option<(usize, bool)>]) -> Vec<Pas
     list
 }
 
-/// All chains, those of bodies first, then those that carry loops, with their paths and the joints along them.
-struct Chains<'a>(Vec<(&'a Chain, &'a LinkPath, &'a [Passage])>);
+/// For every joint the first chain that passes it, its path and the passage: chains of bodies come first, then those that
+/// carry loops.
+struct Chains<'a> {
+    first: BTreeMap<usize, (&'a Chain, &'a LinkPath, &'a Passage)>,
+}
 
 impl<'a> Chains<'a> {
     fn new(mechanism: &'a Mechanism, graph: &'a Finished, along: [&'a [Vec<Passage>]; 3]) -> Self {
@@ -149,23 +157,27 @@ impl<'a> Chains<'a> {
         } = &graph.paths;
         let paths = bodies.iter().chain(bases).chain(loops);
         let all = chains.zip(paths).zip(along.into_iter().flatten());
-        Self(all.map(|((c, p), a)| (c, p, a.as_slice())).collect())
+        let mut first = BTreeMap::new();
+        for ((chain, path), passages) in all {
+            for passage in passages {
+                first.entry(passage.joint).or_insert((chain, path, passage));
+            }
+        }
+        Self { first }
     }
 
     /// The steps of a joint, forwards, as the first chain that passes it has them, and the frames before and
     /// behind them.
     fn spelled(&self, joint: usize) -> Option<(Vec<ChainStep>, [LinkFrame; 2])> {
-        self.0.iter().find_map(|(chain, path, passages)| {
-            let passage = passages.iter().find(|p| p.joint == joint)?;
-            let steps = &chain.steps[passage.steps.clone()];
-            let from = path[passage.steps.start]?.from;
-            let to = path[passage.steps.end - 1]?.to;
-            Some(if passage.is_inverse {
-                let steps = steps.iter().rev().map(ChainStep::inverse);
-                (steps.collect(), [to, from])
-            } else {
-                (steps.to_vec(), [from, to])
-            })
+        let (chain, path, passage) = self.first.get(&joint)?;
+        let steps = &chain.steps[passage.steps.clone()];
+        let from = path[passage.steps.start]?.from;
+        let to = path[passage.steps.end - 1]?.to;
+        Some(if passage.is_inverse {
+            let steps = steps.iter().rev().map(ChainStep::inverse);
+            (steps.collect(), [to, from])
+        } else {
+            (steps.to_vec(), [from, to])
         })
     }
 }

@@ -127,7 +127,7 @@ impl BlockSystem {
             system.add_form(mechanism, block, forms, index);
         }
         for (part, of_loop) in block.loops.iter().zip(rows.loops) {
-            let place = |a: usize| block.arguments.iter().position(|b| *b == a).unwrap_or(0);
+            let place = |a: usize| block.arguments.binary_search(&a).unwrap_or(0);
             let steps = &mechanism.loops[part.index].chain.steps;
             system.loops.push(LoopRows {
                 plan: LoopPlan::new(steps, place),
@@ -171,7 +171,7 @@ impl BlockSystem {
         let (mut own, mut before) = (Vec::new(), Vec::new());
         let terms = forms[index].iter().flat_map(Affine::numbers);
         for (slot, c) in terms {
-            if let Some(column) = block.column_of[slot] {
+            if let Some(column) = block.columns.of(slot) {
                 own.push((column, c * mechanism.scale_of(slot)));
             } else if slot < mechanism.unknowns.len() {
                 let known = self.before.iter().position(|s| *s == slot);

@@ -119,7 +119,7 @@ impl<'m> TubeLayout<'m> {
             .collect();
         others.sort_unstable();
         others.dedup();
-        others.retain(|slot| *slot < mechanism.unknowns.len() && block.column_of[*slot].is_none());
+        others.retain(|slot| *slot < mechanism.unknowns.len() && block.columns.of(*slot).is_none());
         let columns = [block.unknowns.clone(), others].concat();
         let own = block.unknowns.len();
         let mut moves = vec![Vec::new(); forms.len()];

@@ -3,7 +3,8 @@
 use super::recorder::{Recorder, is_singular_start};
 use crate::kinematics::motion::tracker::path_tracker::PathPoint;
 use crate::kinematics::results::trajectory::EventKind;
-use crate::kinematics::solve::assembly::{shake_start, turns_matter};
+use crate::kinematics::solve::assembly::shake_start;
+use crate::kinematics::solve::turns::WholeTurns;
 use crate::model::mechanism::{Kind, Mechanism};
 use std::f64::consts::TAU;
 
@@ -98,8 +99,9 @@ impl Recorder<'_> {
 
 /// Takes whole turns out of angles that only differ by them from those of `near`.
 fn unwind_turns(mechanism: &Mechanism, near: &[f64], coordinates: &mut [f64]) {
+    let whole = WholeTurns::of(mechanism);
     for (slot, unknown) in mechanism.unknowns.iter().enumerate() {
-        if unknown.kind == Kind::Angle && !turns_matter(mechanism, slot) {
+        if unknown.kind == Kind::Angle && !whole.matter(slot) {
             let turns = ((coordinates[slot] - near[slot]) / TAU).round();
             coordinates[slot] -= TAU * turns;
         }
