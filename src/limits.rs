@@ -19,6 +19,8 @@ pub enum Resource {
     Triangles,
     /// Pixels of one picture, read or drawn.
     Pixels,
+    /// Pixels of all frames of a film that is read.
+    Film,
     /// Bytes of messages about one file.
     Message,
 }
@@ -33,13 +35,14 @@ enum Unit {
 
 impl Resource {
     /// All of them, in the order of help texts.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Time,
         Self::Memory,
         Self::Samples,
         Self::Pairs,
         Self::Triangles,
         Self::Pixels,
+        Self::Film,
         Self::Message,
     ];
 
@@ -52,6 +55,7 @@ impl Resource {
             Self::Pairs => "pairs",
             Self::Triangles => "triangles",
             Self::Pixels => "pixels",
+            Self::Film => "film",
             Self::Message => "message",
         }
     }
@@ -75,6 +79,8 @@ impl Resource {
             Self::Triangles => 4e6,
             // 8K video has 33 million.
             Self::Pixels => 64e6,
+            // Ten thousand frames of 720 x 540, a minute or two.
+            Self::Film => 4e9,
             Self::Message => 1048576.0,
         }
     }

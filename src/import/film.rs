@@ -2,6 +2,7 @@
 
 use super::order::natural_order;
 use super::picture::{self, ImportError, read_png};
+use crate::limits::{Resource, current_limits};
 use image::codecs::gif::GifDecoder;
 use image::codecs::png::PngDecoder;
 use image::metadata::LoopCount;
@@ -42,6 +43,8 @@ pub struct FilmReader {
     /// What it is, for messages.
     pub kind: &'static str,
     frames: Box<dyn Iterator<Item = Result<FilmFrame, ImportError>>>,
+    /// Pixels of the frames so far: a few bytes of a file can make a frame of any size.
+    pixels: f64,
 }
 
 impl FilmReader {
@@ -79,6 +82,7 @@ impl FilmReader {
             plays,
             kind,
             frames: Box::new(frames),
+            pixels: 0.0,
         }
     }
 
@@ -128,11 +132,23 @@ impl FilmReader {
     }
 }
 
+impl FilmReader {
+    /// The frame, unless the film has more pixels with it than it may.
+    fn counted_frame(&mut self, frame: FilmFrame) -> Result<FilmFrame, ImportError> {
+        let [width, height] = <[u32; 2]>::from(frame.picture.dimensions()).map(f64::from);
+        self.pixels += width * height;
+        let who = self.path.display();
+        current_limits().allow(Resource::Film, self.pixels, &who)?;
+        Ok(frame)
+    }
+}
+
 impl Iterator for FilmReader {
     type Item = Result<FilmFrame, ImportError>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        self.frames.next()
+        let frame = self.frames.next()?;
+        Some(frame.and_then(|frame| self.counted_frame(frame)))
     }
 }
 

@@ -35,7 +35,7 @@ pub struct Cli {
     /// When to colour messages; NO_COLOR is respected.
     #[arg(long, global = true, value_enum, default_value_t = ColourChoice::Auto)]
     pub color: ColourChoice,
-    /// Limits of what the run may use, such as time=10s,memory=512M,samples=1M,pairs=10k,triangles=1M,pixels=8M,message=64K;
+    /// Limits of what the run may use, such as time=10s,memory=512M,samples=1M,pairs=10k,triangles=1M,pixels=8M,film=1G,message=64K;
     /// they can only tighten those of the variable MECHANIM_LIMITS.
     #[arg(long, global = true, value_name = "NAME=AMOUNT,…", value_parser = Limits::parse)]
     pub limits: Option<Limits>,

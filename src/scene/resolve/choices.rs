@@ -6,6 +6,10 @@ use crate::diag::{Diagnostic, Diagnostics};
 /// Most ghosts: more of them hide what they are to show.
 pub const MOST_GHOSTS: usize = 60;
 
+/// Most labels: each is placed where it hides no other one, so that time grows faster than their number, and more
+/// hide the picture.
+pub const MOST_LABELS: usize = 200;
+
 /// One of the named values; the first is the default.
 pub fn chosen_word<T: Copy>(
     word: &Option<Spanned<String>>,

@@ -4,7 +4,7 @@ use super::super::bodies::LabelFile;
 use super::super::file::SceneFile;
 use super::bodies::body_index;
 use super::body_constants::BodyConstants;
-use super::choices::chosen_word;
+use super::choices::{MOST_LABELS, chosen_word};
 use super::names::Names;
 use crate::diag::{Diagnostic, Diagnostics, shown_number};
 use crate::model::camera_path::CameraPath;
@@ -79,6 +79,10 @@ pub fn resolve_view(
             .value(text, diagnostics)
             .map_or(GroundPlace::Auto, GroundPlace::At),
     };
+    if let Some(beyond) = file.labels.get(MOST_LABELS) {
+        let message = format!("at most {MOST_LABELS} labels");
+        diagnostics.push(Diagnostic::error(message).at(beyond.text.span.clone()));
+    }
     let labels = file
         .labels
         .iter()

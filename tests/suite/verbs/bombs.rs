@@ -8,11 +8,16 @@ use std::time::Instant;
 const LIMITS: &str = "time=300s,memory=1G";
 const MOST: f64 = 20.0;
 
-/// Runs within the limits, ended by none of them.
+/// Runs within the limits, ended by neither time nor memory.
 fn bounded(w: &Workspace, what: &str, arguments: &[&str]) -> Run {
+    bounded_by(w, what, arguments, LIMITS)
+}
+
+/// The same within others.
+fn bounded_by(w: &Workspace, what: &str, arguments: &[&str], limits: &str) -> Run {
     let begun = Instant::now();
     let before = seconds_of_children(begun);
-    let run = w.run(&[arguments, &["--limits", LIMITS]].concat());
+    let run = w.run(&[arguments, &["--limits", limits]].concat());
     let seconds = seconds_of_children(begun) - before;
     println!("{what}: {seconds:.2} CPU s, exit {}", run.code);
     assert!(seconds < MOST, "{what}: {seconds} CPU s");
@@ -49,10 +54,25 @@ fn deep_and_long_texts_are_answered() {
         let lines: String = (0..count).map(line).collect();
         format!("{}{head}\n{lines}", moving())
     };
+    let formulas = [
+        ("49000 parentheses", "(", ")", 49_000, ""),
+        ("1e4 functions", "sin(", ")", 10_000, ""),
+        ("99000 signs", "-", "", 99_000, ""),
+        ("49000 powers", "2^", "", 49_000, ""),
+        ("a sum of 1e6 terms", "t+", "", 1_000_000, "longer than"),
+        ("a sum of 49000 terms", "t+", "", 49_000, ""),
+    ];
+    let formulas = formulas.map(|(what, open, close, depth, says)| {
+        (what, driven_by(&nested(open, "t", close, depth)), says)
+    });
     let long_chain = |factor: &str, count: usize| {
         format!("{}[chains]\nc = \"{}\"\n", moving(), factor.repeat(count))
     };
-    for (what, scene, says) in [
+    let labels = |count: usize| {
+        let label = |k| format!("[[labels]]\nbody = \"crank\"\ntext = \"{k}\"\n");
+        moving() + &(0..count).map(label).collect::<String>()
+    };
+    let others = [
         (
             "a chain of 1e5 factors",
             long_chain("Tx(1) ", 100_000),
@@ -69,6 +89,8 @@ fn deep_and_long_texts_are_answered() {
             moving().replace("Rz(phi)", &["Rz(phi)", &" Rx(alpha)".repeat(9000)].concat()),
             "not fixed",
         ),
+        ("5000 labels", labels(5000), "at most 200 labels"),
+        ("200 labels", labels(200), ""),
         (
             "a chain inverted 1e4 times",
             format!(
@@ -76,32 +98,6 @@ fn deep_and_long_texts_are_answered() {
                 moving(),
                 nested("inv(", "Tx(1)", ")", 10_000)
             ),
-            "",
-        ),
-        (
-            "49000 parentheses",
-            driven_by(&nested("(", "t", ")", 49_000)),
-            "",
-        ),
-        (
-            "1e4 functions",
-            driven_by(&nested("sin(", "t", ")", 10_000)),
-            "",
-        ),
-        ("99000 signs", driven_by(&nested("-", "t", "", 99_000)), ""),
-        (
-            "49000 powers",
-            driven_by(&nested("2^", "t", "", 49_000)),
-            "",
-        ),
-        (
-            "a sum of 1e6 terms",
-            driven_by(&nested("t+", "t", "", 1_000_000)),
-            "longer than",
-        ),
-        (
-            "a sum of 49000 terms",
-            driven_by(&nested("t+", "t", "", 49_000)),
             "",
         ),
         (
@@ -124,15 +120,15 @@ fn deep_and_long_texts_are_answered() {
             "transforms together",
         ),
         (
-            "400 loops",
+            "3000 loops",
             format!(
                 "title = \"l\"\nduration = 1\n[inputs]\nphi = \"t\"\n[loops]\n{}[guess]\n{}",
-                (0..400)
+                (0..3000)
                     .map(|k| format!(
                         "L{k} = \"Rz(phi) Tx(40) Rz(a{k}) Tx(80) Rz(b{k}) Tx(-h{k})\"\n"
                     ))
                     .collect::<String>(),
-                (0..400)
+                (0..3000)
                     .map(|k| format!("h{k} = 100\n"))
                     .collect::<String>()
             ),
@@ -162,7 +158,8 @@ fn deep_and_long_texts_are_answered() {
             }),
             "",
         ),
-    ] {
+    ];
+    for (what, scene, says) in formulas.into_iter().chain(others) {
         w.write("s.toml", scene);
         let run = bounded(&w, what, &["check", "s.toml", "--samples", "3"]);
         assert!(run.stderr.contains(says), "{what}: {}", run.stderr);
@@ -171,6 +168,41 @@ fn deep_and_long_texts_are_answered() {
         ];
         bounded(&w, what, &still);
     }
+}
+
+/// So many equations that none can be solved without all others.
+fn coupled(count: usize) -> String {
+    let equation = |k: usize| {
+        let next = (k + 1) % count;
+        format!("e{k} = \"x{k}^3 + x{k} + 0.1*x{next} - phi - 1\"\n")
+    };
+    let equations: String = (0..count).map(equation).collect();
+    format!("duration = 1\n[inputs]\nphi = \"t\"\n[equations]\n{equations}")
+}
+
+#[test]
+fn more_coupled_equations_than_fit_are_refused_before() {
+    let w = Workspace::new();
+    w.write("s.toml", coupled(10_000));
+    for arguments in [
+        &["check", "s.toml"][..],
+        &["solve", "s.toml", "--out", "o.csv"],
+        &["modes", "s.toml"],
+        &["render", "s.toml", "--out", "o.gif"],
+    ] {
+        let run = w.run(&[arguments, &["--limits", "memory=1G"]].concat());
+        run.exits(2).says(&[
+            "the limit `memory` is 1 GiB",
+            "solving and proving 10000 coupled equations together needs",
+        ]);
+    }
+    w.write("s.toml", coupled(300));
+    bounded(
+        &w,
+        "300 coupled equations",
+        &["check", "s.toml", "--samples", "3"],
+    )
+    .exits(0);
 }
 
 /// A binary STL file that announces `count` triangles and holds these.
@@ -309,6 +341,73 @@ fn pictures_made_to_be_expensive_are_refused() {
             bounded(&w, what, arguments)
                 .exits(2)
                 .says(&["the limit `pixels`"]);
+        }
+    }
+}
+
+/// A GIF of `count` frames of one pixel on a canvas.
+fn gif(canvas: [u16; 2], frame: [u16; 2], count: usize, pixels: &[u8]) -> Vec<u8> {
+    let [[w, h], [fw, fh]] = [canvas, frame].map(|size| size.map(u16::to_le_bytes));
+    let table = [0x80, 0, 0, 0, 0, 0, 255, 255, 255];
+    let control = [0x21, 0xf9, 4, 4, 1, 0, 0, 0, 0x2c, 0, 0, 0, 0];
+    let one = [&control[..], &fw, &fh, &[0], pixels].concat();
+    [b"GIF89a", &w[..], &h, &table, &one.repeat(count), b";"].concat()
+}
+
+/// One pixel: the codes clear, 0, end in blocks of a length and bytes.
+const PIXEL: [u8; 5] = [2, 2, 0x44, 1, 0];
+
+#[test]
+fn films_made_to_be_expensive_are_read_or_refused() {
+    let endless = [
+        &[2][..],
+        &[&[255][..], &[0x24; 255]].concat().repeat(40_000),
+        &[0],
+    ]
+    .concat();
+    let film = "the limit `film` is 400000000";
+    let w = Workspace::new();
+    for (what, bytes, says, code) in [
+        ("200000 frames", gif([1, 1], [1, 1], 200_000, &PIXEL), "", 0),
+        (
+            "frames of a large canvas",
+            gif([4000; 2], [1, 1], 10_000, &PIXEL),
+            film,
+            2,
+        ),
+        (
+            "frames that are cut short",
+            gif([4000; 2], [4000; 2], 500, &PIXEL),
+            "truncated",
+            2,
+        ),
+        (
+            "frames beyond the canvas",
+            gif([10; 2], [u16::MAX; 2], 20, &PIXEL),
+            "limit",
+            2,
+        ),
+        (
+            "codes behind the end of a frame",
+            gif([9; 2], [9; 2], 1, &endless),
+            "",
+            0,
+        ),
+        (
+            "the largest canvas",
+            gif([7000; 2], [1, 1], 1, &PIXEL),
+            "",
+            0,
+        ),
+    ] {
+        w.write("a", bytes);
+        let limits = "time=300s,memory=1G,film=400M";
+        let run = bounded_by(&w, what, &["diff", "a", "a"], limits);
+        assert!(run.stderr.contains(says), "{what}: {}", run.stderr);
+        run.exits(code);
+        if code == 2 {
+            let encoded = ["encode", "a", "--out", "o.gif"];
+            bounded_by(&w, what, &encoded, limits).exits(code);
         }
     }
 }
