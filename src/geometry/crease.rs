@@ -142,12 +142,14 @@ impl<'t> CreaseFaces<'t> {
         for id in 1..starts.len() {
             starts[id] += starts[id - 1];
         }
-        let (mut next, mut list) = (starts.clone(), vec![0; 3 * self.list.len()]);
+        let mut list = vec![0; 3 * self.list.len()];
         for (corner, id) in corners().enumerate() {
-            list[next[id] as usize] = corner as u32;
-            next[id] += 1;
+            list[starts[id] as usize] = corner as u32;
+            starts[id] += 1;
         }
-        AroundVertex { starts, list }
+        // Every start is now that of the next position: one list less in memory.
+        starts.pop();
+        AroundVertex { ends: starts, list }
     }
 
     /// The normals of all corners at one position.
@@ -200,13 +202,18 @@ fn direction_cell(direction: DVec3) -> usize {
 
 /// Corners by position, those of one position side by side in the order of the faces.
 struct AroundVertex {
-    starts: Vec<u32>,
+    /// Where those of each position end.
+    ends: Vec<u32>,
     list: Vec<u32>,
 }
 
 impl AroundVertex {
     fn corners(&self) -> impl Iterator<Item = &[u32]> {
-        let ranges = self.starts.windows(2);
-        ranges.map(|range| &self.list[range[0] as usize..range[1] as usize])
+        let ends = self.ends.iter().map(|end| *end as usize);
+        ends.scan(0, |start, end| {
+            let corners = &self.list[*start..end];
+            *start = end;
+            Some(corners)
+        })
     }
 }

@@ -15,6 +15,7 @@ pub use mesh::Mesh;
 pub use round::{MAX_SEGMENTS, MIN_SEGMENTS};
 pub use stl::{MAX_STL_TRIANGLES, StlError, read_stl};
 pub use trace::{TraceMesh, trace_mesh};
+pub(crate) use weld::number_first;
 
 use crate::model::shape::Solid;
 

@@ -4,6 +4,8 @@
 //! half the line's width, or if the depth of its own surface jumps beside it. Lines are mixed in where samples are: in
 //! linear light, a share of each pixel.
 
+use crate::geometry::number_first;
+
 /// Width of a line in 480ths of the picture's height.
 const WIDTH: f64 = 1.15;
 
@@ -73,18 +75,12 @@ pub fn patches(count: usize, triangles: &[[u32; 3]]) -> (Vec<u32>, u32) {
             join(&mut parent, b, c);
         }
     }
-    let mut patch = vec![u32::MAX; count];
-    let mut number = 0;
-    let numbered = (0..count).map(|vertex| {
-        let root = root(&mut parent, vertex);
-        if patch[root] == u32::MAX {
-            patch[root] = number;
-            number += 1;
-        }
-        patch[root]
-    });
-    let numbered = numbered.collect();
-    (numbered, number)
+    // A root stands before all that it leads: one pass finds it for each, and the roots are numbered in place.
+    for vertex in 0..count {
+        parent[vertex] = parent[parent[vertex] as usize];
+    }
+    let number = number_first(&mut parent) as u32;
+    (parent, number)
 }
 
 fn root(parent: &mut [u32], mut vertex: usize) -> usize {

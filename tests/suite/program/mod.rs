@@ -175,6 +175,11 @@ frame = "Rz(phi)"
 shapes = [{ capsule = { from = [0, 0, 0], to = [40, 0, 0], radius = 5 } }]
 "#;
 
+/// The same with a body that is the mesh of a file.
+pub fn with_mesh(file: &str) -> String {
+    format!("{STILL}[[bodies]]\nname = \"m\"\nshapes = [{{ stl = {{ file = '{file}' }} }}]\n")
+}
+
 /// A crank longer than its rod: closes only where |sin phi| <= 60/80, so up to phi = asin 0.75.
 pub const LEAVES: &str = r#"title = "leaves"
 duration = 1

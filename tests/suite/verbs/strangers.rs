@@ -2,7 +2,7 @@
 //! may.
 
 use crate::program;
-use crate::program::{Run, STILL, Workspace, moving};
+use crate::program::{Run, STILL, Workspace, moving, with_mesh};
 use std::time::{Duration, Instant};
 
 /// Escapes, a bell, C1, bidi, and what ends texts of HTML, XML and CSV.
@@ -195,10 +195,6 @@ fn stl() -> Vec<u8> {
         bytes.extend([0; 2]);
     }
     bytes
-}
-
-fn with_mesh(file: &str) -> String {
-    format!("{STILL}[[bodies]]\nname = \"m\"\nshapes = [{{ stl = {{ file = '{file}' }} }}]\n")
 }
 
 #[test]
