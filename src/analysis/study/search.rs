@@ -235,7 +235,7 @@ impl Constrained for StudySearch<'_, '_> {
     fn progress(&mut self, iteration: usize, x: &[f64], value: f64) -> bool {
         self.looked_at
             .retain(|point| point.distance(x) <= SAME_POINT);
-        (self.watch)(iteration, x, value)
+        (self.watch)(iteration, x, value) && !self.evaluator.is_cancelled()
     }
 }
 
@@ -251,6 +251,6 @@ impl Objective for StudySearch<'_, '_> {
     }
 
     fn progress(&mut self, iteration: usize, x: &[f64], value: f64) -> bool {
-        (self.watch)(iteration, x, value)
+        (self.watch)(iteration, x, value) && !self.evaluator.is_cancelled()
     }
 }
