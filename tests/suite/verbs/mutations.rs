@@ -328,13 +328,16 @@ const VERBS: [&[&str]; 4] = [
 /// Exit codes that are promised for a scene, whatever stands in it.
 const CODES: [i32; 4] = [0, 1, 2, 4];
 
-/// Whole runs in this process, which starts none and so makes many: `MECHANIM_INSIDE=20000`. Those that take long are told
-/// to end and named; how much processor time and memory they take says a process of their own.
-#[test]
-fn runs_inside_end_as_promised() {
-    let (seeds, w) = (scene_seeds(), Workspace::new());
-    let (first, count) = (asked("MECHANIM_FIRST", 0), asked("MECHANIM_INSIDE", 24));
-    let (mut slow, mut runs, start) = (Vec::new(), 0u64, Instant::now());
+/// Sends usable mutated scenes through every verb of [`VERBS`], so many runs as the variable says; how many there were. A scene
+/// stands in `s.toml`.
+fn each_run(
+    w: &Workspace,
+    variable: &str,
+    mut run: impl FnMut(&'static [&'static str], &dyn Fn(&str) -> String),
+) -> u64 {
+    let seeds = scene_seeds();
+    let (first, count) = (asked("MECHANIM_FIRST", 0), asked(variable, 24));
+    let mut runs = 0;
     for number in first.. {
         if runs >= count {
             break;
@@ -346,21 +349,34 @@ fn runs_inside_end_as_promised() {
         w.write("s.toml", &bytes);
         for verb in VERBS {
             runs += 1;
-            let (outcome, is_slow) = unless_slow(|| run_inside(&w, verb));
-            if is_slow {
-                slow.push((number, verb[0]));
-                continue;
-            }
-            let code = outcome.unwrap_or(70);
-            assert!(
-                CODES.contains(&code),
-                "mutation {number} {verb:?}: exit {code}\n{}",
-                String::from_utf8_lossy(&bytes)
-            );
+            run(verb, &|what| {
+                let scene = String::from_utf8_lossy(&bytes);
+                format!("mutation {number} {verb:?}: {what}\n{scene}")
+            });
         }
     }
+    runs
+}
+
+/// Whole runs in this process, which starts none and so makes many: `MECHANIM_INSIDE=20000`. Those that take long are told
+/// to end and named; how much processor time and memory they take says a process of their own.
+#[test]
+fn runs_inside_end_as_promised() {
+    let w = Workspace::new();
+    let (mut slow, start) = (Vec::new(), Instant::now());
+    let runs = each_run(&w, "MECHANIM_INSIDE", |verb, say| {
+        let (outcome, is_slow) = unless_slow(|| run_inside(&w, verb));
+        if is_slow {
+            let named = say("is slow");
+            slow.extend(named.lines().next().map(str::to_owned));
+            return;
+        }
+        let code = outcome.unwrap_or(70);
+        assert!(CODES.contains(&code), "{}", say(&format!("exit {code}")));
+    });
     println!(
-        "{runs} runs of mutated scenes from {first} on: 0 panics, {:.1} ms each, above {} s: {slow:?}",
+        "{runs} runs of mutated scenes from {} on: 0 panics, {:.1} ms each, above {} s: {slow:#?}",
+        asked("MECHANIM_FIRST", 0),
         start.elapsed().as_secs_f64() / runs as f64 * 1e3,
         LONGEST.as_secs()
     );
@@ -398,49 +414,26 @@ fn unless_slow<T>(work: impl FnOnce() -> T) -> (Option<T>, bool) {
 /// Whole runs, each a process of its own with limits: exit codes are those that are promised.
 #[test]
 fn runs_end_as_promised() {
-    let (seeds, w) = (scene_seeds(), Workspace::new());
-    let (first, count) = (asked("MECHANIM_FIRST", 0), asked("MECHANIM_RUNS", 24));
-    let (mut limited, mut slow, mut runs) = ([0u64; 2], Vec::new(), 0u64);
+    let w = Workspace::new();
+    let (mut limited, mut slow) = ([0u64; 2], Vec::new());
     let (start, mut longest) = (Instant::now(), 0.0f64);
-    for number in (0..).map(|k| first + k) {
-        if runs >= count {
-            break;
+    let runs = each_run(&w, "MECHANIM_RUNS", |verb, say| {
+        let before = seconds_of_children(start);
+        let mut command = w.command(&[verb, &["--limits", LIMITS]].concat());
+        let run = finish(command.spawn().unwrap());
+        let is_known = CODES.contains(&run.code) && !run.stderr.contains("panicked");
+        let what = format!("exit {}\n{}", run.code, run.stderr);
+        assert!(is_known, "{}", say(&what));
+        limited[0] += u64::from(run.stderr.contains("the limit `memory`"));
+        limited[1] += u64::from(run.stderr.contains("the limit `time`"));
+        let seconds = seconds_of_children(start) - before;
+        longest = longest.max(seconds);
+        if seconds > SLOW {
+            slow.extend(say("is slow").lines().next().map(str::to_owned));
         }
-        let bytes = mutated(&seeds, number);
-        if read_scene(&bytes).is_none() {
-            continue;
-        }
-        w.write("s.toml", &bytes);
-        for arguments in VERBS {
-            runs += 1;
-            let before = seconds_of_children(start);
-            let run = finish(
-                w.command(&[arguments, &["--limits", LIMITS]].concat())
-                    .spawn()
-                    .unwrap(),
-            );
-            let is_known = CODES.contains(&run.code);
-            assert!(
-                is_known,
-                "mutation {number} {arguments:?}: exit {}\n{}",
-                run.code, run.stderr
-            );
-            assert!(
-                !run.stderr.contains("panicked"),
-                "mutation {number} {arguments:?}\n{}",
-                run.stderr
-            );
-            limited[0] += u64::from(run.stderr.contains("the limit `memory`"));
-            limited[1] += u64::from(run.stderr.contains("the limit `time`"));
-            let seconds = seconds_of_children(start) - before;
-            longest = longest.max(seconds);
-            if seconds > SLOW {
-                slow.push((number, arguments[0]));
-            }
-        }
-    }
+    });
     println!(
-        "{runs} runs of mutated scenes: 0 panics, {} above 1 GiB, {} above 60 s, {} above {SLOW} CPU s {slow:?}, \
+        "{runs} runs of mutated scenes: 0 panics, {} above 1 GiB, {} above 60 s, {} above {SLOW} CPU s {slow:#?}, \
          the longest {longest:.1} CPU s",
         limited[0],
         limited[1],
