@@ -91,6 +91,8 @@ pub mod model;
 #[doc(hidden)]
 pub mod numbers;
 #[doc(hidden)]
+pub mod page;
+#[doc(hidden)]
 pub mod parts;
 #[doc(hidden)]
 pub mod pictures;

@@ -7,7 +7,7 @@ use crate::clearance::check::{ClearanceReport, Closely, PairReport};
 use crate::report::clearance;
 use crate::report::junit::to_junit;
 use crate::report::motion_check::{MotionAnswer, MotionCheck};
-use crate::report::verdict::{Asked, Status, Verdict};
+use crate::report::verdict::{Asked, Judged, Status, Verdict};
 use std::time::Instant;
 
 /// What is asked of a check beside what the scene asks.
@@ -105,6 +105,7 @@ impl Check {
             text,
             document,
             verdict,
+            ..
         } = answer;
         Ok(Self {
             text,
@@ -167,7 +168,11 @@ impl Check {
     /// # Ok::<(), mechanim::Error>(())
     /// ```
     pub fn to_junit(&self) -> String {
-        to_junit(&self.verdict, self.seconds)
+        to_junit(&[Judged {
+            source: &self.verdict.title,
+            verdict: &self.verdict,
+            seconds: self.seconds,
+        }])
     }
 }
 

@@ -112,7 +112,7 @@ pub fn default_plot(mechanism: &Mechanism, actuation: &Actuation) -> Plot {
 }
 
 /// The only input that moves, if it never turns back.
-fn lone_input(actuation: &Actuation) -> Option<usize> {
+pub fn lone_input(actuation: &Actuation) -> Option<usize> {
     const LOOKS: usize = 240;
     let moving: Vec<usize> = (0..actuation.drives.len())
         .filter(|k| !actuation.drives[*k].is_constant())

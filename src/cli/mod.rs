@@ -11,6 +11,8 @@ pub mod motion;
 pub mod open;
 pub mod pictures;
 pub mod program;
+mod report;
+mod rerun;
 pub mod study;
 mod term;
 pub mod watch;
@@ -19,8 +21,9 @@ use about::{completions, info, manual, scenes, schema};
 use args::{Cli, Command};
 use clap::{CommandFactory, FromArgMatches};
 use dyads::{intervals, row};
-use files::{diff, encode, snapshot};
+use files::{diff, encode, new_scene, snapshot};
 use motion::{draw, modes, plot, render, show, solve};
+use rerun::run_again;
 use std::ffi::OsString;
 use study::{accuracy, enclose, optimise, sensitivity, sweep, synthesise, tolerance, units};
 pub use term::outcome::{Failure, Outcome};
@@ -45,11 +48,20 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> i32 {
         return failure.code();
     }
     let result = match cli.command {
-        Command::Render(args) => render::run_render(&args, &term),
+        Command::Render(args) => run_again(args.watch, (&args.scene, &[]), &term, || {
+            render::run_render(&args, &term)
+        }),
         Command::Solve(args) => solve::run_solve(&args, &term),
-        Command::Check(args) => check::run_check(&args, &term),
+        Command::Check(args) => run_again(args.watch, (&args.scene, &args.more), &term, || {
+            check::run_check(&args, &term)
+        }),
+        Command::Report(args) => run_again(args.watch, (&args.scene, &args.more), &term, || {
+            report::run_report(&args, &term)
+        }),
         Command::Modes(args) => modes::run_modes(&args, &term),
-        Command::Plot(args) => plot::run_plot(&args, &term),
+        Command::Plot(args) => run_again(args.watch, (&args.scene, &[]), &term, || {
+            plot::run_plot(&args, &term)
+        }),
         Command::Draw(args) => draw::run_draw(&args, &term),
         Command::Show(args) => show::run_show(&args, &term),
         Command::Accuracy(args) => accuracy::run_accuracy(&args, &term),
@@ -65,6 +77,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> i32 {
         Command::Synthesise(args) => synthesise::run_synthesise(&args, &term),
         Command::Sweep(args) => sweep::run_sweep(&args, &term),
         Command::Study { command } => units::run_study(&command, &term),
+        Command::New(args) => new_scene::run_new(&args, &term),
         Command::Scenes { name } => scenes::print_scenes(name.as_deref()),
         Command::Info { json } => info::print_info(json),
         Command::Completions { shell } => completions::print_completions(shell),

@@ -37,6 +37,24 @@ pub fn write_svg(drawing: &Drawing) -> String {
     text
 }
 
+/// The drawing as an element of a page, whose own style decides about the colours: `names` are the page's words for some
+/// of them. `id` is the element's, and begins those of its title and description.
+pub fn write_inline(drawing: &Drawing, id: &str, names: &[(Colour, String)]) -> String {
+    // Quotes are escaped in all texts of a scene: what stands in quotes below is an attribute.
+    let mut text = write_svg(drawing)
+        .replace("\"title desc\"", &format!("\"{id}-title {id}-desc\""))
+        .replace("id=\"title\"", &format!("id=\"{id}-title\""))
+        .replace("id=\"desc\"", &format!("id=\"{id}-desc\""))
+        .replacen("<svg ", &format!("<svg id=\"{id}\" "), 1);
+    for ([r, g, b, _], name) in names {
+        text = text.replace(
+            &format!("\"#{r:02x}{g:02x}{b:02x}\""),
+            &format!("\"{name}\""),
+        );
+    }
+    text
+}
+
 // Writing to a String cannot fail.
 fn write_element(primitive: &DrawnPrimitive, out: &mut String) {
     let _ = match primitive {

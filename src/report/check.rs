@@ -103,8 +103,8 @@ impl<'a> MotionReport<'a> {
         list
     }
 
-    /// Lines for people; the table of pairs has its `worst` ones.
-    pub fn text(&self, verdict: &Verdict, worst: usize) -> String {
+    /// What is known of the motion and its proof, a line each with its head.
+    pub fn motion_lines(&self) -> Vec<(&str, String)> {
         let (mechanism, trajectory) = (self.mechanism, self.trajectory);
         let samples = trajectory.samples.len();
         let mut lines = vec![(
@@ -125,16 +125,27 @@ impl<'a> MotionReport<'a> {
         if !self.assumptions.is_empty() {
             lines.push(("assumed", self.assumptions.join("; ")));
         }
-        let measured = self.measured.iter();
-        lines.extend(measured.map(|m| (m.name(), m.sentence())));
+        lines
+    }
+
+    /// What is known of the freedoms, likewise.
+    pub fn freedoms_lines(&self) -> Vec<(&'static str, String)> {
+        freedoms::freedoms_lines(self.mechanism, &self.mobility)
+    }
+
+    /// Lines for people; the table of pairs has its `worst` ones.
+    pub fn text(&self, verdict: &Verdict, worst: usize) -> String {
+        let mechanism = self.mechanism;
+        let mut lines = self.motion_lines();
+        lines.extend(self.measured.iter().map(|m| (m.name(), m.sentence())));
+        lines.extend(self.freedoms_lines());
         let lines: String = lines.iter().map(case_line).collect();
         let pairs = self
             .clearances
             .map(|found| clearance::clearance_table(mechanism, found, worst));
         format!(
-            "{}\n{lines}{}{}{}",
+            "{}\n{lines}{}{}",
             mechanism.title,
-            freedoms::freedoms_text(mechanism, &self.mobility),
             pairs.unwrap_or_default(),
             case_line(&("result", verdict.sentence()))
         )

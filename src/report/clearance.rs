@@ -110,7 +110,7 @@ pub fn pair_sentence(mechanism: &Mechanism, p: &PairReport) -> String {
 }
 
 /// Why a pair is not judged: the joint, or the words of the scene.
-pub(super) fn judgement_reason(judgement: &Judgement) -> Option<&str> {
+pub fn judgement_reason(judgement: &Judgement) -> Option<&str> {
     match judgement {
         Judgement::Neighbours(joint) => Some(joint),
         Judgement::Ignored(reason) => Some(reason),

@@ -14,8 +14,8 @@ const MAX_LOOPS: usize = 6;
 /// Most redundant equations that are listed one by one.
 const MAX_EQUATIONS: usize = 6;
 
-/// Lines of the report, each with its head, as `check` prints them.
-pub fn freedoms_text(mechanism: &Mechanism, mobility: &Mobility) -> String {
+/// Lines of the report, each with its head; those without one go on.
+pub fn freedoms_lines(mechanism: &Mechanism, mobility: &Mobility) -> Vec<(&'static str, String)> {
     let mut lines = vec![("mobility", mobility_sentence(mobility))];
     let count = &mobility.count;
     if let Some(dependents) = count.planar_dependents() {
@@ -41,8 +41,7 @@ pub fn freedoms_text(mechanism: &Mechanism, mobility: &Mobility) -> String {
             .iter()
             .map(|held| ("idle", passive_sentence(mechanism, held))),
     );
-    let line = |(head, text): (&str, String)| format!("  {head:<16} {text}\n");
-    lines.into_iter().map(line).collect()
+    lines
 }
 
 /// The terms of the count.

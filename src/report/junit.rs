@@ -1,26 +1,37 @@
 //! A verdict as JUnit XML: one suite a scene, one case a question. What is wrong is a failure, what could not be
 //! decided an error, so that a green suite means an exit code of zero and nothing else does.
 
-use super::verdict::{Case, Status, Verdict};
+use super::verdict::{Case, Judged, Status};
 
-/// The whole file. `seconds` is what the check took.
-pub fn to_junit(verdict: &Verdict, seconds: f64) -> String {
-    let count = |status: &[Status]| {
-        let cases = verdict.cases.iter();
-        cases.filter(|c| status.contains(&c.status)).count()
-    };
-    let totals = format!(
+/// The whole file, one suite for each scene.
+pub fn to_junit(judged: &[Judged]) -> String {
+    let all: Vec<&Case> = judged.iter().flat_map(|one| &one.verdict.cases).collect();
+    let totals = totals(&all, judged.iter().map(|one| one.seconds).sum());
+    let suites: String = judged.iter().map(suite_element).collect();
+    format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites {totals}>\n{suites}</testsuites>\n"
+    )
+}
+
+fn suite_element(one: &Judged) -> String {
+    let all: Vec<&Case> = one.verdict.cases.iter().collect();
+    let cases: String = all.iter().map(|case| case_element(case)).collect();
+    format!(
+        "  <testsuite name=\"{}\" {}>\n{cases}  </testsuite>\n",
+        escape_text(&one.verdict.title),
+        totals(&all, one.seconds),
+    )
+}
+
+/// How many there are of each kind, and what they took.
+fn totals(cases: &[&Case], seconds: f64) -> String {
+    let count = |status: &[Status]| cases.iter().filter(|c| status.contains(&c.status)).count();
+    format!(
         "tests=\"{}\" failures=\"{}\" errors=\"{}\" skipped=\"{}\" time=\"{seconds:.3}\"",
-        verdict.cases.len(),
+        cases.len(),
         count(&[Status::Failed, Status::NotClosed]),
         count(&[Status::NotProved]),
         count(&[Status::Skipped]),
-    );
-    let cases: String = verdict.cases.iter().map(case_element).collect();
-    format!(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites {totals}>\n  <testsuite name=\"{}\" {totals}>\n\
-         {cases}  </testsuite>\n</testsuites>\n",
-        escape_text(&verdict.title),
     )
 }
 

@@ -40,6 +40,10 @@ pub struct MotionAnswer {
     pub document: Value,
     /// The one verdict.
     pub verdict: Verdict,
+    /// What is known of the motion and its proof, a line each with its head; none without a pose.
+    pub motion: Vec<(String, String)>,
+    /// What is known of the freedoms, likewise.
+    pub freedoms: Vec<(String, String)>,
 }
 
 impl<'a> MotionCheck<'a> {
@@ -119,6 +123,8 @@ impl<'a> MotionCheck<'a> {
         MotionAnswer {
             text: report.text(&verdict, self.worst),
             document: report.json(&verdict),
+            motion: owned_lines(report.motion_lines()),
+            freedoms: owned_lines(report.freedoms_lines()),
             verdict,
         }
     }
@@ -137,7 +143,14 @@ impl<'a> MotionCheck<'a> {
         MotionAnswer {
             text: format!("{}\n  result: {}\n", mechanism.title, verdict.sentence()),
             document: without_pose(mechanism, trajectory, &verdict),
+            motion: Vec::new(),
+            freedoms: Vec::new(),
             verdict,
         }
     }
+}
+
+fn owned_lines(lines: Vec<(&str, String)>) -> Vec<(String, String)> {
+    let lines = lines.into_iter();
+    lines.map(|(head, text)| (head.to_owned(), text)).collect()
 }

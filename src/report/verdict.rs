@@ -157,6 +157,17 @@ impl Verdict {
     }
 }
 
+/// A verdict of a run that may be about several scenes.
+#[derive(Clone, Copy, Debug)]
+pub struct Judged<'a> {
+    /// Where the scene is from.
+    pub source: &'a str,
+    /// What was found.
+    pub verdict: &'a Verdict,
+    /// What the check took.
+    pub seconds: f64,
+}
+
 fn worst_status<'c>(cases: impl Iterator<Item = &'c Case>) -> Status {
     let all = cases.map(|case| case.status);
     all.fold(Status::Passed, Status::max)

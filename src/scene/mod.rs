@@ -19,6 +19,7 @@ pub mod resolve;
 pub mod shapes;
 pub mod source;
 pub mod studies;
+pub mod template;
 pub mod values;
 pub mod views;
 

@@ -21,6 +21,36 @@ const FACET_ERROR: f64 = 1e-4;
 /// around), and none is finer than a tool's mark (142).
 const FACET_ERROR_OF_RADIUS: [f64; 2] = [5e-4, 8e-3];
 
+/// The same where the shapes are only looked at, over the extent and over the radius: half a pixel of a picture 700 pixels
+/// wide; 13 segments around at least, since corners are seen that shading does not hide, and 41 at most.
+const FACET_ERROR_OF_PICTURE: f64 = 7e-4;
+const PICTURE_ERROR_OF_RADIUS: [f64; 2] = [3e-3, 3e-2];
+
+/// How fine round surfaces are divided into facets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Facets {
+    /// For tools: what neither a printer nor a viewer shows.
+    Tool,
+    /// For pictures: what no screen shows unless one comes close.
+    Picture,
+    /// No facet is farther from its surface than this length.
+    Within(f64),
+}
+
+impl Facets {
+    /// The greatest distance between a solid's surface and its facets, in a scene of this extent.
+    fn error(self, solid: &Solid, extent: f64) -> f64 {
+        let (share, of_radius) = match self {
+            Self::Within(length) => return length,
+            Self::Tool => (FACET_ERROR, FACET_ERROR_OF_RADIUS),
+            Self::Picture => (FACET_ERROR_OF_PICTURE, PICTURE_ERROR_OF_RADIUS),
+        };
+        let radius = largest_radius(solid).unwrap_or(extent);
+        let [fine, coarse] = of_radius.map(|share| share * radius);
+        (share * extent).clamp(fine, coarse)
+    }
+}
+
 /// sRGB colour of a mesh that is no body's.
 const SURFACE: [u8; 3] = [150, 170, 190];
 
@@ -36,8 +66,7 @@ const METRES: [(&str, f64); 8] = [
     ("ft", 0.3048),
 ];
 
-/// The shapes of a scene at the given samples of its motion; `camera` and `aspect` are those of the pictures, and
-/// `resolution` is the greatest distance between a round surface and its facets, if it is not left to this function.
+/// The shapes of a scene at the given samples of its motion; `camera` and `aspect` are those of the pictures.
 ///
 /// Where a sample has no pose the one before is held until the next: nothing is interpolated over a gap.
 pub fn of_motion(
@@ -45,18 +74,11 @@ pub fn of_motion(
     trajectory: &Trajectory,
     samples: Range<usize>,
     camera: Option<(Camera, f64)>,
-    resolution: Option<f64>,
+    facets: Facets,
 ) -> ExportModel {
     let mechanism = &scene.mechanism;
     let extent = bounds::box_of(&bounds::moving_points(mechanism, trajectory))
         .map_or(mechanism.size, |[low, high]| (high - low).length());
-    let tolerance = |solid: &Solid| {
-        resolution.unwrap_or_else(|| {
-            let radius = largest_radius(solid).unwrap_or(extent);
-            let [fine, coarse] = FACET_ERROR_OF_RADIUS.map(|share| share * radius);
-            (FACET_ERROR * extent).clamp(fine, coarse)
-        })
-    };
     let keys = pose_keys(trajectory, samples);
     let bodies = mechanism.bodies.iter().enumerate().map(|(index, body)| {
         let poses = keys.iter().filter_map(|key| {
@@ -68,7 +90,7 @@ pub fn of_motion(
             parts: body
                 .shapes
                 .iter()
-                .map(|s| model_part(s, tolerance(&s.solid)))
+                .map(|s| model_part(s, facets.error(&s.solid, extent)))
                 .collect(),
             poses: poses.collect(),
         }
@@ -173,7 +195,7 @@ fn placed_mesh(mut mesh: Mesh, body_from_shape: &Pose) -> Mesh {
 }
 
 /// The visible paths over the whole motion, cut where there is no pose.
-fn model_traces(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<ModelTrace> {
+pub fn model_traces(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<ModelTrace> {
     let visible = mechanism.traces.iter().enumerate();
     let visible = visible.filter(|(_, trace)| trace.radius.is_none_or(|r| r > 0.0));
     let path = |index: usize| -> Vec<Vec<DVec3>> {
@@ -198,6 +220,11 @@ fn model_traces(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<ModelTrac
             runs: path(index),
         })
         .collect()
+}
+
+/// The direction that is up in a scene.
+pub fn up_vector(up: UpAxis) -> DVec3 {
+    super::up_axis(up)
 }
 
 /// The rotation that takes the up axis to y.

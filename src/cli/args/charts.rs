@@ -15,6 +15,9 @@ pub struct PlotArgs {
     /// File to write: .svg, .pdf or .png; `-` for SVG on standard output.
     #[arg(long, short, value_name = "FILE")]
     pub out: PathBuf,
+    /// Run again whenever a scene, a mesh that it names or its table of inputs changes, until Ctrl-C.
+    #[arg(long)]
+    pub watch: bool,
     /// Curves in place of the scene's plots: names or formulas as in outputs, or d(NAME, INPUT, ORDER). May be repeated.
     #[arg(long, value_name = "NAME,NAME,…", allow_hyphen_values = true)]
     pub y: Vec<String>,

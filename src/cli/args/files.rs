@@ -35,6 +35,20 @@ pub struct FileArgs {
     pub progress: ProgressArg,
 }
 
+/// `mechanim new`
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  mechanim new wiper --from four-bar\n  mechanim new designs/press --from slider-crank"
+)]
+pub struct NewArgs {
+    /// Name of the scene and its file: `wiper` makes wiper.toml. What is there already is never replaced.
+    #[arg(value_name = "NAME")]
+    pub name: PathBuf,
+    /// Where it begins: a built-in scene.
+    #[arg(long, value_name = "SCENE")]
+    pub from: String,
+}
+
 /// `mechanim encode`
 #[derive(Debug, Args)]
 pub struct EncodeArgs {

@@ -6,6 +6,7 @@ pub mod dyads;
 pub mod enclose;
 pub mod files;
 pub mod motion;
+pub mod report;
 pub mod scene;
 pub mod study;
 pub mod sweep;
@@ -18,8 +19,9 @@ use charts::{AccuracyArgs, PlotArgs};
 use clap::{Parser, Subcommand, ValueEnum};
 use dyads::{DyadsArgs, IntervalsArgs};
 use enclose::EncloseArgs;
-use files::{DiffArgs, EncodeArgs, SnapshotArgs};
+use files::{DiffArgs, EncodeArgs, NewArgs, SnapshotArgs};
 use motion::{CheckArgs, ModesArgs, RenderArgs, SolveArgs};
+use report::ReportArgs;
 use std::path::PathBuf;
 use study::{OptimiseArgs, SensitivityArgs, SynthesiseArgs, ToleranceArgs};
 use sweep::{StudyCommand, SweepArgs};
@@ -64,6 +66,8 @@ pub enum Command {
     Solve(SolveArgs),
     /// Check loop closure, proofs, measures and clearances over the whole motion, or judge a given pose.
     Check(CheckArgs),
+    /// Write what is known of scenes as one HTML page: verdict, mechanism, motion in 3-D, curves, limits, clearances, proofs.
+    Report(ReportArgs),
     /// List the assemblies that close at given inputs, searched from many starts.
     Modes(ModesArgs),
     /// Plot outputs, coordinates and their derivatives against input or time (SVG or PNG).
@@ -102,6 +106,8 @@ pub enum Command {
         #[command(subcommand)]
         command: StudyCommand,
     },
+    /// Write a scene of your own that begins as a built-in one, with a comment above every section.
+    New(NewArgs),
     /// List the built-in scenes, or print one.
     Scenes {
         /// Name of the scene whose file is printed.

@@ -5,7 +5,9 @@ use super::scene::SceneArgs;
 use super::study::positive_number;
 use super::values::{frame_count, frame_rate, name_and_text, picture_size, rate_order};
 use super::view::ViewArgs;
+use crate::staging::model::Facets;
 use clap::{Args, ValueEnum};
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 /// `mechanim render`
@@ -42,9 +44,10 @@ pub struct RenderArgs {
     /// Graphics adapter: `software`, or a part of its name (also from MECHANIM_ADAPTER).
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
-    /// For 3-D models: the largest distance between a round surface and its facets, in the scene's unit.
-    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = positive_number)]
-    pub resolution: Option<f64>,
+    /// For 3-D models: the largest distance between a round surface and its facets, in the scene's unit; or `picture`:
+    /// as fine as a screen shows, in files a fraction as large.
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = facets)]
+    pub resolution: Option<Facets>,
     /// Show what is asked for: bodies that come closer to each other than the scene's `[clearance]` allows turn red.
     #[arg(long, value_enum, value_name = "WHAT")]
     pub show: Option<ShowArg>,
@@ -58,6 +61,9 @@ pub struct RenderArgs {
     /// frame.
     #[arg(long, conflicts_with_all = ["at", "frame", "frames", "panel", "show"])]
     pub trace_iterations: bool,
+    /// Run again whenever a scene, a mesh that it names or its table of inputs changes, until Ctrl-C.
+    #[arg(long)]
+    pub watch: bool,
     /// How it is looked at.
     #[command(flatten)]
     pub view: ViewArgs,
@@ -107,21 +113,11 @@ pub struct SolveArgs {
     pub format: Option<TableFormat>,
 }
 
-/// `mechanim check`
-#[derive(Debug, Args)]
-pub struct CheckArgs {
-    /// The scene.
-    #[command(flatten)]
-    pub scene: SceneArgs,
-    /// Judge this pose instead of solving: values of the unknowns, NAME=VALUE,NAME=VALUE,…
-    #[arg(long, value_name = "NAME=VALUE,…", value_delimiter = ',', value_parser = name_and_text)]
-    pub pose: Vec<(String, String)>,
-    /// Check the clearances over a range of this input instead of the motion; given twice, over a box of two inputs.
-    /// They are proved for all values at once, or the part of the box that is not is named.
-    #[arg(long, value_name = "INPUT=LOW:HIGH", value_parser = range, num_args = 1, conflicts_with_all = ["pose", "samples", "csv", "plot", "render", "matrix", "swept"])]
-    pub inputs_box: Vec<(String, [f64; 2])>,
+/// What is asked of a motion by the verbs that judge one.
+#[derive(Clone, Debug, Args)]
+pub struct AskedArgs {
     /// Largest closure error that passes, relative to the mechanism's size.
-    #[arg(long, value_name = "E", default_value_t = 1e-9)]
+    #[arg(long, value_name = "E", default_value_t = 1e-9, value_parser = positive_number)]
     pub closure: f64,
     /// Number of samples, spread evenly over the motion; the scene's frames if absent. Both ends of the drive and all keys
     /// are sampled in any case.
@@ -131,12 +127,63 @@ pub struct CheckArgs {
     /// is asked for and cannot be proved fails the check.
     #[arg(long, value_enum, default_value_t = CertifyArg::Pose)]
     pub certify: CertifyArg,
+    /// A pair counts as near if it is less than this length above its minimum; the length of the minimum itself if
+    /// absent.
+    #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
+    pub band: Option<f64>,
+    /// Let pairs of bodies pass whose bound is only estimated.
+    #[arg(long)]
+    pub allow_estimates: bool,
+    /// Let a check pass that judges no pair of bodies though the scene asks for clearances.
+    #[arg(long)]
+    pub allow_empty: bool,
+    /// Rows of the table of pairs, the worst first. Of more than 200 pairs distant ones are settled together, but at
+    /// least this many are judged one by one.
+    #[arg(long, value_name = "N", default_value_t = 10)]
+    pub worst: usize,
+    /// How close the proved bound must come to the least distance found, as a fraction of the pair's minimum (of that
+    /// distance where the minimum is 0).
+    #[arg(long = "bound-tolerance", alias = "tolerance", value_name = "E", default_value_t = 1e-3, value_parser = proper_share)]
+    pub tolerance: f64,
+}
+
+/// `mechanim check`
+#[derive(Clone, Debug, Args)]
+pub struct CheckArgs {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// More scenes, checked in the same run; a name may be a pattern, such as designs/*.toml. The exit code is the worst.
+    #[arg(value_name = "SCENE")]
+    pub more: Vec<OsString>,
+    /// Scenes checked at a time; as many as there are cores if absent.
+    #[arg(long, value_name = "N", value_parser = super::values::worker_count)]
+    pub jobs: Option<usize>,
+    /// Run again whenever a scene, a mesh that it names or its table of inputs changes, until Ctrl-C.
+    #[arg(long)]
+    pub watch: bool,
+    /// What is asked.
+    #[command(flatten)]
+    pub asked: AskedArgs,
+    /// Judge this pose instead of solving: values of the unknowns, NAME=VALUE,NAME=VALUE,…
+    #[arg(long, value_name = "NAME=VALUE,…", value_delimiter = ',', value_parser = name_and_text, conflicts_with_all = ["allow_estimates", "allow_empty"])]
+    pub pose: Vec<(String, String)>,
+    /// Check the clearances over a range of this input instead of the motion; given twice, over a box of two inputs.
+    /// They are proved for all values at once, or the part of the box that is not is named.
+    #[arg(long, value_name = "INPUT=LOW:HIGH", value_parser = range, num_args = 1, conflicts_with_all = ["pose", "samples", "csv", "plot", "render", "matrix", "swept"])]
+    pub inputs_box: Vec<(String, [f64; 2])>,
     /// Write the report as JSON to this file (`-` for standard output).
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
     /// Write the verdict as JUnit XML, one test case for each question: closure, proofs, measures, pairs of bodies.
     #[arg(long, value_name = "FILE")]
     pub junit: Option<PathBuf>,
+    /// Write what is not so as SARIF 2.1.0, which code-hosting services show beside the files of a change.
+    #[arg(long, value_name = "FILE")]
+    pub sarif: Option<PathBuf>,
+    /// Write a summary as Markdown, as jobs of continuous integration show it.
+    #[arg(long, value_name = "FILE.md")]
+    pub summary: Option<PathBuf>,
     /// Write a table as CSV: the distance of every judged pair over time.
     #[arg(long, value_name = "FILE", conflicts_with = "pose")]
     pub csv: Option<PathBuf>,
@@ -165,24 +212,6 @@ pub struct CheckArgs {
     /// Cells along the longest side of the --swept mesh: with more of them it fits closer.
     #[arg(long, value_name = "N", default_value_t = 96, value_parser = clap::value_parser!(u32).range(4..=1024))]
     pub cells: u32,
-    /// A pair counts as near if it is less than this length above its minimum; the length of the minimum itself if
-    /// absent.
-    #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
-    pub band: Option<f64>,
-    /// Let pairs of bodies pass whose bound is only estimated.
-    #[arg(long, conflicts_with = "pose")]
-    pub allow_estimates: bool,
-    /// Let a check pass that judges no pair of bodies though the scene asks for clearances.
-    #[arg(long, conflicts_with = "pose")]
-    pub allow_empty: bool,
-    /// Rows of the table of pairs, the worst first. Of more than 200 pairs distant ones are settled together, but at
-    /// least this many are judged one by one.
-    #[arg(long, value_name = "N", default_value_t = 10)]
-    pub worst: usize,
-    /// How close the proved bound must come to the least distance found, as a fraction of the pair's minimum (of that
-    /// distance where the minimum is 0).
-    #[arg(long = "bound-tolerance", alias = "tolerance", value_name = "E", default_value_t = 1e-3, value_parser = proper_share)]
-    pub tolerance: f64,
 }
 
 /// `mechanim modes`
@@ -240,6 +269,13 @@ fn sample_count(text: &str) -> Result<u32, String> {
     match text.parse() {
         Ok(count) if [1, 2, 4, 8, 16].contains(&count) => Ok(count),
         _ => Err("1, 2, 4, 8 or 16".to_owned()),
+    }
+}
+
+fn facets(text: &str) -> Result<Facets, String> {
+    match text {
+        "picture" => Ok(Facets::Picture),
+        _ => positive_number(text).map(Facets::Within),
     }
 }
 

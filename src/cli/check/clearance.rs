@@ -53,7 +53,7 @@ pub fn check_pairs(
         return Ok(None);
     }
     let mechanism = &opened.scene.mechanism;
-    let progress = Progress::new(ProgressArg::Auto, term.quiet()).counting("pairs");
+    let progress = Progress::new(ProgressArg::Auto, !term.shows_progress()).counting("pairs");
     let found = check.clearances(covered, &|done, all| {
         progress.show(done, all);
     })?;
@@ -71,7 +71,7 @@ pub fn check_pairs(
         plot_distances(args, mechanism, &found, path)?;
     }
     if let Some(path) = &args.matrix {
-        let chart = charts::clearance_matrix::clearance_matrix(mechanism, &found, args.band);
+        let chart = charts::clearance_matrix::clearance_matrix(mechanism, &found, args.asked.band);
         let drawing = matrix::draw_matrix(&chart, matrix::usual_size(&chart), ChartTheme::LIGHT);
         write_drawing(args, path, &drawing)?;
     }
@@ -99,7 +99,8 @@ fn plot_distances(
     found: &ClearanceReport,
     path: &Path,
 ) -> Result<(), Failure> {
-    let chart = charts::clearance::clearance_chart(mechanism, found, args.worst.min(MOST_CURVES));
+    let chart =
+        charts::clearance::clearance_chart(mechanism, found, args.asked.worst.min(MOST_CURVES));
     let size = crate::plot::usual_size(&chart);
     write_drawing(
         args,

@@ -43,7 +43,7 @@ pub fn check(args: &CheckArgs, opened: &OpenScene) -> Result<Answer, Failure> {
         ],
         _ => sides,
     };
-    let report = check_box(system, &scene.actuation, rules, sides, args.tolerance);
+    let report = check_box(system, &scene.actuation, rules, sides, args.asked.tolerance);
     let verdict = Verdict {
         title: mechanism.title.clone(),
         cases: cases(mechanism, sides, &report),

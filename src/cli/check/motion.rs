@@ -3,7 +3,8 @@
 use super::answer::Answer;
 use super::{clearance, swept};
 use crate::clearance::check::Closely;
-use crate::cli::args::motion::{CertifyArg, CheckArgs};
+use crate::cli::args::motion::{AskedArgs, CertifyArg, CheckArgs};
+use crate::cli::args::scene::SceneArgs;
 use crate::cli::interrupt::{is_interrupted, refuse_interrupted};
 use crate::cli::motion::event_messages;
 use crate::cli::open::inputs_table;
@@ -13,38 +14,16 @@ use crate::cli::term::outcome::Failure;
 use crate::kinematics::motion::sampling::{even_times, frame_times};
 use crate::report::motion_check::MotionCheck;
 use crate::report::verdict::Asked;
+use crate::scene::Scene;
 use std::time::Instant;
 
 /// Solves the motion and asks everything that the scene and the command line ask.
 pub fn check_motion(args: &CheckArgs, opened: &OpenScene, term: &Term) -> Result<Answer, Failure> {
     let OpenScene { scene, system } = opened;
-    let (mechanism, actuation) = (&scene.mechanism, &scene.actuation);
-    let times = match args.samples {
-        Some(count) => even_times(mechanism, actuation, count),
-        None if args.scene.table.is_some() => inputs_table::row_times(actuation),
-        None => frame_times(mechanism, actuation, scene.view.fps),
-    };
+    let actuation = &scene.actuation;
     clearance::refuse_without_rules(args, scene)?;
-    let check = MotionCheck {
-        scene,
-        system,
-        times: &times,
-        asked: Asked {
-            closure: args.closure,
-            poses: args.certify != CertifyArg::None,
-            motion: args.certify == CertifyArg::Motion,
-            estimates: args.allow_estimates || args.certify == CertifyArg::None,
-            empty: args.allow_empty,
-            band: args.band,
-        },
-        closely: Closely {
-            tolerance: args.tolerance,
-            pairs: args.worst.max(Closely::PAIRS),
-            times: true,
-        },
-        is_swept: args.swept.is_some(),
-        worst: args.worst,
-    };
+    let times = asked_times(&args.asked, &args.scene, scene);
+    let check = motion_check(&args.asked, opened, &times, args.swept.is_some());
     let begun = Instant::now();
     let mut trajectory = check.solve(&is_interrupted)?;
     refuse_interrupted()?;
@@ -70,4 +49,43 @@ pub fn check_motion(args: &CheckArgs, opened: &OpenScene, term: &Term) -> Result
         verdict: answer.verdict,
         failure: None,
     })
+}
+
+/// Seconds at which a motion is judged: as many as asked, the rows of a table, or the scene's frames.
+pub fn asked_times(asked: &AskedArgs, args: &SceneArgs, scene: &Scene) -> Vec<f64> {
+    let (mechanism, actuation) = (&scene.mechanism, &scene.actuation);
+    match asked.samples {
+        Some(count) => even_times(mechanism, actuation, count),
+        None if args.table.is_some() => inputs_table::row_times(actuation),
+        None => frame_times(mechanism, actuation, scene.view.fps),
+    }
+}
+
+/// The check that is asked for, of every verb that judges a motion.
+pub fn motion_check<'a>(
+    asked: &AskedArgs,
+    opened: &'a OpenScene,
+    times: &'a [f64],
+    is_swept: bool,
+) -> MotionCheck<'a> {
+    MotionCheck {
+        scene: &opened.scene,
+        system: &opened.system,
+        times,
+        asked: Asked {
+            closure: asked.closure,
+            poses: asked.certify != CertifyArg::None,
+            motion: asked.certify == CertifyArg::Motion,
+            estimates: asked.allow_estimates || asked.certify == CertifyArg::None,
+            empty: asked.allow_empty,
+            band: asked.band,
+        },
+        closely: Closely {
+            tolerance: asked.tolerance,
+            pairs: asked.worst.max(Closely::PAIRS),
+            times: true,
+        },
+        is_swept,
+        worst: asked.worst,
+    }
 }

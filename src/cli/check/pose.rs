@@ -13,7 +13,11 @@ use serde_json::json;
 /// Judges the pose.
 pub fn check_pose(args: &CheckArgs, scene: &Scene) -> Result<Answer, Failure> {
     let mechanism = &scene.mechanism;
-    let found = judge_pose(mechanism, &offered_coordinates(args, scene)?, args.closure);
+    let found = judge_pose(
+        mechanism,
+        &offered_coordinates(args, scene)?,
+        args.asked.closure,
+    );
     let verdict = Verdict {
         title: mechanism.title.clone(),
         cases: found.iter().map(|l| offered_case(mechanism, l)).collect(),
@@ -26,7 +30,7 @@ pub fn check_pose(args: &CheckArgs, scene: &Scene) -> Result<Answer, Failure> {
     let document = json!({
         "schema": "mechanim-pose/1",
         "title": mechanism.title,
-        "tolerance": args.closure,
+        "tolerance": args.asked.closure,
         "loops": loops,
         "equations": equations,
         "checks": verdict.json(),

@@ -3,5 +3,6 @@
 pub mod chart;
 pub mod diff;
 pub mod encode;
+pub mod new_scene;
 pub mod sinks;
 pub mod snapshot;

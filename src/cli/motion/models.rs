@@ -13,14 +13,14 @@ use crate::model::view::{Ghosts, ShownAxes};
 use crate::report::sentences::input_sentence;
 use crate::scene::Scene;
 use crate::staging::Staging;
-use crate::staging::model::of_motion;
+use crate::staging::model::{Facets, of_motion};
 use std::ops::Range;
 
 /// Writes the samples of the motion as the model that `format` names.
 ///
 /// Errors: a still of an instant without a pose; a failed write.
 pub fn write_model(
-    (args, resolution): (&FileArgs, Option<f64>),
+    (args, facets): (&FileArgs, Facets),
     format: &Format,
     scene: &Scene,
     trajectory: &Trajectory,
@@ -33,7 +33,7 @@ pub fn write_model(
     }
     let [width, height] = staging.stage.size.map(f64::from);
     let camera = Some((staging.stage.camera, width / height));
-    let model = of_motion(scene, trajectory, samples, camera, resolution);
+    let model = of_motion(scene, trajectory, samples, camera, facets);
     let output = sinks::open_file(args)?;
     let summary = match format {
         Format::Stl => write_stl(&model, output)?,

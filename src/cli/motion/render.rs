@@ -28,6 +28,7 @@ use crate::render::open::RendererChoice;
 use crate::render::text::missing_glyphs;
 use crate::scene::Scene;
 use crate::staging::marks::Marks;
+use crate::staging::model::Facets;
 use crate::staging::{PictureOptions, Staging, panes};
 use std::ops::Range;
 
@@ -93,7 +94,7 @@ pub fn run_render(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
     if format.is_model() {
         let samples = plan.samples();
         models::write_model(
-            (&args.file, args.resolution),
+            (&args.file, args.resolution.unwrap_or(Facets::Tool)),
             &format,
             &scene,
             &trajectory,

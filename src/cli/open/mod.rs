@@ -4,6 +4,7 @@ mod cells;
 pub mod inputs_table;
 pub mod intervals;
 pub mod mode;
+pub mod patterns;
 pub mod pose;
 pub mod scene;
 pub mod study;

@@ -38,13 +38,17 @@ pub fn open_changed(
     let (source, mut overrides) = text_of(args)?;
     change(&mut overrides);
     let read = || load_scene(&source, &overrides).map_err(Box::new);
-    let mut scene = announce_work("reading the scene and its meshes", term.quiet(), read)?;
+    let mut scene = announce_work(
+        "reading the scene and its meshes",
+        !term.shows_progress(),
+        read,
+    )?;
     term.diagnostics(&source, &scene.warnings);
     if let Some(path) = &args.table {
         inputs_table::apply_inputs(&scene.mechanism, &mut scene.actuation, path)?;
     }
     let analyse = || System::new(Arc::clone(&scene.mechanism), &scene.actuation);
-    let system = announce_work("analysing the mechanism", term.quiet(), analyse)?;
+    let system = announce_work("analysing the mechanism", !term.shows_progress(), analyse)?;
     if let Some(choice) = &args.mode {
         scene.actuation.guess = mode::start_of(&system, &scene.actuation, choice)?;
     }

@@ -12,13 +12,14 @@ use crate::kinematics::structure::block::StructureError;
 use crate::limits::{Resource, current_limits};
 use crate::parts::PartsError;
 use codespan_reporting::term::termcolor::{
-    BufferWriter, BufferedStandardStream, Color, ColorChoice, ColorSpec, WriteColor,
+    Buffer, BufferWriter, Color, ColorChoice, ColorSpec, WriteColor,
 };
 use codespan_reporting::term::{self, Config};
 use excerpt::ExcerptLines;
 use outcome::Failure;
 use std::collections::HashSet;
 use std::io::{IsTerminal, Write};
+use std::sync::{Mutex, PoisonError};
 
 /// Most mistakes, and most warnings, that are shown in full; the rest are counted.
 const MOST_SHOWN: usize = 20;
@@ -27,6 +28,8 @@ const MOST_SHOWN: usize = 20;
 pub struct Term {
     colour: ColorChoice,
     quiet: bool,
+    /// What was said, if it is not said at once.
+    kept: Option<Mutex<Vec<Buffer>>>,
 }
 
 impl Term {
@@ -45,7 +48,32 @@ impl Term {
         } else {
             ColorChoice::Never
         };
-        Self { colour, quiet }
+        Self {
+            colour,
+            quiet,
+            kept: None,
+        }
+    }
+
+    /// The same, but what is said is kept until [`pass_on`](Self::pass_on): several runs do not talk at once.
+    pub fn keeping(&self) -> Self {
+        Self {
+            colour: self.colour,
+            quiet: self.quiet,
+            kept: Some(Mutex::default()),
+        }
+    }
+
+    /// Says by `other` what was kept.
+    pub fn pass_on(&self, other: &Self) {
+        let Some(kept) = &self.kept else { return };
+        let kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.iter().for_each(|said| other.say(said.clone()));
+    }
+
+    /// Whether work may tell how far it is: nothing is kept of that.
+    pub fn shows_progress(&self) -> bool {
+        !self.quiet && self.kept.is_none()
     }
 
     /// Whether only errors are to be said.
@@ -56,7 +84,7 @@ impl Term {
     /// A line of information.
     pub fn note(&self, text: &str) {
         if !self.quiet {
-            let _ = writeln!(self.stream(), "{}", shown_text(&shorten_text(text)));
+            self.note_always(&shown_text(&shorten_text(text)));
         }
     }
 
@@ -127,8 +155,7 @@ impl Term {
             shown[kind] += 1;
             let _ = all.write_all(one.as_slice());
         }
-        // The stream going away leaves nobody to tell.
-        let _ = writer.print(&all);
+        self.say(all);
         for (left, word) in left.iter().zip(["error", "warning"]) {
             if !left.is_empty() {
                 let kinds: HashSet<String> = left.iter().map(|d| kind_of(&d.message)).collect();
@@ -143,20 +170,34 @@ impl Term {
     }
 
     fn note_always(&self, text: &str) {
-        let _ = writeln!(self.stream(), "{text}");
+        let mut line = self.buffer();
+        let _ = writeln!(line, "{text}");
+        self.say(line);
     }
 
     fn headed(&self, head: &str, colour: Color, text: &str) {
-        let mut stream = self.stream();
-        let _ = stream.set_color(ColorSpec::new().set_fg(Some(colour)).set_bold(true));
-        let _ = write!(stream, "{head}");
-        let _ = stream.reset();
-        let _ = writeln!(stream, ": {}", shown_text(&shorten_text(text)));
+        let mut line = self.buffer();
+        let _ = line.set_color(ColorSpec::new().set_fg(Some(colour)).set_bold(true));
+        let _ = write!(line, "{head}");
+        let _ = line.reset();
+        let _ = writeln!(line, ": {}", shown_text(&shorten_text(text)));
+        self.say(line);
     }
 
-    /// Written when it is dropped.
-    fn stream(&self) -> BufferedStandardStream {
-        BufferedStandardStream::stderr(self.colour)
+    fn buffer(&self) -> Buffer {
+        BufferWriter::stderr(self.colour).buffer()
+    }
+
+    /// Writes at once, or keeps for later.
+    fn say(&self, said: Buffer) {
+        match &self.kept {
+            Some(kept) => kept
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner)
+                .push(said),
+            // The stream going away leaves nobody to tell.
+            None => drop(BufferWriter::stderr(self.colour).print(&said)),
+        }
     }
 }
 

@@ -49,6 +49,20 @@ impl From<Status> for Outcome {
 }
 
 impl Outcome {
+    /// The worse of two: not closed before failed, failed before done.
+    pub fn worse(self, other: Self) -> Self {
+        let rank = |outcome: Self| match outcome {
+            Self::Done => 0,
+            Self::Undecided => 1,
+            Self::CheckFailed => 2,
+            Self::NotClosed => 3,
+        };
+        match rank(other) > rank(self) {
+            true => other,
+            false => self,
+        }
+    }
+
     /// Its exit code.
     pub const fn code(self) -> i32 {
         match self {

@@ -40,6 +40,7 @@ const FLOORS: &[&[&str]] = &[
     &["parts/", "sweep/"],
     &["pictures/"],
     &["charts/", "diagram/", "snapshot/"],
+    &["page/"],
     &["api/"],
     &["cli/"],
     &["lib.rs", "main.rs"],

@@ -65,7 +65,7 @@ const WALLS: [Wall; 20] = [
     },
     Wall {
         words: &["serde_json::"],
-        rooms: &["report/", "export/", "parts/", "sweep/", "cli/"],
+        rooms: &["report/", "export/", "page/", "parts/", "sweep/", "cli/"],
     },
     Wall {
         words: &["blake3::"],

@@ -10,7 +10,7 @@ use mechanim::export::{ExportError, ExportSummary, Output, Target};
 use mechanim::kinematics::results::trajectory::Trajectory;
 use mechanim::math::Pose;
 use mechanim::scene::{Overrides, Scene, builtin, load_scene};
-use mechanim::staging::model::of_motion;
+use mechanim::staging::model::{Facets, of_motion};
 use mechanim::staging::{PictureOptions, Staging};
 use std::collections::BTreeMap;
 
@@ -30,7 +30,13 @@ fn model(scene: &Scene, trajectory: &Trajectory) -> ExportModel {
     };
     let camera = Staging::new(scene, trajectory, options).stage.camera;
     let samples = 0..trajectory.samples.len();
-    of_motion(scene, trajectory, samples, Some((camera, 4.0 / 3.0)), None)
+    of_motion(
+        scene,
+        trajectory,
+        samples,
+        Some((camera, 4.0 / 3.0)),
+        Facets::Tool,
+    )
 }
 
 fn written(
@@ -288,7 +294,7 @@ fn nothing_is_invented_where_there_is_no_pose() {
 
 fn pose(name: &str, sample: usize) -> (Scene, ExportModel) {
     let (scene, trajectory) = solved(name);
-    let model = of_motion(&scene, &trajectory, sample..sample + 1, None, None);
+    let model = of_motion(&scene, &trajectory, sample..sample + 1, None, Facets::Tool);
     (scene, model)
 }
 

@@ -9,10 +9,12 @@ mod dyad_verbs;
 mod face;
 mod flags;
 mod large_texts;
+mod many_scenes;
 #[cfg(target_os = "linux")]
 mod memory;
 mod mutations;
 mod replaced_files;
+mod report_pages;
 mod report_schema;
 mod schema;
 mod strangers;

@@ -1,0 +1,56 @@
+//! `mechanim new`: a scene of one's own, from a built-in one.
+
+use crate::cli::args::files::NewArgs;
+use crate::cli::term::Term;
+use crate::cli::term::outcome::{Failure, Outcome};
+use crate::diag::nearest_name;
+use crate::scene::builtin::{ALL, find_builtin};
+use crate::scene::template::titled_template;
+use std::io::{ErrorKind, Write};
+
+/// Runs the verb.
+pub fn run_new(args: &NewArgs, term: &Term) -> Result<Outcome, Failure> {
+    let Some(source) = find_builtin(&args.from) else {
+        return Err(unknown_template(&args.from));
+    };
+    let mut path = args.name.clone();
+    if path.extension().is_none_or(|e| e != "toml") {
+        path.as_mut_os_string().push(".toml");
+    }
+    let title = path
+        .file_stem()
+        .map(|stem| stem.to_string_lossy().into_owned());
+    let shown = path.display();
+    let head = format!(
+        "Made from the built-in scene {}. `mechanim check` judges this file, `mechanim render` draws it,\n\
+         `mechanim report --watch` shows it in a browser; docs/scene-format.md explains every key.",
+        source.name
+    );
+    let text = titled_template(&source.text, &title.unwrap_or_default(), &head);
+    // Made only if there is none: what somebody has written is never lost.
+    let file = std::fs::OpenOptions::new()
+        .write(true)
+        .create_new(true)
+        .open(&path);
+    let written = file.and_then(|mut file| file.write_all(text.as_bytes()));
+    written.map_err(|error| match error.kind() {
+        ErrorKind::AlreadyExists => Failure::usage(
+            format!("{shown} is there already, and stays as it is"),
+            vec!["take another name, or remove the file".to_owned()],
+        ),
+        _ => Failure::usage(format!("cannot write {shown}: {error}"), Vec::new()),
+    })?;
+    term.note(&format!("{shown}: a scene made from {}", source.name));
+    term.note(&format!("next: mechanim check {shown}"));
+    Ok(Outcome::Done)
+}
+
+fn unknown_template(name: &str) -> Failure {
+    let names = ALL.map(|scene| scene.name);
+    let mut hints: Vec<String> = nearest_name(name, names)
+        .map(|near| format!("did you mean `{near}`?"))
+        .into_iter()
+        .collect();
+    hints.push(format!("built-in scenes: {}", names.join(", ")));
+    Failure::usage(format!("there is no built-in scene `{name}`"), hints)
+}

@@ -1,0 +1,116 @@
+//! `--watch`: a verb again whenever its scene, a mesh of it or its table of inputs has changed. Mistakes are shown and
+//! waited out; Ctrl-C ends it.
+
+use super::args::scene::SceneArgs;
+use super::interrupt::is_interrupted;
+use super::open::patterns::scenes_of;
+use super::term::Term;
+use super::term::outcome::{Failure, Outcome};
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant, SystemTime};
+
+/// How often the files are looked at: sooner than anybody looks from the editor to the picture.
+const LOOK: Duration = Duration::from_millis(100);
+
+/// Endings of the files that a scene may name.
+const MESHES: &str = ".stl";
+
+/// Runs a verb once, or with `watch` once after every change.
+pub fn run_again(
+    watch: bool,
+    (scene, more): (&SceneArgs, &[OsString]),
+    term: &Term,
+    run: impl Fn() -> Result<Outcome, Failure>,
+) -> Result<Outcome, Failure> {
+    if !watch {
+        return run();
+    }
+    let mut seen = watched_files(scene, more)?;
+    if seen.is_empty() {
+        let message = "--watch waits for changes of a file, and there is none: built-in scenes and pipes do not change";
+        return Err(Failure::usage(
+            message,
+            vec!["write one: mechanim new NAME --from SCENE".to_owned()],
+        ));
+    }
+    for number in 1.. {
+        let begun = Instant::now();
+        let code = match run() {
+            Ok(outcome) => outcome.code(),
+            Err(Failure::Interrupted) => return Ok(Outcome::Done),
+            Err(failure) => {
+                term.failure(&failure);
+                failure.code()
+            }
+        };
+        term.note(&format!(
+            "run {number} ended with exit code {code} after {:.1} s; waiting for changes, Ctrl-C ends",
+            begun.elapsed().as_secs_f64()
+        ));
+        match next_change(&seen, scene, more) {
+            None => return Ok(Outcome::Done),
+            Some(files) => seen = files,
+        }
+    }
+    Ok(Outcome::Done)
+}
+
+/// A file with what tells that it has changed.
+type Stamp = (PathBuf, Option<(SystemTime, u64)>);
+
+/// Waits until something is different, and then until it stays as it is: editors write in several steps. `None` after
+/// Ctrl-C.
+fn next_change(seen: &[Stamp], scene: &SceneArgs, more: &[OsString]) -> Option<Vec<Stamp>> {
+    let mut last = seen.to_vec();
+    loop {
+        std::thread::sleep(LOOK);
+        if is_interrupted() {
+            return None;
+        }
+        // A pattern may mean no file for a moment.
+        let now = watched_files(scene, more).unwrap_or_else(|_| last.clone());
+        let has_settled = now == last;
+        if has_settled && now != seen && now.iter().all(|(_, stamp)| stamp.is_some()) {
+            return Some(now);
+        }
+        last = now;
+    }
+}
+
+/// The scenes that are files, their tables of inputs, and the meshes that their texts name.
+fn watched_files(scene: &SceneArgs, more: &[OsString]) -> Result<Vec<Stamp>, Failure> {
+    let mut paths: Vec<PathBuf> = Vec::new();
+    for one in scenes_of(scene, more)? {
+        let path = PathBuf::from(&one.scene);
+        let Ok(text) = std::fs::read_to_string(&path) else {
+            // Gone for a moment, as while an editor replaces it; a built-in scene has no file at all.
+            paths.extend(path.extension().is_some().then_some(path));
+            continue;
+        };
+        paths.extend(named_meshes(&text, path.parent().unwrap_or(Path::new(""))));
+        paths.push(path);
+    }
+    paths.extend(scene.table.clone().filter(|path| path != Path::new("-")));
+    paths.sort();
+    paths.dedup();
+    Ok(paths
+        .into_iter()
+        .map(|path| {
+            let stamp = std::fs::metadata(&path)
+                .ok()
+                .and_then(|m| Some((m.modified().ok()?, m.len())));
+            (path, stamp)
+        })
+        .collect())
+}
+
+/// Quoted names of meshes in the text of a scene, mistakes in it or not.
+fn named_meshes<'t>(text: &'t str, folder: &'t Path) -> impl Iterator<Item = PathBuf> + 't {
+    let quoted = text.split(['"', '\'']);
+    let meshes = quoted.filter(|word| word.to_ascii_lowercase().ends_with(MESHES));
+    // A name that leads nowhere is the scene's mistake, and no file to wait for.
+    meshes
+        .map(|name| folder.join(name))
+        .filter(|path| path.exists())
+}

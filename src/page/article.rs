@@ -1,0 +1,335 @@
+//! One mechanism on a page: what was asked of it and what was found, in the order in which an engineer asks.
+
+use super::checked::Checked;
+use super::clearance::clearance_section;
+use super::curves::{Curves, curves_section, transfer_section};
+use super::frames::{nearest_frame, shown_trajectory};
+use super::markup::{Cell, Section, Table};
+use super::mechanism::mechanism_section;
+use super::model::viewer_model;
+use super::still::first_picture;
+use crate::kinematics::motion::limits::add_limits;
+use crate::kinematics::results::trajectory::{EventKind, Trajectory};
+use crate::model::mechanism::{Kind, Mechanism};
+use crate::render::RenderError;
+use crate::report::sentences::{event_sentence, gap_sentence};
+use crate::report::verdict::{CLEARANCE, Case, Status, Verdict};
+use serde_json::{Value, json};
+
+/// Rows of a table that is still read.
+const MOST_ROWS: usize = 60;
+
+/// Quantities whose values follow the slider.
+const MOST_VALUES: usize = 24;
+
+/// A mechanism's part of a page, ready to be written.
+#[derive(Clone, Debug)]
+pub struct Article {
+    /// Title of the scene.
+    pub(super) title: String,
+    /// Where the scene is from.
+    pub(super) source: String,
+    /// The worst answer.
+    pub(super) status: Status,
+    /// The result in words.
+    pub(super) result: String,
+    /// A picture as PNG.
+    pub(super) still: Option<Vec<u8>>,
+    /// Why there is no 3-D view.
+    pub(super) note: Option<String>,
+    /// Names and units of the values that follow the slider.
+    pub(super) values: Vec<(String, String)>,
+    /// Everything below the picture.
+    pub(super) sections: Vec<Section>,
+    /// What the page's script reads.
+    pub(super) data: Value,
+}
+
+/// The article of a motion that was checked.
+///
+/// Errors: the picture cannot be drawn.
+pub fn article_of(checked: &Checked, number: usize) -> Result<Article, RenderError> {
+    let Checked {
+        scene,
+        system,
+        trajectory,
+        ..
+    } = *checked;
+    let mut article = article_without_motion(checked.source, &checked.answer.verdict);
+    if trajectory.poses().next().is_none() {
+        return Ok(article);
+    }
+    let shown = shown_trajectory(system, &scene.actuation, trajectory, checked.clearances);
+    let picture = first_picture(scene, &shown)?;
+    let model = viewer_model(
+        scene,
+        (trajectory, &shown),
+        (&picture.camera, picture.aspect),
+    );
+    let mut curves = Curves::new(scene, system, &shown, number);
+    let mut marks = Vec::new();
+    let plots = curves_section(&mut curves);
+    let transfer = transfer_section(&mut curves);
+    let clearance = checked
+        .clearances
+        .map(|found| clearance_section(&scene.mechanism, found, &shown, (&mut curves, &mut marks)));
+    let values = quantities(&scene.mechanism);
+    article.sections.extend([
+        mechanism_section(checked),
+        motion_section(checked, &shown),
+        plots,
+        transfer,
+    ]);
+    article.sections.extend(clearance);
+    article.data = json!({
+        "times": shown.samples.iter().map(|s| s.time).collect::<Vec<_>>(),
+        "values": values.iter().map(|q| json!({ "name": q.name, "at": q.values(&shown) })).collect::<Vec<_>>(),
+        "charts": curves.list,
+        "marks": marks,
+        "model": model.as_ref().ok(),
+    });
+    article.values = values.into_iter().map(|q| (q.name, q.unit)).collect();
+    article.note = model.err();
+    article.still = Some(picture.png);
+    Ok(article)
+}
+
+/// The article of a scene that has no motion to show: what was asked, and the answers.
+pub fn article_without_motion(source: &str, verdict: &Verdict) -> Article {
+    let mut answers = Section::new("What was asked, and the answers");
+    let mut table = Table::new("Questions", &["about", "question", "answer", "found"]);
+    // Pairs of bodies have a table of their own where there is a motion to show.
+    let is_elsewhere = |case: &&Case| case.group == CLEARANCE && case.status <= Status::Passed;
+    let kept = verdict.cases.iter().filter(is_elsewhere).count();
+    let told = verdict.cases.iter().filter(|case| !is_elsewhere(case));
+    table.rows = told
+        .map(|case| {
+            vec![
+                Cell::text(case.group),
+                Cell::text(&case.name),
+                Cell::State(case.status, case.status.word().to_owned()),
+                Cell::text(&case.text),
+            ]
+        })
+        .take(MOST_ROWS)
+        .collect();
+    let all = table.rows.len() + kept;
+    answers.table(&table);
+    if kept > 0 {
+        answers.text(&format!(
+            "{kept} pairs of bodies keep their distance or are left out: see Clearance."
+        ));
+    }
+    if all < verdict.cases.len() {
+        answers.text(&format!("and {} more", verdict.cases.len() - all));
+    }
+    Article {
+        title: verdict.title.clone(),
+        source: source.to_owned(),
+        status: verdict.result(),
+        result: verdict.sentence(),
+        still: None,
+        note: None,
+        values: Vec::new(),
+        sections: vec![answers],
+        data: json!({ "times": [], "values": [], "charts": [], "marks": [], "model": null }),
+    }
+}
+
+/// A quantity of the motion: an input, an output or an unknown.
+struct Shown {
+    name: String,
+    unit: String,
+    factor: f64,
+    place: Place,
+}
+
+#[derive(Clone, Copy)]
+enum Place {
+    Input(usize),
+    Output(usize),
+    Unknown(usize),
+}
+
+impl Shown {
+    /// Values at all frames in the scene's unit, in six digits.
+    fn values(&self, shown: &Trajectory) -> Vec<Option<f64>> {
+        let value = |frame: usize| self.value(shown, frame);
+        (0..shown.samples.len())
+            .map(value)
+            .map(|v| v.filter(|v| v.is_finite()).map(short))
+            .collect()
+    }
+
+    fn value(&self, shown: &Trajectory, frame: usize) -> Option<f64> {
+        let sample = &shown.samples[frame];
+        let pose = sample.pose.as_ref()?;
+        Some(
+            self.factor
+                * match self.place {
+                    Place::Input(k) => sample.inputs[k],
+                    Place::Output(k) => pose.outputs[k],
+                    Place::Unknown(k) => pose.unknowns[k],
+                },
+        )
+    }
+}
+
+/// The quantities that are shown: inputs, outputs, then unknowns.
+fn quantities(mechanism: &Mechanism) -> Vec<Shown> {
+    let one = |(name, kind, place): (&String, Kind, Place)| Shown {
+        name: name.clone(),
+        unit: mechanism.unit_name(kind).to_owned(),
+        factor: mechanism.file_units(kind),
+        place,
+    };
+    let inputs = mechanism.inputs.iter().enumerate();
+    let outputs = mechanism.outputs.iter().enumerate();
+    let unknowns = mechanism.unknowns.iter().enumerate();
+    inputs
+        .map(|(k, c)| (&c.name, c.kind, Place::Input(k)))
+        .chain(outputs.map(|(k, o)| (&o.name, o.kind, Place::Output(k))))
+        .chain(unknowns.map(|(k, c)| (&c.name, c.kind, Place::Unknown(k))))
+        .map(one)
+        .take(MOST_VALUES)
+        .collect()
+}
+
+/// In six digits, as the page shows it.
+fn short(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
+}
+
+/// How it moves: proofs, least and greatest values, limit positions, events and gaps.
+fn motion_section(checked: &Checked, shown: &Trajectory) -> Section {
+    let Checked {
+        scene,
+        system,
+        trajectory,
+        answer,
+        ..
+    } = *checked;
+    let mechanism = &scene.mechanism;
+    let mut section = Section::new("Motion and its proof");
+    let mut terms = vec![(
+        "Duration".to_owned(),
+        format!("{} s", scene.actuation.duration),
+    )];
+    terms.extend(
+        answer
+            .motion
+            .iter()
+            .map(|(head, text)| (long_head(head).to_owned(), text.clone())),
+    );
+    section.terms(&terms);
+    section.table(&extremes(mechanism, shown));
+    let mut limits = Trajectory {
+        samples: trajectory.samples.clone(),
+        ..Trajectory::default()
+    };
+    add_limits(system, &scene.actuation, &mut limits);
+    let turning = limits
+        .events
+        .iter()
+        .filter(|e| matches!(e.kind, EventKind::LimitPosition { .. }));
+    let mut table = Table::new(
+        "Limit positions, events and gaps",
+        &["t / s:", "what happens", ""],
+    );
+    let row = |time: f64, text: String| {
+        vec![
+            Cell::number(format!("{time:.6}")),
+            Cell::text(&text),
+            Cell::Show {
+                frame: nearest_frame(shown, time),
+                mark: None,
+                about: text,
+            },
+        ]
+    };
+    let mut rows: Vec<(f64, Vec<Cell>)> = turning
+        .chain(&trajectory.events)
+        .map(|event| {
+            (
+                event.time,
+                row(event.time, event_sentence(mechanism, event)),
+            )
+        })
+        .collect();
+    rows.extend(trajectory.gaps.iter().map(|gap| {
+        let time = gap
+            .from
+            .as_ref()
+            .or(gap.until.as_ref())
+            .map_or(0.0, |at| at.time);
+        (time, row(time, gap_sentence(mechanism, gap)))
+    }));
+    rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let more = rows.len().saturating_sub(MOST_ROWS);
+    table.rows = rows
+        .into_iter()
+        .take(MOST_ROWS)
+        .map(|(_, row)| row)
+        .collect();
+    section.table(&table);
+    if more > 0 {
+        section.text(&format!("and {more} more"));
+    }
+    section
+}
+
+/// The report's short heads in full.
+fn long_head(head: &str) -> &str {
+    match head {
+        "samples" => "Samples",
+        "closure error" => "Largest closure error",
+        "smallest sigma" => "Smallest singular value (distance from a singular pose)",
+        "condition" => "Largest condition number",
+        "branch" => "Assembly branch",
+        "certificate" => "Certificate of the poses",
+        "motion" => "Certificate between the poses",
+        "assumed" => "The proofs assume",
+        other => other,
+    }
+}
+
+/// Least and greatest values of all quantities among the frames.
+fn extremes(mechanism: &Mechanism, shown: &Trajectory) -> Table {
+    let mut table = Table::new(
+        "Least and greatest values among the poses shown",
+        &[
+            "quantity",
+            "least:",
+            "at t / s:",
+            "",
+            "greatest:",
+            "at t / s:",
+            "",
+        ],
+    );
+    for quantity in quantities(mechanism) {
+        let mut values: Vec<(usize, f64)> = Vec::new();
+        for (frame, value) in quantity.values(shown).into_iter().enumerate() {
+            values.extend(value.map(|v| (frame, v)));
+        }
+        let least = values.iter().min_by(|a, b| a.1.total_cmp(&b.1));
+        let greatest = values.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+        let mut row = vec![Cell::text(&quantity.name)];
+        for (word, end) in [("least", least), ("greatest", greatest)] {
+            let Some((frame, value)) = end else { continue };
+            let time = shown.samples[*frame].time;
+            let about = format!("the {word} {}", quantity.name);
+            row.extend([
+                Cell::number(format!("{value:.6} {}", quantity.unit).trim_end()),
+                Cell::number(format!("{time:.4}")),
+                Cell::Show {
+                    frame: *frame,
+                    mark: None,
+                    about,
+                },
+            ]);
+        }
+        table.rows.push(row);
+    }
+    table
+}

@@ -1,0 +1,24 @@
+//! What an article is about: a check with everything it was asked of.
+
+use crate::clearance::check::ClearanceReport;
+use crate::kinematics::results::trajectory::Trajectory;
+use crate::kinematics::structure::system::System;
+use crate::report::motion_check::MotionAnswer;
+use crate::scene::Scene;
+
+/// A check with everything it was about.
+#[derive(Clone, Copy)]
+pub struct Checked<'a> {
+    /// Where the scene is from.
+    pub source: &'a str,
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Its mechanism.
+    pub system: &'a System,
+    /// The motion that was checked.
+    pub trajectory: &'a Trajectory,
+    /// The clearances, if the scene asks for some.
+    pub clearances: Option<&'a ClearanceReport>,
+    /// What was found.
+    pub answer: &'a MotionAnswer,
+}

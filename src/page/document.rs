@@ -1,0 +1,170 @@
+//! The file: policy, style, articles, data, scripts.
+
+use super::article::Article;
+use super::digest::{base64, sha256};
+use super::markup::{Cell, Section, Table, escaped, script_json, state_class};
+use std::fmt::Write;
+
+/// How the page looks.
+const STYLE: &str = include_str!("web/report.css");
+
+/// The 3-D view, then what moves on the page; in this order, since the second uses the first.
+const SCRIPTS: [&str; 2] = [include_str!("web/viewer.js"), include_str!("web/report.js")];
+
+/// The whole file. `title` is that of the page where it is about several mechanisms.
+pub fn page_text(title: &str, articles: &[Article]) -> String {
+    let title = match articles {
+        [only] => only.title.as_str(),
+        _ => title,
+    };
+    let mut out = head(title);
+    let depth = match articles {
+        [_] => 2,
+        _ => {
+            out.push_str(&overview(title, articles));
+            3
+        }
+    };
+    for (index, article) in articles.iter().enumerate() {
+        write_article(&mut out, index, article, depth);
+    }
+    let data = articles.iter().map(|article| article.data.clone());
+    let data = script_json(&data.collect());
+    let _ = write!(
+        out,
+        "<footer>Made by mechanim {}. This file needs no network.</footer>\n</main>\n\
+         <script type=\"application/json\" id=\"data\">{data}</script>\n",
+        env!("CARGO_PKG_VERSION"),
+    );
+    for script in SCRIPTS {
+        let _ = writeln!(out, "<script>{script}</script>");
+    }
+    out.push_str("</body>\n</html>\n");
+    out
+}
+
+/// A policy that lets run and look only what is written here: nothing that a scene says can become script or style,
+/// and nothing is asked for from anywhere.
+fn policy() -> String {
+    let hash = |text: &str| format!("'sha256-{}'", base64(&sha256(text.as_bytes())));
+    let scripts: Vec<String> = SCRIPTS.iter().map(|script| hash(script)).collect();
+    format!(
+        "default-src 'none'; img-src data:; style-src {}; script-src {}; base-uri 'none'; form-action 'none'",
+        hash(STYLE),
+        scripts.join(" "),
+    )
+}
+
+fn head(title: &str) -> String {
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta http-equiv=\"Content-Security-Policy\" content=\"{}\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <title>{}</title>\n<link rel=\"icon\" href=\"data:,\">\n<style>{STYLE}</style>\n</head>\n<body>\n<main>\n",
+        policy(),
+        escaped(title),
+    )
+}
+
+/// All mechanisms with their results, as links to their articles.
+fn overview(title: &str, articles: &[Article]) -> String {
+    let mut out = format!("<h1>{}</h1>\n<ul>\n", escaped(title));
+    for (index, article) in articles.iter().enumerate() {
+        let _ = writeln!(
+            out,
+            "<li><a href=\"#scene-{}\"><bdi>{}</bdi></a>: {}</li>",
+            index + 1,
+            escaped(&article.title),
+            escaped(&article.result),
+        );
+    }
+    out.push_str("</ul>\n");
+    out
+}
+
+fn write_article(out: &mut String, index: usize, article: &Article, depth: usize) {
+    let title = depth - 1;
+    let _ = write!(
+        out,
+        "<article id=\"scene-{}\">\n<h{title}><bdi>{}</bdi></h{title}>\n<p class=\"faint\"><bdi>{}</bdi></p>\n\
+         <p class=\"verdict {}\">{}</p>\n",
+        index + 1,
+        escaped(&article.title),
+        escaped(&article.source),
+        state_class(article.status),
+        escaped(&article.result),
+    );
+    if let Some(still) = &article.still {
+        write_view(out, article, still);
+    }
+    for section in &article.sections {
+        write_section(out, section, depth);
+    }
+    out.push_str("</article>\n");
+}
+
+/// The picture, the canvas over it, and what leads them through time. All that needs the script is hidden until it runs.
+fn write_view(out: &mut String, article: &Article, still: &[u8]) {
+    let title = escaped(&article.title);
+    let canvas = match article.data["model"].is_null() {
+        true => String::new(),
+        false => format!(
+            "<canvas data-part=\"canvas\" hidden tabindex=\"0\" role=\"img\" aria-label=\"3-D view of {title}: arrow keys turn it, plus and minus come nearer, Home resets it\"></canvas>"
+        ),
+    };
+    let _ = write!(
+        out,
+        "<figure>\n<div class=\"stage\"><img class=\"still\" data-part=\"still\" alt=\"{title} at the start of its motion\" src=\"data:image/png;base64,{}\">{canvas}</div>\n\
+         <p class=\"faint\" data-part=\"note\"{}>{}</p>\n\
+         <div class=\"controls\" data-live hidden><button type=\"button\" data-part=\"play\">Play</button>\
+         <input type=\"range\" min=\"0\" max=\"0\" value=\"0\" step=\"1\" aria-label=\"Time\" data-part=\"slider\"><output data-part=\"clock\"></output>\
+         <button type=\"button\" data-part=\"reset\"{}>Reset view</button></div>\n\
+         <p class=\"live faint\" data-live hidden><span data-part=\"caption\" aria-live=\"polite\"></span> {}</p>\n",
+        base64(still),
+        if article.note.is_some() {
+            ""
+        } else {
+            " hidden"
+        },
+        escaped(article.note.as_deref().unwrap_or_default()),
+        if canvas.is_empty() { " disabled" } else { "" },
+        if canvas.is_empty() {
+            ""
+        } else {
+            "<span data-part=\"hint\">Drag to turn, with Shift or two fingers to move; pinch, or turn the wheel with Ctrl, to come nearer. Curves can be clicked.</span>"
+        },
+    );
+    out.push_str("<noscript><p class=\"faint\">Scripts are off: the picture stands still, everything else is here.</p></noscript>\n");
+    let mut now = Table::new(
+        "Values at the time of the slider",
+        &["quantity", "value:", "unit"],
+    );
+    now.rows = article
+        .values
+        .iter()
+        .enumerate()
+        .map(|(k, (name, unit))| vec![Cell::text(name), Cell::Live(k), Cell::text(unit)])
+        .collect();
+    let mut section = Section::default();
+    section.table(&now);
+    for block in section.blocks {
+        let _ = writeln!(out, "<div class=\"live\" data-live hidden>{block}</div>");
+    }
+    out.push_str("</figure>\n");
+}
+
+fn write_section(out: &mut String, section: &Section, depth: usize) {
+    if section.blocks.is_empty() {
+        return;
+    }
+    let _ = writeln!(
+        out,
+        "<section>\n<h{depth}>{}</h{depth}>",
+        escaped(&section.heading)
+    );
+    for block in &section.blocks {
+        out.push_str(block);
+        out.push('\n');
+    }
+    out.push_str("</section>\n");
+}

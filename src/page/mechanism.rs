@@ -1,0 +1,99 @@
+//! What a mechanism consists of, in words: bodies, joints, loops, coordinates, freedoms.
+
+use super::checked::Checked;
+use super::markup::Section;
+use crate::model::joints::JointKind;
+use crate::model::mechanism::{Coordinate, Mechanism};
+use crate::report::sentences::{counted_things, with_unit};
+
+/// Names in a list that is still read.
+const MOST_NAMES: usize = 24;
+
+/// The section about the mechanism itself.
+pub fn mechanism_section(checked: &Checked) -> Section {
+    let mechanism = &checked.scene.mechanism;
+    let mut section = Section::new("Mechanism");
+    let bodies = mechanism.bodies.iter().map(|b| b.name.as_str());
+    let loops = mechanism.loops.iter().map(|l| l.name.as_str());
+    let unknowns = mechanism.unknowns.iter().map(|c| c.name.as_str());
+    let mut terms = vec![
+        ("Bodies".to_owned(), named_list(bodies)),
+        ("Joints".to_owned(), joint_list(mechanism)),
+        ("Closed loops".to_owned(), named_list(loops)),
+    ];
+    if !mechanism.equations.is_empty() {
+        let names = mechanism.equations.iter().map(|e| e.name.as_str());
+        terms.push(("Equations".to_owned(), named_list(names)));
+    }
+    let inputs = mechanism.inputs.iter().enumerate();
+    let inputs: Vec<String> = inputs
+        .map(|(k, input)| driven_range(checked, k, input))
+        .collect();
+    terms.push((
+        "Inputs".to_owned(),
+        match inputs.is_empty() {
+            true => "none".to_owned(),
+            false => inputs.join("; "),
+        },
+    ));
+    terms.push(("Unknowns".to_owned(), named_list(unknowns)));
+    let freedoms = checked.answer.freedoms.iter();
+    terms.extend(freedoms.map(|(head, text)| (long_head(head).to_owned(), text.clone())));
+    section.terms(&terms);
+    section
+}
+
+fn long_head(head: &str) -> &str {
+    match head {
+        "mobility" => "Freedoms",
+        "redundant" => "Redundant equations",
+        "condition" => "Condition on the inputs",
+        "idle" => "Idle freedom",
+        other => other,
+    }
+}
+
+/// `4: crank, rod, slider, frame`.
+fn named_list<'n>(names: impl Iterator<Item = &'n str>) -> String {
+    let names: Vec<&str> = names.collect();
+    if names.is_empty() {
+        return "none".to_owned();
+    }
+    let shown = names[..names.len().min(MOST_NAMES)].join(", ");
+    let more = match names.len().saturating_sub(MOST_NAMES) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    format!("{}: {shown}{more}", names.len())
+}
+
+/// `3 revolute joints, 1 prismatic joint`.
+fn joint_list(mechanism: &Mechanism) -> String {
+    let mut kinds: Vec<(JointKind, usize)> = Vec::new();
+    for joint in &mechanism.joints.list {
+        match kinds.iter_mut().find(|(kind, _)| *kind == joint.kind) {
+            Some((_, count)) => *count += 1,
+            None => kinds.push((joint.kind, 1)),
+        }
+    }
+    let words = kinds
+        .iter()
+        .map(|(kind, count)| counted_things(*count, kind.words()));
+    match words.collect::<Vec<_>>() {
+        words if words.is_empty() => "none".to_owned(),
+        words => words.join(", "),
+    }
+}
+
+/// `phi from 0 deg to 360 deg`, as the samples have it.
+fn driven_range(checked: &Checked, index: usize, input: &Coordinate) -> String {
+    let values = checked.trajectory.samples.iter().map(|s| s.inputs[index]);
+    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
+        (l.min(v), h.max(v))
+    });
+    let value = |v: f64| with_unit(&checked.scene.mechanism, input.kind, v);
+    match low == high {
+        true => format!("{} held at {}", input.name, value(low)),
+        false => format!("{} between {} and {}", input.name, value(low), value(high)),
+    }
+}

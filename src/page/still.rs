@@ -1,0 +1,67 @@
+//! The picture that a page shows where nothing moves: without scripts, without WebGL, on paper.
+
+use crate::export::png::{Effort, encode_png};
+use crate::kinematics::results::trajectory::Trajectory;
+use crate::pictures::frames::{DrawnBy, Pictures};
+use crate::render::adapter::AdapterChoice;
+use crate::render::open::RendererChoice;
+use crate::render::{Camera, RenderError};
+use crate::scene::Scene;
+use crate::staging::{PictureOptions, Staging};
+use image::RgbaImage;
+
+/// Size and smoothness: sharp enough on paper at 12 cm, and some 80 kB.
+const OPTIONS: PictureOptions = PictureOptions {
+    size: [640, 480],
+    samples: 4,
+};
+
+/// A picture with the camera that it was taken with.
+pub struct Picture {
+    /// The file.
+    pub png: Vec<u8>,
+    /// The camera.
+    pub camera: Camera,
+    /// Width over height.
+    pub aspect: f64,
+}
+
+/// Draws the first frame by the program's own renderer, whose pictures are the same on every machine.
+pub fn first_picture(scene: &Scene, shown: &Trajectory) -> Result<Picture, RenderError> {
+    let staging = Staging::new(scene, shown, OPTIONS);
+    let pictures = Pictures {
+        scene,
+        staging: &staging,
+        panes: &[],
+        first: 0,
+        panel: None,
+    };
+    let by = DrawnBy {
+        renderer: RendererChoice::Cpu,
+        adapter: AdapterChoice::Software,
+        threads: 1,
+    };
+    let mut image = RgbaImage::new(OPTIONS.size[0], OPTIONS.size[1]);
+    for draw in pictures.workers(&by)?.list.iter_mut().take(1) {
+        draw(0, &mut image)?;
+    }
+    image
+        .as_mut()
+        .iter_mut()
+        .for_each(|level| *level = coarser(*level));
+    let mut png = Vec::new();
+    encode_png(&image, Effort::Small, &mut png)
+        .map_err(|error| RenderError::Device(error.to_string()))?;
+    let [width, height] = OPTIONS.size.map(f64::from);
+    Ok(Picture {
+        png,
+        camera: staging.frame(0).camera(&staging.stage),
+        aspect: width / height,
+    })
+}
+
+/// Of 64 levels, black and white among them: half the file, and nothing that an eye sees.
+fn coarser(level: u8) -> u8 {
+    let step = u32::from(level) >> 2;
+    ((step * 255 + 31) / 63) as u8
+}

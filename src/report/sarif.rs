@@ -1,0 +1,93 @@
+//! Verdicts as SARIF 2.1.0, which code-hosting services show beside the files of a change: one result for every question
+//! that was not answered with yes.
+
+use super::verdict::{CLEARANCE, Judged, MEASURES, MOTION, PROOF, Status};
+use serde_json::{Value, json};
+
+/// What the groups of questions are, for readers of a result.
+const RULES: [(&str, &str); 5] = [
+    (MOTION, "All loops close over the whole motion."),
+    (PROOF, "Every pose that is asked for is proved."),
+    (MEASURES, "Measures keep their limits."),
+    (
+        CLEARANCE,
+        "Bodies keep their least distance at every instant.",
+    ),
+    ("scene", "The scene can be checked."),
+];
+
+/// The whole document.
+pub fn to_sarif(judged: &[Judged]) -> Value {
+    let rule = |(id, text): (&str, &str)| json!({ "id": id, "shortDescription": { "text": text } });
+    let results: Vec<Value> = judged.iter().flat_map(results_of).collect();
+    json!({
+        "$schema": "https://json.schemastore.org/sarif-2.1.0.json",
+        "version": "2.1.0",
+        "runs": [{
+            "tool": { "driver": {
+                "name": "mechanim",
+                "version": env!("CARGO_PKG_VERSION"),
+                "rules": RULES.map(rule),
+            }},
+            "results": results,
+        }],
+    })
+}
+
+fn results_of(one: &Judged) -> Vec<Value> {
+    let cases = one.verdict.cases.iter();
+    let bad = cases.filter(|case| case.status > Status::Passed);
+    bad.map(|case| json!({
+        "ruleId": case.group,
+        "level": if case.status == Status::NotProved { "warning" } else { "error" },
+        "message": { "text": format!("{}: {} {}: {}", one.verdict.title, case.name, case.status.word(), case.text) },
+        "locations": [{ "physicalLocation": { "artifactLocation": { "uri": uri(one.source) } } }],
+    })).collect()
+}
+
+/// A path as an address relative to where the program runs.
+fn uri(path: &str) -> String {
+    let mut out = String::new();
+    for byte in path.replace('\\', "/").bytes() {
+        match byte {
+            b'/' | b'-' | b'.' | b'_' | b'~' => out.push(char::from(byte)),
+            byte if byte.is_ascii_alphanumeric() => out.push(char::from(byte)),
+            byte => out.push_str(&format!("%{byte:02X}")),
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::verdict::{Case, Verdict};
+
+    #[test]
+    fn only_what_is_wrong_is_a_result() {
+        let case = |status| Case::new(CLEARANCE, "a / b", status, "0.1 mm");
+        let verdict = Verdict {
+            title: "T".to_owned(),
+            cases: vec![
+                case(Status::Passed),
+                case(Status::Skipped),
+                case(Status::Failed),
+                case(Status::NotProved),
+            ],
+        };
+        let document = to_sarif(&[Judged {
+            source: "a b\\c.toml",
+            verdict: &verdict,
+            seconds: 0.0,
+        }]);
+        let results = document["runs"][0]["results"].as_array().unwrap();
+        let levels: Vec<&Value> = results.iter().map(|r| &r["level"]).collect();
+        assert_eq!(levels, ["error", "warning"]);
+        let place = &results[0]["locations"][0]["physicalLocation"]["artifactLocation"]["uri"];
+        assert_eq!(place, "a%20b/c.toml");
+        let rules = document["runs"][0]["tool"]["driver"]["rules"]
+            .as_array()
+            .unwrap();
+        assert!(rules.iter().any(|rule| rule["id"] == results[0]["ruleId"]));
+    }
+}
