@@ -79,7 +79,8 @@ impl<'a> Walker<'a> {
             .links
             .iter()
             .zip(numbers)
-            .map(|(link, number)| SchemeLink {
+            .enumerate()
+            .map(|(index, (link, number))| SchemeLink {
                 number,
                 names: link
                     .bodies
@@ -87,7 +88,7 @@ impl<'a> Walker<'a> {
                     .map(|b| mechanism.bodies[*b].name.clone())
                     .collect(),
                 paths: Vec::new(),
-                frame: link.world_from_link.pose(own),
+                frame: joints.world_from_link(index).pose(own),
             });
         Self {
             mechanism,
