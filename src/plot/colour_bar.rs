@@ -23,6 +23,9 @@ pub struct ColourBar {
 const BAR: f64 = 1.8;
 const ROOM: f64 = 12.0;
 
+/// Pixels by which steps reach under each other.
+const SEAM: f64 = 0.5;
+
 /// Most numbers beside the bar.
 const MOST_TICKS: usize = 6;
 
@@ -56,7 +59,8 @@ impl ColourBar {
             rect: Rect {
                 left,
                 right: left + BAR * text,
-                top: bottom - (k + 1) as f64 * step,
+                // Under the next step, so that no seam is seen.
+                top: (bottom - (k + 1) as f64 * step - SEAM).max(top),
                 bottom: bottom - k as f64 * step,
             },
             fill: *fill,
@@ -89,8 +93,7 @@ impl ColourBar {
                 write(at, tick.text.clone(), TextAnchor::Start);
             }
         }
-        let right = f64::from(drawing.size[0]) - sizes.gap;
-        write([right, top - sizes.gap], label, TextAnchor::End);
+        write([left, top - 1.5 * sizes.gap], label, TextAnchor::Start);
         drawing
     }
 }

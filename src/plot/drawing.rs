@@ -95,7 +95,6 @@ pub fn draw_chart(chart: &Chart, size: [u32; 2], theme: ChartTheme) -> Drawing {
             x: frame.x,
             y: frame.y,
         };
-        draw_tiles(panel, &area, &mut drawing.primitives);
         draw_shades(
             panel,
             &area,
@@ -105,6 +104,7 @@ pub fn draw_chart(chart: &Chart, size: [u32; 2], theme: ChartTheme) -> Drawing {
             &mut drawing.primitives,
         );
         frame.draw_grid(&sizes, &theme, &mut drawing.primitives);
+        draw_tiles(panel, &area, &mut drawing.primitives);
         draw_spread(panel, &area, &sizes, &theme, &mut drawing.primitives);
         draw_events(panel, &area, &sizes, &theme, &mut drawing.primitives);
         draw_marks(panel, &area, &sizes, &theme, &mut drawing.primitives);

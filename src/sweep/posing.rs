@@ -43,10 +43,17 @@ impl Origin {
         })
     }
 
-    /// The first pose at other inputs (the parameters among them); `None` where none was found.
-    pub fn start_at(&self, family: &ParametricMechanism, inputs: &[f64]) -> Option<Start> {
+    /// The first pose at other inputs (the parameters among them).
+    ///
+    /// # Errors
+    /// There is none: surely (`NotClosed`), or as far as was found (`Undecided`).
+    pub fn start_at(
+        &self,
+        family: &ParametricMechanism,
+        inputs: &[f64],
+    ) -> Result<Start, RowStatus> {
         if let Some(unknowns) = self.followed(family, inputs) {
-            return Some(Start {
+            return Ok(Start {
                 unknowns,
                 status: RowStatus::Ok,
             });
@@ -54,12 +61,17 @@ impl Origin {
         // Beyond a place without poses there may be poses again: of which assembly only its signs tell.
         let assembled = Actuation::straight(inputs, inputs, self.unknowns.clone());
         let motion = solve_motion(family.system(), &assembled, &[0.0]);
-        let pose = motion.poses().next()?;
+        let Some(pose) = motion.poses().next() else {
+            return Err(match motion.is_undecided() {
+                true => RowStatus::Undecided,
+                false => RowStatus::NotClosed,
+            });
+        };
         let status = match pose.branch == self.branch {
             true => RowStatus::NotReached,
             false => RowStatus::OtherBranch,
         };
-        Some(Start {
+        Ok(Start {
             unknowns: pose.unknowns.clone(),
             status,
         })

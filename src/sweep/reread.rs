@@ -26,8 +26,9 @@ pub(super) fn row(sweep: &Sweep, design: &[f64], internal: &[f64]) -> Row {
     };
     let mut inputs = scene.actuation.inputs_at(0.0);
     inputs.extend_from_slice(internal);
-    let Some(start) = sweep.origin.start_at(&sweep.family, &inputs) else {
-        return sweep.empty_row(RowStatus::NotClosed);
+    let start = match sweep.origin.start_at(&sweep.family, &inputs) {
+        Ok(start) => start,
+        Err(status) => return sweep.empty_row(status),
     };
     let Some(guess) = guess_of(sweep, &scene, &start) else {
         return refused();

@@ -5,7 +5,7 @@
 pub enum RowStatus {
     /// All poses are there, on the assembly that the file's own values have.
     Ok,
-    /// Some poses do not exist.
+    /// Some poses do not exist, or the motion ends at a fold: proved.
     NotClosed,
     /// The poses are those of another assembly.
     OtherBranch,
@@ -14,7 +14,7 @@ pub enum RowStatus {
     NotReached,
     /// The scene cannot be read with these values, or something that is asked for has no value.
     Refused,
-    /// The motion was given up where poses may exist.
+    /// Poses are missing, and nothing proves that there are none.
     Undecided,
 }
 
@@ -28,6 +28,21 @@ impl RowStatus {
         Self::Refused,
         Self::Undecided,
     ];
+
+    /// Of two motions of one design the answer that says less good: a proof that poses are missing before a doubt, a doubt
+    /// before what is said of the start.
+    pub(super) fn worse(self, other: Self) -> Self {
+        let pair = [self, other];
+        if pair.contains(&Self::NotClosed) {
+            Self::NotClosed
+        } else if pair.contains(&Self::Undecided) {
+            Self::Undecided
+        } else if self == Self::Ok {
+            other
+        } else {
+            self
+        }
+    }
 
     /// As tables say it.
     pub const fn word(self) -> &'static str {

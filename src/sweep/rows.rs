@@ -2,7 +2,7 @@
 
 use super::posing::Start;
 use super::reread;
-use super::row::{Row, RowStatus};
+use super::row::Row;
 use super::swept_scene::{Posed, Sweep};
 use crate::model::actuation::Actuation;
 use crate::model::drive::Drive;
@@ -35,10 +35,10 @@ impl<'s> RowWorker<'s> {
         }
         self.set(&values);
         let inputs = self.actuation.inputs_at(0.0);
-        let Some(start) = sweep.origin.start_at(&sweep.family, &inputs) else {
-            return sweep.empty_row(RowStatus::NotClosed);
+        let Start { unknowns, status } = match sweep.origin.start_at(&sweep.family, &inputs) {
+            Ok(start) => start,
+            Err(status) => return sweep.empty_row(status),
         };
-        let Start { unknowns, status } = start;
         self.actuation.guess = unknowns;
         let posed = Posed {
             system: sweep.family.system(),

@@ -142,10 +142,9 @@ impl Sweep {
         let values = match &self.asked {
             Asked::Outputs { .. } => self.outputs(posed, &motion),
             _ => {
-                let mut is_missing = false;
-                let mut seen = |samples: &[Sample]| {
-                    proved.add(samples.iter().filter_map(|s| s.pose.as_ref()));
-                    is_missing |= samples.iter().any(|s| s.pose.is_none());
+                let mut seen = |track: &Trajectory| {
+                    proved.add(track.poses());
+                    status = status.worse(motion_status(track, start));
                 };
                 let samples = &motion.samples;
                 let found = measure_watched(
@@ -155,9 +154,6 @@ impl Sweep {
                     samples,
                     &mut seen,
                 );
-                if is_missing && status != RowStatus::Undecided {
-                    status = RowStatus::NotClosed;
-                }
                 found.into_iter().map(|v| v.unwrap_or(f64::NAN)).collect()
             }
         };

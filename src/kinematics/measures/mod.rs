@@ -32,19 +32,20 @@ pub fn measure_motion(
     )
 }
 
-/// The same from the samples along the drive; `seen` is shown the samples of every track.
+/// The same from the samples along the drive; `seen` is shown the motion along every track, with the way to its first pose.
 pub fn measure_watched(
     system: &System,
     actuation: &Actuation,
     measures: &Measures,
     samples: &[Sample],
-    seen: &mut dyn FnMut(&[Sample]),
+    seen: &mut dyn FnMut(&Trajectory),
 ) -> Vec<Option<f64>> {
     let mut over = measure_over(system, measures, None, samples);
     for (k, track) in measures.tracks.iter().enumerate() {
         // The poses of one track at a time: together they would fill the memory.
-        let poses = poses_of(system, actuation, track);
-        seen(&poses);
+        let motion = motion_along(system, actuation, track);
+        seen(&motion);
+        let poses = poses_along(motion);
         over.extend(measure_over(system, measures, Some(k), &poses));
     }
     let inputs = actuation.inputs_at(0.0);
@@ -145,8 +146,18 @@ pub fn values_along(
 /// The poses of a track. The motion goes there from the start of the drive, so that it stays on the branch; samples that it
 /// does not lead to have no pose.
 pub fn poses_of(system: &System, actuation: &Actuation, track: &MeasuredTrack) -> Vec<Sample> {
+    poses_along(motion_along(system, actuation, track))
+}
+
+/// The motion to the start of a track and along it.
+fn motion_along(system: &System, actuation: &Actuation, track: &MeasuredTrack) -> Trajectory {
     let (moved, times) = driven_along(actuation, track);
-    let mut samples = solve_motion(system, &moved, &times).of_one_motion();
+    solve_motion(system, &moved, &times)
+}
+
+/// The poses of the track that a motion leads along.
+fn poses_along(motion: Trajectory) -> Vec<Sample> {
+    let mut samples = motion.of_one_motion();
     samples.remove(0);
     samples
 }

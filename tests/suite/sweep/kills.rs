@@ -54,9 +54,7 @@ fn a_run_that_is_killed_again_and_again_goes_on() {
 #[test]
 fn a_sweep_that_is_stopped_goes_on_with_resume() {
     let space = Workspace::new();
-    let whole = run(&space, &format!("sweep {LONG} --out -"))
-        .exits(0)
-        .stdout;
+    let (whole, time) = whole(&space);
     let line = format!("sweep {LONG} --threads 1 --out rows.csv");
     let child = space.command(&words(&line)).spawn().unwrap();
     std::thread::sleep(time.mul_f64(0.4));
