@@ -19,8 +19,8 @@ pub fn paving_chart(row: &PlanarRow, title: &str, unit: &str, paved: &[PavedPoin
             panel("Projection: some place of the others suffices", &|p| p.projection.clone()),
         ],
         notes: vec![
-            "Filled: every start there keeps the angles of all dyads (proved). Outlined squares: not decided. Elsewhere in a \
-             window: none does (proved)."
+            "Filled: starts that keep the angles of all dyads, proved. Outlined squares: not decided. Elsewhere in a \
+             window: proved not to keep them."
                 .to_owned(),
         ],
     }
@@ -38,10 +38,15 @@ fn paving_panel(row: &PlanarRow, name: &str, unit: &str, pavings: &[Paving]) -> 
         .iter()
         .zip(paved_points(row))
         .map(|(paving, point)| {
-            outline(&Cell {
+            let whole = Cell {
                 middle: points[point],
                 half: paving.reach,
-            })
+            };
+            PlotSeries {
+                name: row.names[point].clone(),
+                points: cell_outline(&whole).into_iter().map(Some).collect(),
+                ..PlotSeries::default()
+            }
         });
     Panel {
         title: name.to_owned(),
@@ -49,18 +54,13 @@ fn paving_panel(row: &PlanarRow, name: &str, unit: &str, pavings: &[Paving]) -> 
         y: axis(1),
         bands: pavings
             .iter()
-            .flat_map(|p| p.inner.iter().map(filled))
+            .flat_map(|p| p.inner.iter().map(filled_cell))
             .collect(),
         cloud: pavings
             .iter()
-            .flat_map(|p| p.edge.iter().map(outline))
+            .flat_map(|p| p.edge.iter().map(cell_outline))
             .collect(),
-        series: windows
-            .map(|points| PlotSeries {
-                points: points.into_iter().map(Some).collect(),
-                ..PlotSeries::default()
-            })
-            .collect(),
+        series: windows.collect(),
         lines: bars.collect(),
         marks: points.clone(),
         equal: true,
@@ -73,7 +73,7 @@ fn paved_points(row: &PlanarRow) -> impl Iterator<Item = usize> + '_ {
     (0..row.chain.points.len()).filter(|k| !row.chain.fixed.contains(k))
 }
 
-fn corners(cell: &Cell) -> [[f64; 2]; 2] {
+fn cell_corners(cell: &Cell) -> [[f64; 2]; 2] {
     let [x, y] = cell.middle;
     [
         [x - cell.half, y - cell.half],
@@ -81,16 +81,16 @@ fn corners(cell: &Cell) -> [[f64; 2]; 2] {
     ]
 }
 
-fn filled(cell: &Cell) -> Band {
-    let [[left, low], [right, high]] = corners(cell);
+fn filled_cell(cell: &Cell) -> Band {
+    let [[left, low], [right, high]] = cell_corners(cell);
     Band {
         lower: vec![[left, low], [right, low]],
         upper: vec![[left, high], [right, high]],
     }
 }
 
-fn outline(cell: &Cell) -> Vec<[f64; 2]> {
-    let [[left, low], [right, high]] = corners(cell);
+fn cell_outline(cell: &Cell) -> Vec<[f64; 2]> {
+    let [[left, low], [right, high]] = cell_corners(cell);
     vec![
         [left, low],
         [right, low],

@@ -60,8 +60,8 @@ fn point_box(p: [f64; 2], half: f64) -> Box2 {
 /// Where `point` may be with all others as drawn.
 pub fn pave_section(chain: &DyadChain, point: usize, window: Window) -> Paving {
     let drawn: Vec<Box2> = chain.points.iter().map(|p| point_box(*p, 0.0)).collect();
-    pave(chain, point, window, |cell| {
-        judge(&chain.dyads, point, cell, &drawn, window.least)
+    pave_cells(chain, point, window, |cell| {
+        judge_cell(&chain.dyads, point, cell, &drawn, window.least)
     })
 }
 
@@ -92,25 +92,25 @@ pub fn pave_projection(
             }
         }
         let places: Vec<Box2> = places.iter().map(|p| point_box(*p, 0.0)).collect();
-        let mut apart = chain.dyads.iter().filter(|d| !touches(d, point));
+        let mut apart = chain.dyads.iter().filter(|d| !is_part_of(d, point));
         let sine = Interval::point(window.least).sin_cos().0;
         if apart.all(|dyad| dyad_answer(dyad, &places, sine) == Some(true)) {
             witnesses.push(places);
         }
     }
-    pave(chain, point, window, |cell| {
+    pave_cells(chain, point, window, |cell| {
         let is_inside = |places: &Vec<Box2>| {
-            judge(&chain.dyads, point, cell, places, window.least) == Some(true)
+            judge_cell(&chain.dyads, point, cell, places, window.least) == Some(true)
         };
         if witnesses.iter().any(is_inside) {
             return Some(true);
         }
-        let none = judge(&chain.dyads, point, cell, &anywhere, window.least);
+        let none = judge_cell(&chain.dyads, point, cell, &anywhere, window.least);
         (none == Some(false)).then_some(false)
     })
 }
 
-fn touches(dyad: &Dyad, point: usize) -> bool {
+fn is_part_of(dyad: &Dyad, point: usize) -> bool {
     dyad.point == point || dyad.ends.contains(&point)
 }
 
@@ -119,7 +119,13 @@ fn dyad_answer(dyad: &Dyad, places: &[Box2], sine: Interval) -> Option<bool> {
 }
 
 /// Whether all places in a cell keep all dyads, or none does.
-fn judge(dyads: &[Dyad], point: usize, cell: Cell, places: &[Box2], least: f64) -> Option<bool> {
+fn judge_cell(
+    dyads: &[Dyad],
+    point: usize,
+    cell: Cell,
+    places: &[Box2],
+    least: f64,
+) -> Option<bool> {
     let sine = Interval::point(least).sin_cos().0;
     let mut all = Some(true);
     let own = point_box(cell.middle, cell.half);
@@ -135,7 +141,7 @@ fn judge(dyads: &[Dyad], point: usize, cell: Cell, places: &[Box2], least: f64) 
 }
 
 /// Halves the window's square until every cell is decided or small.
-fn pave(
+fn pave_cells(
     chain: &DyadChain,
     point: usize,
     window: Window,

@@ -110,12 +110,12 @@ impl Sweep {
             places[*point][1][2 * k + 1] = 1.0;
         }
         for &index in &self.steps {
-            places[self.dyads[index].point] = self.carried(index, projectors, places, width);
+            places[self.dyads[index].point] = self.carried_point(index, projectors, places, width);
         }
         // What the left-over dyads make of their points, less these.
         let mut rows = [[0.0; WIDTH]; MOST_PARAMETERS];
         for (k, &index) in self.checks.iter().enumerate() {
-            let made = self.carried(index, projectors, places, width);
+            let made = self.carried_point(index, projectors, places, width);
             let own = &places[self.dyads[index].point];
             for axis in 0..2 {
                 for c in 0..=width {
@@ -123,7 +123,7 @@ impl Sweep {
                 }
             }
         }
-        let Some((solution, determinant)) = eliminate(&mut rows, width) else {
+        let Some((solution, determinant)) = solve_closing(&mut rows, width) else {
             return false;
         };
         swept.determinant = determinant;
@@ -138,7 +138,7 @@ impl Sweep {
     }
 
     /// v'' + n (e · (v' - v''))
-    fn carried(
+    fn carried_point(
         &self,
         index: usize,
         projectors: &[Projector],
@@ -159,7 +159,7 @@ impl Sweep {
 }
 
 /// Solves rows · (p, 1) = 0 by elimination with pivots; the parameters and the determinant.
-fn eliminate(
+fn solve_closing(
     rows: &mut [[f64; WIDTH]; MOST_PARAMETERS],
     n: usize,
 ) -> Option<([f64; MOST_PARAMETERS], f64)> {

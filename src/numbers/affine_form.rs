@@ -120,6 +120,20 @@ impl<const N: usize> AffineForm<N> {
         }
     }
 
+    /// A function of it: its value and its derivative here, and a bound of its second derivative on the whole range.
+    fn bent(self, value: Interval, derivative: Interval, bend: f64) -> Self {
+        let (middle, slope) = (value.middle(), derivative.middle());
+        let wide = self.deviation();
+        let open = derivative.distance(slope) * wide + slope.abs() * self.error;
+        let rounding = OPERATION * slope.abs() * self.radius();
+        let bent = 0.5 * bend * wide * wide;
+        Self {
+            value: middle,
+            slopes: self.slopes.map(|s| slope * s),
+            error: (value.distance(middle) + open + bent + rounding + UNDERFLOW) * GROW,
+        }
+    }
+
     /// A function of intervals and its derivative.
     fn function(
         self,
@@ -208,7 +222,10 @@ impl<const N: usize> Scalar for AffineForm<N> {
         if !self.is_finite() {
             return (Self::undefined(), Self::undefined());
         }
-        (self.through(here.0, over.1), self.through(here.1, -over.0))
+        (
+            self.bent(here.0, here.1, over.0.magnitude()),
+            self.bent(here.1, -here.0, over.1.magnitude()),
+        )
     }
 
     fn exp(self) -> Self {

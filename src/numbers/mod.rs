@@ -6,6 +6,7 @@ pub mod constant;
 pub mod double_double;
 pub mod hyper_dual;
 pub mod interval;
+pub mod quadratic_form;
 pub mod rounding;
 pub mod scalar;
 pub mod series;

@@ -124,7 +124,7 @@ impl DyadReport<'_> {
         )
     }
 
-    fn table(&self) -> Option<Table> {
+    fn velocity_table(&self) -> Option<Table> {
         let chain = &self.row.chain;
         let (rows, sides) = chain.velocity_system()?;
         let unknowns = chain.unknowns();
@@ -141,7 +141,7 @@ impl DyadReport<'_> {
     }
 
     fn table_text(&self) -> String {
-        let Some(table) = self.table() else {
+        let Some(table) = self.velocity_table() else {
             return String::new();
         };
         let n = table.sides.len();
@@ -204,7 +204,7 @@ impl DyadReport<'_> {
         )
     }
 
-    fn ranges(&self) -> Option<[[Kaucher; 4]; 2]> {
+    fn coefficient_ranges(&self) -> Option<[[Kaucher; 4]; 2]> {
         Some([
             exact_ranges(WHOLE_TURN, self.delta)?,
             naive_ranges(WHOLE_TURN, self.delta)?,
@@ -218,7 +218,7 @@ impl DyadReport<'_> {
             degrees(self.delta.lo),
             degrees(self.delta.hi)
         );
-        let Some([exact, naive]) = self.ranges() else {
+        let Some([exact, naive]) = self.coefficient_ranges() else {
             return format!("{head}\n  none: the bars can be in line\n");
         };
         let shown = |k: Kaucher| match k.lo.is_finite() && k.hi.is_finite() {
@@ -246,8 +246,8 @@ impl DyadReport<'_> {
     }
 
     /// The table with a head, its rows and the right side last.
-    fn cells(&self) -> Vec<Vec<String>> {
-        let Some(table) = self.table() else {
+    fn table_cells(&self) -> Vec<Vec<String>> {
+        let Some(table) = self.velocity_table() else {
             return Vec::new();
         };
         let given = self.row.chain.given();
@@ -268,7 +268,7 @@ impl DyadReport<'_> {
 
     /// The table as CSV, all digits.
     pub fn csv(&self) -> String {
-        let rows = self.cells();
+        let rows = self.table_cells();
         let lines = rows.iter().map(|row| {
             let cells: Vec<String> = row.iter().map(|c| quoted_cell(c)).collect();
             cells.join(",") + "\n"
@@ -283,7 +283,7 @@ impl DyadReport<'_> {
             Ok(value) => six_digits(value),
             Err(_) => cell.clone(),
         };
-        let rows = self.cells();
+        let rows = self.table_cells();
         rows.iter()
             .map(|row| row.iter().map(short).collect())
             .collect()
@@ -353,8 +353,8 @@ impl DyadReport<'_> {
             "row": dyads.collect::<Vec<_>>(),
             "given": name(chain.given()),
             "columns": chain.unknowns().into_iter().map(name).collect::<Vec<_>>(),
-            "system": self.table().map(|t| json!({ "rows": t.rows, "sides": t.sides })),
-            "ranges": self.ranges().map(|[exact, naive]| json!({
+            "system": self.velocity_table().map(|t| json!({ "rows": t.rows, "sides": t.sides })),
+            "ranges": self.coefficient_ranges().map(|[exact, naive]| json!({
                 "delta": [self.delta.lo, self.delta.hi],
                 "exact": ends(exact),
                 "interval_arithmetic": ends(naive),

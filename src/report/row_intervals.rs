@@ -19,7 +19,7 @@ const SHARES: [f64; 5] = [0.01, 0.05, 0.5, 0.95, 0.99];
 const SPEEDS: [f64; 4] = [2.0, 5.0, 10.0, 50.0];
 
 /// The document's name.
-pub fn schema() -> String {
+pub fn document_schema() -> String {
     format!("mechanim-intervals/{SCHEMA}")
 }
 
@@ -72,7 +72,7 @@ pub fn trials_document(row: &PlanarRow, trials: &Trials, given: f64) -> Value {
             .collect::<serde_json::Map<String, Value>>()
     };
     json!({
-        "schema": schema(),
+        "schema": document_schema(),
         "method": "trials",
         "solved": trials.solved,
         "same_sign": trials.same_sign,
@@ -123,7 +123,7 @@ pub struct FormalPair<'a> {
 }
 
 impl FormalPair<'_> {
-    fn regularity(&self) -> String {
+    fn regularity_line(&self) -> String {
         let shown = match self.spectral.is_finite() {
             true => six_digits(self.spectral),
             false => "unbounded".to_owned(),
@@ -141,7 +141,7 @@ impl FormalPair<'_> {
     /// For people.
     pub fn text(&self, row: &PlanarRow) -> String {
         let names = component_names(row, "v");
-        let mut text = format!("{}\n", self.regularity());
+        let mut text = format!("{}\n", self.regularity_line());
         let both = [
             ("A x = b", "tolerable", self.tolerable),
             ("dual A x = b", "united", self.united),
@@ -172,7 +172,7 @@ impl FormalPair<'_> {
             json!({ "set": set, "x": x, "outcome": formal_outcome(formal, set, is_inside), "inside": is_inside })
         };
         json!({
-            "schema": schema(),
+            "schema": document_schema(),
             "method": "formal",
             "spectral_radius": self.spectral.is_finite().then_some(self.spectral),
             "formal": [of(self.tolerable, "tolerable"), of(self.united, "united")],
@@ -242,7 +242,7 @@ pub struct TiedReport<'a> {
 
 impl TiedReport<'_> {
     /// The dyad whose bars are nearest to one line, and its angle.
-    fn narrowest(&self) -> Option<(String, f64)> {
+    fn narrowest_dyad(&self) -> Option<(String, f64)> {
         let chain = &self.row.chain;
         let angle = |k: usize| {
             let a = chain.angle(&chain.dyads[k]);
@@ -262,7 +262,7 @@ impl TiedReport<'_> {
             "Start positions for which the bars of every dyad are at least {} deg from one line\n",
             six_digits(least)
         );
-        if let Some((name, angle)) = self.narrowest() {
+        if let Some((name, angle)) = self.narrowest_dyad() {
             let degrees = angle * 180.0 / PI;
             let word = match angle < self.window.least {
                 true => ": the pose itself is not in the set",
@@ -324,7 +324,7 @@ impl TiedReport<'_> {
             })
         });
         json!({
-            "schema": schema(),
+            "schema": document_schema(),
             "method": "tied",
             "least": self.window.least,
             "reach": self.window.reach,
@@ -344,7 +344,7 @@ pub fn centre_document(centre: &[f64], tolerance: f64, radius: f64, united: f64)
         })
     };
     json!({
-        "schema": schema(),
+        "schema": document_schema(),
         "method": "centre",
         "centre": centre,
         "functional": tolerance,

@@ -150,12 +150,12 @@ impl Plane {
                 // The world's axis that is farthest from the normal, turned into the plane.
                 let far = (0..3).min_by(|a, b| normal[*a].abs().total_cmp(&normal[*b].abs()));
                 let start = unit(far.unwrap_or(0));
-                let part = dot(start, normal);
+                let part = dot_product(start, normal);
                 let inside = [0, 1, 2].map(|i| start[i] - part * normal[i]);
-                let length = dot(inside, inside).sqrt();
+                let length = dot_product(inside, inside).sqrt();
                 let first = inside.map(|v| v / length);
                 Self {
-                    axes: [first, cross(normal, first)],
+                    axes: [first, cross_product(normal, first)],
                     names: ["u", "v"],
                 }
             }
@@ -163,11 +163,11 @@ impl Plane {
     }
 }
 
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+fn dot_product(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+fn cross_product(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|k| {
         let (i, j) = ((k + 1) % 3, (k + 2) % 3);
         a[i] * b[j] - a[j] * b[i]
@@ -207,8 +207,8 @@ fn common_axis(mechanism: &Mechanism, slots: &[HyperDual]) -> Result<[f64; 3], N
         match &common {
             None => common = Some((axis, name)),
             Some((first, of)) => {
-                let off = cross(*first, axis);
-                if dot(off, off).sqrt() > SAME {
+                let off = cross_product(*first, axis);
+                if dot_product(off, off).sqrt() > SAME {
                     return Err(NotDyads::NotPlanar(format!("{of} and {name}")));
                 }
             }
@@ -248,7 +248,7 @@ impl Reader<'_> {
         for joint in &mechanism.joints.list {
             let origin = joint_frame(mechanism, self.slots, joint).origin;
             let links = [joint.before.link, joint.after.link];
-            self.add(&mut hinges, None, &links, origin);
+            self.add_point(&mut hinges, None, &links, origin);
         }
         let mut points: Vec<Found> = Vec::new();
         for trace in &mechanism.traces {
@@ -256,14 +256,14 @@ impl Reader<'_> {
             let frame = frame_of(mechanism, self.slots, chain);
             let link = mechanism.joints.of_body[trace.body];
             let place = frame.point(trace.point.to_array());
-            let [x, y] = self.seen(place, |c| c.value);
+            let [x, y] = self.seen_along(place, |c| c.value);
             let hinge = hinges
                 .iter()
                 .position(|h| h.links.contains(&link) && self.are_one(h.place, [x, y]));
             if let Some(hinge) = hinge {
                 points.push(hinges.remove(hinge));
             }
-            self.add(&mut points, Some(&trace.name), &[link], place);
+            self.add_point(&mut points, Some(&trace.name), &[link], place);
         }
         points.extend(hinges);
         // A point that no bar can hold is not seen: a traced point of the frame alone.
@@ -272,14 +272,14 @@ impl Reader<'_> {
     }
 
     /// Adds a point, or its name and links to one that is there.
-    fn add(
+    fn add_point(
         &self,
         points: &mut Vec<Found>,
         name: Option<&str>,
         links: &[usize],
         place: [HyperDual; 3],
     ) {
-        let here = self.seen(place, |c| c.value);
+        let here = self.seen_along(place, |c| c.value);
         let same = |p: &&mut Found| {
             p.links.iter().any(|l| links.contains(l)) && self.are_one(p.place, here)
         };
@@ -305,14 +305,18 @@ impl Reader<'_> {
                 name: shorter(&None),
                 links: links.to_vec(),
                 place: here,
-                velocity: self.seen(place, |c| c.first),
+                velocity: self.seen_along(place, |c| c.first),
             }),
         }
     }
 
-    fn seen(&self, place: [HyperDual; 3], part: impl Fn(HyperDual) -> f64 + Copy) -> [f64; 2] {
+    fn seen_along(
+        &self,
+        place: [HyperDual; 3],
+        part: impl Fn(HyperDual) -> f64 + Copy,
+    ) -> [f64; 2] {
         let flat = place.map(part);
-        self.plane.axes.map(|axis| dot(axis, flat))
+        self.plane.axes.map(|axis| dot_product(axis, flat))
     }
 
     fn are_one(&self, a: [f64; 2], b: [f64; 2]) -> bool {

@@ -76,17 +76,17 @@ pub fn run_trials(chain: &DyadChain, asked: &TrialsAsked) -> Option<Trials> {
         let items = first..asked.count.min(first + PORTION);
         Some(
             items
-                .filter_map(|item| trial.row(item, scratch))
+                .filter_map(|item| trial.one_trial(item, scratch))
                 .collect::<Vec<Row>>(),
         )
     };
     let portions = asked.count.div_ceil(PORTION);
     let list = share_work(portions, asked.threads, Scratch::default, work);
     let rows: Vec<Row> = list.into_iter().flat_map(|(_, rows)| rows).collect();
-    Some(collected(&rows, chain.unknowns().len()))
+    Some(collect_rows(&rows, chain.unknowns().len()))
 }
 
-fn collected(rows: &[Row], unknowns: usize) -> Trials {
+fn collect_rows(rows: &[Row], unknowns: usize) -> Trials {
     let ascending = |of: &dyn Fn(&Row) -> f64| {
         let mut list: Vec<f64> = rows.iter().map(of).collect();
         list.sort_unstable_by(f64::total_cmp);
@@ -177,7 +177,7 @@ impl<'c> TrialRun<'c> {
         });
     }
 
-    fn row(&self, item: usize, scratch: &mut Scratch) -> Option<Row> {
+    fn one_trial(&self, item: usize, scratch: &mut Scratch) -> Option<Row> {
         let mut random = Random::new(self.asked.seed, 0, item as u64);
         scratch.along.clear();
         scratch.across.clear();

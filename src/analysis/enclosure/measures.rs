@@ -30,7 +30,7 @@ pub fn enclose_measures(
     plan: &Plan,
     nominal: &Nominal,
 ) -> Result<Vec<MeasureBand>, (usize, Obstacle)> {
-    sized!(plan.dimensions.len(), N => measure_bands::<N>(plan, nominal))
+    sized!(plan.room_for(plan.dimensions.len()), N => measure_bands::<N>(plan, nominal))
 }
 
 fn measure_bands<const N: usize>(

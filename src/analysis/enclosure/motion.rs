@@ -101,7 +101,7 @@ pub fn enclose_motion(plan: &Plan, times: &[f64], threads: usize, search: bool) 
             None => Err(Obstacle::NoPose),
             Some(pose) => {
                 let pose = [pose.unknowns.as_slice(), &sample.inputs].concat();
-                sized!(plan.dimensions.len(), N => coordinate_bands::<N>(plan, &encloser, solver, &pose, search))
+                sized!(plan.room_for(plan.dimensions.len()), N => coordinate_bands::<N>(plan, &encloser, solver, &pose, search))
             }
         };
         Some(Enclosed {

@@ -9,6 +9,9 @@ use crate::numbers::rounding::{DECIMAL, GROW};
 /// Most dimensions that are enclosed together.
 pub const MOST_DIMENSIONS: usize = 128;
 
+/// Most numbers of forms that have room for more than the dimensions.
+const MOST_MARKED: usize = 48;
+
 /// A dimension with its tolerance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dimension {
@@ -49,6 +52,17 @@ impl<'f> Plan<'f> {
         Self {
             family,
             dimensions: dimensions.collect(),
+        }
+    }
+
+    /// How many numbers forms of so many dimensions have room for: the sides of the largest block's box beside them, where that is
+    /// not many.
+    pub fn room_for(&self, dimensions: usize) -> usize {
+        let blocks = self.family.system().blocks().iter();
+        let largest = blocks.map(|block| block.unknowns.len()).max();
+        match dimensions + largest.unwrap_or(0) {
+            all if all <= MOST_MARKED => all,
+            _ => dimensions,
         }
     }
 
@@ -99,7 +113,11 @@ macro_rules! sized {
                 const $N: usize = 24;
                 $call
             }
-            25..=48 => {
+            25..=36 => {
+                const $N: usize = 36;
+                $call
+            }
+            37..=48 => {
                 const $N: usize = 48;
                 $call
             }

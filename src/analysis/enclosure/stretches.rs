@@ -89,7 +89,7 @@ impl Place<'_> {
 
     fn whole(&self, solver: &mut PoseSolver, stretch: [f64; 2]) -> Result<Vec<[f64; 2]>, Obstacle> {
         let tolerances = self.tolerances(stretch);
-        sized!(tolerances.len(), N => {
+        sized!(self.plan.room_for(tolerances.len()), N => {
             let enclosure = pose_enclosure::<N>(self.plan, self.encloser, solver, &self.pose, &tolerances)?;
             let mechanism = self.plan.family.mechanism();
             let unknowns = 0..mechanism.unknowns.len();

@@ -85,7 +85,7 @@ pub struct IntervalsArgs {
     #[arg(long, value_name = "LENGTH", value_parser = positive_number)]
     pub reach: Option<f64>,
     /// How often the squares of a paving are halved.
-    #[arg(long, value_name = "N", default_value_t = 6, value_parser = halvings)]
+    #[arg(long, value_name = "N", default_value_t = 6, value_parser = halving_count)]
     pub halvings: u32,
     /// File to write: the result as .json; `-` for standard output.
     #[arg(long, short, value_name = "FILE")]
@@ -129,7 +129,7 @@ fn trial_count(text: &str) -> Result<usize, String> {
     }
 }
 
-fn halvings(text: &str) -> Result<u32, String> {
+fn halving_count(text: &str) -> Result<u32, String> {
     match text.parse::<u32>() {
         Ok(count) if (1..=10).contains(&count) => Ok(count),
         _ => Err("between 1 and 10".to_owned()),

@@ -68,7 +68,7 @@ pub fn run_intervals(args: &IntervalsArgs, term: &Term) -> Result<Outcome, Failu
 }
 
 /// Directions that the bars may have.
-fn directions(args: &IntervalsArgs, row: &OpenRow) -> Directions {
+fn asked_directions(args: &IntervalsArgs, row: &OpenRow) -> Directions {
     match args.spread {
         Some(degrees) => Directions::Near(degrees.to_radians()),
         None => Directions::Turned(row.delta),
@@ -76,12 +76,12 @@ fn directions(args: &IntervalsArgs, row: &OpenRow) -> Directions {
 }
 
 /// Velocity of the given point.
-fn given(args: &IntervalsArgs, row: &OpenRow) -> [f64; 2] {
+fn given_velocity(args: &IntervalsArgs, row: &OpenRow) -> [f64; 2] {
     let chain = &row.row.chain;
     args.velocity.unwrap_or(chain.velocities[chain.given()])
 }
 
-fn speed([x, y]: [f64; 2]) -> f64 {
+fn speed_of([x, y]: [f64; 2]) -> f64 {
     libm::hypot(x, y)
 }
 
@@ -92,8 +92,8 @@ fn run_random(args: &IntervalsArgs, row: &OpenRow) -> Result<Answered, Failure> 
     let bytes = 2.0 * (args.trials * numbers * std::mem::size_of::<f64>()) as f64;
     allow_memory(bytes, &format!("{} trials", args.trials))?;
     let asked = TrialsAsked {
-        directions: directions(args, row),
-        given: given(args, row),
+        directions: asked_directions(args, row),
+        given: given_velocity(args, row),
         count: args.trials,
         seed: args.seed,
         threads: args.threads.unwrap_or_else(core_count),
@@ -102,7 +102,7 @@ fn run_random(args: &IntervalsArgs, row: &OpenRow) -> Result<Answered, Failure> 
         let message = "the row of dyads is too entangled for trials";
         Failure::usage(message, vec!["see `mechanim dyads`".to_owned()])
     })?;
-    let size = speed(asked.given);
+    let size = speed_of(asked.given);
     let outcome = match trials.solved > 0 {
         true => Outcome::Done,
         false => Outcome::CheckFailed,
@@ -115,13 +115,13 @@ fn run_random(args: &IntervalsArgs, row: &OpenRow) -> Result<Answered, Failure> 
 }
 
 /// The system with intervals for its coefficients.
-fn system(args: &IntervalsArgs, row: &OpenRow) -> Result<(IntervalSystem, f64), Failure> {
-    let given = given(args, row);
-    let side = args.side.unwrap_or(SIDE * speed(given));
+fn asked_system(args: &IntervalsArgs, row: &OpenRow) -> Result<(IntervalSystem, f64), Failure> {
+    let given = given_velocity(args, row);
+    let side = args.side.unwrap_or(SIDE * speed_of(given));
     let system = row
         .row
         .chain
-        .interval_system(directions(args, row), given, side);
+        .interval_system(asked_directions(args, row), given, side);
     let system = system.ok_or_else(|| {
         Failure::usage(
             "the bars of a dyad can be in line within these directions: its coefficients have no bounds",
@@ -132,7 +132,7 @@ fn system(args: &IntervalsArgs, row: &OpenRow) -> Result<(IntervalSystem, f64), 
 }
 
 fn run_formal(args: &IntervalsArgs, row: &OpenRow) -> Result<Answered, Failure> {
-    let (system, _) = system(args, row)?;
+    let (system, _) = asked_system(args, row)?;
     let judged = |kind: &SolutionSet| {
         let formal = formal_solution(&system.inclusion(kind), TAU);
         let is_inside = match &formal {
@@ -158,7 +158,7 @@ fn run_formal(args: &IntervalsArgs, row: &OpenRow) -> Result<Answered, Failure> 
 }
 
 fn run_centre(args: &IntervalsArgs, row: &OpenRow) -> Result<Answered, Failure> {
-    let (system, side) = system(args, row)?;
+    let (system, side) = asked_system(args, row)?;
     let chain = &row.row.chain;
     let velocities = chain
         .unknowns()

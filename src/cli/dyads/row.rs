@@ -46,7 +46,7 @@ pub fn run_dyads(args: &DyadsArgs, term: &Term) -> Result<Outcome, Failure> {
     let report = row.report();
     if let Some(path) = &args.out {
         let scene = &args.row.scene;
-        match extension(path).as_str() {
+        match file_extension(path).as_str() {
             "csv" => io::write_text(scene, path, &report.csv())?,
             "md" => io::write_text(scene, path, &report.markdown())?,
             "tex" => io::write_text(scene, path, &report.latex())?,
@@ -57,14 +57,14 @@ pub fn run_dyads(args: &DyadsArgs, term: &Term) -> Result<Outcome, Failure> {
     Ok(Outcome::Done)
 }
 
-fn extension(path: &Path) -> String {
+fn file_extension(path: &Path) -> String {
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
     extension.unwrap_or_default()
 }
 
 fn refuse_kind(path: &Path) -> Result<(), Failure> {
-    let is_known =
-        path == Path::new("-") || ["csv", "md", "tex", "json"].contains(&extension(path).as_str());
+    let is_known = path == Path::new("-")
+        || ["csv", "md", "tex", "json"].contains(&file_extension(path).as_str());
     match is_known {
         true => Ok(()),
         false => Err(Failure::usage(

@@ -1,6 +1,7 @@
 //! A pose for all dimensions in their intervals: unknowns, traced points, outputs, and any formula of them.
 
 use super::block::{Unbounded, enclose_block};
+use super::form::DimensionForm;
 use super::quadratic::Quadratic;
 use super::region::{Region, Tolerance};
 use super::rows::{Layout, Rates, expression_gradient};
@@ -13,6 +14,25 @@ use crate::model::mechanism::{Mechanism, OutputSource};
 use crate::model::outputs::output_arguments;
 use crate::numbers::affine_form::AffineForm;
 use crate::numbers::interval::Interval;
+use crate::numbers::quadratic_form::QuadraticForm;
+
+/// Poses whose boxes leave more than this share of the unknowns' way open are looked at to the second order.
+const ROUGH: f64 = 1e-3;
+
+/// Most dimensions of forms of second order: a form takes eight times the square of it in bytes.
+const MOST_BENT: usize = 36;
+
+/// Bytes of the stack on which forms of second order are computed with: some hundred of them at ten kilobytes, many times over.
+const LARGE_STACK: usize = 64 << 20;
+
+/// What is enclosed.
+#[derive(Clone, Copy)]
+struct Sought<'p> {
+    pose: &'p [f64],
+    input_open: &'p [f64],
+    tolerances: &'p [Tolerance],
+    bases: &'p [Vec<usize>],
+}
 
 /// Encloses poses of one system. Laid out once.
 #[derive(Clone, Debug)]
@@ -24,7 +44,7 @@ pub struct Encloser<'s> {
 /// The poses of all pieces at one place of the drive.
 #[derive(Clone, Debug)]
 pub struct PoseEnclosure<const N: usize> {
-    region: Region<N>,
+    region: Region<AffineForm<N>>,
     coordinates: usize,
 }
 
@@ -51,16 +71,69 @@ impl<'s> Encloser<'s> {
         tolerances: &[Tolerance],
         bases: &[Vec<usize>],
     ) -> Result<PoseEnclosure<N>, Unbounded> {
-        let mechanism = self.system.mechanism();
         if tolerances.len() > N {
             // No form has room for them.
             return Err(Reason::Formula.into());
         }
-        let mut region = Region::new(pose, mechanism.unknowns.len(), input_open, tolerances);
-        for (layout, basis) in self.layouts.iter().zip(bases) {
-            enclose_block(mechanism, layout, basis, &mut region)?;
+        let sought = Sought {
+            pose,
+            input_open,
+            tolerances,
+            bases,
+        };
+        let first = self.region::<AffineForm<N>>(sought);
+        // Where the Jacobian's second order is what makes boxes wide, it is kept.
+        let is_rough = match &first {
+            Ok((_, roughness)) => *roughness > ROUGH,
+            Err(unbounded) => unbounded.reason == Reason::Singular,
+        };
+        let second = match is_rough && N <= MOST_BENT {
+            true => self.on_large_stack(sought),
+            false => None,
+        };
+        let region = match second {
+            Some(region) => region,
+            None => first?.0,
+        };
+        Ok(PoseEnclosure {
+            region,
+            coordinates: pose.len(),
+        })
+    }
+
+    /// [`Self::bent_region`] on a stack of its own; `None` also where the system gives none.
+    fn on_large_stack<const N: usize>(&self, sought: Sought) -> Option<Region<AffineForm<N>>> {
+        std::thread::scope(|scope| {
+            let large = std::thread::Builder::new().stack_size(LARGE_STACK);
+            let handle = large.spawn_scoped(scope, || self.bent_region(sought));
+            handle.ok()?.join().ok()?
+        })
+    }
+
+    /// Everything with forms of second order, and in the end to the first one with the rest bounded. These forms are large: apart,
+    /// so that nobody else's stack holds them.
+    #[inline(never)]
+    fn bent_region<const N: usize>(&self, sought: Sought) -> Option<Region<AffineForm<N>>> {
+        let (region, _) = self.region::<QuadraticForm<N>>(sought).ok()?;
+        let lines = |forms: &[QuadraticForm<N>]| forms.iter().map(QuadraticForm::affine).collect();
+        Some(Region {
+            count: region.count,
+            slots: lines(&region.slots),
+            rates: lines(&region.rates),
+            open: region.open,
+        })
+    }
+
+    /// Enclosures of all slots, and which share of the unknowns' way is left open, at most.
+    fn region<F: DimensionForm>(&self, sought: Sought) -> Result<(Region<F>, f64), Unbounded> {
+        let mechanism = self.system.mechanism();
+        let unknowns = mechanism.unknowns.len();
+        let mut region =
+            Region::<F>::new(sought.pose, unknowns, sought.input_open, sought.tolerances);
+        let mut roughness = 0.0_f64;
+        for (layout, basis) in self.layouts.iter().zip(sought.bases) {
+            roughness = roughness.max(enclose_block(mechanism, layout, basis, &mut region)?);
         }
-        let coordinates = region.slots.len();
         let centre = observed_slots(mechanism, &region.centre());
         show_traces(mechanism, &mut region, &centre);
         for (output, place) in mechanism.outputs.iter().zip(region.slots.len()..) {
@@ -73,15 +146,16 @@ impl<'s> Encloser<'s> {
             };
             region.push(centre[place], rates);
         }
-        Ok(PoseEnclosure {
-            region,
-            coordinates,
-        })
+        Ok((region, roughness))
     }
 }
 
 /// Appends x, y, z of every trace.
-fn show_traces<const N: usize>(mechanism: &Mechanism, region: &mut Region<N>, centre: &[Interval]) {
+fn show_traces<F: DimensionForm>(
+    mechanism: &Mechanism,
+    region: &mut Region<F>,
+    centre: &[Interval],
+) {
     let coordinates = region.slots.len();
     for trace in &mechanism.traces {
         let chain = &mechanism.bodies[trace.body].world_from_body;
@@ -91,10 +165,10 @@ fn show_traces<const N: usize>(mechanism: &Mechanism, region: &mut Region<N>, ce
             output_arguments(mechanism, &used, known),
             Rates::new(mechanism, &used, known),
         );
-        let twists = Twists::new(&chain.steps, &values);
+        let twists = Twists::new(&chain.steps, &values, [0.0; 3]);
         let point = twists.end.point(trace.point.to_array());
         // Velocity of the point by every coordinate, summed over the joints that it moves.
-        let mut gradients: [Vec<(usize, AffineForm<N>)>; 3] = Default::default();
+        let mut gradients: [Vec<(usize, F)>; 3] = Default::default();
         twists.velocities(point, |argument, velocity| {
             for (slot, rate) in rates.of(argument) {
                 for (gradient, along) in gradients.iter_mut().zip(velocity) {

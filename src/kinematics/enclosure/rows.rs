@@ -3,10 +3,12 @@
 use super::twists::Twists;
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::columns::Columns;
+use crate::kinematics::structure::loop_part::LoopPart;
 use crate::model::chain::Argument;
 use crate::model::expression::Expression;
-use crate::model::mechanism::Mechanism;
+use crate::model::mechanism::{Closes, Mechanism};
 use crate::model::outputs::output_arguments;
+use crate::model::walk::add_vectors;
 use crate::numbers::scalar::Scalar;
 
 /// A block laid out: which coordinates it depends on.
@@ -54,8 +56,34 @@ impl<'m> Layout<'m> {
         self.block.unknowns.len()
     }
 
-    /// Evaluates all rows at coordinates (unknowns, then inputs).
-    pub fn rows<S: Scalar>(&self, coordinates: &[S]) -> Rows<S> {
+    /// Points that the block's loops are seen about: the middles of their hinges at a pose. Residuals about different points are
+    /// other equations for the same closed poses, as long as all of them are solved.
+    pub fn middles(&self, coordinates: &[f64]) -> Vec<[f64; 3]> {
+        let loops = &self.block.loops;
+        if self.block.rows() > self.own() {
+            return vec![[0.0; 3]; loops.len()];
+        }
+        let values = output_arguments(self.mechanism, &self.block.arguments, coordinates);
+        let middle = |part: &LoopPart| {
+            let item = &self.mechanism.loops[part.index];
+            if item.closes == Closes::Point {
+                // Nothing is known of its rotation, so that it closes about its own origin only.
+                return [0.0; 3];
+            }
+            let twists = Twists::new(&item.chain.steps, &values, [0.0; 3]);
+            let count = twists.origins().count().max(1) as f64;
+            let sum = twists.origins().fold([0.0; 3], add_vectors);
+            let middle = sum.map(|c| c / count);
+            match middle.iter().all(|c| c.is_finite()) {
+                true => middle,
+                false => [0.0; 3],
+            }
+        };
+        loops.iter().map(middle).collect()
+    }
+
+    /// Evaluates all rows at coordinates (unknowns, then inputs), the loops seen `about` a point each.
+    pub fn rows<S: Scalar>(&self, coordinates: &[S], about: &[[f64; 3]]) -> Rows<S> {
         let (count, columns) = (self.block.rows(), self.slots.len());
         let zero = S::number(0.0);
         let mut rows = Rows {
@@ -65,9 +93,9 @@ impl<'m> Layout<'m> {
         let values = output_arguments(self.mechanism, &self.block.arguments, coordinates);
         let rates = Rates::new(self.mechanism, &self.block.arguments, coordinates);
         // Loops: residual and columns of the joints' twists, by the chain rule.
-        for part in &self.block.loops {
+        for (part, about) in self.block.loops.iter().zip(about) {
             let item = &self.mechanism.loops[part.index];
-            let twists = Twists::new(&item.chain.steps, &values);
+            let twists = Twists::new(&item.chain.steps, &values, *about);
             let (first, per_size) = (rows.residual.len(), 1.0 / item.size);
             let components = &part.components;
             let residuals = components.iter().map(|c| twists.residual(*c, per_size));

@@ -1,8 +1,14 @@
 //! The derivatives of a chain's product by its joints, in any arithmetic: every joint's axis and origin are noted on the way.
+//!
+//! Translations between two rotations are summed up before they are turned, and lengths are those from a base point near the joints:
+//! where a chain goes a long way out and back, an enclosure of its rotation would be multiplied by the way, not by what is left of it.
 
 use crate::model::chain::{ArgumentValue, ChainJoint, ChainStep, ElementaryMotion};
-use crate::model::walk::{Triple, WalkFrame, walk_chain};
+use crate::model::fixed::FixedPose;
+use crate::model::walk::{Carried, Triple, WalkFrame, add_vectors, walk_chain};
+use crate::numbers::constant::Constant;
 use crate::numbers::scalar::Scalar;
+use glam::DMat3;
 
 /// A joint on the way along a chain.
 #[derive(Clone, Copy, Debug)]
@@ -10,6 +16,54 @@ struct Noted<S> {
     joint: ChainJoint,
     axis: Triple<S>,
     origin: Triple<S>,
+}
+
+/// A frame, and the translations along its axes since its last rotation.
+struct Gathered<S> {
+    frame: WalkFrame<S>,
+    shift: Triple<S>,
+}
+
+impl<S: Scalar> Gathered<S> {
+    /// Where it is.
+    fn place(&self) -> Triple<S> {
+        let moved = |k: usize| self.frame.axes[k].map(|c| c * self.shift[k]);
+        let along = [0, 1, 2].map(moved);
+        along.into_iter().fold(self.frame.origin, add_vectors)
+    }
+
+    /// Turns the translations, before the frame turns itself.
+    fn gather_shifts(&mut self) {
+        self.frame.origin = self.place();
+        self.shift = [S::number(0.0); 3];
+    }
+
+    fn move_by(&mut self, by: Triple<S>) {
+        self.shift = add_vectors(self.shift, by);
+    }
+}
+
+impl<S: Scalar> Carried for Gathered<S> {
+    type Argument = ArgumentValue<S>;
+
+    fn fix(&mut self, fixed: &FixedPose) {
+        if fixed.rotation == DMat3::IDENTITY {
+            let meant = |v| S::from_constant(Constant::within(v, fixed.error.translation));
+            self.move_by(fixed.translation.to_array().map(meant));
+        } else {
+            self.gather_shifts();
+            self.frame.fix(fixed);
+        }
+    }
+
+    fn shift(&mut self, axis: usize, sign: f64, by: &Self::Argument) {
+        self.shift[axis] = self.shift[axis] + by.value.scale(sign);
+    }
+
+    fn turn(&mut self, axis: usize, sign: f64, by: &Self::Argument) {
+        self.gather_shifts();
+        self.frame.turn(axis, sign, by);
+    }
 }
 
 /// A chain at a pose: where it ends and what its joints do there.
@@ -23,17 +77,28 @@ pub struct Twists<S> {
 }
 
 impl<S: Scalar> Twists<S> {
-    /// Walks along a chain; arguments are those of the whole mechanism.
-    pub fn new(steps: &[ChainStep], arguments: &[ArgumentValue<S>]) -> Self {
-        let mut end = WalkFrame::identity();
+    /// Walks along a chain; arguments are those of the whole mechanism. What is seen `about` a point is the chain between a translation
+    /// from there and one back: it closes where the chain itself does.
+    pub fn new(steps: &[ChainStep], arguments: &[ArgumentValue<S>], about: [f64; 3]) -> Self {
+        let mut way = Gathered {
+            frame: WalkFrame::identity(),
+            shift: about.map(|c| S::number(-c)),
+        };
         let mut joints = Vec::with_capacity(steps.len());
-        walk_chain(steps, &mut end, arguments, |frame: &WalkFrame<S>, joint| {
+        walk_chain(steps, &mut way, arguments, |way: &Gathered<S>, joint| {
             joints.push(Noted {
                 joint,
-                axis: frame.axes[joint.axis].map(|c| c.scale(joint.sign)),
-                origin: frame.origin,
+                axis: way.frame.axes[joint.axis].map(|c| c.scale(joint.sign)),
+                // Where a translation begins is asked by nobody.
+                origin: match joint.motion {
+                    ElementaryMotion::Rotation => way.place(),
+                    ElementaryMotion::Translation => way.frame.origin,
+                },
             });
         });
+        way.move_by(about.map(S::number));
+        way.gather_shifts();
+        let end = way.frame;
         let trace = end.axes[0][0] + end.axes[1][1] + end.axes[2][2];
         Self { end, joints, trace }
     }
@@ -68,6 +133,12 @@ impl<S: Scalar> Twists<S> {
             let [d, e, f] = shift;
             take(joint.argument, [a, b, c, d, e, f]);
         }
+    }
+
+    /// Origins of all rotations on the way.
+    pub fn origins(&self) -> impl Iterator<Item = Triple<S>> + '_ {
+        let turns = |noted: &&Noted<S>| noted.joint.motion == ElementaryMotion::Rotation;
+        self.joints.iter().filter(turns).map(|noted| noted.origin)
     }
 
     /// Calls `take` with the argument of every joint and the velocity of a point, which the chain's end carries.

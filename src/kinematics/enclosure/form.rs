@@ -1,0 +1,164 @@
+//! Enclosures of functions of the dimensions, to the first or the second order.
+
+use crate::numbers::affine_form::AffineForm;
+use crate::numbers::quadratic_form::QuadraticForm;
+use crate::numbers::rounding::{GROW, OPERATION};
+use crate::numbers::scalar::{Ring, Scalar};
+
+/// What enclosures are computed with.
+pub trait DimensionForm: Scalar + Send + Sync {
+    /// Whether it has a second order.
+    const BENT: bool;
+
+    /// A number that stays within `error` of `value`, and moves with the dimensions as `slopes` say.
+    fn linear(value: f64, slopes: &[f64], error: f64) -> Self;
+
+    /// A function whose value at δ = 0 is within `open` of `value` and whose derivatives by every δ are `rates`.
+    fn integral(value: f64, open: f64, rates: &[Self]) -> Self;
+
+    /// Adds `factor` times `b`.
+    fn add_scaled(&mut self, factor: f64, b: &Self);
+
+    /// Change along each δ.
+    fn slopes(&self) -> &[f64];
+
+    /// Bound of what it is beside its value and its slopes.
+    fn beyond(&self) -> f64;
+
+    /// The same with its value taken out and its error wider.
+    fn opened(self, by: f64) -> Self;
+
+    /// The same with its error as the change along a number of its own, `index`, where there is room for it.
+    fn marked(self, index: usize) -> Self;
+
+    /// The same with all that changes with numbers from `first` on in the error.
+    fn folded(self, first: usize) -> Self;
+
+    /// Bound of the linear part.
+    fn radius(&self) -> f64 {
+        self.slopes().iter().map(|s| s.abs()).sum::<f64>() * GROW
+    }
+
+    /// Bound of the difference from its value.
+    fn deviation(&self) -> f64 {
+        (self.radius() + self.beyond()) * GROW
+    }
+
+    /// Bound of the magnitude.
+    fn magnitude(&self) -> f64 {
+        (self.nominal().abs() + self.deviation()) * GROW
+    }
+}
+
+impl<const N: usize> DimensionForm for AffineForm<N> {
+    const BENT: bool = false;
+
+    fn linear(value: f64, slopes: &[f64], error: f64) -> Self {
+        let mut form = Self::within(value, error);
+        form.slopes[..slopes.len()].copy_from_slice(slopes);
+        form
+    }
+
+    /// ∫ of the derivatives along the way: half of what they change by is beyond the tangent.
+    fn integral(value: f64, open: f64, rates: &[Self]) -> Self {
+        let bend = rates.iter().map(|rate| 0.5 * rate.radius() + rate.error);
+        let mut form = Self::within(value, (open + bend.sum::<f64>() * GROW) * GROW);
+        for (slope, rate) in form.slopes.iter_mut().zip(rates) {
+            *slope = rate.value;
+        }
+        form
+    }
+
+    fn add_scaled(&mut self, factor: f64, b: &Self) {
+        Self::add_scaled(self, factor, b);
+    }
+
+    fn slopes(&self) -> &[f64] {
+        &self.slopes
+    }
+
+    fn beyond(&self) -> f64 {
+        self.error
+    }
+
+    fn opened(mut self, by: f64) -> Self {
+        self.error = (self.error + self.value.abs() + by) * GROW;
+        self.value = 0.0;
+        self
+    }
+
+    fn marked(mut self, index: usize) -> Self {
+        if let Some(slope) = self.slopes.get_mut(index) {
+            *slope = std::mem::take(&mut self.error);
+        }
+        self
+    }
+
+    fn folded(mut self, first: usize) -> Self {
+        let marks = self.slopes.iter_mut().skip(first);
+        let sum: f64 = marks.map(|slope| std::mem::take(slope).abs()).sum();
+        self.error = (self.error + sum * GROW) * GROW;
+        self
+    }
+}
+
+impl<const N: usize> DimensionForm for QuadraticForm<N> {
+    const BENT: bool = true;
+
+    fn linear(value: f64, slopes: &[f64], error: f64) -> Self {
+        Self::from(<AffineForm<N> as DimensionForm>::linear(
+            value, slopes, error,
+        ))
+    }
+
+    /// Half of the slopes are bends; of the bends a third is left.
+    fn integral(value: f64, open: f64, rates: &[Self]) -> Self {
+        let rest = rates.iter().map(|rate| rate.line.error + rate.bend() / 3.0);
+        let mut form = Self::number(value);
+        let mut size = 0.0;
+        for (k, rate) in rates.iter().enumerate() {
+            form.line.slopes[k] = rate.line.value;
+            for (l, slope) in rate.line.slopes.iter().enumerate() {
+                form.bends[k.min(l)][k.max(l)] += 0.5 * slope;
+                size += slope.abs();
+            }
+        }
+        let rounding = OPERATION * size;
+        form.line.error = (open + rest.sum::<f64>() * GROW + rounding) * GROW;
+        form
+    }
+
+    fn add_scaled(&mut self, factor: f64, b: &Self) {
+        Self::add_scaled(self, factor, b);
+    }
+
+    fn slopes(&self) -> &[f64] {
+        &self.line.slopes
+    }
+
+    fn beyond(&self) -> f64 {
+        (self.line.error + self.bend()) * GROW
+    }
+
+    fn opened(mut self, by: f64) -> Self {
+        self.line = self.line.opened(by);
+        self
+    }
+
+    fn marked(mut self, index: usize) -> Self {
+        self.line = self.line.marked(index);
+        self
+    }
+
+    fn folded(mut self, first: usize) -> Self {
+        self.line = self.line.folded(first);
+        let mut sum = 0.0;
+        for (k, row) in self.bends.iter_mut().enumerate() {
+            for bend in row.iter_mut().skip(first.max(k)) {
+                sum += std::mem::take(bend).abs();
+            }
+        }
+        self.line.error = (self.line.error + sum * GROW) * GROW;
+        self
+    }
+}
