@@ -1,9 +1,9 @@
 //! Angles as arcs in space, from where they are measured to where they lead.
 
 use super::ink::{Ink, Label};
-use super::plane::{Plane, Spot, ahead, minus, norm};
+use super::lettering::{Lettering, source_colour};
+use super::plane::{Plane, Spot, spot_ahead, spot_difference, spot_length};
 use super::scheme::{QuantitySource, SchemeAngle};
-use super::sheet::{Lettering, source_colour};
 use crate::math::sin_cos;
 use crate::plot::theme::Dashes;
 use glam::DVec3;
@@ -34,25 +34,25 @@ pub fn draw_angle(
     let centre = plane.spot(angle.at);
     let colour = source_colour(angle.source, &ink.theme);
     let across = angle.axis.cross(angle.zero);
-    let shown = wrapped(angle);
+    let shown = wrapped_angle(angle);
     let direction = |share: f64| {
         let (sin, cos) = sin_cos(shown * share);
         plane.direction(angle.zero * cos + across * sin)
     };
     let arc: Vec<Spot> = (0..=CORNERS)
-        .map(|k| ahead(centre, direction(k as f64 / CORNERS as f64), radius))
+        .map(|k| spot_ahead(centre, direction(k as f64 / CORNERS as f64), radius))
         .collect();
     for share in [0.0, 1.0] {
-        let from = ahead(centre, direction(share), 0.35 * radius);
-        let to = ahead(centre, direction(share), radius + BEYOND * ink.unit);
+        let from = spot_ahead(centre, direction(share), 0.35 * radius);
+        let to = spot_ahead(centre, direction(share), radius + BEYOND * ink.unit);
         ink.line(&[from, to], colour, 0.7, Dashes::Short);
     }
     draw_arc(&arc, shown * radius, colour, ink);
-    let middle = ahead(centre, direction(0.5), radius);
+    let middle = spot_ahead(centre, direction(0.5), radius);
     ink.labels.push(Label {
         text: lettering.angle(angle),
         anchor: middle,
-        wish: minus(middle, centre),
+        wish: spot_difference(middle, centre),
         size: lettering.size,
         colour,
         ringed: false,
@@ -68,15 +68,15 @@ fn draw_arc(arc: &[Spot], length: f64, colour: [u8; 4], ink: &mut Ink) {
         let back = arc
             .iter()
             .rev()
-            .find(|p| norm(minus(*tip, **p)) > 6.0 * ink.unit);
+            .find(|p| spot_length(spot_difference(*tip, **p)) > 6.0 * ink.unit);
         if let Some(back) = back {
-            ink.head(*tip, minus(*tip, *back), colour);
+            ink.head(*tip, spot_difference(*tip, *back), colour);
         }
     }
 }
 
 /// An angle as it is drawn: what is driven as far as it has gone within its turn, what follows the short way.
-fn wrapped(angle: &SchemeAngle) -> f64 {
+fn wrapped_angle(angle: &SchemeAngle) -> f64 {
     let within = angle.value % TAU;
     let short = match angle.source {
         QuantitySource::Unknown if within > PI => within - TAU,
@@ -87,11 +87,11 @@ fn wrapped(angle: &SchemeAngle) -> f64 {
 }
 
 /// How many of the first angles have the same vertex as the one at `index`.
-pub fn level(angles: &[SchemeAngle], index: usize, plane: &Plane, near: f64) -> usize {
+pub fn arc_level(angles: &[SchemeAngle], index: usize, plane: &Plane, near: f64) -> usize {
     let at = |place: DVec3| plane.spot(place);
     let own = at(angles[index].at);
     let earlier = angles[..index].iter();
     earlier
-        .filter(|a| norm(minus(at(a.at), own)) < near)
+        .filter(|a| spot_length(spot_difference(at(a.at), own)) < near)
         .count()
 }

@@ -1,7 +1,9 @@
 //! The frame where it bears a joint: a short post on hatched ground, or a hatched rail under what slides.
 
 use super::ink::Ink;
-use super::plane::{Plane, Spot, across, ahead, minus, norm, unit};
+use super::plane::{
+    Plane, Spot, quarter_turn, spot_ahead, spot_difference, spot_length, unit_direction,
+};
 use super::scheme::SchemeJoint;
 use super::symbols::OUTLINE;
 use crate::model::joints::JointKind;
@@ -21,25 +23,25 @@ const BEYOND: f64 = 26.0;
 pub fn draw_ground(joint: &SchemeJoint, at: Spot, plane: &Plane, ink: &mut Ink) -> Spot {
     let axis = joint.axes.first().copied().unwrap_or_default();
     let seen = plane.direction(axis);
-    if joint.kind == JointKind::Prismatic && norm(seen) > 0.15 {
+    if joint.kind == JointKind::Prismatic && spot_length(seen) > 0.15 {
         return draw_rail(joint, at, seen, plane, ink);
     }
-    let down = freest(at, ink);
-    let end = ahead(at, down, POST * ink.unit);
+    let down = freest_side(at, ink);
+    let end = spot_ahead(at, down, POST * ink.unit);
     let text = ink.theme.text;
     ink.line(&[at, end], text, 1.3 * OUTLINE, Dashes::None);
-    draw_hatched(end, across(down), HALF * ink.unit, down, ink);
+    draw_hatched(end, quarter_turn(down), HALF * ink.unit, down, ink);
     end
 }
 
 /// The direction with the least drawing in it: down, if nothing is there.
-fn freest(at: Spot, ink: &Ink) -> Spot {
+fn freest_side(at: Spot, ink: &Ink) -> Spot {
     let directions = [[0.0, 1.0], [-1.0, 0.0], [1.0, 0.0], [0.0, -1.0]];
     let cost = |k: usize, d: Spot| {
-        let far = ahead(at, d, (POST + HATCH) * ink.unit);
-        let side = ahead([0.0; 2], across(d), HALF * ink.unit);
-        let base = [ahead(far, side, 1.0), ahead(far, side, -1.0)];
-        let near = ahead(at, d, 0.3 * POST * ink.unit);
+        let far = spot_ahead(at, d, (POST + HATCH) * ink.unit);
+        let side = spot_ahead([0.0; 2], quarter_turn(d), HALF * ink.unit);
+        let base = [spot_ahead(far, side, 1.0), spot_ahead(far, side, -1.0)];
+        let near = spot_ahead(at, d, 0.3 * POST * ink.unit);
         ink.covered([near, far], 4.0 * ink.unit)
             + ink.covered(base, 4.0 * ink.unit)
             + 3.0 * ink.unit * k as f64
@@ -54,8 +56,8 @@ fn freest(at: Spot, ink: &Ink) -> Spot {
 }
 
 fn draw_rail(joint: &SchemeJoint, at: Spot, seen: Spot, plane: &Plane, ink: &mut Ink) -> Spot {
-    let along = unit(seen).unwrap_or([1.0, 0.0]);
-    let side = across(along);
+    let along = unit_direction(seen).unwrap_or([1.0, 0.0]);
+    let side = quarter_turn(along);
     // Under the slider, or left of it.
     let down = if side[1] > 0.05 || (side[1].abs() <= 0.05 && side[0] < 0.0) {
         side
@@ -63,9 +65,9 @@ fn draw_rail(joint: &SchemeJoint, at: Spot, seen: Spot, plane: &Plane, ink: &mut
         [-side[0], -side[1]]
     };
     let from = plane.spot(joint.from);
-    let axis_line = [ahead(from, along, 0.0), at];
+    let axis_line = [spot_ahead(from, along, 0.0), at];
     ink.line(&axis_line, ink.theme.event, 0.7, Dashes::Long);
-    let middle = ahead(at, down, RAIL * ink.unit);
+    let middle = spot_ahead(at, down, RAIL * ink.unit);
     draw_hatched(middle, along, (BEYOND + 8.0) * ink.unit, down, ink);
     middle
 }
@@ -73,20 +75,23 @@ fn draw_rail(joint: &SchemeJoint, at: Spot, seen: Spot, plane: &Plane, ink: &mut
 /// A line through `middle` with hatching on the side of `down`.
 fn draw_hatched(middle: Spot, along: Spot, half: f64, down: Spot, ink: &mut Ink) {
     let (unit_length, text) = (ink.unit, ink.theme.text);
-    let ends = [ahead(middle, along, -half), ahead(middle, along, half)];
+    let ends = [
+        spot_ahead(middle, along, -half),
+        spot_ahead(middle, along, half),
+    ];
     ink.line(&ends, text, OUTLINE, Dashes::None);
     let count = (2.0 * half / (PITCH * unit_length)) as usize;
     for k in 0..count {
-        let from = ahead(ends[0], along, (k as f64 + 0.7) * PITCH * unit_length);
-        let slant = minus(ahead(down, along, -0.8), [0.0; 2]);
+        let from = spot_ahead(ends[0], along, (k as f64 + 0.7) * PITCH * unit_length);
+        let slant = spot_difference(spot_ahead(down, along, -0.8), [0.0; 2]);
         ink.mark(
-            &[from, ahead(from, slant, 0.8 * HATCH * unit_length)],
+            &[from, spot_ahead(from, slant, 0.8 * HATCH * unit_length)],
             text,
             0.7,
             Dashes::None,
         );
     }
     let rim = 0.5 * HATCH * unit_length;
-    let low = ahead(middle, down, rim);
+    let low = spot_ahead(middle, down, rim);
     ink.reserve(low, 9.0);
 }

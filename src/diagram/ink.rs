@@ -1,6 +1,6 @@
 //! What a drawing is made of while it grows: primitives, the lines that labels keep away from, and labels to be placed.
 
-use super::plane::{Spot, across, ahead, minus, norm, unit};
+use super::plane::{Spot, quarter_turn, spot_ahead, spot_difference, spot_length, unit_direction};
 use crate::plot::primitive::{DrawnPrimitive, Rect, Stroke, TextAnchor};
 use crate::plot::theme::{ChartTheme, Colour, Dashes};
 
@@ -91,12 +91,18 @@ impl Ink {
 
     /// The head of an arrow at `tip` that points along `direction`.
     pub fn head(&mut self, tip: Spot, direction: Spot, colour: Colour) {
-        let Some(d) = unit(direction) else { return };
-        let back = ahead(tip, d, -HEAD[0] * self.unit);
-        let side = across(d);
+        let Some(d) = unit_direction(direction) else {
+            return;
+        };
+        let back = spot_ahead(tip, d, -HEAD[0] * self.unit);
+        let side = quarter_turn(d);
         let half = HEAD[1] * self.unit;
         self.primitives.push(DrawnPrimitive::Region {
-            points: vec![tip, ahead(back, side, half), ahead(back, side, -half)],
+            points: vec![
+                tip,
+                spot_ahead(back, side, half),
+                spot_ahead(back, side, -half),
+            ],
             fill: colour,
         });
     }
@@ -104,7 +110,7 @@ impl Ink {
     /// A line with a head at its end.
     pub fn arrow(&mut self, points: &[Spot], colour: Colour, width: f64) {
         let [.., before, tip] = points else { return };
-        let direction = minus(*tip, *before);
+        let direction = spot_difference(*tip, *before);
         self.line(points, colour, width, Dashes::None);
         self.head(*tip, direction, colour);
     }
@@ -134,7 +140,7 @@ impl Ink {
     /// How much of a line runs along, or close to, what is drawn already; pixels.
     pub fn covered(&self, [a, b]: [Spot; 2], within: f64) -> f64 {
         let step = 5.0 * self.unit;
-        let length = norm(minus(b, a));
+        let length = spot_length(spot_difference(b, a));
         let count = ((length / step).ceil() as usize).clamp(1, 400);
         let near = |at: Spot| {
             self.lines
@@ -143,7 +149,7 @@ impl Ink {
         };
         let inside = |at: Spot| self.boxes.iter().any(|r| r.contains(at));
         let hits = (0..=count).filter(|k| {
-            let at = ahead(a, minus(b, a), *k as f64 / count as f64);
+            let at = spot_ahead(a, spot_difference(b, a), *k as f64 / count as f64);
             near(at) || inside(at)
         });
         hits.count() as f64 * length / (count + 1) as f64

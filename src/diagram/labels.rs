@@ -1,7 +1,7 @@
 //! Labels find their places: as near to what they name as they can, on no other label and on no sign, over few lines.
 
 use super::ink::{Ink, Label};
-use super::plane::{Spot, ahead, distance_to, minus, norm, unit};
+use super::plane::{Spot, distance_to, spot_ahead, spot_difference, spot_length, unit_direction};
 use crate::plot::layout::Ruler;
 use crate::plot::primitive::{DrawnPrimitive, Rect, TextAnchor};
 use crate::plot::theme::Dashes;
@@ -77,7 +77,7 @@ fn box_size(label: &Label, ruler: &Ruler, unit: f64) -> [f64; 2] {
 
 /// The cheapest free place.
 fn best_place(label: &Label, size: [f64; 2], ink: &Ink, area: &Rect) -> Option<Rect> {
-    let wish = unit(label.wish).unwrap_or([0.6, -0.8]);
+    let wish = unit_direction(label.wish).unwrap_or([0.6, -0.8]);
     let mut best: Option<(f64, Rect)> = None;
     for distance in DISTANCES.map(|d| (d + label.least) * ink.unit) {
         // Nothing farther can be cheaper.
@@ -108,7 +108,7 @@ fn best_place(label: &Label, size: [f64; 2], ink: &Ink, area: &Rect) -> Option<R
 fn box_beside(at: Spot, d: Spot, distance: f64, [wide, high]: [f64; 2]) -> Rect {
     // Where the line from the middle leaves the box.
     let reach = (0.5 * wide / d[0].abs().max(1e-9)).min(0.5 * high / d[1].abs().max(1e-9));
-    let middle = ahead(at, d, distance + reach);
+    let middle = spot_ahead(at, d, distance + reach);
     Rect {
         left: middle[0] - 0.5 * wide,
         right: middle[0] + 0.5 * wide,
@@ -136,7 +136,7 @@ fn covered_lines(bounds: &Rect, ink: &Ink) -> f64 {
 
 /// Length of the part of a line that is in a box (Liang and Barsky).
 fn clipped_length([a, b]: [Spot; 2], r: &Rect) -> f64 {
-    let d = minus(b, a);
+    let d = spot_difference(b, a);
     let (mut from, mut to) = (0.0_f64, 1.0_f64);
     for (p, q) in [
         (-d[0], a[0] - r.left),
@@ -155,7 +155,7 @@ fn clipped_length([a, b]: [Spot; 2], r: &Rect) -> f64 {
         }
     }
     if to > from {
-        (to - from) * norm(d)
+        (to - from) * spot_length(d)
     } else {
         0.0
     }
@@ -179,7 +179,7 @@ fn leader_of(label: &Label, bounds: &Rect, unit_length: f64) -> Option<[Spot; 2]
         x.clamp(bounds.left, bounds.right),
         y.clamp(bounds.top, bounds.bottom),
     ];
-    let far = norm(minus(near, label.anchor));
+    let far = spot_length(spot_difference(near, label.anchor));
     (far > (LEADER + label.least) * unit_length).then_some([label.anchor, near])
 }
 

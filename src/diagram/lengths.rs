@@ -1,9 +1,11 @@
 //! Lengths with their names: dimension lines beside what they measure, or vectors on it.
 
 use super::ink::{Ink, Label};
-use super::plane::{Plane, Spot, across, ahead, minus, norm, unit};
+use super::lettering::{Lettering, source_colour};
+use super::plane::{
+    Plane, Spot, quarter_turn, spot_ahead, spot_difference, spot_length, unit_direction,
+};
 use super::scheme::{QuantitySource, SchemeLength};
-use super::sheet::{Lettering, source_colour};
 use crate::plot::theme::Dashes;
 
 /// Distances at which a dimension line may stand beside what it measures, in units of the drawing.
@@ -33,41 +35,42 @@ pub fn draw_dimension(
     ink: &mut Ink,
 ) -> bool {
     let ends = [length.from, length.to].map(|p| plane.spot(p));
-    let along = minus(ends[1], ends[0]);
-    let Some(direction) = unit(along).filter(|_| norm(along) > END_ON * ink.unit) else {
+    let along = spot_difference(ends[1], ends[0]);
+    let Some(direction) = unit_direction(along).filter(|_| spot_length(along) > END_ON * ink.unit)
+    else {
         return false;
     };
     let offset = cheapest_offset(length, ends, plane, ink);
     let colour = source_colour(length.source, &ink.theme);
-    let line = ends.map(|end| ahead(end, offset, 1.0));
-    if let Some(out) = unit(offset) {
-        let reach = norm(offset) + BEYOND * ink.unit;
+    let line = ends.map(|end| spot_ahead(end, offset, 1.0));
+    if let Some(out) = unit_direction(offset) {
+        let reach = spot_length(offset) + BEYOND * ink.unit;
         for end in ends {
-            let to = ahead(end, out, reach);
+            let to = spot_ahead(end, out, reach);
             ink.line(
-                &[ahead(end, out, 3.0 * ink.unit), to],
+                &[spot_ahead(end, out, 3.0 * ink.unit), to],
                 colour,
                 0.6 * THIN,
                 Dashes::None,
             );
         }
     }
-    let outside = norm(along) < SHORT * ink.unit;
+    let outside = spot_length(along) < SHORT * ink.unit;
     let tail = if outside { 12.0 * ink.unit } else { 0.0 };
     ink.line(
         &[
-            ahead(line[0], direction, -tail),
-            ahead(line[1], direction, tail),
+            spot_ahead(line[0], direction, -tail),
+            spot_ahead(line[1], direction, tail),
         ],
         colour,
         THIN,
         Dashes::None,
     );
     let sign = if outside { -1.0 } else { 1.0 };
-    ink.head(line[1], ahead([0.0; 2], direction, sign), colour);
-    ink.head(line[0], ahead([0.0; 2], direction, -sign), colour);
-    let middle = ahead(line[0], along, 0.5);
-    let wish = unit(offset).unwrap_or(across(direction));
+    ink.head(line[1], spot_ahead([0.0; 2], direction, sign), colour);
+    ink.head(line[0], spot_ahead([0.0; 2], direction, -sign), colour);
+    let middle = spot_ahead(line[0], along, 0.5);
+    let wish = unit_direction(offset).unwrap_or(quarter_turn(direction));
     ink.labels.push(Label {
         text: lettering.length(length),
         anchor: middle,
@@ -82,13 +85,18 @@ pub fn draw_dimension(
 
 /// Where a dimension line runs along nothing else.
 fn cheapest_offset(length: &SchemeLength, ends: [Spot; 2], plane: &Plane, ink: &Ink) -> Spot {
-    let along = unit(minus(ends[1], ends[0])).unwrap_or([1.0, 0.0]);
-    let mut sides: Vec<Spot> = vec![across(along), ahead([0.0; 2], across(along), -1.0)];
+    let along = unit_direction(spot_difference(ends[1], ends[0])).unwrap_or([1.0, 0.0]);
+    let mut sides: Vec<Spot> = vec![
+        quarter_turn(along),
+        spot_ahead([0.0; 2], quarter_turn(along), -1.0),
+    ];
     for aside in length.aside {
         let seen = plane.direction(aside);
-        let Some(d) = unit(seen) else { continue };
+        let Some(d) = unit_direction(seen) else {
+            continue;
+        };
         // Lines to a dimension stand across it, not along.
-        if (d[0] * along[1] - d[1] * along[0]).abs() > 0.5 && norm(seen) > 0.3 {
+        if (d[0] * along[1] - d[1] * along[0]).abs() > 0.5 && spot_length(seen) > 0.3 {
             sides.extend([d, [-d[0], -d[1]]]);
         }
     }
@@ -96,8 +104,8 @@ fn cheapest_offset(length: &SchemeLength, ends: [Spot; 2], plane: &Plane, ink: &
     let inside = plane.inside(14.0 * ink.unit);
     for distance in ASIDE {
         for side in &sides {
-            let offset = ahead([0.0; 2], *side, distance * ink.unit);
-            let line = ends.map(|end| ahead(end, offset, 1.0));
+            let offset = spot_ahead([0.0; 2], *side, distance * ink.unit);
+            let line = ends.map(|end| spot_ahead(end, offset, 1.0));
             if line.iter().any(|end| !inside.contains(*end)) && distance > 0.0 {
                 continue;
             }
@@ -122,8 +130,8 @@ pub fn draw_vector(
     ink: &mut Ink,
 ) -> bool {
     let ends = [length.from, length.to].map(|p| plane.spot(p));
-    let along = minus(ends[1], ends[0]);
-    if norm(along) <= END_ON * ink.unit {
+    let along = spot_difference(ends[1], ends[0]);
+    if spot_length(along) <= END_ON * ink.unit {
         return false;
     }
     let colour = match length.source {
@@ -133,8 +141,8 @@ pub fn draw_vector(
     ink.arrow(&ends, colour, 2.6);
     ink.labels.push(Label {
         text: lettering.length(length),
-        anchor: ahead(ends[0], along, 0.5),
-        wish: across(along),
+        anchor: spot_ahead(ends[0], along, 0.5),
+        wish: quarter_turn(along),
         size: 1.1 * lettering.size,
         colour,
         ringed: false,

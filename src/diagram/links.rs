@@ -1,10 +1,12 @@
 //! Links as lines between the signs of their joints, and where these signs stand.
 
 use super::ink::{Ink, Label};
-use super::plane::{Plane, Spot, across, ahead, minus, norm, unit};
+use super::lettering::Lettering;
+use super::plane::{
+    Plane, Spot, quarter_turn, spot_ahead, spot_difference, spot_length, unit_direction,
+};
 use super::scheme::{Scheme, SchemeJoint};
-use super::sheet::Lettering;
-use super::symbols::{half_length, hull};
+use super::symbols::{convex_hull, half_length};
 use crate::model::joints::JointKind;
 use crate::plot::primitive::DrawnPrimitive;
 use crate::plot::theme::{Colour, Dashes};
@@ -28,7 +30,7 @@ pub fn sign_places(scheme: &Scheme, plane: &Plane, unit_length: f64) -> Vec<Spot
     order.sort_by_key(|k| (!joints[*k].links.contains(&0), *k));
     for k in order {
         let near = |other: usize, spots: &[Spot]| {
-            other != k && norm(minus(spots[other], spots[k])) < APART * unit_length
+            other != k && spot_length(spot_difference(spots[other], spots[k])) < APART * unit_length
         };
         let Some(other) = (0..joints.len()).find(|o| near(*o, &spots)) else {
             continue;
@@ -37,16 +39,17 @@ pub fn sign_places(scheme: &Scheme, plane: &Plane, unit_length: f64) -> Vec<Spot
             let [own, its] = [k, other].map(|j| half_length(&joints[j], plane, unit_length));
             let seen = plane.direction(joints[other].axes.first().copied().unwrap_or_default());
             // A sign that lies across takes little room along this axis.
-            let parallel = unit(seen).map_or(0.0, |d| (d[0] * along[0] + d[1] * along[1]).abs());
+            let parallel =
+                unit_direction(seen).map_or(0.0, |d| (d[0] * along[0] + d[1] * along[1]).abs());
             let room = own + its * parallel + (BETWEEN + 8.0 * (1.0 - parallel)) * unit_length;
             let inward = links_middle(scheme, k, plane);
-            let side = minus(inward, spots[k]);
+            let side = spot_difference(inward, spots[k]);
             let sign = if side[0] * along[0] + side[1] * along[1] > 0.0 {
                 -1.0
             } else {
                 1.0
             };
-            spots[k] = ahead(spots[k], along, sign * room);
+            spots[k] = spot_ahead(spots[k], along, sign * room);
         }
     }
     spots
@@ -59,7 +62,7 @@ fn slide_direction(joint: &SchemeJoint, plane: &Plane) -> Option<Spot> {
         JointKind::Revolute | JointKind::Cylindrical | JointKind::Helical
     );
     let seen = plane.direction(*joint.axes.first()?);
-    unit(seen).filter(|_| may && norm(seen) > 0.3)
+    unit_direction(seen).filter(|_| may && spot_length(seen) > 0.3)
 }
 
 /// The middle of all joints on the links that a joint connects.
@@ -73,11 +76,11 @@ fn links_middle(scheme: &Scheme, index: usize, plane: &Plane) -> Spot {
         .map(|j| plane.spot(j.at))
         .collect();
     let share = 1.0 / spots.len().max(1) as f64;
-    spots.iter().fold([0.0; 2], |m, p| ahead(m, *p, share))
+    spots.iter().fold([0.0; 2], |m, p| spot_ahead(m, *p, share))
 }
 
 /// Where a link reaches a joint: the frame of a sliding joint reaches the begin of its guide.
-fn reach(joint: &SchemeJoint, link: usize) -> DVec3 {
+fn reached_place(joint: &SchemeJoint, link: usize) -> DVec3 {
     let slides_first = joint.links[1] == 0;
     match (joint.links[0] == link) == slides_first {
         true => joint.at,
@@ -92,7 +95,7 @@ pub fn draw_links(scheme: &Scheme, signs: &[Spot], plane: &Plane, is_plane: bool
         let own = scheme.joints.iter().filter(|j| j.links.contains(&index));
         let points = scheme.points.iter().filter(|p| p.2 == link.number);
         let ends: Vec<Spot> = own
-            .map(|j| plane.spot(reach(j, index)))
+            .map(|j| plane.spot(reached_place(j, index)))
             .chain(points.map(|p| plane.spot(p.1)))
             .collect();
         let paths: Vec<Vec<Spot>> = link.paths.iter().map(|p| shown_path(p, plane)).collect();
@@ -108,7 +111,7 @@ pub fn draw_links(scheme: &Scheme, signs: &[Spot], plane: &Plane, is_plane: bool
     }
     for (joint, sign) in scheme.joints.iter().zip(signs) {
         let at = plane.spot(joint.at);
-        if norm(minus(at, *sign)) > 0.5 {
+        if spot_length(spot_difference(at, *sign)) > 0.5 {
             ink.line(&[at, *sign], text, LINE, Dashes::None);
         }
         // The guide of a slider is a part of the link that it slides on.
@@ -125,7 +128,7 @@ pub fn draw_links(scheme: &Scheme, signs: &[Spot], plane: &Plane, is_plane: bool
 
 /// A link with three joints and more: a plate.
 fn draw_plate(ends: &[Spot], text: Colour, ink: &mut Ink) {
-    let outline = hull(ends);
+    let outline = convex_hull(ends);
     if outline.len() > 2 {
         let [r, g, b, _] = text;
         ink.primitives.push(DrawnPrimitive::Region {
@@ -196,24 +199,27 @@ fn number_place(
     if is_plane || pieces.is_empty() {
         pieces = lines(ends.clone());
     }
-    let length = |s: &[Spot; 2]| norm(minus(s[1], s[0]));
+    let length = |s: &[Spot; 2]| spot_length(spot_difference(s[1], s[0]));
     let long = pieces
         .into_iter()
         .max_by(|a, b| length(a).total_cmp(&length(b)));
     match long {
-        Some([a, b]) => (Some(ahead(a, minus(b, a), 0.42)), across(minus(b, a))),
+        Some([a, b]) => (
+            Some(spot_ahead(a, spot_difference(b, a), 0.42)),
+            quarter_turn(spot_difference(b, a)),
+        ),
         None => (ends.first().copied(), [0.7, -0.7]),
     }
 }
 
 /// From the sign of a joint to the rest of the link behind it.
-pub fn leaving(scheme: &Scheme, index: usize, signs: &[Spot], plane: &Plane) -> Spot {
+pub fn leaving_direction(scheme: &Scheme, index: usize, signs: &[Spot], plane: &Plane) -> Spot {
     let joint = &scheme.joints[index];
     let behind = joint.links[1];
     let others =
         (0..signs.len()).filter(|k| *k != index && scheme.joints[*k].links.contains(&behind));
     let far = others
-        .map(|k| minus(signs[k], signs[index]))
-        .find(|d| norm(*d) > 1.0);
+        .map(|k| spot_difference(signs[k], signs[index]))
+        .find(|d| spot_length(*d) > 1.0);
     far.unwrap_or_else(|| plane.direction(DVec3::Z))
 }

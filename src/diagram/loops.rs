@@ -1,9 +1,9 @@
 //! Loops as round arrows with their letters, and frames as triads.
 
 use super::ink::{Ink, Label};
-use super::plane::{Plane, Spot, ahead, distance_to, minus, norm};
+use super::lettering::Lettering;
+use super::plane::{Plane, Spot, distance_to, spot_ahead, spot_difference, spot_length};
 use super::scheme::SchemeLink;
-use super::sheet::Lettering;
 use crate::math::sin_cos;
 use crate::plot::primitive::Rect;
 use glam::DVec3;
@@ -35,16 +35,20 @@ pub fn draw_loop(
     ink: &mut Ink,
 ) {
     let corners: Vec<Spot> = points.iter().map(|p| plane.spot(*p)).collect();
-    let (centre, room) = roomiest(&corners, plane, ink);
+    let (centre, room) = roomiest_place(&corners, plane, ink);
     let [least, most] = RADII.map(|r| r * ink.unit);
     let radius = (room - FREE * ink.unit).clamp(least, most);
     // On the sheet y points down: a positive area is walked clockwise.
-    let sense = if area(&corners) >= 0.0 { 1.0 } else { -1.0 };
+    let sense = if signed_area(&corners) >= 0.0 {
+        1.0
+    } else {
+        -1.0
+    };
     let colour = ink.theme.colour(index + 2);
     let point = |k: usize| {
         let (sin, cos) =
             sin_cos(0.25 * TAU + sense * (0.07 * TAU + ROUND * k as f64 / CORNERS as f64));
-        ahead(centre, [cos, sin], radius)
+        spot_ahead(centre, [cos, sin], radius)
     };
     let arc: Vec<Spot> = (0..=CORNERS).map(point).collect();
     ink.arrow(&arc, colour, 1.8);
@@ -57,7 +61,7 @@ pub fn draw_loop(
 }
 
 /// The place within a polygon, or near to one that is flat, that is farthest from all lines, and how far.
-fn roomiest(corners: &[Spot], plane: &Plane, ink: &Ink) -> (Spot, f64) {
+fn roomiest_place(corners: &[Spot], plane: &Plane, ink: &Ink) -> (Spot, f64) {
     let rim = plane.inside((RADII[0] + FREE) * ink.unit);
     let fold = |k: usize, pick: fn(f64, f64) -> f64, from: f64| {
         corners.iter().map(|c| c[k]).fold(from, pick)
@@ -87,7 +91,7 @@ fn roomiest(corners: &[Spot], plane: &Plane, ink: &Ink) -> (Spot, f64) {
             };
             let tight = 3.0 * (reach - room).max(0.0);
             let kept = room.min((RADII[1] + FREE) * ink.unit);
-            let value = kept - outside - tight - 0.05 * norm(minus(at, middle));
+            let value = kept - outside - tight - 0.05 * spot_length(spot_difference(at, middle));
             if value > best.0 {
                 best = (value, at, room);
             }
@@ -98,11 +102,11 @@ fn roomiest(corners: &[Spot], plane: &Plane, ink: &Ink) -> (Spot, f64) {
 
 fn from_box(at: Spot, b: &Rect) -> f64 {
     let near = [at[0].clamp(b.left, b.right), at[1].clamp(b.top, b.bottom)];
-    norm(minus(at, near))
+    spot_length(spot_difference(at, near))
 }
 
 /// Twice the area within a polygon, with its sense.
-fn area(corners: &[Spot]) -> f64 {
+fn signed_area(corners: &[Spot]) -> f64 {
     let next = corners.iter().cycle().skip(1);
     let pieces = corners
         .iter()
@@ -137,10 +141,11 @@ pub fn draw_frames(links: &[SchemeLink], plane: &Plane, lettering: &Lettering, i
         let origin = plane.spot(link.frame.translation);
         for axis in 0..3 {
             let seen = plane.direction(link.frame.rotation.col(axis));
-            let tip = ahead(origin, seen, TRIAD * ink.unit);
+            let tip = spot_ahead(origin, seen, TRIAD * ink.unit);
             let text = lettering.symbol(&format!("{}{}", ["x", "y", "z"][axis], link.number));
             let same = |a: &&mut TriadArrow| {
-                norm(minus(a.origin, origin)) < ink.unit && norm(minus(a.tip, tip)) < 2.0 * ink.unit
+                spot_length(spot_difference(a.origin, origin)) < ink.unit
+                    && spot_length(spot_difference(a.tip, tip)) < 2.0 * ink.unit
             };
             match arrows.iter_mut().find(same) {
                 Some(known) => known.text = format!("{}, {text}", known.text),
@@ -150,8 +155,8 @@ pub fn draw_frames(links: &[SchemeLink], plane: &Plane, lettering: &Lettering, i
     }
     let colour = ink.theme.series[2];
     for arrow in arrows {
-        let along = minus(arrow.tip, arrow.origin);
-        if norm(along) < 0.12 * TRIAD * ink.unit {
+        let along = spot_difference(arrow.tip, arrow.origin);
+        if spot_length(along) < 0.12 * TRIAD * ink.unit {
             ink.circle(arrow.origin, 4.5, ink.theme.background, colour, 1.2);
             ink.circle(arrow.origin, 1.2, colour, colour, 0.5);
         } else {
@@ -160,7 +165,7 @@ pub fn draw_frames(links: &[SchemeLink], plane: &Plane, lettering: &Lettering, i
         ink.labels.push(Label {
             text: arrow.text,
             anchor: arrow.tip,
-            wish: if norm(along) > 1.0 {
+            wish: if spot_length(along) > 1.0 {
                 along
             } else {
                 [-0.7, 0.7]

@@ -5,13 +5,16 @@
 //! writers.
 
 mod arcs;
+mod contacts;
 mod ground;
 mod ink;
 pub mod labels;
 mod lengths;
+mod lettering;
 mod links;
 mod loops;
 pub mod plane;
+mod quantities;
 pub mod scheme;
 pub mod sheet;
 mod surfaces;

@@ -8,41 +8,41 @@ use glam::{DMat3, DVec3};
 pub type Spot = [f64; 2];
 
 /// A direction, or a place relative to another.
-pub fn minus(a: Spot, b: Spot) -> Spot {
+pub fn spot_difference(a: Spot, b: Spot) -> Spot {
     [a[0] - b[0], a[1] - b[1]]
 }
 
 /// `a + s d`
-pub fn ahead(a: Spot, d: Spot, s: f64) -> Spot {
+pub fn spot_ahead(a: Spot, d: Spot, s: f64) -> Spot {
     [a[0] + s * d[0], a[1] + s * d[1]]
 }
 
 /// Length of a direction.
-pub fn norm(d: Spot) -> f64 {
+pub fn spot_length(d: Spot) -> f64 {
     libm::hypot(d[0], d[1])
 }
 
 /// The direction with length one; `None` for a place itself.
-pub fn unit(d: Spot) -> Option<Spot> {
-    let length = norm(d);
+pub fn unit_direction(d: Spot) -> Option<Spot> {
+    let length = spot_length(d);
     (length > 1e-9).then(|| [d[0] / length, d[1] / length])
 }
 
 /// A quarter turn: from x towards y.
-pub fn across(d: Spot) -> Spot {
+pub fn quarter_turn(d: Spot) -> Spot {
     [-d[1], d[0]]
 }
 
 /// Distance of a place from the line between two others.
 pub fn distance_to(at: Spot, [a, b]: [Spot; 2]) -> f64 {
-    let along = minus(b, a);
+    let along = spot_difference(b, a);
     let square = along[0] * along[0] + along[1] * along[1];
-    let from = minus(at, a);
+    let from = spot_difference(at, a);
     let share = match square > 0.0 {
         true => ((from[0] * along[0] + from[1] * along[1]) / square).clamp(0.0, 1.0),
         false => 0.0,
     };
-    norm(minus(at, ahead(a, along, share)))
+    spot_length(spot_difference(at, spot_ahead(a, along, share)))
 }
 
 /// A parallel projection onto the drawing.
@@ -58,6 +58,9 @@ pub struct Plane {
     pub size: [f64; 2],
 }
 
+/// Width of a drawing in pixels unless asked otherwise: lengths on it are those of this width.
+pub const USUAL_WIDTH: f64 = 1200.0;
+
 /// Free borders of the drawing in pixels: room for labels.
 const BORDER: f64 = 105.0;
 
@@ -67,7 +70,7 @@ const HEIGHTS: [f64; 2] = [0.34, 0.82];
 impl Plane {
     /// Holds all places of a scheme in a drawing of the given width.
     pub fn fitted(axes: DMat3, scheme: &Scheme, width: f64) -> Self {
-        let border = BORDER * width / super::sheet::USUAL_WIDTH;
+        let border = BORDER * width / USUAL_WIDTH;
         let seen = axes.transpose();
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         for place in scheme.places().filter(|p| p.is_finite()) {
@@ -100,7 +103,7 @@ impl Plane {
 
     /// Where a place of the world is drawn.
     pub fn spot(&self, place: DVec3) -> Spot {
-        ahead(self.origin, self.direction(place), self.scale)
+        spot_ahead(self.origin, self.direction(place), self.scale)
     }
 
     /// A direction of the world in the drawing; shorter than one where it is foreshortened.
@@ -130,7 +133,7 @@ impl Plane {
 }
 
 /// The axes of a drawing that looks at a plane from its front: what lies to the right and up in the world stays so.
-pub fn facing(normal: DVec3) -> DMat3 {
+pub fn facing_axes(normal: DVec3) -> DMat3 {
     let most = (0..3).max_by(|a, b| normal[*a].abs().total_cmp(&normal[*b].abs()));
     // The axis that points up in the drawing: y, but z where y is seen end-on.
     let (up, right) = match most {

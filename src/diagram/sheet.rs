@@ -1,14 +1,15 @@
 //! The sheet: what is shown, in which order, and the lines under the drawing.
 
-use super::arcs::{draw_angle, level};
+use super::arcs::{arc_level, draw_angle};
 use super::ground::draw_ground;
 use super::ink::{Ink, Label};
 use super::labels::{PlacedLabel, place_labels};
 use super::lengths::{draw_dimension, draw_vector};
-use super::links::{draw_links, leaving, number_links, sign_places};
+use super::lettering::{Lettering, valued_name};
+use super::links::{draw_links, leaving_direction, number_links, sign_places};
 use super::loops::{draw_frames, draw_loop};
-use super::plane::{Plane, Spot, facing};
-use super::scheme::{QuantitySource, Scheme, SchemeAngle, SchemeLength};
+use super::plane::{Plane, Spot, USUAL_WIDTH, facing_axes};
+use super::scheme::{QuantitySource, Scheme, SchemeLength};
 use super::surfaces::draw_surface;
 use super::symbols::draw_joint;
 use crate::plot::Drawing;
@@ -17,9 +18,6 @@ use crate::plot::primitive::{DrawnPrimitive, Rect, TextAnchor};
 use crate::plot::theme::{ChartTheme, Colour};
 use crate::staging::quantity_names::written_names;
 use glam::DMat3;
-
-/// Width of a drawing in pixels unless asked otherwise: lengths on it are those of this width.
-pub const USUAL_WIDTH: f64 = 1200.0;
 
 /// Height of capitals of labels, and of the lines under the drawing.
 const LETTERS: f64 = 9.6;
@@ -104,71 +102,12 @@ pub struct Sheet {
     pub notes: Vec<String>,
 }
 
-/// How names are written.
-pub struct Lettering {
-    /// Height of capitals in pixels.
-    pub size: f64,
-    values: bool,
-    length_unit: String,
-    angle_unit: (String, f64),
-}
-
-impl Lettering {
-    /// A formula with its names as by hand.
-    pub fn symbol(&self, text: &str) -> String {
-        written_names(text)
-    }
-
-    /// Name of a length, with its value where that is wanted.
-    pub fn length(&self, length: &SchemeLength) -> String {
-        self.named(&length.name, length.value, &self.length_unit)
-    }
-
-    /// Name of an angle, likewise.
-    pub fn angle(&self, angle: &SchemeAngle) -> String {
-        let (unit, radians) = &self.angle_unit;
-        let unit = if unit == "deg" { "°" } else { unit };
-        self.named(&angle.name, angle.value / radians, unit)
-    }
-
-    fn named(&self, name: &str, value: f64, unit: &str) -> String {
-        match self.values {
-            true => valued(name, value, unit),
-            false => written_names(name),
-        }
-    }
-}
-
-/// A name with its value.
-fn valued(name: &str, value: f64, unit: &str) -> String {
-    let digits = format!("{:.4}", value + 0.0);
-    let short = digits
-        .trim_end_matches('0')
-        .trim_end_matches('.')
-        .replace('-', "\u{2212}");
-    let gap = if unit == "°" || unit.is_empty() {
-        ""
-    } else {
-        " "
-    };
-    format!("{} = {short}{gap}{unit}", written_names(name))
-}
-
-/// Colour of a quantity: dimensions are pale, what is driven and what follows stand out.
-pub fn source_colour(source: QuantitySource, theme: &ChartTheme) -> Colour {
-    match source {
-        QuantitySource::Constant => theme.faint_text,
-        QuantitySource::Input => theme.series[1],
-        QuantitySource::Unknown => theme.series[0],
-    }
-}
-
 /// Lays a scheme out.
 pub fn draw_sheet(scheme: &Scheme, options: &SheetOptions) -> Sheet {
     let normal = scheme.normal();
     let axes = options
         .axes
-        .or(normal.map(facing))
+        .or(normal.map(facing_axes))
         .unwrap_or(options.spatial_axes);
     let width = f64::from(options.width);
     let plane = Plane::fitted(axes, scheme, width);
@@ -214,12 +153,12 @@ pub fn draw_sheet(scheme: &Scheme, options: &SheetOptions) -> Sheet {
     if options.shown.names {
         notes.push(body_names(scheme));
     }
-    notes.extend(sentence("not seen from here", hidden));
-    notes.extend(sentence("without room", left_out));
-    finished(ink, &plane, labels, notes, options)
+    notes.extend(note_line("not seen from here", hidden));
+    notes.extend(note_line("without room", left_out));
+    finished_sheet(ink, &plane, labels, notes, options)
 }
 
-fn sentence(what: &str, list: Vec<String>) -> Option<String> {
+fn note_line(what: &str, list: Vec<String>) -> Option<String> {
     (!list.is_empty()).then(|| format!("{what}: {}", list.join(", ")))
 }
 
@@ -263,7 +202,7 @@ fn draw_mechanism(
         draw_joint(
             joint,
             signs[k],
-            leaving(scheme, k, &signs, plane),
+            leaving_direction(scheme, k, &signs, plane),
             plane,
             ink,
         );
@@ -351,12 +290,16 @@ fn draw_quantities(
             false => continue,
         };
         if !drawn {
-            hidden.push(valued(&length.name, length.value, &options.length_unit));
+            hidden.push(valued_name(
+                &length.name,
+                length.value,
+                &options.length_unit,
+            ));
         }
     }
     for (k, angle) in scheme.angles.iter().enumerate() {
         if is_shown(angle.source) {
-            let level = level(&scheme.angles, k, plane, 6.0 * ink.unit);
+            let level = arc_level(&scheme.angles, k, plane, 6.0 * ink.unit);
             draw_angle(angle, level, plane, lettering, ink);
         }
     }
@@ -364,7 +307,7 @@ fn draw_quantities(
 }
 
 /// Title, drawing and notes as one.
-fn finished(
+fn finished_sheet(
     mut ink: Ink,
     plane: &Plane,
     labels: Vec<PlacedLabel>,
@@ -377,7 +320,7 @@ fn finished(
     let wide = plane.size[0] - 36.0 * unit;
     let lines: Vec<String> = notes
         .iter()
-        .flat_map(|note| folded(note, wide, note_size, &ruler))
+        .flat_map(|note| folded_lines(note, wide, note_size, &ruler))
         .collect();
     let line_height = 2.1 * note_size;
     let mut baseline = plane.size[1] + 0.9 * line_height;
@@ -430,7 +373,7 @@ fn finished(
 }
 
 /// A text in lines that are no wider than `wide`.
-fn folded(text: &str, wide: f64, size: f64, ruler: &Ruler) -> Vec<String> {
+fn folded_lines(text: &str, wide: f64, size: f64, ruler: &Ruler) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split(' ') {
         let longer = lines.last().map(|line| format!("{line} {word}"));

@@ -1,7 +1,9 @@
 //! Surfaces in contact as outlines: a torus by its ring and the parallels of the ring, a sphere by its rim.
 
 use super::ink::Ink;
-use super::plane::{Plane, Spot, across, ahead, minus, norm, unit};
+use super::plane::{
+    Plane, Spot, quarter_turn, spot_ahead, spot_difference, spot_length, unit_direction,
+};
 use super::scheme::SchemeSurface;
 use crate::math::sin_cos;
 use crate::plot::theme::{Colour, Dashes};
@@ -23,7 +25,7 @@ pub fn draw_surface(surface: &SchemeSurface, size: f64, plane: &Plane, ink: &mut
             let centre = plane.spot(surface.frame.translation);
             let rim = |k: usize| {
                 let (sin, cos) = sin_cos(TAU * k as f64 / CORNERS as f64);
-                ahead(centre, [cos, sin], radius * plane.scale)
+                spot_ahead(centre, [cos, sin], radius * plane.scale)
             };
             let rim: Vec<Spot> = (0..=CORNERS).map(rim).collect();
             ink.mark(&rim, colour, 1.0, Dashes::None);
@@ -31,10 +33,11 @@ pub fn draw_surface(surface: &SchemeSurface, size: f64, plane: &Plane, ink: &mut
         ("cylinder", [radius]) => {
             let seen = plane.direction(surface.frame.rotation.z_axis);
             let centre = plane.spot(surface.frame.translation);
-            let side = unit(across(seen)).unwrap_or([1.0, 0.0]);
+            let side = unit_direction(quarter_turn(seen)).unwrap_or([1.0, 0.0]);
             for sign in [1.0, -1.0] {
-                let edge = ahead(centre, side, sign * radius * plane.scale);
-                let ends = [1.0, -1.0].map(|s| ahead(edge, seen, s * REACH * size * plane.scale));
+                let edge = spot_ahead(centre, side, sign * radius * plane.scale);
+                let ends =
+                    [1.0, -1.0].map(|s| spot_ahead(edge, seen, s * REACH * size * plane.scale));
                 ink.mark(&ends, colour, 1.0, Dashes::None);
             }
         }
@@ -72,9 +75,10 @@ fn draw_torus(
         let parallel: Vec<Spot> = (0..=CORNERS)
             .filter_map(|k| {
                 let [before, after] = [(k + CORNERS - 1) % CORNERS, (k + 1) % CORNERS];
-                let along = minus(circle[after], circle[before]);
-                let side = unit(across(along)).filter(|_| norm(along) > 1e-9)?;
-                Some(ahead(circle[k], side, sign * tube * plane.scale))
+                let along = spot_difference(circle[after], circle[before]);
+                let side =
+                    unit_direction(quarter_turn(along)).filter(|_| spot_length(along) > 1e-9)?;
+                Some(spot_ahead(circle[k], side, sign * tube * plane.scale))
             })
             .collect();
         ink.mark(&parallel, colour, 1.0, Dashes::None);

@@ -2,7 +2,7 @@
 //! its axis is the circle of the standard, from the side it is the bearing.
 
 use super::ink::Ink;
-use super::plane::{Plane, Spot, across, ahead, norm, unit};
+use super::plane::{Plane, Spot, quarter_turn, spot_ahead, spot_length, unit_direction};
 use super::scheme::SchemeJoint;
 use crate::model::joints::JointKind;
 use crate::plot::theme::Dashes;
@@ -32,17 +32,17 @@ pub fn draw_joint(joint: &SchemeJoint, at: Spot, away: Spot, plane: &Plane, ink:
     };
     match joint.kind {
         JointKind::Revolute => {
-            cylinder(at, *axis, SHORT, plane, ink);
-            collars(at, *axis, SHORT, plane, ink);
+            draw_cylinder(at, *axis, SHORT, plane, ink);
+            draw_collars(at, *axis, SHORT, plane, ink);
         }
-        JointKind::Cylindrical => cylinder(at, *axis, LONG, plane, ink),
+        JointKind::Cylindrical => draw_cylinder(at, *axis, LONG, plane, ink),
         JointKind::Helical => {
-            cylinder(at, *axis, LONG, plane, ink);
-            thread(at, *axis, plane, ink);
+            draw_cylinder(at, *axis, LONG, plane, ink);
+            draw_thread(at, *axis, plane, ink);
         }
-        JointKind::Prismatic | JointKind::Planar => slider(at, *axis, plane, ink),
-        JointKind::Universal => cross(at, &joint.axes, plane, ink),
-        JointKind::Spherical => ball(at, away, ink),
+        JointKind::Prismatic | JointKind::Planar => draw_slider(at, *axis, plane, ink),
+        JointKind::Universal => draw_cross(at, &joint.axes, plane, ink),
+        JointKind::Spherical => draw_ball(at, away, ink),
     }
     ink.reserve(at, CLEAR);
 }
@@ -52,7 +52,7 @@ pub fn half_length(joint: &SchemeJoint, plane: &Plane, unit: f64) -> f64 {
     let seen = joint
         .axes
         .first()
-        .map_or(1.0, |a| norm(plane.direction(*a)));
+        .map_or(1.0, |a| spot_length(plane.direction(*a)));
     match joint.kind {
         JointKind::Cylindrical | JointKind::Helical => seen * LONG * unit,
         JointKind::Revolute => seen * SHORT * unit,
@@ -61,19 +61,19 @@ pub fn half_length(joint: &SchemeJoint, plane: &Plane, unit: f64) -> f64 {
 }
 
 /// An ellipse: a disc of radius `r` pixels square to `axis`.
-fn disc(at: Spot, axis: DVec3, r: f64, plane: &Plane) -> Vec<Spot> {
+fn axis_disc(at: Spot, axis: DVec3, r: f64, plane: &Plane) -> Vec<Spot> {
     let seen = plane.direction(axis);
-    let along = unit(seen).unwrap_or([1.0, 0.0]);
+    let along = unit_direction(seen).unwrap_or([1.0, 0.0]);
     let thin = plane.nearness(axis).abs().min(1.0);
-    let side = across(along);
+    let side = quarter_turn(along);
     let point = |k: usize| {
         let (sin, cos) = crate::math::sin_cos(TAU * k as f64 / CORNERS as f64);
-        ahead(ahead(at, side, r * cos), along, r * thin * sin)
+        spot_ahead(spot_ahead(at, side, r * cos), along, r * thin * sin)
     };
     (0..CORNERS).map(point).collect()
 }
 
-fn cylinder(at: Spot, axis: DVec3, half: f64, plane: &Plane, ink: &mut Ink) {
+fn draw_cylinder(at: Spot, axis: DVec3, half: f64, plane: &Plane, ink: &mut Ink) {
     let (r, h) = (PIN * ink.unit, half * ink.unit);
     let front = if plane.nearness(axis) < 0.0 {
         -axis
@@ -81,8 +81,8 @@ fn cylinder(at: Spot, axis: DVec3, half: f64, plane: &Plane, ink: &mut Ink) {
         axis
     };
     let seen = plane.direction(front);
-    let [near, far] = [1.0, -1.0].map(|s| disc(ahead(at, seen, s * h), axis, r, plane));
-    let outline = hull(&[near.clone(), far].concat());
+    let [near, far] = [1.0, -1.0].map(|s| axis_disc(spot_ahead(at, seen, s * h), axis, r, plane));
+    let outline = convex_hull(&[near.clone(), far].concat());
     let (paper, text) = (ink.theme.background, ink.theme.text);
     ink.shape(&outline, paper, text, OUTLINE);
     let closed: Vec<Spot> = near.iter().chain(near.first()).copied().collect();
@@ -90,20 +90,20 @@ fn cylinder(at: Spot, axis: DVec3, half: f64, plane: &Plane, ink: &mut Ink) {
 }
 
 /// Discs at both ends of a bearing: nothing slides.
-fn collars(at: Spot, axis: DVec3, half: f64, plane: &Plane, ink: &mut Ink) {
+fn draw_collars(at: Spot, axis: DVec3, half: f64, plane: &Plane, ink: &mut Ink) {
     let seen = plane.direction(axis);
-    if norm(seen) < 0.2 {
+    if spot_length(seen) < 0.2 {
         return;
     }
-    let Some(side) = unit(across(seen)) else {
+    let Some(side) = unit_direction(quarter_turn(seen)) else {
         return;
     };
     let text = ink.theme.text;
     for sign in [1.0, -1.0] {
-        let end = ahead(at, seen, sign * half * ink.unit);
+        let end = spot_ahead(at, seen, sign * half * ink.unit);
         let reach = 1.55 * PIN * ink.unit;
         ink.mark(
-            &[ahead(end, side, reach), ahead(end, side, -reach)],
+            &[spot_ahead(end, side, reach), spot_ahead(end, side, -reach)],
             text,
             OUTLINE,
             Dashes::None,
@@ -111,20 +111,20 @@ fn collars(at: Spot, axis: DVec3, half: f64, plane: &Plane, ink: &mut Ink) {
     }
 }
 
-fn thread(at: Spot, axis: DVec3, plane: &Plane, ink: &mut Ink) {
+fn draw_thread(at: Spot, axis: DVec3, plane: &Plane, ink: &mut Ink) {
     let seen = plane.direction(axis);
-    let Some(side) = unit(across(seen)) else {
+    let Some(side) = unit_direction(quarter_turn(seen)) else {
         return;
     };
     let (r, text) = (PIN * ink.unit, ink.theme.text);
     for k in [-1.0, 0.0, 1.0] {
-        let middle = ahead(at, seen, 11.0 * k * ink.unit);
+        let middle = spot_ahead(at, seen, 11.0 * k * ink.unit);
         let (a, b) = (
-            ahead(middle, seen, -4.0 * ink.unit),
-            ahead(middle, seen, 4.0 * ink.unit),
+            spot_ahead(middle, seen, -4.0 * ink.unit),
+            spot_ahead(middle, seen, 4.0 * ink.unit),
         );
         ink.mark(
-            &[ahead(a, side, r), ahead(b, side, -r)],
+            &[spot_ahead(a, side, r), spot_ahead(b, side, -r)],
             text,
             0.8 * OUTLINE,
             Dashes::None,
@@ -133,7 +133,7 @@ fn thread(at: Spot, axis: DVec3, plane: &Plane, ink: &mut Ink) {
 }
 
 /// A block that slides along its axis.
-fn slider(at: Spot, axis: DVec3, plane: &Plane, ink: &mut Ink) {
+fn draw_slider(at: Spot, axis: DVec3, plane: &Plane, ink: &mut Ink) {
     let toward = plane.toward();
     let side = axis.cross(toward).normalize_or(DVec3::X);
     let third = axis.cross(side).normalize_or(DVec3::Y);
@@ -141,12 +141,12 @@ fn slider(at: Spot, axis: DVec3, plane: &Plane, ink: &mut Ink) {
     let corner = |k: usize| {
         let s = [0, 1, 2].map(|bit| if k >> bit & 1 == 1 { 1.0 } else { -1.0 });
         let v = axis * (half * s[0]) + side * (r * s[1]) + third * (r * s[2]);
-        (ahead(at, plane.direction(v), 1.0), plane.nearness(v))
+        (spot_ahead(at, plane.direction(v), 1.0), plane.nearness(v))
     };
     let corners: Vec<(Spot, f64)> = (0..8).map(corner).collect();
     let spots: Vec<Spot> = corners.iter().map(|c| c.0).collect();
     let (paper, text) = (ink.theme.background, ink.theme.text);
-    ink.shape(&hull(&spots), paper, text, OUTLINE);
+    ink.shape(&convex_hull(&spots), paper, text, OUTLINE);
     let nearest = (0..8)
         .max_by(|a, b| corners[*a].1.total_cmp(&corners[*b].1))
         .unwrap_or(0);
@@ -163,13 +163,13 @@ fn slider(at: Spot, axis: DVec3, plane: &Plane, ink: &mut Ink) {
     }
 }
 
-fn cross(at: Spot, axes: &[DVec3], plane: &Plane, ink: &mut Ink) {
+fn draw_cross(at: Spot, axes: &[DVec3], plane: &Plane, ink: &mut Ink) {
     let (paper, text) = (ink.theme.background, ink.theme.text);
     ink.circle(at, 1.3 * PIN, paper, text, OUTLINE);
     for axis in axes.iter().take(2) {
         let seen = plane.direction(*axis);
         let reach = 1.3 * PIN * ink.unit;
-        let ends = [1.0, -1.0].map(|s| ahead(at, seen, s * reach));
+        let ends = [1.0, -1.0].map(|s| spot_ahead(at, seen, s * reach));
         ink.mark(&ends, text, OUTLINE, Dashes::None);
         for end in ends {
             ink.circle(end, 1.8, text, text, 0.5);
@@ -178,15 +178,15 @@ fn cross(at: Spot, axes: &[DVec3], plane: &Plane, ink: &mut Ink) {
 }
 
 /// A ball in its socket, open towards the link that carries the ball.
-fn ball(at: Spot, away: Spot, ink: &mut Ink) {
+fn draw_ball(at: Spot, away: Spot, ink: &mut Ink) {
     let (paper, text) = (ink.theme.background, ink.theme.text);
-    let open = unit(away).unwrap_or([0.0, -1.0]);
+    let open = unit_direction(away).unwrap_or([0.0, -1.0]);
     let begin = libm::atan2(open[1], open[0]) + 0.32 * PI;
     let r = 1.6 * PIN * ink.unit;
     let point = |k: usize| {
         let (sin, cos) =
             crate::math::sin_cos(begin + (TAU - 0.64 * PI) * k as f64 / CORNERS as f64);
-        ahead(at, [cos, sin], r)
+        spot_ahead(at, [cos, sin], r)
     };
     let arc: Vec<Spot> = (0..=CORNERS).map(point).collect();
     ink.circle(at, 1.6 * PIN, paper, paper, 0.5);
@@ -195,7 +195,7 @@ fn ball(at: Spot, away: Spot, ink: &mut Ink) {
 }
 
 /// The convex hull of points, in order (monotone chain).
-pub fn hull(points: &[Spot]) -> Vec<Spot> {
+pub fn convex_hull(points: &[Spot]) -> Vec<Spot> {
     let mut sorted = points.to_vec();
     sorted.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
     let half = |list: &mut dyn Iterator<Item = &Spot>| {

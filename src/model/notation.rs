@@ -162,3 +162,16 @@ impl WrittenChain {
         factors.fold(Pose::IDENTITY, |pose, f| pose * f.pose(values))
     }
 }
+
+/// A text without the sign in front, where that belongs to the whole.
+pub fn unsigned_text(text: &str) -> &str {
+    let Some(rest) = text.strip_prefix('-') else {
+        return text;
+    };
+    let inner = rest.strip_prefix('(').and_then(|r| r.strip_suffix(')'));
+    match inner {
+        Some(inner) if !inner.contains(['(', ')']) => inner,
+        _ if rest.contains(" + ") || rest.contains(" - ") => text,
+        _ => rest,
+    }
+}

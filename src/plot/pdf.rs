@@ -23,20 +23,23 @@ pub fn write_pdf(drawing: &Drawing) -> Vec<u8> {
     let _ = writeln!(
         page.content,
         "{} 0 0 {} 0 {} cm 1 J 1 j",
-        number(POINT),
-        number(-POINT),
-        number(size[1] * POINT)
+        point_number(POINT),
+        point_number(-POINT),
+        point_number(size[1] * POINT)
     );
-    drawing.primitives.iter().for_each(|p| page.draw(p));
+    drawing
+        .primitives
+        .iter()
+        .for_each(|p| page.draw_primitive(p));
     let states: String = page
         .opacities
         .iter()
         .map(|a| {
-            let share = number(f64::from(*a) / 255.0);
+            let share = point_number(f64::from(*a) / 255.0);
             format!("/A{a} << /ca {share} /CA {share} >> ")
         })
         .collect();
-    let [width, height] = size.map(|side| number(side * POINT));
+    let [width, height] = size.map(|side| point_number(side * POINT));
     let face = |name: &str, encoding: &str| {
         format!("<< /Type /Font /Subtype /Type1 /BaseFont /{name}{encoding} >>")
     };
@@ -93,21 +96,22 @@ struct Page {
 
 // Writing to a String cannot fail.
 impl Page {
-    fn draw(&mut self, primitive: &DrawnPrimitive) {
+    fn draw_primitive(&mut self, primitive: &DrawnPrimitive) {
         match primitive {
             DrawnPrimitive::Area { rect, fill } => {
-                self.begin(*fill, None);
-                let [x, y, w, h] = [rect.left, rect.top, rect.width(), rect.height()].map(number);
+                self.begin_state(*fill, None);
+                let [x, y, w, h] =
+                    [rect.left, rect.top, rect.width(), rect.height()].map(point_number);
                 let _ = writeln!(self.content, "{x} {y} {w} {h} re f Q");
             }
             DrawnPrimitive::Line { points, stroke, .. } => {
-                self.begin(stroke.colour, Some(stroke));
-                self.path(points);
+                self.begin_state(stroke.colour, Some(stroke));
+                self.add_path(points);
                 self.content.push_str("S Q\n");
             }
             DrawnPrimitive::Region { points, fill } => {
-                self.begin(*fill, None);
-                self.path(points);
+                self.begin_state(*fill, None);
+                self.add_path(points);
                 self.content.push_str("h f Q\n");
             }
             DrawnPrimitive::Circle {
@@ -116,11 +120,11 @@ impl Page {
                 fill,
                 stroke,
             } => {
-                self.begin(*fill, None);
-                self.round(*centre, *radius);
+                self.begin_state(*fill, None);
+                self.add_round(*centre, *radius);
                 self.content.push_str("f Q\n");
-                self.begin(stroke.colour, Some(stroke));
-                self.round(*centre, *radius);
+                self.begin_state(stroke.colour, Some(stroke));
+                self.add_round(*centre, *radius);
                 self.content.push_str("S Q\n");
             }
             DrawnPrimitive::Text {
@@ -130,16 +134,16 @@ impl Page {
                 anchor,
                 colour,
             } => {
-                self.begin(*colour, None);
-                self.text(*at, text, size / CAPITALS_PER_EM, *anchor);
+                self.begin_state(*colour, None);
+                self.add_text(*at, text, size / CAPITALS_PER_EM, *anchor);
                 self.content.push_str("Q\n");
             }
         }
     }
 
     /// Saves the state and sets colours, and what a line looks like.
-    fn begin(&mut self, [r, g, b, a]: Colour, stroke: Option<&Stroke>) {
-        let [r, g, b] = [r, g, b].map(|code| number(f64::from(code) / 255.0));
+    fn begin_state(&mut self, [r, g, b, a]: Colour, stroke: Option<&Stroke>) {
+        let [r, g, b] = [r, g, b].map(|code| point_number(f64::from(code) / 255.0));
         let operator = if stroke.is_some() { "RG" } else { "rg" };
         let _ = write!(self.content, "q {r} {g} {b} {operator} ");
         if a < 255 {
@@ -149,23 +153,38 @@ impl Page {
             let _ = write!(self.content, "/A{a} gs ");
         }
         let Some(stroke) = stroke else { return };
-        let _ = write!(self.content, "{} w ", number(stroke.width));
+        let _ = write!(self.content, "{} w ", point_number(stroke.width));
         if let Some([dash, gap]) = stroke.dashes.lengths(stroke.width) {
-            let _ = write!(self.content, "0 J [{} {}] 0 d ", number(dash), number(gap));
+            let _ = write!(
+                self.content,
+                "0 J [{} {}] 0 d ",
+                point_number(dash),
+                point_number(gap)
+            );
         }
     }
 
-    fn path(&mut self, points: &[[f64; 2]]) {
+    fn add_path(&mut self, points: &[[f64; 2]]) {
         for (k, [x, y]) in points.iter().enumerate() {
             let operator = if k == 0 { 'm' } else { 'l' };
-            let _ = write!(self.content, "{} {} {operator} ", number(*x), number(*y));
+            let _ = write!(
+                self.content,
+                "{} {} {operator} ",
+                point_number(*x),
+                point_number(*y)
+            );
         }
     }
 
     /// A circle of four curves.
-    fn round(&mut self, [x, y]: [f64; 2], r: f64) {
+    fn add_round(&mut self, [x, y]: [f64; 2], r: f64) {
         let h = QUARTER * r;
-        let _ = write!(self.content, "{} {} m ", number(x + r), number(y));
+        let _ = write!(
+            self.content,
+            "{} {} m ",
+            point_number(x + r),
+            point_number(y)
+        );
         for [a, b, c] in [
             [[r, h], [h, r], [0.0, r]],
             [[-h, r], [-r, h], [-r, 0.0]],
@@ -173,13 +192,18 @@ impl Page {
             [[h, -r], [r, -h], [r, 0.0]],
         ] {
             for [dx, dy] in [a, b, c] {
-                let _ = write!(self.content, "{} {} ", number(x + dx), number(y + dy));
+                let _ = write!(
+                    self.content,
+                    "{} {} ",
+                    point_number(x + dx),
+                    point_number(y + dy)
+                );
             }
             self.content.push_str("c ");
         }
     }
 
-    fn text(&mut self, at: [f64; 2], text: &str, size: f64, anchor: TextAnchor) {
+    fn add_text(&mut self, at: [f64; 2], text: &str, size: f64, anchor: TextAnchor) {
         let width = text_width(text) * size;
         let mut x = at[0]
             - match anchor {
@@ -199,9 +223,9 @@ impl Page {
             let _ = write!(
                 self.content,
                 "/{face} {} Tf 1 0 0 -1 {} {} Tm <",
-                number(size * scale),
-                number(x),
-                number(at[1] + drop * size)
+                point_number(size * scale),
+                point_number(x),
+                point_number(at[1] + drop * size)
             );
             for code in codes {
                 let _ = write!(self.content, "{code:02x}");
@@ -219,7 +243,7 @@ fn utf16_hex(text: &str) -> String {
 }
 
 /// Thousandths are finer than any printer.
-fn number(value: f64) -> String {
+fn point_number(value: f64) -> String {
     let text = format!("{value:.3}");
     let short = text.trim_end_matches('0').trim_end_matches('.');
     if short == "-0" {

@@ -65,12 +65,9 @@ pub struct ShowArgs {
         allow_negative_numbers = true
     )]
     pub at: f64,
-    /// A chain of `[chains]`. May be repeated.
-    #[arg(long = "chain", value_name = "NAME")]
+    /// A chain of `[chains]`, or a loop. May be repeated; all loops if none is named.
+    #[arg(long = "chain", alias = "loop", value_name = "NAME")]
     pub chains: Vec<String>,
-    /// A loop. May be repeated; all loops if neither a chain nor a loop is named.
-    #[arg(long = "loop", value_name = "NAME")]
-    pub loops: Vec<String>,
     /// Format, where the file name does not tell: text if absent.
     #[arg(long, value_enum)]
     pub format: Option<BoardFormat>,

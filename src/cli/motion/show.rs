@@ -39,32 +39,25 @@ fn chosen_chains<'n>(
     args: &ShowArgs,
     notation: &'n Notation,
 ) -> Result<Vec<&'n WrittenChain>, Failure> {
-    let chains = args
-        .chains
-        .iter()
-        .map(|name| named("chain", name, &notation.chains));
-    let loops = args
-        .loops
-        .iter()
-        .map(|name| named("loop", name, &notation.loops));
-    let chosen: Vec<&WrittenChain> = chains.chain(loops).collect::<Result<_, _>>()?;
+    let chosen = args.chains.iter().map(|name| named_chain(name, notation));
+    let chosen: Vec<&WrittenChain> = chosen.collect::<Result<_, _>>()?;
     Ok(match chosen.is_empty() {
         true => notation.loops.iter().collect(),
         false => chosen,
     })
 }
 
-fn named<'n>(
-    what: &str,
-    name: &str,
-    list: &'n [WrittenChain],
-) -> Result<&'n WrittenChain, Failure> {
-    list.iter().find(|chain| chain.name == name).ok_or_else(|| {
-        let names = list.iter().map(|chain| chain.name.as_str());
+fn named_chain<'n>(name: &str, notation: &'n Notation) -> Result<&'n WrittenChain, Failure> {
+    notation.find(name).ok_or_else(|| {
+        let all = notation.chains.iter().chain(&notation.loops);
+        let names = all.map(|chain| chain.name.as_str());
         let hint = match nearest_name(name, names.clone()) {
             Some(near) => format!("did you mean `{near}`?"),
             None => format!("it has: {}", names.collect::<Vec<_>>().join(", ")),
         };
-        Failure::usage(format!("the scene has no {what} `{name}`"), vec![hint])
+        Failure::usage(
+            format!("the scene has no chain or loop `{name}`"),
+            vec![hint],
+        )
     })
 }

@@ -65,7 +65,7 @@ impl<'a> ShownChains<'a> {
 
     /// For a terminal.
     pub fn text(&self) -> String {
-        let mut out = format!("{}\n{}\n", self.mechanism.title, self.instant());
+        let mut out = format!("{}\n{}\n", self.mechanism.title, self.instant_line());
         for shown in &self.chains {
             let chain = shown.chain;
             out.push_str(&format!("\n{}\n", chain_line(chain)));
@@ -75,27 +75,30 @@ impl<'a> ShownChains<'a> {
             match &shown.symbolic {
                 Some(matrix) => {
                     out.push('\n');
-                    out.push_str(&grid(&entries(matrix, MatrixStyle::Text)));
+                    out.push_str(&entry_grid(&symbol_entries(matrix, MatrixStyle::Text)));
                 }
                 None => out.push_str("\n  its entries are too long to be written out\n"),
             }
             out.push('\n');
-            out.push_str(&grid(&number_entries(&shown.numeric, MatrixStyle::Text)));
+            out.push_str(&entry_grid(&number_entries(
+                &shown.numeric,
+                MatrixStyle::Text,
+            )));
         }
         out
     }
 
     /// For a document with the package amsmath.
     pub fn latex(&self) -> String {
-        let mut out = format!("% {}, {}\n", self.mechanism.title, self.instant());
+        let mut out = format!("% {}, {}\n", self.mechanism.title, self.instant_line());
         for shown in &self.chains {
             let name = MatrixStyle::Latex.name(&shown.chain.name);
-            let product = factors(shown.chain, MatrixStyle::Latex).join("\\,");
+            let product = written_factors(shown.chain, MatrixStyle::Latex).join("\\,");
             out.push_str(&format!("\\begin{{align*}}\n{name} &= {product}\\\\\n"));
             if let Some(matrix) = &shown.symbolic {
                 out.push_str(&format!(
                     "&= {}\\\\\n",
-                    latex_matrix(&entries(matrix, MatrixStyle::Latex))
+                    latex_matrix(&symbol_entries(matrix, MatrixStyle::Latex))
                 ));
             }
             let numbers = latex_matrix(&number_entries(&shown.numeric, MatrixStyle::Latex));
@@ -106,27 +109,27 @@ impl<'a> ShownChains<'a> {
 
     /// A page that needs nothing else.
     pub fn html(&self) -> String {
-        let title = escaped(&self.mechanism.title);
+        let title = escaped_text(&self.mechanism.title);
         let mut out = format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<title>{title}</title>\n\
              <style>body {{ font-family: sans-serif; margin: 2em }} math {{ margin: 0.6em 0 }}</style>\n\
              <h1>{title}</h1>\n<p>{}</p>\n",
-            escaped(&self.instant())
+            escaped_text(&self.instant_line())
         );
         for shown in &self.chains {
             let style = MatrixStyle::MathMl;
             let name = style.name(&shown.chain.name);
-            let product = factors(shown.chain, style).join("<mo>&#x2062;</mo>");
-            out.push_str(&format!("<h2>{}</h2>\n", escaped(&shown.chain.name)));
-            out.push_str(&mathml(&format!("{name}<mo>=</mo>{product}")));
+            let product = written_factors(shown.chain, style).join("<mo>&#x2062;</mo>");
+            out.push_str(&format!("<h2>{}</h2>\n", escaped_text(&shown.chain.name)));
+            out.push_str(&mathml_block(&format!("{name}<mo>=</mo>{product}")));
             if let Some(matrix) = &shown.symbolic {
-                out.push_str(&mathml(&format!(
+                out.push_str(&mathml_block(&format!(
                     "<mo>=</mo>{}",
-                    mathml_matrix(&entries(matrix, style))
+                    mathml_matrix(&symbol_entries(matrix, style))
                 )));
             }
             let numbers = mathml_matrix(&number_entries(&shown.numeric, style));
-            out.push_str(&mathml(&format!("<mo>=</mo>{numbers}")));
+            out.push_str(&mathml_block(&format!("<mo>=</mo>{numbers}")));
         }
         out.push_str("</html>\n");
         out
@@ -137,18 +140,18 @@ impl<'a> ShownChains<'a> {
         let chains = self.chains.iter().map(|shown| {
             let factors = shown.chain.factors.iter().zip(&shown.factors);
             let factors: Vec<Value> = factors
-                .map(|(factor, pose)| json!({"written": factor.written(), "matrix": rows(pose)}))
+                .map(|(factor, pose)| json!({"written": factor.written(), "matrix": matrix_rows(pose)}))
                 .collect();
             let symbolic = shown
                 .symbolic
                 .as_ref()
-                .map(|m| entries(m, MatrixStyle::Text));
+                .map(|m| symbol_entries(m, MatrixStyle::Text));
             json!({
                 "name": shown.chain.name,
                 "text": shown.chain.text,
                 "factors": factors,
                 "symbolic": symbolic,
-                "numeric": rows(&shown.numeric),
+                "numeric": matrix_rows(&shown.numeric),
             })
         });
         json!({
@@ -174,7 +177,7 @@ impl<'a> ShownChains<'a> {
         })
     }
 
-    fn instant(&self) -> String {
+    fn instant_line(&self) -> String {
         let values = self.named_values().map(|(name, value, unit)| {
             let text = format!("{name} = {} {unit}", MatrixStyle::Text.number(value));
             text.trim_end().to_owned()
@@ -198,7 +201,7 @@ fn factor_line(chain: &WrittenChain) -> String {
 }
 
 /// All factors in a style.
-fn factors(chain: &WrittenChain, style: MatrixStyle) -> Vec<String> {
+fn written_factors(chain: &WrittenChain, style: MatrixStyle) -> Vec<String> {
     let written = |factor: &WrittenFactor| {
         let whole = factor.written();
         let letters: String = whole.chars().take_while(|c| *c != '(').collect();
@@ -213,7 +216,7 @@ fn factors(chain: &WrittenChain, style: MatrixStyle) -> Vec<String> {
 }
 
 /// All sixteen entries.
-fn entries(matrix: &SymbolMatrix, style: MatrixStyle) -> Vec<Vec<String>> {
+fn symbol_entries(matrix: &SymbolMatrix, style: MatrixStyle) -> Vec<Vec<String>> {
     let rows = matrix
         .entries
         .iter()
@@ -222,7 +225,7 @@ fn entries(matrix: &SymbolMatrix, style: MatrixStyle) -> Vec<Vec<String>> {
 }
 
 fn number_entries(pose: &Pose, style: MatrixStyle) -> Vec<Vec<String>> {
-    let rows = rows(pose)
+    let rows = matrix_rows(pose)
         .into_iter()
         .map(|row| row.map(|v| style.number(v)).to_vec());
     rows.collect()
@@ -232,7 +235,7 @@ fn last_row(style: MatrixStyle) -> Vec<String> {
     [0.0, 0.0, 0.0, 1.0].map(|v| style.number(v)).to_vec()
 }
 
-fn rows(pose: &Pose) -> [[f64; 4]; 4] {
+fn matrix_rows(pose: &Pose) -> [[f64; 4]; 4] {
     let row = |k: usize| {
         let r = pose.rotation.row(k);
         [r.x, r.y, r.z, pose.translation[k]]
@@ -241,7 +244,7 @@ fn rows(pose: &Pose) -> [[f64; 4]; 4] {
 }
 
 /// Entries in columns, or below each other where they are too wide.
-fn grid(entries: &[Vec<String>]) -> String {
+fn entry_grid(entries: &[Vec<String>]) -> String {
     let width = |k: usize| {
         entries
             .iter()
@@ -288,11 +291,11 @@ fn mathml_matrix(entries: &[Vec<String>]) -> String {
     format!("<mrow><mo>(</mo><mtable>{rows}</mtable><mo>)</mo></mrow>")
 }
 
-fn mathml(inner: &str) -> String {
+fn mathml_block(inner: &str) -> String {
     format!("<math display=\"block\"><mrow>{inner}</mrow></math>\n")
 }
 
-fn escaped(text: &str) -> String {
+fn escaped_text(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")

@@ -19,12 +19,12 @@ pub struct SymbolMatrix {
 pub fn symbolic_product(chain: &WrittenChain) -> Option<SymbolMatrix> {
     let mut product = GrowingProduct::new();
     for factor in &chain.factors {
-        product.take(factor);
+        product.take_factor(factor);
         if product.is_too_long() {
             return None;
         }
     }
-    product.settle();
+    product.settle_turn();
     (!product.is_too_long()).then_some(SymbolMatrix {
         entries: product.entries,
     })
@@ -53,7 +53,7 @@ impl GrowingProduct {
             .any(|sum| sum.terms().len() > MOST_TERMS)
     }
 
-    fn take(&mut self, factor: &WrittenFactor) {
+    fn take_factor(&mut self, factor: &WrittenFactor) {
         match factor.motion {
             Some((ElementaryMotion::Rotation, axis)) if !factor.is_number() => {
                 if self
@@ -61,14 +61,14 @@ impl GrowingProduct {
                     .as_ref()
                     .is_some_and(|(known, _)| *known != axis)
                 {
-                    self.settle();
+                    self.settle_turn();
                 }
                 let (_, angle) = self
                     .pending
                     .get_or_insert_with(|| (axis, AngleSum::default()));
-                names(factor).for_each(|name| angle.add(name));
+                signed_names(factor).for_each(|name| angle.add(name));
             }
-            Some((ElementaryMotion::Translation, axis)) => self.shift(axis, &length_of(factor)),
+            Some((ElementaryMotion::Translation, axis)) => self.shift_by(axis, &length_of(factor)),
             // A turn by a number, or to the direction of an axis.
             _ => self.turn_by_numbers(factor),
         }
@@ -93,7 +93,7 @@ impl GrowingProduct {
     }
 
     /// Multiplies the pending turn out.
-    fn settle(&mut self) {
+    fn settle_turn(&mut self) {
         let columns = self.turned_columns();
         self.pending = None;
         for (k, column) in columns.into_iter().enumerate() {
@@ -103,7 +103,7 @@ impl GrowingProduct {
         }
     }
 
-    fn shift(&mut self, axis: usize, by: &SymbolSum) {
+    fn shift_by(&mut self, axis: usize, by: &SymbolSum) {
         let columns = self.turned_columns();
         for row in 0..3 {
             let own = std::mem::take(&mut self.entries[row][3]);
@@ -112,7 +112,7 @@ impl GrowingProduct {
     }
 
     fn turn_by_numbers(&mut self, factor: &WrittenFactor) {
-        self.settle();
+        self.settle_turn();
         let rotation = factor.pose(&[]).rotation;
         let old = self.turned_columns();
         for k in 0..3 {
@@ -125,7 +125,7 @@ impl GrowingProduct {
     }
 }
 
-fn names(factor: &WrittenFactor) -> impl Iterator<Item = SignedName> + '_ {
+fn signed_names(factor: &WrittenFactor) -> impl Iterator<Item = SignedName> + '_ {
     factor.terms.iter().map(|term| SignedName {
         text: term.text.clone(),
         argument: term.argument,
@@ -138,7 +138,7 @@ fn length_of(factor: &WrittenFactor) -> SymbolSum {
     if factor.is_number() {
         return SymbolSum::number(factor.value(&[]));
     }
-    names(factor).fold(SymbolSum::default(), |sum, name| {
+    signed_names(factor).fold(SymbolSum::default(), |sum, name| {
         sum.plus(&SymbolSum::length(name))
     })
 }

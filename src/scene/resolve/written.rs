@@ -1,8 +1,8 @@
 //! The chains of a scene as they are written, for drawings and for matrices on a board.
 
 use super::super::file::SceneFile;
-use super::super::formula::expansion::Factor;
 use super::super::formula::compile::constant_node;
+use super::super::formula::expansion::Factor;
 use super::super::formula::expression::{FormulaNode, NodeKind};
 use super::super::formula::written::written_formula;
 use super::contacts::chains::{Closure, ContactSide, ParsedContact};

@@ -4,9 +4,10 @@ use glam::DVec3;
 use mechanim::diagram::labels::overlap;
 use mechanim::diagram::scheme::Scheme;
 use mechanim::diagram::sheet::{Sheet, SheetOptions, Shown, draw_sheet};
-use mechanim::diagram::walk::{scheme_at, unsigned};
+use mechanim::diagram::walk::scheme_at;
 use mechanim::kinematics::motion::continuation::solve_motion;
 use mechanim::kinematics::structure::system::System;
+use mechanim::model::notation::unsigned_text;
 use mechanim::plot::primitive::DrawnPrimitive;
 use mechanim::plot::theme::ChartTheme;
 use mechanim::plot::{pdf, svg};
@@ -134,7 +135,7 @@ fn every_named_constant_of_a_loop_stands_on_its_sheet_once() {
             .flat_map(|chain| &chain.factors);
         let names: BTreeSet<&str> = factors
             .filter(|f| f.is_dimension)
-            .map(|f| unsigned(&f.text))
+            .map(|f| unsigned_text(&f.text))
             .collect();
         let sheet = draw_sheet(&scheme(&scene), &options(&scene, Shown::USUAL));
         for name in &names {

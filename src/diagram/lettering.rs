@@ -1,0 +1,64 @@
+//! How names and values are written, and in which colour.
+
+use super::scheme::{QuantitySource, SchemeAngle, SchemeLength};
+use crate::plot::theme::{ChartTheme, Colour};
+use crate::staging::quantity_names::written_names;
+
+/// How names are written.
+pub struct Lettering {
+    /// Height of capitals in pixels.
+    pub size: f64,
+    pub values: bool,
+    pub length_unit: String,
+    pub angle_unit: (String, f64),
+}
+
+impl Lettering {
+    /// A formula with its names as by hand.
+    pub fn symbol(&self, text: &str) -> String {
+        written_names(text)
+    }
+
+    /// Name of a length, with its value where that is wanted.
+    pub fn length(&self, length: &SchemeLength) -> String {
+        self.named(&length.name, length.value, &self.length_unit)
+    }
+
+    /// Name of an angle, likewise.
+    pub fn angle(&self, angle: &SchemeAngle) -> String {
+        let (unit, radians) = &self.angle_unit;
+        let unit = if unit == "deg" { "°" } else { unit };
+        self.named(&angle.name, angle.value / radians, unit)
+    }
+
+    fn named(&self, name: &str, value: f64, unit: &str) -> String {
+        match self.values {
+            true => valued_name(name, value, unit),
+            false => written_names(name),
+        }
+    }
+}
+
+/// A name with its value.
+pub fn valued_name(name: &str, value: f64, unit: &str) -> String {
+    let digits = format!("{:.4}", value + 0.0);
+    let short = digits
+        .trim_end_matches('0')
+        .trim_end_matches('.')
+        .replace('-', "\u{2212}");
+    let gap = if unit == "°" || unit.is_empty() {
+        ""
+    } else {
+        " "
+    };
+    format!("{} = {short}{gap}{unit}", written_names(name))
+}
+
+/// Colour of a quantity: dimensions are pale, what is driven and what follows stand out.
+pub fn source_colour(source: QuantitySource, theme: &ChartTheme) -> Colour {
+    match source {
+        QuantitySource::Constant => theme.faint_text,
+        QuantitySource::Input => theme.series[1],
+        QuantitySource::Unknown => theme.series[0],
+    }
+}
