@@ -302,7 +302,7 @@ fn tables_are_read_or_refused() {
 
 #[test]
 fn manifests_are_read_or_refused() {
-    let seed = "[[picture]]\nfile = \"a.png\"\nscene = \"gearshift\"\nat = 0.5\nsize = [32, 24]\ntolerance = 2\n";
+    let seed = "[[picture]]\nfile = \"a.png\"\nscene = \"gearshift\"\ntime = 0.5\nsize = [32, 24]\ntolerance = 2\n";
     survive(
         "manifest",
         &[seed.as_bytes().to_vec()],
