@@ -1,7 +1,7 @@
 //! The picture of the paved sets: the linkage as bars, and about every point where it may start.
 
 use crate::analysis::dyads::PlanarRow;
-use crate::intervals::paving::{Cell, Paving};
+use crate::intervals::paving::{PavedSquare, Paving};
 use crate::plot::chart::{Axis, Band, Chart, Panel, PlotSeries};
 use crate::report::row_intervals::PavedPoint;
 
@@ -38,7 +38,7 @@ fn paving_panel(row: &PlanarRow, name: &str, unit: &str, pavings: &[Paving]) -> 
         .iter()
         .zip(paved_points(row))
         .map(|(paving, point)| {
-            let whole = Cell {
+            let whole = PavedSquare {
                 middle: points[point],
                 half: paving.reach,
             };
@@ -73,7 +73,7 @@ fn paved_points(row: &PlanarRow) -> impl Iterator<Item = usize> + '_ {
     (0..row.chain.points.len()).filter(|k| !row.chain.fixed.contains(k))
 }
 
-fn cell_corners(cell: &Cell) -> [[f64; 2]; 2] {
+fn cell_corners(cell: &PavedSquare) -> [[f64; 2]; 2] {
     let [x, y] = cell.middle;
     [
         [x - cell.half, y - cell.half],
@@ -81,7 +81,7 @@ fn cell_corners(cell: &Cell) -> [[f64; 2]; 2] {
     ]
 }
 
-fn filled_cell(cell: &Cell) -> Band {
+fn filled_cell(cell: &PavedSquare) -> Band {
     let [[left, low], [right, high]] = cell_corners(cell);
     Band {
         lower: vec![[left, low], [right, low]],
@@ -89,7 +89,7 @@ fn filled_cell(cell: &Cell) -> Band {
     }
 }
 
-fn cell_outline(cell: &Cell) -> Vec<[f64; 2]> {
+fn cell_outline(cell: &PavedSquare) -> Vec<[f64; 2]> {
     let [[left, low], [right, high]] = cell_corners(cell);
     vec![
         [left, low],

@@ -11,7 +11,7 @@ use crate::numbers::scalar::Scalar;
 
 /// A square: its middle and half its side.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cell {
+pub struct PavedSquare {
     /// Middle.
     pub middle: [f64; 2],
     /// Half of the side.
@@ -22,9 +22,9 @@ pub struct Cell {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Paving {
     /// Squares all of whose points belong to it (proved).
-    pub inner: Vec<Cell>,
+    pub inner: Vec<PavedSquare>,
     /// Squares that are not decided. All points of the window outside of both do not belong to it (proved).
-    pub edge: Vec<Cell>,
+    pub edge: Vec<PavedSquare>,
     /// Half the side of the window.
     pub reach: f64,
 }
@@ -42,7 +42,7 @@ impl Paving {
 
 /// What a paving asks.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Window {
+pub struct PavingWindow {
     /// The least angle between the bars of a dyad as lines, radians.
     pub least: f64,
     /// Half the side of the square about a point as drawn in which it is looked for.
@@ -58,7 +58,7 @@ fn point_box(p: [f64; 2], half: f64) -> Box2 {
 }
 
 /// Where `point` may be with all others as drawn.
-pub fn pave_section(chain: &DyadChain, point: usize, window: Window) -> Paving {
+pub fn pave_section(chain: &DyadChain, point: usize, window: PavingWindow) -> Paving {
     let drawn: Vec<Box2> = chain.points.iter().map(|p| point_box(*p, 0.0)).collect();
     pave_cells(chain, point, window, |cell| {
         judge_cell(&chain.dyads, point, cell, &drawn, window.least)
@@ -70,7 +70,7 @@ pub fn pave_section(chain: &DyadChain, point: usize, window: Window) -> Paving {
 pub fn pave_projection(
     chain: &DyadChain,
     point: usize,
-    window: Window,
+    window: PavingWindow,
     tries: usize,
     mut random: impl FnMut() -> f64,
 ) -> Paving {
@@ -122,7 +122,7 @@ fn dyad_answer(dyad: &Dyad, places: &[Box2], sine: Interval) -> Option<bool> {
 fn judge_cell(
     dyads: &[Dyad],
     point: usize,
-    cell: Cell,
+    cell: PavedSquare,
     places: &[Box2],
     least: f64,
 ) -> Option<bool> {
@@ -144,14 +144,14 @@ fn judge_cell(
 fn pave_cells(
     chain: &DyadChain,
     point: usize,
-    window: Window,
-    answer: impl Fn(Cell) -> Option<bool>,
+    window: PavingWindow,
+    answer: impl Fn(PavedSquare) -> Option<bool>,
 ) -> Paving {
     let mut paving = Paving {
         reach: window.reach,
         ..Paving::default()
     };
-    let whole = Cell {
+    let whole = PavedSquare {
         middle: chain.points[point],
         half: window.reach,
     };
@@ -165,7 +165,7 @@ fn pave_cells(
                 let half = 0.5 * cell.half;
                 for [x, y] in [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]] {
                     let middle = [cell.middle[0] + x * half, cell.middle[1] + y * half];
-                    open.push((Cell { middle, half }, halvings + 1));
+                    open.push((PavedSquare { middle, half }, halvings + 1));
                 }
             }
         }

@@ -13,7 +13,7 @@ pub const MOST_PARAMETERS: usize = 8;
 const WIDTH: usize = MOST_PARAMETERS + 1;
 
 /// A point as an affine function of the parameters.
-type Place = [[f64; WIDTH]; 2];
+type AffinePlace = [[f64; WIDTH]; 2];
 
 /// The two vectors of a dyad's matrix: e, and n over e × f.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -26,7 +26,7 @@ pub struct Projector {
 
 /// In which order the points of a row are computed.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sweep {
+pub struct RowSweep {
     dyads: Vec<Dyad>,
     /// Points that are parameters.
     free: Vec<usize>,
@@ -39,14 +39,14 @@ pub struct Sweep {
 
 /// A solved trial.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Swept {
+pub struct SolvedRow {
     /// Every point.
     pub values: Vec<[f64; 2]>,
     /// Determinant of the closing equations: that of the whole system up to a constant sign.
     pub determinant: f64,
 }
 
-impl Sweep {
+impl RowSweep {
     /// Orders a row; `None` if more parameters are needed than [`MOST_PARAMETERS`].
     pub fn new(chain: &DyadChain) -> Option<Self> {
         let count = chain.points.len();
@@ -95,8 +95,8 @@ impl Sweep {
         &self,
         projectors: &[Projector],
         values: &[[f64; 2]],
-        places: &mut Vec<Place>,
-        swept: &mut Swept,
+        places: &mut Vec<AffinePlace>,
+        swept: &mut SolvedRow,
     ) -> bool {
         let width = 2 * self.free.len();
         places.clear();
@@ -142,9 +142,9 @@ impl Sweep {
         &self,
         index: usize,
         projectors: &[Projector],
-        places: &[Place],
+        places: &[AffinePlace],
         width: usize,
-    ) -> Place {
+    ) -> AffinePlace {
         let [first, second] = self.dyads[index].ends.map(|end| &places[end]);
         let Projector { reads, moves } = projectors[index];
         let mut made = *second;

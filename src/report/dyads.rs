@@ -30,7 +30,7 @@ pub struct DyadReport<'a> {
 }
 
 /// The linear system of the velocities.
-struct Table {
+struct VelocityTable {
     heads: Vec<String>,
     rows: Vec<Vec<f64>>,
     sides: Vec<f64>,
@@ -124,7 +124,7 @@ impl DyadReport<'_> {
         )
     }
 
-    fn velocity_table(&self) -> Option<Table> {
+    fn velocity_table(&self) -> Option<VelocityTable> {
         let chain = &self.row.chain;
         let (rows, sides) = chain.velocity_system()?;
         let unknowns = chain.unknowns();
@@ -133,7 +133,7 @@ impl DyadReport<'_> {
             let name = &self.row.names[*k];
             axes.map(|axis| format!("v{name}{axis}"))
         });
-        Some(Table {
+        Some(VelocityTable {
             heads: heads.collect(),
             rows,
             sides,

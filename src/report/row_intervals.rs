@@ -5,7 +5,7 @@ use super::rounded::not_below;
 use crate::analysis::dyads::{PlanarRow, Trials};
 use crate::intervals::Kaucher;
 use crate::intervals::formal::Formal;
-use crate::intervals::paving::{Paving, Window};
+use crate::intervals::paving::{Paving, PavingWindow};
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 
@@ -229,7 +229,7 @@ pub struct TiedReport<'a> {
     /// The row.
     pub row: &'a PlanarRow,
     /// What was asked.
-    pub window: Window,
+    pub window: PavingWindow,
     /// Half the side of the proved cube of velocities, the given one kept.
     pub velocities: f64,
     /// Half the side of the proved cube of start positions.
@@ -310,7 +310,7 @@ impl TiedReport<'_> {
     /// For machines.
     pub fn document(&self) -> Value {
         let cells = |paving: &Paving| {
-            let list = |cells: &[crate::intervals::paving::Cell]| {
+            let list = |cells: &[crate::intervals::paving::PavedSquare]| {
                 let rows = cells.iter().map(|c| [c.middle[0], c.middle[1], c.half]);
                 rows.collect::<Vec<_>>()
             };

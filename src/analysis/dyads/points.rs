@@ -60,7 +60,7 @@ pub struct PlanarRow {
 }
 
 /// A point that was found, with the links that carry it.
-struct Found {
+struct FoundPoint {
     name: Option<String>,
     links: Vec<usize>,
     place: [f64; 2],
@@ -82,10 +82,10 @@ pub fn planar_row(system: &System, pose: &[f64], moving: usize) -> Result<Planar
     };
     let slots: Vec<HyperDual> = pose.iter().zip(&rates).map(changing).collect();
     let normal = common_axis(mechanism, &slots)?;
-    let reader = Reader {
+    let reader = LinkageReader {
         mechanism,
         slots: &slots,
-        plane: Plane::square_to(normal),
+        plane: SeenPlane::square_to(normal),
     };
     let mut points = reader.points();
     // For one unit of the file, as velocities are printed.
@@ -127,12 +127,12 @@ pub fn planar_row(system: &System, pose: &[f64], moving: usize) -> Result<Planar
 }
 
 /// The plane that everything is seen in.
-struct Plane {
+struct SeenPlane {
     axes: [[f64; 3]; 2],
     names: [&'static str; 2],
 }
 
-impl Plane {
+impl SeenPlane {
     /// With two axes of the world where the normal is the third one.
     fn square_to(normal: [f64; 3]) -> Self {
         let unit = |k: usize| [0, 1, 2].map(|i| if i == k { 1.0 } else { 0.0 });
@@ -234,23 +234,23 @@ fn joint_name(mechanism: &Mechanism, joint: &Joint) -> String {
     )
 }
 
-struct Reader<'m> {
+struct LinkageReader<'m> {
     mechanism: &'m Mechanism,
     slots: &'m [HyperDual],
-    plane: Plane,
+    plane: SeenPlane,
 }
 
-impl Reader<'_> {
+impl LinkageReader<'_> {
     /// Traced points first, in their order, then hinges without one.
-    fn points(&self) -> Vec<Found> {
+    fn points(&self) -> Vec<FoundPoint> {
         let mechanism = self.mechanism;
-        let mut hinges: Vec<Found> = Vec::new();
+        let mut hinges: Vec<FoundPoint> = Vec::new();
         for joint in &mechanism.joints.list {
             let origin = joint_frame(mechanism, self.slots, joint).origin;
             let links = [joint.before.link, joint.after.link];
             self.add_point(&mut hinges, None, &links, origin);
         }
-        let mut points: Vec<Found> = Vec::new();
+        let mut points: Vec<FoundPoint> = Vec::new();
         for trace in &mechanism.traces {
             let chain = &mechanism.bodies[trace.body].world_from_body;
             let frame = frame_of(mechanism, self.slots, chain);
@@ -274,13 +274,13 @@ impl Reader<'_> {
     /// Adds a point, or its name and links to one that is there.
     fn add_point(
         &self,
-        points: &mut Vec<Found>,
+        points: &mut Vec<FoundPoint>,
         name: Option<&str>,
         links: &[usize],
         place: [HyperDual; 3],
     ) {
         let here = self.seen_along(place, |c| c.value);
-        let same = |p: &&mut Found| {
+        let same = |p: &&mut FoundPoint| {
             p.links.iter().any(|l| links.contains(l)) && self.are_one(p.place, here)
         };
         let known = points.iter_mut().find(same);
@@ -301,7 +301,7 @@ impl Reader<'_> {
                     }
                 }
             }
-            None => points.push(Found {
+            None => points.push(FoundPoint {
                 name: shorter(&None),
                 links: links.to_vec(),
                 place: here,
@@ -324,7 +324,7 @@ impl Reader<'_> {
     }
 
     /// Bars that hold the points of every moving link together.
-    fn bars(&self, points: &[Found]) -> Result<Vec<[usize; 2]>, NotDyads> {
+    fn bars(&self, points: &[FoundPoint]) -> Result<Vec<[usize; 2]>, NotDyads> {
         let mut bars = Vec::new();
         for link in 1..self.mechanism.joints.links.len() {
             let own: Vec<usize> = (0..points.len())
@@ -352,7 +352,12 @@ impl Reader<'_> {
     }
 
     /// The two points from which a third is seen at the largest angle; `None` if all are in line.
-    fn widest_pair(&self, points: &[Found], held: &[usize], third: usize) -> Option<[usize; 2]> {
+    fn widest_pair(
+        &self,
+        points: &[FoundPoint],
+        held: &[usize],
+        third: usize,
+    ) -> Option<[usize; 2]> {
         let at = |k: usize| points[k].place;
         let sine = |a: usize, b: usize| {
             let [e, f] = [a, b].map(|k| [0, 1].map(|i| at(third)[i] - at(k)[i]));
@@ -373,7 +378,7 @@ impl Reader<'_> {
 }
 
 /// Names of points; numbers alone where all are one letter and a number, as p0 to p10.
-fn names_of(points: &[Found]) -> Vec<String> {
+fn names_of(points: &[FoundPoint]) -> Vec<String> {
     let taken = |letter: &char| {
         let mut names = points.iter().filter_map(|p| p.name.as_deref());
         names.any(|name| name == letter.to_string())

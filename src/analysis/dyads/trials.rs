@@ -6,7 +6,7 @@
 use crate::analysis::random::Random;
 use crate::analysis::tolerance::sorted_quantile;
 use crate::intervals::chain::{Directions, DyadChain};
-use crate::intervals::sweep::{Projector, Sweep, Swept};
+use crate::intervals::sweep::{Projector, RowSweep, SolvedRow};
 use crate::jobs::share_work;
 use crate::math::sin_cos;
 use std::f64::consts::TAU;
@@ -60,7 +60,7 @@ const PORTION: usize = 1024;
 
 /// One trial: velocities and positions of all unknown points, and what is told of both.
 #[derive(Clone, Debug, Default)]
-struct Row {
+struct TrialRow {
     values: Vec<f64>,
     same_sign: bool,
     speed: f64,
@@ -69,7 +69,7 @@ struct Row {
 
 /// Runs the trials; `None` if the row needs more parameters than are solved for.
 pub fn run_trials(chain: &DyadChain, asked: &TrialsAsked) -> Option<Trials> {
-    let sweep = Sweep::new(chain)?;
+    let sweep = RowSweep::new(chain)?;
     let trial = TrialRun::new(chain, &sweep, asked)?;
     let work = |scratch: &mut Scratch, portion: usize| {
         let first = portion * PORTION;
@@ -77,22 +77,22 @@ pub fn run_trials(chain: &DyadChain, asked: &TrialsAsked) -> Option<Trials> {
         Some(
             items
                 .filter_map(|item| trial.one_trial(item, scratch))
-                .collect::<Vec<Row>>(),
+                .collect::<Vec<TrialRow>>(),
         )
     };
     let portions = asked.count.div_ceil(PORTION);
     let list = share_work(portions, asked.threads, Scratch::default, work);
-    let rows: Vec<Row> = list.into_iter().flat_map(|(_, rows)| rows).collect();
+    let rows: Vec<TrialRow> = list.into_iter().flat_map(|(_, rows)| rows).collect();
     Some(collect_rows(&rows, chain.unknowns().len()))
 }
 
-fn collect_rows(rows: &[Row], unknowns: usize) -> Trials {
-    let ascending = |of: &dyn Fn(&Row) -> f64| {
+fn collect_rows(rows: &[TrialRow], unknowns: usize) -> Trials {
+    let ascending = |of: &dyn Fn(&TrialRow) -> f64| {
         let mut list: Vec<f64> = rows.iter().map(of).collect();
         list.sort_unstable_by(f64::total_cmp);
         list
     };
-    let column = |k: usize| ascending(&|row: &Row| row.values[k]);
+    let column = |k: usize| ascending(&|row: &TrialRow| row.values[k]);
     let pairs = |first: usize| {
         let pair = |k: usize| [column(first + 2 * k), column(first + 2 * k + 1)];
         (0..unknowns).map(pair).collect()
@@ -113,14 +113,14 @@ struct Scratch {
     along: Vec<Projector>,
     across: Vec<Projector>,
     places: Vec<[[f64; crate::intervals::sweep::MOST_PARAMETERS + 1]; 2]>,
-    velocities: Swept,
-    positions: Swept,
+    velocities: SolvedRow,
+    positions: SolvedRow,
 }
 
 /// What trials share.
 struct TrialRun<'c> {
     chain: &'c DyadChain,
-    sweep: &'c Sweep,
+    sweep: &'c RowSweep,
     asked: &'c TrialsAsked,
     unknowns: Vec<usize>,
     /// Velocities that are known.
@@ -131,7 +131,7 @@ struct TrialRun<'c> {
 }
 
 impl<'c> TrialRun<'c> {
-    fn new(chain: &'c DyadChain, sweep: &'c Sweep, asked: &'c TrialsAsked) -> Option<Self> {
+    fn new(chain: &'c DyadChain, sweep: &'c RowSweep, asked: &'c TrialsAsked) -> Option<Self> {
         let mut given = vec![[0.0; 2]; chain.points.len()];
         given[chain.given()] = asked.given;
         let dyads = chain.dyads.iter();
@@ -177,7 +177,7 @@ impl<'c> TrialRun<'c> {
         });
     }
 
-    fn one_trial(&self, item: usize, scratch: &mut Scratch) -> Option<Row> {
+    fn one_trial(&self, item: usize, scratch: &mut Scratch) -> Option<TrialRow> {
         let mut random = Random::new(self.asked.seed, 0, item as u64);
         scratch.along.clear();
         scratch.across.clear();
@@ -227,7 +227,7 @@ impl<'c> TrialRun<'c> {
         let v = velocities.values[end];
         let lever = (bar[0] * v[0] + bar[1] * v[1]).abs()
             / (libm::hypot(bar[0], bar[1]) * libm::hypot(v[0], v[1]));
-        Some(Row {
+        Some(TrialRow {
             values,
             same_sign: velocities.determinant * self.sign > 0.0,
             speed: self.unknowns.iter().map(speed).fold(0.0, f64::max),

@@ -13,7 +13,7 @@ use crate::intervals::centre::{tolerable_radius, tolerance_at, united_radius};
 use crate::intervals::chain::Directions;
 use crate::intervals::dyad::tied_cube;
 use crate::intervals::formal::{Formal, formal_solution};
-use crate::intervals::paving::{Window, pave_projection, pave_section};
+use crate::intervals::paving::{PavingWindow, pave_projection, pave_section};
 use crate::intervals::regular::spectral_bound;
 use crate::intervals::system::{Answer, SolutionSet};
 use crate::intervals::{IntervalSystem, Kaucher};
@@ -214,7 +214,7 @@ fn run_tied(
             Vec::new(),
         ));
     }
-    let window = Window {
+    let window = PavingWindow {
         least,
         reach: args.reach.unwrap_or(REACH * mechanism.size),
         halvings: args.halvings,

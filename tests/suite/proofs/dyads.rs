@@ -9,10 +9,10 @@ use mechanim::intervals::dyad::{
     printed_ranges, tied_cube,
 };
 use mechanim::intervals::formal::{Formal, formal_solution, solved_numbers};
-use mechanim::intervals::paving::{Window, pave_projection, pave_section};
+use mechanim::intervals::paving::{PavingWindow, pave_projection, pave_section};
 use mechanim::intervals::peeling::peel_dyads;
 use mechanim::intervals::regular::{determinant, spectral_bound};
-use mechanim::intervals::sweep::{Projector, Sweep, Swept};
+use mechanim::intervals::sweep::{Projector, RowSweep, SolvedRow};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
 
@@ -408,9 +408,9 @@ fn cubes_about_the_centre_are_as_large_as_was_computed() {
 #[test]
 fn trials_solve_the_same_system_as_elimination() {
     let chain = chain();
-    let sweep = Sweep::new(&chain).unwrap();
+    let sweep = RowSweep::new(&chain).unwrap();
     let mut state = 0x7a1e;
-    let (mut places, mut swept) = (Vec::new(), Swept::default());
+    let (mut places, mut swept) = (Vec::new(), SolvedRow::default());
     let mut ratio = None;
     for _ in 0..200 {
         let mut projectors = Vec::new();
@@ -488,7 +488,7 @@ fn one_dyad_is_paved_as_two_circles_less_what_they_share() {
         }],
         lever: [0, 1],
     };
-    let window = Window {
+    let window = PavingWindow {
         least,
         reach: 5.0,
         halvings: 9,
@@ -520,7 +520,7 @@ fn one_dyad_is_paved_as_two_circles_less_what_they_share() {
 #[test]
 fn pavings_of_the_mechanism_hold_what_keeps_its_angles() {
     let chain = chain();
-    let window = Window {
+    let window = PavingWindow {
         least: f64::to_radians(5.0),
         reach: 12.0,
         halvings: 5,
@@ -538,8 +538,8 @@ fn pavings_of_the_mechanism_hold_what_keeps_its_angles() {
         let angles = chain.dyads.iter().map(|d| moved.angle(d));
         angles.map(|a| a.min(PI - a)).fold(f64::INFINITY, f64::min)
     };
-    let holds = |list: &[mechanim::intervals::paving::Cell], p: [f64; 2]| {
-        let inside = |i: usize, c: &mechanim::intervals::paving::Cell| {
+    let holds = |list: &[mechanim::intervals::paving::PavedSquare], p: [f64; 2]| {
+        let inside = |i: usize, c: &mechanim::intervals::paving::PavedSquare| {
             (p[i] - c.middle[i]).abs() <= c.half * (1.0 + 1e-12)
         };
         list.iter().any(|c| inside(0, c) && inside(1, c))
