@@ -44,9 +44,12 @@ pub struct Shown {
     pub values: bool,
 }
 
+/// Turns something on.
+type ShownSwitch = fn(&mut Shown);
+
 impl Shown {
     /// The words of the command line, each with what it turns on.
-    pub const WORDS: [(&'static str, fn(&mut Self)); 8] = [
+    pub const WORDS: [(&'static str, ShownSwitch); 8] = [
         ("frames", |s| s.frames = true),
         ("bodies", |s| s.bodies = true),
         ("dimensions", |s| s.dimensions = true),

@@ -87,10 +87,11 @@ impl<const N: usize> QuadraticForm<N> {
         let (radius, beyond) = (line.radius(), self.bend() + line.error);
         let wide = (radius + beyond) * GROW;
         let mut bends = [[0.0; N]; N];
-        for k in 0..N {
-            bends[k][k] = rate * self.bends[k][k] - 0.5 * here * line.slopes[k] * line.slopes[k];
+        for (k, (row, own)) in bends.iter_mut().zip(&self.bends).enumerate() {
+            let slope = line.slopes[k];
+            row[k] = rate * own[k] - 0.5 * here * slope * slope;
             for l in k + 1..N {
-                bends[k][l] = rate * self.bends[k][l] - here * line.slopes[k] * line.slopes[l];
+                row[l] = rate * own[l] - here * slope * line.slopes[l];
             }
         }
         let open = [

@@ -5,6 +5,9 @@ use super::folder::Folder;
 use super::part::Part;
 use std::ops::Range;
 
+/// Takes an item and its numbers.
+type PartItems<'g, E> = dyn FnMut(u64, &[f64]) -> Result<(), E> + 'g;
+
 /// Most faults that are listed.
 const MOST_FAULTS: usize = 50;
 
@@ -48,10 +51,7 @@ impl Merge {
     /// Hands out every item with its numbers, in order. One part is held at a time.
     ///
     /// Errors: a part whose bytes have changed; two parts that hold other numbers of the same item; what `give` says.
-    pub fn each<E: From<PartsError>>(
-        &self,
-        give: &mut dyn FnMut(u64, &[f64]) -> Result<(), E>,
-    ) -> Result<(), E> {
+    pub fn each<E: From<PartsError>>(&self, give: &mut PartItems<'_, E>) -> Result<(), E> {
         let mut next = 0;
         // Earlier parts that reach over the one in hand: as a rule none.
         let mut over: Vec<&Part> = Vec::new();

@@ -31,6 +31,9 @@ const DEGREES: [f64; 10] = [5.0, 10.0, 15.0, 30.0, 45.0, 60.0, 90.0, 180.0, 360.
 const TWELFTHS: [u32; 9] = [1, 2, 3, 4, 6, 12, 24, 48, 96];
 const WIDE: f64 = PI / 3.0;
 
+/// Part of a step that a range may be longer than its ticks, such as 6.2832 than 2π.
+const OVERHANG: f64 = 1e-3;
+
 /// Numbers of this size and larger, or whose steps are smaller than the other, get a common power of ten.
 const LARGE: f64 = 1e5;
 const SMALL_STEP: f64 = 1e-4;
@@ -63,7 +66,8 @@ pub fn round_step(range: f64, most: usize, unit: &str) -> f64 {
 /// Ticks of an axis in radians as parts of π; `None` for a range in which there are too few.
 fn pi_ticks(low: f64, high: f64, most: usize) -> Option<Ticks> {
     let range = high - low;
-    let fits = |twelfths: &u32| range / (f64::from(*twelfths) * PI / 12.0) <= most as f64;
+    let most = most as f64 + OVERHANG;
+    let fits = |twelfths: &u32| range / (f64::from(*twelfths) * PI / 12.0) <= most;
     let twelfths = TWELFTHS.into_iter().find(fits).filter(|_| range >= WIDE)?;
     let step = f64::from(twelfths) * PI / 12.0;
     let first = libm::ceil(low / step - 1e-6) as i64;
@@ -213,7 +217,7 @@ mod tests {
             (0.0, 360.0, 8, "deg", "0 45 90 135 180 225 270 315 360", 0),
             (
                 0.0,
-                6.2832,
+                2.0 * PI + 2e-5,
                 8,
                 "rad",
                 "0 π/4 π/2 3π/4 π 5π/4 3π/2 7π/4 2π",

@@ -279,7 +279,7 @@ impl DyadReport<'_> {
     /// The table in six digits, zeros left out.
     fn short_cells(&self) -> Vec<Vec<String>> {
         let short = |cell: &String| match cell.parse::<f64>() {
-            Ok(value) if value == 0.0 => String::new(),
+            Ok(0.0) => String::new(),
             Ok(value) => six_digits(value),
             Err(_) => cell.clone(),
         };

@@ -60,6 +60,7 @@ fn uri(path: &str) -> String {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
     use super::*;
     use crate::report::verdict::{Case, Verdict};
 

@@ -50,6 +50,7 @@ fn section_of(line: &str) -> Option<&str> {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
     use super::*;
     use crate::scene::builtin::{ALL, find_builtin};
     use crate::scene::{Overrides, load_scene};

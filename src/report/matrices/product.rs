@@ -105,9 +105,9 @@ impl GrowingProduct {
 
     fn shift_by(&mut self, axis: usize, by: &SymbolSum) {
         let columns = self.turned_columns();
-        for row in 0..3 {
-            let own = std::mem::take(&mut self.entries[row][3]);
-            self.entries[row][3] = own.plus(&columns[axis][row].times(by));
+        for (row, entry) in self.entries.iter_mut().zip(&columns[axis]) {
+            let own = std::mem::take(&mut row[3]);
+            row[3] = own.plus(&entry.times(by));
         }
     }
 
@@ -116,10 +116,13 @@ impl GrowingProduct {
         let rotation = factor.pose(&[]).rotation;
         let old = self.turned_columns();
         for k in 0..3 {
-            for row in 0..3 {
-                let parts = (0..3).map(|i| old[i][row].scaled(rotation.col(k)[i]));
-                self.entries[row][k] =
-                    parts.fold(SymbolSum::default(), |sum, part| sum.plus(&part));
+            let by = rotation.col(k).to_array();
+            for (row, entries) in self.entries.iter_mut().enumerate().take(3) {
+                let parts = old
+                    .iter()
+                    .zip(by)
+                    .map(|(column, share)| column[row].scaled(share));
+                entries[k] = parts.fold(SymbolSum::default(), |sum, part| sum.plus(&part));
             }
         }
     }

@@ -91,7 +91,7 @@ fn what_is_deep_in_a_ring_beside_the_joint_is_judged() {
         ("Ry", 0.3),
         ("Rx", 2.0),
     ] {
-        for angle in [0.0, 0.1, 0.5, 1.5707963267948966, 2.0, 3.0] {
+        for angle in [0.0, 0.1, 0.5, std::f64::consts::FRAC_PI_2, 2.0, 3.0] {
             let text = format!(
                 "duration = 1\n[inputs]\nu = \"{angle} + t\"\n\
                  [[bodies]]\nname = \"ring\"\nframe = \"{axis}({start})\"\nshapes = [{{ torus = {{ ring = 1.7, tube = 3.43 }} }}]\n\

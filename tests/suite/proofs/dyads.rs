@@ -439,8 +439,7 @@ fn trials_solve_the_same_system_as_elimination() {
         assert!(sweep.solve(&projectors, &values, &mut places, &mut swept));
         let solution = solved_numbers(&rows, &sides).unwrap();
         for (pair, point) in solution.chunks_exact(2).zip(chain.unknowns()) {
-            for axis in 0..2 {
-                let (a, b) = (pair[axis], swept.values[point][axis]);
+            for (a, b) in pair.iter().zip(swept.values[point]) {
                 assert!((a - b).abs() < 1e-7 * (1.0 + a.abs()), "{a} {b}");
             }
         }
