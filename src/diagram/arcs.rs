@@ -1,8 +1,8 @@
 //! Angles as arcs in space, from where they are measured to where they lead.
 
-use super::ink::{Ink, Label};
-use super::lettering::{Lettering, source_colour};
-use super::plane::{Plane, Spot, spot_ahead, spot_difference, spot_length};
+use super::ink::{Ink, WantedLabel};
+use super::lettering::{QuantityLettering, source_colour};
+use super::plane::{DrawingPlane, DrawnSpot, spot_ahead, spot_difference, spot_length};
 use super::scheme::{QuantitySource, SchemeAngle};
 use crate::math::sin_cos;
 use crate::plot::theme::Dashes;
@@ -26,8 +26,8 @@ const CORNERS: usize = 48;
 pub fn draw_angle(
     angle: &SchemeAngle,
     level: usize,
-    plane: &Plane,
-    lettering: &Lettering,
+    plane: &DrawingPlane,
+    lettering: &QuantityLettering,
     ink: &mut Ink,
 ) {
     let radius = (RADIUS + STEP * level as f64) * ink.unit;
@@ -39,7 +39,7 @@ pub fn draw_angle(
         let (sin, cos) = sin_cos(shown * share);
         plane.direction(angle.zero * cos + across * sin)
     };
-    let arc: Vec<Spot> = (0..=CORNERS)
+    let arc: Vec<DrawnSpot> = (0..=CORNERS)
         .map(|k| spot_ahead(centre, direction(k as f64 / CORNERS as f64), radius))
         .collect();
     for share in [0.0, 1.0] {
@@ -49,7 +49,7 @@ pub fn draw_angle(
     }
     draw_arc(&arc, shown * radius, colour, ink);
     let middle = spot_ahead(centre, direction(0.5), radius);
-    ink.labels.push(Label {
+    ink.labels.push(WantedLabel {
         text: lettering.angle(angle),
         anchor: middle,
         wish: spot_difference(middle, centre),
@@ -60,7 +60,7 @@ pub fn draw_angle(
     });
 }
 
-fn draw_arc(arc: &[Spot], length: f64, colour: [u8; 4], ink: &mut Ink) {
+fn draw_arc(arc: &[DrawnSpot], length: f64, colour: [u8; 4], ink: &mut Ink) {
     ink.line(arc, colour, 1.1, Dashes::None);
     // A head longer than its arc says nothing.
     let [.., _, tip] = arc else { return };
@@ -87,7 +87,7 @@ fn wrapped_angle(angle: &SchemeAngle) -> f64 {
 }
 
 /// How many of the first angles have the same vertex as the one at `index`.
-pub fn arc_level(angles: &[SchemeAngle], index: usize, plane: &Plane, near: f64) -> usize {
+pub fn arc_level(angles: &[SchemeAngle], index: usize, plane: &DrawingPlane, near: f64) -> usize {
     let at = |place: DVec3| plane.spot(place);
     let own = at(angles[index].at);
     let earlier = angles[..index].iter();

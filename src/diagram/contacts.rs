@@ -1,11 +1,11 @@
 //! Surfaces in contact: where they are, the way to them, and their sizes.
 
 use super::scheme::{QuantitySource, SchemeJoint, SchemeLength, SchemeSurface};
-use super::walk::{Here, SAME, Walker};
+use super::walk::{ChainWalker, Here, SAME};
 use crate::math::Pose;
 use crate::model::notation::WrittenChain;
 
-impl Walker<'_> {
+impl ChainWalker<'_> {
     /// The way to a surface from the last joint before it, and the named lengths on it.
     fn note_approach(&mut self, chain: &WrittenChain) {
         let (mut frame, mut path, mut last) = (Pose::IDENTITY, Vec::new(), None);

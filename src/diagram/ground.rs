@@ -2,7 +2,7 @@
 
 use super::ink::Ink;
 use super::plane::{
-    Plane, Spot, quarter_turn, spot_ahead, spot_difference, spot_length, unit_direction,
+    DrawingPlane, DrawnSpot, quarter_turn, spot_ahead, spot_difference, spot_length, unit_direction,
 };
 use super::scheme::SchemeJoint;
 use super::symbols::OUTLINE;
@@ -20,7 +20,12 @@ const RAIL: f64 = 12.5;
 const BEYOND: f64 = 26.0;
 
 /// Draws the ground of a joint whose sign is at `at`; the middle of the ground.
-pub fn draw_ground(joint: &SchemeJoint, at: Spot, plane: &Plane, ink: &mut Ink) -> Spot {
+pub fn draw_ground(
+    joint: &SchemeJoint,
+    at: DrawnSpot,
+    plane: &DrawingPlane,
+    ink: &mut Ink,
+) -> DrawnSpot {
     let axis = joint.axes.first().copied().unwrap_or_default();
     let seen = plane.direction(axis);
     if joint.kind == JointKind::Prismatic && spot_length(seen) > 0.15 {
@@ -35,9 +40,9 @@ pub fn draw_ground(joint: &SchemeJoint, at: Spot, plane: &Plane, ink: &mut Ink) 
 }
 
 /// The direction with the least drawing in it: down, if nothing is there.
-fn freest_side(at: Spot, ink: &Ink) -> Spot {
+fn freest_side(at: DrawnSpot, ink: &Ink) -> DrawnSpot {
     let directions = [[0.0, 1.0], [-1.0, 0.0], [1.0, 0.0], [0.0, -1.0]];
-    let cost = |k: usize, d: Spot| {
+    let cost = |k: usize, d: DrawnSpot| {
         let far = spot_ahead(at, d, (POST + HATCH) * ink.unit);
         let side = spot_ahead([0.0; 2], quarter_turn(d), HALF * ink.unit);
         let base = [spot_ahead(far, side, 1.0), spot_ahead(far, side, -1.0)];
@@ -55,7 +60,13 @@ fn freest_side(at: Spot, ink: &Ink) -> Spot {
         .map_or([0.0, 1.0], |best| best.1)
 }
 
-fn draw_rail(joint: &SchemeJoint, at: Spot, seen: Spot, plane: &Plane, ink: &mut Ink) -> Spot {
+fn draw_rail(
+    joint: &SchemeJoint,
+    at: DrawnSpot,
+    seen: DrawnSpot,
+    plane: &DrawingPlane,
+    ink: &mut Ink,
+) -> DrawnSpot {
     let along = unit_direction(seen).unwrap_or([1.0, 0.0]);
     let side = quarter_turn(along);
     // Under the slider, or left of it.
@@ -73,7 +84,7 @@ fn draw_rail(joint: &SchemeJoint, at: Spot, seen: Spot, plane: &Plane, ink: &mut
 }
 
 /// A line through `middle` with hatching on the side of `down`.
-fn draw_hatched(middle: Spot, along: Spot, half: f64, down: Spot, ink: &mut Ink) {
+fn draw_hatched(middle: DrawnSpot, along: DrawnSpot, half: f64, down: DrawnSpot, ink: &mut Ink) {
     let (unit_length, text) = (ink.unit, ink.theme.text);
     let ends = [
         spot_ahead(middle, along, -half),

@@ -1,18 +1,20 @@
 //! What a drawing is made of while it grows: primitives, the lines that labels keep away from, and labels to be placed.
 
-use super::plane::{Spot, quarter_turn, spot_ahead, spot_difference, spot_length, unit_direction};
+use super::plane::{
+    DrawnSpot, quarter_turn, spot_ahead, spot_difference, spot_length, unit_direction,
+};
 use crate::plot::primitive::{DrawnPrimitive, Rect, Stroke, TextAnchor};
 use crate::plot::theme::{ChartTheme, Colour, Dashes};
 
 /// A label to be placed.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Label {
+pub struct WantedLabel {
     /// Its text.
     pub text: String,
     /// What it belongs to.
-    pub anchor: Spot,
+    pub anchor: DrawnSpot,
     /// Where it wants to stand from there; any length.
-    pub wish: Spot,
+    pub wish: DrawnSpot,
     /// Height of the capitals.
     pub size: f64,
     /// Colour of the text.
@@ -28,13 +30,13 @@ pub struct Ink {
     /// From back to front.
     pub primitives: Vec<DrawnPrimitive>,
     /// Lines that labels had better not cover.
-    pub lines: Vec<[Spot; 2]>,
+    pub lines: Vec<[DrawnSpot; 2]>,
     /// Boxes that labels must not cover.
     pub boxes: Vec<Rect>,
     /// Labels, the first placed first.
-    pub labels: Vec<Label>,
+    pub labels: Vec<WantedLabel>,
     /// Texts whose middle is fixed: text, place, height of capitals, colour.
-    pub letters: Vec<(String, Spot, f64, Colour)>,
+    pub letters: Vec<(String, DrawnSpot, f64, Colour)>,
     /// Colours.
     pub theme: ChartTheme,
     /// Lengths in pixels are multiples of this.
@@ -46,7 +48,7 @@ const HEAD: [f64; 2] = [9.0, 2.8];
 
 impl Ink {
     /// A line of a width, which labels avoid.
-    pub fn line(&mut self, points: &[Spot], colour: Colour, width: f64, dashes: Dashes) {
+    pub fn line(&mut self, points: &[DrawnSpot], colour: Colour, width: f64, dashes: Dashes) {
         if points.len() < 2 {
             return;
         }
@@ -56,7 +58,7 @@ impl Ink {
     }
 
     /// A line that labels need not avoid.
-    pub fn mark(&mut self, points: &[Spot], colour: Colour, width: f64, dashes: Dashes) {
+    pub fn mark(&mut self, points: &[DrawnSpot], colour: Colour, width: f64, dashes: Dashes) {
         let width = width * self.unit;
         self.primitives.push(DrawnPrimitive::Line {
             points: points.to_vec(),
@@ -70,17 +72,24 @@ impl Ink {
     }
 
     /// A filled shape with an outline.
-    pub fn shape(&mut self, points: &[Spot], fill: Colour, colour: Colour, width: f64) {
+    pub fn shape(&mut self, points: &[DrawnSpot], fill: Colour, colour: Colour, width: f64) {
         self.primitives.push(DrawnPrimitive::Region {
             points: points.to_vec(),
             fill,
         });
-        let closed: Vec<Spot> = points.iter().chain(points.first()).copied().collect();
+        let closed: Vec<DrawnSpot> = points.iter().chain(points.first()).copied().collect();
         self.mark(&closed, colour, width, Dashes::None);
     }
 
     /// A circle of a radius in units of the drawing.
-    pub fn circle(&mut self, centre: Spot, radius: f64, fill: Colour, colour: Colour, width: f64) {
+    pub fn circle(
+        &mut self,
+        centre: DrawnSpot,
+        radius: f64,
+        fill: Colour,
+        colour: Colour,
+        width: f64,
+    ) {
         self.primitives.push(DrawnPrimitive::Circle {
             centre,
             radius: radius * self.unit,
@@ -90,7 +99,7 @@ impl Ink {
     }
 
     /// The head of an arrow at `tip` that points along `direction`.
-    pub fn head(&mut self, tip: Spot, direction: Spot, colour: Colour) {
+    pub fn head(&mut self, tip: DrawnSpot, direction: DrawnSpot, colour: Colour) {
         let Some(d) = unit_direction(direction) else {
             return;
         };
@@ -108,7 +117,7 @@ impl Ink {
     }
 
     /// A line with a head at its end.
-    pub fn arrow(&mut self, points: &[Spot], colour: Colour, width: f64) {
+    pub fn arrow(&mut self, points: &[DrawnSpot], colour: Colour, width: f64) {
         let [.., before, tip] = points else { return };
         let direction = spot_difference(*tip, *before);
         self.line(points, colour, width, Dashes::None);
@@ -116,7 +125,14 @@ impl Ink {
     }
 
     /// A text whose place is fixed.
-    pub fn text(&mut self, at: Spot, text: &str, size: f64, anchor: TextAnchor, colour: Colour) {
+    pub fn text(
+        &mut self,
+        at: DrawnSpot,
+        text: &str,
+        size: f64,
+        anchor: TextAnchor,
+        colour: Colour,
+    ) {
         self.primitives.push(DrawnPrimitive::Text {
             at,
             text: text.to_owned(),
@@ -127,7 +143,7 @@ impl Ink {
     }
 
     /// Keeps labels out of a circle.
-    pub fn reserve(&mut self, at: Spot, radius: f64) {
+    pub fn reserve(&mut self, at: DrawnSpot, radius: f64) {
         let r = radius * self.unit;
         self.boxes.push(Rect {
             left: at[0] - r,
@@ -138,16 +154,16 @@ impl Ink {
     }
 
     /// How much of a line runs along, or close to, what is drawn already; pixels.
-    pub fn covered(&self, [a, b]: [Spot; 2], within: f64) -> f64 {
+    pub fn covered(&self, [a, b]: [DrawnSpot; 2], within: f64) -> f64 {
         let step = 5.0 * self.unit;
         let length = spot_length(spot_difference(b, a));
         let count = ((length / step).ceil() as usize).clamp(1, 400);
-        let near = |at: Spot| {
+        let near = |at: DrawnSpot| {
             self.lines
                 .iter()
                 .any(|line| super::plane::distance_to(at, *line) < within)
         };
-        let inside = |at: Spot| self.boxes.iter().any(|r| r.contains(at));
+        let inside = |at: DrawnSpot| self.boxes.iter().any(|r| r.contains(at));
         let hits = (0..=count).filter(|k| {
             let at = spot_ahead(a, spot_difference(b, a), *k as f64 / count as f64);
             near(at) || inside(at)

@@ -1,7 +1,9 @@
 //! Labels find their places: as near to what they name as they can, on no other label and on no sign, over few lines.
 
-use super::ink::{Ink, Label};
-use super::plane::{Spot, distance_to, spot_ahead, spot_difference, spot_length, unit_direction};
+use super::ink::{Ink, WantedLabel};
+use super::plane::{
+    DrawnSpot, distance_to, spot_ahead, spot_difference, spot_length, unit_direction,
+};
 use crate::plot::layout::Ruler;
 use crate::plot::primitive::{DrawnPrimitive, Rect, TextAnchor};
 use crate::plot::theme::Dashes;
@@ -66,7 +68,7 @@ pub fn place_labels(ink: &mut Ink, area: Rect) -> (Vec<PlacedLabel>, Vec<String>
     (placed, left_out)
 }
 
-fn box_size(label: &Label, ruler: &Ruler, unit: f64) -> [f64; 2] {
+fn box_size(label: &WantedLabel, ruler: &Ruler, unit: f64) -> [f64; 2] {
     let (pad, wide) = (PAD * unit, ruler.width(&label.text, label.size));
     let high = 1.5 * label.size;
     match label.ringed {
@@ -76,7 +78,7 @@ fn box_size(label: &Label, ruler: &Ruler, unit: f64) -> [f64; 2] {
 }
 
 /// The cheapest free place.
-fn best_place(label: &Label, size: [f64; 2], ink: &Ink, area: &Rect) -> Option<Rect> {
+fn best_place(label: &WantedLabel, size: [f64; 2], ink: &Ink, area: &Rect) -> Option<Rect> {
     let wish = unit_direction(label.wish).unwrap_or([0.6, -0.8]);
     let mut best: Option<(f64, Rect)> = None;
     for distance in DISTANCES.map(|d| (d + label.least) * ink.unit) {
@@ -105,7 +107,7 @@ fn best_place(label: &Label, size: [f64; 2], ink: &Ink, area: &Rect) -> Option<R
 }
 
 /// The box of a size whose rim is at a distance from a place, in a direction.
-fn box_beside(at: Spot, d: Spot, distance: f64, [wide, high]: [f64; 2]) -> Rect {
+fn box_beside(at: DrawnSpot, d: DrawnSpot, distance: f64, [wide, high]: [f64; 2]) -> Rect {
     // Where the line from the middle leaves the box.
     let reach = (0.5 * wide / d[0].abs().max(1e-9)).min(0.5 * high / d[1].abs().max(1e-9));
     let middle = spot_ahead(at, d, distance + reach);
@@ -135,7 +137,7 @@ fn covered_lines(bounds: &Rect, ink: &Ink) -> f64 {
 }
 
 /// Length of the part of a line that is in a box (Liang and Barsky).
-fn clipped_length([a, b]: [Spot; 2], r: &Rect) -> f64 {
+fn clipped_length([a, b]: [DrawnSpot; 2], r: &Rect) -> f64 {
     let d = spot_difference(b, a);
     let (mut from, mut to) = (0.0_f64, 1.0_f64);
     for (p, q) in [
@@ -162,10 +164,11 @@ fn clipped_length([a, b]: [Spot; 2], r: &Rect) -> f64 {
 }
 
 /// How many lines a line crosses.
-fn crossings(line: [Spot; 2], ink: &Ink) -> f64 {
-    let side =
-        |[a, b]: [Spot; 2], p: Spot| (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
-    let crosses = |other: &&[Spot; 2]| {
+fn crossings(line: [DrawnSpot; 2], ink: &Ink) -> f64 {
+    let side = |[a, b]: [DrawnSpot; 2], p: DrawnSpot| {
+        (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0])
+    };
+    let crosses = |other: &&[DrawnSpot; 2]| {
         side(line, other[0]) * side(line, other[1]) < 0.0
             && side(**other, line[0]) * side(**other, line[1]) < 0.0
     };
@@ -173,7 +176,7 @@ fn crossings(line: [Spot; 2], ink: &Ink) -> f64 {
 }
 
 /// The line from a label that stands far away to what it names.
-fn leader_of(label: &Label, bounds: &Rect, unit_length: f64) -> Option<[Spot; 2]> {
+fn leader_of(label: &WantedLabel, bounds: &Rect, unit_length: f64) -> Option<[DrawnSpot; 2]> {
     let [x, y] = label.anchor;
     let near = [
         x.clamp(bounds.left, bounds.right),
@@ -183,7 +186,7 @@ fn leader_of(label: &Label, bounds: &Rect, unit_length: f64) -> Option<[Spot; 2]
     (far > (LEADER + label.least) * unit_length).then_some([label.anchor, near])
 }
 
-fn draw_label(label: &Label, bounds: Rect, ink: &mut Ink) {
+fn draw_label(label: &WantedLabel, bounds: Rect, ink: &mut Ink) {
     let faint = ink.theme.event;
     if let Some(ends) = leader_of(label, &bounds, ink.unit) {
         ink.mark(&ends, faint, 0.7, Dashes::None);

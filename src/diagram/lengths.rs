@@ -1,9 +1,9 @@
 //! Lengths with their names: dimension lines beside what they measure, or vectors on it.
 
-use super::ink::{Ink, Label};
-use super::lettering::{Lettering, source_colour};
+use super::ink::{Ink, WantedLabel};
+use super::lettering::{QuantityLettering, source_colour};
 use super::plane::{
-    Plane, Spot, quarter_turn, spot_ahead, spot_difference, spot_length, unit_direction,
+    DrawingPlane, DrawnSpot, quarter_turn, spot_ahead, spot_difference, spot_length, unit_direction,
 };
 use super::scheme::{QuantitySource, SchemeLength};
 use crate::plot::theme::Dashes;
@@ -30,8 +30,8 @@ const BEYOND: f64 = 4.0;
 /// Draws a length beside its ends; `false` if it is seen end-on.
 pub fn draw_dimension(
     length: &SchemeLength,
-    plane: &Plane,
-    lettering: &Lettering,
+    plane: &DrawingPlane,
+    lettering: &QuantityLettering,
     ink: &mut Ink,
 ) -> bool {
     let ends = [length.from, length.to].map(|p| plane.spot(p));
@@ -71,7 +71,7 @@ pub fn draw_dimension(
     ink.head(line[0], spot_ahead([0.0; 2], direction, -sign), colour);
     let middle = spot_ahead(line[0], along, 0.5);
     let wish = unit_direction(offset).unwrap_or(quarter_turn(direction));
-    ink.labels.push(Label {
+    ink.labels.push(WantedLabel {
         text: lettering.length(length),
         anchor: middle,
         wish,
@@ -84,9 +84,14 @@ pub fn draw_dimension(
 }
 
 /// Where a dimension line runs along nothing else.
-fn cheapest_offset(length: &SchemeLength, ends: [Spot; 2], plane: &Plane, ink: &Ink) -> Spot {
+fn cheapest_offset(
+    length: &SchemeLength,
+    ends: [DrawnSpot; 2],
+    plane: &DrawingPlane,
+    ink: &Ink,
+) -> DrawnSpot {
     let along = unit_direction(spot_difference(ends[1], ends[0])).unwrap_or([1.0, 0.0]);
-    let mut sides: Vec<Spot> = vec![
+    let mut sides: Vec<DrawnSpot> = vec![
         quarter_turn(along),
         spot_ahead([0.0; 2], quarter_turn(along), -1.0),
     ];
@@ -125,8 +130,8 @@ fn cheapest_offset(length: &SchemeLength, ends: [Spot; 2], plane: &Plane, ink: &
 /// Draws a length as a vector on its place.
 pub fn draw_vector(
     length: &SchemeLength,
-    plane: &Plane,
-    lettering: &Lettering,
+    plane: &DrawingPlane,
+    lettering: &QuantityLettering,
     ink: &mut Ink,
 ) -> bool {
     let ends = [length.from, length.to].map(|p| plane.spot(p));
@@ -139,7 +144,7 @@ pub fn draw_vector(
         source => source_colour(source, &ink.theme),
     };
     ink.arrow(&ends, colour, 2.6);
-    ink.labels.push(Label {
+    ink.labels.push(WantedLabel {
         text: lettering.length(length),
         anchor: spot_ahead(ends[0], along, 0.5),
         wish: quarter_turn(along),

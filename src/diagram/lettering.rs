@@ -5,7 +5,7 @@ use crate::plot::theme::{ChartTheme, Colour};
 use crate::staging::quantity_names::written_names;
 
 /// How names are written.
-pub struct Lettering {
+pub struct QuantityLettering {
     /// Height of capitals in pixels.
     pub size: f64,
     pub values: bool,
@@ -13,7 +13,7 @@ pub struct Lettering {
     pub angle_unit: (String, f64),
 }
 
-impl Lettering {
+impl QuantityLettering {
     /// A formula with its names as by hand.
     pub fn symbol(&self, text: &str) -> String {
         written_names(text)

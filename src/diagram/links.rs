@@ -1,9 +1,9 @@
 //! Links as lines between the signs of their joints, and where these signs stand.
 
-use super::ink::{Ink, Label};
-use super::lettering::Lettering;
+use super::ink::{Ink, WantedLabel};
+use super::lettering::QuantityLettering;
 use super::plane::{
-    Plane, Spot, quarter_turn, spot_ahead, spot_difference, spot_length, unit_direction,
+    DrawingPlane, DrawnSpot, quarter_turn, spot_ahead, spot_difference, spot_length, unit_direction,
 };
 use super::scheme::{Scheme, SchemeJoint};
 use super::symbols::{convex_hull, half_length};
@@ -22,14 +22,14 @@ const APART: f64 = 12.0;
 const BETWEEN: f64 = 9.0;
 
 /// Where the sign of every joint stands: on its axis, and on no other sign if it may be moved.
-pub fn sign_places(scheme: &Scheme, plane: &Plane, unit_length: f64) -> Vec<Spot> {
+pub fn sign_places(scheme: &Scheme, plane: &DrawingPlane, unit_length: f64) -> Vec<DrawnSpot> {
     let joints = &scheme.joints;
-    let mut spots: Vec<Spot> = joints.iter().map(|j| plane.spot(j.at)).collect();
+    let mut spots: Vec<DrawnSpot> = joints.iter().map(|j| plane.spot(j.at)).collect();
     // Those on the frame move first, and those that have a point do not.
     let mut order: Vec<usize> = (0..joints.len()).collect();
     order.sort_by_key(|k| (!joints[*k].links.contains(&0), *k));
     for k in order {
-        let near = |other: usize, spots: &[Spot]| {
+        let near = |other: usize, spots: &[DrawnSpot]| {
             other != k && spot_length(spot_difference(spots[other], spots[k])) < APART * unit_length
         };
         let Some(other) = (0..joints.len()).find(|o| near(*o, &spots)) else {
@@ -56,7 +56,7 @@ pub fn sign_places(scheme: &Scheme, plane: &Plane, unit_length: f64) -> Vec<Spot
 }
 
 /// The direction in the drawing in which a sign may be moved: that of its axis, unless it is seen end-on.
-fn slide_direction(joint: &SchemeJoint, plane: &Plane) -> Option<Spot> {
+fn slide_direction(joint: &SchemeJoint, plane: &DrawingPlane) -> Option<DrawnSpot> {
     let may = matches!(
         joint.kind,
         JointKind::Revolute | JointKind::Cylindrical | JointKind::Helical
@@ -66,10 +66,10 @@ fn slide_direction(joint: &SchemeJoint, plane: &Plane) -> Option<Spot> {
 }
 
 /// The middle of all joints on the links that a joint connects.
-fn links_middle(scheme: &Scheme, index: usize, plane: &Plane) -> Spot {
+fn links_middle(scheme: &Scheme, index: usize, plane: &DrawingPlane) -> DrawnSpot {
     let links = scheme.joints[index].links;
     let on = |j: &&SchemeJoint| j.links.iter().any(|l| *l != 0 && links.contains(l));
-    let spots: Vec<Spot> = scheme
+    let spots: Vec<DrawnSpot> = scheme
         .joints
         .iter()
         .filter(on)
@@ -89,16 +89,22 @@ fn reached_place(joint: &SchemeJoint, link: usize) -> DVec3 {
 }
 
 /// Draws all links but the frame.
-pub fn draw_links(scheme: &Scheme, signs: &[Spot], plane: &Plane, is_plane: bool, ink: &mut Ink) {
+pub fn draw_links(
+    scheme: &Scheme,
+    signs: &[DrawnSpot],
+    plane: &DrawingPlane,
+    is_plane: bool,
+    ink: &mut Ink,
+) {
     let text = ink.theme.text;
     for (index, link) in scheme.links.iter().enumerate().skip(1) {
         let own = scheme.joints.iter().filter(|j| j.links.contains(&index));
         let points = scheme.points.iter().filter(|p| p.2 == link.number);
-        let ends: Vec<Spot> = own
+        let ends: Vec<DrawnSpot> = own
             .map(|j| plane.spot(reached_place(j, index)))
             .chain(points.map(|p| plane.spot(p.1)))
             .collect();
-        let paths: Vec<Vec<Spot>> = link.paths.iter().map(|p| shown_path(p, plane)).collect();
+        let paths: Vec<Vec<DrawnSpot>> = link.paths.iter().map(|p| shown_path(p, plane)).collect();
         if is_plane && ends.len() > 2 {
             draw_plate(&ends, text, ink);
         } else if is_plane {
@@ -127,7 +133,7 @@ pub fn draw_links(scheme: &Scheme, signs: &[Spot], plane: &Plane, is_plane: bool
 }
 
 /// A link with three joints and more: a plate.
-fn draw_plate(ends: &[Spot], text: Colour, ink: &mut Ink) {
+fn draw_plate(ends: &[DrawnSpot], text: Colour, ink: &mut Ink) {
     let outline = convex_hull(ends);
     if outline.len() > 2 {
         let [r, g, b, _] = text;
@@ -136,7 +142,7 @@ fn draw_plate(ends: &[Spot], text: Colour, ink: &mut Ink) {
             fill: [r, g, b, 26],
         });
     }
-    let closed: Vec<Spot> = outline.iter().chain(outline.first()).copied().collect();
+    let closed: Vec<DrawnSpot> = outline.iter().chain(outline.first()).copied().collect();
     ink.line(&closed, text, 0.8 * LINE, Dashes::None);
 }
 
@@ -144,7 +150,7 @@ fn draw_plate(ends: &[Spot], text: Colour, ink: &mut Ink) {
 const BACK: f64 = 1e-3;
 
 /// The corners of a path if it never comes back the way it went; else only its ends.
-fn shown_path(path: &[DVec3], plane: &Plane) -> Vec<Spot> {
+fn shown_path(path: &[DVec3], plane: &DrawingPlane) -> Vec<DrawnSpot> {
     let pieces = path.windows(2).map(|p| (p[1] - p[0]).normalize_or_zero());
     let pieces: Vec<DVec3> = pieces.collect();
     let returns = |(k, a): (usize, &DVec3)| pieces[k + 1..].iter().any(|b| a.dot(*b) < BACK - 1.0);
@@ -158,9 +164,9 @@ fn shown_path(path: &[DVec3], plane: &Plane) -> Vec<Spot> {
 /// Numbers of all links in circles.
 pub fn number_links(
     scheme: &Scheme,
-    (signs, grounds): (&[Spot], &[Spot]),
-    (plane, is_plane): (&Plane, bool),
-    lettering: &Lettering,
+    (signs, grounds): (&[DrawnSpot], &[DrawnSpot]),
+    (plane, is_plane): (&DrawingPlane, bool),
+    lettering: &QuantityLettering,
     ink: &mut Ink,
 ) {
     for (index, link) in scheme.links.iter().enumerate() {
@@ -169,7 +175,7 @@ pub fn number_links(
             _ => number_place(scheme, index, signs, plane, is_plane),
         };
         let Some(anchor) = anchor else { continue };
-        ink.labels.push(Label {
+        ink.labels.push(WantedLabel {
             text: link.number.to_string(),
             anchor,
             wish,
@@ -185,21 +191,22 @@ pub fn number_links(
 fn number_place(
     scheme: &Scheme,
     index: usize,
-    signs: &[Spot],
-    plane: &Plane,
+    signs: &[DrawnSpot],
+    plane: &DrawingPlane,
     is_plane: bool,
-) -> (Option<Spot>, Spot) {
-    let lines =
-        |spots: Vec<Spot>| -> Vec<[Spot; 2]> { spots.windows(2).map(|s| [s[0], s[1]]).collect() };
+) -> (Option<DrawnSpot>, DrawnSpot) {
+    let lines = |spots: Vec<DrawnSpot>| -> Vec<[DrawnSpot; 2]> {
+        spots.windows(2).map(|s| [s[0], s[1]]).collect()
+    };
     let own = (0..signs.len()).filter(|k| scheme.joints[*k].links.contains(&index));
-    let ends: Vec<Spot> = own.map(|k| signs[k]).collect();
+    let ends: Vec<DrawnSpot> = own.map(|k| signs[k]).collect();
     let paths = scheme.links[index].paths.iter();
-    let mut pieces: Vec<[Spot; 2]> = paths.flat_map(|p| lines(shown_path(p, plane))).collect();
+    let mut pieces: Vec<[DrawnSpot; 2]> = paths.flat_map(|p| lines(shown_path(p, plane))).collect();
     // Plates and bars of a plane go straight from sign to sign.
     if is_plane || pieces.is_empty() {
         pieces = lines(ends.clone());
     }
-    let length = |s: &[Spot; 2]| spot_length(spot_difference(s[1], s[0]));
+    let length = |s: &[DrawnSpot; 2]| spot_length(spot_difference(s[1], s[0]));
     let long = pieces
         .into_iter()
         .max_by(|a, b| length(a).total_cmp(&length(b)));
@@ -213,7 +220,12 @@ fn number_place(
 }
 
 /// From the sign of a joint to the rest of the link behind it.
-pub fn leaving_direction(scheme: &Scheme, index: usize, signs: &[Spot], plane: &Plane) -> Spot {
+pub fn leaving_direction(
+    scheme: &Scheme,
+    index: usize,
+    signs: &[DrawnSpot],
+    plane: &DrawingPlane,
+) -> DrawnSpot {
     let joint = &scheme.joints[index];
     let behind = joint.links[1];
     let others =

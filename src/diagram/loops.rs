@@ -1,8 +1,10 @@
 //! Loops as round arrows with their letters, and frames as triads.
 
-use super::ink::{Ink, Label};
-use super::lettering::Lettering;
-use super::plane::{Plane, Spot, distance_to, spot_ahead, spot_difference, spot_length};
+use super::ink::{Ink, WantedLabel};
+use super::lettering::QuantityLettering;
+use super::plane::{
+    DrawingPlane, DrawnSpot, distance_to, spot_ahead, spot_difference, spot_length,
+};
 use super::scheme::SchemeLink;
 use crate::math::sin_cos;
 use crate::plot::primitive::Rect;
@@ -30,11 +32,11 @@ pub fn draw_loop(
     name: &str,
     points: &[DVec3],
     index: usize,
-    plane: &Plane,
-    lettering: &Lettering,
+    plane: &DrawingPlane,
+    lettering: &QuantityLettering,
     ink: &mut Ink,
 ) {
-    let corners: Vec<Spot> = points.iter().map(|p| plane.spot(*p)).collect();
+    let corners: Vec<DrawnSpot> = points.iter().map(|p| plane.spot(*p)).collect();
     let (centre, room) = roomiest_place(&corners, plane, ink);
     let [least, most] = RADII.map(|r| r * ink.unit);
     let radius = (room - FREE * ink.unit).clamp(least, most);
@@ -50,7 +52,7 @@ pub fn draw_loop(
             sin_cos(0.25 * TAU + sense * (0.07 * TAU + ROUND * k as f64 / CORNERS as f64));
         spot_ahead(centre, [cos, sin], radius)
     };
-    let arc: Vec<Spot> = (0..=CORNERS).map(point).collect();
+    let arc: Vec<DrawnSpot> = (0..=CORNERS).map(point).collect();
     ink.arrow(&arc, colour, 1.8);
     ink.reserve(
         centre,
@@ -61,7 +63,7 @@ pub fn draw_loop(
 }
 
 /// The place within a polygon, or near to one that is flat, that is farthest from all lines, and how far.
-fn roomiest_place(corners: &[Spot], plane: &Plane, ink: &Ink) -> (Spot, f64) {
+fn roomiest_place(corners: &[DrawnSpot], plane: &DrawingPlane, ink: &Ink) -> (DrawnSpot, f64) {
     let rim = plane.inside((RADII[0] + FREE) * ink.unit);
     let fold = |k: usize, pick: fn(f64, f64) -> f64, from: f64| {
         corners.iter().map(|c| c[k]).fold(from, pick)
@@ -100,13 +102,13 @@ fn roomiest_place(corners: &[Spot], plane: &Plane, ink: &Ink) -> (Spot, f64) {
     (best.1, best.2)
 }
 
-fn from_box(at: Spot, b: &Rect) -> f64 {
+fn from_box(at: DrawnSpot, b: &Rect) -> f64 {
     let near = [at[0].clamp(b.left, b.right), at[1].clamp(b.top, b.bottom)];
     spot_length(spot_difference(at, near))
 }
 
 /// Twice the area within a polygon, with its sense.
-fn signed_area(corners: &[Spot]) -> f64 {
+fn signed_area(corners: &[DrawnSpot]) -> f64 {
     let next = corners.iter().cycle().skip(1);
     let pieces = corners
         .iter()
@@ -116,9 +118,9 @@ fn signed_area(corners: &[Spot]) -> f64 {
 }
 
 /// Whether a ray to the right crosses the polygon an odd number of times.
-fn is_inside(at: Spot, corners: &[Spot]) -> bool {
+fn is_inside(at: DrawnSpot, corners: &[DrawnSpot]) -> bool {
     let next = corners.iter().cycle().skip(1);
-    let crosses = |(a, b): &(&Spot, &Spot)| {
+    let crosses = |(a, b): &(&DrawnSpot, &DrawnSpot)| {
         (a[1] > at[1]) != (b[1] > at[1])
             && at[0] < a[0] + (b[0] - a[0]) * (at[1] - a[1]) / (b[1] - a[1])
     };
@@ -127,13 +129,18 @@ fn is_inside(at: Spot, corners: &[Spot]) -> bool {
 
 /// An arrow of a triad, shared by all frames in which it is the same.
 struct TriadArrow {
-    origin: Spot,
-    tip: Spot,
+    origin: DrawnSpot,
+    tip: DrawnSpot,
     text: String,
 }
 
 /// Draws the axes of all links' frames.
-pub fn draw_frames(links: &[SchemeLink], plane: &Plane, lettering: &Lettering, ink: &mut Ink) {
+pub fn draw_frames(
+    links: &[SchemeLink],
+    plane: &DrawingPlane,
+    lettering: &QuantityLettering,
+    ink: &mut Ink,
+) {
     let mut arrows: Vec<TriadArrow> = Vec::new();
     let mut ordered: Vec<&SchemeLink> = links.iter().collect();
     ordered.sort_by_key(|link| link.number);
@@ -162,7 +169,7 @@ pub fn draw_frames(links: &[SchemeLink], plane: &Plane, lettering: &Lettering, i
         } else {
             ink.arrow(&[arrow.origin, arrow.tip], colour, 1.3);
         }
-        ink.labels.push(Label {
+        ink.labels.push(WantedLabel {
             text: arrow.text,
             anchor: arrow.tip,
             wish: if spot_length(along) > 1.0 {

@@ -5,36 +5,36 @@ use crate::plot::primitive::Rect;
 use glam::{DMat3, DVec3};
 
 /// A place in the drawing: pixels from the top left corner.
-pub type Spot = [f64; 2];
+pub type DrawnSpot = [f64; 2];
 
 /// A direction, or a place relative to another.
-pub fn spot_difference(a: Spot, b: Spot) -> Spot {
+pub fn spot_difference(a: DrawnSpot, b: DrawnSpot) -> DrawnSpot {
     [a[0] - b[0], a[1] - b[1]]
 }
 
 /// `a + s d`
-pub fn spot_ahead(a: Spot, d: Spot, s: f64) -> Spot {
+pub fn spot_ahead(a: DrawnSpot, d: DrawnSpot, s: f64) -> DrawnSpot {
     [a[0] + s * d[0], a[1] + s * d[1]]
 }
 
 /// Length of a direction.
-pub fn spot_length(d: Spot) -> f64 {
+pub fn spot_length(d: DrawnSpot) -> f64 {
     libm::hypot(d[0], d[1])
 }
 
 /// The direction with length one; `None` for a place itself.
-pub fn unit_direction(d: Spot) -> Option<Spot> {
+pub fn unit_direction(d: DrawnSpot) -> Option<DrawnSpot> {
     let length = spot_length(d);
     (length > 1e-9).then(|| [d[0] / length, d[1] / length])
 }
 
 /// A quarter turn: from x towards y.
-pub fn quarter_turn(d: Spot) -> Spot {
+pub fn quarter_turn(d: DrawnSpot) -> DrawnSpot {
     [-d[1], d[0]]
 }
 
 /// Distance of a place from the line between two others.
-pub fn distance_to(at: Spot, [a, b]: [Spot; 2]) -> f64 {
+pub fn distance_to(at: DrawnSpot, [a, b]: [DrawnSpot; 2]) -> f64 {
     let along = spot_difference(b, a);
     let square = along[0] * along[0] + along[1] * along[1];
     let from = spot_difference(at, a);
@@ -47,13 +47,13 @@ pub fn distance_to(at: Spot, [a, b]: [Spot; 2]) -> f64 {
 
 /// A parallel projection onto the drawing.
 #[derive(Clone, Copy, Debug)]
-pub struct Plane {
+pub struct DrawingPlane {
     /// Right, up, and towards the viewer.
     axes: DMat3,
     /// Pixels of a unit.
     pub scale: f64,
     /// Where the origin of the world is.
-    origin: Spot,
+    origin: DrawnSpot,
     /// Pixels.
     pub size: [f64; 2],
 }
@@ -67,7 +67,7 @@ const BORDER: f64 = 105.0;
 /// Least and greatest height of the drawing over its width.
 const HEIGHTS: [f64; 2] = [0.34, 0.82];
 
-impl Plane {
+impl DrawingPlane {
     /// Holds all places of a scheme in a drawing of the given width.
     pub fn fitted(axes: DMat3, scheme: &Scheme, width: f64) -> Self {
         let border = BORDER * width / USUAL_WIDTH;
@@ -102,12 +102,12 @@ impl Plane {
     }
 
     /// Where a place of the world is drawn.
-    pub fn spot(&self, place: DVec3) -> Spot {
+    pub fn spot(&self, place: DVec3) -> DrawnSpot {
         spot_ahead(self.origin, self.direction(place), self.scale)
     }
 
     /// A direction of the world in the drawing; shorter than one where it is foreshortened.
-    pub fn direction(&self, v: DVec3) -> Spot {
+    pub fn direction(&self, v: DVec3) -> DrawnSpot {
         [self.axes.x_axis.dot(v), -self.axes.y_axis.dot(v)]
     }
 

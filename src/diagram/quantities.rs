@@ -1,13 +1,13 @@
 //! Lengths and angles that a walk along a chain passes: each once, with its name.
 
 use super::scheme::{QuantitySource, SchemeAngle, SchemeLength};
-use super::walk::{NOTHING, Walker, has_point};
+use super::walk::{ChainWalker, NOTHING, has_point};
 use crate::math::{Pose, sin_cos};
 use crate::model::chain::ElementaryMotion;
 use crate::model::notation::{WrittenChain, WrittenFactor, unsigned_text};
 use glam::DVec3;
 
-impl Walker<'_> {
+impl ChainWalker<'_> {
     /// Notes a factor that has a name: a length or an angle.
     pub(super) fn note_factor(
         &mut self,

@@ -2,13 +2,13 @@
 
 use super::arcs::{arc_level, draw_angle};
 use super::ground::draw_ground;
-use super::ink::{Ink, Label};
+use super::ink::{Ink, WantedLabel};
 use super::labels::{PlacedLabel, place_labels};
 use super::lengths::{draw_dimension, draw_vector};
-use super::lettering::{Lettering, valued_name};
+use super::lettering::{QuantityLettering, valued_name};
 use super::links::{draw_links, leaving_direction, number_links, sign_places};
 use super::loops::{draw_frames, draw_loop};
-use super::plane::{Plane, Spot, USUAL_WIDTH, facing_axes};
+use super::plane::{DrawingPlane, DrawnSpot, USUAL_WIDTH, facing_axes};
 use super::scheme::{QuantitySource, Scheme, SchemeLength};
 use super::surfaces::draw_surface;
 use super::symbols::draw_joint;
@@ -25,7 +25,7 @@ const NOTES: f64 = 8.6;
 
 /// What is shown beside links and joints.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Shown {
+pub struct DiagramParts {
     /// Axes of the links' frames.
     pub frames: bool,
     /// Numbers of the links.
@@ -45,9 +45,9 @@ pub struct Shown {
 }
 
 /// Turns something on.
-type ShownSwitch = fn(&mut Shown);
+type ShownSwitch = fn(&mut DiagramParts);
 
-impl Shown {
+impl DiagramParts {
     /// The words of the command line, each with what it turns on.
     pub const WORDS: [(&'static str, ShownSwitch); 8] = [
         ("frames", |s| s.frames = true),
@@ -85,7 +85,7 @@ pub struct SheetOptions {
     /// Colours.
     pub theme: ChartTheme,
     /// What is shown.
-    pub shown: Shown,
+    pub shown: DiagramParts,
     /// Above the drawing.
     pub title: String,
     /// Unit of lengths.
@@ -96,7 +96,7 @@ pub struct SheetOptions {
 
 /// A scheme laid out.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sheet {
+pub struct DiagramSheet {
     /// For the writers.
     pub drawing: Drawing,
     /// The labels on it.
@@ -106,14 +106,14 @@ pub struct Sheet {
 }
 
 /// Lays a scheme out.
-pub fn draw_sheet(scheme: &Scheme, options: &SheetOptions) -> Sheet {
+pub fn draw_sheet(scheme: &Scheme, options: &SheetOptions) -> DiagramSheet {
     let normal = scheme.normal();
     let axes = options
         .axes
         .or(normal.map(facing_axes))
         .unwrap_or(options.spatial_axes);
     let width = f64::from(options.width);
-    let plane = Plane::fitted(axes, scheme, width);
+    let plane = DrawingPlane::fitted(axes, scheme, width);
     let is_plane = normal.is_some_and(|n| plane.nearness(n).abs() > 0.999);
     let unit = width / USUAL_WIDTH;
     let mut ink = Ink {
@@ -125,7 +125,7 @@ pub fn draw_sheet(scheme: &Scheme, options: &SheetOptions) -> Sheet {
         theme: options.theme,
         unit,
     };
-    let lettering = Lettering {
+    let lettering = QuantityLettering {
         size: LETTERS * unit,
         values: options.shown.values,
         length_unit: options.length_unit.clone(),
@@ -184,10 +184,10 @@ fn body_names(scheme: &Scheme) -> String {
 /// Links, signs, ground, numbers.
 fn draw_mechanism(
     scheme: &Scheme,
-    plane: &Plane,
+    plane: &DrawingPlane,
     is_plane: bool,
-    lettering: &Lettering,
-    shown: Shown,
+    lettering: &QuantityLettering,
+    shown: DiagramParts,
     ink: &mut Ink,
 ) {
     let signs = sign_places(scheme, plane, ink.unit);
@@ -195,7 +195,7 @@ fn draw_mechanism(
         draw_surface(surface, scheme.size, plane, ink);
     }
     draw_links(scheme, &signs, plane, is_plane, ink);
-    let mut grounds: Vec<Spot> = Vec::new();
+    let mut grounds: Vec<DrawnSpot> = Vec::new();
     for (joint, sign) in scheme.joints.iter().zip(&signs) {
         if joint.links.contains(&0) {
             grounds.push(draw_ground(joint, *sign, plane, ink));
@@ -256,8 +256,15 @@ fn draw_mechanism(
     }
 }
 
-fn push_label(ink: &mut Ink, text: String, anchor: Spot, wish: Spot, size: f64, colour: Colour) {
-    ink.labels.push(Label {
+fn push_label(
+    ink: &mut Ink,
+    text: String,
+    anchor: DrawnSpot,
+    wish: DrawnSpot,
+    size: f64,
+    colour: Colour,
+) {
+    ink.labels.push(WantedLabel {
         text,
         anchor,
         wish,
@@ -271,8 +278,8 @@ fn push_label(ink: &mut Ink, text: String, anchor: Spot, wish: Spot, size: f64, 
 /// Lengths and angles; those that are seen end-on or are zero, with their values.
 fn draw_quantities(
     scheme: &Scheme,
-    plane: &Plane,
-    lettering: &Lettering,
+    plane: &DrawingPlane,
+    lettering: &QuantityLettering,
     options: &SheetOptions,
     ink: &mut Ink,
 ) -> Vec<String> {
@@ -312,11 +319,11 @@ fn draw_quantities(
 /// Title, drawing and notes as one.
 fn finished_sheet(
     mut ink: Ink,
-    plane: &Plane,
+    plane: &DrawingPlane,
     labels: Vec<PlacedLabel>,
     notes: Vec<String>,
     options: &SheetOptions,
-) -> Sheet {
+) -> DiagramSheet {
     let (unit, theme) = (ink.unit, options.theme);
     let ruler = Ruler::default();
     let note_size = NOTES * unit;
@@ -360,7 +367,7 @@ fn finished_sheet(
     let mut primitives = vec![paper];
     primitives.append(&mut ink.primitives);
     let names: Vec<&str> = labels.iter().map(|l| l.text.as_str()).collect();
-    Sheet {
+    DiagramSheet {
         drawing: Drawing {
             size,
             title: options.title.clone(),

@@ -2,7 +2,7 @@
 
 use super::ink::Ink;
 use super::plane::{
-    Plane, Spot, quarter_turn, spot_ahead, spot_difference, spot_length, unit_direction,
+    DrawingPlane, DrawnSpot, quarter_turn, spot_ahead, spot_difference, spot_length, unit_direction,
 };
 use super::scheme::SchemeSurface;
 use crate::math::sin_cos;
@@ -16,7 +16,7 @@ const CORNERS: usize = 720;
 const REACH: f64 = 0.35;
 
 /// Draws the outline of a surface.
-pub fn draw_surface(surface: &SchemeSurface, size: f64, plane: &Plane, ink: &mut Ink) {
+pub fn draw_surface(surface: &SchemeSurface, size: f64, plane: &DrawingPlane, ink: &mut Ink) {
     let colour = ink.theme.event;
     let sizes: Vec<f64> = surface.sizes.iter().map(|(_, value)| *value).collect();
     match (surface.word, sizes.as_slice()) {
@@ -27,7 +27,7 @@ pub fn draw_surface(surface: &SchemeSurface, size: f64, plane: &Plane, ink: &mut
                 let (sin, cos) = sin_cos(TAU * k as f64 / CORNERS as f64);
                 spot_ahead(centre, [cos, sin], radius * plane.scale)
             };
-            let rim: Vec<Spot> = (0..=CORNERS).map(rim).collect();
+            let rim: Vec<DrawnSpot> = (0..=CORNERS).map(rim).collect();
             ink.mark(&rim, colour, 1.0, Dashes::None);
         }
         ("cylinder", [radius]) => {
@@ -47,7 +47,7 @@ pub fn draw_surface(surface: &SchemeSurface, size: f64, plane: &Plane, ink: &mut
                 let r = &surface.frame.rotation;
                 plane.spot(surface.frame.translation + (r.x_axis * x + r.y_axis * y) * REACH * size)
             };
-            let square: Vec<Spot> = (0..=4).map(corner).collect();
+            let square: Vec<DrawnSpot> = (0..=4).map(corner).collect();
             ink.mark(&square, colour, 1.0, Dashes::None);
         }
     }
@@ -58,7 +58,7 @@ fn draw_torus(
     surface: &SchemeSurface,
     ring: f64,
     tube: f64,
-    plane: &Plane,
+    plane: &DrawingPlane,
     ink: &mut Ink,
     colour: Colour,
 ) {
@@ -69,10 +69,10 @@ fn draw_torus(
             frame.translation + (frame.rotation.x_axis * cos + frame.rotation.y_axis * sin) * ring,
         )
     };
-    let circle: Vec<Spot> = (0..=CORNERS).map(point).collect();
+    let circle: Vec<DrawnSpot> = (0..=CORNERS).map(point).collect();
     ink.mark(&circle, colour, 0.8, Dashes::Long);
     for sign in [1.0, -1.0] {
-        let parallel: Vec<Spot> = (0..=CORNERS)
+        let parallel: Vec<DrawnSpot> = (0..=CORNERS)
             .filter_map(|k| {
                 let [before, after] = [(k + CORNERS - 1) % CORNERS, (k + 1) % CORNERS];
                 let along = spot_difference(circle[after], circle[before]);

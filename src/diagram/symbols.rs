@@ -2,7 +2,9 @@
 //! its axis is the circle of the standard, from the side it is the bearing.
 
 use super::ink::Ink;
-use super::plane::{Plane, Spot, quarter_turn, spot_ahead, spot_length, unit_direction};
+use super::plane::{
+    DrawingPlane, DrawnSpot, quarter_turn, spot_ahead, spot_length, unit_direction,
+};
 use super::scheme::SchemeJoint;
 use crate::model::joints::JointKind;
 use crate::plot::theme::Dashes;
@@ -26,7 +28,13 @@ const CLEAR: f64 = 15.0;
 const CORNERS: usize = 40;
 
 /// Draws the sign of a joint at `at`; `away` is where the link behind it goes.
-pub fn draw_joint(joint: &SchemeJoint, at: Spot, away: Spot, plane: &Plane, ink: &mut Ink) {
+pub fn draw_joint(
+    joint: &SchemeJoint,
+    at: DrawnSpot,
+    away: DrawnSpot,
+    plane: &DrawingPlane,
+    ink: &mut Ink,
+) {
     let Some(axis) = joint.axes.first() else {
         return;
     };
@@ -48,7 +56,7 @@ pub fn draw_joint(joint: &SchemeJoint, at: Spot, away: Spot, plane: &Plane, ink:
 }
 
 /// Half the length of a joint's sign along its first axis, in pixels.
-pub fn half_length(joint: &SchemeJoint, plane: &Plane, unit: f64) -> f64 {
+pub fn half_length(joint: &SchemeJoint, plane: &DrawingPlane, unit: f64) -> f64 {
     let seen = joint
         .axes
         .first()
@@ -61,7 +69,7 @@ pub fn half_length(joint: &SchemeJoint, plane: &Plane, unit: f64) -> f64 {
 }
 
 /// An ellipse: a disc of radius `r` pixels square to `axis`.
-fn axis_disc(at: Spot, axis: DVec3, r: f64, plane: &Plane) -> Vec<Spot> {
+fn axis_disc(at: DrawnSpot, axis: DVec3, r: f64, plane: &DrawingPlane) -> Vec<DrawnSpot> {
     let seen = plane.direction(axis);
     let along = unit_direction(seen).unwrap_or([1.0, 0.0]);
     let thin = plane.nearness(axis).abs().min(1.0);
@@ -73,7 +81,7 @@ fn axis_disc(at: Spot, axis: DVec3, r: f64, plane: &Plane) -> Vec<Spot> {
     (0..CORNERS).map(point).collect()
 }
 
-fn draw_cylinder(at: Spot, axis: DVec3, half: f64, plane: &Plane, ink: &mut Ink) {
+fn draw_cylinder(at: DrawnSpot, axis: DVec3, half: f64, plane: &DrawingPlane, ink: &mut Ink) {
     let (r, h) = (PIN * ink.unit, half * ink.unit);
     let front = if plane.nearness(axis) < 0.0 {
         -axis
@@ -85,12 +93,12 @@ fn draw_cylinder(at: Spot, axis: DVec3, half: f64, plane: &Plane, ink: &mut Ink)
     let outline = convex_hull(&[near.clone(), far].concat());
     let (paper, text) = (ink.theme.background, ink.theme.text);
     ink.shape(&outline, paper, text, OUTLINE);
-    let closed: Vec<Spot> = near.iter().chain(near.first()).copied().collect();
+    let closed: Vec<DrawnSpot> = near.iter().chain(near.first()).copied().collect();
     ink.mark(&closed, text, 0.7 * OUTLINE, Dashes::None);
 }
 
 /// Discs at both ends of a bearing: nothing slides.
-fn draw_collars(at: Spot, axis: DVec3, half: f64, plane: &Plane, ink: &mut Ink) {
+fn draw_collars(at: DrawnSpot, axis: DVec3, half: f64, plane: &DrawingPlane, ink: &mut Ink) {
     let seen = plane.direction(axis);
     if spot_length(seen) < 0.2 {
         return;
@@ -111,7 +119,7 @@ fn draw_collars(at: Spot, axis: DVec3, half: f64, plane: &Plane, ink: &mut Ink) 
     }
 }
 
-fn draw_thread(at: Spot, axis: DVec3, plane: &Plane, ink: &mut Ink) {
+fn draw_thread(at: DrawnSpot, axis: DVec3, plane: &DrawingPlane, ink: &mut Ink) {
     let seen = plane.direction(axis);
     let Some(side) = unit_direction(quarter_turn(seen)) else {
         return;
@@ -133,7 +141,7 @@ fn draw_thread(at: Spot, axis: DVec3, plane: &Plane, ink: &mut Ink) {
 }
 
 /// A block that slides along its axis.
-fn draw_slider(at: Spot, axis: DVec3, plane: &Plane, ink: &mut Ink) {
+fn draw_slider(at: DrawnSpot, axis: DVec3, plane: &DrawingPlane, ink: &mut Ink) {
     let toward = plane.toward();
     let side = axis.cross(toward).normalize_or(DVec3::X);
     let third = axis.cross(side).normalize_or(DVec3::Y);
@@ -143,8 +151,8 @@ fn draw_slider(at: Spot, axis: DVec3, plane: &Plane, ink: &mut Ink) {
         let v = axis * (half * s[0]) + side * (r * s[1]) + third * (r * s[2]);
         (spot_ahead(at, plane.direction(v), 1.0), plane.nearness(v))
     };
-    let corners: Vec<(Spot, f64)> = (0..8).map(corner).collect();
-    let spots: Vec<Spot> = corners.iter().map(|c| c.0).collect();
+    let corners: Vec<(DrawnSpot, f64)> = (0..8).map(corner).collect();
+    let spots: Vec<DrawnSpot> = corners.iter().map(|c| c.0).collect();
     let (paper, text) = (ink.theme.background, ink.theme.text);
     ink.shape(&convex_hull(&spots), paper, text, OUTLINE);
     let nearest = (0..8)
@@ -163,7 +171,7 @@ fn draw_slider(at: Spot, axis: DVec3, plane: &Plane, ink: &mut Ink) {
     }
 }
 
-fn draw_cross(at: Spot, axes: &[DVec3], plane: &Plane, ink: &mut Ink) {
+fn draw_cross(at: DrawnSpot, axes: &[DVec3], plane: &DrawingPlane, ink: &mut Ink) {
     let (paper, text) = (ink.theme.background, ink.theme.text);
     ink.circle(at, 1.3 * PIN, paper, text, OUTLINE);
     for axis in axes.iter().take(2) {
@@ -178,7 +186,7 @@ fn draw_cross(at: Spot, axes: &[DVec3], plane: &Plane, ink: &mut Ink) {
 }
 
 /// A ball in its socket, open towards the link that carries the ball.
-fn draw_ball(at: Spot, away: Spot, ink: &mut Ink) {
+fn draw_ball(at: DrawnSpot, away: DrawnSpot, ink: &mut Ink) {
     let (paper, text) = (ink.theme.background, ink.theme.text);
     let open = unit_direction(away).unwrap_or([0.0, -1.0]);
     let begin = libm::atan2(open[1], open[0]) + 0.32 * PI;
@@ -188,18 +196,18 @@ fn draw_ball(at: Spot, away: Spot, ink: &mut Ink) {
             crate::math::sin_cos(begin + (TAU - 0.64 * PI) * k as f64 / CORNERS as f64);
         spot_ahead(at, [cos, sin], r)
     };
-    let arc: Vec<Spot> = (0..=CORNERS).map(point).collect();
+    let arc: Vec<DrawnSpot> = (0..=CORNERS).map(point).collect();
     ink.circle(at, 1.6 * PIN, paper, paper, 0.5);
     ink.mark(&arc, text, OUTLINE, Dashes::None);
     ink.circle(at, PIN, paper, text, OUTLINE);
 }
 
 /// The convex hull of points, in order (monotone chain).
-pub fn convex_hull(points: &[Spot]) -> Vec<Spot> {
+pub fn convex_hull(points: &[DrawnSpot]) -> Vec<DrawnSpot> {
     let mut sorted = points.to_vec();
     sorted.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
-    let half = |list: &mut dyn Iterator<Item = &Spot>| {
-        let mut chain: Vec<Spot> = Vec::new();
+    let half = |list: &mut dyn Iterator<Item = &DrawnSpot>| {
+        let mut chain: Vec<DrawnSpot> = Vec::new();
         for p in list {
             while let [.., a, b] = chain[..] {
                 let turn = (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);

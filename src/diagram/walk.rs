@@ -16,7 +16,7 @@ pub fn scheme_at(mechanism: &Mechanism, notation: &Notation, coordinates: &[f64]
     let values = notation.values(coordinates);
     let own = mechanism.argument_values(coordinates);
     let joints = &mechanism.joints;
-    let mut walker = Walker::new(mechanism, notation, &values, &own);
+    let mut walker = ChainWalker::new(mechanism, notation, &values, &own);
     for (k, chain) in notation.loops.iter().enumerate() {
         let (Some(start), Some(passages)) = (joints.loop_starts.get(k), joints.along_loops.get(k))
         else {
@@ -42,7 +42,7 @@ pub fn scheme_at(mechanism: &Mechanism, notation: &Notation, coordinates: &[f64]
 }
 
 /// Walks chains and gathers what they pass.
-pub(super) struct Walker<'a> {
+pub(super) struct ChainWalker<'a> {
     pub(super) mechanism: &'a Mechanism,
     pub(super) notation: &'a Notation,
     pub(super) values: &'a [ArgumentValue],
@@ -63,7 +63,7 @@ pub(super) struct Here {
     pub(super) loop_points: Vec<DVec3>,
 }
 
-impl<'a> Walker<'a> {
+impl<'a> ChainWalker<'a> {
     fn new(
         mechanism: &'a Mechanism,
         notation: &'a Notation,

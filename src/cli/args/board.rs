@@ -3,7 +3,7 @@
 use super::scene::SceneArgs;
 use super::values::named_word;
 use super::view::{azimuth_angle, elevation_angle};
-use crate::diagram::sheet::Shown;
+use crate::diagram::sheet::DiagramParts;
 use crate::model::theme::Theme;
 use crate::model::view::NamedView;
 use clap::{Args, ValueEnum};
@@ -42,7 +42,7 @@ pub struct DrawArgs {
     /// Show this beside links and joints, in place of bodies,dimensions,loops,names,angles: any of frames, bodies,
     /// dimensions, loops, names, vectors, angles, values; `none` for links and joints alone.
     #[arg(long, value_name = "WHAT,WHAT,…", value_parser = shown_words)]
-    pub show: Option<Shown>,
+    pub show: Option<DiagramParts>,
     /// Width in pixels; the height follows from the mechanism.
     #[arg(long, value_name = "PIXELS", default_value_t = 1200, value_parser = clap::value_parser!(u32).range(200..=8000))]
     pub width: u32,
@@ -100,17 +100,17 @@ impl ShowArgs {
     }
 }
 
-fn shown_words(text: &str) -> Result<Shown, String> {
-    let mut shown = Shown::default();
+fn shown_words(text: &str) -> Result<DiagramParts, String> {
+    let mut shown = DiagramParts::default();
     for word in text
         .split(',')
         .map(str::trim)
         .filter(|word| *word != "none")
     {
-        match Shown::WORDS.iter().find(|(known, _)| *known == word) {
+        match DiagramParts::WORDS.iter().find(|(known, _)| *known == word) {
             Some((_, turn_on)) => turn_on(&mut shown),
             None => {
-                let known: Vec<&str> = Shown::WORDS.iter().map(|(word, _)| *word).collect();
+                let known: Vec<&str> = DiagramParts::WORDS.iter().map(|(word, _)| *word).collect();
                 return Err(format!("`{word}` is not one of {}, none", known.join(", ")));
             }
         }

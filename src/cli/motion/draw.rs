@@ -8,7 +8,7 @@ use crate::cli::open::scene::{OpenScene, open_changed};
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::diagram::scheme::Scheme;
-use crate::diagram::sheet::{SheetOptions, Shown, draw_sheet};
+use crate::diagram::sheet::{DiagramParts, SheetOptions, draw_sheet};
 use crate::diagram::walk::scheme_at;
 use crate::model::view::{UpAxis, View};
 use crate::render::camera::ViewDirection;
@@ -65,7 +65,7 @@ fn sheet_options(args: &DrawArgs, scene: &Scene) -> SheetOptions {
         spatial_axes: axes,
         width: args.width,
         theme: chart_theme(args.theme),
-        shown: args.show.unwrap_or(Shown::USUAL),
+        shown: args.show.unwrap_or(DiagramParts::USUAL),
         title: mechanism.title.clone(),
         length_unit: mechanism.length_unit.clone(),
         angle_unit: (

@@ -15,7 +15,7 @@ use crate::staging::quantity_names::written_label;
 use std::path::Path;
 
 /// Places along each variable.
-const PLACES: usize = 41;
+const PLACES: usize = 25;
 
 /// Room around the points of a search, as a share of what they span, and at least as a share of the largest value.
 const ROOM: [f64; 2] = [0.6, 0.02];

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use mechanim::diagram::labels::overlap;
 use mechanim::diagram::scheme::Scheme;
-use mechanim::diagram::sheet::{Sheet, SheetOptions, Shown, draw_sheet};
+use mechanim::diagram::sheet::{DiagramParts, DiagramSheet, SheetOptions, draw_sheet};
 use mechanim::diagram::walk::scheme_at;
 use mechanim::kinematics::motion::continuation::solve_motion;
 use mechanim::kinematics::structure::system::System;
@@ -39,7 +39,7 @@ fn scheme(scene: &Scene) -> Scheme {
     scheme_at(&scene.mechanism, notation, &coordinates)
 }
 
-fn options(scene: &Scene, shown: Shown) -> SheetOptions {
+fn options(scene: &Scene, shown: DiagramParts) -> SheetOptions {
     let direction = ViewDirection {
         azimuth: scene.view.azimuth,
         elevation: scene.view.elevation,
@@ -61,13 +61,13 @@ fn options(scene: &Scene, shown: Shown) -> SheetOptions {
     }
 }
 
-fn sheet(name: &str, shown: Shown) -> Sheet {
+fn sheet(name: &str, shown: DiagramParts) -> DiagramSheet {
     let scene = scene(name);
     draw_sheet(&scheme(&scene), &options(&scene, shown))
 }
 
 /// All texts of a sheet.
-fn texts(sheet: &Sheet) -> Vec<String> {
+fn texts(sheet: &DiagramSheet) -> Vec<String> {
     let texts = sheet.drawing.primitives.iter().filter_map(|p| match p {
         DrawnPrimitive::Text { text, .. } => Some(text.clone()),
         _ => None,
@@ -76,7 +76,7 @@ fn texts(sheet: &Sheet) -> Vec<String> {
 }
 
 /// How often a quantity stands on a sheet: as a label, or with its value in the lines below.
-fn count(sheet: &Sheet, name: &str) -> usize {
+fn count(sheet: &DiagramSheet, name: &str) -> usize {
     let written = written_names(name);
     let labels = sheet.labels.iter().filter(|l| l.text == written).count();
     let values = sheet.notes.iter().flat_map(|note| note.split([':', ',']));
@@ -96,7 +96,7 @@ fn every_dimension_of_the_gearshift_stands_on_its_sheet_once() {
         .filter_map(|l| Some(l.split_once('=')?.0.trim()))
         .collect();
     assert_eq!(names.len(), 22);
-    let sheet = sheet("gearshift", Shown::USUAL);
+    let sheet = sheet("gearshift", DiagramParts::USUAL);
     for name in names {
         assert_eq!(count(&sheet, name), 1, "{name}: {:?}", sheet.notes);
     }
@@ -137,7 +137,7 @@ fn every_named_constant_of_a_loop_stands_on_its_sheet_once() {
             .filter(|f| f.is_dimension)
             .map(|f| unsigned_text(&f.text))
             .collect();
-        let sheet = draw_sheet(&scheme(&scene), &options(&scene, Shown::USUAL));
+        let sheet = draw_sheet(&scheme(&scene), &options(&scene, DiagramParts::USUAL));
         for name in &names {
             assert_eq!(
                 count(&sheet, name),
@@ -154,14 +154,14 @@ fn every_named_constant_of_a_loop_stands_on_its_sheet_once() {
 
 #[test]
 fn no_label_covers_another_in_any_scene() {
-    let mut everything = Shown::USUAL;
+    let mut everything = DiagramParts::USUAL;
     (everything.frames, everything.values) = (true, true);
-    let mut vectors = Shown::USUAL;
+    let mut vectors = DiagramParts::USUAL;
     vectors.vectors = true;
     for item in builtin::ALL {
         let scene = scene(item.name);
         let scheme = scheme(&scene);
-        for shown in [Shown::USUAL, everything, vectors] {
+        for shown in [DiagramParts::USUAL, everything, vectors] {
             let sheet = draw_sheet(&scheme, &options(&scene, shown));
             let labels = &sheet.labels;
             assert!(labels.len() > 4, "{}", item.name);
@@ -226,7 +226,7 @@ fn links_are_numbered_as_lectures_do_and_planes_are_seen_from_the_front() {
 #[test]
 fn diagrams_are_those_that_were_looked_at() {
     for name in ["slider-crank", "four-bar", "gearshift", "seven-r"] {
-        let sheet = sheet(name, Shown::USUAL);
+        let sheet = sheet(name, DiagramParts::USUAL);
         let text = svg::write_svg(&sheet.drawing);
         let path = format!(
             "{}/tests/data/diagrams/{name}.svg",
