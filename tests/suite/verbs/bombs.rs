@@ -120,15 +120,15 @@ fn deep_and_long_texts_are_answered() {
             "transforms together",
         ),
         (
-            "3000 loops",
+            "2000 loops",
             format!(
                 "title = \"l\"\nduration = 1\n[inputs]\nphi = \"t\"\n[loops]\n{}[guess]\n{}",
-                (0..3000)
+                (0..2000)
                     .map(|k| format!(
                         "L{k} = \"Rz(phi) Tx(40) Rz(a{k}) Tx(80) Rz(b{k}) Tx(-h{k})\"\n"
                     ))
                     .collect::<String>(),
-                (0..3000)
+                (0..2000)
                     .map(|k| format!("h{k} = 100\n"))
                     .collect::<String>()
             ),
