@@ -27,9 +27,9 @@ impl Default for CheckOptions {
     fn default() -> Self {
         Self {
             samples: Samples::Frames,
-            closure: 1e-9,
+            closure: Asked::CLOSURE,
             motion: false,
-            tolerance: 1e-3,
+            tolerance: Closely::TOLERANCE,
         }
     }
 }

@@ -32,6 +32,9 @@ impl Closely {
     /// Fewer pairs are looked at one by one: a report of more is not read line by line.
     pub const PAIRS: usize = 200;
 
+    /// How near a bound comes to its distance where nothing else is asked: three digits are what a report shows.
+    pub const TOLERANCE: f64 = 1e-3;
+
     /// To a tolerance.
     pub const fn to(tolerance: f64) -> Self {
         Self {

@@ -1,6 +1,7 @@
 //! How names and values are written, and in which colour.
 
 use super::scheme::{QuantitySource, SchemeAngle, SchemeLength};
+use crate::plot::decimal::trimmed_decimal;
 use crate::plot::theme::{ChartTheme, Colour};
 use crate::staging::quantity_names::written_names;
 
@@ -41,11 +42,7 @@ impl QuantityLettering {
 
 /// A name with its value.
 pub fn valued_name(name: &str, value: f64, unit: &str) -> String {
-    let digits = format!("{:.4}", value + 0.0);
-    let short = digits
-        .trim_end_matches('0')
-        .trim_end_matches('.')
-        .replace('-', "\u{2212}");
+    let short = trimmed_decimal(value, 4).replace('-', "\u{2212}");
     let gap = if unit == "°" || unit.is_empty() {
         ""
     } else {

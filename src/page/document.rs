@@ -1,8 +1,9 @@
 //! The file: policy, style, articles, data, scripts.
 
 use super::article::Article;
-use super::digest::{base64, sha256};
 use super::markup::{Cell, Section, Table, escaped, script_json, state_class};
+use base64::prelude::{BASE64_STANDARD, Engine};
+use sha2::{Digest, Sha256};
 use std::fmt::Write;
 
 /// How the page looks.
@@ -46,7 +47,7 @@ pub fn page_text(title: &str, articles: &[Article]) -> String {
 /// A policy that lets run and look only what is written here: nothing that a scene says can become script or style,
 /// and nothing is asked for from anywhere.
 fn policy() -> String {
-    let hash = |text: &str| format!("'sha256-{}'", base64(&sha256(text.as_bytes())));
+    let hash = |text: &str| format!("'sha256-{}'", BASE64_STANDARD.encode(Sha256::digest(text)));
     let scripts: Vec<String> = SCRIPTS.iter().map(|script| hash(script)).collect();
     format!(
         "default-src 'none'; img-src data:; style-src {}; script-src {}; base-uri 'none'; form-action 'none'",
@@ -120,7 +121,7 @@ fn write_view(out: &mut String, article: &Article, still: &[u8]) {
          <input type=\"range\" min=\"0\" max=\"0\" value=\"0\" step=\"1\" aria-label=\"Time\" data-part=\"slider\"><output data-part=\"clock\"></output>\
          <button type=\"button\" data-part=\"reset\"{}>Reset view</button></div>\n\
          <p class=\"live faint\" data-live hidden><span data-part=\"caption\" aria-live=\"polite\"></span> {}</p>\n",
-        base64(still),
+        BASE64_STANDARD.encode(still),
         if article.note.is_some() {
             ""
         } else {

@@ -5,7 +5,6 @@ mod article;
 mod checked;
 mod clearance;
 mod curves;
-mod digest;
 mod document;
 mod frames;
 mod markup;

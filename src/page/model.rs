@@ -1,6 +1,5 @@
 //! The bodies and their motion as the page's viewer reads them: meshes in 16 bits a coordinate, placements in 32.
 
-use super::digest::base64;
 use crate::export::model::{ExportModel, ModelBody, ModelTrace};
 use crate::geometry::Mesh;
 use crate::kinematics::results::trajectory::Trajectory;
@@ -8,6 +7,7 @@ use crate::math::{narrow_rotation, narrow_vector, rotation_quaternions};
 use crate::render::{Camera, Projection};
 use crate::scene::Scene;
 use crate::staging::model::{Facets, model_traces, of_motion, up_vector};
+use base64::prelude::{BASE64_STANDARD, Engine};
 use glam::{DMat3, DVec3};
 use serde_json::{Value, json};
 use std::collections::HashMap;
@@ -117,9 +117,9 @@ fn mesh_value(mesh: &Mesh) -> Value {
         false => corners.flat_map(|k| (*k as u16).to_le_bytes()).collect(),
     };
     json!({
-        "positions": base64(&positions),
-        "normals": base64(&normals),
-        "triangles": base64(&triangles),
+        "positions": BASE64_STANDARD.encode(&positions),
+        "normals": BASE64_STANDARD.encode(&normals),
+        "triangles": BASE64_STANDARD.encode(&triangles),
         "wide": is_wide,
         "low": narrow_vector(low),
         "size": narrow_vector(size),
@@ -155,7 +155,7 @@ fn body_value(body: &ModelBody) -> Value {
             numbers.flat_map(f32::to_le_bytes)
         })
         .collect();
-    json!({ "name": body.name, "poses": base64(&bytes) })
+    json!({ "name": body.name, "poses": BASE64_STANDARD.encode(&bytes) })
 }
 
 fn trace_value(trace: &ModelTrace) -> Value {
@@ -165,7 +165,7 @@ fn trace_value(trace: &ModelTrace) -> Value {
         .collect();
     json!({
         "colour": trace.colour,
-        "points": base64(&bytes),
+        "points": BASE64_STANDARD.encode(&bytes),
         "runs": trace.runs.iter().map(Vec::len).collect::<Vec<_>>(),
     })
 }

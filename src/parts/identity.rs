@@ -1,5 +1,7 @@
 //! The identity of a study: a digest of everything that its numbers depend on.
 
+use sha2::{Digest, Sha256};
+
 /// Raised when the same scene and arguments give other numbers than before.
 pub const NUMERICS: u32 = 1;
 
@@ -8,20 +10,22 @@ const LENGTH: usize = 32;
 
 /// A digest of named pieces, in hexadecimal. Lengths are part of it, so that no two lists run together.
 pub fn identity(pieces: &[(&str, &[u8])]) -> String {
-    let mut hasher = blake3::Hasher::new();
-    hasher.update(&NUMERICS.to_le_bytes());
+    let mut hasher = Sha256::new();
+    hasher.update(NUMERICS.to_le_bytes());
     for (name, bytes) in pieces {
         for piece in [name.as_bytes(), bytes] {
-            hasher.update(&(piece.len() as u64).to_le_bytes());
+            hasher.update((piece.len() as u64).to_le_bytes());
             hasher.update(piece);
         }
     }
-    hasher.finalize().to_hex()[..LENGTH].to_owned()
+    let bytes = hasher.finalize();
+    let digits = bytes.iter().take(LENGTH / 2);
+    digits.map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// Digest that ends a part.
 pub(super) fn digest(bytes: &[u8]) -> [u8; 32] {
-    *blake3::hash(bytes).as_bytes()
+    Sha256::digest(bytes).into()
 }
 
 #[cfg(test)]

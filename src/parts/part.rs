@@ -1,7 +1,7 @@
 //! A part: the numbers of consecutive items in one file, with the identity of their study before them and a digest of
 //! everything behind.
 //!
-//! Line of JSON, then eight bytes a number, the least first, item after item, then 32 bytes of BLAKE3.
+//! Line of JSON, then eight bytes a number, the least first, item after item, then 32 bytes of SHA-256.
 
 use super::error::PartsError;
 use super::identity::digest;

@@ -1,6 +1,7 @@
 //! A drawing as a PDF of one page: lines as lines, texts as texts in the faces that every reader has (Helvetica, and
 //! Symbol for Greek), so that nothing is embedded.
 
+use super::decimal::trimmed_decimal;
 use super::drawing::Drawing;
 use super::pdf_text::{Run, text_runs, text_width};
 use super::primitive::{DrawnPrimitive, Stroke, TextAnchor};
@@ -244,13 +245,7 @@ fn utf16_hex(text: &str) -> String {
 
 /// Thousandths are finer than any printer.
 fn point_number(value: f64) -> String {
-    let text = format!("{value:.3}");
-    let short = text.trim_end_matches('0').trim_end_matches('.');
-    if short == "-0" {
-        "0".to_owned()
-    } else {
-        short.to_owned()
-    }
+    trimmed_decimal(value, 3)
 }
 
 #[cfg(test)]

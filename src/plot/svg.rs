@@ -1,5 +1,6 @@
 //! A drawing as SVG text: real texts, one element per line, names for the curves.
 
+use super::decimal::trimmed_decimal;
 use super::drawing::Drawing;
 use super::primitive::{DrawnPrimitive, Stroke, TextAnchor};
 use super::theme::Colour;
@@ -166,13 +167,7 @@ fn paint_attributes(attribute: &str, [r, g, b, a]: Colour) -> String {
 
 /// Hundredths of a pixel are finer than any screen.
 fn short_number(value: f64) -> String {
-    let text = format!("{value:.2}");
-    let short = text.trim_end_matches('0').trim_end_matches('.');
-    if short == "-0" {
-        "0".to_owned()
-    } else {
-        short.to_owned()
-    }
+    trimmed_decimal(value, 2)
 }
 
 /// Characters of a text that XML would read, and those it forbids.

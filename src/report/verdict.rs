@@ -20,6 +20,11 @@ pub struct Asked {
     pub band: Option<f64>,
 }
 
+impl Asked {
+    /// Closure errors that pass where nothing else is asked: far above rounding, far below anything that can be built.
+    pub const CLOSURE: f64 = 1e-9;
+}
+
 /// How a question came out, the worse the later.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Status {

@@ -11,10 +11,6 @@ use crate::report::verdict::{Asked as AskedOfCheck, Status};
 use crate::scene::{Overrides, Scene, load_scene};
 use std::sync::Arc;
 
-/// Largest closure error that passes, and how near a bound must come to its distance: those of `mechanim check`.
-const CLOSURE: f64 = 1e-9;
-const NEARNESS: f64 = 1e-3;
-
 /// The row of a design: its values in the file's units, and inside.
 pub(super) fn row(sweep: &Sweep, design: &[f64], internal: &[f64]) -> Row {
     let refused = || sweep.empty_row(RowStatus::Refused);
@@ -78,14 +74,14 @@ fn checked(sweep: &Sweep, scene: &Scene, system: &System, start: RowStatus) -> R
         system,
         times: &times,
         asked: AskedOfCheck {
-            closure: CLOSURE,
+            closure: AskedOfCheck::CLOSURE,
             poses: true,
             motion: false,
             estimates: false,
             empty: false,
             band: None,
         },
-        closely: Closely::to(NEARNESS),
+        closely: Closely::to(Closely::TOLERANCE),
         is_swept: false,
         worst: 0,
     };

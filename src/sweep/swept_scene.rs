@@ -43,9 +43,6 @@ pub enum Instants {
     At(Vec<f64>),
 }
 
-/// Poses along the drive where nothing is said: those of a study.
-pub const DRIVE_SAMPLES: usize = 180;
-
 /// A scene whose parameters are swept.
 #[derive(Clone, Debug)]
 pub struct Sweep {

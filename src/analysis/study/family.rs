@@ -19,7 +19,7 @@ use glam::DVec3;
 use std::sync::Arc;
 
 /// Poses at which measures along the drive itself are taken in a study.
-const DRIVE_SAMPLES: usize = 180;
+pub const DRIVE_SAMPLES: usize = 180;
 
 /// A mechanism whose last inputs are the variables of its study.
 #[derive(Clone, Debug)]

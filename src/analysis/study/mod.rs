@@ -17,7 +17,7 @@ mod slopes;
 mod track_poses;
 pub mod whole_limits;
 
-pub use family::{FamilyError, Nominal, ParametricMechanism};
+pub use family::{DRIVE_SAMPLES, FamilyError, Nominal, ParametricMechanism};
 pub use gradient::Gradients;
 pub use loaded::{LoadedStudy, NominalStudy, varied_names};
 pub use measure::Measured;

@@ -5,6 +5,8 @@ use super::scene::SceneArgs;
 use super::study::positive_number;
 use super::values::{frame_count, frame_rate, name_and_text, picture_size, rate_order};
 use super::view::ViewArgs;
+use crate::clearance::check::Closely;
+use crate::report::verdict::Asked;
 use crate::staging::model::Facets;
 use clap::{Args, ValueEnum};
 use std::ffi::OsString;
@@ -117,7 +119,7 @@ pub struct SolveArgs {
 #[derive(Clone, Debug, Args)]
 pub struct AskedArgs {
     /// Largest closure error that passes, relative to the mechanism's size.
-    #[arg(long, value_name = "E", default_value_t = 1e-9, value_parser = positive_number)]
+    #[arg(long, value_name = "E", default_value_t = Asked::CLOSURE, value_parser = positive_number)]
     pub closure: f64,
     /// Number of samples, spread evenly over the motion; the scene's frames if absent. Both ends of the drive and all keys
     /// are sampled in any case.
@@ -143,7 +145,7 @@ pub struct AskedArgs {
     pub worst: usize,
     /// How close the proved bound must come to the least distance found, as a fraction of the pair's minimum (of that
     /// distance where the minimum is 0).
-    #[arg(long = "bound-tolerance", alias = "tolerance", value_name = "E", default_value_t = 1e-3, value_parser = proper_share)]
+    #[arg(long = "bound-tolerance", alias = "tolerance", value_name = "E", default_value_t = Closely::TOLERANCE, value_parser = proper_share)]
     pub tolerance: f64,
 }
 

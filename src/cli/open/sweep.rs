@@ -3,6 +3,7 @@
 use super::cells::Cells;
 use super::scene::text_of;
 use super::study::nominal_of;
+use crate::analysis::study::DRIVE_SAMPLES;
 use crate::cli::args::scene::ModeChoice;
 use crate::cli::args::sweep::SweepAsked;
 use crate::cli::term::Term;
@@ -18,7 +19,7 @@ use crate::scene::source::open_input;
 use crate::scene::{Overrides, Scene};
 use crate::sweep::design::Design;
 use crate::sweep::design_text::{OwnRange, is_written_out, read_design};
-use crate::sweep::swept_scene::{Asked, DRIVE_SAMPLES, Instants, Sweep};
+use crate::sweep::swept_scene::{Asked, Instants, Sweep};
 use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
 

@@ -2,6 +2,7 @@
 
 use super::symbol::{AngleSum, Symbol, SymbolSum};
 use crate::model::notation::WrittenTerm;
+use crate::plot::decimal::trimmed_decimal;
 use crate::staging::quantity_names::{greek_word, split_symbol, written_symbol};
 
 /// A way of writing.
@@ -79,12 +80,10 @@ impl MatrixStyle {
 
     /// A number with at most six decimals.
     pub fn number(self, value: f64) -> String {
-        let digits = format!("{:.6}", value + 0.0);
-        let short = digits.trim_end_matches('0').trim_end_matches('.');
-        let short = if short == "-0" { "0" } else { short };
+        let short = trimmed_decimal(value, 6);
         match self {
             Self::MathMl => format!("<mn>{}</mn>", short.replace('-', "−")),
-            _ => short.to_owned(),
+            _ => short,
         }
     }
 

@@ -10,7 +10,7 @@ struct Wall {
     rooms: &'static [&'static str],
 }
 
-const WALLS: [Wall; 20] = [
+const WALLS: [Wall; 21] = [
     Wall {
         words: &["nix::"],
         rooms: &["cli/program.rs"],
@@ -68,8 +68,12 @@ const WALLS: [Wall; 20] = [
         rooms: &["report/", "export/", "page/", "parts/", "sweep/", "cli/"],
     },
     Wall {
-        words: &["blake3::"],
-        rooms: &["parts/"],
+        words: &["sha2::"],
+        rooms: &["parts/", "page/"],
+    },
+    Wall {
+        words: &["base64::"],
+        rooms: &["page/"],
     },
     Wall {
         words: &["clap::", "clap_complete::", "clap_mangen::"],
