@@ -2,16 +2,19 @@
 //! the signs of the gradient point to, the one that they point to there, and so on.
 
 use super::study::{Evaluator, Gradients, TrackPoses};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Corners that are looked at on the way to an extreme.
 const ROUNDS: usize = 4;
 
-/// The least and greatest value found of every measure, from the piece with the file's dimensions on.
+/// The least and greatest value found of every measure, from the piece with the file's dimensions on; those found until
+/// `cancel` is raised.
 pub fn found_extremes(
     evaluator: &mut Evaluator,
     nominal: &TrackPoses,
     gradients: &Gradients,
     tolerances: &[f64],
+    cancel: &AtomicBool,
 ) -> Vec<[f64; 2]> {
     let mut found: Vec<[f64; 2]> = gradients.measures.iter().map(|v| [*v; 2]).collect();
     for index in 0..found.len() {
@@ -20,7 +23,7 @@ pub fn found_extremes(
             let mut last: Vec<f64> = Vec::new();
             for _ in 0..ROUNDS {
                 let corner = steepest_corner(nominal, &row, tolerances, sign);
-                if corner == last {
+                if corner == last || cancel.load(Ordering::Relaxed) {
                     break;
                 }
                 let Ok(stand) = evaluator.approach(nominal, &corner) else {

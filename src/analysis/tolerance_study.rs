@@ -27,7 +27,7 @@ pub struct ToleranceStudy<'a> {
 
 impl<'a> ToleranceStudy<'a> {
     /// Everything but the random pieces of `batch`. `general` is the tolerance of variables that have none of their own, in
-    /// the file's units.
+    /// the file's units. Once `cancel` is raised no more corners are tried, and no bands are proved.
     ///
     /// # Errors
     /// A variable without a tolerance; poses or measures that do not exist with the file's values.
@@ -35,6 +35,7 @@ impl<'a> ToleranceStudy<'a> {
         study: &'a LoadedStudy,
         general: Option<f64>,
         batch: SampleBatch,
+        cancel: &AtomicBool,
     ) -> Result<Self, FamilyError> {
         let tolerances = study.tolerances(general)?;
         let nominal = study.nominal()?;
@@ -42,8 +43,8 @@ impl<'a> ToleranceStudy<'a> {
         let (poses, gradients) = (&nominal.poses, &nominal.gradients);
         Ok(Self {
             linear: linear_tolerance(gradients, &tolerances, batch.distribution),
-            corners: found_extremes(&mut evaluator, poses, gradients, &tolerances),
-            bands: never_beyond(&study.family, &nominal.drawn, &tolerances),
+            corners: found_extremes(&mut evaluator, poses, gradients, &tolerances, cancel),
+            bands: never_beyond(&study.family, &nominal.drawn, &tolerances, cancel),
             study,
             nominal,
             tolerances,
@@ -81,6 +82,7 @@ fn never_beyond(
     family: &ParametricMechanism,
     drawn: &Nominal,
     tolerances: &[f64],
+    cancel: &AtomicBool,
 ) -> Vec<MeasureBand> {
     let variables = &family.study.variables;
     if !family.kept.is_empty() || variables.len() > MOST_DIMENSIONS {
@@ -88,5 +90,6 @@ fn never_beyond(
     }
     let named = variables.iter().map(|v| v.name.clone());
     let list: Vec<(String, f64)> = named.zip(tolerances.iter().copied()).collect();
-    enclose_measures(&Plan::new(family, &list), drawn).unwrap_or_default()
+    let plan = Plan::new(family, &list).until(cancel);
+    enclose_measures(&plan, drawn).unwrap_or_default()
 }

@@ -77,7 +77,7 @@ impl Tolerance {
             threads: core_count(),
         };
         let begun = Instant::now();
-        let study = ToleranceStudy::new(loaded, options.tolerance, batch)?;
+        let study = ToleranceStudy::new(loaded, options.tolerance, batch, cancel)?;
         let pieces = study.pieces(cancel, &|_| {});
         let report = ToleranceReport {
             study: &study,

@@ -1,8 +1,9 @@
-//! Matrices without a mechanism: lanes, elimination, pivoted QR, singular values, ranks of sparse ones.
+//! Matrices without a mechanism: lanes, elimination, pivoted QR, normal equations, singular values, ranks of sparse ones.
 
 pub mod fronts;
 pub mod gauss_jordan;
 pub mod lanes;
+pub mod normal_equations;
 pub mod pivoted_qr;
 pub mod singular_values;
 pub mod sparse_lu;

@@ -42,6 +42,7 @@ pub fn enclosure_word(enclosed: &Enclosed) -> &'static str {
     match &enclosed.bands {
         Ok(_) => "enclosed",
         Err(Obstacle::NoPose) => "no-pose",
+        Err(Obstacle::Interrupted) => "interrupted",
         Err(Obstacle::Test { reason, .. }) => reason.word(),
     }
 }
@@ -52,6 +53,10 @@ pub fn refusal_text(plan: &Plan, enclosed: &Enclosed) -> Option<String> {
         Ok(_) => None,
         Err(Obstacle::NoPose) => Some(format!(
             "t = {} s: no pose was found",
+            shortest_decimal(enclosed.time)
+        )),
+        Err(Obstacle::Interrupted) => Some(format!(
+            "t = {} s: interrupted",
             shortest_decimal(enclosed.time)
         )),
         Err(Obstacle::Test { reason, dimension }) => {

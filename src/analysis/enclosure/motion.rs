@@ -40,6 +40,8 @@ pub struct Bands {
 pub enum Obstacle {
     /// There is no pose with the file's dimensions.
     NoPose,
+    /// The caller did not want to wait.
+    Interrupted,
     /// The box is not proved.
     Test {
         /// In the words of certificates.
@@ -142,6 +144,9 @@ pub(super) fn pose_enclosure<const N: usize>(
     pose: &[f64],
     tolerances: &[Tolerance],
 ) -> Result<PoseEnclosure<N>, Obstacle> {
+    if plan.is_cancelled() {
+        return Err(Obstacle::Interrupted);
+    }
     let bases = solver.best_rows(pose);
     let open = plan.input_open(pose);
     Ok(encloser.enclose(pose, &open, tolerances, &bases)?)

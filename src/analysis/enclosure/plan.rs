@@ -5,6 +5,7 @@ use crate::kinematics::enclosure::region::Tolerance;
 use crate::model::mechanism::Kind;
 use crate::model::printed::printing_unit;
 use crate::numbers::rounding::{DECIMAL, GROW};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Most dimensions that are enclosed together.
 pub const MOST_DIMENSIONS: usize = 128;
@@ -32,6 +33,8 @@ pub struct Plan<'f> {
     pub family: &'f ParametricMechanism,
     /// Those with a tolerance.
     pub dimensions: Vec<Dimension>,
+    /// Raised where nobody waits for the enclosure any more.
+    cancel: Option<&'f AtomicBool>,
 }
 
 impl<'f> Plan<'f> {
@@ -52,7 +55,21 @@ impl<'f> Plan<'f> {
         Self {
             family,
             dimensions: dimensions.collect(),
+            cancel: None,
         }
+    }
+
+    /// The same, enclosed only until `cancel` is raised.
+    pub fn until(self, cancel: &'f AtomicBool) -> Self {
+        Self {
+            cancel: Some(cancel),
+            ..self
+        }
+    }
+
+    /// Whether nobody waits for the enclosure any more.
+    pub fn is_cancelled(&self) -> bool {
+        self.cancel.is_some_and(|flag| flag.load(Ordering::Relaxed))
     }
 
     /// How many numbers forms of so many dimensions have room for: the sides of the largest block's box beside them, where that is

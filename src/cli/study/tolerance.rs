@@ -31,7 +31,7 @@ pub fn run_tolerance(args: &ToleranceArgs, term: &Term) -> Result<Outcome, Failu
     io::refuse_clashes(&[&args.scene], &reports)?;
     let loaded = open_study(&args.scene, &args.vary, true, term)?;
     let start = Instant::now();
-    let study = ToleranceStudy::new(&loaded, args.tolerance, asked_batch(args))?;
+    let study = ToleranceStudy::new(&loaded, args.tolerance, asked_batch(args), &CANCEL)?;
     let progress = Progress::new(args.progress, term.quiet()).counting("pieces");
     let watch = |done| progress.show(done, args.samples);
     // The pieces made so far are worth waiting for.

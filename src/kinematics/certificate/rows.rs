@@ -1,15 +1,11 @@
 //! Which equations of its loops a proof of a block looks at, and in which rows they stand.
 //!
-//! First the rows of the block. Then those that the structure found empty at random poses: the ones that hold by the axes
-//! of the chain, or because its angles cancel, need no look; the others are bounded at every pose, like every row beyond
-//! the number of unknowns.
+//! First the rows of the block. Then those that the structure found empty at random poses and knows no reason for: they
+//! are bounded at every pose, like every row beyond the number of unknowns.
 
 use crate::kinematics::solve::closure::CLOSURE_TOLERANCE;
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::system::System;
-use crate::model::chain::{Chain, ChainStep, ElementaryMotion};
-use crate::model::mechanism::Mechanism;
-use crate::numbers::constant::Constant;
 
 /// A redundant equation that may be open by more at a pose, in radians and sizes, has no bound worth the name: the solver
 /// itself calls a loop closed below that, and the pose is too near a singular one. Rounding and digits explain a
@@ -42,70 +38,14 @@ impl ProofRows {
         }
         rows.count = block.rows();
         for (part, of_loop) in block.loops.iter().zip(&mut rows.loops) {
-            let chain = &system.mechanism().loops[part.index].chain;
-            let pattern = chain.pattern();
-            let always_holds = |component: usize| {
-                pattern.always_holds(component)
-                    || angles_cancel(system.mechanism(), chain, component)
-            };
-            let empty = system.structure().empty_equations.iter();
-            let unproved = empty.filter(|(l, k)| *l == part.index && !always_holds(*k));
-            for (_, component) in unproved {
+            let unproved = system.structure().unproved_equations.iter();
+            for (_, component) in unproved.filter(|(l, _)| *l == part.index) {
                 of_loop.push((*component, rows.count));
                 rows.count += 1;
             }
         }
         rows
     }
-}
-
-/// Whether a chain turns about axis `component` only, by angles whose sum is zero whatever the coordinates are.
-fn angles_cancel(mechanism: &Mechanism, chain: &Chain, component: usize) -> bool {
-    // Coefficients by coordinate; the constants stand under none.
-    let mut sums: Vec<(Option<usize>, Vec<Constant>)> = Vec::new();
-    let mut add = |slot: Option<usize>, c: Constant| match sums.iter_mut().find(|s| s.0 == slot) {
-        Some((_, list)) => list.push(c),
-        None => sums.push((slot, vec![c])),
-    };
-    for step in &chain.steps {
-        let turns = match step {
-            ChainStep::Fixed(pose) => !pose.pattern.turns_nothing(),
-            ChainStep::Joint { motion, axis, .. } => {
-                *motion == ElementaryMotion::Rotation && *axis != component
-            }
-        };
-        if turns {
-            return false;
-        }
-        if let Some(joint) = step
-            .joint()
-            .filter(|j| j.motion == ElementaryMotion::Rotation)
-        {
-            let Some(form) = mechanism.arguments[joint.argument].affine() else {
-                return false;
-            };
-            let signed = |c: Constant| if joint.sign < 0.0 { -c } else { c };
-            add(None, signed(form.constant));
-            for (slot, c) in form.terms {
-                add(Some(slot), signed(c));
-            }
-        }
-    }
-    component < 3 && sums.into_iter().all(|(_, list)| is_zero_sum(list))
-}
-
-/// Whether numbers cancel exactly: opposite ones in pairs, the rest without an error.
-fn is_zero_sum(mut list: Vec<Constant>) -> bool {
-    let mut sum = Constant::exact(0.0);
-    while let Some(c) = list.pop() {
-        match list.iter().position(|other| *other == -c) {
-            Some(place) => {
-                list.swap_remove(place);
-            }
-            None => sum = sum + c,
-        }
-    }
-    sum == Constant::exact(0.0)
 }
 
 /// Number of equations beyond the unknowns that no proof can take: they are only bounded.

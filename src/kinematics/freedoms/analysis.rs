@@ -14,6 +14,7 @@ use crate::kinematics::solve::newton::Corrector;
 use crate::kinematics::structure::block::{
     Block, Held, Structure, StructureError, block_of, slot_names,
 };
+use crate::kinematics::structure::empty_equations::unproved_of;
 use crate::kinematics::structure::loop_part::{LoopPart, component_name, components_of};
 use crate::kinematics::structure::ordering::{Incidence, Member, of_group, unknowns_of};
 use crate::kinematics::structure::system::System;
@@ -46,6 +47,7 @@ fn analyse_system(
 ) -> Result<System, StructureError> {
     let probes = random_poses(&mechanism);
     let (parts, empty_equations) = live_equations(&mechanism, &probes)?;
+    let unproved_equations = unproved_of(&mechanism, &empty_equations);
     let incidence = Incidence::new(&mechanism, parts);
     let generic = Ranks::new(&mechanism, &probes);
     refuse_unheld(&mechanism, &incidence, &generic)?;
@@ -53,6 +55,7 @@ fn analyse_system(
         let structure = Structure {
             blocks,
             empty_equations: empty_equations.clone(),
+            unproved_equations: unproved_equations.clone(),
             held,
         };
         System::bare(Arc::clone(&mechanism), structure)

@@ -4,6 +4,7 @@ use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::structure::block::Block;
 use crate::linalg::gauss_jordan::Elimination;
 use crate::linalg::lanes::{LaneMatrix, dot_lanes};
+use crate::linalg::normal_equations::damped_solution;
 use crate::linalg::pivoted_qr::PivotedQr;
 use crate::linalg::sparse_lu::{LEAST, SparseLu};
 use crate::model::mechanism::Mechanism;
@@ -143,7 +144,8 @@ impl Descent {
     fn damped_step(&mut self, block: &Block, damping: f64) {
         let (rows, columns) = (block.rows(), block.unknowns.len());
         let done = if columns < LEAST {
-            rows == columns && self.undamped_step(columns, damping)
+            (rows == columns && self.undamped_step(columns, damping))
+                || self.well_damped_step(rows, columns, damping)
         } else {
             self.sparse_step(rows, columns, damping)
         };
@@ -205,6 +207,14 @@ impl Descent {
         self.step.clear();
         self.step.extend_from_slice(&solution[rows..]);
         self.step.iter().all(|v| v.is_finite())
+    }
+
+    /// By the normal equations, at a tenth of the price; false where the damping is too weak for them.
+    fn well_damped_step(&mut self, rows: usize, columns: usize, damping: f64) -> bool {
+        let (jacobian, weights) = (&self.workspace.jacobian, &self.weights);
+        let weighted = |i: usize, j: usize| weights[i] * jacobian[j * rows + i];
+        let right = |i: usize| -weights[i] * self.workspace.residual[i];
+        damped_solution([rows, columns], weighted, right, damping, &mut self.step)
     }
 
     fn dense_step(&mut self, rows: usize, columns: usize, damping: f64) {

@@ -55,6 +55,8 @@ pub struct Structure {
     pub blocks: Vec<Block>,
     /// Equations that hold at every pose, as (loop, component).
     pub empty_equations: Vec<(usize, usize)>,
+    /// Those of them that hold by numbers only: no reason for it is known.
+    pub unproved_equations: Vec<(usize, usize)>,
     /// Unknowns that keep their start value, because nothing but the idle spin of a link depends on them.
     pub held: Vec<Held>,
 }

@@ -2,6 +2,7 @@
 
 pub mod block;
 pub mod columns;
+pub mod empty_equations;
 pub mod layout;
 pub mod loop_part;
 pub mod ordering;

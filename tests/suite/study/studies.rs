@@ -314,3 +314,23 @@ fn a_motion_through_locked_angles_is_whole() {
         assert_eq!(poses.len(), stand.poses.len(), "{name}");
     }
 }
+
+/// Nobody waits for what is not done when the flag is raised: no corner is tried, no band proved, and no number made up for it.
+#[test]
+fn a_raised_flag_leaves_what_was_not_tried_unknown() {
+    let raised = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(true));
+    let scene = mechanim::Scene::builtin("gearshift").unwrap();
+    let options = mechanim::ToleranceOptions {
+        tolerance: Some(0.01),
+        samples: 64,
+        ..Default::default()
+    };
+    let study = scene.study().vary(&["L4"]);
+    let whole = study.tolerance(&options).unwrap();
+    let ended = study.until(&raised).tolerance(&options).unwrap();
+    for (whole, ended) in whole.measures().iter().zip(ended.measures()) {
+        assert!(whole.band.is_some() && ended.band.is_none());
+        assert_eq!(ended.found, [ended.nominal; 2]);
+        assert_eq!(ended.nominal, whole.nominal);
+    }
+}
