@@ -1,9 +1,13 @@
-//! A motion that is covered with tubes once it is asked for, and once only.
+//! A motion that is covered with tubes once it is asked for, and once only; and those along the tracks of measures.
 
 use super::motion::ProvedMotion;
+use crate::kinematics::measures::driven_along;
+use crate::kinematics::motion::continuation::solve_motion;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
+use crate::model::measure::MeasuredTrack;
+use std::collections::HashMap;
 
 /// The motion between the samples: clearances, measures and swept envelopes share what is proved of it.
 pub struct CoveredMotion<'m> {
@@ -11,6 +15,8 @@ pub struct CoveredMotion<'m> {
     actuation: &'m Actuation,
     trajectory: &'m Trajectory,
     motion: Option<ProvedMotion<'m>>,
+    /// Along the tracks, by their names, with the drives that lead along them.
+    tracks: HashMap<String, (ProvedMotion<'m>, Actuation)>,
 }
 
 impl<'m> CoveredMotion<'m> {
@@ -22,6 +28,7 @@ impl<'m> CoveredMotion<'m> {
             actuation,
             trajectory,
             motion,
+            tracks: HashMap::new(),
         }
     }
 
@@ -29,5 +36,20 @@ impl<'m> CoveredMotion<'m> {
     pub fn proved(&mut self) -> &mut ProvedMotion<'m> {
         self.motion
             .get_or_insert_with(|| ProvedMotion::new(self.system, self.actuation, self.trajectory))
+    }
+
+    /// The motion along a track, proved as far as it can be, and the drives that lead along it: the inputs at the times of that
+    /// motion.
+    pub fn along(&mut self, track: &MeasuredTrack) -> (&mut ProvedMotion<'m>, &Actuation) {
+        let (system, actuation) = (self.system, self.actuation);
+        let known = self.tracks.entry(track.name.clone());
+        let (motion, drives) = known.or_insert_with(|| {
+            let (drives, times) = driven_along(actuation, track);
+            let mut along = solve_motion(system, &drives, &times);
+            // The way to the first pose is not part of the track.
+            along.samples.remove(0);
+            (ProvedMotion::new(system, &drives, &along), drives)
+        });
+        (motion, drives)
     }
 }

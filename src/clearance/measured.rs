@@ -1,5 +1,5 @@
-//! Measures of the whole motion, not only of its samples: least distances, least and greatest values of formulas, each with a
-//! bound on its other side.
+//! Measures of the whole motion, or of all that lies along a track, not only of the samples: least distances, least and greatest
+//! values of formulas, each with a bound on its other side.
 
 use super::extremes::greatest;
 use super::motion::ProvedMotion;
@@ -39,7 +39,7 @@ pub fn is_of_whole_motion(mechanism: &Mechanism, measure: &Measure) -> bool {
     formula_of(measure).is_some() || distance_of(mechanism, measure).is_some()
 }
 
-/// What is known of a measure over a motion of certified poses; `None` where it is one of the samples, or has no value at
+/// What is known of a measure over its motion, which has certified poses: that of the drive, or of the measure's track; `None` where it is one of the samples, or has no value at
 /// some of them. Least distances are found to `tolerance`.
 pub fn known(motion: &mut ProvedMotion, measure: &Measure, tolerance: f64) -> Option<Known> {
     let mechanism = motion.system.mechanism();
@@ -71,10 +71,9 @@ pub fn known(motion: &mut ProvedMotion, measure: &Measure, tolerance: f64) -> Op
     })
 }
 
-/// The formula of which a measure takes an extreme value over the drive.
+/// The formula of which a measure takes an extreme value.
 fn formula_of(measure: &Measure) -> Option<(&Expression, Taking)> {
     let MeasureSource::Over {
-        track: None,
         of,
         per: None,
         taking: taking @ (Taking::Max | Taking::Min | Taking::Largest | Taking::Range),
@@ -86,10 +85,9 @@ fn formula_of(measure: &Measure) -> Option<(&Expression, Taking)> {
     Some((of.first()?, *taking))
 }
 
-/// The distance of which a measure takes the least over the drive.
+/// The distance of which a measure takes the least.
 pub fn distance_of<'m>(mechanism: &'m Mechanism, measure: &Measure) -> Option<&'m Distance> {
     let MeasureSource::Over {
-        track: None,
         of,
         per: None,
         taking: Taking::Min,

@@ -109,6 +109,16 @@ pub enum MeasureSource {
     },
 }
 
+impl MeasureSource {
+    /// Index of the track that is looked along.
+    pub fn track(&self) -> Option<usize> {
+        match self {
+            Self::Formula(_) => None,
+            Self::Over { track, .. } => *track,
+        }
+    }
+}
+
 /// A scalar of a whole motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measure {

@@ -22,10 +22,12 @@ pub struct TakenMeasure<'m> {
     poses: usize,
     /// What is known between the samples, too.
     known: Option<Known>,
+    /// Where on a track that is: inputs with their values and units, as the file has them.
+    place: Vec<(&'m str, f64, &'m str)>,
 }
 
 /// Takes the measures of a motion that is to be judged, whose samples at `times` were asked for: least and greatest values are
-/// those of the whole motion, with a bound. Sums and means are over the samples that were asked for.
+/// those of the whole motion or of the whole track, with a bound. Sums and means are over the samples that were asked for.
 pub fn take_whole<'s>(
     system: &System,
     scene: &'s Scene,
@@ -45,8 +47,7 @@ pub fn take_whole<'s>(
             // Of the earlier ones as they are now.
             measured.value = formula_value(formula, &slots);
         } else if measured.value.is_some() && is_of_whole_motion(mechanism, measured.measure) {
-            measured.known = known(covered.proved(), measured.measure, tolerance);
-            measured.value = measured.known.map(|known| known.value);
+            measured.look_closely(scene, covered, tolerance);
         }
         slots.push(measured.value.unwrap_or(f64::NAN));
     }
@@ -78,6 +79,7 @@ pub fn take_measures<'s>(
             _ => trajectory.samples.len(),
         },
         known: None,
+        place: Vec::new(),
     });
     list.collect()
 }
@@ -96,6 +98,42 @@ fn decimals(value: f64) -> Option<usize> {
     (-5.0..9.0)
         .contains(&exponent)
         .then_some((9.0 - exponent) as usize)
+}
+
+impl<'m> TakenMeasure<'m> {
+    /// Looks between the samples.
+    fn look_closely(&mut self, scene: &'m Scene, covered: &mut CoveredMotion, tolerance: f64) {
+        let Some(track) = self.measure.source.track() else {
+            self.known = known(covered.proved(), self.measure, tolerance);
+            self.value = self.known.map(|known| known.value);
+            return;
+        };
+        let track = &scene.measures.tracks[track];
+        let (motion, drives) = covered.along(track);
+        let found = known(motion, self.measure, tolerance);
+        self.value = found.map(|known| known.value);
+        // Its times are those of no drive in the scene: inputs say where it is.
+        if let Some(time) = found.and_then(|known| known.time) {
+            let mechanism = &scene.mechanism;
+            let inputs = mechanism.inputs.iter().zip(drives.inputs_at(time));
+            let moves = track
+                .from
+                .iter()
+                .zip(&track.to)
+                .map(|(from, to)| from != to);
+            let place = inputs.zip(moves).filter(|(_, moves)| *moves);
+            self.place = place
+                .map(|((input, value), _)| {
+                    let value = value * mechanism.file_units(input.kind);
+                    (&*input.name, value, mechanism.unit_name(input.kind))
+                })
+                .collect();
+        }
+        self.known = found.map(|known| Known {
+            time: None,
+            ..known
+        });
+    }
 }
 
 impl TakenMeasure<'_> {
@@ -169,6 +207,12 @@ impl TakenMeasure<'_> {
             return String::new();
         };
         let time = known.time.map(|time| format!("t = {time:.6} s"));
+        let place = self
+            .place
+            .iter()
+            .map(|(name, value, unit)| format!("{name} = {value:.5} {unit}"));
+        let place: Vec<String> = place.collect();
+        let time = time.or((!place.is_empty()).then(|| place.join(", ")));
         if known.is_distance && (known.value <= 0.0 || known.is_enclosed) {
             return format!(", deepest found at {}", time.unwrap_or_default());
         }
@@ -257,6 +301,13 @@ impl TakenMeasure<'_> {
             );
             object.insert("certified".to_owned(), json!(known.is_certified));
             object.insert("time".to_owned(), json!(known.time));
+            if !self.place.is_empty() {
+                let inputs = self
+                    .place
+                    .iter()
+                    .map(|(name, value, _)| ((*name).to_owned(), json!(value)));
+                object.insert("inputs".to_owned(), Value::Object(inputs.collect()));
+            }
         }
         value
     }

@@ -20,6 +20,7 @@ pub mod motion_check;
 pub mod optimum;
 pub mod precision;
 pub mod proof;
+pub mod requirement;
 pub mod rounded;
 pub mod row_intervals;
 pub mod sarif;

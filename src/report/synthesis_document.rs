@@ -1,6 +1,7 @@
 //! Found mechanisms for programs: rows of a table, and a JSON document.
 
 use super::cells::quoted_cell;
+use super::requirement::{Requirement, simplest_document};
 use super::synthesis::FoundMechanism;
 use crate::analysis::synthesis::ending_word;
 use serde_json::{Map, Value, json};
@@ -35,10 +36,15 @@ pub fn found_rows(found: &[FoundMechanism]) -> String {
     text
 }
 
-/// All scenes for programs.
-pub fn synthesis_document(found: &[FoundMechanism]) -> Value {
+/// All scenes for programs, with the answer to what was demanded of them.
+pub fn synthesis_document(found: &[FoundMechanism], demands: &[Requirement]) -> Value {
     let scenes: Vec<Value> = found.iter().map(scene_document).collect();
-    json!({ "schema": format!("mechanim-synthesise/{SCHEMA}"), "scenes": scenes })
+    let mut document =
+        json!({ "schema": format!("mechanim-synthesise/{SCHEMA}"), "scenes": scenes });
+    if !demands.is_empty() {
+        document["demand"] = simplest_document(found, demands);
+    }
+    document
 }
 
 fn scene_document(found: &FoundMechanism) -> Value {

@@ -25,6 +25,8 @@ pub struct Overrides {
     pub allowed_folders: Vec<PathBuf>,
     /// Parameters that are to be inputs, behind the scene's own: what a study varies.
     pub vary: Vec<String>,
+    /// `--minimise`: the measure that a study makes small, in place of the file's.
+    pub minimise: Option<String>,
     /// Characteristic length in place of the mechanism's own: what a study compares with its scene keeps the scene's.
     pub size: Option<f64>,
     /// `--inputs`: other drives of the scene's own inputs.

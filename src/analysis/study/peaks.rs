@@ -1,7 +1,8 @@
-//! A study whose objective is the largest value along a track, pose by pose: what a minimax search works on.
+//! A study as a minimax search works on it: pose by pose where the objective is the largest value along a track, and as one peak
+//! where it is any other number.
 
 use super::family::{FamilyError, ParametricMechanism};
-use super::rows::{Listed, StudyRows, list_rows, row_nearness};
+use super::rows::{Listed, Reduction, StudyRows, list_rows, row_nearness};
 use super::search::{Refusals, Watch};
 use super::track_poses::{Evaluator, Rejection, TrackPoses};
 use crate::analysis::optimise::VariableBounds;
@@ -14,7 +15,18 @@ const SHARE_OF_SIGMA: f64 = 0.1;
 /// Where the smallest singular value is beyond this many times the least, a step need not look at it.
 const SLOPES_BELOW: f64 = 4.0;
 
-/// A family whose objective is the largest value or magnitude along a track.
+/// What is made small.
+#[derive(Clone, Copy, Debug)]
+enum Objective {
+    /// The largest of the first rows.
+    Largest,
+    /// One number made of the first rows.
+    Reduced(Reduction),
+    /// A measure of another kind.
+    Number(usize),
+}
+
+/// A family with its objective, pose by pose as far as that is possible.
 pub struct Peaks<'f, 'w> {
     evaluator: Evaluator<'f>,
     base: TrackPoses,
@@ -22,7 +34,8 @@ pub struct Peaks<'f, 'w> {
     excess: f64,
     /// Poses with a smaller singular value are refused.
     least_sigma: f64,
-    /// Those of the objective, then those of the limits that are asked pose by pose.
+    objective: Objective,
+    /// Those of the objective if it has any, then those of the limits that are asked pose by pose.
     rows: Vec<StudyRows<'f>>,
     /// Limits of measures that are one number, as (measure, factor, shift).
     singles: Vec<(usize, f64, f64)>,
@@ -46,7 +59,7 @@ impl<'f, 'w> Peaks<'f, 'w> {
     /// Prepares the search from the `start` stand of `evaluator`.
     ///
     /// # Errors
-    /// An objective of another form.
+    /// No objective.
     pub fn new(
         family: &'f ParametricMechanism,
         mut evaluator: Evaluator<'f>,
@@ -54,15 +67,19 @@ impl<'f, 'w> Peaks<'f, 'w> {
         watch: Box<Watch<'w>>,
     ) -> Result<Self, FamilyError> {
         let measures = &family.measures.list;
-        let objective = family.study.objective.map(|index| &measures[index]);
-        let peaks = objective.and_then(|m| StudyRows::of(family, m));
-        let Some(peaks) = peaks.filter(|rows| rows.signs[0] > 0.0) else {
-            let message =
-                "minimax needs an objective that takes \"max\" or \"largest\" over a track";
+        let Some(minimised) = family.study.objective else {
+            let message = "there is nothing to minimise: [study] needs `minimise`";
             return Err(FamilyError::Lacks(message.to_owned()));
         };
-        // The rows of the objective, and of every limit that is an extreme over a track.
-        let (mut rows, mut singles) = (vec![peaks], Vec::new());
+        let measure = &measures[minimised];
+        let peaks = StudyRows::of(family, measure).filter(|rows| rows.signs[0] > 0.0);
+        let (objective, mut rows) = match (peaks, StudyRows::reduced(family, measure)) {
+            (Some(peaks), _) => (Objective::Largest, vec![peaks]),
+            (None, Some((rows, reduction))) => (Objective::Reduced(reduction), vec![rows]),
+            (None, None) => (Objective::Number(minimised), Vec::new()),
+        };
+        // The rows of every limit that is an extreme over a track.
+        let mut singles = Vec::new();
         for (index, measure) in measures.iter().enumerate() {
             for (bound, sign) in [(measure.max, 1.0), (measure.min, -1.0)] {
                 let Some(bound) = bound else { continue };
@@ -87,6 +104,7 @@ impl<'f, 'w> Peaks<'f, 'w> {
             base,
             base_merit: f64::INFINITY,
             excess: f64::INFINITY,
+            objective,
             rows,
             singles,
             refusals: Refusals::default(),
@@ -179,7 +197,11 @@ impl<'f, 'w> Peaks<'f, 'w> {
         // The peaks of the objective first, then the limits row by row.
         let lists = list_rows(&self.evaluator, &self.rows, &stand.poses, with_slopes);
         let mut lists = lists.into_iter();
-        let Listed { values, slopes } = lists.next().unwrap_or_default();
+        let Listed { values, slopes } = match self.objective {
+            Objective::Largest => lists.next().unwrap_or_default(),
+            Objective::Reduced(reduction) => reduction.of(lists.next().unwrap_or_default()),
+            Objective::Number(index) => self.numbers(&stand, with_slopes)?.only(index),
+        };
         let mut heights = PeakValues {
             peaks: values,
             limits: Vec::new(),
@@ -225,21 +247,29 @@ impl<'f, 'w> Peaks<'f, 'w> {
         heights: &mut PeakValues,
         slopes: &mut PeakGradients,
     ) -> Result<(), Rejection> {
-        let measures = if with_slopes {
-            let found = self.evaluator.gradients(stand)?;
-            for (measure, factor, _) in &self.singles {
-                let row = found.rows[*measure].iter();
-                slopes.limits.push(row.map(|d| d * factor).collect());
+        let found = self.numbers(stand, with_slopes)?;
+        for (measure, factor, shift) in &self.singles {
+            heights.limits.push(factor * found.values[*measure] + shift);
+            if let Some(row) = found.slopes.get(*measure) {
+                slopes.limits.push(row.iter().map(|d| d * factor).collect());
             }
-            found.measures
-        } else {
-            self.evaluator.measure(stand)?.measures
-        };
-        let singles = self.singles.iter();
-        heights
-            .limits
-            .extend(singles.map(|(m, factor, shift)| factor * measures[*m] + shift));
+        }
         Ok(())
+    }
+
+    /// Every measure, with its slopes if asked for.
+    fn numbers(&self, stand: &TrackPoses, with_slopes: bool) -> Result<Listed, Rejection> {
+        if with_slopes {
+            let found = self.evaluator.gradients(stand)?;
+            return Ok(Listed {
+                values: found.measures,
+                slopes: found.rows,
+            });
+        }
+        Ok(Listed {
+            values: self.evaluator.measure(stand)?.measures,
+            slopes: Vec::new(),
+        })
     }
 }
 

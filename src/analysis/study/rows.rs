@@ -4,6 +4,7 @@
 use super::family::ParametricMechanism;
 use super::track_poses::Evaluator;
 use crate::jobs::{core_count, share_work};
+use crate::kinematics::measures::reduce::reduce_values;
 use crate::kinematics::rates::variation::Variation;
 use crate::model::expression::Expression;
 use crate::model::measure::{Measure, MeasureSource, Taking};
@@ -35,6 +36,20 @@ pub(super) struct Listed {
     pub slopes: Vec<Vec<f64>>,
 }
 
+impl Listed {
+    /// One of them alone.
+    pub fn only(mut self, index: usize) -> Self {
+        let slopes = match index < self.slopes.len() {
+            true => vec![self.slopes.swap_remove(index)],
+            false => Vec::new(),
+        };
+        Self {
+            values: vec![self.values[index]],
+            slopes,
+        }
+    }
+}
+
 impl<'f> StudyRows<'f> {
     /// The rows of a measure that is the largest or smallest value of a row of poses.
     pub fn of(family: &'f ParametricMechanism, measure: &'f Measure) -> Option<Self> {
@@ -54,17 +69,53 @@ impl<'f> StudyRows<'f> {
             Taking::Largest => &[1.0, -1.0],
             _ => return None,
         };
-        let (reach, is_free_of_traces) = needed_rows(family, &of[0]);
-        Some(Self {
-            formula: &of[0],
-            per: *per,
-            poses: family.poses_of(*track),
+        Some(Self::along(family, *track, &of[0], *per, signs))
+    }
+
+    /// The rows of a measure that is one number made of one value a pose, and what makes it.
+    pub fn reduced(
+        family: &'f ParametricMechanism,
+        measure: &'f Measure,
+    ) -> Option<(Self, Reduction)> {
+        let MeasureSource::Over {
+            track,
+            of,
+            per,
+            taking,
+            power,
+        } = &measure.source
+        else {
+            return None;
+        };
+        let [formula] = of.as_slice() else {
+            return None;
+        };
+        let reduction = Reduction {
+            taking: *taking,
+            power: *power,
+        };
+        let rows = Self::along(family, *track, formula, *per, &[1.0]);
+        Some((rows, reduction))
+    }
+
+    fn along(
+        family: &'f ParametricMechanism,
+        track: Option<usize>,
+        formula: &'f Expression,
+        per: Option<usize>,
+        signs: &'static [f64],
+    ) -> Self {
+        let (reach, is_free_of_traces) = needed_rows(family, formula);
+        Self {
+            formula,
+            per,
+            poses: family.poses_of(track),
             signs,
             factor: 1.0,
             shift: 0.0,
             reach,
             is_free_of_traces,
-        })
+        }
     }
 
     /// The rows times `factor`, and then more by `shift`.
@@ -73,6 +124,40 @@ impl<'f> StudyRows<'f> {
             factor: self.factor * factor,
             shift: self.shift * factor + shift,
             ..self
+        }
+    }
+}
+
+/// What makes one number of a row of values.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reduction {
+    taking: Taking,
+    power: f64,
+}
+
+impl Reduction {
+    /// The one number, and its slope where those of the values are known.
+    pub fn of(self, listed: Listed) -> Listed {
+        let Listed { values, slopes } = listed;
+        let rows = [values];
+        let Some(reduced) = reduce_values(self.taking, self.power, &rows) else {
+            return Listed::default();
+        };
+        let [weights] = reduced.weights.as_slice() else {
+            return Listed::default();
+        };
+        let mut whole = vec![0.0; slopes.first().map_or(0, Vec::len)];
+        for (slope, weight) in slopes.iter().zip(weights).filter(|(_, w)| **w != 0.0) {
+            let entries = whole.iter_mut().zip(slope);
+            entries.for_each(|(entry, d)| *entry += weight * d);
+        }
+        Listed {
+            values: vec![reduced.value],
+            slopes: if slopes.is_empty() {
+                Vec::new()
+            } else {
+                vec![whole]
+            },
         }
     }
 }

@@ -46,7 +46,8 @@ pub fn whole_limits(scene: &Scene) -> Result<Vec<WholeLimit>, FamilyError> {
     let list = scene.measures.list.iter().enumerate();
     let limited = list.filter(|(_, measure)| {
         let is_limited = measure.min.is_some() || measure.max.is_some();
-        is_limited && is_of_whole_motion(mechanism, measure)
+        // What is limited along a track has other poses of its own.
+        is_limited && measure.source.track().is_none() && is_of_whole_motion(mechanism, measure)
     });
     let limited: Vec<(usize, &Measure)> = limited.collect();
     if limited.is_empty() {

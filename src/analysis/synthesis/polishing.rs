@@ -27,10 +27,16 @@ const DRAWN_IN: f64 = 1.5;
 /// Polishes the best of `starts` and appends what it finds; the best of all that keeps its limits between the samples,
 /// or, where none does, at them.
 pub fn finish_polishing(run: &SynthesisRun, starts: &mut Vec<Start>) -> Option<Start> {
-    let finalists: Vec<Start> = Basins::new(starts, &run.sizes)
+    let mut finalists: Vec<Start> = Basins::new(starts, &run.sizes)
         .best(FINALISTS)
         .map(|k| starts[k].clone())
         .collect();
+    if finalists.is_empty() {
+        // None keeps its limits yet: patience may bring the nearest one there.
+        let moving = starts.iter().filter(|start| start.minimum.is_some());
+        let nearest = moving.min_by(|a, b| a.excess.total_cmp(&b.excess));
+        finalists.extend(nearest.cloned());
+    }
     if run.goes_on(Phase::Polishing) {
         let polished = run.shared(starts.len(), finalists.len(), &|k| {
             polish_start(run, run.family, &finalists[k], Phase::Polishing)

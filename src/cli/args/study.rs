@@ -3,6 +3,7 @@
 use super::files::ProgressArg;
 use super::scene::SceneArgs;
 use crate::analysis::study::optimum::{Method, SearchMethod};
+use crate::report::requirement::Requirement;
 use clap::{Args, ValueEnum};
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -100,6 +101,9 @@ pub struct OptimiseArgs {
     /// What is varied; the study's variables if absent.
     #[command(flatten)]
     pub vary: VaryArgs,
+    /// Make this measure small, in place of the study's objective.
+    #[arg(long, value_name = "MEASURE")]
+    pub minimise: Option<String>,
     /// How it is done: which search for the minimum.
     #[arg(long, value_enum, default_value_t = MethodArg::Bfgs)]
     pub method: MethodArg,
@@ -182,12 +186,15 @@ pub enum StartsFrom {
 /// `mechanim synthesise`
 #[derive(Debug, Args)]
 pub struct SynthesiseArgs {
-    /// Built-in scenes or scene files with a study that minimises the largest of many values; several make one report.
+    /// Built-in scenes or scene files with a study whose variables have ranges; several make one report.
     #[arg(required = true, value_name = "SCENE")]
     pub scenes: Vec<OsString>,
     /// Replace a parameter of every scene: NAME=FORMULA. May be repeated.
     #[arg(long = "param", value_name = "NAME=VALUE", value_parser = super::values::name_and_text)]
     pub parameters: Vec<(String, String)>,
+    /// Make this measure small, in place of the study's objective.
+    #[arg(long, value_name = "MEASURE")]
+    pub minimise: Option<String>,
     /// Number of starts: the scene's own values, then alternately near minima already found and random within the whole
     /// ranges.
     #[arg(long, value_name = "N", default_value_t = 128, value_parser = search_starts)]
@@ -205,6 +212,10 @@ pub struct SynthesiseArgs {
     /// values only.
     #[arg(long, value_name = "WHERE", value_enum, default_value_t = StartsFrom::Everywhere)]
     pub from: StartsFrom,
+    /// Name the simplest of the found mechanisms that meets this: MEASURE<=NUMBER or MEASURE>=NUMBER, in the file's units. May be
+    /// repeated.
+    #[arg(long = "require", value_name = "MEASURE<=NUMBER", value_parser = Requirement::read)]
+    pub demands: Vec<Requirement>,
     /// Worker threads; all cores if absent. Without --time the numbers do not depend on it.
     #[arg(long, value_name = "N", value_parser = thread_count)]
     pub threads: Option<usize>,

@@ -19,7 +19,19 @@ pub fn open_study(
     all_by_default: bool,
     term: &Term,
 ) -> Result<LoadedStudy, Failure> {
-    let (source, overrides, nominal) = nominal_source(scene, term)?;
+    open_search(scene, vary, (all_by_default, None), term)
+}
+
+/// The same of a study whose objective may be another measure than the file's.
+pub fn open_search(
+    scene: &SceneArgs,
+    vary: &VaryArgs,
+    (all_by_default, minimise): (bool, Option<&str>),
+    term: &Term,
+) -> Result<LoadedStudy, Failure> {
+    let (source, mut overrides) = open_scene::text_of(scene)?;
+    overrides.minimise = minimise.map(str::to_owned);
+    let (source, overrides, nominal) = nominal_of(scene, source, overrides, term)?;
     let names = varied_names(&vary.vary, all_by_default, &nominal.dimensions)?;
     Ok(LoadedStudy::new(source, overrides, &names)?)
 }

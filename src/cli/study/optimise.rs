@@ -8,7 +8,7 @@ use crate::cli::args::study::OptimiseArgs;
 use crate::cli::files::chart::PlotFormat;
 use crate::cli::interrupt::{CANCEL, is_interrupted, save_results, unless_interrupted};
 use crate::cli::io;
-use crate::cli::open::study::open_study;
+use crate::cli::open::study::open_search;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::cli::term::progress::Progress;
@@ -37,7 +37,12 @@ pub fn run_optimise(args: &OptimiseArgs, term: &Term) -> Result<Outcome, Failure
     let map = args.map.as_deref().map(PlotFormat::of).transpose()?;
     let film = args.film.as_deref().map(search_film::film_file);
     let film = film.transpose()?;
-    let mut study = open_study(&args.scene, &args.vary, args.pairs, term)?;
+    let mut study = open_search(
+        &args.scene,
+        &args.vary,
+        (args.pairs, args.minimise.as_deref()),
+        term,
+    )?;
     if let Some(share) = args.within {
         study.family.free_within(share);
     }

@@ -8,12 +8,13 @@ use crate::cli::args::scene::SceneArgs;
 use crate::cli::args::study::{StartsFrom, SynthesiseArgs, VaryArgs};
 use crate::cli::interrupt::{is_interrupted, save_results, unless_interrupted};
 use crate::cli::io;
-use crate::cli::open::study::open_study;
+use crate::cli::open::study::open_search;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::diag::Source;
 use crate::jobs::core_count;
 use crate::report::cells::six_digits;
+use crate::report::requirement::{Requirement, simplest_of, simplest_text};
 use crate::report::synthesis::{FoundMechanism, restart_ladder, synthesis_text};
 use crate::report::synthesis_document::{found_rows, synthesis_document};
 use crate::scene::Overrides;
@@ -27,8 +28,14 @@ pub fn run_synthesise(args: &SynthesiseArgs, term: &Term) -> Result<Outcome, Fai
     let mut opened = Vec::new();
     for scene in &scenes {
         let vary = VaryArgs { vary: Vec::new() };
-        opened.push(open_study(scene, &vary, false, term)?);
+        opened.push(open_search(
+            scene,
+            &vary,
+            (false, args.minimise.as_deref()),
+            term,
+        )?);
     }
+    refuse_unknown(args, &opened)?;
     let targets = target_files(args)?;
     let mut reports = vec![
         ("--json", args.json.as_deref()),
@@ -54,7 +61,7 @@ pub fn run_synthesise(args: &SynthesiseArgs, term: &Term) -> Result<Outcome, Fai
     if let Some(path) = &args.json {
         io::write_document(
             &io::unless_complete(path, !stopped),
-            &synthesis_document(&found),
+            &synthesis_document(&found, &args.demands),
         )?;
     }
     if let Some(path) = &args.csv
@@ -70,16 +77,40 @@ pub fn run_synthesise(args: &SynthesiseArgs, term: &Term) -> Result<Outcome, Fai
     if found.len() > 1 {
         report.push_str(&restart_ladder(&found));
     }
+    if !args.demands.is_empty() {
+        report.push_str(&simplest_text(&found, &args.demands));
+    }
     io::print_beside(term, args.json.as_deref(), &report)?;
     if stopped {
         let kept = "the best so far was reported and written as asked";
         return Err(Failure::Stopped(kept.to_owned()));
     }
-    Ok(if found.iter().all(FoundMechanism::holds) {
+    // What was demanded decides; without a demand every mechanism must hold.
+    let is_answered = match args.demands.is_empty() {
+        true => found.iter().all(FoundMechanism::holds),
+        false => simplest_of(&found, &args.demands).is_some(),
+    };
+    Ok(if is_answered {
         Outcome::Done
     } else {
         Outcome::CheckFailed
     })
+}
+
+/// A demand on a measure that no scene has is a slip.
+fn refuse_unknown(args: &SynthesiseArgs, opened: &[LoadedStudy]) -> Result<(), Failure> {
+    let lists = opened.iter().flat_map(|one| &one.family.measures.list);
+    let mut known: Vec<&str> = lists.map(|measure| measure.name.as_str()).collect();
+    known.sort_unstable();
+    known.dedup();
+    let unknown = |demand: &&Requirement| !known.contains(&demand.measure.as_str());
+    match args.demands.iter().find(unknown) {
+        None => Ok(()),
+        Some(demand) => Err(Failure::usage(
+            format!("--require: there is no measure `{}`", demand.measure),
+            vec![format!("there are: {}", known.join(", "))],
+        )),
+    }
 }
 
 fn scene_args(args: &SynthesiseArgs, scene: &OsStr) -> SceneArgs {

@@ -91,27 +91,89 @@ fn power_norm(values: &[f64], power: f64) -> Reduced {
     }
 }
 
-/// The share of the polyline through the values that is above zero.
+/// The share of the way on which the values are above zero. Where two in a row have opposite signs the way is parted where the
+/// cubic through four of them is zero: to the fourth power of the step where the values are smooth.
 fn positive_part(values: &[f64]) -> Reduced {
     let mut weights = vec![0.0; values.len()];
     let share = 1.0 / (values.len().max(2) - 1) as f64;
     let mut value = 0.0;
     for (k, pair) in values.windows(2).enumerate() {
         let (a, b) = (pair[0], pair[1]);
-        let fall = a - b;
         if (a > 0.0) == (b > 0.0) {
             value += if a > 0.0 { share } else { a * 0.0 + b * 0.0 };
-        } else {
-            // The part above zero is a/(a - b) where the line falls, b/(b - a) where it rises.
-            let sign = if a > 0.0 { share } else { -share };
-            value += sign * if a > 0.0 { a } else { b } / fall;
-            weights[k] -= sign * b / (fall * fall);
-            weights[k + 1] += sign * a / (fall * fall);
+            continue;
+        }
+        // The part above zero is before the crossing where the values fall, behind it where they rise.
+        let crossing = Crossing::new(values, k);
+        let (above, sign) = match a > 0.0 {
+            true => (crossing.at, share),
+            false => (1.0 - crossing.at, -share),
+        };
+        value += share * above;
+        for (weight, slope) in weights[crossing.first..].iter_mut().zip(&crossing.slopes) {
+            *weight += sign * slope;
         }
     }
     Reduced {
         value,
         weights: vec![weights],
+    }
+}
+
+/// Halvings that bring a crossing to the last digit.
+const HALVINGS: u32 = 60;
+
+/// Where values that are given at whole numbers cross zero.
+struct Crossing {
+    /// Behind the value before it, 0 to 1.
+    at: f64,
+    /// The first of the values that it depends on, ...
+    first: usize,
+    /// ... and how it moves with each of them.
+    slopes: Vec<f64>,
+}
+
+impl Crossing {
+    /// Between values `k` and `k` + 1, which have opposite signs: a zero of the polynomial through the four values around, or
+    /// through all where there are fewer.
+    fn new(values: &[f64], k: usize) -> Self {
+        let count = values.len().min(4);
+        let first = k.saturating_sub(1).min(values.len() - count);
+        let near = &values[first..first + count];
+        let node = |i: usize| (first + i) as f64 - k as f64;
+        let basis = |i: usize, s: f64| -> f64 {
+            let others = (0..count).filter(|j| *j != i);
+            others
+                .map(|j| (s - node(j)) / (node(i) - node(j)))
+                .product()
+        };
+        let value = |s: f64| -> f64 { (0..count).map(|i| near[i] * basis(i, s)).sum() };
+        let (mut from, mut to) = (0.0, 1.0);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (from + to);
+            match (value(middle) > 0.0) == (values[k] > 0.0) {
+                true => from = middle,
+                false => to = middle,
+            }
+        }
+        let at = 0.5 * (from + to);
+        // Lagrange's polynomials, derived term by term.
+        let rate = |i: usize| -> f64 {
+            let without = |m: usize| -> f64 {
+                let others = (0..count).filter(|j| *j != i && *j != m);
+                others
+                    .map(|j| (at - node(j)) / (node(i) - node(j)))
+                    .product()
+            };
+            let terms = (0..count).filter(|m| *m != i);
+            terms.map(|m| without(m) / (node(i) - node(m))).sum()
+        };
+        let slope: f64 = (0..count).map(|i| near[i] * rate(i)).sum();
+        Self {
+            at,
+            first,
+            slopes: (0..count).map(|i| -basis(i, at) / slope).collect(),
+        }
     }
 }
 
@@ -222,11 +284,31 @@ mod tests {
             assert!((found - expected).abs() < 1e-15 * 8.0, "{name}: {found}");
         }
         assert!(reduce_values(Taking::Mean, 2.0, &[Vec::new()]).is_none());
-        let crossing = [1.0, -1.0, -3.0, 1.0, 1.0];
-        let share = value(Taking::Positive, 2.0, &[crossing.to_vec()]);
-        assert!((share - (0.5 + 0.25 + 1.0) / 4.0).abs() < 1e-15, "{share}");
+        let share = value(Taking::Positive, 2.0, &[vec![1.0, -3.0]]);
+        assert!((share - 0.25).abs() < 1e-15, "{share}");
         assert!(value(Taking::Positive, 2.0, &[vec![-1.0, f64::NAN]]).is_nan());
         assert!(value(Taking::Max, 2.0, &[vec![1.0, f64::NAN, 2.0]]).is_nan());
         assert!(value(Taking::Norm, 4.0, &[vec![1.0, f64::NAN]]).is_nan());
+    }
+
+    /// Cubics exactly, smooth functions to the fourth power of the step.
+    #[test]
+    fn positive_shares_are_those_of_the_function() {
+        let share = |count: usize, f: &dyn Fn(f64) -> f64| {
+            let at = |k: usize| f(k as f64 / (count - 1) as f64);
+            value(Taking::Positive, 2.0, &[(0..count).map(at).collect()])
+        };
+        for root in [0.03, 0.31, 0.5, 0.99] {
+            let cubic = |x: f64| (x - root) * (x * x + 0.3 * x + 1.0);
+            let found = share(8, &cubic);
+            assert!((found - (1.0 - root)).abs() < 1e-14, "{root}: {found}");
+        }
+        let wave = |x: f64| (2.0 * std::f64::consts::PI * x).sin() - 0.4;
+        let exact = 0.5 - 0.4_f64.asin() / std::f64::consts::PI;
+        let errors = [41, 81].map(|count| (share(count, &wave) - exact).abs());
+        assert!(
+            errors[0] < 1e-6 && errors[1] < 0.1 * errors[0],
+            "{errors:?}"
+        );
     }
 }

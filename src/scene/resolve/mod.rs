@@ -115,7 +115,8 @@ pub fn resolve_scene(
                 .hint("write at least one closed loop: `[loops]` then `A = \"T12 T23 T31\"`"),
         );
     }
-    let study = study::resolve_study(file, &names, &angle_unit, &measures, varied, diagnostics);
+    let asked = (varied, overrides.minimise.as_deref());
+    let study = study::resolve_study(file, &names, &angle_unit, &measures, asked, diagnostics);
     let coordinates = coordinates?;
     if diagnostics.has_errors() {
         return None;

@@ -16,13 +16,14 @@ use crate::scene::values::FormulaText;
 /// Half the default range of a variable, as a share of its value.
 const DEFAULT_RANGE: f64 = 0.2;
 
-/// Resolves the study; the parameters called `varied` are its variables, else those the file names.
+/// Resolves the study; the parameters called `varied` are its variables, else those the file names, and likewise with what is
+/// `minimised`.
 pub fn resolve_study(
     file: &SceneFile,
     names: &Names,
     unit: &AngleUnit,
     measures: &[Measure],
-    varied: &[String],
+    (varied, minimised): (&[String], Option<&str>),
     diagnostics: &mut Diagnostics,
 ) -> Option<Study> {
     let empty = StudyFile::default();
@@ -37,7 +38,10 @@ pub fn resolve_study(
         diagnostics,
     };
     let variables = resolver.variables(study, varied);
-    let objective = resolver.objective(study, file, measures);
+    let objective = match minimised {
+        Some(name) => resolver.other_objective(name, measures),
+        None => resolver.objective(study, file, measures),
+    };
     let printed = resolver.printed(study, file, measures);
     let limits = resolver.limits(study, file, measures);
     Some(Study {
@@ -63,6 +67,17 @@ impl Resolver<'_, '_> {
         measures: &[Measure],
     ) -> Option<usize> {
         self.measure(study.minimise.as_ref()?, file, measures)
+    }
+
+    fn other_objective(&mut self, name: &str, measures: &[Measure]) -> Option<usize> {
+        let found = measures.iter().position(|m| m.name == name);
+        if found.is_none() {
+            let known = measures.iter().map(|m| m.name.as_str());
+            let message = format!("--minimise: there is no measure `{name}`");
+            self.diagnostics
+                .push(Diagnostic::error(message).suggest(name, known));
+        }
+        found
     }
 
     fn limits(

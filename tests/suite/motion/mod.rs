@@ -17,5 +17,6 @@ mod rates;
 mod singular_starts;
 mod solve_references;
 mod sources;
+mod torus_figures;
 mod unlike_lengths;
 mod whole_measures;
