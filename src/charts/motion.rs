@@ -72,6 +72,7 @@ pub fn default_plot(mechanism: &Mechanism, actuation: &Actuation) -> Plot {
         expression: Expression::new(vec![Op::Slot(slot)]),
         kind,
         rate: None,
+        rates: Vec::new(),
     };
     let n = mechanism.coordinate_count();
     let after_traces = n + 3 * mechanism.traces.len();
@@ -255,16 +256,31 @@ impl ChartedMotion<'_> {
 
     /// Internal values of a quantity at all samples; `None` without a pose or, for a rate, at a singular one.
     fn values(&mut self, curve: &PlotCurve) -> Vec<Option<f64>> {
-        let Some(rate) = curve.rate else {
-            let values = self
-                .slots
-                .iter()
-                .map(|s| s.as_ref().map(|s| curve.expression.value(s)));
-            return values.collect();
+        if let Some(rate) = curve.rate {
+            return self.rates(&curve.expression, rate);
+        }
+        let parts = curve.rates.iter();
+        let parts: Vec<Vec<Option<f64>>> = parts.map(|(f, rate)| self.rates(f, *rate)).collect();
+        let value = |(index, slots): (usize, &Option<Vec<f64>>)| {
+            let slots = slots.as_ref()?;
+            if parts.is_empty() {
+                return Some(curve.expression.value(slots));
+            }
+            let rates: Option<Vec<f64>> = parts.iter().map(|rates| rates[index]).collect();
+            Some(
+                curve
+                    .expression
+                    .value(&[slots.as_slice(), &rates?].concat()),
+            )
         };
+        self.slots.iter().enumerate().map(value).collect()
+    }
+
+    /// A rate of a formula at all samples.
+    fn rates(&mut self, formula: &Expression, rate: Rate) -> Vec<Option<f64>> {
         let order = rate.order;
         let all = self.series(rate);
-        let value = |slots: &Vec<TaylorSeries>| curve.expression.value(slots).derivative(order);
+        let value = |slots: &Vec<TaylorSeries>| formula.value(slots).derivative(order);
         all.iter().map(|s| s.as_ref().map(value)).collect()
     }
 

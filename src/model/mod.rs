@@ -4,6 +4,7 @@ pub mod actuation;
 pub mod camera_path;
 pub mod chain;
 pub mod clearance;
+pub mod dimension;
 pub mod distance;
 pub mod drive;
 pub mod expression;

@@ -1,5 +1,6 @@
 //! A plot as resolved: which quantities of the motion are drawn against which, in which units.
 
+use super::dimension::raised;
 use super::expression::Expression;
 use super::mechanism::Kind;
 use crate::numbers::series::HIGHEST_ORDER;
@@ -42,12 +43,14 @@ pub struct PlotCurve {
     pub unit: String,
     /// From internal values (radians, the scene's length unit) to that unit.
     pub factor: f64,
-    /// Slots: coordinates, then x, y, z of every trace, then outputs.
+    /// Slots: coordinates, then x, y, z of every trace, outputs, and `rates`.
     pub expression: Expression,
     /// What the expression itself measures.
     pub kind: Kind,
     /// Its rate is drawn in place of itself.
     pub rate: Option<Rate>,
+    /// Rates that it is made of, of formulas with the same slots.
+    pub rates: Vec<(Expression, Rate)>,
 }
 
 /// Which rate of a quantity.
@@ -74,13 +77,7 @@ pub fn rate_unit(
     (per, per_factor): (&str, f64),
     order: usize,
 ) -> (String, f64) {
-    let power = |k: usize| match k {
-        1 => String::new(),
-        2 => "²".to_owned(),
-        3 => "³".to_owned(),
-        4 => "⁴".to_owned(),
-        k => format!("^{k}"),
-    };
+    let power = |k: usize| raised(k as i32);
     let text = match (unit, per) {
         (unit, "") => unit.to_owned(),
         (unit, per) if unit == per && order == 1 => String::new(),

@@ -18,7 +18,7 @@ macro_rules! builtin {
 }
 
 /// All of them, in the order of the list.
-pub const ALL: [Builtin; 22] = builtin![
+pub const ALL: [Builtin; 24] = builtin![
     "gearshift",
     "gearshift-optimised",
     "gearshift-left",
@@ -32,8 +32,10 @@ pub const ALL: [Builtin; 22] = builtin![
     "seven-r",
     "sphere-torus",
     "rsrrr",
+    "rurrrr",
     "sphere-sphere",
     "rsur",
+    "rurur",
     "rrsrr",
     "four-bar",
     "peaucellier",

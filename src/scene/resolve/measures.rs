@@ -6,9 +6,10 @@ use super::super::formula::kinds::to_radians;
 use super::super::measures::{MeasureFile, MeasureSourceFile, TrackFile};
 use super::body_constants::BodyConstants;
 use super::names::Names;
-use super::outputs::{Scope, kind_of};
+use super::outputs::{Scope, dimension_of};
 use super::parsing::parsed_expression;
 use crate::diag::{Diagnostic, Diagnostics, Span, shown_number};
+use crate::model::dimension::Dimension;
 use crate::model::measure::{Measure, MeasureSource, MeasuredTrack, Taking};
 use crate::model::mechanism::Kind;
 use crate::scene::reader::Spanned;
@@ -190,7 +191,7 @@ fn resolve_over(
         let node = parsed_expression(text, diagnostics)?;
         match scope.compile(&node) {
             Ok((formula, found)) => {
-                kind = found;
+                kind = found.kind();
                 formulas.push(formula);
             }
             Err(diagnostic) => {
@@ -286,8 +287,11 @@ fn measure_formula(
     diagnostics: &mut Diagnostics,
 ) -> Option<(MeasureSource, Kind)> {
     let node = parsed_expression(text, diagnostics)?;
-    let known = |used: &str| earlier.iter().find(|m| m.name == used).map(|m| m.kind);
-    let kind = kind_of(&node, names, &known);
+    let known = |used: &str| {
+        let measure = earlier.iter().find(|m| m.name == used);
+        measure.map(|m| Dimension::of(m.kind))
+    };
+    let kind = dimension_of(&node, names, &known).kind();
     let lookup = |used: &str, span: &Span| {
         if let Some(slot) = earlier.iter().position(|m| m.name == used) {
             return Ok(CompiledValue::Slot(names.inputs.len() + slot));

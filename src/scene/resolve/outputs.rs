@@ -10,6 +10,7 @@ use super::contacts::closure::Contacts;
 use super::names::Names;
 use super::parsed::Parsed;
 use crate::diag::{Diagnostic, Diagnostics, Span};
+use crate::model::dimension::Dimension;
 use crate::model::expression::{Expression, Function};
 use crate::model::mechanism::{AngleUnit, Body, Kind, MechanismOutput, OutputSource, Trace};
 use std::collections::HashMap;
@@ -24,6 +25,15 @@ pub struct Scope<'a> {
     pub outputs: Vec<MechanismOutput>,
     /// Their places by name; none for a faulty one.
     places: HashMap<String, Option<usize>>,
+    /// What they measure.
+    dimensions: HashMap<String, Dimension>,
+}
+
+/// A number beside those of a pose that a formula may use.
+pub struct ExtraSlot {
+    pub name: String,
+    pub slot: usize,
+    pub dimension: Dimension,
 }
 
 impl<'a> Scope<'a> {
@@ -44,6 +54,7 @@ impl<'a> Scope<'a> {
             unit,
             outputs: Vec::new(),
             places: HashMap::new(),
+            dimensions: HashMap::new(),
         };
         let constants = BodyConstants { names };
         for item in &file.distances {
@@ -62,11 +73,14 @@ impl<'a> Scope<'a> {
             let compiled = scope.compile(node);
             scope.note(name, compiled.is_ok());
             match compiled {
-                Ok((expression, kind)) => scope.outputs.push(MechanismOutput {
-                    name: name.clone(),
-                    source: OutputSource::Formula(expression),
-                    kind,
-                }),
+                Ok((expression, dimension)) => {
+                    scope.dimensions.insert(name.clone(), dimension);
+                    scope.outputs.push(MechanismOutput {
+                        name: name.clone(),
+                        source: OutputSource::Formula(expression),
+                        kind: dimension.kind(),
+                    });
+                }
                 Err(diagnostic) => diagnostics.push(diagnostic),
             }
         }
@@ -81,17 +95,49 @@ impl<'a> Scope<'a> {
     }
 
     /// A formula over coordinates, traced points and the outputs so far, and what it measures.
-    pub fn compile(&self, node: &FormulaNode) -> Result<(Expression, Kind), Diagnostic> {
+    pub fn compile(&self, node: &FormulaNode) -> Result<(Expression, Dimension), Diagnostic> {
+        self.compile_with(node, &[])
+    }
+
+    /// The same with more names.
+    pub fn compile_with(
+        &self,
+        node: &FormulaNode,
+        more: &[ExtraSlot],
+    ) -> Result<(Expression, Dimension), Diagnostic> {
+        let extra = |used: &str| more.iter().find(|extra| extra.name == used);
         let known = |used: &str| {
             let place = self.places.get(used).copied().flatten();
-            let earlier = place.map(|place| self.outputs[place].kind);
-            earlier.or_else(|| self.contacts.scalar(used).map(|(_, kind, _)| *kind))
+            let earlier = place.map(|place| match self.dimensions.get(used) {
+                Some(dimension) => *dimension,
+                None => Dimension::of(self.outputs[place].kind),
+            });
+            let contact = || {
+                self.contacts
+                    .scalar(used)
+                    .map(|(_, kind, _)| Dimension::of(*kind))
+            };
+            let extra = extra(used).map(|extra| extra.dimension);
+            extra.or(earlier).or_else(contact)
         };
-        let kind = kind_of(node, self.names, &known);
-        let is_angle = |n: &str| self.names.is_angle(n) || known(n) == Some(Kind::Angle);
-        let node = to_radians(node.clone(), Some(kind), self.unit.radians, &is_angle);
-        let formula = compile_formula(&node, &|used, span| self.lookup(used, span))?;
-        Ok((formula, kind))
+        let dimension = dimension_of(node, self.names, &known);
+        let is_angle = |n: &str| {
+            let kind = known(n).map(Dimension::kind);
+            self.names.is_angle(n) || kind == Some(Kind::Angle)
+        };
+        let wanted = Some(dimension.kind());
+        let node = to_radians(node.clone(), wanted, self.unit.radians, &is_angle);
+        let formula = compile_formula(&node, &|used, span| match extra(used) {
+            Some(extra) => Ok(CompiledValue::Slot(extra.slot)),
+            None => self.lookup(used, span),
+        })?;
+        Ok((formula, dimension))
+    }
+
+    /// Number of slots that formulas of poses have, once all outputs are known.
+    pub fn slot_count(&self) -> usize {
+        let coordinates = self.names.unknowns.len() + self.names.inputs.len();
+        coordinates + 3 * self.traces.len() + self.outputs.len()
     }
 
     fn lookup(&self, used: &str, span: &Span) -> Result<CompiledValue, Diagnostic> {
@@ -144,31 +190,46 @@ fn trace_slot(name: &str, traces: &[Trace]) -> Option<usize> {
 }
 
 /// What a formula measures, from the bottom up.
-pub fn kind_of(node: &FormulaNode, names: &Names, output: &dyn Fn(&str) -> Option<Kind>) -> Kind {
+pub fn dimension_of(
+    node: &FormulaNode,
+    names: &Names,
+    known: &dyn Fn(&str) -> Option<Dimension>,
+) -> Dimension {
+    let of = |node: &FormulaNode| dimension_of(node, names, known);
     match &node.kind {
-        NodeKind::Number(_) => Kind::Number,
-        NodeKind::Radians(_) | NodeKind::Angle(_) => Kind::Angle,
-        NodeKind::Name(name) => names
-            .kind(name)
-            .or_else(|| output(name))
-            .or_else(|| name.contains('.').then_some(Kind::Length))
-            .unwrap_or(Kind::Number),
-        NodeKind::Negate(inner) => kind_of(inner, names, output),
-        NodeKind::Binary(sign, a, b) => {
-            let (x, y) = (kind_of(a, names, output), kind_of(b, names, output));
-            match (sign, x, y) {
-                ('+' | '-' | '*', Kind::Number, other)
-                | ('+' | '-' | '*' | '/', other, Kind::Number) => other,
-                ('+' | '-', x, _) => x,
-                _ => Kind::Number,
-            }
+        NodeKind::Number(_) => Dimension::NUMBER,
+        NodeKind::Radians(_) | NodeKind::Angle(_) => Dimension::of(Kind::Angle),
+        NodeKind::Name(name) => {
+            let coordinate = names.kind(name).map(Dimension::of);
+            let traced = || name.contains('.').then_some(Dimension::of(Kind::Length));
+            let found = coordinate.or_else(|| known(name)).or_else(traced);
+            found.unwrap_or_default()
         }
-        NodeKind::Call(function, args) => match function {
-            Function::Asin | Function::Acos | Function::Atan | Function::Atan2 => Kind::Angle,
-            Function::Abs | Function::Min | Function::Max | Function::Mod | Function::Hypot => {
-                kind_of(&args[0], names, output)
+        NodeKind::Negate(inner) => of(inner),
+        NodeKind::Binary('+' | '-', a, b) => first_measured([of(a), of(b)]),
+        NodeKind::Binary('*', a, b) => of(a) + of(b),
+        NodeKind::Binary('/', a, b) => of(a) - of(b),
+        NodeKind::Binary(_, base, power) => match power.kind {
+            NodeKind::Number(power) if power.number().fract() == 0.0 => {
+                of(base) * power.number().clamp(-99.0, 99.0) as i32
             }
-            _ => Kind::Number,
+            _ => Dimension::NUMBER,
+        },
+        NodeKind::Call(function, args) => match function {
+            Function::Asin | Function::Acos | Function::Atan | Function::Atan2 => {
+                Dimension::of(Kind::Angle)
+            }
+            Function::Abs | Function::Min | Function::Max | Function::Mod | Function::Hypot => {
+                first_measured(args.iter().map(of))
+            }
+            Function::Sqrt => of(&args[0]).root(),
+            _ => Dimension::NUMBER,
         },
     }
+}
+
+/// Of parts that are added or compared, the first that is not a plain number: `x + 3`.
+fn first_measured(parts: impl IntoIterator<Item = Dimension>) -> Dimension {
+    let mut measured = parts.into_iter().filter(|part| *part != Dimension::NUMBER);
+    measured.next().unwrap_or_default()
 }

@@ -3,10 +3,11 @@
 use super::super::file::SceneFile;
 use super::super::formula::compile::constant_node;
 use super::super::plots::PlotFile;
-use super::outputs::Scope;
+use super::outputs::{ExtraSlot, Scope};
 use super::parsing::parsed_expression;
 use crate::diag::{Diagnostic, Diagnostics};
-use crate::model::mechanism::{AngleUnit, Kind};
+use crate::model::dimension::Dimension;
+use crate::model::mechanism::AngleUnit;
 use crate::model::plot::{Abscissa, MAX_ORDER, Per, Plot, PlotCurve, Rate, rate_unit};
 use crate::scene::values::FormulaText;
 
@@ -105,7 +106,7 @@ impl TextSite<'_> {
         }
     }
 
-    /// `formula`, `name = formula`, and in place of a formula `d(formula, input)` or `d(formula, input, order)`.
+    /// `formula` or `name = formula`, with derivatives `d(formula, input)` or `d(formula, input, order)` as parts of it.
     fn curve(&self, text: &FormulaText, diagnostics: &mut Diagnostics) -> Option<PlotCurve> {
         if text.is_unread {
             return None;
@@ -116,16 +117,82 @@ impl TextSite<'_> {
             None => (None, whole),
         };
         let body = text_part(text, body);
-        let Some(parts) = derivative_parts(&body) else {
-            let node = parsed_expression(&body, diagnostics)?;
-            let mut curve = self.quantity(&node, &body, diagnostics)?;
-            curve.label = name.unwrap_or(body.text.trim()).to_owned();
-            return Some(curve);
+        let mut curve = match derivative_parts(&body) {
+            Some(parts) => self.derivative(&parts, &body, diagnostics)?,
+            None => self.formula(&body, diagnostics)?,
         };
+        if let Some(name) = name {
+            curve.label = name.to_owned();
+        }
+        Some(curve)
+    }
+
+    /// A formula that may have derivatives in it. Each stands there under a name of the same length, so that mistakes keep
+    /// their places.
+    fn formula(&self, body: &FormulaText, diagnostics: &mut Diagnostics) -> Option<PlotCurve> {
+        let (mut text, mut rates) = (body.clone(), Vec::new());
+        let mut extra: Vec<ExtraSlot> = Vec::new();
+        while let Some(range) = derivative_range(&text.text) {
+            let part = text_part(&text, range.clone());
+            let parts = derivative_parts(&part)?;
+            let rate = self.derivative(&parts, body, diagnostics)?;
+            let name = placeholder(range.len(), extra.len());
+            text.text.replace_range(range, &name);
+            let slot = self.scope.slot_count() + extra.len();
+            let dimension = self.rate_dimension(&rate);
+            extra.push(ExtraSlot {
+                name,
+                slot,
+                dimension,
+            });
+            rates.push((rate.expression, rate.rate?));
+        }
+        let node = parsed_expression(&text, diagnostics)?;
+        let (expression, dimension) = match self.scope.compile_with(&node, &extra) {
+            Ok(compiled) => compiled,
+            Err(diagnostic) => {
+                diagnostics.push(diagnostic);
+                return None;
+            }
+        };
+        let (unit, factor) = self.unit(dimension);
+        Some(PlotCurve {
+            label: body.text.trim().to_owned(),
+            unit,
+            factor,
+            expression,
+            kind: dimension.kind(),
+            rate: None,
+            rates,
+        })
+    }
+
+    /// What a rate measures.
+    fn rate_dimension(&self, curve: &PlotCurve) -> Dimension {
+        let whole = Dimension::of(curve.kind);
+        match curve.rate {
+            None => whole,
+            Some(Rate { per, order }) => {
+                let below = match per {
+                    Per::Time => Dimension::TIME,
+                    Per::Input(k) => Dimension::of(self.scope.names.inputs[k].kind),
+                };
+                whole - below * order as i32
+            }
+        }
+    }
+
+    /// `d(formula, input, order)`, whose parts these are.
+    fn derivative(
+        &self,
+        parts: &[FormulaText],
+        body: &FormulaText,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<PlotCurve> {
         if !(2..=3).contains(&parts.len()) {
             let diagnostic = Diagnostic::error("a derivative is written `d(quantity, input)`");
             let hint = "or `d(quantity, input, order)`; `t` in place of an input is the time";
-            diagnostics.push(moved_diagnostic(diagnostic, &body).hint(hint));
+            diagnostics.push(moved_diagnostic(diagnostic, body).hint(hint));
             return None;
         }
         let node = parsed_expression(&parts[0], diagnostics)?;
@@ -139,7 +206,7 @@ impl TextSite<'_> {
         let (unit, factor) = rate_unit((&quantity.unit, quantity.factor), below, order);
         let label = rate_label(parts[0].text.trim(), parts[1].text.trim(), order);
         Some(PlotCurve {
-            label: name.map_or(label, str::to_owned),
+            label,
             unit,
             factor,
             rate: Some(Rate { per, order }),
@@ -153,33 +220,28 @@ impl TextSite<'_> {
         text: &FormulaText,
         diagnostics: &mut Diagnostics,
     ) -> Option<PlotCurve> {
-        let (expression, kind) = match self.scope.compile(node) {
+        let (expression, dimension) = match self.scope.compile(node) {
             Ok(compiled) => compiled,
             Err(diagnostic) => {
                 diagnostics.push(diagnostic);
                 return None;
             }
         };
-        let (unit, factor) = self.unit(kind);
+        let (unit, factor) = self.unit(dimension);
         Some(PlotCurve {
             label: text.text.trim().to_owned(),
             unit,
             factor,
             expression,
-            kind,
+            kind: dimension.kind(),
             rate: None,
+            rates: Vec::new(),
         })
     }
 
-    fn unit(&self, kind: Kind) -> (String, f64) {
-        match kind {
-            Kind::Length => (self.length_unit.to_owned(), 1.0),
-            Kind::Angle => (
-                self.angle_unit.name.clone(),
-                1.0 / self.angle_unit.radians.number(),
-            ),
-            Kind::Number => (String::new(), 1.0),
-        }
+    fn unit(&self, dimension: Dimension) -> (String, f64) {
+        let angle = &self.angle_unit;
+        dimension.unit(self.length_unit, &angle.name, angle.radians.number())
     }
 
     /// What a derivative is taken by, with its unit and factor.
@@ -191,7 +253,10 @@ impl TextSite<'_> {
         let name = text.text.trim();
         let inputs = &self.scope.names.inputs;
         if let Some(index) = inputs.iter().position(|c| c.name == name) {
-            return Some((Per::Input(index), self.unit(inputs[index].kind)));
+            return Some((
+                Per::Input(index),
+                self.unit(Dimension::of(inputs[index].kind)),
+            ));
         }
         if TIME.contains(&name) {
             return Some((Per::Time, ("s".to_owned(), 1.0)));
@@ -214,6 +279,39 @@ fn derivative_order(text: &FormulaText, diagnostics: &mut Diagnostics) -> Option
         diagnostics.push(moved_diagnostic(Diagnostic::error(message), text));
     }
     order
+}
+
+/// The first `d(…)` of a formula, its parentheses included.
+fn derivative_range(text: &str) -> Option<std::ops::Range<usize>> {
+    let is_word = |c: char| c.is_alphanumeric() || c == '_' || c == '.';
+    let mut from = 0;
+    loop {
+        let start = from + text[from..].find('d')?;
+        from = start + 1;
+        let is_name = text[..start].chars().next_back().is_some_and(is_word);
+        let behind = &text[from..];
+        let opens = behind.trim_start().starts_with('(');
+        if is_name || !opens {
+            continue;
+        }
+        let mut depth = 0_usize;
+        for (k, character) in behind.char_indices() {
+            match character {
+                '(' => depth += 1,
+                ')' if depth == 1 => return Some(start..from + k + 1),
+                ')' => depth = depth.saturating_sub(1),
+                _ => {}
+            }
+        }
+        return None;
+    }
+}
+
+/// A name of this length for a derivative of a formula.
+fn placeholder(length: usize, index: usize) -> String {
+    let digits = index.to_string();
+    let line = length.saturating_sub(1 + digits.len());
+    format!("d{}{digits}", "_".repeat(line))
 }
 
 /// The formulas between the parentheses of `d(…)`; `None` for another formula.

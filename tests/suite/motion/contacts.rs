@@ -154,13 +154,14 @@ fn higher_pairs_and_their_lower_pair_twins_turn_alike() {
     let table = Table::read("torus_ref");
     for case in [
         pair("torus-torus", "torus-torus", Some("mu_deg")),
-        pair("seven-r", "torus-torus", None),
+        pair("seven-r", "torus-torus", Some("mu_deg")),
         pair("sphere-torus", "sphere-torus", Some("mu_drawn_deg")),
         Pair {
             parameters: &[("s1", "0"), ("s2", "8.86")],
             ..pair("sphere-torus", "sphere-torus", Some("mu_deg"))
         },
-        pair("rsrrr", "sphere-torus", None),
+        pair("rsrrr", "sphere-torus", Some("mu_deg")),
+        pair("rurrrr", "sphere-torus", Some("mu_drawn_deg")),
         pair("sphere-sphere", "sphere-sphere", Some("mu_drawn_deg")),
         Pair {
             parameters: &[("s1", "0"), ("s2", "7.89")],
@@ -170,7 +171,8 @@ fn higher_pairs_and_their_lower_pair_twins_turn_alike() {
             parameters: &[("c1", "2.74"), ("c2", "13.26"), ("s1", "0"), ("s2", "7.89")],
             ..pair("sphere-sphere", "sphere-sphere-printed", Some("mu_deg"))
         },
-        pair("rsur", "sphere-sphere", None),
+        pair("rsur", "sphere-sphere", Some("mu_deg")),
+        pair("rurur", "sphere-sphere", Some("mu_drawn_deg")),
     ] {
         let rows: Vec<usize> = (0..table.len())
             .filter(|r| table.text(*r, "mechanism") == case.mechanism)

@@ -6,6 +6,7 @@ mod export_formats;
 mod export_gif;
 mod iterate_films;
 mod lettering;
+mod plot_formulas;
 mod plots;
 mod rendering;
 mod scene_pictures;

@@ -109,7 +109,7 @@ fn mobility_of(text: &str) -> Mobility {
 type ByHand = (&'static str, usize, &'static [usize], i64, usize);
 
 /// R revolute, P prismatic, C cylindrical, U universal, S spherical.
-const BUILT_IN: [ByHand; 22] = [
+const BUILT_IN: [ByHand; 24] = [
     // 4R
     ("bennett", 4, &[6], 0, 1),
     // 6R
@@ -138,6 +138,10 @@ const BUILT_IN: [ByHand; 22] = [
     ("rsrrr", 7, &[6], 0, 1),
     // R S U R
     ("rsur", 7, &[6], 0, 1),
+    // R U 4R
+    ("rurrrr", 7, &[6], 0, 1),
+    // R U R U R
+    ("rurur", 7, &[6], 0, 1),
     // 6R
     ("sarrus", 6, &[6], 0, 1),
     // 7R

@@ -1,0 +1,177 @@
+//! What a formula measures: powers of length, angle and time, and the unit that stands on an axis for them.
+
+use super::mechanism::Kind;
+use std::ops::{Add, Mul, Sub};
+
+/// Powers of the three units that a scene has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Dimension {
+    length: i32,
+    angle: i32,
+    time: i32,
+}
+
+impl Dimension {
+    /// A plain number.
+    pub const NUMBER: Self = Self {
+        length: 0,
+        angle: 0,
+        time: 0,
+    };
+    /// Seconds.
+    pub const TIME: Self = Self {
+        time: 1,
+        ..Self::NUMBER
+    };
+
+    /// That of a coordinate.
+    pub const fn of(kind: Kind) -> Self {
+        match kind {
+            Kind::Length => Self {
+                length: 1,
+                ..Self::NUMBER
+            },
+            Kind::Angle => Self {
+                angle: 1,
+                ..Self::NUMBER
+            },
+            Kind::Number => Self::NUMBER,
+        }
+    }
+
+    /// What it is among coordinates; a number if it is neither length nor angle.
+    pub fn kind(self) -> Kind {
+        match self.shown() {
+            shown if shown == Self::of(Kind::Length) => Kind::Length,
+            shown if shown == Self::of(Kind::Angle) => Kind::Angle,
+            _ => Kind::Number,
+        }
+    }
+
+    /// Half of every power, if there is one.
+    pub fn root(self) -> Self {
+        let even = [self.length, self.angle, self.time];
+        match even.iter().all(|power| power % 2 == 0) {
+            true => Self {
+                length: self.length / 2,
+                angle: self.angle / 2,
+                time: self.time / 2,
+            },
+            false => Self::NUMBER,
+        }
+    }
+
+    /// Beside a length an angle is a number of radians: the arc of a radius.
+    fn shown(self) -> Self {
+        match self.length != 0 && self.angle > 0 {
+            true => Self { angle: 0, ..self },
+            false => self,
+        }
+    }
+
+    /// The unit in words, and the factor to it from internal values; `radians` are those of the angle's unit.
+    pub fn unit(self, length: &str, angle: &str, radians: f64) -> (String, f64) {
+        let shown = self.shown();
+        let powers = [
+            (length, shown.length),
+            (angle, shown.angle),
+            ("s", shown.time),
+        ];
+        let product = |sign: i32| {
+            let parts = powers.iter().filter(|(_, power)| power * sign > 0);
+            let parts = parts.map(|(unit, power)| format!("{unit}{}", raised(power.abs())));
+            parts.collect::<Vec<_>>().join("·")
+        };
+        let text = match (product(1), product(-1)) {
+            (above, below) if below.is_empty() => above,
+            (above, below) if above.is_empty() => format!("1/{below}"),
+            (above, below) => format!("{above}/{below}"),
+        };
+        (text, radians.powi(-shown.angle))
+    }
+}
+
+/// The sign of a power.
+pub fn raised(power: i32) -> String {
+    match power {
+        1 => String::new(),
+        2 => "²".to_owned(),
+        3 => "³".to_owned(),
+        4 => "⁴".to_owned(),
+        power => format!("^{power}"),
+    }
+}
+
+impl Add for Dimension {
+    type Output = Self;
+
+    /// That of a product.
+    fn add(self, other: Self) -> Self {
+        Self {
+            length: self.length + other.length,
+            angle: self.angle + other.angle,
+            time: self.time + other.time,
+        }
+    }
+}
+
+impl Sub for Dimension {
+    type Output = Self;
+
+    /// That of a quotient.
+    fn sub(self, other: Self) -> Self {
+        self + other * -1
+    }
+}
+
+impl Mul<i32> for Dimension {
+    type Output = Self;
+
+    /// That of a power.
+    fn mul(self, power: i32) -> Self {
+        Self {
+            length: self.length * power,
+            angle: self.angle * power,
+            time: self.time * power,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const L: Dimension = Dimension::of(Kind::Length);
+    const A: Dimension = Dimension::of(Kind::Angle);
+    const T: Dimension = Dimension::TIME;
+
+    #[test]
+    fn units_are_those_of_the_board() {
+        let degree = std::f64::consts::PI / 180.0;
+        for (dimension, unit, turns) in [
+            (Dimension::NUMBER, "", 0),
+            (L, "mm", 0),
+            (L * 2, "mm²", 0),
+            (L * -1, "1/mm", 0),
+            (L - T * 2, "mm/s²", 0),
+            (A, "deg", -1),
+            (A - T, "deg/s", -1),
+            (L - A, "mm/deg", 1),
+            (A + L - T, "mm/s", 0),
+            (A - L, "1/mm", 0),
+            (T * 6, "s^6", 0),
+        ] {
+            let (found, factor) = dimension.unit("mm", "deg", degree);
+            assert_eq!(
+                (found.as_str(), factor),
+                (unit, degree.powi(turns)),
+                "{dimension:?}"
+            );
+        }
+        assert_eq!((L * 4).root(), L * 2);
+        assert_eq!((L * 3).root(), Dimension::NUMBER);
+        assert_eq!((A + L).kind(), Kind::Length);
+        assert_eq!((L - L).kind(), Kind::Number);
+        assert_eq!((L - L * 2).kind(), Kind::Number);
+    }
+}
