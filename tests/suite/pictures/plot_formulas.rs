@@ -58,9 +58,15 @@ fn derivatives_are_parts_of_formulas() {
         let [omega, alpha] = ["omega", "alpha"].map(|name| table.value(row, name));
         assert!((speed[k] - table.value(row, "v_circ")).abs() < 1e-12, "{k}");
         assert!((whole[k] - 3.0 * omega).abs() < 1e-12, "{k}");
-        assert!((rate[k] + alpha).abs() < 1e-11 * alpha.abs().max(1.0), "{k}");
+        assert!(
+            (rate[k] + alpha).abs() < 1e-11 * alpha.abs().max(1.0),
+            "{k}"
+        );
         let exact = omega * alpha;
-        assert!((power[k] - exact).abs() < 1e-11 * exact.abs().max(1.0), "{k}");
+        assert!(
+            (power[k] - exact).abs() < 1e-11 * exact.abs().max(1.0),
+            "{k}"
+        );
     }
 }
 
@@ -93,7 +99,10 @@ fn mistakes_beside_derivatives_have_places() {
         ("r*d(h, t, 99)", "the order of a derivative"),
         ("2*d(h, t", "`d`"),
     ] {
-        w.write("wrong.toml", format!("{text}\n[[plots]]\ny = [\"{formula}\"]\n"));
+        w.write(
+            "wrong.toml",
+            format!("{text}\n[[plots]]\ny = [\"{formula}\"]\n"),
+        );
         let run = w.run(&["plot", "wrong.toml", "--out", "x.svg"]).exits(2);
         run.says(&[said, "wrong.toml:", formula]);
     }

@@ -52,9 +52,19 @@ fn faults(value: &Value, schema: &Value, place: &str, list: &mut Vec<String>) {
                     .iter()
                     .all(|key| o.contains_key(key.as_str().unwrap()))
             }),
-            "additionalProperties" => value
-                .as_object()
-                .is_none_or(|o| o.keys().all(|key| schema["properties"].get(key).is_some())),
+            "additionalProperties" => {
+                let is_named = |key: &str| schema["properties"].get(key).is_some();
+                let others = value.as_object().into_iter().flatten();
+                let mut others = others.filter(|(key, _)| !is_named(key));
+                match want.is_object() {
+                    true => {
+                        others
+                            .for_each(|(key, v)| faults(v, want, &format!("{place}.{key}"), list));
+                        true
+                    }
+                    false => others.next().is_none(),
+                }
+            }
             "items" => {
                 for (k, item) in value.as_array().into_iter().flatten().enumerate() {
                     faults(item, want, &format!("{place}[{k}]"), list);
