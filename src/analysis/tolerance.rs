@@ -2,7 +2,9 @@
 //! depend on how the work is divided.
 
 use super::random::Random;
-use super::study::{Evaluator, Gradients, ParametricMechanism, TrackPoses};
+use super::study::{
+    AT_A_TIME, Evaluator, Gradients, LaneEvaluator, ParametricMechanism, StandAnchors, TrackPoses,
+};
 use crate::jobs::share_watched;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -117,17 +119,22 @@ pub fn sample_pieces(
     watch: &dyn Fn(usize),
 ) -> Pieces {
     let measures = family.measures.list.len();
-    let portion = |evaluator: &mut Evaluator, index: usize| {
+    let anchors = StandAnchors::new(&Evaluator::new(family), nominal);
+    let portion = |evaluator: &mut LaneEvaluator, index: usize| {
         if cancel.load(Ordering::Relaxed) {
             return None;
         }
         let start = PORTION * index;
+        let end = batch.samples.min(start + PORTION);
         let mut values = Vec::with_capacity(PORTION * measures);
-        for item in start..batch.samples.min(start + PORTION) {
-            let drawn = values_of(nominal, tolerances, batch, item);
-            match sample_piece(evaluator, nominal, &drawn) {
-                Some(found) => values.extend(found),
-                None => values.resize(values.len() + measures, f64::NAN),
+        for first in (start..end).step_by(AT_A_TIME) {
+            let items = first..end.min(first + AT_A_TIME);
+            let drawn = items.map(|item| values_of(nominal, tolerances, batch, item));
+            for piece in evaluator.measure(&drawn.collect::<Vec<_>>()) {
+                match piece {
+                    Ok(found) => values.extend(found.measures),
+                    Err(_) => values.resize(values.len() + measures, f64::NAN),
+                }
             }
         }
         Some(values)
@@ -135,7 +142,7 @@ pub fn sample_pieces(
     let portions = share_watched(
         batch.samples.div_ceil(PORTION),
         batch.threads,
-        || Evaluator::new(family),
+        || LaneEvaluator::new(Evaluator::new(family), &anchors),
         portion,
         &|portions| watch((PORTION * portions).min(batch.samples)),
     );
@@ -162,15 +169,6 @@ pub fn values_of(
     drawn
         .map(|(v, t)| v + batch.distribution.draw(&mut random, *t))
         .collect()
-}
-
-fn sample_piece(
-    evaluator: &mut Evaluator,
-    nominal: &TrackPoses,
-    values: &[f64],
-) -> Option<Vec<f64>> {
-    let stand = evaluator.approach(nominal, values).ok()?;
-    Some(evaluator.measure(&stand).ok()?.measures)
 }
 
 fn summarise_pieces(

@@ -2,6 +2,7 @@
 //!
 //! A [`Trajectory`](results::trajectory::Trajectory) is complete before anything is drawn; nothing here draws or prints.
 
+pub mod abreast;
 pub mod assemblies;
 pub mod ball;
 pub mod certificate;

@@ -1,11 +1,13 @@
 //! Numbers, and the trait that all formulas are written in: constants with their error, Taylor series, hyper-dual numbers,
-//! intervals, affine forms, double-doubles.
+//! intervals, affine forms, double-doubles, eight designs side by side.
 
 pub mod affine_form;
 pub mod constant;
 pub mod double_double;
 pub mod hyper_dual;
 pub mod interval;
+pub mod octet;
+mod octet_sin_cos;
 pub mod quadratic_form;
 pub mod rounding;
 pub mod scalar;

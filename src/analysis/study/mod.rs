@@ -1,6 +1,7 @@
 //! A mechanism with variables, posed along the tracks of its study, and the measures of that: values and exact
 //! gradients. Optimisers, sensitivities and tolerances are loops around this.
 
+mod abreast;
 mod branch_breaks;
 mod family;
 mod gradient;
@@ -17,6 +18,7 @@ mod slopes;
 mod track_poses;
 pub mod whole_limits;
 
+pub use abreast::{AT_A_TIME, LaneEvaluator, StandAnchors};
 pub use family::{DRIVE_SAMPLES, FamilyError, Nominal, ParametricMechanism};
 pub use gradient::Gradients;
 pub use loaded::{LoadedStudy, NominalStudy, varied_names};

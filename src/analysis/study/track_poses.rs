@@ -36,6 +36,17 @@ impl TrackPoses {
         known.then_some(&self.sensitivities[..])
     }
 
+    /// A stand at other values whose poses are on the same side of all singular ones; without sensitivities.
+    pub(super) fn approached(&self, values: Vec<f64>, poses: Vec<Vec<f64>>) -> Self {
+        Self {
+            values,
+            poses,
+            sensitivities: Vec::new(),
+            signs: self.signs.clone(),
+            sigmas: self.sigmas.clone(),
+        }
+    }
+
     /// Whether pose `index` is a singular one, where sensitivities mean nothing.
     pub(super) fn is_singular(&self, index: usize) -> bool {
         self.signs[index].contains(&0)
@@ -230,11 +241,8 @@ impl<'f> Evaluator<'f> {
             poses.push(pose);
         }
         Ok(TrackPoses {
-            values: values.to_vec(),
-            poses,
             sensitivities,
-            signs: stand.signs.clone(),
-            sigmas: stand.sigmas.clone(),
+            ..stand.approached(values.to_vec(), poses)
         })
     }
 

@@ -13,7 +13,7 @@ use crate::linalg::svd::Conditioning;
 const MAX_ITERATIONS: u32 = 12;
 
 /// A correction that shrinks less than this from one iteration to the next is not converging quadratically.
-const CONTRACTION: f64 = 0.5;
+pub const CONTRACTION: f64 = 0.5;
 
 /// Most iterations of a patient correction: next to a singular pose every step only halves the error.
 const PATIENT_ITERATIONS: u32 = 80;
@@ -31,7 +31,7 @@ pub enum Pace {
 }
 
 /// Residuals are sums of a few dozen products of order one, so they cannot be made smaller than about this.
-const ROUNDING_FLOOR: f64 = 4e-15;
+pub const ROUNDING_FLOOR: f64 = 4e-15;
 
 /// Buffers and factorisations, one per block. All iterations reuse them.
 #[derive(Clone, Debug)]

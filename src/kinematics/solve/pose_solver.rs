@@ -46,8 +46,13 @@ pub struct PoseSolver<'s> {
 /// Whether a corrected prediction lies where the tangent of the path says: the correction and what the prediction departs
 /// from the tangent by are small against the step.
 pub fn follows_prediction(correction: &Correction, prediction: &Prediction) -> bool {
-    let allowed = (CORRECTION_OF_STEP * prediction.length + CORRECTION_FLOOR).min(MAX_CORRECTION);
-    correction.converged && correction.first_step + prediction.bend <= allowed
+    let off = correction.first_step + prediction.bend;
+    correction.converged && off <= largest_correction(prediction.length)
+}
+
+/// The largest correction of a prediction that lies so far along the tangent, in scaled unknowns.
+pub fn largest_correction(length: f64) -> f64 {
+    (CORRECTION_OF_STEP * length + CORRECTION_FLOOR).min(MAX_CORRECTION)
 }
 
 impl<'s> PoseSolver<'s> {

@@ -21,7 +21,7 @@ const FLOORS: &[&[&str]] = &[
     &["kinematics/structure/system.rs"],
     &["kinematics/ball/", "kinematics/loops/"],
     &["kinematics/solve/"],
-    &["kinematics/rates/"],
+    &["kinematics/abreast/", "kinematics/rates/"],
     &[
         "kinematics/freedoms/",
         "kinematics/certificate/",

@@ -1,0 +1,201 @@
+//! Designs posed and measured eight at a time, beside the poses of a known stand. What does not go smoothly is left to the
+//! [`Evaluator`], one by one.
+
+use super::measure::Measured;
+use super::track_poses::{Evaluator, Rejection, TrackPoses};
+use crate::kinematics::abreast::anchor::Anchor;
+use crate::kinematics::abreast::closing::LaneSolver;
+use crate::kinematics::loops::observed::observed_slots;
+use crate::kinematics::measures::reduce::reduce_values;
+use crate::kinematics::solve::pose_solver::largest_correction;
+use crate::model::measure::{Measure, MeasureSource};
+use crate::model::mechanism::OutputSource;
+use crate::numbers::octet::{LANES, LaneMask, Octet};
+
+/// The anchors of a stand whose designs are posed side by side; made once, shared by all threads.
+#[derive(Clone, Debug)]
+pub struct StandAnchors<'t> {
+    stand: &'t TrackPoses,
+    /// `None` where some pose cannot be an anchor: every design is then posed by itself.
+    anchors: Option<Vec<Anchor>>,
+    /// Whether measures are formulas of coordinates, traces and outputs, none a derivative or a distance of bodies.
+    are_formulas: bool,
+}
+
+impl<'t> StandAnchors<'t> {
+    /// Those of a stand with sensitivities.
+    pub fn new(evaluator: &Evaluator, stand: &'t TrackPoses) -> Self {
+        let system = evaluator.family().system();
+        let is_settled = stand.sensitivities().is_some();
+        let anchors = stand.poses.iter().map(|pose| Anchor::new(system, pose));
+        let outputs = &system.mechanism().outputs;
+        Self {
+            anchors: anchors.collect::<Option<_>>().filter(|_| is_settled),
+            are_formulas: !evaluator.derives_by_inputs()
+                && outputs
+                    .iter()
+                    .all(|o| matches!(o.source, OutputSource::Formula(_))),
+            stand,
+        }
+    }
+}
+
+/// Poses and measures designs eight at a time; one for each thread.
+pub struct LaneEvaluator<'f> {
+    plain: Evaluator<'f>,
+    solver: LaneSolver<'f>,
+    anchors: &'f StandAnchors<'f>,
+    /// Coordinates of the designs, pose after pose.
+    poses: Vec<Vec<Octet>>,
+    scratch: Vec<Octet>,
+    /// Designs that were posed by themselves.
+    pub alone: usize,
+}
+
+impl<'f> LaneEvaluator<'f> {
+    /// Buffers for one thread.
+    pub fn new(plain: Evaluator<'f>, anchors: &'f StandAnchors<'f>) -> Self {
+        Self {
+            solver: LaneSolver::new(plain.family().system()),
+            poses: vec![Vec::new(); anchors.stand.poses.len()],
+            scratch: Vec::new(),
+            alone: 0,
+            plain,
+            anchors,
+        }
+    }
+
+    /// The measures of designs with these values of the variables, at most [`LANES`].
+    pub fn measure(&mut self, designs: &[Vec<f64>]) -> Vec<Result<Measured, Rejection>> {
+        let lanes = self.posed(designs);
+        let found = self.measured(lanes, designs);
+        let found = designs.iter().zip(found);
+        found
+            .map(|(values, measures)| match measures {
+                Some(measures) => Ok(Measured { measures }),
+                None => self.alone(values),
+            })
+            .collect()
+    }
+
+    /// A design posed by itself.
+    fn alone(&mut self, values: &[f64]) -> Result<Measured, Rejection> {
+        self.alone += 1;
+        let stand = self.plain.approach(self.anchors.stand, values)?;
+        self.plain.measure(&stand)
+    }
+
+    /// Poses the designs; the lanes that are closed at all poses by one trusted step from the stand.
+    fn posed(&mut self, designs: &[Vec<f64>]) -> LaneMask {
+        let stand = self.anchors.stand;
+        let mut lanes = LaneMask::first(designs.len());
+        let Some((anchors, sensitivities)) =
+            self.anchors.anchors.as_ref().zip(stand.sensitivities())
+        else {
+            return LaneMask::NONE;
+        };
+        let of_variable = |k: usize| {
+            let of_lane = |lane: usize| designs.get(lane).map_or(stand.values[k], |v| v[k]);
+            Octet::new(std::array::from_fn(of_lane))
+        };
+        let values: Vec<Octet> = (0..stand.values.len()).map(of_variable).collect();
+        let known = values.iter().zip(&stand.values);
+        let change: Vec<Octet> = known.map(|(v, s)| *v - Octet::splat(*s)).collect();
+        let mechanism = self.plain.family().mechanism();
+        for (index, anchor) in anchors.iter().enumerate() {
+            let pose = &mut self.poses[index];
+            pose.clear();
+            pose.extend(stand.poses[index].iter().map(|c| Octet::splat(*c)));
+            // Predicted along the sensitivities, ...
+            let (n, mut length) = (mechanism.unknowns.len(), Octet::ZERO);
+            for (k, unknown) in pose.iter_mut().take(n).enumerate() {
+                let columns = sensitivities[index].chunks_exact(n).zip(&change);
+                let moved = columns.fold(Octet::ZERO, |sum, (column, d)| sum + *d * column[k]);
+                length = length.larger_magnitude(moved * (1.0 / mechanism.scale_of(k)));
+                *unknown += moved;
+            }
+            let first = pose.len() - values.len();
+            pose[first..].copy_from_slice(&values);
+            // ... corrected by Newton steps, and trusted if the correction is small against the step.
+            let closed = self.solver.close(anchor, pose, lanes);
+            let allowed = length.each(largest_correction);
+            lanes = closed.lanes.and(closed.first_step.at_most(allowed));
+            if !lanes.any() {
+                break;
+            }
+        }
+        lanes
+    }
+
+    /// The measures of `lanes`; nothing where one has no value, or is to be found otherwise.
+    fn measured(&mut self, lanes: LaneMask, designs: &[Vec<f64>]) -> Vec<Option<Vec<f64>>> {
+        if !self.anchors.are_formulas || !lanes.any() {
+            let one = |lane: usize| {
+                lanes
+                    .has(lane)
+                    .then(|| self.measured_plainly(lane, designs))
+            };
+            return (0..designs.len()).map(one).map(Option::flatten).collect();
+        }
+        let mechanism = self.plain.family().mechanism();
+        let slots: Vec<Vec<Octet>> = self
+            .poses
+            .iter()
+            .map(|pose| observed_slots(mechanism, pose))
+            .collect();
+        let rows: Vec<Vec<Vec<Octet>>> = (self.plain.family().measures.list.iter())
+            .map(|measure| self.rows_of(measure, &slots))
+            .collect();
+        let one = |lane: usize| {
+            let measures = self.reduced(&rows, lane, &designs[lane]);
+            let all = measures.iter().all(|v| v.is_finite());
+            (lanes.has(lane) && all).then_some(measures)
+        };
+        (0..designs.len()).map(one).collect()
+    }
+
+    /// The values of a measure's formulas at its poses; none of a formula of other measures.
+    fn rows_of(&mut self, measure: &Measure, slots: &[Vec<Octet>]) -> Vec<Vec<Octet>> {
+        let MeasureSource::Over { track, of, .. } = &measure.source else {
+            return Vec::new();
+        };
+        let poses = &slots[self.plain.family().poses_of(*track)];
+        let scratch = &mut self.scratch;
+        of.iter()
+            .map(|formula| {
+                let values = poses.iter().map(|slots| formula.value_with(slots, scratch));
+                values.collect()
+            })
+            .collect()
+    }
+
+    /// The measures of one lane.
+    fn reduced(&self, rows: &[Vec<Vec<Octet>>], lane: usize, values: &[f64]) -> Vec<f64> {
+        let family = self.plain.family();
+        let (mut numbers, mut scratch) = (family.actuation.inputs_at(0.0), Vec::new());
+        let own = family.own_inputs();
+        numbers[own..].copy_from_slice(values);
+        for (measure, rows) in family.measures.list.iter().zip(rows) {
+            numbers.push(match &measure.source {
+                MeasureSource::Formula(formula) => formula.value_with(&numbers, &mut scratch),
+                MeasureSource::Over { taking, power, .. } => {
+                    let row = |row: &Vec<Octet>| row.iter().map(|v| v.lane(lane)).collect();
+                    let rows: Vec<Vec<f64>> = rows.iter().map(row).collect();
+                    reduce_values(*taking, *power, &rows).map_or(f64::NAN, |r| r.value)
+                }
+            });
+        }
+        numbers.split_off(family.mechanism().inputs.len())
+    }
+
+    /// The measures of a lane's poses, by what measures poses of one design.
+    fn measured_plainly(&self, lane: usize, designs: &[Vec<f64>]) -> Option<Vec<f64>> {
+        let pose = |pose: &Vec<Octet>| pose.iter().map(|c| c.lane(lane)).collect();
+        let poses = self.poses.iter().map(pose).collect();
+        let stand = self.anchors.stand.approached(designs[lane].clone(), poses);
+        Some(self.plain.measure(&stand).ok()?.measures)
+    }
+}
+
+/// Designs that are posed at a time.
+pub const AT_A_TIME: usize = LANES;

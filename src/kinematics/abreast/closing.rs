@@ -1,0 +1,151 @@
+//! Newton's method in eight lanes, block by block, as `solve/newton` has it: a lane rests once it is closed, and leaves where
+//! its steps do not shrink.
+
+use super::anchor::{Anchor, BlockAnchor};
+use super::block_values::{BlockValues, LaneBlock};
+use super::factors::Factors;
+use crate::kinematics::solve::closure::CLOSURE_TOLERANCE;
+use crate::kinematics::solve::newton::{CONTRACTION, ROUNDING_FLOOR};
+use crate::kinematics::structure::system::System;
+use crate::numbers::octet::{LANES, LaneMask, Octet};
+
+/// Most iterations: three close what is predicted well; a lane that needs more holds up its neighbours.
+const MOST_ITERATIONS: usize = 6;
+
+/// Closes poses of one system in eight lanes; one for each thread.
+#[derive(Clone, Debug)]
+pub struct LaneSolver<'s> {
+    system: &'s System,
+    blocks: Vec<LaneBlock<'s>>,
+    values: BlockValues,
+    factors: Factors,
+    pose: Vec<f64>,
+}
+
+/// What became of eight corrections.
+#[derive(Clone, Copy, Debug)]
+pub struct ClosedLanes {
+    /// Those that are closed and beside their anchor; of the others nothing is known.
+    pub lanes: LaneMask,
+    /// Largest first step of a block in scaled unknowns: the error of the prediction.
+    pub first_step: Octet,
+}
+
+impl<'s> LaneSolver<'s> {
+    /// Buffers for `system`.
+    pub fn new(system: &'s System) -> Self {
+        let mechanism = system.mechanism();
+        let blocks = system.blocks().iter();
+        Self {
+            blocks: blocks.map(|b| LaneBlock::new(mechanism, b)).collect(),
+            values: BlockValues::default(),
+            factors: Factors::default(),
+            pose: Vec::new(),
+            system,
+        }
+    }
+
+    /// Corrects the unknowns of `lanes` beside `anchor` until all loops close; the inputs stay.
+    pub fn close(
+        &mut self,
+        anchor: &Anchor,
+        coordinates: &mut [Octet],
+        lanes: LaneMask,
+    ) -> ClosedLanes {
+        let mut closed = ClosedLanes {
+            lanes,
+            first_step: Octet::ZERO,
+        };
+        for (index, block) in anchor.blocks.iter().enumerate() {
+            let part = self.close_block(index, block, coordinates, closed.lanes);
+            closed.lanes = block.beside(&self.values.jacobian, part.lanes);
+            closed.first_step = closed.first_step.larger_magnitude(part.first_step);
+            if !closed.lanes.any() {
+                return closed;
+            }
+        }
+        closed.lanes = self.unlocked(anchor, coordinates, closed.lanes);
+        closed
+    }
+
+    fn close_block(
+        &mut self,
+        index: usize,
+        anchor: &BlockAnchor,
+        coordinates: &mut [Octet],
+        mut lanes: LaneMask,
+    ) -> ClosedLanes {
+        let (values, factors) = (&mut self.values, &mut self.factors);
+        let lane_block = &self.blocks[index];
+        let plan = &lane_block.block.plan;
+        let floor = Octet::splat(ROUNDING_FLOOR);
+        let (mut done, mut first_step) = (LaneMask::NONE, Octet::ZERO);
+        let mut last = Octet::splat(f64::INFINITY);
+        for iteration in 0..=MOST_ITERATIONS {
+            values.evaluate(lane_block, coordinates, iteration > 0);
+            let open = lanes.without(done);
+            if !open.any() {
+                break;
+            }
+            if iteration == MOST_ITERATIONS {
+                lanes = lanes.and(done);
+                break;
+            }
+            let at_floor = largest(&values.residual).at_most(floor);
+            let (is_good, pivot) = factors.factor(&values.jacobian, &anchor.order);
+            factors.solve(&values.residual, &anchor.order);
+            let size = largest(&factors.step);
+            if iteration == 0 {
+                first_step = size;
+            }
+            let shrinks = size.at_most(last * CONTRACTION).or(at_floor);
+            lanes = lanes.and(done.or(is_good.and(shrinks)));
+            let open = lanes.without(done);
+            for ((unknown, scale), step) in (lane_block.block.unknowns.iter())
+                .zip(&plan.scales)
+                .zip(&factors.step)
+            {
+                let before = coordinates[*unknown];
+                coordinates[*unknown] = open.choose(before + *step * *scale, before);
+            }
+            // Quadratic convergence: what is left after this step is about step²/σ.
+            done = done
+                .or(at_floor)
+                .or((size * size).at_most(pivot * ROUNDING_FLOOR));
+            last = size;
+        }
+        let residual = largest(&values.residual);
+        ClosedLanes {
+            lanes: lanes.and(residual.at_most(Octet::splat(CLOSURE_TOLERANCE))),
+            first_step,
+        }
+    }
+
+    /// Those of `lanes` in which no ball joint is near a pose where its angles are locked, nor beyond one.
+    fn unlocked(
+        &mut self,
+        anchor: &Anchor,
+        coordinates: &[Octet],
+        mut lanes: LaneMask,
+    ) -> LaneMask {
+        let balls = self.system.balls();
+        for lane in (0..LANES).filter(|_| !balls.is_empty()) {
+            self.pose.clear();
+            self.pose.extend(coordinates.iter().map(|c| c.lane(lane)));
+            let pose = &self.pose;
+            if balls
+                .iter()
+                .any(|b| b.may_have_locked(&anchor.coordinates, pose))
+            {
+                lanes = lanes.except(lane);
+            }
+        }
+        lanes
+    }
+}
+
+/// The largest magnitude of every lane; NaN where there is none.
+fn largest(values: &[Octet]) -> Octet {
+    let larger = |m: Octet, v: &Octet| m.larger_magnitude(*v);
+    values.iter().fold(Octet::ZERO, larger)
+}
