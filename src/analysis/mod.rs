@@ -6,6 +6,7 @@ pub mod enclosure;
 pub mod extremes;
 pub mod observer;
 pub mod optimise;
+pub mod piece_sums;
 pub mod random;
 pub mod reference;
 pub mod routes;

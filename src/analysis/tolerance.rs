@@ -215,34 +215,61 @@ pub fn sorted_quantile(values: &[f64], share: f64) -> f64 {
     }
 }
 
-/// Mean, deviation and quantiles of one measure over the pieces that assemble.
+/// What pieces tell of one measure.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Scatter {
+pub struct MeasureScatter {
     /// Mean.
     pub mean: f64,
     /// Standard deviation.
     pub deviation: f64,
-    /// Values at the asked shares.
-    pub quantiles: Vec<f64>,
+    /// Between which two numbers the values at the asked shares lie; twice the same where every value is known.
+    pub quantiles: Vec<[f64; 2]>,
+    /// Least and greatest value.
+    pub found: [f64; 2],
+}
+
+/// What pieces tell.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PieceSummary {
+    /// Pieces made.
+    pub made: u64,
+    /// Pieces that cannot be assembled, or have a measure without a value.
+    pub failed: u64,
+    /// Pieces that keep all requirements.
+    pub good: u64,
+    /// A number made of all values.
+    pub digest: u64,
+    /// Every measure over the pieces that assemble; `None` if there are none.
+    pub measures: Vec<Option<MeasureScatter>>,
 }
 
 impl Pieces {
+    /// What they tell, with quantiles at `shares` (0 to 1).
+    pub fn summary(&self, shares: &[f64]) -> PieceSummary {
+        let measures = (0..self.measures).map(|index| self.scatter(index, shares));
+        PieceSummary {
+            made: self.made as u64,
+            failed: self.failed as u64,
+            good: self.good as u64,
+            digest: self.digest,
+            measures: measures.collect(),
+        }
+    }
+
     /// The scatter of measure `index`, with quantiles at `shares` (0 to 1).
-    pub fn scatter(&self, index: usize, shares: &[f64]) -> Option<Scatter> {
+    pub fn scatter(&self, index: usize, shares: &[f64]) -> Option<MeasureScatter> {
         let column = self.values.iter().skip(index).step_by(self.measures.max(1));
         let mut values: Vec<f64> = column.copied().filter(|v| !v.is_nan()).collect();
-        if values.is_empty() {
-            return None;
-        }
         let count = values.len() as f64;
         let mean = values.iter().sum::<f64>() / count;
         let square: f64 = values.iter().map(|v| (v - mean) * (v - mean)).sum();
         values.sort_unstable_by(f64::total_cmp);
-        let at = |share: &f64| sorted_quantile(&values, *share);
-        Some(Scatter {
+        let at = |share: &f64| [sorted_quantile(&values, *share); 2];
+        Some(MeasureScatter {
             mean,
             deviation: (square / (count - 1.0).max(1.0)).sqrt(),
             quantiles: shares.iter().map(at).collect(),
+            found: [*values.first()?, *values.last()?],
         })
     }
 }

@@ -2,6 +2,7 @@
 
 use super::enclosure::{MOST_DIMENSIONS, MeasureBand, Plan, enclose_measures};
 use super::extremes::found_extremes;
+use super::piece_sums::Bins;
 use super::study::{
     Evaluator, FamilyError, LoadedStudy, Nominal, NominalStudy, ParametricMechanism,
 };
@@ -18,16 +19,16 @@ pub struct ToleranceStudy<'a> {
     pub tolerances: Vec<f64>,
     /// The linear scatter of every measure.
     pub linear: Vec<Linear>,
-    /// Least and greatest value of every measure at corners of the tolerances.
+    /// Least and greatest value of every measure at corners of the tolerances, once they were looked for.
     corners: Vec<[f64; 2]>,
-    /// What no piece is beyond; empty where that is not proved.
+    /// What no piece is beyond; empty where that is not proved, or not yet.
     bands: Vec<MeasureBand>,
     batch: SampleBatch,
 }
 
 impl<'a> ToleranceStudy<'a> {
-    /// Everything but the random pieces of `batch`. `general` is the tolerance of variables that have none of their own, in
-    /// the file's units. Once `cancel` is raised no more corners are tried, and no bands are proved.
+    /// What is needed to make the random pieces of `batch`. `general` is the tolerance of variables that have none of their own, in
+    /// the file's units.
     ///
     /// # Errors
     /// A variable without a tolerance; poses or measures that do not exist with the file's values.
@@ -35,21 +36,37 @@ impl<'a> ToleranceStudy<'a> {
         study: &'a LoadedStudy,
         general: Option<f64>,
         batch: SampleBatch,
-        cancel: &AtomicBool,
     ) -> Result<Self, FamilyError> {
         let tolerances = study.tolerances(general)?;
         let nominal = study.nominal()?;
-        let mut evaluator = Evaluator::new(&study.family);
-        let (poses, gradients) = (&nominal.poses, &nominal.gradients);
         Ok(Self {
-            linear: linear_tolerance(gradients, &tolerances, batch.distribution),
-            corners: found_extremes(&mut evaluator, poses, gradients, &tolerances, cancel),
-            bands: never_beyond(&study.family, &nominal.drawn, &tolerances, cancel),
+            linear: linear_tolerance(&nominal.gradients, &tolerances, batch.distribution),
+            corners: Vec::new(),
+            bands: Vec::new(),
             study,
             nominal,
             tolerances,
             batch,
         })
+    }
+
+    /// The same with what is found at corners of the tolerances, and what is proved of all pieces within. Once `cancel` is raised no
+    /// more corners are tried, and no bands are proved.
+    pub fn with_extremes(mut self, cancel: &AtomicBool) -> Self {
+        let family = &self.study.family;
+        let (poses, gradients) = (&self.nominal.poses, &self.nominal.gradients);
+        let mut evaluator = Evaluator::new(family);
+        self.corners = found_extremes(&mut evaluator, poses, gradients, &self.tolerances, cancel);
+        self.bands = never_beyond(family, &self.nominal.drawn, &self.tolerances, cancel);
+        self
+    }
+
+    /// Where the values of every measure are counted.
+    pub fn bins(&self) -> Vec<Bins> {
+        let measures = self.nominal.gradients.measures.iter().zip(&self.linear);
+        measures
+            .map(|(nominal, linear)| Bins::new(*nominal, linear.linear_sum))
+            .collect()
     }
 
     /// How many pieces were asked for, and how they scatter.
@@ -59,16 +76,27 @@ impl<'a> ToleranceStudy<'a> {
 
     /// The random pieces; those made so far if `cancel` is raised. `watch` hears now and then how many there are.
     pub fn pieces(&self, cancel: &AtomicBool, watch: &dyn Fn(usize)) -> Pieces {
-        let (family, poses) = (&self.study.family, &self.nominal.poses);
-        sample_pieces(family, poses, &self.tolerances, self.batch, cancel, watch)
+        self.pieces_of(self.batch, cancel, watch)
     }
 
-    /// The least and greatest value of a measure among pieces and corners.
-    pub fn found(&self, pieces: &Pieces, measure: usize) -> [f64; 2] {
-        let values = pieces.values.iter().skip(measure);
-        let values = values.step_by(pieces.measures.max(1));
-        // The comparison leaves out pieces without a value.
-        values.fold(self.corners[measure], |[lo, hi], v| [v.min(lo), v.max(hi)])
+    /// The pieces of another batch.
+    pub fn pieces_of(
+        &self,
+        batch: SampleBatch,
+        cancel: &AtomicBool,
+        watch: &dyn Fn(usize),
+    ) -> Pieces {
+        let (family, poses) = (&self.study.family, &self.nominal.poses);
+        sample_pieces(family, poses, &self.tolerances, batch, cancel, watch)
+    }
+
+    /// The least and greatest value of a measure among pieces, where they are known, and corners.
+    pub fn found(&self, measure: usize, pieces: Option<[f64; 2]>) -> [f64; 2] {
+        let corners = self.corners.get(measure).copied();
+        let known = corners.into_iter().chain(pieces);
+        known.fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], [a, b]| {
+            [lo.min(a), hi.max(b)]
+        })
     }
 
     /// What a measure of no piece is below, and above; an end is infinite where that is not proved.

@@ -5,7 +5,7 @@ use crate::analysis::study::LoadedStudy;
 use crate::analysis::tolerance::{Distribution, SampleBatch};
 use crate::analysis::tolerance_study::ToleranceStudy;
 use crate::jobs::core_count;
-use crate::report::tolerance::ToleranceReport;
+use crate::report::tolerance::{SHARES, ToleranceReport};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
@@ -77,12 +77,13 @@ impl Tolerance {
             threads: core_count(),
         };
         let begun = Instant::now();
-        let study = ToleranceStudy::new(loaded, options.tolerance, batch, cancel)?;
-        let pieces = study.pieces(cancel, &|_| {});
+        let study = ToleranceStudy::new(loaded, options.tolerance, batch)?.with_extremes(cancel);
+        let pieces = study.pieces(cancel, &|_| {}).summary(&SHARES);
         let report = ToleranceReport {
             study: &study,
             pieces: &pieces,
-            seconds: begun.elapsed().as_secs_f64(),
+            first: 0,
+            seconds: Some(begun.elapsed().as_secs_f64()),
         };
         let list = loaded.family.measures.list.iter().enumerate();
         Ok(Self {
@@ -155,7 +156,7 @@ fn scatter(report: &ToleranceReport, index: usize) -> MeasureScatter {
     let measure = &family.measures.list[index];
     let shown = |value: f64| family.shown(measure, value);
     let linear = &study.linear[index];
-    let found = pieces.scatter(index, &[]);
+    let found = pieces.measures.get(index).and_then(Option::as_ref);
     let [mean, deviation] = found.map_or([f64::NAN; 2], |s| [s.mean, s.deviation]);
     MeasureScatter {
         name: measure.name.clone(),
@@ -164,7 +165,7 @@ fn scatter(report: &ToleranceReport, index: usize) -> MeasureScatter {
         linear_sum: shown(linear.linear_sum),
         mean: shown(mean),
         deviation: shown(deviation),
-        found: study.found(pieces, index).map(shown),
+        found: study.found(index, found.map(|s| s.found)).map(shown),
         band: report.proved_ends(index, measure.kind),
     }
 }

@@ -3,6 +3,7 @@
 use super::error::PartsError;
 use super::folder::Folder;
 use super::part::Part;
+use super::plan::Keeps;
 use std::ops::Range;
 
 /// Takes an item and its numbers.
@@ -25,20 +26,22 @@ impl Merge {
     pub fn new(folder: &Folder) -> Result<Self, PartsError> {
         let (parts, mut faults) = folder.parts()?;
         let mut next = 0;
-        let mut missing = |items: Range<u64>| {
+        let mut said = |items: Range<u64>, what: &str| {
             if !items.is_empty() {
-                faults.push(format!(
-                    "items {} to {}: missing",
-                    items.start,
-                    items.end - 1
-                ));
+                let (first, last) = (items.start, items.end - 1);
+                faults.push(format!("items {first} to {last}: {what}"));
             }
         };
         for part in &parts {
-            missing(next..part.items.start);
+            said(next..part.items.start, "missing");
+            if folder.plan.keeps == Keeps::Sums {
+                // What is added up cannot be held against each other item by item.
+                let common = part.items.start..next.min(part.items.end);
+                said(common, "in two parts, of sums");
+            }
             next = next.max(part.items.end);
         }
-        missing(next..folder.plan.items);
+        said(next..folder.plan.items, "missing");
         match faults.is_empty() {
             true => Ok(Self {
                 parts,
@@ -67,6 +70,19 @@ impl Merge {
                 give(item, row)?;
             }
             next = next.max(part.items.end);
+        }
+        Ok(())
+    }
+
+    /// Hands out the numbers of every part, in the order of their items. One part is held at a time.
+    ///
+    /// Errors: a part whose bytes have changed; what `give` says.
+    pub fn each_part<E: From<PartsError>>(
+        &self,
+        give: &mut dyn FnMut(&[f64]) -> Result<(), E>,
+    ) -> Result<(), E> {
+        for part in &self.parts {
+            give(&part.numbers().map_err(as_fault)?)?;
         }
         Ok(())
     }

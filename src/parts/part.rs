@@ -1,7 +1,8 @@
 //! A part: the numbers of consecutive items in one file, with the identity of their study before them and a digest of
 //! everything behind.
 //!
-//! Line of JSON, then eight bytes a number, the least first, item after item, then 32 bytes of SHA-256.
+//! Line of JSON, then eight bytes a number, the least first, item after item (or those of all items together), then 32 bytes of
+//! SHA-256.
 
 use super::error::PartsError;
 use super::identity::digest;
@@ -117,7 +118,7 @@ impl Part {
         if start >= end || end > plan.items {
             return Err(foreign("holds items that the study does not have"));
         }
-        let body = (end - start) * plan.width * 8;
+        let body = plan.numbers(end - start) * 8;
         if length != line.len() as u64 + body + DIGEST as u64 {
             return Err(foreign("is broken: it is not as long as its items"));
         }

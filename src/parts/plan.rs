@@ -11,6 +11,24 @@ const SCHEMA: &str = "mechanim-study/1";
 /// The program that makes and reads parts. Its numbers are held to be those of no other version.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
+/// What a part keeps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Keeps {
+    /// The numbers of every item.
+    Items,
+    /// The numbers of all its items together, which are put together by whoever knows what they mean.
+    Sums,
+}
+
+impl Keeps {
+    const WORDS: [(Self, &'static str); 2] = [(Self::Items, "items"), (Self::Sums, "sums")];
+
+    fn word(self) -> &'static str {
+        let known = Self::WORDS.iter().find(|(keeps, _)| *keeps == self);
+        known.map_or("", |(_, word)| word)
+    }
+}
+
 /// What a study does.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Plan {
@@ -30,7 +48,9 @@ pub struct Plan {
     pub items: u64,
     /// Items of a unit; the last one may have fewer.
     pub unit: u64,
-    /// Numbers of an item.
+    /// What its parts keep.
+    pub keeps: Keeps,
+    /// Numbers of an item, or of a part that keeps sums.
     pub width: u64,
 }
 
@@ -46,6 +66,14 @@ impl Plan {
         first..self.items.min(first + self.unit)
     }
 
+    /// Numbers of a part with so many items.
+    pub fn numbers(&self, items: u64) -> u64 {
+        match self.keeps {
+            Keeps::Items => items * self.width,
+            Keeps::Sums => self.width,
+        }
+    }
+
     /// As the folder keeps it.
     pub fn document(&self) -> Value {
         json!({
@@ -59,7 +87,8 @@ impl Plan {
             "items": self.items,
             "items_of_a_unit": self.unit,
             "units": self.units(),
-            "numbers_of_an_item": self.width,
+            "keeps": self.keeps.word(),
+            "numbers": self.width,
         })
     }
 
@@ -94,7 +123,8 @@ impl Plan {
             version: word("version")?,
             items: number("items")?,
             unit: number("items_of_a_unit")?,
-            width: number("numbers_of_an_item")?,
+            keeps: kept(&document).ok_or_else(|| bad("`keeps` is no known word".to_owned()))?,
+            width: number("numbers")?,
         };
         if plan.version != VERSION {
             return Err(PartsError::Foreign {
@@ -107,4 +137,10 @@ impl Plan {
         }
         Ok(plan)
     }
+}
+
+fn kept(document: &Value) -> Option<Keeps> {
+    let word = document["keeps"].as_str()?;
+    let known = Keeps::WORDS.iter().find(|(_, other)| *other == word);
+    known.map(|(keeps, _)| *keeps)
 }

@@ -3,7 +3,7 @@
 use super::cells::{aligned_rows, quoted_cell, six_digits};
 use super::enclosure::{outer_end, rounded_end};
 use crate::analysis::study::ParametricMechanism;
-use crate::analysis::tolerance::Pieces;
+use crate::analysis::tolerance::{PieceSummary, Pieces};
 use crate::analysis::tolerance_study::ToleranceStudy;
 use crate::model::measure::Measure;
 use crate::model::mechanism::Kind;
@@ -14,7 +14,7 @@ use std::io::Write;
 const SCHEMA: u32 = 1;
 
 /// Shares at which quantiles are given.
-const SHARES: [f64; 5] = [0.001, 0.05, 0.5, 0.95, 0.999];
+pub const SHARES: [f64; 5] = [0.001, 0.05, 0.5, 0.95, 0.999];
 
 /// Heads of the table.
 const HEADS: [&str; 15] = [
@@ -42,14 +42,19 @@ the linear rule expects.
 Found: of the pieces and of corners within the tolerances. Never beyond: proved for all pieces within their tolerances.
 ";
 
-/// A study with its random pieces.
+/// What the ends of a quantile mean where pieces were counted.
+const COUNTED: &str = "Quantiles lie between two numbers: values were counted in bins, and the 64 last ones on either side kept.\n";
+
+/// A study with what its random pieces tell at [`SHARES`].
 pub struct ToleranceReport<'a> {
     /// The study.
     pub study: &'a ToleranceStudy<'a>,
-    /// The pieces.
-    pub pieces: &'a Pieces,
-    /// What they took.
-    pub seconds: f64,
+    /// What the pieces tell.
+    pub pieces: &'a PieceSummary,
+    /// Number of the first piece.
+    pub first: u64,
+    /// What they took, if anybody wants to know.
+    pub seconds: Option<f64>,
 }
 
 impl ToleranceReport<'_> {
@@ -80,17 +85,29 @@ impl ToleranceReport<'_> {
                 pieces.good
             ));
         }
-        text.push_str(&format!(
-            "Digest {:016x}; {:.2} s.\n",
-            pieces.digest, self.seconds
-        ));
+        if !self.are_known() {
+            text.push_str(COUNTED);
+        }
+        text.push_str(&format!("Digest {:016x}", pieces.digest));
+        match self.seconds {
+            Some(seconds) => text.push_str(&format!("; {seconds:.2} s.\n")),
+            None => text.push_str(".\n"),
+        }
         text
+    }
+
+    /// Whether quantiles are numbers; else intervals.
+    fn are_known(&self) -> bool {
+        let measures = self.pieces.measures.iter().flatten();
+        measures
+            .flat_map(|m| &m.quantiles)
+            .all(|[low, high]| low == high)
     }
 
     /// A measure's row of the table; `None` if no piece can be assembled.
     fn row(&self, index: usize, measure: &Measure) -> Option<Vec<String>> {
         let unit = self.family().units(measure.kind);
-        let scatter = self.pieces.scatter(index, &SHARES)?;
+        let scatter = self.pieces.measures.get(index)?.as_ref()?;
         let (study, linear) = (self.study, self.study.linear[index]);
         let numbers = [
             study.nominal.gradients.measures[index],
@@ -99,10 +116,17 @@ impl ToleranceReport<'_> {
             scatter.deviation,
             linear.deviation,
         ];
-        let found = study.found(self.pieces, index);
-        let numbers = numbers.iter().chain(&scatter.quantiles).chain(&found);
+        let shown = |v: f64| six_digits(v * unit);
         let mut row = vec![measure.name.clone()];
-        row.extend(numbers.map(|v| six_digits(v * unit)));
+        row.extend(numbers.map(shown));
+        row.extend(scatter.quantiles.iter().map(|ends| {
+            let [low, high] = ends.map(shown);
+            match low == high {
+                true => low,
+                false => format!("{low}..{high}"),
+            }
+        }));
+        row.extend(study.found(index, Some(scatter.found)).map(shown));
         row.extend(self.never_beyond(index, measure.kind));
         Some(row)
     }
@@ -127,7 +151,7 @@ impl ToleranceReport<'_> {
 
     /// For machines.
     pub fn document(&self) -> Value {
-        let (family, pieces, batch) = (self.family(), self.pieces, self.study.batch());
+        let (family, pieces) = (self.family(), self.pieces);
         let list = family.measures.list.iter().enumerate();
         let measures = list.map(|(index, m)| (m.name.clone(), self.measure_object(index, m)));
         let variables = family.study.variables.iter();
@@ -136,8 +160,8 @@ impl ToleranceReport<'_> {
             "title": family.mechanism().title,
             "dimensions": variables.map(|v| v.name.as_str()).collect::<Vec<_>>(),
             "samples": pieces.made,
-            "first": batch.first,
-            "seed": batch.seed,
+            "first": self.first,
+            "seed": self.study.batch().seed,
             "failed": pieces.failed,
             "good": pieces.good,
             "digest": format!("{:016x}", pieces.digest),
@@ -148,10 +172,17 @@ impl ToleranceReport<'_> {
     fn measure_object(&self, index: usize, measure: &Measure) -> Value {
         let unit = self.family().units(measure.kind);
         let linear = self.study.linear[index];
-        let scatter = self.pieces.scatter(index, &SHARES);
-        let quantiles = scatter.as_ref().map(|s| {
+        let scatter = self.pieces.measures.get(index).and_then(Option::as_ref);
+        let quantiles = scatter.map(|s| {
             let pairs = SHARES.iter().zip(&s.quantiles);
-            let pairs = pairs.map(|(share, v)| (share.to_string(), json!(v * unit)));
+            let pairs = pairs.map(|(share, ends)| {
+                let [low, high] = ends.map(|v| v * unit);
+                let value = match self.are_known() {
+                    true => json!(low),
+                    false => json!([low, high]),
+                };
+                (share.to_string(), value)
+            });
             pairs.collect::<Map<String, Value>>()
         });
         json!({
@@ -159,26 +190,25 @@ impl ToleranceReport<'_> {
             "root_sum_square": linear.root_sum_square * unit,
             "linear_sum": linear.linear_sum * unit,
             "linear_deviation": linear.deviation * unit,
-            "mean": scatter.as_ref().map(|s| s.mean * unit),
-            "deviation": scatter.as_ref().map(|s| s.deviation * unit),
+            "mean": scatter.map(|s| s.mean * unit),
+            "deviation": scatter.map(|s| s.deviation * unit),
             "quantiles": quantiles,
-            "found": self.study.found(self.pieces, index).map(|v| v * unit),
+            "found": self.study.found(index, scatter.map(|s| s.found)).map(|v| v * unit),
             "never_beyond": self.proved_ends(index, measure.kind),
         })
     }
 
-    /// The measures of every piece, a row each.
+    /// The measures of every one of `pieces`, a row each.
     ///
     /// # Errors
     /// What cannot be written.
-    pub fn write_csv(&self, target: &mut dyn Write) -> std::io::Result<()> {
+    pub fn write_csv(&self, pieces: &Pieces, target: &mut dyn Write) -> std::io::Result<()> {
         let family = self.family();
         let measures = &family.measures.list;
         let names: Vec<String> = measures.iter().map(|m| quoted_cell(&m.name)).collect();
         writeln!(target, "piece,{}", names.join(","))?;
-        let first = self.study.batch().first;
-        for (item, piece) in self.pieces.values.chunks_exact(measures.len()).enumerate() {
-            write!(target, "{}", first + item)?;
+        for (item, piece) in pieces.values.chunks_exact(measures.len()).enumerate() {
+            write!(target, "{}", self.first + item as u64)?;
             for (measure, value) in measures.iter().zip(piece) {
                 match value.is_nan() {
                     true => write!(target, ",")?,

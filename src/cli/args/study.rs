@@ -39,9 +39,9 @@ pub struct SensitivityArgs {
     pub out: Option<PathBuf>,
 }
 
-/// `mechanim tolerance`
+/// What scatters, and how: everything that the numbers of a piece depend on.
 #[derive(Debug, Args)]
-pub struct ToleranceArgs {
+pub struct ScatterArgs {
     /// The scene.
     #[command(flatten)]
     pub scene: SceneArgs,
@@ -51,18 +51,26 @@ pub struct ToleranceArgs {
     /// Tolerance of every dimension that has none of its own: half the width, in the dimension's unit.
     #[arg(long, value_name = "VALUE", value_parser = half_width)]
     pub tolerance: Option<f64>,
-    /// Number of random pieces.
-    #[arg(long = "pieces", alias = "samples", value_name = "N", default_value_t = 10_000, value_parser = piece_count)]
-    pub samples: usize,
-    /// Number of the first piece: runs on several machines can share the work.
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub first: usize,
     /// How a dimension scatters within its tolerance (normal: the tolerance is three deviations).
     #[arg(long, value_enum, default_value_t = DistributionArg::Uniform)]
     pub distribution: DistributionArg,
     /// Seed of the random numbers.
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
+}
+
+/// `mechanim tolerance`
+#[derive(Debug, Args)]
+pub struct ToleranceArgs {
+    /// What scatters.
+    #[command(flatten)]
+    pub scatter: ScatterArgs,
+    /// Number of random pieces.
+    #[arg(long = "pieces", alias = "samples", value_name = "N", default_value_t = 10_000, value_parser = piece_count)]
+    pub samples: usize,
+    /// Number of the first piece: runs on several machines can share the work.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub first: usize,
     /// Worker threads; all cores if absent. The numbers do not depend on it.
     #[arg(long, value_name = "N", value_parser = thread_count)]
     pub threads: Option<usize>,

@@ -2,7 +2,7 @@
 
 use super::files::ProgressArg;
 use super::scene::SceneArgs;
-use super::study::{thread_count, whole_between};
+use super::study::{ScatterArgs, thread_count, whole_between};
 use super::values::{frame_count, named_word};
 use crate::model::theme::Theme;
 use crate::sweep::design_text::read_count;
@@ -125,7 +125,8 @@ pub enum StudyCommand {
         #[arg(long)]
         json: bool,
     },
-    /// Put the parts together: the same bytes as of a run in one piece, whatever the units were.
+    /// Put the parts together: the same bytes as of a run in one piece, whatever the units were. Of the pieces of a tolerance
+    /// --out writes the report, as .json.
     Merge(MergeArgs),
     /// Write the scripts with which a cluster does the study, and hand them to it.
     Submit(SubmitArgs),
@@ -141,6 +142,8 @@ const RUN_EXAMPLES: &str = "Examples:
 pub enum PlannedVerb {
     /// A sweep: see `mechanim sweep --help`.
     Sweep(PlanSweepArgs),
+    /// Random pieces: see `mechanim tolerance --help`.
+    Tolerance(PlanToleranceArgs),
 }
 
 /// `mechanim study plan sweep`
@@ -149,6 +152,28 @@ pub struct PlanSweepArgs {
     /// What is swept.
     #[command(flatten)]
     pub asked: SweepAsked,
+    /// How it is cut.
+    #[command(flatten)]
+    pub cut: CutArgs,
+}
+
+/// `mechanim study plan tolerance`
+#[derive(Debug, Args)]
+pub struct PlanToleranceArgs {
+    /// What scatters.
+    #[command(flatten)]
+    pub scatter: ScatterArgs,
+    /// Number of random pieces, such as 1e8.
+    #[arg(long, alias = "samples", value_name = "N", default_value = "10000", value_parser = read_count)]
+    pub pieces: u64,
+    /// How it is cut.
+    #[command(flatten)]
+    pub cut: CutArgs,
+}
+
+/// How a study is cut into units, and where it lies.
+#[derive(Debug, Args)]
+pub struct CutArgs {
     /// Number of units, at most; units of about half a minute if absent.
     #[arg(long, value_name = "N", value_parser = read_count)]
     pub units: Option<u64>,

@@ -1,27 +1,27 @@
 //! Opening a sweep: the scene, the designs, what is asked of them, and the plan by which its rows are known.
 
 use super::cells::Cells;
+use super::planned::{
+    SCENE_FILE, cannot_read, mesh_bytes, mesh_folder, planned_text, refuse_table, scene_arguments,
+};
 use super::scene::text_of;
 use super::study::nominal_of;
 use crate::analysis::study::DRIVE_SAMPLES;
-use crate::cli::args::scene::ModeChoice;
 use crate::cli::args::sweep::SweepAsked;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
 use crate::diag::Source;
 use crate::kinematics::motion::sampling::allow_samples;
-use crate::model::mechanism::Mechanism;
-use crate::model::shape::Solid;
 use crate::model::study::Variable;
 use crate::parts::identity::identity;
-use crate::parts::plan::{Plan, VERSION};
+use crate::parts::plan::{Keeps, Plan, VERSION};
 use crate::scene::source::open_input;
 use crate::scene::{Overrides, Scene};
 use crate::sweep::design::Design;
 use crate::sweep::design_text::{OwnRange, is_written_out, read_design};
 use crate::sweep::swept_scene::{Asked, Instants, Sweep};
 use std::io::{BufReader, Read};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// The verb, as plans name it.
 pub const VERB: &str = "sweep";
@@ -29,8 +29,7 @@ pub const VERB: &str = "sweep";
 /// Instants of values where nothing is said.
 const OUTPUT_SAMPLES: usize = 60;
 
-/// Names of files beside a plan.
-pub const SCENE_FILE: &str = "scene.toml";
+/// Name of the table of designs beside a plan.
 const DESIGN_FILE: &str = "design.csv";
 
 /// Largest table of designs: as many bytes as a run should read before it begins.
@@ -63,31 +62,12 @@ pub fn open_planned(
     folder: &Path,
     term: &Term,
 ) -> Result<OpenSweep, Failure> {
-    let place = folder.join(SCENE_FILE);
-    let text = std::fs::read_to_string(&place).map_err(|e| cannot_read(&place, &e))?;
-    let source = Source {
-        name: plan.scene.clone(),
-        text,
-    };
-    let overrides = changes(asked, PathBuf::from(&plan.meshes));
+    let (source, overrides) = planned_text(&asked.scene, plan, folder)?;
     let table = match is_written_out(&asked.design) {
         true => None,
         false => Some(read_table(&folder.join(DESIGN_FILE))?),
     };
     open(asked, source, overrides, table, term)
-}
-
-/// What the arguments change in a scene whose meshes are in `folder`.
-fn changes(asked: &SweepAsked, folder: PathBuf) -> Overrides {
-    let scene = &asked.scene;
-    Overrides {
-        parameters: scene.parameters.clone(),
-        inputs: scene.inputs.clone(),
-        guess: scene.guess.clone(),
-        folder,
-        allowed_folders: scene.allowed.clone(),
-        ..Overrides::default()
-    }
 }
 
 fn open(
@@ -97,11 +77,7 @@ fn open(
     table: Option<Vec<u8>>,
     term: &Term,
 ) -> Result<OpenSweep, Failure> {
-    if asked.scene.table.is_some() {
-        let message = "a sweep follows the scene's own drive: --inputs cannot be used";
-        let hint = "replace a drive with --input NAME=FORMULA";
-        return Err(Failure::usage(message, vec![hint.to_owned()]));
-    }
+    refuse_table(&asked.scene, "a sweep")?;
     let (source, overrides, nominal) = nominal_of(&asked.scene, source, overrides, term)?;
     let own = own_ranges(&nominal);
     let design = match &table {
@@ -123,8 +99,7 @@ fn open(
         ("arguments", joined.as_bytes()),
         ("design", table.as_deref().unwrap_or_default()),
     ]);
-    let folder = overrides.folder.canonicalize();
-    let folder = folder.unwrap_or_else(|_| overrides.folder.clone());
+    let meshes_folder = mesh_folder(&overrides);
     let mut files = vec![(SCENE_FILE, scene_bytes)];
     files.extend(table.map(|bytes| (DESIGN_FILE, bytes)));
     let name = source.name.clone();
@@ -133,11 +108,12 @@ fn open(
         verb: VERB.to_owned(),
         arguments,
         scene: name,
-        meshes: folder.display().to_string(),
+        meshes: meshes_folder,
         identity,
         version: VERSION.to_owned(),
         items: sweep.design.count(),
         unit: sweep.design.count(),
+        keeps: Keeps::Items,
         width: sweep.width() as u64,
     };
     Ok(OpenSweep { sweep, plan, files })
@@ -185,25 +161,7 @@ fn refuse_instants(asked: &Asked, scene: &Scene) -> Result<(), Failure> {
 
 /// The arguments that rows depend on, as they are read again; the same for whatever means the same.
 fn arguments_of(asked: &SweepAsked) -> Vec<String> {
-    let scene = &asked.scene;
-    let mut list = Vec::new();
-    let changed = [
-        ("param", &scene.parameters),
-        ("input", &scene.inputs),
-        ("guess", &scene.guess),
-    ];
-    for (option, pairs) in changed {
-        let named = pairs.iter();
-        list.extend(named.map(|(name, value)| format!("--{option}={name}={value}")));
-    }
-    let allowed = scene.allowed.iter();
-    list.extend(allowed.map(|path| format!("--allow-files={}", path.display())));
-    if let Some(mode) = &scene.mode {
-        list.push(match mode {
-            ModeChoice::Number(number) => format!("--mode={number}"),
-            ModeChoice::Signature(signs) => format!("--mode={signs}"),
-        });
-    }
+    let mut list = scene_arguments(&asked.scene);
     let design = match is_written_out(&asked.design) {
         true => &asked.design,
         false => DESIGN_FILE,
@@ -263,22 +221,6 @@ fn refuse_beyond(design: &Design, own: &[OwnRange]) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The meshes of the scene as numbers: whatever their files are called, these are what counts.
-fn mesh_bytes(mechanism: &Mechanism) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    let shapes = mechanism.bodies.iter().flat_map(|body| &body.shapes);
-    for shape in shapes {
-        if let Solid::Triangles(soup) = &shape.solid {
-            let corners = soup.triangles.iter().flatten();
-            let places = corners.filter_map(|k| soup.vertices.get(*k as usize));
-            for place in places {
-                bytes.extend(place.to_array().iter().flat_map(|v| v.to_le_bytes()));
-            }
-        }
-    }
-    bytes
-}
-
 fn read_table(path: &Path) -> Result<Vec<u8>, Failure> {
     let file = open_input(path).map_err(|e| {
         let known = "a design is grid:…, lhs:…, sobol:… or the name of a table";
@@ -295,13 +237,6 @@ fn read_table(path: &Path) -> Result<Vec<u8>, Failure> {
         return Err(Failure::usage(message, Vec::new()));
     }
     Ok(bytes)
-}
-
-fn cannot_read(path: &Path, error: &std::io::Error) -> Failure {
-    Failure::usage(
-        format!("cannot read {}: {error}", path.display()),
-        Vec::new(),
-    )
 }
 
 /// A table of designs: every column is a parameter, every cell a number.

@@ -85,11 +85,11 @@ pub fn write_cloud(args: &ToleranceArgs, scattered: &ToleranceStudy) -> Result<(
 /// Refuses files that cannot be written before anything is computed.
 pub fn refuse_cloud(args: &ToleranceArgs) -> Result<(), Failure> {
     if let Some(path) = &args.picture {
-        paths::refuse_other(&args.scene, path)?;
+        paths::refuse_other(&args.scatter.scene, path)?;
     }
     if let Some(path) = &args.plot {
         PlotFormat::of(path)?;
-        io::refuse_input(&args.scene, path)?;
+        io::refuse_input(&args.scatter.scene, path)?;
     }
     Ok(())
 }

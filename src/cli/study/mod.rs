@@ -13,4 +13,5 @@ pub mod sweep;
 mod sweep_plot;
 pub mod synthesise;
 pub mod tolerance;
+mod tolerance_units;
 pub mod units;

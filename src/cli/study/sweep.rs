@@ -14,6 +14,7 @@ use crate::jobs::{core_count, share_watched};
 use crate::parts::PartsError;
 use crate::parts::folder::Folder;
 use crate::parts::merge::Merge;
+use crate::parts::plan::Plan;
 use crate::parts::work::{Ended, Share, work_on};
 use crate::sweep::row::Row;
 use crate::sweep::rows::RowWorker;
@@ -92,13 +93,17 @@ fn in_parts(
         }
         Err(error) => return Err(error.into()),
     };
-    refuse_other(&folder, opened)?;
+    refuse_other(&folder, &opened.plan)?;
     let share = Share {
         units: 0..folder.plan.units(),
         begin: 0,
         until: None,
     };
-    if run_share(&folder, &opened.sweep, &share, &args.work, term)? == Ended::Stopped {
+    let make = |items: Range<u64>, watch: &dyn Fn(u64)| {
+        numbers_of(&opened.sweep, items, threads(&args.work), watch)
+    };
+    let progress = Progress::new(args.work.progress, term.quiet()).counting("designs");
+    if run_share(&folder, &share, &make, progress)? == Ended::Stopped {
         let (all, missing) = (folder.plan.units(), folder.missing_units().len() as u64);
         return Err(Failure::Stopped(format!(
             "{} of {all} units are in {}: go on with --resume",
@@ -141,15 +146,16 @@ fn in_memory(
     taker.commit()
 }
 
-/// Does a share of a study, with all threads on one unit.
+/// Gives the numbers of some items, or nothing after Ctrl-C, and says how many of them are made.
+pub type UnitWork<'w> = dyn Fn(Range<u64>, &dyn Fn(u64)) -> Option<Vec<f64>> + 'w;
+
+/// Does a share of a study, with all threads on one unit. `counted` is what its items are.
 pub fn run_share(
     folder: &Folder,
-    sweep: &Sweep,
     share: &Share,
-    work: &WorkArgs,
-    term: &Term,
+    make: &UnitWork,
+    progress: Progress,
 ) -> Result<Ended, Failure> {
-    let progress = Progress::new(work.progress, term.quiet()).counting("designs");
     // Only what this run makes tells how long it will take.
     let units = share.units.clone().filter(|unit| !folder.has(*unit));
     let all: u64 = units
@@ -159,7 +165,7 @@ pub fn run_share(
     let mut compute = |items: Range<u64>| {
         let count = items_in(&items);
         let watch = |made: u64| progress.show((before.get() + made) as usize, all as usize);
-        let numbers = numbers_of(sweep, items, threads(work), &watch);
+        let numbers = make(items, &watch);
         before.set(before.get() + count);
         numbers
     };
@@ -177,8 +183,8 @@ pub fn merge_into(folder: &Folder, taker: &mut RowTaker) -> Result<(), Failure> 
 }
 
 /// The study that lies in a folder must be the one that is asked for.
-pub fn refuse_other(folder: &Folder, opened: &OpenSweep) -> Result<(), Failure> {
-    if folder.plan.identity == opened.plan.identity {
+pub fn refuse_other(folder: &Folder, asked: &Plan) -> Result<(), Failure> {
+    if folder.plan.identity == asked.identity {
         return Ok(());
     }
     Err(Failure::Parts(PartsError::Foreign {
@@ -188,7 +194,7 @@ pub fn refuse_other(folder: &Folder, opened: &OpenSweep) -> Result<(), Failure> 
 }
 
 /// The numbers of some rows; nothing after Ctrl-C. `watch` hears how many are made.
-fn numbers_of(
+pub fn numbers_of(
     sweep: &Sweep,
     items: Range<u64>,
     threads: usize,

@@ -1,18 +1,18 @@
 //! `mechanim tolerance`: linear scatter and random pieces of a study, with yield against the limits of its measures.
 
-use crate::analysis::tolerance::{Distribution, SampleBatch};
 use crate::analysis::tolerance_study::ToleranceStudy;
-use crate::cli::args::study::{DistributionArg, ToleranceArgs};
+use crate::cli::args::study::ToleranceArgs;
 use crate::cli::interrupt::CANCEL;
 use crate::cli::io;
 use crate::cli::open::study::open_study;
+use crate::cli::open::tolerance::batch_of;
 use crate::cli::pictures::tolerance_cloud;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::cli::term::progress::Progress;
 use crate::export::{ExportError, Output, Target};
 use crate::jobs::core_count;
-use crate::report::tolerance::ToleranceReport;
+use crate::report::tolerance::{SHARES, ToleranceReport};
 use std::time::Instant;
 
 /// Runs the verb.
@@ -28,10 +28,13 @@ pub fn run_tolerance(args: &ToleranceArgs, term: &Term) -> Result<Outcome, Failu
         ("--picture", args.picture.as_deref()),
         ("--plot", args.plot.as_deref()),
     ];
-    io::refuse_clashes(&[&args.scene], &reports)?;
-    let loaded = open_study(&args.scene, &args.vary, true, term)?;
+    let scatter = &args.scatter;
+    io::refuse_clashes(&[&scatter.scene], &reports)?;
+    let loaded = open_study(&scatter.scene, &scatter.vary, true, term)?;
     let start = Instant::now();
-    let study = ToleranceStudy::new(&loaded, args.tolerance, asked_batch(args), &CANCEL)?;
+    let threads = args.threads.unwrap_or_else(core_count);
+    let batch = batch_of(scatter, args.samples, args.first, threads);
+    let study = ToleranceStudy::new(&loaded, scatter.tolerance, batch)?.with_extremes(&CANCEL);
     let progress = Progress::new(args.progress, term.quiet()).counting("pieces");
     let watch = |done| progress.show(done, args.samples);
     // The pieces made so far are worth waiting for.
@@ -47,18 +50,19 @@ pub fn run_tolerance(args: &ToleranceArgs, term: &Term) -> Result<Outcome, Failu
     }
     let report = ToleranceReport {
         study: &study,
-        pieces: &pieces,
-        seconds: start.elapsed().as_secs_f64(),
+        pieces: &pieces.summary(&SHARES),
+        first: args.first as u64,
+        seconds: Some(start.elapsed().as_secs_f64()),
     };
     if let Some(path) = &args.csv {
         let mut target = Target::create(&io::unless_complete(path, is_whole))?;
-        let written = report.write_csv(&mut target);
+        let written = report.write_csv(&pieces, &mut target);
         written.map_err(|source| ExportError::write(target.name(), source))?;
         target.commit()?;
     }
     if let Some(path) = &args.json {
         let path = io::unless_complete(path, is_whole);
-        io::write_json(&args.scene, &path, &report.document())?;
+        io::write_json(&scatter.scene, &path, &report.document())?;
     }
     io::print_beside(term, args.json.as_deref(), &report.text())?;
     if !is_whole {
@@ -68,18 +72,4 @@ pub fn run_tolerance(args: &ToleranceArgs, term: &Term) -> Result<Outcome, Failu
         )));
     }
     Ok(Outcome::Done)
-}
-
-/// The pieces asked for.
-fn asked_batch(args: &ToleranceArgs) -> SampleBatch {
-    SampleBatch {
-        samples: args.samples,
-        first: args.first,
-        seed: args.seed,
-        distribution: match args.distribution {
-            DistributionArg::Uniform => Distribution::Uniform,
-            DistributionArg::Normal => Distribution::Normal,
-        },
-        threads: args.threads.unwrap_or_else(core_count),
-    }
 }

@@ -1,16 +1,22 @@
-//! `mechanim study`: a sweep in units, done by any number of machines that see one folder.
+//! `mechanim study`: a sweep, or the pieces of a tolerance, in units, done by any number of machines that see one folder.
 
-use super::submit;
 use super::sweep::{
-    RowTaker, borrowed, merge_into, refuse_format, refuse_other, run_share, unit_size,
+    RowTaker, UnitWork, borrowed, merge_into, numbers_of, refuse_format, refuse_other, run_share,
+    threads, unit_size,
 };
+use super::{submit, tolerance_units};
+use crate::cli::args::study::ScatterArgs;
 use crate::cli::args::sweep::{
-    MergeArgs, PlanSweepArgs, PlannedVerb, RunArgs, StudyCommand, SweepAsked,
+    CutArgs, MergeArgs, PlanSweepArgs, PlanToleranceArgs, PlannedVerb, RunArgs, StudyCommand,
+    SweepAsked,
 };
 use crate::cli::io;
-use crate::cli::open::sweep::{OpenSweep, VERB, open_planned, open_sweep};
+use crate::cli::open::sweep::OpenSweep;
+use crate::cli::open::tolerance::OpenTolerance;
+use crate::cli::open::{sweep, tolerance};
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
+use crate::cli::term::progress::Progress;
 use crate::parts::PartsError;
 use crate::parts::folder::Folder;
 use crate::parts::plan::Plan;
@@ -18,6 +24,7 @@ use crate::parts::ranges::shown_ranges;
 use crate::parts::work::{Ended, Share};
 use clap::Parser;
 use serde_json::json;
+use std::ops::Range;
 use std::path::Path;
 use std::time::{Duration, Instant, SystemTime};
 
@@ -29,6 +36,7 @@ pub fn run_study(command: &StudyCommand, term: &Term) -> Result<Outcome, Failure
     match command {
         StudyCommand::Plan { verb } => match verb {
             PlannedVerb::Sweep(args) => plan_sweep(args, term),
+            PlannedVerb::Tolerance(args) => plan_tolerance(args, term),
         },
         StudyCommand::Run(args) => run_units(args, term),
         StudyCommand::Status { folder, json } => print_status(folder, *json, term),
@@ -38,22 +46,50 @@ pub fn run_study(command: &StudyCommand, term: &Term) -> Result<Outcome, Failure
 }
 
 fn plan_sweep(args: &PlanSweepArgs, term: &Term) -> Result<Outcome, Failure> {
-    let opened = open_sweep(&args.asked, term)?;
-    let mut plan = opened.plan.clone();
-    plan.unit = match args.units {
+    let opened = sweep::open_sweep(&args.asked, term)?;
+    let unit = || Ok(unit_size(&opened.sweep, 1, UNIT_TIME));
+    create(&args.cut, opened.plan.clone(), &opened.files, unit, term)
+}
+
+fn plan_tolerance(args: &PlanToleranceArgs, term: &Term) -> Result<Outcome, Failure> {
+    let opened = tolerance::open_tolerance(&args.scatter, args.pieces, term)?;
+    // What cannot be studied is refused before there is a folder.
+    let study = tolerance_units::study_of(&opened)?;
+    let unit = || Ok(tolerance_units::unit_size(&study, args.pieces, UNIT_TIME));
+    create(&args.cut, opened.plan.clone(), &opened.files, unit, term)
+}
+
+/// Makes the folder of a study whose units have the size that `unit` gives where nothing is said.
+fn create(
+    cut: &CutArgs,
+    mut plan: Plan,
+    files: &[(&'static str, Vec<u8>)],
+    unit: impl FnOnce() -> Result<u64, Failure>,
+    term: &Term,
+) -> Result<Outcome, Failure> {
+    plan.unit = match cut.units {
         Some(units) => plan.items.div_ceil(units),
-        None => unit_size(&opened.sweep, 1, UNIT_TIME),
+        None => unit()?,
     };
-    let folder = Folder::create(&args.out, plan, &borrowed(&opened.files))?;
+    let folder = Folder::create(&cut.out, plan, &borrowed(files))?;
     let text = format!(
-        "{}: {} designs in {} units of {}\n",
-        args.out.display(),
+        "{}: {} {} in {} units of {}\n",
+        cut.out.display(),
         folder.plan.items,
+        counted(&folder.plan),
         folder.plan.units(),
         folder.plan.unit
     );
     io::print_beside(term, None, &text)?;
     Ok(Outcome::Done)
+}
+
+/// What the items of a study are.
+fn counted(plan: &Plan) -> &'static str {
+    match plan.verb == tolerance::VERB {
+        true => "pieces",
+        false => "designs",
+    }
 }
 
 /// The arguments of a plan, read as those of a command.
@@ -64,27 +100,51 @@ struct PlannedSweep {
     asked: SweepAsked,
 }
 
-/// The study in a folder, ready to be worked on.
-fn open_folder(path: &Path, term: &Term) -> Result<(Folder, OpenSweep), Failure> {
+/// The same of pieces.
+#[derive(Parser)]
+#[command(no_binary_name = true)]
+struct PlannedTolerance {
+    #[command(flatten)]
+    scatter: ScatterArgs,
+}
+
+/// A study that is ready to be worked on.
+enum OpenStudy {
+    Sweep(Box<OpenSweep>),
+    Tolerance(Box<OpenTolerance>),
+}
+
+/// The study in a folder.
+fn open_folder(path: &Path, term: &Term) -> Result<(Folder, OpenStudy), Failure> {
     let folder = Folder::open(path)?;
-    let asked = planned(path, &folder.plan)?;
-    let opened = open_planned(&asked, &folder.plan, path, term)?;
-    refuse_other(&folder, &opened)?;
+    let plan = &folder.plan;
+    let opened = match plan.verb.as_str() {
+        sweep::VERB => {
+            let read: PlannedSweep = planned(path, plan)?;
+            let opened = sweep::open_planned(&read.asked, plan, path, term)?;
+            refuse_other(&folder, &opened.plan)?;
+            OpenStudy::Sweep(Box::new(opened))
+        }
+        tolerance::VERB => {
+            let read: PlannedTolerance = planned(path, plan)?;
+            let opened = tolerance::open_planned(&read.scatter, plan, path, term)?;
+            refuse_other(&folder, &opened.plan)?;
+            OpenStudy::Tolerance(Box::new(opened))
+        }
+        other => return Err(bad_plan(path, format!("no study does `{other}`"))),
+    };
     Ok((folder, opened))
 }
 
-fn planned(path: &Path, plan: &Plan) -> Result<SweepAsked, Failure> {
-    let bad = |why: String| PartsError::BadPlan {
-        path: path.join("plan.json"),
-        why,
-    };
-    if plan.verb != VERB {
-        return Err(bad(format!("no study does `{}`", plan.verb)).into());
-    }
+fn bad_plan(folder: &Path, why: String) -> Failure {
+    let path = folder.join("plan.json");
+    PartsError::BadPlan { path, why }.into()
+}
+
+fn planned<P: Parser>(path: &Path, plan: &Plan) -> Result<P, Failure> {
     let words = std::iter::once("scene").chain(plan.arguments.iter().map(String::as_str));
-    let read = PlannedSweep::try_parse_from(words);
-    let read = read.map_err(|e| bad(format!("`arguments` cannot be read: {}", e.kind())))?;
-    Ok(read.asked)
+    let read = P::try_parse_from(words);
+    read.map_err(|e| bad_plan(path, format!("`arguments` cannot be read: {}", e.kind())))
 }
 
 fn run_units(args: &RunArgs, term: &Term) -> Result<Outcome, Failure> {
@@ -107,7 +167,7 @@ fn run_units(args: &RunArgs, term: &Term) -> Result<Outcome, Failure> {
         begin,
         units,
     };
-    let ended = run_share(&folder, &opened.sweep, &share, &args.work, term)?;
+    let ended = work_on_share(&folder, &opened, &share, args, term)?;
     let missing = folder.missing_units().len() as u64;
     let done = format!("{} of {all} units are done", all - missing);
     match ended {
@@ -115,6 +175,36 @@ fn run_units(args: &RunArgs, term: &Term) -> Result<Outcome, Failure> {
         Ended::Done | Ended::TimeOver => {
             io::print_beside(term, None, &format!("{done}\n"))?;
             Ok(Outcome::Done)
+        }
+    }
+}
+
+fn work_on_share(
+    folder: &Folder,
+    opened: &OpenStudy,
+    share: &Share,
+    args: &RunArgs,
+    term: &Term,
+) -> Result<Ended, Failure> {
+    let work = &args.work;
+    let share_of = |make: &UnitWork| {
+        let progress = Progress::new(work.progress, term.quiet());
+        run_share(
+            folder,
+            share,
+            make,
+            progress.counting(counted(&folder.plan)),
+        )
+    };
+    match opened {
+        OpenStudy::Sweep(opened) => share_of(&|items: Range<u64>, watch: &dyn Fn(u64)| {
+            numbers_of(&opened.sweep, items, threads(work), watch)
+        }),
+        OpenStudy::Tolerance(opened) => {
+            let study = tolerance_units::study_of(opened)?;
+            share_of(&|items: Range<u64>, watch: &dyn Fn(u64)| {
+                tolerance_units::sums_of(&study, items, threads(work), watch)
+            })
         }
     }
 }
@@ -141,10 +231,11 @@ fn print_status(path: &Path, is_json: bool, term: &Term) -> Result<Outcome, Fail
         return Ok(Outcome::Done);
     }
     let mut text = format!(
-        "{} of {}: {} designs\n  {done} of {all} units done, {} worked on\n",
+        "{} of {}: {} {}\n  {done} of {all} units done, {} worked on\n",
         folder.plan.verb,
         folder.plan.scene,
         folder.plan.items,
+        counted(&folder.plan),
         leased.len()
     );
     if !missing.is_empty() {
@@ -173,11 +264,17 @@ fn merge(args: &MergeArgs, term: &Term) -> Result<Outcome, Failure> {
         io::print_beside(term, None, &format!("{text}\n"))?;
         return Ok(Outcome::Done);
     }
-    refuse_format(&args.rows)?;
     let (folder, opened) = open_folder(&args.folder, term)?;
-    let mut taker = RowTaker::new(&opened.sweep, &args.rows)?;
-    merge_into(&folder, &mut taker)?;
-    taker.commit()?;
-    io::print_beside(term, args.rows.out.as_deref(), &taker.finish()?)?;
+    let text = match opened {
+        OpenStudy::Sweep(opened) => {
+            refuse_format(&args.rows)?;
+            let mut taker = RowTaker::new(&opened.sweep, &args.rows)?;
+            merge_into(&folder, &mut taker)?;
+            taker.commit()?;
+            taker.finish()?
+        }
+        OpenStudy::Tolerance(opened) => tolerance_units::merge(&folder, &opened, &args.rows)?,
+    };
+    io::print_beside(term, args.rows.out.as_deref(), &text)?;
     Ok(Outcome::Done)
 }

@@ -2,6 +2,7 @@
 
 mod bad_designs;
 mod kills;
+mod pieces;
 mod rows;
 mod submits;
 mod units;

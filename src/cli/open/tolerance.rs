@@ -1,0 +1,135 @@
+//! Opening a study of tolerances that is cut into units: the scene, what scatters, and the plan by which its parts are known.
+
+use super::planned::{
+    SCENE_FILE, mesh_bytes, mesh_folder, planned_text, refuse_table, scene_arguments,
+};
+use super::scene::text_of;
+use super::study::nominal_of;
+use crate::analysis::piece_sums::PieceSums;
+use crate::analysis::study::{LoadedStudy, varied_names};
+use crate::analysis::tolerance::{Distribution, SampleBatch};
+use crate::cli::args::study::{DistributionArg, ScatterArgs};
+use crate::cli::term::Term;
+use crate::cli::term::outcome::Failure;
+use crate::diag::Source;
+use crate::parts::identity::identity;
+use crate::parts::plan::{Keeps, Plan, VERSION};
+use crate::scene::Overrides;
+use std::path::Path;
+
+/// The verb, as plans name it.
+pub const VERB: &str = "tolerance";
+
+/// A study of tolerances that is ready.
+pub struct OpenTolerance {
+    /// The study.
+    pub loaded: LoadedStudy,
+    /// Tolerance of variables that have none of their own, in the file's units.
+    pub general: Option<f64>,
+    /// How pieces scatter; their numbers are those of a unit.
+    pub batch: SampleBatch,
+    /// By which its parts are known; one unit as yet.
+    pub plan: Plan,
+    /// Files that belong beside the plan.
+    pub files: Vec<(&'static str, Vec<u8>)>,
+}
+
+/// How pieces scatter that are asked for on the command line.
+pub fn batch_of(
+    scatter: &ScatterArgs,
+    samples: usize,
+    first: usize,
+    threads: usize,
+) -> SampleBatch {
+    SampleBatch {
+        samples,
+        first,
+        seed: scatter.seed,
+        distribution: match scatter.distribution {
+            DistributionArg::Uniform => Distribution::Uniform,
+            DistributionArg::Normal => Distribution::Normal,
+        },
+        threads,
+    }
+}
+
+/// Opens the study of `pieces` that the command line asks for.
+pub fn open_tolerance(
+    scatter: &ScatterArgs,
+    pieces: u64,
+    term: &Term,
+) -> Result<OpenTolerance, Failure> {
+    let (source, overrides) = text_of(&scatter.scene)?;
+    open(scatter, source, overrides, pieces, term)
+}
+
+/// Opens the study of a plan whose files lie in `folder`; its arguments were read from the plan.
+pub fn open_planned(
+    scatter: &ScatterArgs,
+    plan: &Plan,
+    folder: &Path,
+    term: &Term,
+) -> Result<OpenTolerance, Failure> {
+    let (source, overrides) = planned_text(&scatter.scene, plan, folder)?;
+    open(scatter, source, overrides, plan.items, term)
+}
+
+fn open(
+    scatter: &ScatterArgs,
+    source: Source,
+    overrides: Overrides,
+    pieces: u64,
+    term: &Term,
+) -> Result<OpenTolerance, Failure> {
+    refuse_table(&scatter.scene, "a study in units")?;
+    let (source, overrides, nominal) = nominal_of(&scatter.scene, source, overrides, term)?;
+    let names = varied_names(&scatter.vary.vary, true, &nominal.dimensions)?;
+    let arguments = arguments_of(scatter);
+    let scene_bytes = source.text.clone().into_bytes();
+    // How many pieces there are is no part of it: the first ones of more pieces are the same.
+    let identity = identity(&[
+        ("verb", VERB.as_bytes()),
+        ("scene", &scene_bytes),
+        ("meshes", &mesh_bytes(&nominal.mechanism)),
+        ("arguments", arguments.join("\n").as_bytes()),
+    ]);
+    let (scene, meshes) = (source.name.clone(), mesh_folder(&overrides));
+    let loaded = LoadedStudy::new(source, overrides, &names)?;
+    let plan = Plan {
+        verb: VERB.to_owned(),
+        arguments,
+        scene,
+        meshes,
+        identity,
+        version: VERSION.to_owned(),
+        items: pieces,
+        unit: pieces,
+        keeps: Keeps::Sums,
+        width: PieceSums::width(loaded.family.measures.list.len()) as u64,
+    };
+    Ok(OpenTolerance {
+        loaded,
+        general: scatter.tolerance,
+        batch: batch_of(scatter, 0, 0, 1),
+        plan,
+        files: vec![(SCENE_FILE, scene_bytes)],
+    })
+}
+
+/// The arguments that the numbers of a piece depend on, as they are read again.
+fn arguments_of(scatter: &ScatterArgs) -> Vec<String> {
+    let mut list = scene_arguments(&scatter.scene);
+    if !scatter.vary.vary.is_empty() {
+        list.push(format!("--vary={}", scatter.vary.vary.join(",")));
+    }
+    if let Some(tolerance) = scatter.tolerance {
+        list.push(format!("--tolerance={tolerance:?}"));
+    }
+    let distribution = match scatter.distribution {
+        DistributionArg::Uniform => "uniform",
+        DistributionArg::Normal => "normal",
+    };
+    list.push(format!("--distribution={distribution}"));
+    list.push(format!("--seed={}", scatter.seed));
+    list
+}
