@@ -1,8 +1,8 @@
 """Opens the pages of `mechanim report` as a reader does: from a disk, without a network, in a real browser.
 
-    python3 .ci/pages.py PROGRAM FOLDER [--no-browser]
+    python3 .ci/pages.py PROGRAM FOLDER [--no-browser] [--wasm ENGINE]
 
-Without a browser the files alone are judged: size, policy, digests, ids, what they would fetch. Screenshots of some pages
+With an engine, live pages too: what they compute is compared with the program. Without a browser the files alone are judged: size, policy, digests, ids, what they would fetch. Screenshots of some pages
 go into FOLDER, to be looked at.
 """
 
@@ -16,6 +16,8 @@ import sys
 import tempfile
 
 MOST_BYTES = 600_000
+MOST_LIVE = 1_200_000
+MOVES = 3000
 LOOKED_AT = ["gearshift", "seven-r", "four-bar", "twin-steer"]
 HOSTILE = """title = "</script><img src=x onerror=document.title='owned'>\u202etxt"
 units = { length = "mm", angle = "deg" }
@@ -64,17 +66,18 @@ class Page(html.parser.HTMLParser):
             self.scripts.append(data)
 
 
-def judge_file(path, most=MOST_BYTES):
+def judge_file(path, most=MOST_BYTES, live=False):
     text = path.read_text(encoding="utf-8")
     page = Page(text)
     named = set(re.findall(r"'sha256-([^']+)'", page.policy))
     made = {base64.b64encode(hashlib.sha256(t.encode()).digest()).decode() for t in page.scripts + page.styles}
     assert named == made, f"{path}: the policy names other digests"
-    assert page.policy.startswith("default-src 'none'") and "unsafe" not in page.policy, page.policy
+    words = page.policy.replace("'wasm-unsafe-eval'; worker-src blob:", "") if live else page.policy
+    assert words.startswith("default-src 'none'") and "unsafe" not in words and "blob" not in words, page.policy
     assert len(page.ids) == len(set(page.ids)), f"{path}: ids are not unique"
     assert all(a.startswith("data:") for a in page.addresses), f"{path}: fetches {page.addresses}"
     assert not page.acts, f"{path}: {page.acts}"
-    assert len(page.scripts) == 2 and len(page.styles) == 1
+    assert len(page.scripts) == (3 if live else 2) and len(page.styles) == 1
     assert len(text.encode()) <= most, f"{path}: {len(text.encode())} bytes"
     return len(text.encode())
 
@@ -88,7 +91,7 @@ class Opened:
         self.said, self.asked = [], []
         self.page.on("console", lambda m: self.said.append(m.text) if m.type in ("error", "warning") else None)
         self.page.on("pageerror", lambda e: self.said.append(str(e)))
-        self.page.on("request", lambda r: self.asked.append(r.url) if not r.url.startswith("data:") else None)
+        self.page.on("request", lambda r: self.asked.append(r.url) if not r.url.startswith(("data:", "blob:")) else None)
         self.address = path.resolve().as_uri()
 
     def __enter__(self):
@@ -145,7 +148,235 @@ def judge_live(opened):
         assert page.evaluate(f"{report}.frame") == int(last.get_attribute("data-frame"))
 
 
-def judge_browser(paths, folder):
+class Program:
+    """The program itself, whose words and bytes a live page must repeat."""
+
+    def __init__(self, path, engine, folder):
+        self.path, self.engine, self.folder = path, engine, folder
+
+    def run(self, *words):
+        return subprocess.run([self.path, *map(str, words), "--quiet"], capture_output=True)
+
+    def live_page(self, source, name):
+        path = self.folder / f"{name}-live.html"
+        run = self.run("report", source, "--live", "--wasm", self.engine, "--out", path)
+        assert path.exists(), run.stderr.decode()
+        return path
+
+    def table(self, source):
+        return self.run("solve", source, "--out", "-").stdout.decode()
+
+    def picture(self, source, frame):
+        path = self.folder / "frame.png"
+        self.run("render", source, "--renderer", "cpu", "--frame", frame, "--out", path)
+        return path.read_bytes()
+
+
+LIVE = "window.reports[0].live"
+
+
+def awaken(page):
+    """Waits for the engine and its first answer."""
+    for _ in range(300):
+        if page.evaluate(f"{LIVE} !== null && {LIVE}.opened.then(() => true)"):
+            return
+        page.wait_for_timeout(100)
+    raise AssertionError(page.locator("[data-part=bench]").inner_text())
+
+
+def settle(page):
+    """Waits until nothing is computed and the curves are those of the picture."""
+    for _ in range(300):
+        page.wait_for_timeout(100)
+        if page.evaluate(f"!{LIVE}.isBusy && !{LIVE}.sections.inert"):
+            return
+    raise AssertionError("the article is not made anew")
+
+
+def bytes_of(page, question):
+    """What the engine answers with, as bytes."""
+    text = page.evaluate(
+        "q => window.reports[0].live.ask(q).then(b => { let s = ''; for (const c of b) s += String.fromCharCode(c); return btoa(s); })",
+        question)
+    return base64.b64decode(text)
+
+
+def judge_numbers(page, program, source, name):
+    """The engine in the browser says what the program says, digit by digit and pixel by pixel."""
+    assert bytes_of(page, {"ask": "csv"}).decode() == program.table(source), f"{name}: another table"
+    times = page.evaluate("window.reports[0].data.times")
+    assert bytes_of(page, {"ask": "png", "time": 0}) == program.picture(source, 0), f"{name}: another picture"
+    return times
+
+
+def judge_sliders(page, program, folder, name):
+    """A slider by keys and as a number; what it leads to is what the program makes of the page's own text."""
+    sliders = page.locator("[data-part=bench] input[type=range]")
+    if page.evaluate(f"{LIVE}.sliders.length") == 0:
+        return
+    first = sliders.first
+    first.focus()
+    before = first.input_value()
+    page.keyboard.press("ArrowRight")
+    settle(page)
+    assert first.input_value() != before
+    assert page.locator("[data-part=bench] > .verdict").inner_text() != ""
+    text = page.evaluate(f"{LIVE}.toml()")
+    scene = folder / f"{name}-moved.toml"
+    scene.write_text(text, encoding="utf-8")
+    assert bytes_of(page, {"ask": "csv"}).decode() == program.table(scene), f"{name}: another table after a move"
+
+
+def judge_many_moves(page):
+    """Thousands of moves take no more memory than hundreds, and how long one takes."""
+    run = """async count => {
+      const { live } = window.reports[0];
+      const slider = live.sliders[0];
+      const at = slider.value;
+      const taken = [];
+      for (let k = 0; k < count; k += 1) {
+        const begun = performance.now();
+        await live.enqueue({ ask: "move", name: slider.name, value: String(at * (1 + 0.004 * Math.sin(k / 7))) }, slider, at);
+        const gl = window.reports[0].viewer?.gl;
+        gl?.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+        taken.push(performance.now() - begun);
+      }
+      taken.sort((a, b) => a - b);
+      return [taken[count >> 1], live.engine.memory];
+    }"""
+    page.evaluate(run, 100)
+    [_, memory] = page.evaluate(run, 200)
+    [middle, after] = page.evaluate(run, MOVES)
+    assert after <= 1.1 * memory, f"memory grows from {memory} to {after}"
+    clearance = page.evaluate("async () => { const b = performance.now(); await window.reports[0].live.ask({ ask: 'settle' }); return performance.now() - b; }")
+    print(f"live: slider to proved picture {middle:.1f} ms, whole article {clearance:.0f} ms, engine memory {after / 1e6:.0f} MB after {MOVES} moves")
+
+
+def judge_text(page):
+    """Mistakes have their places; a text without them is taken over."""
+    page.locator("summary", has_text="Text of the scene").click()
+    editor = page.locator("textarea")
+    text = editor.input_value()
+    editor.fill(text.replace("[loops]", "[loops]\nwrong = \"Tx(nobody\"", 1))
+    page.get_by_role("button", name="Read the text").click()
+    page.wait_for_timeout(500)
+    assert page.locator(".mistakes li").count() > 0
+    page.locator(".mistakes button").first.click()
+    assert page.evaluate("document.activeElement.tagName") == "TEXTAREA"
+    title = "</script><img src=x onerror=document.title='owned'>"
+    lines = [line for line in text.splitlines() if not line.startswith("title")]
+    editor.fill("\n".join([f'title = "{title}"', *lines]))
+    page.get_by_role("button", name="Read the text").click()
+    settle(page)
+    assert page.locator("h1").inner_text() == title
+    assert page.locator("img").count() == 1 and "owned" not in page.title()
+
+
+def judge_fault(page):
+    """An engine that fails is replaced, and goes on where the other one was."""
+    before = bytes_of(page, {"ask": "csv"})
+    page.evaluate(f"{LIVE}.engine.worker.postMessage({{ id: 1e9, engine: new ArrayBuffer(8) }})")
+    for _ in range(100):
+        page.wait_for_timeout(100)
+        if page.evaluate(f"{LIVE}.engine.restarts") == 1:
+            break
+    assert page.evaluate(f"{LIVE}.engine.restarts") == 1
+    assert bytes_of(page, {"ask": "csv"}) == before
+
+
+def judge_comparison(browser, program, folder):
+    """Two versions on one page: one slider and one hand lead both."""
+    names = ["gearshift", "gearshift-optimised"]
+    path = folder / "comparison.html"
+    run = program.run("compare", *names, "--out", path)
+    assert run.returncode == program.run("check", names[1]).returncode, run.stderr.decode()
+    judge_file(path, 3 * MOST_BYTES)
+    for size in [(1400, 1000), (360, 740)]:
+        with Opened(browser, path, size) as opened:
+            page = opened.page
+            assert page.evaluate("document.scrollingElement.scrollWidth") <= size[0]
+            for _ in range(100):
+                if page.evaluate("window.reports.every(r => r.viewer !== null)") or size[0] < 1000:
+                    break
+                page.wait_for_timeout(100)
+            page.get_by_role("slider", name="Time").first.focus()
+            page.keyboard.press("End")
+            frames = page.evaluate("window.reports.map(r => [r.frame, r.data.times.length - 1])")
+            assert all(frame == last for frame, last in frames), frames
+            if size[0] > 1000:
+                page.locator("canvas").first.focus()
+                page.keyboard.press("ArrowLeft")
+                turns = page.evaluate("window.reports.map(r => r.viewer.orbit.azimuth)")
+                assert turns[0] == turns[1], turns
+            assert page.locator("h2", has_text="Clearance").count() == 1
+            opened.shot(folder / f"comparison-{size[0]}.png", full_page=True)
+    print("comparison: ok")
+
+
+def judge_site(browser, program, folder):
+    """A folder of pages: the front page leads to each of them."""
+    out = folder / "site"
+    words = ["--wasm", program.engine] if program.engine else []
+    run = program.run("site", "four-bar", "slider-crank", "--out", out, *words)
+    assert run.returncode in (0, 1), run.stderr.decode()
+    with Opened(browser, out / "index.html") as opened:
+        assert opened.page.locator("li img").count() == 2
+        opened.shot(folder / "site.png")
+        links = opened.page.evaluate("[...document.querySelectorAll('a')].map(a => a.getAttribute('href'))")
+    assert links == ["four-bar.html", "slider-crank.html"], links
+    for link in links:
+        with Opened(browser, out / link) as opened:
+            if program.engine:
+                awaken(opened.page)
+    print("site: ok")
+
+
+def judge_live_pages(browser, names, program, folder):
+    for name in names:
+        path = program.live_page(name, name)
+        size = judge_file(path, MOST_LIVE, live=True)
+        with Opened(browser, path, (1400, 1000)) as opened:
+            awaken(opened.page)
+            judge_numbers(opened.page, program, name, name)
+            judge_sliders(opened.page, program, folder, name)
+            if name in LOOKED_AT:
+                settle(opened.page)
+                opened.shot(folder / f"{name}-live.png")
+                judge_many_moves(opened.page)
+        print(f"live page {name}: {size} bytes, ok")
+    path = folder / "gearshift-live.html"
+    with Opened(browser, path, (360, 740), has_touch=True, is_mobile=True) as opened:
+        awaken(opened.page)
+        wide = opened.page.evaluate("document.scrollingElement.scrollWidth")
+        assert wide <= 360, f"live: {wide} pixels wide on a telephone"
+        opened.shot(folder / "gearshift-live-360.png")
+    with Opened(browser, path, (1400, 1000), color_scheme="dark") as opened:
+        awaken(opened.page)
+        settle(opened.page)
+        opened.shot(folder / "gearshift-live-dark.png")
+        judge_fault(opened.page)
+        judge_text(opened.page)
+    opened = Opened(browser, path)
+    opened.page.add_init_script("const own = HTMLCanvasElement.prototype.getContext;"
+                                "HTMLCanvasElement.prototype.getContext = function (kind, ...more) { return kind === '2d' ? own.call(this, kind, ...more) : null; }")
+    with opened:
+        awaken(opened.page)
+        opened.page.locator(".drawn").wait_for()
+        drawn = opened.page.evaluate("""() => {
+          const c = document.querySelector('.drawn'); const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;
+          let s = ''; for (const b of d) s += String.fromCharCode(b); return btoa(s); }""")
+        assert base64.b64decode(drawn) == bytes_of(opened.page, {"ask": "picture", "time": 0}), "the canvas shows another picture"
+        opened.shot(folder / "gearshift-live-no-webgl.png")
+    scene = folder / "hostile.toml"
+    with Opened(browser, program.live_page(scene, "hostile")) as opened:
+        awaken(opened.page)
+        assert "</script><img src=x" in opened.page.locator("h1").inner_text()
+        assert opened.page.locator("img").count() == 1 and "owned" not in opened.page.title()
+    judge_axe(browser, path, "live ")
+    return len(names) + 4
+
+
+def judge_browser(paths, folder, program):
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as tool:
@@ -188,10 +419,15 @@ def judge_browser(paths, folder):
             assert "</script><img src=x" in opened.page.locator("h1").inner_text()
             assert opened.page.locator("img").count() == 1
         judge_axe(browser, path)
+        judge_comparison(browser, program, folder)
+        judge_site(browser, program, folder)
+        names = [name for name in paths if name != "hostile"]
+        more = judge_live_pages(browser, names, program, folder) if program.engine else 0
         browser.close()
+        return len(paths) + 2 + more
 
 
-def judge_axe(browser, path):
+def judge_axe(browser, path, kind=""):
     """No serious fault for readers with assistive technology, if the judge can be had."""
     place = pathlib.Path(tempfile.mkdtemp())
     got = subprocess.run(["npm", "install", "--silent", "--prefix", str(place), "axe-core@4"], timeout=120, capture_output=True)
@@ -201,11 +437,14 @@ def judge_axe(browser, path):
         return
     for scheme in ("light", "dark"):
         with Opened(browser, path, color_scheme=scheme) as opened:
+            if kind:
+                awaken(opened.page)
+                settle(opened.page)
             opened.page.evaluate(script.read_text())
             found = opened.page.evaluate("axe.run()")["violations"]
             serious = [f"{v['id']}: {v['help']}: {v['nodes'][0]['html'][:200]}" for v in found if v["impact"] in ("serious", "critical")]
             assert not serious, f"axe, {scheme}: {serious}"
-            print(f"axe-core, {scheme}: no serious fault, {len(found)} lesser ones")
+            print(f"axe-core, {kind}{scheme}: no serious fault, {len(found)} lesser ones")
 
 
 def main():
@@ -225,9 +464,9 @@ def main():
     subprocess.run([program, "report", *names[3:6], "--out", str(together), "--quiet"], check=True)
     judge_file(together, 4 * MOST_BYTES)
     passed = len(paths) + 1
+    engine = sys.argv[sys.argv.index("--wasm") + 1] if "--wasm" in sys.argv else None
     if "--no-browser" not in sys.argv:
-        judge_browser(paths, folder)
-        passed += len(paths)
+        passed += judge_browser(paths, folder, Program(program, engine, folder))
     print(f"{passed} passed, 0 failed")
 
 

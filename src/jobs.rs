@@ -3,10 +3,26 @@
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// How often somebody who watches is told: work that is done sooner is not held up by it.
 const WATCH: Duration = Duration::from_millis(5);
+
+/// Tells how long something takes; zero where the platform has no clock, as in a web page.
+#[derive(Clone, Copy, Debug)]
+pub struct Stopwatch(Option<Instant>);
+
+impl Stopwatch {
+    /// Runs from now on.
+    pub fn start() -> Self {
+        Self((!cfg!(target_family = "wasm")).then(Instant::now))
+    }
+
+    /// Seconds so far.
+    pub fn seconds(&self) -> f64 {
+        self.0.map_or(0.0, |begun| begun.elapsed().as_secs_f64())
+    }
+}
 
 /// Number of threads that the machine runs at once.
 pub fn core_count() -> usize {

@@ -4,11 +4,11 @@ use super::error::Error;
 use super::loaded::Loaded;
 use super::motion::Samples;
 use crate::clearance::check::{ClearanceReport, Closely, PairReport};
+use crate::jobs::Stopwatch;
 use crate::report::clearance;
 use crate::report::junit::to_junit;
 use crate::report::motion_check::{MotionAnswer, MotionCheck};
 use crate::report::verdict::{Asked, Judged, Status, Verdict};
-use std::time::Instant;
 
 /// What is asked of a check beside what the scene asks.
 #[derive(Clone, Debug, PartialEq)]
@@ -87,9 +87,9 @@ impl Check {
             is_swept: false,
             worst: usize::MAX,
         };
-        let begun = Instant::now();
+        let begun = Stopwatch::start();
         let trajectory = check.solve(&|| false)?;
-        let solving = begun.elapsed().as_secs_f64();
+        let solving = begun.seconds();
         let (answer, pairs) = if trajectory.poses().next().is_none() {
             (check.without_pose(&trajectory, None), Vec::new())
         } else {
@@ -110,7 +110,7 @@ impl Check {
         Ok(Self {
             text,
             json: format!("{document:#}\n"),
-            seconds: begun.elapsed().as_secs_f64(),
+            seconds: begun.seconds(),
             verdict,
             pairs,
         })

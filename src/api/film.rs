@@ -9,10 +9,9 @@ use crate::export::{ExportSummary, Format};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::model::theme::Theme;
 use crate::model::view_change::ViewChange;
-use crate::pictures::frames::{DrawnBy, Pictures};
+use crate::pictures::frames::{DrawnBy, Pictures, with_pictures};
 use crate::render::open::RendererChoice;
-use crate::staging::marks::Marks;
-use crate::staging::{PictureOptions, Staging, panes};
+use crate::staging::PictureOptions;
 use image::RgbaImage;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -240,19 +239,6 @@ impl<'m> Film<'m> {
             size: self.size,
             samples: SMOOTHNESS,
         };
-        let trajectory = self.trajectory;
-        let views = match scene.view.four {
-            true => panes::pane_scenes(&scene),
-            false => Vec::new(),
-        };
-        let panes = panes::pane_stagings(&views, trajectory, options, &Marks::default());
-        let staging = Staging::new(&scene, trajectory, options);
-        draw(Pictures {
-            scene: &scene,
-            staging: &staging,
-            panes: &panes,
-            first: 0,
-            panel: None,
-        })
+        with_pictures(&scene, self.trajectory, options, draw)
     }
 }

@@ -3,10 +3,10 @@
 use super::error::{Error, ErrorKind};
 use crate::analysis::study::optimum::{SearchMethod, Verified};
 use crate::analysis::study::{FamilyError, FoundOptimum, LoadedStudy};
+use crate::jobs::Stopwatch;
 use crate::report::optimum::OptimumReport;
 use crate::scene::edit::with_values;
 use std::sync::atomic::AtomicBool;
-use std::time::Instant;
 
 /// How an optimum is searched.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,7 +52,7 @@ impl Optimum {
         if let Some(share) = options.within {
             study.family.free_within(share);
         }
-        let begun = Instant::now();
+        let begun = Stopwatch::start();
         let method = options
             .method
             .with_tolerance(options.tolerance, options.seed);
@@ -60,7 +60,7 @@ impl Optimum {
         study.settle(&mut found)?;
         let verified = study.verify(&found.optimum.minimum.x);
         Ok(Self {
-            seconds: begun.elapsed().as_secs_f64(),
+            seconds: begun.seconds(),
             study,
             found,
             verified,

@@ -4,10 +4,10 @@ use super::error::Error;
 use crate::analysis::study::LoadedStudy;
 use crate::analysis::tolerance::{Distribution, SampleBatch};
 use crate::analysis::tolerance_study::ToleranceStudy;
+use crate::jobs::Stopwatch;
 use crate::jobs::core_count;
 use crate::report::tolerance::{SHARES, ToleranceReport};
 use std::sync::atomic::AtomicBool;
-use std::time::Instant;
 
 /// How dimensions scatter, and how many random pieces are made.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,14 +76,14 @@ impl Tolerance {
             distribution: options.distribution,
             threads: core_count(),
         };
-        let begun = Instant::now();
+        let begun = Stopwatch::start();
         let study = ToleranceStudy::new(loaded, options.tolerance, batch)?.with_extremes(cancel);
         let pieces = study.pieces(cancel, &|_| {}).summary(&SHARES);
         let report = ToleranceReport {
             study: &study,
             pieces: &pieces,
             first: 0,
-            seconds: Some(begun.elapsed().as_secs_f64()),
+            seconds: Some(begun.seconds()),
         };
         let list = loaded.family.measures.list.iter().enumerate();
         Ok(Self {

@@ -10,12 +10,12 @@ use super::mesh_faults::{mesh_warnings, without_inside};
 use super::motion::ProvedMotion;
 use super::neighbours::Neighbours;
 use crate::distance::bodies::Hull;
+use crate::jobs::Stopwatch;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::clearance::{ClearanceRules, Ignored};
 use std::collections::{HashMap, HashSet};
-use std::time::Instant;
 
 /// How closely a check looks.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -92,7 +92,7 @@ pub fn check_over(
         let (Some(first), Some(second)) = (&hulls[a], &hulls[b]) else {
             continue;
         };
-        let begun = Instant::now();
+        let begun = Stopwatch::start();
         let asked = AskedPair {
             rules,
             bodies: [a, b],
@@ -104,7 +104,7 @@ pub fn check_over(
         let found = asked.look(motion);
         motion.forget(poses);
         let timed = |pair: PairReport| PairReport {
-            seconds: begun.elapsed().as_secs_f64(),
+            seconds: begun.seconds(),
             ..pair
         };
         report.judged.extend(found.judged.into_iter().map(timed));

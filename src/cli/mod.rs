@@ -18,6 +18,7 @@ mod term;
 pub mod watch;
 
 use about::{completions, info, manual, scenes, schema};
+use args::groups::grouped;
 use args::{Cli, Command};
 use clap::{CommandFactory, FromArgMatches};
 use dyads::{intervals, row};
@@ -58,6 +59,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> i32 {
         Command::Report(args) => run_again(args.watch, (&args.scene, &args.more), &term, || {
             report::run_report(&args, &term)
         }),
+        Command::Compare(args) => report::compare::run_compare(&args, &term),
+        Command::Site(args) => report::site::run_site(&args, &term),
         Command::Modes(args) => modes::run_modes(&args, &term),
         Command::Plot(args) => run_again(args.watch, (&args.scene, &[]), &term, || {
             plot::run_plot(&args, &term)
@@ -101,7 +104,7 @@ fn command_line() -> clap::Command {
         let is_option = arg.get_long().is_some() && arg.get_action().takes_values();
         arg.allow_negative_numbers(is_option)
     };
-    Cli::command().mut_subcommands(|verb| verb.mut_args(takes_values))
+    grouped(Cli::command()).mut_subcommands(|verb| verb.mut_args(takes_values))
 }
 
 /// Prints help, version or a usage error where it belongs.

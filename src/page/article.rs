@@ -11,7 +11,7 @@ use super::still::first_picture;
 use crate::kinematics::motion::limits::add_limits;
 use crate::kinematics::results::trajectory::{EventKind, Trajectory};
 use crate::model::mechanism::{Kind, Mechanism};
-use crate::render::RenderError;
+use crate::render::{Camera, RenderError};
 use crate::report::sentences::{event_sentence, gap_sentence};
 use crate::report::verdict::{CLEARANCE, Case, Status, Verdict};
 use serde_json::{Value, json};
@@ -49,6 +49,44 @@ pub struct Article {
 ///
 /// Errors: the picture cannot be drawn.
 pub fn article_of(checked: &Checked, number: usize) -> Result<Article, RenderError> {
+    if checked.trajectory.poses().next().is_none() {
+        return Ok(article_without_motion(
+            checked.source,
+            &checked.answer.verdict,
+        ));
+    }
+    let shown = shown_frames(checked);
+    let picture = first_picture(checked.scene, &shown)?;
+    let camera = Some((&picture.camera, picture.aspect));
+    let mut article = article_of_frames(checked, &shown, camera, number);
+    article.still = Some(picture.png);
+    Ok(article)
+}
+
+/// The same for a page that shows the mechanism already: without a picture, and without a camera of its own.
+pub(super) fn article_in_view(checked: &Checked, number: usize) -> Article {
+    match checked.trajectory.poses().next() {
+        None => article_without_motion(checked.source, &checked.answer.verdict),
+        Some(_) => article_of_frames(checked, &shown_frames(checked), None, number),
+    }
+}
+
+fn shown_frames(checked: &Checked) -> Trajectory {
+    let actuation = &checked.scene.actuation;
+    shown_trajectory(
+        checked.system,
+        actuation,
+        checked.trajectory,
+        checked.clearances,
+    )
+}
+
+fn article_of_frames(
+    checked: &Checked,
+    shown: &Trajectory,
+    camera: Option<(&Camera, f64)>,
+    number: usize,
+) -> Article {
     let Checked {
         scene,
         system,
@@ -56,42 +94,43 @@ pub fn article_of(checked: &Checked, number: usize) -> Result<Article, RenderErr
         ..
     } = *checked;
     let mut article = article_without_motion(checked.source, &checked.answer.verdict);
-    if trajectory.poses().next().is_none() {
-        return Ok(article);
-    }
-    let shown = shown_trajectory(system, &scene.actuation, trajectory, checked.clearances);
-    let picture = first_picture(scene, &shown)?;
-    let model = viewer_model(
-        scene,
-        (trajectory, &shown),
-        (&picture.camera, picture.aspect),
-    );
-    let mut curves = Curves::new(scene, system, &shown, number);
+    let model = viewer_model(scene, (trajectory, shown), camera);
+    let mut curves = Curves::new(scene, system, shown, number);
     let mut marks = Vec::new();
     let plots = curves_section(&mut curves);
     let transfer = transfer_section(&mut curves);
     let clearance = checked
         .clearances
-        .map(|found| clearance_section(&scene.mechanism, found, &shown, (&mut curves, &mut marks)));
-    let values = quantities(&scene.mechanism);
+        .map(|found| clearance_section(&scene.mechanism, found, shown, (&mut curves, &mut marks)));
     article.sections.extend([
         mechanism_section(checked),
-        motion_section(checked, &shown),
+        motion_section(checked, shown),
         plots,
         transfer,
     ]);
     article.sections.extend(clearance);
     article.data = json!({
-        "times": shown.samples.iter().map(|s| s.time).collect::<Vec<_>>(),
-        "values": values.iter().map(|q| json!({ "name": q.name, "at": q.values(&shown) })).collect::<Vec<_>>(),
+        "times": frame_times(shown),
+        "values": values_at(&scene.mechanism, shown),
         "charts": curves.list,
         "marks": marks,
         "model": model.as_ref().ok(),
     });
+    let values = quantities(&scene.mechanism);
     article.values = values.into_iter().map(|q| (q.name, q.unit)).collect();
     article.note = model.err();
-    article.still = Some(picture.png);
-    Ok(article)
+    article
+}
+
+/// Seconds of all frames.
+pub(super) fn frame_times(shown: &Trajectory) -> Vec<f64> {
+    shown.samples.iter().map(|s| s.time).collect()
+}
+
+/// The quantities that follow the slider, with their values at all frames.
+pub(super) fn values_at(mechanism: &Mechanism, shown: &Trajectory) -> Vec<Value> {
+    let one = |q: Shown| json!({ "name": q.name, "unit": q.unit, "at": q.values(shown) });
+    quantities(mechanism).into_iter().map(one).collect()
 }
 
 /// The article of a scene that has no motion to show: what was asked, and the answers.
@@ -293,6 +332,31 @@ fn long_head(head: &str) -> &str {
     }
 }
 
+/// Least and greatest values of all quantities among the frames, in the scene's units, by name.
+pub(super) fn extreme_values(
+    mechanism: &Mechanism,
+    shown: &Trajectory,
+) -> Vec<(String, String, [f64; 2])> {
+    let ends = |quantity: Shown| {
+        let [least, greatest] = ends_of(&quantity.values(shown))?;
+        Some((quantity.name, quantity.unit, [least.1, greatest.1]))
+    };
+    quantities(mechanism).into_iter().filter_map(ends).collect()
+}
+
+/// The frames and values at which a quantity is least and greatest.
+fn ends_of(values: &[Option<f64>]) -> Option<[(usize, f64); 2]> {
+    let known = || {
+        values
+            .iter()
+            .enumerate()
+            .filter_map(|(k, v)| Some((k, (*v)?)))
+    };
+    let least = known().min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let greatest = known().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    Some([least, greatest])
+}
+
 /// Least and greatest values of all quantities among the frames.
 fn extremes(mechanism: &Mechanism, shown: &Trajectory) -> Table {
     let mut table = Table::new(
@@ -308,22 +372,17 @@ fn extremes(mechanism: &Mechanism, shown: &Trajectory) -> Table {
         ],
     );
     for quantity in quantities(mechanism) {
-        let mut values: Vec<(usize, f64)> = Vec::new();
-        for (frame, value) in quantity.values(shown).into_iter().enumerate() {
-            values.extend(value.map(|v| (frame, v)));
-        }
-        let least = values.iter().min_by(|a, b| a.1.total_cmp(&b.1));
-        let greatest = values.iter().max_by(|a, b| a.1.total_cmp(&b.1));
         let mut row = vec![Cell::text(&quantity.name)];
-        for (word, end) in [("least", least), ("greatest", greatest)] {
-            let Some((frame, value)) = end else { continue };
-            let time = shown.samples[*frame].time;
+        let ends = ends_of(&quantity.values(shown));
+        let words = ["least", "greatest"];
+        for (word, (frame, value)) in words.into_iter().zip(ends.into_iter().flatten()) {
+            let time = shown.samples[frame].time;
             let about = format!("the {word} {}", quantity.name);
             row.extend([
                 Cell::number(format!("{value:.6} {}", quantity.unit).trim_end()),
                 Cell::number(format!("{time:.4}")),
                 Cell::Show {
-                    frame: *frame,
+                    frame,
                     mark: None,
                     about,
                 },

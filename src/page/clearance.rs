@@ -128,7 +128,7 @@ fn sure(is_certified: bool) -> &'static str {
 }
 
 /// A clearance chart at the page's frames: distances between samples are read off the curves, which are straight there.
-fn at_frames(chart: &Chart, shown: &Trajectory) -> Chart {
+pub(super) fn at_frames(chart: &Chart, shown: &Trajectory) -> Chart {
     let mut frames = chart.clone();
     for panel in &mut frames.panels {
         panel.samples = shown.samples.iter().map(|s| s.time).collect();

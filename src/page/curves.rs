@@ -124,15 +124,17 @@ fn colour_names() -> Vec<(Colour, String)> {
 }
 
 /// The scene's plots, or what is plotted of a scene that says nothing about it.
+pub(super) fn shown_plots(scene: &Scene) -> Vec<Plot> {
+    match scene.plots.as_slice() {
+        [] => vec![default_plot(&scene.mechanism, &scene.actuation)],
+        plots => plots.to_vec(),
+    }
+}
+
+/// The section of these plots.
 pub fn curves_section(curves: &mut Curves) -> Section {
     let mut section = Section::new("Curves");
-    let plots = match curves.scene.plots.as_slice() {
-        [] => vec![default_plot(
-            &curves.scene.mechanism,
-            &curves.scene.actuation,
-        )],
-        plots => plots.to_vec(),
-    };
+    let plots = shown_plots(curves.scene);
     if plots.iter().all(|plot| plot.y.is_empty()) {
         return section;
     }

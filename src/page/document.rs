@@ -1,6 +1,7 @@
 //! The file: policy, style, articles, data, scripts.
 
 use super::article::Article;
+use super::engine::PackedEngine;
 use super::markup::{Cell, Section, Table, escaped, script_json, state_class};
 use base64::prelude::{BASE64_STANDARD, Engine};
 use sha2::{Digest, Sha256};
@@ -12,13 +13,24 @@ const STYLE: &str = include_str!("web/report.css");
 /// The 3-D view, then what moves on the page; in this order, since the second uses the first.
 const SCRIPTS: [&str; 2] = [include_str!("web/viewer.js"), include_str!("web/report.js")];
 
-/// The whole file. `title` is that of the page where it is about several mechanisms.
-pub fn page_text(title: &str, articles: &[Article]) -> String {
+/// What moves on a live page; after the others.
+const LIVE: &str = include_str!("web/live.js");
+
+/// What holds the engine; the page makes a worker of it.
+const WORKER: &str = include_str!("web/worker.js");
+
+/// The whole file. `title` is that of the page where it is about several mechanisms; with an `engine` those that were
+/// enlivened can be moved.
+pub fn page_text(title: &str, articles: &[Article], engine: Option<&PackedEngine>) -> String {
     let title = match articles {
         [only] => only.title.as_str(),
         _ => title,
     };
-    let mut out = head(title);
+    let scripts: Vec<&str> = match engine {
+        None => SCRIPTS.to_vec(),
+        Some(_) => [&SCRIPTS[..], &[LIVE]].concat(),
+    };
+    let mut out = head(title, &scripts, engine.is_some());
     let depth = match articles {
         [_] => 2,
         _ => {
@@ -29,6 +41,55 @@ pub fn page_text(title: &str, articles: &[Article]) -> String {
     for (index, article) in articles.iter().enumerate() {
         write_article(&mut out, index, article, depth);
     }
+    write_end(&mut out, articles, &scripts, engine);
+    out
+}
+
+/// A page of words, pictures and links only.
+pub(super) fn whole_text(title: &str, body: &str) -> String {
+    format!(
+        "{}{body}<footer>Made by mechanim {}.</footer>\n</main>\n</body>\n</html>\n",
+        head(title, &[], false),
+        env!("CARGO_PKG_VERSION"),
+    )
+}
+
+/// The page of two versions of one scene: their pictures side by side, led by either slider, and `sections` below them.
+pub(super) fn linked_text(articles: &[Article; 2], sections: &[Section]) -> String {
+    let [old, new] = articles;
+    let title = match old.title == new.title {
+        true => new.title.clone(),
+        false => format!("{} → {}", old.title, new.title),
+    };
+    let mut out = head(&title, &SCRIPTS, false);
+    let _ = write!(
+        out,
+        "<h1><bdi>{}</bdi>: two versions</h1>\n<div class=\"pair\" data-linked>\n",
+        escaped(&title)
+    );
+    for (index, (word, article)) in [("Old", old), ("New", new)].into_iter().enumerate() {
+        let titled = Article {
+            title: format!("{word}: {}", article.title),
+            ..article.clone()
+        };
+        write_article(&mut out, index, &titled, 3);
+    }
+    out.push_str("</div>\n<div data-part=\"compared\">\n");
+    for section in sections {
+        write_section(&mut out, section, 2);
+    }
+    out.push_str("</div>\n");
+    write_end(&mut out, articles, &SCRIPTS, None);
+    out
+}
+
+/// The footer, the data, the engine, the scripts.
+fn write_end(
+    out: &mut String,
+    articles: &[Article],
+    scripts: &[&str],
+    engine: Option<&PackedEngine>,
+) {
     let data = articles.iter().map(|article| article.data.clone());
     let data = script_json(&data.collect());
     let _ = write!(
@@ -37,33 +98,49 @@ pub fn page_text(title: &str, articles: &[Article]) -> String {
          <script type=\"application/json\" id=\"data\">{data}</script>\n",
         env!("CARGO_PKG_VERSION"),
     );
-    for script in SCRIPTS {
+    if let Some(engine) = engine {
+        let _ = writeln!(
+            out,
+            "<script type=\"application/octet-stream\" id=\"engine\">{}</script>\n\
+             <script type=\"text/plain\" id=\"worker\">{WORKER}</script>",
+            engine.text
+        );
+    }
+    for script in scripts {
         let _ = writeln!(out, "<script>{script}</script>");
     }
     out.push_str("</body>\n</html>\n");
-    out
 }
 
 /// A policy that lets run and look only what is written here: nothing that a scene says can become script or style,
-/// and nothing is asked for from anywhere.
-fn policy() -> String {
+/// and nothing is asked for from anywhere. A live page may also compile its engine, in a worker that it makes itself.
+fn policy(scripts: &[&str], is_live: bool) -> String {
     let hash = |text: &str| format!("'sha256-{}'", BASE64_STANDARD.encode(Sha256::digest(text)));
-    let scripts: Vec<String> = SCRIPTS.iter().map(|script| hash(script)).collect();
+    let mut allowed: Vec<String> = scripts.iter().map(|script| hash(script)).collect();
+    let mut workers = "";
+    if is_live {
+        allowed.push("'wasm-unsafe-eval'".to_owned());
+        workers = " worker-src blob:;";
+    }
+    if allowed.is_empty() {
+        allowed.push("'none'".to_owned());
+    }
     format!(
-        "default-src 'none'; img-src data:; style-src {}; script-src {}; base-uri 'none'; form-action 'none'",
+        "default-src 'none'; img-src data:; style-src {}; script-src {};{workers} base-uri 'none'; form-action 'none'",
         hash(STYLE),
-        scripts.join(" "),
+        allowed.join(" "),
     )
 }
 
-fn head(title: &str) -> String {
+fn head(title: &str, scripts: &[&str], is_live: bool) -> String {
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta http-equiv=\"Content-Security-Policy\" content=\"{}\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <title>{}</title>\n<link rel=\"icon\" href=\"data:,\">\n<style>{STYLE}</style>\n</head>\n<body>\n<main>\n",
-        policy(),
+         <title>{}</title>\n<link rel=\"icon\" href=\"data:,\">\n<style>{STYLE}</style>\n</head>\n<body{}>\n<main>\n",
+        policy(scripts, is_live),
         escaped(title),
+        if is_live { " class=\"is-live\"" } else { "" },
     )
 }
 
@@ -87,8 +164,8 @@ fn write_article(out: &mut String, index: usize, article: &Article, depth: usize
     let title = depth - 1;
     let _ = write!(
         out,
-        "<article id=\"scene-{}\">\n<h{title}><bdi>{}</bdi></h{title}>\n<p class=\"faint\"><bdi>{}</bdi></p>\n\
-         <p class=\"verdict {}\">{}</p>\n",
+        "<article id=\"scene-{}\">\n<h{title}><bdi data-part=\"title\">{}</bdi></h{title}>\n<p class=\"faint\"><bdi>{}</bdi></p>\n\
+         <p class=\"verdict {}\" data-part=\"verdict\">{}</p>\n",
         index + 1,
         escaped(&article.title),
         escaped(&article.source),
@@ -96,20 +173,38 @@ fn write_article(out: &mut String, index: usize, article: &Article, depth: usize
         escaped(&article.result),
     );
     if let Some(still) = &article.still {
-        write_view(out, article, still);
+        match article.is_live() {
+            false => write_view(out, article, still),
+            true => {
+                out.push_str("<div class=\"workbench\">\n");
+                write_view(out, article, still);
+                out.push_str("<div class=\"bench\" data-part=\"bench\" hidden></div>\n</div>\n");
+            }
+        }
     }
-    for section in &article.sections {
-        write_section(out, section, depth);
-    }
+    let _ = writeln!(
+        out,
+        "<div data-part=\"sections\">\n{}</div>",
+        sections_text(article, depth)
+    );
     out.push_str("</article>\n");
+}
+
+/// Everything below the picture.
+pub(super) fn sections_text(article: &Article, depth: usize) -> String {
+    let mut out = String::new();
+    for section in &article.sections {
+        write_section(&mut out, section, depth);
+    }
+    out
 }
 
 /// The picture, the canvas over it, and what leads them through time. All that needs the script is hidden until it runs.
 fn write_view(out: &mut String, article: &Article, still: &[u8]) {
     let title = escaped(&article.title);
-    let canvas = match article.data["model"].is_null() {
-        true => String::new(),
-        false => format!(
+    let canvas = match article.has_view() {
+        false => String::new(),
+        true => format!(
             "<canvas data-part=\"canvas\" hidden tabindex=\"0\" role=\"img\" aria-label=\"3-D view of {title}: arrow keys turn it, plus and minus come nearer, Home resets it\"></canvas>"
         ),
     };

@@ -4,14 +4,21 @@
 mod article;
 mod checked;
 mod clearance;
+mod comparison;
 mod curves;
 mod document;
+mod engine;
 mod frames;
+pub mod live;
 mod markup;
 mod mechanism;
 mod model;
+mod site;
 mod still;
 
 pub use article::{Article, article_of, article_without_motion};
 pub use checked::Checked;
+pub use comparison::{Version, comparison_text};
 pub use document::page_text;
+pub use engine::PackedEngine;
+pub use site::{Entry, site_text};

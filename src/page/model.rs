@@ -1,9 +1,10 @@
 //! The bodies and their motion as the page's viewer reads them: meshes in 16 bits a coordinate, placements in 32.
 
-use crate::export::model::{ExportModel, ModelBody, ModelTrace};
+use crate::export::model::{ExportModel, ModelTrace};
 use crate::geometry::Mesh;
 use crate::kinematics::results::trajectory::Trajectory;
-use crate::math::{narrow_rotation, narrow_vector, rotation_quaternions};
+use crate::math::{Pose, narrow_rotation, narrow_vector, rotation_quaternions};
+use crate::model::mechanism::Mechanism;
 use crate::render::{Camera, Projection};
 use crate::scene::Scene;
 use crate::staging::model::{Facets, model_traces, of_motion, up_vector};
@@ -23,7 +24,7 @@ const NORMAL_LEVELS: f64 = 127.0;
 pub fn viewer_model(
     scene: &Scene,
     (whole, shown): (&Trajectory, &Trajectory),
-    (camera, aspect): (&Camera, f64),
+    camera: Option<(&Camera, f64)>,
 ) -> Result<Value, String> {
     let samples = 0..shown.samples.len();
     let model = of_motion(scene, shown, samples, None, Facets::Picture);
@@ -40,14 +41,43 @@ pub fn viewer_model(
              mechanim render writes them as .glb."
         ));
     }
+    let mut value = shapes_value(&model);
+    let poses = model
+        .bodies
+        .iter()
+        .map(|body| (&body.name[..], &body.poses[..]));
+    value["bodies"] = poses.map(|(name, poses)| body_value(name, poses)).collect();
+    value["traces"] = traces_value(&scene.mechanism, whole);
+    value["camera"] = match camera {
+        Some((camera, aspect)) => camera_value(scene, &model, camera, aspect),
+        None => Value::Null,
+    };
+    Ok(value)
+}
+
+/// Where all bodies are at all frames, and the traced paths: what changes where a mechanism only moves otherwise.
+pub(super) fn motion_value(mechanism: &Mechanism, shown: &Trajectory) -> Value {
+    let bodies = mechanism.bodies.iter().enumerate();
+    let poses = |index: usize| -> Vec<Pose> {
+        let poses = shown.poses();
+        poses.map(|pose| pose.bodies[index]).collect()
+    };
+    let bodies = bodies.map(|(index, body)| body_value(&body.name, &poses(index)));
+    json!({ "bodies": bodies.collect::<Vec<_>>(), "traces": traces_value(mechanism, shown) })
+}
+
+fn traces_value(mechanism: &Mechanism, whole: &Trajectory) -> Value {
+    let traces = model_traces(mechanism, whole);
+    traces.iter().map(trace_value).collect()
+}
+
+/// The meshes and what is made of them.
+fn shapes_value(model: &ExportModel) -> Value {
     let mut meshes = Meshes::default();
     let mut list = Vec::new();
     for (body, model_body) in model.bodies.iter().enumerate() {
-        for part in model_body
-            .parts
-            .iter()
-            .filter(|part| !part.mesh.triangles.is_empty())
-        {
+        let parts = model_body.parts.iter();
+        for part in parts.filter(|part| !part.mesh.triangles.is_empty()) {
             list.push(json!({
                 "mesh": meshes.index(&part.mesh),
                 "body": body,
@@ -56,14 +86,7 @@ pub fn viewer_model(
             }));
         }
     }
-    let traces = model_traces(&scene.mechanism, whole);
-    Ok(json!({
-        "meshes": meshes.list,
-        "parts": list,
-        "bodies": model.bodies.iter().map(body_value).collect::<Vec<_>>(),
-        "traces": traces.iter().map(trace_value).collect::<Vec<_>>(),
-        "camera": camera_value(scene, &model, camera, aspect),
-    }))
+    json!({ "meshes": meshes.list, "parts": list })
 }
 
 /// The meshes by their bytes: equal ones are written once.
@@ -138,12 +161,12 @@ fn folded_normal(normal: DVec3) -> [u8; 2] {
 }
 
 /// A body's quaternion and place for every frame; one frame for a body that stands still.
-fn body_value(body: &ModelBody) -> Value {
-    let first = body.poses.first();
-    let stands = body.poses.iter().all(|pose| Some(pose) == first);
+fn body_value(name: &str, poses: &[Pose]) -> Value {
+    let first = poses.first();
+    let stands = poses.iter().all(|pose| Some(pose) == first);
     let poses = match stands {
-        true => &body.poses[..body.poses.len().min(1)],
-        false => &body.poses[..],
+        true => &poses[..poses.len().min(1)],
+        false => poses,
     };
     let turns: Vec<DMat3> = poses.iter().map(|pose| pose.rotation).collect();
     let bytes: Vec<u8> = rotation_quaternions(&turns)
@@ -155,7 +178,7 @@ fn body_value(body: &ModelBody) -> Value {
             numbers.flat_map(f32::to_le_bytes)
         })
         .collect();
-    json!({ "name": body.name, "poses": BASE64_STANDARD.encode(&bytes) })
+    json!({ "name": name, "poses": BASE64_STANDARD.encode(&bytes) })
 }
 
 fn trace_value(trace: &ModelTrace) -> Value {

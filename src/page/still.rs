@@ -28,6 +28,12 @@ pub struct Picture {
 
 /// Draws the first frame by the program's own renderer, whose pictures are the same on every machine.
 pub fn first_picture(scene: &Scene, shown: &Trajectory) -> Result<Picture, RenderError> {
+    let by = DrawnBy {
+        renderer: RendererChoice::Cpu,
+        adapter: AdapterChoice::Software,
+        threads: 1,
+    };
+    let mut image = RgbaImage::new(OPTIONS.size[0], OPTIONS.size[1]);
     let staging = Staging::new(scene, shown, OPTIONS);
     let pictures = Pictures {
         scene,
@@ -36,12 +42,6 @@ pub fn first_picture(scene: &Scene, shown: &Trajectory) -> Result<Picture, Rende
         first: 0,
         panel: None,
     };
-    let by = DrawnBy {
-        renderer: RendererChoice::Cpu,
-        adapter: AdapterChoice::Software,
-        threads: 1,
-    };
-    let mut image = RgbaImage::new(OPTIONS.size[0], OPTIONS.size[1]);
     for draw in pictures.workers(&by)?.list.iter_mut().take(1) {
         draw(0, &mut image)?;
     }
@@ -52,12 +52,22 @@ pub fn first_picture(scene: &Scene, shown: &Trajectory) -> Result<Picture, Rende
     let mut png = Vec::new();
     encode_png(&image, Effort::Small, &mut png)
         .map_err(|error| RenderError::Device(error.to_string()))?;
-    let [width, height] = OPTIONS.size.map(f64::from);
+    let (camera, aspect) = camera_of(&staging);
     Ok(Picture {
         png,
-        camera: staging.frame(0).camera(&staging.stage),
-        aspect: width / height,
+        camera,
+        aspect,
     })
+}
+
+/// The camera of the first frame and its picture's width over its height, without a picture.
+pub fn view_of(scene: &Scene, shown: &Trajectory) -> (Camera, f64) {
+    camera_of(&Staging::new(scene, shown, OPTIONS))
+}
+
+fn camera_of(staging: &Staging) -> (Camera, f64) {
+    let [width, height] = OPTIONS.size.map(f64::from);
+    (staging.frame(0).camera(&staging.stage), width / height)
 }
 
 /// Of 64 levels, black and white among them: half the file, and nothing that an eye sees.

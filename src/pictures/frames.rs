@@ -1,5 +1,6 @@
 //! Workers that draw any sample of a motion: panes drawn and laid side by side, captions and plots added.
 
+use crate::kinematics::results::trajectory::Trajectory;
 use crate::plot::companion::Companion;
 use crate::plot::raster::ChartPainter;
 use crate::render::adapter::AdapterChoice;
@@ -7,7 +8,8 @@ use crate::render::open::{RendererChoice, open_renderer};
 use crate::render::overlay::Overlay;
 use crate::render::{RenderError, Renderer, matte};
 use crate::scene::Scene;
-use crate::staging::{Staging, panes};
+use crate::staging::marks::Marks;
+use crate::staging::{PictureOptions, Staging, panes};
 use image::{GenericImage, RgbaImage};
 use std::sync::Arc;
 
@@ -24,6 +26,28 @@ pub struct Pictures<'a> {
     pub first: usize,
     /// A plot beside the motion.
     pub panel: Option<&'a Companion>,
+}
+
+/// Stages a motion with its panes, and hands its pictures to `draw`.
+pub fn with_pictures<T>(
+    scene: &Scene,
+    trajectory: &Trajectory,
+    options: PictureOptions,
+    draw: impl FnOnce(Pictures) -> T,
+) -> T {
+    let views = match scene.view.four {
+        true => panes::pane_scenes(scene),
+        false => Vec::new(),
+    };
+    let panes = panes::pane_stagings(&views, trajectory, options, &Marks::default());
+    let staging = Staging::new(scene, trajectory, options);
+    draw(Pictures {
+        scene,
+        staging: &staging,
+        panes: &panes,
+        first: 0,
+        panel: None,
+    })
 }
 
 /// Draws a picture by its index.

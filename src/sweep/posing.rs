@@ -5,7 +5,7 @@ use super::row::RowStatus;
 use crate::analysis::study::{FamilyError, ParametricMechanism};
 use crate::kinematics::motion::continuation::{solve_motion, solve_whole};
 use crate::kinematics::results::certificate::Certificate;
-use crate::kinematics::results::trajectory::{ClosedPose, EventKind, Trajectory};
+use crate::kinematics::results::trajectory::ClosedPose;
 use crate::model::actuation::Actuation;
 
 /// The first pose of the motion with the file's own values: where the way to every design begins.
@@ -85,20 +85,9 @@ impl Origin {
         let way = Actuation::straight(&self.inputs, inputs, self.unknowns.clone());
         let motion = solve_whole(family.system(), &way, &[0.0, 1.0])?;
         let end = motion.poses().last()?;
-        let is_same = stays(&motion) && end.branch == self.branch;
+        let is_same = motion.is_one_assembly() && end.branch == self.branch;
         is_same.then(|| end.unknowns.clone())
     }
-}
-
-/// Whether a motion is one assembly from its start values on, as far as is known.
-pub(super) fn stays(motion: &Trajectory) -> bool {
-    let leaves = |kind: &EventKind| {
-        matches!(
-            kind,
-            EventKind::OtherStart | EventKind::SingularPosePassed | EventKind::MotionResumes { .. }
-        )
-    };
-    !motion.events.iter().any(|event| leaves(&event.kind))
 }
 
 /// The largest closure error and certified error of some poses, and how many of them have no certificate.

@@ -5,6 +5,7 @@ pub mod charts;
 pub mod dyads;
 pub mod enclose;
 pub mod files;
+pub mod groups;
 pub mod motion;
 pub mod report;
 pub mod scene;
@@ -21,7 +22,7 @@ use dyads::{DyadsArgs, IntervalsArgs};
 use enclose::EncloseArgs;
 use files::{DiffArgs, EncodeArgs, NewArgs, SnapshotArgs};
 use motion::{CheckArgs, ModesArgs, RenderArgs, SolveArgs};
-use report::ReportArgs;
+use report::{CompareArgs, ReportArgs, SiteArgs};
 use std::path::PathBuf;
 use study::{OptimiseArgs, SensitivityArgs, SynthesiseArgs, ToleranceArgs};
 use sweep::{StudyCommand, SweepArgs};
@@ -68,6 +69,10 @@ pub enum Command {
     Check(CheckArgs),
     /// Write what is known of scenes as one HTML page: verdict, mechanism, motion in 3-D, curves, limits, clearances, proofs.
     Report(ReportArgs),
+    /// Compare two versions of a scene on one HTML page: pictures, answers, curves, clearances.
+    Compare(CompareArgs),
+    /// Write a folder of pages with a front page, live where their engine is at hand.
+    Site(SiteArgs),
     /// List the assemblies that close at given inputs, searched from many starts.
     Modes(ModesArgs),
     /// Plot outputs, coordinates and their derivatives against input or time (SVG or PNG).

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 /// `mechanim report`
 #[derive(Clone, Debug, Args)]
 #[command(
-    after_help = "Examples:\n  mechanim report gearshift --out gearshift.html\n  mechanim report \"designs/*.toml\" --out all.html --certify motion"
+    after_help = "Examples:\n  mechanim report gearshift --out gearshift.html\n  mechanim report \"designs/*.toml\" --out all.html --certify motion\n  mechanim report gearshift --live --out live.html"
 )]
 pub struct ReportArgs {
     /// The scene.
@@ -21,9 +21,57 @@ pub struct ReportArgs {
     /// File to write: one .html page that needs no network (`-` for standard output).
     #[arg(long, short, value_name = "FILE.html")]
     pub out: PathBuf,
+    /// With sliders: the page holds the program itself as WebAssembly, follows the mechanism as dimensions and inputs are
+    /// moved, and proves every pose again.
+    #[arg(long, conflicts_with_all = ["inputs", "table", "mode"])]
+    pub live: bool,
+    /// The engine of live pages; `mechanim.wasm` beside the program if absent.
+    #[arg(long, value_name = "FILE.wasm", requires = "live")]
+    pub wasm: Option<PathBuf>,
     /// Run again whenever a scene, a mesh that it names or its table of inputs changes, until Ctrl-C.
     #[arg(long)]
     pub watch: bool,
+    /// What is asked.
+    #[command(flatten)]
+    pub asked: AskedArgs,
+}
+
+/// `mechanim compare`
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Example:\n  mechanim compare old.toml new.toml --out change.html")]
+pub struct CompareArgs {
+    /// The scene as it was: a built-in name or a path. Parameters, inputs and start values that are replaced are so in both.
+    pub old: OsString,
+    /// The scene as it is.
+    #[command(flatten)]
+    pub new: SceneArgs,
+    /// File to write: one .html page that needs no network (`-` for standard output).
+    #[arg(long, short, value_name = "FILE.html")]
+    pub out: PathBuf,
+    /// What is asked of both.
+    #[command(flatten)]
+    pub asked: AskedArgs,
+}
+
+/// `mechanim site`
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Example:\n  mechanim site \"scenes/*.toml\" --out site")]
+pub struct SiteArgs {
+    /// The scene.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// More scenes; a name may be a pattern, such as designs/*.toml.
+    #[arg(value_name = "SCENE")]
+    pub more: Vec<OsString>,
+    /// File to write: index.html in this folder, and a page for each scene beside it. Whatever has other names there stays.
+    #[arg(long, short, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Title of the front page; how many mechanisms there are, if absent.
+    #[arg(long)]
+    pub title: Option<String>,
+    /// The engine of live pages; `mechanim.wasm` beside the program if absent.
+    #[arg(long, value_name = "FILE.wasm")]
+    pub wasm: Option<PathBuf>,
     /// What is asked.
     #[command(flatten)]
     pub asked: AskedArgs,

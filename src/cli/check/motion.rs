@@ -72,20 +72,30 @@ pub fn motion_check<'a>(
         scene: &opened.scene,
         system: &opened.system,
         times,
-        asked: Asked {
-            closure: asked.closure,
-            poses: asked.certify != CertifyArg::None,
-            motion: asked.certify == CertifyArg::Motion,
-            estimates: asked.allow_estimates || asked.certify == CertifyArg::None,
-            empty: asked.allow_empty,
-            band: asked.band,
-        },
-        closely: Closely {
-            tolerance: asked.tolerance,
-            pairs: asked.worst.max(Closely::PAIRS),
-            times: true,
-        },
+        asked: questions(asked),
+        closely: nearness(asked),
         is_swept,
         worst: asked.worst,
+    }
+}
+
+/// What the command line asks of a motion.
+pub fn questions(asked: &AskedArgs) -> Asked {
+    Asked {
+        closure: asked.closure,
+        poses: asked.certify != CertifyArg::None,
+        motion: asked.certify == CertifyArg::Motion,
+        estimates: asked.allow_estimates || asked.certify == CertifyArg::None,
+        empty: asked.allow_empty,
+        band: asked.band,
+    }
+}
+
+/// How near it asks bounds of distances to come.
+pub fn nearness(asked: &AskedArgs) -> Closely {
+    Closely {
+        tolerance: asked.tolerance,
+        pairs: asked.worst.max(Closely::PAIRS),
+        times: true,
     }
 }

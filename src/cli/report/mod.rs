@@ -1,22 +1,25 @@
 //! `mechanim report`: what `check` and `solve` know of scenes, as one HTML file.
 
+pub mod compare;
+mod engine;
+mod judged;
+pub mod site;
+
+use super::args::motion::AskedArgs;
 use super::args::report::ReportArgs;
 use super::args::scene::SceneArgs;
-use super::check::motion::{asked_times, motion_check};
-use super::interrupt::{is_interrupted, refuse_interrupted};
+use super::check::motion::{nearness, questions};
 use super::io;
-use super::motion::event_messages;
 use super::open::patterns::scenes_of;
-use super::open::scene::{OpenScene, open_scene};
+use super::open::scene::text_of;
 use super::term::Term;
 use super::term::outcome::{Failure, Outcome};
-use crate::kinematics::structure::block::StructureError;
-use crate::page::{Article, Checked, article_of, article_without_motion, page_text};
-use crate::report::closure;
+use crate::page::live::{LiveAsked, LiveStart};
+use crate::page::{Article, article_of, article_without_motion, page_text};
 use crate::report::sentences::counted_things;
-use crate::report::verdict::Verdict;
+use engine::{find_engine, refuse_files};
+use judged::judge;
 use std::path::Path;
-use std::time::Instant;
 
 /// Runs the verb.
 pub fn run_report(args: &ReportArgs, term: &Term) -> Result<Outcome, Failure> {
@@ -25,17 +28,20 @@ pub fn run_report(args: &ReportArgs, term: &Term) -> Result<Outcome, Failure> {
     for scene in &scenes {
         io::refuse_input(scene, &args.out)?;
     }
+    let engine = args.live.then(|| find_engine(args.wasm.as_deref()));
+    let engine = engine.transpose()?;
     let (mut articles, mut outcome, mut failed) = (Vec::new(), Outcome::Done, None);
+    let live = if args.live { Live::Surely } else { Live::Not };
     for (index, scene) in scenes.iter().enumerate() {
-        let (article, end) = judge(args, scene, index + 1, term)?;
-        articles.push(article);
-        match end {
+        let written = article(&args.asked, scene, (index + 1, live), term)?;
+        articles.push(written.article);
+        match written.end {
             Ok(end) => outcome = outcome.worse(end),
             Err(failure) => failed = failed.or(Some(failure)),
         }
     }
     let title = counted_things(articles.len(), "mechanism");
-    let text = page_text(&title, &articles);
+    let text = page_text(&title, &articles, engine.as_ref());
     io::write_text(&args.scene, &args.out, &text)?;
     if args.out != Path::new("-") {
         let size = text.len() as f64 / 1e3;
@@ -48,58 +54,72 @@ pub fn run_report(args: &ReportArgs, term: &Term) -> Result<Outcome, Failure> {
     }
 }
 
-/// Judges a scene as `check` does. The second value is what `check` would end with.
-fn judge(
-    args: &ReportArgs,
-    scene: &SceneArgs,
-    number: usize,
-    term: &Term,
-) -> Result<(Article, Result<Outcome, Failure>), Failure> {
-    let source = scene.scene.to_string_lossy();
-    let opened = match open_scene(scene, term) {
-        Err(failure @ Failure::Structure(StructureError::Impossible { .. })) => {
-            let verdict = Verdict {
-                title: source.clone().into_owned(),
-                cases: vec![closure::unclosed_case(&failure.to_string())],
-            };
-            return Ok((article_without_motion(&source, &verdict), Err(failure)));
-        }
-        opened => opened?,
-    };
-    let OpenScene {
-        scene: read,
-        system,
-    } = &opened;
-    let times = asked_times(&args.asked, scene, read);
-    let check = motion_check(&args.asked, &opened, &times, false);
-    let begun = Instant::now();
-    let mut trajectory = check.solve(&is_interrupted)?;
-    refuse_interrupted()?;
-    let seconds = begun.elapsed().as_secs_f64();
-    event_messages::note_moved_start(system, &read.actuation, &mut trajectory)?;
-    if let Err(failure) = event_messages::tell_events(system, &read.actuation, &trajectory, term) {
-        let answer = check.without_pose(&trajectory, Some(&failure.to_string()));
-        return Ok((
-            article_without_motion(&source, &answer.verdict),
-            Err(failure),
-        ));
-    }
-    let mut covered = check.cover(&trajectory);
-    let clearances = check.clearances(&mut covered, &|_, _| {})?;
-    let answer = check.answer(&trajectory, &mut covered, clearances.as_ref(), seconds);
-    let checked = Checked {
-        source: &source,
-        scene: read,
-        system,
-        trajectory: &trajectory,
-        clearances: clearances.as_ref(),
-        answer: &answer,
-    };
-    let article = article_of(&checked, number)?;
-    Ok((article, Ok(answer.verdict.result().into())))
+/// Whether pages are live.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Live {
+    /// They are not.
+    Not,
+    /// They are; a scene that cannot be is refused.
+    Surely,
+    /// Those that can be.
+    WherePossible,
 }
 
-fn refuse_other_formats(path: &Path) -> Result<(), Failure> {
+/// A scene's article.
+struct Written {
+    article: Article,
+    description: String,
+    /// What `check` would end with.
+    end: Result<Outcome, Failure>,
+}
+
+/// The article of a scene, which is number so and so of its page.
+fn article(
+    asked: &AskedArgs,
+    scene: &SceneArgs,
+    (number, live): (usize, Live),
+    term: &Term,
+) -> Result<Written, Failure> {
+    let judged = judge(asked, scene, term)?;
+    let Some(checked) = judged.checked() else {
+        return Ok(Written {
+            article: article_without_motion(&judged.source, judged.verdict()),
+            description: String::new(),
+            end: judged.end,
+        });
+    };
+    let mut article = article_of(&checked, number)?;
+    match (live, refuse_files(scene, checked.scene)) {
+        (Live::Surely, Err(failure)) => return Err(failure),
+        (Live::Not, _) | (Live::WherePossible, Err(_)) => {}
+        (Live::Surely | Live::WherePossible, Ok(())) => enliven(&mut article, asked, scene)?,
+    }
+    let description = checked.scene.description.clone();
+    Ok(Written {
+        article,
+        description,
+        end: judged.end,
+    })
+}
+
+/// Lets the reader of an article move its mechanism.
+fn enliven(article: &mut Article, asked: &AskedArgs, scene: &SceneArgs) -> Result<(), Failure> {
+    let (source, overrides) = text_of(scene)?;
+    let stem = Path::new(&scene.scene).file_stem().and_then(|s| s.to_str());
+    article.enliven(&LiveStart {
+        source: &source,
+        overrides: &overrides,
+        asked: LiveAsked {
+            asked: questions(asked),
+            closely: nearness(asked),
+            samples: asked.samples,
+        },
+        file: stem.filter(|s| *s != "-").unwrap_or("scene"),
+    });
+    Ok(())
+}
+
+pub(super) fn refuse_other_formats(path: &Path) -> Result<(), Failure> {
     let extension = path.extension().and_then(|e| e.to_str());
     let is_page =
         extension.is_some_and(|e| ["html", "htm"].contains(&e.to_ascii_lowercase().as_str()));

@@ -292,6 +292,19 @@ impl Trajectory {
             && !self.events.iter().any(is_proved)
     }
 
+    /// Whether it is one assembly from its start values on, as far as is known.
+    pub fn is_one_assembly(&self) -> bool {
+        let leaves = |kind: &EventKind| {
+            matches!(
+                kind,
+                EventKind::OtherStart
+                    | EventKind::SingularPosePassed
+                    | EventKind::MotionResumes { .. }
+            )
+        };
+        !self.events.iter().any(|event| leaves(&event.kind))
+    }
+
     /// The worst closure error of all poses.
     pub fn closure_error(&self) -> f64 {
         self.poses().map(|p| p.closure_error).fold(0.0, f64::max)

@@ -36,11 +36,31 @@ function shown(value) {
   return value.toFixed(Math.max(0, Math.min(6, 5 - Math.floor(Math.log10(Math.max(size, 1))))));
 }
 
+/** An element with properties and children; texts never become markup. */
+function made(name, properties = {}, ...children) {
+  const element = document.createElement(name);
+  for (const [key, value] of Object.entries(properties)) {
+    if (key in element) element[key] = value;
+    else element.setAttribute(key, value);
+  }
+  element.append(...children);
+  return element;
+}
+
 /** One mechanism on the page. */
 class Report {
-  constructor(root, data) {
+  constructor(root, data, number) {
     this.root = root;
+    this.number = number;
+    this.depth = document.querySelectorAll("article").length > 1 ? 3 : 2;
     this.data = data;
+    this.orbit = null;
+    this.live = null;
+    /** Reports that show the same time from the same side: another version of the mechanism. */
+    this.peers = [];
+    /** The time that is shown, also while the inputs are led by hand. */
+    this.time = 0;
+    this.isHeld = false;
     this.frame = 0;
     this.mark = null;
     this.viewer = null;
@@ -48,6 +68,7 @@ class Report {
     if (data.times.length === 0) return;
     this.find();
     this.listen();
+    this.listenToSections();
     this.showControls();
     this.watchView();
     this.show(0);
@@ -63,6 +84,10 @@ class Report {
     this.note = part("note");
     this.caption = part("caption");
     this.cells = [...this.root.querySelectorAll("[data-value]")];
+    this.findHeads();
+  }
+
+  findHeads() {
     this.heads = this.data.charts.map((chart) => new Playheads(document.getElementById(chart.id), chart));
   }
 
@@ -77,6 +102,14 @@ class Report {
       this.show(Number(this.slider.value));
     });
     this.play.addEventListener("click", () => this.toggle());
+    this.root.querySelector('[data-part="reset"]').addEventListener("click", () => {
+      this.viewer?.orbit.reset();
+      this.drawAll();
+    });
+    if (this.canvas) this.listenToCanvas();
+  }
+
+  listenToSections() {
     for (const button of this.root.querySelectorAll("[data-frame]")) {
       button.addEventListener("click", () => this.jump(button));
     }
@@ -84,11 +117,6 @@ class Report {
       this.stop();
       this.show(frame);
     }));
-    this.root.querySelector('[data-part="reset"]').addEventListener("click", () => {
-      this.viewer?.orbit.reset();
-      this.draw();
-    });
-    if (this.canvas) this.listenToCanvas();
   }
 
   /** A "show" button: the frame it names, with the two points of its pair. */
@@ -129,7 +157,7 @@ class Report {
       if (!this.viewer || !(event.ctrlKey || event.altKey)) return;
       event.preventDefault();
       this.viewer.orbit.approach(Math.exp(-event.deltaY / 500));
-      this.draw();
+      this.drawAll();
     }, { passive: false });
     this.canvas.addEventListener("keydown", (event) => this.key(event));
     this.canvas.addEventListener("webglcontextlost", () => this.closeView());
@@ -139,7 +167,16 @@ class Report {
     const height = this.canvas.clientHeight || 1;
     if (isShift) this.viewer.orbit.shift(-right / height, down / height);
     else this.viewer.orbit.turn((-4 * right) / height, (4 * down) / height);
+    this.drawAll();
+  }
+
+  /** Draws, and lets the others look from the same side. */
+  drawAll() {
     this.draw();
+    for (const peer of this.peers) {
+      peer.viewer?.orbit.follow(this.viewer.orbit);
+      peer.draw();
+    }
   }
 
   key(event) {
@@ -158,12 +195,13 @@ class Report {
     if (!actions[event.key]) return;
     event.preventDefault();
     actions[event.key]();
-    this.draw();
+    this.drawAll();
   }
 
   /** Opens the view while it is on the screen and closes it when it has left. */
   watchView() {
-    if (!this.canvas || !this.data.model) return;
+    if (!this.canvas || !this.data.model || this.isWatched) return;
+    this.isWatched = true;
     const watch = new IntersectionObserver((entries) => {
       const isSeen = entries[entries.length - 1].isIntersecting;
       if (isSeen && !this.viewer) this.openView();
@@ -181,7 +219,8 @@ class Report {
     this.listenToCanvas();
     try {
       fresh.hidden = false;
-      this.viewer = new Viewer(fresh, this.data.model);
+      this.viewer = new Viewer(fresh, this.data.model, this.orbit);
+      this.orbit = this.viewer.orbit;
       this.still.hidden = true;
       this.note.hidden = true;
       this.draw();
@@ -229,23 +268,94 @@ class Report {
   }
 
   /** Shows a frame everywhere. */
-  show(frame, mark = null) {
+  show(frame, mark = null, isEcho = false) {
     this.frame = Math.max(0, Math.min(this.data.times.length - 1, frame));
     this.mark = mark;
-    const time = `${shown(this.data.times[this.frame])} s`;
+    if (!this.isHeld) this.time = this.data.times[this.frame] ?? 0;
+    const time = this.isHeld ? "by hand" : `${shown(this.time)} s`;
     this.slider.value = String(this.frame);
     this.slider.setAttribute("aria-valuetext", time);
-    this.clock.textContent = `t = ${time}`;
+    this.clock.textContent = this.isHeld ? time : `t = ${time}`;
     this.caption.textContent = mark ? mark.text : "";
     for (const cell of this.cells) {
-      cell.textContent = shown(this.data.values[Number(cell.dataset.value)].at[this.frame]);
+      const value = this.data.values[Number(cell.dataset.value)];
+      cell.textContent = value ? shown(value.at[this.frame] ?? null) : "–";
     }
     this.heads.forEach((head) => head.show(this.frame));
+    this.live?.showInputs();
     this.draw();
+    if (!isEcho) this.peers.forEach((peer) => peer.showTime(this.data.times[this.frame]));
+  }
+
+  /** Shows the frame at a time, because another report does. */
+  showTime(time) {
+    this.show(frameAt(this.data.times, time + 1e-9), null, true);
   }
 
   draw() {
     this.viewer?.draw(this.frame, this.mark && this.mark.points);
+    if (!this.viewer) this.drawStill();
+  }
+
+  /** Where there is no 3-D view, the program itself draws the pose, as soon as it has time. */
+  async drawStill() {
+    if (!this.live || this.isDrawing || !this.still || !this.data.times.length) return;
+    this.isDrawing = true;
+    this.drawing ??= made("canvas", { className: "drawn", "aria-label": this.still.alt, role: "img" });
+    let frame = null;
+    while (frame !== this.frame && !this.viewer) {
+      frame = this.frame;
+      await this.live.draw(this.drawing, this.data.times[frame]);
+    }
+    if (!this.viewer && !this.drawing.isConnected) this.still.after(this.drawing);
+    this.still.hidden = true;
+    this.note.textContent = "Drawn by the program itself: this browser shows no 3-D here.";
+    this.isDrawing = false;
+  }
+
+  /** Takes another motion over, and with it other shapes; the time stays as near as it can. */
+  takeMotion({ times, values, motion, model, held = false }) {
+    const known = this.data.model;
+    this.data = { ...this.data, times, values };
+    if (known || model) this.data.model = { ...known, ...motion, ...model, camera: model?.camera ?? known?.camera };
+    if (model?.camera) this.orbit = null;
+    if (model) this.viewer?.takeShapes(this.data.model);
+    if (model?.camera && this.viewer) this.orbit = this.viewer.orbit;
+    this.viewer?.takeMotion(this.data.model);
+    this.showValues();
+    this.slider.max = String(Math.max(0, times.length - 1));
+    this.heads = [];
+    this.isHeld = held;
+    this.watchView();
+    this.show(frameAt(times, this.time + 1e-9));
+  }
+
+  /** Takes over an article made anew: its frames, curves and buttons. */
+  takeArticle(data) {
+    this.data.charts = data.charts;
+    this.data.marks = data.marks;
+    this.findHeads();
+    this.listenToSections();
+    for (const part of this.root.querySelectorAll('[data-part="sections"] [data-live]')) part.hidden = false;
+    if (data.times.length) this.takeFrames(data);
+  }
+
+  takeFrames({ times, values, model }) {
+    const { heads } = this;
+    this.takeMotion({ times, values, motion: model ?? {}, model: null });
+    this.heads = heads;
+    this.show(this.frame);
+  }
+
+  /** The table of values that follow the slider: another text of a scene has others. */
+  showValues() {
+    const names = this.data.values.map((value) => value.name).join("\n");
+    if (names === this.names || !this.cells.length) return;
+    this.names = names;
+    const body = this.cells[0].closest("tbody");
+    this.cells = this.data.values.map((_, k) => made("td", { className: "number", "data-value": String(k) }));
+    body.replaceChildren(...this.data.values.map(({ name, unit }, k) => (
+      made("tr", {}, made("td", {}, name), this.cells[k], made("td", {}, unit)))));
   }
 }
 
@@ -307,7 +417,11 @@ class Playheads {
 
 if (typeof document !== "undefined") {
   const all = JSON.parse(document.getElementById("data").textContent);
-  window.reports = all.map((data, k) => new Report(document.getElementById(`scene-${k + 1}`), data));
+  window.reports = all.map((data, k) => new Report(document.getElementById(`scene-${k + 1}`), data, k + 1));
+  if (document.querySelector("[data-linked]")) {
+    const moving = window.reports.filter((report) => report.data.times.length);
+    for (const report of moving) report.peers = moving.filter((other) => other !== report);
+  }
 }
 
 if (typeof module !== "undefined") module.exports = { frameAt, frameNearest, shown };

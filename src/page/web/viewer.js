@@ -57,6 +57,11 @@ class Orbit {
     this.elevation = Math.max(-STEEPEST, Math.min(STEEPEST, this.elevation + upwards));
   }
 
+  /** Looks from where another one does; each keeps its own distance. */
+  follow({ azimuth, elevation, zoom, target }) {
+    Object.assign(this, { azimuth, elevation, zoom, target });
+  }
+
   /** Comes nearer by a factor above one. */
   approach(factor) {
     this.zoom = Math.max(0.1, Math.min(40, this.zoom * factor));
@@ -174,27 +179,56 @@ const MARK = [0.85, 0.1, 0.1, 1];
 /** Draws one mechanism into one canvas. */
 class Viewer {
   /** Throws where the browser has no WebGL2. */
-  constructor(canvas, model) {
+  constructor(canvas, model, orbit = null) {
     const gl = canvas.getContext("webgl2", { antialias: true, alpha: true, premultipliedAlpha: false });
     if (!gl) throw new Error("no WebGL2");
     this.canvas = canvas;
     this.gl = gl;
     this.model = model;
-    this.orbit = new Orbit(model.camera);
+    this.orbit = orbit ?? new Orbit(model.camera);
     this.solid = program(gl, SOLID_VERTEX, SOLID_FRAGMENT, ["aPosition", "aNormal"]);
     this.line = program(gl, LINE_VERTEX, LINE_FRAGMENT, ["aFrom", "aTo"]);
-    this.meshes = model.meshes.map((mesh) => this.upload(mesh));
-    this.poses = model.bodies.map((body) => numbersOf(body.poses, Float32Array));
-    this.traces = model.traces.map((trace) => this.uploadTrace(trace));
+    this.meshes = [];
+    this.traces = [];
+    this.takeShapes(model);
+    this.takeMotion(model);
     this.markLine = this.lineArray(new Float32Array(6));
+  }
+
+  /** Other meshes, and with a camera another place to look from. */
+  takeShapes(model) {
+    this.forget(this.meshes);
+    this.model = model;
+    this.meshes = model.meshes.map((mesh) => this.upload(mesh));
+    if (model.camera && model.camera !== this.orbit.start) this.orbit = new Orbit(model.camera);
+  }
+
+  /** Other poses and paths. */
+  takeMotion({ bodies, traces }) {
+    this.forget(this.traces);
+    this.poses = bodies.map((body) => numbersOf(body.poses, Float32Array));
+    this.traces = traces.map((trace) => this.uploadTrace(trace));
+  }
+
+  /** Gives memory back: a slider moves thousands of times. */
+  forget(arrays) {
+    for (const { array, buffers } of arrays) {
+      this.gl.deleteVertexArray(array);
+      buffers.forEach((buffer) => this.gl.deleteBuffer(buffer));
+    }
   }
 
   upload(mesh) {
     const gl = this.gl;
+    const buffers = [];
+    const buffer = () => {
+      buffers.push(gl.createBuffer());
+      return buffers[buffers.length - 1];
+    };
     const array = gl.createVertexArray();
     gl.bindVertexArray(array);
     const attribute = (place, size, kind, numbers) => {
-      gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
+      gl.bindBuffer(gl.ARRAY_BUFFER, buffer());
       gl.bufferData(gl.ARRAY_BUFFER, numbers, gl.STATIC_DRAW);
       gl.enableVertexAttribArray(place);
       gl.vertexAttribPointer(place, size, kind, true, 0, 0);
@@ -202,10 +236,10 @@ class Viewer {
     attribute(0, 3, gl.UNSIGNED_SHORT, numbersOf(mesh.positions, Uint16Array));
     attribute(1, 2, gl.BYTE, numbersOf(mesh.normals, Int8Array));
     const corners = numbersOf(mesh.triangles, mesh.wide ? Uint32Array : Uint16Array);
-    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, buffer());
     gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, corners, gl.STATIC_DRAW);
     const kind = mesh.wide ? gl.UNSIGNED_INT : gl.UNSIGNED_SHORT;
-    return { array, count: corners.length, kind, low: mesh.low, size: mesh.size };
+    return { array, buffers, count: corners.length, kind, low: mesh.low, size: mesh.size };
   }
 
   uploadTrace(trace) {
@@ -222,7 +256,7 @@ class Viewer {
       gl.enableVertexAttribArray(place);
       gl.vertexAttribDivisor(place, 1);
     }
-    return { array, buffer };
+    return { array, buffer, buffers: [buffer] };
   }
 
   /** One quad for each pair of neighbouring points, `count` points from number `first` on. */

@@ -72,7 +72,7 @@ const WALLS: [Wall; 21] = [
         rooms: &["parts/", "page/"],
     },
     Wall {
-        words: &["base64::"],
+        words: &["base64::", "flate2::"],
         rooms: &["page/"],
     },
     Wall {

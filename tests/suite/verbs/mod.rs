@@ -3,12 +3,14 @@
 mod bad_scenes;
 mod bombs;
 mod cli;
+mod compared_pages;
 mod document_commands;
 mod documents;
 mod dyad_verbs;
 mod face;
 mod flags;
 mod large_texts;
+mod live_pages;
 mod many_scenes;
 #[cfg(target_os = "linux")]
 mod memory;

@@ -8,7 +8,7 @@ use mechanim::scene::builtin;
 const MOST_BYTES: usize = 600_000;
 
 /// A crank with hostile names: an end of the script, an event handler, a mark that turns the direction of writing.
-const HOSTILE: &str = "title = \"</script><img src=x onerror=alert(1)>\u{202e}txt\"\nunits = { length = \"mm\", angle = \"deg\" }\nduration = 2\n\
+pub(super) const HOSTILE: &str = "title = \"</script><img src=x onerror=alert(1)>\u{202e}txt\"\nunits = { length = \"mm\", angle = \"deg\" }\nduration = 2\n\
 [inputs]\nphi = \"180*t\"\n[loops]\n\"A\" = \"Rz(phi) Tx(40) Rz(alpha) Tx(80) Rz(beta) Tx(-h)\"\n[guess]\nh = 120\nalpha = 0\nbeta = 0\n\
 [[bodies]]\nname = \"<b onclick=alert(1)>\"\nframe = \"Rz(phi)\"\nshapes = [{ box = { size = [40, 8, 8] } }]\n\
 [[bodies]]\nname = \"<!--<script>\"\nframe = \"Tx(h)\"\nshapes = [{ sphere = { radius = 5 } }]\n[clearance]\nminimum = 1\n";
@@ -49,7 +49,7 @@ fn every_built_in_scene_has_a_page_that_says_what_check_says() {
         );
         let class = if checked.code == 0 { "passed" } else { "open" };
         assert!(
-            text.contains(&format!("<p class=\"verdict {class}\">")),
+            text.contains(&format!("<p class=\"verdict {class}\" ")),
             "{}",
             scene.name
         );
@@ -65,8 +65,13 @@ fn every_built_in_scene_has_a_page_that_says_what_check_says() {
     }
 }
 
+/// What stands before the scripts.
+pub(super) fn markup_of(text: &str) -> &str {
+    text.split("<script>").next().unwrap()
+}
+
 /// Nothing on the page is fetched, and nothing runs but what the policy names.
-fn asks_for_nothing(text: &str) {
+pub(super) fn asks_for_nothing(text: &str) {
     let policy = text
         .split("Content-Security-Policy\" content=\"")
         .nth(1)
@@ -78,7 +83,7 @@ fn asks_for_nothing(text: &str) {
     );
     assert!(!policy.contains("unsafe"), "{policy}");
     assert_eq!(policy.matches("'sha256-").count(), 3, "{policy}");
-    let markup = text.split("<script>").next().unwrap();
+    let markup = markup_of(text);
     for address in [" src=\"", " href=\""] {
         for place in markup.split(address).skip(1) {
             assert!(
@@ -121,7 +126,9 @@ fn names_of_a_scene_stay_texts() {
         !text.contains('\u{202e}'),
         "a mark that turns the direction of writing"
     );
-    assert!(text.contains("<bdi>&lt;/script&gt;&lt;img src=x onerror=alert(1)&gt;"));
+    assert!(
+        text.contains("<bdi data-part=\"title\">&lt;/script&gt;&lt;img src=x onerror=alert(1)&gt;")
+    );
     assert!(
         text.contains("&lt;b onclick=alert(1)&gt; / &lt;!--&lt;script&gt;"),
         "the pair of bodies"
@@ -152,8 +159,8 @@ fn several_scenes_share_a_page_and_its_worst_result() {
     ] {
         assert!(text.contains(part), "{part}");
     }
-    assert_eq!(text.matches("<p class=\"verdict passed\">").count(), 1);
-    assert_eq!(text.matches("<p class=\"verdict failed\">").count(), 1);
+    assert_eq!(text.matches("<p class=\"verdict passed\" ").count(), 1);
+    assert_eq!(text.matches("<p class=\"verdict failed\" ").count(), 1);
     // What is only a word of the command line is shown, too.
     w.run(&["report", "none-*.toml", "--out", "p.html"])
         .exits(2)
@@ -170,7 +177,9 @@ fn a_mechanism_that_does_not_close_has_a_page_that_says_so() {
     w.run(&["report", "never.toml", "--out", "p.html"])
         .exits(code);
     let text = page(&w, "p.html");
-    assert!(text.contains("<p class=\"verdict failed\">not closed over the whole motion</p>"));
+    assert!(text.contains(
+        "<p class=\"verdict failed\" data-part=\"verdict\">not closed over the whole motion</p>"
+    ));
     asks_for_nothing(&text);
 }
 

@@ -1,0 +1,114 @@
+//! The list of verbs in the program's help: by what they are for, one line each.
+
+use clap::Command;
+
+/// What verbs are for, with the verbs.
+const GROUPS: [(&str, &[&str]); 5] = [
+    (
+        "Move and draw",
+        &["solve", "render", "plot", "draw", "show", "modes"],
+    ),
+    (
+        "Judge and report",
+        &["check", "report", "compare", "site", "snapshot", "diff"],
+    ),
+    (
+        "Dimensions and tolerances",
+        &[
+            "sensitivity",
+            "tolerance",
+            "enclose",
+            "optimise",
+            "synthesise",
+            "sweep",
+            "study",
+            "accuracy",
+        ],
+    ),
+    ("Planar linkages", &["dyads", "intervals"]),
+    (
+        "Scenes, files, help",
+        &[
+            "new",
+            "scenes",
+            "encode",
+            "schema",
+            "manual",
+            "completions",
+            "info",
+        ],
+    ),
+];
+
+/// What to begin with.
+const EXAMPLES: &str = "Examples:
+  mechanim scenes                                    what there is to begin with
+  mechanim render gearshift --out anim.gif           a motion as a film
+  mechanim check \"designs/*.toml\"                    do they close, and keep their distances? proved
+  mechanim report gearshift --out gearshift.html     all that is known, as one page
+  mechanim VERB --help                               every option of a verb";
+
+/// Most characters of a verb's line.
+const MOST: usize = 72;
+
+/// The command with its verbs in groups.
+pub fn grouped(command: Command) -> Command {
+    let mut list = String::new();
+    for (head, verbs) in GROUPS {
+        list.push_str(&format!("{head}:\n"));
+        for verb in verbs {
+            let about = command.find_subcommand(verb).and_then(Command::get_about);
+            let about = about.map_or_else(String::new, |text| first_words(&text.to_string()));
+            list.push_str(&format!("  {verb:<13}{about}\n"));
+        }
+        list.push('\n');
+    }
+    command.help_template(format!(
+        "{{about}}\n\n{{usage-heading}} {{usage}}\n\n{list}{EXAMPLES}\n\nOptions:\n{{options}}\n\n{{after-help}}\n"
+    ))
+}
+
+/// The beginning of a sentence, up to where its details begin.
+fn first_words(sentence: &str) -> String {
+    let first = sentence.split([':', ';', '(']).next().unwrap_or_default();
+    let mut text = first.trim_end().trim_end_matches('.').to_owned();
+    while text.chars().count() > MOST {
+        match text.rfind(", ") {
+            Some(comma) => text.truncate(comma),
+            None => break,
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::cli::args::Cli;
+    use clap::CommandFactory;
+
+    #[test]
+    fn every_verb_is_in_one_group() {
+        let command = Cli::command();
+        let mut known: Vec<&str> = command.get_subcommands().map(Command::get_name).collect();
+        let mut listed: Vec<&str> = GROUPS
+            .iter()
+            .flat_map(|(_, verbs)| verbs.iter().copied())
+            .collect();
+        known.sort_unstable();
+        listed.sort_unstable();
+        assert_eq!(known, listed);
+        let help = grouped(command).render_help().to_string();
+        for line in help
+            .lines()
+            .filter(|line| line.starts_with("  ") && !line.contains("--"))
+        {
+            assert!(line.chars().count() <= 100, "{line}");
+        }
+        assert!(
+            help.contains("Judge and report:\n  check        Check loop closure"),
+            "{help}"
+        );
+    }
+}

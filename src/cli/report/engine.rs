@@ -1,0 +1,58 @@
+//! The engine of live pages: where it is looked for, and which scenes it can take along.
+
+use crate::cli::args::scene::SceneArgs;
+use crate::cli::term::outcome::Failure;
+use crate::model::shape::Solid;
+use crate::page::PackedEngine;
+use crate::scene::Scene;
+use std::path::{Path, PathBuf};
+
+/// Its name beside the program.
+const NAME: &str = "mechanim.wasm";
+
+/// How it is built.
+const BUILD: &str = "build it from the sources, rustup target add wasm32-unknown-unknown, then \
+    cargo build --profile web --target wasm32-unknown-unknown -p mechanim-web, \
+    and put target/wasm32-unknown-unknown/web/mechanim.wasm beside the program or name it with --wasm FILE";
+
+/// Reads the engine that was named, or the one beside the program.
+///
+/// Errors: there is none; it is of another version.
+pub fn find_engine(named: Option<&Path>) -> Result<PackedEngine, Failure> {
+    let refused = |message: String| Failure::usage(message, vec![BUILD.to_owned()]);
+    let beside = || Some(std::env::current_exe().ok()?.with_file_name(NAME));
+    let path: PathBuf = named
+        .map(Path::to_owned)
+        .or_else(beside)
+        .unwrap_or_else(|| PathBuf::from(NAME));
+    let bytes = std::fs::read(&path).map_err(|error| {
+        let what = "a live page holds the engine as WebAssembly, and there is none";
+        refused(format!("{what}: {}: {error}", path.display()))
+    })?;
+    PackedEngine::new(&bytes).map_err(|why| refused(format!("{}: {why}", path.display())))
+}
+
+/// Refuses scenes whose text is gone, or is not all of them.
+///
+/// Errors: a scene from a pipe; one with meshes.
+pub fn refuse_files(args: &SceneArgs, scene: &Scene) -> Result<(), Failure> {
+    if args.scene == "-" {
+        let hint = "write the scene into a file".to_owned();
+        return Err(Failure::usage(
+            "a live page is made from a file",
+            vec![hint],
+        ));
+    }
+    let bodies = scene.mechanism.bodies.iter();
+    let mut shapes = bodies.flat_map(|body| &body.shapes);
+    match shapes.any(|shape| matches!(shape.solid, Solid::Triangles(_))) {
+        false => Ok(()),
+        true => Err(Failure::usage(
+            "a live page holds the text of a scene only, and this one names mesh files",
+            vec![
+                "leave out --live: the page shows the meshes, and everything but the sliders"
+                    .to_owned(),
+            ],
+        )),
+    }
+}

@@ -1,0 +1,39 @@
+//! The engine that a live page holds: a file built from `bindings/web`, packed into text.
+
+use base64::prelude::{BASE64_STANDARD, Engine as _};
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use std::io::Write;
+
+/// Stands in an engine's file, so that the program knows a file of its own version.
+pub const STAMP: &str = concat!("mechanim-web ", env!("CARGO_PKG_VERSION"), "\n");
+
+/// How every file of WebAssembly begins.
+const MAGIC: &[u8] = b"\0asm";
+
+/// An engine as a page holds it.
+#[derive(Clone, Debug)]
+pub struct PackedEngine {
+    pub(super) text: String,
+}
+
+impl PackedEngine {
+    /// Of the contents of a file.
+    ///
+    /// Errors, in words: no WebAssembly, or not the engine of this version.
+    pub fn new(wasm: &[u8]) -> Result<Self, String> {
+        if !wasm.starts_with(MAGIC) {
+            return Err("it is no WebAssembly".to_owned());
+        }
+        let stamp = STAMP.as_bytes();
+        if !wasm.windows(stamp.len()).any(|part| part == stamp) {
+            return Err(format!("it is not the engine `{}`", STAMP.trim_end()));
+        }
+        let mut packed = GzEncoder::new(Vec::new(), Compression::best());
+        let written = packed.write_all(wasm).and_then(|()| packed.finish());
+        let packed = written.map_err(|error| error.to_string())?;
+        Ok(Self {
+            text: BASE64_STANDARD.encode(packed),
+        })
+    }
+}

@@ -1,0 +1,87 @@
+//! What is asked of every motion of a live page: what the command line asked of the first one.
+
+use crate::clearance::check::Closely;
+use crate::kinematics::motion::sampling::{even_times, frame_times};
+use crate::kinematics::structure::system::System;
+use crate::report::motion_check::MotionCheck;
+use crate::report::verdict::Asked;
+use crate::scene::Scene;
+use serde_json::{Value, json};
+
+/// What is asked of a motion.
+#[derive(Clone, Copy, Debug)]
+pub struct LiveAsked {
+    /// What must be so.
+    pub asked: Asked,
+    /// How near bounds of distances must come.
+    pub closely: Closely,
+    /// Samples, spread evenly; the scene's frames if absent.
+    pub samples: Option<usize>,
+}
+
+impl LiveAsked {
+    /// As the page keeps it.
+    pub fn json(&self) -> Value {
+        let Asked {
+            closure,
+            poses,
+            motion,
+            estimates,
+            empty,
+            band,
+        } = self.asked;
+        json!({
+            "closure": closure, "poses": poses, "motion": motion, "estimates": estimates, "empty": empty, "band": band,
+            "tolerance": self.closely.tolerance, "pairs": self.closely.pairs, "samples": self.samples,
+        })
+    }
+
+    /// From what a page kept; what it lacks is as `check` has it.
+    pub(super) fn read(kept: &Value) -> Self {
+        let is = |name: &str, usual: bool| kept[name].as_bool().unwrap_or(usual);
+        let number = |name: &str| kept[name].as_f64();
+        let count = |name: &str| kept[name].as_u64().map(|n| n as usize);
+        Self {
+            asked: Asked {
+                closure: number("closure").unwrap_or(Asked::CLOSURE),
+                poses: is("poses", true),
+                motion: is("motion", false),
+                estimates: is("estimates", false),
+                empty: is("empty", false),
+                band: number("band"),
+            },
+            closely: Closely {
+                tolerance: number("tolerance").unwrap_or(Closely::TOLERANCE),
+                pairs: count("pairs").unwrap_or(Closely::PAIRS),
+                times: true,
+            },
+            samples: count("samples"),
+        }
+    }
+
+    /// Seconds at which the motion of a scene is judged.
+    pub(super) fn times(&self, scene: &Scene) -> Vec<f64> {
+        match self.samples {
+            Some(count) => even_times(&scene.mechanism, &scene.actuation, count),
+            None => frame_times(&scene.mechanism, &scene.actuation, scene.view.fps),
+        }
+    }
+
+    /// The check of a scene at these times.
+    pub(super) fn check<'a>(
+        &self,
+        scene: &'a Scene,
+        system: &'a System,
+        times: &'a [f64],
+    ) -> MotionCheck<'a> {
+        MotionCheck {
+            scene,
+            system,
+            times,
+            asked: self.asked,
+            closely: self.closely,
+            is_swept: false,
+            worst: 0,
+        }
+    }
+}

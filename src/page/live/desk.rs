@@ -1,0 +1,149 @@
+//! Where a live page's questions arrive, as JSON, and are answered: one scene for each mechanism of the page.
+
+use super::asked::LiveAsked;
+use super::following::Way;
+use super::session::{LiveError, LiveScene};
+use super::told::Shapes;
+use crate::diag::Source;
+use crate::scene::Overrides;
+use serde_json::{Value, json};
+use std::collections::HashMap;
+
+/// The kinds of answers, as their first byte.
+const TEXT: u8 = b'{';
+const BYTES: u8 = b'=';
+
+/// All scenes of a page.
+#[derive(Default)]
+pub struct Desk {
+    scenes: HashMap<usize, LiveScene>,
+}
+
+/// What a question is answered with.
+enum Answer {
+    Text(Value),
+    Bytes(Vec<u8>),
+}
+
+impl Desk {
+    /// The answer to a question, `{"ask": WHAT, "number": SCENE, …}`: a JSON object, or `=` and the bytes of a file.
+    pub fn answer(&mut self, question: &str) -> Vec<u8> {
+        let answer = match serde_json::from_str::<Value>(question) {
+            Ok(question) => self.answer_to(&question),
+            Err(error) => Err(LiveError::Asked(error.to_string())),
+        };
+        match answer.unwrap_or_else(|error| Answer::Text(error.json())) {
+            Answer::Text(value) => {
+                let text = value.to_string().into_bytes();
+                debug_assert_eq!(text.first(), Some(&TEXT));
+                text
+            }
+            Answer::Bytes(bytes) => [&[BYTES], &bytes[..]].concat(),
+        }
+    }
+
+    fn answer_to(&mut self, question: &Value) -> Result<Answer, LiveError> {
+        let number = question["number"].as_u64().unwrap_or(0) as usize;
+        let word = |name: &str| question[name].as_str().unwrap_or_default();
+        if word("ask") == "open" {
+            let scene = open(number, question)?;
+            let mut state = scene.state(match question["shapes"] == true {
+                true => Shapes::InView,
+                false => Shapes::Known,
+            });
+            state["sliders"] = scene.sliders();
+            self.scenes.insert(number, scene);
+            return Ok(Answer::Text(state));
+        }
+        let scene = self.scenes.get_mut(&number);
+        let scene = scene.ok_or_else(|| LiveError::Asked(format!("scene {number} is not open")))?;
+        let time = question["time"].as_f64().unwrap_or(0.0);
+        let answer = match word("ask") {
+            "move" => {
+                let stopped = scene.move_to(word("name"), word("value"))?;
+                Answer::Text(moved(scene, stopped.as_ref()))
+            }
+            "drive" => {
+                let stopped = scene.drive(time, &numbers(&question["inputs"]))?;
+                Answer::Text(moved(scene, stopped.as_ref()))
+            }
+            "release" => {
+                scene.hand = None;
+                Answer::Text(moved(scene, None))
+            }
+            "assemble" => {
+                let name = question["name"].as_str();
+                scene.assemble(name.map(|name| (name, word("value"))))?;
+                Answer::Text(moved(scene, None))
+            }
+            "settle" => {
+                let depth = question["depth"].as_u64().unwrap_or(2) as usize;
+                Answer::Text(scene.settled(depth)?)
+            }
+            "toml" => Answer::Text(json!({ "text": scene.text() })),
+            "csv" => Answer::Bytes(scene.csv()),
+            "picture" => Answer::Bytes(scene.picture(time, size(question))?.into_raw()),
+            "png" => Answer::Bytes(scene.png(time, size(question))?),
+            "gif" => Answer::Bytes(scene.gif(size(question))?),
+            other => return Err(LiveError::Asked(format!("nobody answers `{other}`"))),
+        };
+        Ok(answer)
+    }
+}
+
+fn open(number: usize, question: &Value) -> Result<LiveScene, LiveError> {
+    let word = |name: &str| question[name].as_str().unwrap_or_default().to_owned();
+    let source = Source {
+        name: word("source"),
+        text: word("text"),
+    };
+    let overrides = Overrides {
+        parameters: pairs(&question["parameters"]),
+        guess: pairs(&question["guess"]),
+        ..Overrides::default()
+    };
+    LiveScene::open(
+        number,
+        source,
+        overrides,
+        LiveAsked::read(&question["asked"]),
+    )
+}
+
+/// The state after a move, and where the way ended if it did not lead there.
+fn moved(scene: &mut LiveScene, stopped: Option<&Way>) -> Value {
+    let shapes = match scene.is_reshaped() {
+        true => Shapes::Changed,
+        false => Shapes::Known,
+    };
+    let mut state = scene.state(shapes);
+    if let Some(Way::Stopped { at, why }) = stopped {
+        state["stopped"] = json!({ "at": at, "why": why });
+    }
+    state
+}
+
+/// `[[name, text], …]`
+fn pairs(value: &Value) -> Vec<(String, String)> {
+    let list = value.as_array().into_iter().flatten();
+    list.filter_map(|pair| Some((pair[0].as_str()?.to_owned(), pair[1].as_str()?.to_owned())))
+        .collect()
+}
+
+/// `[[name, number], …]`
+fn numbers(value: &Value) -> Vec<(String, f64)> {
+    let list = value.as_array().into_iter().flatten();
+    list.filter_map(|pair| Some((pair[0].as_str()?.to_owned(), pair[1].as_f64()?)))
+        .collect()
+}
+
+/// `[width, height]`, as `render` has it where nothing is said.
+fn size(question: &Value) -> [u32; 2] {
+    let side = |k: usize, usual: u32| {
+        let side = question["size"][k]
+            .as_u64()
+            .and_then(|n| u32::try_from(n).ok());
+        side.unwrap_or(usual)
+    };
+    [side(0, 640), side(1, 480)]
+}

@@ -1,0 +1,166 @@
+//! Pictures and tables of a live scene as the program writes them, byte by byte.
+
+use super::session::{LiveError, LiveScene, Opened};
+use crate::export::film::{Destination, FilmSettings};
+use crate::export::gif::Quality;
+use crate::export::png::{Effort, encode_png};
+use crate::export::raw::Chroma;
+use crate::export::{Format, Stream};
+use crate::kinematics::certificate::rows::redundant_rows;
+use crate::kinematics::motion::continuation::solve_until;
+use crate::kinematics::motion::proved::{Proofs, solve_proved};
+use crate::kinematics::motion::sampling::frame_times;
+use crate::kinematics::results::trajectory::Trajectory;
+use crate::limits::{Resource, current_limits};
+use crate::model::printed::InputReading;
+use crate::pictures::frames::{DrawnBy, Pictures, with_pictures};
+use crate::render::adapter::AdapterChoice;
+use crate::render::open::RendererChoice;
+use crate::report::table::{Columns, write_csv};
+use crate::staging::PictureOptions;
+use image::RgbaImage;
+use std::fmt::Display;
+use std::io::{Result as Written, Write};
+use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Samples a pixel, as `render` takes them.
+const SMOOTHNESS: u32 = 4;
+
+/// The renderer whose pictures are the same bytes everywhere.
+const DRAWN_BY: DrawnBy = DrawnBy {
+    renderer: RendererChoice::Cpu,
+    adapter: AdapterChoice::Software,
+    threads: 1,
+};
+
+fn in_words(error: impl Display) -> LiveError {
+    LiveError::Asked(error.to_string())
+}
+
+impl LiveScene {
+    /// Frames as `render` draws them; a pose held by hand is a film of one frame.
+    fn film(&self) -> Trajectory {
+        let Opened { scene, system, .. } = &self.now;
+        self.held().unwrap_or_else(|| {
+            let times = frame_times(&scene.mechanism, &scene.actuation, scene.view.fps);
+            let reading = Some(InputReading::Numbers);
+            solve_until(system, &scene.actuation, &times, reading, &|| false)
+        })
+    }
+
+    /// The frame nearest to a time, of this size in pixels.
+    ///
+    /// Errors: a size that cannot be drawn.
+    pub fn picture(&self, time: f64, size: [u32; 2]) -> Result<RgbaImage, LiveError> {
+        let [width, height] = size.map(f64::from);
+        current_limits().allow(Resource::Pixels, width * height, &"a picture")?;
+        let film = self.film();
+        let off = |k: &usize| (film.samples[*k].time - time).abs();
+        let nearest = (0..film.samples.len()).min_by(|a, b| off(a).total_cmp(&off(b)));
+        let frame = nearest.ok_or_else(|| LiveError::Asked("no frame".to_owned()))?;
+        self.drawn(&film, size, |pictures| {
+            let mut image = RgbaImage::new(size[0], size[1]);
+            let mut workers = pictures.workers(&DRAWN_BY).map_err(in_words)?.list;
+            for draw in workers.iter_mut().take(1) {
+                draw(frame, &mut image).map_err(in_words)?;
+            }
+            Ok(image)
+        })
+    }
+
+    fn drawn<T>(&self, film: &Trajectory, size: [u32; 2], draw: impl FnOnce(Pictures) -> T) -> T {
+        let samples = SMOOTHNESS;
+        with_pictures(
+            &self.now.scene,
+            film,
+            PictureOptions { size, samples },
+            draw,
+        )
+    }
+
+    /// A picture as PNG.
+    ///
+    /// Errors: a size that cannot be drawn.
+    pub fn png(&self, time: f64, size: [u32; 2]) -> Result<Vec<u8>, LiveError> {
+        let mut png = Vec::new();
+        encode_png(&self.picture(time, size)?, Effort::Balanced, &mut png).map_err(in_words)?;
+        Ok(png)
+    }
+
+    /// The motion as an animated GIF.
+    ///
+    /// Errors: a size that cannot be drawn.
+    pub fn gif(&self, size: [u32; 2]) -> Result<Vec<u8>, LiveError> {
+        let film = self.film();
+        let memory = Memory::default();
+        self.drawn(&film, size, |pictures| {
+            let settings = FilmSettings {
+                format: &Format::Gif,
+                size,
+                count: film.samples.len(),
+                fps: self.now.scene.view.fps,
+                needed_colours: pictures.staging.needed_colours(),
+                at_hand: false,
+                alpha: pictures.scene.view.transparent,
+                quality: Quality::BEST,
+                effort: None,
+                chroma: Chroma::Full,
+                repeat: true,
+            };
+            let never = AtomicBool::new(false);
+            let file = Destination::File(Box::new(Stream::new("memory", memory.clone())));
+            let mut workers = pictures.workers(&DRAWN_BY).map_err(in_words)?.list;
+            let prepared = settings
+                .open(file, &mut workers, &never)
+                .map_err(in_words)?;
+            let written = settings.write(prepared, workers, &|_, _| {}, &never);
+            written.map(|_| ()).map_err(in_words)
+        })?;
+        Ok(memory.taken())
+    }
+
+    /// The table that `solve` writes.
+    pub fn csv(&self) -> Vec<u8> {
+        let Opened { scene, system, .. } = &self.now;
+        let motion = self.held().unwrap_or_else(|| {
+            let times = frame_times(&scene.mechanism, &scene.actuation, scene.view.fps);
+            solve_proved(system, &scene.actuation, &times, Proofs::Poses, &|| false)
+        });
+        let columns = Columns {
+            redundant: redundant_rows(system) > 0,
+            ..Columns::default()
+        };
+        let mut table = Vec::new();
+        // Memory takes everything.
+        let _ = write_csv(
+            &scene.mechanism,
+            &motion,
+            columns,
+            &mut Stream::new("memory", &mut table),
+        );
+        table
+    }
+}
+
+/// A file in memory, to be taken when it is complete.
+#[derive(Clone, Default)]
+struct Memory(Arc<Mutex<Vec<u8>>>);
+
+impl Memory {
+    fn taken(&self) -> Vec<u8> {
+        std::mem::take(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+impl Write for Memory {
+    fn write(&mut self, bytes: &[u8]) -> Written<usize> {
+        let mut file = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        file.extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> Written<()> {
+        Ok(())
+    }
+}

@@ -1,0 +1,161 @@
+//! From a pose at one value of a parameter to the pose at another one: the mechanism with that parameter as an input is followed,
+//! so that what is reached is the same assembly, or the place where it ends is known.
+
+use crate::analysis::study::{FamilyError, ParametricMechanism};
+use crate::diag::Source;
+use crate::kinematics::motion::continuation::solve_until;
+use crate::kinematics::results::trajectory::{ClosedPose, EventKind, Trajectory};
+use crate::kinematics::structure::system::System;
+use crate::model::actuation::Actuation;
+use crate::model::mechanism::{Kind, Mechanism};
+use crate::model::printed::InputReading;
+use crate::report::sentences::with_unit;
+use crate::scene::Overrides;
+
+/// The values of the unknowns of a pose by their names: radians, or the scene's unit of length.
+pub(super) type NamedPose = Vec<(String, f64)>;
+
+/// Where a way leads.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Way {
+    /// To the value asked for, in the same assembly.
+    Reached(NamedPose),
+    /// No farther than this value, and why.
+    Stopped {
+        /// In the file's unit.
+        at: f64,
+        /// In words.
+        why: String,
+    },
+}
+
+/// A mechanism with one of its parameters as an input, kept while the same slider is moved.
+pub(super) struct Follower {
+    name: String,
+    /// Values put in place of those of other parameters.
+    others: Vec<(String, String)>,
+    family: ParametricMechanism,
+}
+
+impl Follower {
+    /// Makes it.
+    ///
+    /// Errors: a parameter that cannot be an input of the mechanism.
+    pub fn new(source: &Source, overrides: &Overrides, name: &str) -> Result<Self, FamilyError> {
+        let names = [name.to_owned()];
+        Ok(Self {
+            name: name.to_owned(),
+            others: others(overrides, name),
+            family: ParametricMechanism::varying(source, overrides, &names)?,
+        })
+    }
+
+    /// Whether it is of this parameter, with the others as they are.
+    pub fn fits(&self, overrides: &Overrides, name: &str) -> bool {
+        self.name == name && self.others == others(overrides, name)
+    }
+
+    /// What one of the file's units is inside.
+    pub fn unit(&self) -> f64 {
+        self.kind()
+            .map_or(1.0, |kind| 1.0 / self.family.units(kind))
+    }
+
+    /// The parameter's value where nothing is put in its place, in radians for angles.
+    pub fn start(&self) -> Option<f64> {
+        self.family.study.variables.first().map(|v| v.start)
+    }
+
+    fn kind(&self) -> Option<Kind> {
+        self.family.study.variables.first().map(|v| v.kind)
+    }
+
+    /// Follows a pose at `inputs` from one value of the parameter to another, in file units; `wanted` are the inputs there.
+    pub fn way(
+        &self,
+        (inputs, pose): (&[f64], &NamedPose),
+        [from, to]: [f64; 2],
+        wanted: &[f64],
+    ) -> Way {
+        let mechanism = self.family.mechanism();
+        let unit = self.unit();
+        let ends = [(inputs, from), (wanted, to)]
+            .map(|(inputs, value)| [inputs, &[value * unit]].concat());
+        let guess = by_name(mechanism, pose);
+        let way = Actuation::straight(&ends[0], &ends[1], guess);
+        let motion = follow(self.family.system(), &way);
+        match stop_of(&motion) {
+            None => match motion.samples.last().and_then(|s| s.pose.as_ref()) {
+                Some(end) => Way::Reached(named_pose(mechanism, end)),
+                None => self.stopped(from, "no pose was found"),
+            },
+            Some((share, why)) => self.stopped(from + share * (to - from), why),
+        }
+    }
+
+    fn stopped(&self, at: f64, why: &str) -> Way {
+        let mechanism = self.family.mechanism();
+        let kind = self.kind().unwrap_or(Kind::Number);
+        let value = with_unit(mechanism, kind, at * self.unit());
+        Way::Stopped {
+            at,
+            why: format!("{} = {value}: {why}", self.name),
+        }
+    }
+}
+
+fn others(overrides: &Overrides, name: &str) -> Vec<(String, String)> {
+    let list = overrides.parameters.iter();
+    list.filter(|(other, _)| other != name).cloned().collect()
+}
+
+/// The unknowns of a pose by their names.
+pub(super) fn named_pose(mechanism: &Mechanism, pose: &ClosedPose) -> NamedPose {
+    let names = mechanism.unknowns.iter().map(|c| c.name.clone());
+    names.zip(pose.unknowns.iter().copied()).collect()
+}
+
+/// A pose's values in the order of a mechanism's unknowns; zero for those that it lacks.
+pub(super) fn by_name(mechanism: &Mechanism, pose: &NamedPose) -> Vec<f64> {
+    let value = |name: &String| {
+        let found = pose.iter().find(|(other, _)| other == name);
+        found.map_or(0.0, |(_, value)| *value)
+    };
+    mechanism.unknowns.iter().map(|c| value(&c.name)).collect()
+}
+
+/// A way of one second, with its ends proved where they can be.
+pub(super) fn follow(system: &System, way: &Actuation) -> Trajectory {
+    let reading = Some(InputReading::Numbers);
+    solve_until(system, way, &[0.0, 1.0], reading, &|| false)
+}
+
+/// Where a way of one second is left, as a share of it, and why; `None` if it leads to its end in one assembly.
+pub(super) fn stop_of(motion: &Trajectory) -> Option<(f64, &'static str)> {
+    let why = |kind: &EventKind| match kind {
+        EventKind::MotionEnds(ending) if ending.is_undecided() => {
+            Some("it could not be followed farther")
+        }
+        EventKind::MotionEnds(_) => {
+            Some("the motion ends here, and this assembly has no pose beyond")
+        }
+        EventKind::SingularPosePassed | EventKind::StartSingular => {
+            Some("a singular pose, behind which another assembly may begin")
+        }
+        EventKind::InputUndefined { .. } => Some("an input has no value here"),
+        EventKind::StartNotClosed { .. }
+        | EventKind::OtherStart
+        | EventKind::MotionResumes { .. } => Some("no pose was found"),
+        _ => None,
+    };
+    let mut events = motion.events.iter();
+    let stop = events.find_map(|event| Some((event.time, why(&event.kind)?)));
+    let [first, last] = [motion.samples.first(), motion.samples.last()].map(|s| s?.pose.as_ref());
+    match (stop, first, last) {
+        (None, Some(first), Some(last)) if motion.is_whole() => {
+            (first.branch != last.branch).then_some((0.0, "the assembly changes on the way"))
+        }
+        (Some(stop), ..) => Some(stop),
+        (None, ..) => Some((0.0, "no pose was found")),
+    }
+}

@@ -1,0 +1,44 @@
+//! A mechanism moved by hand: one pose whose inputs are led by sliders instead of the drive.
+
+use super::following::{Way, follow, stop_of};
+use super::session::{LiveError, LiveScene};
+use crate::kinematics::results::trajectory::{ClosedPose, Sample};
+use crate::model::actuation::Actuation;
+
+impl LiveScene {
+    /// Leads the inputs from where they stand, or from a time of the motion, to values in the file's units; others stay.
+    /// Where the way ends before, the pose stays, and the place is returned as a share of the way.
+    ///
+    /// Errors: no such input; no pose to begin at.
+    pub fn drive(&mut self, time: f64, wanted: &[(String, f64)]) -> Result<Option<Way>, LiveError> {
+        let (start, pose) = self.standing(time)?;
+        let mut inputs = start.inputs.clone();
+        for (name, value) in wanted {
+            let known = self.mechanism().inputs.iter();
+            let index = known.clone().position(|input| input.name == *name);
+            let index = index.ok_or_else(|| LiveError::Asked(format!("no input `{name}`")))?;
+            let kind = self.mechanism().inputs[index].kind;
+            inputs[index] = value / self.mechanism().file_units(kind);
+        }
+        let way = Actuation::straight(&start.inputs, &inputs, pose.unknowns.clone());
+        let mut motion = follow(&self.now.system, &way);
+        if let Some((at, why)) = stop_of(&motion) {
+            let why = why.to_owned();
+            return Ok(Some(Way::Stopped { at, why }));
+        }
+        self.hand = motion.samples.pop();
+        Ok(None)
+    }
+
+    /// Where the mechanism stands: as it is held, or at the sample nearest to a time.
+    fn standing(&self, time: f64) -> Result<(Sample, ClosedPose), LiveError> {
+        let held = self.hand.as_ref();
+        let off = |s: &&Sample| (s.time - time).abs();
+        let posed = self.now.motion.samples.iter().filter(|s| s.pose.is_some());
+        let nearest = posed.min_by(|a, b| off(a).total_cmp(&off(b)));
+        let sample = held.or(nearest);
+        sample
+            .and_then(|sample| Some((sample.clone(), sample.pose.clone()?)))
+            .ok_or_else(|| LiveError::Asked("no pose to begin at".to_owned()))
+    }
+}

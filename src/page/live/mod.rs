@@ -1,0 +1,17 @@
+//! What a live page asks while its reader moves sliders and edits the text: a scene that is changed and followed from where it
+//! is, questions and answers as JSON. Compiled to WebAssembly by `bindings/web`; nothing here knows of a browser.
+
+mod asked;
+mod desk;
+mod films;
+mod following;
+mod hand;
+mod session;
+mod sliders;
+mod start;
+mod told;
+
+pub use crate::page::engine::STAMP;
+pub use asked::LiveAsked;
+pub use desk::Desk;
+pub use start::LiveStart;

@@ -1,0 +1,116 @@
+//! What can be moved: the dimensions of a scene with their ranges, and its inputs.
+
+use crate::diag::Source;
+use crate::kinematics::results::trajectory::Trajectory;
+use crate::model::mechanism::{Kind, Mechanism};
+use crate::model::study::Variable;
+use crate::scene::{Overrides, Scene, load_scene};
+use serde_json::{Value, json};
+
+/// A dimension without a range of its own is moved within this share of its value.
+const SHARE: f64 = 0.3;
+
+/// One that is zero is moved within this share of the mechanism's size, or within this angle.
+const SHARE_OF_SIZE: f64 = 0.1;
+const ANGLE: f64 = 0.35;
+
+/// Inputs are moved beyond what the motion takes of them, by this share of it.
+const BEYOND: f64 = 0.5;
+
+/// The dimensions of a scene: what it gives as numbers, its study's variables first; none where they cannot be varied.
+pub(super) fn dimensions(source: &Source, overrides: &Overrides, scene: &Scene) -> Vec<Value> {
+    let own = scene.study.iter().flat_map(|s| &s.variables);
+    let mut names: Vec<String> = own.map(|v| v.name.clone()).collect();
+    let others: Vec<String> = scene
+        .dimensions
+        .iter()
+        .filter(|n| !names.contains(n))
+        .cloned()
+        .collect();
+    let own = names.len();
+    names.extend(others);
+    let overrides = Overrides {
+        vary: names.clone(),
+        ..overrides.clone()
+    };
+    let varied = load_scene(source, &overrides).ok();
+    let variables = varied
+        .and_then(|scene| scene.study)
+        .map_or_else(Vec::new, |s| s.variables);
+    let find = |name: &String| variables.iter().find(|v| v.name == *name);
+    let found = names
+        .iter()
+        .enumerate()
+        .filter_map(|(k, name)| Some((k, find(name)?)));
+    found
+        .map(|(k, variable)| dimension(&scene.mechanism, variable, k < own))
+        .collect()
+}
+
+fn dimension(mechanism: &Mechanism, variable: &Variable, is_studied: bool) -> Value {
+    let [low, high] = match is_studied && variable.lower.is_finite() && variable.upper.is_finite() {
+        true => [variable.lower, variable.upper],
+        false => {
+            let half = half_range(mechanism, variable.kind, variable.start);
+            [variable.start - half, variable.start + half]
+        }
+    };
+    slider(
+        mechanism,
+        (&variable.name, variable.kind),
+        variable.start,
+        [low, high],
+    )
+}
+
+fn half_range(mechanism: &Mechanism, kind: Kind, value: f64) -> f64 {
+    match (value == 0.0, kind) {
+        (false, _) => SHARE * value.abs(),
+        (true, Kind::Angle) => ANGLE,
+        (true, Kind::Length) => SHARE_OF_SIZE * mechanism.size,
+        (true, Kind::Number) => SHARE,
+    }
+}
+
+/// The inputs with the range that a motion takes of them, and more.
+pub(super) fn inputs(mechanism: &Mechanism, motion: &Trajectory) -> Vec<Value> {
+    let inputs = mechanism.inputs.iter().enumerate();
+    inputs
+        .map(|(k, input)| {
+            let values = motion.samples.iter().map(|s| s.inputs[k]);
+            let values = values.filter(|v| v.is_finite());
+            let ends = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
+                [low.min(v), high.max(v)]
+            });
+            let [low, high] = if ends[0] <= ends[1] { ends } else { [0.0, 0.0] };
+            let more = match high - low {
+                0.0 => half_range(mechanism, input.kind, low),
+                span => BEYOND * span,
+            };
+            slider(
+                mechanism,
+                (&input.name, input.kind),
+                low,
+                [low - more, high + more],
+            )
+        })
+        .collect()
+}
+
+fn slider(
+    mechanism: &Mechanism,
+    (name, kind): (&str, Kind),
+    value: f64,
+    [low, high]: [f64; 2],
+) -> Value {
+    let shown = |v: f64| typed(v * mechanism.file_units(kind));
+    json!({
+        "name": name, "unit": mechanism.unit_name(kind),
+        "value": shown(value), "low": shown(low), "high": shown(high),
+    })
+}
+
+/// A number as somebody would type it: the conversion of units is not seen in its last digits.
+pub(super) fn typed(value: f64) -> f64 {
+    format!("{value:.13e}").parse().unwrap_or(value)
+}

@@ -1,0 +1,221 @@
+//! Answers to a live page: its motion while a slider moves, the whole article once it rests, mistakes with their places.
+
+use super::session::{LiveError, LiveScene, Opened};
+use super::sliders;
+use crate::diag::{Diagnostic, SceneError, Severity};
+use crate::kinematics::results::trajectory::Trajectory;
+use crate::page::article::{
+    Article, article_in_view, article_without_motion, frame_times, values_at,
+};
+use crate::page::checked::Checked;
+use crate::page::document::sections_text;
+use crate::page::frames::shown_trajectory;
+use crate::page::markup::state_class;
+use crate::page::model::{motion_value, viewer_model};
+use crate::page::still::view_of;
+use crate::report::clearance::pair_sentence;
+use crate::report::proof::PoseProofs;
+use crate::report::rounded::at_most;
+use crate::report::sentences::{counted_things, event_sentence, gap_sentence};
+use crate::report::verdict::{CLEARANCE, Status};
+use serde_json::{Value, json};
+
+/// Sentences about what happens on the way: more are not read while a slider moves.
+const MOST_EVENTS: usize = 3;
+
+/// What a page learns of the bodies' shapes beside where they are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Shapes {
+    /// It knows them.
+    Known,
+    /// They have changed.
+    Changed,
+    /// They are all new, and so is where they are looked at from.
+    InView,
+}
+
+impl LiveScene {
+    /// What a page shows at once: poses, values and their proof; also the shapes where they are others than before.
+    pub(super) fn state(&self, shapes: Shapes) -> Value {
+        let Opened {
+            scene,
+            system,
+            motion,
+        } = &self.now;
+        let held = self.held();
+        let shown = match &held {
+            Some(held) => held.clone(),
+            None => shown_trajectory(system, &scene.actuation, motion, None),
+        };
+        let mechanism = &scene.mechanism;
+        let view = (shapes == Shapes::InView).then(|| view_of(scene, &shown));
+        let camera = view.as_ref().map(|(camera, aspect)| (camera, *aspect));
+        let model = (shapes != Shapes::Known && shown.poses().next().is_some())
+            .then(|| viewer_model(scene, (motion, &shown), camera).ok());
+        let put = self.overrides.parameters.iter();
+        json!({
+            "times": frame_times(&shown),
+            "values": values_at(mechanism, &shown),
+            "motion": motion_value(mechanism, &shown),
+            "model": model,
+            "proof": self.proof(held.as_ref().unwrap_or(motion)),
+            "parameters": put.map(|(name, text)| (name.clone(), json!(text))).collect::<serde_json::Map<_, _>>(),
+            "guess": self.overrides.guess,
+            "held": held.is_some(),
+        })
+    }
+
+    /// The sliders, and what they are about.
+    pub(super) fn sliders(&self) -> Value {
+        let Opened { scene, motion, .. } = &self.now;
+        json!({
+            "title": scene.mechanism.title,
+            "dimensions": sliders::dimensions(&self.source, &self.overrides, scene),
+            "inputs": sliders::inputs(&scene.mechanism, motion),
+            "version": env!("CARGO_PKG_VERSION"),
+        })
+    }
+
+    /// What is known of poses, as one line with its class, and what happens on the way.
+    fn proof(&self, motion: &Trajectory) -> Value {
+        let Opened { scene, system, .. } = &self.now;
+        let mechanism = &scene.mechanism;
+        let proofs = PoseProofs::of(system.structure(), motion, self.asked.asked.poses);
+        let closes = motion.closure_error() <= self.asked.asked.closure;
+        let status = match motion.missing() {
+            0 if closes => proofs.case(mechanism).status.max(Status::Passed),
+            0 => Status::Failed,
+            _ => Status::NotClosed,
+        };
+        let gaps = motion.gaps.iter().map(|gap| gap_sentence(mechanism, gap));
+        let events = motion
+            .events
+            .iter()
+            .map(|event| event_sentence(mechanism, event));
+        json!({
+            "class": state_class(status),
+            "head": closing_line(motion),
+            "text": proof_line(motion, &proofs.sentence(mechanism)),
+            "events": gaps.chain(events).take(MOST_EVENTS).collect::<Vec<_>>(),
+        })
+    }
+
+    /// The whole article, clearances and curves included, as `report` writes it, and the worst pair of bodies in words.
+    ///
+    /// Errors: more than a run may use.
+    fn article(&self) -> Result<(Article, Option<Value>), LiveError> {
+        let Opened {
+            scene,
+            system,
+            motion,
+        } = &self.now;
+        let times = self.asked.times(scene);
+        let check = self.asked.check(scene, system, &times);
+        if motion.poses().next().is_none() {
+            let answer = check.without_pose(motion, None);
+            let article = article_without_motion(&self.source.name, &answer.verdict);
+            return Ok((article, None));
+        }
+        let mut covered = check.cover(motion);
+        let clearances = check.clearances(&mut covered, &|_, _| {})?;
+        let answer = check.answer(motion, &mut covered, clearances.as_ref(), 0.0);
+        let checked = Checked {
+            source: &self.source.name,
+            scene,
+            system,
+            trajectory: motion,
+            clearances: clearances.as_ref(),
+            answer: &answer,
+        };
+        let worst = clearances.as_ref().and_then(|found| found.worst());
+        let told = worst.map(|pair| {
+            json!({
+                "class": state_class(answer.verdict.result_of(CLEARANCE)),
+                "text": pair_sentence(&scene.mechanism, pair),
+            })
+        });
+        Ok((article_in_view(&checked, self.number), told))
+    }
+
+    /// The article as the page takes it over. `depth` is that of its headings.
+    ///
+    /// Errors: more than a run may use.
+    pub(super) fn settled(&self, depth: usize) -> Result<Value, LiveError> {
+        let (article, clearance) = self.article()?;
+        Ok(json!({
+            "clearance": clearance,
+            "class": state_class(article.status),
+            "result": article.result,
+            "sections": sections_text(&article, depth),
+            "data": article.data,
+        }))
+    }
+}
+
+/// How many poses there are, and how well they close.
+fn closing_line(motion: &Trajectory) -> String {
+    let all = motion.samples.len();
+    let posed = all - motion.missing();
+    match posed {
+        0 => "No pose was found".to_owned(),
+        _ => format!(
+            "{posed} of {}, closed to {}",
+            counted_things(all, "pose"),
+            at_most(motion.closure_error())
+        ),
+    }
+}
+
+/// Certificates, rank, singular value, condition and assembly of all poses.
+fn proof_line(motion: &Trajectory, sentence: &str) -> String {
+    let Some(first) = motion.poses().next() else {
+        return String::new();
+    };
+    let sigma = motion
+        .poses()
+        .map(|p| p.sigma_min)
+        .fold(f64::INFINITY, f64::min);
+    let condition = motion.poses().map(|p| p.condition).fold(0.0, f64::max);
+    let rank = motion.poses().map(|p| p.rank).min().unwrap_or(0);
+    let mut branches: Vec<&str> = motion.poses().map(|p| &p.branch[..]).collect();
+    branches.dedup();
+    let branch = match branches[..] {
+        [""] => String::new(),
+        [one] => format!(", assembly {one}"),
+        _ => ", the assembly changes".to_owned(),
+    };
+    format!(
+        "Certificates: {sentence}. Rank {rank} of {}, smallest singular value {sigma:.2e}, condition at most {}{branch}.",
+        first.unknowns.len(),
+        at_most(condition),
+    )
+}
+
+impl LiveError {
+    /// As the page shows it: mistakes with their places in the text, or one sentence.
+    pub(super) fn json(&self) -> Value {
+        match self {
+            Self::Scene(error) => json!({ "mistakes": mistakes(error) }),
+            other => json!({ "mistakes": [{ "message": other.to_string(), "hints": [] }] }),
+        }
+    }
+}
+
+fn mistakes(error: &SceneError) -> Vec<Value> {
+    let source = &error.source_text;
+    let place = |diagnostic: &Diagnostic| {
+        let span = diagnostic.span.as_ref();
+        // What was put in place of the file's own values has no place in the text.
+        let span = span.filter(|span| span.start < source.text.len());
+        span.map(|span| {
+            let [line, column] = source.line_and_column(span.start);
+            let units = |end: usize| source.text.get(..end).map(|t| t.encode_utf16().count());
+            json!({ "line": line, "column": column, "from": units(span.start), "to": units(span.end) })
+        })
+    };
+    let sorted = error.diagnostics.sorted();
+    let wrong = sorted.iter().filter(|d| d.severity == Severity::Error);
+    wrong
+        .map(|d| json!({ "place": place(d), "message": d.message, "label": d.label, "hints": d.hints }))
+        .collect()
+}

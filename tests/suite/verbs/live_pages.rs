@@ -1,0 +1,402 @@
+//! `mechanim report --live`: what the engine of a live page answers is what the program says of the same scene, digit by digit;
+//! sliders follow the mechanism and stop where it does. In a browser, as WebAssembly, it is tested by `.ci/browsers`.
+
+use crate::program::Workspace;
+use mechanim::page::live::{Desk, STAMP};
+use mechanim::scene::builtin;
+use serde_json::{Value, json};
+
+const CRANK: &str = include_str!("../../../scenes/slider-crank.toml");
+
+/// One scene of a live page.
+struct Live {
+    desk: Desk,
+    opened: Value,
+}
+
+impl Live {
+    fn open(text: &str) -> Self {
+        let mut desk = Desk::default();
+        let question =
+            json!({ "ask": "open", "source": "scene.toml", "text": text, "shapes": true });
+        let opened = read(&desk.answer(&question.to_string()));
+        Self { desk, opened }
+    }
+
+    fn bytes(&mut self, question: Value) -> Vec<u8> {
+        let answer = self.desk.answer(&question.to_string());
+        assert_eq!(answer[0], b'=', "{}", String::from_utf8_lossy(&answer));
+        answer[1..].to_vec()
+    }
+
+    fn ask(&mut self, question: Value) -> Value {
+        read(&self.desk.answer(&question.to_string()))
+    }
+
+    fn table(&mut self) -> String {
+        String::from_utf8(self.bytes(json!({ "ask": "csv" }))).unwrap()
+    }
+
+    fn slide(&mut self, name: &str, value: f64) -> Value {
+        self.ask(json!({ "ask": "move", "name": name, "value": value.to_string() }))
+    }
+
+    fn toml(&mut self) -> String {
+        self.ask(json!({ "ask": "toml" }))["text"]
+            .as_str()
+            .unwrap()
+            .to_owned()
+    }
+}
+
+fn read(answer: &[u8]) -> Value {
+    serde_json::from_slice(answer).unwrap()
+}
+
+/// The table that the program writes.
+fn solved(w: &Workspace, arguments: &[&str]) -> String {
+    let arguments = [&["solve"], arguments, &["--out", "-", "--quiet"]].concat();
+    w.run(&arguments).text()
+}
+
+fn words(value: &Value) -> &str {
+    value.as_str().unwrap_or_default()
+}
+
+#[test]
+fn every_built_in_scene_gives_the_numbers_of_the_program() {
+    let w = Workspace::new();
+    for scene in builtin::ALL {
+        let mut live = Live::open(scene.text);
+        assert_eq!(live.table(), solved(&w, &[scene.name]), "{}", scene.name);
+        let class = words(&live.opened["proof"]["class"]);
+        let code = w.run(&["check", scene.name, "--quiet"]).code;
+        assert!(class == "passed" || code != 0, "{}: {class}", scene.name);
+        assert!(
+            words(&live.opened["proof"]["head"]).contains("closed to"),
+            "{}",
+            live.opened["proof"]
+        );
+    }
+}
+
+#[test]
+fn a_slider_leads_to_what_the_program_solves_with_that_parameter() {
+    let w = Workspace::new();
+    for (name, parameter, values) in [
+        ("slider-crank", "L", [90.0, 75.5]),
+        ("gearshift", "ZR1", [240.0, 236.4]),
+        ("four-bar", "crank", [31.0, 29.5]),
+        ("torus-torus", "r2", [0.0, 0.0]),
+    ] {
+        let text = builtin::find_builtin(name).unwrap().text;
+        let mut live = Live::open(&text);
+        let dimensions = live.opened["sliders"]["dimensions"]
+            .as_array()
+            .unwrap()
+            .clone();
+        assert!(!dimensions.is_empty(), "{name} has no sliders");
+        let known = dimensions.iter().find(|d| d["name"] == parameter);
+        let (parameter, values) = match known {
+            Some(_) => (parameter, values),
+            // Whatever it is called: a little more than it is.
+            None => {
+                let value = dimensions[0]["value"].as_f64().unwrap();
+                (words(&dimensions[0]["name"]), [1.01 * value, 0.99 * value])
+            }
+        };
+        for value in values {
+            let state = live.slide(parameter, value);
+            assert!(state["stopped"].is_null(), "{name}: {}", state["stopped"]);
+            w.write("live.toml", live.toml());
+            assert_eq!(
+                live.table(),
+                solved(&w, &["live.toml"]),
+                "{name}: its own text"
+            );
+            if state["guess"].as_array().is_some_and(Vec::is_empty) {
+                let change = format!("{parameter}={value}");
+                let own = solved(&w, &[name, "--param", &change]);
+                assert_eq!(live.table(), own, "{name} --param {change}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_article_is_that_of_the_report() {
+    let w = Workspace::new();
+    w.write("scene.toml", CRANK);
+    let mut live = Live::open(CRANK);
+    live.slide("L", 90.0);
+    let settled = live.ask(json!({ "ask": "settle", "number": 0, "depth": 2 }));
+    w.run(&["report", "scene.toml", "--param", "L=90", "--out", "p.html"])
+        .exits(0);
+    let page = String::from_utf8(w.read("p.html")).unwrap();
+    // The page counts its mechanisms from one.
+    let sections = words(&settled["sections"]).replace("chart-0-", "chart-1-");
+    assert!(page.contains(&sections), "{sections:.3000}");
+    assert!(page.contains(words(&settled["result"])));
+    assert!(sections.contains("<h2>Motion and its proof</h2>"));
+}
+
+#[test]
+fn where_the_way_ends_the_last_pose_stays() {
+    // At a right angle of the crank the rod reaches the slide while it is longer than the crank.
+    let text = CRANK.replace("phi = \"2*pi*t/4\"", "phi = \"pi/2\"");
+    let mut live = Live::open(&text);
+    assert!(live.slide("L", 60.0)["stopped"].is_null());
+    let before = (live.table(), live.toml());
+    let state = live.slide("L", 30.0);
+    let at = state["stopped"]["at"].as_f64().unwrap();
+    assert!((at - 40.0).abs() < 1e-3, "{}", state["stopped"]);
+    assert!(
+        words(&state["stopped"]["why"]).starts_with("L = "),
+        "{}",
+        state["stopped"]
+    );
+    assert_eq!(state["parameters"]["L"], "60");
+    assert_eq!((live.table(), live.toml()), before);
+    // Whoever wants to go there all the same is told that there is no pose.
+    let there = live.ask(json!({ "ask": "assemble", "name": "L", "value": "30" }));
+    assert_eq!(there["proof"]["class"], "failed", "{}", there["proof"]);
+    // And comes back from there.
+    let back = live.slide("L", 80.0);
+    assert_eq!(back["proof"]["class"], "passed", "{}", back["proof"]);
+}
+
+#[test]
+fn the_assembly_that_is_shown_is_followed() {
+    // Crossed: the slide is on the other side.
+    let mut desk = Desk::default();
+    let guess = json!([["alpha", "2.9"], ["h", "-40"]]);
+    let text = CRANK.replace("phi = \"2*pi*t/4\"", "phi = 0.5");
+    let open = json!({ "ask": "open", "text": text, "guess": guess });
+    let opened = read(&desk.answer(&open.to_string()));
+    let mut live = Live { desk, opened };
+    let h = |table: &str| -> f64 {
+        let names: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+        let at = names.iter().position(|n| *n == "h").unwrap();
+        table
+            .lines()
+            .nth(1)
+            .unwrap()
+            .split(',')
+            .nth(at)
+            .unwrap()
+            .parse()
+            .unwrap()
+    };
+    assert!(h(&live.table()) < -40.0);
+    for value in [90.0, 200.0, 50.0] {
+        assert!(live.slide("L", value)["stopped"].is_null());
+        assert!(h(&live.table()) < 0.0, "L = {value}");
+    }
+    let w = Workspace::new();
+    w.write("live.toml", live.toml());
+    assert_eq!(live.table(), solved(&w, &["live.toml"]));
+}
+
+#[test]
+fn inputs_are_led_by_hand_and_given_back_to_the_drive() {
+    let mut live = Live::open(CRANK);
+    let before = live.table();
+    let state = live.ask(json!({ "ask": "drive", "time": 0.0, "inputs": [["phi", 1.0]] }));
+    assert_eq!(state["held"], true);
+    assert_eq!(state["times"].as_array().unwrap().len(), 1);
+    let table = live.table();
+    let row: Vec<f64> = table
+        .lines()
+        .nth(1)
+        .unwrap()
+        .split(',')
+        .take(5)
+        .map(|v| v.parse().unwrap())
+        .collect();
+    assert!(row.contains(&1.0), "{row:?}");
+    // h = r cos phi + sqrt(L² - r² sin² phi)
+    let h = 40.0 * 1f64.cos() + (6400.0 - 1600.0 * 1f64.sin().powi(2)).sqrt();
+    assert!(row.iter().any(|v| (v - h).abs() < 1e-9), "{h}: {row:?}");
+    // The rod is too short to go round.
+    live.ask(json!({ "ask": "release" }));
+    live.slide("L", 30.0);
+    let state = live.ask(json!({ "ask": "drive", "time": 0.0, "inputs": [["phi", 1.5]] }));
+    let at = state["stopped"]["at"].as_f64().unwrap();
+    assert!(
+        (at * 1.5 - 0.75f64.asin()).abs() < 1e-3,
+        "{}",
+        state["stopped"]
+    );
+    live.slide("L", 80.0);
+    assert_eq!(live.table(), before);
+}
+
+#[test]
+fn pictures_are_those_of_render() {
+    let w = Workspace::new();
+    for name in ["gearshift", "torus-torus"] {
+        let mut live = Live::open(&builtin::find_builtin(name).unwrap().text);
+        w.run(&[
+            "render",
+            name,
+            "--renderer",
+            "cpu",
+            "--frame",
+            "7",
+            "--out",
+            "f.png",
+            "--quiet",
+        ])
+        .exits(0);
+        let drawn = image::load_from_memory(&w.read("f.png"))
+            .unwrap()
+            .to_rgba8();
+        let times = mechanim::Scene::builtin(name)
+            .unwrap()
+            .solve(mechanim::Samples::Frames)
+            .unwrap()
+            .times();
+        let pixels = live.bytes(json!({ "ask": "picture", "time": times[7] }));
+        assert!(drawn.into_raw() == pixels, "{name}");
+        let png = live.bytes(json!({ "ask": "png", "time": times[7] }));
+        assert!(png == w.read("f.png"), "{name}: the file");
+    }
+    let mut live = Live::open(CRANK);
+    w.write("crank.toml", CRANK);
+    w.run(&[
+        "render",
+        "crank.toml",
+        "--renderer",
+        "cpu",
+        "--size",
+        "160x120",
+        "--out",
+        "a.gif",
+    ])
+    .exits(0);
+    let gif = live.bytes(json!({ "ask": "gif", "size": [160, 120] }));
+    assert!(gif == w.read("a.gif"));
+}
+
+#[test]
+fn mistakes_have_places_and_change_nothing() {
+    let mut live = Live::open(CRANK);
+    let before = live.table();
+    let text = CRANK.replace("Tx(L)", "Tx(LL)");
+    let told = live.ask(json!({ "ask": "open", "text": text }));
+    let mistake = &told["mistakes"][0];
+    assert!(words(&mistake["message"]).contains("LL"), "{told}");
+    let [from, to] = ["from", "to"].map(|end| mistake["place"][end].as_u64().unwrap() as usize);
+    assert_eq!(&text[from..to], "LL");
+    assert_eq!(live.table(), before);
+    for (question, part) in [
+        (
+            json!({ "ask": "move", "name": "L", "value": "1e" }),
+            "no number",
+        ),
+        (json!({ "ask": "move", "name": "Q", "value": "1" }), "Q"),
+        (json!({ "ask": "drive", "inputs": [["Q", 1]] }), "Q"),
+        (json!({ "ask": "settle", "number": 7 }), "7"),
+        (json!({ "ask": "fly" }), "fly"),
+    ] {
+        let told = live.ask(question);
+        assert!(
+            words(&told["mistakes"][0]["message"]).contains(part),
+            "{told}"
+        );
+    }
+    assert_eq!(
+        read(&live.desk.answer("{"))["mistakes"]
+            .as_array()
+            .unwrap()
+            .len(),
+        1
+    );
+    assert_eq!(live.table(), before);
+}
+
+#[test]
+fn a_live_page_holds_its_engine_and_a_stricter_word_for_it() {
+    let w = Workspace::new();
+    let engine = [b"\0asm\x01\0\0\0", STAMP.as_bytes()].concat();
+    w.write("engine.wasm", &engine);
+    let live = |out: &str| {
+        [
+            "report",
+            "four-bar",
+            "--live",
+            "--wasm",
+            "engine.wasm",
+            "--out",
+            out,
+        ]
+        .map(str::to_owned)
+    };
+    w.run(&live("p.html")).exits(0);
+    let page = String::from_utf8(w.read("p.html")).unwrap();
+    let policy = page
+        .split("content=\"")
+        .nth(1)
+        .unwrap()
+        .split('"')
+        .next()
+        .unwrap();
+    assert!(
+        policy.starts_with("default-src 'none'; img-src data:; style-src 'sha256-"),
+        "{policy}"
+    );
+    assert!(
+        policy.contains(" 'wasm-unsafe-eval'; worker-src blob:; base-uri 'none'"),
+        "{policy}"
+    );
+    assert_eq!(policy.matches("'sha256-").count(), 4, "{policy}");
+    assert!(!policy.contains("'unsafe"), "{policy}");
+    assert_eq!(page.matches("<script").count(), 6);
+    assert!(page.contains("<script type=\"application/octet-stream\" id=\"engine\">H4sI"));
+    // The page without sliders is the same but for these.
+    w.run(&["report", "four-bar", "--out", "q.html"]).exits(0);
+    let still = String::from_utf8(w.read("q.html")).unwrap();
+    assert!(!still.contains("id=\"engine\"") && !still.contains("wasm-unsafe-eval"));
+}
+
+#[test]
+fn without_its_engine_a_live_page_says_how_to_get_it() {
+    let w = Workspace::new();
+    let build = "cargo build --profile web --target wasm32-unknown-unknown -p mechanim-web";
+    w.run(&[
+        "report",
+        "four-bar",
+        "--live",
+        "--wasm",
+        "none.wasm",
+        "--out",
+        "p.html",
+    ])
+    .exits(2)
+    .says(&["there is none", "none.wasm", build]);
+    w.write("other.wasm", b"\0asm\x01\0\0\0mechanim-web 0.0.0\n");
+    w.run(&[
+        "report",
+        "four-bar",
+        "--live",
+        "--wasm",
+        "other.wasm",
+        "--out",
+        "p.html",
+    ])
+    .exits(2)
+    .says(&["it is not the engine `mechanim-web", build]);
+    w.write("text.wasm", "text");
+    w.run(&[
+        "report",
+        "four-bar",
+        "--live",
+        "--wasm",
+        "text.wasm",
+        "--out",
+        "p.html",
+    ])
+    .exits(2)
+    .says(&["it is no WebAssembly"]);
+    assert!(!w.path("p.html").exists());
+}
