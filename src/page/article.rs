@@ -26,7 +26,7 @@ const MOST_VALUES: usize = 24;
 #[derive(Clone, Debug)]
 pub struct Article {
     /// Title of the scene.
-    pub(super) title: String,
+    pub title: String,
     /// Where the scene is from.
     pub(super) source: String,
     /// The worst answer.
