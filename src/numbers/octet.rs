@@ -14,7 +14,7 @@ pub const LANES: usize = 8;
 
 /// Eight numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Octet(pub(super) f64x8);
+pub struct Octet(f64x8);
 
 impl Octet {
     /// Eight zeros.
@@ -86,6 +86,12 @@ impl Octet {
     #[inline(always)]
     pub fn at_most(self, other: Self) -> LaneMask {
         LaneMask(self.0.simd_le(other.0))
+    }
+
+    /// Where these are above the others; nowhere where one of two is no number.
+    #[inline(always)]
+    pub fn above(self, other: Self) -> LaneMask {
+        LaneMask(self.0.simd_gt(other.0))
     }
 
     /// Square roots.
@@ -260,7 +266,8 @@ impl Scalar for Octet {
     }
 
     fn sin_cos(self) -> (Self, Self) {
-        sin_cos(self)
+        let (sin, cos) = sin_cos(self.0);
+        (Self(sin), Self(cos))
     }
 
     fn exp(self) -> Self {

@@ -4,7 +4,6 @@
 //! what is left goes into the minimax polynomials of FreeBSD's msun for -π/4 to π/4, the same ones that libm uses. The
 //! error is below one unit in the last place, as there; the last bit may be another one.
 
-use super::octet::Octet;
 use wide::{f64x8, u64x8};
 
 /// Angles up to this are reduced without loss: their multiples of π/2 have at most 20 bits.
@@ -44,8 +43,7 @@ const COSINE: [f64; 6] = [
 
 /// Sine and cosine.
 #[inline]
-pub(super) fn sin_cos(angles: Octet) -> (Octet, Octet) {
-    let x = angles.0;
+pub(super) fn sin_cos(x: f64x8) -> (f64x8, f64x8) {
     let number = |value: f64| f64x8::splat(value);
     let sum = x * number(PER_QUARTER) + number(ROUNDING);
     let count = sum - number(ROUNDING);
@@ -65,24 +63,25 @@ pub(super) fn sin_cos(angles: Octet) -> (Octet, Octet) {
     let sign = |quarters: u64x8| f64x8::from_bits((quarters & u64x8::splat(2)) << 62_u32);
     let sin = is_odd.bitselect(cosine, sine) ^ sign(quarters);
     let cos = is_odd.bitselect(sine, cosine) ^ sign(quarters + one);
-    let (mut sin, mut cos) = (Octet(sin), Octet(cos));
     if !x.abs().simd_le(number(LARGEST)).all() {
-        exchange_large(angles, &mut sin, &mut cos);
+        return with_large(x, sin, cos);
     }
     (sin, cos)
 }
 
-/// Those of angles that are too large for three parts, and of what is no angle.
+/// The same with those of angles that are too large for three parts, and of what is no angle.
 #[cold]
-fn exchange_large(angles: Octet, sin: &mut Octet, cos: &mut Octet) {
-    for (lane, angle) in angles.to_array().into_iter().enumerate() {
-        if angle.abs() <= LARGEST {
-            continue;
+fn with_large(angles: f64x8, sin: f64x8, cos: f64x8) -> (f64x8, f64x8) {
+    let (mut sin, mut cos) = (sin.to_array(), cos.to_array());
+    let parts = sin.iter_mut().zip(&mut cos);
+    for (angle, (sin, cos)) in angles.to_array().into_iter().zip(parts) {
+        // False for what is no number.
+        let is_small = angle.abs() <= LARGEST;
+        if !is_small {
+            (*sin, *cos) = libm::sincos(angle);
         }
-        let (s, c) = libm::sincos(angle);
-        sin.set_lane(lane, s);
-        cos.set_lane(lane, c);
     }
+    (f64x8::new(sin), f64x8::new(cos))
 }
 
 /// Sine of `x` + `tail`.
@@ -110,7 +109,6 @@ fn cosine_of(x: f64x8, tail: f64x8, square: f64x8) -> f64x8 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numbers::octet::LANES;
 
     /// Units in the last place by which two numbers differ.
     fn apart(a: f64, b: f64) -> f64 {
@@ -123,11 +121,12 @@ mod tests {
         for step in 0..40_000 {
             let size = 10.0_f64.powi(step % 9 - 3);
             let angle = |k: usize| size * (0.37 * f64::from(step) + 1.3 * k as f64).sin();
-            let angles = Octet::new(std::array::from_fn(angle));
-            let (sin, cos) = sin_cos(angles);
-            for k in 0..LANES {
-                let (s, c) = libm::sincos(angles.lane(k));
-                worst = worst.max(apart(sin.lane(k), s)).max(apart(cos.lane(k), c));
+            let angles: [f64; 8] = std::array::from_fn(angle);
+            let (sin, cos) = sin_cos(f64x8::new(angles));
+            let (sin, cos) = (sin.to_array(), cos.to_array());
+            for k in 0..8 {
+                let (s, c) = libm::sincos(angles[k]);
+                worst = worst.max(apart(sin[k], s)).max(apart(cos[k], c));
             }
         }
         // Both are off by less than one unit, half of one mostly.
@@ -147,18 +146,19 @@ mod tests {
             -quarter * 7.0,
             628_318.530_717_958_6,
         ];
-        let (sin, cos) = sin_cos(Octet::new(angles));
+        let (sin, cos) = sin_cos(f64x8::new(angles));
+        let (sin, cos) = (sin.to_array(), cos.to_array());
         for (k, angle) in angles.into_iter().enumerate() {
             let (s, c) = libm::sincos(angle);
             if s.is_nan() {
-                assert!(sin.lane(k).is_nan() && cos.lane(k).is_nan());
+                assert!(sin[k].is_nan() && cos[k].is_nan());
                 continue;
             }
             assert!(
-                apart(sin.lane(k), s) <= 1.0 && apart(cos.lane(k), c) <= 1.0,
+                apart(sin[k], s) <= 1.0 && apart(cos[k], c) <= 1.0,
                 "{angle}"
             );
-            assert_eq!(sin.lane(k).is_sign_negative(), s.is_sign_negative());
+            assert_eq!(sin[k].is_sign_negative(), s.is_sign_negative());
         }
     }
 }

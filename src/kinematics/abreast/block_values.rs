@@ -1,8 +1,10 @@
 //! Residual and Jacobian of a block in eight lanes: the formulas of `loops/residual`, near a closed pose.
 
+use super::frames::{left_jacobian_inverse, shift_frame, turn_frame, turn_of};
 use crate::kinematics::loops::residual::residual_of;
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::layout::{BlockPlan, LayoutEntry, PlannedLoop};
+use crate::linalg::lanes::lane_groups;
 use crate::model::chain::{Argument, ArgumentValue, ElementaryMotion};
 use crate::model::expression::Expression;
 use crate::model::mechanism::Mechanism;
@@ -10,23 +12,6 @@ use crate::model::walk::{Triple, WalkFrame};
 use crate::numbers::octet::{LANES, Octet};
 use crate::numbers::scalar::Scalar;
 use glam::{DMat3, DVec3};
-
-/// Largest square of the sine of a loop's turn whose rotation vector is taken from a short series: 0.05 rad, as far as a
-/// correction may lead. Beyond it a lane has no residual.
-const LARGEST_SQUARE: f64 = 2.5e-3;
-
-/// asin(s)/s by powers of s²; what is left out is below 1e-17.
-const ASIN: [f64; 6] = [
-    1.0,
-    1.0 / 6.0,
-    3.0 / 40.0,
-    5.0 / 112.0,
-    35.0 / 1152.0,
-    63.0 / 2816.0,
-];
-
-/// The factor of P² in the inverse left Jacobian by powers of the angle's square, likewise.
-const LEFT: [f64; 4] = [1.0 / 12.0, 1.0 / 720.0, 1.0 / 30_240.0, 1.0 / 1_209_600.0];
 
 /// A joint's axis, with its sign, and a point of it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -51,6 +36,8 @@ pub(super) struct BlockValues {
     pub residual: Vec<Octet>,
     /// By the block's scaled unknowns, column-major.
     pub jacobian: Vec<Octet>,
+    /// By the coordinates from outside, as the plan lists them and pads their columns; only if it is asked for.
+    outer: Vec<Octet>,
     arguments: Vec<ArgumentValue<Octet>>,
     lines: Vec<Line>,
     columns: Vec<[Octet; 6]>,
@@ -71,6 +58,8 @@ struct Role {
 pub(super) struct LaneBlock<'s> {
     pub mechanism: &'s Mechanism,
     pub block: &'s Block,
+    /// Whether derivatives by coordinates from outside are wanted, too.
+    with_outside: bool,
     roles: Vec<Role>,
 }
 
@@ -88,7 +77,16 @@ impl<'s> LaneBlock<'s> {
         Self {
             mechanism,
             block,
+            with_outside: false,
             roles,
+        }
+    }
+
+    /// The same with derivatives by coordinates from outside.
+    pub fn with_outside(self) -> Self {
+        Self {
+            with_outside: true,
+            ..self
         }
     }
 }
@@ -103,6 +101,11 @@ impl BlockValues {
         self.jacobian.clear();
         self.jacobian
             .resize(rows * block.unknowns.len(), Octet::ZERO);
+        if lanes.with_outside {
+            self.outer.clear();
+            let size = plan.outer.len() * outer_stride(rows);
+            self.outer.resize(size, Octet::ZERO);
+        }
         self.evaluate_arguments(lanes, coordinates, again);
         for item in &plan.loops {
             let end = self.walk(plan, item);
@@ -112,6 +115,20 @@ impl BlockValues {
         }
         for equation in 0..plan.equations.len() {
             self.evaluate_equation(lanes, equation, coordinates);
+        }
+    }
+
+    /// The rate of the residual where coordinates have these `rates` and the block's unknowns stand still, after an evaluation
+    /// with derivatives by coordinates from outside.
+    pub fn drift(&self, lanes: &LaneBlock, rates: &[Octet], drift: &mut Vec<Octet>) {
+        let rows = lanes.block.rows();
+        drift.clear();
+        drift.resize(rows, Octet::ZERO);
+        let columns = self.outer.chunks_exact(outer_stride(rows).max(1));
+        for (slot, column) in lanes.block.plan.outer.iter().zip(columns) {
+            for (sum, entry) in drift.iter_mut().zip(column) {
+                *sum += *entry * rates[*slot];
+            }
         }
     }
 
@@ -230,12 +247,11 @@ impl BlockValues {
                 column[3 + k] = (axis[i] * arms.1 - axis[j] * arms.0) * per_size;
             }
         }
-        add_entries(
-            &mut self.jacobian,
-            &item.own,
-            &self.columns,
-            &item.components,
-        );
+        let (columns, components) = (&self.columns, &item.components);
+        add_entries(&mut self.jacobian, &item.own, columns, components);
+        if lanes.with_outside {
+            add_entries(&mut self.outer, &item.outside, columns, components);
+        }
         for joint in &item.formulas {
             self.add_formula(lanes, item, *joint, coordinates);
         }
@@ -257,11 +273,17 @@ impl BlockValues {
         };
         let unknowns = lanes.block.unknowns.len();
         for share in &plan.shares[planned.shares.clone()] {
-            if share.column >= unknowns {
+            let is_outside = share.column >= unknowns;
+            if is_outside && !lanes.with_outside {
                 continue;
             }
             let rate = rate_by(&mut self.plain, formula, share.slot, coordinates) * share.scale;
-            let target = &mut self.jacobian[share.column * rows + item.row..];
+            let target = match is_outside {
+                false => &mut self.jacobian[share.column * rows + item.row..],
+                true => {
+                    &mut self.outer[(share.column - unknowns) * outer_stride(rows) + item.row..]
+                }
+            };
             for (entry, component) in target.iter_mut().zip(&item.components) {
                 *entry += self.columns[joint][*component] * rate;
             }
@@ -277,17 +299,29 @@ impl BlockValues {
         });
         self.residual[planned.row] = value * planned.scale;
         for (k, share) in plan.shares[planned.shares.clone()].iter().enumerate() {
-            if share.column >= lanes.block.unknowns.len() {
+            let unknowns = lanes.block.unknowns.len();
+            let is_outside = share.column >= unknowns;
+            if is_outside && !lanes.with_outside {
                 continue;
             }
             let rate = match &planned.slopes {
                 Some(slopes) => slopes[k].value(coordinates),
                 None => rate_by(&mut self.plain, formula, share.slot, coordinates),
             };
-            self.jacobian[share.column * rows + planned.row] +=
-                rate * (planned.scale * share.scale);
+            let entry = match is_outside {
+                false => &mut self.jacobian[share.column * rows + planned.row],
+                true => {
+                    &mut self.outer[(share.column - unknowns) * outer_stride(rows) + planned.row]
+                }
+            };
+            *entry += rate * (planned.scale * share.scale);
         }
     }
+}
+
+/// Numbers between columns from outside: whole groups of four, as the plan counts them.
+fn outer_stride(rows: usize) -> usize {
+    4 * lane_groups(rows)
 }
 
 /// What a function of plain coordinates gives in every lane.
@@ -344,79 +378,4 @@ fn add_entries(
             *t += column[*component] * entry.factor;
         }
     }
-}
-
-/// Moves a frame by a fixed vector; most have one entry that is not zero.
-#[inline(always)]
-fn shift_frame(frame: &mut WalkFrame<Octet>, by: &DVec3) {
-    for (axis, factor) in frame.axes.iter().zip(by.to_array()) {
-        if factor != 0.0 {
-            for (own, c) in frame.origin.iter_mut().zip(axis) {
-                *own += *c * factor;
-            }
-        }
-    }
-}
-
-/// Turns a frame by a fixed rotation; most have entries that are zero.
-#[inline(always)]
-fn turn_frame(frame: &mut WalkFrame<Octet>, by: &DMat3) {
-    let before = frame.axes;
-    for (own, column) in frame.axes.iter_mut().zip(by.to_cols_array_2d()) {
-        *own = [Octet::ZERO; 3];
-        for (axis, factor) in before.iter().zip(column) {
-            if factor != 0.0 {
-                for (sum, c) in own.iter_mut().zip(axis) {
-                    *sum += *c * factor;
-                }
-            }
-        }
-    }
-}
-
-/// The rotation vector of a frame that is turned by little; NaN where it is turned by more.
-#[inline(always)]
-fn turn_of(axes: &[Triple<Octet>; 3]) -> Triple<Octet> {
-    let [x, y, z] = axes;
-    let mut skew = [y[2] - z[1], z[0] - x[2], x[1] - y[0]];
-    skew.iter_mut().for_each(|s| *s = *s * 0.5);
-    let square = dot(&skew, &skew);
-    // The cosine tells a small turn from one beyond a right angle.
-    let cos = x[0] + y[1] + z[2] - Octet::splat(1.0);
-    let is_small = square.at_most(Octet::splat(LARGEST_SQUARE));
-    let is_small = is_small.and(Octet::ZERO.at_most(cos));
-    let factor = is_small.choose(polynomial(&ASIN, square), Octet::splat(f64::NAN));
-    skew.iter_mut().for_each(|s| *s = *s * factor);
-    skew
-}
-
-/// I - P/2 + c P², with P the cross-product matrix of a short rotation vector; rows.
-#[inline(always)]
-fn left_jacobian_inverse(turn: &Triple<Octet>) -> [Triple<Octet>; 3] {
-    let square = dot(turn, turn);
-    let c = polynomial(&LEFT, square);
-    let rest = Octet::splat(1.0) - c * square;
-    let mut rows = [[Octet::ZERO; 3]; 3];
-    for (i, row) in rows.iter_mut().enumerate() {
-        // P² = φ φᵀ - |φ|² I.
-        for (j, entry) in row.iter_mut().enumerate() {
-            *entry = c * (turn[i] * turn[j]);
-        }
-        row[i] += rest;
-        // -P/2 has the halves of the two others beside the diagonal, with either sign.
-        row[(i + 1) % 3] += turn[(i + 2) % 3] * 0.5;
-        row[(i + 2) % 3] -= turn[(i + 1) % 3] * 0.5;
-    }
-    rows
-}
-
-#[inline(always)]
-fn polynomial<const N: usize>(coefficients: &[f64; N], x: Octet) -> Octet {
-    let highest_first = coefficients.iter().rev();
-    highest_first.fold(Octet::ZERO, |sum, c| sum * x + Octet::splat(*c))
-}
-
-#[inline(always)]
-fn dot(a: &Triple<Octet>, b: &Triple<Octet>) -> Octet {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

@@ -1,9 +1,9 @@
 //! Newton's method in eight lanes, block by block, as `solve/newton` has it: a lane rests once it is closed, and leaves where
 //! its steps do not shrink.
 
-use super::anchor::{Anchor, BlockAnchor};
+use super::anchor::Anchor;
 use super::block_values::{BlockValues, LaneBlock};
-use super::factors::Factors;
+use super::factors::{Elimination, Factors, Ordered};
 use crate::kinematics::solve::closure::CLOSURE_TOLERANCE;
 use crate::kinematics::solve::newton::{CONTRACTION, ROUNDING_FLOOR};
 use crate::kinematics::structure::system::System;
@@ -57,7 +57,13 @@ impl<'s> LaneSolver<'s> {
             first_step: Octet::ZERO,
         };
         for (index, block) in anchor.blocks.iter().enumerate() {
-            let part = self.close_block(index, block, coordinates, closed.lanes);
+            let elimination = &mut Ordered {
+                factors: &mut self.factors,
+                order: &block.order,
+            };
+            let lane_block = &self.blocks[index];
+            let values = &mut self.values;
+            let part = close_block(lane_block, values, elimination, coordinates, closed.lanes);
             closed.lanes = block.beside(&self.values.jacobian, part.lanes);
             closed.first_step = closed.first_step.larger_magnitude(part.first_step);
             if !closed.lanes.any() {
@@ -66,59 +72,6 @@ impl<'s> LaneSolver<'s> {
         }
         closed.lanes = self.unlocked(anchor, coordinates, closed.lanes);
         closed
-    }
-
-    fn close_block(
-        &mut self,
-        index: usize,
-        anchor: &BlockAnchor,
-        coordinates: &mut [Octet],
-        mut lanes: LaneMask,
-    ) -> ClosedLanes {
-        let (values, factors) = (&mut self.values, &mut self.factors);
-        let lane_block = &self.blocks[index];
-        let plan = &lane_block.block.plan;
-        let floor = Octet::splat(ROUNDING_FLOOR);
-        let (mut done, mut first_step) = (LaneMask::NONE, Octet::ZERO);
-        let mut last = Octet::splat(f64::INFINITY);
-        for iteration in 0..=MOST_ITERATIONS {
-            values.evaluate(lane_block, coordinates, iteration > 0);
-            let open = lanes.without(done);
-            if !open.any() {
-                break;
-            }
-            if iteration == MOST_ITERATIONS {
-                lanes = lanes.and(done);
-                break;
-            }
-            let at_floor = largest(&values.residual).at_most(floor);
-            let (is_good, pivot) = factors.factor(&values.jacobian, &anchor.order);
-            factors.solve(&values.residual, &anchor.order);
-            let size = largest(&factors.step);
-            if iteration == 0 {
-                first_step = size;
-            }
-            let shrinks = size.at_most(last * CONTRACTION).or(at_floor);
-            lanes = lanes.and(done.or(is_good.and(shrinks)));
-            let open = lanes.without(done);
-            for ((unknown, scale), step) in (lane_block.block.unknowns.iter())
-                .zip(&plan.scales)
-                .zip(&factors.step)
-            {
-                let before = coordinates[*unknown];
-                coordinates[*unknown] = open.choose(before + *step * *scale, before);
-            }
-            // Quadratic convergence: what is left after this step is about step²/σ.
-            done = done
-                .or(at_floor)
-                .or((size * size).at_most(pivot * ROUNDING_FLOOR));
-            last = size;
-        }
-        let residual = largest(&values.residual);
-        ClosedLanes {
-            lanes: lanes.and(residual.at_most(Octet::splat(CLOSURE_TOLERANCE))),
-            first_step,
-        }
     }
 
     /// Those of `lanes` in which no ball joint is near a pose where its angles are locked, nor beyond one.
@@ -144,8 +97,61 @@ impl<'s> LaneSolver<'s> {
     }
 }
 
+/// Newton's method on one block; its values are those of the poses that it leaves.
+pub(super) fn close_block(
+    lane_block: &LaneBlock,
+    values: &mut BlockValues,
+    elimination: &mut impl Elimination,
+    coordinates: &mut [Octet],
+    mut lanes: LaneMask,
+) -> ClosedLanes {
+    let plan = &lane_block.block.plan;
+    let floor = Octet::splat(ROUNDING_FLOOR);
+    let (mut done, mut first_step) = (LaneMask::NONE, Octet::ZERO);
+    let mut last = Octet::splat(f64::INFINITY);
+    for iteration in 0..=MOST_ITERATIONS {
+        values.evaluate(lane_block, coordinates, iteration > 0);
+        let open = lanes.without(done);
+        if !open.any() {
+            break;
+        }
+        if iteration == MOST_ITERATIONS {
+            lanes = lanes.and(done);
+            break;
+        }
+        // What is at the floor is closed to rounding; one step more does not harm it.
+        let at_floor = largest(&values.residual).at_most(floor);
+        let (is_good, pivot) = elimination.factor(&values.jacobian);
+        elimination.solve(&values.residual);
+        let size = largest(elimination.step());
+        if iteration == 0 {
+            first_step = size;
+        }
+        // A lane leaves where its steps do not shrink as Newton's do, or a pivot is too small.
+        let shrinks = size.at_most(last * CONTRACTION).or(at_floor);
+        lanes = lanes.and(done.or(is_good.and(shrinks)));
+        let open = lanes.without(done);
+        // Lanes that rest keep their bits.
+        let scaled = plan.scales.iter().zip(elimination.step());
+        for (unknown, (scale, step)) in lane_block.block.unknowns.iter().zip(scaled) {
+            let before = coordinates[*unknown];
+            coordinates[*unknown] = open.choose(before + *step * *scale, before);
+        }
+        // Quadratic convergence: what is left after this step is about step²/σ.
+        done = done
+            .or(at_floor)
+            .or((size * size).at_most(pivot * ROUNDING_FLOOR));
+        last = size;
+    }
+    let residual = largest(&values.residual);
+    ClosedLanes {
+        lanes: lanes.and(residual.at_most(Octet::splat(CLOSURE_TOLERANCE))),
+        first_step,
+    }
+}
+
 /// The largest magnitude of every lane; NaN where there is none.
-fn largest(values: &[Octet]) -> Octet {
+pub(super) fn largest(values: &[Octet]) -> Octet {
     let larger = |m: Octet, v: &Octet| m.larger_magnitude(*v);
     values.iter().fold(Octet::ZERO, larger)
 }

@@ -15,6 +15,38 @@ pub(super) struct PivotOrder {
 /// factors of the elimination may be as many times larger.
 const LEAST_PART: f64 = 0.1;
 
+/// An elimination of eight matrices.
+pub(super) trait Elimination {
+    /// Factors column-major matrices: where the pivots are large enough, and the smallest one.
+    fn factor(&mut self, matrix: &[Octet]) -> (LaneMask, Octet);
+
+    /// Solves matrix · step = -`right`.
+    fn solve(&mut self, right: &[Octet]);
+
+    /// The last solution.
+    fn step(&self) -> &[Octet];
+}
+
+/// An elimination in an order that is known.
+pub(super) struct Ordered<'f> {
+    pub factors: &'f mut Factors,
+    pub order: &'f PivotOrder,
+}
+
+impl Elimination for Ordered<'_> {
+    fn factor(&mut self, matrix: &[Octet]) -> (LaneMask, Octet) {
+        self.factors.factor(matrix, self.order)
+    }
+
+    fn solve(&mut self, right: &[Octet]) {
+        self.factors.solve(right, self.order);
+    }
+
+    fn step(&self) -> &[Octet] {
+        &self.factors.step
+    }
+}
+
 /// Factors of square matrices.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Factors {
@@ -34,6 +66,7 @@ impl PivotOrder {
         let mut least = Vec::with_capacity(n);
         for k in 0..n {
             let size = |row: &usize| rest[k * n + rows[*row]].abs();
+            // The largest entry of what is left of the column.
             let best = (k..n).max_by(|a, b| size(a).total_cmp(&size(b)))?;
             rows.swap(k, best);
             let pivot = rest[k * n + rows[k]];
@@ -77,6 +110,7 @@ impl Factors {
             smallest = size.at_most(smallest).choose(size, smallest);
             let reciprocal = Octet::splat(1.0) / column[k];
             self.reciprocals.push(reciprocal);
+            // The column below becomes factors of the elimination, the columns behind are freed of it.
             let factors = &mut column[k + 1..];
             factors.iter_mut().for_each(|f| *f = *f * reciprocal);
             for column in rest.chunks_exact_mut(n) {
@@ -95,6 +129,7 @@ impl Factors {
         let step = &mut self.step;
         step.clear();
         step.extend(order.rows.iter().map(|row| -right[*row]));
+        // Forwards by the factors, backwards by the pivots.
         for k in 0..n {
             let (value, column) = (step[k], &self.entries[k * n..(k + 1) * n]);
             for (left, factor) in step[k + 1..].iter_mut().zip(&column[k + 1..]) {

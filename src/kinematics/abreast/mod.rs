@@ -9,3 +9,6 @@ pub mod anchor;
 mod block_values;
 pub mod closing;
 mod factors;
+pub mod following;
+mod frames;
+mod pivoting;

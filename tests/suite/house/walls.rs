@@ -25,7 +25,7 @@ const WALLS: [Wall; 21] = [
     },
     Wall {
         words: &["wide::"],
-        rooms: &["render/cpu/", "linalg/", "kinematics/"],
+        rooms: &["render/cpu/", "linalg/", "numbers/", "kinematics/"],
     },
     Wall {
         words: &["parry3d_f64::"],

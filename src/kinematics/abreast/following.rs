@@ -1,0 +1,224 @@
+//! Eight motions followed side by side from closed poses, each with poses and Jacobians of its own.
+//!
+//! One step is a prediction along the tangents, bent as they turned on the step before, and a correction. It is trusted as any step is: the correction is small against
+//! it, and the Jacobians at its ends are alike. A lane in which it is not leaves for good.
+
+use super::block_values::{BlockValues, LaneBlock};
+use super::closing::{close_block, largest};
+use super::factors::Elimination;
+use super::frames::turn_of;
+use super::pivoting::PivotedFactors;
+use crate::kinematics::solve::pose_solver::largest_correction;
+use crate::kinematics::structure::system::System;
+use crate::model::mechanism::Closes;
+use crate::model::outputs::output_arguments;
+use crate::model::walk::WalkFrame;
+use crate::numbers::octet::{LANES, LaneMask, Octet};
+
+/// Largest norm of 1 - B⁻¹A, with A and B the Jacobians at the ends of a step: no matrix between them is singular while it is
+/// below one, and the determinants have one sign.
+const MOST_CHANGE: f64 = 0.8;
+
+/// Largest block that is followed: of larger ones a step costs as much side by side.
+const LARGEST_BLOCK: usize = 32;
+
+/// Two changes of the inputs have one direction if what is across is below this part of the longer one, squared.
+const ACROSS: f64 = 1e-12;
+
+/// Follows motions of one system; one for each thread.
+#[derive(Clone, Debug)]
+pub struct LaneFollower<'s> {
+    system: &'s System,
+    blocks: Vec<LaneBlock<'s>>,
+    /// At the poses reached.
+    values: Vec<BlockValues>,
+    factors: Vec<PivotedFactors>,
+    /// The Jacobian of a block at the poses before.
+    before: Vec<Octet>,
+    /// Changes of all coordinates along the tangents of a step, and of the one before; none before the first.
+    rates: Vec<Octet>,
+    last: Vec<Octet>,
+    drift: Vec<Octet>,
+    from: Vec<Octet>,
+    poses: [Vec<f64>; 2],
+}
+
+impl<'s> LaneFollower<'s> {
+    /// Buffers for `system`; `None` if it has blocks that are not followed side by side.
+    pub fn new(system: &'s System) -> Option<Self> {
+        let blocks = system.blocks();
+        let is_small = blocks
+            .iter()
+            .all(|b| b.rows() == b.unknowns.len() && b.rows() <= LARGEST_BLOCK);
+        let mechanism = system.mechanism();
+        is_small.then(|| Self {
+            blocks: (blocks.iter())
+                .map(|block| LaneBlock::new(mechanism, block).with_outside())
+                .collect(),
+            values: vec![BlockValues::default(); blocks.len()],
+            factors: vec![PivotedFactors::default(); blocks.len()],
+            before: Vec::new(),
+            rates: Vec::new(),
+            last: Vec::new(),
+            drift: Vec::new(),
+            from: Vec::new(),
+            poses: [Vec::new(), Vec::new()],
+            system,
+        })
+    }
+
+    /// Begins at closed poses; those of `lanes` that are regular.
+    pub fn begin(&mut self, coordinates: &[Octet], mut lanes: LaneMask) -> LaneMask {
+        self.rates.clear();
+        let parts = self.values.iter_mut().zip(&mut self.factors);
+        for (block, (values, factors)) in self.blocks.iter().zip(parts) {
+            values.evaluate(block, coordinates, false);
+            lanes = lanes.and(factors.factor(&values.jacobian).0);
+        }
+        lanes
+    }
+
+    /// One step to other inputs; those of `lanes` in which it is trusted.
+    pub fn step(
+        &mut self,
+        coordinates: &mut [Octet],
+        inputs: &[Octet],
+        mut lanes: LaneMask,
+    ) -> LaneMask {
+        self.from.clear();
+        self.from.extend_from_slice(coordinates);
+        let length = self.predict(coordinates, inputs);
+        let bend = self.bend(coordinates);
+        let mut first_step = Octet::ZERO;
+        // Corrected block by block; the Jacobian before is kept to be held against the new one.
+        for index in 0..self.blocks.len() {
+            let (block, values) = (&self.blocks[index], &mut self.values[index]);
+            let factors = &mut self.factors[index];
+            self.before.clear();
+            self.before.extend_from_slice(&values.jacobian);
+            let closed = close_block(block, values, factors, coordinates, lanes);
+            first_step = first_step.larger_magnitude(closed.first_step);
+            let (is_good, _) = factors.factor(&values.jacobian);
+            lanes = closed.lanes.and(is_good);
+            lanes = lanes.and(self.stays_regular(index));
+        }
+        let allowed = length.each(largest_correction);
+        lanes = lanes.and((first_step + bend).at_most(allowed));
+        self.unlocked(coordinates, lanes)
+    }
+
+    /// Moves all coordinates along the tangents; the largest change of a scaled unknown.
+    fn predict(&mut self, coordinates: &mut [Octet], inputs: &[Octet]) -> Octet {
+        let n = coordinates.len() - inputs.len();
+        std::mem::swap(&mut self.last, &mut self.rates);
+        self.rates.clear();
+        self.rates.resize(n, Octet::ZERO);
+        let own = inputs.iter().zip(&coordinates[n..]);
+        self.rates.extend(own.map(|(new, old)| *new - *old));
+        coordinates[n..].copy_from_slice(inputs);
+        let mut length = Octet::ZERO;
+        // J q' = -∂r/∂u u', block by block: the tangents of one are rates for those behind it.
+        let parts = self.values.iter().zip(&mut self.factors);
+        for (lane_block, (values, factors)) in self.blocks.iter().zip(parts) {
+            values.drift(lane_block, &self.rates, &mut self.drift);
+            factors.solve(&self.drift);
+            length = length.larger_magnitude(largest(factors.step()));
+            let block = lane_block.block;
+            let scaled = block.plan.scales.iter().zip(factors.step());
+            for (unknown, (scale, step)) in block.unknowns.iter().zip(scaled) {
+                self.rates[*unknown] = *step * *scale;
+                coordinates[*unknown] += self.rates[*unknown];
+            }
+        }
+        length
+    }
+
+    /// Bends the prediction as the tangents have turned since the step before, where the inputs went in the same direction (the
+    /// method of Adams and Bashforth); the largest change of a scaled unknown by it.
+    fn bend(&mut self, coordinates: &mut [Octet]) -> Octet {
+        let n = self.system.mechanism().unknowns.len();
+        let mut largest = Octet::ZERO;
+        if self.last.len() != self.rates.len() {
+            return largest;
+        }
+        let (own, last) = (&self.rates[n..], &self.last[n..]);
+        let dot = |a: &[Octet], b: &[Octet]| {
+            let pairs = a.iter().zip(b);
+            pairs.fold(Octet::ZERO, |sum, (a, b)| sum + *a * *b)
+        };
+        let (square, last_square) = (dot(own, own), dot(last, last));
+        // What the inputs did on the step before, stretched to this one, and what is left across it.
+        let ratio = dot(own, last) / last_square;
+        let across = square - ratio * ratio * last_square;
+        let is_along = across.at_most(square * ACROSS);
+        // Half of what the tangents turned is the second order of the path.
+        for block in self.system.blocks() {
+            for (unknown, scale) in block.unknowns.iter().zip(&block.plan.scales) {
+                let turned = self.rates[*unknown] - self.last[*unknown] * ratio;
+                let bend = is_along.choose(turned * ratio * 0.5, Octet::ZERO);
+                coordinates[*unknown] += bend;
+                largest = largest.larger_magnitude(bend * (1.0 / scale));
+            }
+        }
+        largest
+    }
+
+    /// Where the Jacobian of a block has changed by little since the poses before.
+    fn stays_regular(&mut self, index: usize) -> LaneMask {
+        let (values, factors) = (&self.values[index], &mut self.factors[index]);
+        let rows = self.blocks[index].block.rows().max(1);
+        let pairs = values
+            .jacobian
+            .chunks_exact(rows)
+            .zip(self.before.chunks_exact(rows));
+        let mut square = Octet::ZERO;
+        for (new, old) in pairs {
+            self.drift.clear();
+            self.drift
+                .extend(new.iter().zip(old).map(|(new, old)| *new - *old));
+            factors.solve(&self.drift);
+            for entry in factors.step() {
+                square += *entry * *entry;
+            }
+        }
+        square.at_most(Octet::splat(MOST_CHANGE * MOST_CHANGE))
+    }
+
+    /// Those of `lanes` in which no ball joint comes near a pose where its angles are locked.
+    fn unlocked(&mut self, coordinates: &[Octet], mut lanes: LaneMask) -> LaneMask {
+        let balls = self.system.balls();
+        for lane in (0..LANES).filter(|_| !balls.is_empty()) {
+            for (pose, octets) in self.poses.iter_mut().zip([&self.from[..], coordinates]) {
+                pose.clear();
+                pose.extend(octets.iter().map(|c| c.lane(lane)));
+            }
+            let [from, to] = &self.poses;
+            if balls.iter().any(|ball| ball.may_have_locked(from, to)) {
+                lanes = lanes.except(lane);
+            }
+        }
+        lanes
+    }
+
+    /// The largest gap over all loops and equations of every lane, relative to the loop's size, by plain products; NaN where a
+    /// loop is turned by more than a little.
+    pub fn closure_error(&self, coordinates: &[Octet]) -> Octet {
+        let mechanism = self.system.mechanism();
+        let mut largest = Octet::ZERO;
+        for item in &mechanism.loops {
+            let arguments = output_arguments(mechanism, &item.chain.arguments(), coordinates);
+            let end = WalkFrame::at_end_of(&item.chain.steps, &arguments);
+            let length = |v: [Octet; 3]| (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).root();
+            if item.closes == Closes::Frame {
+                largest = largest.larger_magnitude(length(turn_of(&end.axes)));
+            }
+            largest = largest.larger_magnitude(length(end.origin) * (1.0 / item.size));
+        }
+        let mut scratch = Vec::new();
+        for (index, equation) in mechanism.equations.iter().enumerate() {
+            let value = equation.expression.value_with(coordinates, &mut scratch);
+            largest = largest.larger_magnitude(value * mechanism.weight_of(index));
+        }
+        largest
+    }
+}

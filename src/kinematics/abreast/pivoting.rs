@@ -1,0 +1,141 @@
+//! Triangular factors of eight matrices at once, each with the order of rows that partial pivoting gives it.
+
+use super::factors::Elimination;
+use crate::linalg::gauss_jordan::SMALLEST_RATIO;
+use crate::numbers::octet::{LANES, LaneMask, Octet};
+
+/// Factors of square matrices.
+#[derive(Clone, Debug, Default)]
+pub(super) struct PivotedFactors {
+    n: usize,
+    /// Column-major; below the diagonal the factors of the elimination.
+    entries: Vec<Octet>,
+    /// Of the pivots.
+    reciprocals: Vec<Octet>,
+    /// In which lanes a row was exchanged with each one below it, pivot after pivot.
+    exchanged: Vec<LaneMask>,
+    step: Vec<Octet>,
+}
+
+impl PivotedFactors {
+    /// Exchanges rows until every lane has its largest entry of column `k` in row `k`.
+    fn exchange(&mut self, k: usize) {
+        let n = self.n;
+        for i in k + 1..n {
+            let column = &self.entries[k * n..(k + 1) * n];
+            let is_larger = column[i].magnitude().above(column[k].magnitude());
+            self.exchanged.push(is_larger);
+            if !is_larger.any() {
+                continue;
+            }
+            for column in self.entries.chunks_exact_mut(n) {
+                let (a, b) = (column[k], column[i]);
+                column[k] = is_larger.choose(b, a);
+                column[i] = is_larger.choose(a, b);
+            }
+        }
+    }
+}
+
+impl Elimination for PivotedFactors {
+    fn factor(&mut self, matrix: &[Octet]) -> (LaneMask, Octet) {
+        let n = matrix.len().isqrt();
+        self.n = n;
+        self.entries.clear();
+        self.entries.extend_from_slice(matrix);
+        self.reciprocals.clear();
+        self.exchanged.clear();
+        let mut smallest = Octet::splat(f64::INFINITY);
+        let mut largest = Octet::ZERO;
+        let mut good = LaneMask::first(LANES);
+        for k in 0..n {
+            self.exchange(k);
+            let (done, rest) = self.entries.split_at_mut((k + 1) * n);
+            let column = &mut done[k * n..];
+            let size = column[k].magnitude();
+            smallest = size.at_most(smallest).choose(size, smallest);
+            largest = largest.larger_magnitude(size);
+            // NaN is not above anything.
+            good = good.and(smallest.above(largest * SMALLEST_RATIO));
+            let reciprocal = Octet::splat(1.0) / column[k];
+            self.reciprocals.push(reciprocal);
+            // The column below becomes factors of the elimination, the columns behind are freed of it.
+            let factors = &mut column[k + 1..];
+            factors.iter_mut().for_each(|f| *f = *f * reciprocal);
+            for column in rest.chunks_exact_mut(n) {
+                let by = column[k];
+                for (entry, factor) in column[k + 1..].iter_mut().zip(&*factors) {
+                    *entry -= *factor * by;
+                }
+            }
+        }
+        (good, smallest)
+    }
+
+    fn solve(&mut self, right: &[Octet]) {
+        let (n, step) = (self.n, &mut self.step);
+        step.clear();
+        step.extend(right.iter().map(|r| -*r));
+        // The right side takes the same exchanges as the rows.
+        let mut exchanged = self.exchanged.iter();
+        for k in 0..n {
+            for (i, lanes) in (k + 1..n).zip(&mut exchanged) {
+                let (a, b) = (step[k], step[i]);
+                step[k] = lanes.choose(b, a);
+                step[i] = lanes.choose(a, b);
+            }
+        }
+        // Forwards by the factors, backwards by the pivots.
+        for k in 0..n {
+            let (value, column) = (step[k], &self.entries[k * n..(k + 1) * n]);
+            for (left, factor) in step[k + 1..].iter_mut().zip(&column[k + 1..]) {
+                *left -= *factor * value;
+            }
+        }
+        for k in (0..n).rev() {
+            let value = step[k] * self.reciprocals[k];
+            step[k] = value;
+            for (left, entry) in step[..k].iter_mut().zip(&self.entries[k * n..]) {
+                *left -= *entry * value;
+            }
+        }
+    }
+
+    fn step(&self) -> &[Octet] {
+        &self.step
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Matrices that have nothing in common, one of them singular.
+    #[test]
+    fn every_lane_has_an_order_of_its_own() {
+        let n = 6;
+        let entry = |k: usize, lane: usize| match lane {
+            5 => (k % n) as f64,
+            _ => (0.7 * (k * k + 3 * lane + lane * lane * k) as f64).sin(),
+        };
+        let eight = |k: usize| Octet::new(std::array::from_fn(|lane| entry(k, lane)));
+        let matrix: Vec<Octet> = (0..n * n).map(eight).collect();
+        let right: Vec<Octet> = (0..n).map(|k| Octet::splat(k as f64 - 2.0)).collect();
+        let mut factors = PivotedFactors::default();
+        let (good, smallest) = factors.factor(&matrix);
+        factors.solve(&right);
+        for lane in (0..LANES).filter(|lane| *lane != 5) {
+            assert!(good.has(lane) && smallest.lane(lane) > 0.0);
+            for (row, right) in right.iter().enumerate() {
+                let sum: f64 = (0..n)
+                    .map(|j| entry(j * n + row, lane) * factors.step()[j].lane(lane))
+                    .sum();
+                assert!(
+                    (sum + right.lane(lane)).abs() < 1e-12,
+                    "{lane} {row}: {sum}"
+                );
+            }
+        }
+        assert!(!good.has(5));
+    }
+}
