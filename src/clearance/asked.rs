@@ -5,6 +5,7 @@ use super::found::{Judgement, PairReport, Violation, Violations};
 use super::joint_region::JointRegion;
 use super::motion::ProvedMotion;
 use super::neighbours::{Neighbours, joint_neighbours};
+use super::part::JudgedPart;
 use super::sweep::{Least, PairSweep};
 use crate::distance::bodies::Hull;
 use crate::model::clearance::{ClearanceRules, Ignored};
@@ -30,6 +31,18 @@ pub(super) struct BoundSearch {
     pub(super) judged: Vec<PairReport>,
     pub(super) excluded: Vec<PairReport>,
     pub(super) warning: Option<String>,
+    /// What is judged, pair by pair of bodies.
+    pub(super) parts: Vec<JudgedPart>,
+}
+
+impl BoundSearch {
+    /// Takes in what was found of the shapes of a sweep.
+    fn take(&mut self, report: Option<PairReport>, sweep: &PairSweep) {
+        let nominal = report.as_ref().map(|report| report.least.distance);
+        self.parts
+            .extend(nominal.map(|nominal| sweep.part(nominal)));
+        self.judged.extend(report);
+    }
 }
 
 impl<'a> AskedPair<'a> {
@@ -52,11 +65,12 @@ impl<'a> AskedPair<'a> {
         let minimum = self.minimum();
         let whole = self.sweep(motion);
         if self.rules.touching.contains(&self.bodies) {
-            found.judged.extend(judge_touching(motion, &whole));
+            let report = judge_touching(motion, &whole);
+            found.take(report, &whole.with_minimum(0.0));
             return found;
         }
         if self.rules.has_own_minimum(self.bodies) {
-            found.judged.extend(self.judge(motion, &whole));
+            found.take(self.judge(motion, &whole), &whole);
             return found;
         }
         let joints = &motion.system.mechanism().joints;
@@ -67,7 +81,7 @@ impl<'a> AskedPair<'a> {
             return found;
         }
         match near {
-            None => found.judged.extend(self.judge(motion, &whole)),
+            None => found.take(self.judge(motion, &whole), &whole),
             Some(Neighbours::Rigid) => {
                 let judgement = Judgement::Neighbours(Neighbours::Rigid.words());
                 let first = motion.samples.first().copied();
@@ -79,7 +93,7 @@ impl<'a> AskedPair<'a> {
                 let rest = self
                     .sweep_of(motion, region.hulls.each_ref())
                     .without(&region.touching);
-                found.judged.extend(self.judge(motion, &rest));
+                found.take(self.judge(motion, &rest), &rest);
                 self.look_at_joint(motion, words, &region, &[], &mut found);
             }
         }
@@ -181,11 +195,11 @@ impl<'a> AskedPair<'a> {
                     self.look_at_joint(motion, words, region, &without, found);
                     without.extend(&region.touching);
                     let rest = self.sweep_of(motion, parts).without(&without);
-                    found.judged.extend(self.judge(motion, &rest));
+                    found.take(self.judge(motion, &rest), &rest);
                 }
                 None => {
                     let rest = self.sweep(motion).without(&left_out);
-                    found.judged.extend(self.judge(motion, &rest));
+                    found.take(self.judge(motion, &rest), &rest);
                 }
             }
             out = out.without(&excluded);
@@ -193,9 +207,13 @@ impl<'a> AskedPair<'a> {
         // A depth that is allowed is a minimum of its own.
         if let Some(down_to) = ignored.down_to {
             let deep = out.with_minimum(down_to);
-            let report = judge_minimum(motion, &deep, down_to).filter(|r| r.is_deeper());
+            let report = judge_minimum(motion, &deep, down_to);
+            let nominal = report.as_ref().map(|report| report.least.distance);
+            found
+                .parts
+                .extend(nominal.map(|nominal| deep.part(nominal)));
             out = deep.with_minimum(minimum);
-            if let Some(report) = report {
+            if let Some(report) = report.filter(PairReport::is_deeper) {
                 found.judged.push(report);
                 return;
             }

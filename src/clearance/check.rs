@@ -85,6 +85,8 @@ pub fn check_over(
         warnings: mesh_warnings(mechanism, &hulls),
         without_inside: Vec::new(),
         tolerance: closely.tolerance,
+        parts: Vec::new(),
+        pieces: None,
     };
     let (all, poses) = (selection.pairs.len(), motion.instants.len());
     for (done, &[a, b]) in selection.pairs.iter().enumerate() {
@@ -112,6 +114,7 @@ pub fn check_over(
             .excluded
             .extend(found.excluded.into_iter().map(timed));
         report.warnings.extend(found.warning);
+        report.parts.extend(found.parts);
     }
     progress(all, all);
     report.warnings.extend(report.nothing_judged());

@@ -1,5 +1,6 @@
 //! What a check of clearances found: pairs with their distances and judgements, and what is known of all others.
 
+use super::part::{JudgedPart, PieceClearance, PieceReport};
 use super::sweep::Least;
 pub use super::violations::{Violation, Violations};
 
@@ -150,12 +151,19 @@ pub struct ClearanceReport {
     pub without_inside: Vec<(usize, String)>,
     /// Asked nearness of distance and bound, relative.
     pub tolerance: f64,
+    /// What was judged: bodies and the shapes of theirs that count.
+    pub parts: Vec<JudgedPart>,
+    /// The same for all pieces within their tolerances, if that was asked.
+    pub pieces: Option<PieceReport>,
 }
 
 impl ClearanceReport {
     /// Every judged pair keeps its minimum, as far as is known.
     pub fn is_kept(&self) -> bool {
-        self.without_inside.is_empty() && self.judged.iter().all(|p| p.judgement.is_kept())
+        let mut pieces = self.pieces.iter().flat_map(|pieces| &pieces.list);
+        self.without_inside.is_empty()
+            && self.judged.iter().all(|p| p.judgement.is_kept())
+            && pieces.all(PieceClearance::is_kept)
     }
 
     /// That a check has looked at nothing, and why.

@@ -49,6 +49,12 @@ fn cross_twice(a: DVec3, b: DVec3) -> DMat3 {
     DMat3::from_cols(b * a.x, b * a.y, b * a.z) - DMat3::from_diagonal(DVec3::splat(along))
 }
 
+/// Arguments in the middle of a stretch.
+fn centres(arguments: &[TaylorModel]) -> Vec<ArgumentValue> {
+    let values = arguments.iter().map(|model| ArgumentValue::new(model.c[0]));
+    values.collect()
+}
+
 /// Nothing times an endless length is nothing.
 fn rate_times(rate: f64, length: f64) -> f64 {
     if rate == 0.0 { 0.0 } else { rate * length }
@@ -178,6 +184,63 @@ impl RelativeChain {
             ChainStep::Joint { .. } => 0.0,
         };
         self.steps.iter().map(length).sum()
+    }
+
+    /// The steps from one body to the other.
+    pub fn steps(&self) -> &[ChainStep] {
+        &self.steps
+    }
+
+    /// Arguments of its joints.
+    pub fn arguments(&self) -> impl Iterator<Item = usize> + '_ {
+        self.steps
+            .iter()
+            .filter_map(|step| Some(step.joint()?.argument))
+    }
+
+    /// By how much b's view of a direction of a changes, at most: |(R - R₀)ᵀ n|. Turning about the direction itself changes nothing.
+    pub fn turned(&self, arguments: &[TaylorModel], n: DVec3) -> f64 {
+        let mut here = Pose::IDENTITY;
+        let mut turned = 0.0;
+        let middle: Vec<ArgumentValue> = centres(arguments);
+        walk_chain(&self.steps, &mut here, &middle, |here: &Pose, joint| {
+            if joint.motion == ElementaryMotion::Rotation {
+                // Seen after the joints before, the direction is off by what these turned it.
+                let across = here.rotation.col(joint.axis).cross(n).length() + turned;
+                turned += arguments[joint.argument].size_of_change() * across;
+            }
+        });
+        turned * (1.0 + 1e-9) + if turned > 0.0 { 1e-12 } else { 0.0 }
+    }
+
+    /// How far the line from a's origin to b's may turn as seen from a.
+    pub fn tilt(&self, arguments: &[TaylorModel], middle: &[ArgumentValue]) -> f64 {
+        if self.joints() == 0 {
+            return 0.0;
+        }
+        let span = self.pose(middle).translation;
+        let mut here = Pose::IDENTITY;
+        // Translations move its end along known directions, what turns anywhere.
+        let (mut across, mut along) = (0.0, 0.0);
+        let mut turns = false;
+        walk_chain(&self.steps, &mut here, middle, |here: &Pose, joint| {
+            let off = arguments[joint.argument].size_of_change();
+            turns |= joint.motion == ElementaryMotion::Rotation;
+            let axis = here.rotation.col(joint.axis);
+            across += off * axis.cross(span).length() / span.length();
+            along += off;
+        });
+        if turns || !across.is_finite() {
+            across = self
+                .around(arguments, 0.0, 1.0)
+                .distance((DVec3::ZERO, 0.0));
+            along = across;
+        }
+        match across {
+            0.0 => 0.0,
+            across if along < span.length() => across / (span.length() - along),
+            _ => f64::INFINITY,
+        }
     }
 
     /// The pose `a_from_b`.

@@ -2,6 +2,7 @@
 
 pub mod actuation;
 pub mod camera_path;
+pub mod carried;
 pub mod chain;
 pub mod clearance;
 pub mod dimension;

@@ -1,6 +1,7 @@
 //! The clearance report as cases of a verdict, as a table for people and as CSV. Nothing is computed here.
 
 use super::cells::quoted_cell;
+use super::pieces::{piece_cases, piece_table};
 use super::rounded::{at_least_three, at_most_three, not_above, not_below};
 use super::verdict::{Asked, CLEARANCE, Case, Status};
 use crate::clearance::check::{ClearanceReport, FarPairs, Judgement, PairReport, Violation};
@@ -146,6 +147,8 @@ pub fn clearance_cases(mechanism: &Mechanism, report: &ClearanceReport, asked: A
         let name = format!("mesh of {}", mechanism.bodies[*body].name);
         Case::new(CLEARANCE, &name, Status::NotProved, text)
     }));
+    let pieces = report.pieces.iter();
+    list.extend(pieces.flat_map(|pieces| piece_cases(mechanism, pieces)));
     if report.gaps.is_empty() && !asked.empty {
         let nothing = report.nothing_judged().into_iter();
         list.extend(
@@ -333,6 +336,8 @@ pub fn clearance_table(mechanism: &Mechanism, found: &ClearanceReport, worst: us
             "    not checked from t = {start:.6} s to {end:.6} s\n"
         ));
     }
+    let pieces = found.pieces.iter();
+    text.extend(pieces.map(|pieces| piece_table(mechanism, pieces, worst)));
     text
 }
 

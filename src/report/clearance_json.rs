@@ -3,6 +3,7 @@
 use super::clearance::{
     body_names, judgement_reason, judgement_word, left_out_shapes, shape_names,
 };
+use super::pieces::pieces_document;
 use super::verdict::Status;
 use crate::clearance::check::{ClearanceReport, Judgement, PairReport, Violation, Violations};
 use crate::model::mechanism::Mechanism;
@@ -51,7 +52,9 @@ pub fn to_json(
         }
         value
     };
+    let pieces = report.pieces.as_ref();
     json!({
+        "pieces": pieces.map(|pieces| pieces_document(mechanism, pieces)),
         "unit": mechanism.length_unit,
         "tolerance": report.tolerance,
         "passed": result == Status::Passed,

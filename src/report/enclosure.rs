@@ -74,7 +74,7 @@ pub fn refusal_text(plan: &Plan, enclosed: &Enclosed) -> Option<String> {
 }
 
 /// Why a box is not proved.
-const fn reason_words(reason: Reason) -> &'static str {
+pub const fn reason_words(reason: Reason) -> &'static str {
     match reason {
         Reason::Formula => "a formula has no bounded derivatives there",
         Reason::GimbalLock => "the angles of a ball joint are locked",

@@ -18,6 +18,7 @@ pub mod matrices;
 pub mod measures;
 pub mod motion_check;
 pub mod optimum;
+pub mod pieces;
 pub mod precision;
 pub mod proof;
 pub mod requirement;

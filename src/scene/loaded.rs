@@ -2,6 +2,7 @@
 
 use crate::diag::Diagnostics;
 use crate::model::actuation::Actuation;
+use crate::model::carried::CarriedShape;
 use crate::model::clearance::ClearanceRules;
 use crate::model::measure::Measures;
 use crate::model::mechanism::{Kind, Mechanism};
@@ -20,6 +21,8 @@ pub enum KeptIn {
     Track,
     /// In a measure, by a parameter that is computed from it.
     Measure,
+    /// In the axis of a rotation.
+    Direction,
 }
 
 /// A varied parameter whose file's value is kept somewhere.
@@ -58,6 +61,8 @@ pub struct Scene {
     pub kept: Vec<Kept>,
     /// Its chains as written, where they were asked for.
     pub notation: Option<Notation>,
+    /// Its solids as they follow what is varied, if that was asked for.
+    pub carried: Vec<CarriedShape>,
     /// What is odd but usable.
     pub warnings: Diagnostics,
 }

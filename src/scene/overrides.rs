@@ -33,6 +33,8 @@ pub struct Overrides {
     pub drives: Option<OtherDrives>,
     /// Whether the chains are kept as they are written, for drawings.
     pub notation: bool,
+    /// Whether solids follow what is varied, for enclosures of clearances.
+    pub carries_shapes: bool,
 }
 
 /// Drives in place of those of the file.

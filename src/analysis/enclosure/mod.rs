@@ -2,12 +2,14 @@
 //! that pieces were found to take.
 
 mod allowed;
+mod clearances;
 mod measures;
 mod motion;
 mod plan;
 mod stretches;
 
 pub use allowed::{Allowed, allowed_motion};
+pub use clearances::enclose_clearances;
 pub use measures::{MeasureBand, enclose_measures};
 pub use motion::{Band, Bands, Enclosed, Obstacle, Stretch, enclose_motion, shown_names};
 pub use plan::{Dimension, MOST_DIMENSIONS, Plan};

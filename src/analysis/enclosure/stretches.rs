@@ -88,7 +88,7 @@ impl Place<'_> {
     }
 
     fn whole(&self, solver: &mut PoseSolver, stretch: [f64; 2]) -> Result<Vec<[f64; 2]>, Obstacle> {
-        let tolerances = self.tolerances(stretch);
+        let tolerances = stretch_tolerances(self.plan, &self.pose, stretch);
         sized!(self.plan.room_for(tolerances.len()), N => {
             let enclosure = pose_enclosure::<N>(self.plan, self.encloser, solver, &self.pose, &tolerances)?;
             let mechanism = self.plan.family.mechanism();
@@ -101,31 +101,30 @@ impl Place<'_> {
             Ok(ends.collect())
         })
     }
+}
 
-    /// The dimensions, and the inputs that move over the stretch.
-    fn tolerances(&self, [from, until]: [f64; 2]) -> Vec<Tolerance> {
-        let family = self.plan.family;
-        let mut list = self.plan.tolerances(&self.pose);
-        let first = family.mechanism().unknowns.len();
-        let middle = 0.5 * from + 0.5 * until;
-        for (k, drive) in family
-            .actuation
-            .drives
-            .iter()
-            .enumerate()
-            .take(family.own_inputs())
-        {
-            let range: Interval = drive.value_beside(Interval::new(from, until), middle);
-            let half_width = range.distance(self.pose[first + k]) * GROW;
-            match list.iter_mut().find(|t| t.slot == first + k) {
-                Some(known) => known.half_width = (known.half_width + half_width) * GROW,
-                None if half_width > 0.0 => list.push(Tolerance {
-                    slot: first + k,
-                    half_width,
-                }),
-                None => {}
-            }
+/// The dimensions of a plan at the pose in the middle of a stretch, then the inputs that move over it.
+pub(super) fn stretch_tolerances(
+    plan: &Plan,
+    pose: &[f64],
+    [from, until]: [f64; 2],
+) -> Vec<Tolerance> {
+    let family = plan.family;
+    let mut list = plan.tolerances(pose);
+    let first = family.mechanism().unknowns.len();
+    let middle = 0.5 * from + 0.5 * until;
+    let drives = family.actuation.drives.iter().enumerate();
+    for (k, drive) in drives.take(family.own_inputs()) {
+        let range: Interval = drive.value_beside(Interval::new(from, until), middle);
+        let half_width = range.distance(pose[first + k]) * GROW;
+        match list.iter_mut().find(|t| t.slot == first + k) {
+            Some(known) => known.half_width = (known.half_width + half_width) * GROW,
+            None if half_width > 0.0 => list.push(Tolerance {
+                slot: first + k,
+                half_width,
+            }),
+            None => {}
         }
-        list
     }
+    list
 }

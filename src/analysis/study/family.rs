@@ -10,6 +10,7 @@ use crate::kinematics::results::trajectory::Sample;
 use crate::kinematics::structure::block::StructureError;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
+use crate::model::carried::CarriedShape;
 use crate::model::drive::Drive;
 use crate::model::measure::{Measure, MeasureSource, Measures};
 use crate::model::mechanism::{Kind, Mechanism};
@@ -34,6 +35,8 @@ pub struct ParametricMechanism {
     pub study: Study,
     /// Variables whose file's values are kept somewhere.
     pub kept: Vec<Kept>,
+    /// Solids as they follow the variables, if the overrides ask for that.
+    pub carried: Vec<CarriedShape>,
     /// Number of poses of every track, and of the drive behind them if a measure looks along it.
     counts: Vec<usize>,
 }
@@ -184,6 +187,7 @@ impl ParametricMechanism {
             measures,
             study,
             kept: scene.kept,
+            carried: scene.carried,
             counts,
         })
     }

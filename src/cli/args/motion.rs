@@ -174,6 +174,13 @@ pub struct CheckArgs {
     /// They are proved for all values at once, or the part of the box that is not is named.
     #[arg(long, value_name = "INPUT=LOW:HIGH", value_parser = range, num_args = 1, conflicts_with_all = ["pose", "samples", "csv", "plot", "render", "matrix", "swept"])]
     pub inputs_box: Vec<(String, [f64; 2])>,
+    /// Prove the clearances for every piece, too: dimensions anywhere within this of the file's values, in their units. Those
+    /// given as --param NAME=880+-0.2 have tolerances of their own; if there are any, this option may be absent.
+    #[arg(long, value_name = "VALUE", value_parser = positive_number, conflicts_with_all = ["pose", "inputs_box"])]
+    pub made_within: Option<f64>,
+    /// What has a tolerance with --made-within: parameters and inputs.
+    #[command(flatten)]
+    pub vary: super::study::VaryArgs,
     /// Write the report as JSON to this file (`-` for standard output).
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,

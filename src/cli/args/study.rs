@@ -9,7 +9,7 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 /// Which parameters change.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub struct VaryArgs {
     /// Parameters to vary, separated by commas, or `all` for every length and angle given as a number.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]

@@ -32,9 +32,11 @@ pub fn refuse_without_rules(args: &CheckArgs, scene: &Scene) -> Result<(), Failu
         ("--matrix", &args.matrix),
     ];
     let asked = options.into_iter().find(|(_, path)| path.is_some());
+    let asked = asked.map(|(option, _)| option);
+    let asked = asked.or(args.made_within.map(|_| "--made-within"));
     match asked.filter(|_| scene.clearance.is_none()) {
         None => Ok(()),
-        Some((option, _)) => Err(Failure::usage(
+        Some(option) => Err(Failure::usage(
             format!("{option} reports clearances, and the scene asks for none"),
             vec!["add a section: [clearance] with minimum = 0.5".to_owned()],
         )),

@@ -1,8 +1,9 @@
 //! One scene, judged: its motion, a pose that is offered, or a box of its inputs.
 
 use super::answer::Answer;
-use super::{inputs_box, motion, pose};
+use super::{inputs_box, motion, pieces, pose};
 use crate::cli::args::motion::CheckArgs;
+use crate::cli::open::intervals::interval_middles;
 use crate::cli::open::scene as open_scene;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
@@ -10,13 +11,19 @@ use crate::kinematics::structure::block::StructureError;
 
 /// Answers what is asked of the scene, and writes what is about this scene alone.
 pub fn judge(args: &CheckArgs, term: &Term) -> Result<Answer, Failure> {
+    let (scene, own) = interval_middles(&args.scene)?;
+    let args = &CheckArgs {
+        scene,
+        ..args.clone()
+    };
+    pieces::refuse_without_motion(args, &own)?;
     match open_scene::open_scene(&args.scene, term) {
         Err(failure @ Failure::Structure(StructureError::Impossible { .. })) => Ok(
             Answer::closes_nowhere(&args.scene.scene.to_string_lossy(), failure),
         ),
         Err(failure) => Err(failure),
         Ok(opened) if !args.inputs_box.is_empty() => inputs_box::check(args, &opened),
-        Ok(opened) if args.pose.is_empty() => motion::check_motion(args, &opened, term),
+        Ok(opened) if args.pose.is_empty() => motion::check_motion(args, &opened, &own, term),
         Ok(opened) => pose::check_pose(args, &opened.scene),
     }
 }

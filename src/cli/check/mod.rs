@@ -8,6 +8,7 @@ mod inputs_box;
 mod judge;
 mod many;
 pub mod motion;
+mod pieces;
 mod pose;
 mod swept;
 

@@ -1,7 +1,7 @@
 //! The check of a whole motion.
 
 use super::answer::Answer;
-use super::{clearance, swept};
+use super::{clearance, pieces, swept};
 use crate::clearance::check::Closely;
 use crate::cli::args::motion::{AskedArgs, CertifyArg, CheckArgs};
 use crate::cli::args::scene::SceneArgs;
@@ -18,12 +18,22 @@ use crate::scene::Scene;
 use std::time::Instant;
 
 /// Solves the motion and asks everything that the scene and the command line ask.
-pub fn check_motion(args: &CheckArgs, opened: &OpenScene, term: &Term) -> Result<Answer, Failure> {
+pub fn check_motion(
+    args: &CheckArgs,
+    opened: &OpenScene,
+    own: &[(String, f64)],
+    term: &Term,
+) -> Result<Answer, Failure> {
     let OpenScene { scene, system } = opened;
     let actuation = &scene.actuation;
     clearance::refuse_without_rules(args, scene)?;
     let times = asked_times(&args.asked, &args.scene, scene);
-    let check = motion_check(&args.asked, opened, &times, args.swept.is_some());
+    let mut check = motion_check(&args.asked, opened, &times, args.swept.is_some());
+    let with_pieces = args.made_within.is_some() || !own.is_empty();
+    if with_pieces {
+        // Pairs that are far apart as drawn are looked at as well.
+        check.closely.pairs = usize::MAX;
+    }
     let begun = Instant::now();
     let mut trajectory = check.solve(&is_interrupted)?;
     refuse_interrupted()?;
@@ -39,8 +49,11 @@ pub fn check_motion(args: &CheckArgs, opened: &OpenScene, term: &Term) -> Result
         });
     }
     let mut covered = check.cover(&trajectory);
-    let clearances =
+    let mut clearances =
         clearance::check_pairs(args, opened, &check, (&trajectory, &mut covered), term)?;
+    if let Some(found) = clearances.as_mut().filter(|_| with_pieces) {
+        found.pieces = Some(pieces::all_pieces(args, own, &times, &found.parts, term)?);
+    }
     swept::write(args, opened, &mut covered, term)?;
     let answer = check.answer(&trajectory, &mut covered, clearances.as_ref(), seconds);
     Ok(Answer {

@@ -6,6 +6,7 @@ pub mod intervals;
 pub mod mode;
 pub mod patterns;
 pub mod planned;
+pub mod pieces;
 pub mod pose;
 pub mod scene;
 pub mod study;

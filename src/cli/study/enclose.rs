@@ -1,24 +1,24 @@
 //! `mechanim enclose`: bands of the motion and its measures that no piece within its tolerances leaves.
 
 use crate::analysis::enclosure::{
-    Enclosed, MOST_DIMENSIONS, MeasureBand, Plan, Stretch, allowed_motion, enclose_measures,
-    enclose_motion, enclose_stretches, shown_names,
+    Enclosed, MeasureBand, Plan, Stretch, allowed_motion, enclose_measures, enclose_motion,
+    enclose_stretches, shown_names,
 };
-use crate::analysis::study::{Nominal, ParametricMechanism, varied_names};
+use crate::analysis::study::{Nominal, ParametricMechanism};
 use crate::charts::bands;
 use crate::cli::args::enclose::EncloseArgs;
 use crate::cli::files::chart::{PlotFormat, write_chart};
 use crate::cli::io;
 use crate::cli::open::intervals::interval_middles;
+use crate::cli::open::pieces::{AskedPieces, open_pieces};
 use crate::cli::open::study::nominal_source;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::jobs::core_count;
 use crate::kinematics::motion::sampling;
-use crate::model::mechanism::{Kind, Mechanism};
+use crate::model::mechanism::Mechanism;
 use crate::report::enclosure as report;
 use crate::report::enclosure_stretches::{between_lines, stretch_objects};
-use crate::scene::{KeptIn, Scene};
 use std::path::Path;
 
 /// Refusals that are told one by one.
@@ -34,14 +34,15 @@ pub fn run_enclose(args: &EncloseArgs, term: &Term) -> Result<Outcome, Failure> 
     io::refuse_clashes(&[&scene], &reports)?;
     let format = args.plot.as_deref().map(PlotFormat::of).transpose()?;
     let (source, overrides, drawn) = nominal_source(&scene, term)?;
-    let tolerances = piece_tolerances(args, own, &drawn)?;
-    let parameters: Vec<String> = tolerances
-        .iter()
-        .map(|(name, _)| name.clone())
-        .filter(|name| !is_input(&drawn.mechanism, name))
-        .collect();
-    let family = ParametricMechanism::varying(&source, &overrides, &parameters)?;
-    refuse_kept(&family)?;
+    // Only ratios count where tolerances are asked for.
+    let unit = args.allow.as_ref().map(|_| 1.0);
+    let asked = AskedPieces {
+        vary: &args.vary.vary,
+        tolerance: args.tolerance.or(unit),
+        option: "--tolerance",
+        between: args.between,
+    };
+    let (family, tolerances) = open_pieces(&asked, &own, (&source, &overrides, &drawn))?;
     let plan = Plan::new(&family, &tolerances);
     let times = enclose_times(args, &family)?;
     let threads = args.threads.unwrap_or_else(core_count);
@@ -138,118 +139,6 @@ fn measures_of(plan: &Plan) -> Result<Option<(usize, Vec<MeasureBand>)>, Failure
             Ok(Some((poses, vec![unknown; count])))
         }
     }
-}
-
-/// Tolerances by name, in internal units.
-fn piece_tolerances(
-    args: &EncloseArgs,
-    own: Vec<(String, f64)>,
-    drawn: &Scene,
-) -> Result<Vec<(String, f64)>, Failure> {
-    let mechanism = &drawn.mechanism;
-    let study = drawn.study.iter().flat_map(|s| &s.variables);
-    let of_study: Vec<(&str, f64)> = study
-        .filter_map(|v| Some((v.name.as_str(), v.tolerance?)))
-        .collect();
-    let listed = if !args.vary.vary.is_empty() {
-        varied_names(&args.vary.vary, false, &drawn.dimensions)?
-    } else if own.is_empty() && of_study.is_empty() {
-        drawn.dimensions.clone()
-    } else {
-        of_study
-            .iter()
-            .map(|(name, _)| (*name).to_owned())
-            .collect()
-    };
-    let mut all: Vec<String> = own.iter().map(|(name, _)| name.clone()).collect();
-    all.extend(
-        listed
-            .into_iter()
-            .filter(|name| !own.iter().any(|(n, _)| n == name)),
-    );
-    if all.is_empty() {
-        let message =
-            "nothing has a tolerance: name parameters with --vary, or write --param NAME=880+-0.2";
-        return Err(Failure::usage(message, Vec::new()));
-    }
-    // Between samples the inputs are dimensions as well.
-    let inputs = if args.between {
-        mechanism.inputs.len()
-    } else {
-        0
-    };
-    if all.len() + inputs > MOST_DIMENSIONS {
-        let message = format!(
-            "at most {MOST_DIMENSIONS} dimensions are enclosed together, found {}",
-            all.len() + inputs
-        );
-        return Err(Failure::usage(
-            message,
-            vec!["name fewer with --vary".to_owned()],
-        ));
-    }
-    let mut missing = Vec::new();
-    let mut list = Vec::new();
-    for name in all {
-        let kind = kind_of(drawn, &name);
-        let unit = mechanism.unit_of(kind).number();
-        let given = own.iter().find(|(n, _)| *n == name).map(|(_, t)| t * unit);
-        let of_study = of_study.iter().find(|(n, _)| *n == name).map(|(_, t)| *t);
-        let general = args.tolerance.map(|t| t * unit);
-        match given
-            .or(of_study)
-            .or(general)
-            .or(args.allow.as_ref().map(|_| unit))
-        {
-            Some(tolerance) => list.push((name, tolerance)),
-            None => missing.push(name),
-        }
-    }
-    if missing.is_empty() {
-        return Ok(list);
-    }
-    Err(Failure::usage(
-        format!("no tolerance is known of {}", missing.join(", ")),
-        vec![
-            "give one for all with --tolerance 0.1, or each its own: --param NAME=880+-0.2, or \
-             `[study.variables]` NAME = { tolerance = 0.1 }"
-                .to_owned(),
-        ],
-    ))
-}
-
-fn is_input(mechanism: &Mechanism, name: &str) -> bool {
-    mechanism.inputs.iter().any(|input| input.name == name)
-}
-
-/// What a parameter or input measures.
-fn kind_of(drawn: &Scene, name: &str) -> Kind {
-    let inputs = drawn.mechanism.inputs.iter();
-    let input = inputs.filter(|i| i.name == name).map(|i| i.kind).next();
-    let study = drawn.study.iter().flat_map(|s| &s.variables);
-    let variable = study.filter(|v| v.name == name).map(|v| v.kind).next();
-    let parameter = drawn.kinds.iter().find(|(n, _)| n == name).map(|(_, k)| *k);
-    input.or(variable).or(parameter).unwrap_or(Kind::Number)
-}
-
-/// Drives and tracks keep the file's dimensions, and a computed one may stand in a measure: nothing would be true of
-/// other pieces there.
-fn refuse_kept(family: &ParametricMechanism) -> Result<(), Failure> {
-    let Some(kept) = family.kept.first() else {
-        return Ok(());
-    };
-    let place = match kept.place {
-        KeptIn::Drive => "in a drive",
-        KeptIn::Track => "in the ends of a track",
-        KeptIn::Measure => "in a measure, by a parameter that is computed from it",
-    };
-    Err(Failure::usage(
-        format!(
-            "`{}` stands {place}, where its tolerance would be left out",
-            kept.name
-        ),
-        vec!["leave it out with --vary, or write the number there".to_owned()],
-    ))
 }
 
 /// The samples asked for.

@@ -7,6 +7,7 @@
 pub mod block;
 mod form;
 mod mapped;
+pub mod observer;
 pub mod pose;
 pub mod quadratic;
 pub mod region;

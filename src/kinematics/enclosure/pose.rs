@@ -44,7 +44,7 @@ pub struct Encloser<'s> {
 /// The poses of all pieces at one place of the drive.
 #[derive(Clone, Debug)]
 pub struct PoseEnclosure<const N: usize> {
-    region: Region<AffineForm<N>>,
+    pub(super) region: Region<AffineForm<N>>,
     coordinates: usize,
 }
 
@@ -219,6 +219,12 @@ impl<const N: usize> PoseEnclosure<N> {
         let place = region.slots.len();
         region.push(expression.value(&region.centre()), rates);
         region.slots[place]
+    }
+
+    /// The coordinates at δ = 0.
+    pub fn middle(&self) -> Vec<f64> {
+        let slots = self.region.slots[..self.coordinates].iter();
+        slots.map(|form| form.value).collect()
     }
 
     /// The coordinates at δ to the second order.

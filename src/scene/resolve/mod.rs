@@ -3,6 +3,7 @@
 pub mod bodies;
 mod body_constants;
 pub mod camera;
+mod carried;
 pub mod choices;
 mod clearance;
 mod contacts;
@@ -75,6 +76,11 @@ pub fn resolve_scene(
     if !varied.is_empty() && !diagnostics.has_errors() {
         let points = (&mut bodies, &mut traces[..]);
         varied::carry_points(file, &parsed, varied, &mut joints, points, diagnostics);
+    }
+    let mut carried = Vec::new();
+    if overrides.carries_shapes && !diagnostics.has_errors() {
+        let dependents = varied::Dependents::new(&parsed, varied);
+        carried = carried::carry_shapes((file, &parsed), &dependents, &mut joints, diagnostics);
     }
     let scope = Scope::resolve(
         (file, &parsed),
@@ -180,6 +186,7 @@ pub fn resolve_scene(
         clearance,
         plots,
         notation,
+        carried,
         warnings: Diagnostics::default(),
     })
 }

@@ -1,6 +1,6 @@
 //! Parameters that a study varies: they become inputs of the mechanism, so that everything that is known about
 //! inputs (sensitivities through the loops above all) holds for them. Shapes and the view keep the file's values; distances of bodies
-//! read them anew (`analysis/study/reshaped`).
+//! read them anew (`analysis/study/reshaped`), and enclosures follow them by chains (`carried`).
 
 use super::super::file::SceneFile;
 use super::super::formula::expansion::Factor;
@@ -82,6 +82,46 @@ impl Names {
     }
 }
 
+/// Parameters that are varied, and the formulas of those that depend on them.
+pub struct Dependents {
+    varied: Vec<String>,
+    list: Vec<(String, FormulaNode)>,
+}
+
+impl Dependents {
+    /// Of the parameters called `varied`.
+    pub fn new(parsed: &Parsed, varied: &[String]) -> Self {
+        Self {
+            varied: varied.to_vec(),
+            list: dependent_parameters(&parsed.parameters, varied),
+        }
+    }
+
+    /// Replaces every dependent parameter by its formula.
+    pub fn expand(&self, node: &mut FormulaNode) {
+        substitute_names(node, &self.list, MAX_DEPTH);
+    }
+
+    /// The same in a motion of a chain.
+    pub fn expand_factor(&self, factor: &mut Factor) {
+        match factor {
+            Factor::Elementary(_, _, node) => self.expand(node),
+            Factor::Direction(nodes, _) => nodes.iter_mut().for_each(|node| self.expand(node)),
+        }
+    }
+
+    /// A varied parameter that an expanded formula uses.
+    pub fn used_in(&self, node: &FormulaNode) -> Option<String> {
+        let mut used = None;
+        node.visit_names(&mut |name, _| {
+            if self.varied.iter().any(|v| v == name) {
+                used = Some(name.to_owned());
+            }
+        });
+        used
+    }
+}
+
 /// Deepest row of parameters defined by parameters that is followed.
 const MAX_DEPTH: usize = 100;
 
@@ -99,15 +139,12 @@ pub fn expand_dependents(parsed: &mut Parsed, varied: &[String], diagnostics: &m
             diagnostics.push(Diagnostic::error(message).suggest(name, known));
         }
     }
-    let dependents = dependent_parameters(&parsed.parameters, varied);
-    if dependents.is_empty() {
+    let dependents = Dependents::new(parsed, varied);
+    if dependents.list.is_empty() {
         return;
     }
-    let expand = |node: &mut FormulaNode| substitute_names(node, &dependents, MAX_DEPTH);
-    let expand_factor = |factor: &mut Factor| match factor {
-        Factor::Elementary(_, _, node) => expand(node),
-        Factor::Direction(nodes, _) => nodes.iter_mut().for_each(expand),
-    };
+    let expand = |node: &mut FormulaNode| dependents.expand(node);
+    let expand_factor = |factor: &mut Factor| dependents.expand_factor(factor);
     let loops = parsed.loops.iter_mut().map(|(_, factors)| factors);
     let chains = loops.chain(&mut parsed.frames).flatten();
     chains.for_each(expand_factor);
@@ -119,8 +156,8 @@ pub fn expand_dependents(parsed: &mut Parsed, varied: &[String], diagnostics: &m
     formulas.for_each(|(_, node)| expand(node));
 }
 
-/// Varied parameters whose file's values are kept somewhere: in drives and ends of tracks, and where a measure uses a
-/// parameter that is computed from them. What is said of a motion or a measure holds for those values only.
+/// Varied parameters whose file's values are kept somewhere: in drives, ends of tracks and axes of rotations, and where a measure
+/// uses a parameter that is computed from them. What is said of a motion or a measure holds for those values only.
 pub fn kept_parameters(parsed: &Parsed, varied: &[String]) -> Vec<Kept> {
     let dependents = dependent_parameters(&parsed.parameters, varied);
     let mut kept: Vec<Kept> = Vec::new();
@@ -165,6 +202,14 @@ pub fn kept_parameters(parsed: &Parsed, varied: &[String]) -> Vec<Kept> {
         .measures
         .iter()
         .for_each(|node| note(node, KeptIn::Measure, false));
+    let loops = parsed.loops.iter().map(|(_, factors)| factors);
+    for factor in loops.chain(&parsed.frames).flatten() {
+        if let Factor::Direction(nodes, _) = factor {
+            nodes
+                .iter()
+                .for_each(|node| note(node, KeptIn::Direction, true));
+        }
+    }
     kept
 }
 
@@ -221,7 +266,7 @@ pub fn carry_points(
     (bodies, traces): (&mut Vec<Body>, &mut [Trace]),
     diagnostics: &mut Diagnostics,
 ) {
-    let dependents = dependent_parameters(&parsed.parameters, varied);
+    let dependents = Dependents::new(parsed, varied);
     for (trace, typed) in traces.iter_mut().zip(&file.traces) {
         let Some(point) = &typed.point else { continue };
         let mut factors = parsed.frames[trace.body].clone();
@@ -229,7 +274,7 @@ pub fn carry_points(
             let Some(mut node) = parsed_expression(text, diagnostics) else {
                 return;
             };
-            substitute_names(&mut node, &dependents, MAX_DEPTH);
+            dependents.expand(&mut node);
             factors.push(Factor::Elementary(
                 ElementaryMotion::Translation,
                 axis,

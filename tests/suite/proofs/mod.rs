@@ -6,5 +6,6 @@ mod certificates;
 mod dyads;
 mod enclosure;
 mod interval_systems;
+mod pieces;
 mod printed_rows;
 mod tubes;

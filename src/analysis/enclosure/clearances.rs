@@ -1,0 +1,302 @@
+//! Clearances of all pieces: a bound below the distance of every pair of bodies, over the whole motion, for dimensions
+//! anywhere in their intervals.
+//!
+//! The time between two samples is a box like those of the bands: inputs are dimensions over it. Where the bound of a pair is
+//! far below the nearest piece that was found, the stretch is halved.
+
+use super::motion::{Obstacle, pose_enclosure, samples_at};
+use super::plan::{Plan, sized};
+use super::stretches::stretch_tolerances;
+use crate::clearance::part::{JudgedPart, PieceClearance, Refusal};
+use crate::clearance::piece_gap::{PartWays, PieceView};
+use crate::jobs::share_work;
+use crate::kinematics::enclosure::observer::Observer;
+use crate::kinematics::enclosure::pose::{Encloser, PoseEnclosure};
+use crate::kinematics::enclosure::region::Tolerance;
+use crate::kinematics::motion::sampling::knot_times;
+use crate::kinematics::solve::newton::Pace;
+use crate::kinematics::solve::pose_solver::PoseSolver;
+
+/// How often a stretch is halved.
+const MOST_HALVINGS: u32 = 7;
+
+/// Most stretches that are looked at; what is known by then stays.
+const MOST_STRETCHES: usize = 4000;
+
+/// A bound is near enough to the nearest piece found where it is this part of the way from there to the motion as drawn below it, ...
+const NEAR: f64 = 0.02;
+
+/// ... and halves that gain less than this part of what is missing are not halved again: what is open is due to the tolerances.
+const STALLED: f64 = 0.1;
+
+/// A stretch of time, and the pairs that are open there.
+#[derive(Clone, Debug)]
+struct Stretch {
+    ends: [f64; 2],
+    /// A pose of the motion as drawn near its middle.
+    near: Vec<f64>,
+    /// Which parts, and what is known of them.
+    open: Vec<(usize, f64)>,
+}
+
+/// What a look at a stretch found: of every open part a bound, and the nearest piece with its time.
+type Looks = Vec<(f64, Option<[f64; 2]>)>;
+
+/// What is asked of all stretches.
+struct Search<'s> {
+    plan: &'s Plan<'s>,
+    encloser: Encloser<'s>,
+    ways: Vec<PartWays<'s>>,
+    /// Arguments of all ways.
+    used: Vec<usize>,
+}
+
+/// The clearances of `parts` for every piece, over the times from the first to the last of `times`. `tolerance` says how near the bound
+/// is to come to the nearest piece, relative to the minimum or the distance.
+pub fn enclose_clearances(
+    plan: &Plan,
+    parts: &[JudgedPart],
+    times: &[f64],
+    tolerance: f64,
+    threads: usize,
+) -> Vec<PieceClearance> {
+    let family = plan.family;
+    let mechanism = family.mechanism();
+    let ways: Vec<PartWays> = parts
+        .iter()
+        .map(|part| PartWays::new(part, mechanism, &family.carried))
+        .collect();
+    let mut used: Vec<usize> = ways.iter().flat_map(PartWays::arguments).collect();
+    used.sort_unstable();
+    used.dedup();
+    let search = Search {
+        plan,
+        encloser: Encloser::new(family.system()),
+        ways,
+        used,
+    };
+    let mut found: Vec<PieceClearance> = parts.iter().map(unknown_clearance).collect();
+    let mut open = first_stretches(plan, parts, times, &mut found);
+    let mut looked = 0;
+    for halvings in 0..=MOST_HALVINGS {
+        looked += open.len();
+        let is_last = halvings == MOST_HALVINGS || looked + 2 * open.len() > MOST_STRETCHES;
+        open = search.round(open, &mut found, tolerance, threads, is_last);
+        if open.is_empty() {
+            break;
+        }
+    }
+    found
+}
+
+/// Of a part nothing is known yet but the motion as drawn.
+fn unknown_clearance(part: &JudgedPart) -> PieceClearance {
+    let [a, b] = part.bodies;
+    PieceClearance {
+        pair: [a.min(b), a.max(b)],
+        minimum: part.minimum,
+        slack: part.slack,
+        nominal: part.nominal,
+        bound: part.nominal,
+        found: part.nominal,
+        time: 0.0,
+        refusal: None,
+    }
+}
+
+/// The stretches between the samples and the knots of the drives.
+fn first_stretches(
+    plan: &Plan,
+    parts: &[JudgedPart],
+    times: &[f64],
+    found: &mut [PieceClearance],
+) -> Vec<Stretch> {
+    let all = knot_times(&plan.family.actuation, times);
+    let mut ends: Vec<[f64; 2]> = all.windows(2).map(|pair| [pair[0], pair[1]]).collect();
+    if ends.is_empty() {
+        // A motion of one instant.
+        ends.extend(all.first().map(|t| [*t, *t]));
+    }
+    let middles: Vec<f64> = ends.iter().map(|[a, b]| 0.5 * a + 0.5 * b).collect();
+    let samples = samples_at(plan.family, &middles);
+    let mut list = Vec::new();
+    for (ends, sample) in ends.into_iter().zip(samples) {
+        match &sample.pose {
+            Some(pose) => list.push(Stretch {
+                ends,
+                near: [pose.unknowns.as_slice(), &sample.inputs].concat(),
+                open: (0..parts.len()).map(|k| (k, f64::NEG_INFINITY)).collect(),
+            }),
+            None => found
+                .iter_mut()
+                .for_each(|pair| refuse(pair, plan, ends, Obstacle::NoPose)),
+        }
+    }
+    list
+}
+
+/// Notes that nothing is proved of a pair over a stretch.
+fn refuse(pair: &mut PieceClearance, plan: &Plan, [from, until]: [f64; 2], obstacle: Obstacle) {
+    pair.bound = f64::NEG_INFINITY;
+    let (reason, dimension) = match obstacle {
+        Obstacle::NoPose => (None, None),
+        Obstacle::Test { reason, dimension } => (Some(reason), dimension),
+    };
+    let name = dimension.and_then(|k| plan.dimensions.get(k));
+    pair.refusal.get_or_insert(Refusal {
+        from,
+        until,
+        reason,
+        dimension: name.map(|d| d.name.clone()),
+    });
+}
+
+impl Search<'_> {
+    /// Looks at all open stretches; what is to be halved.
+    fn round(
+        &self,
+        open: Vec<Stretch>,
+        found: &mut [PieceClearance],
+        tolerance: f64,
+        threads: usize,
+        is_last: bool,
+    ) -> Vec<Stretch> {
+        let goals: Vec<f64> = found.iter().map(|pair| pair.found).collect();
+        let make = || PoseSolver::new(self.plan.family.system());
+        let work =
+            |solver: &mut PoseSolver, index: usize| Some(self.look(solver, &open[index], &goals));
+        let results = share_work(open.len(), threads, make, work);
+        // The nearest pieces of all stretches first: they say what is near enough.
+        for (index, result) in &results {
+            for ((part, _), (_, piece)) in open[*index].open.iter().zip(result.iter().flatten()) {
+                if let Some([distance, time]) = piece
+                    && *distance < found[*part].found
+                {
+                    (found[*part].found, found[*part].time) = (*distance, *time);
+                }
+            }
+        }
+        let mut halves = Vec::new();
+        for (index, result) in results {
+            let stretch = &open[index];
+            let mut rest = Vec::new();
+            match result {
+                Err(obstacle) if is_last => {
+                    for (part, _) in &stretch.open {
+                        refuse(&mut found[*part], self.plan, stretch.ends, obstacle);
+                    }
+                }
+                Err(_) => rest.clone_from(&stretch.open),
+                Ok(looks) => {
+                    for ((part, known), (lowest, _)) in stretch.open.iter().zip(looks) {
+                        let (pair, lowest) = (&mut found[*part], lowest.max(*known));
+                        let wanted = wanted_bound(pair, tolerance);
+                        let missing = wanted - lowest;
+                        let stalls = lowest - known < STALLED * missing;
+                        match missing <= 0.0 || is_last || stalls {
+                            true => pair.bound = pair.bound.min(lowest),
+                            false => rest.push((*part, lowest)),
+                        }
+                    }
+                }
+            }
+            if !rest.is_empty() {
+                let [from, until] = stretch.ends;
+                let middle = 0.5 * from + 0.5 * until;
+                halves.extend([[from, middle], [middle, until]].map(|ends| Stretch {
+                    ends,
+                    near: stretch.near.clone(),
+                    open: rest.clone(),
+                }));
+            }
+        }
+        halves
+    }
+
+    fn look(
+        &self,
+        solver: &mut PoseSolver,
+        stretch: &Stretch,
+        goals: &[f64],
+    ) -> Result<Looks, Obstacle> {
+        let [from, until] = stretch.ends;
+        let actuation = &self.plan.family.actuation;
+        let inputs = actuation.inputs_at(0.5 * from + 0.5 * until);
+        let pose = solver
+            .step(&stretch.near, &inputs, 1)
+            .ok_or(Obstacle::NoPose)?;
+        let tolerances = stretch_tolerances(self.plan, &pose, stretch.ends);
+        sized!(self.plan.room_for(tolerances.len()), N => {
+            let enclosure = pose_enclosure::<N>(self.plan, &self.encloser, solver, &pose, &tolerances)?;
+            Ok(self.look_at_parts(solver, stretch, goals, &enclosure, &tolerances))
+        })
+    }
+
+    fn look_at_parts<const N: usize>(
+        &self,
+        solver: &mut PoseSolver,
+        stretch: &Stretch,
+        goals: &[f64],
+        enclosure: &PoseEnclosure<N>,
+        tolerances: &[Tolerance],
+    ) -> Looks {
+        let mechanism = self.plan.family.mechanism();
+        let observer = Observer::new(enclosure, mechanism, &self.used);
+        let view = PieceView::new(observer, mechanism, &self.used);
+        let one = |(part, known): &(usize, f64)| {
+            let (ways, goal) = (&self.ways[*part], goals[*part]);
+            let look = ways.look(&view, goal);
+            let place = look.place.filter(|_| look.lowest.max(*known) < goal);
+            let nearest = place.and_then(|place| {
+                let [from, until] = stretch.ends;
+                let times = [from, 0.5 * from + 0.5 * until, until];
+                let pieces = times.into_iter().filter_map(|time| {
+                    let coordinates = self.piece(solver, enclosure, tolerances, (&place, time))?;
+                    let arguments = mechanism.argument_values(&coordinates);
+                    Some([ways.distance(&view, &arguments)?, time])
+                });
+                pieces.min_by(|p, q| p[0].total_cmp(&q[0]))
+            });
+            (look.lowest, nearest)
+        };
+        stretch.open.iter().map(one).collect()
+    }
+
+    /// The pose at a time of the piece whose dimensions are at δ; `None` where it does not close in the box.
+    fn piece<const N: usize>(
+        &self,
+        solver: &mut PoseSolver,
+        enclosure: &PoseEnclosure<N>,
+        tolerances: &[Tolerance],
+        (place, time): (&[f64], f64),
+    ) -> Option<Vec<f64>> {
+        let family = self.plan.family;
+        let first = family.mechanism().unknowns.len();
+        let inputs = family.actuation.inputs_at(time);
+        let middle = enclosure.middle();
+        // The inputs at that time, and the dimensions of one of the pieces that are asked for.
+        let value = |(k, tolerance): (usize, &Tolerance)| {
+            let drawn = inputs[tolerance.slot - first];
+            let by = self.plan.dimensions.get(k).map_or(0.0, |d| d.tolerance);
+            drawn + place[k] * by
+        };
+        let values: Vec<f64> = tolerances.iter().enumerate().map(value).collect();
+        let pairs = values.iter().zip(tolerances);
+        let at: Vec<f64> = pairs
+            .clone()
+            .map(|(v, t)| ((v - middle[t.slot]) / t.half_width).clamp(-1.0, 1.0))
+            .collect();
+        let mut coordinates = enclosure.coordinates_at(&at);
+        for (value, tolerance) in pairs {
+            coordinates[tolerance.slot] = *value;
+        }
+        let closed = solver.closed(&mut coordinates, Pace::Brisk) && enclosure.holds(&coordinates);
+        closed.then_some(coordinates)
+    }
+}
+
+/// The bound that is near enough to the nearest piece found.
+fn wanted_bound(pair: &PieceClearance, tolerance: f64) -> f64 {
+    let scale = pair.minimum.abs().max(pair.found.abs());
+    pair.found - NEAR * (pair.nominal - pair.found) - tolerance * scale
+}

@@ -1,0 +1,87 @@
+//! `check --made-within`: clearances of all pieces within their tolerances.
+
+use crate::analysis::enclosure::{Plan, enclose_clearances};
+use crate::clearance::part::{JudgedPart, PieceReport};
+use crate::cli::args::motion::CheckArgs;
+use crate::cli::open::pieces::{AskedPieces, open_pieces};
+use crate::cli::open::study::nominal_source;
+use crate::cli::term::Term;
+use crate::cli::term::outcome::Failure;
+use crate::jobs::core_count;
+use crate::model::carried::CarriedShape;
+use crate::scene::Overrides;
+
+/// Tolerances are about a motion.
+pub fn refuse_without_motion(args: &CheckArgs, own: &[(String, f64)]) -> Result<(), Failure> {
+    let other = [
+        ("--pose", !args.pose.is_empty()),
+        ("--inputs-box", !args.inputs_box.is_empty()),
+    ];
+    let other = other.into_iter().find(|(_, is_given)| *is_given);
+    match (other, own.first()) {
+        (Some((option, _)), Some((name, _))) => Err(Failure::usage(
+            format!("{option} takes the dimensions as they are, and `{name}` is an interval"),
+            vec![format!(
+                "without {option} the motion is checked for all pieces"
+            )],
+        )),
+        _ if !args.vary.vary.is_empty() && args.made_within.is_none() && own.is_empty() => {
+            Err(Failure::usage(
+                "--vary names dimensions with a tolerance, and no tolerance is given",
+                vec!["add --made-within 0.1".to_owned()],
+            ))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The clearances of `parts` for all pieces, between the first and the last of `times`.
+pub fn all_pieces(
+    args: &CheckArgs,
+    own: &[(String, f64)],
+    times: &[f64],
+    parts: &[JudgedPart],
+    term: &Term,
+) -> Result<PieceReport, Failure> {
+    let (source, overrides, drawn) = nominal_source(&args.scene, term)?;
+    let asked = AskedPieces {
+        vary: &args.vary.vary,
+        tolerance: args.made_within,
+        option: "--made-within",
+        between: true,
+    };
+    let overrides = Overrides {
+        carries_shapes: true,
+        ..overrides
+    };
+    let (family, tolerances) = open_pieces(&asked, own, (&source, &overrides, &drawn))?;
+    refuse_stiff(&family.carried, parts)?;
+    let plan = Plan::new(&family, &tolerances);
+    let list = enclose_clearances(&plan, parts, times, args.asked.tolerance, core_count());
+    let mechanism = family.mechanism();
+    let dimensions = plan.dimensions.iter();
+    let dimensions =
+        dimensions.map(|d| (d.name.clone(), d.tolerance * mechanism.file_units(d.kind)));
+    Ok(PieceReport {
+        dimensions: dimensions.collect(),
+        list,
+    })
+}
+
+/// Directions and scales of solids are not followed.
+fn refuse_stiff(carried: &[CarriedShape], parts: &[JudgedPart]) -> Result<(), Failure> {
+    let judged = |shape: &&CarriedShape| parts.iter().any(|p| p.bodies.contains(&shape.body));
+    let mut stiff = carried
+        .iter()
+        .filter(judged)
+        .filter_map(|s| s.stiff.as_ref());
+    match stiff.next() {
+        None => Ok(()),
+        Some(name) => Err(Failure::usage(
+            format!(
+                "`{name}` stands in the direction or the scale of a solid, where its tolerance would be left out"
+            ),
+            vec!["leave it out with --vary, or write the number there".to_owned()],
+        )),
+    }
+}

@@ -1,0 +1,150 @@
+//! Clearances of all pieces within their tolerances: as cases of a verdict, as a table and as JSON. Nothing is computed here.
+
+use super::enclosure::reason_words;
+use super::rounded::not_below;
+use super::verdict::{CLEARANCE, Case, Status};
+use crate::clearance::part::{PieceClearance, PieceReport, Refusal};
+use crate::model::mechanism::Mechanism;
+use crate::model::printed::shortest_decimal;
+use serde_json::{Value, json};
+
+/// The one rule: a pair passes if its bound keeps the minimum.
+fn piece_status(pair: &PieceClearance) -> Status {
+    match (pair.is_kept(), pair.is_broken()) {
+        (true, _) => Status::Passed,
+        (false, true) => Status::Failed,
+        (false, false) => Status::NotProved,
+    }
+}
+
+/// The word of a pair in reports.
+fn piece_word(pair: &PieceClearance) -> &'static str {
+    match piece_status(pair) {
+        Status::Passed => "passed",
+        Status::Failed => "failed",
+        _ => "undecided",
+    }
+}
+
+fn names(mechanism: &Mechanism, pair: &PieceClearance) -> String {
+    let names = pair.pair.map(|body| mechanism.bodies[body].name.as_str());
+    names.join(" / ")
+}
+
+/// One case a pair.
+pub fn piece_cases<'r>(
+    mechanism: &'r Mechanism,
+    report: &'r PieceReport,
+) -> impl Iterator<Item = Case> + 'r {
+    report.list.iter().map(|pair| {
+        let name = format!("{}, every piece", names(mechanism, pair));
+        let text = format!("{}: {}", piece_word(pair), piece_sentence(mechanism, pair));
+        Case::new(CLEARANCE, &name, piece_status(pair), text)
+    })
+}
+
+/// What is known of a pair.
+fn piece_sentence(mechanism: &Mechanism, pair: &PieceClearance) -> String {
+    let unit = &mechanism.length_unit;
+    let known = match &pair.refusal {
+        Some(refusal) => refusal_words(refusal),
+        None => format!(
+            "no piece comes nearer than {} {unit} (proved)",
+            not_below(pair.bound, 6)
+        ),
+    };
+    format!(
+        "{known}; the nearest one found comes within {:.6} {unit} at t = {:.6} s; {:.6} {unit} are asked",
+        pair.found, pair.time, pair.minimum
+    )
+}
+
+/// Why there is no bound.
+fn refusal_words(refusal: &Refusal) -> String {
+    let [from, until] = [refusal.from, refusal.until].map(shortest_decimal);
+    let why = match refusal.reason {
+        None => "no pose was found",
+        Some(reason) => reason_words(reason),
+    };
+    let name = refusal.dimension.as_ref().map(|name| {
+        format!("; within its tolerance `{name}` takes the mechanism farthest towards a fold or change point")
+    });
+    format!(
+        "no bound from t = {from} to {until} s: {why}{}",
+        name.unwrap_or_default()
+    )
+}
+
+/// The table of all pairs, those with least to spare first.
+pub fn piece_table(mechanism: &Mechanism, report: &PieceReport, worst: usize) -> String {
+    let mut text = format!(
+        "  every piece      {} within {}\n",
+        match report.dimensions.len() {
+            1 => "1 dimension".to_owned(),
+            count => format!("{count} dimensions"),
+        },
+        match report.dimensions.len() {
+            1 => "its tolerance",
+            _ => "their tolerances",
+        }
+    );
+    if !report.list.is_empty() {
+        text.push_str(
+            "      as drawn     found   never below     minimum      at t/s  verdict    pair\n",
+        );
+    }
+    let mut list: Vec<&PieceClearance> = report.list.iter().collect();
+    list.sort_by(|p, q| {
+        let order = piece_status(q).cmp(&piece_status(p));
+        order.then((p.bound - p.minimum).total_cmp(&(q.bound - q.minimum)))
+    });
+    for pair in list.iter().take(worst) {
+        let bound = match pair.refusal {
+            Some(_) => "-".to_owned(),
+            None => not_below(pair.bound, 4),
+        };
+        text.push_str(&format!(
+            "    {:>10.4}{:>10.4}  {bound:>12}  {:>10.4}  {:>10.5}  {:<10} {}\n",
+            pair.nominal,
+            pair.found,
+            pair.minimum,
+            pair.time,
+            piece_word(pair),
+            names(mechanism, pair),
+        ));
+    }
+    if list.len() > worst {
+        text.push_str(&format!(
+            "    and {} more (--worst {})\n",
+            list.len() - worst,
+            list.len()
+        ));
+    }
+    if let Some(refusal) = list.iter().find_map(|pair| pair.refusal.as_ref()) {
+        text.push_str(&format!("    {}\n", refusal_words(refusal)));
+    }
+    text
+}
+
+/// The `pieces` object of the clearances.
+pub fn pieces_document(mechanism: &Mechanism, report: &PieceReport) -> Value {
+    let dimension =
+        |(name, tolerance): &(String, f64)| json!({"name": name, "tolerance": tolerance});
+    let pair = |pair: &PieceClearance| {
+        json!({
+            "bodies": pair.pair.map(|body| &mechanism.bodies[body].name),
+            "verdict": piece_word(pair),
+            "drawn": pair.nominal,
+            "found": pair.found,
+            "time": pair.time,
+            "bound": pair.refusal.is_none().then_some(pair.bound),
+            "minimum": pair.minimum,
+            "slack": pair.slack,
+            "refused": pair.refusal.as_ref().map(refusal_words),
+        })
+    };
+    json!({
+        "dimensions": report.dimensions.iter().map(dimension).collect::<Vec<_>>(),
+        "pairs": report.list.iter().map(pair).collect::<Vec<_>>(),
+    })
+}

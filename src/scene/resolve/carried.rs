@@ -1,0 +1,150 @@
+//! Solids whose places follow what a study varies: chains to the points that they are made of, and their sizes, so that
+//! an enclosure of all pieces knows where their surfaces are.
+
+use super::super::file::SceneFile;
+use super::super::formula::expansion::Factor;
+use super::super::formula::expression::FormulaNode;
+use super::super::shapes::SolidFile;
+use super::joints::FoldedJoints;
+use super::parsed::Parsed;
+use super::parsing::parsed_expression;
+use super::varied::Dependents;
+use crate::diag::Diagnostics;
+use crate::model::carried::CarriedShape;
+use crate::model::chain::ElementaryMotion;
+use crate::scene::values::FormulaText;
+
+/// The formulas of a solid.
+#[derive(Default)]
+struct Typed<'f> {
+    /// Points that it is made of.
+    points: Vec<&'f [FormulaText; 3]>,
+    /// Radii and edges.
+    sizes: Vec<&'f FormulaText>,
+    /// Directions and scales.
+    fixed: Vec<&'f FormulaText>,
+}
+
+impl<'f> Typed<'f> {
+    fn new(solid: &'f SolidFile) -> Self {
+        let typed = Self::default();
+        let at = |center: &'f Option<[FormulaText; 3]>| center.iter().collect();
+        let along = |axis: &'f Option<[FormulaText; 3]>| axis.iter().flatten().collect();
+        match solid {
+            SolidFile::Sphere { center, radius } => Self {
+                points: at(center),
+                sizes: vec![radius],
+                ..typed
+            },
+            SolidFile::Capsule { from, to, radius } | SolidFile::Cylinder { from, to, radius } => {
+                Self {
+                    points: vec![from, to],
+                    sizes: vec![radius],
+                    ..typed
+                }
+            }
+            SolidFile::Cone {
+                from,
+                to,
+                radius_from,
+                radius_to,
+            } => Self {
+                points: vec![from, to],
+                sizes: vec![radius_from, radius_to],
+                ..typed
+            },
+            SolidFile::Box { center, size } => Self {
+                points: at(center),
+                sizes: size.iter().collect(),
+                ..typed
+            },
+            SolidFile::Torus {
+                center,
+                axis,
+                ring,
+                tube,
+            } => Self {
+                points: at(center),
+                sizes: vec![ring, tube],
+                fixed: along(axis),
+            },
+            SolidFile::Tube { points, radius, .. } => Self {
+                points: points.value.iter().collect(),
+                sizes: vec![radius],
+                ..typed
+            },
+            SolidFile::HalfSpace { point, normal, .. } => Self {
+                points: at(point),
+                fixed: along(normal),
+                ..typed
+            },
+            SolidFile::Stl { scale, .. } => Self {
+                fixed: scale.iter().collect(),
+                ..typed
+            },
+        }
+    }
+}
+
+/// The solids of all bodies, with chains that follow the `dependents`.
+pub fn carry_shapes(
+    (file, parsed): (&SceneFile, &Parsed),
+    dependents: &Dependents,
+    joints: &mut FoldedJoints,
+    diagnostics: &mut Diagnostics,
+) -> Vec<CarriedShape> {
+    let mut carried = Vec::new();
+    for (body, typed_body) in file.bodies.iter().enumerate() {
+        for (shape, typed_shape) in typed_body.shapes.iter().enumerate() {
+            let typed = Typed::new(&typed_shape.solid);
+            let mut frame = parsed.frames[body].clone();
+            let own = typed_shape.frame.as_ref();
+            let own = own.and_then(|text| parsed.factors(text, diagnostics));
+            frame.extend(own.into_iter().flatten().map(|mut factor| {
+                dependents.expand_factor(&mut factor);
+                factor
+            }));
+            let node = |text: &FormulaText, diagnostics: &mut Diagnostics| {
+                let mut node = parsed_expression(text, diagnostics)?;
+                dependents.expand(&mut node);
+                Some(node)
+            };
+            // Chains from the world to the points; without points of its own the shape's frame is one.
+            let mut ways: Vec<Vec<Factor>> = Vec::new();
+            for point in &typed.points {
+                let mut way = frame.clone();
+                for (axis, text) in point.iter().enumerate() {
+                    way.extend(node(text, diagnostics).map(|node| along(axis, node)));
+                }
+                ways.push(way);
+            }
+            if ways.is_empty() {
+                ways.push(frame);
+            }
+            let lengths = typed.sizes.iter();
+            let lengths = lengths.filter_map(|text| Some(vec![along(0, node(text, diagnostics)?)]));
+            let lengths: Vec<Vec<Factor>> = lengths.collect();
+            let fixed = typed.fixed.iter();
+            let stiff = fixed.filter_map(|text| dependents.used_in(&node(text, diagnostics)?));
+            let stiff = stiff.collect::<Vec<String>>().into_iter().next();
+            let mut chains = |all: Vec<Vec<Factor>>, diagnostics: &mut Diagnostics| {
+                let all = all.iter();
+                all.filter_map(|factors| joints.chain(factors, diagnostics))
+                    .collect()
+            };
+            carried.push(CarriedShape {
+                body,
+                shape,
+                points: chains(ways, diagnostics),
+                sizes: chains(lengths, diagnostics),
+                stiff,
+            });
+        }
+    }
+    carried
+}
+
+/// A translation along an axis.
+fn along(axis: usize, node: FormulaNode) -> Factor {
+    Factor::Elementary(ElementaryMotion::Translation, axis, node)
+}
