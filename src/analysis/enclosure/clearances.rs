@@ -139,7 +139,7 @@ fn first_stretches(
 fn refuse(pair: &mut PieceClearance, plan: &Plan, [from, until]: [f64; 2], obstacle: Obstacle) {
     pair.bound = f64::NEG_INFINITY;
     let (reason, dimension) = match obstacle {
-        Obstacle::NoPose => (None, None),
+        Obstacle::NoPose | Obstacle::Interrupted => (None, None),
         Obstacle::Test { reason, dimension } => (Some(reason), dimension),
     };
     let name = dimension.and_then(|k| plan.dimensions.get(k));
