@@ -154,7 +154,19 @@ fn camera() -> Camera {
     }
 }
 
-fn stage(scale: u32, samples: u32, ground: bool) -> Stage {
+/// What is drawn beside the bodies.
+#[derive(Clone, Copy, PartialEq)]
+enum Around {
+    Nothing,
+    Ground,
+    /// And shadows on bodies.
+    Shadows,
+}
+
+/// The room of the bodies' motion.
+const ROOM: [DVec3; 2] = [DVec3::splat(-2.6), DVec3::splat(2.6)];
+
+fn stage(scale: u32, samples: u32, around: Around) -> Stage {
     Stage {
         meshes: bodies().into_iter().map(|(mesh, _)| mesh.into()).collect(),
         size: SIZE.map(|n| n * scale),
@@ -163,7 +175,8 @@ fn stage(scale: u32, samples: u32, ground: bool) -> Stage {
         background: [245, 246, 248],
         rim: Rim::DARK,
         edges: None,
-        ground: ground.then_some(Ground {
+        mutual_shade: (around == Around::Shadows).then_some(ROOM),
+        ground: (around != Around::Nothing).then_some(Ground {
             center: DVec3::new(0.0, 0.0, -1.45),
             normal: DVec3::Z,
             radius: 6.5,
@@ -216,9 +229,9 @@ fn draw(stage: Stage, frame: &Frame) -> RgbaImage {
 }
 
 /// The same picture by 8 x 8 pixels of 16 samples for each, in sRGB codes averaged in linear light.
-fn reference(number: u32, ground: bool) -> Vec<[f64; 3]> {
+fn reference(number: u32, around: Around) -> Vec<[f64; 3]> {
     const SCALE: u32 = 8;
-    let large = draw(stage(SCALE, 16, ground), &frame(number, &bodies_colours()));
+    let large = draw(stage(SCALE, 16, around), &frame(number, &bodies_colours()));
     let curve = mechanim::render::colour::ToneCurve::shared();
     let mut sums = vec![[0.0; 3]; (SIZE[0] * SIZE[1]) as usize];
     for (x, y, pixel) in large.enumerate_pixels() {
@@ -305,21 +318,21 @@ fn main() {
         "{triangles} triangles, {} x {} pixels, {FRAMES} frames",
         SIZE[0], SIZE[1]
     );
-    for ground in [false, true] {
-        println!(
-            "{}",
-            if ground {
-                "with ground and contact shadow"
-            } else {
-                "bodies only"
-            }
-        );
-        let truth = (!quick).then(|| reference(COMPARED, ground));
+    let all = [
+        (Around::Nothing, "bodies only"),
+        (Around::Ground, "with ground and contact shadow"),
+        (Around::Shadows, "with shadows on bodies as well"),
+    ];
+    for (number, (around, words)) in all.into_iter().enumerate() {
+        println!("{words}");
+        // The cells of occlusion are smaller in a larger picture: it is another picture.
+        let compared = !quick && around != Around::Shadows;
+        let truth = compared.then(|| reference(COMPARED, around));
         let counts: &[u32] = if quick { &[4] } else { &[1, 2, 4, 8, 16] };
         for samples in counts.iter().copied() {
-            let image = measure(stage(1, samples, ground), &frames, truth.as_deref());
+            let image = measure(stage(1, samples, around), &frames, truth.as_deref());
             if let Some(folder) = &folder {
-                let name = format!("{folder}/frame-{samples}-{ground}.png");
+                let name = format!("{folder}/frame-{samples}-{number}.png");
                 image.save(&name).expect("a file");
             }
         }

@@ -62,7 +62,16 @@ fn seen_normal(normal: vec3<f32>, front: bool) -> vec3<f32> {
 @fragment
 fn body_opaque(in: BodyVertex, @builtin(front_facing) front: bool) -> Painted {
     let normal = seen_normal(in.normal, front);
-    let colour = shade(normal, viewer_direction(in.place), globals.up.xyz, globals.scale.zw, in.colour.rgb, in.flatness);
+    let open = open_at(in.clip.xy, in.place, normal);
+    let colour = shade(
+        normal,
+        viewer_direction(in.place),
+        globals.up.xyz,
+        globals.scale.zw,
+        in.colour.rgb,
+        in.flatness,
+        open,
+    );
     return Painted(vec4<f32>(colour, 1.0), surface_store(in.surface, 0.0));
 }
 
@@ -75,7 +84,8 @@ fn body_translucent(
 ) -> Painted {
     let normal = seen_normal(in.normal, front);
     let to_viewer = viewer_direction(in.place);
-    let colour = shade(normal, to_viewer, globals.up.xyz, globals.scale.zw, in.colour.rgb, in.flatness);
+    let open = open_at(in.clip.xy, in.place, normal);
+    let colour = shade(normal, to_viewer, globals.up.xyz, globals.scale.zw, in.colour.rgb, in.flatness, open);
     let edge = edge_opacity(in.colour.a, max(dot(normal, to_viewer), 0.0));
     let opacity = mix(edge, in.colour.a, in.flatness);
     return Painted(vec4<f32>(colour, opacity), surface_store(in.surface, in.clip.z));

@@ -11,7 +11,7 @@ fn edge_opacity(opacity: f32, n_v: f32) -> f32 {
 }
 
 // Directions are unit vectors in camera space; the answer is in linear light.
-// `gain_loss` are those of the rim.
+// `gain_loss` are those of the rim; `open` is what reaches the surface of the key light and of the light around.
 fn shade(
     normal: vec3<f32>,
     to_viewer: vec3<f32>,
@@ -19,10 +19,14 @@ fn shade(
     gain_loss: vec2<f32>,
     albedo: vec3<f32>,
     flatness: f32,
+    open: vec2<f32>,
 ) -> vec3<f32> {
     let n_l = dot(normal, KEY_DIRECTION);
     let n_v = max(dot(normal, to_viewer), 0.0);
-    let key = max((n_l + KEY_WRAP) / (1.0 + KEY_WRAP), 0.0);
+    let direct = max(n_l, 0.0);
+    let share = saturate((direct - KEY_GRAZING) / KEY_SHADE_FACING);
+    let lost = KEY_SHADE * (1.0 - open.x) * direct * share;
+    let key = (max((n_l + KEY_WRAP) / (1.0 + KEY_WRAP), 0.0) - lost) * (1.0 - SKY_SHADE * (1.0 - open.y));
     let fill = max(dot(normal, FILL_DIRECTION), 0.0);
     let sky = 0.5 + 0.5 * dot(normal, up);
 
@@ -32,13 +36,14 @@ fn shade(
     let h8 = h4 * h4;
     let h16 = h8 * h8;
     let h32 = h16 * h16;
-    let glint = SHEEN * h8 + HIGHLIGHT * (h32 * h32);
+    let glint = (SHEEN * h8 + HIGHLIGHT * (h32 * h32)) * open.x;
 
     let away = (1.0 - n_v) * (1.0 - n_v);
     let kept = 1.0 - gain_loss.y * away;
     let gain = gain_loss.x * (away * away);
 
-    let light = (mix(GROUND_COLOUR, SKY_COLOUR, sky) + KEY_COLOUR * key + FILL_COLOUR * fill) * kept;
+    let around = mix(GROUND_COLOUR, SKY_COLOUR, sky) + FILL_COLOUR * fill;
+    let light = (around * open.y + KEY_COLOUR * key) * kept;
     let tinted = glint * mix(vec3<f32>(1.0), albedo, GLOSS_TINT);
     let gloss = KEY_COLOUR * tinted + SKY_COLOUR * gain;
     let lit = saturate(EXPOSURE * (albedo * light + gloss));

@@ -20,8 +20,17 @@ struct Globals {
     ink: vec4<f32>,
     // Square of half their width in pixels, whole pixels that they reach, and the depth that is a step.
     lines: vec4<f32>,
+    // From camera space to the texels of what the key light sees, and to the height in it.
+    key_x: vec4<f32>,
+    key_y: vec4<f32>,
+    key_height: vec4<f32>,
+    // Side of a cell of the sky's map in pixels, one over the distance at which cells have nothing in common, and 1 if
+    // bodies shade each other.
+    sky: vec4<f32>,
 }
 
 @group(0) @binding(0) var<uniform> globals: Globals;
 @group(0) @binding(1) var shadow_texels: texture_2d<f32>;
 @group(0) @binding(2) var shadow_sampler: sampler;
+@group(0) @binding(3) var key_heights: texture_2d<f32>;
+@group(0) @binding(4) var sky_cells: texture_2d<f32>;

@@ -92,6 +92,7 @@ fn stage(projection: Projection, size: [u32; 2], samples: u32) -> Arc<Stage> {
             creases: true,
             ink: [0x1b, 0x1f, 0x26],
         }),
+        mutual_shade: Some([low, high]),
         ground: Some(Ground {
             center: DVec3::ZERO,
             normal: DVec3::Z,

@@ -212,6 +212,27 @@ pub enum LabelPlace {
     },
 }
 
+/// Shadows, and the light that bodies near to each other keep from each other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Shadows {
+    /// On bodies and on the ground.
+    #[default]
+    All,
+    /// On the ground only.
+    Ground,
+    /// None.
+    None,
+}
+
+impl Shadows {
+    /// Names in files and options.
+    pub const NAMES: [(&'static str, Self); 3] = [
+        ("all", Self::All),
+        ("ground", Self::Ground),
+        ("none", Self::None),
+    ];
+}
+
 /// The view of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct View {
@@ -235,6 +256,8 @@ pub struct View {
     pub background: [u8; 3],
     /// Lines between surfaces.
     pub edges: EdgeLines,
+    /// Shadows on bodies and on the ground.
+    pub shadows: Shadows,
     /// Height of the ground along the up axis; `Auto` puts it below the motion.
     pub ground: GroundPlace,
     /// Frames a second unless asked otherwise.

@@ -3,7 +3,7 @@
 use super::camera_path::CameraPath;
 use super::theme::Theme;
 use super::view::{
-    EdgeLines, Ghosts, GroundPlace, NamedView, ShownAxes, Trails, View, ViewProjection,
+    EdgeLines, Ghosts, GroundPlace, NamedView, Shadows, ShownAxes, Trails, View, ViewProjection,
 };
 
 /// Changes; what is `None` stays as the scene says.
@@ -23,6 +23,8 @@ pub struct ViewChange {
     pub theme: Option<Theme>,
     /// Lines between surfaces.
     pub edges: Option<EdgeLines>,
+    /// Shadows on bodies and on the ground.
+    pub shadows: Option<Shadows>,
     /// sRGB.
     pub background: Option<[u8; 3]>,
     /// No background at all.
@@ -78,6 +80,7 @@ impl ViewChange {
             view.background = theme.background();
         }
         view.edges = self.edges.unwrap_or(view.edges);
+        view.shadows = self.shadows.unwrap_or(view.shadows);
         view.background = self.background.unwrap_or(view.background);
         view.transparent = self.transparent.unwrap_or(view.transparent);
         view.captions = self.captions.unwrap_or(view.captions);

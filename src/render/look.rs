@@ -8,9 +8,19 @@
 /// A colour in linear light, 1 is the white of the screen; or a direction in camera space.
 pub type Rgb = [f32; 3];
 
+/// What reaches a surface: shares of the key light and of the light around, 1 all of it.
+pub type Open = [f32; 2];
+
+/// Nothing stands in the way.
+pub const ALL_OPEN: Open = [1.0; 2];
+
 /// Unit direction towards the key light: above, left of and behind the viewer. The components are ninths
 /// so that the length is 1 without rounding a table of digits.
 pub const KEY_DIRECTION: [f32; 3] = [-4.0 / 9.0, 7.0 / 9.0, 4.0 / 9.0];
+/// Unit direction across the key light's.
+pub const KEY_RIGHT: [f32; 3] = [8.0 / 9.0, 4.0 / 9.0, 1.0 / 9.0];
+/// Unit direction across both: right, up and the light's are right-handed.
+pub const KEY_UP: [f32; 3] = [-1.0 / 9.0, 4.0 / 9.0, -8.0 / 9.0];
 /// Irradiance of the key light, faintly warm.
 pub const KEY_COLOUR: Rgb = [0.92, 0.91, 0.885];
 /// How far the key light reaches around the terminator: 0 is Lambert, 1 reaches the far pole.
@@ -23,6 +33,15 @@ pub const FILL_COLOUR: Rgb = [0.16, 0.17, 0.19];
 pub const SKY_COLOUR: Rgb = [0.34, 0.345, 0.36];
 /// Irradiance on a surface that faces down: light that the ground sends back.
 pub const GROUND_COLOUR: Rgb = [0.155, 0.15, 0.143];
+/// How much of what the key light sends straight to a surface is lost in another body's shadow. What it sends around the
+/// terminator stays, so that no shadow begins where a surface turns away from the light.
+pub const KEY_SHADE: f32 = 0.68;
+/// Cosine to the light up to which nothing of this is lost: a map of what the light sees has little to say there.
+pub const KEY_GRAZING: f32 = 0.05;
+/// Growth of the cosine over which the loss sets in.
+pub const KEY_SHADE_FACING: f32 = 0.2;
+/// How much of the key light is lost where nothing of the light around arrives.
+pub const SKY_SHADE: f32 = 0.6;
 /// Strength of the wide sheen, `(n·h)^8`.
 pub const SHEEN: f32 = 0.05;
 /// Strength of the small highlight, `(n·h)^64`.
@@ -112,7 +131,8 @@ impl Rim {
 ///
 /// All directions are unit vectors in camera space: `normal` on the side that is seen, `to_viewer` from
 /// the surface to the eye (`[0, 0, 1]` for a parallel projection). `albedo` is
-/// linear; `flat` 1 gives the albedo itself. The highlight is Blinn's, with
+/// linear; `flat` 1 gives the albedo itself. `open` says what reaches the surface of the key light and of the light
+/// around. The highlight is Blinn's, with
 /// `(n·h)² = (n·l + n·v)² / (2 + 2 l·v)` so that the half vector is never normalised.
 #[inline(always)]
 pub fn shade_surface(
@@ -121,10 +141,16 @@ pub fn shade_surface(
     around: &Surroundings,
     albedo: Rgb,
     flat: f32,
+    open: Open,
 ) -> Rgb {
+    let [lit, sky_open] = open;
     let n_l = dot_product(normal, KEY_DIRECTION);
     let n_v = larger_of(dot_product(normal, to_viewer), 0.0);
-    let key = larger_of((n_l + KEY_WRAP) / (1.0 + KEY_WRAP), 0.0);
+    let direct = larger_of(n_l, 0.0);
+    let share = clamp_unit((direct - KEY_GRAZING) / KEY_SHADE_FACING);
+    let lost = KEY_SHADE * (1.0 - lit) * direct * share;
+    let key = larger_of((n_l + KEY_WRAP) / (1.0 + KEY_WRAP), 0.0) - lost;
+    let key = key * (1.0 - SKY_SHADE * (1.0 - sky_open));
     let fill = larger_of(dot_product(normal, FILL_DIRECTION), 0.0);
     let sky = 0.5 + 0.5 * dot_product(normal, around.up);
 
@@ -137,15 +163,14 @@ pub fn shade_surface(
     let h8 = h4 * h4;
     let h16 = h8 * h8;
     let h32 = h16 * h16;
-    let glint = SHEEN * h8 + HIGHLIGHT * (h32 * h32);
+    let glint = (SHEEN * h8 + HIGHLIGHT * (h32 * h32)) * lit;
     let away = (1.0 - n_v) * (1.0 - n_v);
     let kept = 1.0 - around.rim.loss * away;
     let gain = around.rim.gain * (away * away);
 
     let channel = |c: usize| {
-        let light = mix_values(GROUND_COLOUR[c], SKY_COLOUR[c], sky)
-            + KEY_COLOUR[c] * key
-            + FILL_COLOUR[c] * fill;
+        let around = mix_values(GROUND_COLOUR[c], SKY_COLOUR[c], sky) + FILL_COLOUR[c] * fill;
+        let light = around * sky_open + KEY_COLOUR[c] * key;
         let light = light * kept;
         let tinted = glint * mix_values(1.0, albedo[c], GLOSS_TINT);
         let gloss = KEY_COLOUR[c] * tinted + SKY_COLOUR[c] * gain;

@@ -14,6 +14,7 @@ pub mod gpu;
 pub mod ground;
 pub mod look;
 pub mod matte;
+pub mod mutual_shade;
 pub mod open;
 pub mod overlay;
 pub mod ramp;
@@ -48,6 +49,8 @@ pub struct Stage {
     pub ground: Option<Ground>,
     /// Lines between surfaces, if any.
     pub edges: Option<Edges>,
+    /// Least and greatest corner of the box, in the world, within which bodies shade each other; `None` if they do not.
+    pub mutual_shade: Option<[DVec3; 2]>,
 }
 
 /// Projection of the camera.

@@ -124,6 +124,7 @@ mod tests {
             rim: Rim::DARK,
             ground: None,
             edges: None,
+            mutual_shade: None,
         })
     }
 

@@ -1,7 +1,7 @@
 //! The colours that one colour takes on under the lights: what a palette must hold of it.
 
 use super::colour::ToneCurve;
-use super::look::{self, Rim, Surroundings};
+use super::look::{self, ALL_OPEN, Rim, Surroundings};
 
 /// Colours of a ramp. Between neighbours the light changes by less than the eye tells apart in a small patch.
 const STEPS: usize = 12;
@@ -23,7 +23,7 @@ pub fn shaded_ramp(colour: [u8; 3], rim: Rim) -> Vec<[u8; 3]> {
         let tilt = TILT * (1.0 - 2.0 * step as f64 / (STEPS - 1) as f64);
         let (sin, cos) = crate::math::sin_cos(tilt);
         let normal = [x / length * sin, y / length * sin, cos].map(|n| n as f32);
-        let lit = look::shade_surface(normal, [0.0, 0.0, 1.0], &around, albedo, 0.0);
+        let lit = look::shade_surface(normal, [0.0, 0.0, 1.0], &around, albedo, 0.0, ALL_OPEN);
         lit.map(|c| curve.encode(c))
     });
     steps.collect()

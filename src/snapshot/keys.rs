@@ -48,6 +48,7 @@ static VIEW: Keys = Keys::new(
         view::FROM,
         view::THEME,
         view::EDGES,
+        view::SHADOWS,
         view::BACKGROUND,
         view::CAPTIONS,
         snapshot_key("ground", Flag, "the ground is drawn"),

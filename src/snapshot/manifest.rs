@@ -4,7 +4,9 @@ use super::keys::LIST;
 use crate::compare::film::Allowed;
 use crate::diag::{Diagnostic, Diagnostics, SceneError, Source, Span};
 use crate::model::theme::Theme;
-use crate::model::view::{EdgeLines, Ghosts, NamedView, ShownAxes, Trails, ViewProjection};
+use crate::model::view::{
+    EdgeLines, Ghosts, NamedView, Shadows, ShownAxes, Trails, ViewProjection,
+};
 use crate::model::view_change::ViewChange;
 use crate::scene::reader::{FoundValue, Spanned, TableReader, read_table};
 use crate::scene::resolve::camera::MOST_ORBIT;
@@ -222,6 +224,7 @@ fn read_view(r: &mut TableReader) -> ViewChange {
     let from = read_word(r, "from", &NamedView::NAMES);
     let theme = read_word(r, "theme", &Theme::NAMES);
     let edges = read_word(r, "edges", &EdgeLines::NAMES);
+    let shadows = read_word(r, "shadows", &Shadows::NAMES);
     ViewChange {
         from,
         azimuth,
@@ -229,6 +232,7 @@ fn read_view(r: &mut TableReader) -> ViewChange {
         projection,
         theme,
         edges,
+        shadows,
         background: r.colour("background"),
         captions: r.boolean("captions"),
         ground: r.boolean("ground"),

@@ -30,7 +30,7 @@ mod value_text;
 
 use crate::kinematics::results::trajectory::{ClosedPose, Trajectory};
 use crate::model::theme::Theme;
-use crate::model::view::{EdgeLines, GroundPlace, LabelPlace, SceneLabel, UpAxis, View};
+use crate::model::view::{EdgeLines, GroundPlace, LabelPlace, SceneLabel, Shadows, UpAxis, View};
 use crate::render::edges::Edges;
 use crate::render::look::Rim;
 use crate::render::overlay::border;
@@ -129,6 +129,7 @@ impl<'a> Staging<'a> {
             },
             ground,
             edges: edges(view),
+            mutual_shade: bounds::box_of(&bounds).filter(|_| view.shadows == Shadows::All),
         };
         let mut staging = Self {
             stage: Arc::new(stage),
@@ -249,7 +250,13 @@ impl<'a> Staging<'a> {
             pose,
             meshes,
         );
-        solids.chain(decor).chain(line).collect()
+        let casts = self.scene.view.shadows != Shadows::None;
+        let all = solids.chain(decor).chain(line);
+        all.map(|instance| Instance {
+            casts_shadow: instance.casts_shadow && casts,
+            ..instance
+        })
+        .collect()
     }
 
     fn labels(&self, pose: &ClosedPose, camera: &Camera) -> Vec<Label> {

@@ -4,7 +4,9 @@ use super::values::{hex_colour, named_word};
 use crate::cli::term::outcome::Failure;
 use crate::export::Format;
 use crate::model::theme::Theme;
-use crate::model::view::{EdgeLines, Ghosts, NamedView, ShownAxes, Trails, ViewProjection};
+use crate::model::view::{
+    EdgeLines, Ghosts, NamedView, Shadows, ShownAxes, Trails, ViewProjection,
+};
 use crate::model::view_change::ViewChange;
 use crate::scene::Scene;
 use crate::scene::resolve::camera::MOST_ORBIT;
@@ -37,6 +39,9 @@ pub struct ViewArgs {
     /// Lines between surfaces: around bodies, at creases as well, or none.
     #[arg(long, value_parser = named_word(&EdgeLines::NAMES))]
     pub edges: Option<EdgeLines>,
+    /// Shadows on bodies and on the ground, on the ground only, or none.
+    #[arg(long, value_parser = named_word(&Shadows::NAMES))]
+    pub shadows: Option<Shadows>,
     /// Colour of the background.
     #[arg(long, value_name = "#rrggbb", value_parser = hex_colour)]
     pub background: Option<[u8; 3]>,
@@ -94,6 +99,7 @@ impl ViewArgs {
             parallel: self.parallel,
             theme: self.theme,
             edges: self.edges,
+            shadows: self.shadows,
             background: self.background,
             // A background that is asked for is drawn, whatever the scene says.
             transparent: yes(self.transparent).or(self.background.map(|_| false)),

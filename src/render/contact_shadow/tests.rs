@@ -33,6 +33,7 @@ fn caster() -> (ShadowCaster, Pose) {
         background: [255; 3],
         rim: Rim::DARK,
         edges: None,
+        mutual_shade: None,
         ground: Some(Ground {
             center: tilt.translation,
             normal: tilt.transform_vector(DVec3::Z),

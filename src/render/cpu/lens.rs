@@ -104,6 +104,22 @@ impl Lens {
         [near, sides[0], sides[1], sides[2], sides[3]]
     }
 
+    /// What a pixel shows at a nearness, in camera space.
+    #[inline(always)]
+    pub(super) fn place(&self, x: f32, y: f32, nearness: f32) -> [f32; 3] {
+        let distance = if self.perspective {
+            1.0 / nearness
+        } else {
+            -nearness
+        };
+        let scale = self.slope * if self.perspective { distance } else { 1.0 };
+        [
+            (x - self.center[0]) * scale,
+            (self.center[1] - y) * scale,
+            -distance,
+        ]
+    }
+
     /// Direction from what a pixel shows to the eye, in camera space, not normalised.
     #[inline(always)]
     pub(super) fn viewer_from(&self, x: f32, y: f32) -> [f32; 3] {

@@ -23,6 +23,7 @@ mod window;
 
 use super::contact_shadow::{ContactShadow, ShadowCaster};
 use super::look::Surroundings;
+use super::mutual_shade::MutualShade;
 use super::{Camera, Frame, RenderError, Renderer, Stage, StageMesh, colour};
 use assembly::TriangleAssembly;
 use backdrop::Backdrop;
@@ -52,6 +53,7 @@ pub struct CpuRenderer {
     assembly: TriangleAssembly,
     tile: AnyTile,
     caster: Option<ShadowCaster>,
+    shade: Option<MutualShade>,
     /// What lights are relative to.
     around: Surroundings,
 }
@@ -92,6 +94,7 @@ impl CpuRenderer {
             assembly: TriangleAssembly::new(&stage),
             tile,
             caster: ShadowCaster::new(&stage),
+            shade: MutualShade::new(&stage),
             stage,
         })
     }
@@ -155,12 +158,16 @@ impl Renderer for CpuRenderer {
         let seen = self.backdrop.view.is_some();
         let caster = self.caster.as_mut().filter(|_| seen);
         let shadow = caster.map(|caster| caster.cast(frame, &self.camera));
+        if let Some(shade) = &mut self.shade {
+            shade.cast(frame, &self.camera);
+        }
         let scene = DrawnScene {
             frame,
             solids: &self.stage.meshes,
             lens: &self.lens,
             backdrop: &self.backdrop,
             shadow,
+            shade: self.shade.as_ref(),
             around: self.around,
             below_ground,
             size: self.stage.size,
@@ -185,6 +192,7 @@ struct DrawnScene<'a> {
     lens: &'a Lens,
     backdrop: &'a Backdrop,
     shadow: Option<&'a ContactShadow>,
+    shade: Option<&'a MutualShade>,
     around: Surroundings,
     below_ground: bool,
     size: [u32; 2],
@@ -203,6 +211,7 @@ impl DrawnScene<'_> {
             lens: self.lens,
             backdrop: self.backdrop,
             shadow: self.shadow,
+            shade: self.shade,
             around: self.around,
             below_ground: self.below_ground,
         };

@@ -3,7 +3,7 @@
 use super::assembly::{Facet, TriangleAssembly};
 use super::lens::Lens;
 use super::samples::SUBPIXELS;
-use crate::render::look::{self, Rgb, Surroundings};
+use crate::render::look::{self, Open, Rgb, Surroundings};
 
 /// Items shaded together; the loop over them is what the compiler turns into vector code.
 pub(super) const BATCH: usize = 128;
@@ -16,6 +16,8 @@ pub(super) struct ShadingBatch {
     to_viewer: [[f32; BATCH]; 3],
     albedo: [[f32; BATCH]; 3],
     flat: [f32; BATCH],
+    /// What reaches the surface.
+    open: [[f32; BATCH]; 2],
     /// Share of the pixel, and which pixel.
     weight: [f32; BATCH],
     pixel: [u32; BATCH],
@@ -29,6 +31,7 @@ impl ShadingBatch {
             to_viewer: [[0.0; BATCH]; 3],
             albedo: [[0.0; BATCH]; 3],
             flat: [0.0; BATCH],
+            open: [[1.0; BATCH]; 2],
             weight: [0.0; BATCH],
             pixel: [0; BATCH],
         }
@@ -42,6 +45,7 @@ impl ShadingBatch {
         to_viewer: [f32; 3],
         albedo: Rgb,
         flat: f32,
+        open: Open,
         weight: f32,
         pixel: u32,
     ) {
@@ -52,6 +56,8 @@ impl ShadingBatch {
             self.albedo[k][i] = albedo[k];
         }
         self.flat[i] = flat;
+        self.open[0][i] = open[0];
+        self.open[1][i] = open[1];
         self.weight[i] = weight;
         self.pixel[i] = pixel;
         self.count += 1;
@@ -75,6 +81,7 @@ impl ShadingBatch {
                 around,
                 at(&self.albedo),
                 self.flat[i],
+                [self.open[0][i], self.open[1][i]],
             );
             for k in 0..3 {
                 colour[k][i] = rgb[k] * self.weight[i];
@@ -99,6 +106,7 @@ pub(super) fn light_surface(
     around: &Surroundings,
     albedo: Rgb,
     flat: f32,
+    open: Open,
 ) -> Rgb {
     look::shade_surface(
         unit_vector(normal),
@@ -106,6 +114,7 @@ pub(super) fn light_surface(
         around,
         albedo,
         flat,
+        open,
     )
 }
 
@@ -116,9 +125,10 @@ pub(super) fn unit_vector(v: [f32; 3]) -> [f32; 3] {
     [v[0] * scale, v[1] * scale, v[2] * scale]
 }
 
-/// The interpolated normal in the middle of a pixel, on the side that is seen, not normalised.
+/// The interpolated normal in the middle of a pixel, on the side that is seen, not normalised, and the nearness there.
 ///
-/// Where the facet covers the pixel but not its middle, the nearest edge's normal is taken.
+/// Where the facet covers the pixel but not its middle, the normal is that of an edge; the nearness is that of the
+/// facet's plane, not beyond its corners'.
 #[inline(always)]
 pub(super) fn normal_at(
     assembly: &TriangleAssembly,
@@ -126,24 +136,35 @@ pub(super) fn normal_at(
     lens: &Lens,
     x: i32,
     y: i32,
-) -> [f32; 3] {
+) -> ([f32; 3], f32) {
     let [a, b, c] = assembly.corners(&facet.corners);
     let (px, py) = (x * SUBPIXELS + SUBPIXELS / 2, y * SUBPIXELS + SUBPIXELS / 2);
     let edge = |from: &super::lens::LensVertex, to: &super::lens::LensVertex| {
-        let value = (to.y - from.y) as f32 * (px - from.x) as f32
-            + (from.x - to.x) as f32 * (py - from.y) as f32;
-        look::larger_of(value, 0.0)
+        (to.y - from.y) as f32 * (px - from.x) as f32
+            + (from.x - to.x) as f32 * (py - from.y) as f32
     };
     let depth = |v: &super::lens::LensVertex| if lens.perspective { v.depth } else { 1.0 };
+    let shares = [edge(b, c), edge(c, a), edge(a, b)];
+    let nearness = shares[0] * a.depth + shares[1] * b.depth + shares[2] * c.depth;
+    let nearness = nearness / look::larger_of(shares[0] + shares[1] + shares[2], 1e-30);
+    let nearness = look::smaller_of(
+        look::larger_of(
+            nearness,
+            look::smaller_of(look::smaller_of(a.depth, b.depth), c.depth),
+        ),
+        look::larger_of(look::larger_of(a.depth, b.depth), c.depth),
+    );
+    let inner = shares.map(|share| look::larger_of(share, 0.0));
     let weights = [
-        edge(b, c) * depth(a),
-        edge(c, a) * depth(b),
-        edge(a, b) * depth(c),
+        inner[0] * depth(a),
+        inner[1] * depth(b),
+        inner[2] * depth(c),
     ];
     let side = facet.side();
     // The weights' sum is of the size of the area; scaled to keep the squares within range.
     let scale = side / look::larger_of(weights[0] + weights[1] + weights[2], 1e-30);
-    std::array::from_fn(|n| {
+    let normal = std::array::from_fn(|n| {
         (weights[0] * a.normal[n] + weights[1] * b.normal[n] + weights[2] * c.normal[n]) * scale
-    })
+    });
+    (normal, nearness)
 }

@@ -11,6 +11,7 @@ use super::view::RasterView;
 use super::window::{AREA, TILE, Window, for_inner, for_pixels};
 use crate::render::Stage;
 use crate::render::colour::ToneCurve;
+use crate::render::look::ALL_OPEN;
 use wide::{f32x4, i32x4};
 
 /// Marks the colour of a pixel in which no facet is seen.
@@ -340,13 +341,22 @@ impl ShadingBatch {
     ) {
         let facet = &view.assembly.facets[number as usize];
         let paint = &view.assembly.paints[facet.instance()];
-        let normal = normal_at(view.assembly, facet, view.lens, x, y);
-        let to_viewer = view.lens.viewer_from(x as f32 + 0.5, y as f32 + 0.5);
+        let (normal, nearness) = normal_at(view.assembly, facet, view.lens, x, y);
+        let at = [x as f32 + 0.5, y as f32 + 0.5];
+        let to_viewer = view.lens.viewer_from(at[0], at[1]);
+        let open = match view.shade {
+            Some(shade) if paint.flat < 1.0 => {
+                let place = view.lens.place(at[0], at[1], nearness);
+                shade.on(at, place, normal)
+            }
+            _ => ALL_OPEN,
+        };
         self.push(
             normal,
             to_viewer,
             paint.albedo,
             paint.flat,
+            open,
             weight,
             pixel as u32,
         );

@@ -217,7 +217,7 @@ impl Layers {
 fn seen_opacity(view: &RasterView, number: usize, x: i32, y: i32, opacity: f32) -> f32 {
     let facet = &view.assembly.facets[number];
     let flat = view.assembly.paints[facet.instance()].flat;
-    let normal = normal_at(view.assembly, facet, view.lens, x, y);
+    let (normal, _) = normal_at(view.assembly, facet, view.lens, x, y);
     let to_viewer = view.lens.viewer_from(x as f32 + 0.5, y as f32 + 0.5);
     let cosine = look::clamp_unit(look::dot_product(
         unit_vector(normal),

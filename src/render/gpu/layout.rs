@@ -5,6 +5,7 @@
 use crate::render::colour::ToneCurve;
 use crate::render::edges::{Edges, JUMP};
 use crate::render::ground::{GroundView, ground_axes};
+use crate::render::mutual_shade::MutualShade;
 use crate::render::{Camera, Instance, Projection, Stage};
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
@@ -61,10 +62,15 @@ pub struct Globals {
     pub ink: [f32; 4],
     /// Square of half a line's width, its reach in whole pixels, and the depth that is a step.
     pub lines: [f32; 4],
+    /// Rows of the map from camera space to what the key light sees: texels and height.
+    pub key: [[f32; 4]; 3],
+    /// Side of a cell of the sky's map in pixels, one over the distance at which cells have nothing in common, and 1 if
+    /// bodies shade each other.
+    pub sky: [f32; 4],
 }
 
 // WGSL lays these out without gaps: vec4s in the uniform, tightly packed vertex attributes.
-const _: () = assert!(size_of::<Globals>() == 10 * 16);
+const _: () = assert!(size_of::<Globals>() == 14 * 16);
 const _: () = assert!(size_of::<InstanceData>() == 80);
 const _: () = assert!(size_of::<GpuVertex>() == 28);
 
@@ -132,6 +138,12 @@ impl Globals {
 }
 
 impl Globals {
+    /// Takes over where the maps of a frame lie.
+    pub fn look_up(&mut self, shade: &MutualShade) {
+        self.key = shade.key.rows;
+        self.sky = [shade.sky.cell, shade.sky.likeness, 1.0, 0.0];
+    }
+
     /// How often the ground's triangle is drawn: twice where a part of the ground lies in front of the near plane.
     pub fn ground_layers(&self) -> u32 {
         let [x, y, constant, _] = self.ground_depth;
@@ -229,6 +241,7 @@ mod tests {
             background: [250, 250, 250],
             rim: Rim::DARK,
             edges: None,
+            mutual_shade: None,
             ground: Some(Ground {
                 center: DVec3::new(0.0, 0.0, -1.0),
                 normal: DVec3::Z,

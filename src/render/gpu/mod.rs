@@ -21,6 +21,7 @@ use super::adapter::{AdapterChoice, AdapterInfo};
 use super::colour::mark_no_pose;
 use super::contact_shadow::ShadowCaster;
 use super::ground::GroundView;
+use super::mutual_shade::MutualShade;
 use super::{Camera, Frame, RenderError, Renderer, Stage};
 use buffers::{InstanceBuffer, Meshes};
 use bytemuck::bytes_of;
@@ -29,7 +30,7 @@ use frame::DrawPlan;
 use image::RgbaImage;
 use layout::Globals;
 use pipelines::Pipelines;
-use shadow::ShadowTexture;
+use shadow::{MapTexture, ShadeTextures};
 use std::sync::Arc;
 use target::DrawTarget;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
@@ -46,8 +47,10 @@ pub struct GpuRenderer {
     globals: Globals,
     globals_buffer: wgpu::Buffer,
     sampler: wgpu::Sampler,
-    shadow: ShadowTexture,
+    shadow: MapTexture,
     caster: Option<ShadowCaster>,
+    shade: Option<MutualShade>,
+    shades: ShadeTextures,
     bindings: wgpu::BindGroup,
     surfaces: wgpu::BindGroup,
     /// Depths of translucent layers.
@@ -98,12 +101,14 @@ impl GpuRenderer {
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
         });
         let sampler = shadow::shadow_sampler(&device);
-        let shadow = ShadowTexture::new(&device, 1);
+        let shadow = MapTexture::new(&device, [1; 2], formats::SHADOW_FORMAT);
+        let shade = MutualShade::new(&stage);
+        let shades = ShadeTextures::new(&device, shade.as_ref());
         let bindings = bind_group(
             &device,
             &pipelines.bindings,
             &globals_buffer,
-            &shadow,
+            &[&shadow, &shades.key, &shades.sky],
             &sampler,
         );
         let surfaces = device.device.create_bind_group(&wgpu::BindGroupDescriptor {
@@ -134,6 +139,8 @@ impl GpuRenderer {
             globals_buffer,
             sampler,
             shadow,
+            shade,
+            shades,
             bindings,
             surfaces,
         })
@@ -161,17 +168,29 @@ impl GpuRenderer {
             return;
         };
         let shadow = caster.cast(frame, &self.camera);
-        if !self.shadow.fits(shadow) {
-            self.shadow = ShadowTexture::new(&self.device, shadow.size);
+        if !self.shadow.fits([shadow.size; 2]) {
+            self.shadow = MapTexture::new(&self.device, [shadow.size; 2], formats::SHADOW_FORMAT);
             self.bindings = bind_group(
                 &self.device,
                 &self.pipelines.bindings,
                 &self.globals_buffer,
-                &self.shadow,
+                &[&self.shadow, &self.shades.key, &self.shades.sky],
                 &self.sampler,
             );
         }
-        self.shadow.write(&self.device, shadow);
+        self.shadow.write(&self.device, &shadow.texels);
+    }
+
+    /// Makes the maps of how the frame's bodies shade each other and brings them to the device.
+    fn cast_shade(&mut self, frame: &Frame) {
+        let Some(shade) = &mut self.shade else {
+            return;
+        };
+        shade.cast(frame, &self.camera);
+        self.shades.write(&self.device, shade);
+        self.globals.look_up(shade);
+        let queue = &self.device.queue;
+        queue.write_buffer(&self.globals_buffer, 0, bytes_of(&self.globals));
     }
 
     fn record(&mut self, plan: &DrawPlan) -> wgpu::CommandEncoder {
@@ -289,7 +308,7 @@ fn bind_group(
     device: &Device,
     layout: &wgpu::BindGroupLayout,
     globals: &wgpu::Buffer,
-    shadow: &ShadowTexture,
+    maps: &[&MapTexture; 3],
     sampler: &wgpu::Sampler,
 ) -> wgpu::BindGroup {
     let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
@@ -298,8 +317,10 @@ fn bind_group(
         layout,
         entries: &[
             entry(0, globals.as_entire_binding()),
-            entry(1, wgpu::BindingResource::TextureView(&shadow.view)),
+            entry(1, wgpu::BindingResource::TextureView(&maps[0].view)),
             entry(2, wgpu::BindingResource::Sampler(sampler)),
+            entry(3, wgpu::BindingResource::TextureView(&maps[1].view)),
+            entry(4, wgpu::BindingResource::TextureView(&maps[2].view)),
         ],
     })
 }
@@ -322,6 +343,7 @@ impl Renderer for GpuRenderer {
         let spans = &self.meshes.spans;
         let plan = DrawPlan::new(frame, spans, &self.camera.eye(self.stage.size), creases);
         self.cast_shadow(frame);
+        self.cast_shade(frame);
         let encoder = self.record(&plan);
         self.target.finish(&self.device, encoder, image)?;
         if frame.no_pose {
@@ -359,6 +381,7 @@ mod tests {
             rim: Rim::DARK,
             ground: None,
             edges: None,
+            mutual_shade: None,
         });
         let mut renderer = GpuRenderer::open(stage, AdapterChoice::Any).unwrap();
         let mut image = RgbaImage::new(64, 48);

@@ -21,7 +21,7 @@ pub struct Pipelines {
     pub lines: wgpu::RenderPipeline,
     /// Lines with a translucent side.
     pub lines_over: wgpu::RenderPipeline,
-    /// Layout of group 0: globals, shadow, sampler.
+    /// Layout of group 0: globals, contact shadow, sampler, the maps of how bodies shade each other.
     pub bindings: wgpu::BindGroupLayout,
     /// Layout of group 1, for lines: the surfaces and the depths of what is opaque.
     pub surfaces: wgpu::BindGroupLayout,
@@ -89,8 +89,8 @@ fn bind_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
         has_dynamic_offset: false,
         min_binding_size: None,
     };
-    let texture = wgpu::BindingType::Texture {
-        sample_type: wgpu::TextureSampleType::Float { filterable: true },
+    let texture = |filterable| wgpu::BindingType::Texture {
+        sample_type: wgpu::TextureSampleType::Float { filterable },
         view_dimension: wgpu::TextureViewDimension::D2,
         multisampled: false,
     };
@@ -99,8 +99,10 @@ fn bind_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
         label: Some("scene"),
         entries: &[
             entry(0, both, uniform),
-            entry(1, fragment, texture),
+            entry(1, fragment, texture(true)),
             entry(2, fragment, sampler),
+            entry(3, fragment, texture(false)),
+            entry(4, fragment, texture(false)),
         ],
     })
 }

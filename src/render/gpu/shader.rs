@@ -1,7 +1,7 @@
 //! The shader text: constants generated from `look`, then the formulas and entry points of `shaders/`.
 
 use crate::render::cpu::sample_places;
-use crate::render::{edges, look};
+use crate::render::{edges, look, mutual_shade};
 use std::fmt::Write;
 
 /// The text of one module with every entry point, for `samples` a pixel.
@@ -11,6 +11,7 @@ pub fn shader_source(samples: u32) -> String {
     for part in [
         include_str!("../../../shaders/look.wgsl"),
         include_str!("../../../shaders/scene.wgsl"),
+        include_str!("../../../shaders/mutual_shade.wgsl"),
         include_str!("../../../shaders/lines.wgsl"),
         include_str!("../../../shaders/body.wgsl"),
         include_str!("../../../shaders/peel.wgsl"),
@@ -78,6 +79,8 @@ fn shader_constants() -> String {
     }
     vectors!(
         KEY_DIRECTION,
+        KEY_RIGHT,
+        KEY_UP,
         KEY_COLOUR,
         FILL_DIRECTION,
         FILL_COLOUR,
@@ -86,6 +89,10 @@ fn shader_constants() -> String {
     );
     scalars!(
         KEY_WRAP,
+        KEY_SHADE,
+        KEY_GRAZING,
+        KEY_SHADE_FACING,
+        SKY_SHADE,
         SHEEN,
         HIGHLIGHT,
         GLOSS_TINT,
@@ -94,6 +101,20 @@ fn shader_constants() -> String {
     );
     scalars!(GRID_HALF_WIDTH, GRID_MAX_FOOTPRINT);
     scalars!(FADE_START_SQUARED, SHADOW_DARKNESS);
+    let [key, sky] = look::ALL_OPEN;
+    let _ = writeln!(text, "const ALL_OPEN = vec2<f32>({key:?}, {sky:?});");
+    let _ = writeln!(
+        text,
+        "const KEY_MAP_SIDE: i32 = {};",
+        mutual_shade::KEY_MAP_SIDE
+    );
+    for (name, value) in [
+        ("LIFT", mutual_shade::LIFT),
+        ("RAMP", mutual_shade::RAMP),
+        ("UNKNOWN", mutual_shade::UNKNOWN),
+    ] {
+        let _ = writeln!(text, "const {name}: f32 = {value:?};");
+    }
     text
 }
 

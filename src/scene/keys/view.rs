@@ -3,13 +3,16 @@
 use super::Holds::{Colour, Flag, Formula, Formulas, Tables, Word};
 use super::{Key, Keys, words};
 use crate::model::theme::Theme;
-use crate::model::view::{EdgeLines, NamedView, ShownAxes, Trails, UpAxis, ViewProjection};
+use crate::model::view::{
+    EdgeLines, NamedView, Shadows, ShownAxes, Trails, UpAxis, ViewProjection,
+};
 
 static UP_WORDS: [&str; UpAxis::NAMES.len()] = words(&UpAxis::NAMES);
 static PROJECTION_WORDS: [&str; ViewProjection::NAMES.len()] = words(&ViewProjection::NAMES);
 static FROM_WORDS: [&str; NamedView::NAMES.len()] = words(&NamedView::NAMES);
 static THEME_WORDS: [&str; Theme::NAMES.len()] = words(&Theme::NAMES);
 static EDGES_WORDS: [&str; EdgeLines::NAMES.len()] = words(&EdgeLines::NAMES);
+static SHADOWS_WORDS: [&str; Shadows::NAMES.len()] = words(&Shadows::NAMES);
 static TRAILS_WORDS: [&str; Trails::NAMES.len()] = words(&Trails::NAMES);
 static AXES_WORDS: [&str; ShownAxes::NAMES.len()] = words(&ShownAxes::NAMES);
 
@@ -22,6 +25,7 @@ pub(crate) const FOV: Key = Key::new("fov", Formula, "vertical angle of a perspe
 pub(crate) const FROM: Key = Key::new("from", Word(&FROM_WORDS), "direction by name");
 pub(crate) const THEME: Key = Key::new("theme", Word(&THEME_WORDS), "colours around bodies");
 pub(crate) const EDGES: Key = Key::new("edges", Word(&EDGES_WORDS), "lines between surfaces");
+pub(crate) const SHADOWS: Key = Key::new("shadows", Word(&SHADOWS_WORDS), "where shadows fall");
 pub(crate) const BACKGROUND: Key = Key::new("background", Colour, "in place of the theme's");
 pub(crate) const TRAILS: Key =
     Key::new("trails", Word(&TRAILS_WORDS), "how traced paths are drawn");
@@ -50,6 +54,7 @@ pub static VIEW: Keys = Keys::new(
         FROM,
         THEME,
         EDGES,
+        SHADOWS,
         BACKGROUND,
         Key::new("transparent", Flag, "no background, in PNG and APNG"),
         TRAILS,

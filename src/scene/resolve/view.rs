@@ -11,7 +11,8 @@ use crate::model::camera_path::CameraPath;
 use crate::model::mechanism::{Body, Trace};
 use crate::model::theme::Theme;
 use crate::model::view::{
-    EdgeLines, GroundPlace, LabelPlace, NamedView, SceneLabel, UpAxis, View, ViewProjection,
+    EdgeLines, GroundPlace, LabelPlace, NamedView, SceneLabel, Shadows, UpAxis, View,
+    ViewProjection,
 };
 use crate::model::view_change::ViewChange;
 use crate::scene::reader::Spanned;
@@ -101,6 +102,12 @@ pub fn resolve_view(
         transparent: view.transparent.unwrap_or(false),
         background: view.background.unwrap_or(theme.background()),
         edges: chosen_word(&view.edges, &EdgeLines::NAMES, "kind of edges", diagnostics),
+        shadows: chosen_word(
+            &view.shadows,
+            &Shadows::NAMES,
+            "kind of shadows",
+            diagnostics,
+        ),
         ground,
         fps,
         captions: view.captions.unwrap_or(true),

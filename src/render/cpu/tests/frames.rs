@@ -25,6 +25,7 @@ fn a_facing_surface_has_the_colour_of_the_look() {
         },
         curve.decode_rgb(colour),
         0.0,
+        ALL_OPEN,
     );
     let expected = light.map(|c| curve.encode(c));
     assert!(image.pixels().all(|p| p.0[..3] == expected));
@@ -77,6 +78,7 @@ fn workshop(samples: u32) -> (Stage, Frame) {
         background: [245, 246, 248],
         rim: Rim::DARK,
         edges: None,
+        mutual_shade: None,
         ground: Some(ground),
     };
     let mut frame = Frame::default();

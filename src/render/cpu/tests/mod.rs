@@ -4,6 +4,7 @@
 mod coverage;
 mod frames;
 mod lines;
+mod shades;
 
 use super::*;
 use crate::geometry::{Mesh, mesh_of};
@@ -11,7 +12,7 @@ use crate::math::Pose;
 use crate::model::shape::Solid as Shape;
 use crate::render::colour::ToneCurve;
 use crate::render::edges::Edges;
-use crate::render::look::{Rim, Surroundings};
+use crate::render::look::{ALL_OPEN, Rim, Surroundings};
 use crate::render::{Camera, Ground, Instance, Projection, look};
 use glam::DVec3;
 use image::Rgba;
@@ -37,6 +38,7 @@ fn flat_stage(size: [u32; 2], samples: u32, meshes: Vec<Mesh>) -> Stage {
         background: WHITE,
         ground: None,
         edges: None,
+        mutual_shade: None,
     }
 }
 
