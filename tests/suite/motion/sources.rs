@@ -189,7 +189,9 @@ fn a_measure_of_a_motion_with_a_gap_has_no_value() {
         "[measures]\nhighest = { of = \"C.y\", take = \"max\" }\n[outputs]",
     );
     for (last, expected) in [("2.3", true), ("3.3", false)] {
-        let mechanism = written(&text.replace("[2, 2.3]", &format!("[2, {last}]")));
+        let highest = "[\"cycle/2\", 2.3]";
+        assert!(text.contains(highest));
+        let mechanism = written(&text.replace(highest, &highest.replace("2.3", last)));
         let times: Vec<f64> = (0..=40).map(|k| 0.1 * k as f64).collect();
         let trajectory = solve(&mechanism, &times).unwrap();
         assert_eq!(trajectory.missing() == 0, expected);
