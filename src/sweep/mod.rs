@@ -3,6 +3,7 @@
 //! A row depends on the scene, the design's number and nothing else: not on the rows before it, on threads, or on how
 //! the work is cut.
 
+mod abreast;
 pub mod design;
 pub mod design_text;
 mod permutation;

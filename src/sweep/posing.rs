@@ -12,7 +12,7 @@ use crate::model::actuation::Actuation;
 #[derive(Clone, Debug)]
 pub(super) struct Origin {
     /// Inputs, the parameters last.
-    inputs: Vec<f64>,
+    pub inputs: Vec<f64>,
     unknowns: Vec<f64>,
     branch: String,
 }
@@ -41,6 +41,11 @@ impl Origin {
             unknowns: pose.unknowns.clone(),
             branch: pose.branch.clone(),
         })
+    }
+
+    /// Unknowns, then inputs.
+    pub fn coordinates(&self) -> impl Iterator<Item = f64> + '_ {
+        self.unknowns.iter().chain(&self.inputs).copied()
     }
 
     /// The first pose at other inputs (the parameters among them).

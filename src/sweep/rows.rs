@@ -1,5 +1,6 @@
 //! The rows of a sweep: what becomes of one design after another.
 
+use super::abreast::{GROUP, RowGroup};
 use super::posing::Start;
 use super::reread;
 use super::row::Row;
@@ -7,12 +8,14 @@ use super::swept_scene::{Posed, Sweep};
 use crate::model::actuation::Actuation;
 use crate::model::drive::Drive;
 use crate::model::measure::Measures;
+use std::ops::Range;
 
 /// Makes rows; one for each thread.
 pub struct RowWorker<'s> {
     sweep: &'s Sweep,
     actuation: Actuation,
     measures: Measures,
+    group: Option<RowGroup<'s>>,
 }
 
 impl<'s> RowWorker<'s> {
@@ -22,11 +25,31 @@ impl<'s> RowWorker<'s> {
             sweep,
             actuation: sweep.family().actuation.clone(),
             measures: sweep.family().measures.clone(),
+            group: RowGroup::new(sweep),
         }
     }
 
-    /// The row of design `item`.
-    pub fn row(&mut self, item: u64) -> Row {
+    /// The rows of some designs, in their order. A row does not depend on the others.
+    pub fn rows(&mut self, items: Range<u64>) -> Vec<Row> {
+        let mut rows = Vec::new();
+        for first in items.clone().step_by(GROUP as usize) {
+            let group = first..items.end.min(first + GROUP);
+            let found = match &mut self.group {
+                None => vec![None; (group.end - group.start) as usize],
+                Some(made) => {
+                    let sweep = self.sweep;
+                    let values = |item| sweep.internal(&sweep.design.values(item));
+                    made.rows(&group.clone().map(values).collect::<Vec<_>>())
+                }
+            };
+            let found = group.zip(found);
+            rows.extend(found.map(|(item, row)| row.unwrap_or_else(|| self.row(item))));
+        }
+        rows
+    }
+
+    /// The row of design `item`, by itself.
+    fn row(&mut self, item: u64) -> Row {
         let sweep = self.sweep;
         let design = sweep.design.values(item);
         let values = sweep.internal(&design);

@@ -29,7 +29,7 @@ impl<'s> Summary<'s> {
             feasible: 0,
             extremes: vec![none; sweep.columns.len()],
             closure_error: 0.0,
-            error_bound: 0.0,
+            error_bound: f64::NAN,
             unproved: 0.0,
         }
     }
@@ -68,10 +68,13 @@ impl<'s> Summary<'s> {
             self.feasible
         );
         if self.counts[0] > 0 {
+            let proved = match self.error_bound.is_nan() {
+                true => "no certificates".to_owned(),
+                false => format!("certified error at most {}", six_digits(self.error_bound)),
+            };
             text.push_str(&format!(
-                "  of the ok rows: closure error at most {}, certified error at most {}, {} poses not proved\n\n",
+                "  of the ok rows: closure error at most {}, {proved}, {} poses not proved\n\n",
                 six_digits(self.closure_error),
-                six_digits(self.error_bound),
                 self.unproved
             ));
             text.push_str(&aligned_rows(&self.lines()));

@@ -13,6 +13,7 @@ use crate::kinematics::results::trajectory::{EventKind, Sample, Trajectory};
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::measure::{Measure, MeasureSource, Measures};
+use crate::model::mechanism::Mechanism;
 use crate::scene::Overrides;
 
 /// What is asked of every design.
@@ -29,6 +30,8 @@ pub enum Asked {
         names: Vec<String>,
         /// When.
         at: Instants,
+        /// Whether every pose has a certificate.
+        is_proved: bool,
     },
     /// Everything that `mechanim check` asks.
     Check,
@@ -41,6 +44,15 @@ pub enum Instants {
     Even(usize),
     /// These, in seconds, ascending.
     At(Vec<f64>),
+}
+
+impl Instants {
+    fn times(&self, mechanism: &Mechanism, actuation: &Actuation) -> Vec<f64> {
+        match self {
+            Self::At(times) => times.clone(),
+            Self::Even(count) => even_times(mechanism, actuation, *count),
+        }
+    }
 }
 
 /// A scene whose parameters are swept.
@@ -58,7 +70,7 @@ pub struct Sweep {
     pub(super) origin: Origin,
     /// Places of the parameters of the family among those of the design.
     order: Vec<usize>,
-    shown: Vec<Column>,
+    pub(super) shown: Vec<Column>,
 }
 
 impl Sweep {
@@ -169,20 +181,20 @@ impl Sweep {
     }
 
     fn times(&self, posed: &Posed) -> Vec<f64> {
-        let mechanism = posed.system.mechanism();
-        let even = |count| even_times(mechanism, posed.actuation, count);
+        let even = |count| even_times(posed.system.mechanism(), posed.actuation, count);
         match &self.asked {
-            Asked::Outputs {
-                at: Instants::At(times),
-                ..
-            } => times.clone(),
-            Asked::Outputs {
-                at: Instants::Even(count),
-                ..
-            } => even(*count),
+            Asked::Outputs { at, .. } => at.times(posed.system.mechanism(), posed.actuation),
             Asked::Measures { samples } if looks_along_drive(posed.measures) => even(*samples),
             // Of the drive nothing but its start is asked.
             _ => vec![0.0],
+        }
+    }
+
+    /// The instants of values along a drive.
+    pub(super) fn instants(&self, actuation: &Actuation) -> Vec<f64> {
+        match &self.asked {
+            Asked::Outputs { at, .. } => at.times(self.family.mechanism(), actuation),
+            _ => Vec::new(),
         }
     }
 
@@ -284,11 +296,8 @@ fn value_names(
                 .map(|m| (m.name.clone(), mechanism.unit_name(m.kind).to_owned()))
                 .collect()
         }
-        Asked::Outputs { names, at } => {
-            let times = match at {
-                Instants::At(times) => times.clone(),
-                Instants::Even(count) => even_times(mechanism, &family.actuation, *count),
-            };
+        Asked::Outputs { names, at, .. } => {
+            let times = at.times(mechanism, &family.actuation);
             let columns = names.iter().zip(shown);
             let cells = columns.flat_map(|(name, column)| {
                 let unit = mechanism.unit_name(column.kind(mechanism));

@@ -135,6 +135,7 @@ fn asked_of(asked: &SweepAsked) -> Asked {
     Asked::Outputs {
         names: asked.outputs.clone(),
         at,
+        is_proved: !asked.unproved,
     }
 }
 
@@ -171,8 +172,15 @@ fn arguments_of(asked: &SweepAsked) -> Vec<String> {
     match asked_of(asked) {
         Asked::Check => list.push("--check".to_owned()),
         Asked::Measures { samples } => list.push(format!("--samples={samples}")),
-        Asked::Outputs { names, at } => {
+        Asked::Outputs {
+            names,
+            at,
+            is_proved,
+        } => {
             list.push(format!("--outputs={}", names.join(",")));
+            if !is_proved {
+                list.push("--unproved".to_owned());
+            }
             list.push(match at {
                 Instants::Even(count) => format!("--samples={count}"),
                 Instants::At(times) => {

@@ -208,8 +208,8 @@ pub fn numbers_of(
         }
         let first = items.start + portion * index as u64;
         let mut numbers = Vec::with_capacity(portion as usize * sweep.width());
-        for item in first..items.end.min(first + portion) {
-            numbers.extend(worker.row(item).record());
+        for row in worker.rows(first..items.end.min(first + portion)) {
+            numbers.extend(row.record());
         }
         Some(numbers)
     };
@@ -227,7 +227,8 @@ fn items_in(items: &Range<u64>) -> u64 {
 /// Rows of a unit that takes about `time`, a power of two. Rows do not depend on it.
 pub fn unit_size(sweep: &Sweep, threads: usize, time: Duration) -> u64 {
     let begun = Instant::now();
-    RowWorker::new(sweep).row(sweep.design.count() / 2);
+    let middle = sweep.design.count() / 2;
+    RowWorker::new(sweep).rows(middle..middle + 1);
     let row = begun.elapsed().as_secs_f64().max(1e-7) / threads as f64;
     let most = (UNIT_BYTES / (8 * sweep.width() as u64)).clamp(1, UNIT_ROWS);
     let rows = ((time.as_secs_f64() / row) as u64).clamp(1, most);

@@ -1,5 +1,6 @@
 //! Many designs: rows, units of a study, and what is left of runs that were stopped or killed.
 
+mod abreast;
 mod bad_designs;
 mod kills;
 mod pieces;

@@ -1,0 +1,93 @@
+//! Rows of eight designs at once: what the rows with certificates say, whatever stands beside them.
+
+use super::{cells, column, run};
+use crate::program::Workspace;
+
+/// Designs of which many do not close.
+const WIDE: &str =
+    "four-bar --design grid:crank=20..150:14,ex=0..90:5 --outputs K.x,K.y --samples 24";
+
+fn rows(space: &Workspace, rest: &str) -> Vec<u8> {
+    run(space, &format!("sweep {rest} --out -")).exits(0).stdout
+}
+
+#[test]
+fn rows_without_certificates_say_what_the_others_say() {
+    let space = Workspace::new();
+    let proved = cells(&rows(&space, WIDE));
+    let unproved = cells(&rows(&space, &format!("{WIDE} --unproved")));
+    assert_eq!(proved[0], unproved[0]);
+    assert_eq!(proved.len(), 71);
+    let status = column(&proved, "status");
+    assert_eq!(column(&unproved, "status"), status);
+    assert!(status.iter().any(|s| s == "not-closed"), "{status:?}");
+    let last = proved[0].len() - 3;
+    let mut quick = 0;
+    for (a, b) in proved[1..].iter().zip(&unproved[1..]) {
+        let number = |cell: &String| cell.parse::<f64>().unwrap_or(f64::NAN);
+        if b[last + 1].is_empty() && b[1] == "ok" {
+            quick += 1;
+            assert_eq!(b[last + 2], "24");
+            assert!(number(&b[last]) < 1e-13, "{}", b[last]);
+            for (a, b) in a[3..last].iter().zip(&b[3..last]) {
+                let (a, b) = (number(a), number(b));
+                assert!((a - b).abs() <= 1e-10 * a.abs().max(1.0), "{a} {b}");
+            }
+        } else {
+            // Left to the ordinary way, with its certificates.
+            assert_eq!(a, b);
+        }
+    }
+    assert!(quick >= 10, "{quick}");
+}
+
+#[test]
+fn rows_do_not_depend_on_threads_company_and_cuts() {
+    let space = Workspace::new();
+    let line = format!("{WIDE} --unproved");
+    let whole = rows(&space, &line);
+    for threads in [1, 2, 7] {
+        assert!(rows(&space, &format!("{line} --threads {threads}")) == whole);
+    }
+    for units in [7, 64] {
+        let space = Workspace::new();
+        let plan = format!("study plan sweep {line} --units {units} --out study");
+        run(&space, &plan).exits(0);
+        run(&space, "study run study").exits(0);
+        run(&space, "study merge study --out rows.csv").exits(0);
+        assert!(space.read("rows.csv") == whole, "{units}");
+    }
+    // Backwards, so that everybody has other neighbours in other lanes; and one by itself.
+    let table = cells(&whole);
+    let designs: Vec<String> = table[1..]
+        .iter()
+        .map(|row| format!("{},{}", row[3], row[4]))
+        .collect();
+    let backwards: Vec<&str> = designs.iter().rev().map(String::as_str).collect();
+    space.write("back.csv", format!("crank,ex\n{}\n", backwards.join("\n")));
+    let asked = "--outputs K.x,K.y --samples 24 --unproved";
+    let found = cells(&rows(
+        &space,
+        &format!("four-bar --design back.csv {asked}"),
+    ));
+    for (row, other) in table[1..].iter().zip(found[1..].iter().rev()) {
+        assert_eq!(row[1..], other[1..]);
+    }
+    space.write("one.csv", format!("crank,ex\n{}\n", designs[3]));
+    let one = cells(&rows(&space, &format!("four-bar --design one.csv {asked}")));
+    assert_eq!(one[1][1..], table[4][1..]);
+}
+
+/// Certificates are left out of values only: a check is nothing without them.
+#[test]
+fn certificates_of_checks_cannot_be_left_out() {
+    let space = Workspace::new();
+    let line = "sweep gearshift --design lhs:2 --check --unproved --out rows.csv";
+    run(&space, line).exits(2).says(&["--outputs"]);
+    let line = "sweep four-bar --design lhs:9,crank=20..40 --outputs K.x --samples 5 --unproved";
+    let text = run(&space, line).exits(0).text();
+    assert!(
+        text.contains("no certificates, 45 poses not proved"),
+        "{text}"
+    );
+}
