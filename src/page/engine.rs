@@ -1,8 +1,7 @@
 //! The engine that a live page holds: a file built from `bindings/web`, packed into text.
 
 use base64::prelude::{BASE64_STANDARD, Engine as _};
-use flate2::Compression;
-use flate2::write::GzEncoder;
+use flate2::{Compression, GzBuilder};
 use std::io::Write;
 
 /// Stands in an engine's file, so that the program knows a file of its own version.
@@ -29,7 +28,7 @@ impl PackedEngine {
         if !wasm.windows(stamp.len()).any(|part| part == stamp) {
             return Err(format!("it is not the engine `{}`", STAMP.trim_end()));
         }
-        let mut packed = GzEncoder::new(Vec::new(), Compression::best());
+        let mut packed = GzBuilder::new().write(Vec::new(), Compression::best());
         let written = packed.write_all(wasm).and_then(|()| packed.finish());
         let packed = written.map_err(|error| error.to_string())?;
         Ok(Self {

@@ -38,7 +38,7 @@ pub fn run_site(args: &SiteArgs, term: &Term) -> Result<Outcome, Failure> {
         };
         let judged = article(&args.asked, scene, (1, live), term)?;
         let text = page_text(
-            &judged.article.title,
+            &name,
             std::slice::from_ref(&judged.article),
             engine.as_ref(),
         );

@@ -282,12 +282,15 @@ fn pictures_are_those_of_render() {
 fn mistakes_have_places_and_change_nothing() {
     let mut live = Live::open(CRANK);
     let before = live.table();
-    let text = CRANK.replace("Tx(L)", "Tx(LL)");
+    let text = CRANK.replace("Tx(r) Rz(alpha)", "Tx(r] Rz(alpha)");
     let told = live.ask(json!({ "ask": "open", "text": text }));
-    let mistake = &told["mistakes"][0];
-    assert!(words(&mistake["message"]).contains("LL"), "{told}");
-    let [from, to] = ["from", "to"].map(|end| mistake["place"][end].as_u64().unwrap() as usize);
-    assert_eq!(&text[from..to], "LL");
+    let place = &told["mistakes"][0]["place"];
+    let [from, to, line] = ["from", "to", "line"].map(|key| place[key].as_u64().unwrap() as usize);
+    assert!(
+        text.lines().nth(line - 1).unwrap().contains("Tx(r]"),
+        "{told}"
+    );
+    assert!(from < to && text[..from].lines().count() == line, "{told}");
     assert_eq!(live.table(), before);
     for (question, part) in [
         (
