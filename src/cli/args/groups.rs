@@ -51,14 +51,19 @@ pub fn grouped(command: Command) -> Command {
 /// The beginning of a sentence, up to where its details begin.
 fn first_words(sentence: &str) -> String {
     let first = sentence.split([':', ';', '(']).next().unwrap_or_default();
-    let mut text = first.trim_end().trim_end_matches('.').to_owned();
-    while text.chars().count() > MOST {
-        match text.rfind(", ") {
-            Some(comma) => text.truncate(comma),
-            None => break,
+    let text = first.trim_end().trim_end_matches('.');
+    if text.chars().count() <= MOST {
+        return text.to_owned();
+    }
+    // A list is told by its first part; what has none is cut at a word.
+    match text.split_once(", ") {
+        Some((part, _)) if part.chars().count() <= MOST => part.to_owned(),
+        _ => {
+            let start: String = text.chars().take(MOST).collect();
+            let words = start.rsplit_once(' ').map_or("", |(words, _)| words);
+            format!("{words} …")
         }
     }
-    text
 }
 
 #[cfg(test)]
