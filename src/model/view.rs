@@ -215,11 +215,11 @@ pub enum LabelPlace {
 /// Shadows, and the light that bodies near to each other keep from each other.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Shadows {
-    /// On bodies and on the ground.
-    #[default]
-    All,
     /// On the ground only.
+    #[default]
     Ground,
+    /// On bodies and on the ground.
+    All,
     /// None.
     None,
 }
@@ -227,8 +227,8 @@ pub enum Shadows {
 impl Shadows {
     /// Names in files and options.
     pub const NAMES: [(&'static str, Self); 3] = [
-        ("all", Self::All),
         ("ground", Self::Ground),
+        ("all", Self::All),
         ("none", Self::None),
     ];
 }
