@@ -40,7 +40,7 @@ impl<'m> CoveredMotion<'m> {
 
     /// The motion along a track, proved as far as it can be, and the drives that lead along it: the inputs at the times of that
     /// motion.
-    pub fn along(&mut self, track: &MeasuredTrack) -> (&mut ProvedMotion<'m>, &Actuation) {
+    pub fn along_track(&mut self, track: &MeasuredTrack) -> (&mut ProvedMotion<'m>, &Actuation) {
         let (system, actuation) = (self.system, self.actuation);
         let known = self.tracks.entry(track.name.clone());
         let (motion, drives) = known.or_insert_with(|| {

@@ -41,7 +41,7 @@ impl Dimension {
 
     /// What it is among coordinates; a number if it is neither length nor angle.
     pub fn kind(self) -> Kind {
-        match self.shown() {
+        match self.shown_powers() {
             shown if shown == Self::of(Kind::Length) => Kind::Length,
             shown if shown == Self::of(Kind::Angle) => Kind::Angle,
             _ => Kind::Number,
@@ -49,7 +49,7 @@ impl Dimension {
     }
 
     /// Half of every power, if there is one.
-    pub fn root(self) -> Self {
+    pub fn half_powers(self) -> Self {
         let even = [self.length, self.angle, self.time];
         match even.iter().all(|power| power % 2 == 0) {
             true => Self {
@@ -62,7 +62,7 @@ impl Dimension {
     }
 
     /// Beside a length an angle is a number of radians: the arc of a radius.
-    fn shown(self) -> Self {
+    fn shown_powers(self) -> Self {
         match self.length != 0 && self.angle > 0 {
             true => Self { angle: 0, ..self },
             false => self,
@@ -70,8 +70,8 @@ impl Dimension {
     }
 
     /// The unit in words, and the factor to it from internal values; `radians` are those of the angle's unit.
-    pub fn unit(self, length: &str, angle: &str, radians: f64) -> (String, f64) {
-        let shown = self.shown();
+    pub fn unit_words(self, length: &str, angle: &str, radians: f64) -> (String, f64) {
+        let shown = self.shown_powers();
         let powers = [
             (length, shown.length),
             (angle, shown.angle),
@@ -79,7 +79,7 @@ impl Dimension {
         ];
         let product = |sign: i32| {
             let parts = powers.iter().filter(|(_, power)| power * sign > 0);
-            let parts = parts.map(|(unit, power)| format!("{unit}{}", raised(power.abs())));
+            let parts = parts.map(|(unit, power)| format!("{unit}{}", raised_power(power.abs())));
             parts.collect::<Vec<_>>().join("·")
         };
         let text = match (product(1), product(-1)) {
@@ -92,7 +92,7 @@ impl Dimension {
 }
 
 /// The sign of a power.
-pub fn raised(power: i32) -> String {
+pub fn raised_power(power: i32) -> String {
     match power {
         1 => String::new(),
         2 => "²".to_owned(),
@@ -161,15 +161,15 @@ mod tests {
             (A - L, "1/mm", 0),
             (T * 6, "s^6", 0),
         ] {
-            let (found, factor) = dimension.unit("mm", "deg", degree);
+            let (found, factor) = dimension.unit_words("mm", "deg", degree);
             assert_eq!(
                 (found.as_str(), factor),
                 (unit, degree.powi(turns)),
                 "{dimension:?}"
             );
         }
-        assert_eq!((L * 4).root(), L * 2);
-        assert_eq!((L * 3).root(), Dimension::NUMBER);
+        assert_eq!((L * 4).half_powers(), L * 2);
+        assert_eq!((L * 3).half_powers(), Dimension::NUMBER);
         assert_eq!((A + L).kind(), Kind::Length);
         assert_eq!((L - L).kind(), Kind::Number);
         assert_eq!((L - L * 2).kind(), Kind::Number);

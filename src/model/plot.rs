@@ -1,6 +1,6 @@
 //! A plot as resolved: which quantities of the motion are drawn against which, in which units.
 
-use super::dimension::raised;
+use super::dimension::raised_power;
 use super::expression::Expression;
 use super::mechanism::Kind;
 use crate::numbers::series::HIGHEST_ORDER;
@@ -77,7 +77,7 @@ pub fn rate_unit(
     (per, per_factor): (&str, f64),
     order: usize,
 ) -> (String, f64) {
-    let power = |k: usize| raised(k as i32);
+    let power = |k: usize| raised_power(k as i32);
     let text = match (unit, per) {
         (unit, "") => unit.to_owned(),
         (unit, per) if unit == per && order == 1 => String::new(),

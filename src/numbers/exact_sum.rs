@@ -144,7 +144,7 @@ mod tests {
 
     fn numbers() -> Vec<f64> {
         let value = |k: u32| {
-            let sign = if k % 3 == 0 { -1.0 } else { 1.0 };
+            let sign = if k.is_multiple_of(3) { -1.0 } else { 1.0 };
             sign * f64::from(k * k % 977 + 1) * 2.0_f64.powi((k * 37 % 120) as i32 - 60) / 3.0
         };
         (0..4000).map(value).collect()

@@ -109,7 +109,7 @@ impl<'m> TakenMeasure<'m> {
             return;
         };
         let track = &scene.measures.tracks[track];
-        let (motion, drives) = covered.along(track);
+        let (motion, drives) = covered.along_track(track);
         let found = known(motion, self.measure, tolerance);
         self.value = found.map(|known| known.value);
         // Its times are those of no drive in the scene: inputs say where it is.

@@ -37,13 +37,13 @@ impl Requirement {
         }
     }
 
-    fn words(&self) -> String {
+    fn demand_words(&self) -> String {
         let sign = if self.is_most { "<=" } else { ">=" };
         format!("{} {sign} {}", self.measure, self.bound)
     }
 
     /// The value that a found mechanism has; `None` where it has no such measure, or no value.
-    fn value(&self, found: &FoundMechanism) -> Option<f64> {
+    fn found_value(&self, found: &FoundMechanism) -> Option<f64> {
         let mut list = found.family.measures.list.iter().enumerate();
         let (index, measure) = list.find(|(_, m)| m.name == self.measure)?;
         found.values(index, measure)[2]
@@ -54,7 +54,7 @@ impl Requirement {
             true => value <= self.bound,
             false => value >= self.bound,
         };
-        self.value(found).is_some_and(kept)
+        self.found_value(found).is_some_and(kept)
     }
 }
 
@@ -70,13 +70,13 @@ pub fn simplest_of<'f, 'a>(
 
 /// The answer to the demands, for people.
 pub fn simplest_text(found: &[FoundMechanism], demands: &[Requirement]) -> String {
-    let words: Vec<String> = demands.iter().map(Requirement::words).collect();
+    let words: Vec<String> = demands.iter().map(Requirement::demand_words).collect();
     let asked = words.join(", ");
     let Some(simplest) = simplest_of(found, demands) else {
         return format!("none is proved with {asked}\n");
     };
     let values = demands.iter().filter_map(|d| {
-        let value = d.value(simplest)?;
+        let value = d.found_value(simplest)?;
         Some(format!("{} {}", d.measure, six_digits(value)))
     });
     let values: Vec<String> = values.collect();
@@ -91,7 +91,7 @@ pub fn simplest_text(found: &[FoundMechanism], demands: &[Requirement]) -> Strin
 /// The same for programs.
 pub fn simplest_document(found: &[FoundMechanism], demands: &[Requirement]) -> Value {
     json!({
-        "required": demands.iter().map(Requirement::words).collect::<Vec<_>>(),
+        "required": demands.iter().map(Requirement::demand_words).collect::<Vec<_>>(),
         "simplest": simplest_of(found, demands).map(|one| &one.name),
     })
 }

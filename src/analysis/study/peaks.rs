@@ -200,7 +200,7 @@ impl<'f, 'w> Peaks<'f, 'w> {
         let Listed { values, slopes } = match self.objective {
             Objective::Largest => lists.next().unwrap_or_default(),
             Objective::Reduced(reduction) => reduction.of(lists.next().unwrap_or_default()),
-            Objective::Number(index) => self.numbers(&stand, with_slopes)?.only(index),
+            Objective::Number(index) => self.numbers(&stand, with_slopes)?.only_one(index),
         };
         let mut heights = PeakValues {
             peaks: values,

@@ -38,7 +38,7 @@ pub(super) struct Listed {
 
 impl Listed {
     /// One of them alone.
-    pub fn only(mut self, index: usize) -> Self {
+    pub fn only_one(mut self, index: usize) -> Self {
         let slopes = match index < self.slopes.len() {
             true => vec![self.slopes.swap_remove(index)],
             false => Vec::new(),
@@ -69,7 +69,7 @@ impl<'f> StudyRows<'f> {
             Taking::Largest => &[1.0, -1.0],
             _ => return None,
         };
-        Some(Self::along(family, *track, &of[0], *per, signs))
+        Some(Self::rows_along(family, *track, &of[0], *per, signs))
     }
 
     /// The rows of a measure that is one number made of one value a pose, and what makes it.
@@ -94,11 +94,11 @@ impl<'f> StudyRows<'f> {
             taking: *taking,
             power: *power,
         };
-        let rows = Self::along(family, *track, formula, *per, &[1.0]);
+        let rows = Self::rows_along(family, *track, formula, *per, &[1.0]);
         Some((rows, reduction))
     }
 
-    fn along(
+    fn rows_along(
         family: &'f ParametricMechanism,
         track: Option<usize>,
         formula: &'f Expression,

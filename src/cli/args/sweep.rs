@@ -34,7 +34,7 @@ pub struct SweepAsked {
     pub outputs: Vec<String>,
     /// Leave out the certificates of --outputs, for rows in a fraction of the time: poses are closed and kept on their branch by
     /// the same tests, and nothing is proved of them.
-    #[arg(long, requires = "outputs")]
+    #[arg(long, requires = "outputs", conflicts_with = "check")]
     pub unproved: bool,
     /// Rows hold what `mechanim check` finds: whether it passes, and by how much the nearest pair of bodies keeps its
     /// clearance, as found and as proved for all times.

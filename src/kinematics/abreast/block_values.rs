@@ -183,19 +183,21 @@ impl BlockValues {
             }
             match joint.motion {
                 ElementaryMotion::Translation => {
-                    for k in 0..3 {
-                        origin[k] += line.axis[k] * value.value;
+                    for (place, axis) in origin.iter_mut().zip(&line.axis) {
+                        *place += *axis * value.value;
                     }
                 }
                 // Only two axes change.
                 ElementaryMotion::Rotation => {
                     let (sin, cos) = (value.sin * joint.sign, value.cos);
                     let (i, j) = ((along + 1) % 3, (along + 2) % 3);
-                    for k in 0..3 {
-                        let (a, b) = (axes[i][k], axes[j][k]);
-                        axes[i][k] = a * cos + b * sin;
-                        axes[j][k] = b * cos - a * sin;
+                    let [mut first, mut second] = [axes[i], axes[j]];
+                    for (p, q) in first.iter_mut().zip(&mut second) {
+                        let (a, b) = (*p, *q);
+                        *p = a * cos + b * sin;
+                        *q = b * cos - a * sin;
                     }
+                    (axes[i], axes[j]) = (first, second);
                 }
             }
         }

@@ -41,8 +41,7 @@ impl ShadingBatch {
     #[inline(always)]
     pub(super) fn push(
         &mut self,
-        normal: [f32; 3],
-        to_viewer: [f32; 3],
+        [normal, to_viewer]: [[f32; 3]; 2],
         albedo: Rgb,
         flat: f32,
         open: Open,

@@ -352,8 +352,7 @@ impl ShadingBatch {
             _ => ALL_OPEN,
         };
         self.push(
-            normal,
-            to_viewer,
+            [normal, to_viewer],
             paint.albedo,
             paint.flat,
             open,

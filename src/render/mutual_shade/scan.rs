@@ -85,7 +85,7 @@ pub(super) fn scan_rows(
 #[inline(always)]
 fn centres(low: f32, high: f32, count: usize) -> Option<[usize; 2]> {
     let (low, high) = (larger_of(low - 0.5, 0.0), high - 0.5);
-    if !(high >= low) {
+    if high < low || high.is_nan() || low.is_nan() {
         return None;
     }
     let floor = low as i32;

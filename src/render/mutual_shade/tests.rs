@@ -11,11 +11,14 @@ use crate::render::{Instance, Projection};
 
 const SIZE: [u32; 2] = [200, 200];
 
-/// Two plates that meet in the plane x = 0, the right one facing the viewer and the left one square to it.
-fn corner(projection: Projection) -> (MutualShade, Camera) {
+/// Two plates that meet in the plane x = 0, the right one facing the viewer and the left one square to it, so high above the right one.
+fn corner(projection: Projection, height: f64) -> (MutualShade, Camera) {
     let plates = [
         (DVec3::new(50.0, 0.0, -5.0), DVec3::new(100.0, 300.0, 10.0)),
-        (DVec3::new(-5.0, 0.0, 25.0), DVec3::new(10.0, 300.0, 70.0)),
+        (
+            DVec3::new(-5.0, 0.0, 0.5 * height - 5.0),
+            DVec3::new(10.0, 300.0, height + 10.0),
+        ),
     ];
     let meshes: Vec<StageMesh> = plates
         .iter()
@@ -79,14 +82,17 @@ fn corners_are_dark_and_shadows_end() {
         Projection::Orthographic { height: 200.0 },
         Projection::Perspective { fov_y: 0.5 },
     ] {
-        let (shade, camera) = corner(projection);
+        let (shade, camera) = corner(projection, 60.0);
         let run = f64::from(-KEY_DIRECTION[0] / KEY_DIRECTION[2]) * 60.0;
         assert!((run - 60.0).abs() < 1e-4);
         let at = |x: f64| on(&shade, &camera, DVec3::new(x, 0.0, 0.0));
         assert_eq!(at(run + 20.0), [1.0; 2], "{projection:?}");
         assert!(at(run - 5.0)[0] < 1e-6, "{projection:?}");
         assert_eq!(at(run + 5.0)[0], 1.0, "{projection:?}");
-        let sky: Vec<f32> = [1.0, 8.0, 20.0, 60.0].map(|x| at(x)[1]).to_vec();
+        // What is seen hides light within its reach, 36 here: a lower plate.
+        let (shade, camera) = corner(projection, 20.0);
+        let at = |x: f64| on(&shade, &camera, DVec3::new(x, 0.0, 0.0));
+        let sky: Vec<f32> = [2.0, 8.0, 20.0, 60.0].map(|x| at(x)[1]).to_vec();
         assert!(sky.is_sorted() && sky[0] < 0.75 && sky[3] == 1.0, "{sky:?}");
     }
 }
@@ -94,7 +100,7 @@ fn corners_are_dark_and_shadows_end() {
 /// A room without extent, or none, shades nothing.
 #[test]
 fn without_a_room_there_are_no_shades() {
-    let (_, camera) = corner(Projection::Orthographic { height: 200.0 });
+    let (_, camera) = corner(Projection::Orthographic { height: 200.0 }, 60.0);
     let rooms = [None, Some([DVec3::ONE; 2]), Some([DVec3::NAN, DVec3::ONE])];
     for mutual_shade in rooms {
         let stage = Stage {

@@ -222,7 +222,7 @@ pub fn dimension_of(
             Function::Abs | Function::Min | Function::Max | Function::Mod | Function::Hypot => {
                 first_measured(args.iter().map(of))
             }
-            Function::Sqrt => of(&args[0]).root(),
+            Function::Sqrt => of(&args[0]).half_powers(),
             _ => Dimension::NUMBER,
         },
     }

@@ -118,8 +118,8 @@ impl TextSite<'_> {
         };
         let body = text_part(text, body);
         let mut curve = match derivative_parts(&body) {
-            Some(parts) => self.derivative(&parts, &body, diagnostics)?,
-            None => self.formula(&body, diagnostics)?,
+            Some(parts) => self.derivative_curve(&parts, &body, diagnostics)?,
+            None => self.formula_curve(&body, diagnostics)?,
         };
         if let Some(name) = name {
             curve.label = name.to_owned();
@@ -129,14 +129,18 @@ impl TextSite<'_> {
 
     /// A formula that may have derivatives in it. Each stands there under a name of the same length, so that mistakes keep
     /// their places.
-    fn formula(&self, body: &FormulaText, diagnostics: &mut Diagnostics) -> Option<PlotCurve> {
+    fn formula_curve(
+        &self,
+        body: &FormulaText,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<PlotCurve> {
         let (mut text, mut rates) = (body.clone(), Vec::new());
         let mut extra: Vec<ExtraSlot> = Vec::new();
         while let Some(range) = derivative_range(&text.text) {
             let part = text_part(&text, range.clone());
             let parts = derivative_parts(&part)?;
-            let rate = self.derivative(&parts, body, diagnostics)?;
-            let name = placeholder(range.len(), extra.len());
+            let rate = self.derivative_curve(&parts, body, diagnostics)?;
+            let name = placeholder_name(range.len(), extra.len());
             text.text.replace_range(range, &name);
             let slot = self.scope.slot_count() + extra.len();
             let dimension = self.rate_dimension(&rate);
@@ -183,7 +187,7 @@ impl TextSite<'_> {
     }
 
     /// `d(formula, input, order)`, whose parts these are.
-    fn derivative(
+    fn derivative_curve(
         &self,
         parts: &[FormulaText],
         body: &FormulaText,
@@ -241,7 +245,7 @@ impl TextSite<'_> {
 
     fn unit(&self, dimension: Dimension) -> (String, f64) {
         let angle = &self.angle_unit;
-        dimension.unit(self.length_unit, &angle.name, angle.radians.number())
+        dimension.unit_words(self.length_unit, &angle.name, angle.radians.number())
     }
 
     /// What a derivative is taken by, with its unit and factor.
@@ -308,7 +312,7 @@ fn derivative_range(text: &str) -> Option<std::ops::Range<usize>> {
 }
 
 /// A name of this length for a derivative of a formula.
-fn placeholder(length: usize, index: usize) -> String {
+fn placeholder_name(length: usize, index: usize) -> String {
     let digits = index.to_string();
     let line = length.saturating_sub(1 + digits.len());
     format!("d{}{digits}", "_".repeat(line))

@@ -25,7 +25,13 @@ const WALLS: [Wall; 21] = [
     },
     Wall {
         words: &["wide::"],
-        rooms: &["render/cpu/", "linalg/", "numbers/", "kinematics/"],
+        rooms: &[
+            "render/cpu/",
+            "render/mutual_shade/",
+            "linalg/",
+            "numbers/",
+            "kinematics/",
+        ],
     },
     Wall {
         words: &["parry3d_f64::"],
