@@ -93,7 +93,7 @@ fn corners_are_dark_and_shadows_end() {
         let (shade, camera) = corner(projection, 20.0);
         let at = |x: f64| on(&shade, &camera, DVec3::new(x, 0.0, 0.0));
         let sky: Vec<f32> = [2.0, 8.0, 20.0, 60.0].map(|x| at(x)[1]).to_vec();
-        assert!(sky.is_sorted() && sky[0] < 0.75 && sky[3] == 1.0, "{sky:?}");
+        assert!(sky.is_sorted() && sky[0] < 0.8 && sky[3] == 1.0, "{sky:?}");
     }
 }
 
