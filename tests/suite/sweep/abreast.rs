@@ -84,10 +84,10 @@ fn certificates_of_checks_cannot_be_left_out() {
     let space = Workspace::new();
     let line = "sweep gearshift --design lhs:2 --check --unproved --out rows.csv";
     run(&space, line).exits(2).says(&["--check", "--unproved"]);
-    let line = "sweep four-bar --design lhs:9,crank=20..40 --outputs K.x --samples 5 --unproved";
+    let line = "sweep four-bar --design lhs:9,crank=20..40 --outputs K.x --samples 30 --unproved";
     let text = run(&space, line).exits(0).text();
     assert!(
-        text.contains("no certificates, 45 poses not proved"),
+        text.contains("no certificates, 270 poses not proved"),
         "{text}"
     );
 }
