@@ -7,7 +7,7 @@ fn main() -> Result<(), Error> {
     let scene = words.next().unwrap_or_else(|| "gearshift".to_owned());
     let path = words.next().unwrap_or_else(|| format!("{scene}.gif"));
     let motion = Scene::builtin(&scene)?.solve(Samples::Frames)?;
-    let file = motion.film().size(480, 360).write(&path)?;
-    println!("{path}: {} frames, {} bytes", file.frames, file.bytes);
+    let bytes = motion.film().size(480, 360).write(&path)?;
+    println!("{path}: {} frames, {bytes} bytes", motion.len());
     Ok(())
 }

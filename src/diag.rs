@@ -79,7 +79,7 @@ impl Diagnostic {
     }
 
     /// Adds another place that explains it.
-    pub fn related(mut self, span: Span, label: impl Into<String>) -> Self {
+    pub fn with_related(mut self, span: Span, label: impl Into<String>) -> Self {
         self.related.push((span, label.into()));
         self
     }
@@ -159,14 +159,32 @@ pub fn shown_lines(text: &str) -> Cow<'_, str> {
 }
 
 fn shown_but(text: &str, stays: impl Fn(char) -> bool) -> Cow<'_, str> {
-    if !text.chars().any(|c| is_unseen(c) && !stays(c)) {
+    let may_command = text.contains("::") || text.contains("##");
+    if !may_command && !text.chars().any(|c| is_unseen(c) && !stays(c)) {
         return Cow::Borrowed(text);
     }
-    let spelt = |c| match stays(c) {
-        true => c.to_string(),
-        false => shown_char(c),
+    let (mut shown, mut begins) = (String::with_capacity(text.len()), true);
+    for (at, c) in text.char_indices() {
+        if begins_command(&text[at..], begins) {
+            shown.extend(c.escape_unicode());
+        } else if stays(c) {
+            shown.push(c);
+        } else {
+            shown += &shown_char(c);
+        }
+        begins = c == '\n' || (begins && c.is_whitespace());
+    }
+    Cow::Owned(shown)
+}
+
+/// Whether whoever keeps the log of a CI run would take what follows for a command: `::error::` where a line begins,
+/// `##[error]`, `##vso[…]`, `##teamcity[…]` anywhere.
+fn begins_command(rest: &str, is_line: bool) -> bool {
+    let word = |rest: &str| {
+        rest.trim_start_matches(|c: char| c.is_ascii_alphabetic())
+            .starts_with('[')
     };
-    Cow::Owned(text.chars().map(spelt).collect())
+    (is_line && rest.starts_with("::")) || rest.strip_prefix("##").is_some_and(word)
 }
 
 /// A message with its quoted values (`` `so` ``), and itself, cut to what is read.
@@ -327,6 +345,22 @@ mod tests {
             assert_eq!(shown_text(text), shown);
             assert_eq!(shown_lines(text), lines);
         }
+    }
+
+    #[test]
+    fn nothing_is_a_command_of_a_log() {
+        for (text, shown) in [
+            ("::error::x", "\\u{3a}:error::x"),
+            ("a\n  ::stop-commands::x", "a\n  \\u{3a}:stop-commands::x"),
+            ("a ::error::x", "a ::error::x"),
+            ("a ##[error]x", "a \\u{23}#[error]x"),
+            ("##vso[task.complete]", "\\u{23}#vso[task.complete]"),
+            ("###[x] ## x # [y]", "#\\u{23}#[x] ## x # [y]"),
+        ] {
+            assert_eq!(shown_lines(text), shown);
+        }
+        let long = ":#".repeat(500_000) + &":".repeat(500_000);
+        assert!(shown_lines(&long).len() >= long.len());
     }
 
     #[test]

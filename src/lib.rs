@@ -21,19 +21,75 @@
 //! # Ok::<(), mechanim::Error>(())
 //! ```
 //!
+//! # Where to look
+//!
 //! | to | use |
 //! |---|---|
 //! | read a scene, change its parameters, drives and start values | [`Scene`] |
 //! | solve a motion at chosen times | [`Scene::solve`], [`Samples`] |
 //! | read values, rates, placements and proofs | [`Motion`], [`Pose`], [`Certificate`] |
 //! | check a design | [`Scene::check`], [`Check`], [`PairClearance`] |
-//! | ask what its dimensions do to its measures, and for better ones | [`Scene::study`], [`Study`] |
+//! | ask what its dimensions do to its measures, and for better ones | [`Scene::study`], [`Study`], [`study`] |
 //! | draw it | [`Motion::film`], [`Film`] |
 //! | list its assemblies | [`Scene::assemblies`], [`Assembly`] |
 //!
-//! The format of scenes is described in `docs/scene-format.md`. The `mechanim` program is built with the feature `cli`,
-//! which is on by default; a library needs none of it: `default-features = false`. The modules of the engine are reachable
-//! for the program, tests and benches, are not documented here, and may change in any release.
+//! # Write a mechanism
+//!
+//! A scene is a TOML text. Names without a definition are the unknowns; loops must equal the identity.
+//!
+//! ```
+//! let text = r#"
+//! duration = 4
+//! [inputs]
+//! phi = "2*pi*t/4"
+//! [loops]
+//! A = "Rz(phi) Tx(40) Rz(alpha) Tx(80) Rz(beta) Tx(-h)"
+//! [guess]
+//! h = 100
+//! "#;
+//! let scene = mechanim::Scene::parse("slider", text)?;
+//! let motion = scene.solve(mechanim::Samples::At(vec![0.5]))?;
+//! assert!((motion.values("h")?[0] - 103.117418982941).abs() < 1e-11);
+//! # Ok::<(), mechanim::Error>(())
+//! ```
+//!
+//! # Draw it
+//!
+//! A film renders on all cores without a display; the name of the file decides on the format.
+//!
+//! ```no_run
+//! let motion = mechanim::Scene::builtin("gearshift")?.solve(mechanim::Samples::Frames)?;
+//! motion.film().size(640, 480).write("gearshift.gif")?;
+//! # Ok::<(), mechanim::Error>(())
+//! ```
+//!
+//! # Vary it
+//!
+//! A study asks what dimensions do to the measures of a scene: derivatives, tolerances, the best values.
+//!
+//! ```
+//! let study = mechanim::Scene::builtin("gearshift")?.study().vary(&["L4", "L5d"]);
+//! let slope = study.sensitivity()?.derivative("S_23", "L4")?;
+//! assert!(slope.is_finite());
+//! # Ok::<(), mechanim::Error>(())
+//! ```
+//!
+//! # Units, errors, threads
+//!
+//! Lengths are in the scene's own unit, angles in radians or degrees as the scene says, times in seconds. Mistakes in a scene are
+//! an [`Error`] that lists them, each with file, line and column, and with hints. A pose that does not exist is no
+//! error: see [`Motion::is_whole`]. Scenes and motions can be shared among threads; a solve gives the same bits on any number
+//! of them.
+//!
+//! # Features
+//!
+//! `cli` builds the `mechanim` program, `gpu` the wgpu renderer; both are on by default, and a library needs neither:
+//! `default-features = false`. The modules of the engine are private then. The feature `engine`, which `cli` brings along, opens
+//! them to the program, its tests and benches; they are not documented here and may change in any release. The format of scenes
+//! is described in `docs/scene-format.md`.
+
+// What only the program asks for has no other use in a bare library.
+#![cfg_attr(not(feature = "engine"), allow(dead_code, unused_imports))]
 
 mod api;
 
@@ -42,71 +98,164 @@ mod api;
 #[doc = include_str!("../README.md")]
 struct Readme;
 
-pub use analysis::study::optimum::SearchMethod;
-pub use analysis::tolerance::Distribution;
 pub use api::{
-    Assembly, Check, CheckOptions, Error, ErrorKind, Film, FilmFile, MeasureScatter, Motion,
-    OptimiseOptions, Optimum, PairClearance, Placement, Pose, Quantity, Samples, Scene,
-    Sensitivity, Study, Tolerance, ToleranceOptions,
+    Assembly, Check, CheckOptions, Error, ErrorKind, Film, Motion, PairClearance, Placement, Pose,
+    Quantity, Samples, Scene, Study,
 };
 pub use kinematics::results::certificate::{Certificate, Reason};
 
+/// What a [`Study`] is asked with, and what it answers.
+pub mod study {
+    pub use crate::analysis::study::optimum::SearchMethod;
+    pub use crate::analysis::tolerance::Distribution;
+    pub use crate::api::{
+        Enclosure, MeasureScatter, OptimiseOptions, Optimum, Sensitivity, Tolerance,
+        ToleranceOptions,
+    };
+}
+
+// The rooms of the engine: open to the program, private in a bare library.
+
+#[cfg(feature = "engine")]
 #[doc(hidden)]
 pub mod analysis;
+#[cfg(not(feature = "engine"))]
+mod analysis;
+#[cfg(feature = "engine")]
 #[doc(hidden)]
 pub mod charts;
+#[cfg(not(feature = "engine"))]
+mod charts;
+#[cfg(feature = "engine")]
 #[doc(hidden)]
 pub mod clearance;
+#[cfg(not(feature = "engine"))]
+mod clearance;
 #[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod cli;
+#[cfg(feature = "engine")]
 #[doc(hidden)]
 pub mod compare;
+#[cfg(not(feature = "engine"))]
+mod compare;
+#[cfg(feature = "engine")]
 #[doc(hidden)]
 pub mod diag;
+#[cfg(not(feature = "engine"))]
+mod diag;
+#[cfg(feature = "engine")]
 #[doc(hidden)]
 pub mod diagram;
+#[cfg(not(feature = "engine"))]
+mod diagram;
+#[cfg(feature = "engine")]
 #[doc(hidden)]
 pub mod distance;
+#[cfg(not(feature = "engine"))]
+mod distance;
+#[cfg(feature = "engine")]
 #[doc(hidden)]
 pub mod export;
+#[cfg(not(feature = "engine"))]
+mod export;
+#[cfg(feature = "engine")]
 #[doc(hidden)]
 pub mod geometry;
+#[cfg(not(feature = "engine"))]
+mod geometry;
+#[cfg(feature = "engine")]
 #[doc(hidden)]
 pub mod import;
+#[cfg(not(feature = "engine"))]
+mod import;
+#[cfg(feature = "engine")]
 #[doc(hidden)]
 pub mod intervals;
+#[cfg(not(feature = "engine"))]
+mod intervals;
+#[cfg(feature = "engine")]
 #[doc(hidden)]
 pub mod jobs;
+#[cfg(not(feature = "engine"))]
+mod jobs;
+#[cfg(feature = "engine")]
 #[doc(hidden)]
 pub mod kinematics;
+#[cfg(not(feature = "engine"))]
+mod kinematics;
+#[cfg(feature = "engine")]
 #[doc(hidden)]
 pub mod limits;
+#[cfg(not(feature = "engine"))]
+mod limits;
+#[cfg(feature = "engine")]
 #[doc(hidden)]
 pub mod linalg;
+#[cfg(not(feature = "engine"))]
+mod linalg;
+#[cfg(feature = "engine")]
 #[doc(hidden)]
 pub mod math;
+#[cfg(not(feature = "engine"))]
+mod math;
+#[cfg(feature = "engine")]
 #[doc(hidden)]
 pub mod model;
+#[cfg(not(feature = "engine"))]
+mod model;
+#[cfg(feature = "engine")]
 #[doc(hidden)]
 pub mod numbers;
+#[cfg(not(feature = "engine"))]
+mod numbers;
+#[cfg(feature = "engine")]
 #[doc(hidden)]
 pub mod page;
+#[cfg(not(feature = "engine"))]
+mod page;
+#[cfg(feature = "engine")]
 #[doc(hidden)]
 pub mod parts;
+#[cfg(not(feature = "engine"))]
+mod parts;
+#[cfg(feature = "engine")]
 #[doc(hidden)]
 pub mod pictures;
+#[cfg(not(feature = "engine"))]
+mod pictures;
+#[cfg(feature = "engine")]
 #[doc(hidden)]
 pub mod plot;
+#[cfg(not(feature = "engine"))]
+mod plot;
+#[cfg(feature = "engine")]
 #[doc(hidden)]
 pub mod render;
+#[cfg(not(feature = "engine"))]
+mod render;
+#[cfg(feature = "engine")]
 #[doc(hidden)]
 pub mod report;
+#[cfg(not(feature = "engine"))]
+mod report;
+#[cfg(feature = "engine")]
 #[doc(hidden)]
 pub mod scene;
+#[cfg(not(feature = "engine"))]
+mod scene;
+#[cfg(feature = "engine")]
 #[doc(hidden)]
 pub mod snapshot;
+#[cfg(not(feature = "engine"))]
+mod snapshot;
+#[cfg(feature = "engine")]
 #[doc(hidden)]
 pub mod staging;
+#[cfg(not(feature = "engine"))]
+mod staging;
+#[cfg(feature = "engine")]
 #[doc(hidden)]
 pub mod sweep;
+#[cfg(not(feature = "engine"))]
+mod sweep;

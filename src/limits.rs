@@ -68,7 +68,7 @@ impl Resource {
         }
     }
 
-    /// What is allowed where nothing is said: more than any example needs, less than fills a usual machine.
+    /// What is allowed by default: more than any example needs, less than fills a usual machine.
     const fn usual(self) -> f64 {
         match self {
             Self::Time | Self::Memory => f64::INFINITY,
@@ -300,6 +300,18 @@ fn line_of(path: &str, key: &str) -> Option<f64> {
 /// Refuses to allocate so many bytes more than the process, or the system, allows.
 pub fn allow_memory(bytes: f64, who: &dyn fmt::Display) -> Result<(), LimitExceeded> {
     Memory::used().allow(bytes, who, "needs")
+}
+
+/// Refuses to draw a picture of more pixels than are allowed, or than the memory is for at so many bytes a pixel.
+pub fn allow_picture(
+    [width, height]: [u32; 2],
+    bytes_a_pixel: f64,
+    name: &str,
+) -> Result<(), LimitExceeded> {
+    let pixels = f64::from(width) * f64::from(height);
+    let who = format!("{name}, {width} x {height} pixels,");
+    current_limits().allow(Resource::Pixels, pixels, &who)?;
+    allow_memory(pixels * bytes_a_pixel, &who)
 }
 
 /// Whether the process uses more memory than it may by now.

@@ -126,6 +126,7 @@ impl<'m> Walker<'m> {
             _ => {
                 let n = self.system.mechanism().unknowns.len();
                 let inputs = By::Time.inputs(self.actuation, &coordinates[n..], from, order);
+                // Taylor polynomial of the motion at the last pose.
                 let series = higher_rates(self.system, coordinates, &inputs, order)?;
                 coordinates
                     .iter_mut()
@@ -149,6 +150,7 @@ impl<'m> Walker<'m> {
                     coordinates,
                     Want::Jacobian,
                 );
+                // The other formulation of the residual, for comparison.
                 if form == RotationForm::Skew {
                     self.take_skew_part(block);
                 }
@@ -244,6 +246,7 @@ impl<'m> Walker<'m> {
             (middle, 0.5, 2.0),
             (to, 1.0, 1.0),
         ] {
+            // Stage k from the slope of the one before.
             for (k, q) in stage.iter_mut().enumerate() {
                 *q = coordinates[k] + reach * h * slope[k];
             }

@@ -22,7 +22,7 @@ const DEVIATIONS: f64 = 3.0;
 
 impl Distribution {
     /// Standard deviation of a dimension of this tolerance.
-    pub fn deviation(self, tolerance: f64) -> f64 {
+    pub(crate) fn deviation(self, tolerance: f64) -> f64 {
         match self {
             Self::Uniform => tolerance / 3.0_f64.sqrt(),
             Self::Normal => tolerance / DEVIATIONS,

@@ -142,6 +142,10 @@ impl From<FamilyError> for Error {
                 let hint = "give one for all, or each its own: `[study.variables]` NAME = { tolerance = 0.5 }";
                 Self::new(ErrorKind::Argument, message, vec![hint.to_owned()])
             }
+            FamilyError::Kept(_) => {
+                let hint = "leave it out of what varies, or write the number there";
+                Self::new(ErrorKind::Argument, message, vec![hint.to_owned()])
+            }
             FamilyError::Lacks(_) => Self::new(ErrorKind::Argument, message, Vec::new()),
         }
     }

@@ -2,10 +2,10 @@
 
 use super::error::{Error, ErrorKind};
 use super::loaded::Loaded;
+use crate::export::Format;
 use crate::export::film::{Destination, FilmSettings};
 use crate::export::gif::Quality;
 use crate::export::raw::Chroma;
-use crate::export::{ExportSummary, Format};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::model::theme::Theme;
 use crate::model::view_change::ViewChange;
@@ -32,18 +32,6 @@ pub struct Film<'m> {
     quality: Quality,
     theme: Option<Theme>,
     drawn_by: DrawnBy,
-}
-
-/// What was written.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct FilmFile {
-    /// Number of frames.
-    pub frames: usize,
-    /// Number of bytes.
-    pub bytes: u64,
-    /// How long the file plays, in seconds; zero where the format has no time.
-    pub seconds: f64,
 }
 
 impl<'m> Film<'m> {
@@ -85,8 +73,8 @@ impl<'m> Film<'m> {
     /// # let folder = tempfile::tempdir()?;
     /// # let path = folder.path().join("a.gif");
     /// let motion = Scene::builtin("four-bar")?.solve(Samples::Even(5))?;
-    /// let file = motion.film().size(80, 60).rate(10.0).write(&path)?;
-    /// assert_eq!((file.frames, file.seconds), (5, 0.5));
+    /// let bytes = motion.film().size(80, 60).rate(10.0).write(&path)?;
+    /// assert_eq!(std::fs::metadata(&path)?.len(), bytes);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn rate(mut self, frames_a_second: f64) -> Self {
@@ -103,7 +91,7 @@ impl<'m> Film<'m> {
     /// let motion = Scene::builtin("four-bar")?.solve(Samples::Even(5))?;
     /// let best = motion.film().size(160, 120).write(&path)?;
     /// let small = motion.film().size(160, 120).quality(30).write(&path)?;
-    /// assert!(small.bytes < best.bytes);
+    /// assert!(small < best);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn quality(mut self, quality: u8) -> Self {
@@ -173,7 +161,7 @@ impl<'m> Film<'m> {
     }
 
     /// Writes all samples into a file: .gif, .apng, .y4m, .rgba, a folder or a pattern such as `frame-%04d.png`; a .png
-    /// takes the first. The file is replaced only when it is complete.
+    /// takes the first. Returns the number of bytes. The file is replaced only when it is complete.
     ///
     /// Errors: an unknown extension; a failed write; a size that cannot be drawn.
     ///
@@ -183,7 +171,7 @@ impl<'m> Film<'m> {
     /// motion.film().size(800, 600).dark().write("gearshift.gif")?;
     /// # Ok::<(), mechanim::Error>(())
     /// ```
-    pub fn write(&self, path: impl AsRef<Path>) -> Result<FilmFile, Error> {
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<u64, Error> {
         let path = path.as_ref();
         let format = Format::from_path(path)?;
         if format.is_model() {
@@ -214,16 +202,7 @@ impl<'m> Film<'m> {
             let mut workers = pictures.workers(&self.drawn_by)?.list;
             let prepared = settings.open(destination, &mut workers, &never)?;
             let summary = settings.write(prepared, workers, &|_, _| {}, &never)?;
-            let ExportSummary {
-                frames,
-                bytes,
-                seconds,
-            } = summary;
-            Ok(FilmFile {
-                frames,
-                bytes,
-                seconds,
-            })
+            Ok(summary.bytes)
         })
     }
 

@@ -3,7 +3,7 @@
 use super::error::Error;
 use crate::diag::Source;
 use crate::kinematics::structure::system::System;
-use crate::scene::{Overrides, Scene, load_scene};
+use crate::scene::{OtherDrives, Overrides, Scene, load_scene};
 use std::sync::Arc;
 
 /// A scene as read, and its mechanism as analysed.
@@ -11,7 +11,7 @@ pub(super) struct Loaded {
     pub(super) text: Source,
     pub(super) overrides: Overrides,
     pub(super) scene: Scene,
-    pub(super) system: System,
+    pub(super) system: Arc<System>,
 }
 
 impl Loaded {
@@ -23,7 +23,21 @@ impl Loaded {
             text,
             overrides,
             scene,
-            system,
+            system: Arc::new(system),
         })
+    }
+
+    /// The same mechanism, driven otherwise: nothing is read or analysed again.
+    pub(super) fn driven(&self, drives: OtherDrives) -> Self {
+        let mut scene = self.scene.clone();
+        drives.replace_in(&mut scene.actuation);
+        let mut overrides = self.overrides.clone();
+        overrides.drives = Some(drives);
+        Self {
+            text: self.text.clone(),
+            overrides,
+            scene,
+            system: Arc::clone(&self.system),
+        }
     }
 }

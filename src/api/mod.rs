@@ -3,6 +3,7 @@
 mod assembly;
 mod check;
 mod derivatives;
+mod enclosure;
 mod error;
 mod film;
 mod loaded;
@@ -17,8 +18,9 @@ mod tolerance;
 
 pub use assembly::Assembly;
 pub use check::{Check, CheckOptions, PairClearance};
+pub use enclosure::Enclosure;
 pub use error::{Error, ErrorKind};
-pub use film::{Film, FilmFile};
+pub use film::Film;
 pub use motion::{Motion, Samples};
 pub use optimum::{OptimiseOptions, Optimum};
 pub use pose::{Placement, Pose};

@@ -4,16 +4,19 @@ use super::error::{Error, ErrorKind, find_column};
 use super::film::Film;
 use super::loaded::Loaded;
 use super::pose::Pose;
+use crate::charts::motion::{default_plot, motion_chart};
 use crate::export::{Output, Stream};
-use crate::kinematics::certificate::rows::redundant_rows;
 use crate::kinematics::measures::measure_motion;
 use crate::kinematics::motion::proved::{Proofs, solve_proved};
 use crate::kinematics::motion::sampling::{
     MAX_SAMPLES, allow_samples, even_times, frame_times, only_times,
 };
 use crate::kinematics::results::trajectory::{EventKind, Trajectory};
+use crate::plot::svg::write_svg;
+use crate::plot::{ChartTheme, draw_chart, usual_size};
 use crate::report::sentences::{event_sentence, gap_sentence};
 use crate::report::table::{Columns, write_csv, write_json};
+use crate::scene::{PlotText, load_scene};
 use std::fmt;
 use std::sync::Arc;
 
@@ -277,7 +280,7 @@ impl Motion {
 
     fn columns(&self) -> Columns {
         Columns {
-            redundant: redundant_rows(&self.loaded.system) > 0,
+            redundant: self.loaded.system.redundant_rows() > 0,
             ..Columns::default()
         }
     }
@@ -287,6 +290,43 @@ impl Motion {
         // Memory takes everything.
         let _ = write(&mut Stream::new("memory", &mut text));
         String::from_utf8(text).unwrap_or_default()
+    }
+
+    /// Curves over this motion as SVG: formulas as in the scene's `[[plots]]`, with derivatives as `d(h, phi)`, against another
+    /// formula or the time. Without curves those that the scene asks for, else its outputs.
+    ///
+    /// Errors: formulas that cannot be read, all of them listed.
+    ///
+    /// ```
+    /// # use mechanim::{Samples, Scene};
+    /// let motion = Scene::builtin("slider-crank")?.solve(Samples::Even(90))?;
+    /// assert!(motion.plot(&["h", "d(h, phi)"], Some("phi"))?.starts_with("<svg"));
+    /// assert!(motion.plot(&["no such name"], None).is_err());
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn plot(&self, curves: &[&str], against: Option<&str>) -> Result<String, Error> {
+        let Loaded {
+            scene,
+            system,
+            text,
+            overrides,
+        } = &*self.loaded;
+        let mut plots = scene.plots.clone();
+        if !curves.is_empty() {
+            let mut overrides = overrides.clone();
+            overrides.plot = Some(PlotText {
+                x: against.map(str::to_owned),
+                y: curves.iter().map(|curve| (*curve).to_owned()).collect(),
+                equal: false,
+            });
+            plots = load_scene(text, &overrides)?.plots;
+        }
+        if plots.is_empty() {
+            plots = vec![default_plot(&scene.mechanism, &scene.actuation)];
+        }
+        let chart = motion_chart(system, &scene.actuation, &plots, &self.trajectory);
+        let drawing = draw_chart(&chart, usual_size(&chart), ChartTheme::LIGHT);
+        Ok(write_svg(&drawing))
     }
 
     /// Pictures of this motion.

@@ -70,7 +70,7 @@ impl Optimum {
     /// The objective before and after, in the scene's units.
     ///
     /// ```
-    /// # use mechanim::{OptimiseOptions, Scene};
+    /// # use mechanim::{Scene, study::OptimiseOptions};
     /// let study = Scene::builtin("gearshift-optimised")?.study();
     /// let [before, after] = study.optimise(&OptimiseOptions { iterations: 1, ..Default::default() })?.objective();
     /// assert!(after <= before);
@@ -84,7 +84,7 @@ impl Optimum {
     /// The variables with their best values, in the scene's units.
     ///
     /// ```
-    /// # use mechanim::{OptimiseOptions, Scene};
+    /// # use mechanim::{Scene, study::OptimiseOptions};
     /// let study = Scene::builtin("gearshift-optimised")?.study();
     /// let best = study.optimise(&OptimiseOptions { iterations: 1, ..Default::default() })?;
     /// assert!(best.values().iter().all(|(_, value)| value.is_finite()));
@@ -100,7 +100,7 @@ impl Optimum {
     /// Whether an independent motion with these values has the same objective, and all limits and clearances are kept.
     ///
     /// ```
-    /// # use mechanim::{OptimiseOptions, Scene};
+    /// # use mechanim::{Scene, study::OptimiseOptions};
     /// let study = Scene::builtin("gearshift-optimised")?.study();
     /// let best = study.optimise(&OptimiseOptions { iterations: 1, ..Default::default() })?;
     /// assert!(best.holds(), "{}", best.text());
@@ -115,7 +115,7 @@ impl Optimum {
     /// Errors: a text whose values cannot be replaced.
     ///
     /// ```
-    /// # use mechanim::{OptimiseOptions, Scene};
+    /// # use mechanim::{Scene, study::OptimiseOptions};
     /// let study = Scene::builtin("gearshift-optimised")?.study();
     /// let best = study.optimise(&OptimiseOptions { iterations: 1, ..Default::default() })?;
     /// let better = Scene::parse("better", &best.scene_text()?)?;
@@ -136,7 +136,7 @@ impl Optimum {
     /// The report that `mechanim optimise` prints.
     ///
     /// ```
-    /// # use mechanim::{OptimiseOptions, Scene};
+    /// # use mechanim::{Scene, study::OptimiseOptions};
     /// let study = Scene::builtin("gearshift-optimised")?.study();
     /// let best = study.optimise(&OptimiseOptions { iterations: 1, ..Default::default() })?;
     /// assert!(best.text().contains("Followed again"));
@@ -149,7 +149,7 @@ impl Optimum {
     /// The same as a JSON document.
     ///
     /// ```
-    /// # use mechanim::{OptimiseOptions, Scene};
+    /// # use mechanim::{Scene, study::OptimiseOptions};
     /// let study = Scene::builtin("gearshift-optimised")?.study();
     /// let best = study.optimise(&OptimiseOptions { iterations: 1, ..Default::default() })?;
     /// assert!(best.to_json().contains("mechanim-optimise/1"));

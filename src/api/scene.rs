@@ -79,7 +79,7 @@ impl Scene {
 
     /// The scene in the file at `path`; meshes are looked for beside it.
     ///
-    /// Errors: a file that cannot be read, or has mistakes: all of them are listed, each with line and column.
+    /// Errors: a file that cannot be read, or has mistakes: the error lists them, each with line and column.
     ///
     /// ```
     /// let scene = mechanim::Scene::open("scenes/peaucellier.toml")?;
@@ -188,7 +188,8 @@ impl Scene {
     /// ```
     pub fn with_rows(&self, times: &[f64], columns: &[(&str, &[f64])]) -> Result<Self, Error> {
         let drives = rows::drives(&self.loaded.scene.mechanism, times, columns)?;
-        self.changed(|overrides| overrides.drives = Some(drives))
+        let loaded = Arc::new(self.loaded.driven(drives));
+        Ok(Self { loaded })
     }
 
     /// The scene with a start value for an unknown: the assembly nearest to the named start values is taken.

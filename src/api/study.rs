@@ -1,7 +1,9 @@
 //! Studies: what becomes of the measures of a scene when its parameters change.
 
+use super::enclosure::Enclosure;
 use super::error::Error;
 use super::loaded::Loaded;
+use super::motion::Samples;
 use super::optimum::{OptimiseOptions, Optimum};
 use super::sensitivity::Sensitivity;
 use super::tolerance::{Tolerance, ToleranceOptions};
@@ -53,7 +55,7 @@ impl Study {
     /// The study with searches and random pieces that end as soon as `cancel` is raised, with what they have until then.
     ///
     /// ```
-    /// use mechanim::{OptimiseOptions, Scene};
+    /// use mechanim::{Scene, study::OptimiseOptions};
     /// use std::sync::{Arc, atomic::AtomicBool};
     ///
     /// let raised = Arc::new(AtomicBool::new(true));
@@ -87,7 +89,7 @@ impl Study {
     /// Errors: likewise; a variable without a tolerance.
     ///
     /// ```
-    /// use mechanim::{Scene, ToleranceOptions};
+    /// use mechanim::{Scene, study::ToleranceOptions};
     ///
     /// let study = Scene::builtin("gearshift")?.study().vary(&["L4", "L5d"]);
     /// let options = ToleranceOptions { tolerance: Some(0.01), samples: 64, ..Default::default() };
@@ -101,13 +103,38 @@ impl Study {
         Tolerance::of(&self.load(true)?, options, &self.cancel)
     }
 
+    /// Bands of the motion that no piece leaves whose dimensions are within their tolerances, proved. `tolerance` is half the
+    /// width for every dimension that the scene gives none, in the dimension's unit.
+    ///
+    /// What varies is what [`vary`](Self::vary) names, else the variables of the study that have a tolerance, else every length
+    /// and angle. The scene needs no measures.
+    ///
+    /// Errors: a dimension without a tolerance, or in a place where no tolerance is followed; samples that do not fit the
+    /// motion. Samples without a band are none: see [`Enclosure::to_json`].
+    ///
+    /// ```
+    /// # use mechanim::{Samples, Scene};
+    /// let study = Scene::builtin("gearshift")?.study();
+    /// let enclosure = study.vary(&["all"]).enclose(Some(0.01), Samples::Even(4))?;
+    /// assert!(enclosure.bands("M.x")?.iter().all(|[low, high]| high - low < 2.0));
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn enclose(&self, tolerance: Option<f64>, samples: Samples) -> Result<Enclosure, Error> {
+        Enclosure::of(
+            &self.loaded,
+            &self.names,
+            (tolerance, &samples),
+            &self.cancel,
+        )
+    }
+
     /// The values of the variables that make the study's objective least, kept within its limits, and proved afterwards.
     ///
     /// Errors: nothing to minimise or to vary; a pose that does not exist. Limits that cannot be kept are no error: see
     /// [`Optimum::holds`].
     ///
     /// ```
-    /// use mechanim::{OptimiseOptions, Scene};
+    /// use mechanim::{Scene, study::OptimiseOptions};
     ///
     /// let study = Scene::builtin("gearshift-optimised")?.study();
     /// let best = study.optimise(&OptimiseOptions { iterations: 1, ..Default::default() })?;

@@ -97,7 +97,7 @@ impl Tolerance {
     /// Every measure with its scatter.
     ///
     /// ```
-    /// # use mechanim::{Scene, ToleranceOptions};
+    /// # use mechanim::{Scene, study::ToleranceOptions};
     /// let study = Scene::builtin("gearshift")?.study().vary(&["L4"]);
     /// let options = ToleranceOptions { tolerance: Some(0.01), samples: 64, ..Default::default() };
     /// for measure in study.tolerance(&options)?.measures() {
@@ -113,7 +113,7 @@ impl Tolerance {
     /// The share of the random pieces that assemble and keep the limits of all measures, from 0 to 1.
     ///
     /// ```
-    /// # use mechanim::{Scene, ToleranceOptions};
+    /// # use mechanim::{Scene, study::ToleranceOptions};
     /// let study = Scene::builtin("gearshift")?.study().vary(&["L4"]);
     /// let options = ToleranceOptions { tolerance: Some(0.01), samples: 64, ..Default::default() };
     /// assert!((0.0..=1.0).contains(&study.tolerance(&options)?.yield_share()));
@@ -126,7 +126,7 @@ impl Tolerance {
     /// The table that `mechanim tolerance` prints.
     ///
     /// ```
-    /// # use mechanim::{Scene, ToleranceOptions};
+    /// # use mechanim::{Scene, study::ToleranceOptions};
     /// let study = Scene::builtin("gearshift")?.study().vary(&["L4"]);
     /// let options = ToleranceOptions { tolerance: Some(0.01), samples: 64, ..Default::default() };
     /// assert!(study.tolerance(&options)?.text().contains("64 pieces"));
@@ -139,7 +139,7 @@ impl Tolerance {
     /// The same as a JSON document.
     ///
     /// ```
-    /// # use mechanim::{Scene, ToleranceOptions};
+    /// # use mechanim::{Scene, study::ToleranceOptions};
     /// let study = Scene::builtin("gearshift")?.study().vary(&["L4"]);
     /// let options = ToleranceOptions { tolerance: Some(0.01), samples: 64, ..Default::default() };
     /// assert!(study.tolerance(&options)?.to_json().contains("mechanim-tolerance/1"));

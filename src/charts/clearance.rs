@@ -14,43 +14,13 @@ fn chart_bound(pair: &PairReport) -> Option<f64> {
 
 /// One curve a pair, the `most` worst ones; the dashed line is the minimum asked for, the mark the worst moment.
 pub fn clearance_chart(mechanism: &Mechanism, report: &ClearanceReport, most: usize) -> Chart {
-    let shown = &report.judged[..most
-        .clamp(1, report.judged.len().max(1))
-        .min(report.judged.len())];
-    let name = |k: usize| mechanism.bodies[k].name.as_str();
-    let mut panel = Panel {
-        x: Axis {
-            label: "time".to_owned(),
-            unit: "s".to_owned(),
-            tight: true,
-            ..Axis::default()
-        },
-        y: Axis {
-            label: "clearance".to_owned(),
-            unit: mechanism.length_unit.clone(),
-            ..Axis::default()
-        },
-        samples: report.times.clone(),
-        ..Panel::default()
-    };
+    let all = report.judged.len();
+    let shown = &report.judged[..most.clamp(1, all.max(1)).min(all)];
+    let mut panel = empty_panel(mechanism, report);
+    let curves = shown.iter().map(|pair| pair_curve(mechanism, report, pair));
+    panel.series.extend(curves);
     let mut minima: Vec<f64> = Vec::new();
     for pair in shown {
-        let [a, b] = pair.pair.map(name);
-        // The least distance lies between samples as a rule: it belongs to the curve.
-        let mut points: Vec<[f64; 2]> = report
-            .times
-            .iter()
-            .copied()
-            .zip(pair.distances.iter().copied())
-            .map(<[f64; 2]>::from)
-            .collect();
-        points.push([pair.least.time, pair.least.distance]);
-        points.sort_by(|p, q| p[0].total_cmp(&q[0]));
-        panel.series.push(PlotSeries {
-            name: format!("{a} / {b}"),
-            points: points.into_iter().map(Some).collect(),
-            ..PlotSeries::default()
-        });
         if !minima.contains(&pair.minimum) {
             minima.push(pair.minimum);
         }
@@ -66,48 +36,85 @@ pub fn clearance_chart(mechanism: &Mechanism, report: &ClearanceReport, most: us
         ..Chart::default()
     };
     if let Some(worst) = worst {
-        let least = &worst.least;
-        let [a, b] = worst.pair.map(name);
-        let unit = &mechanism.length_unit;
         if shown.len() == 1 {
-            panel.title = format!("{a} / {b}");
+            panel.title = pair_name(mechanism, worst);
         }
-        let known = match (chart_bound(worst), least.is_certified) {
-            (None, _) => "a depth has no bound".to_owned(),
-            (Some(bound), true) => format!("never below {} {unit} (proved)", not_below(bound, 4)),
-            (Some(bound), false) => {
-                format!("never below {} {unit} (estimated)", not_below(bound, 4))
-            }
-        };
-        chart.notes.push(format!(
-            "dashed: the minimum, {} is asked, and the bound of {a} / {b}, {known}",
-            worst.minimum
-        ));
-        panel.marks.push([least.time, least.distance]);
-        panel.events.push(EventMark {
-            x: least.time,
-            label: format!("{:.4} {}", least.distance, mechanism.length_unit),
-        });
-        chart.description = format!(
-            "{a} and {b} come nearest, {:.6} {} at {:.6} s; {} is asked for",
-            least.distance, mechanism.length_unit, least.time, worst.minimum
-        );
+        mark_worst(mechanism, worst, &mut panel, &mut chart);
     }
-    panel.shades = report
-        .gaps
-        .iter()
-        .map(|[from, to]| Shade {
-            from: *from,
-            to: *to,
-            word: "not checked".to_owned(),
-        })
-        .collect();
-    if report.judged.len() > shown.len() {
-        let (shown, all) = (shown.len(), report.judged.len());
-        chart
-            .notes
-            .push(format!("the {shown} worst of {all} pairs"));
+    if all > shown.len() {
+        let note = format!("the {} worst of {all} pairs", shown.len());
+        chart.notes.push(note);
     }
     chart.panels.push(panel);
     chart
+}
+
+fn pair_name(mechanism: &Mechanism, pair: &PairReport) -> String {
+    let [a, b] = pair.pair.map(|k| mechanism.bodies[k].name.as_str());
+    format!("{a} / {b}")
+}
+
+/// Axes, instants and the stretches that were not checked.
+fn empty_panel(mechanism: &Mechanism, report: &ClearanceReport) -> Panel {
+    let shade = |[from, to]: &[f64; 2]| Shade {
+        from: *from,
+        to: *to,
+        word: "not checked".to_owned(),
+    };
+    Panel {
+        x: Axis {
+            label: "time".to_owned(),
+            unit: "s".to_owned(),
+            tight: true,
+            ..Axis::default()
+        },
+        y: Axis {
+            label: "clearance".to_owned(),
+            unit: mechanism.length_unit.clone(),
+            ..Axis::default()
+        },
+        samples: report.times.clone(),
+        shades: report.gaps.iter().map(shade).collect(),
+        ..Panel::default()
+    }
+}
+
+/// The distances of a pair. The least one lies between samples as a rule: it belongs to the curve.
+fn pair_curve(mechanism: &Mechanism, report: &ClearanceReport, pair: &PairReport) -> PlotSeries {
+    let samples = report.times.iter().zip(&pair.distances);
+    let mut points: Vec<[f64; 2]> = samples.map(|(t, d)| [*t, *d]).collect();
+    points.push([pair.least.time, pair.least.distance]);
+    points.sort_by(|p, q| p[0].total_cmp(&q[0]));
+    PlotSeries {
+        name: pair_name(mechanism, pair),
+        points: points.into_iter().map(Some).collect(),
+        ..PlotSeries::default()
+    }
+}
+
+/// The worst moment in the chart, in its notes and in its description.
+fn mark_worst(mechanism: &Mechanism, worst: &PairReport, panel: &mut Panel, chart: &mut Chart) {
+    let (least, unit) = (&worst.least, &mechanism.length_unit);
+    let (pair, minimum) = (pair_name(mechanism, worst), worst.minimum);
+    let how = match least.is_certified {
+        true => "proved",
+        false => "estimated",
+    };
+    let known = chart_bound(worst).map_or_else(
+        || "a depth has no bound".to_owned(),
+        |bound| format!("never below {} {unit} ({how})", not_below(bound, 4)),
+    );
+    chart.notes.push(format!(
+        "dashed: the minimum, {minimum} is asked, and the bound of {pair}, {known}"
+    ));
+    panel.marks.push([least.time, least.distance]);
+    panel.events.push(EventMark {
+        x: least.time,
+        label: format!("{:.4} {unit}", least.distance),
+    });
+    let [a, b] = worst.pair.map(|k| mechanism.bodies[k].name.as_str());
+    chart.description = format!(
+        "{a} and {b} come nearest, {:.6} {unit} at {:.6} s; {minimum} is asked for",
+        least.distance, least.time
+    );
 }

@@ -157,7 +157,7 @@ struct ChartedMotion<'a> {
 impl ChartedMotion<'_> {
     /// Adds the panels of a plot: one per unit.
     fn add(&mut self, plot: &Plot, chart: &mut Chart) {
-        let places = self.abscissa(&plot.x);
+        let places = self.abscissa_values(&plot.x);
         let mut units: Vec<&str> = Vec::new();
         for curve in &plot.y {
             if !units.contains(&curve.unit.as_str()) {
@@ -166,7 +166,7 @@ impl ChartedMotion<'_> {
         }
         for (k, unit) in units.into_iter().enumerate() {
             let curves: Vec<&PlotCurve> = plot.y.iter().filter(|c| c.unit == unit).collect();
-            let mut panel = self.panel(plot, &curves, &places);
+            let mut panel = self.unit_panel(plot, &curves, &places);
             // Reference points belong to the first quantity.
             if k == 0 {
                 panel.title.clone_from(&plot.title);
@@ -179,7 +179,7 @@ impl ChartedMotion<'_> {
     }
 
     /// Curves of one unit.
-    fn panel(&mut self, plot: &Plot, curves: &[&PlotCurve], places: &[f64]) -> Panel {
+    fn unit_panel(&mut self, plot: &Plot, curves: &[&PlotCurve], places: &[f64]) -> Panel {
         let is_known = self.places_of_all(&plot.x);
         let (label, unit) = match &plot.x {
             Abscissa::Time => ("time", "s"),
@@ -257,10 +257,11 @@ impl ChartedMotion<'_> {
     /// Internal values of a quantity at all samples; `None` without a pose or, for a rate, at a singular one.
     fn values(&mut self, curve: &PlotCurve) -> Vec<Option<f64>> {
         if let Some(rate) = curve.rate {
-            return self.rates(&curve.expression, rate);
+            return self.curve_rates(&curve.expression, rate);
         }
         let parts = curve.rates.iter();
-        let parts: Vec<Vec<Option<f64>>> = parts.map(|(f, rate)| self.rates(f, *rate)).collect();
+        let parts: Vec<Vec<Option<f64>>> =
+            parts.map(|(f, rate)| self.curve_rates(f, *rate)).collect();
         let value = |(index, slots): (usize, &Option<Vec<f64>>)| {
             let slots = slots.as_ref()?;
             if parts.is_empty() {
@@ -277,15 +278,15 @@ impl ChartedMotion<'_> {
     }
 
     /// A rate of a formula at all samples.
-    fn rates(&mut self, formula: &Expression, rate: Rate) -> Vec<Option<f64>> {
+    fn curve_rates(&mut self, formula: &Expression, rate: Rate) -> Vec<Option<f64>> {
         let order = rate.order;
-        let all = self.series(rate);
+        let all = self.sample_series(rate);
         let value = |slots: &Vec<TaylorSeries>| formula.value(slots).derivative(order);
         all.iter().map(|s| s.as_ref().map(value)).collect()
     }
 
     /// Series of all slots along what `rate` is taken by; computed once for each kind.
-    fn series(&mut self, rate: Rate) -> &SeriesOfSamples {
+    fn sample_series(&mut self, rate: Rate) -> &SeriesOfSamples {
         if let Some(known) = self.series.iter().position(|(r, _)| *r == rate) {
             return &self.series[known].1;
         }
@@ -320,7 +321,7 @@ impl ChartedMotion<'_> {
     }
 
     /// Places of all samples in the axis' unit; NaN where there is none.
-    fn abscissa(&mut self, x: &Abscissa) -> Vec<f64> {
+    fn abscissa_values(&mut self, x: &Abscissa) -> Vec<f64> {
         let samples = &self.trajectory.samples;
         match x {
             Abscissa::Time => samples.iter().map(|s| s.time).collect(),

@@ -33,7 +33,7 @@ const FADED: f64 = 0.62;
 
 /// What a place shows: the first ok row that falls there.
 #[derive(Clone, Copy, Debug, Default)]
-struct Place {
+struct MapPlace {
     is_met: bool,
     value: Option<f64>,
     is_feasible: bool,
@@ -47,7 +47,7 @@ pub struct SweepPlot<'s> {
     /// Parameters along the axes: those that change.
     axes: Vec<usize>,
     counts: Vec<usize>,
-    places: Vec<Place>,
+    places: Vec<MapPlace>,
 }
 
 impl<'s> SweepPlot<'s> {
@@ -70,7 +70,7 @@ impl<'s> SweepPlot<'s> {
         };
         let counts: Vec<usize> = axes.iter().map(|axis| count(axis).max(1)).collect();
         Some(Self {
-            places: vec![Place::default(); counts.iter().product()],
+            places: vec![MapPlace::default(); counts.iter().product()],
             sweep,
             value,
             axes,
@@ -97,7 +97,7 @@ impl<'s> SweepPlot<'s> {
         let value = row.values.get(self.value).copied();
         let value = value.filter(|v| row.status == RowStatus::Ok && v.is_finite());
         if place.value.is_none() && value.is_some() {
-            *place = Place {
+            *place = MapPlace {
                 value,
                 is_feasible: row.is_feasible,
                 ..*place
@@ -108,9 +108,9 @@ impl<'s> SweepPlot<'s> {
     /// The chart, and the bar of colours of a map.
     pub fn chart(&self) -> (Chart, Option<ColourBar>) {
         let (panel, bar) = match self.axes.len() {
-            1 => (self.curve(), None),
+            1 => (self.curve_panel(), None),
             _ => {
-                let bar = self.bar();
+                let bar = self.value_bar();
                 (self.map(&bar), Some(bar))
             }
         };
@@ -119,13 +119,13 @@ impl<'s> SweepPlot<'s> {
         let chart = Chart {
             title: self.sweep.title().to_owned(),
             description: format!("{name} over {}", along.join(" and ")),
-            notes: self.notes(bar.is_some()),
+            notes: self.chart_notes(bar.is_some()),
             panels: vec![panel],
         };
         (chart, bar)
     }
 
-    fn notes(&self, is_map: bool) -> Vec<String> {
+    fn chart_notes(&self, is_map: bool) -> Vec<String> {
         let count = self.sweep.design.count();
         let what = match is_map {
             true => "faded: limits are broken; grey: no row is ok",
@@ -134,7 +134,7 @@ impl<'s> SweepPlot<'s> {
         vec![format!("{count} designs; {what}")]
     }
 
-    fn axis(&self, k: usize) -> Axis {
+    fn plot_axis(&self, k: usize) -> Axis {
         let name = &self.sweep.design.axes[self.axes[k]].name;
         let variables = &self.sweep.family().study.variables;
         let kind = variables.iter().find(|v| v.name == *name).map(|v| v.kind);
@@ -148,7 +148,7 @@ impl<'s> SweepPlot<'s> {
     }
 
     /// Edges of place `place` along axis `k`.
-    fn edges(&self, k: usize, place: usize) -> [f64; 2] {
+    fn place_edges(&self, k: usize, place: usize) -> [f64; 2] {
         let range = &self.sweep.design.axes[self.axes[k]];
         let count = self.counts[k];
         let (low, high) = match (range.count, count) {
@@ -161,12 +161,12 @@ impl<'s> SweepPlot<'s> {
         [place, place + 1].map(|edge| low + (high - low) * edge as f64 / count as f64)
     }
 
-    fn curve(&self) -> Panel {
+    fn curve_panel(&self) -> Panel {
         let middle = |place: usize| {
-            let [from, to] = self.edges(0, place);
+            let [from, to] = self.place_edges(0, place);
             0.5 * (from + to)
         };
-        let points = |is_shown: &dyn Fn(&Place) -> bool| -> Vec<Option<[f64; 2]>> {
+        let points = |is_shown: &dyn Fn(&MapPlace) -> bool| -> Vec<Option<[f64; 2]>> {
             // A place that no design fell into is no gap of the motion.
             let met = self.places.iter().enumerate().filter(|(_, p)| p.is_met);
             met.map(|(k, p)| p.value.filter(|_| is_shown(p)).map(|v| [middle(k), v]))
@@ -187,7 +187,7 @@ impl<'s> SweepPlot<'s> {
             series.push(named("limits broken", points(&|p| !p.is_feasible)));
         }
         Panel {
-            x: self.axis(0),
+            x: self.plot_axis(0),
             y: Axis {
                 label: name.clone(),
                 unit: unit.clone(),
@@ -198,7 +198,7 @@ impl<'s> SweepPlot<'s> {
         }
     }
 
-    fn bar(&self) -> ColourBar {
+    fn value_bar(&self) -> ColourBar {
         let values = self.places.iter().filter_map(|p| p.value);
         let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
             (l.min(v), h.max(v))
@@ -221,12 +221,12 @@ impl<'s> SweepPlot<'s> {
         for column in 0..across {
             for row in 0..up {
                 let place = &self.places[column * up + row];
-                let [x, y] = [self.edges(0, column), self.edges(1, row)];
+                let [x, y] = [self.place_edges(0, column), self.place_edges(1, row)];
                 let fill = match place.value.and_then(|value| bar.colour(value)) {
                     _ if !place.is_met => continue,
                     None => NOTHING,
                     Some(colour) if place.is_feasible => colour,
-                    Some(colour) => faded(colour),
+                    Some(colour) => faded_colour(colour),
                 };
                 tiles.push(Tile {
                     from: [x[0], y[0]],
@@ -236,16 +236,16 @@ impl<'s> SweepPlot<'s> {
             }
         }
         Panel {
-            x: self.axis(0),
-            y: self.axis(1),
+            x: self.plot_axis(0),
+            y: self.plot_axis(1),
             tiles,
-            series: self.border(),
+            series: self.region_border(),
             ..Panel::default()
         }
     }
 
     /// The border of the feasible region, edge by edge.
-    fn border(&self) -> Vec<PlotSeries> {
+    fn region_border(&self) -> Vec<PlotSeries> {
         let [across, up] = [self.counts[0], self.counts[1]];
         let is_inside = |column: usize, row: usize| {
             column < across && row < up && self.places[column * up + row].is_feasible
@@ -254,7 +254,7 @@ impl<'s> SweepPlot<'s> {
         let mut edge = |a: [f64; 2], b: [f64; 2]| points.extend([Some(a), Some(b), None]);
         for column in 0..across {
             for row in 0..up {
-                let [x, y] = [self.edges(0, column), self.edges(1, row)];
+                let [x, y] = [self.place_edges(0, column), self.place_edges(1, row)];
                 let is_own = is_inside(column, row);
                 if column + 1 < across && is_own != is_inside(column + 1, row) {
                     edge([x[1], y[0]], [x[1], y[1]]);
@@ -292,7 +292,7 @@ fn map_colour(k: usize) -> Colour {
     [r, g, b, 255]
 }
 
-fn faded([r, g, b, a]: Colour) -> Colour {
+fn faded_colour([r, g, b, a]: Colour) -> Colour {
     let mix = |c: u8| (f64::from(c) * (1.0 - FADED) + 255.0 * FADED).round() as u8;
     [mix(r), mix(g), mix(b), a]
 }

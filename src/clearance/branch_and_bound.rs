@@ -7,14 +7,10 @@
 //! First the minimum is proved everywhere, which is what the verdict rests on; then the bound is brought as near to the
 //! distance as was asked. A search that is cut off has what was proved until then.
 
-use super::curved::in_parts;
-use super::meeting::Meeting;
+use super::look::{BoundGoal, LookMemory, Segment};
 use super::motion::ProvedMotion;
 use super::sweep::{Best, Least, PairSweep};
-use crate::distance::bodies::{nearest_bodies, separation_along, sphere_separation};
-use crate::distance::primitive::{Element, Primitive};
-use glam::DVec3;
-use std::rc::Rc;
+use crate::distance::bodies::nearest_bodies;
 
 /// Most pieces of time looked at for one pair.
 const MAX_LOOKS: usize = 40_000;
@@ -27,77 +23,6 @@ const SHORTEST: f64 = 1.0 / 65_536.0;
 
 /// A pose is solved for a lower distance only where that is lower by this share of what the bound may miss.
 const WORTH_A_POSE: f64 = 0.25;
-
-/// A piece of a stretch.
-#[derive(Clone)]
-pub(super) struct Segment {
-    pub(super) stretch: usize,
-    pub(super) middle: f64,
-    pub(super) half: f64,
-    /// A distance that both ends keep.
-    ends: f64,
-    /// No distance is lower, as looks at a longer piece or for another goal have shown.
-    known: f64,
-    near: NearElements,
-}
-
-/// Pairs of elements that may be near; all, if nothing is known.
-#[derive(Clone)]
-pub(super) struct NearElements {
-    list: Option<Rc<[[usize; 2]]>>,
-    /// All others are no nearer than this.
-    others: f64,
-}
-
-impl NearElements {
-    /// Nothing is known.
-    pub(super) const ALL: Self = Self {
-        list: None,
-        others: f64::INFINITY,
-    };
-}
-
-impl Segment {
-    /// A whole stretch of which nothing is known.
-    pub(super) fn whole(stretch: usize) -> Self {
-        Self::part(stretch, 0.0, 1.0)
-    }
-
-    /// A part of a stretch.
-    pub(super) fn part(stretch: usize, middle: f64, half: f64) -> Self {
-        Self {
-            stretch,
-            middle,
-            half,
-            ends: f64::NEG_INFINITY,
-            known: f64::NEG_INFINITY,
-            near: NearElements::ALL,
-        }
-    }
-
-    /// Where it begins and ends on its stretch.
-    pub(super) fn ends_of(&self) -> [f64; 2] {
-        [self.middle - self.half, self.middle + self.half]
-    }
-}
-
-/// What a look at a piece found.
-pub(super) struct BoundGoal {
-    /// No distance of the piece is lower.
-    pub(super) lowest: f64,
-    /// No pose of the motion in the middle of the piece is farther apart than this.
-    pub(super) middle: f64,
-    /// Narrower bounds of the motion would help more than shorter pieces.
-    pub(super) is_blurred: bool,
-    pub(super) near: NearElements,
-}
-
-/// From the first to the second of every pair of elements, where they were nearest when they were last looked at: planes
-/// square to it part most of them for a long time. Zero if not known.
-pub(super) struct PartingNormals {
-    columns: usize,
-    list: Vec<DVec3>,
-}
 
 /// What is to be proved.
 #[derive(Clone, Copy)]
@@ -113,7 +38,7 @@ struct SegmentSearch {
     open: Vec<Segment>,
     settled: Vec<(Segment, BoundGoal)>,
     looks: usize,
-    normals: PartingNormals,
+    memory: LookMemory,
 }
 
 impl PairSweep<'_> {
@@ -125,11 +50,11 @@ impl PairSweep<'_> {
             open: self.roots(motion, distances),
             settled: Vec::new(),
             looks: 0,
-            normals: self.parting_normals(),
+            memory: self.look_memory(),
         };
         for goal in [Goal::Minimum, Goal::Tolerance] {
             let value = self.value_of(motion, goal, &best);
-            search.reopen(value);
+            search.reopen(motion, value);
             self.settle(motion, &mut search, goal, &mut best);
         }
         self.decide(motion, &search, &mut best);
@@ -212,8 +137,13 @@ impl PairSweep<'_> {
         while let Some(piece) = search.open.pop() {
             // Depth first; what a piece cannot fall below is compared with what is asked now.
             search.looks += 1;
-            let goals = [self.value_of(motion, goal, best), self.target(best)];
-            let mut look = self.look(motion, &piece, goals, &mut search.normals);
+            // A whole stretch is looked at once, for both goals.
+            let [asked, target] = [self.value_of(motion, goal, best), self.target(best)];
+            let goals = match piece.half == 1.0 {
+                true => [asked.max(target), target],
+                false => [asked, target],
+            };
+            let mut look = self.look(motion, &piece, goals, &mut search.memory);
             // A look for a higher goal may tell less.
             look.lowest = look.lowest.max(piece.known);
             self.measure(motion, &piece, &look, best);
@@ -264,136 +194,31 @@ impl PairSweep<'_> {
             };
         }
     }
-
-    /// Nothing is known of any pair of elements.
-    pub(super) fn parting_normals(&self) -> PartingNormals {
-        let [rows, columns] = self.hulls.map(|hull| hull.elements.len());
-        PartingNormals {
-            columns,
-            list: vec![DVec3::ZERO; rows * columns],
-        }
-    }
-
-    /// Lower bound over a piece, as far as the goal needs it. Pairs of elements are near unless they reach the last goal, too.
-    pub(super) fn look(
-        &self,
-        motion: &ProvedMotion,
-        piece: &Segment,
-        [goal, last]: [f64; 2],
-        normals: &mut PartingNormals,
-    ) -> BoundGoal {
-        let stretch = &motion.stretches[piece.stretch];
-        // The pose in the middle, with what the bodies can move within the piece.
-        let (arguments, s, half) = (&stretch.arguments, piece.middle, piece.half);
-        let moved = self.chain.around(arguments, s, half);
-        let ball = self.hulls[1].ball;
-        let fastest = moved.distance(ball);
-        // From both ends, each for the half that is nearer to it.
-        let from_ends = piece.ends - fastest - moved.bending(ball) - moved.deviation(ball);
-        // Bounding balls; enough for pairs that are far apart.
-        let far = self.hulls[0].apart(self.hulls[1], &moved.pose) - fastest;
-        let lowest = from_ends.max(far);
-        if lowest >= goal {
-            return BoundGoal {
-                lowest,
-                middle: f64::INFINITY,
-                is_blurred: false,
-                near: piece.near.clone(),
-            };
-        }
-        // Element by element: only those that could come below `last` are kept for the halves.
-        let back = self.back.as_ref().map(|b| b.around(arguments, s, half));
-        let mut others = piece.near.others;
-        let (mut lowest, mut nearest) = (others, f64::INFINITY);
-        let mut left: Vec<[usize; 2]> = Vec::new();
-        // Elements of the second body where they are in the middle, and how far they move from there.
-        let mut placed: Vec<Option<(Element, f64)>> = vec![None; self.hulls[1].elements.len()];
-        let mut visit = |[i, j]: [usize; 2]| {
-            if self.left_out.contains(&[i, j]) {
-                return;
-            }
-            let first = &self.hulls[0].elements[i];
-            let mine = &self.hulls[1].elements[j];
-            let (second, way) = placed[j]
-                .get_or_insert_with(|| (mine.moved(&moved.pose), moved.distance(mine.bounds())));
-            let way = match (&back, &mine.core) {
-                (Some(back), Primitive::HalfSpace(_)) => back.distance(first.bounds()),
-                _ => *way,
-            };
-            let normal = &mut normals.list[i * normals.columns + j];
-            let mut far = sphere_separation(first, second, goal + way) - way;
-            if far < goal && *normal != DVec3::ZERO {
-                far = far.max(separation_along(first, second, *normal) - way);
-            }
-            if far < goal {
-                let parts = in_parts([first, second, mine], &moved, goal);
-                far = parts.map_or(far, |low| far.max(low));
-            }
-            if far >= goal {
-                lowest = lowest.min(far);
-                match far < last {
-                    true => left.push([i, j]),
-                    false => others = others.min(far),
-                }
-                return;
-            }
-            // The distance in the middle, and a bound of the second order over the piece.
-            let meeting = Meeting::new(first, second, mine, &moved);
-            nearest = nearest.min(meeting.found.distance);
-            *normal = meeting.found.normal;
-            let below = match (&back, &mine.core) {
-                (Some(back), Primitive::HalfSpace(_)) => {
-                    Meeting::new(mine, &first.moved(&back.pose), first, back).below([goal, last])
-                }
-                _ => meeting.below([goal, last]),
-            };
-            // No number is no bound, and where a mesh is met nothing is known of the depth.
-            lowest = if self.meets([i, j], meeting.found.distance) {
-                lowest.min(self.deepest())
-            } else if below.is_nan() {
-                f64::NEG_INFINITY
-            } else {
-                lowest.min(below)
-            };
-            left.push([i, j]);
-        };
-        match &piece.near.list {
-            Some(near) => near.iter().for_each(|pair| visit(*pair)),
-            None => {
-                for i in 0..self.hulls[0].elements.len() {
-                    (0..self.hulls[1].elements.len()).for_each(|j| visit([i, j]));
-                }
-            }
-        }
-        let blur = self.chain.blur(arguments, ball);
-        BoundGoal {
-            lowest,
-            middle: nearest + blur,
-            is_blurred: nearest - 2.0 * blur < goal,
-            near: NearElements {
-                list: Some(left.into()),
-                others,
-            },
-        }
-    }
 }
 
 impl SegmentSearch {
-    /// Opens what is settled below the goal: a look goes no farther than what was asked of it.
-    fn reopen(&mut self, goal: f64) {
+    /// Opens what is settled below the goal: a look goes no farther than what was asked of it. Where that was as much, the halves
+    /// tell more.
+    fn reopen(&mut self, motion: &mut ProvedMotion, goal: f64) {
         let mut kept = Vec::new();
         // The lowest is looked at first.
         self.settled
             .sort_by(|(_, p), (_, q)| q.lowest.total_cmp(&p.lowest));
         for (piece, look) in self.settled.drain(..) {
             let is_low = look.lowest < goal && look.lowest > f64::NEG_INFINITY;
-            match is_low && self.looks + self.open.len() < MAX_LOOKS {
-                true => self.open.push(Segment {
+            if !is_low || self.looks + self.open.len() >= MAX_LOOKS {
+                kept.push((piece, look));
+            } else if look.asked < goal {
+                self.open.push(Segment {
                     known: look.lowest,
                     near: look.near,
                     ..piece
-                }),
-                false => kept.push((piece, look)),
+                });
+            } else {
+                match split_piece(motion, &piece, &look) {
+                    Some(parts) => self.open.extend(parts),
+                    None => kept.push((piece, look)),
+                }
             }
         }
         self.settled = kept;

@@ -95,6 +95,7 @@ impl Sweeper {
         if way <= fine || splits == 0 || self.own.is_none() {
             return self.placed(&moved.pose, way);
         }
+        // In two parts, whose boxes are smaller together.
         let half = 0.5 * half;
         let [first, second] =
             [s - half, s + half].map(|s| self.swept(arguments, [s, half], fine, splits - 1));
@@ -107,6 +108,7 @@ impl Sweeper {
         };
         let center = pose.transform_point(center);
         let columns = [0, 1, 2].map(|k| pose.rotation.col(k).abs());
+        // The half sides of a turned box, along the axes.
         let half = columns[0] * half.x + columns[1] * half.y + columns[2] * half.z;
         let half = half + DVec3::splat(grown + self.slack);
         let bounds = AxisBox {
@@ -214,6 +216,7 @@ impl<'m> BroadPhase<'m> {
         let diagonal = all.map_or(0.0, |b| (b.high - b.low).length());
         let (mut low, mut high) = (minimum, minimum.max(FIRST * diagonal));
         let mut more = within(high);
+        // Doubled until too many pairs are within, then halved in between.
         for _ in 0..LEVELS {
             if more.len() > wanted || high == 0.0 {
                 break;

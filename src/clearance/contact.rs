@@ -1,6 +1,7 @@
 //! Bodies that are meant to touch: how far apart, or how deep in each other, they can come between the samples.
 
-use super::branch_and_bound::{BoundGoal, NearElements, Segment, split_piece};
+use super::branch_and_bound::split_piece;
+use super::look::{BoundGoal, NearElements, Segment};
 use super::meeting::Meeting;
 use super::motion::ProvedMotion;
 use super::relative::{RelativeChain, RelativeMove};
@@ -113,6 +114,7 @@ impl PairSweep<'_> {
                 let ends = looks >= MOST_LOOKS || contact.broken.is_some();
                 let is_settled = is_within(allowed) || depth >= most + longer || ends;
                 let look = BoundGoal {
+                    asked: low,
                     lowest: low,
                     middle: high,
                     is_blurred: self.chain.blur(arguments, self.hulls[1].ball) > BLURRED * allowed,

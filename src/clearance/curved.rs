@@ -49,14 +49,13 @@ impl Still<'_> {
     }
 }
 
-/// Lower bound of the distance of two elements while the second one, a sphere, capsule or torus, moves; `None` for others.
-pub fn lower_bound(meeting: &Meeting) -> Option<f64> {
-    let Meeting {
-        a, b, mine, moved, ..
-    } = *meeting;
-    let ball = mine.bounds();
-    let way = moved.distance((ball.0, ball.1 - mine.radius));
+/// Lower bound of the distance of two elements while the second one, a sphere, capsule or torus, moves; `None` for others, and
+/// where it cannot reach `goal`.
+pub fn lower_bound(meeting: &Meeting, goal: f64) -> Option<f64> {
+    let Meeting { a, moved, .. } = *meeting;
     let apart = meeting.found.distance + meeting.radii();
+    let near = NearPart::new(meeting, apart);
+    let way = moved.distance(near.ball);
     let mut still = Still {
         core: &a.core,
         is_filled: false,
@@ -67,17 +66,21 @@ pub fn lower_bound(meeting: &Meeting) -> Option<f64> {
             still.is_filled = off_axis(circle, meeting.core_points()[1]) >= circle.radius;
             if !still.is_filled {
                 // Points that are farther off than this come no nearer than the nearest one is.
-                let near = nearest_to_axis(circle, &b.core, apart + 2.0 * way) - way;
-                if near <= 0.0 {
+                let off_axis = nearest_to_axis(circle, &near.core, apart + 2.0 * way) - way;
+                if off_axis <= 0.0 {
                     return None;
                 }
-                still.bends = near.recip();
+                still.bends = off_axis.recip();
             }
         }
         Primitive::Mesh(..) | Primitive::HalfSpace(_) => return None,
         _ => {}
     }
-    let lowest = match &b.core {
+    let lost = still.bends * way * way + moved.bending(near.ball) + moved.deviation(near.ball);
+    if apart - lost - meeting.radii() < goal {
+        return None;
+    }
+    let lowest = match &near.core {
         Primitive::Point(p) => of_point(&still, *p, moved)?,
         Primitive::Segment(ends) => of_segment(&still, ends, moved),
         // Of a small ring at a large one the least is looked for along the small one, as its distance is.
@@ -86,17 +89,68 @@ pub fn lower_bound(meeting: &Meeting) -> Option<f64> {
         }
         _ => return None,
     };
-    let lost = still.bends * way * way + meeting.beyond_linear();
     let apart = lowest.min(apart) - lost;
     // How deep a segment is in a solid is not told by its deepest point alone.
     let is_solid = matches!(
         a.core,
         Primitive::Box(_) | Primitive::Frustum(_) | Primitive::Triangle(_)
     );
-    if is_solid && matches!(b.core, Primitive::Segment(_)) && apart <= 0.0 {
+    if is_solid && matches!(near.core, Primitive::Segment(_)) && apart <= 0.0 {
         return None;
     }
     Some(apart - meeting.radii())
+}
+
+/// The part of the core that moves whose points could come nearer than the nearest one is: of a long rod at a ring what is
+/// near the ring, which may move much less than the ends do.
+struct NearPart {
+    /// In the middle of the time.
+    core: Primitive,
+    /// The ball around it in its own frame.
+    ball: (DVec3, f64),
+}
+
+impl NearPart {
+    fn new(meeting: &Meeting, apart: f64) -> Self {
+        let Meeting {
+            a, b, mine, moved, ..
+        } = *meeting;
+        let (center, radius) = mine.bounds();
+        let whole = Self {
+            core: b.core.clone(),
+            ball: (center, radius - mine.radius),
+        };
+        let (Primitive::Circle(circle), Primitive::Segment(there), Primitive::Segment(here)) =
+            (&a.core, &b.core, &mine.core)
+        else {
+            return whole;
+        };
+        let mut part = whole;
+        // Once with the way of the whole rod, then with that of what is left.
+        for _ in 0..2 {
+            let reach = circle.radius + apart + 2.0 * moved.distance(part.ball);
+            let Some([low, high]) = shares_within(there, circle.center, reach) else {
+                break;
+            };
+            let [from, to] = [low, high].map(|t| here[0].lerp(here[1], t));
+            part = Self {
+                core: Primitive::Segment([low, high].map(|t| there[0].lerp(there[1], t))),
+                ball: (0.5 * (from + to), 0.5 * from.distance(to) * (1.0 + 1e-12)),
+            };
+        }
+        part
+    }
+}
+
+/// Between which shares of its length a segment is within `reach` of a point, and a little more; `None` if nowhere.
+fn shares_within([from, to]: &[DVec3; 2], center: DVec3, reach: f64) -> Option<[f64; 2]> {
+    let span = *to - *from;
+    let size = span.length_squared();
+    let middle = (center - *from).dot(span) / size;
+    let aside = center.distance_squared(*from + span * middle);
+    let half = ((reach * reach - aside) / size).sqrt() * (1.0 + 1e-9) + 1e-12;
+    let shares = [middle - half, middle + half].map(|share| share.clamp(0.0, 1.0));
+    (shares[0] < shares[1]).then_some(shares)
 }
 
 /// A rod is looked at in parts of no less than this share of it.

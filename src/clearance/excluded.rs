@@ -43,6 +43,7 @@ impl PairSweep<'_> {
                 .chain
                 .around(&motion.stretches[index].arguments, 0.0, 0.0)
                 .pose;
+            // Poses that cannot be lower are skipped by their track.
             let found = track.at(&pose, limit);
             if let Some(found) = found.filter(|f| f.proximity.distance < limit) {
                 (limit, lowest) = (found.proximity.distance - self.slack(), Some(index));

@@ -180,6 +180,7 @@ impl Search<'_, '_> {
             };
             let best = self.best?.value;
             let enough = SHARE * (best - self.least).max(best.abs());
+            // Best first: no other part has a greater bound.
             if top.bound <= best + enough {
                 return Some(top.bound.max(self.stuck));
             }
@@ -209,6 +210,7 @@ impl Search<'_, '_> {
         let [start, end] = self.motion.times(stretch, [from, to]);
         if end - start <= NARROWEST * end.abs().max(1.0) {
             self.stuck = self.stuck.max(part.bound);
+        // Halving helps as long as the motion itself opens the bound; else the tube must get thinner.
         } else if moves > around.off && to - from > f64::EPSILON {
             self.push(stretch, from, middle);
             self.push(stretch, middle, to);
@@ -237,6 +239,7 @@ impl Search<'_, '_> {
         let around = model.around(0.5 * (from + to), 0.5 * (to - from));
         let moves = [around.way.abs(), around.bend.abs(), around.off];
         let add = |sum: Interval, part: &f64| sum + Interval::point(*part);
+        // Value in the middle plus slope, bend and rest over half the part.
         let bound = moves.iter().fold(Interval::point(around.value), add).hi;
         let bound = if bound.is_nan() { f64::INFINITY } else { bound };
         self.parts.push(Part {

@@ -28,6 +28,11 @@ impl Meeting<'_> {
                 lowest = gap.map_or(lowest, |gap| lowest.max(gap));
             }
         }
+        // No plane parts what is in a ring from the ring.
+        if lowest < goals[0] && is(|core| matches!(core, Primitive::Circle(_))) {
+            let low = curved::lower_bound(self, goals[0]);
+            lowest = low.map_or(lowest, |low| lowest.max(low));
+        }
         lowest
     }
 
@@ -75,7 +80,7 @@ impl Meeting<'_> {
     /// The same for bodies in contact, where it pays to look more closely: how surfaces slide along each other counts too.
     pub fn below_in_contact(&self, enough: f64) -> f64 {
         let flat = self.below([enough; 2]);
-        curved::lower_bound(self).map_or(flat, |low| flat.max(low))
+        curved::lower_bound(self, f64::NEG_INFINITY).map_or(flat, |low| flat.max(low))
     }
 
     /// Upper bound of the distance: that of the points that were nearest.
@@ -251,7 +256,7 @@ mod tests {
                 .count();
             let plain = found.distance - moved.distance(mine.bounds());
             assert!(low >= plain && low <= found.distance);
-            let of_curve = curved::lower_bound(&meeting);
+            let of_curve = curved::lower_bound(&meeting, f64::NEG_INFINITY);
             let mut least = f64::INFINITY;
             for step in -8..=8 {
                 let there = s + half * f64::from(step) / 8.0;

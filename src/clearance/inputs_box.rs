@@ -43,7 +43,7 @@ pub struct BoxPair {
     pub distance: f64,
     /// ... and the inputs there.
     pub inputs: Vec<f64>,
-    /// Over all of the box but what is not covered it never is below this.
+    /// Over all of the box but what is not covered it never is below this; minus infinity if that is not known.
     pub bound: f64,
     /// A pose of the box breaks the minimum.
     pub is_broken: bool,
@@ -154,6 +154,9 @@ fn look(
         let known = report.note(pair, &along);
         if pair.judgement == Judgement::Failed {
             known.is_broken = true;
+            // What was found counts; of depths, and where the motion has gaps, nothing is proved.
+            let bound = Some(pair.least.bound).filter(|_| pair.least.is_certified);
+            known.bound = known.bound.min(bound.unwrap_or(f64::NEG_INFINITY));
         } else if is_open && is_last {
             known.uncovered.push(whole);
         } else if is_open && !known.is_broken {

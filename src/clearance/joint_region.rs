@@ -181,6 +181,7 @@ fn element_parts(element: &Element, place: &Place, reach: f64) -> (Element, Vec<
     let Some(at) = place.along(spine.from, spine.along) else {
         return whole;
     };
+    // The part near the joint, as shares of the element's length.
     let low = ((at - reach) / spine.length).clamp(0.0, 1.0);
     let high = ((at + reach) / spine.length).clamp(0.0, 1.0);
     if low >= high {

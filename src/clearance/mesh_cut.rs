@@ -55,6 +55,7 @@ impl PairSweep<'_> {
         let at_first = |shift: &f64| !self.is_cut_beyond(&first, *shift);
         let parted = (0..DOUBLINGS).map(|k| growth * f64::from(1_u32 << k));
         let parted = std::iter::once(0.0).chain(parted).find(at_first)?;
+        // What parts the meshes at the first pose is allowed, with some slack for other directions.
         let allowed = SLANT * parted + growth;
         let is_deeper = |pose: Pose| self.is_cut_beyond(&pose, allowed);
         let samples = motion.samples.iter().copied();

@@ -197,6 +197,7 @@ impl<'e> MeetingSearch<'e> {
             }
         };
         let supports = a.support(n).zip(b.support(-n)).filter(|_| n != DVec3::ZERO);
+        // The plane between the two, or their balls: the better bound counts.
         let flat = supports.map_or(f64::NEG_INFINITY, |(a, b)| -a - b);
         of_balls.max(flat) - self.meeting.radii()
     }
@@ -236,6 +237,7 @@ impl<'e> MeetingSearch<'e> {
             return;
         }
         self.splits -= 1;
+        // The larger part is split.
         let next = match halves {
             [Some(mine), None] => mine.map(|a| [a, b]),
             [Some(mine), Some(_)] if a.ball().1 >= b.ball().1 => mine.map(|a| [a, b]),

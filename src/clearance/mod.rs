@@ -15,6 +15,7 @@ mod found;
 mod gap;
 pub mod inputs_box;
 mod joint_region;
+mod look;
 pub mod measured;
 pub mod meeting;
 mod mesh_cut;

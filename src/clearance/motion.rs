@@ -16,8 +16,12 @@ use crate::model::chain::ArgumentValue;
 use crate::model::expression::Expression;
 use std::collections::HashSet;
 
-/// Shortest stretch that is tried to be proved, as a part of the interval between two samples.
+/// Shortest stretch that is tried to be proved, as a part of the interval between two samples, ...
 const FLOOR: f64 = 1.0 / 1024.0;
+
+/// ... and of the whole motion: what is proved must not depend on how many samples there are. With play, which shorter
+/// stretches do not take away, the first one counts alone.
+const SHORTEST: f64 = 1.0 / 262_144.0;
 
 /// Most stretches of one motion, ...
 const MAX_STRETCHES: usize = 60_000;
@@ -101,8 +105,10 @@ pub struct ProvedMotion<'m> {
     pub gaps: Vec<[f64; 2]>,
     /// No unknown of a sample is farther from the exact pose: lengths as they are, angles times the size.
     pub pose_error: f64,
-    /// More stretches are not made.
+    /// More stretches are not made, ...
     most_stretches: usize,
+    /// ... and none shorter at first, seconds.
+    shortest: f64,
     /// Poses with which a part of the motion begins that is not known to be joined to the one before.
     anew: HashSet<usize>,
 }
@@ -124,6 +130,8 @@ impl<'m> ProvedMotion<'m> {
     ) -> Self {
         let mechanism = system.mechanism();
         let has_play = play.iter().any(|play| *play > 0.0);
+        let ends = [trajectory.samples.first(), trajectory.samples.last()];
+        let [start, end] = ends.map(|sample| sample.map_or(0.0, |sample| sample.time));
         let mut motion = Self {
             system,
             actuation: actuation.clone(),
@@ -132,6 +140,10 @@ impl<'m> ProvedMotion<'m> {
                 STRETCHES_WITH_PLAY
             } else {
                 MAX_STRETCHES
+            },
+            shortest: match has_play {
+                true => f64::INFINITY,
+                false => SHORTEST * (end - start),
             },
             prover: Prover::new(system, actuation).up_to_jumps().with_play(play),
             instants: Vec::new(),
@@ -230,8 +242,9 @@ impl<'m> ProvedMotion<'m> {
 
     /// Covers the interval between two samples, `places` in the list of samples; whether they are proved to be joined.
     fn cover(&mut self, pair: &[Sample], places: [usize; 2]) -> bool {
-        let (tubes, refused) = self.prover.tubes(pair, FLOOR);
         let (from, to) = (pair[0].time, pair[1].time);
+        let floor = FLOOR.min(self.shortest / (to - from));
+        let (tubes, refused) = self.prover.tubes(pair, floor);
         let before = self.stretches.len();
         let mut whole = refused.is_none();
         for tube in tubes {

@@ -45,6 +45,7 @@ pub(super) fn carried_corner(ends: &[Pose], place: DVec3) -> Corner {
     for (k, pair) in ends.windows(2).enumerate() {
         let [p, q] = [pair[0].translation, pair[1].translation];
         let span = q - p;
+        // Foot of the perpendicular on this side of the polygon.
         let share = (place - p).dot(span) / span.length_squared();
         let share = if share.is_finite() {
             share.clamp(0.0, 1.0)

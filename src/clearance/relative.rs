@@ -27,6 +27,8 @@ pub struct RelativeMove {
     pub bend: DVec3,
     /// Y(x) = bend + twist x.
     pub twist: DMat3,
+    /// No unit of length turns farther by the spin, nor goes farther by the twist.
+    turning: [f64; 2],
     /// What every point may deviate by ...
     off: f64,
     /// ... and what comes to it for each unit of length from b's origin.
@@ -74,13 +76,13 @@ impl RelativeMove {
     /// How far Y takes the points of a ball.
     pub fn bending(&self, (center, radius): (DVec3, f64)) -> f64 {
         let center = self.bend + self.twist * self.pose.transform_point(center);
-        (center.length() + rate_times(operator_norm(&self.twist), radius)) * (1.0 + 1e-12)
+        (center.length() + rate_times(self.turning[1], radius)) * (1.0 + 1e-12)
     }
 
     /// No point of a ball of b moves farther.
     pub fn distance(&self, ball: (DVec3, f64)) -> f64 {
         let center = self.rate(self.pose.transform_point(ball.0));
-        let linear = center.length() + rate_times(self.spin.length(), ball.1);
+        let linear = center.length() + rate_times(self.turning[0], ball.1);
         linear * (1.0 + 1e-12) + self.bending(ball) + self.deviation(ball)
     }
 }
@@ -265,6 +267,7 @@ impl RelativeChain {
                 spin: DVec3::ZERO,
                 bend: DVec3::ZERO,
                 twist: DMat3::ZERO,
+                turning: [0.0; 2],
                 off: 0.0,
                 off_by_reach: 0.0,
             },
@@ -276,6 +279,7 @@ impl RelativeChain {
         walk_chain(&self.steps, &mut moving, arguments, |_, _| {});
         // A joint's reach is the whole length less that before it.
         let mut moved = moving.moved;
+        moved.turning = [moved.spin.length(), operator_norm(&moved.twist)];
         let whole = moved.off_by_reach * moving.length;
         moved.off += (whole - moving.off_by_length).max(0.0) + 1e-12 * whole;
         moved

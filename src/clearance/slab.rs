@@ -43,6 +43,7 @@ impl Slab {
         supports: impl Fn([DVec3; 2]) -> Option<f64>,
     ) -> Option<f64> {
         let value = |u: f64, w: f64| {
+            // The plane turns with time; both hulls are seen along it, each from its own side.
             let plane = self.normal + self.turn * u;
             let directions = [plane, -(self.normal + self.first * u + self.second * w)];
             let rest = u * self.across + w * self.bend - self.radii * plane.length();

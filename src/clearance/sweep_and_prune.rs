@@ -47,6 +47,7 @@ pub fn near_boxes(boxes: &[AxisBox], apart: f64, mut meet: impl FnMut([usize; 2]
     let mut open: Vec<usize> = Vec::new();
     for k in order {
         let here = &boxes[k];
+        // Boxes that end before this one begins are met no more.
         open.retain(|j| here.low[axis] - boxes[*j].high[axis] <= apart);
         for &j in &open {
             if boxes[j].apart(here) <= apart && !meet([j, k]) {

@@ -3,7 +3,8 @@
 //! Pieces of time are halved until one keeps the minimum, or breaks it from end to end, or is short. What is left, joined,
 //! are the times at which the minimum is broken, to within the shortest pieces.
 
-use super::branch_and_bound::{Segment, split_piece};
+use super::branch_and_bound::split_piece;
+use super::look::Segment;
 use super::motion::ProvedMotion;
 use super::sweep::PairSweep;
 use crate::distance::bodies::{enclosed_shell, nearest_bodies};
@@ -86,12 +87,12 @@ impl PairSweep<'_> {
     fn low_pieces(&self, motion: &mut ProvedMotion, goal: f64) -> Vec<Low> {
         let mut open: Vec<Segment> = (0..motion.roots).map(Segment::whole).collect();
         let (mut low, mut looks) = (Vec::new(), 0);
-        let mut normals = self.parting_normals();
+        let mut memory = self.look_memory();
         let [start, end] = motion.span();
         let shortest = SHORTEST * (end - start) / motion.roots.max(1) as f64;
         while let Some(piece) = open.pop() {
             looks += 1;
-            let look = self.look(motion, &piece, [goal; 2], &mut normals);
+            let look = self.look(motion, &piece, [goal; 2], &mut memory);
             if look.lowest >= goal {
                 continue;
             }

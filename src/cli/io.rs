@@ -1,6 +1,7 @@
 //! Files and standard output: what is written never replaces an input of the command.
 
 use super::args::scene::SceneArgs;
+use super::open::scene::named_meshes;
 use super::term::Term;
 use super::term::outcome::Failure;
 use crate::diag::shown_lines;
@@ -82,11 +83,15 @@ pub fn is_input(path: &Path) -> Failure {
     Failure::usage(message, Vec::new())
 }
 
-/// True when `out` is a file that the command reads.
+/// True when `out` is a file that the command reads: the scene, its table of inputs, a mesh that it names.
 fn is_scene_file(args: &SceneArgs, out: &Path) -> bool {
-    let same =
-        |a: &Path| matches!((a.canonicalize(), out.canonicalize()), (Ok(a), Ok(b)) if a == b);
-    same(Path::new(&args.scene)) || args.table.as_deref().is_some_and(same)
+    let Ok(out) = out.canonicalize() else {
+        return false;
+    };
+    let same = |a: &Path| a.canonicalize().is_ok_and(|a| a == out);
+    let scene = Path::new(&args.scene);
+    let meshes = || named_meshes(scene).unwrap_or_default();
+    same(scene) || args.table.as_deref().is_some_and(same) || meshes().iter().any(|mesh| same(mesh))
 }
 
 /// Opens a file, or standard output for `-`.

@@ -18,7 +18,7 @@ mod term;
 pub mod watch;
 
 use about::{completions, info, manual, scenes, schema};
-use args::groups::grouped;
+use args::groups::grouped_command;
 use args::{Cli, Command};
 use clap::{CommandFactory, FromArgMatches};
 use dyads::{intervals, row};
@@ -82,7 +82,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> i32 {
         Command::Study { command } => units::run_study(&command, &term),
         Command::New(args) => new_scene::run_new(&args, &term),
         Command::Scenes { name } => scenes::print_scenes(name.as_deref()),
-        Command::Info { json } => info::print_info(json),
+        Command::Info { json } => info::print_info(json.as_deref()),
         Command::Completions { shell } => completions::print_completions(shell),
         Command::Schema { file } => schema::print_schema(file),
         Command::Manual { folder } => manual::write_manual(&folder),
@@ -104,7 +104,7 @@ fn command_line() -> clap::Command {
         let is_option = arg.get_long().is_some() && arg.get_action().takes_values();
         arg.allow_negative_numbers(is_option)
     };
-    grouped(Cli::command()).mut_subcommands(|verb| verb.mut_args(takes_values))
+    grouped_command(Cli::command()).mut_subcommands(|verb| verb.mut_args(takes_values))
 }
 
 /// Prints help, version or a usage error where it belongs.

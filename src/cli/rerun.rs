@@ -4,6 +4,7 @@
 use super::args::scene::SceneArgs;
 use super::interrupt::is_interrupted;
 use super::open::patterns::scenes_of;
+use super::open::scene::named_meshes;
 use super::term::Term;
 use super::term::outcome::{Failure, Outcome};
 use std::ffi::OsString;
@@ -12,9 +13,6 @@ use std::time::{Duration, Instant, SystemTime};
 
 /// How often the files are looked at: sooner than anybody looks from the editor to the picture.
 const LOOK: Duration = Duration::from_millis(100);
-
-/// Endings of the files that a scene may name.
-const MESHES: &str = ".stl";
 
 /// Runs a verb once, or with `watch` once after every change.
 pub fn run_again(
@@ -83,13 +81,11 @@ fn watched_files(scene: &SceneArgs, more: &[OsString]) -> Result<Vec<Stamp>, Fai
     let mut paths: Vec<PathBuf> = Vec::new();
     for one in scenes_of(scene, more)? {
         let path = PathBuf::from(&one.scene);
-        let Ok(text) = std::fs::read_to_string(&path) else {
+        match named_meshes(&path) {
+            Some(meshes) => paths.extend(meshes.into_iter().chain([path])),
             // Gone for a moment, as while an editor replaces it; a built-in scene has no file at all.
-            paths.extend(path.extension().is_some().then_some(path));
-            continue;
-        };
-        paths.extend(named_meshes(&text, path.parent().unwrap_or(Path::new(""))));
-        paths.push(path);
+            None => paths.extend(path.extension().is_some().then_some(path)),
+        }
     }
     paths.extend(scene.table.clone().filter(|path| path != Path::new("-")));
     paths.sort();
@@ -103,14 +99,4 @@ fn watched_files(scene: &SceneArgs, more: &[OsString]) -> Result<Vec<Stamp>, Fai
             (path, stamp)
         })
         .collect())
-}
-
-/// Quoted names of meshes in the text of a scene, mistakes in it or not.
-fn named_meshes<'t>(text: &'t str, folder: &'t Path) -> impl Iterator<Item = PathBuf> + 't {
-    let quoted = text.split(['"', '\'']);
-    let meshes = quoted.filter(|word| word.to_ascii_lowercase().ends_with(MESHES));
-    // A name that leads nowhere is the scene's mistake, and no file to wait for.
-    meshes
-        .map(|name| folder.join(name))
-        .filter(|path| path.exists())
 }

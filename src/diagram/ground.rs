@@ -104,5 +104,5 @@ fn draw_hatched(middle: DrawnSpot, along: DrawnSpot, half: f64, down: DrawnSpot,
     }
     let rim = 0.5 * HATCH * unit_length;
     let low = spot_ahead(middle, down, rim);
-    ink.reserve(low, 9.0);
+    ink.reserve_circle(low, 9.0);
 }

@@ -143,7 +143,7 @@ impl Ink {
     }
 
     /// Keeps labels out of a circle.
-    pub fn reserve(&mut self, at: DrawnSpot, radius: f64) {
+    pub fn reserve_circle(&mut self, at: DrawnSpot, radius: f64) {
         let r = radius * self.unit;
         self.boxes.push(Rect {
             left: at[0] - r,

@@ -96,7 +96,7 @@ fn best_place(label: &WantedLabel, size: [f64; 2], ink: &Ink, area: &Rect) -> Op
             }
             let turn = TURN_COST * (1.0 - cos) * ink.unit;
             let leader = leader_of(label, &bounds, ink.unit);
-            let crossed = leader.map_or(0.0, |line| crossings(line, ink) * 12.0 * ink.unit);
+            let crossed = leader.map_or(0.0, |line| crossed_lines(line, ink) * 12.0 * ink.unit);
             let cost = distance + turn + crossed + LINE_COST * covered_lines(&bounds, ink);
             if best.as_ref().is_none_or(|(known, _)| cost < *known) {
                 best = Some((cost, bounds));
@@ -164,7 +164,7 @@ fn clipped_length([a, b]: [DrawnSpot; 2], r: &Rect) -> f64 {
 }
 
 /// How many lines a line crosses.
-fn crossings(line: [DrawnSpot; 2], ink: &Ink) -> f64 {
+fn crossed_lines(line: [DrawnSpot; 2], ink: &Ink) -> f64 {
     let side = |[a, b]: [DrawnSpot; 2], p: DrawnSpot| {
         (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0])
     };

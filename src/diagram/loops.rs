@@ -54,7 +54,7 @@ pub fn draw_loop(
     };
     let arc: Vec<DrawnSpot> = (0..=CORNERS).map(point).collect();
     ink.arrow(&arc, colour, 1.8);
-    ink.reserve(
+    ink.reserve_circle(
         centre,
         (radius / ink.unit) * std::f64::consts::FRAC_1_SQRT_2,
     );

@@ -117,7 +117,7 @@ impl DrawingPlane {
     }
 
     /// Towards the viewer.
-    pub fn toward(&self) -> DVec3 {
+    pub fn viewer_direction(&self) -> DVec3 {
         self.axes.z_axis
     }
 

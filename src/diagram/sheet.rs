@@ -213,7 +213,7 @@ fn draw_mechanism(
     for (name, at, _) in &scheme.points {
         let spot = plane.spot(*at);
         ink.circle(spot, 3.2, ink.theme.text, ink.theme.text, 0.5);
-        ink.reserve(spot, 6.0);
+        ink.reserve_circle(spot, 6.0);
         if shown.names {
             let colour = ink.theme.text;
             push_label(

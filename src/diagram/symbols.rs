@@ -52,7 +52,7 @@ pub fn draw_joint(
         JointKind::Universal => draw_cross(at, &joint.axes, plane, ink),
         JointKind::Spherical => draw_ball(at, away, ink),
     }
-    ink.reserve(at, CLEAR);
+    ink.reserve_circle(at, CLEAR);
 }
 
 /// Half the length of a joint's sign along its first axis, in pixels.
@@ -142,7 +142,7 @@ fn draw_thread(at: DrawnSpot, axis: DVec3, plane: &DrawingPlane, ink: &mut Ink) 
 
 /// A block that slides along its axis.
 fn draw_slider(at: DrawnSpot, axis: DVec3, plane: &DrawingPlane, ink: &mut Ink) {
-    let toward = plane.toward();
+    let toward = plane.viewer_direction();
     let side = axis.cross(toward).normalize_or(DVec3::X);
     let third = axis.cross(side).normalize_or(DVec3::Y);
     let (half, r) = (0.85 * LONG * ink.unit, 1.15 * PIN * ink.unit);

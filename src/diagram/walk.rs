@@ -76,8 +76,8 @@ impl<'a> ChainWalker<'a> {
             .links
             .iter()
             .zip(numbers)
-            .enumerate()
-            .map(|(index, (link, number))| SchemeLink {
+            .zip(joints.link_poses(own))
+            .map(|((link, number), frame)| SchemeLink {
                 number,
                 names: link
                     .bodies
@@ -85,7 +85,7 @@ impl<'a> ChainWalker<'a> {
                     .map(|b| mechanism.bodies[*b].name.clone())
                     .collect(),
                 paths: Vec::new(),
-                frame: joints.world_from_link(index).pose(own),
+                frame,
             });
         Self {
             mechanism,

@@ -83,7 +83,14 @@ impl Hull {
 
 /// Lower bound of the distance of two elements in one frame; no better than `enough` if it reaches that.
 pub fn sphere_separation(a: &Element, b: &Element, enough: f64) -> f64 {
-    let ((p, r), (q, s)) = (a.bounds(), b.bounds());
+    ball_separation([(a, a.bounds()), (b, b.bounds())], enough)
+}
+
+/// The same of elements in balls that are known.
+pub fn ball_separation(
+    [(a, (p, r)), (b, (q, s))]: [(&Element, (DVec3, f64)); 2],
+    enough: f64,
+) -> f64 {
     let mut lowest = p.distance(q) - r - s;
     // Long elements are far larger than they are thick: one's ball from the other itself says more.
     for (element, center, radius) in [(a, q, s), (b, p, r)] {

@@ -105,12 +105,12 @@ impl ApngSink {
             bytes: Vec::new(),
             summary: ExportSummary::default(),
         };
-        sink.drain()?;
+        sink.drain_output()?;
         Ok(sink)
     }
 
     /// Hands what the encoder made to the output.
-    fn drain(&mut self) -> Result<(), ExportError> {
+    fn drain_output(&mut self) -> Result<(), ExportError> {
         let bytes = self.spool.take();
         self.output.emit(&bytes)?;
         self.summary.bytes += bytes.len() as u64;
@@ -199,7 +199,7 @@ impl FrameSink for ApngSink {
         self.shown.extend_from_slice(frame);
         self.summary.frames += 1;
         self.summary.seconds += self.schedule.delay_seconds(index);
-        self.drain()
+        self.drain_output()
     }
 
     fn finish(self: Box<Self>) -> Result<ExportSummary, ExportError> {

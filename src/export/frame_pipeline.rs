@@ -184,7 +184,7 @@ impl<E: std::error::Error + 'static> Shared<E> {
         }
     }
 
-    fn deliver(&self, index: usize, coded: Vec<u8>) {
+    fn deliver_frame(&self, index: usize, coded: Vec<u8>) {
         let mut state = lock_mutex(&self.state);
         let place = index.checked_sub(state.written);
         if let Some(slot) = place.and_then(|place| state.slots.get_mut(place)) {
@@ -193,13 +193,13 @@ impl<E: std::error::Error + 'static> Shared<E> {
         self.changed.notify_all();
     }
 
-    fn fail(&self, failure: PipelineError<E>) {
+    fn record_failure(&self, failure: PipelineError<E>) {
         let mut state = lock_mutex(&self.state);
         state.failure.get_or_insert(failure);
         self.changed.notify_all();
     }
 
-    fn stop(&self) {
+    fn stop_workers(&self) {
         lock_mutex(&self.state).stop = true;
         self.changed.notify_all();
     }
@@ -224,7 +224,9 @@ where
             return false;
         };
         let drawn = self.frame(task);
-        drawn.map_err(|failure| self.shared.fail(failure)).is_ok()
+        drawn
+            .map_err(|failure| self.shared.record_failure(failure))
+            .is_ok()
     }
 
     fn frame(&mut self, task: Task) -> Result<(), PipelineError<E>> {
@@ -242,7 +244,7 @@ where
         }
         self.coder
             .code(sample.as_ref().unwrap_or(&self.image), &mut coded)?;
-        self.shared.deliver(index, coded);
+        self.shared.deliver_frame(index, coded);
         Ok(())
     }
 }
@@ -252,7 +254,7 @@ struct StopOnDrop<'a, E: std::error::Error + 'static>(&'a Shared<E>);
 
 impl<E: std::error::Error + 'static> Drop for StopOnDrop<'_, E> {
     fn drop(&mut self) {
-        self.0.stop();
+        self.0.stop_workers();
     }
 }
 
@@ -262,7 +264,7 @@ struct StopOnPanic<'a, E: std::error::Error + 'static>(&'a Shared<E>);
 impl<E: std::error::Error + 'static> Drop for StopOnPanic<'_, E> {
     fn drop(&mut self) {
         if std::thread::panicking() {
-            self.0.stop();
+            self.0.stop_workers();
         }
     }
 }

@@ -63,10 +63,10 @@ impl Document {
         let times = (model.times.len() > 1).then(|| self.buffer.scalars(&model.times));
         let mut children = Vec::new();
         for body in &model.bodies {
-            children.push(self.body(body, times));
+            children.push(self.push_body(body, times));
         }
         for trace in model.traces.iter().filter(|trace| !trace.runs.is_empty()) {
-            children.push(self.trace(trace));
+            children.push(self.push_trace(trace));
         }
         let [rotation] = rotation_quaternions(&[model.upright])[..] else {
             return;
@@ -77,9 +77,9 @@ impl Document {
             "scale": ([model.metres; 3]),
             "children": children,
         });
-        self.root(world);
+        self.push_root(world);
         if let Some(camera) = &model.camera {
-            self.camera(camera, model);
+            self.push_camera(camera, model);
         }
     }
 
@@ -88,13 +88,13 @@ impl Document {
         list.len() - 1
     }
 
-    fn root(&mut self, node: Value) {
+    fn push_root(&mut self, node: Value) {
         let index = Self::push(&mut self.nodes, node);
         self.roots.push(index);
     }
 
     /// The node of a body, with its animation if it moves.
-    fn body(&mut self, body: &ModelBody, times: Option<usize>) -> usize {
+    fn push_body(&mut self, body: &ModelBody, times: Option<usize>) -> usize {
         let primitives: Vec<Value> = body
             .parts
             .iter()
@@ -123,18 +123,18 @@ impl Document {
         let index = Self::push(&mut self.nodes, node);
         if let Some(times) = times {
             if turns.windows(2).any(|w| w[0] != w[1]) {
-                let values = self.buffer.quaternions(&turns);
-                self.channel(index, "rotation", times, values);
+                let values = self.buffer.push_rotations(&turns);
+                self.push_channel(index, "rotation", times, values);
             }
             if places.windows(2).any(|w| w[0] != w[1]) {
                 let values = self.buffer.keys(&places);
-                self.channel(index, "translation", times, values);
+                self.push_channel(index, "translation", times, values);
             }
         }
         index
     }
 
-    fn channel(&mut self, node: usize, path: &str, times: usize, values: usize) {
+    fn push_channel(&mut self, node: usize, path: &str, times: usize, values: usize) {
         let sampler = json!({ "input": times, "output": values, "interpolation": "LINEAR" });
         let sampler = Self::push(&mut self.samplers, sampler);
         let target = json!({ "node": node, "path": path });
@@ -160,19 +160,19 @@ impl Document {
         json!({
             "attributes": { "POSITION": positions, "NORMAL": normals },
             "indices": indices,
-            "material": self.material(material),
+            "material": self.material_index(material),
             "mode": TRIANGLES,
         })
     }
 
     /// The place of a material; equal ones are one.
-    fn material(&mut self, material: Value) -> usize {
+    fn material_index(&mut self, material: Value) -> usize {
         let known = self.materials.iter().position(|m| *m == material);
         known.unwrap_or_else(|| Self::push(&mut self.materials, material))
     }
 
-    fn trace(&mut self, trace: &ModelTrace) -> usize {
-        let material = self.material(json!({
+    fn push_trace(&mut self, trace: &ModelTrace) -> usize {
+        let material = self.material_index(json!({
             "pbrMetallicRoughness": { "baseColorFactor": linear_colour(trace.colour, 1.0) },
             "extensions": { "KHR_materials_unlit": {} },
         }));
@@ -189,7 +189,7 @@ impl Document {
     }
 
     /// The camera stands outside the scaled world: its distances are in metres.
-    fn camera(&mut self, camera: &ModelCamera, model: &ExportModel) {
+    fn push_camera(&mut self, camera: &ModelCamera, model: &ExportModel) {
         let [near, far] = camera.range.map(|distance| distance * model.metres);
         let (kind, lens) = match camera.fov_y {
             Some(fov) => (
@@ -210,7 +210,7 @@ impl Document {
         } = camera.world_from_camera;
         let place = model.upright * translation * model.metres;
         for turn in rotation_quaternions(&[model.upright * rotation]) {
-            self.root(json!({
+            self.push_root(json!({
                 "name": "camera",
                 "camera": lens,
                 "rotation": narrow_rotation(turn),

@@ -24,29 +24,29 @@ impl Buffer {
     /// Times of keys in seconds; their bounds are required.
     pub(super) fn scalars(&mut self, values: &[f64]) -> usize {
         let values: Vec<[f32; 1]> = values.iter().map(|v| [*v as f32]).collect();
-        self.floats(&values, "SCALAR", None, true)
+        self.push_floats(&values, "SCALAR", None, true)
     }
 
     /// Rotations (x, y, z, w).
-    pub(super) fn quaternions(&mut self, values: &[[f32; 4]]) -> usize {
-        self.floats(values, "VEC4", None, false)
+    pub(super) fn push_rotations(&mut self, values: &[[f32; 4]]) -> usize {
+        self.push_floats(values, "VEC4", None, false)
     }
 
     /// Vectors of an animation.
     pub(super) fn keys(&mut self, values: &[[f32; 3]]) -> usize {
-        self.floats(values, "VEC3", None, false)
+        self.push_floats(values, "VEC3", None, false)
     }
 
     /// Vectors of a mesh; positions need their bounds.
     pub(super) fn vertices(&mut self, values: &[[f32; 3]], bounds: bool) -> usize {
-        self.floats(values, "VEC3", Some(VERTICES), bounds)
+        self.push_floats(values, "VEC3", Some(VERTICES), bounds)
     }
 
     /// Corners of triangles.
     pub(super) fn indices(&mut self, values: &[u32]) -> usize {
         let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
-        let view = self.view(&bytes, Some(INDICES));
-        self.accessor(json!({
+        let view = self.push_view(&bytes, Some(INDICES));
+        self.push_accessor(json!({
             "bufferView": view,
             "componentType": U32,
             "count": values.len(),
@@ -59,7 +59,7 @@ impl Buffer {
         (self.views, self.accessors, self.bytes)
     }
 
-    fn floats<const N: usize>(
+    fn push_floats<const N: usize>(
         &mut self,
         values: &[[f32; N]],
         kind: &str,
@@ -68,7 +68,7 @@ impl Buffer {
     ) -> usize {
         let numbers = values.as_flattened().iter();
         let bytes: Vec<u8> = numbers.flat_map(|v| v.to_le_bytes()).collect();
-        let view = self.view(&bytes, target);
+        let view = self.push_view(&bytes, target);
         let mut accessor = json!({
             "bufferView": view,
             "componentType": F32,
@@ -85,10 +85,10 @@ impl Buffer {
             accessor["min"] = json!(fold(f32::min));
             accessor["max"] = json!(fold(f32::max));
         }
-        self.accessor(accessor)
+        self.push_accessor(accessor)
     }
 
-    fn view(&mut self, bytes: &[u8], target: Option<u32>) -> usize {
+    fn push_view(&mut self, bytes: &[u8], target: Option<u32>) -> usize {
         let mut view = json!({
             "buffer": 0,
             "byteOffset": self.bytes.len(),
@@ -102,7 +102,7 @@ impl Buffer {
         self.views.len() - 1
     }
 
-    fn accessor(&mut self, accessor: Value) -> usize {
+    fn push_accessor(&mut self, accessor: Value) -> usize {
         self.accessors.push(accessor);
         self.accessors.len() - 1
     }

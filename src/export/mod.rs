@@ -33,7 +33,7 @@ pub mod timing;
 
 pub use error::ExportError;
 pub use format::Format;
-pub use target::{Output, Stream, Target, folder_of, remove_unfinished};
+pub use target::{Output, Stream, Target, finished_count, folder_of, remove_unfinished};
 
 /// What was written.
 #[derive(Clone, Debug, Default, PartialEq)]

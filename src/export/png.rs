@@ -2,11 +2,11 @@
 
 use super::error::ExportError;
 use super::format::FramePattern;
-use super::target::{Output, Target, enter_unfinished, leave_unfinished};
+use super::target::{Output, Target, enter_unfinished, finish_entered, temporary_folder};
 use super::{ExportSummary, FrameCoder, FrameSink};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder, RgbaImage};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Greatest side: PNG allows 2^31 - 1, memory does not.
 pub(super) const LONGEST_SIDE: u32 = 1 << 16;
@@ -135,7 +135,7 @@ struct PngCoder {
 }
 
 impl PngCoder {
-    fn boxed(settings: PngSettings) -> Box<dyn FrameCoder> {
+    fn boxed_coder(settings: PngSettings) -> Box<dyn FrameCoder> {
         let rgb = Vec::new();
         Box::new(Self { settings, rgb })
     }
@@ -181,7 +181,7 @@ impl FrameSink for StillSink {
     }
 
     fn coder(&self) -> Box<dyn FrameCoder> {
-        PngCoder::boxed(self.settings)
+        PngCoder::boxed_coder(self.settings)
     }
 
     fn write(&mut self, _index: usize, coded: &[u8]) -> Result<(), ExportError> {
@@ -210,13 +210,23 @@ fn still_needs_one(got: usize) -> ExportError {
     }
 }
 
-/// One file a frame. Dropped before `finish`, it removes the files it made (not those it replaced) and the folder.
+/// One file a frame. Those that replace older ones wait until all are there. Dropped before `finish`, it removes the files it
+/// made and the folder, and the older ones are as they were.
 pub struct SequenceSink {
     pattern: FramePattern,
     settings: PngSettings,
     made: Vec<PathBuf>,
     made_folder: bool,
+    waiting: Option<WaitingFrames>,
     summary: ExportSummary,
+}
+
+/// Complete frames in a hidden folder, each with the place that it is to have.
+struct WaitingFrames {
+    folder: tempfile::TempDir,
+    /// Held as long as they wait.
+    _lock: Option<std::fs::File>,
+    list: Vec<(PathBuf, PathBuf)>,
 }
 
 impl SequenceSink {
@@ -247,8 +257,30 @@ impl SequenceSink {
             settings,
             made: Vec::new(),
             made_folder,
+            waiting: None,
             summary: ExportSummary::default(),
         })
+    }
+
+    /// Lets a frame wait that is to replace an older one.
+    fn stage(&mut self, path: &Path, target: Target) -> Result<(), ExportError> {
+        let waiting = match &mut self.waiting {
+            Some(waiting) => waiting,
+            none => {
+                let made = temporary_folder(self.pattern.folder());
+                let (folder, _lock) = made.map_err(|e| ExportError::create(path, e))?;
+                none.insert(WaitingFrames {
+                    folder,
+                    _lock,
+                    list: Vec::new(),
+                })
+            }
+        };
+        let here = waiting.folder.path().join(waiting.list.len().to_string());
+        if let Some(place) = target.wait_at(&here)? {
+            waiting.list.push((here, place));
+        }
+        Ok(())
     }
 }
 
@@ -258,7 +290,7 @@ impl FrameSink for SequenceSink {
     }
 
     fn coder(&self) -> Box<dyn FrameCoder> {
-        PngCoder::boxed(self.settings)
+        PngCoder::boxed_coder(self.settings)
     }
 
     fn write(&mut self, index: usize, coded: &[u8]) -> Result<(), ExportError> {
@@ -266,10 +298,12 @@ impl FrameSink for SequenceSink {
         let is_new = std::fs::symlink_metadata(&path).is_err();
         let mut target = Target::create(&path)?;
         target.emit(coded)?;
-        target.commit_unsynced()?;
         if is_new {
+            target.commit_unsynced()?;
             enter_unfinished(&path);
             self.made.push(path);
+        } else {
+            self.stage(&path, target)?;
         }
         self.summary.frames += 1;
         self.summary.bytes += coded.len() as u64;
@@ -277,9 +311,17 @@ impl FrameSink for SequenceSink {
     }
 
     fn finish(mut self: Box<Self>) -> Result<ExportSummary, ExportError> {
-        leave_unfinished(&self.made);
-        leave_unfinished(&[self.pattern.folder().to_owned()]);
-        self.made.clear();
+        let mut entered = std::mem::take(&mut self.made);
+        entered.push(self.pattern.folder().to_owned());
+        if let Some(waiting) = self.waiting.take() {
+            entered.push(waiting.folder.path().to_owned());
+            for (here, place) in waiting.list {
+                let name = place.display().to_string();
+                std::fs::rename(&here, place).map_err(|e| ExportError::write(&name, e))?;
+                entered.push(here);
+            }
+        }
+        finish_entered(&entered);
         self.made_folder = false;
         Ok(std::mem::take(&mut self.summary))
     }

@@ -5,6 +5,7 @@ use std::collections::HashSet;
 use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -24,13 +25,26 @@ pub fn remove_unfinished() {
     }
 }
 
+/// Files, or sequences of files, that are complete and in their places.
+static FINISHED: AtomicUsize = AtomicUsize::new(0);
+
+/// How many files, or sequences of them, this process has finished by now.
+pub fn finished_count() -> usize {
+    FINISHED.load(Ordering::Relaxed)
+}
+
 /// Has a file or folder removed, too, until it is part of something finished.
 pub(crate) fn enter_unfinished(path: &Path) {
     list_of_unfinished().push(path.to_owned());
 }
 
-/// What was entered is finished.
-pub(crate) fn leave_unfinished(paths: &[PathBuf]) {
+/// What was entered is finished, and one thing more is in its place.
+pub(crate) fn finish_entered(paths: &[PathBuf]) {
+    leave_unfinished(paths);
+    FINISHED.fetch_add(1, Ordering::Relaxed);
+}
+
+fn leave_unfinished(paths: &[PathBuf]) {
     let finished: HashSet<&PathBuf> = paths.iter().collect();
     list_of_unfinished().retain(|path| !finished.contains(path));
 }
@@ -123,9 +137,23 @@ impl Target {
         self.move_to_place(true)
     }
 
-    /// As [`Self::commit`], without waiting for the disk: for the many files of a sequence.
+    /// As [`Self::commit`], without waiting for the disk: for the many files of a sequence, which counts as one.
     pub(crate) fn commit_unsynced(self) -> Result<(), ExportError> {
         self.move_to_place(false)
+    }
+
+    /// Moves the file to `waiting` instead of its place, which is told; `None` where it has gone to its place, which is no
+    /// ordinary file, or stands in another folder than `waiting` does.
+    pub(crate) fn wait_at(mut self, waiting: &Path) -> Result<Option<PathBuf>, ExportError> {
+        let beside = |path: &Path| folder_of(path).canonicalize().ok();
+        let is_ordinary = matches!(self.body, FileBody::Atomic(..));
+        let folder = folder_of(waiting);
+        if !is_ordinary || beside(folder).is_none() || beside(folder) != beside(&self.path) {
+            return self.commit_unsynced().map(|()| None);
+        }
+        let place = std::mem::replace(&mut self.path, waiting.to_owned());
+        enter_unfinished(waiting);
+        self.commit_unsynced().map(|()| Some(place))
     }
 
     /// As [`Self::commit`], unless something stands there by now, which then stays: false.
@@ -140,7 +168,10 @@ impl Target {
                 let linked = temporary.persist_noclobber(&self.path);
                 leave_unfinished(&[known]);
                 match linked {
-                    Ok(_) => Ok(true),
+                    Ok(_) => {
+                        FINISHED.fetch_add(1, Ordering::Relaxed);
+                        Ok(true)
+                    }
                     Err(e) if e.error.kind() == io::ErrorKind::AlreadyExists => Ok(false),
                     Err(e) => Err(fail(e.error)),
                 }
@@ -160,6 +191,7 @@ impl Target {
                 let known = temporary.to_path_buf();
                 temporary.persist(&self.path).map_err(|e| fail(e.error))?;
                 leave_unfinished(&[known]);
+                FINISHED.fetch_add(usize::from(wait), Ordering::Relaxed);
                 Ok(())
             }
         }
@@ -291,6 +323,18 @@ fn temporary_beside(place: &Path) -> io::Result<tempfile::NamedTempFile> {
     Ok(file)
 }
 
+/// A new hidden folder in `folder`, where files wait. It is locked as long as the second value is open, like the files.
+pub(crate) fn temporary_folder(folder: &Path) -> io::Result<(tempfile::TempDir, Option<fs::File>)> {
+    let made = tempfile::Builder::new()
+        .prefix(PREFIX)
+        .suffix(SUFFIX)
+        .tempdir_in(folder)?;
+    let lock = fs::File::open(made.path()).ok();
+    let _ = lock.as_ref().map(fs::File::try_lock);
+    enter_unfinished(made.path());
+    Ok((made, lock))
+}
+
 /// Removes the temporary files of runs that were killed, once for a folder.
 fn remove_left_behind(folder: &Path) {
     static SEEN: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
@@ -302,8 +346,9 @@ fn remove_left_behind(folder: &Path) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let name = entry.file_name();
         let name = name.to_string_lossy();
-        if name.starts_with(PREFIX) && name.ends_with(SUFFIX) && is_left_behind(&entry.path()) {
-            let _ = fs::remove_file(entry.path());
+        let is_ours = name.starts_with(PREFIX) && name.ends_with(SUFFIX);
+        if is_ours && is_left_behind(&entry.path()) {
+            let _ = fs::remove_file(entry.path()).or_else(|_| fs::remove_dir_all(entry.path()));
         }
     }
 }
@@ -311,7 +356,7 @@ fn remove_left_behind(folder: &Path) {
 fn is_left_behind(path: &Path) -> bool {
     let is_old = |about: fs::Metadata| {
         let age = about.modified().ok().and_then(|time| time.elapsed().ok());
-        about.is_file() && age.is_some_and(|age| age > YOUNG)
+        (about.is_file() || about.is_dir()) && age.is_some_and(|age| age > YOUNG)
     };
     let is_free = || fs::File::open(path).is_ok_and(|file| file.try_lock().is_ok());
     fs::symlink_metadata(path).is_ok_and(is_old) && is_free()

@@ -28,7 +28,7 @@ pub fn mesh_of_triangles(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Mesh {
     mesh.normals = vec![DVec3::ZERO; mesh.positions.len()];
     for corners in around.corners() {
         match corners.len() {
-            ..=MOST_COMPARED => faces.smooth(corners, &mut mesh.normals),
+            ..=MOST_COMPARED => faces.smooth_normals(corners, &mut mesh.normals),
             _ => faces.smooth_many(corners, &mut mesh.normals),
         }
     }
@@ -153,7 +153,7 @@ impl<'t> CreaseFaces<'t> {
     }
 
     /// The normals of all corners at one position.
-    fn smooth(&self, corners: &[u32], normals: &mut [DVec3]) {
+    fn smooth_normals(&self, corners: &[u32], normals: &mut [DVec3]) {
         let angles: Vec<f64> = corners.iter().map(|corner| self.angle(*corner)).collect();
         for corner in corners {
             let own = self.normal(*corner);

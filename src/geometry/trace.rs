@@ -52,7 +52,7 @@ pub fn trace_mesh(points: &[Option<DVec3>], radius: f64, segments: u32) -> Trace
             trace.step(ends, &carried);
             frame = Some(carried);
         } else {
-            trace.skip(triangles_per_step);
+            trace.skip_triangles(triangles_per_step);
         }
     }
     TraceMesh {
@@ -69,7 +69,7 @@ struct TraceTube {
 
 impl TraceTube {
     /// Triangles without area, so that later ones keep their place.
-    fn skip(&mut self, count: u32) {
+    fn skip_triangles(&mut self, count: u32) {
         if self.mesh.positions.is_empty() {
             self.mesh.push_vertex(DVec3::ZERO, DVec3::Z);
         }
@@ -81,17 +81,17 @@ impl TraceTube {
 
     fn step(&mut self, [from, to]: [DVec3; 2], frame: &RingFrame) {
         let direction = frame.direction();
-        let shoulder = self.ring(from, frame, -ROUND);
-        let start = self.ring(from, frame, 0.0);
-        let end = self.ring(to, frame, 0.0);
-        self.tip(from, -direction, shoulder, true);
+        let shoulder = self.push_ring(from, frame, -ROUND);
+        let start = self.push_ring(from, frame, 0.0);
+        let end = self.push_ring(to, frame, 0.0);
+        self.close_tip(from, -direction, shoulder, true);
         self.join(shoulder, start);
         self.join(start, end);
-        self.tip(to, direction, end, false);
+        self.close_tip(to, direction, end, false);
     }
 
     /// A ring on the ball around `center`, `height` radii along the direction of the tube.
-    fn ring(&mut self, center: DVec3, frame: &RingFrame, height: f64) -> u32 {
+    fn push_ring(&mut self, center: DVec3, frame: &RingFrame, height: f64) -> u32 {
         let first = self.mesh.positions.len() as u32;
         let width = (1.0 - height * height).sqrt();
         for k in 0..self.segments {
@@ -112,7 +112,7 @@ impl TraceTube {
         }
     }
 
-    fn tip(&mut self, center: DVec3, outward: DVec3, ring: u32, start: bool) {
+    fn close_tip(&mut self, center: DVec3, outward: DVec3, ring: u32, start: bool) {
         let pole = self
             .mesh
             .push_vertex(center + outward * self.radius, outward);

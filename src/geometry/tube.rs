@@ -26,7 +26,7 @@ pub(super) fn tube_mesh(points: &[DVec3], radius: f64, closed: bool, tolerance: 
     match points.as_slice() {
         [] => Mesh::default(),
         [only] => primitive::ball_mesh(*only, radius, tolerance),
-        _ => Sweep::new(radius, segment_count(radius, 0.5 * tolerance)).along(&points, closed),
+        _ => TubeSweep::new(radius, segment_count(radius, 0.5 * tolerance)).along(&points, closed),
     }
 }
 
@@ -131,13 +131,13 @@ impl Mitre {
     }
 }
 
-struct Sweep {
+struct TubeSweep {
     radius: f64,
     around: u32,
     mesh: Mesh,
 }
 
-impl Sweep {
+impl TubeSweep {
     fn new(radius: f64, around: u32) -> Self {
         Self {
             radius,
@@ -172,7 +172,7 @@ impl Sweep {
                 let start = RingFrame::across(direction(0));
                 (start.second.dot(frame.first), start.first.dot(frame.first))
             };
-            self.untwist(&mut rings, libm::atan2(sin, cos));
+            self.spread_twist(&mut rings, libm::atan2(sin, cos));
         } else {
             rings.push(TubeRing {
                 center: points[count - 1],
@@ -235,7 +235,7 @@ impl Sweep {
     }
 
     /// Spreads the twist that a closed line has gathered evenly over its length.
-    fn untwist(&self, rings: &mut [TubeRing], twist: f64) {
+    fn spread_twist(&self, rings: &mut [TubeRing], twist: f64) {
         let centers: Vec<DVec3> = rings.iter().map(|ring| ring.center).collect();
         let Some(last) = centers.last() else { return };
         let mut travelled = vec![0.0];

@@ -49,6 +49,7 @@ pub fn auxiliary_solutions(
                 .map(|b| resized_interval(*b, plan.of_b))
                 .collect(),
         };
+        // The formal solution of the changed system is tested against the original one.
         let formal = formal_solution(&changed.inclusion(kind), tau);
         let holds = match &formal {
             Formal::Solved { x, improper, .. } if improper.is_empty() => system.holds_box(x, kind),

@@ -47,6 +47,7 @@ pub fn united_radius(system: &IntervalSystem, t: &[f64]) -> f64 {
         system.a.iter().zip(&system.b).all(|(row, b)| {
             let middle: f64 = row.iter().zip(t).map(|(a, t)| a.middle() * t).sum();
             let reach: f64 = row.iter().map(|a| a.middle().abs()).sum();
+            // What the width of a row gives the box to move in.
             let open: f64 = row
                 .iter()
                 .zip(t)

@@ -30,7 +30,7 @@ pub fn solution_hull(system: &IntervalSystem, kind: &SolutionSet) -> Hull {
     let mut found: Option<Vec<Kaucher>> = None;
     for orthant in 0..1u32 << n {
         let sign = |j: usize| if orthant >> j & 1 == 1 { -1.0 } else { 1.0 };
-        let (rows, sides) = rows(&inclusion, sign);
+        let (rows, sides) = orthant_rows(&inclusion, sign);
         for j in 0..n {
             for up in [1.0, -1.0] {
                 let mut objective = vec![0.0; n];
@@ -51,7 +51,10 @@ pub fn solution_hull(system: &IntervalSystem, kind: &SolutionSet) -> Hull {
 }
 
 /// G x ⊆ h in one orthant, as rows of |x|.
-fn rows(inclusion: &IntervalSystem, sign: impl Fn(usize) -> f64) -> (Vec<Vec<f64>>, Vec<f64>) {
+fn orthant_rows(
+    inclusion: &IntervalSystem,
+    sign: impl Fn(usize) -> f64,
+) -> (Vec<Vec<f64>>, Vec<f64>) {
     let (mut rows, mut sides) = (Vec::new(), Vec::new());
     for (entries, h) in inclusion.a.iter().zip(&inclusion.b) {
         let along: Vec<Kaucher> = entries

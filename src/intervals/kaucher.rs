@@ -18,12 +18,12 @@ pub struct Kaucher {
 
 /// Towards which side an operation is rounded.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Side {
+enum RoundingSide {
     Down,
     Up,
 }
 
-impl Side {
+impl RoundingSide {
     /// A rounded value whose exact one is `value + rest`.
     fn rounded(self, value: f64, rest: f64) -> f64 {
         match self {
@@ -61,11 +61,11 @@ impl Side {
     }
 }
 
-fn plus(x: f64) -> f64 {
+fn positive_part(x: f64) -> f64 {
     x.max(0.0)
 }
 
-fn minus(x: f64) -> f64 {
+fn negative_part(x: f64) -> f64 {
     (-x).max(0.0)
 }
 
@@ -99,8 +99,8 @@ impl Kaucher {
     pub fn inverse(self) -> Option<Self> {
         self.holds_no_zero().then(|| {
             Self::new(
-                Side::Down.quotient(1.0, self.lo),
-                Side::Up.quotient(1.0, self.hi),
+                RoundingSide::Down.quotient(1.0, self.lo),
+                RoundingSide::Up.quotient(1.0, self.hi),
             )
         })
     }
@@ -151,8 +151,8 @@ impl Kaucher {
         // 1/[b, c] is [1/c, 1/b]: the inverse for products is its dual.
         Some(
             self * Self::new(
-                Side::Down.quotient(1.0, other.holds_no_zero().then_some(other.hi)?),
-                Side::Up.quotient(1.0, other.lo),
+                RoundingSide::Down.quotient(1.0, other.holds_no_zero().then_some(other.hi)?),
+                RoundingSide::Up.quotient(1.0, other.lo),
             ),
         )
     }
@@ -180,7 +180,10 @@ impl Neg for Kaucher {
 impl Add for Kaucher {
     type Output = Self;
     fn add(self, b: Self) -> Self {
-        Self::new(Side::Down.sum(self.lo, b.lo), Side::Up.sum(self.hi, b.hi))
+        Self::new(
+            RoundingSide::Down.sum(self.lo, b.lo),
+            RoundingSide::Up.sum(self.hi, b.hi),
+        )
     }
 }
 
@@ -194,13 +197,13 @@ impl Sub for Kaucher {
 impl Mul for Kaucher {
     type Output = Self;
     fn mul(self, b: Self) -> Self {
-        let end = |side: Side, up: [[f64; 2]; 2], down: [[f64; 2]; 2]| {
-            let other = if side == Side::Down {
-                Side::Up
+        let end = |side: RoundingSide, up: [[f64; 2]; 2], down: [[f64; 2]; 2]| {
+            let other = if side == RoundingSide::Down {
+                RoundingSide::Up
             } else {
-                Side::Down
+                RoundingSide::Down
             };
-            let largest = |side: Side, [p, q]: [[f64; 2]; 2]| {
+            let largest = |side: RoundingSide, [p, q]: [[f64; 2]; 2]| {
                 side.product(p[0], p[1]).max(side.product(q[0], q[1]))
             };
             // One of both is zero.
@@ -209,14 +212,26 @@ impl Mul for Kaucher {
         let (a1, a2, b1, b2) = (self.lo, self.hi, b.lo, b.hi);
         Self::new(
             end(
-                Side::Down,
-                [[plus(a1), plus(b1)], [minus(a2), minus(b2)]],
-                [[plus(a2), minus(b1)], [minus(a1), plus(b2)]],
+                RoundingSide::Down,
+                [
+                    [positive_part(a1), positive_part(b1)],
+                    [negative_part(a2), negative_part(b2)],
+                ],
+                [
+                    [positive_part(a2), negative_part(b1)],
+                    [negative_part(a1), positive_part(b2)],
+                ],
             ),
             end(
-                Side::Up,
-                [[plus(a2), plus(b2)], [minus(a1), minus(b1)]],
-                [[plus(a1), minus(b2)], [minus(a2), plus(b1)]],
+                RoundingSide::Up,
+                [
+                    [positive_part(a2), positive_part(b2)],
+                    [negative_part(a1), negative_part(b1)],
+                ],
+                [
+                    [positive_part(a1), negative_part(b2)],
+                    [negative_part(a2), positive_part(b1)],
+                ],
             ),
         )
     }

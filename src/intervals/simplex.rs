@@ -54,7 +54,7 @@ pub fn maximise(objective: &[f64], rows: &[Vec<f64>], sides: &[f64]) -> Programm
         let mut shortage = vec![0.0; width];
         shortage[n + m] = 1.0;
         table.cells.push(shortage);
-        table.pivot(worst, n + m);
+        table.exchange_pivot(worst, n + m);
         if !table.run(width - 1) {
             return Programme::Infeasible;
         }
@@ -112,11 +112,11 @@ impl SimplexTable {
                 order.then(self.basis[*i].cmp(&self.basis[*j]))
             });
             let Some(leaving) = leaving else { return false };
-            self.pivot(leaving, entering);
+            self.exchange_pivot(leaving, entering);
         }
     }
 
-    fn pivot(&mut self, row: usize, column: usize) {
+    fn exchange_pivot(&mut self, row: usize, column: usize) {
         let by = self.cells[row][column];
         self.cells[row].iter_mut().for_each(|c| *c /= by);
         let pivot = self.cells[row].clone();
@@ -137,7 +137,7 @@ impl SimplexTable {
         if let Some(row) = self.basis.iter().position(|b| *b == column) {
             let entering = (0..column).find(|j| self.cells[row][*j].abs() > self.slack);
             if let Some(entering) = entering {
-                self.pivot(row, entering);
+                self.exchange_pivot(row, entering);
             }
         }
     }

@@ -53,6 +53,7 @@ impl Fronts {
         };
         let mut waiting = vec![Vec::new(); count];
         fronts.distribute_rows(rows, &mut waiting);
+        // Multifrontal elimination: what a front cannot eliminate goes on to a later one.
         for front in 0..count {
             let rows = std::mem::take(&mut waiting[front]);
             let left = fronts.eliminate_front(front, &rows);
@@ -72,6 +73,7 @@ impl Fronts {
             return false;
         }
         let rest = self.reduced_row(row);
+        // The largest remaining entry becomes the pivot; a row without one depends on those before.
         let largest = rest.iter().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
         let Some(&(column, pivot)) = largest.filter(|e| e.1.abs() > self.least) else {
             return false;
@@ -97,6 +99,7 @@ impl Fronts {
             None => *free.entry(column).or_insert(0.0) += value,
         };
         row.iter().for_each(|(c, v)| add(*c, *v, &mut left));
+        // Pivots in ascending order: each can only bring entries of later ones.
         while let Some((pivot, value)) = left.pop_first() {
             let others = self.rows[pivot].iter().filter(|_| value != 0.0);
             others.for_each(|(c, v)| add(*c, -value * v, &mut left));
@@ -165,6 +168,7 @@ impl DenseFront {
         let mut columns: Vec<usize> = rows.iter().flatten().map(|entry| entry.0).collect();
         columns.sort_unstable_by_key(|column| (!is_own(*column), *column));
         columns.dedup();
+        // The front's own columns come first.
         let own = columns.partition_point(|column| is_own(*column));
         let place: BTreeMap<usize, usize> = columns.iter().copied().zip(0..).collect();
         let mut entries = vec![0.0; rows.len() * columns.len()];

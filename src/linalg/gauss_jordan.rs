@@ -26,7 +26,7 @@ impl Pivots {
     };
 
     /// Of a matrix that is not square: it has no determinant.
-    pub fn unsigned(self) -> Self {
+    pub fn without_sign(self) -> Self {
         Self { sign: 0, ..self }
     }
 
@@ -104,6 +104,7 @@ impl Elimination {
             }
             self.matrix.swap_rows(k, place);
             self.order.swap(k, place);
+            // In place: the pivot's column becomes a column of the inverse.
             *self.matrix.at_mut(k, k) = 1.0;
             let row = self.matrix.row_mut(k);
             scale_lanes(row, 1.0 / value);

@@ -82,6 +82,7 @@ pub fn combine_rows(target: &mut [Lanes], factors: &[f64], rows: &[Lanes]) {
 
 #[inline(always)]
 fn combine_fixed<const G: usize>(target: &mut [Lanes], factors: &[f64], rows: &[Lanes]) {
+    // The sums stay in registers.
     let mut sums = [f64x4::ZERO; G];
     for (factor, row) in factors.iter().zip(rows.as_chunks::<G>().0) {
         let factor = f64x4::splat(*factor);

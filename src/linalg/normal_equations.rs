@@ -1,31 +1,43 @@
 //! Damped least squares by their normal equations: cheap, and good enough where the damping is strong.
 
+use super::lanes::{LaneMatrix, dot_lanes};
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 /// Damping, as a share of the matrix's sum of squares, from which the normal equations serve: squaring costs the solution no
 /// more than its seventh digit then.
 const WELL_DAMPED: f64 = 1e-9;
 
-/// Solves (AᵀA + `damping`) x = Aᵀ b for the matrix and right side with these entries; false where the damping is too weak.
+/// Solves (AᵀA + `damping`) x = Aᵀ b, where the rows of `columns` are the columns of A; false where the damping is too weak.
 pub fn damped_solution(
-    [rows, columns]: [usize; 2],
-    matrix: impl Fn(usize, usize) -> f64,
-    right: impl Fn(usize) -> f64,
+    columns: &LaneMatrix,
+    right: &[f64],
     damping: f64,
     solution: &mut Vec<f64>,
 ) -> bool {
-    let matrix = DMatrix::from_fn(rows, columns, matrix);
-    if damping.is_nan() || damping < WELL_DAMPED * matrix.norm_squared() {
+    let squares: f64 = columns.rows().map(|c| dot_lanes(c, c)).sum();
+    if damping.is_nan() || damping < WELL_DAMPED * squares {
         return false;
     }
-    let mut normal = matrix.tr_mul(&matrix);
-    (0..columns).for_each(|j| normal[(j, j)] += damping);
+    let n = columns.rows().len();
+    // Of a symmetric matrix the factorisation reads the lower half.
+    let mut normal = DMatrix::zeros(n, n);
+    for (j, column) in columns.rows().enumerate() {
+        for (i, other) in columns.rows().enumerate().skip(j) {
+            normal[(i, j)] = dot_lanes(column, other);
+        }
+        normal[(j, j)] += damping;
+    }
     let Some(factored) = Cholesky::new(normal) else {
         return false;
     };
-    let right = DVector::from_fn(rows, |i, _| right(i));
+    let products = columns.rows().map(|column| {
+        let pairs = column.as_flattened().iter().zip(right);
+        pairs.map(|(a, b)| a * b).sum()
+    });
+    let mut image = DVector::from_iterator(n, products);
+    factored.solve_mut(&mut image);
     solution.clear();
-    solution.extend_from_slice(factored.solve(&matrix.tr_mul(&right)).as_slice());
+    solution.extend_from_slice(image.as_slice());
     solution.iter().all(|x| x.is_finite())
 }
 
@@ -43,7 +55,13 @@ mod tests {
         let [rows, columns] = [7, 5];
         for damping in [1e-9, 1e-5, 1e-3, 0.5] {
             let mut solution = Vec::new();
-            let is_solved = damped_solution([rows, columns], entry, right, damping, &mut solution);
+            let mut lanes = LaneMatrix::default();
+            lanes.reset(columns, rows);
+            for j in 0..columns {
+                (0..rows).for_each(|i| *lanes.at_mut(j, i) = entry(i, j));
+            }
+            let side: Vec<f64> = (0..rows).map(right).collect();
+            let is_solved = damped_solution(&lanes, &side, damping, &mut solution);
             assert_eq!(is_solved, damping > 1e-8, "{damping}");
             if !is_solved {
                 continue;

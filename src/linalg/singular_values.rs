@@ -23,8 +23,8 @@ pub const LARGEST_ERROR: f64 = 1e-3;
 /// Iterations after which the exact decomposition of a small matrix is cheaper.
 const MOST_ITERATIONS: usize = 24;
 
-/// Of a large one it takes many times its size times what an iteration takes: as many are made as this part of its size.
-const SHARE_OF_SIZE: usize = 2;
+/// Of a larger one it takes a dozen times its size times what an iteration takes: as many times its size are made.
+const TIMES_OF_SIZE: usize = 4;
 
 /// How much of a fixed vector is mixed into the start of the largest value.
 const MIXED: f64 = 0.01;
@@ -61,13 +61,19 @@ impl Extremes {
             if others > CLEAR_SHARE * value {
                 others = self.powers.others(1, inverse, value);
             }
-            others <= CLEAR_SHARE * value
-                && residual <= 2.0 * SMALLEST_ERROR * value * (value - others)
+            let is_clear = others <= CLEAR_SHARE * value;
+            let left = if is_clear {
+                value - others
+            } else {
+                (1.0 - CLEAR_SHARE) * value
+            };
+            let is_settled = residual <= 2.0 * SMALLEST_ERROR * value * left;
+            is_settled.then_some(is_clear)
         })?;
         self.large.mix();
         let allowed = 4.0 * LARGEST_ERROR * LARGEST_ERROR;
         let large = self.large.largest(matrix, |value, residual| {
-            residual <= allowed * value * value
+            (residual <= allowed * value * value).then_some(true)
         })?;
         Some((1.0 / small.sqrt(), large.sqrt()))
     }
@@ -90,6 +96,7 @@ impl PowerSums {
             };
             self.known.push(sum);
         }
+        // The trace of a power is the sum of the powers of all eigenvalues; less the known one it bounds the rest.
         let of_others = (0..=level).fold(value, |power, _| power * power);
         let rest = (self.known[level] - of_others).max(0.0);
         (0..=level).fold(rest, |root, _| root.sqrt())
@@ -101,6 +108,7 @@ fn gram_into(gram: &mut LaneMatrix, a: &LaneMatrix) -> f64 {
     let n = a.rows().len();
     gram.reset(n, n);
     for (i, row) in a.rows().enumerate() {
+        // The lower half; the matrix is symmetric.
         for (j, other) in a.rows().enumerate().take(i + 1) {
             let entry = dot_lanes(row, other);
             *gram.at_mut(i, j) = entry;
@@ -131,13 +139,17 @@ struct PowerIteration {
 
 impl PowerIteration {
     /// An eigenvalue of A Aᵀ, nearly always the largest, once its Rayleigh quotient and the square of its residual are
-    /// accepted.
-    fn largest(&mut self, a: &LaneMatrix, mut accept: impl FnMut(f64, f64) -> bool) -> Option<f64> {
+    /// judged: accepted, or given up.
+    fn largest(
+        &mut self,
+        a: &LaneMatrix,
+        mut judge: impl FnMut(f64, f64) -> Option<bool>,
+    ) -> Option<f64> {
         let n = a.rows().len();
         if self.size != n {
             self.start(n);
         }
-        for _ in 0..MOST_ITERATIONS.max(n / SHARE_OF_SIZE) {
+        for _ in 0..MOST_ITERATIONS.max(TIMES_OF_SIZE * n) {
             self.multiply(a);
             let value = dot_lanes(&self.vector, &self.image);
             let square = dot_lanes(&self.image, &self.image);
@@ -149,8 +161,8 @@ impl PowerIteration {
             let residual = (square - value * value).abs() + 4.0 * f64::EPSILON * square;
             std::mem::swap(&mut self.vector, &mut self.image);
             scale_lanes(&mut self.vector, 1.0 / square.sqrt());
-            if accept(value, residual) {
-                return Some(value);
+            if let Some(is_accepted) = judge(value, residual) {
+                return is_accepted.then_some(value);
             }
         }
         None
@@ -162,6 +174,7 @@ impl PowerIteration {
             .iter_mut()
             .enumerate()
         {
+            // A pattern that no eigenvector has.
             *v += MIXED * spread_angle(k);
         }
         let length = dot_lanes(&self.vector, &self.vector).sqrt();

@@ -58,6 +58,7 @@ impl SparseLu {
         for k in 0..n {
             self.right_side.clear();
             self.right_side.resize(n, 0.0);
+            // Column k of the inverse solves for unit vector k.
             self.right_side[k] = 1.0;
             self.substitute();
             let row = inverse.row_mut(k).as_flattened_mut();
@@ -79,6 +80,7 @@ impl SparseLu {
         if n < LEAST {
             return None;
         }
+        // Small or dense matrices are faster in lanes.
         let columns = columns.take(n);
         let count = |column: &[f64]| column.iter().filter(|v| **v != 0.0).count();
         if columns.clone().map(count).sum::<usize>() > n * n / SPARSE {
@@ -90,7 +92,7 @@ impl SparseLu {
                 self.push(i, j, *value);
             }
         }
-        self.eliminate(SMALLEST_RATIO)
+        self.eliminate_rows(SMALLEST_RATIO)
     }
 
     /// Writes the pseudo-inverse of a tall column-major matrix, one row an equation; `None` where it is small, dense or
@@ -121,7 +123,7 @@ impl SparseLu {
             return None;
         }
         self.begin_least_squares(a, [rows, columns], |_| 1.0, 0.0);
-        self.eliminate(SMALLEST_RATIO)
+        self.eliminate_rows(SMALLEST_RATIO)
     }
 
     /// Lays out [I A; Aᵀ -λI] for the weighted rows of a column-major matrix: of a right side (b, 0) the last part of the
@@ -162,7 +164,7 @@ impl SparseLu {
     }
 
     /// Eliminates what was pushed; `None` where it fills in, or pivots are smaller than `ratio` of the largest.
-    pub fn eliminate(&mut self, ratio: f64) -> Option<Pivots> {
+    pub fn eliminate_rows(&mut self, ratio: f64) -> Option<Pivots> {
         let n = self.rows.len();
         self.counts.clear();
         self.counts.extend(self.columns.iter().map(Vec::len));
@@ -206,6 +208,7 @@ impl SparseLu {
         let largest = rows
             .clone()
             .fold(0.0_f64, |m, row| m.max(value(*row).abs()));
+        // Markowitz: of entries that are large enough, the one whose row is shortest.
         let fit = rows.filter(|row| value(**row).abs() >= THRESHOLD * largest);
         let best = fit.min_by_key(|row| (self.rows[**row].len(), **row))?;
         Some((*best, value(*best)))
@@ -221,6 +224,7 @@ impl SparseLu {
             self.columns[*j].retain(|i| *i != row);
             self.counts[*j] = self.columns[*j].len();
         }
+        // Elimination of the column below; factors are kept for right sides to come.
         for target in targets.into_iter().filter(|i| *i != row) {
             let entries = &self.rows[target];
             let place = entries.binary_search_by_key(&column, |e| e.0);

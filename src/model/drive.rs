@@ -126,10 +126,24 @@ impl Drive {
         }
     }
 
-    /// Whether it may change its course at a key among these times.
-    pub fn has_key_in(&self, these: Interval) -> bool {
-        let is_here = |t: &f64| these.lo <= *t && *t <= these.hi;
-        !self.is_constant() && matches!(self, Self::Keys { times, .. } if times.iter().any(is_here))
+    /// Whether it may jump: formulas without kinks and jumps do not, as long as they have a value.
+    pub fn may_jump(&self) -> bool {
+        match self {
+            Self::Keys { times, ease, .. } => {
+                *ease == Ease::Step || times.windows(2).any(|pair| pair[0] >= pair[1])
+            }
+            Self::Formula(formula) => formula.has_pieces(),
+        }
+    }
+
+    /// Its keys among these times, at which it may change its course.
+    pub fn keys_in(&self, these: Interval) -> impl Iterator<Item = f64> + '_ {
+        let times = match self {
+            Self::Keys { times, .. } if !self.is_constant() => times.as_slice(),
+            _ => &[],
+        };
+        let is_here = move |t: &f64| these.lo <= *t && *t <= these.hi;
+        times.iter().copied().filter(is_here)
     }
 
     /// Time of the last key; `None` for formulas.

@@ -121,7 +121,7 @@ impl Expression {
     }
 
     /// The same with `slots`, which are all of its own, numbered in their order.
-    pub fn renumbered(&self, slots: &[usize]) -> Self {
+    pub fn renumbered_slots(&self, slots: &[usize]) -> Self {
         let ops = self.ops.iter().map(|op| match op {
             Op::Slot(slot) => Op::Slot(slots.partition_point(|s| s < slot)),
             op => *op,
@@ -326,6 +326,7 @@ fn combine_affine(a: &Affine, x: Constant, b: &Affine, y: Constant) -> Affine {
 
 mod domain;
 mod fault;
+pub mod jumps;
 pub mod pieces;
 mod quadratic;
 

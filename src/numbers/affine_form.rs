@@ -124,6 +124,7 @@ impl<const N: usize> AffineForm<N> {
     fn bent(self, value: Interval, derivative: Interval, bend: f64) -> Self {
         let (middle, slope) = (value.middle(), derivative.middle());
         let wide = self.deviation();
+        // What the tangent leaves out: its slope's uncertainty over the range, and the bend (Taylor, second order).
         let open = derivative.distance(slope) * wide + slope.abs() * self.error;
         let rounding = OPERATION * slope.abs() * self.radius();
         let bent = 0.5 * bend * wide * wide;
@@ -217,6 +218,7 @@ impl<const N: usize> Scalar for AffineForm<N> {
         if self.is_zero() {
             return (self, Self::number(1.0));
         }
+        // Value and slope at the centre; the bend of a sine over the whole range is at most the sine itself.
         let here = Interval::point(self.value).sin_cos();
         let over = self.range().sin_cos();
         if !self.is_finite() {
@@ -334,6 +336,7 @@ impl<const N: usize> Mul for AffineForm<N> {
             of_self += x.abs();
             of_b += y.abs();
         }
+        // The product of the deviations is of second order: it goes into the error term.
         let (far, wide) = (of_self + self.error, of_b + b.error);
         let rounding = OF_PRODUCT * (u.abs() * (v.abs() + of_b) + v.abs() * of_self);
         let open = u.abs() * b.error + v.abs() * self.error + far * wide;

@@ -140,6 +140,7 @@ impl Scalar for HyperDual {
 
     fn atan2(self, x: Self) -> Self {
         let (y, square) = (self, x.value * x.value + self.value * self.value);
+        // Gradient and second derivatives of atan2(y, x), for the chain rule of second order.
         let (by_y, by_x) = (x.value / square, -y.value / square);
         let (yy, xy) = (2.0 * by_y * by_x, by_x * by_x - by_y * by_y);
         let cross = y.first * x.second + x.first * y.second;
@@ -175,6 +176,7 @@ impl Div for HyperDual {
         let value = self.value / b.value;
         let first = (self.first - value * b.first) / b.value;
         let second = (self.second - value * b.second) / b.value;
+        // The mixed part of q b = a, solved for that of q.
         let known = value * b.mixed + first * b.second + second * b.first;
         Self {
             value,

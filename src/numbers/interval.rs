@@ -21,6 +21,9 @@ pub struct Interval {
     pub hi: f64,
 }
 
+/// Quotients below this are told from their neighbours: 2 to the power of 52.
+const MOST_WHOLE: f64 = 4_503_599_627_370_496.0;
+
 /// Relative error of π/2 and of the quotient by 2π, generously.
 const TURN_SLACK: f64 = 1e-14;
 
@@ -41,6 +44,14 @@ impl Interval {
             lo: value,
             hi: value,
         }
+    }
+
+    /// The quotient of two numbers that divide without a rest, which is exact: what is whole stays whole.
+    fn whole_quotient(self, b: Self) -> Option<f64> {
+        let are_numbers = self.lo == self.hi && b.lo == b.hi;
+        let quotient = self.lo / b.lo;
+        let is_whole = are_numbers && self.lo % b.lo == 0.0 && quotient.abs() < MOST_WHOLE;
+        is_whole.then_some(quotient)
     }
 
     /// The sum of two numbers, of which the second is far smaller.
@@ -92,8 +103,9 @@ impl Interval {
     }
 
     /// A wave with values `a` and `b` at the ends of the interval and its crests at `crest` + 2πk.
-    fn wave(self, a: f64, b: f64, crest: f64) -> Self {
+    fn wave_image(self, a: f64, b: f64, crest: f64) -> Self {
         let ends = Self::widened(a.min(b), a.max(b), FUNCTION_WIDENING);
+        // A crest lies inside if some crest + 2πk does, with slack for the rounding of the division.
         let meets = |place: f64| {
             let (from, to) = ((self.lo - place) / TAU, (self.hi - place) / TAU);
             let slack = TURN_SLACK * (1.0 + from.abs().max(to.abs()));
@@ -110,7 +122,7 @@ impl Interval {
     }
 
     /// A function of `libm` that grows on the whole interval.
-    fn growing(self, f: impl Fn(f64) -> f64) -> Self {
+    fn monotone_image(self, f: impl Fn(f64) -> f64) -> Self {
         let wide = Self::widened(f(self.lo), f(self.hi), FUNCTION_WIDENING);
         Self::new(wide.lo - UNDERFLOW, wide.hi + UNDERFLOW)
     }
@@ -133,6 +145,7 @@ impl Ring for Interval {
         }
         let (a, b) = (self.lo * factor, self.hi * factor);
         let (lo, hi) = if factor > 0.0 { (a, b) } else { (b, a) };
+        // One unit outwards for rounding, the smallest number for underflow.
         let wide = Self::widened(lo, hi, WIDENING);
         Self::new(wide.lo - UNDERFLOW, wide.hi + UNDERFLOW)
     }
@@ -202,7 +215,10 @@ impl Scalar for Interval {
             return (Self::new(-1.0, 1.0), Self::new(-1.0, 1.0));
         }
         let (s, c) = (sin_cos(self.lo), sin_cos(self.hi));
-        (self.wave(s.0, c.0, FRAC_PI_2), self.wave(s.1, c.1, 0.0))
+        (
+            self.wave_image(s.0, c.0, FRAC_PI_2),
+            self.wave_image(s.1, c.1, 0.0),
+        )
     }
 
     /// Square root.
@@ -212,13 +228,13 @@ impl Scalar for Interval {
 
     /// Exponential.
     fn exp(self) -> Self {
-        self.growing(libm::exp)
+        self.monotone_image(libm::exp)
     }
 
     /// Natural logarithm.
     fn ln(self) -> Self {
         if self.lo > 0.0 {
-            self.growing(libm::log)
+            self.monotone_image(libm::log)
         } else {
             Self::ENTIRE
         }
@@ -226,7 +242,7 @@ impl Scalar for Interval {
 
     /// Inverse sine.
     fn asin(self) -> Self {
-        self.growing(libm::asin)
+        self.monotone_image(libm::asin)
     }
 
     /// Angle of the point (`x`, `self`); nothing is known where the box meets the negative x axis.
@@ -234,6 +250,7 @@ impl Scalar for Interval {
         if !(self.is_finite() && x.is_finite()) || (x.lo <= 0.0 && self.holds_zero()) {
             return Self::ENTIRE;
         }
+        // Without the cut the angle is monotone along every edge of the box: extremes are at its corners.
         let corners = [
             libm::atan2(self.lo, x.lo),
             libm::atan2(self.lo, x.hi),
@@ -251,7 +268,7 @@ impl Scalar for Interval {
     }
 
     fn atan(self) -> Self {
-        self.growing(libm::atan)
+        self.monotone_image(libm::atan)
     }
 
     /// Where it is the same for all members.
@@ -330,6 +347,9 @@ impl Div for Interval {
     fn div(self, b: Self) -> Self {
         if b.holds_zero() {
             return Self::ENTIRE;
+        }
+        if let Some(whole) = self.whole_quotient(b) {
+            return Self::point(whole);
         }
         let reciprocal = Self::widened(1.0 / b.hi, 1.0 / b.lo, WIDENING);
         self * Self::new(reciprocal.lo - UNDERFLOW, reciprocal.hi + UNDERFLOW)

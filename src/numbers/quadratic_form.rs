@@ -67,6 +67,7 @@ impl<const N: usize> QuadraticForm<N> {
                 size += self.bends[k][l].abs() + added.abs();
             }
         }
+        // Rounding of every sum of second-order terms.
         self.line.error = (self.line.error + OPERATION * size) * GROW;
     }
 
@@ -81,7 +82,7 @@ impl<const N: usize> QuadraticForm<N> {
     }
 
     /// value + slope y - ½ (that function) y² and a third-order rest: sine or cosine, whose second derivative is minus itself.
-    fn wave(self, value: Interval, slope: Interval) -> Self {
+    fn wave_form(self, value: Interval, slope: Interval) -> Self {
         let (here, rate) = (value.middle(), slope.middle());
         let line = &self.line;
         let (radius, beyond) = (line.radius(), self.bend() + line.error);
@@ -172,7 +173,7 @@ impl<const N: usize> Scalar for QuadraticForm<N> {
             return (Self::from(sin), Self::from(cos));
         }
         let (sin, cos) = Interval::point(self.line.value).sin_cos();
-        (self.wave(sin, cos), self.wave(cos, -sin))
+        (self.wave_form(sin, cos), self.wave_form(cos, -sin))
     }
 
     fn exp(self) -> Self {
@@ -231,6 +232,7 @@ impl<const N: usize> Add for QuadraticForm<N> {
             }
         }
         if size > 0.0 {
+            // Rounding of every sum of second-order terms.
             sum.line.error = (sum.line.error + OPERATION * size) * GROW;
         }
         sum
@@ -255,6 +257,7 @@ impl<const N: usize> Mul for QuadraticForm<N> {
                 };
             }
         }
+        // Terms up to the second order are multiplied out.
         let (u, v) = (self.line.value, b.line.value);
         let (x, y) = (&self.line.slopes, &b.line.slopes);
         let mut product = Self::ZERO;
@@ -271,6 +274,7 @@ impl<const N: usize> Mul for QuadraticForm<N> {
         let (qx, qy) = (self.bend(), b.bend());
         let (ex, ey) = (self.line.error, b.line.error);
         let (far, wide) = (u.abs() + rx + qx, v.abs() + ry + qy);
+        // Errors times values, all products of third and fourth order, rounding, underflow.
         let open = [
             u.abs() * ey + v.abs() * ex,
             rx * (qy + ey) + ry * (qx + ex),

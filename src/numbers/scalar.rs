@@ -145,6 +145,7 @@ pub trait Scalar: Ring + PartialEq + Div<Output = Self> {
     fn power(self, exponent: Self) -> Self {
         match exponent.as_number() {
             None => (self.ln() * exponent).exp(),
+            // Whole exponents work for negative bases, too.
             Some(e) if e.fract() == 0.0 && e.abs() <= LARGEST_PRODUCT => {
                 let product = self.whole_power(e.abs() as u32);
                 if e < 0.0 {
@@ -163,6 +164,7 @@ pub trait Scalar: Ring + PartialEq + Div<Output = Self> {
             0 => Self::number(1.0),
             1 => self,
             _ => {
+                // Repeated squaring.
                 let even = self.square().whole_power(exponent / 2);
                 if exponent.is_multiple_of(2) {
                     even

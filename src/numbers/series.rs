@@ -128,7 +128,7 @@ impl<T: Scalar, const N: usize> Series<T, N> {
     }
 
     /// The series that starts at `value` and whose derivative is `self' · factor`.
-    fn integrated(&self, factor: &Self, value: T) -> Self {
+    fn integrated_product(&self, factor: &Self, value: T) -> Self {
         let length = self.length.max(factor.length);
         Self::built(length, |k, _| match k {
             0 => value,
@@ -243,7 +243,7 @@ impl<T: Scalar, const N: usize> Scalar for Series<T, N> {
     }
 
     fn ln(self) -> Self {
-        self.integrated(&(Self::one() / self), self.coefficients[0].ln())
+        self.integrated_product(&(Self::one() / self), self.coefficients[0].ln())
     }
 
     fn sqrt(self) -> Self {
@@ -257,24 +257,24 @@ impl<T: Scalar, const N: usize> Scalar for Series<T, N> {
     }
 
     fn asin(self) -> Self {
-        self.integrated(&self.arc_rate(), self.coefficients[0].asin())
+        self.integrated_product(&self.arc_rate(), self.coefficients[0].asin())
     }
 
     fn acos(self) -> Self {
-        self.integrated(&-self.arc_rate(), self.coefficients[0].acos())
+        self.integrated_product(&-self.arc_rate(), self.coefficients[0].acos())
     }
 
     fn atan(self) -> Self {
         let rate = Self::one() / (Self::one() + self.square());
-        self.integrated(&rate, self.coefficients[0].atan())
+        self.integrated_product(&rate, self.coefficients[0].atan())
     }
 
     /// From (x y' - y x') / (x² + y²).
     fn atan2(self, x: Self) -> Self {
         let square = x.square() + self.square();
         let angle = self.coefficients[0].atan2(x.coefficients[0]);
-        let from_y = self.integrated(&(x / square), angle);
-        let from_x = x.integrated(&(self / square), T::number(0.0));
+        let from_y = self.integrated_product(&(x / square), angle);
+        let from_x = x.integrated_product(&(self / square), T::number(0.0));
         from_y - from_x
     }
 

@@ -104,6 +104,7 @@ const fn factor_table() -> [(SinCosFactor, SinCosFactor); QUARTER] {
     let mut k = 0;
     while k < QUARTER {
         let count = k as f64;
+        // Angle number k with two f64, then its sine and cosine rounded to the grid of factors.
         let (a, b) = (
             DoubleDouble::product(count, PI[0] / STEPS as f64),
             DoubleDouble::product(count, PI[1] / STEPS as f64),
@@ -123,6 +124,7 @@ const fn sin_cos_series(angle: DoubleDouble) -> (DoubleDouble, DoubleDouble) {
     let mut k = 1;
     while k < 36 {
         power = divide_by(power.times(angle), k as f64);
+        // Signs + + - -: odd powers belong to the sine, even ones to the cosine.
         let sign = if k % 4 < 2 { 1.0 } else { -1.0 };
         let term = DoubleDouble {
             hi: sign * power.hi,
@@ -180,6 +182,7 @@ pub fn long_sin_cos(angle: DoubleDouble) -> (DoubleDouble, DoubleDouble) {
         return (none, none);
     }
     let quarters = (angle.hi / (0.5 * PI[0])).round();
+    // Reduction by π with three f64, so that cancellation leaves all digits of the rest.
     let part = |p: usize| DoubleDouble::product(-quarters, 0.5 * PI[p]);
     let (sin, cos) = sin_cos_series(angle + part(0) + part(1) + part(2));
     match (quarters as i64) & 3 {

@@ -7,10 +7,11 @@ use super::frames::{nearest_frame, shown_trajectory};
 use super::markup::{Cell, Section, Table};
 use super::mechanism::mechanism_section;
 use super::model::viewer_model;
+use super::quantities::{ShownQuantity, extreme_table, shown_quantities};
 use super::still::first_picture;
 use crate::kinematics::motion::limits::add_limits;
 use crate::kinematics::results::trajectory::{EventKind, Trajectory};
-use crate::model::mechanism::{Kind, Mechanism};
+use crate::model::mechanism::Mechanism;
 use crate::render::{Camera, RenderError};
 use crate::report::sentences::{event_sentence, gap_sentence};
 use crate::report::verdict::{CLEARANCE, Case, Status, Verdict};
@@ -18,9 +19,6 @@ use serde_json::{Value, json};
 
 /// Rows of a table that is still read.
 const MOST_ROWS: usize = 60;
-
-/// Quantities whose values follow the slider.
-const MOST_VALUES: usize = 24;
 
 /// A mechanism's part of a page, ready to be written.
 #[derive(Clone, Debug)]
@@ -116,7 +114,7 @@ fn article_of_frames(
         "marks": marks,
         "model": model.as_ref().ok(),
     });
-    let values = quantities(&scene.mechanism);
+    let values = shown_quantities(&scene.mechanism);
     article.values = values.into_iter().map(|q| (q.name, q.unit)).collect();
     article.note = model.err();
     article
@@ -129,8 +127,8 @@ pub(super) fn frame_times(shown: &Trajectory) -> Vec<f64> {
 
 /// The quantities that follow the slider, with their values at all frames.
 pub(super) fn values_at(mechanism: &Mechanism, shown: &Trajectory) -> Vec<Value> {
-    let one = |q: Shown| json!({ "name": q.name, "unit": q.unit, "at": q.values(shown) });
-    quantities(mechanism).into_iter().map(one).collect()
+    let one = |q: ShownQuantity| json!({ "name": q.name, "unit": q.unit, "at": q.values(shown) });
+    shown_quantities(mechanism).into_iter().map(one).collect()
 }
 
 /// The article of a scene that has no motion to show: what was asked, and the answers.
@@ -175,70 +173,6 @@ pub fn article_without_motion(source: &str, verdict: &Verdict) -> Article {
     }
 }
 
-/// A quantity of the motion: an input, an output or an unknown.
-struct Shown {
-    name: String,
-    unit: String,
-    factor: f64,
-    place: Place,
-}
-
-#[derive(Clone, Copy)]
-enum Place {
-    Input(usize),
-    Output(usize),
-    Unknown(usize),
-}
-
-impl Shown {
-    /// Values at all frames in the scene's unit, in six digits.
-    fn values(&self, shown: &Trajectory) -> Vec<Option<f64>> {
-        let value = |frame: usize| self.value(shown, frame);
-        (0..shown.samples.len())
-            .map(value)
-            .map(|v| v.filter(|v| v.is_finite()).map(short))
-            .collect()
-    }
-
-    fn value(&self, shown: &Trajectory, frame: usize) -> Option<f64> {
-        let sample = &shown.samples[frame];
-        let pose = sample.pose.as_ref()?;
-        Some(
-            self.factor
-                * match self.place {
-                    Place::Input(k) => sample.inputs[k],
-                    Place::Output(k) => pose.outputs[k],
-                    Place::Unknown(k) => pose.unknowns[k],
-                },
-        )
-    }
-}
-
-/// The quantities that are shown: inputs, outputs, then unknowns.
-fn quantities(mechanism: &Mechanism) -> Vec<Shown> {
-    let one = |(name, kind, place): (&String, Kind, Place)| Shown {
-        name: name.clone(),
-        unit: mechanism.unit_name(kind).to_owned(),
-        factor: mechanism.file_units(kind),
-        place,
-    };
-    let inputs = mechanism.inputs.iter().enumerate();
-    let outputs = mechanism.outputs.iter().enumerate();
-    let unknowns = mechanism.unknowns.iter().enumerate();
-    inputs
-        .map(|(k, c)| (&c.name, c.kind, Place::Input(k)))
-        .chain(outputs.map(|(k, o)| (&o.name, o.kind, Place::Output(k))))
-        .chain(unknowns.map(|(k, c)| (&c.name, c.kind, Place::Unknown(k))))
-        .map(one)
-        .take(MOST_VALUES)
-        .collect()
-}
-
-/// In six digits, as the page shows it.
-fn short(value: f64) -> f64 {
-    format!("{value:.5e}").parse().unwrap_or(value)
-}
-
 /// How it moves: proofs, least and greatest values, limit positions, events and gaps.
 fn motion_section(checked: &Checked, shown: &Trajectory) -> Section {
     let Checked {
@@ -261,7 +195,7 @@ fn motion_section(checked: &Checked, shown: &Trajectory) -> Section {
             .map(|(head, text)| (long_head(head).to_owned(), text.clone())),
     );
     section.terms(&terms);
-    section.table(&extremes(mechanism, shown));
+    section.table(&extreme_table(mechanism, shown));
     let mut limits = Trajectory {
         samples: trajectory.samples.clone(),
         ..Trajectory::default()
@@ -330,65 +264,4 @@ fn long_head(head: &str) -> &str {
         "assumed" => "The proofs assume",
         other => other,
     }
-}
-
-/// Least and greatest values of all quantities among the frames, in the scene's units, by name.
-pub(super) fn extreme_values(
-    mechanism: &Mechanism,
-    shown: &Trajectory,
-) -> Vec<(String, String, [f64; 2])> {
-    let ends = |quantity: Shown| {
-        let [least, greatest] = ends_of(&quantity.values(shown))?;
-        Some((quantity.name, quantity.unit, [least.1, greatest.1]))
-    };
-    quantities(mechanism).into_iter().filter_map(ends).collect()
-}
-
-/// The frames and values at which a quantity is least and greatest.
-fn ends_of(values: &[Option<f64>]) -> Option<[(usize, f64); 2]> {
-    let known = || {
-        values
-            .iter()
-            .enumerate()
-            .filter_map(|(k, v)| Some((k, (*v)?)))
-    };
-    let least = known().min_by(|a, b| a.1.total_cmp(&b.1))?;
-    let greatest = known().max_by(|a, b| a.1.total_cmp(&b.1))?;
-    Some([least, greatest])
-}
-
-/// Least and greatest values of all quantities among the frames.
-fn extremes(mechanism: &Mechanism, shown: &Trajectory) -> Table {
-    let mut table = Table::new(
-        "Least and greatest values among the poses shown",
-        &[
-            "quantity",
-            "least:",
-            "at t / s:",
-            "",
-            "greatest:",
-            "at t / s:",
-            "",
-        ],
-    );
-    for quantity in quantities(mechanism) {
-        let mut row = vec![Cell::text(&quantity.name)];
-        let ends = ends_of(&quantity.values(shown));
-        let words = ["least", "greatest"];
-        for (word, (frame, value)) in words.into_iter().zip(ends.into_iter().flatten()) {
-            let time = shown.samples[frame].time;
-            let about = format!("the {word} {}", quantity.name);
-            row.extend([
-                Cell::number(format!("{value:.6} {}", quantity.unit).trim_end()),
-                Cell::number(format!("{time:.4}")),
-                Cell::Show {
-                    frame,
-                    mark: None,
-                    about,
-                },
-            ]);
-        }
-        table.rows.push(row);
-    }
-    table
 }

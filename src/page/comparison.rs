@@ -1,12 +1,13 @@
 //! Two versions of a scene on one page: what a change of the file does to its answers, its curves, its clearances and its look.
 
-use super::article::{Article, article_of, article_without_motion, extreme_values, frame_times};
+use super::article::{Article, article_of, article_without_motion, frame_times};
 use super::checked::Checked;
 use super::clearance::at_frames;
 use super::curves::{Curves, shown_plots};
 use super::document::linked_text;
 use super::frames::shown_trajectory;
 use super::markup::{Cell, Section, Table};
+use super::quantities::extreme_values;
 use crate::charts::clearance::clearance_chart;
 use crate::charts::motion::motion_chart;
 use crate::clearance::check::PairReport;
@@ -45,7 +46,7 @@ pub struct Version<'a> {
 ///
 /// Errors: a picture cannot be drawn.
 pub fn comparison_text(old: Version, new: Version) -> Result<String, RenderError> {
-    let mut articles = [drawn(old, 1)?, drawn(new, 2)?];
+    let mut articles = [drawn_version(old, 1)?, drawn_version(new, 2)?];
     let mut sections = vec![
         answers_section(old, new),
         parameters_section(old.parameters, new.parameters),
@@ -63,7 +64,7 @@ pub fn comparison_text(old: Version, new: Version) -> Result<String, RenderError
 }
 
 /// A version's picture and verdict; what is below them is compared.
-fn drawn(version: Version, number: usize) -> Result<Article, RenderError> {
+fn drawn_version(version: Version, number: usize) -> Result<Article, RenderError> {
     let mut article = match version.checked {
         Some(checked) => article_of(checked, number)?,
         None => article_without_motion(version.source, version.verdict),
@@ -224,8 +225,8 @@ fn curves_section(
         .filter(|t| *t <= duration)
         .collect();
     let frames_of_old = chart(old, &solve_motion(old.system, &old.scene.actuation, &times));
-    let both = overlaid(fine(new), &fine(old), usize::MAX);
-    let frames = overlaid(chart(new, shown), &frames_of_old, shown.samples.len());
+    let both = overlaid_chart(fine(new), &fine(old), usize::MAX);
+    let frames = overlaid_chart(chart(new, shown), &frames_of_old, shown.samples.len());
     if both.panels.iter().any(|panel| !panel.series.is_empty()) {
         section.text("Dashed: the old version.");
         section.blocks.push(curves.add(both, &frames));
@@ -235,7 +236,7 @@ fn curves_section(
 
 /// A chart with the series of another one dashed in its panels, as far as their axes are the same. Series at frames are made as
 /// long as there are frames.
-fn overlaid(mut chart: Chart, old: &Chart, frames: usize) -> Chart {
+fn overlaid_chart(mut chart: Chart, old: &Chart, frames: usize) -> Chart {
     for panel in &mut chart.panels {
         let mut alike = old
             .panels

@@ -67,7 +67,7 @@ impl<'a> Curves<'a> {
         drawing.title = title;
         let id = format!("chart-{}-{}", self.number, self.list.len() + 1);
         self.list
-            .push(json!({ "id": id, "panels": playheads(frames, &drawing) }));
+            .push(json!({ "id": id, "panels": playhead_places(frames, &drawing) }));
         format!(
             "<div class=\"chart scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{}\">{}</div>",
             escaped(&drawing.description),
@@ -77,7 +77,7 @@ impl<'a> Curves<'a> {
 }
 
 /// Where every frame stands on the curves, in tenths of a pixel.
-fn playheads(frames: &Chart, drawing: &Drawing) -> Vec<Value> {
+fn playhead_places(frames: &Chart, drawing: &Drawing) -> Vec<Value> {
     let tenth = |v: f64| (v * 10.0).round() / 10.0;
     let panels = frames.panels.iter().zip(&drawing.areas);
     panels

@@ -30,11 +30,11 @@ pub fn page_text(title: &str, articles: &[Article], engine: Option<&PackedEngine
         None => SCRIPTS.to_vec(),
         Some(_) => [&SCRIPTS[..], &[LIVE]].concat(),
     };
-    let mut out = head(title, &scripts, engine.is_some());
+    let mut out = page_head(title, &scripts, engine.is_some());
     let depth = match articles {
         [_] => 2,
         _ => {
-            out.push_str(&overview(title, articles));
+            out.push_str(&overview_links(title, articles));
             3
         }
     };
@@ -49,7 +49,7 @@ pub fn page_text(title: &str, articles: &[Article], engine: Option<&PackedEngine
 pub(super) fn whole_text(title: &str, body: &str) -> String {
     format!(
         "{}{body}<footer>Made by mechanim {}.</footer>\n</main>\n</body>\n</html>\n",
-        head(title, &[], false),
+        page_head(title, &[], false),
         env!("CARGO_PKG_VERSION"),
     )
 }
@@ -61,7 +61,7 @@ pub(super) fn linked_text(articles: &[Article; 2], sections: &[Section]) -> Stri
         true => new.title.clone(),
         false => format!("{} → {}", old.title, new.title),
     };
-    let mut out = head(&title, &SCRIPTS, false);
+    let mut out = page_head(&title, &SCRIPTS, false);
     let _ = write!(
         out,
         "<h1><bdi>{}</bdi>: two versions</h1>\n<div class=\"pair\" data-linked>\n",
@@ -114,7 +114,7 @@ fn write_end(
 
 /// A policy that lets run and look only what is written here: nothing that a scene says can become script or style,
 /// and nothing is asked for from anywhere. A live page may also compile its engine, in a worker that it makes itself.
-fn policy(scripts: &[&str], is_live: bool) -> String {
+fn content_policy(scripts: &[&str], is_live: bool) -> String {
     let hash = |text: &str| format!("'sha256-{}'", BASE64_STANDARD.encode(Sha256::digest(text)));
     let mut allowed: Vec<String> = scripts.iter().map(|script| hash(script)).collect();
     let mut workers = "";
@@ -132,20 +132,20 @@ fn policy(scripts: &[&str], is_live: bool) -> String {
     )
 }
 
-fn head(title: &str, scripts: &[&str], is_live: bool) -> String {
+fn page_head(title: &str, scripts: &[&str], is_live: bool) -> String {
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta http-equiv=\"Content-Security-Policy\" content=\"{}\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <title>{}</title>\n<link rel=\"icon\" href=\"data:,\">\n<style>{STYLE}</style>\n</head>\n<body{}>\n<main>\n",
-        policy(scripts, is_live),
+        content_policy(scripts, is_live),
         escaped(title),
         if is_live { " class=\"is-live\"" } else { "" },
     )
 }
 
 /// All mechanisms with their results, as links to their articles.
-fn overview(title: &str, articles: &[Article]) -> String {
+fn overview_links(title: &str, articles: &[Article]) -> String {
     let mut out = format!("<h1>{}</h1>\n<ul>\n", escaped(title));
     for (index, article) in articles.iter().enumerate() {
         let _ = writeln!(

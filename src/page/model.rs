@@ -73,7 +73,7 @@ fn traces_value(mechanism: &Mechanism, whole: &Trajectory) -> Value {
 
 /// The meshes and what is made of them.
 fn shapes_value(model: &ExportModel) -> Value {
-    let mut meshes = Meshes::default();
+    let mut meshes = ModelMeshes::default();
     let mut list = Vec::new();
     for (body, model_body) in model.bodies.iter().enumerate() {
         let parts = model_body.parts.iter();
@@ -91,12 +91,12 @@ fn shapes_value(model: &ExportModel) -> Value {
 
 /// The meshes by their bytes: equal ones are written once.
 #[derive(Default)]
-struct Meshes {
+struct ModelMeshes {
     list: Vec<Value>,
     known: HashMap<String, usize>,
 }
 
-impl Meshes {
+impl ModelMeshes {
     fn index(&mut self, mesh: &Mesh) -> usize {
         let value = mesh_value(mesh);
         let next = self.list.len();

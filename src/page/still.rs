@@ -48,7 +48,7 @@ pub fn first_picture(scene: &Scene, shown: &Trajectory) -> Result<Picture, Rende
     image
         .as_mut()
         .iter_mut()
-        .for_each(|level| *level = coarser(*level));
+        .for_each(|level| *level = coarser_level(*level));
     let mut png = Vec::new();
     encode_png(&image, Effort::Small, &mut png)
         .map_err(|error| RenderError::Device(error.to_string()))?;
@@ -71,7 +71,7 @@ fn camera_of(staging: &Staging) -> (Camera, f64) {
 }
 
 /// Of 64 levels, black and white among them: half the file, and nothing that an eye sees.
-fn coarser(level: u8) -> u8 {
+fn coarser_level(level: u8) -> u8 {
     let step = u32::from(level) >> 2;
     ((step * 255 + 31) / 63) as u8
 }

@@ -38,7 +38,7 @@ impl Seen {
     ///
     /// Errors: the folder cannot be written to.
     pub fn take(&mut self, path: &Path) -> Result<Option<Lease>, PartsError> {
-        match create(path) {
+        match create_lease(path) {
             Ok(lease) => return Ok(Some(lease)),
             Err(e) if e.kind() == ErrorKind::AlreadyExists => {}
             Err(e) => return Err(PartsError::io(path, e)),
@@ -48,7 +48,7 @@ impl Seen {
         }
         self.others.remove(path);
         let _ = fs::remove_file(path);
-        match create(path) {
+        match create_lease(path) {
             Ok(lease) => Ok(Some(lease)),
             // Somebody was quicker.
             Err(e) if e.kind() == ErrorKind::AlreadyExists => Ok(None),
@@ -73,12 +73,12 @@ impl Seen {
 }
 
 /// Makes a lease that is not there and keeps it.
-fn create(path: &Path) -> std::io::Result<Lease> {
+fn create_lease(path: &Path) -> std::io::Result<Lease> {
     let mut file = fs::OpenOptions::new()
         .write(true)
         .create_new(true)
         .open(path)?;
-    let _ = file.write_all(holder().as_bytes());
+    let _ = file.write_all(process_name().as_bytes());
     let is_done = std::sync::Arc::new(AtomicBool::new(false));
     let (done, place) = (std::sync::Arc::clone(&is_done), path.to_owned());
     let keep = move || {
@@ -116,11 +116,11 @@ const PROCESSES: &str = "/proc";
 const BOOT: &str = "/proc/sys/kernel/random/boot_id";
 
 /// This process, as a lease names it.
-fn holder() -> String {
-    format!("{} {}", boot(), std::process::id())
+fn process_name() -> String {
+    format!("{} {}", boot_identity(), std::process::id())
 }
 
-fn boot() -> String {
+fn boot_identity() -> String {
     let text = fs::read_to_string(BOOT).unwrap_or_default();
     text.trim().to_owned()
 }
@@ -130,7 +130,7 @@ fn is_gone(holder: &str) -> bool {
     let Some((machine, process)) = holder.split_once(' ') else {
         return false;
     };
-    let is_here = !machine.is_empty() && machine == boot();
+    let is_here = !machine.is_empty() && machine == boot_identity();
     is_here && !Path::new(PROCESSES).join(process.trim()).exists()
 }
 
@@ -174,7 +174,7 @@ mod tests {
     fn what_a_process_left_that_was_killed_is_taken_at_once() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("unit-0");
-        fs::write(&path, format!("{} 4294967295", boot())).unwrap();
+        fs::write(&path, format!("{} 4294967295", boot_identity())).unwrap();
         assert!(Seen::default().take(&path).unwrap().is_some());
     }
 }

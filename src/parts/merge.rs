@@ -47,7 +47,7 @@ impl Merge {
                 parts,
                 width: folder.plan.width as usize,
             }),
-            false => Err(PartsError::Faulty(shortened(faults))),
+            false => Err(PartsError::Faulty(shortened_list(faults))),
         }
     }
 
@@ -62,7 +62,7 @@ impl Merge {
             let numbers = part.numbers().map_err(as_fault)?;
             over.retain(|other| other.items.end > part.items.start);
             for other in &over {
-                self.compare(other, part, &numbers)?;
+                self.compare_part(other, part, &numbers)?;
             }
             over.push(part);
             let rows = part.items.clone().zip(numbers.chunks_exact(self.width));
@@ -88,7 +88,7 @@ impl Merge {
     }
 
     /// Holds a part against an earlier one where they have items in common.
-    fn compare(&self, other: &Part, part: &Part, numbers: &[f64]) -> Result<(), PartsError> {
+    fn compare_part(&self, other: &Part, part: &Part, numbers: &[f64]) -> Result<(), PartsError> {
         let common = part.items.start..part.items.end.min(other.items.end);
         if common.is_empty() {
             return Ok(());
@@ -120,7 +120,7 @@ fn as_fault(error: PartsError) -> PartsError {
     }
 }
 
-fn shortened(mut faults: Vec<String>) -> Vec<String> {
+fn shortened_list(mut faults: Vec<String>) -> Vec<String> {
     let all = faults.len();
     faults.truncate(MOST_FAULTS);
     if all > MOST_FAULTS {

@@ -24,7 +24,7 @@ const DIGEST: usize = 32;
 const LONGEST_HEAD: u64 = 1 << 12;
 
 /// Processor and system: sums of products may differ between them in the last bit.
-fn platform() -> String {
+fn platform_name() -> String {
     format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS)
 }
 
@@ -57,7 +57,7 @@ pub(super) fn write_part(
         "end": items.end,
         "width": plan.width,
         "version": VERSION,
-        "platform": platform(),
+        "platform": platform_name(),
     });
     let mut bytes = format!("{head}\n").into_bytes();
     bytes.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
@@ -102,12 +102,12 @@ impl Part {
         if head["identity"] != plan.identity.as_str() || head["width"] != plan.width {
             return Err(foreign("is a part of another study"));
         }
-        if head["version"] != VERSION || head["platform"] != platform().as_str() {
+        if head["version"] != VERSION || head["platform"] != platform_name().as_str() {
             let why = format!(
                 "was made by version {} on {}, this is {VERSION} on {}",
                 head["version"],
                 head["platform"],
-                platform()
+                platform_name()
             );
             return Err(foreign(&why));
         }

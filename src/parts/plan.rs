@@ -123,7 +123,8 @@ impl Plan {
             version: word("version")?,
             items: number("items")?,
             unit: number("items_of_a_unit")?,
-            keeps: kept(&document).ok_or_else(|| bad("`keeps` is no known word".to_owned()))?,
+            keeps: kept_items(&document)
+                .ok_or_else(|| bad("`keeps` is no known word".to_owned()))?,
             width: number("numbers")?,
         };
         if plan.version != VERSION {
@@ -139,7 +140,7 @@ impl Plan {
     }
 }
 
-fn kept(document: &Value) -> Option<Keeps> {
+fn kept_items(document: &Value) -> Option<Keeps> {
     let word = document["keeps"].as_str()?;
     let known = Keeps::WORDS.iter().find(|(_, other)| *other == word);
     known.map(|(keeps, _)| *keeps)

@@ -43,7 +43,9 @@ pub fn work_on(
     is_stopped: &dyn Fn() -> bool,
 ) -> Result<Ended, PartsError> {
     let mut seen = Seen::default();
-    let mut missing: Vec<u64> = ordered(share).filter(|unit| !folder.has(*unit)).collect();
+    let mut missing: Vec<u64> = ordered_units(share)
+        .filter(|unit| !folder.has(*unit))
+        .collect();
     while !missing.is_empty() {
         let mut held = Vec::new();
         for unit in missing {
@@ -79,7 +81,7 @@ pub fn work_on(
 }
 
 /// The units of a share in the order in which they are tried.
-fn ordered(share: &Share) -> impl Iterator<Item = u64> {
+fn ordered_units(share: &Share) -> impl Iterator<Item = u64> {
     let begin = share.begin.clamp(share.units.start, share.units.end);
     (begin..share.units.end).chain(share.units.start..begin)
 }

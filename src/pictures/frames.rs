@@ -134,7 +134,7 @@ impl<'a> Pictures<'a> {
         Box::new(move |picture, image| {
             let sample = self.first + picture;
             draw(sample, &mut motion)?;
-            panel.compose(&motion, sample, &mut painter, image);
+            panel.compose_frame(&motion, sample, &mut painter, image);
             Ok(())
         })
     }

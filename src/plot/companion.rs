@@ -81,7 +81,7 @@ impl Companion {
     }
 
     /// Puts the animation's picture and the chart with its playhead at `sample` into `image`, which has the whole size.
-    pub fn compose(
+    pub fn compose_frame(
         &self,
         animation: &RgbaImage,
         sample: usize,
@@ -89,7 +89,7 @@ impl Companion {
         image: &mut RgbaImage,
     ) {
         let mut chart = self.picture.clone();
-        painter.paint(
+        painter.paint_primitives(
             &playhead_marks(&self.frames, &self.drawing, sample),
             &mut chart,
         );

@@ -83,7 +83,7 @@ struct Letter {
 /// A text in runs.
 pub fn text_runs(text: &str) -> Vec<Run> {
     let mut runs: Vec<Run> = Vec::new();
-    for letter in text.chars().map(letter) {
+    for letter in text.chars().map(find_letter) {
         let [scale, drop] = if letter.is_below {
             SUBSCRIPT
         } else {
@@ -112,12 +112,12 @@ pub fn text_width(text: &str) -> f64 {
 }
 
 /// Where a character is found; a question mark for one that neither face has.
-fn letter(c: char) -> Letter {
+fn find_letter(c: char) -> Letter {
     if let Some(digit) = u32::from(c).checked_sub(u32::from('₀')).filter(|d| *d < 10) {
         let code = b'0' + digit as u8;
         return Letter {
             is_below: true,
-            ..letter(char::from(code))
+            ..find_letter(char::from(code))
         };
     }
     if let Some((_, code, width)) = SYMBOL.iter().find(|(known, ..)| *known == c) {

@@ -22,12 +22,12 @@ impl ChartPainter {
         let [width, height] = drawing.size.map(|side| side.max(1));
         let background = image::Rgba(drawing.theme.background);
         let mut image = RgbaImage::from_pixel(width, height, background);
-        self.paint(&drawing.primitives, &mut image);
+        self.paint_primitives(&drawing.primitives, &mut image);
         image
     }
 
     /// Draws `primitives` over an opaque picture.
-    pub fn paint(&mut self, primitives: &[DrawnPrimitive], image: &mut RgbaImage) {
+    pub fn paint_primitives(&mut self, primitives: &[DrawnPrimitive], image: &mut RgbaImage) {
         for primitive in primitives {
             match primitive {
                 DrawnPrimitive::Text {

@@ -38,8 +38,8 @@ pub struct Scale {
 impl Scale {
     /// The place of `value`; `None` where it has none.
     pub fn pixel(&self, value: f64) -> Option<f64> {
-        let share = (self.coordinate(value)? - self.coordinate(self.low)?)
-            / (self.coordinate(self.high)? - self.coordinate(self.low)?);
+        let share = (self.axis_coordinate(value)? - self.axis_coordinate(self.low)?)
+            / (self.axis_coordinate(self.high)? - self.axis_coordinate(self.low)?);
         let pixel = self.start + share * (self.end - self.start);
         pixel.is_finite().then_some(pixel)
     }
@@ -53,7 +53,7 @@ impl Scale {
         }
     }
 
-    fn coordinate(&self, value: f64) -> Option<f64> {
+    fn axis_coordinate(&self, value: f64) -> Option<f64> {
         match self.kind {
             ScaleKind::Linear => value.is_finite().then_some(value),
             ScaleKind::Log => (value > 0.0 && value.is_finite()).then(|| libm::log10(value)),

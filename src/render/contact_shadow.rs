@@ -178,7 +178,7 @@ impl ShadowCaster {
             translation: self.ground.center,
         }
         .inverse();
-        let slant = self.slant(camera);
+        let slant = self.shadow_slant(camera);
         let maps = self.heights.iter_mut().zip(&mut self.thrown);
         for ((below, thrown), translucent) in maps.zip([false, true]) {
             below.fill(f32::INFINITY);
@@ -201,19 +201,19 @@ impl ShadowCaster {
                     let pose = ground_from_world * instance.world_from_mesh;
                     let maps = std::iter::once(&mut below).chain(thrown.as_mut());
                     for map in maps {
-                        let caster = Caster { mesh, coarse };
+                        let caster = CastMesh { mesh, coarse };
                         caster.drop_on(map, instance, &pose, self.ground.radius);
                     }
                 }
             }
         }
-        self.darken();
+        self.blur_darkness();
         &self.shadow
     }
 
     /// How far the key light throws the shadow of a point for each unit of its height, along the ground's axes; `None`
     /// for a light that is too low.
-    fn slant(&self, camera: &Camera) -> Option<[f32; 2]> {
+    fn shadow_slant(&self, camera: &Camera) -> Option<[f32; 2]> {
         let light = DVec3::from(KEY_DIRECTION.map(f64::from));
         let light = self.axes.transpose() * (camera.world_from_camera.rotation * light);
         let away = [-light.x / light.z, -light.y / light.z];
@@ -221,7 +221,7 @@ impl ShadowCaster {
     }
 
     /// From heights to blurred darkness.
-    fn darken(&mut self) {
+    fn blur_darkness(&mut self) {
         let size = SHADOW_SIZE as usize;
         let [contacts @ .., key] = &mut self.layers;
         let [opaque, translucent] = &self.thrown;
@@ -278,12 +278,12 @@ fn is_coarse(corners: &[[f32; 3]], triangle: [u32; 3], texel: f32) -> bool {
 }
 
 /// A mesh seen from the ground.
-struct Caster<'a> {
+struct CastMesh<'a> {
     mesh: &'a StageMesh,
     coarse: &'a [u32],
 }
 
-impl Caster<'_> {
+impl CastMesh<'_> {
     fn drop_on(&self, map: &mut HeightMap, instance: &Instance, pose: &Pose, radius: f64) {
         let [x, y, z] = narrow_pose(pose);
         let radius = radius as f32;
@@ -314,7 +314,7 @@ impl Caster<'_> {
             }
         }
         for k in self.coarse.iter().filter(|k| (start..end).contains(k)) {
-            map.triangle(
+            map.draw_triangle(
                 self.mesh.triangles[*k as usize].map(|i| place(self.mesh.positions[i as usize])),
             );
         }
@@ -339,7 +339,7 @@ impl HeightMap<'_> {
     }
 
     /// Lowers the texels whose centres are under a triangle.
-    fn triangle(&mut self, [a, b, c]: [[f32; 3]; 3]) {
+    fn draw_triangle(&mut self, [a, b, c]: [[f32; 3]; 3]) {
         let area = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
         // Upright triangles have no area from above; their corners and neighbours count.
         if !(area.abs() > 1e-6 && area.abs() < 1e12) {

@@ -71,8 +71,8 @@ pub fn patches(count: usize, triangles: &[[u32; 3]]) -> (Vec<u32>, u32) {
     for triangle in triangles {
         let [a, b, c] = triangle.map(|i| i as usize);
         if a.max(b).max(c) < count {
-            join(&mut parent, a, b);
-            join(&mut parent, b, c);
+            join_sets(&mut parent, a, b);
+            join_sets(&mut parent, b, c);
         }
     }
     // A root stands before all that it leads: one pass finds it for each, and the roots are numbered in place.
@@ -83,7 +83,7 @@ pub fn patches(count: usize, triangles: &[[u32; 3]]) -> (Vec<u32>, u32) {
     (parent, number)
 }
 
-fn root(parent: &mut [u32], mut vertex: usize) -> usize {
+fn find_root(parent: &mut [u32], mut vertex: usize) -> usize {
     while parent[vertex] as usize != vertex {
         // Halving the way for those who come later.
         parent[vertex] = parent[parent[vertex] as usize];
@@ -92,8 +92,8 @@ fn root(parent: &mut [u32], mut vertex: usize) -> usize {
     vertex
 }
 
-fn join(parent: &mut [u32], a: usize, b: usize) {
-    let (a, b) = (root(parent, a), root(parent, b));
+fn join_sets(parent: &mut [u32], a: usize, b: usize) {
+    let (a, b) = (find_root(parent, a), find_root(parent, b));
     let (low, high) = (a.min(b), a.max(b));
     parent[high] = low as u32;
 }

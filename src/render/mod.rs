@@ -30,6 +30,10 @@ pub use stage_mesh::StageMesh;
 use std::ops::Range;
 use std::sync::Arc;
 
+/// Bytes that a picture takes for each of its pixels while it is drawn and written: colours, depths, the picture, its coded
+/// form. Measured, and somewhat more.
+pub const BYTES_OF_DRAWN_PIXEL: f64 = 34.0;
+
 /// What stays the same over all frames.
 #[derive(Clone, Debug)]
 pub struct Stage {

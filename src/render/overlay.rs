@@ -55,7 +55,11 @@ impl Overlay {
     }
 
     /// The texts of a frame with their rectangles (left, top, right, bottom in pixels) in a picture of `size`.
-    pub fn rectangles(frame: &Frame, camera: &Camera, size: [u32; 2]) -> Vec<(String, [f64; 4])> {
+    pub fn text_rectangles(
+        frame: &Frame,
+        camera: &Camera,
+        size: [u32; 2],
+    ) -> Vec<(String, [f64; 4])> {
         let face = Face::new();
         let labels = frame.labels.iter().filter_map(|label| {
             let setting = set_text(&face, &label.text, label.size.min(LARGEST_SIZE));

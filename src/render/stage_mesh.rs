@@ -36,8 +36,8 @@ impl From<Mesh> for StageMesh {
             mut triangles,
         } = mesh;
         let count = positions.len().min(normals.len());
-        let positions = narrowed(positions, count);
-        let normals = narrowed(normals, count);
+        let positions = narrowed_points(positions, count);
+        let normals = narrowed_points(normals, count);
         if count == 0 {
             triangles.clear();
         }
@@ -59,7 +59,7 @@ impl From<Mesh> for StageMesh {
     }
 }
 
-fn narrowed(list: Vec<DVec3>, count: usize) -> Vec<[f32; 3]> {
+fn narrowed_points(list: Vec<DVec3>, count: usize) -> Vec<[f32; 3]> {
     // Not in place: `collect` would keep the memory of the wide list.
     let mut narrow = Vec::with_capacity(count);
     narrow.extend(list[..count].iter().map(|v| narrow_vector(*v)));

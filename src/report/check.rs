@@ -2,6 +2,7 @@
 
 use super::clearance;
 use super::clearance_json;
+use super::clearance_table::clearance_table;
 use super::closure;
 use super::events::gap_list;
 use super::freedoms;
@@ -90,7 +91,7 @@ impl<'a> MotionReport<'a> {
     }
 
     /// Largest condition number, likewise; infinite at singular poses.
-    fn condition(&self) -> Option<f64> {
+    fn worst_condition(&self) -> Option<f64> {
         let poses = self.trajectory.poses().map(|p| p.condition);
         self.sigma().map(|_| poses.fold(0.0, f64::max))
     }
@@ -111,7 +112,7 @@ impl<'a> MotionReport<'a> {
             "samples",
             format!("{samples} ({} without a pose)", trajectory.missing()),
         )];
-        if let (Some(sigma), Some(condition)) = (self.sigma(), self.condition()) {
+        if let (Some(sigma), Some(condition)) = (self.sigma(), self.worst_condition()) {
             let error = trajectory.closure_error();
             let error = closure::error_sentence(mechanism, error, self.asked.closure);
             lines.push(("closure error", error));
@@ -142,7 +143,7 @@ impl<'a> MotionReport<'a> {
         let lines: String = lines.iter().map(case_line).collect();
         let pairs = self
             .clearances
-            .map(|found| clearance::clearance_table(mechanism, found, worst));
+            .map(|found| clearance_table(mechanism, found, worst));
         format!(
             "{}\n{lines}{}{}",
             mechanism.title,
@@ -169,7 +170,7 @@ impl<'a> MotionReport<'a> {
             "tolerance": self.asked.closure,
             "size": mechanism.size,
             "sigma_min": self.sigma(),
-            "condition": self.condition().filter(|c| c.is_finite()),
+            "condition": self.worst_condition().filter(|c| c.is_finite()),
             "branches": self.branches(),
             "error_bound": certified.map(|p| p.error_bound),
             "unique_radius": certified.map(|p| p.unique_radius).filter(|r| r.is_finite()),

@@ -1,15 +1,12 @@
-//! The clearance report as cases of a verdict, as a table for people and as CSV. Nothing is computed here.
+//! The clearance report as cases of a verdict, in sentences and as CSV. Nothing is computed here.
 
 use super::cells::quoted_cell;
-use super::pieces::{piece_cases, piece_table};
+use super::pieces::piece_cases;
 use super::rounded::{at_least_three, at_most_three, not_above, not_below};
 use super::verdict::{Asked, CLEARANCE, Case, Status};
 use crate::clearance::check::{ClearanceReport, FarPairs, Judgement, PairReport, Violation};
 use crate::model::mechanism::Mechanism;
 use crate::model::shape::Solid;
-
-/// More excluded pairs with one reason are one line of the table. JSON and JUnit have all of them.
-const MOST_OF_ONE_REASON: usize = 3;
 
 /// More times at which a pair is too near are counted in texts. JSON has all of them.
 const MOST_INTERVALS: usize = 4;
@@ -57,7 +54,7 @@ pub(super) fn shape_names(mechanism: &Mechanism, pair: &PairReport) -> [String; 
 }
 
 /// When a pair is too near, in words; `None` if nothing is known of that.
-fn violations_sentence(p: &PairReport, has_gaps: bool) -> Option<String> {
+pub(super) fn violations_sentence(p: &PairReport, has_gaps: bool) -> Option<String> {
     let violations = p.violations.as_ref()?;
     let sure = match violations.is_certified {
         true => "proved",
@@ -225,7 +222,7 @@ pub(super) fn left_out_shapes(mechanism: &Mechanism, p: &PairReport) -> Vec<[Str
 }
 
 /// What is known of a pair between the samples.
-fn bound_text(mechanism: &Mechanism, p: &PairReport, has_gaps: bool) -> String {
+pub(super) fn bound_text(mechanism: &Mechanism, p: &PairReport, has_gaps: bool) -> String {
     let (least, unit) = (&p.least, &mechanism.length_unit);
     let sure = match least.is_certified {
         true => "proved",
@@ -285,135 +282,4 @@ pub fn to_csv(mechanism: &Mechanism, report: &ClearanceReport) -> String {
         text.push('\n');
     }
     text
-}
-
-/// The worst pairs, then what was left out.
-pub fn clearance_table(mechanism: &Mechanism, found: &ClearanceReport, worst: usize) -> String {
-    let unit = &mechanism.length_unit;
-    let has_gaps = !found.gaps.is_empty();
-    let mut text = format!(
-        "  clearance        {} pairs judged, {} excluded; lengths in {unit}\n",
-        found.judged_count(),
-        found.excluded_count()
-    );
-    if !found.judged.is_empty() {
-        text.push_str("      distance   never below     minimum      at t/s  verdict    pair\n");
-    }
-    for p in found.judged.iter().take(worst) {
-        text.push_str(&pair_row(mechanism, p));
-        if let Some(times) = violations_sentence(p, has_gaps) {
-            text.push_str(&format!("                  {times}\n"));
-        }
-        if p.farthest.is_some() {
-            text.push_str(&format!(
-                "                  touching: {}\n",
-                bound_text(mechanism, p, has_gaps)
-            ));
-        }
-    }
-    if found.judged.len() > worst {
-        let rest = found.judged.len() - worst;
-        text.push_str(&format!(
-            "    and {rest} more (--worst {})\n",
-            found.judged.len()
-        ));
-    }
-    if let Some(far) = &found.far {
-        text.push_str(&far_line(far));
-    }
-    for group in by_reason(&found.excluded) {
-        text.push_str(&excluded_row(mechanism, &group));
-    }
-    for (judgement, count) in &found.counted {
-        let reason = judgement_reason(judgement).unwrap_or_default();
-        text.push_str(&format!(
-            "                  {:<10} {count} pairs: {reason}\n",
-            judgement_word(judgement)
-        ));
-    }
-    for [start, end] in &found.gaps {
-        text.push_str(&format!(
-            "    not checked from t = {start:.6} s to {end:.6} s\n"
-        ));
-    }
-    let pieces = found.pieces.iter();
-    text.extend(pieces.map(|pieces| piece_table(mechanism, pieces, worst)));
-    text
-}
-
-/// Excluded pairs with equal reasons, in the order in which these come first.
-fn by_reason(pairs: &[PairReport]) -> Vec<Vec<&PairReport>> {
-    let mut groups: Vec<Vec<&PairReport>> = Vec::new();
-    for p in pairs {
-        match groups.iter_mut().find(|g| g[0].judgement == p.judgement) {
-            Some(group) => group.push(p),
-            None => groups.push(vec![p]),
-        }
-    }
-    groups
-}
-
-/// Lines of excluded pairs with one reason: one a pair, or one for all of them with the nearest pair.
-fn excluded_row(mechanism: &Mechanism, group: &[&PairReport]) -> String {
-    let line = |p: &PairReport, who: &str| {
-        format!(
-            "    {:>10.4}{}  {:<10} {who}: {}\n",
-            p.least.distance,
-            inside_word(p),
-            judgement_word(&p.judgement),
-            judgement_reason(&p.judgement).unwrap_or_default()
-        )
-    };
-    let name = |p: &PairReport| body_names(mechanism, p).join(" / ");
-    if group.len() <= MOST_OF_ONE_REASON {
-        return group.iter().map(|p| line(p, &name(p))).collect();
-    }
-    let distance = |p: &&&PairReport| p.least.distance;
-    let nearest = group
-        .iter()
-        .min_by(|p, q| distance(p).total_cmp(&distance(q)));
-    let folded = |p: &&PairReport| line(p, &format!("{} pairs, nearest {}", group.len(), name(p)));
-    nearest.map(folded).unwrap_or_default()
-}
-
-fn inside_word(p: &PairReport) -> &'static str {
-    if p.least.inside.contains(&true) {
-        " (inside)"
-    } else {
-        ""
-    }
-}
-
-/// The line of all pairs that were not looked at one by one.
-fn far_line(far: &FarPairs) -> String {
-    let bound = match far.is_certified {
-        true => not_below(far.apart, 4),
-        false => format!("~{}", not_below(far.apart, 4)),
-    };
-    format!(
-        "                {bound:>12}                          {:<10} {} pairs far apart\n",
-        judgement_word(&far.judgement()),
-        far.count
-    )
-}
-
-fn pair_row(mechanism: &Mechanism, p: &PairReport) -> String {
-    let [a, b] = body_names(mechanism, p);
-    // A depth has no bound: it is only known that the bodies overlap.
-    let bound = match (
-        p.least.distance > 0.0 && p.farthest.is_none(),
-        p.least.is_certified,
-    ) {
-        (false, _) => "-".to_owned(),
-        (true, true) => not_below(p.least.bound, 4),
-        (true, false) => format!("~{}", not_below(p.least.bound, 4)),
-    };
-    format!(
-        "    {:>10.4}  {bound:>12}  {:>10.4}  {:>10.5}  {:<10} {a} / {b}{}\n",
-        p.least.distance,
-        p.minimum,
-        p.least.time,
-        judgement_word(&p.judgement),
-        inside_word(p),
-    )
 }

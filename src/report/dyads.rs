@@ -290,7 +290,7 @@ impl DyadReport<'_> {
     }
 
     /// The table as Markdown.
-    pub fn markdown(&self) -> String {
+    pub fn markdown_table(&self) -> String {
         let mut text = String::new();
         for (k, row) in self.short_cells().iter().enumerate() {
             text += &format!("| {} |\n", row.join(" | "));

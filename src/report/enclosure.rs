@@ -193,6 +193,7 @@ pub fn enclosure_document(
             (d.name.clone(), json!(tolerance))
         })
         .collect();
+    let refusals = motion.iter().filter_map(|e| refusal_text(plan, e));
     let mut document = json!({
         "schema": "mechanim-enclosure/1",
         "title": mechanism.title,
@@ -200,6 +201,7 @@ pub fn enclosure_document(
         "tolerances": dimensions,
         "columns": names,
         "samples": rows.collect::<Vec<_>>(),
+        "refusals": refusals.collect::<Vec<_>>(),
     });
     if let Some(bands) = measures {
         let list = plan.family.measures.list.iter().zip(bands);
@@ -217,7 +219,7 @@ pub fn enclosure_document(
 }
 
 /// What a quantity does over the whole motion.
-struct Summary {
+struct BandSummary {
     below: f64,
     above: f64,
     found: [f64; 2],
@@ -283,8 +285,8 @@ fn outer_text(value: f64) -> String {
     }
 }
 
-fn over_motion(motion: &[Enclosed], index: usize) -> Option<Summary> {
-    let mut all: Option<Summary> = None;
+fn over_motion(motion: &[Enclosed], index: usize) -> Option<BandSummary> {
+    let mut all: Option<BandSummary> = None;
     for enclosed in motion {
         let Ok(bands) = &enclosed.bands else { continue };
         let band = bands.list.get(index)?;
@@ -294,7 +296,7 @@ fn over_motion(motion: &[Enclosed], index: usize) -> Option<Summary> {
         let one = of_band(band, enclosed.time);
         all = Some(match all {
             None => one,
-            Some(before) => Summary {
+            Some(before) => BandSummary {
                 below: before.below.max(one.below),
                 above: before.above.max(one.above),
                 found: [0, 1].map(|k| before.found[k].max(one.found[k])),
@@ -309,7 +311,7 @@ fn over_motion(motion: &[Enclosed], index: usize) -> Option<Summary> {
     all
 }
 
-fn of_band(band: &Band, time: f64) -> Summary {
+fn of_band(band: &Band, time: f64) -> BandSummary {
     let width = band.found[1] - band.found[0];
     // A quantity that does not move is bounded by rounding alone.
     let still = 1e-9 * band.nominal.abs().max(1.0);
@@ -318,7 +320,7 @@ fn of_band(band: &Band, time: f64) -> Summary {
     } else {
         f64::NEG_INFINITY
     };
-    Summary {
+    BandSummary {
         below: (band.nominal - band.lo) * GROW,
         above: (band.hi - band.nominal) * GROW,
         found: [band.nominal - band.found[0], band.found[1] - band.nominal],

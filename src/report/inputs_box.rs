@@ -38,7 +38,10 @@ fn parts_in_words(mechanism: &Mechanism, sides: [Side; 2], parts: &[[[f64; 2]; 2
 
 /// One case a pair, and one for what no motion leads to.
 pub fn cases(mechanism: &Mechanism, sides: [Side; 2], report: &BoxReport) -> Vec<Case> {
-    let pairs = report.pairs.iter().map(|pair| case(mechanism, sides, pair));
+    let pairs = report
+        .pairs
+        .iter()
+        .map(|pair| junit_case(mechanism, sides, pair));
     let mut cases: Vec<Case> = pairs.collect();
     if !report.unreached.is_empty() {
         let words = parts_in_words(mechanism, sides, &report.unreached);
@@ -62,7 +65,7 @@ pub fn cases(mechanism: &Mechanism, sides: [Side; 2], report: &BoxReport) -> Vec
     cases
 }
 
-fn case(mechanism: &Mechanism, sides: [Side; 2], pair: &BoxPair) -> Case {
+fn junit_case(mechanism: &Mechanism, sides: [Side; 2], pair: &BoxPair) -> Case {
     let unit = &mechanism.length_unit;
     let inputs = mechanism.inputs.iter().zip(&pair.inputs);
     let at: Vec<String> = inputs

@@ -6,7 +6,7 @@ use super::verdict::{Case, Judged, Status};
 /// The whole file, one suite for each scene.
 pub fn to_junit(judged: &[Judged]) -> String {
     let all: Vec<&Case> = judged.iter().flat_map(|one| &one.verdict.cases).collect();
-    let totals = totals(&all, judged.iter().map(|one| one.seconds).sum());
+    let totals = suite_totals(&all, judged.iter().map(|one| one.seconds).sum());
     let suites: String = judged.iter().map(suite_element).collect();
     format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites {totals}>\n{suites}</testsuites>\n"
@@ -19,12 +19,12 @@ fn suite_element(one: &Judged) -> String {
     format!(
         "  <testsuite name=\"{}\" {}>\n{cases}  </testsuite>\n",
         escape_text(&one.verdict.title),
-        totals(&all, one.seconds),
+        suite_totals(&all, one.seconds),
     )
 }
 
 /// How many there are of each kind, and what they took.
-fn totals(cases: &[&Case], seconds: f64) -> String {
+fn suite_totals(cases: &[&Case], seconds: f64) -> String {
     let count = |status: &[Status]| cases.iter().filter(|c| status.contains(&c.status)).count();
     format!(
         "tests=\"{}\" failures=\"{}\" errors=\"{}\" skipped=\"{}\" time=\"{seconds:.3}\"",

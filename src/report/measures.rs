@@ -86,14 +86,14 @@ pub fn take_measures<'s>(
 
 /// Ten digits, with an exponent where zeros would fill the line.
 fn measure_digits(value: f64) -> String {
-    match decimals(value) {
+    match shown_decimals(value) {
         Some(decimals) => format!("{value:.decimals$}"),
         None => format!("{value:.9e}"),
     }
 }
 
 /// Decimals that make ten digits; `None` where zeros would fill the line.
-fn decimals(value: f64) -> Option<usize> {
+fn shown_decimals(value: f64) -> Option<usize> {
     let exponent = value.abs().log10().floor();
     (-5.0..9.0)
         .contains(&exponent)
@@ -223,7 +223,7 @@ impl TakenMeasure<'_> {
                 "{time}; no bound: the formula may have no value or no slope somewhere"
             );
         }
-        let decimals = decimals(bound).map_or(12, |d| d.saturating_sub(1));
+        let decimals = shown_decimals(bound).map_or(12, |d| d.saturating_sub(1));
         let never = match known.bound < known.value {
             true => format!("never below {}", not_below(bound, decimals)),
             false => format!("never above {}", not_above(bound, decimals)),

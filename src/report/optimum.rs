@@ -42,7 +42,7 @@ impl OptimumReport<'_> {
 
     /// For people.
     pub fn text(&self) -> String {
-        let mut text = self.summary();
+        let mut text = self.summary_text();
         text.push_str(&self.variable_rows());
         match self.verified {
             Ok(verified) => text.push_str(&self.verified_lines(verified)),
@@ -55,7 +55,7 @@ impl OptimumReport<'_> {
     }
 
     /// The objective before and after, and what the search did.
-    fn summary(&self) -> String {
+    fn summary_text(&self) -> String {
         let (study, optimum) = (self.study, &self.found.optimum);
         let (name, unit) = (study.objective_name(), study.objective_unit());
         let (minimum, refusals) = (&optimum.minimum, &optimum.refusals);

@@ -26,7 +26,7 @@ fn piece_word(pair: &PieceClearance) -> &'static str {
     }
 }
 
-fn names(mechanism: &Mechanism, pair: &PieceClearance) -> String {
+fn body_names(mechanism: &Mechanism, pair: &PieceClearance) -> String {
     let names = pair.pair.map(|body| mechanism.bodies[body].name.as_str());
     names.join(" / ")
 }
@@ -37,7 +37,7 @@ pub fn piece_cases<'r>(
     report: &'r PieceReport,
 ) -> impl Iterator<Item = Case> + 'r {
     report.list.iter().map(|pair| {
-        let name = format!("{}, every piece", names(mechanism, pair));
+        let name = format!("{}, every piece", body_names(mechanism, pair));
         let text = format!("{}: {}", piece_word(pair), piece_sentence(mechanism, pair));
         Case::new(CLEARANCE, &name, piece_status(pair), text)
     })
@@ -110,12 +110,12 @@ pub fn piece_table(mechanism: &Mechanism, report: &PieceReport, worst: usize) ->
             pair.minimum,
             pair.time,
             piece_word(pair),
-            names(mechanism, pair),
+            body_names(mechanism, pair),
         ));
     }
     if list.len() > worst {
         text.push_str(&format!(
-            "    and {} more (--worst {})\n",
+            "    and {} more (--rows {})\n",
             list.len() - worst,
             list.len()
         ));

@@ -3,7 +3,6 @@
 use super::rounded::{at_least, at_most};
 use super::sentences;
 use super::verdict::{Case, PROOF, Status};
-use crate::kinematics::certificate::rows::redundant_rows;
 use crate::kinematics::results::certificate::{
     CONSISTENT, Certificate, IntervalCertificate, Reason,
 };
@@ -20,7 +19,7 @@ pub fn proof_assumptions(system: &System) -> Vec<String> {
         "sine and cosine right within one unit in the last place".to_owned(),
         "inputs as printed".to_owned(),
     ];
-    let redundant = redundant_rows(system);
+    let redundant = system.redundant_rows();
     if redundant > 0 {
         list.push(format!(
             "{redundant} redundant equations bounded, not proved"

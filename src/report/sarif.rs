@@ -41,12 +41,12 @@ fn results_of(one: &Judged) -> Vec<Value> {
         "ruleId": case.group,
         "level": if case.status == Status::NotProved { "warning" } else { "error" },
         "message": { "text": format!("{}: {} {}: {}", one.verdict.title, case.name, case.status.word(), case.text) },
-        "locations": [{ "physicalLocation": { "artifactLocation": { "uri": uri(one.source) } } }],
+        "locations": [{ "physicalLocation": { "artifactLocation": { "uri": relative_uri(one.source) } } }],
     })).collect()
 }
 
 /// A path as an address relative to where the program runs.
-fn uri(path: &str) -> String {
+fn relative_uri(path: &str) -> String {
     let mut out = String::new();
     for byte in path.replace('\\', "/").bytes() {
         match byte {

@@ -43,7 +43,7 @@ impl<'a> SensitivityTable<'a> {
     }
 
     /// The tolerance that lets every dimension contribute as much to the allowed scatter.
-    fn proposal(&self, variable: usize) -> Option<f64> {
+    fn proposed_tolerance(&self, variable: usize) -> Option<f64> {
         let (measure, scatter) = self.allowed?;
         let row = &self.gradients.rows[measure];
         let moving = row.iter().filter(|d| **d != 0.0).count() as f64;
@@ -73,7 +73,7 @@ impl<'a> SensitivityTable<'a> {
         let v = &study.variables[variable];
         let mut row = vec![v.name.clone(), shown(v.start * self.family.units(v.kind))];
         row.extend((0..self.family.measures.list.len()).map(|m| shown(self.slope(m, variable))));
-        row.extend(self.proposal(variable).map(shown));
+        row.extend(self.proposed_tolerance(variable).map(shown));
         row
     }
 
@@ -139,7 +139,7 @@ impl<'a> SensitivityTable<'a> {
                 "dimension": v.name,
                 "value": v.start * self.family.units(v.kind),
                 "derivatives": slopes,
-                "tolerance": self.proposal(variable),
+                "tolerance": self.proposed_tolerance(variable),
             })
         });
         json!({

@@ -12,9 +12,9 @@ pub fn to_markdown(judged: &[Judged]) -> String {
     for one in judged {
         text.push_str(&format!(
             "| {} | {} | {} | {:.2} |\n",
-            cell(one.source),
-            cell(&one.verdict.title),
-            cell(&one.verdict.sentence()),
+            plain_cell(one.source),
+            plain_cell(&one.verdict.title),
+            plain_cell(&one.verdict.sentence()),
             one.seconds
         ));
     }
@@ -29,8 +29,8 @@ pub fn to_markdown(judged: &[Judged]) -> String {
                 format!(
                     "- **{}**: {}: {}\n",
                     case.status.word(),
-                    cell(&case.name),
-                    cell(&case.text)
+                    plain_cell(&case.name),
+                    plain_cell(&case.text)
                 )
             })
             .collect();
@@ -39,7 +39,7 @@ pub fn to_markdown(judged: &[Judged]) -> String {
         }
         text.push_str(&format!(
             "\n### {}\n\n{}",
-            cell(one.source),
+            plain_cell(one.source),
             lines[..lines.len().min(MOST_LINES)].concat()
         ));
         if lines.len() > MOST_LINES {
@@ -50,7 +50,7 @@ pub fn to_markdown(judged: &[Judged]) -> String {
 }
 
 /// A text that is no markup: what a scene says does not become a link, a picture or a column.
-fn cell(text: &str) -> String {
+fn plain_cell(text: &str) -> String {
     let mut out = String::new();
     for c in crate::diag::shown_text(text).chars() {
         match c {

@@ -9,7 +9,7 @@ use crate::diag::Diagnostic;
 pub struct ContactFile {
     /// Its name.
     pub name: Spanned<String>,
-    /// `first` and `second`; `None` if one of them could not be read, which is said already.
+    /// `first` and `second`; `None` if one of them could not be read, which has been reported.
     pub surfaces: Option<[SurfaceFile; 2]>,
 }
 

@@ -90,7 +90,7 @@ const SECTIONS: [&str; 14] = [
 pub enum InputFile {
     /// A number or formula of `t`.
     Formula(FormulaText),
-    /// Could not be read, which is said already; its name is kept.
+    /// Could not be read, which has been reported; its name is kept.
     Unread,
     /// `keys` and `ease`.
     Keys {

@@ -10,6 +10,7 @@ use crate::model::notation::Notation;
 use crate::model::plot::Plot;
 use crate::model::study::Study;
 use crate::model::view::View;
+use std::fmt;
 use std::sync::Arc;
 
 /// Where a scene keeps the file's value of a parameter that is varied.
@@ -23,6 +24,17 @@ pub enum KeptIn {
     Measure,
     /// In the axis of a rotation.
     Direction,
+}
+
+impl fmt::Display for KeptIn {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Drive => "in a drive",
+            Self::Track => "in the ends of a track",
+            Self::Measure => "in a measure, by a parameter that is computed from it",
+            Self::Direction => "in the axis of a rotation",
+        })
+    }
 }
 
 /// A varied parameter whose file's value is kept somewhere.

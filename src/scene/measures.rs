@@ -19,7 +19,7 @@ pub struct TrackFile {
 pub struct MeasureFile {
     /// Its name.
     pub name: Spanned<String>,
-    /// What it is; `None` if it could not be read, which is said already.
+    /// What it is; `None` if it could not be read, which has been reported.
     pub source: Option<MeasureSourceFile>,
     /// `min` and `max`
     pub limits: [Option<FormulaText>; 2],

@@ -44,9 +44,7 @@ pub fn load_scene(source: &Source, overrides: &Overrides) -> Result<Scene, Scene
         Some(mut scene) if !diagnostics.has_errors() => {
             scene.warnings = diagnostics;
             if let Some(other) = &overrides.drives {
-                scene.actuation.duration = other.duration;
-                let own = scene.actuation.drives.iter_mut().zip(&other.drives);
-                own.for_each(|(drive, other)| *drive = other.clone());
+                other.replace_in(&mut scene.actuation);
             }
             Ok(scene)
         }

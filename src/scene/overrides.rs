@@ -5,6 +5,7 @@ use super::plots::PlotFile;
 use super::reader::Spanned;
 use super::values::FormulaText;
 use crate::diag::{Diagnostic, Diagnostics};
+use crate::model::actuation::Actuation;
 use crate::model::drive::Drive;
 use std::path::PathBuf;
 
@@ -29,7 +30,7 @@ pub struct Overrides {
     pub minimise: Option<String>,
     /// Characteristic length in place of the mechanism's own: what a study compares with its scene keeps the scene's.
     pub size: Option<f64>,
-    /// `--inputs`: other drives of the scene's own inputs.
+    /// `--input-table`: other drives of the scene's own inputs.
     pub drives: Option<OtherDrives>,
     /// Whether the chains are kept as they are written, for drawings.
     pub notation: bool,
@@ -44,6 +45,15 @@ pub struct OtherDrives {
     pub drives: Vec<Drive>,
     /// Length of the motion in seconds.
     pub duration: f64,
+}
+
+impl OtherDrives {
+    /// Puts them in place of a scene's own.
+    pub fn replace_in(&self, actuation: &mut Actuation) {
+        actuation.duration = self.duration;
+        let own = actuation.drives.iter_mut().zip(&self.drives);
+        own.for_each(|(drive, other)| *drive = other.clone());
+    }
 }
 
 /// A plot asked for on the command line: formulas as in the scene's `[[plots]]`.
@@ -71,16 +81,14 @@ pub fn apply_overrides(overrides: &Overrides, file: &mut SceneFile, diagnostics:
         );
     };
     for (name, text) in &overrides.parameters {
-        match file.parameters.iter_mut().find(|(n, _)| n.value == *name) {
+        let mut formulas = file.parameters.iter_mut().chain(&mut file.chains);
+        match formulas.find(|(n, _)| n.value == *name) {
             Some((_, formula)) => *formula = FormulaText::outside(text),
-            None => unknown(
-                "parameter",
-                name,
-                file.parameters
-                    .iter()
-                    .map(|(n, _)| n.value.as_str())
-                    .collect(),
-            ),
+            None => {
+                let known = file.parameters.iter().chain(&file.chains);
+                let known = known.map(|(n, _)| n.value.as_str()).collect();
+                unknown("parameter or chain", name, known);
+            }
         }
     }
     for (name, text) in &overrides.inputs {

@@ -40,7 +40,7 @@ impl<'t, 'd> TableReader<'t, 'd> {
         Some((value.get_ref(), value.span()))
     }
 
-    fn wrong(&mut self, key: &str, wanted: &str, value: &DeValue, span: Span) {
+    fn wrong_value(&mut self, key: &str, wanted: &str, value: &DeValue, span: Span) {
         let found = kind_of(value);
         self.diagnostics
             .push(Diagnostic::error(format!("`{key}` must be {wanted}, found {found}")).at(span));
@@ -71,7 +71,7 @@ impl<'t, 'd> TableReader<'t, 'd> {
                 span,
             }),
             other => {
-                self.wrong(key, "a text", other, span);
+                self.wrong_value(key, "a text", other, span);
                 None
             }
         }
@@ -83,7 +83,7 @@ impl<'t, 'd> TableReader<'t, 'd> {
         match value {
             DeValue::Boolean(b) => Some(*b),
             other => {
-                self.wrong(key, "true or false", other, span);
+                self.wrong_value(key, "true or false", other, span);
                 None
             }
         }
@@ -94,7 +94,7 @@ impl<'t, 'd> TableReader<'t, 'd> {
         let (value, span) = self.get(key)?;
         let formula = formula_of(value, span.clone(), self.text);
         if formula.is_none() {
-            self.wrong(key, "a number or a formula in quotes", value, span);
+            self.wrong_value(key, "a number or a formula in quotes", value, span);
         }
         formula
     }
@@ -106,7 +106,7 @@ impl<'t, 'd> TableReader<'t, 'd> {
         match list {
             Some(value) => Some(Spanned { value, span }),
             None => {
-                self.wrong(key, "a list of numbers or formulas", value, span);
+                self.wrong_value(key, "a list of numbers or formulas", value, span);
                 None
             }
         }
@@ -134,7 +134,7 @@ impl<'t, 'd> TableReader<'t, 'd> {
                 ends.or_else(|| <[FormulaText; 2]>::try_from(formulas_of(value, self.text)?).ok());
             match ends {
                 Some(ends) => list.push((name, ends)),
-                None => self.wrong(
+                None => self.wrong_value(
                     &name.value,
                     "a number, a formula or a list of two",
                     value,
@@ -178,7 +178,7 @@ impl<'t, 'd> TableReader<'t, 'd> {
         match rows {
             Some(value) => Some(Spanned { value, span }),
             None => {
-                self.wrong(
+                self.wrong_value(
                     key,
                     &format!("a list of lists of {N} numbers or formulas"),
                     value,
@@ -204,7 +204,7 @@ impl<'t, 'd> TableReader<'t, 'd> {
                 .collect::<Option<Vec<_>>>()
         });
         if list.is_none() {
-            self.wrong(key, "a list of texts", value, span);
+            self.wrong_value(key, "a list of texts", value, span);
         }
         list
     }
@@ -229,7 +229,7 @@ impl<'t, 'd> TableReader<'t, 'd> {
             return Vec::new();
         };
         let Some(table) = value.as_table() else {
-            self.wrong(key, "a table", value, span);
+            self.wrong_value(key, "a table", value, span);
             return Vec::new();
         };
         let mut entries: Vec<_> = table
@@ -266,7 +266,7 @@ impl<'t, 'd> TableReader<'t, 'd> {
                 Some(formula) => list.push((name, formula)),
                 None => {
                     let key = name.value.clone();
-                    self.wrong(&key, "a number or a formula in quotes", value, span.clone());
+                    self.wrong_value(&key, "a number or a formula in quotes", value, span.clone());
                     // The name is kept, so that its uses are not mistakes too.
                     let unread = FormulaText {
                         text: String::new(),
@@ -289,7 +289,7 @@ impl<'t, 'd> TableReader<'t, 'd> {
     ) -> Option<T> {
         let (value, span) = self.get(key)?;
         let Some(table) = value.as_table() else {
-            self.wrong(key, "a table", value, span);
+            self.wrong_value(key, "a table", value, span);
             return None;
         };
         let keys = self.keys.inner(key);
@@ -308,7 +308,7 @@ impl<'t, 'd> TableReader<'t, 'd> {
             return Vec::new();
         };
         let Some(items) = value.as_array() else {
-            self.wrong(key, "a list of tables", value, span);
+            self.wrong_value(key, "a list of tables", value, span);
             return Vec::new();
         };
         let mut list = Vec::new();
@@ -321,7 +321,7 @@ impl<'t, 'd> TableReader<'t, 'd> {
                     let place = format!("[[{key}]]");
                     list.push(read_table(found, keys, place, self.diagnostics, &mut read));
                 }
-                None => self.wrong(key, "a list of tables", item.get_ref(), item.span()),
+                None => self.wrong_value(key, "a list of tables", item.get_ref(), item.span()),
             }
         }
         list
@@ -393,7 +393,7 @@ pub fn read_table<'t, T>(
     value
 }
 
-/// Reads a key, and says so if it is absent (not if it was there and wrong: that is said already).
+/// Reads a key, and says so if it is absent (not if it was there and wrong: that has been reported).
 pub fn required_value<'t, 'd, T>(
     r: &mut TableReader<'t, 'd>,
     key: &'static str,

@@ -1,11 +1,11 @@
 //! The text of a scene: a built-in one by its name, a file by its path, or any reader.
 
 use super::builtin;
-use crate::diag::{Source, nearest_name};
+use crate::diag::{Source, nearest_name, shown_text};
 use std::ffi::OsStr;
 use std::fs::File;
 use std::io::{ErrorKind, Read};
-use std::path::Path;
+use std::path::{Component, Path, PathBuf};
 use std::time::Duration;
 
 /// Largest scene that is read: a hundred times the largest hand-written one.
@@ -123,4 +123,40 @@ pub fn open_input(path: &Path) -> std::io::Result<File> {
         let message = format!("nothing was written to it for {} s", PATIENCE.as_secs());
         Err(std::io::Error::new(ErrorKind::TimedOut, message))
     })
+}
+/// Where a file that a text names really stands, if it may: below the folder of that text, called `whose`, or below one of
+/// `allowed`. What is elsewhere is not even said to exist.
+///
+/// Errors: where it may stand, in words.
+pub fn place_below(
+    name: &str,
+    (own, whose): (&Path, &str),
+    allowed: &[PathBuf],
+) -> Result<PathBuf, String> {
+    let refused = || {
+        let name = shown_text(name);
+        format!(
+            "{name} does not stand below the {whose} folder; --allow-files DIR lets scenes read other folders"
+        )
+    };
+    let Ok(place) = own.join(name).canonicalize() else {
+        let is_inside = |part| matches!(part, Component::Normal(_) | Component::CurDir);
+        // Reading it says why it cannot be read.
+        return match Path::new(name).components().all(is_inside) {
+            true => Ok(own.join(name)),
+            false => Err(refused()),
+        };
+    };
+    let here = match own.as_os_str().is_empty() {
+        true => Path::new("."),
+        false => own,
+    };
+    let mut folders = [here]
+        .into_iter()
+        .chain(allowed.iter().map(PathBuf::as_path));
+    let is_below = |folder: &Path| folder.canonicalize().is_ok_and(|f| place.starts_with(f));
+    match folders.any(is_below) {
+        true => Ok(place),
+        false => Err(refused()),
+    }
 }

@@ -15,7 +15,7 @@ pub struct FormulaText {
     pub offset: usize,
     /// The whole value with its quotes.
     pub span: Span,
-    /// The value is neither a number nor a text, which is said already.
+    /// The value is neither a number nor a text, which has been reported.
     pub is_unread: bool,
 }
 

@@ -13,6 +13,7 @@ use crate::scene::resolve::camera::MOST_ORBIT;
 use crate::scene::resolve::choices::{MOST_GHOSTS, chosen_word};
 use crate::scene::values::FormulaText;
 use std::collections::HashSet;
+use std::path::PathBuf;
 use toml::de::DeTable;
 
 /// Name of the list in its folder.
@@ -61,6 +62,8 @@ pub struct Picture {
     pub guess: Vec<(String, String)>,
     /// How it is seen.
     pub view: ViewChange,
+    /// Folders beside that of the list in which scenes and their meshes may stand. A list cannot say so by itself.
+    pub folders: Vec<PathBuf>,
 }
 
 /// An instant of the motion.
@@ -157,6 +160,7 @@ fn read_picture(r: &mut TableReader) -> Option<(Picture, Span)> {
             inputs,
             guess,
             view,
+            folders: Vec::new(),
         },
         file.span,
     ))

@@ -1,16 +1,19 @@
 //! A picture of the list, drawn by the built-in renderer (the same bytes on every machine) or by another one.
 
 use super::manifest::{Picture, PictureInstant};
-use crate::diag::{SceneError, Source};
+use crate::diag::SceneError;
 use crate::kinematics::motion::continuation::solve_motion;
-use crate::kinematics::motion::sampling::frame_times;
+use crate::kinematics::motion::sampling::{allow_samples, frame_times};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::block::StructureError;
 use crate::kinematics::structure::system::System;
 use crate::render::cpu::CpuRenderer;
 use crate::render::overlay::Overlay;
 
+use crate::limits::{LimitExceeded, allow_picture};
+use crate::render::BYTES_OF_DRAWN_PIXEL;
 use crate::render::{RenderError, Renderer, Stage};
+use crate::scene::source::{open_source, place_below};
 use crate::scene::{Overrides, Scene, builtin, load_scene};
 use crate::staging::marks::Marks;
 use crate::staging::{PictureOptions, Staging, panes};
@@ -22,15 +25,16 @@ use std::sync::Arc;
 #[derive(Debug, thiserror::Error)]
 pub enum DrawError {
     /// The scene cannot be read.
-    #[error(
-        "cannot read the scene `{name}`: {source}; it is neither a built-in one nor a file beside the list"
-    )]
+    #[error("{why}; the scene `{name}` is neither a built-in one nor a file beside the list")]
     Missing {
         /// Its name in the list.
         name: String,
-        /// What the system said.
-        source: std::io::Error,
+        /// In words.
+        why: String,
     },
+    /// More is asked for than is allowed.
+    #[error(transparent)]
+    Limit(#[from] LimitExceeded),
     /// The scene has mistakes.
     #[error("the scene has mistakes")]
     Scene(#[from] Box<SceneError>),
@@ -62,6 +66,8 @@ pub fn draw_picture(picture: &Picture, folder: &Path) -> Result<RgbaImage, DrawE
 pub fn draw_with(picture: &Picture, folder: &Path, open: Open) -> Result<RgbaImage, DrawError> {
     let scene = picture_scene(picture, folder)?;
     let (times, index) = picture_times(&scene, picture.instant)?;
+    allow_picture(picture.size, BYTES_OF_DRAWN_PIXEL, &picture.file)?;
+    allow_samples(&scene.mechanism, times.len())?;
     let system = System::new(Arc::clone(&scene.mechanism), &scene.actuation)?;
     let trajectory = solve_motion(&system, &scene.actuation, &times);
     let options = PictureOptions {
@@ -112,21 +118,24 @@ fn draw_four(
 
 fn picture_scene(picture: &Picture, folder: &Path) -> Result<Scene, DrawError> {
     let path = folder.join(&picture.scene);
+    let missing = |why| DrawError::Missing {
+        name: picture.scene.clone(),
+        why,
+    };
     let source = match builtin::find_builtin(&picture.scene) {
         Some(source) => source,
-        None => Source {
-            name: path.display().to_string(),
-            text: std::fs::read_to_string(&path).map_err(|source| DrawError::Missing {
-                name: picture.scene.clone(),
-                source,
-            })?,
-        },
+        None => {
+            let own = (folder, "list's");
+            place_below(&picture.scene, own, &picture.folders).map_err(missing)?;
+            open_source(&path).map_err(|e| missing(e.message))?
+        }
     };
     let overrides = Overrides {
         parameters: picture.parameters.clone(),
         inputs: picture.inputs.clone(),
         guess: picture.guess.clone(),
         folder: path.parent().unwrap_or(folder).to_owned(),
+        allowed_folders: picture.folders.clone(),
         ..Overrides::default()
     };
     let mut scene = load_scene(&source, &overrides).map_err(Box::new)?;

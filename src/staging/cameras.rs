@@ -55,9 +55,12 @@ impl Cameras {
         }
         let path = CameraOrbit::new(view, up, points, (view_projection(view), aspect), duration);
         let reach = path.reach(times);
-        let moving: Vec<Camera> = times.iter().map(|t| path.camera(*t, reach)).collect();
+        let moving: Vec<Camera> = times.iter().map(|t| path.camera_at(*t, reach)).collect();
         Self {
-            first: moving.first().copied().unwrap_or(path.camera(0.0, reach)),
+            first: moving
+                .first()
+                .copied()
+                .unwrap_or(path.camera_at(0.0, reach)),
             moving,
         }
     }
@@ -184,7 +187,7 @@ impl<'a> CameraOrbit<'a> {
         if reach > 0.0 { reach } else { self.radius }
     }
 
-    fn camera(&self, time: f64, reach: f64) -> Camera {
+    fn camera_at(&self, time: f64, reach: f64) -> Camera {
         let (direction, target) = self.direction(time);
         let now = self.view.camera_path.at(time);
         let zoom = now.zoom.unwrap_or(1.0);

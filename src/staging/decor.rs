@@ -112,8 +112,8 @@ impl DecorParts {
         }
         if !self.joints.is_empty() {
             let sample = &trajectory.samples[shown];
-            let arguments = joints::argument_values(&scene.mechanism, sample, pose);
-            all.extend(self.joints.instances(&arguments, meshes));
+            let at = joints::PlacedLinks::new(&scene.mechanism, sample, pose);
+            all.extend(self.joints.instances(&at, meshes));
         }
         all
     }

@@ -1,9 +1,8 @@
 //! Where along its axis the sign of a joint stands: a chain fixes the axis only, the bodies say where it is borne.
 
-use super::joints::PlacedJoint;
+use super::joints::{CarriedFrame, PlacedJoint, PlacedLinks};
 use crate::geometry::coarse_mesh_of;
 use crate::math::Pose;
-use crate::model::chain::{ArgumentValue, Chain};
 use crate::model::joints::JointKind;
 use crate::model::mechanism::Mechanism;
 use glam::DVec3;
@@ -23,8 +22,14 @@ const SOCKET: f64 = 8.0;
 /// How much farther from its line than from a pin's axis a slider's guide may be.
 const GUIDE: f64 = 3.0;
 
-/// Points of the solids of every body, a list a solid, in the body's frame.
-pub struct Outlines(Vec<Vec<Vec<DVec3>>>);
+/// The bodies as joints meet them.
+pub struct Outlines<'p> {
+    /// Points of the solids of every body, a list a solid, in the body's frame.
+    bodies: Vec<Vec<Vec<DVec3>>>,
+    /// Some poses of the motion, each with those of all bodies.
+    poses: Vec<(&'p PlacedLinks, Vec<Pose>)>,
+    size: f64,
+}
 
 /// Where a joint is borne.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,9 +43,9 @@ pub struct JointPlace {
 /// Extents of a solid along the axis of a joint.
 type AxisStretch = [f64; 2];
 
-impl Outlines {
-    /// Outlines of all bodies.
-    pub fn new(mechanism: &Mechanism) -> Self {
+impl<'p> Outlines<'p> {
+    /// Outlines of all bodies, which are looked at at some of the poses of the motion.
+    pub fn new(mechanism: &Mechanism, all: &'p [PlacedLinks]) -> Self {
         let bodies = mechanism.bodies.iter().map(|body| {
             let solids = body.shapes.iter().map(|shape| {
                 let mesh = coarse_mesh_of(&shape.solid, COARSE);
@@ -51,29 +56,28 @@ impl Outlines {
             });
             solids.collect()
         });
-        Self(bodies.collect())
+        let stride = all.len().div_ceil(POSES).max(1);
+        let poses = all.iter().step_by(stride).map(|at| {
+            let chains = mechanism.bodies.iter().map(|body| &body.world_from_body);
+            (at, chains.map(|chain| chain.pose(&at.arguments)).collect())
+        });
+        Self {
+            bodies: bodies.collect(),
+            poses: poses.collect(),
+            size: mechanism.size,
+        }
     }
 
-    /// The place of a joint; `values` are those of the arguments over the motion, `reach` how near to the axis a body
-    /// must come to hold it.
-    pub fn place(
-        &self,
-        mechanism: &Mechanism,
-        joint: &PlacedJoint,
-        values: &[Vec<ArgumentValue>],
-        reach: f64,
-    ) -> JointPlace {
-        let stride = values.len().div_ceil(POSES).max(1);
-        let some: Vec<&[ArgumentValue]> =
-            values.iter().step_by(stride).map(Vec::as_slice).collect();
+    /// The place of a joint; `reach` is how near to the axis a body must come to hold it.
+    pub fn place(&self, joint: &PlacedJoint, reach: f64) -> JointPlace {
         // What guides a slider is beside its line.
         let reach = match joint.kind {
             JointKind::Prismatic | JointKind::Planar => GUIDE * reach,
             _ => reach,
         };
         let meets = matches!(joint.kind, JointKind::Spherical | JointKind::Universal);
-        let [before, after] = [&joint.before, &joint.after].map(|chain| {
-            let mut stretches = self.stretches(mechanism, chain, joint.axis, &some, reach);
+        let [before, after] = [&joint.before, &joint.after].map(|frame| {
+            let mut stretches = self.stretches(frame, joint.axis, reach);
             if meets {
                 stretches.retain(|s| s[0] <= reach && s[1] >= -reach);
             }
@@ -90,25 +94,19 @@ impl Outlines {
         }
     }
 
-    /// Where the bodies that rest in the frame of `chain` lie on its axis.
-    fn stretches(
-        &self,
-        mechanism: &Mechanism,
-        chain: &Chain,
-        axis: usize,
-        values: &[&[ArgumentValue]],
-        reach: f64,
-    ) -> Vec<AxisStretch> {
-        let bodies = mechanism.bodies.iter().zip(&self.0);
-        let resting = bodies.filter_map(|(body, solids)| {
-            let seen = values
-                .iter()
-                .map(|v| chain.pose(v).inverse() * body.world_from_body.pose(v));
-            let seen: Vec<Pose> = seen.collect();
-            let first = *seen.first()?;
-            let still = seen.iter().all(|pose| {
-                pose_difference(pose, &first, mechanism.size) < AT_REST * mechanism.size
-            });
+    /// Where the bodies that rest in a frame lie on its axis.
+    fn stretches(&self, frame: &CarriedFrame, axis: usize, reach: f64) -> Vec<AxisStretch> {
+        let frames: Vec<Pose> = self
+            .poses
+            .iter()
+            .map(|(at, _)| frame.pose(at).inverse())
+            .collect();
+        let resting = self.bodies.iter().enumerate().filter_map(|(body, solids)| {
+            let poses = self.poses.iter().zip(&frames);
+            let mut seen = poses.map(|((_, bodies), frame)| *frame * bodies[body]);
+            let first = seen.next()?;
+            let still =
+                seen.all(|pose| pose_difference(&pose, &first, self.size) < AT_REST * self.size);
             still.then_some((first, solids))
         });
         resting
@@ -205,16 +203,16 @@ mod tests {
         let trajectory = solve_motion(&system, actuation, &times);
         let samples = trajectory.samples.iter();
         let closed = samples.filter_map(|s| Some((s, s.pose.as_ref()?)));
-        let values: Vec<Vec<ArgumentValue>> = closed
-            .map(|(sample, pose)| joints::argument_values(&mechanism, sample, pose))
+        let poses: Vec<PlacedLinks> = closed
+            .map(|(sample, pose)| PlacedLinks::new(&mechanism, sample, pose))
             .collect();
-        let outlines = Outlines::new(&mechanism);
+        let outlines = Outlines::new(&mechanism, &poses);
         let places = joints::placed_joints(&mechanism)
             .into_iter()
             .filter(|joint| joint.grounded)
             .map(|joint| {
-                let place = outlines.place(&mechanism, &joint, &values, 0.8);
-                let at = joint.before.pose(&values[0]);
+                let place = outlines.place(&joint, 0.8);
+                let at = joint.before.pose(&poses[0]);
                 assert!(place.held);
                 (at.translation + at.rotation.col(joint.axis) * place.shift).z
             });

@@ -2,12 +2,12 @@
 //! that stand on the frame where no body does.
 
 use super::joint_places::Outlines;
-use super::joints::{self, PlacedJoint};
+use super::joints::{self, CarriedFrame, PlacedJoint, PlacedLinks};
 use super::link_symbols;
 use super::solids::{merged_mesh, sign_instance};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::math::Pose;
-use crate::model::chain::{ArgumentValue, Chain, ChainStep};
+use crate::model::chain::ChainStep;
 use crate::model::joints::JointKind;
 use crate::model::mechanism::Mechanism;
 use crate::model::shape::Solid;
@@ -40,8 +40,8 @@ const MAX_SAMPLES: usize = 64;
 /// One mesh of a sign and what carries it.
 struct SignPiece {
     mesh: usize,
-    /// From the world; `None` stands still.
-    carrier: Option<Chain>,
+    /// `None` stands still.
+    carrier: Option<CarriedFrame>,
     colour: [u8; 3],
 }
 
@@ -61,8 +61,8 @@ impl JointSymbols {
         (extent, up): (f64, DVec3),
         meshes: &mut Vec<StageMesh>,
     ) -> Self {
-        let values = argument_rows(mechanism, trajectory);
-        let Some(first) = values.first() else {
+        let poses = placed_samples(mechanism, trajectory);
+        let Some(first) = poses.first() else {
             return Self::default();
         };
         let radius = RADIUS * extent;
@@ -72,21 +72,21 @@ impl JointSymbols {
                 meshes.push(merged_mesh(&link.solids, FACETS * radius).into());
                 signs.pieces.push(SignPiece {
                     mesh: meshes.len() - 1,
-                    carrier: Some(mechanism.joints.world_from_link(link.link)),
+                    carrier: Some(CarriedFrame::of_link(link.link)),
                     colour: link.colour,
                 });
             }
         }
-        let outlines = Outlines::new(mechanism);
+        let outlines = Outlines::new(mechanism, &poses);
         for joint in joints::placed_joints(mechanism) {
-            let place = outlines.place(mechanism, &joint, &values, HOLD * radius);
+            let place = outlines.place(&joint, HOLD * radius);
             let shift = DVec3::AXES[joint.axis] * place.shift;
-            let strokes = values.iter().map(|values| joint.stroke(values));
+            let strokes = poses.iter().map(|at| joint.stroke(at));
             let stroke = strokes.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], s| {
                 [low.min(s), high.max(s)]
             });
             let (seat, mover) = joint_solids(&joint, radius, stroke);
-            let mut add = |solids: Vec<Solid>, carrier: Option<&Chain>, colour| {
+            let mut add = |solids: Vec<Solid>, carrier: Option<CarriedFrame>, colour| {
                 if !solids.is_empty() {
                     let mesh = merged_mesh(&solids, FACETS * radius);
                     if carrier.is_none() {
@@ -95,13 +95,13 @@ impl JointSymbols {
                     meshes.push(mesh.into());
                     signs.pieces.push(SignPiece {
                         mesh: meshes.len() - 1,
-                        carrier: carrier.cloned(),
+                        carrier,
                         colour,
                     });
                 }
             };
-            add(seat, Some(&shifted_chain(&joint.before, shift)), SEAT);
-            add(mover, Some(&shifted_chain(&joint.after, shift)), MOVER);
+            add(seat, Some(shifted_frame(&joint.before, shift)), SEAT);
+            add(mover, Some(shifted_frame(&joint.after, shift)), MOVER);
             if joint.grounded && !place.held {
                 let at = joint.before.pose(first) * Pose::from_translation(shift);
                 let slides = joint.kind == JointKind::Prismatic;
@@ -130,14 +130,14 @@ impl JointSymbols {
         self.pieces.is_empty()
     }
 
-    /// The signs at the values of the arguments.
-    pub fn instances(&self, arguments: &[ArgumentValue], meshes: &[StageMesh]) -> Vec<Instance> {
+    /// The signs at a pose.
+    pub fn instances(&self, at: &PlacedLinks, meshes: &[StageMesh]) -> Vec<Instance> {
         let pieces = self.pieces.iter();
         pieces
             .map(|piece| {
-                let at = piece.carrier.as_ref().map(|chain| chain.pose(arguments));
-                let at = at.unwrap_or(Pose::IDENTITY);
-                let mut instance = sign_instance(piece.mesh, meshes, at, piece.colour, 0.0);
+                let carrier = piece.carrier.as_ref().map(|frame| frame.pose(at));
+                let carrier = carrier.unwrap_or(Pose::IDENTITY);
+                let mut instance = sign_instance(piece.mesh, meshes, carrier, piece.colour, 0.0);
                 instance.casts_shadow = true;
                 instance.outline = Some(FIRST_OUTLINE + piece.mesh as u32);
                 instance
@@ -146,23 +146,23 @@ impl JointSymbols {
     }
 }
 
-/// The chain with a translation behind it.
-fn shifted_chain(chain: &Chain, by: DVec3) -> Chain {
-    let mut steps = chain.steps.clone();
-    if by != DVec3::ZERO {
-        steps.push(ChainStep::Fixed(Pose::from_translation(by).into()));
+/// The frame with a translation behind it.
+fn shifted_frame(frame: &CarriedFrame, by: DVec3) -> CarriedFrame {
+    if by == DVec3::ZERO {
+        return frame.clone();
     }
-    Chain { steps }
+    let shift = ChainStep::Fixed(Pose::from_translation(by).into());
+    frame.clone().then(&[shift])
 }
 
-/// Values of the arguments at some samples of the motion.
-fn argument_rows(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<Vec<ArgumentValue>> {
+/// Where everything is at some samples of the motion.
+fn placed_samples(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<PlacedLinks> {
     let samples = trajectory.samples.iter();
     let closed = samples.filter_map(|sample| Some((sample, sample.pose.as_ref()?)));
     let closed: Vec<_> = closed.collect();
     let stride = closed.len().div_ceil(MAX_SAMPLES).max(1);
     let kept = closed.into_iter().step_by(stride);
-    kept.map(|(sample, pose)| joints::argument_values(mechanism, sample, pose))
+    kept.map(|(sample, pose)| PlacedLinks::new(mechanism, sample, pose))
         .collect()
 }
 

@@ -2,19 +2,21 @@
 //! `joint_symbols`.
 
 use crate::kinematics::results::trajectory::{ClosedPose, Sample};
-use crate::model::chain::{Argument, ArgumentValue, Chain, ChainStep, ElementaryMotion};
-use crate::model::joints::{Joint, JointKind};
+use crate::math::Pose;
+use crate::model::chain::{Argument, ArgumentValue, ChainStep, ElementaryMotion};
+use crate::model::joints::{Joint, JointKind, LinkFrame};
 use crate::model::mechanism::Mechanism;
+use crate::model::walk::walk_chain;
 
 /// A joint with its place in the world.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlacedJoint {
     /// What it is.
     pub kind: JointKind,
-    /// Chain from the world to the frame before the joint.
-    pub before: Chain,
-    /// Chain from the world to the frame behind it.
-    pub after: Chain,
+    /// The frame before the joint.
+    pub before: CarriedFrame,
+    /// The frame behind it.
+    pub after: CarriedFrame,
     /// Its first axis (0 x, 1 y, 2 z) in the frame before.
     pub axis: usize,
     /// Axis of its last rotation in the frame before that; its first axis if it does not turn.
@@ -23,10 +25,70 @@ pub struct PlacedJoint {
     pub grounded: bool,
 }
 
+/// A frame that a link carries, some steps from it: the ways of all links together are longer than the joints by far.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CarriedFrame {
+    link: usize,
+    steps: Vec<ChainStep>,
+}
+
+impl CarriedFrame {
+    fn new(frame: &LinkFrame) -> Self {
+        let is_own = frame.link_from_here == Pose::IDENTITY;
+        let fixed = (!is_own).then(|| ChainStep::Fixed(frame.link_from_here.into()));
+        Self {
+            link: frame.link,
+            steps: fixed.into_iter().collect(),
+        }
+    }
+
+    /// The frame behind one more step.
+    pub fn then(mut self, steps: &[ChainStep]) -> Self {
+        self.steps.extend(steps);
+        self
+    }
+
+    /// That of a link itself.
+    pub fn of_link(link: usize) -> Self {
+        Self {
+            link,
+            steps: Vec::new(),
+        }
+    }
+
+    /// World from the frame.
+    pub fn pose(&self, at: &PlacedLinks) -> Pose {
+        let mut here = at.links[self.link];
+        walk_chain(&self.steps, &mut here, &at.arguments, |_, _| {});
+        here
+    }
+}
+
+/// Where everything is at a pose.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlacedLinks {
+    /// Values of all arguments.
+    pub arguments: Vec<ArgumentValue>,
+    /// World from every link.
+    links: Vec<Pose>,
+}
+
+impl PlacedLinks {
+    /// At a sample.
+    pub fn new(mechanism: &Mechanism, sample: &Sample, pose: &ClosedPose) -> Self {
+        let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();
+        let arguments = mechanism.argument_values(&coordinates);
+        Self {
+            links: mechanism.joints.link_poses(&arguments),
+            arguments,
+        }
+    }
+}
+
 impl PlacedJoint {
     /// How far it is drawn out, for a translation; 0 for a rotation.
-    pub fn stroke(&self, arguments: &[ArgumentValue]) -> f64 {
-        let [before, after] = [&self.before, &self.after].map(|c| c.pose(arguments));
+    pub fn stroke(&self, at: &PlacedLinks) -> f64 {
+        let [before, after] = [&self.before, &self.after].map(|frame| frame.pose(at));
         (after.translation - before.translation).dot(before.rotation.col(self.axis))
     }
 }
@@ -34,23 +96,21 @@ impl PlacedJoint {
 /// All joints but those of pieces that follow a formula (of a rope on its drum): these are placed, not jointed.
 pub fn placed_joints(mechanism: &Mechanism) -> Vec<PlacedJoint> {
     let joints = &mechanism.joints;
-    let in_loops: Vec<usize> = joints
-        .along_loops
-        .iter()
-        .flatten()
-        .map(|p| p.joint)
-        .collect();
+    let mut in_loops = vec![false; joints.list.len()];
+    for passage in joints.along_loops.iter().flatten() {
+        in_loops[passage.joint] = true;
+    }
     let list = joints.list.iter().enumerate();
     let jointed = list.filter(|(index, joint)| {
         let mut arguments = joint.arguments().map(|a| &mechanism.arguments[a]);
-        in_loops.contains(index) || !arguments.any(|a| matches!(a, Argument::Formula(_)))
+        in_loops[*index] || !arguments.any(|a| matches!(a, Argument::Formula(_)))
     });
     jointed
-        .filter_map(|(_, joint)| place_joint(mechanism, joint))
+        .filter_map(|(_, joint)| place_joint(joint))
         .collect()
 }
 
-fn place_joint(mechanism: &Mechanism, joint: &Joint) -> Option<PlacedJoint> {
+fn place_joint(joint: &Joint) -> Option<PlacedJoint> {
     let axis = |step: &ChainStep| match step {
         ChainStep::Joint { axis, .. } => Some(*axis),
         ChainStep::Fixed(_) => None,
@@ -64,26 +124,13 @@ fn place_joint(mechanism: &Mechanism, joint: &Joint) -> Option<PlacedJoint> {
         _ => None,
     };
     let first = joint.steps.iter().find_map(axis)?;
-    let before = mechanism.joints.world_from(&joint.before);
-    let mut after = before.clone();
-    after.steps.extend(&joint.steps);
+    let before = CarriedFrame::new(&joint.before);
     Some(PlacedJoint {
         kind: joint.kind,
         axis: first,
         last_axis: joint.steps.iter().rev().find_map(turn).unwrap_or(first),
         grounded: [joint.before.link, joint.after.link].contains(&0),
+        after: before.clone().then(&joint.steps),
         before,
-        after,
     })
-}
-
-/// Values of all arguments at a sample.
-pub fn argument_values(
-    mechanism: &Mechanism,
-    sample: &Sample,
-    pose: &ClosedPose,
-) -> Vec<ArgumentValue> {
-    let mut coordinates = pose.unknowns.clone();
-    coordinates.extend(&sample.inputs);
-    mechanism.argument_values(&coordinates)
 }

@@ -86,7 +86,7 @@ impl Crowd {
     }
 
     /// Share of a rectangle's cells that have something in them.
-    fn share(&self, [left, top, right, bottom]: &Rectangle) -> f64 {
+    fn hidden_share(&self, [left, top, right, bottom]: &Rectangle) -> f64 {
         let cell = |at: f64, most: usize| ((at / CELL).max(0.0) as usize).min(most);
         let [columns, rows] = self.cells;
         let (x0, x1) = (cell(*left, columns), cell(right + CELL, columns));
@@ -184,7 +184,7 @@ fn offset_cost(
                 sum += COLLIDES;
             }
         }
-        sum += COVERS * paper.drawn.share(&own);
+        sum += COVERS * paper.drawn.hidden_share(&own);
     }
     sum / f64::max(frames, 1.0)
 }

@@ -2,7 +2,6 @@
 
 use super::joints;
 use crate::kinematics::results::trajectory::Trajectory;
-use crate::model::chain::ArgumentValue;
 use crate::model::mechanism::Mechanism;
 use crate::model::shape::Solid;
 use glam::DVec3;
@@ -37,18 +36,16 @@ pub struct DrawnLink {
 /// All links with two joints or more but the frame, which is drawn as ground; rods have the radius `radius`.
 pub fn drawn_links(mechanism: &Mechanism, radius: f64) -> Vec<DrawnLink> {
     let table = &mechanism.joints;
-    let links = (1..table.links.len()).filter_map(|link| {
-        let mut places: Vec<DVec3> = Vec::new();
-        let frames = table
-            .list
-            .iter()
-            .flat_map(|joint| [&joint.before, &joint.after]);
-        for frame in frames.filter(|frame| frame.link == link) {
-            let place = frame.link_from_here.translation;
-            if places.iter().all(|p| p.distance(place) > SAME * radius) {
-                places.push(place);
-            }
+    let mut places: Vec<Vec<DVec3>> = vec![Vec::new(); table.links.len()];
+    let joints = table.list.iter();
+    for frame in joints.flat_map(|joint| [&joint.before, &joint.after]) {
+        let (known, place) = (&mut places[frame.link], frame.link_from_here.translation);
+        if frame.link != 0 && known.iter().all(|p| p.distance(place) > SAME * radius) {
+            known.push(place);
         }
+    }
+    let links = places.iter().enumerate().skip(1);
+    let links = links.filter_map(|(link, places)| {
         let count = places.len();
         // Three places or more make a closed polygon.
         let rods = if count > 2 {
@@ -77,15 +74,15 @@ pub fn moving_points(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<DVec
     let closed = trajectory.samples.iter();
     let closed: Vec<_> = closed.filter_map(|s| Some((s, s.pose.as_ref()?))).collect();
     let stride = closed.len().div_ceil(MAX_SAMPLES).max(1);
-    let values = closed
+    let poses = closed
         .into_iter()
         .step_by(stride)
-        .map(|(sample, pose)| joints::argument_values(mechanism, sample, pose));
-    let points = values.flat_map(|values: Vec<ArgumentValue>| {
+        .map(|(sample, pose)| joints::PlacedLinks::new(mechanism, sample, pose));
+    let points = poses.flat_map(|at| {
         let places = placed
             .iter()
             .flat_map(|joint| [&joint.before, &joint.after]);
-        let places = places.map(|chain| chain.pose(&values).translation);
+        let places = places.map(|frame| frame.pose(&at).translation);
         places.collect::<Vec<DVec3>>()
     });
     points.filter(|point| point.is_finite()).collect()

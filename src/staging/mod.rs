@@ -128,7 +128,7 @@ impl<'a> Staging<'a> {
                 Theme::Dark => Rim::LIGHT,
             },
             ground,
-            edges: edges(view),
+            edges: edge_style(view),
             mutual_shade: bounds::box_of(&bounds).filter(|_| view.shadows == Shadows::All),
         };
         let mut staging = Self {
@@ -308,7 +308,7 @@ fn shown_samples(trajectory: &Trajectory) -> Vec<Option<usize>> {
 }
 
 /// Lines in the scene's colours.
-fn edges(view: &View) -> Option<Edges> {
+fn edge_style(view: &View) -> Option<Edges> {
     let creases = match view.edges {
         EdgeLines::None => return None,
         EdgeLines::Outline => false,

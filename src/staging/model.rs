@@ -39,7 +39,7 @@ pub enum Facets {
 
 impl Facets {
     /// The greatest distance between a solid's surface and its facets, in a scene of this extent.
-    fn error(self, solid: &Solid, extent: f64) -> f64 {
+    fn facet_error(self, solid: &Solid, extent: f64) -> f64 {
         let (share, of_radius) = match self {
             Self::Within(length) => return length,
             Self::Tool => (FACET_ERROR, FACET_ERROR_OF_RADIUS),
@@ -90,7 +90,7 @@ pub fn of_motion(
             parts: body
                 .shapes
                 .iter()
-                .map(|s| model_part(s, facets.error(&s.solid, extent)))
+                .map(|s| model_part(s, facets.facet_error(&s.solid, extent)))
                 .collect(),
             poses: poses.collect(),
         }
@@ -98,7 +98,7 @@ pub fn of_motion(
     ExportModel {
         title: mechanism.title.clone(),
         upright: upright_frame(scene.view.up),
-        metres: metres(mechanism),
+        metres: metres_per_unit(mechanism),
         times: keys.iter().map(|key| key.time).collect(),
         bodies: bodies.collect(),
         traces: model_traces(mechanism, trajectory),
@@ -121,7 +121,7 @@ pub fn of_mesh(scene: &Scene, name: &str, mesh: Mesh) -> ExportModel {
     ExportModel {
         title: scene.mechanism.title.clone(),
         upright: upright_frame(scene.view.up),
-        metres: metres(&scene.mechanism),
+        metres: metres_per_unit(&scene.mechanism),
         times: vec![0.0],
         bodies: vec![body],
         traces: Vec::new(),
@@ -130,7 +130,7 @@ pub fn of_mesh(scene: &Scene, name: &str, mesh: Mesh) -> ExportModel {
 }
 
 /// Metres in a mechanism's unit of length; 1 where that is not known.
-fn metres(mechanism: &Mechanism) -> f64 {
+fn metres_per_unit(mechanism: &Mechanism) -> f64 {
     let mut units = METRES.iter();
     let unit = units.find(|(name, _)| *name == mechanism.length_unit);
     unit.map_or(1.0, |(_, metres)| *metres)

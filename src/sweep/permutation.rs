@@ -30,14 +30,14 @@ impl Permutation {
 
     /// Where item `item` (below the count) goes.
     pub fn place(&self, item: u64) -> u64 {
-        let mut place = self.scrambled(item);
+        let mut place = self.scrambled_value(item);
         while place >= self.count {
-            place = self.scrambled(place);
+            place = self.scrambled_value(place);
         }
         place
     }
 
-    fn scrambled(&self, value: u64) -> u64 {
+    fn scrambled_value(&self, value: u64) -> u64 {
         let mask = (1u64 << self.half) - 1;
         let (mut left, mut right) = (value >> self.half, value & mask);
         for round in 0..ROUNDS {

@@ -32,7 +32,7 @@ pub(super) fn row(sweep: &Sweep, design: &[f64], internal: &[f64]) -> Row {
     scene.actuation.guess = guess;
     scene.actuation.named.clear();
     if sweep.asked == Asked::Check {
-        return checked(sweep, &scene, &system, start.status);
+        return checked_row(sweep, &scene, &system, start.status);
     }
     let posed = Posed {
         system: &system,
@@ -67,7 +67,7 @@ fn guess_of(sweep: &Sweep, scene: &Scene, start: &Start) -> Option<Vec<f64>> {
 }
 
 /// Everything that `mechanim check` asks of the scene, at its frames and between them.
-fn checked(sweep: &Sweep, scene: &Scene, system: &System, start: RowStatus) -> Row {
+fn checked_row(sweep: &Sweep, scene: &Scene, system: &System, start: RowStatus) -> Row {
     let times = frame_times(&scene.mechanism, &scene.actuation, scene.view.fps);
     let check = MotionCheck {
         scene,
@@ -101,7 +101,7 @@ fn checked(sweep: &Sweep, scene: &Scene, system: &System, start: RowStatus) -> R
     let is_passed = matches!(answer.verdict.result(), Status::Passed | Status::Skipped);
     let mut proved = Proved::default();
     proved.add(motion.poses());
-    let [margin, bound] = margins(found.as_ref());
+    let [margin, bound] = clearance_margins(found.as_ref());
     Row {
         status,
         is_feasible: is_passed && status == RowStatus::Ok,
@@ -113,7 +113,7 @@ fn checked(sweep: &Sweep, scene: &Scene, system: &System, start: RowStatus) -> R
 }
 
 /// By how much the nearest pair keeps its minimum: as found, and at least, proved. NaN without pairs, or without a proof.
-fn margins(found: Option<&ClearanceReport>) -> [f64; 2] {
+fn clearance_margins(found: Option<&ClearanceReport>) -> [f64; 2] {
     let pairs = found.map_or(&[][..], |found| &found.judged);
     if pairs.is_empty() {
         return [f64::NAN; 2];

@@ -40,16 +40,16 @@ const BITS: u32 = 53;
 pub fn coordinate(dimension: usize, item: u64) -> f64 {
     // Gray's order: from one point to the next one direction changes.
     let gray = item ^ (item >> 1);
-    let directions = directions(dimension);
+    let directions = direction_numbers(dimension);
     let set = (0..BITS).filter(|bit| gray >> bit & 1 == 1);
     let bits = set.fold(0, |sum, bit| sum ^ directions[bit as usize]);
     bits as f64 / (1u64 << BITS) as f64
 }
 
-fn directions(dimension: usize) -> [u64; BITS as usize] {
+fn direction_numbers(dimension: usize) -> [u64; BITS as usize] {
     let mut numbers = [1u64; BITS as usize];
     if let Some(generator) = dimension.checked_sub(1).and_then(|k| GENERATORS.get(k)) {
-        recur(&mut numbers, *generator);
+        extend_numbers(&mut numbers, *generator);
     }
     for (place, number) in (1..).zip(&mut numbers) {
         *number <<= BITS - place;
@@ -58,7 +58,7 @@ fn directions(dimension: usize) -> [u64; BITS as usize] {
 }
 
 /// Direction numbers after the first ones, by the recurrence of the primitive polynomial.
-fn recur(numbers: &mut [u64], (degree, inner, first): Generator) {
+fn extend_numbers(numbers: &mut [u64], (degree, inner, first): Generator) {
     let s = degree as usize;
     numbers[..s].copy_from_slice(first);
     for k in s..numbers.len() {

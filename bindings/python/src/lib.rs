@@ -2,6 +2,7 @@
 
 mod arrow;
 mod check;
+mod enclosure;
 mod errors;
 mod motion;
 mod scene;
@@ -19,6 +20,8 @@ mod _mechanim {
 
     #[pymodule_export]
     use super::check::{Assembly, Check, PairClearance};
+    #[pymodule_export]
+    use super::enclosure::Enclosure;
     #[pymodule_export]
     use super::motion::Motion;
     #[pymodule_export]

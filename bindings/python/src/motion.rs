@@ -319,7 +319,20 @@ impl Motion {
             None => film,
         };
         let written = py.detach(|| film.write(&path)).or_raise(py)?;
-        Ok(written.bytes)
+        Ok(written)
+    }
+
+    /// Curves over this motion as SVG: formulas as in a scene's plots, `"d(h, phi)"` for derivatives, against another formula
+    /// or the time. Without curves those that the scene asks for, else its outputs. `IPython.display.SVG` shows them.
+    #[pyo3(signature = (*curves, against = None))]
+    fn plot(
+        &self,
+        py: Python<'_>,
+        curves: Vec<String>,
+        against: Option<String>,
+    ) -> PyResult<String> {
+        let curves: Vec<&str> = curves.iter().map(String::as_str).collect();
+        self.inner.plot(&curves, against.as_deref()).or_raise(py)
     }
 
     /// The table as the program writes it.

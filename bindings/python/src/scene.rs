@@ -1,9 +1,10 @@
 //! Scenes: read, changed, solved, checked.
 
 use crate::check::{Assembly, Check};
+use crate::enclosure::Enclosure;
 use crate::errors::{OrRaise, warn};
 use crate::motion::Motion;
-use crate::signals::interruptible;
+use crate::signals::{interruptible, watched};
 use crate::study::Study;
 use crate::sweep::{self, Table};
 use mechanim::Samples;
@@ -246,6 +247,32 @@ impl Scene {
     fn modes(&self, py: Python<'_>, time: f64) -> PyResult<Vec<Assembly>> {
         let found = py.detach(|| self.inner.assemblies(time)).or_raise(py)?;
         Ok(found.into_iter().map(Assembly::new).collect())
+    }
+
+    /// Bands that no piece leaves whose dimensions are within their tolerances, proved: at the scene's own frames, at
+    /// `samples` even times, or at `times` in seconds. Ctrl-C gives up; other threads run on.
+    ///
+    /// `tolerance`: half the width for every dimension that the scene gives none. `vary`: names in place of the scene's own
+    /// choice, "all" for every length and angle.
+    #[pyo3(signature = (tolerance = None, *, vary = Vec::new(), samples = None, times = None))]
+    fn enclose(
+        &self,
+        py: Python<'_>,
+        tolerance: Option<f64>,
+        vary: Vec<String>,
+        samples: Option<usize>,
+        times: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Enclosure> {
+        let samples = match (samples, times) {
+            (None, None) => Samples::Frames,
+            (Some(count), None) => Samples::Even(count),
+            (None, Some(times)) => Samples::At(numbers(py, times)?),
+            _ => return Err(PyTypeError::new_err("one of `samples` and `times`")),
+        };
+        let names: Vec<&str> = vary.iter().map(String::as_str).collect();
+        let study = self.inner.study().vary(&names);
+        let found = watched(py, |flag| study.until(flag).enclose(tolerance, samples))?;
+        Ok(Enclosure::new(found.or_raise(py)?))
     }
 
     /// The measures of the scene as functions of its parameters: of these, or of those that the scene varies by itself.

@@ -2,7 +2,7 @@
 
 use crate::errors::OrRaise;
 use crate::signals::watched;
-use mechanim::{Distribution, OptimiseOptions, SearchMethod, ToleranceOptions};
+use mechanim::study::{Distribution, OptimiseOptions, SearchMethod, ToleranceOptions};
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
@@ -95,7 +95,7 @@ impl Study {
 /// Derivatives of measures by variables, in the scene's units. `sensitivity["F"]` is the row of a measure.
 #[pyclass(frozen, module = "mechanim")]
 pub struct Sensitivity {
-    inner: mechanim::Sensitivity,
+    inner: mechanim::study::Sensitivity,
 }
 
 #[pymethods]
@@ -138,7 +138,7 @@ impl Sensitivity {
 /// What tolerances do to measures, in the scene's units. `tolerance["F"]` are the figures of a measure.
 #[pyclass(frozen, module = "mechanim")]
 pub struct Tolerance {
-    inner: mechanim::Tolerance,
+    inner: mechanim::study::Tolerance,
 }
 
 #[pymethods]
@@ -186,7 +186,7 @@ impl Tolerance {
 /// The best values of a study's variables.
 #[pyclass(frozen, module = "mechanim")]
 pub struct Optimum {
-    inner: mechanim::Optimum,
+    inner: mechanim::study::Optimum,
 }
 
 #[pymethods]

@@ -201,6 +201,7 @@ impl<'c> TrialRun<'c> {
             velocities,
             positions,
         } = scratch;
+        // Velocities along the bars, conjugate positions across them: the same linear system.
         let solved = self.sweep.solve(along, &self.given, places, velocities)
             && self
                 .sweep
@@ -225,6 +226,7 @@ impl<'c> TrialRun<'c> {
         let [end, pivot] = self.chain.lever;
         let bar = [0, 1].map(|i| positions.values[end][i] - positions.values[pivot][i]);
         let v = velocities.values[end];
+        // The cosine between the bar at the given point and its velocity.
         let lever = (bar[0] * v[0] + bar[1] * v[1]).abs()
             / (libm::hypot(bar[0], bar[1]) * libm::hypot(v[0], v[1]));
         Some(TrialRow {

@@ -80,7 +80,10 @@ pub fn enclose_clearances(
     let mut looked = 0;
     for halvings in 0..=MOST_HALVINGS {
         looked += open.len();
-        let is_last = halvings == MOST_HALVINGS || looked + 2 * open.len() > MOST_STRETCHES;
+        // Of what nobody waits for any more nothing is proved.
+        let is_last = halvings == MOST_HALVINGS
+            || looked + 2 * open.len() > MOST_STRETCHES
+            || plan.is_cancelled();
         open = search.round(open, &mut found, tolerance, threads, is_last);
         if open.is_empty() {
             break;
@@ -118,7 +121,7 @@ fn first_stretches(
         ends.extend(all.first().map(|t| [*t, *t]));
     }
     let middles: Vec<f64> = ends.iter().map(|[a, b]| 0.5 * a + 0.5 * b).collect();
-    let samples = samples_at(plan.family, &middles);
+    let samples = samples_at(plan, &middles);
     let mut list = Vec::new();
     for (ends, sample) in ends.into_iter().zip(samples) {
         match &sample.pose {

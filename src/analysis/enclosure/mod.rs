@@ -5,6 +5,7 @@ mod allowed;
 mod clearances;
 mod measures;
 mod motion;
+mod pieces;
 mod plan;
 mod stretches;
 
@@ -12,5 +13,6 @@ pub use allowed::{Allowed, allowed_motion};
 pub use clearances::enclose_clearances;
 pub use measures::{MeasureBand, enclose_measures};
 pub use motion::{Band, Bands, Enclosed, Obstacle, Stretch, enclose_motion, shown_names};
+pub use pieces::AskedPieces;
 pub use plan::{Dimension, MOST_DIMENSIONS, Plan};
 pub use stretches::enclose_stretches;

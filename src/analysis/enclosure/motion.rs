@@ -2,13 +2,12 @@
 //! range that pieces take.
 
 use super::plan::{Plan, sized};
-use crate::analysis::study::ParametricMechanism;
 use crate::jobs::share_work;
 use crate::kinematics::enclosure::block::Unbounded;
 use crate::kinematics::enclosure::pose::{Encloser, PoseEnclosure};
 use crate::kinematics::enclosure::region::Tolerance;
 use crate::kinematics::loops::observed::observed_slots;
-use crate::kinematics::motion::continuation::solve_unproved;
+use crate::kinematics::motion::continuation::solve_until;
 use crate::kinematics::results::certificate::Reason;
 use crate::kinematics::results::trajectory::Sample;
 use crate::kinematics::solve::newton::Pace;
@@ -95,7 +94,7 @@ pub fn shown_names(mechanism: &Mechanism) -> Vec<(String, Kind)> {
 /// Bands at `times`. `search` asks for the range that is found, too.
 pub fn enclose_motion(plan: &Plan, times: &[f64], threads: usize, search: bool) -> Vec<Enclosed> {
     let family = plan.family;
-    let samples = samples_at(family, times);
+    let samples = samples_at(plan, times);
     let encloser = Encloser::new(family.system());
     let work = |solver: &mut PoseSolver, index: usize| {
         let sample = &samples[index];
@@ -117,13 +116,22 @@ pub fn enclose_motion(plan: &Plan, times: &[f64], threads: usize, search: bool) 
     list.into_iter().map(|(_, enclosed)| enclosed).collect()
 }
 
-/// The samples at `times`, followed from the start of the drive, so that they are of its branch.
-pub(super) fn samples_at(family: &ParametricMechanism, times: &[f64]) -> Vec<Sample> {
+/// The samples at `times`, followed from the start of the drive, so that they are of its branch. Where nobody waits any more
+/// they have no pose.
+pub(super) fn samples_at(plan: &Plan, times: &[f64]) -> Vec<Sample> {
     let begins = times.first().is_none_or(|t| *t == 0.0);
     let lead: &[f64] = if begins { &[] } else { &[0.0] };
     let all = [lead, times].concat();
-    let motion = solve_unproved(family.system(), &family.actuation, &all);
-    motion.of_one_motion().split_off(lead.len())
+    let (system, actuation) = (plan.family.system(), &plan.family.actuation);
+    let motion = solve_until(system, actuation, &all, None, &|| plan.is_cancelled());
+    let mut samples = motion.of_one_motion();
+    let missing = all.iter().skip(samples.len()).map(|time| Sample {
+        time: *time,
+        inputs: actuation.inputs_at(*time),
+        pose: None,
+    });
+    samples.extend(missing.collect::<Vec<_>>());
+    samples.split_off(lead.len())
 }
 
 /// The enclosure of all pieces beside a closed pose.

@@ -20,7 +20,7 @@ pub fn enclose_stretches(plan: &Plan, times: &[f64], threads: usize) -> Vec<Stre
     let all = knot_times(&family.actuation, times);
     let ends: Vec<[f64; 2]> = all.windows(2).map(|pair| [pair[0], pair[1]]).collect();
     let middles: Vec<f64> = ends.iter().map(|[a, b]| 0.5 * a + 0.5 * b).collect();
-    let samples = samples_at(family, &middles);
+    let samples = samples_at(plan, &middles);
     let encloser = Encloser::new(family.system());
     let work = |solver: &mut PoseSolver, index: usize| {
         let [from, until] = ends[index];

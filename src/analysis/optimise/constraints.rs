@@ -65,6 +65,7 @@ impl Objective for Penalised<'_> {
         let (values, rows) = self.inner.gradients(x)?;
         let (mut value, mut gradient) = (values[0], rows[0].clone());
         for (k, (g, row)) in values[1..].iter().zip(&rows[1..]).enumerate() {
+            // Augmented Lagrangian: only the active part of a constraint has a gradient.
             let (active, penalty) = self.penalty(k, *g);
             value += penalty;
             gradient

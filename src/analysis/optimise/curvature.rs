@@ -23,7 +23,7 @@ impl Curvature {
     }
 
     /// Damped BFGS update by a step and the change of the Lagrangian's gradient.
-    pub fn learn(&mut self, step: &DVector<f64>, change: DVector<f64>) {
+    pub fn damped_update(&mut self, step: &DVector<f64>, change: DVector<f64>) {
         let along = step.dot(&change);
         let square = step.norm_squared();
         if square == 0.0 || !along.is_finite() {
@@ -37,6 +37,7 @@ impl Curvature {
             self.is_known = true;
         }
         let bent = &self.matrix * step;
+        // Powell's damping: the change is mixed with the matrix's own, so that it stays positive definite.
         let old = step.dot(&bent);
         let change = if along >= DAMPED * old {
             change

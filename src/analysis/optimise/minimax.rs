@@ -200,9 +200,9 @@ pub fn minimise_largest(
             };
             // BFGS on the Lagrangian, with the multipliers of this step.
             let moved: Vec<f64> = (0..x.len()).map(|k| (next[k] - x[k]) / scales[k]).collect();
-            let turn = |slopes: &PeakGradients| step.pull(slopes, scales);
+            let turn = |slopes: &PeakGradients| step.lagrangian_gradient(slopes, scales);
             let change = turn(&new_slopes) - turn(&slopes);
-            curvature.learn(&DVector::from_vec(moved), change);
+            curvature.damped_update(&DVector::from_vec(moved), change);
             (heights, slopes) = (new_heights, new_slopes);
             x = next;
             accepted += 1;
@@ -275,7 +275,7 @@ struct MinimaxStep {
 
 impl MinimaxStep {
     /// Gradient of the Lagrangian in scaled variables.
-    fn pull(&self, slopes: &PeakGradients, scales: &[f64]) -> DVector<f64> {
+    fn lagrangian_gradient(&self, slopes: &PeakGradients, scales: &[f64]) -> DVector<f64> {
         let mut sum = DVector::zeros(scales.len());
         let held = |list: &[(usize, f64)], rows: &[Vec<f64>], sum: &mut DVector<f64>| {
             for (index, multiplier) in list {
@@ -310,12 +310,13 @@ impl MinimaxPoint<'_> {
     }
 
     /// Rows that can matter within the region: peaks that can become the largest, limits that can be missed.
-    fn relevant(&self, heights: &PeakValues, radius: f64) -> [Vec<usize>; 2] {
+    fn relevant_rows(&self, heights: &PeakValues, radius: f64) -> [Vec<usize>; 2] {
         let lowest =
             |k: usize| heights.peaks[k] - row_reach(&self.slopes.peaks[k], self.scales, radius);
         let floor = (0..heights.peaks.len())
             .map(lowest)
             .fold(f64::NEG_INFINITY, f64::max);
+        // By first-order reach: what cannot come up to the level within the region is left out.
         let can_reach = |values: &[f64], rows: &[Vec<f64>], level: f64| -> Vec<usize> {
             (0..values.len())
                 .filter(|k| values[*k] + row_reach(&rows[*k], self.scales, radius) >= level)
@@ -333,7 +334,7 @@ impl MinimaxPoint<'_> {
     /// its cost.
     fn step(&self, heights: &PeakValues, radius: f64) -> Option<MinimaxStep> {
         let n = self.x.len();
-        let [peaks, limits] = self.relevant(heights, radius);
+        let [peaks, limits] = self.relevant_rows(heights, radius);
         let count = peaks.len() + limits.len() + self.edges.len() + 1 + 2 * n;
         // Unknowns of the programme: the scaled step, the largest peak, the excess over the limits.
         let (top, excess) = (n, n + 1);
@@ -414,7 +415,7 @@ impl MinimaxPoint<'_> {
         let moves = answer.point.rows(0, n);
         let bending = 0.5 * moves.dot(&(known * moves)) * self.unit;
         Some(MinimaxStep {
-            merit: self.foreseen(heights, &next) + bending,
+            merit: self.linearised_merit(heights, &next) + bending,
             x: next,
             peaks: held_peaks,
             limits: held_limits,
@@ -422,7 +423,7 @@ impl MinimaxPoint<'_> {
     }
 
     /// Merit of the linearised functions.
-    fn foreseen(&self, heights: &PeakValues, next: &[f64]) -> f64 {
+    fn linearised_merit(&self, heights: &PeakValues, next: &[f64]) -> f64 {
         let moved = |values: &[f64], rows: &[Vec<f64>]| -> Vec<f64> {
             let pairs = values.iter().zip(rows);
             pairs.map(|(v, row)| v + self.along(next, row)).collect()

@@ -5,6 +5,7 @@ pub mod bfgs;
 pub mod constraints;
 mod curvature;
 pub mod evolution;
+pub mod least_squares;
 pub mod minimax;
 pub mod nelder_mead;
 pub mod quadratic;

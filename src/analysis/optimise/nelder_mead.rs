@@ -49,7 +49,7 @@ pub fn minimise_nelder_mead(
             break Ended::OutOfBudget;
         }
         iterations += 1;
-        search.improve(&mut simplex);
+        search.improve_simplex(&mut simplex);
         let best = simplex.iter().min_by(|a, b| a.1.total_cmp(&b.1));
         if let Some((x, value)) = best
             && !search.objective.progress(iterations, x, *value)
@@ -112,7 +112,7 @@ impl SimplexSearch<'_> {
     }
 
     /// One reflection, expansion, contraction or shrinkage of a sorted simplex.
-    fn improve(&mut self, simplex: &mut [SimplexCorner]) {
+    fn improve_simplex(&mut self, simplex: &mut [SimplexCorner]) {
         let last = simplex.len() - 1;
         let count = last as f64;
         // The centre of all corners but the worst.

@@ -62,6 +62,7 @@ impl Programme {
             z: start,
         };
         for _ in 0..MOST_ITERATIONS {
+            // One predictor-corrector step from the residuals of the optimality conditions.
             let residuals = self.residuals(&here);
             if here.gap() < GAP && residuals.largest() < RESIDUAL {
                 break;

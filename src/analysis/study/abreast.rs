@@ -138,6 +138,7 @@ impl<'f> LaneEvaluator<'f> {
             return (0..designs.len()).map(one).map(Option::flatten).collect();
         }
         let mechanism = self.plain.family().mechanism();
+        // Outputs and traces of all lanes at once.
         let slots: Vec<Vec<Octet>> = self
             .poses
             .iter()

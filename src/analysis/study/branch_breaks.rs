@@ -51,6 +51,7 @@ impl Evaluator<'_> {
             return false;
         };
         let end = [end.unknowns.as_slice(), &to[n..]].concat();
+        // The same pose if every marked point of the bodies is where it should be.
         let off = largest_distance(
             &marked_positions(mechanism, &end),
             &marked_positions(mechanism, to),

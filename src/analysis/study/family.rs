@@ -80,6 +80,9 @@ pub enum FamilyError {
     /// Dimensions without a tolerance.
     #[error("no tolerance is known of {0}")]
     NoTolerance(String),
+    /// A dimension that stands where the file's value is kept.
+    #[error("`{}` stands {}, where its tolerance would be left out", .0.name, .0.place)]
+    Kept(Kept),
     /// A measure that the scene does not have.
     #[error("the scene has no measure `{name}`")]
     NoMeasure {

@@ -180,6 +180,7 @@ impl Evaluator<'_> {
         }
         let series = |moving: &[usize]| values_along(family.system(), pose, moving, 2);
         let variables: Option<Vec<_>> = (0..count).map(|k| series(&[first + k])).collect();
+        // Mixed derivatives by an input and a variable, for measures that derive by that input.
         let mixed: Option<Vec<Mixed>> = inputs
             .into_iter()
             .map(|input| {
@@ -210,6 +211,7 @@ fn chain_rule(formula: &Expression, numbers: &[f64], rows: &[Vec<f64>], row: &mu
         &mut Vec::new(),
         &mut Vec::new(),
     );
+    // d(formula) = sum of partial derivatives times rows of the earlier numbers.
     for slot in formula.slots() {
         for (entry, change) in row.iter_mut().zip(&rows[slot]) {
             *entry += gradient[slot] * change;

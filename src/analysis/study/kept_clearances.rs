@@ -132,6 +132,7 @@ fn search_further(
         let share = 0.5 * (low + high);
         let ends = from.values.iter().zip(to);
         let values: Vec<f64> = ends.map(|(a, b)| a + share * (b - a)).collect();
+        // Bisection: the bodies are judged in the middle of what is open.
         match judge_clearances(study, &values)? {
             Some(clearances) if clearances.kept => {
                 best = Some((values, clearances));

@@ -11,6 +11,7 @@ mod measure;
 pub mod optimum;
 mod peaks;
 mod reshaped;
+mod row_reader;
 mod rows;
 pub mod search;
 mod search_steps;

@@ -71,7 +71,7 @@ const GRADIENT_TOLERANCE: f64 = 1e-9;
 
 impl SearchMethod {
     /// The method with a tolerance of its own where none is asked for; `seed` is where random numbers start.
-    pub fn with_tolerance(self, tolerance: Option<f64>, seed: u64) -> Method {
+    pub(crate) fn with_tolerance(self, tolerance: Option<f64>, seed: u64) -> Method {
         let simplex = tolerance.unwrap_or(SIMPLEX_TOLERANCE);
         let tolerance = tolerance.unwrap_or(GRADIENT_TOLERANCE);
         match self {

@@ -2,7 +2,8 @@
 //! where it is any other number.
 
 use super::family::{FamilyError, ParametricMechanism};
-use super::rows::{Listed, Reduction, StudyRows, list_rows, row_nearness};
+use super::row_reader::{list_rows, row_nearness};
+use super::rows::{Listed, Reduction, StudyRows};
 use super::search::{Refusals, Watch};
 use super::track_poses::{Evaluator, Rejection, TrackPoses};
 use crate::analysis::optimise::VariableBounds;

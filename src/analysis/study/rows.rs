@@ -1,32 +1,25 @@
-//! A formula pose by pose: its values along a track, or its derivatives by an input, and how these change with the
-//! variables. The poses are shared among threads; the numbers do not depend on how many there are.
+//! A formula pose by pose: its values along a track, or its derivatives by an input; which poses, which sides of it, and what
+//! is made of the values.
 
 use super::family::ParametricMechanism;
-use super::track_poses::Evaluator;
-use crate::jobs::{core_count, share_work};
 use crate::kinematics::measures::reduce::reduce_values;
-use crate::kinematics::rates::variation::Variation;
 use crate::model::expression::Expression;
 use crate::model::measure::{Measure, MeasureSource, Taking};
-use crate::numbers::hyper_dual::HyperDual;
 use std::ops::Range;
-
-/// Poses for which a thread of its own pays.
-const LEAST_PORTION: usize = 64;
 
 /// The same formula at several poses, as `sign · factor · formula + shift` for every sign.
 pub(super) struct StudyRows<'a> {
-    formula: &'a Expression,
-    per: Option<usize>,
-    poses: Range<usize>,
+    pub formula: &'a Expression,
+    pub per: Option<usize>,
+    pub poses: Range<usize>,
     /// Which sides of the formula are looked at.
     pub signs: &'static [f64],
-    factor: f64,
-    shift: f64,
+    pub factor: f64,
+    pub shift: f64,
     /// How many slots a pose must have for the formula.
-    reach: usize,
+    pub reach: usize,
     /// The formula depends on coordinates and outputs of coordinates only.
-    is_free_of_traces: bool,
+    pub is_free_of_traces: bool,
 }
 
 /// Values of rows, and their derivatives by the variables if asked for; sign after sign, pose after pose.
@@ -148,6 +141,7 @@ impl Reduction {
         };
         let mut whole = vec![0.0; slopes.first().map_or(0, Vec::len)];
         for (slope, weight) in slopes.iter().zip(weights).filter(|(_, w)| **w != 0.0) {
+            // The slope of the one number is the weighted sum of the slopes of the values.
             let entries = whole.iter_mut().zip(slope);
             entries.for_each(|(entry, d)| *entry += weight * d);
         }
@@ -171,6 +165,7 @@ fn needed_rows(family: &ParametricMechanism, formula: &Expression) -> (usize, bo
     let reach = slots.last().map_or(0, |last| last + 1);
     let mut free = true;
     while let Some(slot) = slots.pop() {
+        // An output stands for all that it is made of.
         if slot >= base {
             slots.extend(mechanism.outputs[slot - base].slots(mechanism));
         } else if slot >= coordinates {
@@ -178,243 +173,4 @@ fn needed_rows(family: &ParametricMechanism, formula: &Expression) -> (usize, bo
         }
     }
     (reach, free)
-}
-
-/// What is asked at a pose.
-#[derive(Clone, Copy)]
-enum Question<'a> {
-    Formula(&'a StudyRows<'a>),
-    /// The smallest singular value.
-    Regularity,
-}
-
-/// Evaluates formulas at poses; one for each thread.
-struct Reader<'f> {
-    family: &'f ParametricMechanism,
-    variation: Variation<'f>,
-    numbers: Vec<f64>,
-    gradient: Vec<f64>,
-    values: Vec<f64>,
-    adjoints: Vec<f64>,
-    hyper_dual: Vec<HyperDual>,
-    rest: Vec<f64>,
-    along: Vec<f64>,
-    rates: Vec<f64>,
-}
-
-impl<'f> Reader<'f> {
-    fn new(family: &'f ParametricMechanism) -> Self {
-        Self {
-            family,
-            variation: Variation::new(family.system()),
-            numbers: Vec::new(),
-            gradient: Vec::new(),
-            values: Vec::new(),
-            adjoints: Vec::new(),
-            hyper_dual: Vec::new(),
-            rest: vec![0.0; family.mechanism().coordinate_count()],
-            along: Vec::new(),
-            rates: Vec::new(),
-        }
-    }
-
-    /// The value of what is asked, and its derivatives if asked for.
-    fn answer(
-        &mut self,
-        question: Question,
-        pose: &[f64],
-        with_slope: impl Fn(f64) -> bool,
-    ) -> (f64, Vec<f64>) {
-        match question {
-            Question::Formula(rows) => {
-                let value = self.value(rows, pose);
-                let slope = with_slope(value).then(|| self.slope(rows, pose));
-                (value, slope.unwrap_or_default())
-            }
-            Question::Regularity => {
-                let value = self.variation.regularity(pose);
-                let slope = with_slope(value).then(|| self.regularity_slope(pose));
-                (value, slope.unwrap_or_default())
-            }
-        }
-    }
-
-    fn regularity_slope(&mut self, pose: &[f64]) -> Vec<f64> {
-        let first = self.family.own_inputs();
-        (0..self.family.study.variables.len())
-            .map(|k| {
-                self.variation.tangent(pose, first + k, &mut self.rates);
-                self.variation.regularity_rate(pose, &self.rates)
-            })
-            .collect()
-    }
-
-    /// The formula of `rows` at a pose.
-    fn value(&mut self, rows: &StudyRows, pose: &[f64]) -> f64 {
-        if let Some(input) = rows.per {
-            self.variation.tangent(pose, input, &mut self.along);
-            let slots = self
-                .variation
-                .slots(pose, &self.along, &self.rest, rows.reach);
-            return rows.formula.value_with(slots, &mut self.hyper_dual).first;
-        }
-        if rows.is_free_of_traces {
-            self.fill_numbers(rows, pose);
-            return rows.formula.value_with(&self.numbers, &mut self.values);
-        }
-        let slots = self
-            .variation
-            .slots(pose, &self.rest, &self.rest, rows.reach);
-        rows.formula.value_with(slots, &mut self.hyper_dual).value
-    }
-
-    /// Its derivatives by the variables.
-    fn slope(&mut self, rows: &StudyRows, pose: &[f64]) -> Vec<f64> {
-        let variables = self.family.study.variables.len();
-        let first = self.family.own_inputs();
-        // Coordinates alone: the formula's gradient times the rates of the pose.
-        if rows.per.is_none() && rows.is_free_of_traces {
-            self.fill_gradient(rows, pose);
-            let count = pose.len();
-            return (0..variables)
-                .map(|k| {
-                    self.variation.tangent(pose, first + k, &mut self.rates);
-                    let pairs = self.gradient[..count].iter().zip(&self.rates);
-                    pairs.map(|(g, r)| g * r).sum()
-                })
-                .collect();
-        }
-        match rows.per {
-            Some(input) => self.variation.tangent(pose, input, &mut self.along),
-            None => self.along.clone_from(&self.rest),
-        }
-        (0..variables)
-            .map(|k| {
-                self.variation.tangent(pose, first + k, &mut self.rates);
-                let slots = self
-                    .variation
-                    .slots(pose, &self.along, &self.rates, rows.reach);
-                let value = rows.formula.value_with(slots, &mut self.hyper_dual);
-                if rows.per.is_some() {
-                    value.mixed
-                } else {
-                    value.second
-                }
-            })
-            .collect()
-    }
-
-    /// Coordinates and outputs; no traces.
-    fn fill_numbers(&mut self, rows: &StudyRows, pose: &[f64]) {
-        let mechanism = self.family.mechanism();
-        self.numbers.clear();
-        self.numbers.extend_from_slice(pose);
-        if rows.reach <= pose.len() {
-            return;
-        }
-        let base = pose.len() + 3 * mechanism.traces.len();
-        self.numbers.resize(base, 0.0);
-        for output in mechanism.outputs.iter().take(rows.reach - base) {
-            let value = output.value_with(mechanism, &self.numbers, &mut self.values);
-            self.numbers.push(value);
-        }
-    }
-
-    /// Derivatives of the formula by the coordinates, backwards through the outputs.
-    fn fill_gradient(&mut self, rows: &StudyRows, pose: &[f64]) {
-        self.fill_numbers(rows, pose);
-        let (numbers, gradient) = (&self.numbers, &mut self.gradient);
-        let (values, adjoints) = (&mut self.values, &mut self.adjoints);
-        gradient.clear();
-        gradient.resize(numbers.len(), 0.0);
-        rows.formula
-            .add_gradient(numbers, 1.0, gradient, values, adjoints);
-        let mechanism = self.family.mechanism();
-        let base = pose.len() + 3 * mechanism.traces.len();
-        for slot in (base..numbers.len()).rev() {
-            let adjoint = gradient[slot];
-            if adjoint != 0.0 {
-                let output = &mechanism.outputs[slot - base];
-                output.add_gradient(mechanism, numbers, adjoint, gradient, [values, adjoints]);
-            }
-        }
-    }
-}
-
-/// Values of all rows at the poses of a stand, list by list; less of them where the evaluator is cancelled.
-pub(super) fn list_rows(
-    evaluator: &Evaluator,
-    rows: &[StudyRows],
-    poses: &[Vec<f64>],
-    with_slopes: bool,
-) -> Vec<Listed> {
-    let jobs: Vec<(Question, usize)> = rows
-        .iter()
-        .flat_map(|r| {
-            r.poses
-                .clone()
-                .map(move |pose| (Question::Formula(r), pose))
-        })
-        .collect();
-    let mut found = row_answers(evaluator, &jobs, poses, &|_| with_slopes).into_iter();
-    rows.iter()
-        .map(|r| one_sided(r, found.by_ref().take(r.poses.len()).collect()))
-        .collect()
-}
-
-/// How near to singular poses the poses of a stand are, as `1 - σ/least`: not positive where the smallest singular value
-/// is at least `least`. Slopes only where it is below `slopes_below` times that, else zeros.
-pub(super) fn row_nearness(
-    evaluator: &Evaluator,
-    poses: &[Vec<f64>],
-    least: f64,
-    slopes_below: f64,
-) -> Listed {
-    let jobs: Vec<_> = (0..poses.len())
-        .map(|k| (Question::Regularity, k))
-        .collect();
-    let mut listed = Listed::default();
-    let is_near = |sigma: f64| sigma < slopes_below * least;
-    for (sigma, mut slope) in row_answers(evaluator, &jobs, poses, &is_near) {
-        listed.values.push(1.0 - sigma / least);
-        slope.iter_mut().for_each(|d| *d /= -least);
-        slope.resize(evaluator.family().study.variables.len(), 0.0);
-        listed.slopes.push(slope);
-    }
-    listed
-}
-
-fn row_answers(
-    evaluator: &Evaluator,
-    jobs: &[(Question, usize)],
-    poses: &[Vec<f64>],
-    with_slope: &(dyn Fn(f64) -> bool + Sync),
-) -> Vec<(f64, Vec<f64>)> {
-    let threads = core_count().min(jobs.len().div_ceil(LEAST_PORTION));
-    let make = || Reader::new(evaluator.family());
-    let found = share_work(jobs.len(), threads, make, |reader, job| {
-        let (question, pose) = jobs[job];
-        if evaluator.is_cancelled() {
-            return None;
-        }
-        Some(reader.answer(question, &poses[pose], with_slope))
-    });
-    found.into_iter().map(|(_, answer)| answer).collect()
-}
-
-/// Every sign's side of the values of some rows.
-fn one_sided(rows: &StudyRows, found: Vec<(f64, Vec<f64>)>) -> Listed {
-    let mut listed = Listed::default();
-    for sign in rows.signs {
-        let factor = sign * rows.factor;
-        for (value, slope) in &found {
-            listed.values.push(factor * value + rows.shift);
-            if !slope.is_empty() {
-                listed
-                    .slopes
-                    .push(slope.iter().map(|d| factor * d).collect());
-            }
-        }
-    }
-    listed
 }

@@ -7,6 +7,7 @@ mod plan;
 mod polishing;
 mod searches;
 mod starts;
+pub mod target;
 pub mod touching;
 pub mod verify;
 

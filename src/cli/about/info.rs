@@ -1,16 +1,17 @@
 //! `mechanim info`: what a bug report needs to say.
 
+use crate::cli::io;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::render::open::list_adapters;
 use serde_json::json;
 use std::io::Write;
+use std::path::Path;
 
 /// Runs the verb.
-pub fn print_info(as_json: bool) -> Result<Outcome, Failure> {
+pub fn print_info(json_file: Option<&Path>) -> Result<Outcome, Failure> {
     let adapters = list_adapters();
     let cores = crate::jobs::core_count();
-    let mut out = std::io::stdout().lock();
-    if as_json {
+    if let Some(path) = json_file {
         let adapters: Vec<_> = adapters
             .iter()
             .map(|a| json!({ "name": a.name, "driver": a.driver, "backend": a.backend, "type": a.device_type.to_string() }))
@@ -24,8 +25,9 @@ pub fn print_info(as_json: bool) -> Result<Outcome, Failure> {
             "gpu_renderer": cfg!(feature = "gpu"),
             "adapters": adapters,
         });
-        writeln!(out, "{info:#}")?;
+        io::write_document(path, &info)?;
     } else {
+        let mut out = std::io::stdout().lock();
         writeln!(out, "mechanim {}", env!("CARGO_PKG_VERSION"))?;
         writeln!(
             out,
@@ -52,7 +54,7 @@ pub fn print_info(as_json: bool) -> Result<Outcome, Failure> {
         if adapters.is_empty() {
             writeln!(out, "adapter   none (the cpu renderer needs none)")?;
         }
+        out.flush()?;
     }
-    out.flush()?;
     Ok(Outcome::Done)
 }

@@ -24,7 +24,7 @@ pub struct PlotArgs {
     /// What they are drawn against: a name or formula; time if absent.
     #[arg(long, value_name = "NAME", requires = "y")]
     pub x: Option<String>,
-    /// A unit is as long on both axes: for paths in a plane.
+    /// The same scale on both axes, for paths in a plane.
     #[arg(long, requires = "y")]
     pub equal: bool,
     /// Rates up to this order (1 to 8) of the curves are drawn as well: derivatives by time.
@@ -56,7 +56,7 @@ pub struct AccuracyArgs {
     /// File to write: the report as .json or .csv, or a chart as .svg or .png; `-` for JSON on standard output.
     #[arg(long, short, value_name = "FILE")]
     pub out: Option<PathBuf>,
-    /// Poses that every route delivers, spread evenly over the motion.
+    /// Number of poses that each solver computes, spread evenly over the motion.
     #[arg(long, value_name = "N", default_value_t = 90, value_parser = pose_count)]
     pub poses: usize,
     /// Most turns of the drift table, for motions that return to their start.

@@ -20,7 +20,7 @@ pub struct RowArgs {
     /// if absent.
     #[arg(long, value_name = "INPUT")]
     pub per: Option<String>,
-    /// Angles between the two bars of a dyad, as lines, in degrees: FROM..TO.
+    /// Range of the angle between the two bars of a dyad, in degrees: FROM..TO.
     #[arg(long, value_name = "FROM..TO", default_value = "10..170", value_parser = angle_range)]
     pub delta: [f64; 2],
 }
@@ -57,10 +57,10 @@ pub struct IntervalsArgs {
     /// The row.
     #[command(flatten)]
     pub row: RowArgs,
-    /// How it is done: what is made of the system in intervals.
+    /// How it is done: what is computed from the interval system.
     #[arg(long, value_enum)]
     pub method: IntervalMethod,
-    /// Directions of the bars: each within so many degrees of its own, in place of all that --delta leaves.
+    /// Keep the direction of each bar within this many degrees of its own, instead of all that --delta allows.
     #[arg(long, value_name = "DEGREES", value_parser = positive_number)]
     pub spread: Option<f64>,
     /// Velocity of the given point in place of its own: VX,VY.
@@ -69,7 +69,7 @@ pub struct IntervalsArgs {
     /// Half the width of all right sides; 5 % of the given velocity if absent.
     #[arg(long, value_name = "VALUE", value_parser = positive_number)]
     pub side: Option<f64>,
-    /// Centre of the cube in place of the velocities of the pose: zero.
+    /// Centre the cube on zero instead of on the velocities of the pose.
     #[arg(long)]
     pub about_zero: bool,
     /// Number of trials.
@@ -81,7 +81,7 @@ pub struct IntervalsArgs {
     /// Worker threads; all cores if absent. The numbers do not depend on it.
     #[arg(long, value_name = "N", value_parser = thread_count)]
     pub threads: Option<usize>,
-    /// How far from its place every point is looked at, in the scene's unit of length; a tenth of the mechanism if absent.
+    /// Half-width of the square searched around each point, in the scene's unit of length; a tenth of the mechanism if absent.
     #[arg(long, value_name = "LENGTH", value_parser = positive_number)]
     pub reach: Option<f64>,
     /// How often the squares of a paving are halved.

@@ -7,8 +7,8 @@ use std::path::PathBuf;
 /// What is written, and how.
 #[derive(Debug, Args)]
 pub struct FileArgs {
-    /// File to write: .gif, .apng, .png, .y4m, .rgba, .glb, .stl, .obj, a folder, a pattern such as
-    /// frame-%04d.png, or `-` for standard output.
+    /// File to write: .gif, .apng, .png, .y4m, .rgba, a folder, a pattern such as frame-%04d.png, or `-` for standard
+    /// output; of scenes also the models .glb, .stl and .obj.
     #[arg(long, short, value_name = "FILE")]
     pub out: PathBuf,
     /// Format, where the file name does not tell; `-` alone is a GIF.
@@ -41,10 +41,10 @@ pub struct FileArgs {
     after_help = "Examples:\n  mechanim new wiper --from four-bar\n  mechanim new designs/press --from slider-crank"
 )]
 pub struct NewArgs {
-    /// Name of the scene and its file: `wiper` makes wiper.toml. What is there already is never replaced.
+    /// Name of the scene and its file: `wiper` makes wiper.toml. An existing file is never replaced.
     #[arg(value_name = "NAME")]
     pub name: PathBuf,
-    /// Where it begins: a built-in scene.
+    /// Where to begin: a built-in scene.
     #[arg(long, value_name = "SCENE")]
     pub from: String,
 }
@@ -52,7 +52,7 @@ pub struct NewArgs {
 /// `mechanim encode`
 #[derive(Debug, Args)]
 pub struct EncodeArgs {
-    /// PNG files, or folders of them, in the order people count in: f2 before f10.
+    /// PNG files, or folders of them, in numerical order: f2 before f10.
     #[arg(required = true, value_name = "FRAMES")]
     pub frames: Vec<PathBuf>,
     /// What is written.
@@ -72,11 +72,11 @@ pub struct EncodeArgs {
 /// `mechanim diff`
 #[derive(Debug, Args)]
 pub struct DiffArgs {
-    /// What was expected: a PNG, an APNG, a GIF, or a folder of PNGs.
+    /// The expected picture: a PNG, an APNG, a GIF, or a folder of PNGs.
     pub a: PathBuf,
-    /// What came out, of the same kind.
+    /// The actual one, of the same kind.
     pub b: PathBuf,
-    /// Levels of 0 to 255 that a channel may be off.
+    /// Largest difference of a colour channel that is ignored, 0 to 255.
     #[arg(
         long = "levels",
         alias = "tolerance",
@@ -84,10 +84,10 @@ pub struct DiffArgs {
         default_value_t = 0
     )]
     pub tolerance: u8,
-    /// Pixels of a picture that may be off by more.
+    /// Most pixels of a picture that may differ by more.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub max_pixels: u64,
-    /// File to write: A, the difference and B side by side as a PNG; of several frames the worst.
+    /// File to write: a PNG of A, the difference and B side by side; of several frames the worst.
     #[arg(long, short, value_name = "FILE.png")]
     pub out: Option<PathBuf>,
     /// Write the report as JSON to this file (`-` for standard output).
@@ -100,13 +100,17 @@ pub struct DiffArgs {
 pub struct SnapshotArgs {
     /// Folder with `snapshots.toml` and the golden pictures.
     pub folder: PathBuf,
-    /// Write golden pictures in place of comparing: those that are missing (--update=new), those that fail too (the
-    /// bare option), or all. Refused where the variable CI is set.
+    /// Write golden pictures instead of comparing: missing ones only (--update=new), missing and failing ones (--update),
+    /// or all of them. Refused where the variable CI is set.
     #[arg(long, value_enum, num_args = 0..=1, require_equals = true, default_missing_value = "failing")]
     pub update: Option<UpdateArg>,
     /// Only pictures whose file name contains this text. May be repeated.
     #[arg(long = "only", value_name = "TEXT")]
     pub only: Vec<String>,
+    /// Also let the list name scenes in this folder, and scenes read mesh files from it; by default only from the folder of the
+    /// list and below. May be repeated.
+    #[arg(long = "allow-files", value_name = "DIR")]
+    pub allowed: Vec<PathBuf>,
     /// Write the report as JSON to this file (`-` for standard output).
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,

@@ -22,17 +22,17 @@ const GROUPS: [(&str, &str); 5] = [
 
 /// What to begin with.
 const EXAMPLES: &str = "Examples:
-  mechanim scenes                                    what there is to begin with
-  mechanim render gearshift --out anim.gif           a motion as a film
-  mechanim check \"designs/*.toml\"                    do they close, and keep their distances? proved
-  mechanim report gearshift --out gearshift.html     all that is known, as one page
+  mechanim scenes                                    scenes to begin with
+  mechanim render gearshift --out anim.gif           a motion as an animation
+  mechanim check \"designs/*.toml\"                    do they close and keep clear? with proof
+  mechanim report gearshift --out gearshift.html     all results on one page
   mechanim VERB --help                               every option of a verb";
 
 /// Most characters of a verb's line.
 const MOST: usize = 72;
 
 /// The command with its verbs in groups.
-pub fn grouped(command: Command) -> Command {
+pub fn grouped_command(command: Command) -> Command {
     let mut list = String::new();
     for (head, verbs) in GROUPS {
         list.push_str(&format!("{head}:\n"));
@@ -84,7 +84,7 @@ mod tests {
         known.sort_unstable();
         listed.sort_unstable();
         assert_eq!(known, listed);
-        let help = grouped(command).render_help().to_string();
+        let help = grouped_command(command).render_help().to_string();
         let verbs = help.split("Options:").next().unwrap_or_default();
         for line in verbs
             .lines()

@@ -38,11 +38,11 @@ pub struct Cli {
     /// When to colour messages; NO_COLOR is respected.
     #[arg(long, global = true, value_enum, default_value_t = ColourChoice::Auto)]
     pub color: ColourChoice,
-    /// Limits of what the run may use, such as time=10s,memory=512M,samples=1M,pairs=10k,triangles=1M,pixels=8M,film=1G,message=64K;
-    /// they can only tighten those of the variable MECHANIM_LIMITS.
+    /// Limits on what the run may use, such as time=10s,memory=512M,samples=1M,pairs=10k,triangles=1M,pixels=8M,film=1G,message=64K;
+    /// they can only be tighter than those of the variable MECHANIM_LIMITS.
     #[arg(long, global = true, value_name = "NAME=AMOUNT,…", value_parser = Limits::parse)]
     pub limits: Option<Limits>,
-    /// Print errors only, no report and no warnings. What is asked for by name (a file, `-`, a list) is still written.
+    /// Print errors only, no report and no warnings. Files and lists that are asked for are still written.
     #[arg(long, short, global = true)]
     pub quiet: bool,
 }
@@ -65,39 +65,39 @@ pub enum Command {
     Render(RenderArgs),
     /// Solve the motion and write every coordinate with its proof (CSV or JSON).
     Solve(SolveArgs),
-    /// Check loop closure, proofs, measures and clearances over the whole motion, or judge a given pose.
+    /// Check closure, proofs, measures and clearances (over the whole motion, or of one given pose).
     Check(CheckArgs),
-    /// Write what is known of scenes as one HTML page: verdict, mechanism, motion in 3-D, curves, limits, clearances, proofs.
+    /// Write all results of scenes as one HTML page: verdict, mechanism, motion in 3-D, curves, limits, clearances, proofs.
     Report(ReportArgs),
     /// Compare two versions of a scene on one HTML page: pictures, answers, curves, clearances.
     Compare(CompareArgs),
-    /// Write a folder of pages with a front page, live where their engine is at hand.
+    /// Write a folder of HTML pages with a front page, live ones where the engine is available.
     Site(SiteArgs),
-    /// List the assemblies that close at given inputs, searched from many starts.
+    /// List the assemblies that close at the same inputs, searched from many starts.
     Modes(ModesArgs),
     /// Plot outputs, coordinates and their derivatives against input or time (SVG or PNG).
     Plot(PlotArgs),
-    /// Draw the kinematic diagram: links, signs of joints, dimensions, angles, loops (SVG, PDF or PNG).
+    /// Draw the kinematic diagram: links, joint symbols, dimensions, angles, loops (SVG, PDF or PNG).
     Draw(DrawArgs),
-    /// Write the matrices of chains and loops, with symbols and as numbers (text, JSON, LaTeX or HTML).
+    /// Write the matrices of chains and loops, symbolic and numeric (text, JSON, LaTeX or HTML).
     Show(ShowArgs),
-    /// Measure time per pose against true error for many ways along the motion (table, JSON, CSV, chart).
+    /// Measure time per pose against true error for several solvers (table, JSON, CSV, chart).
     Accuracy(AccuracyArgs),
-    /// Assemble PNG frames made elsewhere into an animation.
+    /// Assemble PNG frames into an animation.
     Encode(EncodeArgs),
     /// Compare two pictures, two animations or two folders of pictures.
     Diff(DiffArgs),
     /// Draw a list of pictures and compare them with their golden files.
     Snapshot(SnapshotArgs),
-    /// Derivatives of the study's measures by every dimension, ranked.
+    /// Rank the dimensions by the derivatives of the study's measures.
     Sensitivity(SensitivityArgs),
     /// Tolerance analysis of the study's measures: linear sums, random pieces and proved bounds.
     Tolerance(ToleranceArgs),
-    /// Prove bands that the motion and its measures keep for all dimensions within their tolerances.
+    /// Prove bands of motion and measures for all dimensions within tolerance.
     Enclose(EncloseArgs),
-    /// Take a planar linkage apart into dyads: their matrices, the table of the velocities, ranges of its coefficients.
+    /// Take a planar linkage apart into dyads: matrices, velocity table, ranges of its coefficients.
     Dyads(DyadsArgs),
-    /// Intervals for the directions of a linkage's bars: random trials, formal solutions, cubes, the exact set.
+    /// Solve a linkage's velocity equations in intervals: random trials, formal solutions, cubes, the exact set.
     Intervals(IntervalsArgs),
     /// Minimise the study's objective over its design variables.
     Optimise(OptimiseArgs),
@@ -105,37 +105,37 @@ pub enum Command {
     Synthesise(SynthesiseArgs),
     /// Solve many designs of a scene, one row each: measures, values or checks over ranges of parameters (CSV, JSON lines, map).
     Sweep(SweepArgs),
-    /// Cut a sweep into units that any number of machines do, stopped and resumed at will, and put together to the same bytes.
+    /// Share a sweep or tolerance study among machines: units that can be stopped and resumed, and merge to the same bytes.
     Study {
         /// What to do with it.
         #[command(subcommand)]
         command: StudyCommand,
     },
-    /// Write a scene of your own that begins as a built-in one, with a comment above every section.
+    /// Start a scene of your own from a built-in one, with a comment above every section.
     New(NewArgs),
     /// List the built-in scenes, or print one.
     Scenes {
         /// Name of the scene whose file is printed.
         name: Option<String>,
     },
-    /// Versions, graphics adapters and drivers, for bug reports.
+    /// Print versions, graphics adapters and drivers for bug reports.
     Info {
-        /// Write the report as JSON.
-        #[arg(long)]
-        json: bool,
+        /// Write the report as JSON to this file (`-` for standard output).
+        #[arg(long, value_name = "FILE")]
+        json: Option<PathBuf>,
     },
     /// Print a completion script for a shell.
     Completions {
         /// bash, zsh, fish, elvish or powershell.
         shell: clap_complete::Shell,
     },
-    /// Print the JSON Schema of a kind of file, with which editors complete and check it.
+    /// Print the JSON Schema with which editors complete and check a file.
     Schema {
         /// Which file.
         #[arg(value_enum)]
         file: SchemaArg,
     },
-    /// Write manual pages, one for every verb, into a folder.
+    /// Write manual pages, one for each verb, into a folder.
     Manual {
         /// The folder, which must exist.
         folder: PathBuf,

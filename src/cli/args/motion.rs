@@ -36,7 +36,7 @@ pub struct RenderArgs {
     /// Draw one picture: the frame with this number, counted from 0.
     #[arg(long, value_name = "N", conflicts_with = "at")]
     pub frame: Option<usize>,
-    /// Samples per pixel: 1, 2, 4, 8 or 16 (a graphics adapter takes the nearest it knows).
+    /// Samples per pixel: 1, 2, 4, 8 or 16 (a graphics adapter takes the nearest that it supports).
     #[arg(long = "supersample", alias = "samples", value_name = "N", default_value_t = 4, value_parser = sample_count)]
     pub samples: u32,
     /// Renderer: a hardware adapter if there is one, else the built-in renderer (auto); gpu also accepts software
@@ -48,20 +48,20 @@ pub struct RenderArgs {
     pub adapter: Option<String>,
     /// For 3-D models: the largest distance between a round surface and its facets, in the scene's unit; or `picture`:
     /// as fine as a screen shows, in files a fraction as large.
-    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = facets)]
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = parse_facets)]
     pub resolution: Option<Facets>,
-    /// Show what is asked for: bodies that come closer to each other than the scene's `[clearance]` allows turn red.
-    #[arg(long, value_enum, value_name = "WHAT")]
-    pub show: Option<ShowArg>,
-    /// Print where the time went, stage by stage.
+    /// Colour red, in every frame, the bodies that come closer to each other than the scene's `[clearance]` allows.
+    #[arg(long, alias = "show", value_enum, value_name = "WHAT")]
+    pub highlight: Option<HighlightArg>,
+    /// Print the time that each stage took.
     #[arg(long)]
     pub timings: bool,
     /// Show a plot with a moving marker beside or below the motion: the scene's first, or the one with this title.
     #[arg(long, value_name = "TITLE", num_args = 0..=1, require_equals = true, default_missing_value = "")]
     pub panel: Option<String>,
-    /// Newton's iterates from the start values in place of the motion: a still with all of them as ghosts, or one a
-    /// frame.
-    #[arg(long, conflicts_with_all = ["at", "frame", "frames", "panel", "show"])]
+    /// Newton's iterates from the start values in place of the motion: one still with all of them as ghosts, or an
+    /// animation with one in each frame.
+    #[arg(long, conflicts_with_all = ["at", "frame", "frames", "panel", "highlight"])]
     pub trace_iterations: bool,
     /// Run again whenever a scene, a mesh that it names or its table of inputs changes, until Ctrl-C.
     #[arg(long)]
@@ -87,7 +87,7 @@ pub struct SolveArgs {
     #[arg(long, value_name = "SECONDS", conflicts_with = "samples")]
     pub at: Option<f64>,
     /// Newton's iterates from the start values at the start of the drive, in place of the motion: unknowns, corrections
-    /// and gaps of every loop; in JSON the opened polygons, too.
+    /// and the closure error of every loop; in JSON also the open polygons.
     #[arg(long, conflicts_with_all = ["samples", "at", "rates", "order"])]
     pub trace_iterations: bool,
     /// Add columns with the rates of the unknowns per second.
@@ -100,7 +100,7 @@ pub struct SolveArgs {
     /// Rates by this input in place of time, the others standing still: transfer functions.
     #[arg(long, value_name = "INPUT", requires = "order")]
     pub per: Option<String>,
-    /// Add columns with proved bounds of traced points and outputs, as they are printed: bound(NAME).
+    /// Add columns bound(NAME) with proved error bounds of traced points and outputs, rounding of the print included.
     #[arg(long, conflicts_with = "trace_iterations")]
     pub bounds: bool,
     /// Also locate limit positions, where an unknown or output turns back while the drive goes on; printed, and written
@@ -119,7 +119,7 @@ pub struct SolveArgs {
 #[derive(Clone, Debug, Args)]
 pub struct AskedArgs {
     /// Largest closure error that passes, relative to the mechanism's size.
-    #[arg(long, value_name = "E", default_value_t = Asked::CLOSURE, value_parser = positive_number)]
+    #[arg(long = "max-closure", alias = "closure", value_name = "E", default_value_t = Asked::CLOSURE, value_parser = positive_number)]
     pub closure: f64,
     /// Number of samples, spread evenly over the motion; the scene's frames if absent. Both ends of the drive and all keys
     /// are sampled in any case.
@@ -139,9 +139,9 @@ pub struct AskedArgs {
     /// Let a check pass that judges no pair of bodies though the scene asks for clearances.
     #[arg(long)]
     pub allow_empty: bool,
-    /// Rows of the table of pairs, the worst first. Of more than 200 pairs distant ones are settled together, but at
-    /// least this many are judged one by one.
-    #[arg(long, value_name = "N", default_value_t = 10)]
+    /// Rows that are printed: pairs of bodies, the worst first. Of more than 200 pairs distant ones are judged together,
+    /// but at least this many one by one.
+    #[arg(long = "rows", alias = "worst", value_name = "N", default_value_t = 10)]
     pub worst: usize,
     /// How close the proved bound must come to the least distance found, as a fraction of the pair's minimum (of that
     /// distance where the minimum is 0).
@@ -158,7 +158,7 @@ pub struct CheckArgs {
     /// More scenes, checked in the same run; a name may be a pattern, such as designs/*.toml. The exit code is the worst.
     #[arg(value_name = "SCENE")]
     pub more: Vec<OsString>,
-    /// Scenes checked at a time; as many as there are cores if absent.
+    /// Number of scenes checked at the same time; all cores if absent.
     #[arg(long, value_name = "N", value_parser = super::values::worker_count)]
     pub jobs: Option<usize>,
     /// Run again whenever a scene, a mesh that it names or its table of inputs changes, until Ctrl-C.
@@ -172,10 +172,10 @@ pub struct CheckArgs {
     pub pose: Vec<(String, String)>,
     /// Check the clearances over a range of this input instead of the motion; given twice, over a box of two inputs.
     /// They are proved for all values at once, or the part of the box that is not is named.
-    #[arg(long, value_name = "INPUT=LOW:HIGH", value_parser = range, num_args = 1, conflicts_with_all = ["pose", "samples", "csv", "plot", "render", "matrix", "swept"])]
+    #[arg(long, value_name = "INPUT=LOW:HIGH", value_parser = input_range, num_args = 1, conflicts_with_all = ["pose", "samples", "csv", "plot", "render", "matrix", "swept"])]
     pub inputs_box: Vec<(String, [f64; 2])>,
-    /// Prove the clearances for every piece, too: dimensions anywhere within this of the file's values, in their units. Those
-    /// given as --param NAME=880+-0.2 have tolerances of their own; if there are any, this option may be absent.
+    /// Also prove the clearances of every piece whose dimensions lie within this of the file's values, in their units. A
+    /// tolerance of a single one, --param NAME=880+-0.2, replaces it and is enough by itself.
     #[arg(long, value_name = "VALUE", value_parser = positive_number, conflicts_with_all = ["pose", "inputs_box"])]
     pub made_within: Option<f64>,
     /// What has a tolerance with --made-within: parameters and inputs.
@@ -187,10 +187,10 @@ pub struct CheckArgs {
     /// Write the verdict as JUnit XML, one test case for each question: closure, proofs, measures, pairs of bodies.
     #[arg(long, value_name = "FILE")]
     pub junit: Option<PathBuf>,
-    /// Write what is not so as SARIF 2.1.0, which code-hosting services show beside the files of a change.
+    /// Write what failed or was not proved as SARIF 2.1.0, which code-hosting services show beside a change.
     #[arg(long, value_name = "FILE")]
     pub sarif: Option<PathBuf>,
-    /// Write a summary as Markdown, as jobs of continuous integration show it.
+    /// Write a summary as Markdown, for the page of a CI job.
     #[arg(long, value_name = "FILE.md")]
     pub summary: Option<PathBuf>,
     /// Write a table as CSV: the distance of every judged pair over time.
@@ -208,8 +208,8 @@ pub struct CheckArgs {
     /// below the minimum, not proved, near, clear, excluded.
     #[arg(long, value_name = "FILE", conflicts_with = "pose")]
     pub matrix: Option<PathBuf>,
-    /// Write a closed mesh around everything that the body --body sweeps over the motion (.stl, .obj or .glb), and
-    /// print how far at most it stands off.
+    /// Write a closed mesh around all that the body --body sweeps over the motion (.stl, .obj or .glb), and print the
+    /// largest gap between the two.
     #[arg(long, value_name = "FILE", conflicts_with = "pose", requires = "body")]
     pub swept: Option<PathBuf>,
     /// The body of --swept.
@@ -218,7 +218,7 @@ pub struct CheckArgs {
     /// Frame of the --swept mesh: this body instead of the world.
     #[arg(long, value_name = "NAME", requires = "swept")]
     pub relative_to: Option<String>,
-    /// Cells along the longest side of the --swept mesh: with more of them it fits closer.
+    /// Cells along the longest side of the --swept mesh: more cells, a closer fit.
     #[arg(long, value_name = "N", default_value_t = 96, value_parser = clap::value_parser!(u32).range(4..=1024))]
     pub cells: u32,
 }
@@ -232,8 +232,7 @@ pub struct ModesArgs {
     /// Time in seconds at which the inputs are taken from the drive.
     #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
     pub at: f64,
-    /// Number of starts at most, random and others. Fewer are made where an estimate says that hardly anything is left
-    /// to be found.
+    /// Number of starts at most. The search ends earlier once an estimate says that hardly any assembly is missing.
     #[arg(long, value_name = "N", default_value_t = crate::kinematics::assemblies::DEFAULT_STARTS, value_parser = start_count)]
     pub starts: usize,
     /// Write the report as JSON to this file (`-` for standard output).
@@ -259,10 +258,10 @@ pub enum RendererArg {
     Cpu,
 }
 
-/// `--show`
+/// `--highlight`
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 #[allow(missing_docs)]
-pub enum ShowArg {
+pub enum HighlightArg {
     Clearance,
 }
 
@@ -281,7 +280,7 @@ fn sample_count(text: &str) -> Result<u32, String> {
     }
 }
 
-fn facets(text: &str) -> Result<Facets, String> {
+fn parse_facets(text: &str) -> Result<Facets, String> {
     match text {
         "picture" => Ok(Facets::Picture),
         _ => positive_number(text).map(Facets::Within),
@@ -295,7 +294,7 @@ fn proper_share(text: &str) -> Result<f64, String> {
     }
 }
 
-fn range(text: &str) -> Result<(String, [f64; 2]), String> {
+fn input_range(text: &str) -> Result<(String, [f64; 2]), String> {
     let wanted = || "INPUT=LOW:HIGH, as in phi=0:90".to_owned();
     let (name, range) = text.split_once('=').ok_or_else(wanted)?;
     let (low, high) = range.split_once(':').ok_or_else(wanted)?;

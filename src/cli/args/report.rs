@@ -21,8 +21,8 @@ pub struct ReportArgs {
     /// File to write: one .html page that needs no network (`-` for standard output).
     #[arg(long, short, value_name = "FILE.html")]
     pub out: PathBuf,
-    /// With sliders: the page holds the program itself as WebAssembly, follows the mechanism as dimensions and inputs are
-    /// moved, and proves every pose again.
+    /// Add sliders for dimensions and inputs: the page holds the program itself as WebAssembly, which follows the mechanism
+    /// and proves every pose again.
     #[arg(long, conflicts_with_all = ["inputs", "table", "mode"])]
     pub live: bool,
     /// The engine of live pages; `mechanim.wasm` beside the program if absent.
@@ -40,7 +40,7 @@ pub struct ReportArgs {
 #[derive(Clone, Debug, Args)]
 #[command(after_help = "Example:\n  mechanim compare old.toml new.toml --out change.html")]
 pub struct CompareArgs {
-    /// The scene as it was: a built-in name or a path. Parameters, inputs and start values that are replaced are so in both.
+    /// The old version: a built-in name or a path. --param, --input and --guess apply to both.
     pub old: OsString,
     /// The scene as it is.
     #[command(flatten)]
@@ -63,10 +63,10 @@ pub struct SiteArgs {
     /// More scenes; a name may be a pattern, such as designs/*.toml.
     #[arg(value_name = "SCENE")]
     pub more: Vec<OsString>,
-    /// File to write: index.html in this folder, and a page for each scene beside it. Whatever has other names there stays.
+    /// File to write: index.html in this folder, with a page for each scene beside it. Other files there are left alone.
     #[arg(long, short, value_name = "DIR")]
     pub out: PathBuf,
-    /// Title of the front page; how many mechanisms there are, if absent.
+    /// Title of the front page; the number of mechanisms if absent.
     #[arg(long)]
     pub title: Option<String>,
     /// The engine of live pages; `mechanim.wasm` beside the program if absent.

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 pub struct SceneArgs {
     /// Name of a built-in scene, path of a scene file, or `-` for standard input.
     pub scene: OsString,
-    /// Replace a parameter: NAME=FORMULA. May be repeated.
+    /// Replace a parameter, NAME=FORMULA, or a chain, NAME="Tx(a) Rz(b)". May be repeated.
     #[arg(long = "param", value_name = "NAME=VALUE", value_parser = name_and_text)]
     pub parameters: Vec<(String, String)>,
     /// Replace the drive of an input: NAME=FORMULA, a number or a formula of `t`. May be repeated.
@@ -19,16 +19,15 @@ pub struct SceneArgs {
     /// Replace the start value of an unknown, which chooses the assembly mode: NAME=VALUE. May be repeated.
     #[arg(long = "guess", value_name = "NAME=VALUE", value_parser = name_and_text)]
     pub guess: Vec<(String, String)>,
-    /// Read the inputs from the rows of a CSV table (`-` for standard input) with `,`, `;` or tabs, as spreadsheets
-    /// write it. Columns are matched by the names of the inputs; a column `time` gives the instants, otherwise row k is
-    /// at k seconds.
-    #[arg(long = "inputs", value_name = "TABLE.csv")]
+    /// Read the inputs from the rows of a CSV table (`-` for standard input) as spreadsheets write it, separated by `,`,
+    /// `;` or tabs. Columns have the names of the inputs; a column `time` gives the instants, otherwise row k is at k
+    /// seconds.
+    #[arg(long = "input-table", alias = "inputs", value_name = "TABLE.csv")]
     pub table: Option<PathBuf>,
-    /// Also let the scene read mesh files from this folder; by default only from its own folder and below. May be
-    /// repeated.
+    /// Also let the scene read mesh files below this folder, not just below its own. May be repeated.
     #[arg(long = "allow-files", value_name = "DIR")]
     pub allowed: Vec<PathBuf>,
-    /// Start from assembly number K of `mechanim modes` at the start of the drive, or from the one with that branch
+    /// Start from assembly K in the list of `mechanim modes` at the start of the drive, or from the one with this branch
     /// signature (such as `+-`), instead of the start values.
     #[arg(long, value_name = "K", conflicts_with = "guess", value_parser = mode_choice, allow_hyphen_values = true)]
     pub mode: Option<ModeChoice>,

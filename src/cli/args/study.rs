@@ -51,7 +51,7 @@ pub struct ScatterArgs {
     /// Tolerance of every dimension that has none of its own: half the width, in the dimension's unit.
     #[arg(long, value_name = "VALUE", value_parser = half_width)]
     pub tolerance: Option<f64>,
-    /// How a dimension scatters within its tolerance (normal: the tolerance is three deviations).
+    /// Distribution of a dimension within its tolerance.
     #[arg(long, value_enum, default_value_t = DistributionArg::Uniform)]
     pub distribution: DistributionArg,
     /// Seed of the random numbers.
@@ -68,8 +68,8 @@ pub struct ToleranceArgs {
     /// Number of random pieces.
     #[arg(long = "pieces", alias = "samples", value_name = "N", default_value_t = 10_000, value_parser = piece_count)]
     pub samples: usize,
-    /// Number of the first piece: runs on several machines can share the work.
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    /// Leave out this many pieces at the beginning, so that several machines can share the work.
+    #[arg(long = "skip", alias = "first", value_name = "N", default_value_t = 0)]
     pub first: usize,
     /// Worker threads; all cores if absent. The numbers do not depend on it.
     #[arg(long, value_name = "N", value_parser = thread_count)]
@@ -83,14 +83,14 @@ pub struct ToleranceArgs {
     /// Draw the mechanism with the paths of random pieces around those of its traced points.
     #[arg(long, value_name = "FILE.png")]
     pub picture: Option<PathBuf>,
-    /// Draw a chart (.svg or .png): these paths unrolled, with the deviation across the path as bands of quantiles.
+    /// Draw a chart (.svg or .png): quantile bands of the deviation across each path, along the path.
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
-    /// Number of pieces whose paths are drawn, at most.
+    /// Most pieces whose paths are drawn.
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = path_count)]
     pub paths: usize,
-    /// Enlargement of the deviations in the picture; a round number that makes them visible if absent.
-    #[arg(long, value_name = "FACTOR", value_parser = enlargement)]
+    /// Magnification of the deviations in the picture; if absent, a round number that makes them visible.
+    #[arg(long, value_name = "FACTOR", value_parser = parse_enlargement)]
     pub enlarge: Option<f64>,
     /// Time in seconds of the pose in the picture.
     #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
@@ -118,9 +118,9 @@ pub struct OptimiseArgs {
     /// Let every variable move by this share of its value (0.2 or 20%), instead of within the study's ranges.
     #[arg(long, value_name = "SHARE", value_parser = proper_share)]
     pub within: Option<f64>,
-    /// Relative accuracy at which a search ends: of gradients (bfgs), of values and variables (nelder-mead), of the
-    /// generation (evolution).
-    #[arg(long = "convergence", alias = "tolerance", value_name = "VALUE", value_parser = relative)]
+    /// Relative tolerance at which the search stops: on the gradient (bfgs), on values and variables (nelder-mead), on
+    /// the spread of the generation (evolution).
+    #[arg(long = "convergence", alias = "tolerance", value_name = "VALUE", value_parser = relative_share)]
     pub tolerance: Option<f64>,
     /// Most iterations.
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = iteration_count)]
@@ -131,7 +131,7 @@ pub struct OptimiseArgs {
     /// Optimise every pair of the variables on its own and rank the pairs.
     #[arg(long)]
     pub pairs: bool,
-    /// Rows of the ranking that are printed, the best first.
+    /// Rows that are printed: the ranking of the pairs, the best first.
     #[arg(
         long,
         alias = "worst",
@@ -149,10 +149,10 @@ pub struct OptimiseArgs {
     /// Draw a chart (.svg, .pdf or .png): the paths of the scene's plots with equal axes, those of the start dashed.
     #[arg(long, value_name = "FILE", conflicts_with = "pairs")]
     pub plot: Option<PathBuf>,
-    /// Draw the objective over the two variables as contours, with the points that the search came to (.svg, .pdf or .png).
+    /// Draw contours of the objective over the two variables, with the points that the search visited (.svg, .pdf or .png).
     #[arg(long, value_name = "FILE", conflicts_with = "pairs")]
     pub map: Option<PathBuf>,
-    /// Write the points that the search came to as CSV: iteration, objective, variables (`-` for standard output).
+    /// Write the points that the search visited as CSV: iteration, objective, variables (`-` for standard output).
     #[arg(long, value_name = "FILE", conflicts_with = "pairs")]
     pub history: Option<PathBuf>,
     /// Progress on standard error: the best value so far in one line on a terminal (auto), a line every 50 iterations
@@ -197,6 +197,17 @@ pub struct SynthesiseArgs {
     /// Built-in scenes or scene files with a study whose variables have ranges; several make one report.
     #[arg(required = true, value_name = "SCENE")]
     pub scenes: Vec<OsString>,
+    /// A table (CSV) of what the mechanism is to do, in place of the study's objective: columns are coordinates of traced points
+    /// (P.x), outputs or unknowns; a column of every input, or `time`, says when each row is met, else that is found; `weight`
+    /// says how much a row counts.
+    #[arg(long, value_name = "TABLE.csv", conflicts_with = "csv")]
+    pub target: Option<PathBuf>,
+    /// What is varied with --target; the study's variables if absent.
+    #[command(flatten)]
+    pub vary: VaryArgs,
+    /// Let every variable move by this share of its value (0.2 or 20%), instead of within the study's ranges.
+    #[arg(long, value_name = "SHARE", value_parser = proper_share, requires = "target")]
+    pub within: Option<f64>,
     /// Replace a parameter of every scene: NAME=FORMULA. May be repeated.
     #[arg(long = "param", value_name = "NAME=VALUE", value_parser = super::values::name_and_text)]
     pub parameters: Vec<(String, String)>,
@@ -220,7 +231,7 @@ pub struct SynthesiseArgs {
     /// values only.
     #[arg(long, value_name = "WHERE", value_enum, default_value_t = StartsFrom::Everywhere)]
     pub from: StartsFrom,
-    /// Name the simplest of the found mechanisms that meets this: MEASURE<=NUMBER or MEASURE>=NUMBER, in the file's units. May be
+    /// Name the simplest mechanism found that meets this: MEASURE<=NUMBER or MEASURE>=NUMBER, in the file's units. May be
     /// repeated.
     #[arg(long = "require", value_name = "MEASURE<=NUMBER", value_parser = Requirement::read)]
     pub demands: Vec<Requirement>,
@@ -254,9 +265,9 @@ pub enum MethodArg {
 /// Distributions of `mechanim tolerance`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum DistributionArg {
-    /// Every value within the tolerance is as likely.
+    /// All values within the tolerance are equally likely.
     Uniform,
-    /// Normal.
+    /// A normal distribution; the tolerance is three standard deviations.
     Normal,
 }
 
@@ -316,7 +327,7 @@ fn between_zero_and(text: &str, most: f64) -> Result<f64, String> {
     })
 }
 
-fn enlargement(text: &str) -> Result<f64, String> {
+fn parse_enlargement(text: &str) -> Result<f64, String> {
     between_zero_and(text, MOST_ENLARGED)
 }
 
@@ -324,7 +335,7 @@ fn half_width(text: &str) -> Result<f64, String> {
     between_zero_and(text, MOST_TOLERANCE)
 }
 
-fn relative(text: &str) -> Result<f64, String> {
+fn relative_share(text: &str) -> Result<f64, String> {
     between_zero_and(text, 1.0)
 }
 

@@ -20,7 +20,7 @@ pub struct SweepAsked {
     /// lhs:N,A=0..10), or a table TABLE.csv with a column for every parameter.
     #[arg(long, value_name = "DESIGN")]
     pub design: String,
-    /// Rows hold the scene's measures. This is so if nothing else is asked.
+    /// Rows hold the scene's measures; this is the default.
     #[arg(long, conflicts_with_all = ["outputs", "check"])]
     pub measures: bool,
     /// Rows hold these, separated by commas, at the instants of --samples or --at: inputs, unknowns, traced points as
@@ -32,12 +32,12 @@ pub struct SweepAsked {
         conflicts_with = "check"
     )]
     pub outputs: Vec<String>,
-    /// Leave out the certificates of --outputs, for rows in a fraction of the time: poses are closed and kept on their branch by
-    /// the same tests, and nothing is proved of them.
+    /// Leave out the certificates of --outputs, which makes rows several times as fast: poses are closed and kept on their
+    /// branch by the same tests, but nothing is proved.
     #[arg(long, requires = "outputs", conflicts_with = "check")]
     pub unproved: bool,
-    /// Rows hold what `mechanim check` finds: whether it passes, and by how much the nearest pair of bodies keeps its
-    /// clearance, as found and as proved for all times.
+    /// Rows hold the result of `mechanim check`: whether it passes, and the smallest margin of a clearance, as found and as
+    /// proved for all times.
     #[arg(long)]
     pub check: bool,
     /// Number of samples, spread evenly over the motion [default: 180; with --outputs 60].
@@ -95,8 +95,7 @@ pub struct SweepArgs {
     /// Where rows go.
     #[command(flatten)]
     pub rows: RowsArgs,
-    /// Go on with a run that was stopped, from what it left in FILE.parts beside --out; from the beginning if it left
-    /// nothing.
+    /// Continue a run that was stopped, from the folder FILE.parts beside --out; from the beginning if there is none.
     #[arg(long, requires = "out")]
     pub resume: bool,
     /// How it works.
@@ -112,41 +111,41 @@ const SWEEP_EXAMPLES: &str = "Examples:
 /// `mechanim study`
 #[derive(Debug, Subcommand)]
 pub enum StudyCommand {
-    /// Make the folder of a study: what is done, and how it is cut into units.
+    /// Make the folder of a study and cut the work into units.
     Plan {
         /// What is done.
         #[command(subcommand)]
         verb: PlannedVerb,
     },
-    /// Do units that are missing; any number of machines that see the folder may do so at once.
+    /// Work on missing units; any number of machines that see the folder may do so at once.
     #[command(after_help = RUN_EXAMPLES)]
     Run(RunArgs),
-    /// Say which units are done, and how long the others will take.
+    /// Print which units are done, and how long the others will take.
     Status {
         /// The folder of the study.
         folder: PathBuf,
-        /// Write the report as JSON on standard output.
-        #[arg(long)]
-        json: bool,
+        /// Write the report as JSON to this file (`-` for standard output).
+        #[arg(long, value_name = "FILE")]
+        json: Option<PathBuf>,
     },
-    /// Put the parts together: the same bytes as of a run in one piece, whatever the units were. Of the pieces of a tolerance
+    /// Put the parts together: the same bytes as from a run in one piece, whatever the units were. For a tolerance study
     /// --out writes the report, as .json.
     Merge(MergeArgs),
-    /// Write the scripts with which a cluster does the study, and hand them to it.
+    /// Write the script that runs the study on a cluster, and submit it.
     Submit(SubmitArgs),
 }
 
 const RUN_EXAMPLES: &str = "Examples:
-  mechanim study run DIR                  # all that is missing
-  mechanim study run DIR --units 0..8     # units 0 to 7
+  mechanim study run DIR                  # all missing units
+  mechanim study run DIR --only 0..8      # units 0 to 7
   mechanim study run DIR --worker 3/64 --threads 1 --until 2h";
 
 /// Verbs that a study can do.
 #[derive(Debug, Subcommand)]
 pub enum PlannedVerb {
-    /// A sweep: see `mechanim sweep --help`.
+    /// A sweep; see `mechanim sweep --help`.
     Sweep(PlanSweepArgs),
-    /// Random pieces: see `mechanim tolerance --help`.
+    /// Random pieces; see `mechanim tolerance --help`.
     Tolerance(PlanToleranceArgs),
 }
 
@@ -192,13 +191,13 @@ pub struct RunArgs {
     /// The folder of the study.
     pub folder: PathBuf,
     /// Only these units, counted from 0: FIRST..END.
-    #[arg(long, value_name = "A..B", value_parser = unit_range)]
+    #[arg(long = "only", alias = "units", value_name = "A..B", value_parser = unit_range)]
     pub units: Option<[u64; 2]>,
-    /// Be worker I of N, counted from 1: begin with another unit than the others, and go on with whatever is missing.
+    /// Be worker I of N, counted from 1: each worker begins with another unit and goes on with whatever is missing.
     #[arg(long, value_name = "I/N", value_parser = worker_of, conflicts_with = "units")]
     pub worker: Option<[u64; 2]>,
     /// Begin no unit after this time: 90s, 30m, 2h.
-    #[arg(long, value_name = "TIME", value_parser = duration)]
+    #[arg(long, value_name = "TIME", value_parser = parse_duration)]
     pub until: Option<Duration>,
     /// How it works.
     #[command(flatten)]
@@ -213,7 +212,7 @@ pub struct MergeArgs {
     /// Where rows go.
     #[command(flatten)]
     pub rows: RowsArgs,
-    /// Print the numbers of the units that are missing, as `sbatch --array` takes them, and put nothing together.
+    /// Only print the numbers of the missing units, in the form of `sbatch --array`.
     #[arg(long, conflicts_with_all = ["out", "plot"])]
     pub missing: bool,
 }
@@ -223,19 +222,19 @@ pub struct MergeArgs {
 pub struct SubmitArgs {
     /// The folder of the study, on a disk that all machines see.
     pub folder: PathBuf,
-    /// Which cluster.
+    /// The scheduler.
     #[arg(long, value_name = "ENGINE", value_enum)]
     pub to: Engine,
-    /// Number of workers; each does units until none is left.
-    #[arg(long, value_name = "N", default_value_t = 8, value_parser = workers)]
+    /// Number of workers; each takes units until none is left.
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = worker_total)]
     pub workers: usize,
     /// Cores of a worker.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = thread_count)]
+    #[arg(long = "cores", alias = "threads", value_name = "N", default_value_t = 1, value_parser = thread_count)]
     pub threads: usize,
-    /// Picture of a container that holds the program (kubernetes).
+    /// Container image with the program (kubernetes).
     #[arg(long, value_name = "IMAGE", default_value = "mechanim:latest")]
     pub image: String,
-    /// Write and print the script, and hand it to nobody.
+    /// Write and print the script, but do not submit it.
     #[arg(long)]
     pub dry_run: bool,
 }
@@ -247,7 +246,7 @@ pub enum Engine {
     Slurm,
     /// A driver in Python (ray).
     Ray,
-    /// HyperQueue, also inside of allocations of others.
+    /// HyperQueue, also within an allocation of another scheduler.
     Hq,
     /// An indexed job (kubectl).
     Kubernetes,
@@ -275,11 +274,11 @@ fn worker_of(text: &str) -> Result<[u64; 2], String> {
 /// Most workers of one study: more than any cluster has cores.
 const MOST_WORKERS: u64 = 1 << 24;
 
-fn workers(text: &str) -> Result<usize, String> {
+fn worker_total(text: &str) -> Result<usize, String> {
     whole_between(text, 1, 100_000)
 }
 
-fn duration(text: &str) -> Result<Duration, String> {
+fn parse_duration(text: &str) -> Result<Duration, String> {
     let wrong = || "write 90s, 30m or 2h".to_owned();
     let (number, seconds) = match text.char_indices().last() {
         Some((end, 's')) => (&text[..end], 1.0),

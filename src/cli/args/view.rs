@@ -2,6 +2,7 @@
 
 use super::values::{hex_colour, named_word};
 use crate::cli::term::outcome::Failure;
+use crate::diag::shown_number;
 use crate::export::Format;
 use crate::model::theme::Theme;
 use crate::model::view::{
@@ -69,16 +70,16 @@ pub struct ViewArgs {
     /// Velocity arrows on traced points.
     #[arg(long)]
     pub arrows: bool,
-    /// Seconds of motion that a velocity arrow is long.
+    /// Length of velocity arrows, in seconds of motion.
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = positive_scale)]
     pub arrow_scale: Option<f64>,
     /// Axes of frames.
     #[arg(long, value_parser = named_word(&ShownAxes::NAMES))]
     pub axes: Option<ShownAxes>,
-    /// Gauges of the inputs with their ranges, in place of their values.
+    /// Show the inputs as gauges with their ranges instead of numbers.
     #[arg(long)]
     pub gauge: bool,
-    /// Draw joints by kind, as found in the chains, and the ground they stand on.
+    /// Draw joint symbols by kind, and the ground.
     #[arg(long)]
     pub joints: bool,
     /// Leave out title and input values.
@@ -120,13 +121,16 @@ impl ViewArgs {
 
     /// Applies the options to the view of `scene`.
     ///
-    /// Errors: a transparent background in a format without alpha.
+    /// Errors: a transparent background in a format without alpha; too many ghosts, or one outside the motion.
     pub fn apply(&self, format: &Format, scene: &mut Scene) -> Result<(), Failure> {
         self.hide
             .iter()
             .try_for_each(|name| hide_shapes(name, scene))?;
         let view = &mut scene.view;
         self.change().apply(view);
+        if let Ghosts::Times(times) = &view.decor.ghosts {
+            refuse_ghosts(times, scene.actuation.duration)?;
+        }
         if let (Some(length), Trails::Fading(seconds)) = (self.trail_length, &mut view.decor.trails)
         {
             *seconds = Some(length);
@@ -144,6 +148,20 @@ impl ViewArgs {
         }
         Ok(())
     }
+}
+
+fn refuse_ghosts(times: &[f64], last: f64) -> Result<(), Failure> {
+    let outside = times.iter().find(|time| !(0.0..=last).contains(*time));
+    let message = match outside {
+        _ if times.len() > MOST_GHOSTS => format!("at most {MOST_GHOSTS} ghosts"),
+        Some(time) => format!(
+            "a ghost at {} s: the motion lasts from 0 to {} s",
+            shown_number(*time),
+            shown_number(last)
+        ),
+        None => return Ok(()),
+    };
+    Err(Failure::usage(message, Vec::new()))
 }
 
 /// Takes a body's solids out of the pictures; its motion stays.

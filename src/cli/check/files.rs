@@ -20,7 +20,7 @@ pub fn verdict_files(args: &CheckArgs) -> Vec<(&'static str, Option<&Path>)> {
 }
 
 /// The one that goes to standard output, if any.
-pub fn streamed(args: &CheckArgs) -> Option<&Path> {
+pub fn streamed_report(args: &CheckArgs) -> Option<&Path> {
     let paths = verdict_files(args).into_iter().filter_map(|(_, path)| path);
     paths.into_iter().find(|path| *path == Path::new("-"))
 }

@@ -22,7 +22,7 @@ pub fn check(args: &CheckArgs, opened: &OpenScene) -> Result<Answer, Failure> {
     let sides: Vec<Side> = args
         .inputs_box
         .iter()
-        .map(|(name, range)| side(opened, name, *range))
+        .map(|(name, range)| input_side(opened, name, *range))
         .collect::<Result<_, _>>()?;
     let sides = match sides.as_slice() {
         [only] => [*only; 2],
@@ -71,7 +71,7 @@ pub fn check(args: &CheckArgs, opened: &OpenScene) -> Result<Answer, Failure> {
     })
 }
 
-fn side(opened: &OpenScene, name: &str, range: [f64; 2]) -> Result<Side, Failure> {
+fn input_side(opened: &OpenScene, name: &str, range: [f64; 2]) -> Result<Side, Failure> {
     let mechanism = &opened.scene.mechanism;
     let input = mechanism.inputs.iter().position(|input| input.name == name);
     let input = input.ok_or_else(|| {

@@ -104,8 +104,12 @@ pub fn check_many(args: &CheckArgs, scenes: &[SceneArgs], term: &Term) -> Result
             term.failure(failure);
         }
     }
-    io::print_beside(term, files::streamed(args), &texts(&checked))?;
-    end(&checked)
+    io::print_beside(
+        term,
+        files::streamed_report(args),
+        &joined_reports(&checked),
+    )?;
+    worst_outcome(&checked)
 }
 
 /// Judges one scene; what is said is kept, so that scenes do not talk at once.
@@ -114,7 +118,7 @@ fn check_one(args: &CheckArgs, scene: &SceneArgs, term: &Term) -> Checked {
         scene: scene.clone(),
         ..args.clone()
     };
-    let said = term.keeping();
+    let said = term.kept_back();
     let begun = Instant::now();
     let found = judge(&own, &said);
     Checked {
@@ -126,7 +130,7 @@ fn check_one(args: &CheckArgs, scene: &SceneArgs, term: &Term) -> Checked {
 }
 
 /// The reports of all scenes, then a line for each.
-fn texts(checked: &[Checked]) -> String {
+fn joined_reports(checked: &[Checked]) -> String {
     let reports = checked.iter().filter_map(|one| one.found.as_ref().ok());
     let mut text: String = reports.map(|answer| answer.text.clone()).collect();
     text.push_str(&format!("{} scenes\n", checked.len()));
@@ -171,7 +175,7 @@ fn write_reports(args: &CheckArgs, checked: &[Checked]) -> Result<(), Failure> {
 }
 
 /// The worst of all: a scene that cannot be checked before one that does not close, that before one that fails.
-fn end(checked: &[Checked]) -> Result<Outcome, Failure> {
+fn worst_outcome(checked: &[Checked]) -> Result<Outcome, Failure> {
     let outcomes: Vec<Option<Outcome>> = checked.iter().map(Checked::outcome).collect();
     let unreadable = outcomes.iter().filter(|outcome| outcome.is_none()).count();
     if unreadable > 0 {

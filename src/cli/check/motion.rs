@@ -85,7 +85,7 @@ pub fn motion_check<'a>(
         scene: &opened.scene,
         system: &opened.system,
         times,
-        asked: questions(asked),
+        asked: asked_questions(asked),
         closely: nearness(asked),
         is_swept,
         worst: asked.worst,
@@ -93,7 +93,7 @@ pub fn motion_check<'a>(
 }
 
 /// What the command line asks of a motion.
-pub fn questions(asked: &AskedArgs) -> Asked {
+pub fn asked_questions(asked: &AskedArgs) -> Asked {
     Asked {
         closure: asked.closure,
         poses: asked.certify != CertifyArg::None,

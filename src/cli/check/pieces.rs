@@ -1,10 +1,10 @@
 //! `check --made-within`: clearances of all pieces within their tolerances.
 
-use crate::analysis::enclosure::{Plan, enclose_clearances};
+use crate::analysis::enclosure::{AskedPieces, Plan, enclose_clearances};
 use crate::clearance::part::{JudgedPart, PieceReport};
 use crate::cli::args::motion::CheckArgs;
-use crate::cli::open::pieces::{AskedPieces, open_pieces};
-use crate::cli::open::study::nominal_source;
+use crate::cli::interrupt::{CANCEL, refuse_interrupted};
+use crate::cli::open::study::{nominal_source, open_pieces};
 use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
 use crate::jobs::core_count;
@@ -46,18 +46,19 @@ pub fn all_pieces(
     let (source, overrides, drawn) = nominal_source(&args.scene, term)?;
     let asked = AskedPieces {
         vary: &args.vary.vary,
+        own,
         tolerance: args.made_within,
-        option: "--made-within",
         between: true,
     };
     let overrides = Overrides {
         carries_shapes: true,
         ..overrides
     };
-    let (family, tolerances) = open_pieces(&asked, own, (&source, &overrides, &drawn))?;
+    let (family, tolerances) = open_pieces(&asked, "--made-within", (&source, &overrides, &drawn))?;
     refuse_stiff(&family.carried, parts)?;
-    let plan = Plan::new(&family, &tolerances);
+    let plan = Plan::new(&family, &tolerances).until(&CANCEL);
     let list = enclose_clearances(&plan, parts, times, args.asked.tolerance, core_count());
+    refuse_interrupted()?;
     let mechanism = family.mechanism();
     let dimensions = plan.dimensions.iter();
     let dimensions =

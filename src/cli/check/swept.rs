@@ -24,9 +24,9 @@ pub fn write(
     let (Some(path), Some(name)) = (&args.swept, &args.body) else {
         return Ok(());
     };
-    let body = index(opened, name)?;
+    let body = body_index(opened, name)?;
     let from = args.relative_to.as_ref();
-    let seen_from = from.map(|name| index(opened, name)).transpose()?;
+    let seen_from = from.map(|name| body_index(opened, name)).transpose()?;
     let format = format_of(path)?;
     io::refuse_input(&args.scene, path)?;
     let swept = Swept::new(covered.proved(), body, seen_from, args.cells)
@@ -52,7 +52,7 @@ pub fn write(
     Ok(())
 }
 
-fn index(opened: &OpenScene, name: &str) -> Result<usize, Failure> {
+fn body_index(opened: &OpenScene, name: &str) -> Result<usize, Failure> {
     let bodies = &opened.scene.mechanism.bodies;
     bodies
         .iter()

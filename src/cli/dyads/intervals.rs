@@ -25,10 +25,10 @@ use crate::report::row_intervals::{
 use serde_json::Value;
 use std::f64::consts::PI;
 
-/// Right sides are as wide as this share of the given velocity where nothing is said.
+/// Right sides are as wide as this share of the given velocity by default.
 const SIDE: f64 = 0.05;
 
-/// Points are looked for within this share of the mechanism's size where nothing is said.
+/// Points are looked for within this share of the mechanism's size by default.
 const REACH: f64 = 0.1;
 
 /// Places of the other points that are tried for squares inside a projection.

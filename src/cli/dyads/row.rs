@@ -48,7 +48,7 @@ pub fn run_dyads(args: &DyadsArgs, term: &Term) -> Result<Outcome, Failure> {
         let scene = &args.row.scene;
         match file_extension(path).as_str() {
             "csv" => io::write_text(scene, path, &report.csv())?,
-            "md" => io::write_text(scene, path, &report.markdown())?,
+            "md" => io::write_text(scene, path, &report.markdown_table())?,
             "tex" => io::write_text(scene, path, &report.latex())?,
             _ => io::write_json(scene, path, &report.document())?,
         }

@@ -3,10 +3,14 @@
 use crate::cli::term::outcome::Failure;
 use crate::export::Output;
 use crate::export::png::{Effort, encode_png};
+use crate::limits::allow_picture;
 use crate::model::theme::Theme;
 use crate::plot::raster::ChartPainter;
 use crate::plot::{Chart, ChartTheme, Drawing, draw_chart, pdf, svg};
 use std::path::Path;
+
+/// Bytes that a plot takes for each of its pixels: colours, and the file. Measured, and somewhat more.
+const BYTES_OF_PLOT_PIXEL: f64 = 8.0;
 
 /// What a chart's file holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,6 +72,7 @@ pub fn write_drawing(
         PlotFormat::Svg => svg::write_svg(drawing).into_bytes(),
         PlotFormat::Pdf => pdf::write_pdf(drawing),
         PlotFormat::Png => {
+            allow_picture(drawing.size, BYTES_OF_PLOT_PIXEL, "a plot")?;
             let mut bytes = Vec::new();
             encode_png(
                 &ChartPainter::default().picture(drawing),

@@ -18,6 +18,11 @@ const MAX_LINES: usize = 12;
 /// Runs the verb.
 pub fn run_diff(args: &DiffArgs, term: &Term) -> Result<Outcome, Failure> {
     refuse_overwriting(args)?;
+    let reports = [
+        ("--out", args.out.as_deref()),
+        ("--json", args.json.as_deref()),
+    ];
+    io::refuse_clashes(&[], &reports)?;
     let (a, b) = (FilmReader::open(&args.a)?, FilmReader::open(&args.b)?);
     let kind = a.kind;
     if kind != b.kind {

@@ -18,7 +18,10 @@ use std::path::Path;
 /// Runs the verb.
 pub fn run_snapshot(args: &SnapshotArgs, term: &Term) -> Result<Outcome, Failure> {
     let update = wanted_update(args)?;
-    let manifest = read_manifest(&args.folder)?;
+    let mut manifest = read_manifest(&args.folder)?;
+    for picture in &mut manifest.pictures {
+        picture.folders.clone_from(&args.allowed);
+    }
     let wanted = wanted_pictures(args, &manifest)?;
     let mut results = Vec::new();
     for picture in wanted {
@@ -115,6 +118,7 @@ fn picture_failure(picture: &Picture, error: DrawError) -> Failure {
         DrawError::Scene(error) => error.into(),
         DrawError::Structure(error) => error.into(),
         DrawError::Render(error) => error.into(),
+        DrawError::Limit(error) => error.into(),
         other => Failure::usage(format!("{}: {other}", picture.file), Vec::new()),
     }
 }

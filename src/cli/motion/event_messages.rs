@@ -144,7 +144,7 @@ fn event_contradiction(system: &System, event: &Event) -> Option<String> {
     let EventKind::StartNotClosed { name, .. } = &event.kind else {
         return None;
     };
-    let block = system.structure().overfull(mechanism, name)?;
+    let block = system.structure().overfull_block(mechanism, name)?;
     let slots = block
         .arguments
         .iter()

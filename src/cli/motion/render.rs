@@ -2,7 +2,7 @@
 
 use super::solve::up_to;
 use super::{event_messages, models, plot};
-use crate::cli::args::motion::{RenderArgs, RendererArg, ShowArg};
+use crate::cli::args::motion::{HighlightArg, RenderArgs, RendererArg};
 use crate::cli::files::sinks;
 use crate::cli::files::sinks::OpenFilm;
 use crate::cli::interrupt::{is_interrupted, refuse_interrupted};
@@ -19,10 +19,11 @@ use crate::kinematics::motion::sampling::{self, even_times, frame_times};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::solve::iterates::{iterate_film, record_iterates};
 use crate::kinematics::structure::system::System;
-use crate::limits::{Resource, current_limits};
+use crate::limits::allow_picture;
 use crate::model::printed::InputReading;
 use crate::model::view::Ghosts;
 use crate::pictures::frames::{DrawnBy, Pictures};
+use crate::render::BYTES_OF_DRAWN_PIXEL;
 use crate::render::adapter::AdapterChoice;
 use crate::render::open::RendererChoice;
 use crate::render::text::missing_glyphs;
@@ -48,13 +49,16 @@ pub fn run_render(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
     let OpenScene { mut scene, system } = open_scene::open_scene(&args.scene, term)?;
     args.view.apply(&format, &mut scene)?;
     warn_of_missing_glyphs(&scene, term);
-    clock.lap("read");
+    clock.end_stage("read");
     let (plan, trajectory, outcome) = if args.trace_iterations {
         trace_iterations(args, &system, &mut scene, &format)?
     } else {
         let plan = RenderPlan::new(args, &scene, &format)?;
-        let [width, height] = args.size.map(f64::from);
-        current_limits().allow(Resource::Pixels, width * height, &"a picture of --size")?;
+        if !format.is_model() {
+            let at_once = drawn_by(args).threads.min(plan.count).max(1);
+            let bytes = at_once as f64 * BYTES_OF_DRAWN_PIXEL;
+            allow_picture(args.size, bytes, "a picture of --size")?;
+        }
         sampling::allow_samples(&scene.mechanism, plan.times.len())?;
         let proof = Some(InputReading::Numbers);
         let mut trajectory = solve_until(
@@ -70,7 +74,7 @@ pub fn run_render(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
         (plan, trajectory, outcome)
     };
     let scene = scene;
-    clock.lap("solve");
+    clock.end_stage("solve");
     let panel = args.panel.as_deref();
     let panel =
         panel.map(|title| plot::companion_film(title, (&scene, &system), &trajectory, args.size));
@@ -79,8 +83,10 @@ pub fn run_render(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
         size: panel.as_ref().map_or(args.size, |p| p.animation),
         samples: args.samples,
     };
-    let marks = match args.show {
-        Some(ShowArg::Clearance) => clearance_picture::alarm_marks(&scene, &system, &trajectory)?,
+    let marks = match args.highlight {
+        Some(HighlightArg::Clearance) => {
+            clearance_picture::alarm_marks(&scene, &system, &trajectory)?
+        }
         None => Marks::default(),
     };
     let views = if scene.view.four && !format.is_model() {
@@ -90,9 +96,9 @@ pub fn run_render(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
     };
     let panes = panes::pane_stagings(&views, &trajectory, options, &marks);
     let staging = Staging::marked(&scene, &trajectory, options, marks);
-    clock.lap("stage");
+    clock.end_stage("stage");
     if format.is_model() {
-        let samples = plan.samples();
+        let samples = plan.frame_range();
         models::write_model(
             (&args.file, args.resolution.unwrap_or(Facets::Tool)),
             &format,
@@ -102,7 +108,7 @@ pub fn run_render(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
             samples,
             term,
         )?;
-        clock.lap("write");
+        clock.end_stage("write");
     } else {
         let pictures = Pictures {
             scene: &scene,
@@ -191,15 +197,15 @@ fn draw_film(
     if args.renderer == RendererArg::Gpu {
         term.note(&format!("drawing on {}", workers.name));
     }
-    clock.lap("renderer");
+    clock.end_stage("renderer");
     let destination = sinks::open_sink(&args.file, format)?;
     let film = OpenFilm::new(&args.file, format, args.size, plan.count, plan.fps)
         .with_needed_colours(pictures.staging.needed_colours())
         .with_alpha(pictures.scene.view.transparent);
     let prepared = film.sink(destination, &mut workers.list, term)?;
-    clock.lap("palette");
+    clock.end_stage("palette");
     let summary = film.write(prepared, workers.list, term)?;
-    clock.lap("draw and encode");
+    clock.end_stage("draw and encode");
     let worst = trajectory.closure_error();
     film.tell(
         &summary,
@@ -293,7 +299,7 @@ impl RenderPlan {
 
 impl RenderPlan {
     /// The samples that are shown.
-    fn samples(&self) -> Range<usize> {
+    fn frame_range(&self) -> Range<usize> {
         self.first..self.first + self.count
     }
 }
@@ -333,7 +339,7 @@ fn kind_of_output(args: &RenderArgs) -> Result<Format, Failure> {
 
 /// Only frames that were drawn count.
 fn outcome_of_frames(outcome: Outcome, trajectory: &Trajectory, plan: &RenderPlan) -> Outcome {
-    let drawn = &trajectory.samples[plan.samples()];
+    let drawn = &trajectory.samples[plan.frame_range()];
     match outcome {
         Outcome::NotClosed | Outcome::Undecided
             if drawn.iter().all(|sample| sample.pose.is_some()) =>

@@ -10,7 +10,6 @@ use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::diag::shown_number;
 use crate::export::Output;
-use crate::kinematics::certificate::rows::redundant_rows;
 use crate::kinematics::motion::limits::add_limits;
 use crate::kinematics::motion::sampling::{even_times, frame_times};
 use crate::kinematics::rates::higher_order::{By, RateColumns, add_derivatives};
@@ -85,7 +84,7 @@ pub fn run_solve(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
         rates: args.rates,
         derivatives,
         motion: proves_motion,
-        redundant: redundant_rows(&system) > 0,
+        redundant: system.redundant_rows() > 0,
         bounds: args.bounds,
     };
     let written = match format {

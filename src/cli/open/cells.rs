@@ -46,6 +46,10 @@ impl<R: BufRead> Cells<R> {
                 text = text.strip_prefix('\u{feff}').unwrap_or(text);
             }
             let text = text.trim_end_matches(['\n', '\r']);
+            if text.contains('\r') {
+                let why = "the lines end with carriage returns alone; save it as CSV with UTF-8";
+                return Err(why.to_owned());
+            }
             if text.trim().is_empty() || text.trim_start().starts_with('#') {
                 continue;
             }

@@ -1,4 +1,4 @@
-//! `--inputs TABLE.csv`: rows of input values in place of the scene's drive, one sample a row.
+//! `--input-table TABLE.csv`: rows of input values in place of the scene's drive, one sample a row.
 
 use super::cells::Cells;
 use crate::cli::term::outcome::Failure;
@@ -86,7 +86,7 @@ struct InputsTable<'t> {
 
 impl InputsTable<'_> {
     /// A mistake in the line that was read last.
-    fn wrong(&self, what: &str, hints: Vec<String>) -> Failure {
+    fn table_fault(&self, what: &str, hints: Vec<String>) -> Failure {
         Failure::usage(
             format!("{}:{}: {what}", self.path.display(), self.cells.number),
             hints,
@@ -95,7 +95,7 @@ impl InputsTable<'_> {
 
     fn next(&mut self) -> Result<Option<Vec<String>>, Failure> {
         let row = self.cells.row();
-        row.map_err(|why| self.wrong(&why, Vec::new()))
+        row.map_err(|why| self.table_fault(&why, Vec::new()))
     }
 
     fn read_header(&mut self) -> Result<(), Failure> {
@@ -106,25 +106,27 @@ impl InputsTable<'_> {
         };
         self.width = header.len();
         for input in &self.mechanism.inputs {
-            let column = self.column(&header, &input.name)?;
+            let column = self.find_column(&header, &input.name)?;
             self.columns
                 .push(column.ok_or_else(|| self.missing(&input.name, &header))?);
         }
         let is_input = |name: &str| self.mechanism.inputs.iter().any(|i| i.name == name);
         for name in TIME.into_iter().filter(|name| !is_input(name)) {
             if self.time.is_none() {
-                self.time = self.column(&header, name)?;
+                self.time = self.find_column(&header, name)?;
             }
         }
         Ok(())
     }
 
     /// The only column of that name.
-    fn column(&self, header: &[String], name: &str) -> Result<Option<usize>, Failure> {
+    fn find_column(&self, header: &[String], name: &str) -> Result<Option<usize>, Failure> {
         let mut named = (0..header.len()).filter(|k| header[*k] == name);
         let first = named.next();
         match named.next() {
-            Some(_) => Err(self.wrong(&format!("there are two columns `{name}`"), Vec::new())),
+            Some(_) => {
+                Err(self.table_fault(&format!("there are two columns `{name}`"), Vec::new()))
+            }
             None => Ok(first),
         }
     }
@@ -148,7 +150,7 @@ impl InputsTable<'_> {
         {
             let what = format!("{} cells where the header has {}", row.len(), self.width);
             let hint = "decimal commas need `;` or a tab between cells".to_owned();
-            return Err(self.wrong(&what, vec![hint]));
+            return Err(self.table_fault(&what, vec![hint]));
         }
         let time = match self.time {
             Some(column) => self.value(&row[column], "the time")?,
@@ -157,7 +159,7 @@ impl InputsTable<'_> {
         if time < 0.0 || self.times.last().is_some_and(|last| time <= *last) {
             let what = format!("time {time} s does not follow: times ascend from 0 or later");
             let hint = "without a column of time row k is met at second k".to_owned();
-            return Err(self.wrong(&what, vec![hint]));
+            return Err(self.table_fault(&what, vec![hint]));
         }
         self.times.push(time);
         for k in 0..self.columns.len() {
@@ -177,7 +179,7 @@ impl InputsTable<'_> {
         let value = self.cells.value(cell);
         value.map_err(|why| {
             let what = format!("`{cell}` is not a value for {of}");
-            self.wrong(&what, vec![why])
+            self.table_fault(&what, vec![why])
         })
     }
 }

@@ -14,7 +14,7 @@ const MOST_FILES: usize = 100_000;
 pub fn scenes_of(first: &SceneArgs, more: &[OsString]) -> Result<Vec<SceneArgs>, Failure> {
     let mut names = Vec::new();
     for name in std::iter::once(&first.scene).chain(more) {
-        names.extend(expand(name)?);
+        names.extend(expand_pattern(name)?);
     }
     if names.len() > 1 && names.iter().any(|name| name == "-") {
         let message = "standard input is one scene: it cannot be among several";
@@ -28,7 +28,7 @@ pub fn scenes_of(first: &SceneArgs, more: &[OsString]) -> Result<Vec<SceneArgs>,
 }
 
 /// The files that a name means: itself, unless it holds `*` or `?` and there is no file of that very name.
-fn expand(name: &OsStr) -> Result<Vec<OsString>, Failure> {
+fn expand_pattern(name: &OsStr) -> Result<Vec<OsString>, Failure> {
     let text = name.to_string_lossy();
     if !text.contains(['*', '?']) || Path::new(name).exists() {
         return Ok(vec![name.to_owned()]);
@@ -40,7 +40,7 @@ fn expand(name: &OsStr) -> Result<Vec<OsString>, Failure> {
                 let pattern: Vec<char> = part.to_string_lossy().chars().collect();
                 paths
                     .iter()
-                    .flat_map(|folder| matching(folder, &pattern))
+                    .flat_map(|folder| matching_paths(folder, &pattern))
                     .collect()
             }
             part => paths.into_iter().map(|path| path.join(part)).collect(),
@@ -62,7 +62,7 @@ fn expand(name: &OsStr) -> Result<Vec<OsString>, Failure> {
 }
 
 /// What is in a folder under a name like the pattern. Hidden files are meant only by patterns that begin with a dot.
-fn matching(folder: &Path, pattern: &[char]) -> Vec<PathBuf> {
+fn matching_paths(folder: &Path, pattern: &[char]) -> Vec<PathBuf> {
     let place = if folder.as_os_str().is_empty() {
         Path::new(".")
     } else {

@@ -47,7 +47,7 @@ pub fn refuse_table(scene: &SceneArgs, what: &str) -> Result<(), Failure> {
     if scene.table.is_none() {
         return Ok(());
     }
-    let message = format!("{what} follows the scene's own drive: --inputs cannot be used");
+    let message = format!("{what} follows the scene's own drive: --input-table cannot be used");
     let hint = "replace a drive with --input NAME=FORMULA";
     Err(Failure::usage(message, vec![hint.to_owned()]))
 }

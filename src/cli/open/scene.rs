@@ -9,7 +9,7 @@ use crate::diag::Source;
 use crate::kinematics::structure::system::System;
 use crate::scene::{Overrides, Scene, load_scene, source};
 use std::ffi::OsStr;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// A scene and its mechanism ready to be solved.
@@ -74,4 +74,23 @@ fn text_by_name(name: &OsStr) -> Result<Source, Failure> {
         Some("-") => source::read_source(std::io::stdin().lock(), "<stdin>")?,
         _ => source::find_source(name)?,
     })
+}
+
+/// Endings of the files that a scene may name.
+const MESHES: &str = ".stl";
+
+/// The meshes that are there of those that a scene's text names, mistakes in it or not; `None` where the scene is no file, or
+/// larger than one may be. Pipes are left to whoever reads the scene.
+pub fn named_meshes(scene: &Path) -> Option<Vec<PathBuf>> {
+    let about = std::fs::metadata(scene).ok()?;
+    if !about.is_file() || about.len() > source::MAX_SCENE_BYTES {
+        return None;
+    }
+    let text = std::fs::read_to_string(scene).ok()?;
+    let folder = scene.parent().unwrap_or(Path::new(""));
+    let quoted = text.split(['"', '\'']);
+    let meshes = quoted.filter(|word| word.to_ascii_lowercase().ends_with(MESHES));
+    // A name that leads nowhere is the scene's mistake, and no file to wait for.
+    let places = meshes.map(|name| folder.join(name));
+    Some(places.filter(|path| path.exists()).collect())
 }

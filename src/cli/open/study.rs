@@ -1,7 +1,8 @@
 //! What the verbs on studies share: opening a family, and its variables as parameters of the scene file.
 
 use super::{inputs_table, mode, scene as open_scene};
-use crate::analysis::study::{FamilyError, LoadedStudy, varied_names};
+use crate::analysis::enclosure::AskedPieces;
+use crate::analysis::study::{FamilyError, LoadedStudy, ParametricMechanism, varied_names};
 use crate::cli::args::scene::SceneArgs;
 use crate::cli::args::study::VaryArgs;
 use crate::cli::term::Term;
@@ -12,7 +13,7 @@ use crate::model::measure::{Measure, MeasureSource};
 use crate::scene::{OtherDrives, Overrides, Scene, load_scene};
 use std::sync::Arc;
 
-/// Reads the scene; `all_by_default` decides what is varied where nothing is said.
+/// Reads the scene; `all_by_default` decides what is varied by default.
 pub fn open_study(
     scene: &SceneArgs,
     vary: &VaryArgs,
@@ -58,7 +59,7 @@ pub fn nominal_of(
     Ok((source, overrides, nominal))
 }
 
-/// `--inputs` and `--mode` as changes of the scene, so that they hold wherever it is read again.
+/// `--input-table` and `--mode` as changes of the scene, so that they hold wherever it is read again.
 fn apply_variables(
     args: &SceneArgs,
     scene: &mut Scene,
@@ -69,7 +70,7 @@ fn apply_variables(
         let along_drive = |m: &Measure| matches!(m.source, MeasureSource::Over { track: None, .. });
         if !scene.measures.list.iter().any(along_drive) {
             return Err(Failure::usage(
-                "all measures of the scene look along tracks: --inputs would change nothing",
+                "all measures of the scene look along tracks: --input-table would change nothing",
                 vec!["a measure without `track` looks along the drive".to_owned()],
             ));
         }
@@ -99,13 +100,10 @@ impl From<FamilyError> for Failure {
             FamilyError::Scene(error) => Self::Scene(error),
             FamilyError::Structure(error) => Self::Structure(error),
             FamilyError::Lacks(message) => Self::usage(message, Vec::new()),
-            FamilyError::NoTolerance(_) => Self::usage(
+            FamilyError::NoTolerance(_) => without_tolerance(error.to_string(), "--tolerance 0.1"),
+            FamilyError::Kept(_) => Self::usage(
                 error.to_string(),
-                vec![
-                    "give one for all with --tolerance 0.5, or each its own: \
-                     `[study.variables]` NAME = { tolerance = 0.5 }"
-                        .to_owned(),
-                ],
+                vec!["leave it out with --vary, or write the number there".to_owned()],
             ),
             FamilyError::NoMeasure { ref known, .. } => {
                 let hint = format!("measures: {}", known.join(", "));
@@ -120,4 +118,28 @@ impl From<FamilyError> for Failure {
             },
         }
     }
+}
+
+/// The family of all pieces that are asked for, and their tolerances by name in internal units. `option` is the one that
+/// gives all dimensions a tolerance.
+pub fn open_pieces(
+    asked: &AskedPieces,
+    option: &str,
+    (source, overrides, drawn): (&Source, &Overrides, &Scene),
+) -> Result<(ParametricMechanism, Vec<(String, f64)>), Failure> {
+    let found = asked.family(source, overrides, drawn);
+    found.map_err(|error| match error {
+        FamilyError::NoTolerance(_) => {
+            let ways = format!("{option} 0.1, one of them with --param NAME=880+-0.2");
+            without_tolerance(error.to_string(), &ways)
+        }
+        other => other.into(),
+    })
+}
+
+fn without_tolerance(message: String, ways: &str) -> Failure {
+    let hint = format!(
+        "give one for all with {ways}, or each its own: `[study.variables]` NAME = {{ tolerance = 0.1 }}"
+    );
+    Failure::usage(message, vec![hint])
 }

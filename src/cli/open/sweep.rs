@@ -26,7 +26,7 @@ use std::path::Path;
 /// The verb, as plans name it.
 pub const VERB: &str = "sweep";
 
-/// Instants of values where nothing is said.
+/// Instants of values by default.
 const OUTPUT_SAMPLES: usize = 60;
 
 /// Name of the table of designs beside a plan.
@@ -52,7 +52,7 @@ pub fn open_sweep(asked: &SweepAsked, term: &Term) -> Result<OpenSweep, Failure>
         true => None,
         false => Some(read_table(Path::new(&asked.design))?),
     };
-    open(asked, source, overrides, table, term)
+    open_source_of(asked, source, overrides, table, term)
 }
 
 /// Opens the sweep of a plan whose files lie in `folder`; its arguments were read from the plan.
@@ -67,10 +67,10 @@ pub fn open_planned(
         true => None,
         false => Some(read_table(&folder.join(DESIGN_FILE))?),
     };
-    open(asked, source, overrides, table, term)
+    open_source_of(asked, source, overrides, table, term)
 }
 
-fn open(
+fn open_source_of(
     asked: &SweepAsked,
     source: Source,
     overrides: Overrides,

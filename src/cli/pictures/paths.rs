@@ -55,7 +55,7 @@ pub fn draw_paths(
             }
         })
         .collect();
-    ChartPainter::default().paint(&primitives, image);
+    ChartPainter::default().paint_primitives(&primitives, image);
     let [width, height] = size.map(f64::from);
     for (k, line) in lines.iter().enumerate() {
         frame.labels.push(Label {

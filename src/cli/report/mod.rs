@@ -8,7 +8,7 @@ pub mod site;
 use super::args::motion::AskedArgs;
 use super::args::report::ReportArgs;
 use super::args::scene::SceneArgs;
-use super::check::motion::{nearness, questions};
+use super::check::motion::{asked_questions, nearness};
 use super::io;
 use super::open::patterns::scenes_of;
 use super::open::scene::text_of;
@@ -33,7 +33,7 @@ pub fn run_report(args: &ReportArgs, term: &Term) -> Result<Outcome, Failure> {
     let (mut articles, mut outcome, mut failed) = (Vec::new(), Outcome::Done, None);
     let live = if args.live { Live::Surely } else { Live::Not };
     for (index, scene) in scenes.iter().enumerate() {
-        let written = article(&args.asked, scene, (index + 1, live), term)?;
+        let written = scene_article(&args.asked, scene, (index + 1, live), term)?;
         articles.push(written.article);
         match written.end {
             Ok(end) => outcome = outcome.worse(end),
@@ -74,7 +74,7 @@ struct Written {
 }
 
 /// The article of a scene, which is number so and so of its page.
-fn article(
+fn scene_article(
     asked: &AskedArgs,
     scene: &SceneArgs,
     (number, live): (usize, Live),
@@ -92,7 +92,9 @@ fn article(
     match (live, refuse_files(scene, checked.scene)) {
         (Live::Surely, Err(failure)) => return Err(failure),
         (Live::Not, _) | (Live::WherePossible, Err(_)) => {}
-        (Live::Surely | Live::WherePossible, Ok(())) => enliven(&mut article, asked, scene)?,
+        (Live::Surely | Live::WherePossible, Ok(())) => {
+            enliven_article(&mut article, asked, scene)?
+        }
     }
     let description = checked.scene.description.clone();
     Ok(Written {
@@ -103,14 +105,18 @@ fn article(
 }
 
 /// Lets the reader of an article move its mechanism.
-fn enliven(article: &mut Article, asked: &AskedArgs, scene: &SceneArgs) -> Result<(), Failure> {
+fn enliven_article(
+    article: &mut Article,
+    asked: &AskedArgs,
+    scene: &SceneArgs,
+) -> Result<(), Failure> {
     let (source, overrides) = text_of(scene)?;
     let stem = Path::new(&scene.scene).file_stem().and_then(|s| s.to_str());
     article.enliven(&LiveStart {
         source: &source,
         overrides: &overrides,
         asked: LiveAsked {
-            asked: questions(asked),
+            asked: asked_questions(asked),
             closely: nearness(asked),
             samples: asked.samples,
         },

@@ -1,7 +1,7 @@
 //! `mechanim site`: a folder of pages with a front page, to be opened from a disk or put on a server as it is.
 
 use super::engine::find_engine;
-use super::{Live, article};
+use super::{Live, scene_article};
 use crate::cli::args::report::SiteArgs;
 use crate::cli::io;
 use crate::cli::open::patterns::scenes_of;
@@ -30,13 +30,16 @@ pub fn run_site(args: &SiteArgs, term: &Term) -> Result<Outcome, Failure> {
     for scene in &scenes {
         let name = page_name(Path::new(&scene.scene), &entries);
         let path = args.out.join(&name);
-        io::refuse_input(scene, &path)?;
+        // Also those that are read after this page is written.
+        scenes
+            .iter()
+            .try_for_each(|read| io::refuse_input(read, &path))?;
         let live = if engine.is_some() {
             Live::WherePossible
         } else {
             Live::Not
         };
-        let judged = article(&args.asked, scene, (1, live), term)?;
+        let judged = scene_article(&args.asked, scene, (1, live), term)?;
         let text = page_text(
             &name,
             std::slice::from_ref(&judged.article),

@@ -1,17 +1,17 @@
 //! `mechanim enclose`: bands of the motion and its measures that no piece within its tolerances leaves.
 
 use crate::analysis::enclosure::{
-    Enclosed, MeasureBand, Plan, Stretch, allowed_motion, enclose_measures, enclose_motion,
-    enclose_stretches, shown_names,
+    AskedPieces, Enclosed, MeasureBand, Plan, Stretch, allowed_motion, enclose_measures,
+    enclose_motion, enclose_stretches, shown_names,
 };
 use crate::analysis::study::{Nominal, ParametricMechanism};
 use crate::charts::bands;
 use crate::cli::args::enclose::EncloseArgs;
 use crate::cli::files::chart::{PlotFormat, write_chart};
+use crate::cli::interrupt::{CANCEL, refuse_interrupted};
 use crate::cli::io;
 use crate::cli::open::intervals::interval_middles;
-use crate::cli::open::pieces::{AskedPieces, open_pieces};
-use crate::cli::open::study::nominal_source;
+use crate::cli::open::study::{nominal_source, open_pieces};
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::jobs::core_count;
@@ -38,12 +38,12 @@ pub fn run_enclose(args: &EncloseArgs, term: &Term) -> Result<Outcome, Failure> 
     let unit = args.allow.as_ref().map(|_| 1.0);
     let asked = AskedPieces {
         vary: &args.vary.vary,
+        own: &own,
         tolerance: args.tolerance.or(unit),
-        option: "--tolerance",
         between: args.between,
     };
-    let (family, tolerances) = open_pieces(&asked, &own, (&source, &overrides, &drawn))?;
-    let plan = Plan::new(&family, &tolerances);
+    let (family, tolerances) = open_pieces(&asked, "--tolerance", (&source, &overrides, &drawn))?;
+    let plan = Plan::new(&family, &tolerances).until(&CANCEL);
     let times = enclose_times(args, &family)?;
     let threads = args.threads.unwrap_or_else(core_count);
     if let Some((name, limit)) = &args.allow {
@@ -55,6 +55,7 @@ pub fn run_enclose(args: &EncloseArgs, term: &Term) -> Result<Outcome, Failure> 
         false => Vec::new(),
     };
     let measures = measures_of(&plan)?;
+    refuse_interrupted()?;
     if let Some(path) = &args.out {
         write_out(
             args,
@@ -230,6 +231,7 @@ fn allow_pieces(
     term: &Term,
 ) -> Result<Outcome, Failure> {
     let found = allowed_motion(plan, name, limit, times, threads)?;
+    refuse_interrupted()?;
     let Some(found) = found else {
         let names = shown_names(plan.family.mechanism())
             .into_iter()

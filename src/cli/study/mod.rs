@@ -12,6 +12,7 @@ pub mod submit;
 pub mod sweep;
 mod sweep_plot;
 pub mod synthesise;
+mod target;
 pub mod tolerance;
 mod tolerance_units;
 pub mod units;

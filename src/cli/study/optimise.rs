@@ -58,10 +58,10 @@ pub fn run_optimise(args: &OptimiseArgs, term: &Term) -> Result<Outcome, Failure
     let start = Instant::now();
     let study = Arc::new(study);
     let found = search_with_progress(args, &study, term)?;
-    let found = settled(&study, found)?;
+    let found = settled_optimum(&study, found)?;
     let is_stopped = found.optimum.minimum.ended == Ended::Stopped;
     let seconds = start.elapsed().as_secs_f64();
-    let verified = verified(&study, &found.optimum.minimum.x);
+    let verified = verified_motion(&study, &found.optimum.minimum.x);
     let complete = |path| io::unless_complete(path, !is_stopped);
     let out = args.out.as_deref().map(complete);
     if let Some(out) = &out {
@@ -136,7 +136,10 @@ fn write_scene(
 }
 
 /// The same with the clearances, for which the minimum may move; of a search that was interrupted they are not looked at.
-fn settled(study: &Arc<LoadedStudy>, mut found: FoundOptimum) -> Result<FoundOptimum, Failure> {
+fn settled_optimum(
+    study: &Arc<LoadedStudy>,
+    mut found: FoundOptimum,
+) -> Result<FoundOptimum, Failure> {
     if found.optimum.minimum.ended == Ended::Stopped {
         return Ok(found);
     }
@@ -155,7 +158,7 @@ fn settled(study: &Arc<LoadedStudy>, mut found: FoundOptimum) -> Result<FoundOpt
 }
 
 /// The independent motion, unless Ctrl-C comes before it is there.
-fn verified(study: &Arc<LoadedStudy>, values: &[f64]) -> Result<Verified, FamilyError> {
+fn verified_motion(study: &Arc<LoadedStudy>, values: &[f64]) -> Result<Verified, FamilyError> {
     let (study, values) = (Arc::clone(study), values.to_vec());
     let unproved = || {
         Err(FamilyError::Lacks(

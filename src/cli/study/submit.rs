@@ -16,14 +16,14 @@ const GRACE: u32 = 30;
 /// Writes the script, and hands it to the cluster.
 pub fn submit(args: &SubmitArgs, term: &Term) -> Result<Outcome, Failure> {
     let folder = Folder::open(&args.folder)?;
-    let job = Job::new(args, folder.path())?;
+    let job = ClusterJob::new(args, folder.path())?;
     let (name, script, command) = match args.to {
-        Engine::Slurm => ("submit-slurm.sh", job.slurm(), vec!["sbatch"]),
-        Engine::Ray => ("submit-ray.py", job.ray(), vec!["python3"]),
+        Engine::Slurm => ("submit-slurm.sh", job.slurm_script(), vec!["sbatch"]),
+        Engine::Ray => ("submit-ray.py", job.ray_script(), vec!["python3"]),
         Engine::Hq => ("submit-hq.sh", job.hyper_queue(), vec!["bash"]),
         Engine::Kubernetes => (
             "submit-kubernetes.yaml",
-            job.kubernetes(),
+            job.kubernetes_script(),
             vec!["kubectl", "create", "-f"],
         ),
     };
@@ -62,7 +62,7 @@ fn hand_over(command: &[&str], script: &Path) -> Result<(), Failure> {
 }
 
 /// What every script says.
-struct Job {
+struct ClusterJob {
     folder: PathBuf,
     program: PathBuf,
     workers: usize,
@@ -70,7 +70,7 @@ struct Job {
     image: String,
 }
 
-impl Job {
+impl ClusterJob {
     fn new(args: &SubmitArgs, folder: &Path) -> Result<Self, Failure> {
         let refused = |what: &str, e: std::io::Error| {
             Failure::usage(format!("{what} has no full path: {e}"), Vec::new())
@@ -93,7 +93,7 @@ impl Job {
         Ok(job)
     }
 
-    fn slurm(&self) -> String {
+    fn slurm_script(&self) -> String {
         let Self {
             workers, threads, ..
         } = self;
@@ -132,7 +132,7 @@ exec hq submit --name mechanim --array 0-{} --cpus {threads} --crash-limit 5 -- 
         )
     }
 
-    fn ray(&self) -> String {
+    fn ray_script(&self) -> String {
         format!(
             "\"\"\"Workers of a study as tasks of Ray; the files of the study are the result.\"\"\"
 
@@ -180,7 +180,7 @@ if __name__ == \"__main__\":
         )
     }
 
-    fn kubernetes(&self) -> String {
+    fn kubernetes_script(&self) -> String {
         let Self {
             workers, threads, ..
         } = self;

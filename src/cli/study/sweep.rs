@@ -81,7 +81,7 @@ fn in_parts(
         Err(PartsError::NoStudy(_)) if !place.exists() => {
             let mut plan = opened.plan.clone();
             plan.unit = unit_size(&opened.sweep, threads(&args.work), UNIT_TIME);
-            Folder::create(&place, plan, &borrowed(&opened.files))?
+            Folder::create(&place, plan, &borrowed_files(&opened.files))?
         }
         Ok(_) | Err(PartsError::NoStudy(_)) => {
             let message = format!(
@@ -242,7 +242,7 @@ pub fn threads(work: &WorkArgs) -> usize {
 }
 
 /// Names and bytes of files.
-pub fn borrowed<'f>(files: &'f [(&'static str, Vec<u8>)]) -> Vec<(&'f str, &'f [u8])> {
+pub fn borrowed_files<'f>(files: &'f [(&'static str, Vec<u8>)]) -> Vec<(&'f str, &'f [u8])> {
     let each = files.iter();
     each.map(|(name, bytes)| (*name, bytes.as_slice()))
         .collect()

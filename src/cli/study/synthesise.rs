@@ -1,18 +1,18 @@
 //! `mechanim synthesise`: dimensions found from many starts, proved, reported, and written as scenes.
 
+use super::target::{run_target, search_plan};
 use crate::analysis::study::{FamilyError, LoadedStudy};
 use crate::analysis::synthesis::touching::Touching;
 use crate::analysis::synthesis::verify::{Proof, prove_found};
-use crate::analysis::synthesis::{From, Listener, SearchPlan, Start, Synthesis, synthesise_path};
+use crate::analysis::synthesis::{Listener, Start, Synthesis, synthesise_path};
 use crate::cli::args::scene::SceneArgs;
-use crate::cli::args::study::{StartsFrom, SynthesiseArgs, VaryArgs};
+use crate::cli::args::study::{SynthesiseArgs, VaryArgs};
 use crate::cli::interrupt::{is_interrupted, save_results, unless_interrupted};
 use crate::cli::io;
 use crate::cli::open::study::open_search;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::diag::Source;
-use crate::jobs::core_count;
 use crate::report::cells::six_digits;
 use crate::report::requirement::{Requirement, simplest_of, simplest_text};
 use crate::report::synthesis::{FoundMechanism, restart_ladder, synthesis_text};
@@ -25,6 +25,13 @@ use std::path::{Path, PathBuf};
 /// Runs the verb.
 pub fn run_synthesise(args: &SynthesiseArgs, term: &Term) -> Result<Outcome, Failure> {
     let scenes: Vec<SceneArgs> = args.scenes.iter().map(|s| scene_args(args, s)).collect();
+    if let Some(table) = &args.target {
+        let [scene] = scenes.as_slice() else {
+            let message = "--target takes one scene";
+            return Err(Failure::usage(message, Vec::new()));
+        };
+        return run_target(args, scene, table, term);
+    }
     let mut opened = Vec::new();
     for scene in &scenes {
         let vary = VaryArgs { vary: Vec::new() };
@@ -153,18 +160,7 @@ fn synthesise_one<'a>(
     name: &str,
     term: &Term,
 ) -> Result<FoundMechanism<'a>, Failure> {
-    let plan = SearchPlan {
-        starts: args.starts,
-        seed: args.seed,
-        iterations: args.iterations,
-        limit: args.time,
-        from: match args.from {
-            StartsFrom::Everywhere => From::Everywhere,
-            StartsFrom::Scene => From::Scene,
-            StartsFrom::Random => From::Random,
-        },
-        threads: args.threads.unwrap_or_else(core_count),
-    };
+    let plan = search_plan(args, args.iterations);
     let parameters = |x: &[f64]| opened.parameters(x);
     let touching = Touching {
         source: &opened.source,

@@ -19,7 +19,7 @@ use std::time::Instant;
 pub fn run_tolerance(args: &ToleranceArgs, term: &Term) -> Result<Outcome, Failure> {
     tolerance_cloud::refuse_cloud(args)?;
     if args.first.checked_add(args.samples).is_none() {
-        let message = "--first and --pieces together are more numbers than there are";
+        let message = "--skip and --pieces together are more pieces than can be numbered";
         return Err(Failure::usage(message, Vec::new()));
     }
     let reports = [

@@ -1,8 +1,8 @@
 //! `mechanim study`: a sweep, or the pieces of a tolerance, in units, done by any number of machines that see one folder.
 
 use super::sweep::{
-    RowTaker, UnitWork, borrowed, merge_into, numbers_of, refuse_format, refuse_other, run_share,
-    threads, unit_size,
+    RowTaker, UnitWork, borrowed_files, merge_into, numbers_of, refuse_format, refuse_other,
+    run_share, threads, unit_size,
 };
 use super::{submit, tolerance_units};
 use crate::cli::args::study::ScatterArgs;
@@ -28,7 +28,7 @@ use std::ops::Range;
 use std::path::Path;
 use std::time::{Duration, Instant, SystemTime};
 
-/// How long a unit takes where nothing is said.
+/// How long a unit takes by default.
 const UNIT_TIME: Duration = Duration::from_secs(30);
 
 /// Runs the verb.
@@ -39,8 +39,8 @@ pub fn run_study(command: &StudyCommand, term: &Term) -> Result<Outcome, Failure
             PlannedVerb::Tolerance(args) => plan_tolerance(args, term),
         },
         StudyCommand::Run(args) => run_units(args, term),
-        StudyCommand::Status { folder, json } => print_status(folder, *json, term),
-        StudyCommand::Merge(args) => merge(args, term),
+        StudyCommand::Status { folder, json } => print_status(folder, json.as_deref(), term),
+        StudyCommand::Merge(args) => merge_parts(args, term),
         StudyCommand::Submit(args) => submit::submit(args, term),
     }
 }
@@ -48,7 +48,7 @@ pub fn run_study(command: &StudyCommand, term: &Term) -> Result<Outcome, Failure
 fn plan_sweep(args: &PlanSweepArgs, term: &Term) -> Result<Outcome, Failure> {
     let opened = sweep::open_sweep(&args.asked, term)?;
     let unit = || Ok(unit_size(&opened.sweep, 1, UNIT_TIME));
-    create(&args.cut, opened.plan.clone(), &opened.files, unit, term)
+    create_study(&args.cut, opened.plan.clone(), &opened.files, unit, term)
 }
 
 fn plan_tolerance(args: &PlanToleranceArgs, term: &Term) -> Result<Outcome, Failure> {
@@ -56,11 +56,11 @@ fn plan_tolerance(args: &PlanToleranceArgs, term: &Term) -> Result<Outcome, Fail
     // What cannot be studied is refused before there is a folder.
     let study = tolerance_units::study_of(&opened)?;
     let unit = || Ok(tolerance_units::unit_size(&study, args.pieces, UNIT_TIME));
-    create(&args.cut, opened.plan.clone(), &opened.files, unit, term)
+    create_study(&args.cut, opened.plan.clone(), &opened.files, unit, term)
 }
 
-/// Makes the folder of a study whose units have the size that `unit` gives where nothing is said.
-fn create(
+/// Makes the folder of a study whose units have the size that `unit` gives by default.
+fn create_study(
     cut: &CutArgs,
     mut plan: Plan,
     files: &[(&'static str, Vec<u8>)],
@@ -71,12 +71,12 @@ fn create(
         Some(units) => plan.items.div_ceil(units),
         None => unit()?,
     };
-    let folder = Folder::create(&cut.out, plan, &borrowed(files))?;
+    let folder = Folder::create(&cut.out, plan, &borrowed_files(files))?;
     let text = format!(
         "{}: {} {} in {} units of {}\n",
         cut.out.display(),
         folder.plan.items,
-        counted(&folder.plan),
+        counted_items(&folder.plan),
         folder.plan.units(),
         folder.plan.unit
     );
@@ -85,7 +85,7 @@ fn create(
 }
 
 /// What the items of a study are.
-fn counted(plan: &Plan) -> &'static str {
+fn counted_items(plan: &Plan) -> &'static str {
     match plan.verb == tolerance::VERB {
         true => "pieces",
         false => "designs",
@@ -120,13 +120,13 @@ fn open_folder(path: &Path, term: &Term) -> Result<(Folder, OpenStudy), Failure>
     let plan = &folder.plan;
     let opened = match plan.verb.as_str() {
         sweep::VERB => {
-            let read: PlannedSweep = planned(path, plan)?;
+            let read: PlannedSweep = planned_arguments(path, plan)?;
             let opened = sweep::open_planned(&read.asked, plan, path, term)?;
             refuse_other(&folder, &opened.plan)?;
             OpenStudy::Sweep(Box::new(opened))
         }
         tolerance::VERB => {
-            let read: PlannedTolerance = planned(path, plan)?;
+            let read: PlannedTolerance = planned_arguments(path, plan)?;
             let opened = tolerance::open_planned(&read.scatter, plan, path, term)?;
             refuse_other(&folder, &opened.plan)?;
             OpenStudy::Tolerance(Box::new(opened))
@@ -141,7 +141,7 @@ fn bad_plan(folder: &Path, why: String) -> Failure {
     PartsError::BadPlan { path, why }.into()
 }
 
-fn planned<P: Parser>(path: &Path, plan: &Plan) -> Result<P, Failure> {
+fn planned_arguments<P: Parser>(path: &Path, plan: &Plan) -> Result<P, Failure> {
     let words = std::iter::once("scene").chain(plan.arguments.iter().map(String::as_str));
     let read = P::try_parse_from(words);
     read.map_err(|e| bad_plan(path, format!("`arguments` cannot be read: {}", e.kind())))
@@ -193,7 +193,7 @@ fn work_on_share(
             folder,
             share,
             make,
-            progress.counting(counted(&folder.plan)),
+            progress.counting(counted_items(&folder.plan)),
         )
     };
     match opened {
@@ -209,13 +209,13 @@ fn work_on_share(
     }
 }
 
-fn print_status(path: &Path, is_json: bool, term: &Term) -> Result<Outcome, Failure> {
+fn print_status(path: &Path, report: Option<&Path>, term: &Term) -> Result<Outcome, Failure> {
     let folder = Folder::open(path)?;
     let (all, missing) = (folder.plan.units(), folder.missing_units());
     let (leased, done) = (folder.leased_units(), all - missing.len() as u64);
     let rate = unit_rate(&folder.part_times());
     let left = rate.map(|rate| missing.len() as f64 / rate);
-    if is_json {
+    if let Some(report) = report {
         let document = json!({
             "schema": "mechanim-status/1",
             "identity": folder.plan.identity,
@@ -227,15 +227,14 @@ fn print_status(path: &Path, is_json: bool, term: &Term) -> Result<Outcome, Fail
             "units_a_second": rate,
             "seconds_left": left,
         });
-        io::write_document(Path::new("-"), &document)?;
-        return Ok(Outcome::Done);
+        io::write_document(report, &document)?;
     }
     let mut text = format!(
         "{} of {}: {} {}\n  {done} of {all} units done, {} worked on\n",
         folder.plan.verb,
         folder.plan.scene,
         folder.plan.items,
-        counted(&folder.plan),
+        counted_items(&folder.plan),
         leased.len()
     );
     if !missing.is_empty() {
@@ -244,7 +243,7 @@ fn print_status(path: &Path, is_json: bool, term: &Term) -> Result<Outcome, Fail
     if let (Some(rate), Some(left), false) = (rate, left, missing.is_empty()) {
         text.push_str(&format!("  {rate:.3} units a second, {left:.0} s left\n"));
     }
-    io::print_beside(term, None, &text)?;
+    io::print_beside(term, report, &text)?;
     Ok(Outcome::Done)
 }
 
@@ -257,7 +256,7 @@ fn unit_rate(times: &[SystemTime]) -> Option<f64> {
     (seconds > 0.0).then(|| (times.len() - 1) as f64 / seconds)
 }
 
-fn merge(args: &MergeArgs, term: &Term) -> Result<Outcome, Failure> {
+fn merge_parts(args: &MergeArgs, term: &Term) -> Result<Outcome, Failure> {
     if args.missing {
         let folder = Folder::open(&args.folder)?;
         let text = shown_ranges(&folder.missing_units());

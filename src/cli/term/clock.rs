@@ -21,7 +21,7 @@ impl Clock {
     }
 
     /// Ends a stage.
-    pub fn lap(&mut self, stage: &'static str) {
+    pub fn end_stage(&mut self, stage: &'static str) {
         let now = Instant::now();
         self.laps.push((stage, (now - self.start).as_secs_f64()));
         self.start = now;

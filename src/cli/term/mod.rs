@@ -56,7 +56,7 @@ impl Term {
     }
 
     /// The same, but what is said is kept until [`pass_on`](Self::pass_on): several runs do not talk at once.
-    pub fn keeping(&self) -> Self {
+    pub fn kept_back(&self) -> Self {
         Self {
             colour: self.colour,
             quiet: self.quiet,
@@ -91,7 +91,7 @@ impl Term {
     /// A warning line.
     pub fn warning(&self, text: &str) {
         if !self.quiet {
-            self.headed("warning", Color::Yellow, text);
+            self.print_headed("warning", Color::Yellow, text);
         }
     }
 
@@ -102,9 +102,9 @@ impl Term {
         }
         if let Failure::Parts(PartsError::Faulty(faults)) = failure {
             let each = faults.iter();
-            return each.for_each(|fault| self.headed("error", Color::Red, fault));
+            return each.for_each(|fault| self.print_headed("error", Color::Red, fault));
         }
-        self.headed("error", Color::Red, &failure.to_string());
+        self.print_headed("error", Color::Red, &failure.to_string());
         let (one_hint, of_structure);
         let hints: &[String] = match failure {
             Failure::Usage { hints, .. }
@@ -123,7 +123,7 @@ impl Term {
             _ => &[],
         };
         for hint in hints {
-            self.headed("  hint", Color::Cyan, hint);
+            self.print_headed("  hint", Color::Cyan, hint);
         }
     }
 
@@ -170,13 +170,13 @@ impl Term {
     }
 
     fn note_always(&self, text: &str) {
-        let mut line = self.buffer();
+        let mut line = self.new_buffer();
         let _ = writeln!(line, "{text}");
         self.say(line);
     }
 
-    fn headed(&self, head: &str, colour: Color, text: &str) {
-        let mut line = self.buffer();
+    fn print_headed(&self, head: &str, colour: Color, text: &str) {
+        let mut line = self.new_buffer();
         let _ = line.set_color(ColorSpec::new().set_fg(Some(colour)).set_bold(true));
         let _ = write!(line, "{head}");
         let _ = line.reset();
@@ -184,7 +184,7 @@ impl Term {
         self.say(line);
     }
 
-    fn buffer(&self) -> Buffer {
+    fn new_buffer(&self) -> Buffer {
         BufferWriter::stderr(self.colour).buffer()
     }
 

@@ -1,7 +1,7 @@
 //! What came of a command, and the exit code that says it.
 
 use crate::diag::SceneError;
-use crate::export::ExportError;
+use crate::export::{ExportError, finished_count};
 use crate::import::ImportError;
 use crate::kinematics::structure::block::StructureError;
 use crate::limits::LimitExceeded;
@@ -125,7 +125,7 @@ pub enum Failure {
     #[error("cannot write to standard output: {0}")]
     Stdout(#[from] std::io::Error),
     /// Stopped by Ctrl-C.
-    #[error("interrupted; nothing was written")]
+    #[error("interrupted; {}", written_by_now())]
     Interrupted,
     /// Stopped by Ctrl-C, with what was done until then kept.
     #[error("interrupted; {0}")]
@@ -133,6 +133,15 @@ pub enum Failure {
     /// A fault of the program.
     #[error("internal error: {0}")]
     Internal(String),
+}
+
+/// What an interrupted run leaves behind.
+fn written_by_now() -> &'static str {
+    match finished_count() {
+        0 => "nothing was written",
+        1 => "one file was complete before, and stays",
+        _ => "the files that were complete before stay",
+    }
 }
 
 impl From<SourceError> for Failure {

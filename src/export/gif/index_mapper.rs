@@ -91,7 +91,7 @@ impl Mapper {
             if before != Some(block) || misses {
                 let missed = self.missed.len();
                 for (pixel, place) in block.iter().zip(&mut mapped) {
-                    *place = self.indexed(*pixel);
+                    *place = self.with_index(*pixel);
                 }
                 before = Some(block);
                 misses = self.missed.len() > missed;
@@ -99,13 +99,13 @@ impl Mapper {
             indexed.extend_from_slice(mapped.as_flattened());
         }
         for pixel in rest {
-            indexed.extend_from_slice(&self.indexed(*pixel));
+            indexed.extend_from_slice(&self.with_index(*pixel));
         }
     }
 
     /// The pixel with its index in the place of its alpha.
     #[inline]
-    fn indexed(&mut self, [r, g, b, _]: [u8; 4]) -> [u8; 4] {
+    fn with_index(&mut self, [r, g, b, _]: [u8; 4]) -> [u8; 4] {
         [r, g, b, self.index([r, g, b])]
     }
 

@@ -144,7 +144,7 @@ impl Dictionary {
 
     /// First child of `node`, or `NONE`.
     #[inline]
-    pub(super) fn children(&self, node: u16) -> u16 {
+    pub(super) fn first_child(&self, node: u16) -> u16 {
         self.first_child[usize::from(node) % CODES]
     }
 
@@ -182,7 +182,7 @@ impl Dictionary {
     }
 
     /// Writes the symbols of the string `node` to the end of `symbols`, last symbol last.
-    pub(super) fn spell(&self, mut node: u16, symbols: &mut [u8]) {
+    pub(super) fn spell_string(&self, mut node: u16, symbols: &mut [u8]) {
         for symbol in symbols.iter_mut().rev() {
             if self.is_root(node) {
                 *symbol = node as u8;
@@ -217,12 +217,12 @@ impl<'a> BitWriter<'a> {
         self.bits |= u64::from(code) << self.filled;
         self.filled += u32::from(width);
         while self.filled >= 8 {
-            self.byte();
+            self.push_byte();
         }
     }
 
     #[inline]
-    fn byte(&mut self) {
+    fn push_byte(&mut self) {
         self.out.push(self.bits as u8);
         self.bits >>= 8;
         self.filled = self.filled.saturating_sub(8);
@@ -231,7 +231,7 @@ impl<'a> BitWriter<'a> {
     /// Flushes the last bits.
     pub(super) fn finish(mut self) {
         if self.filled > 0 {
-            self.byte();
+            self.push_byte();
         }
     }
 }

@@ -61,7 +61,7 @@ impl Quality {
     }
 
     /// Both double every 12.5 steps, from 3.5 (rounded) and 12 squared levels at 100.
-    fn loss(self) -> Loss {
+    fn loss_limits(self) -> Loss {
         let steps = f64::from(100 - self.0.min(100));
         let scale = libm::exp2(steps / 12.5);
         Loss {
@@ -135,7 +135,7 @@ impl GifSink {
         Ok(Self {
             file,
             screen: Screen::new(settings.size.map(|s| s as usize), table.transparent),
-            pending: table.unchanged(),
+            pending: table.unchanged_block(),
             table,
             settings,
             palette,
@@ -165,7 +165,7 @@ impl GifSink {
 
     /// Lets a frame of one transparent pixel wait.
     fn keep_unchanged(&mut self) {
-        self.pending = self.table.unchanged();
+        self.pending = self.table.unchanged_block();
         let codes = &mut self.pending.codes;
         let matcher = &mut self.table.matcher;
         matcher.encode(&[Pixel::STRETCH], &mut self.sent, codes);
@@ -173,7 +173,7 @@ impl GifSink {
 
     /// A frame in the colours of the palette; `None` if nothing changes.
     fn plain(&mut self, pixels: &[[u8; 4]]) -> Option<GifBlock> {
-        let mut block = self.table.unchanged();
+        let mut block = self.table.unchanged_block();
         let (area, pixels) = self.screen.changes(pixels, None)?;
         let matcher = &mut self.table.matcher;
         matcher.encode(pixels, &mut self.sent, &mut block.codes);
@@ -187,7 +187,7 @@ impl GifSink {
         let (global, colours) = (self.palette.colours(), own.palette.colours());
         let into = translation(global, colours, local.transparent);
         self.screen.change_table(&into, local.transparent);
-        let mut block = local.unchanged();
+        let mut block = local.unchanged_block();
         let changes = self.screen.changes(pixels, Some(&own.nearest));
         let changed = changes.map(|(area, pixels)| {
             let matcher = &mut local.matcher;
@@ -224,7 +224,7 @@ impl ColourTable {
         let loss = if palette.is_exact() {
             Loss::NONE
         } else {
-            quality.loss()
+            quality.loss_limits()
         };
         Self {
             // LZW needs two bits even where one would do.
@@ -235,7 +235,7 @@ impl ColourTable {
     }
 
     /// A block of one pixel without codes.
-    fn unchanged(&self) -> GifBlock {
+    fn unchanged_block(&self) -> GifBlock {
         GifBlock {
             area: PixelArea::whole([1, 1]),
             codes: Vec::new(),

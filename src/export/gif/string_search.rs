@@ -101,7 +101,7 @@ impl Matcher {
             bits.put(found.node, self.dictionary.width());
             if !self.dictionary.is_run(found.node, length) {
                 self.dictionary
-                    .spell(found.node, &mut chosen[at..at + length]);
+                    .spell_string(found.node, &mut chosen[at..at + length]);
             }
             at += length;
             last = Some(found.node);
@@ -140,10 +140,10 @@ impl Matcher {
         while let Some(pixel) = pixels.get(covered) {
             back.length = 0;
             match pixel.change {
-                PixelChange::Stretch => step.stretch(front, back),
-                _ if covered == 1 => step.second(pixel, front, back),
-                PixelChange::Same => step.same(pixel.shown, front, back),
-                PixelChange::Changed => step.changed(pixel, front, back),
+                PixelChange::Stretch => step.stretch_strings(front, back),
+                _ if covered == 1 => step.second_pixel(pixel, front, back),
+                PixelChange::Same => step.unchanged_pixel(pixel.shown, front, back),
+                PixelChange::Changed => step.changed_pixel(pixel, front, back),
             }
             if back.length == 0 {
                 break;
@@ -196,7 +196,7 @@ impl BeamStep<'_> {
     }
 
     /// The second pixel: the strings so far have hundreds of continuations, so the few that fit are looked up.
-    fn second(&self, pixel: &Pixel, front: &Beam, back: &mut Beam) {
+    fn second_pixel(&self, pixel: &Pixel, front: &Beam, back: &mut Beam) {
         self.costs.for_each(pixel, |index, error| {
             for item in front.items() {
                 let child = self.dictionary.pair(item.node, index);
@@ -211,7 +211,7 @@ impl BeamStep<'_> {
 
     /// A pixel in a stretch: the transparent index.
     #[inline]
-    fn stretch(&self, front: &Beam, back: &mut Beam) {
+    fn stretch_strings(&self, front: &Beam, back: &mut Beam) {
         for item in front.items() {
             let child = self.dictionary.run_child(item.node);
             if child != NONE {
@@ -224,10 +224,10 @@ impl BeamStep<'_> {
 
     /// An unchanged pixel: the transparent index or the one shown.
     #[inline]
-    fn same(&self, shown: u8, front: &Beam, back: &mut Beam) {
+    fn unchanged_pixel(&self, shown: u8, front: &Beam, back: &mut Beam) {
         let fits = |index| index == self.transparent || index == shown;
         for item in front.items() {
-            let mut child = self.dictionary.children(item.node);
+            let mut child = self.dictionary.first_child(item.node);
             while child != NONE {
                 let (next, index) = self.dictionary.sibling(child);
                 if fits(index) {
@@ -243,10 +243,10 @@ impl BeamStep<'_> {
 
     /// A changed pixel: any index that is near enough.
     #[inline]
-    fn changed(&self, pixel: &Pixel, front: &Beam, back: &mut Beam) {
+    fn changed_pixel(&self, pixel: &Pixel, front: &Beam, back: &mut Beam) {
         let wish = self.costs.wish(pixel);
         for item in front.items() {
-            let mut child = self.dictionary.children(item.node);
+            let mut child = self.dictionary.first_child(item.node);
             while child != NONE {
                 let (next, index) = self.dictionary.sibling(child);
                 let error = self.costs.added(&wish, index);

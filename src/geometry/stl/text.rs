@@ -73,7 +73,7 @@ impl<R: BufRead> StlText<R> {
         Ok(count > 0)
     }
 
-    fn expect(&mut self, words: &[&str]) -> Result<(), String> {
+    fn expect_words(&mut self, words: &[&str]) -> Result<(), String> {
         for expected in words {
             let word = self
                 .word()?
@@ -100,16 +100,16 @@ impl<R: BufRead> StlText<R> {
         Ok(numbers)
     }
 
-    fn triangle(&mut self) -> Result<TriangleCorners, String> {
-        self.expect(&["normal"])?;
+    fn read_triangle(&mut self) -> Result<TriangleCorners, String> {
+        self.expect_words(&["normal"])?;
         self.numbers()?;
-        self.expect(&["outer", "loop"])?;
+        self.expect_words(&["outer", "loop"])?;
         let mut corners = TriangleCorners::default();
         for corner in &mut corners {
-            self.expect(&["vertex"])?;
+            self.expect_words(&["vertex"])?;
             *corner = self.numbers()?;
         }
-        self.expect(&["endloop", "endfacet"])?;
+        self.expect_words(&["endloop", "endfacet"])?;
         Ok(corners)
     }
 }
@@ -122,7 +122,7 @@ impl<R: BufRead> Iterator for StlText<R> {
             Err(error) => Some(Err(error)),
             Ok(None) => None,
             Ok(Some(word)) if self.bytes[word.clone()].eq_ignore_ascii_case(b"facet") => {
-                Some(self.triangle())
+                Some(self.read_triangle())
             }
             Ok(Some(_)) => Some(Err(format!(
                 "line {} has no `facet` where one stands",

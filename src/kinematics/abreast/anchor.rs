@@ -58,6 +58,7 @@ impl Anchor {
             let (jacobian, sigma) = part?;
             let n = system.blocks()[index].unknowns.len();
             let inverse = corrector.inverse(index)?;
+            // Column-major, like the Jacobians that are held against it.
             let entry = |k: usize| inverse.at(k % n, k / n);
             Some(BlockAnchor {
                 order: PivotOrder::of(&jacobian, n)?,
@@ -85,6 +86,7 @@ impl BlockAnchor {
         let square = square.fold(Octet::ZERO, |sum, d| sum + d * d);
         let most = MOST_CHANGE * self.sigma;
         let near = lanes.and(square.at_most(Octet::splat(most * most)));
+        // The cheap test by Weyl's inequality decides most lanes; the product with the inverse the others.
         if !lanes.without(near).any() {
             return near;
         }

@@ -15,7 +15,7 @@ use glam::{DMat3, DVec3};
 
 /// A joint's axis, with its sign, and a point of it.
 #[derive(Clone, Copy, Debug, Default)]
-struct Line {
+struct AxisLine {
     axis: Triple<Octet>,
     origin: Triple<Octet>,
 }
@@ -39,7 +39,7 @@ pub(super) struct BlockValues {
     /// By the coordinates from outside, as the plan lists them and pads their columns; only if it is asked for.
     outer: Vec<Octet>,
     arguments: Vec<ArgumentValue<Octet>>,
-    lines: Vec<Line>,
+    lines: Vec<AxisLine>,
     columns: Vec<[Octet; 6]>,
     plain: Plain,
 }
@@ -69,6 +69,7 @@ impl<'s> LaneBlock<'s> {
         let mut roles = vec![Role::default(); plan.arguments.len()];
         for (role, argument) in roles.iter_mut().zip(&plan.arguments) {
             let mut shares = plan.shares[argument.shares.clone()].iter();
+            // Arguments that no unknown of the block moves are evaluated once a pose.
             role.moves = shares.any(|share| share.column < block.unknowns.len());
         }
         for joint in &plan.joints {
@@ -107,6 +108,7 @@ impl BlockValues {
             self.outer.resize(size, Octet::ZERO);
         }
         self.evaluate_arguments(lanes, coordinates, again);
+        // Residual of each loop, then the columns of its joints.
         for item in &plan.loops {
             let end = self.walk(plan, item);
             let turn = turn_of(&end.axes);
@@ -156,6 +158,7 @@ impl BlockValues {
             };
             let own = &mut self.arguments[k];
             own.value = value;
+            // Sine and cosine only where a rotation needs them.
             if role.turns {
                 (own.sin, own.cos) = value.sin_cos();
             }
@@ -166,7 +169,7 @@ impl BlockValues {
     fn walk(&mut self, plan: &BlockPlan, item: &PlannedLoop) -> WalkFrame<Octet> {
         let mut frame = WalkFrame::identity();
         let joints = &plan.joints[item.joints.clone()];
-        self.lines.resize(joints.len(), Line::default());
+        self.lines.resize(joints.len(), AxisLine::default());
         for (joint, line) in joints.iter().zip(&mut self.lines) {
             if let Some(shift) = &joint.shift {
                 shift_frame(&mut frame, shift);
@@ -279,6 +282,7 @@ impl BlockValues {
             if is_outside && !lanes.with_outside {
                 continue;
             }
+            // Chain rule: the joint's twist times the derivative of its formula.
             let rate = rate_by(&mut self.plain, formula, share.slot, coordinates) * share.scale;
             let target = match is_outside {
                 false => &mut self.jacobian[share.column * rows + item.row..],
@@ -306,6 +310,7 @@ impl BlockValues {
             if is_outside && !lanes.with_outside {
                 continue;
             }
+            // Derivatives that are polynomials are laid out before; others are taken lane by lane.
             let rate = match &planned.slopes {
                 Some(slopes) => slopes[k].value(coordinates),
                 None => rate_by(&mut self.plain, formula, share.slot, coordinates),
@@ -335,6 +340,7 @@ fn by_lanes(
     let mut slots = std::mem::take(&mut plain.coordinates);
     let mut values = Octet::ZERO;
     for lane in 0..LANES {
+        // Formulas are scalar code: one lane after the other.
         slots.clear();
         slots.extend(coordinates.iter().map(|c| c.lane(lane)));
         values.set_lane(lane, function(plain, &slots));
@@ -368,6 +374,7 @@ fn add_entries(
 ) {
     for entry in entries {
         let column = &columns[entry.joint];
+        // Six rows at a time where nothing is left out: the loop unrolls.
         if let ([_, _, _, _, _, _], Some(target)) =
             (components, matrix[entry.start..].first_chunk_mut::<6>())
         {

@@ -64,6 +64,7 @@ impl<'s> LaneSolver<'s> {
             let lane_block = &self.blocks[index];
             let values = &mut self.values;
             let part = close_block(lane_block, values, elimination, coordinates, closed.lanes);
+            // A lane counts as closed only while its Jacobian stays beside the anchor's.
             closed.lanes = block.beside(&self.values.jacobian, part.lanes);
             closed.first_step = closed.first_step.larger_magnitude(part.first_step);
             if !closed.lanes.any() {

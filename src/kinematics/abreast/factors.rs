@@ -108,17 +108,7 @@ impl Factors {
             let size = column[k].magnitude();
             good = good.and(Octet::splat(order.least[k]).at_most(size));
             smallest = size.at_most(smallest).choose(size, smallest);
-            let reciprocal = Octet::splat(1.0) / column[k];
-            self.reciprocals.push(reciprocal);
-            // The column below becomes factors of the elimination, the columns behind are freed of it.
-            let factors = &mut column[k + 1..];
-            factors.iter_mut().for_each(|f| *f = *f * reciprocal);
-            for column in rest.chunks_exact_mut(n) {
-                let by = column[k];
-                for (entry, factor) in column[k + 1..].iter_mut().zip(&*factors) {
-                    *entry -= *factor * by;
-                }
-            }
+            self.reciprocals.push(clear_below(column, rest, k));
         }
         (good, smallest)
     }
@@ -144,6 +134,23 @@ impl Factors {
             }
         }
     }
+}
+
+/// Eliminates with the pivot in row `k` of a column: what is below it becomes factors, and the columns behind are freed of it.
+/// The pivot's reciprocal.
+#[inline]
+pub(super) fn clear_below(column: &mut [Octet], behind: &mut [Octet], k: usize) -> Octet {
+    let n = column.len();
+    let reciprocal = Octet::splat(1.0) / column[k];
+    let factors = &mut column[k + 1..];
+    factors.iter_mut().for_each(|f| *f = *f * reciprocal);
+    for column in behind.chunks_exact_mut(n) {
+        let by = column[k];
+        for (entry, factor) in column[k + 1..].iter_mut().zip(&*factors) {
+            *entry -= *factor * by;
+        }
+    }
+    reciprocal
 }
 
 #[cfg(test)]

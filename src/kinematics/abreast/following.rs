@@ -176,6 +176,7 @@ impl<'s> LaneFollower<'s> {
             self.drift.clear();
             self.drift
                 .extend(new.iter().zip(old).map(|(new, old)| *new - *old));
+            // J⁻¹ (J - J₀), column by column: while its norm is below one nothing between the two is singular.
             factors.solve(&self.drift);
             for entry in factors.step() {
                 square += *entry * *entry;
@@ -209,6 +210,7 @@ impl<'s> LaneFollower<'s> {
             let arguments = output_arguments(mechanism, &item.chain.arguments(), coordinates);
             let end = WalkFrame::at_end_of(&item.chain.steps, &arguments);
             let length = |v: [Octet; 3]| (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).root();
+            // Loops through a sphere close in a point only.
             if item.closes == Closes::Frame {
                 largest = largest.larger_magnitude(length(turn_of(&end.axes)));
             }

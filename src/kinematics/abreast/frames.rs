@@ -40,6 +40,7 @@ pub(super) fn turn_frame(frame: &mut WalkFrame<Octet>, by: &DMat3) {
     for (own, column) in frame.axes.iter_mut().zip(by.to_cols_array_2d()) {
         *own = [Octet::ZERO; 3];
         for (axis, factor) in before.iter().zip(column) {
+            // The same factors in all lanes, so that zeros can be left out.
             if factor != 0.0 {
                 for (sum, c) in own.iter_mut().zip(axis) {
                     *sum += *c * factor;
@@ -55,12 +56,12 @@ pub(super) fn turn_of(axes: &[Triple<Octet>; 3]) -> Triple<Octet> {
     let [x, y, z] = axes;
     let mut skew = [y[2] - z[1], z[0] - x[2], x[1] - y[0]];
     skew.iter_mut().for_each(|s| *s = *s * 0.5);
-    let square = dot(&skew, &skew);
+    let square = dot_product(&skew, &skew);
     // The cosine tells a small turn from one beyond a right angle.
     let cos = x[0] + y[1] + z[2] - Octet::splat(1.0);
     let is_small = square.at_most(Octet::splat(LARGEST_SQUARE));
     let is_small = is_small.and(Octet::ZERO.at_most(cos));
-    let factor = is_small.choose(polynomial(&ASIN, square), Octet::splat(f64::NAN));
+    let factor = is_small.choose(evaluate_polynomial(&ASIN, square), Octet::splat(f64::NAN));
     skew.iter_mut().for_each(|s| *s = *s * factor);
     skew
 }
@@ -68,8 +69,8 @@ pub(super) fn turn_of(axes: &[Triple<Octet>; 3]) -> Triple<Octet> {
 /// I - P/2 + c P², with P the cross-product matrix of a short rotation vector; rows.
 #[inline(always)]
 pub(super) fn left_jacobian_inverse(turn: &Triple<Octet>) -> [Triple<Octet>; 3] {
-    let square = dot(turn, turn);
-    let c = polynomial(&LEFT, square);
+    let square = dot_product(turn, turn);
+    let c = evaluate_polynomial(&LEFT, square);
     let rest = Octet::splat(1.0) - c * square;
     let mut rows = [[Octet::ZERO; 3]; 3];
     for (i, row) in rows.iter_mut().enumerate() {
@@ -86,12 +87,12 @@ pub(super) fn left_jacobian_inverse(turn: &Triple<Octet>) -> [Triple<Octet>; 3] 
 }
 
 #[inline(always)]
-fn polynomial<const N: usize>(coefficients: &[f64; N], x: Octet) -> Octet {
+fn evaluate_polynomial<const N: usize>(coefficients: &[f64; N], x: Octet) -> Octet {
     let highest_first = coefficients.iter().rev();
     highest_first.fold(Octet::ZERO, |sum, c| sum * x + Octet::splat(*c))
 }
 
 #[inline(always)]
-fn dot(a: &Triple<Octet>, b: &Triple<Octet>) -> Octet {
+fn dot_product(a: &Triple<Octet>, b: &Triple<Octet>) -> Octet {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

@@ -1,6 +1,6 @@
 //! Triangular factors of eight matrices at once, each with the order of rows that partial pivoting gives it.
 
-use super::factors::Elimination;
+use super::factors::{Elimination, clear_below};
 use crate::linalg::gauss_jordan::SMALLEST_RATIO;
 use crate::numbers::octet::{LANES, LaneMask, Octet};
 
@@ -19,10 +19,11 @@ pub(super) struct PivotedFactors {
 
 impl PivotedFactors {
     /// Exchanges rows until every lane has its largest entry of column `k` in row `k`.
-    fn exchange(&mut self, k: usize) {
+    fn exchange_rows(&mut self, k: usize) {
         let n = self.n;
         for i in k + 1..n {
             let column = &self.entries[k * n..(k + 1) * n];
+            // Partial pivoting lane by lane: rows change places only in the lanes that ask for it.
             let is_larger = column[i].magnitude().above(column[k].magnitude());
             self.exchanged.push(is_larger);
             if !is_larger.any() {
@@ -49,7 +50,7 @@ impl Elimination for PivotedFactors {
         let mut largest = Octet::ZERO;
         let mut good = LaneMask::first(LANES);
         for k in 0..n {
-            self.exchange(k);
+            self.exchange_rows(k);
             let (done, rest) = self.entries.split_at_mut((k + 1) * n);
             let column = &mut done[k * n..];
             let size = column[k].magnitude();
@@ -57,17 +58,7 @@ impl Elimination for PivotedFactors {
             largest = largest.larger_magnitude(size);
             // NaN is not above anything.
             good = good.and(smallest.above(largest * SMALLEST_RATIO));
-            let reciprocal = Octet::splat(1.0) / column[k];
-            self.reciprocals.push(reciprocal);
-            // The column below becomes factors of the elimination, the columns behind are freed of it.
-            let factors = &mut column[k + 1..];
-            factors.iter_mut().for_each(|f| *f = *f * reciprocal);
-            for column in rest.chunks_exact_mut(n) {
-                let by = column[k];
-                for (entry, factor) in column[k + 1..].iter_mut().zip(&*factors) {
-                    *entry -= *factor * by;
-                }
-            }
+            self.reciprocals.push(clear_below(column, rest, k));
         }
         (good, smallest)
     }

@@ -63,11 +63,11 @@ impl<'s> Alike<'s> {
         // Poses of the links, less the angle of those that spin about a line of their own.
         let mut links = Vec::new();
         let mut still = Vec::new();
-        for (link, line) in lines.iter().enumerate().skip(1) {
-            let pose = mechanism.joints.world_from_link(link).pose(&arguments);
-            note_pose(&mut links, &pose, line.as_ref(), mechanism.size);
+        let poses = mechanism.joints.link_poses(&arguments);
+        for (pose, line) in poses.iter().zip(&lines).skip(1) {
+            note_pose(&mut links, pose, line.as_ref(), mechanism.size);
             if line.is_none() {
-                note_pose(&mut still, &pose, None, mechanism.size);
+                note_pose(&mut still, pose, None, mechanism.size);
             }
         }
         let mut bodies = Vec::new();
@@ -90,6 +90,7 @@ impl<'s> Alike<'s> {
     fn outside(&self, coordinates: &[f64]) -> Vec<f64> {
         let number = |slot: &usize| match self.mechanism.unknowns[*slot].kind {
             Kind::Angle => {
+                // Angles are compared as points of a circle: whole turns do not matter.
                 let (sin, cos) = sin_cos(coordinates[*slot]);
                 vec![sin, cos]
             }
@@ -114,6 +115,7 @@ fn note_pose(numbers: &mut Vec<f64>, pose: &Pose, line: Option<&Line>, size: f64
         let along = *direction * direction.dot(pose.rotation.col(k));
         numbers.extend(along.to_array());
     }
+    // The mean over a turn about the line: components along it, and the foot on it.
     let foot = direction.cross(*moment);
     let mean = foot + *direction * direction.dot(origin - foot);
     numbers.extend(mean.to_array());

@@ -178,6 +178,7 @@ impl ModeGroup {
                 continue;
             }
             renamed.push(index);
+            // Of the two names of a rotation the one with smaller angles stays.
             if angle_sum(mechanism, &other) < angle_sum(mechanism, &self.coordinates) - EQUAL {
                 self.coordinates = other;
             }

@@ -79,7 +79,7 @@ pub fn find_modes(
     let (mut left, mut random) = (limit, 0);
     loop {
         // What earlier rounds suggest comes first, then random starts.
-        search.round(first, jobs, cancelled);
+        search.search_round(first, jobs, cancelled);
         if search.is_hopeless() {
             return search.finished(false);
         }
@@ -87,7 +87,7 @@ pub fn find_modes(
         left -= others;
         jobs = search.derived.drain(..others).collect();
         // Good and Turing: the share of unseen assemblies, from those that were met once.
-        let is_exhausted = random >= LEAST_RANDOM && search.unseen() < UNSEEN;
+        let is_exhausted = random >= LEAST_RANDOM && search.unseen_chance() < UNSEEN;
         if cancelled() || is_exhausted && jobs.is_empty() || left == 0 && jobs.is_empty() {
             return search.finished(is_exhausted);
         }
@@ -135,33 +135,40 @@ impl<'s> ModeSearch<'s> {
     }
 
     /// Makes some starts and sorts what they led to, in their order.
-    fn round(&mut self, first: &[f64], jobs: Vec<Job>, cancelled: &(dyn Fn() -> bool + Sync)) {
+    fn search_round(
+        &mut self,
+        first: &[f64],
+        jobs: Vec<Job>,
+        cancelled: &(dyn Fn() -> bool + Sync),
+    ) {
         let system = self.system;
         let work = |(): &mut (), index: usize| {
             let is_on = !cancelled();
             is_on.then(|| search_closures(system, first, &jobs[index], cancelled))
         };
         let found = share_work(jobs.len(), core_count(), || (), work);
+        // In the order of the starts, whatever thread was first.
         for (index, closures) in found {
             let kind = jobs[index].kind();
-            let tally = self.tally(kind);
+            let tally = self.tally_of(kind);
             tally.starts += 1;
             tally.closed += usize::from(!closures.is_empty());
             for pose in closures {
-                self.sort(pose, kind);
+                self.sort_pose(pose, kind);
             }
         }
     }
 
-    fn tally(&mut self, kind: StartKind) -> &mut Tally {
+    fn tally_of(&mut self, kind: StartKind) -> &mut Tally {
         &mut self.tallies[kind as usize].1
     }
 
     /// Adds a closed pose to its group.
-    fn sort(&mut self, pose: Vec<f64>, kind: StartKind) {
+    fn sort_pose(&mut self, pose: Vec<f64>, kind: StartKind) {
         let place = self.alike.place(&pose);
         let mut known = self.places.iter();
         let known = known.position(|other| same_numbers(&other.links, &place.links));
+        // A known placement, else a point of a known continuous set, else a new one.
         let group = known.or_else(|| self.set_of(&pose, &place));
         let placement = match group {
             Some(group) => {
@@ -202,9 +209,9 @@ impl<'s> ModeSearch<'s> {
         };
         let placement = known.unwrap_or(self.placements.len());
         if known.is_none() {
-            self.tally(kind).new += 1;
+            self.tally_of(kind).new += 1;
             if set.is_none() && self.derived.len() < MOST_WAITING {
-                self.derive(&pose);
+                self.derive_starts(&pose);
             }
             // Nothing else is the same as a set.
             let bodies = match set {
@@ -227,7 +234,7 @@ impl<'s> ModeSearch<'s> {
     }
 
     /// Starts that follow from a new placement.
-    fn derive(&mut self, pose: &[f64]) {
+    fn derive_starts(&mut self, pose: &[f64]) {
         let mechanism = self.system.mechanism();
         let structure = self.system.structure();
         for (index, block) in structure.blocks.iter().enumerate() {
@@ -258,7 +265,7 @@ impl<'s> ModeSearch<'s> {
 
     /// Good and Turing's estimate of how likely one more random start is to lead to a new placement: the share of starts
     /// whose placement was met once. That a start does not close is an outcome like any other.
-    fn unseen(&self) -> f64 {
+    fn unseen_chance(&self) -> f64 {
         let once = self.placements.iter().filter(|(_, met)| *met == 1).count();
         let random = self.tallies[StartKind::Random as usize].1.starts;
         once as f64 / (random as f64).max(1.0)
@@ -267,13 +274,13 @@ impl<'s> ModeSearch<'s> {
     /// Whether there are too many placements to be listed.
     fn is_hopeless(&self) -> bool {
         let random = self.tallies[StartKind::Random as usize].1.starts;
-        random >= HOPELESS_AFTER && self.unseen() > HOPELESS
+        random >= HOPELESS_AFTER && self.unseen_chance() > HOPELESS
     }
 
     fn finished(self, is_exhausted: bool) -> Modes {
         let unseen = match self.tallies[StartKind::Random as usize].1.starts {
             0 => 1.0,
-            _ => self.unseen(),
+            _ => self.unseen_chance(),
         };
         let alike = |a: &[f64], b: &[f64]| {
             let [a, b] = [a, b].map(|pose| self.alike.place(pose).links);

@@ -80,6 +80,7 @@ fn null_tangents(system: &System, block: &Block, pose: &[f64]) -> Vec<Vec<f64>> 
     if conditioning.sigma_min >= SINGULAR {
         return Vec::new();
     }
+    // At a singular pose at least one direction is free, whatever the tolerance of the rank says.
     let rank = conditioning.rank.min(columns - 1);
     null_space(&workspace.jacobian, rows, columns, rank)
 }

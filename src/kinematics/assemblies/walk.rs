@@ -85,7 +85,7 @@ impl<'a> BranchPath<'a> {
     }
 
     /// A path from a regular pose with a random direction of the equations released; `None` if it is not regular.
-    fn released(
+    fn release_equations(
         mechanism: &'a Mechanism,
         block: &'a Block,
         pose: &[f64],
@@ -96,6 +96,7 @@ impl<'a> BranchPath<'a> {
         let mut path = Self::of_solutions(mechanism, block, pose, Vec::new());
         path.released = (0..rows).map(|row| random_unit(key, row)).collect();
         let mut along = vec![0.0; block.unknowns.len() + 1];
+        // The homotopy r(q) = a v starts at a = 0, in the given sense.
         along[block.unknowns.len()] = sense;
         path.tangents.push(along);
         path.linearise();
@@ -124,6 +125,7 @@ impl<'a> BranchPath<'a> {
             } else {
                 self.matrix.extend(self.released.iter().map(|v| -v));
             }
+            // The bordered system: rows of the tangents below the Jacobian make it regular at folds.
             self.matrix.extend(self.tangents.iter().map(|t| t[j]));
         }
         self.qr.factor(&self.matrix, height, width, DEPENDENT);
@@ -137,6 +139,7 @@ impl<'a> BranchPath<'a> {
         }
         self.right_side.clear();
         self.right_side.resize(rows + self.tangents.len(), 0.0);
+        // No residual, and one step along the last tangent.
         self.right_side[rows] = 1.0;
         self.solution.resize(width, 0.0);
         self.qr.solve(&mut self.right_side, &mut self.solution);
@@ -176,6 +179,7 @@ impl<'a> BranchPath<'a> {
             moved += step.iter().map(|x| x * x).sum::<f64>().sqrt();
             self.advance(&step, 1.0);
             self.solution = step;
+            // A correction that leads far away is to another curve.
             if !(moved <= near && self.qr.rank() == self.width()) {
                 return false;
             }
@@ -192,6 +196,7 @@ impl<'a> BranchPath<'a> {
         );
         let along = before.2.clone();
         self.advance(&along, length);
+        // Predictor along the tangent, corrector at right angles to it, new tangent.
         if self.correct(STRAY * length) && self.turn() {
             return true;
         }
@@ -212,7 +217,7 @@ impl<'a> BranchPath<'a> {
     }
 
     /// Where it comes back to zero on the way, nearly closed, and whether the curve is closed.
-    fn zeros(
+    fn closed_crossings(
         &mut self,
         start: &[f64],
         cancelled: &(dyn Fn() -> bool + Sync),
@@ -224,6 +229,7 @@ impl<'a> BranchPath<'a> {
                 return (zeros, false);
             }
             if count > 0 && amount * self.amount <= 0.0 {
+                // Linear interpolation to a = 0 is a start near another closed pose.
                 let share = amount / (amount - self.amount);
                 let between = before.iter().zip(&self.coordinates);
                 let zero: Vec<f64> = between.map(|(a, b)| a + share * (b - a)).collect();
@@ -260,11 +266,13 @@ pub fn branch_neighbours(
 ) -> Vec<Vec<f64>> {
     let mut starts = Vec::new();
     for sense in [1.0, -1.0] {
-        let Some(mut path) = BranchPath::released(mechanism, block, pose, key, sense) else {
+        let Some(mut path) = BranchPath::release_equations(mechanism, block, pose, key, sense)
+        else {
             break;
         };
-        let (zeros, is_closed) = path.zeros(pose, cancelled);
+        let (zeros, is_closed) = path.closed_crossings(pose, cancelled);
         starts.extend(zeros);
+        // A closed curve has been walked all around: the other sense meets the same poses.
         if is_closed {
             break;
         }

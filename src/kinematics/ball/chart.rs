@@ -110,6 +110,7 @@ impl<'s> BallChart<'s> {
         for (index, ball) in self.balls.iter().enumerate() {
             let base = ball.rotation(&self.angles_of_base(index, own));
             let turn = |k: usize| Pose::from_axis_rotation(k, own[ball.slots[k]]).rotation;
+            // The chart's three angles are turns about the axes of the rotation it is based on.
             let rotation = base * turn(0) * turn(1) * turn(2);
             ball.slots
                 .iter()

@@ -59,7 +59,7 @@ pub struct Ball {
 impl Ball {
     /// The joint's rotation.
     pub fn rotation(&self, coordinates: &[f64]) -> DMat3 {
-        let angles = self.angles(coordinates);
+        let angles = self.joint_angles(coordinates);
         let turn = |k: usize| Pose::from_axis_rotation(self.run.turns[k].0, angles[k]).rotation;
         let [first, second] = self.run.between.map(|pose| pose.rotation);
         turn(0) * first * turn(1) * second * turn(2)
@@ -77,7 +77,7 @@ impl Ball {
 
     /// Two smooth numbers that vanish where the angles are locked; their length is |cos(b + mu)|.
     pub fn lock(&self, coordinates: &[f64]) -> DVec2 {
-        let s = self.canonical(&self.rotation(coordinates));
+        let s = self.canonical_rotation(&self.rotation(coordinates));
         DVec2::new(s.x_axis.x, s.y_axis.x)
     }
 
@@ -102,12 +102,12 @@ impl Ball {
 
     /// Sign of the determinant of the map from rates of the unknowns to the joint's angular velocity.
     pub fn orientation(&self, coordinates: &[f64]) -> i8 {
-        let b = self.angles(coordinates)[1] + self.mu;
+        let b = self.joint_angles(coordinates)[1] + self.mu;
         let rates: f64 = (0..3).map(|k| self.rate(k)).product();
         if rates * sin_cos(b).1 < 0.0 { -1 } else { 1 }
     }
 
-    fn angles(&self, coordinates: &[f64]) -> [f64; 3] {
+    fn joint_angles(&self, coordinates: &[f64]) -> [f64; 3] {
         [0, 1, 2].map(|k| self.angle(coordinates, k))
     }
 
@@ -121,7 +121,7 @@ impl Ball {
     }
 
     /// Rx(a) Ry(b + mu) Rz(c) of a rotation of the joint.
-    fn canonical(&self, rotation: &DMat3) -> DMat3 {
+    fn canonical_rotation(&self, rotation: &DMat3) -> DMat3 {
         let back = Pose::from_axis_rotation(1, self.mu).rotation;
         self.frame.transpose() * *rotation * self.constant.transpose() * self.frame * back
     }
@@ -129,8 +129,8 @@ impl Ball {
     /// Writes the unknowns that give `rotation` into `coordinates`: of all triples the one nearest to those that
     /// stand there.
     pub(crate) fn read(&self, rotation: &DMat3, coordinates: &mut [f64]) {
-        let s = self.canonical(rotation);
-        let before = self.angles(coordinates);
+        let s = self.canonical_rotation(rotation);
+        let before = self.joint_angles(coordinates);
         let locked = DVec2::new(s.x_axis.x, s.y_axis.x).length() < UNREADABLE;
         let last = if locked {
             before[2]
@@ -163,7 +163,7 @@ impl Ball {
     /// Writes the other unknowns that give the same rotation into `coordinates`:
     /// every rotation has two triples of angles.
     pub(crate) fn rename(&self, coordinates: &mut [f64]) {
-        let [a, b, c] = self.angles(coordinates);
+        let [a, b, c] = self.joint_angles(coordinates);
         self.write([a + PI, PI - b - 2.0 * self.mu, c + PI], coordinates);
     }
 
@@ -178,9 +178,10 @@ impl Ball {
     /// Rates of the unknowns for an angular velocity in the frame before the joint; the first and the last are NaN
     /// where the angles are locked.
     pub(crate) fn rates(&self, coordinates: &[f64], turn: DVec3) -> [f64; 3] {
-        let [a, b, _] = self.angles(coordinates);
+        let [a, b, _] = self.joint_angles(coordinates);
         let w = Pose::from_axis_rotation(0, -a).rotation * (self.frame.transpose() * turn);
         let (sin, cos) = sin_cos(b + self.mu);
+        // The third angle's rate has the pole of gimbal lock.
         let last = if cos.abs() < 1e-9 {
             f64::NAN
         } else {

@@ -27,6 +27,7 @@ impl RotationRun {
                     sign,
                 } => turns.push((axis, argument, sign)),
                 ChainStep::Fixed(pose) => {
+                    // Fixed poses before the first rotation belong to the link, as does what comes behind the third.
                     let gap = turns.len().checked_sub(1)?;
                     let before = between.get_mut(gap)?;
                     *before = *before * pose;
@@ -79,6 +80,7 @@ pub(super) fn axes_of(run: &RotationRun) -> Option<BallAxes> {
     if u1.dot(u2).abs() > EXACT || u2.dot(u3).abs() > EXACT {
         return None;
     }
+    // With the first two axes at right angles, the third lies in the plane square to the second.
     let third = u1.cross(u2);
     Some(BallAxes {
         frame: DMat3::from_cols(u1, u2, third),

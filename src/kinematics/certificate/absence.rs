@@ -33,6 +33,7 @@ pub fn has_no_pose(system: &System, inputs: &[f64]) -> bool {
     if too_long.any(|is| is) {
         return true;
     }
+    // Then the cube of all angles of each block, halved.
     let turns = WholeTurns::of(mechanism);
     let blocks = system.blocks().iter();
     let mut halvings = blocks.map(|block| Halving::new(mechanism, block, &turns));
@@ -83,6 +84,7 @@ fn has_too_long_a_side(mechanism: &Mechanism, item: &Loop, coordinates: &[Interv
         .iter()
         .map(PolygonSide::length)
         .collect();
+    // Sums are rounded upwards: the test only says so if it is true.
     let together = |skipped: usize| {
         let others = lengths.iter().enumerate().filter(|(k, _)| *k != skipped);
         others.fold(0.0, |sum: f64, (_, l)| (sum + l.hi).next_up())
@@ -177,6 +179,7 @@ impl<'m> Halving<'m> {
             let Some(piece) = pieces.pop() else {
                 return true;
             };
+            // Branch and bound without a bound: what cannot be excluded is halved.
             if !self.is_excluded(&piece) {
                 match self.halves(piece) {
                     Some(halves) => pieces.extend(halves),
@@ -194,6 +197,7 @@ impl<'m> Halving<'m> {
             .iter()
             .copied()
             .max_by(|a, b| width(a).total_cmp(&width(b)))?;
+        // Bisection of the widest angle.
         let Interval { lo, hi } = piece[widest];
         let middle = piece[widest].middle();
         let mut halves = [piece.clone(), piece];

@@ -24,16 +24,16 @@
 //! at the very same pose is a property of the dimensions, and those are known to some digits only. At the exact pose of the
 //! proved rows each of them is bounded, by the same test with the same digits. Where it is open by more than rounding and
 //! the digits of the dimensions explain, the pose is refused; else the bound is part of the certificate. The same holds for
-//! equations that the structure found empty at random poses, unless they vanish by the axes of the chain (`rows`).
+//! equations that the structure found empty at random poses, unless they vanish by the axes of the chain (`proof_plan`).
 //!
 //! Where arguments or equations are no affine forms, the test of [`tube`] with its interval arithmetic takes a pose that
 //! stands still: simpler, and a few times less sharp. The motion between poses is proved there too.
 
 pub mod absence;
+pub mod gaps;
 pub mod neighbourhood;
 pub mod observed;
 pub mod pose;
-pub mod rows;
 pub mod tube;
 
 use super::results::certificate::{Certificate, Reason};
@@ -50,7 +50,6 @@ use tube::Standing;
 pub struct Certifier<'m> {
     system: &'m System,
     prover: PoseProver<'m>,
-    has_redundant_rows: bool,
     /// The proof where there are formulas, once it is needed.
     standing: Option<Standing<'m>>,
 }
@@ -61,7 +60,6 @@ impl<'m> Certifier<'m> {
         Self {
             system,
             prover: PoseProver::new(system),
-            has_redundant_rows: rows::redundant_rows(system) > 0,
             standing: None,
         }
     }
@@ -106,8 +104,8 @@ impl<'m> Certifier<'m> {
         };
         // One Newton step from the proof; what rounding it leaves is added to the bound.
         let (mut error, mut moved) = (0.0_f64, 0.0_f64);
-        for system in &self.prover.systems {
-            for &slot in &system.unknowns {
+        for block in &self.prover.blocks {
+            for &slot in &block.of.unknowns {
                 let scale = self.system.mechanism().scale_of(slot);
                 let (step, rest) = (
                     self.prover.earlier.step[slot],
@@ -141,7 +139,7 @@ impl<'m> Certifier<'m> {
         let [least, largest] = self.system.mechanism().distance_units();
         let error_bound = error * largest * (1.0 + 1e-12);
         let unique_radius = radius * least * (1.0 - 1e-12);
-        if self.has_redundant_rows {
+        if self.system.redundant_rows() > 0 {
             return Certificate::Consistent {
                 error_bound,
                 unique_radius,

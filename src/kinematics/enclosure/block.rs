@@ -398,6 +398,7 @@ impl Centre {
         box_of: &[f64],
     ) {
         let m = region.count;
+        // A few more Krawczyk steps shrink the box that maps into itself.
         let narrowed = (0..SWEEPS).fold(box_of.to_vec(), |w, _| mapped.image(&w));
         let open = mapped.solved(&self.newton, box_of);
         let bends = self.rate_bends(mapped, box_of);
@@ -409,6 +410,7 @@ impl Centre {
             region.open[*slot] = open[i];
             let value = region.slots[*slot].nominal();
             let mut form = F::integral(value, open[i], region.rates_of(*slot));
+            // Of first order forms the plain tangent with the box may be tighter than the mean value form.
             if !F::BENT && form.beyond() > narrowed[i] {
                 form = F::linear(value, tangent, narrowed[i]);
             }

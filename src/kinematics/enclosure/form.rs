@@ -119,6 +119,7 @@ impl<const N: usize> DimensionForm for QuadraticForm<N> {
         for (k, rate) in rates.iter().enumerate() {
             form.line.slopes[k] = rate.line.value;
             for (l, slope) in rate.line.slopes.iter().enumerate() {
+                // ∂²f/∂k∂l comes from both rates: half from each.
                 form.bends[k.min(l)][k.max(l)] += 0.5 * slope;
                 size += slope.abs();
             }

@@ -66,6 +66,7 @@ impl<'e, const N: usize> Observer<'e, N> {
         sum: &mut Directed<N>,
     ) {
         let exact = Twists::new(steps, &self.centre, [0.0; 3]).end.point(point);
+        // The centre is computed with exact dimensions, the slopes with forms over their whole box.
         let along = |sum: Interval, k: usize| sum + exact[k].scale(direction[k]);
         sum.centre = (0..3).fold(sum.centre, along);
         let twists = Twists::new(steps, &self.forms, [0.0; 3]);

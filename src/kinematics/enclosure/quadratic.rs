@@ -52,7 +52,7 @@ impl<const N: usize> Quadratic<N> {
 
     /// A bound of `sign` times the function, and where that is greatest about.
     fn greatest(&self, sign: f64) -> (f64, Vec<f64>) {
-        let mut fixed = self.monotone(sign);
+        let mut fixed = self.monotone_ends(sign);
         let bound = self.bound(sign, &fixed);
         self.climb(sign, &mut fixed);
         let place = fixed.into_iter().map(|d| d.unwrap_or(0.0));
@@ -60,7 +60,7 @@ impl<const N: usize> Quadratic<N> {
     }
 
     /// Ends at which dimensions must stand where the function is greatest; `None` where that is open.
-    fn monotone(&self, sign: f64) -> Vec<Option<f64>> {
+    fn monotone_ends(&self, sign: f64) -> Vec<Option<f64>> {
         let mut fixed: Vec<Option<f64>> = vec![None; self.rates.len()];
         loop {
             let before = fixed.clone();
@@ -69,6 +69,8 @@ impl<const N: usize> Quadratic<N> {
                     continue;
                 }
                 let (mut middle, mut open) = (rate.value, rate.error);
+                // Derivative by dimension k over the rest of the box: fixed dimensions move its middle, open ones
+                // widen it.
                 for (slope, at) in rate.slopes.iter().zip(&fixed) {
                     middle += slope * at.unwrap_or(0.0);
                     open += if at.is_none() { slope.abs() } else { 0.0 };
@@ -128,6 +130,7 @@ impl<const N: usize> Quadratic<N> {
             for &k in &open {
                 let (linear, square) = (self.along(sign, k, at), sign * self.rates[k].slopes[k]);
                 let end = if linear < 0.0 { -1.0 } else { 1.0 };
+                // Along one axis the function is a parabola: its vertex, or the better end.
                 let inside = -linear / square;
                 at[k] = Some(match square < 0.0 && inside.abs() < 1.0 {
                     true => inside,

@@ -46,6 +46,7 @@ impl<F: DimensionForm> Region<F> {
         }
         for (k, tolerance) in list.iter().enumerate() {
             let slot = tolerance.slot;
+            // A dimension is its nominal value plus its half width times a variable in -1..1.
             let mut slopes = vec![0.0; count];
             slopes[k] = tolerance.half_width;
             region.slots[slot] = F::linear(pose[slot], &slopes, region.open[slot]);

@@ -41,6 +41,7 @@ impl<'m> Layout<'m> {
         let mut others: Vec<usize> = of_arguments.chain(of_equations).collect();
         others.sort_unstable();
         others.dedup();
+        // Unknowns of the block first, then what comes from outside.
         others.retain(|slot| block.columns.of(*slot).is_none());
         let slots = [block.unknowns.clone(), others].concat();
         Self {
@@ -71,8 +72,8 @@ impl<'m> Layout<'m> {
                 return [0.0; 3];
             }
             let twists = Twists::new(&item.chain.steps, &values, [0.0; 3]);
-            let count = twists.origins().count().max(1) as f64;
-            let sum = twists.origins().fold([0.0; 3], add_vectors);
+            let count = twists.rotation_origins().count().max(1) as f64;
+            let sum = twists.rotation_origins().fold([0.0; 3], add_vectors);
             let middle = sum.map(|c| c / count);
             match middle.iter().all(|c| c.is_finite()) {
                 true => middle,

@@ -121,6 +121,7 @@ impl<S: Scalar> Twists<S> {
             origin,
         } in &self.joints
         {
+            // A translation moves the end along its axis; a rotation turns it and moves it across the arm.
             let [turn, shift] = match joint.motion {
                 ElementaryMotion::Translation => [[zero; 3], axis.map(|c| c.scale(per_size))],
                 ElementaryMotion::Rotation => {
@@ -136,7 +137,7 @@ impl<S: Scalar> Twists<S> {
     }
 
     /// Origins of all rotations on the way.
-    pub fn origins(&self) -> impl Iterator<Item = Triple<S>> + '_ {
+    pub fn rotation_origins(&self) -> impl Iterator<Item = Triple<S>> + '_ {
         let turns = |noted: &&Noted<S>| noted.joint.motion == ElementaryMotion::Rotation;
         self.joints.iter().filter(turns).map(|noted| noted.origin)
     }

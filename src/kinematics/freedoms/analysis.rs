@@ -111,6 +111,7 @@ fn starts_singular(system: &System, actuation: &Actuation) -> bool {
         return false;
     }
     let mut corrector = Corrector::new(system);
+    // Ranks mean something at a closed pose only.
     let Ok(found) = assemble_pose(system, &mut corrector, &start, false) else {
         return false;
     };
@@ -133,6 +134,7 @@ fn refuse_unheld(
             workspace.evaluate(mechanism, &block, pose, Want::Jacobian);
             let columns = workspace.jacobian.chunks(block.rows().max(1));
             for (unknown, column) in block.unknowns.iter().zip(columns) {
+                // A column that is zero at every random pose is zero everywhere.
                 felt[*unknown] |= column.iter().any(|v| v.abs() > EMPTY || v.is_nan());
             }
         }

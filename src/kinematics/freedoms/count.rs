@@ -57,6 +57,7 @@ impl JointCount {
         });
         let spaces = loop_spaces(mechanism, &poses);
         let by_themselves: usize = spaces.iter().map(|s| s.joints - s.coordinates).sum();
+        // Freedoms that joints of several loops have in common must not be counted twice.
         let shared = (freedoms - independent).checked_sub(by_themselves);
         let is_by_coordinates = shared.is_none();
         let of_loop = |(item, space): (&Loop, Space)| LoopSpace {
@@ -258,6 +259,7 @@ fn each_twist(
     let mut end = Pose::IDENTITY;
     walk_chain(&item.chain.steps, &mut end, arguments, |here, joint| {
         let axis = here.rotation.col(joint.axis) * joint.sign;
+        // Twist in Plücker form: the velocity of the point at the origin, over the loop's size.
         let (unit, turn, speed) = match joint.motion {
             ElementaryMotion::Rotation => (1.0, axis, here.translation.cross(axis) / size),
             ElementaryMotion::Translation => (size, DVec3::ZERO, axis),

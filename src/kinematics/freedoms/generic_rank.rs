@@ -45,6 +45,7 @@ pub fn rank_of_rows(entries: &[f64], columns: usize) -> usize {
 pub fn random_poses(mechanism: &Mechanism) -> Vec<Vec<f64>> {
     let mut state = 0x9e37_79b9_7f4a_7c15_u64;
     let mut random = move || {
+        // Xorshift with a fixed seed: the same poses in every run.
         state ^= state << 13;
         state ^= state >> 7;
         state ^= state << 17;
@@ -131,6 +132,7 @@ fn step_towards(
         let mut pose = first.to_vec();
         let inputs = pose.iter_mut().zip(goal).skip(unknowns);
         inputs.for_each(|(from, to)| *from += share * (to - *from));
+        // Newton does not reach: a quarter of the way.
         share *= 0.25;
         let found = corrector.correct(system, &mut pose, Pace::Brisk);
         found.converged.then_some(pose)
@@ -182,6 +184,7 @@ impl<'a> Ranks<'a> {
         for pose in self.poses {
             workspace.evaluate(self.mechanism, block, pose, Want::Jacobian);
             largest = largest.max(gauge.measure(&workspace.jacobian, rows, columns).0);
+            // The rank cannot grow any more.
             if largest == rows.min(columns) {
                 break;
             }
@@ -203,6 +206,7 @@ impl<'a> Ranks<'a> {
                 list.push((pivot, pose));
             }
         }
+        // The larger the smallest pivot, the farther from a loss of rank.
         list.sort_by(|a, b| b.0.total_cmp(&a.0));
         list.into_iter().map(|(_, pose)| pose).collect()
     }

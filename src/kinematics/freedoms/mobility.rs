@@ -58,13 +58,15 @@ impl Mobility {
         let structure = system.structure();
         let whole = Whole::new(system);
         let poses = closed_poses(system, actuation);
-        let numeric: Vec<Numeric> = poses.iter().map(|pose| whole.numeric(pose)).collect();
+        // The rank at closed poses: what dimensions really allow, beside the count of Chebyshev, Grübler and
+        // Kutzbach.
+        let numeric: Vec<Numeric> = poses.iter().map(|pose| whole.numeric_count(pose)).collect();
         let used = whole.used.iter();
         let mut mobility = Self {
             count: JointCount::new(mechanism),
             coordinates: whole.used.len(),
             inputs: used.filter(|u| **u >= mechanism.unknowns.len()).count(),
-            at_start: start_pose(system, actuation).map(|pose| whole.numeric(&pose)),
+            at_start: start_pose(system, actuation).map(|pose| whole.numeric_count(&pose)),
             generic: numeric.into_iter().min_by_key(|n| n.mobility),
             redundant: Vec::new(),
             conditions: Vec::new(),
@@ -95,6 +97,7 @@ impl Mobility {
         }
         let mut space = whole.row_space(pose, |name| solved.contains(&name));
         for name in others {
+            // A row in the span of the solved ones is redundant; any other one restricts the inputs.
             let is_implied = !space.add(&whole.named_row(name, pose));
             match name {
                 RowName::Loop(index, component) if is_implied => {
@@ -179,7 +182,7 @@ impl Whole {
         }
     }
 
-    fn numeric(&self, pose: &[f64]) -> Numeric {
+    fn numeric_count(&self, pose: &[f64]) -> Numeric {
         let rank = self.row_space(pose, |_| true).rank();
         let mobility = self.used.len() - rank;
         Numeric { mobility, rank }
@@ -196,6 +199,7 @@ impl Whole {
             }
             let named = row_names(block).enumerate();
             let meant = named.filter(|(_, name)| wanted.contains(name));
+            // Sparse rows over all coordinates of the mechanism.
             rows.extend(meant.map(|(row, _)| sparse_row(block, &workspace, row)));
         }
         Fronts::new(rows, self.front_of.clone(), RANK)

@@ -210,6 +210,7 @@ fn released_slots(
     let matrix: Vec<f64> = rest.iter().flat_map(|j| column(*j)).copied().collect();
     let mut qr = PivotedQr::default();
     qr.factor(&matrix, rows, rest.len(), RANK);
+    // A unit rate of the released column; the others follow by least squares.
     let motion = |pivot: &usize| {
         let mut right_side: Vec<f64> = column(*pivot).iter().map(|v| -v).collect();
         let mut step = vec![0.0; rest.len()];
@@ -239,6 +240,7 @@ impl Spins {
             let unknowns: Vec<usize> = whole.unknowns.iter().copied().chain(own).collect();
             let columns = whole.unknowns.len()..unknowns.len();
             let (loops, equations) = (whole.loops.clone(), whole.equations.clone());
+            // The block with its held spins as columns once more.
             let block = block_of(mechanism, loops, equations, unknowns);
             (!columns.is_empty()).then(|| (block, columns.collect()))
         };
@@ -258,9 +260,10 @@ impl Spins {
                 pose,
             };
             for rates in released_slots(mechanism, block, pose, columns) {
-                let physical = site.with(&rates).physical();
+                let physical = site.with(&rates).physical_rates();
                 let walk = Walk::new(mechanism, pose, &physical, mechanism.size);
                 for (link, line) in lines.iter_mut().enumerate() {
+                    // A link that spins has a twist without pitch: its axis is the line.
                     let twist = walk.whole(&mechanism.joints.world_from_link(link));
                     *line = line.or_else(|| line_of(twist));
                 }
@@ -273,7 +276,12 @@ impl Spins {
 impl FreeMotion<'_> {
     /// `None` if it is not idle, else the lines about which links turn.
     fn idle_lines(&self) -> Option<AxisLines> {
-        let walk = Walk::new(self.mechanism, self.pose, &self.physical(), self.size());
+        let walk = Walk::new(
+            self.mechanism,
+            self.pose,
+            &self.physical_rates(),
+            self.size(),
+        );
         let common = |twists: Vec<Twist>| -> Option<Option<Line>> {
             twists.into_iter().try_fold(None, common_axis)
         };
@@ -291,7 +299,7 @@ impl FreeMotion<'_> {
 
     /// Whether no traced point and no output changes.
     fn is_unseen(&self) -> bool {
-        let rates = self.physical();
+        let rates = self.physical_rates();
         let pairs = self.pose.iter().zip(&rates);
         let series = pairs.map(|(q, r)| TaylorSeries::linear(*q, *r, 1));
         let series: Vec<_> = series.collect();
@@ -316,7 +324,7 @@ impl FreeMotion<'_> {
     }
 
     /// Rates of all coordinates in their own units.
-    fn physical(&self) -> Vec<f64> {
+    fn physical_rates(&self) -> Vec<f64> {
         let mut rates = vec![0.0; self.pose.len()];
         for (unknown, rate) in self.block.unknowns.iter().zip(self.rates) {
             rates[*unknown] = rate * self.mechanism.scale_of(*unknown);
@@ -326,13 +334,19 @@ impl FreeMotion<'_> {
 
     /// Whether every joint that takes part turns about a line of one of the motions.
     fn turns_about(&self, motions: &[AxisLines]) -> bool {
-        let walk = Walk::new(self.mechanism, self.pose, &self.physical(), self.size());
+        let walk = Walk::new(
+            self.mechanism,
+            self.pose,
+            &self.physical_rates(),
+            self.size(),
+        );
         let mut some = false;
         for (k, part) in self.block.loops.iter().enumerate() {
             for twist in walk.joints(&self.mechanism.loops[part.index].chain) {
                 let Some(line) = line_of(twist) else {
                     return false;
                 };
+                // Each joint that moves must turn about the spin's own line.
                 let mut known = motions.iter().filter_map(|lines| lines[k].as_ref());
                 if !known.any(|other| same_line(&line, other)) {
                     return false;

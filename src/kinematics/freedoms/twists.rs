@@ -61,10 +61,11 @@ impl Walk {
     }
 
     /// The joints of a chain in order, each with its own twist.
-    fn twists(&self, chain: &Chain) -> Vec<Twist> {
+    fn chain_twists(&self, chain: &Chain) -> Vec<Twist> {
         let mut twists = Vec::new();
         let mut end = Pose::IDENTITY;
         walk_chain(&chain.steps, &mut end, &self.arguments, |here, joint| {
+            // Twist of the joint at its rate, in the frame where the chain begins.
             let axis = here.rotation.col(joint.axis) * (joint.sign * self.rates[joint.argument]);
             twists.push(match joint.motion {
                 ElementaryMotion::Rotation => (axis, here.translation.cross(axis) / self.size),
@@ -80,9 +81,10 @@ impl Walk {
         let passages = mechanism.joints.along_loops[index].iter();
         let mut ends = passages.map(|passage| passage.steps.end).peekable();
         let (mut turn, mut speed, mut list) = (DVec3::ZERO, DVec3::ZERO, Vec::new());
-        let mut twists = self.twists(chain).into_iter();
+        let mut twists = self.chain_twists(chain).into_iter();
         for (k, step) in chain.steps.iter().enumerate() {
             if let Some((t, s)) = step.joint().and_then(|_| twists.next()) {
+                // Velocities of links are sums of the twists before them.
                 turn += t;
                 speed += s;
             }
@@ -95,14 +97,14 @@ impl Walk {
 
     /// Twists of the single joints that take part.
     pub fn joints(&self, chain: &Chain) -> Vec<Twist> {
-        let mut list = self.twists(chain);
+        let mut list = self.chain_twists(chain);
         list.retain(|(t, s)| t.length() > STILL || s.length() > STILL);
         list
     }
 
     /// Twist of the end of the chain.
     pub fn whole(&self, chain: &Chain) -> Twist {
-        let twists = self.twists(chain).into_iter();
+        let twists = self.chain_twists(chain).into_iter();
         twists.fold((DVec3::ZERO, DVec3::ZERO), |sum, own| {
             (sum.0 + own.0, sum.1 + own.1)
         })

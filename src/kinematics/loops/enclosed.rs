@@ -8,6 +8,7 @@ use crate::numbers::interval::Interval;
 /// Whether the loop is proved to be open wherever in these intervals its arguments are.
 pub fn is_open_throughout(item: &Loop, arguments: &[ArgumentValue<Interval>]) -> bool {
     let end = WalkFrame::at_end_of(&item.chain.steps, arguments);
+    // Closed means the identity: nine entries of the rotation and the origin.
     let is_turned = (0..3).any(|i| {
         (0..3).any(|j| {
             let wanted = if i == j {

@@ -24,6 +24,7 @@ pub fn closure_error(mechanism: &Mechanism, coordinates: &[f64]) -> f64 {
     let arguments = mechanism.argument_values(coordinates);
     let mut largest = 0.0_f64;
     let mut note = |value: f64| {
+        // NaN stays the largest once it is met.
         if value.is_nan() || value > largest {
             largest = value;
         }

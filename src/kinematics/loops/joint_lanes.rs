@@ -133,6 +133,7 @@ impl Twists {
         let mut before = *self;
         let parts = before.angular.0.iter_mut().chain(&mut before.linear.0);
         for (part, link) in parts.zip(link) {
+            // Prefix sums across the four lanes, carried on to the next group.
             let [a, b, c, d] = part.to_array();
             let first = *link + a;
             let second = first + b;
@@ -177,6 +178,7 @@ impl JointGroup {
     ) -> [Lanes; 6] {
         let (axis, origin) = (Vectors::of(&self.axis), Vectors::of(&self.origin));
         let (turns, slides) = (f64x4::new(planned.turns), f64x4::new(planned.slides));
+        // A rotation moves the loop's end across its arm; a translation along its axis.
         let arms = Vectors::splat(translation) - origin;
         let turn = axis.mapped(log_from_spin) * turns;
         let shift = (axis.cross(&arms) * turns + axis * slides) * f64x4::splat(per_size);
@@ -239,6 +241,7 @@ impl LaneFrame {
                     f64x4::splat(joint.sign * value.sin),
                     f64x4::splat(value.cos),
                 );
+                // The axis turned about stays; the other two columns turn in their plane.
                 let (b, c) = OTHERS[joint.axis & 3];
                 let (x, y) = (self.get(b), self.get(c));
                 self.0[b] = (x * cos + y * sin).to_array();

@@ -25,6 +25,7 @@ pub fn observed_slots<S: Scalar>(mechanism: &Mechanism, coordinates: &[S]) -> Ve
     }
     let mut scratch = Vec::new();
     for output in &mechanism.outputs {
+        // Outputs may use earlier ones, which are slots by now.
         let value = output.value_with(mechanism, &slots, &mut scratch);
         slots.push(value);
     }

@@ -102,6 +102,7 @@ impl BlockWorkspace {
             self.outer
                 .resize(lane_groups(rows) * plan.outer.len(), [0.0; 4]);
         }
+        // Joint values first, then the product and columns of every loop, then scalar equations.
         self.evaluate_arguments(site);
         self.joints.resize(plan.groups.len(), JointGroup::default());
         for item in &plan.loops {
@@ -131,6 +132,7 @@ impl BlockWorkspace {
             let value = if argument.is_formula {
                 site.mechanism.arguments[argument.index].value(site.coordinates, &mut self.values)
             } else {
+                // Affine arguments are dot products with the coordinates.
                 let terms = site.plan.shares[argument.shares.clone()].iter();
                 terms.fold(argument.constant, |sum, share| {
                     sum + share.coefficient * site.coordinates[share.slot]
@@ -159,6 +161,7 @@ impl BlockWorkspace {
         let noted = &mut self.joints[item.groups.clone()];
         for (joints, group) in fours.zip(noted) {
             for (lane, joint) in joints.iter().enumerate() {
+                // Axis and origin are those that the joint meets, before its own motion.
                 let (axis, origin) = frame.reach(joint);
                 for k in 0..3 {
                     group.axis[k][lane & 3] = axis[k];
@@ -178,6 +181,7 @@ impl BlockWorkspace {
         turn: DVec3,
         translation: DVec3,
     ) {
+        // The rotation vector's rate is the inverse left Jacobian of SO(3) times the angular velocity.
         let log_from_spin = left_jacobian_inverse(turn);
         let per_size = 1.0 / item.size;
         let planned = &site.plan.groups[item.groups.clone()];
@@ -212,6 +216,7 @@ impl BlockWorkspace {
         };
         self.gradient.resize(site.coordinates.len(), 0.0);
         let (values, adjoints) = (&mut self.values, &mut self.adjoints);
+        // Reverse mode: one pass for the derivatives by all coordinates.
         expression.add_gradient(site.coordinates, 1.0, &mut self.gradient, values, adjoints);
         for share in &site.plan.shares[planned.shares.clone()] {
             let factor = std::mem::take(&mut self.gradient[share.slot]) * share.scale;
@@ -246,6 +251,7 @@ impl BlockWorkspace {
             }
             return;
         }
+        // Value and gradient in one pass of reverse mode.
         self.gradient.resize(site.coordinates.len(), 0.0);
         let (values, adjoints) = (&mut self.values, &mut self.adjoints);
         let value = equation.expression.add_gradient(

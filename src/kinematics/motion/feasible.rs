@@ -65,6 +65,7 @@ fn sweep_input(system: &System, actuation: &Actuation, input: usize, middle: f64
     let mut from = actuation.inputs_at(0.0);
     let mut to = from.clone();
     (from[input], to[input]) = (middle - reach, middle + reach);
+    // The other inputs rest while this one sweeps its whole range.
     let swept = Actuation::straight(&from, &to, actuation.guess.clone());
     let steps = sweep_steps(mechanism);
     let times: Vec<f64> = (0..=steps).map(|k| k as f64 / steps as f64).collect();
@@ -98,6 +99,7 @@ fn merge_stretches(list: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
             _ => joined.push([from, to]),
         }
     }
+    // A single value is where a sweep came in, unless nothing else was found.
     let is_wide = |s: &[f64; 2]| s[1] - s[0] > TOUCHING * reach;
     if joined.iter().any(is_wide) {
         joined.retain(is_wide);

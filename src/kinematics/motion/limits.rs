@@ -61,6 +61,7 @@ fn refine_limit(mechanism: &Mechanism, actuation: &Actuation, samples: &[Sample]
     {
         ends.push(actuation.duration);
     }
+    // At least so many intervals over the motion, whatever the samples are.
     let parts = INTERVALS.div_ceil(ends.len().saturating_sub(1).max(1));
     let between = ends.windows(2).flat_map(|pair| {
         let (a, b) = (pair[0], pair[1]);
@@ -208,6 +209,7 @@ impl<'m> LimitSearch<'m> {
         let (p, q) = (low.pose.as_ref()?, high.pose.as_ref()?);
         let inputs = self.actuation.inputs_at(time);
         let ends = [&p.unknowns[..], &q.unknowns[..]];
+        // A closed pose between the two samples, and the exact rate there.
         let coordinates = self.solver.between(ends, share, &inputs, Pace::Brisk)?;
         let rates = FIRST.values(self.system, self.actuation, &coordinates, time)?;
         let rate = rates[self.names[quantity].1];

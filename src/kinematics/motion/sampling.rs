@@ -43,6 +43,7 @@ pub fn is_cyclic(mechanism: &Mechanism, actuation: &Actuation) -> bool {
     );
     let slots = mechanism.unknowns.len()..;
     slots.zip(start.iter().zip(&end)).all(|(slot, (a, b))| {
+        // Whole turns of an angle end where they began.
         let difference = match mechanism.kind_of(slot) {
             Kind::Angle => (b - a) - TAU * ((b - a) / TAU).round(),
             Kind::Length => (b - a) / mechanism.scale_of(slot),
@@ -58,6 +59,7 @@ pub fn frame_times(mechanism: &Mechanism, actuation: &Actuation, fps: f64) -> Ve
         .round()
         .max(1.0)
         .min(MAX_SAMPLES as f64) as usize;
+    // The end of a cycle is its beginning.
     let count = if is_cyclic(mechanism, actuation) {
         intervals
     } else {

@@ -79,6 +79,7 @@ fn residual_coefficient(
     for part in &block.loops {
         let item = &mechanism.loops[part.index];
         let end = WalkFrame::at_end_of(&item.chain.steps, &arguments);
+        // Coefficient k of the loop's product, as a residual.
         let six = residual_part(end.map(|c| c.coefficients()[k]), item.size);
         residual.extend(part.components.iter().map(|c| six[*c]));
     }
@@ -114,6 +115,7 @@ impl By {
                 let drives = actuation.drives.iter();
                 drives.map(|d| d.series(time, order)).collect()
             }
+            // The variable itself is the moving input; the others are constant.
             Self::Input(moving) => (0..given.len())
                 .map(|k| {
                     let rate = if k == moving { 1.0 } else { 0.0 };

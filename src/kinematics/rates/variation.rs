@@ -86,6 +86,7 @@ impl<'m> Variation<'m> {
                 mixed: 0.0,
             }));
         for (index, block) in structure.blocks.iter().enumerate() {
+            // Second derivatives block by block: J q'' = -(what first derivatives add up to).
             self.corrector.blocks[index].linearise(mechanism, block, pose);
             self.solve_block(index, block);
         }
@@ -124,6 +125,7 @@ impl<'m> Variation<'m> {
         for part in &block.loops {
             let item = &mechanism.loops[part.index];
             let end = WalkFrame::at_end_of(&item.chain.steps, &self.turns);
+            // Mixed part of the loop's product: second derivatives by both directions at once.
             let six = residual_part(end.map(|c| c.mixed), item.size);
             bend.extend(part.components.iter().map(|c| six[*c]));
         }
@@ -172,6 +174,7 @@ impl<'m> Variation<'m> {
         let mut right = vec![1.0 / (columns as f64).sqrt(); columns];
         let mut last = 0.0;
         for _ in 0..MAX_TURNS {
+            // Power iteration with (J Jᵀ)⁻¹ towards the smallest singular value.
             let left: Vec<f64> = (0..rows)
                 .map(|i| (0..columns).map(|j| right[j] * inverse.at(i, j)).sum())
                 .collect();
@@ -192,6 +195,7 @@ impl<'m> Variation<'m> {
                 .sum()
         };
         let left: Vec<f64> = (0..rows).map(along).collect();
+        // One product with J itself gives the value and the left vector.
         found.sigma = left.iter().map(|v: &f64| v * v).sum::<f64>().sqrt();
         found.left = left.into_iter().map(|v| v / found.sigma).collect();
         found.right = right;
@@ -214,6 +218,7 @@ impl<'m> Variation<'m> {
             self.slots[*unknown].first = mechanism.scale_of(*unknown) * v;
         }
         self.fill_bend(block);
+        // dσ = uᵀ dJ v, where dJ v is the mixed derivative along v and the tangent.
         let pairs = self.weakest.left.iter().zip(&self.bend);
         pairs.map(|(u, b)| u * b).sum()
     }

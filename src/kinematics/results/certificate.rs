@@ -40,6 +40,14 @@ pub enum Certificate {
 
 impl Certificate {
     /// Error bound and radius of uniqueness, unless nothing was proved.
+    ///
+    /// ```
+    /// # use mechanim::{Samples, Scene};
+    /// let motion = Scene::builtin("seven-r")?.solve(Samples::Even(10))?;
+    /// let bounds = motion.poses().filter_map(|pose| pose.certificate().bounds());
+    /// assert!(bounds.into_iter().all(|[error, unique]| error < unique));
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
     pub const fn bounds(&self) -> Option<[f64; 2]> {
         match *self {
             Self::Certified {
@@ -61,6 +69,14 @@ impl Certificate {
     }
 
     /// By how much redundant equations may be open, where they are bounded and not proved.
+    ///
+    /// ```
+    /// # use mechanim::{Samples, Scene};
+    /// let motion = Scene::builtin("bennett")?.solve(Samples::Even(10))?;
+    /// let gaps = motion.poses().filter_map(|pose| pose.certificate().closes_to());
+    /// assert!(gaps.into_iter().all(|gap| gap < 1e-9));
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
     pub const fn closes_to(&self) -> Option<f64> {
         match *self {
             Self::Consistent { closes_to, .. } => Some(closes_to),
@@ -92,6 +108,10 @@ pub enum Reason {
 
 impl Reason {
     /// The word used in reports.
+    ///
+    /// ```
+    /// assert_eq!(mechanim::Reason::Singular.word(), "near-singular");
+    /// ```
     pub const fn word(self) -> &'static str {
         match self {
             Self::Formula => "formula",

@@ -112,6 +112,7 @@ pub fn smallest_gap(system: &System, best: NotClosed) -> NotClosed {
     let mut coordinates = best.coordinates.clone();
     for block in &structure.blocks {
         let mut left = f64::INFINITY;
+        // Continuation in the weight of the rotations: turns first, then distances.
         for weight in TURNS_FIRST {
             descent.turn_weight = weight;
             left = descent.minimise(mechanism, block, &mut coordinates).1;
@@ -139,6 +140,7 @@ pub fn shake_start(mechanism: &Mechanism, attempt: usize, amplitude: f64, coordi
         .iter_mut()
         .enumerate()
     {
+        // Xorshift: 53 bits of it become a number in [-1, 1).
         state ^= state << 13;
         state ^= state >> 7;
         state ^= state << 17;
@@ -204,6 +206,7 @@ fn wrap_angles(
             continue;
         }
         let turns = turns.get_or_insert_with(|| WholeTurns::of(mechanism));
+        // A whole turn less is the same pose; a large angle lost digits before it was wrapped.
         if !turns.matter(slot) {
             any |= value.abs() > LOOSE_ANGLE;
             *value -= TAU * (*value / TAU).round();

@@ -43,7 +43,7 @@ impl KeptJacobians {
         self.at.extend_from_slice(coordinates);
         self.blocks.resize_with(system.blocks().len(), Vec::new);
         let blocks = &mut self.blocks;
-        corrector.jacobians(system, coordinates, |index, jacobian| {
+        corrector.block_jacobians(system, coordinates, |index, jacobian| {
             blocks[index].clear();
             blocks[index].extend_from_slice(jacobian);
         });
@@ -61,6 +61,7 @@ impl KeptJacobians {
             self.keep(system, corrector, from);
         }
         corrector.prepare(system, to);
+        // Weyl: singular values change by no more than the norm of the Jacobian's change.
         let most = SHARE_OF_SIGMAS * sigmas;
         (0..self.blocks.len()).all(|index| {
             let change = square_of_difference(corrector.jacobian(index), &self.blocks[index]);
@@ -77,7 +78,7 @@ impl KeptJacobians {
         let rows = inverse.rows().len();
         let columns = before.len() / rows.max(1);
         if columns >= LARGE {
-            return iterated(inverse, before, rows, columns) <= MOST_CHANGE;
+            return power_iteration(inverse, before, rows, columns) <= MOST_CHANGE;
         }
         let stride = lane_groups(columns);
         // The change I - A J is squared until its norm tells the spectral radius.
@@ -100,7 +101,7 @@ impl KeptJacobians {
 
 impl Corrector {
     /// The Jacobian of every block (column-major) at `coordinates`.
-    fn jacobians(
+    fn block_jacobians(
         &mut self,
         system: &System,
         coordinates: &[f64],
@@ -142,7 +143,7 @@ fn subtract_from_unit(column: &mut [Lanes], index: usize) {
 }
 
 /// Largest eigenvalue of E, by what its powers make of a vector without a pattern.
-fn iterated(inverse: &LaneMatrix, before: &[f64], rows: usize, columns: usize) -> f64 {
+fn power_iteration(inverse: &LaneMatrix, before: &[f64], rows: usize, columns: usize) -> f64 {
     // Power iteration on I - A J, from a vector that no symmetry favours.
     let mut vector: Vec<f64> = (1..=columns).map(|k| (k as f64 * 2.4).sin()).collect();
     let mut image = vec![[0.0; 4]; inverse.stride()];

@@ -122,7 +122,7 @@ impl BranchWatch {
 impl BranchWatch {
     /// Chooses other rows for over-determined blocks where the present ones are about to depend on each other though
     /// the block as a whole is regular. Signs go on as they were, so the pose must lie on the motion.
-    pub fn renew(&mut self, system: &System, corrector: &mut Corrector, coordinates: &[f64]) {
+    pub fn renew_rows(&mut self, system: &System, corrector: &mut Corrector, coordinates: &[f64]) {
         let structure = system.structure();
         if structure
             .blocks
@@ -143,11 +143,14 @@ impl BranchWatch {
                     return;
                 }
                 let old = branch_sign(jacobian, rows, columns, &rows_of[index], square, qr);
+                // Rows serve as long as their smallest pivot is a fair share of the block's smallest singular value.
                 if old == 0 || qr.smallest_pivot() >= WORN * c.sigma_min {
                     return;
                 }
                 let basis = row_basis(jacobian, rows, columns, qr);
                 let new = branch_sign(jacobian, rows, columns, &basis, square, qr);
+                // The pose is on the motion, so both determinants stand for one assembly: their product joins the
+                // signs.
                 if new != 0 {
                     turned[index] *= old * new;
                     rows_of[index] = basis;
@@ -179,6 +182,7 @@ fn row_basis(jacobian: &[f64], rows: usize, columns: usize, qr: &mut PivotedQr) 
             transposed[i * columns + j] = jacobian[j * rows + i];
         }
     }
+    // Column pivoting of the transposed matrix puts the most independent rows first.
     qr.factor(&transposed, columns, rows, 0.0);
     let mut basis: Vec<usize> = qr.column_order()[..columns.min(rows)].to_vec();
     basis.sort_unstable();
@@ -198,6 +202,7 @@ fn branch_sign(
     for j in 0..columns {
         square.extend(basis.iter().map(|i| jacobian[j * rows + i]));
     }
+    // The sign of the determinant follows from the reflections and exchanges of the factorisation.
     qr.factor(
         square,
         basis.len(),

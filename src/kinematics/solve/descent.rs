@@ -49,6 +49,8 @@ pub struct Descent {
     sparse: SparseLu,
     elimination: Elimination,
     inverse: LaneMatrix,
+    /// The weighted Jacobian, a column a row.
+    columns: LaneMatrix,
     matrix: Vec<f64>,
     right_side: Vec<f64>,
     step: Vec<f64>,
@@ -69,6 +71,7 @@ impl Default for Descent {
             sparse: SparseLu::default(),
             elimination: Elimination::default(),
             inverse: LaneMatrix::default(),
+            columns: LaneMatrix::default(),
             matrix: Vec::new(),
             right_side: Vec::new(),
             step: Vec::new(),
@@ -95,7 +98,7 @@ impl Descent {
         block: &Block,
         coordinates: &mut [f64],
     ) -> (u32, f64) {
-        self.weigh(block);
+        self.weigh_rows(block);
         let mut damping = FIRST_DAMPING;
         let mut iterations = 0;
         self.workspace
@@ -106,12 +109,14 @@ impl Descent {
                 break;
             }
             iterations += 1;
+            // Trial step: solve the damped normal equations, move, evaluate.
             self.damped_step(block, damping);
             self.advance_block(mechanism, block, coordinates);
             self.trial
                 .evaluate(mechanism, block, coordinates, Want::Jacobian);
             let trial_value = self.norm(&self.trial.residual);
             if trial_value < value {
+                // Accepted: nearer to Gauss-Newton. Refused: back, and nearer to steepest descent.
                 std::mem::swap(&mut self.workspace, &mut self.trial);
                 value = trial_value;
                 damping = (damping * 0.1).max(1e-15);
@@ -125,7 +130,7 @@ impl Descent {
     }
 
     /// Weights of the block's rows.
-    fn weigh(&mut self, block: &Block) {
+    fn weigh_rows(&mut self, block: &Block) {
         let turn_weight = self.turn_weight;
         let weight = |component: &usize| if *component < 3 { turn_weight } else { 1.0 };
         let components = block.loops.iter().flat_map(|part| &part.components);
@@ -152,6 +157,7 @@ impl Descent {
         if !done {
             self.dense_step(rows, columns, damping);
         }
+        // Trust region in scaled unknowns: no angle moves by more than the model is good for.
         let longest = self.step.iter().fold(0.0, |m: f64, s| m.max(s.abs()));
         if longest > MAX_STEP {
             self.step.iter_mut().for_each(|s| *s *= MAX_STEP / longest);
@@ -172,6 +178,7 @@ impl Descent {
         {
             return false;
         }
+        // |J⁻¹|² in the Frobenius norm bounds by how much damping would change the step.
         let square: f64 = self
             .inverse
             .rows()
@@ -182,6 +189,7 @@ impl Descent {
         }
         self.step.clear();
         self.step.resize(n, 0.0);
+        // x = -J⁻¹ r, column by column.
         for (column, residual) in self.inverse.rows().zip(&self.workspace.residual) {
             for (value, entry) in self.step.iter_mut().zip(column.as_flattened()) {
                 *value -= residual * entry;
@@ -196,12 +204,10 @@ impl Descent {
         let jacobian = &self.workspace.jacobian;
         self.sparse
             .begin_least_squares(jacobian, [rows, columns], |i| weights[i], damping);
-        if self.sparse.eliminate(0.0).is_none() {
+        if self.sparse.eliminate_rows(0.0).is_none() {
             return false;
         }
-        let residual = self.workspace.residual.iter().zip(&self.weights);
-        self.right_side.clear();
-        self.right_side.extend(residual.map(|(r, w)| -r * w));
+        self.set_right_side();
         self.right_side.resize(rows + columns, 0.0);
         let solution = self.sparse.solve(&self.right_side);
         self.step.clear();
@@ -211,10 +217,21 @@ impl Descent {
 
     /// By the normal equations, at a tenth of the price; false where the damping is too weak for them.
     fn well_damped_step(&mut self, rows: usize, columns: usize, damping: f64) -> bool {
-        let (jacobian, weights) = (&self.workspace.jacobian, &self.weights);
-        let weighted = |i: usize, j: usize| weights[i] * jacobian[j * rows + i];
-        let right = |i: usize| -weights[i] * self.workspace.residual[i];
-        damped_solution([rows, columns], weighted, right, damping, &mut self.step)
+        self.columns
+            .copy_rows(&self.workspace.jacobian, columns, rows);
+        for column in self.columns.rows_mut() {
+            let entries = column.as_flattened_mut().iter_mut().zip(&self.weights);
+            entries.for_each(|(entry, weight)| *entry *= weight);
+        }
+        self.set_right_side();
+        damped_solution(&self.columns, &self.right_side, damping, &mut self.step)
+    }
+
+    /// The weighted residual with its sign turned.
+    fn set_right_side(&mut self) {
+        let residual = self.workspace.residual.iter().zip(&self.weights);
+        self.right_side.clear();
+        self.right_side.extend(residual.map(|(r, w)| -r * w));
     }
 
     fn dense_step(&mut self, rows: usize, columns: usize, damping: f64) {
@@ -230,14 +247,7 @@ impl Descent {
             }
             self.matrix[j * tall + rows + j] = damping.sqrt();
         }
-        self.right_side.clear();
-        self.right_side.extend(
-            self.workspace
-                .residual
-                .iter()
-                .zip(&self.weights)
-                .map(|(r, w)| -r * w),
-        );
+        self.set_right_side();
         self.right_side.resize(tall, 0.0);
         self.step.resize(columns, 0.0);
         self.qr.factor(&self.matrix, tall, columns, 0.0);

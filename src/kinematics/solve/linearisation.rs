@@ -25,7 +25,7 @@ pub(crate) const REFINEMENTS: usize = 2;
 
 /// How far the linearisation of a block has come.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-enum Stage {
+enum LinearStage {
     /// Nothing, or at another pose.
     #[default]
     Stale,
@@ -42,7 +42,7 @@ pub(crate) struct Linearisation {
     qr: PivotedQr,
     elimination: Elimination,
     sparse: SparseLu,
-    stage: Stage,
+    stage: LinearStage,
     /// Values of the block's unknowns, then of the coordinates from outside, at the linearisation.
     at: Vec<f64>,
     /// Inverse (of a tall matrix the pseudo-inverse) with one row an equation, so that a solution is a sum of rows.
@@ -79,7 +79,8 @@ impl Linearisation {
     /// Residual and Jacobian at `coordinates`, unless they stand there already.
     pub(crate) fn evaluate(&mut self, mechanism: &Mechanism, block: &Block, coordinates: &[f64]) {
         let (own, outer) = (&block.unknowns, &block.plan.outer);
-        let known = self.stage >= Stage::Evaluated
+        // The block depends on its own unknowns and on those of earlier blocks; nothing else can have changed it.
+        let known = self.stage >= LinearStage::Evaluated
             && self.at.len() == own.len() + outer.len()
             && are_at(own, coordinates, &self.at[..own.len()])
             && are_at(outer, coordinates, &self.at[own.len()..]);
@@ -89,15 +90,15 @@ impl Linearisation {
             self.at.extend(slots.map(|slot| coordinates[*slot]));
             self.workspace
                 .evaluate(mechanism, block, coordinates, Want::Jacobian);
-            self.stage = Stage::Evaluated;
+            self.stage = LinearStage::Evaluated;
         }
     }
 
     /// Evaluates and factors at `coordinates`, unless that is done or the factors serve from a pose right beside it.
     pub(crate) fn linearise(&mut self, mechanism: &Mechanism, block: &Block, coordinates: &[f64]) {
         self.evaluate(mechanism, block, coordinates);
-        if self.stage < Stage::Factored && self.inverse_serves() {
-            self.stage = Stage::Factored;
+        if self.stage < LinearStage::Factored && self.inverse_serves() {
+            self.stage = LinearStage::Factored;
             self.beside = true;
         }
         self.factor(block);
@@ -116,13 +117,14 @@ impl Linearisation {
 
     /// Factors the Jacobian in the workspace, unless that is done.
     fn factor(&mut self, block: &Block) {
-        if self.stage == Stage::Factored {
+        if self.stage == LinearStage::Factored {
             return;
         }
         let (rows, columns) = (block.rows(), block.unknowns.len());
         let jacobian = &self.workspace.jacobian;
         self.factored.clone_from(jacobian);
         self.beside = false;
+        // A square block is inverted: sparse elimination if it fills in little, else Gauss-Jordan in lanes.
         let pivots = match rows == columns {
             true => (self.sparse.invert(jacobian, rows, &mut self.inverse))
                 .or_else(|| self.elimination.invert(jacobian, rows, &mut self.inverse)),
@@ -131,7 +133,7 @@ impl Linearisation {
                 let pivots = self
                     .sparse
                     .pseudo_invert(jacobian, shape, &mut self.inverse);
-                pivots.map(Pivots::unsigned)
+                pivots.map(Pivots::without_sign)
             }
         };
         self.eliminated = pivots.is_some();
@@ -147,7 +149,7 @@ impl Linearisation {
             }
             (self.sign, self.pivot) = (self.qr.determinant_sign(), self.qr.smallest_pivot());
         }
-        self.stage = Stage::Factored;
+        self.stage = LinearStage::Factored;
     }
 
     /// Singular values at the linearisation: iterated where that is reliable, else decomposed.
@@ -156,6 +158,7 @@ impl Linearisation {
         let jacobian = &self.workspace.jacobian;
         if self.has_inverse && columns > 0 {
             self.transposed.copy_rows(jacobian, columns, rows);
+            // Power iterations with J and its inverse are reliable well away from a loss of rank.
             if let Some((sigma_min, sigma_max)) = self.extremes.of(&self.transposed, &self.inverse)
                 && sigma_min > ITERATED_RATIO * sigma_max
             {
@@ -176,6 +179,7 @@ impl Linearisation {
         self.right_side.clear();
         self.right_side.extend_from_slice(&self.workspace.residual);
         self.solve(self.eliminated);
+        // Convergence is judged by the maximum norm; a step that is no number is infinitely long.
         let size = self.step.as_flattened().iter().fold(0.0, |m: f64, s| {
             if s.is_nan() {
                 f64::INFINITY
@@ -198,7 +202,7 @@ impl Linearisation {
 
     /// Moves the block's unknowns by the step, away from the linearisation.
     pub(super) fn take_step(&mut self, block: &Block, coordinates: &mut [f64]) {
-        self.stage = Stage::Stale;
+        self.stage = LinearStage::Stale;
         for (unknown, change) in self.changes(block) {
             coordinates[unknown] += change;
         }
@@ -206,7 +210,7 @@ impl Linearisation {
 
     /// The inverse of the Jacobian, or of one right beside it, if it has one.
     pub(super) fn inverse(&self) -> Option<&LaneMatrix> {
-        (self.stage == Stage::Factored && self.has_inverse).then_some(&self.inverse)
+        (self.stage == LinearStage::Factored && self.has_inverse).then_some(&self.inverse)
     }
 
     /// Sign of the determinant, zero unless square and regular.
@@ -234,6 +238,8 @@ impl Linearisation {
             self.right_side
                 .extend_from_slice(&self.workspace.drift.as_flattened()[..rows]);
             let columns = self.workspace.jacobian.chunks_exact(rows.max(1));
+            // Iterative refinement: the residual of the linear system, with the exact Jacobian, is solved for once
+            // more.
             for (column, step) in columns.zip(self.step.as_flattened()) {
                 for (left, entry) in self.right_side.iter_mut().zip(column) {
                     *left += step * entry;

@@ -70,6 +70,7 @@ impl Corrector {
             first_step: 0.0,
             residual: 0.0,
         };
+        // Block by block: a block's unknowns are inputs of the later ones.
         for index in 0..system.blocks().len() {
             let part = self.correct_block(system, index, coordinates, pace);
             total.iterations += part.iterations;
@@ -158,6 +159,7 @@ impl Corrector {
         let structure = system.structure();
         for (block, buffers) in structure.blocks.iter().zip(&mut self.blocks) {
             buffers.linearise(mechanism, block, coordinates);
+            // Right side: what the inputs and earlier blocks do to this block's equations.
             buffers.workspace.drift_along(&block.plan, rates);
             buffers.solve_drift();
             buffers.refine(REFINEMENTS);

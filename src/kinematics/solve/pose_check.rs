@@ -50,6 +50,7 @@ pub fn judge_pose(mechanism: &Mechanism, coordinates: &[f64], tolerance: f64) ->
     let loops = mechanism.loops.iter().map(|item| {
         let (angle, distance) = loop_gap(item, &arguments);
         let relative = distance / item.size;
+        // A half-turn is told by printed digits: offered poses come from books.
         let verdict = if angle <= tolerance && relative <= tolerance {
             LoopVerdict::Closed
         } else if (PI - angle).abs() <= PRINTED_DIGITS && relative <= PRINTED_DIGITS {

@@ -129,6 +129,7 @@ impl<'s> PoseSolver<'s> {
         let correction = match self.chart_at(coordinates) {
             None => self.corrector.correct(self.system, coordinates, pace),
             Some(chart) => {
+                // Near a gimbal lock: to the chart's coordinates, Newton there, and back to the nearest angles.
                 let mut own = chart.base(coordinates);
                 let mut corrector = Corrector::new(chart.system);
                 let correction = corrector.correct(chart.system, &mut own, pace);
@@ -192,6 +193,7 @@ impl<'s> PoseSolver<'s> {
         let (mut part, mut step) = (0.0, 0.5);
         while part < 1.0 {
             let next = f64::min(part + step, 1.0);
+            // A trusted step is kept; one that is not is tried at half its length.
             match self.step(&here, &inputs(next), HIGHEST_ORDER) {
                 Some(pose) => (here, part) = (pose, next),
                 None => step *= 0.5,
@@ -256,6 +258,7 @@ impl<'s> PoseSolver<'s> {
             return self.watch.observe(chart.system, &mut corrector, &own);
         }
         let mut state = self.observe_angles(coordinates);
+        // The sign of a ball joint's angle map is taken out of its block's determinant.
         for ball in self.system.balls() {
             state.signs[ball.block] *= ball.orientation(coordinates);
         }
@@ -293,7 +296,7 @@ impl<'s> PoseSolver<'s> {
     pub fn renew_rows(&mut self, coordinates: &[f64]) {
         if self.chart.is_none() {
             let corrector = &mut self.corrector;
-            self.watch.renew(self.system, corrector, coordinates);
+            self.watch.renew_rows(self.system, corrector, coordinates);
         }
     }
 
@@ -362,6 +365,7 @@ fn predict_in(chart: BallChart, from: &[f64], inputs: &[f64]) -> (Vec<f64>, Pred
         change[n + k] = input - own[n + k];
     }
     Corrector::new(chart.system).tangent(chart.system, &own, &mut change);
+    // The length of the step in scaled unknowns is what a correction is compared with.
     let scaled = (0..n).map(|k| (change[k] / mechanism.scale_of(k)).abs());
     let length = scaled.fold(0.0, f64::max);
     let moved: Vec<f64> = own.iter().zip(&change).map(|(q, d)| q + d).collect();

@@ -143,6 +143,7 @@ impl Predictor {
             let groups = plan.groups[range.clone()].iter();
             for (planned, series) in groups.zip(&mut self.groups[range]) {
                 let rates = &self.rates[..];
+                // The joints' Taylor coefficients of order k follow from those of lower order.
                 match k {
                     1 => series.advance::<1>(planned, rates, &mut link),
                     2 => series.advance::<2>(planned, rates, &mut link),

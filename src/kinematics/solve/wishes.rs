@@ -59,6 +59,7 @@ impl Wishes {
                     true => FAR_ANGLE,
                     false => FAR_SHARE * mechanism.scale_of(unknown),
                 },
+                // Whole turns do not count where nothing but rotations use the angle.
                 period: match is_turn && !turns.matter(unknown) {
                     true => TAU,
                     false => f64::INFINITY,
@@ -191,6 +192,7 @@ fn spelled_poses(system: &System, pose: Vec<f64>) -> Vec<Vec<f64>> {
         ball.rename(&mut other);
         let mut held = system.structure().held.iter();
         let is_kept = held.all(|held| other[held.unknown] == all[0][held.unknown]);
+        // The second set of angles must leave held coordinates and the closure as they are.
         if is_kept && closure_error(system.mechanism(), &other) <= CLOSED {
             all.push(other);
         }

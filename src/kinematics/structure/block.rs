@@ -97,7 +97,7 @@ pub enum StructureError {
 
 impl Structure {
     /// The block that solves the loop or equation `name`, if it has more equations than unknowns.
-    pub fn overfull(&self, mechanism: &Mechanism, name: &str) -> Option<&Block> {
+    pub fn overfull_block(&self, mechanism: &Mechanism, name: &str) -> Option<&Block> {
         let mut blocks = self.blocks.iter();
         blocks.find(|block| {
             let mut loops = block

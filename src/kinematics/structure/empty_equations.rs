@@ -55,6 +55,7 @@ fn angles_cancel(mechanism: &Mechanism, chain: &Chain, component: usize) -> bool
 fn is_zero_sum(mut list: Vec<Constant>) -> bool {
     let mut sum = Constant::exact(0.0);
     while let Some(c) = list.pop() {
+        // Equal numbers cancel exactly, also those that carry an error.
         match list.iter().position(|other| *other == -c) {
             Some(place) => {
                 list.swap_remove(place);

@@ -250,6 +250,7 @@ impl BlockPlan {
         let start = self.shares.len();
         for &(slot, coefficient) in terms {
             let own = column_of.of(slot);
+            // Own unknowns are scaled columns of the Jacobian; coordinates from outside come behind them, unscaled.
             let (column, scale) = match own {
                 Some(column) => (column, mechanism.scale_of(slot)),
                 None => (columns + self.outer_column(slot), 1.0),
@@ -326,6 +327,7 @@ impl BlockPlan {
                 item.formulas.push(joint);
                 continue;
             }
+            // Where column and factor of every joint go is known before any pose.
             for share in &self.shares[argument.shares.clone()] {
                 let (list, start) = match share.column.checked_sub(columns) {
                     None => (&mut item.own, share.column * rows),

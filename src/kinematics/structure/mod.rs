@@ -6,4 +6,6 @@ pub mod empty_equations;
 pub mod layout;
 pub mod loop_part;
 pub mod ordering;
+pub mod proof_chain;
+pub mod proof_plan;
 pub mod system;

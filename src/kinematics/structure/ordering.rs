@@ -55,6 +55,7 @@ impl Incidence {
             .collect();
         let uses: Vec<Vec<usize>> = members.iter().map(|m| unknowns_of(mechanism, m)).collect();
         let mut users = vec![Vec::new(); mechanism.unknowns.len()];
+        // The same incidence the other way round: from unknowns to members.
         for (member, uses) in uses.iter().enumerate() {
             uses.iter().for_each(|u| users[*u].push(member));
         }
@@ -75,10 +76,11 @@ impl Incidence {
         let mut known = vec![false; self.users.len()];
         held.iter().for_each(|u| known[*u] = true);
         let mut done = vec![false; self.members.len()];
+        // First what can be solved alone, then strongly connected components of the matching.
         let mut groups = self.peel(&mut known, &mut done);
         for rest in self.components(&known, &done) {
-            groups.extend(match self.matched(&rest, &known) {
-                Some(nodes) => self.sorted(nodes),
+            groups.extend(match self.matched_groups(&rest, &known) {
+                Some(nodes) => self.sorted_nodes(nodes),
                 None => vec![self.whole(rest, &known)],
             });
         }
@@ -121,7 +123,7 @@ impl Incidence {
         one.members.sort_unstable();
         one.unknowns.sort_unstable();
         others.push(one);
-        Some(self.sorted(others))
+        Some(self.sorted_nodes(others))
     }
 
     /// Everything in as few groups as there are connected parts.
@@ -198,11 +200,11 @@ impl Incidence {
     }
 
     /// Gives every open unknown of `rest` to a member with a free equation, if that is possible: one group a member.
-    fn matched(&self, rest: &[usize], known: &[bool]) -> Option<Vec<BlockGroup>> {
+    fn matched_groups(&self, rest: &[usize], known: &[bool]) -> Option<Vec<BlockGroup>> {
         let whole = self.whole(rest.to_vec(), known);
         let mut owned = vec![Vec::new(); self.members.len()];
         for unknown in whole.unknowns {
-            self.augment(unknown, &mut owned)?;
+            self.augmenting_path(unknown, &mut owned)?;
         }
         let group = |member: &usize| {
             let mut unknowns = std::mem::take(&mut owned[*member]);
@@ -216,7 +218,7 @@ impl Incidence {
     }
 
     /// Finds an owner for `unknown`, moving others from member to member along a shortest path.
-    fn augment(&self, unknown: usize, owned: &mut [Vec<usize>]) -> Option<()> {
+    fn augmenting_path(&self, unknown: usize, owned: &mut [Vec<usize>]) -> Option<()> {
         // From which unknown each member was reached.
         let mut reached: Vec<Option<usize>> = vec![None; self.members.len()];
         let mut owner_of: Vec<Option<usize>> = vec![None; self.users.len()];
@@ -260,7 +262,7 @@ impl Incidence {
 
     /// Joins groups that need each other's unknowns, and puts the rest in an order in which each needs earlier ones
     /// only: Tarjan's strongly connected components (SIAM J. Comput. 1, 1972), without recursion.
-    fn sorted(&self, nodes: Vec<BlockGroup>) -> Vec<BlockGroup> {
+    fn sorted_nodes(&self, nodes: Vec<BlockGroup>) -> Vec<BlockGroup> {
         let mut owner = vec![usize::MAX; self.users.len()];
         for (k, node) in nodes.iter().enumerate() {
             node.unknowns.iter().for_each(|u| owner[*u] = k);

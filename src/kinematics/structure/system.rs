@@ -2,9 +2,10 @@
 //! changed, and passed as one thing to everything that solves, proves or counts.
 
 use super::block::{Block, Structure};
+use super::proof_plan::ProofPlan;
 use crate::kinematics::ball::joint::{Ball, ball_joints};
 use crate::model::mechanism::Mechanism;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// A step of blocks up to this size is what a step costs; of larger ones it costs more, as elimination does, with the cube.
 const CHEAP_BLOCK: usize = 32;
@@ -19,6 +20,8 @@ pub struct System {
     structure: Structure,
     balls: Vec<Ball>,
     chart: Option<Box<System>>,
+    /// How its poses are proved; made when the first one is.
+    proof_plan: OnceLock<ProofPlan>,
 }
 
 impl System {
@@ -36,6 +39,7 @@ impl System {
             structure,
             balls: Vec::new(),
             chart: None,
+            proof_plan: OnceLock::new(),
         }
     }
 
@@ -68,6 +72,17 @@ impl System {
     /// Ball joints of the loops.
     pub fn balls(&self) -> &[Ball] {
         &self.balls
+    }
+
+    /// How its poses are proved.
+    pub fn proof_plan(&self) -> &ProofPlan {
+        let make = || ProofPlan::new(&self.mechanism, &self.structure);
+        self.proof_plan.get_or_init(make)
+    }
+
+    /// Number of equations beyond the unknowns that no proof can take: they are only bounded.
+    pub fn redundant_rows(&self) -> usize {
+        self.proof_plan().redundant_rows
     }
 
     /// The same mechanism with every ball joint described by a small rotation from a pose on; `None` if it has none.

@@ -46,10 +46,12 @@ impl Expression {
 fn confine_operands(op: Op, values: &mut [Interval]) -> Option<()> {
     match op {
         Op::Divide(_, b) | Op::Call(Function::Mod, _, b) => refuse_zero(values[b]),
-        Op::Call(Function::Sqrt, a, _) => confine(&mut values[a], NOT_BELOW_ZERO),
-        Op::Call(Function::Asin | Function::Acos, a, _) => confine(&mut values[a], UP_TO_ONE),
+        Op::Call(Function::Sqrt, a, _) => confine_operand(&mut values[a], NOT_BELOW_ZERO),
+        Op::Call(Function::Asin | Function::Acos, a, _) => {
+            confine_operand(&mut values[a], UP_TO_ONE)
+        }
         Op::Call(Function::Ln, a, _) => {
-            confine(&mut values[a], NOT_BELOW_ZERO)?;
+            confine_operand(&mut values[a], NOT_BELOW_ZERO)?;
             refuse_zero(values[a])
         }
         Op::Power(a, b) => {
@@ -57,7 +59,7 @@ fn confine_operands(op: Op, values: &mut [Interval]) -> Option<()> {
             let whole = exponent.lo.floor();
             let has_fraction = whole < exponent.lo && exponent.hi < whole + 1.0;
             if has_fraction {
-                confine(&mut values[a], NOT_BELOW_ZERO)?;
+                confine_operand(&mut values[a], NOT_BELOW_ZERO)?;
             }
             match exponent.hi < 0.0 {
                 true => refuse_zero(values[a]),
@@ -68,7 +70,7 @@ fn confine_operands(op: Op, values: &mut [Interval]) -> Option<()> {
     }
 }
 
-fn confine(value: &mut Interval, domain: Interval) -> Option<()> {
+fn confine_operand(value: &mut Interval, domain: Interval) -> Option<()> {
     let (lo, hi) = (value.lo.max(domain.lo), value.hi.min(domain.hi));
     *value = Interval::new(lo, hi);
     (lo <= hi).then_some(())

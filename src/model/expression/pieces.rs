@@ -4,7 +4,9 @@
 //! A kink is passed by either of its sides with what that is off at most. A jump cannot be passed: a piece is what the
 //! formula is up to the jump, and goes on beyond it as far as the time of the jump is unknown.
 
+use super::jumps::{Jump, Line, are_one, instant_of, line_of};
 use super::{Expression, Function, Op, apply_op};
+use crate::numbers::constant::Constant;
 use crate::numbers::interval::Interval;
 use crate::numbers::scalar::{Ring, Scalar};
 use crate::numbers::series::Series;
@@ -33,12 +35,21 @@ enum KinkSide {
     Whole(f64),
 }
 
+impl KinkSide {
+    fn whole(self) -> Option<f64> {
+        match self {
+            Self::Whole(whole) => Some(whole),
+            _ => None,
+        }
+    }
+}
+
 /// A formula of time over a stretch without jumps inside.
 #[derive(Clone, Debug)]
 pub struct TimePiece {
     sides: Vec<KinkSide>,
-    /// What jumps at the start, and at the end: a `floor` or `mod` with all that it is of.
-    pub jumps: [Option<Vec<Op>>; 2],
+    /// What jumps at the start, and at the end.
+    pub jumps: [Option<Jump>; 2],
 }
 
 /// Values of all operations over a stretch, without its ends, and about its ends with their rates.
@@ -75,46 +86,51 @@ impl Expression {
         };
         let clocks = [all, core].map(Series::constant);
         let end_clocks = abouts.map(|about| Series::linear(about, Interval::ONE, 1));
-        let canonical = self.canonical();
+        let canonical = self.canonical_operations();
         let mut r = Ranges {
             is_first: ends[0] == 0.0,
             all: Vec::new(),
             core: Vec::new(),
             ends: [Vec::new(), Vec::new()],
         };
-        let mut jumps: [Option<Op>; 2] = [None; 2];
+        let mut jumps: [Option<(Op, Option<Constant>)>; 2] = [None; 2];
+        let mut lines: Vec<Option<Line>> = Vec::with_capacity(self.ops().len());
         let mut sides = Vec::with_capacity(self.ops().len());
         for (k, op) in self.ops().iter().enumerate() {
             let mut side = kink_side(*op, |a| value_range(&r.all, a));
             if let Some((whole, here)) = r.whole(*op) {
                 let own = canonical[k];
-                // Of two jumps about the same time it is not known which one comes first.
-                let is_alone = |(jump, here): (&Option<Op>, bool)| {
-                    !here || jump.is_none_or(|other| other == own)
+                // Whole numbers between which it jumps at either end.
+                let passed = here.map(|passed| passed.map(|n| (own, instant_of(*op, &lines, n))));
+                // Of two jumps about the same time, but not at one, it is not known which one comes first.
+                let is_alone = |(jump, own): (&Option<(Op, _)>, &Option<(Op, _)>)| match (jump, own)
+                {
+                    (Some((other, at)), Some((own, time))) => other == own || are_one(*at, *time),
+                    _ => true,
                 };
-                if jumps.iter().zip(here).all(is_alone) {
+                if jumps.iter().zip(&passed).all(is_alone) {
                     side = KinkSide::Whole(whole);
-                    for (jump, _) in jumps.iter_mut().zip(here).filter(|(_, here)| *here) {
-                        *jump = Some(own);
+                    for (jump, own) in jumps.iter_mut().zip(passed) {
+                        *jump = jump.or(own);
                     }
                 }
             }
-            r.all.push(on_side(*op, side, &r.all, clocks[0]));
-            r.core.push(on_side(*op, side, &r.core, clocks[1]));
-            // What kinks there has no rate.
-            let plain = match side {
-                KinkSide::Operand(..) => KinkSide::Plain,
-                other => other,
-            };
+            r.all.push(within(*op, side, &r.all, clocks[0]));
+            r.core.push(within(*op, side, &r.core, clocks[1]));
             for (values, clock) in r.ends.iter_mut().zip(end_clocks) {
-                let value = on_side(*op, plain, values, clock);
+                let value = within(*op, side, values, clock);
                 values.push(value);
             }
+            lines.push(line_of(*op, &lines, side.whole()));
             sides.push(side);
         }
+        let with_operands = |(op, time): (Op, Option<Constant>)| Jump {
+            of: operation_tree(&canonical, op),
+            time,
+        };
         TimePiece {
             sides,
-            jumps: jumps.map(|jump| jump.map(|op| subtree(&canonical, op))),
+            jumps: jumps.map(|jump| jump.map(with_operands)),
         }
     }
 
@@ -177,7 +193,7 @@ impl Expression {
                 (None, KinkSide::Plain) if is_broken(*op) => return true,
                 (None, side) => side,
             };
-            values.push(on_side(*op, side, &values, Series::constant(time)));
+            values.push(within(*op, side, &values, Series::constant(time)));
         }
         false
     }
@@ -185,8 +201,8 @@ impl Expression {
     /// The first number at which all functions are on the sides that they are on at `to`.
     fn change(&self, from: f64, to: f64) -> f64 {
         let (mut low, mut high) = (from, to);
-        let far = self.state(to);
-        if self.state(from) == far {
+        let far = self.jump_state(to);
+        if self.jump_state(from) == far {
             return to;
         }
         loop {
@@ -194,7 +210,7 @@ impl Expression {
             if middle <= low || middle >= high {
                 return high;
             }
-            match self.state(middle) == far {
+            match self.jump_state(middle) == far {
                 true => high = middle,
                 false => low = middle,
             }
@@ -202,7 +218,7 @@ impl Expression {
     }
 
     /// On which sides the functions are.
-    fn state(&self, time: f64) -> Vec<f64> {
+    fn jump_state(&self, time: f64) -> Vec<f64> {
         let mut values: Vec<f64> = Vec::with_capacity(self.ops().len());
         let mut state = Vec::new();
         for op in self.ops() {
@@ -222,7 +238,7 @@ impl Expression {
     }
 
     /// The operations with equal ones told by the first of them.
-    fn canonical(&self) -> Vec<Op> {
+    fn canonical_operations(&self) -> Vec<Op> {
         let mut list: Vec<Op> = Vec::with_capacity(self.ops().len());
         let mut first: Vec<usize> = Vec::with_capacity(self.ops().len());
         for op in self.ops() {
@@ -236,7 +252,7 @@ impl Expression {
 }
 
 /// An operation with all that it is of, operands first: the same for the same written elsewhere.
-fn subtree(ops: &[Op], root: Op) -> Vec<Op> {
+fn operation_tree(ops: &[Op], root: Op) -> Vec<Op> {
     let (mut places, mut list) = (vec![None; ops.len()], Vec::new());
     if let Some(last) = ops.iter().position(|op| *op == root) {
         add_operation(ops, last, &mut places, &mut list);
@@ -256,15 +272,15 @@ fn add_operation(ops: &[Op], k: usize, places: &mut [Option<usize>], list: &mut 
 }
 
 impl Ranges {
-    /// The whole number that a jumping function gives between the ends, and at which of them it jumps; `None` for other
-    /// functions, and where that is open.
-    fn whole(&self, op: Op) -> Option<(f64, [bool; 2])> {
+    /// The whole number that a jumping function gives between the ends, and which one its quotient passes at either end;
+    /// `None` for other functions, and where that is open.
+    fn whole(&self, op: Op) -> Option<(f64, [Option<f64>; 2])> {
         let core = step_argument(op, &self.core)?;
         let whole = core.lo.floor();
         if core.hi.floor() != whole {
             return None;
         }
-        let mut here = [false; 2];
+        let mut here = [None; 2];
         for (end, (here, values)) in here.iter_mut().zip(&self.ends).enumerate() {
             let series = match op {
                 Op::Call(Function::Mod, a, b) => values[a] / values[b],
@@ -280,13 +296,14 @@ impl Ranges {
             if end == 0 && self.is_first && falls && value.lo.floor() == whole {
                 continue;
             }
-            // It passes one whole number, and once.
-            let is_once = value.hi.floor() - value.lo.floor() == 1.0;
+            // It passes one whole number, and once, though it may rest there.
+            let is_one = value.hi.floor() - value.lo.floor() == 1.0;
             let is_next = value.lo.floor() == whole || value.hi.floor() == whole;
-            if !is_once || !is_next || !rate.is_finite() || rate.holds_zero() {
+            let is_once = rate.is_finite() && (rate.lo >= 0.0 || rate.hi <= 0.0);
+            if !is_one || !is_next || !is_once {
                 return None;
             }
-            *here = true;
+            *here = Some(value.hi.floor());
         }
         Some((whole, here))
     }
@@ -352,6 +369,46 @@ fn on_side<const N: usize>(
         (_, KinkSide::Whole(n)) => Series::number(n),
         _ => apply_op(op, values, &[time]),
     }
+}
+
+/// All values that an operation may have, and all its rates: about a kink those of both sides.
+fn within<const N: usize>(
+    op: Op,
+    side: KinkSide,
+    values: &[Series<Interval, N>],
+    time: Series<Interval, N>,
+) -> Series<Interval, N> {
+    match op {
+        Op::Call(Function::Abs, a, _) => {
+            let mut size = greater(values[a], -values[a]);
+            let Interval { lo, hi } = size.coefficients()[0];
+            size.set(0, Interval::new(lo.max(0.0), hi));
+            size
+        }
+        Op::Call(Function::Max, a, b) => greater(values[a], values[b]),
+        Op::Call(Function::Min, a, b) => -greater(-values[a], -values[b]),
+        _ => on_side(op, side, values, time),
+    }
+}
+
+/// The greater one of two values, with the rates that it may have.
+fn greater<const N: usize>(a: Series<Interval, N>, b: Series<Interval, N>) -> Series<Interval, N> {
+    let ([x, y], length) = ([a.coefficients()[0], b.coefficients()[0]], N - 1);
+    if !x.is_finite() || !y.is_finite() {
+        return Series::constant(Interval::ENTIRE);
+    }
+    if x.lo >= y.hi {
+        return a;
+    }
+    if y.lo >= x.hi {
+        return b;
+    }
+    let value = Interval::new(x.lo.max(y.lo), x.hi.max(y.hi));
+    let rate = match (a.coefficients().get(1), b.coefficients().get(1)) {
+        (Some(p), Some(q)) => Interval::new(p.lo.min(q.lo), p.hi.max(q.hi)),
+        _ => Interval::ZERO,
+    };
+    Series::linear(value, rate, length)
 }
 
 /// Parts side by side as one.

@@ -53,13 +53,13 @@ impl LinkGraph {
     }
 
     fn add_loop(&mut self, index: usize, item: &Loop) {
-        let before = self.cycles();
+        let before = self.independent_cycles();
         self.size = item.size;
         let steps = &item.chain.steps;
         let (base, path) = self.follow(LinkFrame::WORLD, &item.base.steps);
         self.paths.bases[index] = path;
         let known = match item.base.steps.is_empty() {
-            true => self.anchor(item),
+            true => self.loop_anchor(item),
             false => None,
         };
         let anchor = known.unwrap_or(JointAnchor {
@@ -84,7 +84,7 @@ impl LinkGraph {
         self.closes[index] = match item.closes {
             Closes::Frame => {
                 self.join(start, end);
-                self.cycles() > before
+                self.independent_cycles() > before
             }
             // Its three equations are its own.
             Closes::Point => true,
@@ -92,7 +92,7 @@ impl LinkGraph {
     }
 
     /// Where a loop meets the most of what is known; `None` if it meets nothing.
-    fn anchor(&self, item: &Loop) -> Option<JointAnchor> {
+    fn loop_anchor(&self, item: &Loop) -> Option<JointAnchor> {
         let steps = &item.chain.steps;
         let world = JointAnchor {
             step: 0,

@@ -1,7 +1,8 @@
 //! Joints, links and where chains pass them, as values.
 
 use crate::math::Pose;
-use crate::model::chain::{Chain, ChainStep};
+use crate::model::chain::{ArgumentValue, Chain, ChainStep};
+use crate::model::walk::walk_chain;
 use std::ops::Range;
 
 /// Axes meet, or are parallel, or frames agree, if they miss it by no more than this (radians, sizes): the rounding of
@@ -78,7 +79,7 @@ impl Joint {
     }
 
     /// Whether it connects the two links.
-    fn connects(&self, a: usize, b: usize) -> bool {
+    fn connects_links(&self, a: usize, b: usize) -> bool {
         let own = [self.before.link, self.after.link];
         own == [a, b] || own == [b, a]
     }
@@ -144,6 +145,22 @@ pub struct Joints {
 }
 
 impl Joints {
+    /// World from every link. Each part of the ways is walked once: of links far out on each other, each chain by itself is as
+    /// long as there are links.
+    pub fn link_poses(&self, arguments: &[ArgumentValue]) -> Vec<Pose> {
+        let mut ends: Vec<Pose> = Vec::with_capacity(self.routes.len());
+        for part in &self.routes {
+            // Parts come behind those that they go on from; the first one is the frame.
+            let mut here = ends.get(part.before).copied().unwrap_or(Pose::IDENTITY);
+            walk_chain(&part.steps, &mut here, arguments, |_, _| {});
+            ends.push(here);
+        }
+        let routes = self.links.iter().map(|link| link.route);
+        routes
+            .map(|part| ends.get(part).copied().unwrap_or(Pose::IDENTITY))
+            .collect()
+    }
+
     /// Chain from the world to a link.
     pub fn world_from_link(&self, link: usize) -> Chain {
         let mut parts = Vec::new();
@@ -177,6 +194,6 @@ impl Joints {
     /// The joint that connects two bodies with nothing between.
     pub fn between(&self, a: usize, b: usize) -> Option<&Joint> {
         let [a, b] = [a, b].map(|body| self.of_body[body]);
-        self.list.iter().find(|joint| joint.connects(a, b))
+        self.list.iter().find(|joint| joint.connects_links(a, b))
     }
 }

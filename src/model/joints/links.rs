@@ -197,7 +197,7 @@ impl LinkGraph {
     }
 
     /// Independent cycles of the graph, which is connected.
-    pub(super) fn cycles(&self) -> i64 {
+    pub(super) fn independent_cycles(&self) -> i64 {
         let [links, edges] = [self.at.len(), self.edges.len()].map(|count| count as i64);
         (edges - self.merged[1]) - (links - self.merged[0]) + 1
     }
@@ -261,7 +261,7 @@ impl LinkGraph {
             [false, true].into_iter().find_map(|is_inverse| {
                 let [from, to] = self.ends(edge, is_inverse);
                 let apart = from.link_from_here.inverse() * axis;
-                let is_it = from.link == here.link && self.commutes(met.motion, &apart);
+                let is_it = from.link == here.link && self.commutes_with(met.motion, &apart);
                 let crossing = LoopCrossing {
                     edge: *index,
                     is_inverse,
@@ -334,7 +334,7 @@ impl LinkGraph {
     }
 
     /// Whether a pose between two frames of an axis along z leaves the motion as it is.
-    fn commutes(&self, motion: ElementaryMotion, apart: &Pose) -> bool {
+    fn commutes_with(&self, motion: ElementaryMotion, apart: &Pose) -> bool {
         let tilted = (apart.rotation.z_axis - DVec3::Z).length();
         let aside = match motion {
             ElementaryMotion::Rotation => apart.translation.truncate().length() / self.size,
@@ -418,7 +418,7 @@ impl LinkGraph {
                 return None;
             }
             let apart = from.link_from_here.inverse() * from_other.link_from_here;
-            if !self.commutes(one.motion, &apart) {
+            if !self.commutes_with(one.motion, &apart) {
                 return None;
             }
             let behind = to.moved(apart);

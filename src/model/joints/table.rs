@@ -56,7 +56,7 @@ fn joint_table(mechanism: &Mechanism, graph: &Finished) -> Joints {
     let passages = [&along_bodies, &along_bases, &along_loops].map(Vec::as_slice);
     let chains = Chains::new(mechanism, graph, passages);
     let joint = |(index, run): (usize, &MotionRun)| {
-        let (steps, ends) = chains.spelled(index)?;
+        let (steps, ends) = chains.spelled_steps(index)?;
         let [before, after] = ends.map(|frame| LinkFrame {
             link: numbers.get(frame.link),
             ..frame
@@ -168,7 +168,7 @@ impl<'a> Chains<'a> {
 
     /// The steps of a joint, forwards, as the first chain that passes it has them, and the frames before and
     /// behind them.
-    fn spelled(&self, joint: usize) -> Option<(Vec<ChainStep>, [LinkFrame; 2])> {
+    fn spelled_steps(&self, joint: usize) -> Option<(Vec<ChainStep>, [LinkFrame; 2])> {
         let (chain, path, passage) = self.first.get(&joint)?;
         let steps = &chain.steps[passage.steps.clone()];
         let from = path[passage.steps.start]?.from;

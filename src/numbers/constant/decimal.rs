@@ -43,6 +43,7 @@ impl Digits {
                 return None;
             }
             let value = u128::from(digit - b'0');
+            // Digits up to the point raise the number; digits behind it lower the power of ten.
             if count < MOST_DIGITS {
                 digits.whole = digits.whole * 10 + value;
                 count += usize::from(digits.whole > 0);

@@ -32,9 +32,11 @@ impl Constant {
 
     /// exp of a number whose error does not count.
     fn exponential(x: DoubleDouble) -> DoubleDouble {
+        // Argument reduction: exp x = 2^k exp(x - k ln 2).
         let twos = (x.hi / LN_2).round();
         let rest = x - LN_TWO * twos;
         let one = DoubleDouble::from(1.0);
+        // Taylor series of the rest by Horner's rule.
         let series = (1..=EXPONENTIAL_TERMS).rev().fold(one, |sum, k| {
             one + (rest * sum).over(DoubleDouble::from(k as f64))
         });
@@ -130,6 +132,7 @@ impl Scalar for Constant {
             let largest = (a.max(0.0) + e).sqrt();
             return Self::with_error(DoubleDouble::from(a.max(0.0).sqrt()), largest);
         }
+        // One Newton step from the root in f64 doubles its digits.
         let first = a.sqrt();
         let square = DoubleDouble::product(first, first);
         let value =
@@ -211,6 +214,7 @@ impl Scalar for Constant {
     /// A root or power of zero has no logarithm.
     fn power(self, exponent: Self) -> Self {
         match exponent.as_number() {
+            // Whole powers by repeated squaring, the square root by its own function, all others as exp(e ln x).
             Some(e) if e.fract() == 0.0 && e.abs() <= LARGEST_WHOLE_POWER => {
                 let product = self.whole_power(e.abs() as u32);
                 if e < 0.0 {

@@ -20,7 +20,7 @@ pub struct Desk {
 }
 
 /// What a question is answered with.
-enum Answer {
+enum LiveAnswer {
     Text(Value),
     Bytes(Vec<u8>),
 }
@@ -32,28 +32,28 @@ impl Desk {
             Ok(question) => self.answer_to(&question),
             Err(error) => Err(LiveError::Asked(error.to_string())),
         };
-        match answer.unwrap_or_else(|error| Answer::Text(error.json())) {
-            Answer::Text(value) => {
+        match answer.unwrap_or_else(|error| LiveAnswer::Text(error.json())) {
+            LiveAnswer::Text(value) => {
                 let text = value.to_string().into_bytes();
                 debug_assert_eq!(text.first(), Some(&TEXT));
                 text
             }
-            Answer::Bytes(bytes) => [&[BYTES], &bytes[..]].concat(),
+            LiveAnswer::Bytes(bytes) => [&[BYTES], &bytes[..]].concat(),
         }
     }
 
-    fn answer_to(&mut self, question: &Value) -> Result<Answer, LiveError> {
+    fn answer_to(&mut self, question: &Value) -> Result<LiveAnswer, LiveError> {
         let number = question["number"].as_u64().unwrap_or(0) as usize;
         let word = |name: &str| question[name].as_str().unwrap_or_default();
         if word("ask") == "open" {
-            let scene = open(number, question)?;
+            let scene = open_scene(number, question)?;
             let mut state = scene.state(match question["shapes"] == true {
                 true => Shapes::InView,
                 false => Shapes::Known,
             });
             state["sliders"] = scene.sliders();
             self.scenes.insert(number, scene);
-            return Ok(Answer::Text(state));
+            return Ok(LiveAnswer::Text(state));
         }
         let scene = self.scenes.get_mut(&number);
         let scene = scene.ok_or_else(|| LiveError::Asked(format!("scene {number} is not open")))?;
@@ -61,45 +61,45 @@ impl Desk {
         let answer = match word("ask") {
             "move" => {
                 let stopped = scene.move_to(word("name"), word("value"))?;
-                Answer::Text(moved(scene, stopped.as_ref()))
+                LiveAnswer::Text(moved_state(scene, stopped.as_ref()))
             }
             "drive" => {
-                let stopped = scene.drive(time, &numbers(&question["inputs"]))?;
-                Answer::Text(moved(scene, stopped.as_ref()))
+                let stopped = scene.drive(time, &named_numbers(&question["inputs"]))?;
+                LiveAnswer::Text(moved_state(scene, stopped.as_ref()))
             }
             "release" => {
                 scene.hand = None;
-                Answer::Text(moved(scene, None))
+                LiveAnswer::Text(moved_state(scene, None))
             }
             "assemble" => {
                 let name = question["name"].as_str();
                 scene.assemble(name.map(|name| (name, word("value"))))?;
-                Answer::Text(moved(scene, None))
+                LiveAnswer::Text(moved_state(scene, None))
             }
             "settle" => {
                 let depth = question["depth"].as_u64().unwrap_or(2) as usize;
-                Answer::Text(scene.settled(depth)?)
+                LiveAnswer::Text(scene.settled(depth)?)
             }
-            "toml" => Answer::Text(json!({ "text": scene.text() })),
-            "csv" => Answer::Bytes(scene.csv()),
-            "picture" => Answer::Bytes(scene.picture(time, size(question))?.into_raw()),
-            "png" => Answer::Bytes(scene.png(time, size(question))?),
-            "gif" => Answer::Bytes(scene.gif(size(question))?),
+            "toml" => LiveAnswer::Text(json!({ "text": scene.text() })),
+            "csv" => LiveAnswer::Bytes(scene.csv()),
+            "picture" => LiveAnswer::Bytes(scene.picture(time, picture_size(question))?.into_raw()),
+            "png" => LiveAnswer::Bytes(scene.png(time, picture_size(question))?),
+            "gif" => LiveAnswer::Bytes(scene.gif(picture_size(question))?),
             other => return Err(LiveError::Asked(format!("nobody answers `{other}`"))),
         };
         Ok(answer)
     }
 }
 
-fn open(number: usize, question: &Value) -> Result<LiveScene, LiveError> {
+fn open_scene(number: usize, question: &Value) -> Result<LiveScene, LiveError> {
     let word = |name: &str| question[name].as_str().unwrap_or_default().to_owned();
     let source = Source {
         name: word("source"),
         text: word("text"),
     };
     let overrides = Overrides {
-        parameters: pairs(&question["parameters"]),
-        guess: pairs(&question["guess"]),
+        parameters: named_texts(&question["parameters"]),
+        guess: named_texts(&question["guess"]),
         ..Overrides::default()
     };
     LiveScene::open(
@@ -111,7 +111,7 @@ fn open(number: usize, question: &Value) -> Result<LiveScene, LiveError> {
 }
 
 /// The state after a move, and where the way ended if it did not lead there.
-fn moved(scene: &mut LiveScene, stopped: Option<&Way>) -> Value {
+fn moved_state(scene: &mut LiveScene, stopped: Option<&Way>) -> Value {
     let shapes = match scene.is_reshaped() {
         true => Shapes::Changed,
         false => Shapes::Known,
@@ -124,21 +124,21 @@ fn moved(scene: &mut LiveScene, stopped: Option<&Way>) -> Value {
 }
 
 /// `[[name, text], …]`
-fn pairs(value: &Value) -> Vec<(String, String)> {
+fn named_texts(value: &Value) -> Vec<(String, String)> {
     let list = value.as_array().into_iter().flatten();
     list.filter_map(|pair| Some((pair[0].as_str()?.to_owned(), pair[1].as_str()?.to_owned())))
         .collect()
 }
 
 /// `[[name, number], …]`
-fn numbers(value: &Value) -> Vec<(String, f64)> {
+fn named_numbers(value: &Value) -> Vec<(String, f64)> {
     let list = value.as_array().into_iter().flatten();
     list.filter_map(|pair| Some((pair[0].as_str()?.to_owned(), pair[1].as_f64()?)))
         .collect()
 }
 
-/// `[width, height]`, as `render` has it where nothing is said.
-fn size(question: &Value) -> [u32; 2] {
+/// `[width, height]`, as `render` has it by default.
+fn picture_size(question: &Value) -> [u32; 2] {
     let side = |k: usize, usual: u32| {
         let side = question["size"][k]
             .as_u64()

@@ -6,7 +6,6 @@ use crate::export::gif::Quality;
 use crate::export::png::{Effort, encode_png};
 use crate::export::raw::Chroma;
 use crate::export::{Format, Stream};
-use crate::kinematics::certificate::rows::redundant_rows;
 use crate::kinematics::motion::continuation::solve_until;
 use crate::kinematics::motion::proved::{Proofs, solve_proved};
 use crate::kinematics::motion::sampling::frame_times;
@@ -93,7 +92,7 @@ impl LiveScene {
     /// Errors: a size that cannot be drawn.
     pub fn gif(&self, size: [u32; 2]) -> Result<Vec<u8>, LiveError> {
         let film = self.film();
-        let memory = Memory::default();
+        let memory = FilmBuffer::default();
         self.drawn(&film, size, |pictures| {
             let settings = FilmSettings {
                 format: &Format::Gif,
@@ -133,7 +132,7 @@ impl LiveScene {
             solve_proved(system, &scene.actuation, &times, Proofs::Poses, &|| false)
         });
         let columns = Columns {
-            redundant: redundant_rows(system) > 0,
+            redundant: system.redundant_rows() > 0,
             ..Columns::default()
         };
         let mut table = Vec::new();
@@ -150,15 +149,15 @@ impl LiveScene {
 
 /// A file in memory, to be taken when it is complete.
 #[derive(Clone, Default)]
-struct Memory(Arc<Mutex<Vec<u8>>>);
+struct FilmBuffer(Arc<Mutex<Vec<u8>>>);
 
-impl Memory {
+impl FilmBuffer {
     fn taken(&self) -> Vec<u8> {
         std::mem::take(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
     }
 }
 
-impl Write for Memory {
+impl Write for FilmBuffer {
     fn write(&mut self, bytes: &[u8]) -> Written<usize> {
         let mut file = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         file.extend_from_slice(bytes);

@@ -45,14 +45,14 @@ impl Follower {
         let names = [name.to_owned()];
         Ok(Self {
             name: name.to_owned(),
-            others: others(overrides, name),
+            others: other_overrides(overrides, name),
             family: ParametricMechanism::varying(source, overrides, &names)?,
         })
     }
 
     /// Whether it is of this parameter, with the others as they are.
     pub fn fits(&self, overrides: &Overrides, name: &str) -> bool {
-        self.name == name && self.others == others(overrides, name)
+        self.name == name && self.others == other_overrides(overrides, name)
     }
 
     /// What one of the file's units is inside.
@@ -104,7 +104,7 @@ impl Follower {
     }
 }
 
-fn others(overrides: &Overrides, name: &str) -> Vec<(String, String)> {
+fn other_overrides(overrides: &Overrides, name: &str) -> Vec<(String, String)> {
     let list = overrides.parameters.iter();
     list.filter(|(other, _)| other != name).cloned().collect()
 }

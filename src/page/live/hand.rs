@@ -11,7 +11,7 @@ impl LiveScene {
     ///
     /// Errors: no such input; no pose to begin at.
     pub fn drive(&mut self, time: f64, wanted: &[(String, f64)]) -> Result<Option<Way>, LiveError> {
-        let (start, pose) = self.standing(time)?;
+        let (start, pose) = self.standing_pose(time)?;
         let mut inputs = start.inputs.clone();
         for (name, value) in wanted {
             let known = self.mechanism().inputs.iter();
@@ -31,7 +31,7 @@ impl LiveScene {
     }
 
     /// Where the mechanism stands: as it is held, or at the sample nearest to a time.
-    fn standing(&self, time: f64) -> Result<(Sample, ClosedPose), LiveError> {
+    fn standing_pose(&self, time: f64) -> Result<(Sample, ClosedPose), LiveError> {
         let held = self.hand.as_ref();
         let off = |s: &&Sample| (s.time - time).abs();
         let posed = self.now.motion.samples.iter().filter(|s| s.pose.is_some());

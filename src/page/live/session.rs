@@ -69,7 +69,7 @@ impl LiveScene {
         overrides: Overrides,
         asked: LiveAsked,
     ) -> Result<Self, LiveError> {
-        let now = opened(&source, &overrides, &asked)?;
+        let now = opened_scene(&source, &overrides, &asked)?;
         Ok(Self {
             number,
             own_guess: overrides.guess.clone(),
@@ -158,10 +158,10 @@ impl LiveScene {
         pose: &NamedPose,
         (from, name): (f64, &str),
     ) -> Result<Option<Way>, LiveError> {
-        let mut now = solved(scene, &self.asked)?;
+        let mut now = solved_scene(scene, &self.asked)?;
         if !begins_at(&now, pose) {
             changed.guess = guess_text(&now.scene.mechanism, pose);
-            now = opened(&self.source, &changed, &self.asked)?;
+            now = opened_scene(&self.source, &changed, &self.asked)?;
         }
         if !begins_at(&now, pose) {
             let why = format!(
@@ -187,7 +187,7 @@ impl LiveScene {
     }
 
     fn take(&mut self, changed: Overrides) -> Result<(), LiveError> {
-        self.now = opened(&self.source, &changed, &self.asked)?;
+        self.now = opened_scene(&self.source, &changed, &self.asked)?;
         (self.overrides, self.hand) = (changed, None);
         Ok(())
     }
@@ -211,11 +211,15 @@ impl LiveScene {
 }
 
 /// Reads a scene with changed values and solves it as it is judged.
-fn opened(source: &Source, overrides: &Overrides, asked: &LiveAsked) -> Result<Opened, LiveError> {
-    solved(load_scene(source, overrides).map_err(Box::new)?, asked)
+fn opened_scene(
+    source: &Source,
+    overrides: &Overrides,
+    asked: &LiveAsked,
+) -> Result<Opened, LiveError> {
+    solved_scene(load_scene(source, overrides).map_err(Box::new)?, asked)
 }
 
-fn solved(scene: Scene, asked: &LiveAsked) -> Result<Opened, LiveError> {
+fn solved_scene(scene: Scene, asked: &LiveAsked) -> Result<Opened, LiveError> {
     let system = System::new(Arc::clone(&scene.mechanism), &scene.actuation)?;
     let times = asked.times(&scene);
     let motion = asked.check(&scene, &system, &times).solve(&|| false)?;

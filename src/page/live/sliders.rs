@@ -43,11 +43,11 @@ pub(super) fn dimensions(source: &Source, overrides: &Overrides, scene: &Scene) 
         .enumerate()
         .filter_map(|(k, name)| Some((k, find(name)?)));
     found
-        .map(|(k, variable)| dimension(&scene.mechanism, variable, k < own))
+        .map(|(k, variable)| dimension_slider(&scene.mechanism, variable, k < own))
         .collect()
 }
 
-fn dimension(mechanism: &Mechanism, variable: &Variable, is_studied: bool) -> Value {
+fn dimension_slider(mechanism: &Mechanism, variable: &Variable, is_studied: bool) -> Value {
     let [low, high] = match is_studied && variable.lower.is_finite() && variable.upper.is_finite() {
         true => [variable.lower, variable.upper],
         false => {

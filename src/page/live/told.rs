@@ -195,13 +195,13 @@ impl LiveError {
     /// As the page shows it: mistakes with their places in the text, or one sentence.
     pub(super) fn json(&self) -> Value {
         match self {
-            Self::Scene(error) => json!({ "mistakes": mistakes(error) }),
+            Self::Scene(error) => json!({ "mistakes": listed_mistakes(error) }),
             other => json!({ "mistakes": [{ "message": other.to_string(), "hints": [] }] }),
         }
     }
 }
 
-fn mistakes(error: &SceneError) -> Vec<Value> {
+fn listed_mistakes(error: &SceneError) -> Vec<Value> {
     let source = &error.source_text;
     let place = |diagnostic: &Diagnostic| {
         let span = diagnostic.span.as_ref();

@@ -3,7 +3,7 @@
 use super::clip::{ClipCorner, clip_triangle};
 use super::lens::{Lens, LensVertex, OUTSIDE};
 use super::samples::SamplePattern;
-use super::window::{Window, apron, pitch};
+use super::window::{Window, line_apron, pitch};
 use crate::render::colour::ToneCurve;
 use crate::render::edges::{self, BACKDROP};
 use crate::render::look::Rgb;
@@ -84,7 +84,7 @@ impl TriangleAssembly {
         let [columns, rows] = size.map(|n| n.div_ceil(pitch) as usize);
         Self {
             pitch: pitch as i32,
-            apron: apron(stage),
+            apron: line_apron(stage),
             creases: stage.edges.is_some_and(|edges| edges.creases),
             bins: vec![TileBin::default(); columns * rows],
             columns,
@@ -159,9 +159,9 @@ impl TriangleAssembly {
                 } else {
                     FacesDrawn::Both
                 };
-                self.sweep(index, instance, solid, lens, pattern, faces);
+                self.sweep_shape(index, instance, solid, lens, pattern, faces);
             } else if instance.opacity > 0.0 {
-                self.sweep(index, instance, solid, lens, pattern, FacesDrawn::Both);
+                self.sweep_shape(index, instance, solid, lens, pattern, FacesDrawn::Both);
             }
         }
     }
@@ -208,7 +208,7 @@ impl TriangleAssembly {
         }));
     }
 
-    fn sweep<const G: usize>(
+    fn sweep_shape<const G: usize>(
         &mut self,
         index: usize,
         instance: &Instance,

@@ -71,7 +71,8 @@ impl Lens {
         let y = self.center[1] * SUBPIXELS as f32 - scale * point[1];
         // Not a number fails every comparison.
         let inside = distance >= self.near && x > -GUARD && x < GUARD && y > -GUARD && y < GUARD;
-        let round = |v: f32| (v + ROUNDING).to_bits() as i32 - ROUNDING.to_bits() as i32;
+        // What is outside may be anything, and is not looked at.
+        let round = |v: f32| (v + ROUNDING).to_bits().wrapping_sub(ROUNDING.to_bits()) as i32;
         LensVertex {
             x: if inside { round(x) } else { OUTSIDE },
             y: round(y),

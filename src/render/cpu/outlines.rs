@@ -6,7 +6,7 @@ use super::lens::Lens;
 use super::samples::{LANES, SUBPIXELS, SamplePattern};
 use super::translucent::Layers;
 use super::view::RasterView;
-use super::window::{AREA, TILE, Window, apron, for_inner};
+use super::window::{AREA, TILE, Window, for_inner, line_apron};
 use crate::render::Stage;
 use crate::render::colour::ToneCurve;
 use crate::render::edges::{BACKDROP, Edges, FIRST, JUMP, NO_LINES, STRENGTH, TRANSLUCENT};
@@ -43,7 +43,7 @@ pub(super) struct Outlines {
 impl Outlines {
     pub(super) fn new<const G: usize>(stage: &Stage, pattern: &SamplePattern<G>) -> Option<Self> {
         let edges = stage.edges?;
-        let reach = apron(stage);
+        let reach = line_apron(stage);
         let half_width = Edges::half_width(stage.size[1], stage.samples);
         let samples = pattern.samples;
         let place = |s: usize| {
@@ -117,7 +117,7 @@ impl Outlines {
 
     /// A colour in a pixel with the share of ink that is on it.
     #[inline(always)]
-    pub(super) fn inked(&self, pixel: usize, rgb: Rgb) -> Rgb {
+    pub(super) fn with_ink(&self, pixel: usize, rgb: Rgb) -> Rgb {
         let share = self.marks[pixel].count_ones() as f32 / self.samples as f32;
         [0, 1, 2].map(|k| mix_values(rgb[k], self.ink[k], STRENGTH * share))
     }
@@ -141,7 +141,8 @@ impl Outlines {
                     _ if calm && own < least => 0,
                     _ if calm => self.steps(lens, window, at, jump),
                     _ => {
-                        self.borders(window, at, over) | self.jumps(lens, window, at, (jump, least))
+                        self.border_samples(window, at, over)
+                            | self.jumps(lens, window, at, (jump, least))
                     }
                 };
             });
@@ -212,7 +213,7 @@ impl Outlines {
     }
 
     /// Samples near to another surface.
-    fn borders(&self, window: Window, (pixel, x, y): (usize, i32, i32), over: bool) -> u16 {
+    fn border_samples(&self, window: Window, (pixel, x, y): (usize, i32, i32), over: bool) -> u16 {
         let mut marks = 0;
         for (s, near) in self.near.iter().enumerate() {
             let own = self.surface[pixel * self.samples + s];
@@ -344,7 +345,7 @@ impl Outlines {
             if *colour == bare {
                 *colour = view.backdrop.linear(x as usize, y as usize, view.shadow).0;
             }
-            *colour = self.inked(pixel, *colour);
+            *colour = self.with_ink(pixel, *colour);
         });
     }
 }

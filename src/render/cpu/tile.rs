@@ -142,7 +142,7 @@ impl<const G: usize> Tile<G> {
         let window = view.assembly.with_apron(inner);
         let parts = (window, inner);
         self.clear(&view, window);
-        self.cover(&view, bin, window);
+        self.cover_bin(&view, bin, window);
         if let Some(outlines) = &mut self.outlines {
             outlines.read(view.assembly, &self.cells);
             outlines.find(view.lens, window, inner, false);
@@ -156,7 +156,7 @@ impl<const G: usize> Tile<G> {
         self.light(&view, parts, translucent);
         self.ink(&view, parts);
         if translucent {
-            self.blend(&view, parts);
+            self.blend_layers(&view, parts);
         }
         self.write(&view, parts, bytes, stride);
     }
@@ -168,11 +168,11 @@ impl<const G: usize> Tile<G> {
     }
 
     /// Blends the translucent layers over what is opaque, and finds the lines of what is nearest of both.
-    fn blend(&mut self, view: &RasterView, parts: (Window, Window)) {
+    fn blend_layers(&mut self, view: &RasterView, parts: (Window, Window)) {
         self.lay_under(parts);
         let lines = self.outlines.as_ref();
         let inked =
-            |pixel: usize, rgb: [f32; 3]| lines.map_or(rgb, |lines| lines.inked(pixel, rgb));
+            |pixel: usize, rgb: [f32; 3]| lines.map_or(rgb, |lines| lines.with_ink(pixel, rgb));
         self.layers
             .blend(view, parts, inked, &mut self.batch, &mut self.colour);
         if let Some(outlines) = &mut self.outlines {
@@ -223,7 +223,7 @@ impl<const G: usize> Tile<G> {
 
     /// Finds the nearest opaque facet of every sample; of equally near ones the first.
     #[inline(never)]
-    fn cover(&mut self, view: &RasterView, bin: &TileBin, window: Window) {
+    fn cover_bin(&mut self, view: &RasterView, bin: &TileBin, window: Window) {
         for number in &bin.opaque {
             let facet = &view.assembly.facets[*number as usize];
             let corners = view.assembly.corners(&facet.corners);

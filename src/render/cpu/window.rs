@@ -40,11 +40,11 @@ pub(super) fn for_pixels(window: Window, mut visit: impl FnMut(usize, i32, i32))
 
 /// Pixels from tile to tile: the samples of a tile's apron are its own as well.
 pub(super) fn pitch(stage: &Stage) -> u32 {
-    TILE as u32 - 2 * apron(stage).unsigned_abs()
+    TILE as u32 - 2 * line_apron(stage).unsigned_abs()
 }
 
 /// Pixels around a tile that its lines depend on; 0 without lines.
-pub(super) fn apron(stage: &Stage) -> i32 {
+pub(super) fn line_apron(stage: &Stage) -> i32 {
     match stage.edges {
         Some(_) => Edges::half_width(stage.size[1], stage.samples).ceil() as i32,
         None => 0,

@@ -57,7 +57,7 @@ impl Peel {
             ..BODY
         };
         Self {
-            depths: depths(own, module, [bindings, &behind], sample_count),
+            depths: depth_pipeline(own, module, [bindings, &behind], sample_count),
             colours: render_pipeline(own, scene, module, sample_count, &colours),
             behind,
         }
@@ -99,7 +99,7 @@ pub fn layers_of(translucent: &[Draw]) -> usize {
         .min(MOST_LAYERS)
 }
 
-fn depths(
+fn depth_pipeline(
     device: &wgpu::Device,
     module: &wgpu::ShaderModule,
     layouts: [&wgpu::BindGroupLayout; 2],

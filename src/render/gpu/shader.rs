@@ -7,7 +7,7 @@ use std::fmt::Write;
 /// The text of one module with every entry point, for `samples` a pixel.
 pub fn shader_source(samples: u32) -> String {
     let mut text = shader_constants();
-    text.push_str(&surfaces(samples));
+    text.push_str(&surface_bindings(samples));
     for part in [
         include_str!("../../../shaders/look.wgsl"),
         include_str!("../../../shaders/scene.wgsl"),
@@ -24,7 +24,7 @@ pub fn shader_source(samples: u32) -> String {
 }
 
 /// The textures of surfaces and depths, which are other types with one sample, and where the samples of a pixel are.
-fn surfaces(samples: u32) -> String {
+fn surface_bindings(samples: u32) -> String {
     let mut text = String::new();
     let places: Vec<String> = sample_places(samples)
         .iter()

@@ -49,7 +49,7 @@ impl KeyMap {
     }
 
     /// Lays an empty map across the light, over all of the room.
-    pub(super) fn aim(&mut self, [low, high]: [DVec3; 2], camera: &Camera) {
+    pub(super) fn lay_map(&mut self, [low, high]: [DVec3; 2], camera: &Camera) {
         let axes = [KEY_RIGHT, KEY_UP, KEY_DIRECTION].map(|a| DVec3::from(a.map(f64::from)));
         let to_camera = camera.world_from_camera.inverse();
         let corner = |k: usize| {

@@ -50,7 +50,7 @@ impl MutualShade {
     /// Makes the maps of a frame that is seen through `camera`.
     pub fn cast(&mut self, frame: &Frame, camera: &Camera) {
         let rays = Rays::new(camera, self.sky.picture());
-        self.key.aim(self.room, camera);
+        self.key.lay_map(self.room, camera);
         self.sky.clear();
         let eye = camera.eye(self.sky.picture());
         for (number, instance) in frame.instances.iter().enumerate() {

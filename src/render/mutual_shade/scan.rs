@@ -36,8 +36,10 @@ pub(super) fn scan_rows(
     if !(left > -FARTHEST && right < FARTHEST && top > -FARTHEST && bottom < FARTHEST) {
         return;
     }
-    let (Some([y0, y1]), Some(_)) = (centres(top, bottom, height), centres(left, right, width))
-    else {
+    let (Some([y0, y1]), Some(_)) = (
+        covered_centres(top, bottom, height),
+        covered_centres(left, right, width),
+    ) else {
         return;
     };
     let (p, q) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]);
@@ -68,7 +70,7 @@ pub(super) fn scan_rows(
                 (first, last) = (smaller_of(first, x), larger_of(last, x));
             }
         }
-        let Some([x0, x1]) = centres(first - GUARD, last + GUARD, width) else {
+        let Some([x0, x1]) = covered_centres(first - GUARD, last + GUARD, width) else {
             continue;
         };
         let at = a[2] + step * (x0 as f32 + 0.5 - a[0]) + down * (y - a[1]);
@@ -83,7 +85,7 @@ pub(super) fn scan_rows(
 
 /// First and last of `count` cells whose middles lie within `low..=high`.
 #[inline(always)]
-fn centres(low: f32, high: f32, count: usize) -> Option<[usize; 2]> {
+fn covered_centres(low: f32, high: f32, count: usize) -> Option<[usize; 2]> {
     let (low, high) = (larger_of(low - 0.5, 0.0), high - 0.5);
     if high < low || high.is_nan() || low.is_nan() {
         return None;

@@ -79,7 +79,7 @@ impl SkyMap {
             cells: vec![[FAR, 1.0]; area],
             likeness: (1.0 / (LIKENESS * REACH * extent)) as f32,
             reach: (REACH * extent) as f32,
-            taps: std::array::from_fn(tap),
+            taps: std::array::from_fn(disc_place),
             nearness: vec![NOWHERE; area],
             places: vec![[FAR; 3]; area],
             facet: vec![0; area],
@@ -166,7 +166,7 @@ impl SkyMap {
         });
         self.for_used(used, |map, k, at| {
             if map.nearness[k] > NOWHERE {
-                map.smoothed[k] = map.openness(rays, k, at);
+                map.smoothed[k] = map.cell_openness(rays, k, at);
             }
         });
         let [width, _] = self.size;
@@ -217,7 +217,7 @@ impl SkyMap {
 
     /// How open a cell's surface is.
     #[inline(always)]
-    fn openness(&self, rays: &Rays, cell: usize, at: [usize; 2]) -> f32 {
+    fn cell_openness(&self, rays: &Rays, cell: usize, at: [usize; 2]) -> f32 {
         let middle = at.map(|c| c as f32 + 0.5);
         let distance = self.cells[cell][0];
         let place = self.places[cell];
@@ -312,7 +312,7 @@ impl SkyMap {
 }
 
 /// Place number `k` of a disc of radius 1, all of which fill it evenly.
-fn tap(k: usize) -> [f32; 2] {
+fn disc_place(k: usize) -> [f32; 2] {
     let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
     let out = ((k as f64 + 0.5) / TAPS as f64).sqrt();
     let (sin, cos) = sin_cos(golden * k as f64);

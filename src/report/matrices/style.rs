@@ -23,9 +23,9 @@ impl MatrixStyle {
         for (symbols, coefficient) in sum.terms() {
             let is_first = out.is_empty();
             let sign = match (coefficient < 0.0, is_first) {
-                (true, _) => self.operator('-', is_first),
+                (true, _) => self.signed_operator('-', is_first),
                 (false, true) => String::new(),
-                (false, false) => self.operator('+', false),
+                (false, false) => self.signed_operator('+', false),
             };
             out.push_str(&sign);
             out.push_str(&self.product(symbols, coefficient.abs()));
@@ -37,7 +37,7 @@ impl MatrixStyle {
         }
     }
 
-    fn operator(self, sign: char, is_first: bool) -> String {
+    fn signed_operator(self, sign: char, is_first: bool) -> String {
         match self {
             Self::MathMl if sign == '-' => "<mo>−</mo>".to_owned(),
             Self::MathMl => "<mo>+</mo>".to_owned(),
@@ -51,7 +51,7 @@ impl MatrixStyle {
         if coefficient != 1.0 || symbols.is_empty() {
             parts.push(self.number(coefficient));
         }
-        parts.extend(symbols.iter().map(|symbol| self.symbol(symbol)));
+        parts.extend(symbols.iter().map(|symbol| self.symbol_text(symbol)));
         match self {
             Self::Text => parts.join("*"),
             Self::Latex => parts.join("\\,"),
@@ -68,7 +68,7 @@ impl MatrixStyle {
         for term in terms {
             if term.is_negative || !out.is_empty() {
                 let sign = if term.is_negative { '-' } else { '+' };
-                out.push_str(&self.operator(sign, out.is_empty()));
+                out.push_str(&self.signed_operator(sign, out.is_empty()));
             }
             out.push_str(&match term.text.parse::<f64>() {
                 Ok(value) => self.number(value),
@@ -87,7 +87,7 @@ impl MatrixStyle {
         }
     }
 
-    fn symbol(self, symbol: &Symbol) -> String {
+    fn symbol_text(self, symbol: &Symbol) -> String {
         match symbol {
             Symbol::Length(name) => self.name(&name.text),
             Symbol::Cos(angle) => self.function("cos", angle),
@@ -112,7 +112,9 @@ impl MatrixStyle {
         for name in &angle.0 {
             let is_first = out.is_empty();
             if name.count < 0 || !is_first {
-                out.push_str(&self.operator(if name.count < 0 { '-' } else { '+' }, is_first));
+                out.push_str(
+                    &self.signed_operator(if name.count < 0 { '-' } else { '+' }, is_first),
+                );
             }
             if name.count.abs() != 1 {
                 out.push_str(&self.number(name.count.unsigned_abs() as f64));

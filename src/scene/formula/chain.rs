@@ -23,7 +23,7 @@ pub enum Item {
     Inverse(Vec<Item>),
     /// `E`, the identity.
     Identity,
-    /// A chain that could not be read, which is said already.
+    /// A chain that could not be read, which has been reported.
     Broken,
 }
 
@@ -93,7 +93,7 @@ const MAX_NESTING: usize = 50;
 fn parse_product(parser: &mut Parser, depth: usize) -> Result<Vec<Item>, Diagnostic> {
     let mut items = Vec::new();
     if depth > MAX_NESTING {
-        return Err(parser.unexpected("fewer nested inverses"));
+        return Err(parser.unexpected_token("fewer nested inverses"));
     }
     while let TokenKind::Name(name) = &parser.peek().kind {
         let span = parser.take().span.clone();
@@ -109,7 +109,7 @@ fn parse_product(parser: &mut Parser, depth: usize) -> Result<Vec<Item>, Diagnos
             (_, false) => Item::Reference(name.clone(), span),
         });
         if parser.take_sign('*') && !matches!(parser.peek().kind, TokenKind::Name(_)) {
-            return Err(parser.unexpected("a transform after `*`"));
+            return Err(parser.unexpected_token("a transform after `*`"));
         }
     }
     Ok(items)

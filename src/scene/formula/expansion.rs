@@ -47,7 +47,7 @@ impl Factor {
     }
 
     /// Whether the factors cancel side by side.
-    pub fn undoes(&self, other: &Self) -> bool {
+    pub fn undoes_factor(&self, other: &Self) -> bool {
         self.clone().inverse().is_alike(other) || self.is_alike(&other.clone().inverse())
     }
 }
@@ -136,7 +136,7 @@ impl<'a> Expansion<'a, '_> {
         if self.is_open.contains(name)
             && let Some(first) = self.open.iter().position(|(open, _)| *open == name)
         {
-            return Err(self.circle(first, span));
+            return Err(self.circular_reference(first, span));
         }
         if self.open.len() >= MAX_REFERENCES {
             let message = format!("chains that refer to chains more than {MAX_REFERENCES} deep");
@@ -154,7 +154,7 @@ impl<'a> Expansion<'a, '_> {
 impl Expansion<'_, '_> {
     /// The message about a circle of references from the open chain `first` on, closed at `span`. It starts at the
     /// chain that is defined first, so that the circle gives one message wherever it is entered.
-    fn circle(&self, first: usize, span: &Span) -> Diagnostic {
+    fn circular_reference(&self, first: usize, span: &Span) -> Diagnostic {
         let mut circle = self.open[first..].to_vec();
         circle[0].1 = span.clone();
         let defined = |name: &str| self.names.iter().position(|n| *n == name);

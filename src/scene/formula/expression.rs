@@ -155,7 +155,7 @@ impl<'a> Parser<'a> {
         if self.take_sign(sign) {
             Ok(())
         } else {
-            Err(self.unexpected(&format!("`{sign}`")))
+            Err(self.unexpected_token(&format!("`{sign}`")))
         }
     }
 
@@ -164,12 +164,12 @@ impl<'a> Parser<'a> {
         if self.peek().kind == TokenKind::End {
             Ok(())
         } else {
-            Err(self.unexpected("the end of the formula"))
+            Err(self.unexpected_token("the end of the formula"))
         }
     }
 
     /// The message that something else than `wanted` came.
-    pub fn unexpected(&self, wanted: &str) -> Diagnostic {
+    pub fn unexpected_token(&self, wanted: &str) -> Diagnostic {
         let token = self.peek();
         let found = match &token.kind {
             TokenKind::Number(v) => format!("the number {}", v.number()),
@@ -181,7 +181,7 @@ impl<'a> Parser<'a> {
     }
 
     /// Counts one level and one operation against the limits.
-    fn descend(&mut self) -> Result<(), Diagnostic> {
+    fn enter_nesting(&mut self) -> Result<(), Diagnostic> {
         self.depth += 1;
         self.operations += 1;
         if self.depth > MAX_DEPTH || self.operations > MAX_OPERATIONS {
@@ -204,7 +204,7 @@ impl<'a> Parser<'a> {
 
     /// sum := term (('+'|'-') term)*
     pub fn expression(&mut self) -> Result<FormulaNode, Diagnostic> {
-        self.descend()?;
+        self.enter_nesting()?;
         let mut left = self.term()?;
         while let TokenKind::Sign(sign @ ('+' | '-')) = self.peek().kind {
             self.take();
@@ -226,7 +226,7 @@ impl<'a> Parser<'a> {
 
     /// factor := ('-'|'+') factor | atom ('^' factor)?
     fn factor(&mut self) -> Result<FormulaNode, Diagnostic> {
-        self.descend()?;
+        self.enter_nesting()?;
         let start = self.peek().span.start;
         let node = if self.take_sign('-') {
             let inner = self.factor()?;
@@ -237,7 +237,7 @@ impl<'a> Parser<'a> {
         } else if self.take_sign('+') {
             self.factor()?
         } else {
-            let base = self.atom()?;
+            let base = self.parse_atom()?;
             if self.take_sign('^') {
                 binary_node('^', base, self.factor()?)
             } else {
@@ -248,7 +248,7 @@ impl<'a> Parser<'a> {
         Ok(node)
     }
 
-    fn atom(&mut self) -> Result<FormulaNode, Diagnostic> {
+    fn parse_atom(&mut self) -> Result<FormulaNode, Diagnostic> {
         let token = self.peek();
         match &token.kind {
             TokenKind::Number(value) => {
@@ -258,7 +258,7 @@ impl<'a> Parser<'a> {
             TokenKind::Name(name) => {
                 self.take();
                 if self.take_sign('(') {
-                    self.call(name, token)
+                    self.parse_call(name, token)
                 } else {
                     named_constant(name, token)
                 }
@@ -269,7 +269,7 @@ impl<'a> Parser<'a> {
                 self.expect_sign(')')?;
                 Ok(inner)
             }
-            _ => Err(self.unexpected("a number, a name or `(`")),
+            _ => Err(self.unexpected_token("a number, a name or `(`")),
         }
     }
 
@@ -292,7 +292,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    fn call(&mut self, name: &str, token: &Token) -> Result<FormulaNode, Diagnostic> {
+    fn parse_call(&mut self, name: &str, token: &Token) -> Result<FormulaNode, Diagnostic> {
         let Some(function) = Function::from_name(name) else {
             return Err(Diagnostic::error(format!("unknown function `{name}`"))
                 .at(token.span.clone())

@@ -35,7 +35,7 @@ pub fn resolve_bodies(
             diagnostics.push(
                 Diagnostic::error(format!("there are two bodies named `{name}`"))
                     .at(place.clone())
-                    .related(first.clone(), "first here"),
+                    .with_related(first.clone(), "first here"),
             );
         }
         let chain = joints

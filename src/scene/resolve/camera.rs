@@ -15,7 +15,7 @@ const MOST_AZIMUTH: f64 = 36_000.0;
 /// Least and greatest zoom.
 const ZOOMS: [f64; 2] = [0.01, 100.0];
 
-/// Resolves them; what is wrong is said and left as if it were absent.
+/// Resolves them; mistakes are reported and left out.
 pub fn resolve_camera(
     view: &ViewFile,
     constants: &BodyConstants,

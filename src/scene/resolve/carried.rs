@@ -114,7 +114,7 @@ pub fn carry_shapes(
             for point in &typed.points {
                 let mut way = frame.clone();
                 for (axis, text) in point.iter().enumerate() {
-                    way.extend(node(text, diagnostics).map(|node| along(axis, node)));
+                    way.extend(node(text, diagnostics).map(|node| translation_along(axis, node)));
                 }
                 ways.push(way);
             }
@@ -122,7 +122,8 @@ pub fn carry_shapes(
                 ways.push(frame);
             }
             let lengths = typed.sizes.iter();
-            let lengths = lengths.filter_map(|text| Some(vec![along(0, node(text, diagnostics)?)]));
+            let lengths = lengths
+                .filter_map(|text| Some(vec![translation_along(0, node(text, diagnostics)?)]));
             let lengths: Vec<Vec<Factor>> = lengths.collect();
             let fixed = typed.fixed.iter();
             let stiff = fixed.filter_map(|text| dependents.used_in(&node(text, diagnostics)?));
@@ -145,6 +146,6 @@ pub fn carry_shapes(
 }
 
 /// A translation along an axis.
-fn along(axis: usize, node: FormulaNode) -> Factor {
+fn translation_along(axis: usize, node: FormulaNode) -> Factor {
     Factor::Elementary(ElementaryMotion::Translation, axis, node)
 }

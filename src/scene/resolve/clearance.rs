@@ -312,7 +312,7 @@ fn pairs_once(
         diagnostics.push(
             Diagnostic::error(message)
                 .at(pair.span.clone())
-                .related(other.clone(), "first here"),
+                .with_related(other.clone(), "first here"),
         );
         return None;
     }

@@ -7,7 +7,7 @@ use crate::diag::{Diagnostic, Diagnostics, shown_number};
 use crate::model::view::{Decor, Ghosts, ShownAxes, Trails};
 use crate::scene::values::FormulaText;
 
-/// Resolves them; what is wrong is said and left as if it were absent.
+/// Resolves them; mistakes are reported and left out.
 pub fn resolve_decor(
     view: &ViewFile,
     constants: &BodyConstants,

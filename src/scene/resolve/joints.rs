@@ -194,7 +194,7 @@ impl<'a> FoldedJoints<'a> {
         let before = self.arguments.len();
         let chain = self.chain(factors, diagnostics)?;
         // Shapes keep the file's values of what a study varies.
-        let resting = self.names.resting();
+        let resting = self.names.resting_coordinates();
         let rests = |a: &usize| {
             let mut slots = self.arguments[*a].coordinates().into_iter();
             slots.all(|slot| self.names.rests(slot))
@@ -220,7 +220,7 @@ impl<'a> FoldedJoints<'a> {
     fn step(&mut self, factor: &Factor) -> Result<ChainStep, Diagnostic> {
         match factor {
             Factor::Direction(nodes, back) => self.direction(nodes, *back).map(ChainStep::Fixed),
-            Factor::Elementary(motion, axis, node) => self.elementary(*motion, *axis, node),
+            Factor::Elementary(motion, axis, node) => self.elementary_factor(*motion, *axis, node),
         }
     }
 
@@ -263,7 +263,7 @@ impl<'a> FoldedJoints<'a> {
         compile_formula(&converted, &|n, s| self.names.coordinate(n, s))
     }
 
-    fn elementary(
+    fn elementary_factor(
         &mut self,
         motion: ElementaryMotion,
         axis: usize,
@@ -287,7 +287,7 @@ impl<'a> FoldedJoints<'a> {
             }
             Some(affine) => Ok(self.joint(motion, axis, affine)),
             None => {
-                let argument = self.share(Argument::Formula(expression));
+                let argument = self.shared_argument(Argument::Formula(expression));
                 Ok(ChainStep::Joint {
                     motion,
                     axis,
@@ -306,7 +306,7 @@ impl<'a> FoldedJoints<'a> {
             affine.constant = -affine.constant;
             affine.terms.iter_mut().for_each(|(_, c)| *c = -*c);
         }
-        let argument = self.share(Argument::Affine(affine));
+        let argument = self.shared_argument(Argument::Affine(affine));
         ChainStep::Joint {
             motion,
             axis,
@@ -315,7 +315,7 @@ impl<'a> FoldedJoints<'a> {
         }
     }
 
-    fn share(&mut self, argument: Argument) -> usize {
+    fn shared_argument(&mut self, argument: Argument) -> usize {
         let alike = self.alike.entry(argument_mark(&argument)).or_default();
         // Some may have been taken back since.
         let known = alike
@@ -352,7 +352,7 @@ fn without_pairs(factors: &[Factor]) -> Vec<usize> {
     let mut kept: Vec<usize> = Vec::new();
     for (k, factor) in factors.iter().enumerate() {
         match kept.last() {
-            Some(last) if factors[*last].undoes(factor) => _ = kept.pop(),
+            Some(last) if factors[*last].undoes_factor(factor) => _ = kept.pop(),
             _ => kept.push(k),
         }
     }
@@ -363,7 +363,8 @@ fn without_pairs(factors: &[Factor]) -> Vec<usize> {
 fn kept_around(factors: &[Factor], kept: &[usize]) -> usize {
     let ends = kept.iter().zip(kept.iter().rev());
     let ends = ends.take(kept.len() / 2);
-    let undone = |(first, last): &(&usize, &usize)| factors[**first].undoes(&factors[**last]);
+    let undone =
+        |(first, last): &(&usize, &usize)| factors[**first].undoes_factor(&factors[**last]);
     ends.take_while(undone).count()
 }
 

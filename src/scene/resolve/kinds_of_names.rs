@@ -81,7 +81,7 @@ impl Names {
                     ))
                     .at(span.clone())
                     .label(format!("here as {} {}", kind_article(kind), kind.word()))
-                    .related(
+                    .with_related(
                         first.clone(),
                         format!("here as {} {}", kind_article(*known), known.word()),
                     ),

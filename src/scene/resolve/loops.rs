@@ -31,7 +31,7 @@ pub fn warn_of_loops(mechanism: &Mechanism, parsed: &Parsed, diagnostics: &mut D
             diagnostics.push(
                 Diagnostic::warning(message)
                     .at(span)
-                    .related(place(&first.name), "first here")
+                    .with_related(place(&first.name), "first here")
                     .hint("its equations are redundant: take one of them out"),
             );
             continue;

@@ -165,40 +165,15 @@ fn resolve_over(
         None => None,
         Some(name) => Some(track_index(name, file, tracks, diagnostics)?),
     };
-    let known = Taking::NAMES.iter().find(|(name, _)| *name == take.value);
-    let Some((_, taking)) = known else {
-        let names = Taking::NAMES.map(|(name, _)| name);
-        diagnostics.push(
-            Diagnostic::error(format!("`{}` cannot be taken", take.value))
-                .at(take.span.clone())
-                .suggest(&take.value, names)
-                .hint(format!("one of {}", names.join(", "))),
-        );
-        return None;
-    };
-    if of.len() != taking.width() {
-        let (wanted, found) = (taking.width(), of.len());
-        let message = format!(
-            "`{}` takes {wanted} formula(s) in `of`, found {found}",
-            take.value
-        );
-        diagnostics.push(Diagnostic::error(message).at(take.span.clone()));
-        return None;
-    }
+    let taking = resolve_taking(take, of.len(), diagnostics)?;
     let mut kind = Kind::Number;
     let mut formulas = Vec::new();
     for text in of {
         let node = parsed_expression(text, diagnostics)?;
-        match scope.compile(&node) {
-            Ok((formula, found)) => {
-                kind = found.kind();
-                formulas.push(formula);
-            }
-            Err(diagnostic) => {
-                diagnostics.push(diagnostic);
-                return None;
-            }
-        }
+        let compiled = scope.compile(&node).map_err(|d| diagnostics.push(d));
+        let (formula, dimension) = compiled.ok()?;
+        kind = dimension.kind();
+        formulas.push(formula);
     }
     let per = match per {
         None => None,
@@ -212,29 +187,60 @@ fn resolve_over(
             false => kind,
         };
     }
-    let power = match power {
-        None => DEFAULT_POWER,
-        Some(text) => {
-            let power = BodyConstants { names: scope.names }.value(text, diagnostics)?;
-            if power < 1.0 {
-                let message = format!(
-                    "the power of a norm is at least 1, found {}",
-                    shown_number(power)
-                );
-                diagnostics.push(Diagnostic::error(message).at(text.span.clone()));
-                return None;
-            }
-            power
-        }
-    };
     let source = MeasureSource::Over {
         track,
         of: formulas,
         per,
-        taking: *taking,
-        power,
+        taking,
+        power: resolve_power(power.as_ref(), scope, diagnostics)?,
     };
     Some((source, kind))
+}
+
+/// What is taken of the values, for a measure of so many formulas.
+fn resolve_taking(
+    take: &Spanned<String>,
+    found: usize,
+    diagnostics: &mut Diagnostics,
+) -> Option<Taking> {
+    let known = Taking::NAMES.iter().find(|(name, _)| *name == take.value);
+    let Some((_, taking)) = known else {
+        let names = Taking::NAMES.map(|(name, _)| name);
+        diagnostics.push(
+            Diagnostic::error(format!("`{}` cannot be taken", take.value))
+                .at(take.span.clone())
+                .suggest(&take.value, names)
+                .hint(format!("one of {}", names.join(", "))),
+        );
+        return None;
+    };
+    let wanted = taking.width();
+    if found != wanted {
+        let name = &take.value;
+        let message = format!("`{name}` takes {wanted} formula(s) in `of`, found {found}");
+        diagnostics.push(Diagnostic::error(message).at(take.span.clone()));
+        return None;
+    }
+    Some(*taking)
+}
+
+/// The power of a norm.
+fn resolve_power(
+    power: Option<&FormulaText>,
+    scope: &Scope,
+    diagnostics: &mut Diagnostics,
+) -> Option<f64> {
+    let Some(text) = power else {
+        return Some(DEFAULT_POWER);
+    };
+    let power = BodyConstants { names: scope.names }.value(text, diagnostics)?;
+    if power >= 1.0 {
+        return Some(power);
+    }
+    let found = shown_number(power);
+    let message = format!("the power of a norm is at least 1, found {found}");
+    diagnostics.push(Diagnostic::error(message).at(text.span.clone()));
+    None
 }
 
 fn input_index(

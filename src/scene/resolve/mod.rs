@@ -9,6 +9,7 @@ mod clearance;
 mod contacts;
 mod coordinates;
 mod decor;
+mod derivative_text;
 mod joints;
 mod kinds_of_names;
 mod loops;
@@ -62,7 +63,7 @@ pub fn resolve_scene(
     names.evaluate_parameters(&parsed, &angle_unit, diagnostics);
     let kept = varied::kept_parameters(&parsed, varied);
     varied::expand_dependents(&mut parsed, varied, diagnostics);
-    let varied_values = names.promote(varied);
+    let varied_values = names.promote_parameters(varied);
     contacts::parallel::settle_parallel(&parsed, &mut names, &angle_unit);
     let mut joints = joints::FoldedJoints::new(&names, &angle_unit);
     let mut loops = joints.loops(&parsed, diagnostics);
@@ -106,7 +107,7 @@ pub fn resolve_scene(
         .map(|section| clearance::resolve_clearance(section, &constants, &bodies, diagnostics));
     let start = coordinates.iter().flat_map(|c| &c.drives);
     let start: Vec<f64> = start.map(|drive| drive.value(0.0)).collect();
-    // Without drives, which is said already, no track can be.
+    // Without drives, which has been reported, no track can be.
     let tracks = match start.len() == names.inputs.len() {
         true => measures::resolve_tracks(file, &scope, &start, diagnostics),
         false => Vec::new(),

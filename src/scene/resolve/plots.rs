@@ -3,16 +3,17 @@
 use super::super::file::SceneFile;
 use super::super::formula::compile::constant_node;
 use super::super::plots::PlotFile;
+use super::derivative_text::{
+    TIME, derivative_order, derivative_parts, derivative_range, moved_diagnostic, placeholder_name,
+    rate_label, text_part,
+};
 use super::outputs::{ExtraSlot, Scope};
 use super::parsing::parsed_expression;
 use crate::diag::{Diagnostic, Diagnostics};
 use crate::model::dimension::Dimension;
 use crate::model::mechanism::AngleUnit;
-use crate::model::plot::{Abscissa, MAX_ORDER, Per, Plot, PlotCurve, Rate, rate_unit};
+use crate::model::plot::{Abscissa, Per, Plot, PlotCurve, Rate, rate_unit};
 use crate::scene::values::FormulaText;
-
-/// Names of the time on an axis.
-const TIME: [&str; 2] = ["time", "t"];
 
 /// What the plots of a scene are resolved with.
 struct TextSite<'a> {
@@ -50,14 +51,14 @@ fn angle_unit(plot: &PlotFile, scene: &AngleUnit, diagnostics: &mut Diagnostics)
 }
 
 impl TextSite<'_> {
-    /// `None` where anything of it is wrong, which is said then.
+    /// `None` where anything of it is wrong, which is reported then.
     fn plot(&self, file: &PlotFile, diagnostics: &mut Diagnostics) -> Option<Plot> {
         let before = diagnostics.count();
-        let x = self.abscissa(file, diagnostics);
+        let x = self.resolve_abscissa(file, diagnostics);
         let y: Vec<PlotCurve> = file
             .y
             .iter()
-            .filter_map(|text| self.curve(text, diagnostics))
+            .filter_map(|text| self.resolve_curve(text, diagnostics))
             .collect();
         let numbers = |list: &[FormulaText], diagnostics: &mut Diagnostics| -> Vec<f64> {
             let values = list.iter().map(|text| self.number(text, diagnostics));
@@ -84,12 +85,14 @@ impl TextSite<'_> {
         })
     }
 
-    /// The horizontal axis; the time if nothing is said.
-    fn abscissa(&self, file: &PlotFile, diagnostics: &mut Diagnostics) -> Option<Abscissa> {
+    /// The horizontal axis; the time by default.
+    fn resolve_abscissa(&self, file: &PlotFile, diagnostics: &mut Diagnostics) -> Option<Abscissa> {
         match &file.x {
             None => Some(Abscissa::Time),
             Some(text) if TIME.contains(&text.text.trim()) => Some(Abscissa::Time),
-            Some(text) => self.curve(text, diagnostics).map(Abscissa::Quantity),
+            Some(text) => self
+                .resolve_curve(text, diagnostics)
+                .map(Abscissa::Quantity),
         }
     }
 
@@ -107,7 +110,11 @@ impl TextSite<'_> {
     }
 
     /// `formula` or `name = formula`, with derivatives `d(formula, input)` or `d(formula, input, order)` as parts of it.
-    fn curve(&self, text: &FormulaText, diagnostics: &mut Diagnostics) -> Option<PlotCurve> {
+    fn resolve_curve(
+        &self,
+        text: &FormulaText,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<PlotCurve> {
         if text.is_unread {
             return None;
         }
@@ -151,23 +158,11 @@ impl TextSite<'_> {
             });
             rates.push((rate.expression, rate.rate?));
         }
-        let node = parsed_expression(&text, diagnostics)?;
-        let (expression, dimension) = match self.scope.compile_with(&node, &extra) {
-            Ok(compiled) => compiled,
-            Err(diagnostic) => {
-                diagnostics.push(diagnostic);
-                return None;
-            }
-        };
-        let (unit, factor) = self.unit(dimension);
+        let curve = self.compiled_curve(&text, &extra, diagnostics)?;
         Some(PlotCurve {
             label: body.text.trim().to_owned(),
-            unit,
-            factor,
-            expression,
-            kind: dimension.kind(),
-            rate: None,
             rates,
+            ..curve
         })
     }
 
@@ -199,8 +194,7 @@ impl TextSite<'_> {
             diagnostics.push(moved_diagnostic(diagnostic, body).hint(hint));
             return None;
         }
-        let node = parsed_expression(&parts[0], diagnostics)?;
-        let quantity = self.quantity(&node, &parts[0], diagnostics)?;
+        let quantity = self.compiled_curve(&parts[0], &[], diagnostics)?;
         let (per, unit) = self.per(&parts[1], diagnostics)?;
         let order = match parts.get(2) {
             None => 1,
@@ -218,19 +212,16 @@ impl TextSite<'_> {
         })
     }
 
-    fn quantity(
+    /// The curve of a formula without derivatives; `extra` names are known in it, too.
+    fn compiled_curve(
         &self,
-        node: &super::super::formula::expression::FormulaNode,
         text: &FormulaText,
+        extra: &[ExtraSlot],
         diagnostics: &mut Diagnostics,
     ) -> Option<PlotCurve> {
-        let (expression, dimension) = match self.scope.compile(node) {
-            Ok(compiled) => compiled,
-            Err(diagnostic) => {
-                diagnostics.push(diagnostic);
-                return None;
-            }
-        };
+        let node = parsed_expression(text, diagnostics)?;
+        let compiled = self.scope.compile_with(&node, extra);
+        let (expression, dimension) = compiled.map_err(|d| diagnostics.push(d)).ok()?;
         let (unit, factor) = self.unit(dimension);
         Some(PlotCurve {
             label: text.text.trim().to_owned(),
@@ -272,129 +263,4 @@ impl TextSite<'_> {
         diagnostics.push(moved_diagnostic(diagnostic, text));
         None
     }
-}
-
-/// Order of a derivative.
-fn derivative_order(text: &FormulaText, diagnostics: &mut Diagnostics) -> Option<usize> {
-    let order = text.text.trim().parse::<usize>().ok();
-    let order = order.filter(|k| (1..=MAX_ORDER).contains(k));
-    if order.is_none() {
-        let message = format!("the order of a derivative is a whole number from 1 to {MAX_ORDER}");
-        diagnostics.push(moved_diagnostic(Diagnostic::error(message), text));
-    }
-    order
-}
-
-/// The first `d(…)` of a formula, its parentheses included.
-fn derivative_range(text: &str) -> Option<std::ops::Range<usize>> {
-    let is_word = |c: char| c.is_alphanumeric() || c == '_' || c == '.';
-    let mut from = 0;
-    loop {
-        let start = from + text[from..].find('d')?;
-        from = start + 1;
-        let is_name = text[..start].chars().next_back().is_some_and(is_word);
-        let behind = &text[from..];
-        let opens = behind.trim_start().starts_with('(');
-        if is_name || !opens {
-            continue;
-        }
-        let mut depth = 0_usize;
-        for (k, character) in behind.char_indices() {
-            match character {
-                '(' => depth += 1,
-                ')' if depth == 1 => return Some(start..from + k + 1),
-                ')' => depth = depth.saturating_sub(1),
-                _ => {}
-            }
-        }
-        return None;
-    }
-}
-
-/// A name of this length for a derivative of a formula.
-fn placeholder_name(length: usize, index: usize) -> String {
-    let digits = index.to_string();
-    let line = length.saturating_sub(1 + digits.len());
-    format!("d{}{digits}", "_".repeat(line))
-}
-
-/// The formulas between the parentheses of `d(…)`; `None` for another formula.
-fn derivative_parts(text: &FormulaText) -> Option<Vec<FormulaText>> {
-    let trimmed = text.text.trim_end();
-    let start = trimmed.len() - trimmed.trim_start().len();
-    let inside = trimmed[start..].strip_prefix('d')?.trim_start();
-    let inside = inside.strip_prefix('(')?;
-    let first = trimmed.len() - inside.len();
-    let (mut depth, mut cuts) = (1_usize, vec![first]);
-    for (k, character) in inside.char_indices() {
-        match character {
-            '(' => depth += 1,
-            ')' => depth -= 1,
-            ',' if depth == 1 => cuts.push(first + k + 1),
-            _ => {}
-        }
-        if depth == 0 {
-            // Something behind the parenthesis makes it a formula, in which `d` is not known.
-            let is_end = first + k + 1 == trimmed.len();
-            cuts.push(first + k + 1);
-            let ranges = cuts.windows(2).map(|w| text_part(text, w[0]..w[1] - 1));
-            return is_end.then(|| ranges.collect());
-        }
-    }
-    None
-}
-
-/// A part of a text, with its place.
-fn text_part(text: &FormulaText, range: std::ops::Range<usize>) -> FormulaText {
-    // A text with escapes has no byte-for-byte place, and keeps that of the whole.
-    let has_places = text.offset != text.span.start && !text.is_outside();
-    let skipped = text.text[range.clone()].len() - text.text[range.clone()].trim_start().len();
-    let offset = if has_places {
-        text.offset + range.start + skipped
-    } else {
-        text.offset
-    };
-    FormulaText {
-        text: text.text[range].trim().to_owned(),
-        offset,
-        span: text.span.clone(),
-        is_unread: false,
-    }
-}
-
-/// Puts a message at a part of a text.
-fn moved_diagnostic(diagnostic: Diagnostic, text: &FormulaText) -> Diagnostic {
-    if text.is_outside() {
-        let message = format!(
-            "in `{}`, which is not from the file: {}",
-            text.text, diagnostic.message
-        );
-        return Diagnostic {
-            message,
-            ..diagnostic
-        };
-    }
-    let span = if text.offset == text.span.start {
-        text.span.clone()
-    } else {
-        text.offset..text.offset + text.text.len()
-    };
-    diagnostic.at(span)
-}
-
-/// `d²h/dphi²`.
-fn rate_label(quantity: &str, per: &str, order: usize) -> String {
-    let is_name = quantity
-        .chars()
-        .all(|c| c.is_alphanumeric() || "._'".contains(c));
-    let quantity = if is_name {
-        quantity.to_owned()
-    } else {
-        format!("({quantity})")
-    };
-    let per = if TIME.contains(&per) { "t" } else { per };
-    let power = ["", "²", "³", "⁴"]
-        .get(order - 1)
-        .map_or_else(|| format!("^{order}"), |p| (*p).to_owned());
-    format!("d{power}{quantity}/d{per}{power}")
 }

@@ -5,7 +5,12 @@ use super::body_constants::BodyConstants;
 use super::meshes::MeshFiles;
 use crate::diag::{Diagnostic, Diagnostics, Span};
 use crate::model::shape::Solid;
+use crate::scene::reader::Spanned;
+use crate::scene::values::FormulaText;
 use glam::DVec3;
+
+/// Three formulas of a scene.
+type VectorText = [FormulaText; 3];
 
 /// A solid with its numbers; `None` where one of them is no good, which is reported.
 pub fn resolve_solid(
@@ -15,177 +20,217 @@ pub fn resolve_solid(
     meshes: &mut MeshFiles,
     diagnostics: &mut Diagnostics,
 ) -> Option<Solid> {
-    let d = diagnostics;
+    let mut site = SolidSite {
+        span,
+        constants,
+        diagnostics,
+    };
     match solid {
-        SolidFile::Sphere { center, radius } => {
-            let (center, radius) = (
-                constants.vector_or_zero(center, d),
-                constants.positive("radius", radius, d),
-            );
-            Some(Solid::Sphere {
-                center: center?,
-                radius: radius?,
-            })
-        }
-        SolidFile::Capsule { from, to, radius } => {
-            let (from, to) = (constants.vector(from, d), constants.vector(to, d));
-            let radius = constants.positive("radius", radius, d);
-            Some(Solid::Capsule {
-                from: from?,
-                to: to?,
-                radius: radius?,
-            })
-        }
-        SolidFile::Cylinder { from, to, radius } => {
-            let (from, to) = (constants.vector(from, d), constants.vector(to, d));
-            let radius = constants.positive("radius", radius, d);
-            let (from, to) = distinct_ends(from?, to?, span, d)?;
-            Some(Solid::Cylinder {
-                from,
-                to,
-                radius: radius?,
-            })
-        }
+        SolidFile::Sphere { center, radius } => site.sphere(center, radius),
+        SolidFile::Capsule { from, to, radius } => site.capsule([from, to], radius),
+        SolidFile::Cylinder { from, to, radius } => site.cylinder([from, to], radius),
         SolidFile::Cone {
             from,
             to,
             radius_from,
             radius_to,
-        } => {
-            let (from, to) = (constants.vector(from, d), constants.vector(to, d));
-            let (first, last) = (
-                constants.value(radius_from, d)?,
-                constants.value(radius_to, d)?,
-            );
-            if first < 0.0 || last < 0.0 || first + last <= 0.0 {
-                d.push(
-                    Diagnostic::error("radii of a cone must not be negative, and not both zero")
-                        .at(span.clone()),
-                );
-                return None;
-            }
-            let (from, to) = distinct_ends(from?, to?, span, d)?;
-            Some(Solid::Cone {
-                from,
-                to,
-                radius_from: first,
-                radius_to: last,
-            })
-        }
-        SolidFile::Box { center, size } => {
-            let (center, size) = (
-                constants.vector_or_zero(center, d),
-                constants.vector(size, d)?,
-            );
-            if size.min_element() <= 0.0 {
-                d.push(Diagnostic::error("edges of a box must be positive").at(span.clone()));
-                return None;
-            }
-            Some(Solid::Box {
-                center: center?,
-                size,
-            })
-        }
+        } => site.cone([from, to], [radius_from, radius_to]),
+        SolidFile::Box { center, size } => site.cuboid(center, size),
         SolidFile::Torus {
             center,
             axis,
             ring,
             tube,
-        } => {
-            let center = constants.vector_or_zero(center, d);
-            let axis = axis
-                .as_ref()
-                .map_or(Some(DVec3::Z), |axis| constants.vector(axis, d));
-            let (ring, tube) = (
-                constants.positive("ring radius", ring, d),
-                constants.positive("tube radius", tube, d),
-            );
-            let Some(axis) = axis?.try_normalize() else {
-                d.push(Diagnostic::error("the axis of a torus has no direction").at(span.clone()));
-                return None;
-            };
-            Some(Solid::Torus {
-                center: center?,
-                axis,
-                ring: ring?,
-                tube: tube?,
-            })
-        }
+        } => site.torus((center, axis), [ring, tube]),
         SolidFile::Tube {
             points,
             radius,
             closed,
-        } => {
-            let list: Option<Vec<DVec3>> = points
-                .value
-                .iter()
-                .map(|p| constants.vector(p, d))
-                .collect();
-            let radius = constants.positive("radius", radius, d);
-            let list = list?;
-            if list.len() < 2 {
-                d.push(
-                    Diagnostic::error("a tube needs at least two points").at(points.span.clone()),
-                );
-                return None;
-            }
-            Some(Solid::Tube {
-                points: list,
-                radius: radius?,
-                closed: *closed,
-            })
-        }
+        } => site.tube(points, radius, *closed),
         SolidFile::HalfSpace {
             point,
             normal,
             size,
-        } => {
-            let point = constants.vector_or_zero(point, d);
-            let normal = normal
-                .as_ref()
-                .map_or(Some(DVec3::Z), |normal| constants.vector(normal, d));
-            let size = constants.positive("size", size, d);
-            let Some(normal) = normal?.try_normalize() else {
-                d.push(
-                    Diagnostic::error("the normal of a half-space has no direction")
-                        .at(span.clone()),
-                );
-                return None;
-            };
-            Some(Solid::HalfSpace {
-                point: point?,
-                normal,
-                size: size?,
-            })
-        }
+        } => site.half_space((point, normal), size),
         SolidFile::Stl {
             file,
             scale,
             surface,
-        } => {
-            let scale = scale
-                .as_ref()
-                .map_or(Some(1.0), |s| constants.positive("scale", s, d))?;
-            match meshes.read(&file.value, scale, *surface) {
-                Ok(soup) => Some(Solid::Triangles(soup)),
-                Err(error) => {
-                    d.push(Diagnostic::error(error).at(file.span.clone()));
-                    None
-                }
-            }
-        }
+        } => site.triangles(file, scale.as_ref(), *surface, meshes),
     }
 }
 
-fn distinct_ends(
-    from: DVec3,
-    to: DVec3,
-    span: &Span,
-    diagnostics: &mut Diagnostics,
-) -> Option<(DVec3, DVec3)> {
-    if from != to {
-        return Some((from, to));
+/// A solid in the file, and what its numbers are read with. Every number is looked at before one that is missing ends it, so
+/// that all mistakes are reported.
+struct SolidSite<'a, 'n> {
+    span: &'a Span,
+    constants: &'a BodyConstants<'n>,
+    diagnostics: &'a mut Diagnostics,
+}
+
+impl SolidSite<'_, '_> {
+    fn sphere(&mut self, center: &Option<VectorText>, radius: &FormulaText) -> Option<Solid> {
+        let (center, radius) = (self.vector_or_zero(center), self.positive("radius", radius));
+        Some(Solid::Sphere {
+            center: center?,
+            radius: radius?,
+        })
     }
-    diagnostics.push(Diagnostic::error("both ends are the same point").at(span.clone()));
-    None
+
+    fn capsule(&mut self, ends: [&VectorText; 2], radius: &FormulaText) -> Option<Solid> {
+        let [from, to] = ends.map(|end| self.vector(end));
+        let radius = self.positive("radius", radius);
+        Some(Solid::Capsule {
+            from: from?,
+            to: to?,
+            radius: radius?,
+        })
+    }
+
+    fn cylinder(&mut self, ends: [&VectorText; 2], radius: &FormulaText) -> Option<Solid> {
+        let ends = ends.map(|end| self.vector(end));
+        let radius = self.positive("radius", radius);
+        let [from, to] = self.distinct_ends(ends)?;
+        Some(Solid::Cylinder {
+            from,
+            to,
+            radius: radius?,
+        })
+    }
+
+    fn cone(&mut self, ends: [&VectorText; 2], radii: [&FormulaText; 2]) -> Option<Solid> {
+        let ends = ends.map(|end| self.vector(end));
+        let [first, last] = radii.map(|radius| self.constants.value(radius, self.diagnostics));
+        let (radius_from, radius_to) = (first?, last?);
+        if radius_from < 0.0 || radius_to < 0.0 || radius_from + radius_to <= 0.0 {
+            return self.refuse("radii of a cone must not be negative, and not both zero");
+        }
+        let [from, to] = self.distinct_ends(ends)?;
+        Some(Solid::Cone {
+            from,
+            to,
+            radius_from,
+            radius_to,
+        })
+    }
+
+    fn cuboid(&mut self, center: &Option<VectorText>, size: &VectorText) -> Option<Solid> {
+        let (center, size) = (self.vector_or_zero(center), self.vector(size)?);
+        if size.min_element() <= 0.0 {
+            return self.refuse("edges of a box must be positive");
+        }
+        Some(Solid::Box {
+            center: center?,
+            size,
+        })
+    }
+
+    fn torus(
+        &mut self,
+        (center, axis): (&Option<VectorText>, &Option<VectorText>),
+        radii: [&FormulaText; 2],
+    ) -> Option<Solid> {
+        let (center, axis) = (self.vector_or_zero(center), self.vector_or_up(axis));
+        let [ring, tube] = radii;
+        let ring = self.positive("ring radius", ring);
+        let tube = self.positive("tube radius", tube);
+        let Some(axis) = axis?.try_normalize() else {
+            return self.refuse("the axis of a torus has no direction");
+        };
+        Some(Solid::Torus {
+            center: center?,
+            axis,
+            ring: ring?,
+            tube: tube?,
+        })
+    }
+
+    fn tube(
+        &mut self,
+        points: &Spanned<Vec<VectorText>>,
+        radius: &FormulaText,
+        closed: bool,
+    ) -> Option<Solid> {
+        let list: Option<Vec<DVec3>> = points.value.iter().map(|p| self.vector(p)).collect();
+        let radius = self.positive("radius", radius);
+        let list = list?;
+        if list.len() < 2 {
+            let diagnostic = Diagnostic::error("a tube needs at least two points");
+            self.diagnostics.push(diagnostic.at(points.span.clone()));
+            return None;
+        }
+        Some(Solid::Tube {
+            points: list,
+            radius: radius?,
+            closed,
+        })
+    }
+
+    fn half_space(
+        &mut self,
+        (point, normal): (&Option<VectorText>, &Option<VectorText>),
+        size: &FormulaText,
+    ) -> Option<Solid> {
+        let (point, normal) = (self.vector_or_zero(point), self.vector_or_up(normal));
+        let size = self.positive("size", size);
+        let Some(normal) = normal?.try_normalize() else {
+            return self.refuse("the normal of a half-space has no direction");
+        };
+        Some(Solid::HalfSpace {
+            point: point?,
+            normal,
+            size: size?,
+        })
+    }
+
+    fn triangles(
+        &mut self,
+        file: &Spanned<String>,
+        scale: Option<&FormulaText>,
+        is_surface: bool,
+        meshes: &mut MeshFiles,
+    ) -> Option<Solid> {
+        let scale = scale.map_or(Some(1.0), |scale| self.positive("scale", scale))?;
+        match meshes.read(&file.value, scale, is_surface) {
+            Ok(soup) => Some(Solid::Triangles(soup)),
+            Err(error) => {
+                let diagnostic = Diagnostic::error(error).at(file.span.clone());
+                self.diagnostics.push(diagnostic);
+                None
+            }
+        }
+    }
+
+    fn vector(&mut self, texts: &VectorText) -> Option<DVec3> {
+        self.constants.vector(texts, self.diagnostics)
+    }
+
+    fn vector_or_zero(&mut self, texts: &Option<VectorText>) -> Option<DVec3> {
+        self.constants.vector_or_zero(texts, self.diagnostics)
+    }
+
+    /// A direction; z by default.
+    fn vector_or_up(&mut self, texts: &Option<VectorText>) -> Option<DVec3> {
+        let texts = texts.as_ref();
+        texts.map_or(Some(DVec3::Z), |texts| self.vector(texts))
+    }
+
+    fn positive(&mut self, what: &str, text: &FormulaText) -> Option<f64> {
+        self.constants.positive(what, text, self.diagnostics)
+    }
+
+    fn distinct_ends(&mut self, [from, to]: [Option<DVec3>; 2]) -> Option<[DVec3; 2]> {
+        let (from, to) = (from?, to?);
+        match from != to {
+            true => Some([from, to]),
+            false => self.refuse("both ends are the same point"),
+        }
+    }
+
+    /// Reports a mistake of the whole solid.
+    fn refuse<T>(&mut self, message: &str) -> Option<T> {
+        let diagnostic = Diagnostic::error(message).at(self.span.clone());
+        self.diagnostics.push(diagnostic);
+        None
+    }
 }

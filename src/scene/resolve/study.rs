@@ -37,7 +37,7 @@ pub fn resolve_study(
         unit,
         diagnostics,
     };
-    let variables = resolver.variables(study, varied);
+    let variables = resolver.study_variables(study, varied);
     let objective = match minimised {
         Some(name) => resolver.other_objective(name, measures),
         None => resolver.objective(study, file, measures),
@@ -136,7 +136,7 @@ impl Resolver<'_, '_> {
         found
     }
 
-    fn variables(&mut self, study: &StudyFile, varied: &[String]) -> Vec<Variable> {
+    fn study_variables(&mut self, study: &StudyFile, varied: &[String]) -> Vec<Variable> {
         let listed = || study.variables.iter().map(|(name, _)| name.value.clone());
         let wanted: Vec<String> = if varied.is_empty() {
             listed().collect()
@@ -149,7 +149,7 @@ impl Resolver<'_, '_> {
             let index = match self.names.meaning(name) {
                 Some(Meaning::Parameter(index)) => index,
                 _ => {
-                    // What the command line asks for in vain is said where it is made an input.
+                    // What the command line asks for in vain is reported where it is made an input.
                     if let Some((name, _)) = typed {
                         self.no_parameter(name);
                     }

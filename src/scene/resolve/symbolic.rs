@@ -79,19 +79,19 @@ impl Formulas {
         {
             let value = &mut values[argument];
             if !is_known[argument] {
-                value.value = self.argument(&arguments[argument]);
+                value.value = self.argument_term(&arguments[argument]);
                 is_known[argument] = true;
             }
             if motion == ElementaryMotion::Rotation && !turns[argument] {
-                value.cos = self.call(Function::Cos, value.value);
-                value.sin = self.call(Function::Sin, value.value);
+                value.cos = self.call_term(Function::Cos, value.value);
+                value.sin = self.call_term(Function::Sin, value.value);
                 turns[argument] = true;
             }
         }
         values
     }
 
-    fn argument(&self, argument: &Argument) -> SymbolicTerm<'_> {
+    fn argument_term(&self, argument: &Argument) -> SymbolicTerm<'_> {
         match argument {
             Argument::Formula(expression) => self.inline(expression),
             Argument::Affine(Affine { constant, terms }) => {
@@ -127,17 +127,17 @@ impl Formulas {
 
     /// |a|
     pub fn length<'l>(&'l self, a: Triple<SymbolicTerm<'l>>) -> SymbolicTerm<'l> {
-        self.call(Function::Sqrt, dot_product(a, a))
+        self.call_term(Function::Sqrt, dot_product(a, a))
     }
 
     /// The angle in 0..90 degrees whose tangent is across / |along|.
     pub fn angle_of<'l>(&'l self, across: SymbolicTerm<'l>, along: SymbolicTerm<'l>) -> Expression {
-        let along = self.call(Function::Abs, along);
+        let along = self.call_term(Function::Abs, along);
         let (a, b) = (self.place(across), self.place(along));
         self.expression(self.push(Op::Call(Function::Atan2, a, b)))
     }
 
-    fn call<'l>(&'l self, function: Function, a: SymbolicTerm<'l>) -> SymbolicTerm<'l> {
+    fn call_term<'l>(&'l self, function: Function, a: SymbolicTerm<'l>) -> SymbolicTerm<'l> {
         let a = self.place(a);
         self.push(Op::Call(function, a, a))
     }

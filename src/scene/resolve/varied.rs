@@ -22,7 +22,7 @@ impl Names {
     }
 
     /// Coordinates with the file's values of the varied parameters, and zeros.
-    pub fn resting(&self) -> Vec<f64> {
+    pub fn resting_coordinates(&self) -> Vec<f64> {
         let mut coordinates = vec![0.0; self.unknowns.len() + self.inputs.len()];
         for (parameter, input) in &self.varied {
             coordinates[self.unknowns.len() + input] = self.parameters[*parameter].value.number();
@@ -40,7 +40,7 @@ impl Names {
     }
 
     /// Makes inputs of the parameters called `varied`, behind the file's own; returns their values.
-    pub fn promote(&mut self, varied: &[String]) -> Vec<f64> {
+    pub fn promote_parameters(&mut self, varied: &[String]) -> Vec<f64> {
         let mut values = Vec::new();
         for name in varied {
             let Some(Meaning::Parameter(index)) = self.meaning(name) else {

@@ -2,6 +2,7 @@
 
 use super::super::bodies::LabelFile;
 use super::super::file::SceneFile;
+use super::super::views::ViewFile;
 use super::bodies::body_index;
 use super::body_constants::BodyConstants;
 use super::choices::{MOST_LABELS, chosen_word};
@@ -11,7 +12,7 @@ use crate::model::camera_path::CameraPath;
 use crate::model::mechanism::{Body, Trace};
 use crate::model::theme::Theme;
 use crate::model::view::{
-    EdgeLines, GroundPlace, LabelPlace, NamedView, SceneLabel, Shadows, UpAxis, View,
+    Decor, EdgeLines, GroundPlace, LabelPlace, NamedView, SceneLabel, Shadows, UpAxis, View,
     ViewProjection,
 };
 use crate::model::view_change::ViewChange;
@@ -37,9 +38,83 @@ pub fn resolve_view(
 ) -> View {
     let constants = BodyConstants { names };
     let view = &file.view;
-    let mut number = |text: &Option<FormulaText>, default: f64, low: f64, high: f64, what: &str| {
+    if let Some(beyond) = file.labels.get(MOST_LABELS) {
+        let message = format!("at most {MOST_LABELS} labels");
+        diagnostics.push(Diagnostic::error(message).at(beyond.text.span.clone()));
+    }
+    let labels = file.labels.iter();
+    let labels = labels.filter_map(|l| resolve_label(l, &constants, bodies, traces, diagnostics));
+    let labels = labels.collect();
+    let decor = super::decor::resolve_decor(view, &constants, diagnostics);
+    let camera_path = super::camera::resolve_camera(view, &constants, diagnostics);
+    let mut reader = ViewReader {
+        view,
+        constants: &constants,
+        diagnostics,
+    };
+    let mut resolved = View {
+        labels,
+        decor,
+        ..reader.plain_view()
+    };
+    reader.look_from_name(&mut resolved);
+    resolved.camera_path = camera_path;
+    resolved
+}
+
+/// The keys of `[view]`, and what they are read with.
+struct ViewReader<'a, 'n> {
+    view: &'a ViewFile,
+    constants: &'a BodyConstants<'n>,
+    diagnostics: &'a mut Diagnostics,
+}
+
+impl ViewReader<'_, '_> {
+    /// The view without labels, decor and camera path.
+    fn plain_view(&mut self) -> View {
+        let view = self.view;
+        let [azimuth, elevation] = [
+            (&view.azimuth, DEFAULT_AZIMUTH_DEG, 720.0, "azimuth"),
+            (&view.elevation, DEFAULT_ELEVATION_DEG, 90.0, "elevation"),
+        ]
+        .map(|(text, default, most, what)| self.number(text, default, [-most, most], what));
+        let projection = self.projection();
+        let margin = self.number(&view.margin, DEFAULT_MARGIN, [0.0, 0.4], "margin");
+        let fps = self.number(&view.fps, DEFAULT_FPS, [0.01, 1000.0], "fps");
+        let diagnostics = &mut *self.diagnostics;
+        let theme = chosen_word(&view.theme, &Theme::NAMES, "theme", diagnostics);
+        let (edges, shadows) = (&EdgeLines::NAMES, &Shadows::NAMES);
+        View {
+            azimuth: azimuth.to_radians(),
+            elevation: elevation.to_radians(),
+            up: chosen_word(&view.up, &UpAxis::NAMES, "up axis", diagnostics),
+            projection,
+            margin,
+            four: false,
+            theme,
+            transparent: view.transparent.unwrap_or(false),
+            background: view.background.unwrap_or(theme.background()),
+            edges: chosen_word(&view.edges, edges, "kind of edges", diagnostics),
+            shadows: chosen_word(&view.shadows, shadows, "kind of shadows", diagnostics),
+            ground: self.ground(),
+            fps,
+            captions: view.captions.unwrap_or(true),
+            labels: Vec::new(),
+            decor: Decor::default(),
+            camera_path: CameraPath::default(),
+        }
+    }
+
+    /// A number of the view; the default by default, or what is said is refused.
+    fn number(
+        &mut self,
+        text: &Option<FormulaText>,
+        default: f64,
+        [low, high]: [f64; 2],
+        what: &str,
+    ) -> f64 {
         let Some(text) = text else { return default };
-        let Some(value) = constants.value(text, diagnostics) else {
+        let Some(value) = self.constants.value(text, self.diagnostics) else {
             return default;
         };
         if (low..=high).contains(&value) {
@@ -47,92 +122,50 @@ pub fn resolve_view(
         }
         let value = shown_number(value);
         let message = format!("{what} must be between {low} and {high}, found {value}");
-        diagnostics.push(Diagnostic::error(message).at(text.span.clone()));
+        let diagnostic = Diagnostic::error(message).at(text.span.clone());
+        self.diagnostics.push(diagnostic);
         default
-    };
-    let azimuth = number(&view.azimuth, DEFAULT_AZIMUTH_DEG, -720.0, 720.0, "azimuth");
-    let elevation = number(
-        &view.elevation,
-        DEFAULT_ELEVATION_DEG,
-        -90.0,
-        90.0,
-        "elevation",
-    );
-    let fov_y = number(&view.fov, DEFAULT_FOV_DEG, 1.0, 120.0, "fov").to_radians();
-    let margin = number(&view.margin, DEFAULT_MARGIN, 0.0, 0.4, "margin");
-    let fps = number(&view.fps, DEFAULT_FPS, 0.01, 1000.0, "fps");
-    let up = chosen_word(&view.up, &UpAxis::NAMES, "up axis", diagnostics);
-    let parallel = chosen_word(
-        &view.projection,
-        &ViewProjection::NAMES,
-        "projection",
-        diagnostics,
-    );
-    let projection = match parallel {
-        true => ViewProjection::Orthographic,
-        false => ViewProjection::Perspective { fov_y },
-    };
-    let ground = match &view.ground {
-        None => GroundPlace::Auto,
-        Some(text) if text.text == "auto" => GroundPlace::Auto,
-        Some(text) if text.text == "none" => GroundPlace::None,
-        Some(text) => constants
-            .value(text, diagnostics)
-            .map_or(GroundPlace::Auto, GroundPlace::At),
-    };
-    if let Some(beyond) = file.labels.get(MOST_LABELS) {
-        let message = format!("at most {MOST_LABELS} labels");
-        diagnostics.push(Diagnostic::error(message).at(beyond.text.span.clone()));
     }
-    let labels = file
-        .labels
-        .iter()
-        .filter_map(|l| resolve_label(l, &constants, bodies, traces, diagnostics))
-        .collect();
-    let theme = chosen_word(&view.theme, &Theme::NAMES, "theme", diagnostics);
-    let decor = super::decor::resolve_decor(view, &constants, diagnostics);
-    let mut resolved = View {
-        azimuth: azimuth.to_radians(),
-        elevation: elevation.to_radians(),
-        up,
-        projection,
-        margin,
-        four: false,
-        theme,
-        transparent: view.transparent.unwrap_or(false),
-        background: view.background.unwrap_or(theme.background()),
-        edges: chosen_word(&view.edges, &EdgeLines::NAMES, "kind of edges", diagnostics),
-        shadows: chosen_word(
-            &view.shadows,
-            &Shadows::NAMES,
-            "kind of shadows",
-            diagnostics,
-        ),
-        ground,
-        fps,
-        captions: view.captions.unwrap_or(true),
-        labels,
-        decor,
-        camera_path: CameraPath::default(),
-    };
-    if view.from.is_some() {
+
+    fn projection(&mut self) -> ViewProjection {
+        let fov_y = self.number(&self.view.fov, DEFAULT_FOV_DEG, [1.0, 120.0], "fov");
+        let (word, names) = (&self.view.projection, &ViewProjection::NAMES);
+        match chosen_word(word, names, "projection", self.diagnostics) {
+            true => ViewProjection::Orthographic,
+            false => ViewProjection::Perspective {
+                fov_y: fov_y.to_radians(),
+            },
+        }
+    }
+
+    fn ground(&mut self) -> GroundPlace {
+        match &self.view.ground {
+            None => GroundPlace::Auto,
+            Some(text) if text.text == "auto" => GroundPlace::Auto,
+            Some(text) if text.text == "none" => GroundPlace::None,
+            Some(text) => {
+                let height = self.constants.value(text, self.diagnostics);
+                height.map_or(GroundPlace::Auto, GroundPlace::At)
+            }
+        }
+    }
+
+    /// Applies the direction that is named with `from`; what the scene says of its own goes before the name.
+    fn look_from_name(&mut self, resolved: &mut View) {
+        let view = self.view;
+        if view.from.is_none() {
+            return;
+        }
+        let named = chosen_word(&view.from, &NamedView::NAMES, "view", self.diagnostics);
         let change = ViewChange {
-            from: Some(chosen_word(
-                &view.from,
-                &NamedView::NAMES,
-                "view",
-                diagnostics,
-            )),
-            // What the scene says of its own goes before the name.
+            from: Some(named),
             azimuth: view.azimuth.as_ref().map(|_| resolved.azimuth),
             elevation: view.elevation.as_ref().map(|_| resolved.elevation),
             projection: view.projection.as_ref().map(|_| resolved.projection),
             ..ViewChange::default()
         };
-        change.apply(&mut resolved);
+        change.apply(resolved);
     }
-    resolved.camera_path = super::camera::resolve_camera(view, &constants, diagnostics);
-    resolved
 }
 
 fn resolve_label(

@@ -36,7 +36,7 @@ pub fn refuse_double_and_reserved(file: &SceneFile, diagnostics: &mut Diagnostic
                         "`{word}` is defined twice: as {other} and as {section}"
                     ))
                     .at(name.span.clone())
-                    .related(span.clone(), "first here"),
+                    .with_related(span.clone(), "first here"),
                 );
                 continue;
             }

@@ -41,7 +41,8 @@ pub fn resolve_notation(
                 .iter()
                 .find_map(|c| closing_factors(c, &item.name))
         };
-        let mut chain = writer.chain(&item.name, factors.or_else(of_contact).unwrap_or(&[]));
+        let mut chain =
+            writer.written_chain(&item.name, factors.or_else(of_contact).unwrap_or(&[]));
         chain.text = text_of(&file.loops, &item.name);
         writer.place_loop(
             &mut chain,
@@ -54,7 +55,7 @@ pub fn resolve_notation(
     let bodies = mechanism.bodies.iter().map(|body| {
         let own = file.bodies.iter().position(|b| b.name.value == body.name);
         let factors = own.map_or(&[][..], |k| parsed.frames[k].as_slice());
-        let mut chain = writer.chain(&body.name, factors);
+        let mut chain = writer.written_chain(&body.name, factors);
         let frame = own.and_then(|k| file.bodies[k].frame.as_ref());
         chain.text = frame.map_or_else(String::new, |frame| frame.text.clone());
         let kept = FoldedJoints::kept(factors);
@@ -64,7 +65,7 @@ pub fn resolve_notation(
     let bodies = bodies.collect();
     let chains = file.chains.iter().filter_map(|(name, text)| {
         let factors = parsed.factors(text, &mut Diagnostics::default())?;
-        let mut chain = writer.chain(&name.value, &factors);
+        let mut chain = writer.written_chain(&name.value, &factors);
         chain.text.clone_from(&text.text);
         Some(chain)
     });
@@ -86,7 +87,7 @@ pub fn resolve_notation(
                 ))
             })
             .collect();
-        writer.chain(&trace.name, &factors)
+        writer.written_chain(&trace.name, &factors)
     });
     let points = points.collect();
     let contacts = parsed.contacts.iter().map(|contact| WrittenContact {
@@ -175,7 +176,7 @@ fn signed_parts<'n>(
 }
 
 impl ChainWriter<'_> {
-    fn chain(&mut self, name: &str, factors: &[Factor]) -> WrittenChain {
+    fn written_chain(&mut self, name: &str, factors: &[Factor]) -> WrittenChain {
         let steps = self.joints.steps(factors, &mut Diagnostics::default());
         let steps = steps.unwrap_or_default();
         let written = factors
@@ -223,7 +224,7 @@ impl ChainWriter<'_> {
         WrittenSurface {
             word: side.surface.word(),
             sizes: sizes.collect(),
-            frame: self.chain("", &side.frame),
+            frame: self.written_chain("", &side.frame),
         }
     }
 }

@@ -257,7 +257,7 @@ fn every_report_tells_of_far_pairs() {
         "{junit}"
     );
     let all = w
-        .run(&["check", "arms.toml", "--worst", "780"])
+        .run(&["check", "arms.toml", "--rows", "780"])
         .exits(0)
         .text();
     assert!(

@@ -1,4 +1,4 @@
-//! `mechanim check` and `render --show clearance` as their users meet them: exit codes, files, pictures, warnings.
+//! `mechanim check` and `render --highlight clearance` as their users meet them: exit codes, files, pictures, warnings.
 
 use crate::program::{LEAVES, SLIDER, Workspace};
 
@@ -106,7 +106,7 @@ fn bodies_that_are_too_near_turn_red() {
         w.run(&[
             "render",
             scene,
-            "--show",
+            "--highlight",
             "clearance",
             "--renderer",
             "cpu",

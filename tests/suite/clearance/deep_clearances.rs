@@ -4,7 +4,7 @@
 //! `MECHANIM_SCENES` is how many scenes, `MECHANIM_SEED` where they begin. The reference is dense in time with the exact
 //! distances of solids, which are compared with the slow ones of 31 digits at some of the times.
 
-use super::random_clearances::{DURATION, Drive, Random, asked, drive, turn};
+use super::random_drives::{DURATION, Drive, Random, asked, drive, turn};
 use crate::dense::golden;
 use crate::driven::{Driven, even_times, knots, solve};
 use crate::slow_distance::{known, size};
@@ -238,13 +238,13 @@ fn case(number: u64) -> Case {
             .join(", ")
     };
     let text = format!(
-        "duration = {DURATION}\n[inputs]\nu = \"{}\"\nv = \"{}\"\nw = \"{}\"\n\
+        "duration = {DURATION}\n[inputs]\nu = {}\nv = {}\nw = {}\n\
          [[bodies]]\nname = \"a\"\nframe = \"Tx({far:?})\"\nshapes = [{}]\n\
          [[bodies]]\nname = \"b\"\nframe = \"Tx({far:?}) Tx({:?}) Ty({:?}) Tz({:?}) R{}(u) Tx({arm:?}) R{}(v) T{}({slide:?}*w)\"\nshapes = [{}]\n\
 ",
-        drives[0].text,
-        drives[1].text,
-        drives[2].text,
+        drives[0].toml(),
+        drives[1].toml(),
+        drives[2].toml(),
         shapes(0),
         foot.x,
         foot.y,

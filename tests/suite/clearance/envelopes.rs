@@ -190,7 +190,11 @@ fn a_box_of_two_drives_is_proved_or_broken() {
     let broken = over_the_box(truth + 0.05, 1);
     let pair = &broken["inputs_box"]["pairs"][0];
     assert_eq!(pair["broken"], true);
-    assert!(pair["distance"].as_f64().unwrap() >= truth - 1e-4, "{pair}");
+    let distance = pair["distance"].as_f64().unwrap();
+    assert!(distance >= truth - 1e-4, "{pair}");
+    // What other strips keep is no bound of a pair that is broken in one.
+    let bound = pair["bound"].as_f64();
+    assert!(bound.is_none_or(|bound| bound <= distance), "{pair}");
 }
 
 /// Nearer to the truth than the strips can prove: the part of the box that is open is named, and holds the place.

@@ -112,6 +112,82 @@ fn jumps_where_a_motion_begins_and_jumps_together_are_proved() {
     }
 }
 
+/// What kinks or jumps of what kinks or jumps, at any number of samples.
+#[test]
+fn jumps_of_jumps_and_of_kinks_are_proved() {
+    let w = Workspace::new();
+    for (drive, u_at) in [
+        ("mod(floor(8.1603*t), 2)", [0.0, 1.0].as_slice()),
+        ("floor(floor(3*t)/2)", &[0.0, 1.0, 2.0, 3.0]),
+        ("3 - mod(floor(3*t), 3)", &[1.0, 2.0, 3.0]),
+        // An argument that turns back on a whole number, or rests there.
+        ("floor(10*abs(t - 1))/2", &[0.0, 2.5, 4.5, 5.0]),
+        ("floor(max(0, 3*t - 2))", &[0.0, 1.0, 3.0, 4.0]),
+        ("floor(min(2, 3*t))", &[0.0, 1.0, 2.0]),
+        ("-floor(max(-2, -3*t))", &[0.0, 1.0, 2.0]),
+        ("mod(abs(t - 1.2), 0.3)", &[0.0, 0.15, 0.29999]),
+        // At one instant, by different functions.
+        ("mod(t, 0.3) + mod(t, 0.4)", &[0.0, 0.5, 0.69999]),
+        ("(floor(3*t) - floor(6*t))/4", &[0.0, -0.25, -1.25, -1.5]),
+        ("floor(2*t)*mod(2*t, 1)/2", &[0.0, 0.49999, 1.0, 1.49999]),
+        // Short beside the way from sample to sample.
+        ("exp(-(1000*(t - 1.0112))^2)", &[0.0, 0.5, 1.0]),
+    ] {
+        for samples in ["2", "3", "7", "40"] {
+            w.write("scene.toml", turning(drive, "[0, 0, 3]", 0.1));
+            let found = said(&w, &["--samples", samples]);
+            let passed = (0, "passed".into(), "passed".into());
+            assert_eq!(found, passed, "{drive}, {samples}");
+            for u in u_at {
+                let post = format!("[{}, {}, 0]", f64::cos(*u), f64::sin(*u));
+                w.write("scene.toml", turning(drive, &post, 0.1));
+                let (code, result, _) = said(&w, &["--samples", samples]);
+                assert_eq!((code, &*result), (1, "failed"), "{drive}, {samples}, {u}");
+            }
+        }
+    }
+}
+
+/// A four-bar whose crank goes there and back within some milliseconds.
+#[test]
+fn a_pulse_of_a_loop_is_proved_at_any_samples() {
+    let w = Workspace::new();
+    // The post is ahead of the crank's end where that turns back, so far from it.
+    let scene = |ahead: f64| {
+        let angle: f64 = 2.2 + 2.0 * f64::asin(ahead / 1.2);
+        format!(
+            r#"
+duration = 2
+[inputs]
+phi = "1.2 + exp(-(300*(t - 1.2607))^2)"
+[loops]
+l = "Rz(phi) Tx(0.6) Rz(al - phi) Tx(2) inv(Tx(1.8) Rz(psi) Tx(1.6) Rz(al - psi))"
+[guess]
+al = 0.5
+psi = 1.5
+[[bodies]]
+name = "coupler"
+frame = "Rz(phi) Tx(0.6) Rz(al - phi)"
+shapes = [{{ sphere = {{ radius = 0.1 }} }}]
+[[bodies]]
+name = "post"
+shapes = [{{ sphere = {{ center = [{}, {}, 0], radius = 0.1 }} }}]
+[clearance]
+minimum = 0.1
+"#,
+            0.6 * angle.cos(),
+            0.6 * angle.sin()
+        )
+    };
+    for samples in ["2", "3", "40"] {
+        w.write("scene.toml", scene(0.31));
+        let passed = (0, "passed".into(), "passed".into());
+        assert_eq!(said(&w, &["--samples", samples]), passed, "{samples}");
+        w.write("scene.toml", scene(0.29));
+        assert_eq!(said(&w, &["--samples", samples]).0, 1, "{samples}");
+    }
+}
+
 #[test]
 fn two_drives_that_jump_together_are_proved() {
     let w = Workspace::new();
@@ -130,9 +206,16 @@ fn two_drives_that_jump_together_are_proved() {
         let post = format!("[{}, {}, 0]", (1.0 + v) * u.cos(), (1.0 + v) * u.sin());
         w.write("scene.toml", scene("2*floor(t + 0.5)", &post));
         assert_eq!(said(&w, &[]).0, 0, "{u} {v}");
-        // Of other jumps about that time it is not known which comes first.
-        w.write("scene.toml", scene("2*floor(3*t - 0.5)", &post));
-        assert_eq!(said(&w, &[]).0, 1, "{u} {v}");
+    }
+    // By another function, but at the same instant.
+    for same in ["2*floor(3*t - 0.5)", "2*floor(t/0.5) - floor(2*t)"] {
+        w.write("scene.toml", scene(same, "[0, 0, 3]"));
+        assert_eq!(said(&w, &[]).0, 0, "{same}");
+    }
+    // Of jumps about that time, but not at it, it is not known which comes first.
+    for other in ["2*floor(t + 0.5 + 1e-14)", "2*floor(t + 0.5 - 1e-14)"] {
+        w.write("scene.toml", scene(other, "[0, 0, 3]"));
+        assert_eq!(said(&w, &[]).0, 1, "{other}");
     }
 }
 

@@ -21,4 +21,6 @@ mod grazing;
 mod joint_meshes;
 mod mesh_shells;
 mod narrow_gaps;
+mod neighbour_scenes;
 mod random_clearances;
+mod random_drives;

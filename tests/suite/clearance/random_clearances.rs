@@ -2,8 +2,9 @@
 //!
 //! `MECHANIM_SCENES` is how many, `MECHANIM_SEED` where they begin; every scene depends on its number only.
 
+use super::random_drives::{DURATION, Random, asked, drive, turn};
 use crate::dense::{Fine, Place, Solid, distance, golden};
-use crate::solids::{BOX_TRIANGLES, stl_text};
+use crate::solids::{BOX_TRIANGLES, box_corner, stl_text};
 use glam::{DMat3, DVec3};
 use mechanim::{CheckOptions, PairClearance, Samples, Scene};
 use std::f64::consts::PI;
@@ -17,109 +18,6 @@ const DENSE: usize = 800;
 
 /// How well the reference knows a distance, in lengths of the scene.
 const KNOWN: f64 = 1e-7;
-
-/// Reproducible numbers.
-pub(super) struct Random(pub(super) u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        let mut x = self.0;
-        x ^= x >> 33;
-        x = x.wrapping_mul(0xff51_afd7_ed55_8ccd);
-        x ^= x >> 33;
-        (x >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    pub(super) fn range(&mut self, low: f64, high: f64) -> f64 {
-        // Few digits: the scene's text has them all.
-        (1e4 * (low + (high - low) * self.unit())).round() / 1e4
-    }
-
-    pub(super) fn pick(&mut self, count: usize) -> usize {
-        ((self.unit() * count as f64) as usize).min(count - 1)
-    }
-
-    pub(super) fn vector(&mut self, reach: f64) -> DVec3 {
-        DVec3::from_array([(); 3].map(|()| self.range(-reach, reach)))
-    }
-}
-
-/// A drive: its text, its value, and times at which it has kinks or jumps.
-pub(super) struct Drive {
-    pub(super) text: String,
-    pub(super) value: Box<dyn Fn(f64) -> f64>,
-    /// It changes quickly near these times.
-    pub(super) places: Vec<f64>,
-}
-
-/// Of every scene.
-pub(super) const DURATION: f64 = 2.0;
-
-/// A drive that is smooth, or has kinks or jumps.
-pub(super) fn drive(random: &mut Random) -> Drive {
-    let (a, w, p) = (
-        random.range(0.2, 1.5),
-        random.range(0.5, 9.0),
-        random.range(-3.0, 3.0),
-    );
-    let at = random.range(0.2, 1.8);
-    match random.pick(8) {
-        0 => Drive {
-            text: format!("{p} + {w}*t"),
-            value: Box::new(move |t| p + w * t),
-            places: vec![],
-        },
-        1 => Drive {
-            text: format!("{a}*sin({w}*t + {p})"),
-            value: Box::new(move |t| a * (w * t + p).sin()),
-            places: vec![],
-        },
-        2 => Drive {
-            text: format!("{p} + {a}*abs(t - {at})"),
-            value: Box::new(move |t| p + a * (t - at).abs()),
-            places: vec![at],
-        },
-        3 => Drive {
-            text: format!("min({a}, max(-{a}, {w}*(t - {at})))"),
-            value: Box::new(move |t| (w * (t - at)).clamp(-a, a)),
-            places: vec![at - a / w, at, at + a / w],
-        },
-        4 => Drive {
-            text: format!("{p} + {a}*exp(-(60*(t - {at}))^2)"),
-            value: Box::new(move |t| p + a * (-(60.0 * (t - at)).powi(2)).exp()),
-            places: vec![at],
-        },
-        5 => Drive {
-            text: format!("{p} + {a}*floor({w}*t + 0.5)"),
-            value: Box::new(move |t| p + a * (w * t + 0.5).floor()),
-            places: (0..40)
-                .map(|k| (f64::from(k) + 0.5) / w)
-                .filter(|t| *t < DURATION)
-                .collect(),
-        },
-        // The values at the jumps are those before them, at the very beginning as well.
-        6 => Drive {
-            text: format!("{p} - {a}*floor(-{w}*t)"),
-            value: Box::new(move |t| p - a * (-w * t).floor()),
-            places: (0..40)
-                .map(|k| f64::from(k) / w)
-                .filter(|t| *t < DURATION)
-                .collect(),
-        },
-        _ => Drive {
-            text: format!("{p} + mod({w}*t, {a})"),
-            value: Box::new(move |t| p + (w * t).rem_euclid(a)),
-            places: (1..200)
-                .map(|k| f64::from(k) * a / w)
-                .filter(|t| *t < DURATION)
-                .collect(),
-        },
-    }
-}
 
 /// A solid as text, and for the reference.
 fn solid(random: &mut Random, folder: &Path, number: u64, side: usize) -> (String, Solid) {
@@ -137,7 +35,7 @@ fn solid(random: &mut Random, folder: &Path, number: u64, side: usize) -> (Strin
         (0..8).map(|k| from + corner(k)).collect()
     };
     // Rings are slow for the reference: fewer of them.
-    let kind = [0, 1, 2, 3, 4, 6, 0, 1, 2, 3, 4, 6, 5][random.pick(13)];
+    let kind = [0, 1, 2, 3, 4, 6, 7, 8, 0, 1, 2, 3, 4, 6, 7, 8, 5][random.pick(17)];
     match kind {
         0 => (
             format!("{{ sphere = {{ center = {}, radius = {r} }} }}", list(from)),
@@ -189,20 +87,46 @@ fn solid(random: &mut Random, folder: &Path, number: u64, side: usize) -> (Strin
                 Solid::Ring(from, ring, tube),
             )
         }
+        6 => mesh(vec![corners(size)], folder, &format!("{number}-{side}.stl")),
+        // A file of two boxes, which may be far from each other, touch or cut each other.
+        7 => {
+            let (off, turned) = (
+                random.vector(1.0),
+                turn(random.pick(3), random.range(-1.0, 1.0)),
+            );
+            let second = corners(DVec3::splat(0.5))
+                .into_iter()
+                .map(|p| turned * p + off);
+            let boxes = vec![corners(size), second.collect()];
+            mesh(boxes, folder, &format!("{number}-{side}.stl"))
+        }
         _ => {
-            let path = folder.join(format!("{number}-{side}.stl"));
-            std::fs::write(&path, stl(&corners(size))).unwrap();
-            (
-                format!("{{ stl = {{ file = \"{number}-{side}.stl\" }} }}"),
-                Solid::Hull(corners(size), 0.0),
-            )
+            let (r, mut points) = (0.4 * r, vec![from, to]);
+            for _ in 0..random.pick(3) {
+                points.push(random.vector(1.5));
+            }
+            let is_closed = points.len() > 2 && random.pick(2) == 0;
+            let list: Vec<String> = points.iter().map(|p| list(*p)).collect();
+            let text = format!(
+                "{{ tube = {{ points = [{}], radius = {r:.5}, closed = {is_closed} }} }}",
+                list.join(", ")
+            );
+            points.extend(is_closed.then_some(from));
+            let r = format!("{r:.5}").parse().unwrap();
+            let parts = points.windows(2).map(|two| Solid::Hull(two.to_vec(), r));
+            (text, Solid::Union(parts.collect()))
         }
     }
 }
 
-/// A box as STL text.
-fn stl(corners: &[DVec3]) -> String {
-    stl_text(BOX_TRIANGLES.map(|t| t.map(|k| corners[k])))
+/// Boxes as one STL file.
+fn mesh(boxes: Vec<Vec<DVec3>>, folder: &Path, name: &str) -> (String, Solid) {
+    let of_box = |corners: &Vec<DVec3>| BOX_TRIANGLES.map(|t| t.map(|k| corners[k]));
+    let text = stl_text(boxes.iter().flat_map(of_box));
+    std::fs::write(folder.join(name), text).unwrap();
+    let parts = boxes.into_iter().map(|corners| Solid::Hull(corners, 0.0));
+    let solid = Solid::Union(parts.collect());
+    (format!("{{ stl = {{ file = \"{name}\" }} }}"), solid)
 }
 
 /// One random scene.
@@ -214,14 +138,6 @@ struct Case {
     samples: usize,
     minimum: f64,
     is_contact: bool,
-}
-
-pub(super) fn turn(axis: usize, angle: f64) -> DMat3 {
-    match axis {
-        0 => DMat3::from_rotation_x(angle),
-        1 => DMat3::from_rotation_y(angle),
-        _ => DMat3::from_rotation_z(angle),
-    }
 }
 
 /// Two bodies: one on a chain of two driven turns and a driven shift, one fixed or the ground.
@@ -250,13 +166,13 @@ fn case(number: u64, folder: &Path) -> Case {
     let there = if is_ground { DVec3::ZERO } else { foot };
     let name = |axis: usize| ["x", "y", "z"][axis];
     let text = format!(
-        "duration = {DURATION}\n[inputs]\nu = \"{}\"\nv = \"{}\"\nw = \"{}\"\n\
+        "duration = {DURATION}\n[inputs]\nu = {}\nv = {}\nw = {}\n\
          [[bodies]]\nname = \"a\"\nframe = \"Tz({height}) R{}(u) Tx({arm}) R{}(v) T{}(0.3*w)\"\nshapes = [{one}]\n\
          [[bodies]]\nname = \"b\"\nframe = \"Tx({}) Ty({}) Tz({})\"\nshapes = [{two}]\n\
          [clearance]\nminimum = MINIMUM\npairs = [{{ pair = [\"a\", \"b\"], minimum = MINIMUM }}]\n",
-        drives[0].text,
-        drives[1].text,
-        drives[2].text,
+        drives[0].toml(),
+        drives[1].toml(),
+        drives[2].toml(),
         name(axes[0]),
         name(axes[1]),
         name(axes[2]),
@@ -285,7 +201,7 @@ fn case(number: u64, folder: &Path) -> Case {
     }
 }
 
-/// A ball that rolls on the ground, or hops between the samples.
+/// A ball, a roller or a box on the ground, that rolls or slides, or hops between the samples.
 fn contact(random: &mut Random) -> Case {
     let (r, w) = (random.range(0.2, 1.0), random.range(1.0, 5.0));
     let hop = if random.pick(2) == 0 {
@@ -293,9 +209,36 @@ fn contact(random: &mut Random) -> Case {
     } else {
         random.range(0.01, 0.3)
     };
+    let [low, high] = [-1.0, 1.0].map(|y| DVec3::new(0.0, y, 0.0));
+    let corners = (0..8).map(|k| r * box_corner(k)).collect();
+    let (shape, solid, turns) = [
+        (
+            format!("sphere = {{ radius = {r}, center = [0, 0, 0] }}"),
+            Solid::Hull(vec![DVec3::ZERO], r),
+            "Ry(s)",
+        ),
+        (
+            format!("capsule = {{ from = [0, -1, 0], to = [0, 1, 0], radius = {r} }}"),
+            Solid::Hull(vec![low, high], r),
+            "Ry(s)",
+        ),
+        (
+            format!("cylinder = {{ from = [0, -1, 0], to = [0, 1, 0], radius = {r} }}"),
+            Solid::Discs([low, high], [r, r]),
+            "Ry(s)",
+        ),
+        (
+            format!("box = {{ size = [{0}, {0}, {0}] }}", 2.0 * r),
+            Solid::Hull(corners, 0.0),
+            "Rz(s)",
+        ),
+    ]
+    .into_iter()
+    .nth(random.pick(4))
+    .unwrap();
     let text = format!(
         "duration = {DURATION}\n[inputs]\nu = \"{w}*t\"\ns = \"{w}*t/{r}\"\nh = \"{hop}*sin(pi*t*3)^2\"\n\
-         [[bodies]]\nname = \"a\"\nframe = \"Tx(u) Tz(h) Ry(s)\"\nshapes = [{{ sphere = {{ radius = {r}, center = [0, 0, 0] }} }}]\n\
+         [[bodies]]\nname = \"a\"\nframe = \"Tx(u) Tz(h) {turns}\"\nshapes = [{{ {shape} }}]\n\
          [[bodies]]\nname = \"b\"\nframe = \"Tz(-{r})\"\nshapes = [{{ half_space = {{ point = [0, 0, 0], normal = [0, 0, 1], size = 1 }} }}]\n\
          [clearance]\nminimum = 0\ntouching = [{{ pair = [\"a\", \"b\"] }}]\n"
     );
@@ -308,7 +251,7 @@ fn contact(random: &mut Random) -> Case {
     };
     Case {
         text,
-        solids: [Solid::Hull(vec![DVec3::ZERO], r), Solid::Ground],
+        solids: [solid, Solid::Ground],
         place: Box::new(place),
         places: vec![],
         samples: 2 + random.pick(50),
@@ -440,13 +383,6 @@ fn judge(number: u64, folder: &Path, tally: &mut Tally) {
         tally.undecided += 1;
         println!("undecided: {told}");
     }
-}
-
-pub(super) fn asked(name: &str, usual: u64) -> u64 {
-    std::env::var(name)
-        .ok()
-        .and_then(|v| v.parse().ok())
-        .unwrap_or(usual)
 }
 
 #[test]

@@ -14,6 +14,8 @@ pub enum Solid {
     Ring(DVec3, f64, f64),
     /// Everything below z = 0.
     Ground,
+    /// All of these together.
+    Union(Vec<Solid>),
 }
 
 /// A pose: rotation and shift.
@@ -56,7 +58,7 @@ impl Solid {
                     rims[1]
                 }
             }
-            Self::Ring(..) | Self::Ground => unreachable!(),
+            Self::Ring(..) | Self::Ground | Self::Union(_) => unreachable!(),
         };
         place.point(best)
     }
@@ -76,6 +78,10 @@ impl Solid {
                 let axis = place.0 * DVec3::Z;
                 place.point(*center).z - ring * (1.0 - axis.z * axis.z).max(0.0).sqrt() - tube
             }
+            Self::Union(parts) => {
+                let lowest = parts.iter().map(|part| part.lowest(place));
+                lowest.fold(f64::INFINITY, f64::min)
+            }
             _ => self.support(place, -DVec3::Z).z - self.radius(),
         }
     }
@@ -83,7 +89,12 @@ impl Solid {
 
 /// The distance of two solids; zero or less where they meet (how deep is not told).
 pub fn distance(a: (&Solid, &Place), b: (&Solid, &Place), fine: Fine) -> f64 {
+    let least = |parts: &[Solid], of: &dyn Fn(&Solid) -> f64| {
+        parts.iter().map(of).fold(f64::INFINITY, f64::min)
+    };
     match (a.0, b.0) {
+        (Solid::Union(parts), _) => least(parts, &|part| distance((part, a.1), b, fine)),
+        (_, Solid::Union(parts)) => least(parts, &|part| distance(a, (part, b.1), fine)),
         (Solid::Ground, _) => b.0.lowest(b.1),
         (_, Solid::Ground) => a.0.lowest(a.1),
         (Solid::Ring(center, ring, tube), _) => from_ring((*center, *ring), a.1, b, fine) - tube,

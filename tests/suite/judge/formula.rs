@@ -128,7 +128,7 @@ impl<'a> Reader<'a> {
             Some('+') => self.factor(),
             Some(_) => Node::Negative(Box::new(self.factor())),
             None => {
-                let base = self.atom();
+                let base = self.parse_atom();
                 match self.sign(&['^']) {
                     Some(_) => Node::Binary('^', Box::new(base), Box::new(self.factor())),
                     None => base,
@@ -137,7 +137,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn atom(&mut self) -> Node {
+    fn parse_atom(&mut self) -> Node {
         if self.sign(&['(']).is_some() {
             let inner = self.sum();
             self.must(')');

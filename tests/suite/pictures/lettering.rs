@@ -19,7 +19,7 @@ fn check(name: &str, staging: &Staging) {
     for index in (0..count).step_by(count.div_ceil(7)) {
         let frame = staging.frame(index);
         let camera = frame.camera(&staging.stage);
-        let boxes = Overlay::rectangles(&frame, &camera, staging.stage.size);
+        let boxes = Overlay::text_rectangles(&frame, &camera, staging.stage.size);
         for (k, (text, own)) in boxes.iter().enumerate() {
             let inside = own[0] >= 0.0 && own[1] >= 0.0 && own[2] <= width && own[3] <= height;
             assert!(
@@ -96,7 +96,7 @@ fn labels_stand_nearest_to_their_own_anchors() {
             })
             .collect();
         assert_eq!(anchors.len(), 6);
-        let boxes = Overlay::rectangles(&frame, &camera, size);
+        let boxes = Overlay::text_rectangles(&frame, &camera, size);
         for (text, own) in boxes.iter().filter(|(t, _)| t.chars().count() == 1) {
             let gap = |[x, y]: [f64; 2]| {
                 let dx = (own[0] - x).max(x - own[2]).max(0.0);

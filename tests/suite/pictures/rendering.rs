@@ -621,7 +621,7 @@ fn snapshots_are_not_written_in_ci_nor_without_a_list() {
         (
             "scene = \"moving.toml\"",
             "scene = \"gone.toml\"",
-            "cannot read the scene `gone.toml`",
+            "the scene `gone.toml` is neither a built-in one nor a file beside the list",
         ),
         ("time = 0.3", "tme = 0.3", "did you mean `time`?"),
         ("phi = \"3*t\"", "psi = \"3*t\"", "no input `psi`"),

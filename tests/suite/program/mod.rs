@@ -149,15 +149,36 @@ pub fn finish(child: Child) -> Run {
 
 /// Processor seconds of all children so far, where the system says it; else those on the clock.
 pub fn seconds_of_children(begun: Instant) -> f64 {
-    // Behind the name in brackets; the times of children are the 14th and 15th from there, in hundredths.
-    let about = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
-    let fields = about.rsplit(')').next().unwrap_or_default();
-    let ticks = fields.split_whitespace().skip(13).take(2);
+    processor_seconds(13).unwrap_or_else(|| begun.elapsed().as_secs_f64())
+}
+
+/// Processor seconds of this process so far, its children left out; else those on the clock.
+pub fn seconds_of_process(begun: Instant) -> f64 {
+    processor_seconds(11).unwrap_or_else(|| begun.elapsed().as_secs_f64())
+}
+
+/// Two fields behind the name in brackets, in hundredths of a second: 11 and 12 are the process, 13 and 14 its children.
+fn processor_seconds(field: usize) -> Option<f64> {
+    let about = std::fs::read_to_string("/proc/self/stat").ok()?;
+    let fields = about.rsplit(')').next()?;
+    let ticks = fields.split_whitespace().skip(field).take(2);
     let ticks: Option<f64> = ticks.map(|n| n.parse::<f64>().ok()).sum();
-    match ticks {
-        Some(ticks) if !about.is_empty() => ticks / 100.0,
-        _ => begun.elapsed().as_secs_f64(),
-    }
+    Some(ticks? / 100.0)
+}
+
+/// Bytes that this process had in memory at most since the last call, where the system says it.
+pub fn peak_of_process() -> f64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    // Starts anew from what is in memory now.
+    let _ = std::fs::write("/proc/self/clear_refs", "5");
+    peak_bytes(&status)
+}
+
+/// What a status of the system calls the most bytes in memory.
+pub fn peak_bytes(status: &str) -> f64 {
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    let kib = line.and_then(|line| line.split_whitespace().next()?.parse::<f64>().ok());
+    1024.0 * kib.unwrap_or(0.0)
 }
 
 /// Crank and rod, 40 and 80 mm, at a constant input: closes, and is quick.

@@ -2,8 +2,9 @@
 
 use crate::driven::{Driven, Model, even_times, solve};
 use mechanim::diag::Source;
-use mechanim::kinematics::certificate::pose::chain::{ArgumentDouble, LoopAtPose, LoopPlan};
+use mechanim::kinematics::certificate::pose::chain::{ArgumentDouble, LoopAtPose};
 use mechanim::kinematics::results::certificate::Certificate;
+use mechanim::kinematics::structure::proof_chain::LoopPlan;
 
 use mechanim::linalg::pivoted_qr::PivotedQr;
 use mechanim::model::chain::Argument;

@@ -3,8 +3,9 @@
 use crate::driven::{Driven, Model, even_times, solve};
 use mechanim::diag::Source;
 use mechanim::kinematics::certificate::Certifier;
-use mechanim::kinematics::certificate::pose::chain::{ArgumentDouble, LoopAtPose, LoopPlan};
+use mechanim::kinematics::certificate::pose::chain::{ArgumentDouble, LoopAtPose};
 use mechanim::kinematics::results::certificate::{Certificate, Reason};
+use mechanim::kinematics::structure::proof_chain::LoopPlan;
 
 use mechanim::kinematics::results::trajectory::Trajectory;
 use mechanim::kinematics::solve::branch::BranchWatch;

@@ -13,6 +13,7 @@ use mechanim::kinematics::motion::sampling::even_times;
 use mechanim::kinematics::structure::system::System;
 use mechanim::scene::{Overrides, Scene, builtin, load_scene};
 use serde_json::Value;
+use std::sync::atomic::AtomicBool;
 
 /// A scene with dimensions and tolerances in the file's units, and what is judged in it.
 struct Case {
@@ -152,6 +153,22 @@ impl Case {
             pairs.any(|(d, known)| *d < known.bound - 1e-9)
         });
         broken.count()
+    }
+}
+
+/// Where nobody waits any more nothing is said to be proved.
+#[test]
+fn clearances_that_nobody_waits_for_are_unknown() {
+    let wall = r#"{ box = { center = ["w+20", 0, 0], size = [40, 300, 40] } }"#;
+    let case = Case::text(&crank(wall), 9, &[("r", 0.1)]);
+    let family = case.family();
+    let raised = AtomicBool::new(true);
+    let plan = case.plan(&family, 1.0).until(&raised);
+    let found = enclose_clearances(&plan, &case.parts, &case.times, 1e-3, 2);
+    assert!(!found.is_empty());
+    for pair in &found {
+        assert_eq!(pair.bound, f64::NEG_INFINITY);
+        assert!(pair.refusal.is_some());
     }
 }
 

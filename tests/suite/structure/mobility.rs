@@ -811,6 +811,12 @@ fn the_report_names_what_is_held_and_what_is_redundant() {
     let workspace = Workspace::new();
     workspace.write("ball.toml", gearshift_with_ball());
     let text = workspace.run(&["check", "ball.toml"]).exits(0).text();
+    // The same without a file of its own: a chain is replaced like a parameter.
+    let ball = "T74=Tz(-L7) Rz(spin) Rx(a13) Ry(a14) Ty(L4v) Tx(-L4s)";
+    let replaced = workspace.run(&["check", "gearshift", "--param", ball]);
+    assert_eq!(replaced.exits(0).text(), text);
+    let broken = workspace.run(&["check", "gearshift", "--param", "T74=Tz(-L7) Rq(a13)"]);
+    broken.exits(2).says(&["Rq"]);
     for part in [
         "3 by count (21 joint freedoms - 6 of loop A - 6 of loop B - 6 of loop C)",
         "3 by the rank 18 of 21 coordinates; 2 inputs, 1 idle freedom",

@@ -4,8 +4,9 @@
 use crate::draws::Draws;
 use glam::DVec3;
 use mechanim::diag::Source;
-use mechanim::kinematics::certificate::pose::chain::{ArgumentDouble, LoopAtPose, LoopPlan};
+use mechanim::kinematics::certificate::pose::chain::{ArgumentDouble, LoopAtPose};
 use mechanim::kinematics::loops::residual::{BlockWorkspace, Want, residual_of};
+use mechanim::kinematics::structure::proof_chain::LoopPlan;
 use mechanim::kinematics::structure::system::System;
 use mechanim::math::{left_jacobian_inverse, rotation_log};
 use mechanim::model::chain::{Argument, ArgumentValue};

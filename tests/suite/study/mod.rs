@@ -5,3 +5,4 @@ mod search_pictures;
 mod studies;
 mod study_verbs;
 mod synthesis;
+mod targets;

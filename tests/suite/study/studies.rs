@@ -320,7 +320,7 @@ fn a_motion_through_locked_angles_is_whole() {
 fn a_raised_flag_leaves_what_was_not_tried_unknown() {
     let raised = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(true));
     let scene = mechanim::Scene::builtin("gearshift").unwrap();
-    let options = mechanim::ToleranceOptions {
+    let options = mechanim::study::ToleranceOptions {
         tolerance: Some(0.01),
         samples: 64,
         ..Default::default()

@@ -116,7 +116,7 @@ fn random_pieces_do_not_depend_on_threads_or_on_how_they_are_shared() {
     let digest = |v: &Value| u64::from_str_radix(v["digest"].as_str().unwrap(), 16).unwrap();
     let (a, b) = (
         run(&["--samples", "300"]),
-        run(&["--samples", "700", "--first", "300"]),
+        run(&["--samples", "700", "--skip", "300"]),
     );
     assert_eq!(digest(&a).wrapping_add(digest(&b)), digest(&one));
     assert_eq!(
@@ -291,7 +291,7 @@ fn studies_start_from_other_assemblies_and_drives() {
     w.write("rows.csv", "phi\n0\n30\n60\n");
     w.run(&["sensitivity", "crank.toml", "--inputs", "rows.csv"])
         .exits(2)
-        .says(&["--inputs would change nothing"]);
+        .says(&["--input-table would change nothing"]);
     let along = CRANK.replace("swing = { track = \"back\",", "swing = {");
     w.write(
         "along.toml",

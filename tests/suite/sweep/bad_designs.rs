@@ -36,7 +36,7 @@ fn designs_that_cannot_be_meant_are_refused() {
     let line = "sweep four-bar --design grid:crank=1..2:3 --outputs K.x --inputs t.csv";
     run(&space, line)
         .exits(2)
-        .says(&["--inputs cannot be used"]);
+        .says(&["--input-table cannot be used"]);
     assert!(space.files().is_empty(), "{:?}", space.files());
 }
 

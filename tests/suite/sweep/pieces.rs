@@ -136,7 +136,10 @@ fn what_cannot_be_meant_of_pieces_is_refused() {
         ("--tolerance 0", "0"),
         ("--pieces 10", "no tolerance is known"),
         ("--tolerance 0.1 --vary nothing", "nothing"),
-        ("--tolerance 0.1 --inputs t.csv", "--inputs cannot be used"),
+        (
+            "--tolerance 0.1 --inputs t.csv",
+            "--input-table cannot be used",
+        ),
     ] {
         run(&space, &plan(rest)).exits(2).says(&[why]);
     }

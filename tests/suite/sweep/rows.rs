@@ -2,7 +2,8 @@
 
 use super::{SWEEP, cells, column, run};
 use crate::program::{LEAVES, STILL, Workspace};
-use mechanim::{Samples, Scene, ToleranceOptions};
+use mechanim::study::ToleranceOptions;
+use mechanim::{Samples, Scene};
 
 fn number(cell: &str) -> f64 {
     cell.parse().expect(cell)

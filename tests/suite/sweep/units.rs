@@ -90,7 +90,7 @@ fn what_is_missing_is_named() {
         status.contains("3 of 7 units done") && status.contains("missing: 2-3,5-6"),
         "{status}"
     );
-    let document = run(&space, "study status study --json").exits(0).text();
+    let document = run(&space, "study status study --json -").exits(0).text();
     let document: serde_json::Value = serde_json::from_str(&document).unwrap();
     assert_eq!(
         (&document["done"], &document["units"]),

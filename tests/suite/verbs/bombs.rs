@@ -135,6 +135,33 @@ fn deep_and_long_texts_are_answered() {
             "",
         ),
         (
+            "2000 four-bars, each driven by the one before",
+            format!(
+                "duration = 1\n[inputs]\nphi = \"0.3*t\"\n[loops]\n{}",
+                (0..2000)
+                    .map(|k| {
+                        let drive = if k == 0 { "phi".to_owned() } else { format!("c{}", k - 1) };
+                        format!("L{k} = \"Rz({drive}) Tx(40) Rz(a{k}) Tx(80) Rz(b{k}) Tx(50) Rz(c{k}) Tx(-90)\"\n")
+                    })
+                    .collect::<String>()
+            ),
+            "",
+        ),
+        (
+            "1000 bodies on each other",
+            format!(
+                "{}{}",
+                moving(),
+                (0..1000)
+                    .map(|k| format!(
+                        "[[bodies]]\nname = \"b{k}\"\nframe = \"{}\"\nshapes = [{{ sphere = {{ radius = 1 }} }}]\n",
+                        format!("Tx({k}) Rz({k}*phi) ").repeat(1 + k % 50)
+                    ))
+                    .collect::<String>()
+            ),
+            "",
+        ),
+        (
             "a name of 1 MB",
             format!("{}[outputs]\n{} = \"h\"\n", moving(), "n".repeat(1_000_000)),
             "",

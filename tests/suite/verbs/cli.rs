@@ -64,7 +64,7 @@ fn info_is_readable_by_people_and_machines() {
             .text()
             .contains(env!("CARGO_PKG_VERSION"))
     );
-    let json = w.run(&["info", "--json"]).exits(0).text();
+    let json = w.run(&["info", "--json", "-"]).exits(0).text();
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
     assert_eq!(json["version"], env!("CARGO_PKG_VERSION"));
     assert!(json["adapters"].is_array());
@@ -215,7 +215,7 @@ fn overrides_with_mistakes_are_refused_by_name() {
     for (arguments, says) in [
         (
             ["--param", "lenght=2"],
-            ["no parameter `lenght`", "did you mean `length`?"],
+            ["no parameter or chain `lenght`", "did you mean `length`?"],
         ),
         (["--input", "fhi=2"], ["no input `fhi`", "it has: phi"]),
         (["--guess", "aplha=2"], ["`aplha`", "did you mean `alpha`?"]),

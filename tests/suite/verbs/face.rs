@@ -1,6 +1,7 @@
 //! The library and the program give the same answers: one check, asked either way.
 
-use mechanim::{CheckOptions, OptimiseOptions, Samples, Scene, ToleranceOptions};
+use mechanim::study::{OptimiseOptions, ToleranceOptions};
+use mechanim::{CheckOptions, Samples, Scene};
 use serde_json::Value;
 use std::process::Command;
 

@@ -1,25 +1,33 @@
 //! One name of an option has one meaning over all verbs; JSON documents are named in one form.
 
 use crate::house::source::sources;
-use clap::CommandFactory;
+use clap::{Command, CommandFactory};
 use mechanim::cli::args::Cli;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The help of every long option, with the verb that has it.
 fn helps() -> BTreeMap<String, Vec<(String, String)>> {
-    let mut helps: BTreeMap<String, Vec<(String, String)>> = BTreeMap::new();
+    let mut helps = BTreeMap::new();
     for verb in Cli::command().get_subcommands() {
-        for argument in verb.get_arguments() {
-            let Some(flag) = argument.get_long() else {
-                continue;
-            };
-            let help = argument.get_long_help().or(argument.get_help());
-            let help = help.map(ToString::to_string).unwrap_or_default();
-            let row = (verb.get_name().to_owned(), help);
-            helps.entry(flag.to_owned()).or_default().push(row);
-        }
+        collect(verb, verb.get_name(), &mut helps);
     }
     helps
+}
+
+/// The options of a verb and of the verbs below it.
+fn collect(verb: &Command, path: &str, helps: &mut BTreeMap<String, Vec<(String, String)>>) {
+    for argument in verb.get_arguments() {
+        let Some(flag) = argument.get_long() else {
+            continue;
+        };
+        let help = argument.get_long_help().or(argument.get_help());
+        let help = help.map(ToString::to_string).unwrap_or_default();
+        let row = (path.to_owned(), help);
+        helps.entry(flag.to_owned()).or_default().push(row);
+    }
+    for below in verb.get_subcommands() {
+        collect(below, &format!("{path} {}", below.get_name()), helps);
+    }
 }
 
 /// What the documents say that options mean.
@@ -79,6 +87,11 @@ fn the_old_names_are_read() {
         "check four-bar --tolerance 0.1",
         "optimise four-bar --tolerance 0.1",
         "optimise four-bar --pairs --worst 3",
+        "check four-bar --worst 3 --closure 1e-9",
+        "solve four-bar --out a.csv --inputs table.csv",
+        "render four-bar --out a.gif --show clearance",
+        "tolerance four-bar --first 10",
+        "study run folder --units 0..3",
         "diff a.png b.png --tolerance 3",
     ] {
         let words = ["mechanim"].into_iter().chain(line.split(' '));

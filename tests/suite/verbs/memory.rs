@@ -3,7 +3,7 @@
 //! Motions are measured by what ten times as many samples add, since the program and its libraries are not the motion's.
 
 use crate::draws::Draws;
-use crate::program::{Workspace, moving, with_mesh};
+use crate::program::{Workspace, moving, peak_bytes, with_mesh};
 use std::fmt::Write as _;
 use std::time::Duration;
 
@@ -45,9 +45,7 @@ fn peak(w: &Workspace, arguments: &[&str]) -> f64 {
     let mut most = 0.0f64;
     while child.try_wait().unwrap().is_none() {
         let status = std::fs::read_to_string(&path).unwrap_or_default();
-        let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
-        let kib = line.and_then(|line| line.split_whitespace().next()?.parse::<f64>().ok());
-        most = most.max(1024.0 * kib.unwrap_or(0.0));
+        most = most.max(peak_bytes(&status));
         std::thread::sleep(Duration::from_millis(1));
     }
     assert!(child.wait().unwrap().success(), "{arguments:?}");

@@ -5,7 +5,7 @@
 //! `MECHANIM_INSIDE=100000` without processes of their own; both print the figures that docs/strangers.md has. A mutation depends on its number only; `MECHANIM_FIRST` is the number to begin with.
 
 use crate::program;
-use crate::program::{Workspace, finish, seconds_of_children};
+use crate::program::{Workspace, finish, peak_of_process, seconds_of_children, seconds_of_process};
 use mechanim::cli::interrupt::CANCEL;
 use mechanim::diag::Source;
 use mechanim::import::FilmReader;
@@ -20,11 +20,17 @@ use std::time::{Duration, Instant};
 /// Reading one file may take so long: mutations of a few kilobytes take milliseconds.
 const LONGEST: Duration = Duration::from_secs(10);
 
+/// How often it is looked at.
+const LOOK: Duration = Duration::from_millis(100);
+
 /// What a run of a mutated scene may use.
 const LIMITS: &str = "time=60s,memory=1G";
 
 /// Processor seconds beyond which a run counts as slow.
 const SLOW: f64 = 20.0;
+
+/// Bytes of a process from which on a run that takes more than all before it is named.
+const ENOUGH: f64 = 200e6;
 
 fn asked(variable: &str, usual: u64) -> u64 {
     let text = std::env::var(variable).ok();
@@ -359,25 +365,38 @@ fn each_run(
 }
 
 /// Whole runs in this process, which starts none and so makes many: `MECHANIM_INSIDE=20000`. Those that take long are told
-/// to end and named; how much processor time and memory they take says a process of their own.
+/// to end and named. What each takes is that of the process, so a run of the suite for figures has this test alone.
 #[test]
 fn runs_inside_end_as_promised() {
     let w = Workspace::new();
     let (mut slow, start) = (Vec::new(), Instant::now());
+    let (mut longest, mut largest) = (0.0f64, 0.0f64);
     let runs = each_run(&w, "MECHANIM_INSIDE", |verb, say| {
+        let before = seconds_of_process(start);
+        peak_of_process();
         let (outcome, is_slow) = unless_slow(|| run_inside(&w, verb));
-        if is_slow {
-            let named = say("is slow");
-            slow.extend(named.lines().next().map(str::to_owned));
-            return;
+        let (seconds, bytes) = (seconds_of_process(start) - before, peak_of_process());
+        longest = longest.max(seconds);
+        if is_slow || bytes > largest.max(ENOUGH) {
+            let what = format!("{seconds:.1} CPU s, {:.0} MB", bytes / 1e6);
+            let named = say(&what).lines().next().map(str::to_owned);
+            println!("{}", named.as_deref().unwrap_or_default());
+            slow.extend(named.filter(|_| is_slow));
         }
+        largest = largest.max(bytes);
         let code = outcome.unwrap_or(70);
-        assert!(CODES.contains(&code), "{}", say(&format!("exit {code}")));
+        assert!(
+            is_slow || CODES.contains(&code),
+            "{}",
+            say(&format!("exit {code}"))
+        );
     });
     println!(
-        "{runs} runs of mutated scenes from {} on: 0 panics, {:.1} ms each, above {} s: {slow:#?}",
+        "{runs} runs of mutated scenes from {} on: 0 panics, {:.1} ms each, the longest {longest:.1} CPU s, the largest {:.0} MB, \
+         above {} CPU s: {slow:#?}",
         asked("MECHANIM_FIRST", 0),
         start.elapsed().as_secs_f64() / runs as f64 * 1e3,
+        largest / 1e6,
         LONGEST.as_secs()
     );
 }
@@ -392,14 +411,21 @@ fn run_inside(w: &Workspace, verb: &[&str]) -> i32 {
     mechanim::cli::run(all.collect::<Vec<OsString>>())
 }
 
-/// What `work` gives, `None` where it panics; told to end by a Ctrl-C of our own where it takes longer than [`LONGEST`].
+/// What `work` gives, `None` where it panics; told to end by a Ctrl-C of our own where it takes more processor time than
+/// [`LONGEST`].
 fn unless_slow<T>(work: impl FnOnce() -> T) -> (Option<T>, bool) {
     let (done, told) = mpsc::channel::<()>();
+    let start = Instant::now();
+    let before = seconds_of_process(start);
     std::thread::scope(|scope| {
         let watch = scope.spawn(move || {
-            let is_slow = told.recv_timeout(LONGEST) == Err(mpsc::RecvTimeoutError::Timeout);
-            CANCEL.fetch_or(is_slow, Ordering::Relaxed);
-            is_slow
+            while told.recv_timeout(LOOK) == Err(mpsc::RecvTimeoutError::Timeout) {
+                if seconds_of_process(start) - before > LONGEST.as_secs_f64() {
+                    CANCEL.store(true, Ordering::Relaxed);
+                    return true;
+                }
+            }
+            false
         });
         let outcome = catch_unwind(AssertUnwindSafe(work));
         drop(done);

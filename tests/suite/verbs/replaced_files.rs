@@ -5,7 +5,7 @@ use crate::program;
 use crate::program::{Workspace, moving};
 use std::os::unix::fs::{MetadataExt, PermissionsExt, symlink};
 use std::process::Stdio;
-use std::time::{Duration, SystemTime};
+use std::time::{Duration, Instant, SystemTime};
 
 fn workspace() -> Workspace {
     let w = Workspace::new();
@@ -216,4 +216,147 @@ fn older_frames_behind_a_sequence_are_named() {
     }
     std::fs::create_dir(w.path("d.gif")).unwrap();
     render(&w, "d.gif").exits(2).says(&["is a folder"]);
+}
+
+/// Frames take the places of older ones together, when all are there.
+#[test]
+fn an_interrupted_sequence_leaves_the_older_frames() {
+    let w = workspace();
+    let frames = |count: &str, size: &str| {
+        w.command(&[
+            "render",
+            "s.toml",
+            "-q",
+            "--size",
+            size,
+            "--frames",
+            count,
+            "--threads",
+            "1",
+            "--out",
+            "f/",
+        ])
+    };
+    program::finish(frames("40", "16x16").spawn().unwrap()).exits(0);
+    let names = || {
+        let entries = std::fs::read_dir(w.path("f")).unwrap();
+        let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+        let mut names: Vec<String> = names.collect();
+        names.sort();
+        names
+    };
+    let old: Vec<(String, Vec<u8>)> = names()
+        .into_iter()
+        .map(|name| (name.clone(), w.read(&format!("f/{name}"))))
+        .collect();
+    assert_eq!(old.len(), 40);
+    let child = frames("60", "1600x1200").spawn().unwrap();
+    let begun = Instant::now();
+    // A hidden folder, and in it the first frames.
+    let waiting = || {
+        let hidden = names().into_iter().find(|name| name.starts_with('.'));
+        hidden.is_some_and(|name| {
+            std::fs::read_dir(w.path("f").join(name)).is_ok_and(|d| d.count() > 1)
+        })
+    };
+    while !waiting() {
+        assert!(begun.elapsed() < Duration::from_secs(100));
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    program::interrupt(&child);
+    program::finish(child)
+        .exits(130)
+        .says(&["nothing was written"]);
+    let now: Vec<(String, Vec<u8>)> = names()
+        .into_iter()
+        .map(|name| (name.clone(), w.read(&format!("f/{name}"))))
+        .collect();
+    assert!(now == old, "{:?}", names());
+    // And a whole run replaces them.
+    program::finish(frames("40", "20x20").spawn().unwrap()).exits(0);
+    assert_eq!(names().len(), 40);
+    assert!(
+        old.iter()
+            .all(|(name, bytes)| w.read(&format!("f/{name}")) != *bytes)
+    );
+}
+
+/// A folder of waiting frames that a killed run has left goes like its files; one in use stays.
+#[test]
+fn folders_of_waiting_frames_go_when_their_run_is_dead() {
+    let w = workspace();
+    let old = SystemTime::now() - Duration::from_secs(60);
+    let mut held = None;
+    for name in [".mechanim-dead02.part", ".mechanim-used02.part"] {
+        std::fs::create_dir(w.path(name)).unwrap();
+        w.write(&format!("{name}/0"), "frame");
+        let folder = std::fs::File::open(w.path(name)).unwrap();
+        folder.set_modified(old).unwrap();
+        if name.contains("used") {
+            folder.lock().unwrap();
+            held = Some(folder);
+        }
+    }
+    render(&w, "m.gif").exits(0);
+    assert_eq!(w.files(), [".mechanim-used02.part", "m.gif", "s.toml"]);
+    drop(held);
+}
+
+/// Whatever a run reads it does not write over: tables and meshes, too.
+#[test]
+fn meshes_and_tables_are_inputs() {
+    let w = workspace();
+    w.run(&["render", "s.toml", "--at", "0", "--out", "m.stl"])
+        .exits(0);
+    let mesh = w.read("m.stl");
+    w.write("m.toml", program::with_mesh("m.stl"));
+    w.write("t.csv", "phi\n0.1\n0.2\n");
+    symlink("m.stl", w.path("link.json")).unwrap();
+    for arguments in [
+        &["render", "m.toml", "--at", "0", "--out", "m.stl"][..],
+        &["render", "m.toml", "--at", "0", "--out", "./m.stl"],
+        &["check", "m.toml", "--json", "m.stl"],
+        &["check", "m.toml", "--json", "link.json"],
+        &["check", "s.toml", "m.toml", "--json", "m.stl"],
+        &["solve", "m.toml", "--inputs", "t.csv", "--out", "t.csv"],
+        &["plot", "m.toml", "--out", "link.json"],
+    ] {
+        w.run(arguments).exits(2);
+        assert!(w.read("m.stl") == mesh, "{arguments:?}");
+        assert_eq!(w.read("t.csv").len(), 12, "{arguments:?}");
+    }
+    // A page of the first scene would stand where the second one does.
+    std::fs::create_dir(w.path("d")).unwrap();
+    w.write("d/a.toml", moving());
+    w.write("a.html", moving());
+    w.run(&["site", "d/a.toml", "a.html", "--out", "."])
+        .exits(2)
+        .says(&["is an input"]);
+    assert_eq!(w.read("a.html"), moving().into_bytes());
+    w.write("a.png", "old");
+    w.run(&[
+        "render", "s.toml", "--at", "0", "--size", "16x16", "--out", "a.png",
+    ])
+    .exits(0);
+    w.run(&[
+        "diff", "a.png", "a.png", "--out", "b.png", "--json", "b.png",
+    ])
+    .exits(2)
+    .says(&["both go to"]);
+}
+
+/// What `--watch` looks at is a file of the size that a scene may have.
+#[test]
+fn nothing_endless_is_watched() {
+    let w = Workspace::new();
+    for scene in ["/dev/zero", "."] {
+        let run = w.run(&[
+            "check",
+            scene,
+            "--watch",
+            "--limits",
+            "memory=300M,time=20s",
+        ]);
+        run.exits(2).says(&["--watch"]);
+    }
 }

@@ -5,8 +5,9 @@ use crate::program;
 use crate::program::{Run, STILL, Workspace, moving, with_mesh};
 use std::time::{Duration, Instant};
 
-/// Escapes, a bell, C1, bidi, and what ends texts of HTML, XML and CSV.
-const HOSTILE: &str = "\u{1b}[32mpassed\u{1b}]0;owned\u{7}\u{9b}31m\u{202e}\u{2066}<script>alert(1)</script>]]>&\"'\n=1+1";
+/// Commands of CI logs, escapes, a bell, C1, bidi, and what ends texts of HTML, XML, Markdown, LaTeX and CSV.
+const HOSTILE: &str = "::error::##[error]##vso[task.complete]\u{1b}[32mpassed\u{1b}]0;owned\u{7}\u{9b}31m\u{202e}\u{2066}\
+    <script>alert(1)</script><img src=x onerror=alert(1)>]]>--><!--&\"'`|[a](b)\\input{x}$%\n=1+1";
 
 /// The same as a TOML text.
 fn quoted(text: &str) -> String {
@@ -23,13 +24,16 @@ fn hostile_scene() -> String {
     let text = quoted(HOSTILE);
     moving()
         .replace("title = \"moving\"", &format!("title = {text}"))
+        .replace("Tx(40)", "Tx(r)")
         .replace("length = \"mm\"", &format!("length = {text}"))
         + &format!(
             "[[bodies]]\nname = {text}\nframe = \"Rz(phi) Tx(40) Rz(alpha)\"\n\
              shapes = [{{ sphere = {{ center = [80, 0, 0], radius = 3 }} }}]\n\
              [[bodies]]\nname = \"=cmd|' /C calc'!A0\"\nframe = \"Tx(h) Ty(300)\"\n\
              shapes = [{{ sphere = {{ center = [0, 0, 0], radius = 3 }} }}]\n\
-             [clearance]\nminimum = 0.1\n[[plots]]\ntitle = {text}\ny = [\"h\"]\n"
+             [clearance]\nminimum = 0.1\n[[plots]]\ntitle = {text}\ny = [\"h\"]\n\
+             [measures.far]\nof = \"h\"\ntake = \"max\"\nmax = 900\nwhy = {text}\n\
+             [parameters]\nr = 40\n[[labels]]\ntext = {text}\nbody = \"crank\"\n"
         )
 }
 
@@ -40,6 +44,12 @@ fn assert_harmless(text: &str, of: &str) {
             || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
     };
     assert_eq!(text.chars().find(acts), None, "{of}:\n{text:?}");
+    // An excerpt shows a scene's own text as it stands there, behind a number and a bar.
+    let is_excerpt = |line: &str| line.contains(" │ ");
+    let commands = |line: &str| {
+        line.trim_start().starts_with("::") || (line.contains("##vso[") && !is_excerpt(line))
+    };
+    assert_eq!(text.lines().find(|line| commands(line)), None, "{of}");
 }
 
 #[test]
@@ -53,9 +63,75 @@ fn nothing_of_a_scene_acts_on_who_shows_it() {
     w.write("\u{1b}[31m.toml", "x = 1\u{9b}");
     for arguments in [
         &[
-            "check", "s.toml", "--csv", "c.csv", "--json", "c.json", "--junit", "c.xml", "--plot",
+            "check",
+            "s.toml",
+            "--csv",
+            "c.csv",
+            "--json",
+            "c.json",
+            "--junit",
+            "c.xml",
+            "--plot",
             "c.svg",
+            "--sarif",
+            "c.sarif.json",
+            "--summary",
+            "c.md",
+            "--matrix",
+            "x.svg",
         ][..],
+        &["report", "s.toml", "--out", "r.html"],
+        &["compare", "s.toml", "s.toml", "--out", "k.html"],
+        &["site", "s.toml", "--out", "site"],
+        &["draw", "s.toml", "--out", "d.svg"],
+        &["show", "s.toml"],
+        &["show", "s.toml", "--out", "s.tex"],
+        &["show", "s.toml", "--out", "s.html"],
+        &[
+            "sensitivity",
+            "s.toml",
+            "--vary",
+            "r",
+            "--out",
+            "n.csv",
+            "--plot",
+            "n.svg",
+        ],
+        &[
+            "enclose",
+            "s.toml",
+            "--vary",
+            "r",
+            "--tolerance",
+            "0.1",
+            "--out",
+            "e.csv",
+        ],
+        &[
+            "tolerance",
+            "s.toml",
+            "--vary",
+            "r",
+            "--tolerance",
+            "0.1",
+            "--pieces",
+            "9",
+            "--csv",
+            "t.csv",
+            "--json",
+            "t.json",
+        ],
+        &[
+            "sweep",
+            "s.toml",
+            "--design",
+            "grid:r=39..40:2",
+            "--out",
+            "w.csv",
+            "--plot",
+            "w.svg",
+        ],
+        &["modes", "s.toml", "--json", "m.json"],
         &["check", "s.toml"],
         &["check", "wrong.toml"],
         &["check", "\u{1b}[31m.toml"],
@@ -85,12 +161,48 @@ fn nothing_of_a_scene_acts_on_who_shows_it() {
         );
     }
     for file in [
-        "c.csv", "c.json", "c.xml", "c.svg", "s.json", "p.svg", "p.obj",
+        "c.csv",
+        "c.json",
+        "c.xml",
+        "c.svg",
+        "s.json",
+        "p.svg",
+        "p.obj",
+        "c.sarif.json",
+        "c.md",
+        "x.svg",
+        "r.html",
+        "k.html",
+        "site/index.html",
+        "site/s.html",
+        "d.svg",
+        "s.tex",
+        "s.html",
+        "n.csv",
+        "n.svg",
+        "e.csv",
+        "t.csv",
+        "t.json",
+        "w.csv",
+        "w.svg",
+        "m.json",
     ] {
         let text = String::from_utf8(w.read(file)).unwrap();
         assert_harmless(&text, file);
-        if !file.ends_with(".json") && !file.ends_with(".obj") && !file.ends_with(".csv") {
-            assert!(!text.contains("<script"), "{file}");
+        // A page has scripts of its own.
+        assert!(
+            !text.contains("<script>alert") || file.ends_with(".json") || is_plain(file),
+            "{file}"
+        );
+        assert!(
+            !text.contains("<img src=x") || file.ends_with(".json") || is_plain(file),
+            "{file}"
+        );
+        if file.ends_with(".tex") {
+            let mut bare = text.lines().filter(|line| !line.starts_with('%'));
+            assert!(!bare.any(|line| line.contains("\\input")), "{text}");
+        }
+        if file.ends_with(".svg") || file.ends_with(".xml") {
             xml::EventReader::from_str(&text)
                 .into_iter()
                 .for_each(|event| drop(event.expect(file)));
@@ -105,6 +217,41 @@ fn nothing_of_a_scene_acts_on_who_shows_it() {
             assert_eq!(cells.clone().find(|cell| runs(cell)), None, "{text}");
         }
     }
+}
+
+/// Whether texts mean nothing but themselves in such a file.
+fn is_plain(file: &str) -> bool {
+    [".obj", ".csv", ".tex"]
+        .iter()
+        .any(|end| file.ends_with(end))
+}
+
+/// Ghosts cost a picture each: as many as a scene may ask for, and poses that there are.
+#[test]
+fn ghosts_are_few_and_within_the_motion() {
+    let w = Workspace::new();
+    w.write("s.toml", moving());
+    let many = vec!["0.1"; 61].join(",");
+    let still = [
+        "render",
+        "s.toml",
+        "--at",
+        "0",
+        "--size",
+        "32x24",
+        "--out",
+        "o.png",
+        "--ghost-times",
+    ];
+    for (times, says) in [
+        (many.as_str(), "at most 60"),
+        ("0.1,1e300", "1e300"),
+        ("0.7", "0.5 s"),
+    ] {
+        let run = w.run(&[&still[..], &[times]].concat());
+        run.exits(2).says(&[says]);
+    }
+    w.run(&[&still[..], &["0,0.1,0.5"]].concat()).exits(0);
 }
 
 /// One line of so many shapes with the same mistake.
@@ -251,6 +398,42 @@ fn meshes_stand_below_the_scene_or_where_they_are_allowed() {
         .says(&["no regular file"]);
 }
 
+/// A list of pictures names scenes as a scene names meshes: none elsewhere is read, nor shown in a message.
+#[test]
+fn scenes_of_a_list_stand_below_it_or_where_they_are_allowed() {
+    let w = Workspace::new();
+    for folder in ["golden/in", "out"] {
+        std::fs::create_dir_all(w.path(folder)).unwrap();
+    }
+    for place in ["golden/a.toml", "golden/in/b.toml", "out/c.toml"] {
+        w.write(place, moving());
+    }
+    w.write("out/secret.toml", "secret words of somebody");
+    for (scene, options, code) in [
+        ("a.toml", &[][..], 0),
+        ("in/b.toml", &[], 0),
+        ("../out/c.toml", &[], 2),
+        ("../out/c.toml", &["--allow-files", "out"], 0),
+        ("../out/secret.toml", &[], 2),
+        ("/etc/passwd", &[], 2),
+        ("/dev/zero", &[], 2),
+        ("/dev/zero", &["--allow-files", "/dev"], 2),
+        ("in/none.toml", &[], 2),
+    ] {
+        let _ = std::fs::remove_file(w.path("golden/a.png"));
+        let list = format!(
+            "[[picture]]\nfile = \"a.png\"\nscene = \"{scene}\"\ntime = 0.1\nsize = [32, 24]\n"
+        );
+        w.write("golden/snapshots.toml", list);
+        let mut command = w.command(&[&["snapshot", "golden", "--update=new"], options].concat());
+        let run = program::finish(command.env_remove("CI").spawn().unwrap());
+        assert_eq!(run.code, code, "{scene} {options:?}: {}", run.stderr);
+        for words in ["secret words", "root:"] {
+            assert!(!run.stderr.contains(words), "{scene}: {}", run.stderr);
+        }
+    }
+}
+
 /// Runs with limits, by option and by variable; both must refuse alike.
 fn limited(w: &Workspace, limits: &str, arguments: &[&str]) -> Run {
     let by_option = w.run(&[arguments, &["--limits", limits]].concat());
@@ -280,6 +463,10 @@ fn what_takes_more_than_it_may_is_refused_by_name() {
             .replace("title", "duration = 1\ntitle"),
     );
     w.write("c.toml", hostile_scene());
+    std::fs::create_dir(w.path("golden")).unwrap();
+    let list =
+        "[[picture]]\nfile = \"a.png\"\nscene = \"gearshift\"\ntime = 0.5\nsize = [32, 24]\n";
+    w.write("golden/snapshots.toml", list);
     w.write("t.csv", format!("phi\n{}", "0.1\n".repeat(2000)));
     w.run(&[
         "render", "s.toml", "--at", "0", "--size", "64x64", "--out", "p.png",
@@ -319,6 +506,20 @@ fn what_takes_more_than_it_may_is_refused_by_name() {
             "a picture",
         ),
         ("pixels=1000", &["diff", "p.png", "p.png"], "p.png"),
+        (
+            "pixels=1000",
+            &["plot", "s.toml", "--size", "64x64", "--out", "p.png"],
+            "a plot",
+        ),
+        (
+            "pixels=1000",
+            &[
+                "render", "s.toml", "--at", "0", "--size", "64x64", "--out", "p.png",
+            ],
+            "a picture",
+        ),
+        ("pixels=100", &["snapshot", "golden"], "a.png"),
+        ("samples=10", &["snapshot", "golden"], "a motion of"),
         (
             "memory=1M",
             &["check", "s.toml", "--samples", "300"],
@@ -397,6 +598,7 @@ fn tables_of_spreadsheets_are_read() {
         ("phi,x\n0,25,1\n", "decimal commas need `;`"),
         ("phi;x\n0,25;1\n0.5;1\n", "decimal sign"),
         ("phi\npi/2\n", "no formula"),
+        ("phi\r0.25\r0.5\r", "carriage returns"),
     ] {
         w.write("t.csv", table);
         w.run(&["solve", "s.toml", "--inputs", "t.csv", "--out", "-"])

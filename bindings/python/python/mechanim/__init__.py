@@ -12,6 +12,7 @@ True
 from ._mechanim import (
     Assembly,
     Check,
+    Enclosure,
     Motion,
     Optimum,
     PairClearance,
@@ -39,6 +40,7 @@ __all__ = [
     "ArgumentError",
     "Assembly",
     "Check",
+    "Enclosure",
     "FileError",
     "LimitError",
     "MechanimError",

@@ -4,10 +4,9 @@
 //! that Newton uses, it is a plain entry of a product, so that its second derivatives have simple bounds.
 
 use super::product::Product;
-use crate::math::Pose;
-use crate::model::chain::{ChainStep, ElementaryMotion};
+use crate::kinematics::structure::proof_chain::{LoopPlan, PlannedJoint};
+use crate::model::chain::ElementaryMotion;
 use crate::model::expression::Affine;
-use crate::model::fixed::FixedPose;
 use crate::numbers::double_double::DoubleDouble;
 use crate::numbers::rounding::{DECIMAL, LONG_STEP, SIN_COS, U};
 use crate::numbers::sin_cos::{SinCosFactor, sin_cos};
@@ -53,106 +52,6 @@ pub fn affine_value(form: &Affine, coordinates: &[f64], rests: &[f64]) -> (Doubl
         open += c.error() * coordinates[slot].abs();
     }
     (value, open)
-}
-
-/// A joint as it is passed on the way, and the fixed pose before it.
-#[derive(Clone, Debug)]
-struct PlannedJoint {
-    shift: [Option<SinCosFactor>; 3],
-    turn: Option<DMat3>,
-    motion: ElementaryMotion,
-    axis: usize,
-    argument: usize,
-    sign: f64,
-    /// Rotation and translation by which the fixed poses behind the joint may differ from those meant, and the length
-    /// of the translation.
-    open_behind: [f64; 2],
-    length_behind: f64,
-    /// The angle of their rotation.
-    angle_behind: f64,
-}
-
-/// A loop laid out for the walk.
-#[derive(Clone, Debug, Default)]
-pub struct LoopPlan {
-    joints: Vec<PlannedJoint>,
-    /// The fixed pose at the end, as a joint that does not move.
-    end: Option<PlannedJoint>,
-    /// The same for the fixed pose before the first joint.
-    open_before: [f64; 2],
-    length_before: f64,
-    angle_before: f64,
-    steps: usize,
-}
-
-impl LoopPlan {
-    /// Lays out a chain whose arguments are renamed by `place`.
-    pub fn new(steps: &[ChainStep], place: impl Fn(usize) -> usize) -> Self {
-        let mut plan = Self {
-            steps: steps.len(),
-            ..Self::default()
-        };
-        let mut fixed: Option<FixedPose> = None;
-        for step in steps {
-            match *step {
-                ChainStep::Fixed(pose) => fixed = Some(fixed.map_or(pose, |f| f * pose)),
-                ChainStep::Joint {
-                    motion,
-                    axis,
-                    argument,
-                    sign,
-                } => {
-                    let mut joint = plan.after(fixed.take());
-                    joint.motion = motion;
-                    joint.axis = axis;
-                    joint.argument = place(argument);
-                    joint.sign = sign;
-                    plan.joints.push(joint);
-                }
-            }
-        }
-        if fixed.is_some() {
-            plan.end = Some(plan.after(fixed));
-        }
-        plan
-    }
-
-    /// Places of the joints' arguments.
-    pub fn arguments(&self) -> impl Iterator<Item = usize> + '_ {
-        self.joints.iter().map(|joint| joint.argument)
-    }
-
-    /// A joint after a fixed pose, which counts as behind the joint before.
-    fn after(&mut self, fixed: Option<FixedPose>) -> PlannedJoint {
-        let pose = fixed.unwrap_or(FixedPose::exact(Pose::IDENTITY));
-        let open = [pose.error.rotation, pose.error.translation];
-        let trace: f64 = (0..3).map(|k| pose.rotation.col(k)[k]).sum();
-        let angle = libm::acos((0.5 * (trace - 1.0)).clamp(-1.0, 1.0));
-        match self.joints.last_mut() {
-            Some(last) => {
-                last.open_behind = open;
-                last.length_behind = pose.translation.length();
-                last.angle_behind = angle;
-            }
-            None => {
-                self.open_before = open;
-                self.length_before = pose.translation.length();
-                self.angle_before = angle;
-            }
-        }
-        let part = |v: f64| (v != 0.0).then(|| SinCosFactor::short(DoubleDouble::from(v)));
-        PlannedJoint {
-            shift: pose.translation.to_array().map(part),
-            turn: (pose.rotation != DMat3::IDENTITY).then_some(pose.rotation),
-            motion: ElementaryMotion::Translation,
-            axis: 0,
-            argument: 0,
-            sign: 1.0,
-            open_behind: [0.0; 2],
-            length_behind: 0.0,
-            angle_behind: 0.0,
-        }
-    }
 }
 
 /// A joint at the pose.

@@ -1,9 +1,9 @@
-//! The Newton-Kantorovich test of one square system, for all of its unknowns side by side.
+//! The Newton-Kantorovich test of one square block, for all of its unknowns side by side.
 
+use super::block_rows::BlockRows;
 use super::lane_rows::{add_part, add_sizes, put_groups, row_part};
-use super::system::BlockSystem;
+use crate::kinematics::certificate::gaps::LARGEST_GAP;
 use crate::kinematics::certificate::neighbourhood::BALL;
-use crate::kinematics::certificate::rows::LARGEST_GAP;
 use crate::kinematics::results::certificate::Reason;
 use crate::linalg::gauss_jordan::Elimination;
 use crate::linalg::lanes::{LaneMatrix, Lanes, add_scaled, lane_groups};
@@ -132,30 +132,30 @@ impl Kantorovich {
     /// in place of R F. The exact pose of the basis has F = 0, so that G is there within the bounds of L F - G.
     pub fn prove(
         &mut self,
-        system: &BlockSystem,
+        block: &BlockRows,
         basis: &[usize],
         inverse: Option<&LaneMatrix>,
         earlier: &mut EarlierPose,
     ) -> Result<(f64, f64), Reason> {
-        let (n, all) = (basis.len(), system.rows.len());
+        let (n, all) = (basis.len(), block.rows.len());
         if all == 0 {
             return Ok((f64::INFINITY, 0.0));
         }
         // An approximate inverse A of the chosen rows; any one serves.
         self.order.clear();
         self.order.extend_from_slice(basis);
-        self.take_columns(system);
+        self.take_columns(block);
         match inverse {
             Some(inverse) => self.inverse.copy(inverse),
-            None => self.invert(system, n)?,
+            None => self.invert(block, n)?,
         }
         if n < all {
-            self.take_redundant_rows(system);
+            self.take_redundant_rows(block);
         }
         // Bounds of |A F|, |I - A J| and of A times the second derivatives, unknown by unknown.
-        self.list_entries(system.forms.len());
-        self.weigh(system, earlier);
-        self.bound_unknowns(n, system, earlier);
+        self.list_entries(block.of.forms.len());
+        self.weigh(block, earlier);
+        self.bound_unknowns(n, block, earlier);
         let PoseConstants { newton, rest, q, k } = &self.unknowns;
         let [newton, rest, q, k] = [newton, rest, q, k].map(|list| &list.as_flattened()[..all]);
         let (mut eta, mut most_q, mut most_k) = (0.0, 0.0, 0.0);
@@ -180,7 +180,7 @@ impl Kantorovich {
             (rest[i] * GROW + q * error + 0.5 * k * error * error) * GROW
         };
         // What the next blocks inherit: the step, and what is left of every unknown after it.
-        for (i, unknown) in system.unknowns.iter().enumerate() {
+        for (i, unknown) in block.of.unknowns.iter().enumerate() {
             earlier.note(*unknown, newton[i], rest(i));
         }
         // Redundant rows: each must be explained by the errors of the others.
@@ -188,7 +188,7 @@ impl Kantorovich {
             // What the last digits of the dimensions do to the row at the exact pose of the others.
             let digits = self.order.iter().enumerate();
             let digits =
-                digits.map(|(r, row)| self.inverse.at(r, i).abs() * system.rows[*row].last_units);
+                digits.map(|(r, row)| self.inverse.at(r, i).abs() * block.rows[*row].last_units);
             let (gap, explained) = (gap.abs(), rest(i) + digits.sum::<f64>());
             let closes_to = (gap + explained) * GROW;
             if gap > explained {
@@ -203,13 +203,13 @@ impl Kantorovich {
     }
 
     /// The derivatives of the rows in their order.
-    fn take_columns(&mut self, system: &BlockSystem) {
-        if self.order.len() == system.rows.len() && self.order.is_sorted() {
-            self.columns.copy(&system.columns);
+    fn take_columns(&mut self, block: &BlockRows) {
+        if self.order.len() == block.rows.len() && self.order.is_sorted() {
+            self.columns.copy(&block.columns);
             return;
         }
-        self.columns.reset(system.forms.len(), self.order.len());
-        for (from, to) in system.columns.rows().zip(self.columns.rows_mut()) {
+        self.columns.reset(block.of.forms.len(), self.order.len());
+        for (from, to) in block.columns.rows().zip(self.columns.rows_mut()) {
             let to = to.as_flattened_mut();
             for (to, row) in to.iter_mut().zip(&self.order) {
                 *to = from.as_flattened()[*row];
@@ -231,15 +231,15 @@ impl Kantorovich {
 
     /// Appends the rows that the basis leaves out, and to R what carries them: L = G' R for the rows of the basis, -1 for
     /// their own.
-    fn take_redundant_rows(&mut self, system: &BlockSystem) {
-        let (n, all) = (self.order.len(), system.rows.len());
+    fn take_redundant_rows(&mut self, block: &BlockRows) {
+        let (n, all) = (self.order.len(), block.rows.len());
         for row in 0..all {
             if !self.order[..n].contains(&row) {
                 self.order.push(row);
             }
         }
-        self.take_columns(system);
-        self.derive(system, n, all);
+        self.take_columns(block);
+        self.derive(block, n, all);
         self.widened.reset(all, all);
         for i in 0..n {
             let of_r = &self.inverse.row(i).as_flattened()[..n];
@@ -259,9 +259,9 @@ impl Kantorovich {
     }
 
     /// Derivatives of `rows` rows by the block's `n` unknowns, one unknown after the other.
-    fn derive(&mut self, system: &BlockSystem, n: usize, rows: usize) {
+    fn derive(&mut self, block: &BlockRows, n: usize, rows: usize) {
         self.matrix.reset(n, rows);
-        for (form, values) in system.forms.iter().zip(self.columns.rows()) {
+        for (form, values) in block.of.forms.iter().zip(self.columns.rows()) {
             for (column, rate) in &form.own {
                 add_scaled(self.matrix.row_mut(*column), *rate, values);
             }
@@ -269,9 +269,9 @@ impl Kantorovich {
     }
 
     /// Inverts the Jacobian of the basis by the block's unknowns.
-    fn invert(&mut self, system: &BlockSystem, n: usize) -> Result<(), Reason> {
+    fn invert(&mut self, block: &BlockRows, n: usize) -> Result<(), Reason> {
         // The transposed matrix has the transposed inverse.
-        self.derive(system, n, n);
+        self.derive(block, n, n);
         let columns = self.matrix.rows().map(|row| &row.as_flattened()[..n]);
         let sparse = self.sparse.invert_columns(columns, n, &mut self.inverse);
         let dense = &mut self.elimination;
@@ -280,18 +280,18 @@ impl Kantorovich {
     }
 
     /// Residuals and weights of the rows.
-    fn weigh(&mut self, system: &BlockSystem, earlier: &EarlierPose) {
+    fn weigh(&mut self, block: &BlockRows, earlier: &EarlierPose) {
         let n = self.order.len();
         self.rows.reset(n);
         self.changes.clear();
-        for (form, open) in system.forms.iter().zip(&system.open) {
+        for (form, open) in block.of.forms.iter().zip(&block.open) {
             let mut change = JacobianChange {
                 step: 0.0,
                 drift: *open,
                 own_rate: form.own_rate,
             };
             for (place, rate) in &form.before {
-                let unknown = system.before[*place];
+                let unknown = block.of.before[*place];
                 let (step, rest) = (earlier.step[unknown], earlier.rest[unknown]);
                 change.step -= rate * step;
                 change.drift += rate.abs() * (step.abs() + rest);
@@ -300,11 +300,11 @@ impl Kantorovich {
         }
         in_blocks!(lane_groups(n), |G, first| self.sum_forms::<G>(first));
         let drift = earlier.largest;
-        let sums = (2 * n + system.forms.len() + 8) as f64 * U;
+        let sums = (2 * n + block.of.forms.len() + 8) as f64 * U;
         let PoseConstants { newton, rest, q, k } = &mut self.rows;
         let [residuals, rests, qs, ks] = [newton, rest, q, k].map(|l| l.as_flattened_mut());
         for (i, index) in self.order.iter().enumerate() {
-            let row = &system.rows[*index];
+            let row = &block.rows[*index];
             // Until here the sums of what the forms drift, and of their own rates.
             let (drifts, own_rates) = (rests[i], qs[i]);
             residuals[i] += row.residual;
@@ -337,16 +337,16 @@ impl Kantorovich {
     }
 
     /// Constants of the `n` unknowns and of the redundant rows behind them, before they are grown.
-    fn bound_unknowns(&mut self, n: usize, system: &BlockSystem, earlier: &EarlierPose) {
+    fn bound_unknowns(&mut self, n: usize, block: &BlockRows, earlier: &EarlierPose) {
         let all = self.order.len();
         self.unknowns.reset(all);
         self.identity.reset(n, all);
         for i in 0..n {
             *self.identity.at_mut(i, i) = -1.0;
         }
-        self.before.reset(system.before.len(), all);
+        self.before.reset(block.of.before.len(), all);
         in_blocks!(lane_groups(all), |G, first| self
-            .bound_some::<G>(n, first, system, earlier));
+            .bound_some::<G>(n, first, block, earlier));
     }
 
     /// Constants of `G` groups of unknowns.
@@ -355,7 +355,7 @@ impl Kantorovich {
         &mut self,
         n: usize,
         first: usize,
-        system: &BlockSystem,
+        block: &BlockRows,
         earlier: &EarlierPose,
     ) {
         let (rows, all) = (&self.rows, self.order.len());
@@ -375,7 +375,7 @@ impl Kantorovich {
             }
         }
         // A J, one column of J at a time; its sizes go to q.
-        let forms = system.forms.iter().zip(&system.open);
+        let forms = block.of.forms.iter().zip(&block.open);
         for (index, ((form, open), column)) in forms.zip(self.columns.rows()).enumerate() {
             // Where a basis leaves rows out, they do not stand in their own order.
             let rows = if n == all { form.rows.clone() } else { 0..all };
@@ -407,7 +407,7 @@ impl Kantorovich {
             }
         }
         // Errors of blocks before this one, weighed by their columns.
-        for (rates, slot) in self.before.rows().zip(&system.before) {
+        for (rates, slot) in self.before.rows().zip(&block.of.before) {
             add_sizes(&mut rest, &row_part::<G>(rates, first), earlier.rest[*slot]);
         }
         for column in self.identity.rows() {

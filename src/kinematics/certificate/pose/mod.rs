@@ -1,8 +1,8 @@
 //! The proof of a single pose: residual in double-double, Jacobian, and the Newton-Kantorovich test.
 
+pub mod block_rows;
 pub mod chain;
 pub mod kantorovich;
 mod lane_rows;
 pub mod product;
 pub mod prover;
-pub mod system;

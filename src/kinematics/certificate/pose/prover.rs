@@ -1,21 +1,19 @@
 //! The blocks of a mechanism, proved at a pose one after the other, where all arguments and equations are affine forms.
 
+use super::block_rows::BlockRows;
 use super::chain::ArgumentDouble;
 use super::kantorovich::{EarlierPose, Kantorovich};
-use super::system::BlockSystem;
 use crate::kinematics::results::certificate::Reason;
 use crate::kinematics::solve::newton::Corrector;
 use crate::kinematics::structure::system::System;
-use crate::model::chain::Argument;
 use crate::model::expression::Affine;
 
-/// The proof of a pose, laid out once.
+/// The proof of poses of one system: its plan, and the buffers of a pose.
 #[derive(Clone, Debug)]
 pub struct PoseProver<'m> {
     system: &'m System,
-    forms: Vec<Option<Affine>>,
     /// The blocks at the last pose.
-    pub systems: Vec<BlockSystem>,
+    pub blocks: Vec<BlockRows<'m>>,
     kantorovich: Kantorovich,
     arguments: Vec<ArgumentDouble>,
     /// What is proved of the unknowns at the last pose.
@@ -25,17 +23,10 @@ pub struct PoseProver<'m> {
 impl<'m> PoseProver<'m> {
     /// Prepares the proof.
     pub fn new(system: &'m System) -> Self {
-        let mechanism = system.mechanism();
-        let arguments = mechanism.arguments.iter().map(Argument::affine);
-        let equations = mechanism.equations.iter().map(|e| e.expression.affine());
-        let forms: Vec<Option<Affine>> = arguments.chain(equations).collect();
-        let blocks = system.blocks().iter();
+        let blocks = system.proof_plan().blocks.iter();
         Self {
             system,
-            systems: blocks
-                .map(|block| BlockSystem::new(system, block, &forms))
-                .collect(),
-            forms,
+            blocks: blocks.map(BlockRows::new).collect(),
             kantorovich: Kantorovich::default(),
             arguments: Vec::new(),
             earlier: EarlierPose::default(),
@@ -51,7 +42,7 @@ impl<'m> PoseProver<'m> {
     ) -> Result<f64, Reason> {
         let blank = Affine::default();
         self.arguments.clear();
-        let arguments = self.forms[..self.system.mechanism().arguments.len()].iter();
+        let arguments = self.system.proof_plan().arguments.iter();
         self.arguments.extend(
             arguments.map(|form| {
                 ArgumentDouble::new(form.as_ref().unwrap_or(&blank), coordinates, rests)
@@ -60,18 +51,18 @@ impl<'m> PoseProver<'m> {
         // Block after block: each inherits the errors of those before it.
         self.earlier.reset(self.system.mechanism().unknowns.len());
         let mut radius = f64::INFINITY;
-        for (index, (system, basis)) in self.systems.iter_mut().zip(bases).enumerate() {
-            if system.has_formula {
+        for (index, (block, basis)) in self.blocks.iter_mut().zip(bases).enumerate() {
+            if block.of.has_formula {
                 return Err(Reason::Formula);
             }
-            system.evaluate([coordinates, rests], &self.arguments)?;
+            block.evaluate([coordinates, rests], &self.arguments)?;
             let inverse = corrector.and_then(|c| c.inverse(index)).filter(|inverse| {
-                inverse.rows().len() == basis.len() && system.rows.len() == basis.len()
+                inverse.rows().len() == basis.len() && block.rows.len() == basis.len()
             });
             let (unique, error) =
                 self.kantorovich
-                    .prove(system, basis, inverse, &mut self.earlier)?;
-            if system.may_be_half_turned(error.max(self.earlier.largest)) {
+                    .prove(block, basis, inverse, &mut self.earlier)?;
+            if block.may_be_half_turned(error.max(self.earlier.largest)) {
                 return Err(Reason::HalfTurn);
             }
             radius = radius.min(unique);

@@ -121,6 +121,7 @@ impl LoopModel {
         };
         let mut joints = Vec::with_capacity(steps.len());
         walk_chain(steps, &mut here, arguments, |here, joint| {
+            // Axis and origin of each moving joint, as Taylor models over the stretch.
             if moves(joint.argument) {
                 joints.push(TubeJoint {
                     motion: joint.motion,
@@ -152,6 +153,7 @@ impl LoopModel {
             let mut sum = 0.0;
             for (j, column) in self.rotation.iter().enumerate() {
                 let mut entries = column[k].to_array();
+                // Less the identity, which is constant.
                 if k == 0 {
                     entries[j] -= 1.0;
                 }
@@ -182,6 +184,7 @@ impl LoopModel {
             vector_entry(&self.rotation[b], c),
             vector_entry(&self.rotation[c], b),
         );
+        // Skew part of the rotation: half the difference of opposite entries.
         let c: Polynomial = std::array::from_fn(|k| 0.5 * (first[k] - second[k]));
         TaylorModel {
             rest: self.rests[0] * GROW + OPERATION * polynomial_size(&c),
@@ -256,6 +259,7 @@ impl Carried for LoopModel {
         let (whole, tails) = (polynomial_size(&lengths), tail_sums(&sizes));
         let rounding = PRODUCTS
             * (whole * tails[0] + polynomial_size(&self::squared_lengths(&self.translation)));
+        // What the rotation misses times the way, the way's own rest, and the terms cut off behind degree seven.
         self.rests[1] += (self.rests[0] * tails[0] + by.rest + truncated_part(&lengths, &tails))
             * GROW
             + rounding;
@@ -274,10 +278,12 @@ impl Carried for LoopModel {
         add_product(&mut first, &y, &sin);
         add_product(&mut second, &y, &by.cos);
         add_product(&mut second, &x, &sin.map(|v| -v));
+        // The columns beside the axis turn in their plane.
         self.rotation[b] = first;
         self.rotation[c] = second;
         let pairs: Polynomial =
             std::array::from_fn(|k| (squared_norm(x[k]) + squared_norm(y[k])).sqrt());
+        // Orthogonal: the rest so far stays, and only what this joint cuts off is added.
         let tails = tail_sums(&by.sizes);
         let moving = polynomial_size(&pairs) * tails[0] - pairs[0];
         let rounding = 4.0 * OPERATION + PRODUCTS * moving.max(0.0);
@@ -355,6 +361,7 @@ impl Reaches {
             let FormChange { rate, bend } = change(*argument);
             match motion {
                 ElementaryMotion::Rotation => {
+                    // Second derivative of a point that turns: rates multiply, arms are at most the reach.
                     translation += reach * (rate * (rate + 2.0 * turned) + bend);
                     turned += rate;
                     bent += bend;

@@ -53,6 +53,7 @@ pub fn accept_constants(
         values.fold(0.0, |a: f64, b| if b.is_nan() || b > a { b } else { a })
     };
     let (eta, q, k) = (worst(TubeConstants::eta), worst(|c| c.q), worst(|c| c.k));
+    // The smaller root of K r²/2 - (1 - q) r + eta = 0 is the error, if the roots are real.
     let discriminant = (1.0 - q) * (1.0 - q) * (1.0 - 1e-15) - 2.0 * k * eta;
     if !(q < 1.0 && discriminant > 0.0) {
         return Err(Reason::Singular);
@@ -62,6 +63,7 @@ pub fn accept_constants(
     if error.is_nan() || error >= unique {
         return Err(Reason::Singular);
     }
+    // What this block leaves open is an uncertain input of the later ones.
     for (slot, c) in layout.block.unknowns.iter().zip(constants) {
         let rest = (c.residual + c.explained(error)) * GROW;
         earlier.rest[*slot] = rest;

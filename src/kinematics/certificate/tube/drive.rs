@@ -2,7 +2,7 @@
 
 use super::taylor_model::{TERMS, TaylorEnclosure};
 use crate::model::drive::Drive;
-use crate::model::expression::Op;
+use crate::model::expression::jumps::Jump;
 use crate::model::expression::pieces::around_instant;
 use crate::numbers::interval::Interval;
 
@@ -37,10 +37,10 @@ impl DriveStretch {
     }
 
     /// The same with a little more where a drive jumps at its ends: a tube goes on beyond the jump as far as its time is
-    /// unknown. `None` where it is open which of two drives jumps first; what jumps in both of them does so at once.
+    /// unknown. `None` where it is open which of two drives jumps first.
     pub fn over_jumps(self, drives: &[Drive]) -> Option<Self> {
         let ends = self.ends;
-        let mut jumping: [Option<Vec<Op>>; 2] = [None, None];
+        let mut jumping: [Option<Jump>; 2] = [None, None];
         for drive in drives {
             let jumps = match drive {
                 Drive::Formula(formula) if formula.has_pieces() => {
@@ -50,20 +50,24 @@ impl DriveStretch {
             };
             for (known, jump) in jumping.iter_mut().zip(jumps) {
                 match (&known, jump) {
-                    (Some(other), Some(jump)) if *other != jump => return None,
+                    // Two drives that jump by different formulas may jump one after the other.
+                    (Some(other), Some(jump)) if !other.is_with(&jump) => return None,
                     (None, Some(jump)) => *known = Some(jump),
                     _ => {}
                 }
             }
         }
         let mut over = ends;
-        for (k, end) in ends
-            .iter()
-            .enumerate()
-            .filter(|(k, _)| jumping[*k].is_some())
-        {
+        for (k, (end, jump)) in ends.iter().zip(&jumping).enumerate() {
+            let Some(jump) = jump else {
+                continue;
+            };
             let about = around_instant(*end);
-            if drives.iter().any(|drive| drive.has_key_in(about)) {
+            let is_apart = |time: f64| !jump.is_at(time);
+            if drives
+                .iter()
+                .any(|drive| drive.keys_in(about).any(is_apart))
+            {
                 return None;
             }
             over[k] = [about.lo, about.hi][k];
@@ -106,7 +110,7 @@ mod tests {
     #![allow(clippy::panic)]
     use super::*;
     use crate::model::drive::Ease;
-    use crate::model::expression::{Expression, Function};
+    use crate::model::expression::{Expression, Function, Op};
     use crate::numbers::constant::Constant;
 
     /// t, then t + 1.3, and a function of both; `Floor` and `Mod` are smooth where the test looks.

@@ -39,7 +39,7 @@ impl Sparse {
     fn new(expression: &Expression) -> Self {
         let slots = expression.slots();
         Self {
-            expression: expression.renumbered(&slots),
+            expression: expression.renumbered_slots(&slots),
             slopes: expression.affine_slopes(),
             slots,
         }
@@ -127,6 +127,7 @@ impl Form {
                     let gradient = formula.gradient(still).into_iter();
                     return gradient.map(TaylorModel::standing).collect();
                 }
+                // About the middle for the coefficients, over the stretch for the remainder.
                 let [near, far] = path.series().each_ref().map(|all| formula.gradient(all));
                 let pairs = near.into_iter().zip(&far);
                 pairs
@@ -170,6 +171,7 @@ impl Form {
             terms.map(|(slot, c)| c.largest() * rates[*slot]).sum()
         };
         let slopes = formula.slots.iter().zip(formula.slopes.as_ref()?);
+        // Slopes are affine: the second derivative is constant.
         let sum: f64 = slopes
             .map(|(slot, slope)| rates[*slot] * along(slope))
             .sum();

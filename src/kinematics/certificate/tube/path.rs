@@ -107,6 +107,7 @@ impl TubePath {
             true => Interval::point(*q),
             false => Interval::sum_of(*q, rest(k)),
         });
+        // Unknowns are exact numbers, inputs known to within their rests.
         let still: Vec<Interval> = still.collect();
         let inputs = still[unknowns..].iter();
         let inputs: Vec<TaylorEnclosure> = inputs.map(|i| TaylorEnclosure::constant(*i)).collect();
@@ -160,6 +161,7 @@ impl TubePath {
                 .iter()
                 .map(|x| TaylorEnclosure::from(x.c.map(Interval::point)))
                 .collect();
+            // The same polynomials, with their values over the whole stretch as coefficients.
             let far = near.iter().map(|x| x.over_the_stretch()).collect();
             let [mut middle, mut everywhere] = [near, far];
             middle.extend_from_slice(&self.inputs[0]);

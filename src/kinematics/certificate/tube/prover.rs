@@ -7,7 +7,6 @@ use super::path::{InputPath, TubePath};
 use super::stretches::{Bases, Station, Tube, largest_value};
 use super::taylor_model::{Polynomial, TERMS, TaylorModel};
 use crate::kinematics::certificate::pose::prover::PoseProver;
-use crate::kinematics::certificate::rows::redundant_rows;
 use crate::kinematics::results::certificate::{
     Certificate, IntervalCertificate, Obstacle, Reason, Refusal,
 };
@@ -17,6 +16,7 @@ use crate::kinematics::solve::pose_solver::PoseSolver;
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
+use crate::model::drive::Drive;
 use crate::model::mechanism::Kind;
 use crate::model::printed;
 use crate::numbers::interval::Interval;
@@ -66,7 +66,7 @@ impl<'m> Prover<'m> {
                 let rows = system.blocks().iter().map(|b| (0..b.rows()).collect());
                 Arc::new(rows.collect())
             }),
-            digits: (redundant_rows(system) > 0).then(|| PoseProver::new(system)),
+            digits: (system.redundant_rows() > 0).then(|| PoseProver::new(system)),
             may_jump: false,
             play: Vec::new(),
         }
@@ -80,7 +80,7 @@ impl<'m> Prover<'m> {
 
     /// Lets intervals begin and end where the drive jumps: they are proved up to there, and the sample beyond it is not joined.
     pub fn up_to_jumps(mut self) -> Self {
-        self.may_jump = true;
+        self.may_jump = self.actuation.drives.iter().any(Drive::may_jump);
         self
     }
 

@@ -4,10 +4,10 @@ use super::chain::{ArgumentModel, LoopModel, Reaches};
 use super::form::{Form, FormChange};
 use super::path::TubePath;
 use super::taylor_model::{TaylorModel, polynomial_size};
-use crate::kinematics::certificate::rows::ProofRows;
 use crate::kinematics::results::certificate::Reason;
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::loop_part::LoopPart;
+use crate::kinematics::structure::proof_plan::ProofRows;
 use crate::kinematics::structure::system::System;
 use crate::linalg::lanes::{LaneMatrix, Lanes};
 use crate::model::mechanism::{Closes, Mechanism};
@@ -162,7 +162,7 @@ impl<'m> TubeLayout<'m> {
         Self {
             mechanism,
             block,
-            places: ProofRows::new(system, block),
+            places: ProofRows::new(system.structure(), block),
             columns,
             own,
             used,

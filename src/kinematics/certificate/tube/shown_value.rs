@@ -86,6 +86,7 @@ impl ShownValue {
             return Self::undefined();
         }
         let (below, above) = ((-ahead.lo).max(0.0), ahead.hi.max(0.0));
+        // The side that is ahead, plus what the other may be ahead of it.
         let (side, off) = match above >= below {
             true => (self, below),
             false => (other, above),

@@ -134,6 +134,7 @@ impl TaylorModel {
             all += c.abs() * size;
             sum.rest += factor.largest() * x.rest * GROW + factor.open() * size;
         }
+        // A coordinate alone, or its opposite, is not rounded.
         let is_plain = form.constant.number() == 0.0
             && matches!(form.terms[..], [(_, c)] if c.number().abs() == 1.0);
         if !is_plain {
@@ -201,6 +202,7 @@ impl TaylorModel {
     /// Coefficients about the place `s`, with `half` as the new unit.
     pub fn about(&self, s: f64, half: f64) -> Polynomial {
         let mut c = self.c;
+        // Taylor shift by repeated synthetic division, then scaling.
         for k in 0..TERMS {
             for j in (k..TERMS - 1).rev() {
                 c[j] += c[j + 1] * s;

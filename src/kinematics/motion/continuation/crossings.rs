@@ -114,6 +114,7 @@ fn crossing_between(
 ) -> Option<CrossingNode> {
     let width = high.point.time - low.point.time;
     let s = (time - low.point.time) / width;
+    // Cubic Hermite interpolation of the unknowns, then Newton.
     let (a, b) = (s * s * (3.0 - 2.0 * s), s * (1.0 - s));
     let inputs = tracker.inputs(time).ok()?;
     let mut coordinates: Vec<f64> = (0..tracker.unknowns())

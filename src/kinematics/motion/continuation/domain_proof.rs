@@ -27,6 +27,7 @@ pub(super) fn is_proved(system: &System, inputs: &[f64], end: &PathPoint, index:
     if formula.range(&known).is_none() {
         return true;
     }
+    // With the loops that are solved before it, followed to these inputs by tubes.
     let Some(values) = values_before(system, inputs, end, index) else {
         return false;
     };

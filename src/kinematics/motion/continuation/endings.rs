@@ -45,6 +45,7 @@ impl Recorder<'_> {
             Onward::Passed(to) => Ok(to),
             Onward::Fold(fold) => {
                 let asked = self.is_proof_wanted();
+                // The sense in which time goes on, forwards or backwards.
                 let sense = (time - end.time).signum();
                 let (system, actuation) = (self.tracker.system(), self.tracker.actuation());
                 let proved = asked && fold_proof::is_proved(system, actuation, &fold, sense);

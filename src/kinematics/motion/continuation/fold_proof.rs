@@ -45,6 +45,7 @@ pub(super) fn is_proved(system: &System, actuation: &Actuation, fold: &Fold, sen
     else {
         return false;
     };
+    // The fastest unknown drives, and the input is solved for: regular at the fold.
     let exchanged = Exchanged::new(system, unknown, input);
     let mut reaches = REACHES.iter();
     reaches.any(|reach| exchanged.turns_back(fold, *reach, rate.signum()) == Some(true))

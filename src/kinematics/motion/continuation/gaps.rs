@@ -87,6 +87,7 @@ impl Gaps {
         };
         tracker.anchor = Some(before.clone());
         let reached = tracker.follow(before, found.time, &mut Unwatched);
+        // The motion of that assembly leads to this pose.
         let same = reached.is_ok_and(|there| {
             let solver = &tracker.solver;
             solver.apart(&there.coordinates, &found.coordinates) <= SAME_POSE

@@ -93,6 +93,7 @@ impl Between<'_, '_> {
         }
         let inputs = self.tracker.inputs(self.start + s * self.span).ok()?;
         let iterations = self.tracker.solver.iterations;
+        // Tangent from the nearest known pose, then Newton; its iterations do not count for the motion.
         let (mut coordinates, _) = self.tracker.solver.predict(base, &inputs, 1);
         let correction = self.tracker.solver.correct(&mut coordinates, Pace::Patient);
         self.tracker.solver.iterations = iterations;

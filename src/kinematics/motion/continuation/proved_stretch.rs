@@ -51,6 +51,7 @@ pub(super) fn proved_value(
     let Certificate::Certified { error_bound, .. } = pose.certificate else {
         return None;
     };
+    // The bound is in lengths: an angle's part of it is over the size.
     let error = match mechanism.unknowns[unknown].kind {
         Kind::Angle => error_bound / mechanism.size,
         Kind::Length | Kind::Number => error_bound,

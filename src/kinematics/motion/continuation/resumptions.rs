@@ -130,6 +130,7 @@ impl Recorder<'_> {
             if sample.pose.is_some() || sample.time < time {
                 return;
             }
+            // The branch is that of the pose found behind the gap.
             self.tracker.anchor = Some(here.clone());
             match self.tracker.follow(here, sample.time, &mut Unwatched) {
                 Ok(point) => {

@@ -28,6 +28,7 @@ impl Recorder<'_> {
             return None;
         }
         let inputs = self.tracker.inputs(time).ok()?;
+        // No tangent exists: assembled anew at the next inputs.
         let start = [self.tracker.actuation().guess.clone(), inputs].concat();
         let found = self.tracker.solver.assembled(&start, None).ok()?;
         self.tracker.solver.iterations += found.iterations;
@@ -91,6 +92,7 @@ impl Recorder<'_> {
         shake_start(mechanism, attempt, amplitude, &mut start);
         let mut found = solver.assembled(&start, None).ok()?;
         solver.iterations += found.iterations;
+        // Whole turns away from the old pose are not another assembly.
         unwind_turns(mechanism, &from.coordinates, &mut found.coordinates);
         let is_near = solver.apart(&found.coordinates, &from.coordinates) <= OTHER_ASSEMBLY;
         is_near.then(|| self.tracker.point(time, found.coordinates))

@@ -110,6 +110,7 @@ impl PathTracker<'_> {
         let Some(block) = scout.weakest_block(end) else {
             return Onward::Lost;
         };
+        // Pseudo-arclength continuation in the block that is about to lose its rank, with time as an unknown more.
         let mut walk = ArcWalk {
             unit: (time - end.time).signum() * self.interval,
             tracker: &mut scout,
@@ -211,6 +212,7 @@ impl ArcWalk<'_, '_> {
             if self.speed(&here) > BACKWARD {
                 break;
             }
+            // Steps backwards, each twice as long.
             let Some(before) = self.step(&here, -step) else {
                 break;
             };
@@ -229,6 +231,7 @@ impl ArcWalk<'_, '_> {
             slots.map(|s| (end.coordinates[*s] - anchor.coordinates[*s]) / mechanism.scale_of(*s));
         let mut guide: Vec<f64> = moved.collect();
         let still = guide.iter().all(|v| *v == 0.0);
+        // The last entry is time, over the interval between samples.
         guide.push(if still {
             1.0
         } else {
@@ -335,6 +338,7 @@ impl ArcWalk<'_, '_> {
         let linear = solver.along_drive(&point.coordinates, &mut rates, self.block);
         let rows = linear.residual.len();
         self.matrix.clear();
+        // The derivative by time is one column more; the border a row more.
         let by_time: Vec<f64> = linear.drift[..rows].iter().map(|d| d * self.unit).collect();
         let columns = linear
             .jacobian
@@ -387,6 +391,7 @@ impl ArcWalk<'_, '_> {
             let Some(point) = self.step(here, middle) else {
                 break;
             };
+            // Bisection in arc length; every trial is a corrected point of the path.
             let beyond = value(self, &point) <= 0.0;
             found = Some(point);
             if high - low <= LAST_WIDTH {
@@ -427,6 +432,7 @@ impl ArcWalk<'_, '_> {
         let rounding = f64::EPSILON * (fold.time * self.unit).abs();
         let beside = BESIDE_FOLD.iter().find_map(|reach| {
             let sides = [self.step(&fold, -reach)?, self.step(&fold, *reach)?];
+            // An extremum is later than the path on both sides, by more than rounding.
             let later = |side: &ArcPoint| (fold.time - side.time) * self.unit > 2.0 * rounding;
             let is_extremum = sides.iter().all(later);
             is_extremum.then(|| sides.map(|side| side.coordinates))

@@ -71,7 +71,7 @@ impl Stop {
     }
 }
 
-/// What is told of a motion while it is followed.
+/// What a watcher hears of a motion while it is followed.
 pub trait PathWatcher {
     /// Whether singular poses may be passed; else the motion ends at the first one.
     fn crosses(&self) -> bool {
@@ -91,12 +91,12 @@ pub trait PathWatcher {
     fn turned_back(&mut self, _: &PathTracker) {}
 }
 
-/// Nobody is told.
+/// Ignores everything.
 pub struct Unwatched;
 
 impl PathWatcher for Unwatched {}
 
-/// Nobody is told, and the motion ends at the first singular pose.
+/// Ignores everything, and the motion ends at the first singular pose.
 pub struct UpToSingular;
 
 impl PathWatcher for UpToSingular {
@@ -200,6 +200,7 @@ impl<'s> PathTracker<'s> {
         if self.is_usable(&point.branch) {
             self.solver.renew_rows(&point.coordinates);
         }
+        // An anchor is a pose that later branches are compared with.
         if self.is_trusted(&point.branch) {
             watcher.regular(self, &point);
             self.anchor = Some(point.clone());

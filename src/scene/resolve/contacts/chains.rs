@@ -172,14 +172,14 @@ impl ContactItems {
             (Plane, Plane) => {
                 let mut items = first_frame.clone();
                 items.extend(self.slides(0));
-                items.push(self.about(2, "spin"));
+                items.push(self.rotation_about(2, "spin"));
                 items.push(self.turn(0, Constant::PI));
                 items.push(inverse(second_frame.clone()));
                 (true, Some(items))
             }
             _ => {
                 let mut items = self.to_point(0, None);
-                items.push(self.about(0, "spin"));
+                items.push(self.rotation_about(0, "spin"));
                 items.push(self.turn(1, Constant::PI));
                 items.push(inverse(self.to_point(1, None)));
                 (true, Some(items))
@@ -203,13 +203,13 @@ impl ContactItems {
         let mut items = frame.clone();
         match surface {
             ContactSurface::Torus { ring, tube } => items.extend([
-                self.about(2, &format!("theta{number}")),
+                self.rotation_about(2, &format!("theta{number}")),
                 self.along_by(0, ring.clone()),
-                self.about(1, &format!("phi{number}")),
+                self.rotation_about(1, &format!("phi{number}")),
                 out(tube),
             ]),
             ContactSurface::Cylinder { radius } => {
-                items.push(self.about(2, &format!("theta{number}")));
+                items.push(self.rotation_about(2, &format!("theta{number}")));
                 if !matches!(other, ContactSurface::Plane) {
                     items.push(self.along(2, &format!("w{number}")));
                 }
@@ -234,24 +234,24 @@ impl ContactItems {
     }
 
     /// Rotation about a coordinate axis by the unknown `NAME.what`.
-    fn about(&self, axis: usize, what: &str) -> Item {
-        self.elementary(ElementaryMotion::Rotation, axis, self.unknown(what))
+    fn rotation_about(&self, axis: usize, what: &str) -> Item {
+        self.elementary_item(ElementaryMotion::Rotation, axis, self.unknown(what))
     }
 
     /// Translation along a coordinate axis by the unknown `NAME.what`.
     fn along(&self, axis: usize, what: &str) -> Item {
-        self.elementary(ElementaryMotion::Translation, axis, self.unknown(what))
+        self.elementary_item(ElementaryMotion::Translation, axis, self.unknown(what))
     }
 
     fn along_by(&self, axis: usize, length: FormulaNode) -> Item {
-        self.elementary(ElementaryMotion::Translation, axis, length)
+        self.elementary_item(ElementaryMotion::Translation, axis, length)
     }
 
     /// Rotation by a fixed angle in radians.
     fn turn(&self, axis: usize, angle: Constant) -> Item {
         let kind = NodeKind::Radians(angle);
         let span = self.name.span.clone();
-        self.elementary(ElementaryMotion::Rotation, axis, FormulaNode { kind, span })
+        self.elementary_item(ElementaryMotion::Rotation, axis, FormulaNode { kind, span })
     }
 
     fn unknown(&self, what: &str) -> FormulaNode {
@@ -261,7 +261,12 @@ impl ContactItems {
         }
     }
 
-    fn elementary(&self, motion: ElementaryMotion, axis: usize, argument: FormulaNode) -> Item {
+    fn elementary_item(
+        &self,
+        motion: ElementaryMotion,
+        axis: usize,
+        argument: FormulaNode,
+    ) -> Item {
         Item::Transform {
             transform: Transform::Elementary(motion, axis),
             arguments: vec![argument],

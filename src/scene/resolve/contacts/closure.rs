@@ -178,7 +178,7 @@ fn closed_chains(contact: &ParsedContact, joints: &mut FoldedJoints) -> Option<[
     let [first, second] = contact.sides.each_ref().map(|side| &side.frame);
     let pairs = first.iter().zip(second);
     let shared = pairs.take_while(|(a, b)| a.is_alike(b)).count();
-    // What is wrong with the frames is said already.
+    // What is wrong with the frames has been reported.
     let mut chain = |factors: &[Factor]| joints.chain(factors, &mut Diagnostics::default());
     let base = chain(&first[..shared])?;
     let moves = base.steps.iter().any(|step| step.joint().is_some());

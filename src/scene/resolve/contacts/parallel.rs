@@ -72,7 +72,7 @@ fn axis_arrangement(
     names: &Names,
     unit: &AngleUnit,
 ) -> Option<Arrangement> {
-    // What is wrong with a chain is said where it is resolved.
+    // What is wrong with a chain is reported where it is resolved.
     let mut joints = FoldedJoints::new(names, unit);
     let chain = joints.chain(&factors_across(contact)?, &mut Diagnostics::default())?;
     // Rotations about the axis change neither its direction nor those of the other rotations' axes along it, so one pose

@@ -1,0 +1,124 @@
+//! Dimensions with tolerances: which, how large, and the family of all pieces within them.
+
+use super::plan::MOST_DIMENSIONS;
+use crate::analysis::study::{FamilyError, ParametricMechanism, varied_names};
+use crate::diag::Source;
+use crate::model::mechanism::{Kind, Mechanism};
+use crate::scene::{Overrides, Scene};
+
+/// What has which tolerance, as somebody asks for it.
+#[derive(Clone, Copy, Debug)]
+pub struct AskedPieces<'a> {
+    /// Names in place of the scene's own choice.
+    pub vary: &'a [String],
+    /// Tolerances by name that go before the scene's own, in the dimension's unit.
+    pub own: &'a [(String, f64)],
+    /// Of every dimension that has none of its own, in its unit.
+    pub tolerance: Option<f64>,
+    /// Times between samples are asked for, too.
+    pub between: bool,
+}
+
+impl AskedPieces<'_> {
+    /// The family of all pieces, and the tolerances by name in internal units. `drawn` is the scene as it is written.
+    ///
+    /// # Errors
+    /// Nothing with a tolerance, a dimension without one, too many of them; a dimension that stands where no tolerance is
+    /// followed; mistakes in the scene.
+    pub fn family(
+        &self,
+        source: &Source,
+        overrides: &Overrides,
+        drawn: &Scene,
+    ) -> Result<(ParametricMechanism, Vec<(String, f64)>), FamilyError> {
+        let tolerances = self.tolerances(drawn)?;
+        let parameters: Vec<String> = tolerances
+            .iter()
+            .map(|(name, _)| name.clone())
+            .filter(|name| !is_input(&drawn.mechanism, name))
+            .collect();
+        let mut family = ParametricMechanism::varying(source, overrides, &parameters)?;
+        // Drives and tracks keep the file's dimensions, and a computed one may stand in a measure: nothing would be true of
+        // other pieces there.
+        match family.kept.pop() {
+            Some(kept) => Err(FamilyError::Kept(kept)),
+            None => Ok((family, tolerances)),
+        }
+    }
+
+    /// Names of what has a tolerance.
+    fn names(&self, drawn: &Scene) -> Result<Vec<String>, FamilyError> {
+        let of_study = drawn.study.iter().flat_map(|s| &s.variables);
+        let mut of_study = of_study.filter(|v| v.tolerance.is_some()).peekable();
+        let listed = if !self.vary.is_empty() {
+            varied_names(self.vary, false, &drawn.dimensions)?
+        } else if self.own.is_empty() && of_study.peek().is_none() {
+            drawn.dimensions.clone()
+        } else {
+            of_study.map(|v| v.name.clone()).collect()
+        };
+        let mut all: Vec<String> = self.own.iter().map(|(name, _)| name.clone()).collect();
+        let more = listed.into_iter();
+        all.extend(more.filter(|name| !self.own.iter().any(|(n, _)| n == name)));
+        Ok(all)
+    }
+
+    /// Tolerances by name, in internal units.
+    fn tolerances(&self, drawn: &Scene) -> Result<Vec<(String, f64)>, FamilyError> {
+        let mechanism = &drawn.mechanism;
+        let names = self.names(drawn)?;
+        if names.is_empty() {
+            let message = "nothing has a tolerance: name the parameters that are to vary";
+            return Err(FamilyError::Lacks(message.to_owned()));
+        }
+        // Between samples the inputs are dimensions as well.
+        let inputs = if self.between {
+            mechanism.inputs.len()
+        } else {
+            0
+        };
+        if names.len() + inputs > MOST_DIMENSIONS {
+            let message = format!(
+                "at most {MOST_DIMENSIONS} dimensions are enclosed together, found {}: name fewer that are to vary",
+                names.len() + inputs
+            );
+            return Err(FamilyError::Lacks(message));
+        }
+        let (mut missing, mut list) = (Vec::new(), Vec::new());
+        for name in names {
+            match self.tolerance_of(drawn, &name) {
+                Some(tolerance) => list.push((name, tolerance)),
+                None => missing.push(name),
+            }
+        }
+        match missing.is_empty() {
+            true => Ok(list),
+            false => Err(FamilyError::NoTolerance(missing.join(", "))),
+        }
+    }
+
+    fn tolerance_of(&self, drawn: &Scene, name: &str) -> Option<f64> {
+        let unit = drawn.mechanism.unit_of(kind_of(drawn, name)).number();
+        let mut study = drawn.study.iter().flat_map(|s| &s.variables);
+        let own = self.own.iter().find(|(n, _)| n == name);
+        let of_study = || study.find(|v| v.name == name)?.tolerance;
+        let general = || Some(self.tolerance? * unit);
+        own.map(|(_, t)| t * unit)
+            .or_else(of_study)
+            .or_else(general)
+    }
+}
+
+fn is_input(mechanism: &Mechanism, name: &str) -> bool {
+    mechanism.inputs.iter().any(|input| input.name == name)
+}
+
+/// What a parameter or input measures.
+fn kind_of(drawn: &Scene, name: &str) -> Kind {
+    let inputs = drawn.mechanism.inputs.iter();
+    let input = inputs.filter(|i| i.name == name).map(|i| i.kind).next();
+    let study = drawn.study.iter().flat_map(|s| &s.variables);
+    let variable = study.filter(|v| v.name == name).map(|v| v.kind).next();
+    let parameter = drawn.kinds.iter().find(|(n, _)| n == name).map(|(_, k)| *k);
+    input.or(variable).or(parameter).unwrap_or(Kind::Number)
+}

@@ -1,0 +1,13 @@
+//! Synthesis from a table of targets: paths and motions, with their times or without, made the mechanism's own from many
+//! starts.
+
+mod asked;
+mod fit;
+mod phases;
+mod search;
+mod verify;
+
+pub use asked::{FreeInput, Target, TargetColumn, TargetRow, slot_of};
+pub use fit::Fit;
+pub use search::{TargetSearch, TargetSynthesis, Tried, fit_target};
+pub use verify::{VerifiedRows, verify_target};

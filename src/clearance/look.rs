@@ -1,0 +1,237 @@
+//! A look at a piece of time: what the distance of two bodies cannot fall below over it, element by element.
+
+use super::curved::in_parts;
+use super::meeting::Meeting;
+use super::motion::ProvedMotion;
+use super::sweep::PairSweep;
+use crate::distance::bodies::{ball_separation, separation_along};
+use crate::distance::primitive::{Element, Primitive};
+use glam::DVec3;
+use std::rc::Rc;
+
+/// A piece of a stretch.
+#[derive(Clone)]
+pub(super) struct Segment {
+    pub(super) stretch: usize,
+    pub(super) middle: f64,
+    pub(super) half: f64,
+    /// A distance that both ends keep.
+    pub(super) ends: f64,
+    /// No distance is lower, as looks at a longer piece or for another goal have shown.
+    pub(super) known: f64,
+    pub(super) near: NearElements,
+}
+
+/// Pairs of elements that may be near; all, if nothing is known.
+#[derive(Clone)]
+pub(super) struct NearElements {
+    list: Option<Rc<[[usize; 2]]>>,
+    /// All others are no nearer than this.
+    others: f64,
+}
+
+impl NearElements {
+    /// Nothing is known.
+    pub(super) const ALL: Self = Self {
+        list: None,
+        others: f64::INFINITY,
+    };
+}
+
+impl Segment {
+    /// A whole stretch of which nothing is known.
+    pub(super) fn whole(stretch: usize) -> Self {
+        Self::part(stretch, 0.0, 1.0)
+    }
+
+    /// A part of a stretch.
+    pub(super) fn part(stretch: usize, middle: f64, half: f64) -> Self {
+        Self {
+            stretch,
+            middle,
+            half,
+            ends: f64::NEG_INFINITY,
+            known: f64::NEG_INFINITY,
+            near: NearElements::ALL,
+        }
+    }
+
+    /// Where it begins and ends on its stretch.
+    pub(super) fn ends_of(&self) -> [f64; 2] {
+        [self.middle - self.half, self.middle + self.half]
+    }
+}
+
+/// What a look at a piece found.
+pub(super) struct BoundGoal {
+    /// What was asked of it.
+    pub(super) asked: f64,
+    /// No distance of the piece is lower.
+    pub(super) lowest: f64,
+    /// No pose of the motion in the middle of the piece is farther apart than this.
+    pub(super) middle: f64,
+    /// Narrower bounds of the motion would help more than shorter pieces.
+    pub(super) is_blurred: bool,
+    pub(super) near: NearElements,
+}
+
+/// What looks at the pieces of one pair share.
+pub(super) struct LookMemory {
+    columns: usize,
+    /// From the first to the second of every pair of elements, where they were nearest when they were last looked at: planes
+    /// square to it part most of them for a long time. Zero if not known.
+    normals: Vec<DVec3>,
+    /// Around the elements of either body, in its frame.
+    balls: [Vec<(DVec3, f64)>; 2],
+    /// Elements of the second body in the middle of the piece.
+    placed: Vec<Option<PlacedElement>>,
+}
+
+/// An element of the second body as the first one sees it, its ball, and how far it moves from there.
+struct PlacedElement {
+    element: Element,
+    ball: (DVec3, f64),
+    way: f64,
+}
+
+impl PairSweep<'_> {
+    /// Nothing is known of any pair of elements.
+    pub(super) fn look_memory(&self) -> LookMemory {
+        let balls = self
+            .hulls
+            .map(|hull| hull.elements.iter().map(Element::bounds).collect());
+        let [rows, columns] = self.hulls.map(|hull| hull.elements.len());
+        LookMemory {
+            columns,
+            normals: vec![DVec3::ZERO; rows * columns],
+            balls,
+            placed: (0..columns).map(|_| None).collect(),
+        }
+    }
+
+    /// Lower bound over a piece, as far as the goal needs it. Pairs of elements are near unless they reach the last goal, too.
+    pub(super) fn look(
+        &self,
+        motion: &ProvedMotion,
+        piece: &Segment,
+        [goal, last]: [f64; 2],
+        memory: &mut LookMemory,
+    ) -> BoundGoal {
+        let stretch = &motion.stretches[piece.stretch];
+        // The pose in the middle, with what the bodies can move within the piece.
+        let (arguments, s, half) = (&stretch.arguments, piece.middle, piece.half);
+        let moved = self.chain.around(arguments, s, half);
+        let ball = self.hulls[1].ball;
+        let fastest = moved.distance(ball);
+        // From both ends, each for the half that is nearer to it.
+        let from_ends = piece.ends - fastest - moved.bending(ball) - moved.deviation(ball);
+        // Bounding balls; enough for pairs that are far apart.
+        let far = self.hulls[0].apart(self.hulls[1], &moved.pose) - fastest;
+        let lowest = from_ends.max(far);
+        if lowest >= goal {
+            return BoundGoal {
+                asked: goal,
+                lowest,
+                middle: f64::INFINITY,
+                is_blurred: false,
+                near: piece.near.clone(),
+            };
+        }
+        // Element by element: only those that could come below `last` are kept for the halves.
+        let back = self.back.as_ref().map(|b| b.around(arguments, s, half));
+        let mut others = piece.near.others;
+        let (mut lowest, mut nearest) = (others, f64::INFINITY);
+        let mut left: Vec<[usize; 2]> = Vec::new();
+        let LookMemory {
+            columns,
+            normals,
+            balls,
+            placed,
+        } = memory;
+        placed.iter_mut().for_each(|placed| *placed = None);
+        let mut visit = |[i, j]: [usize; 2]| {
+            if self.left_out.contains(&[i, j]) {
+                return;
+            }
+            let first = &self.hulls[0].elements[i];
+            let mine = &self.hulls[1].elements[j];
+            let PlacedElement {
+                element: second,
+                ball,
+                way,
+            } = placed[j].get_or_insert_with(|| {
+                let (center, radius) = balls[1][j];
+                PlacedElement {
+                    element: mine.moved(&moved.pose),
+                    ball: (moved.pose.transform_point(center), radius),
+                    way: moved.distance(balls[1][j]),
+                }
+            });
+            let way = match (&back, &mine.core) {
+                (Some(back), Primitive::HalfSpace(_)) => back.distance(balls[0][i]),
+                _ => *way,
+            };
+            // What is cheap comes first: the balls, the plane that parted them before, one's ball from the other.
+            let normal = &mut normals[i * *columns + j];
+            let (center, radius) = balls[0][i];
+            let mut far = center.distance(ball.0) - radius - ball.1 - way;
+            if far < goal && *normal != DVec3::ZERO {
+                far = far.max(separation_along(first, second, *normal) - way);
+            }
+            if far < goal {
+                let pair = [(first, balls[0][i]), (&*second, *ball)];
+                far = far.max(ball_separation(pair, goal + way) - way);
+            }
+            if far < goal {
+                let parts = in_parts([first, second, mine], &moved, goal);
+                far = parts.map_or(far, |low| far.max(low));
+            }
+            if far >= goal {
+                lowest = lowest.min(far);
+                match far < last {
+                    true => left.push([i, j]),
+                    false => others = others.min(far),
+                }
+                return;
+            }
+            // The distance in the middle, and a bound of the second order over the piece.
+            let meeting = Meeting::new(first, second, mine, &moved);
+            nearest = nearest.min(meeting.found.distance);
+            *normal = meeting.found.normal;
+            let below = match (&back, &mine.core) {
+                (Some(back), Primitive::HalfSpace(_)) => {
+                    Meeting::new(mine, &first.moved(&back.pose), first, back).below([goal, last])
+                }
+                _ => meeting.below([goal, last]),
+            };
+            // No number is no bound, and where a mesh is met nothing is known of the depth.
+            lowest = if self.meets([i, j], meeting.found.distance) {
+                lowest.min(self.deepest())
+            } else if below.is_nan() {
+                f64::NEG_INFINITY
+            } else {
+                lowest.min(below)
+            };
+            left.push([i, j]);
+        };
+        match &piece.near.list {
+            Some(near) => near.iter().for_each(|pair| visit(*pair)),
+            None => {
+                for i in 0..self.hulls[0].elements.len() {
+                    (0..self.hulls[1].elements.len()).for_each(|j| visit([i, j]));
+                }
+            }
+        }
+        let blur = self.chain.blur(arguments, ball);
+        BoundGoal {
+            asked: goal,
+            lowest,
+            middle: nearest + blur,
+            is_blurred: nearest - 2.0 * blur < goal,
+            near: NearElements {
+                list: Some(left.into()),
+                others,
+            },
+        }
+    }
+}

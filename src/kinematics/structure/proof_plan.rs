@@ -1,0 +1,232 @@
+//! What is proved of a mechanism's blocks, laid out once: which equations stand in which rows, and which unknowns and
+//! forms enter them.
+//!
+//! First the rows of the block. Then those that the structure found empty at random poses and knows no reason for: they
+//! are bounded at every pose, like every row beyond the number of unknowns.
+
+use super::block::{Block, Structure};
+use super::proof_chain::LoopPlan;
+use crate::model::chain::Argument;
+use crate::model::expression::Affine;
+use crate::model::mechanism::{Closes, Mechanism};
+use std::ops::Range;
+
+/// Affine forms of the arguments, then of the equations; `None` for formulas.
+type Forms = [Option<Affine>];
+
+/// The rows of a block's loops.
+#[derive(Clone, Debug, Default)]
+pub struct ProofRows {
+    /// Of every loop: its equations (0 to 2 rotation, 3 to 5 translation) and the rows they stand in.
+    pub loops: Vec<Vec<(usize, usize)>>,
+    /// The first row of the block's scalar equations.
+    pub first_equation: usize,
+    /// Number of all rows.
+    pub count: usize,
+}
+
+impl ProofRows {
+    /// Of a block of the structure.
+    pub fn new(structure: &Structure, block: &Block) -> Self {
+        let mut rows = Self::default();
+        for part in &block.loops {
+            let first = rows.first_equation;
+            rows.first_equation += part.components.len();
+            rows.loops
+                .push(part.components.iter().copied().zip(first..).collect());
+        }
+        rows.count = block.rows();
+        for (part, of_loop) in block.loops.iter().zip(&mut rows.loops) {
+            let unproved = structure.unproved_equations.iter();
+            for (_, component) in unproved.filter(|(l, _)| *l == part.index) {
+                of_loop.push((*component, rows.count));
+                rows.count += 1;
+            }
+        }
+        rows
+    }
+}
+
+/// A form (argument or affine equation) that the block uses.
+#[derive(Clone, Debug)]
+pub struct FormUse {
+    /// Index among the certifier's forms.
+    pub index: usize,
+    /// Rate by each unknown of the block in scaled form, as (column, rate).
+    pub own: Vec<(usize, f64)>,
+    /// Rate by unknowns of earlier blocks, as (place in [`ProofBlock::before`], scaled rate).
+    pub before: Vec<(usize, f64)>,
+    /// Largest change by the block's unknowns.
+    pub own_rate: f64,
+    /// Largest change by all unknowns.
+    pub rate: f64,
+    /// Rows outside which nothing depends on it.
+    pub rows: Range<usize>,
+}
+
+impl FormUse {
+    fn reaches(&mut self, rows: Range<usize>) {
+        self.rows = match self.rows.is_empty() {
+            true => rows,
+            false => self.rows.start.min(rows.start)..self.rows.end.max(rows.end),
+        };
+    }
+}
+
+/// An equation of the block.
+#[derive(Clone, Debug)]
+pub struct EquationRow {
+    /// Its form.
+    pub affine: Affine,
+    /// What its value is multiplied by.
+    pub scale: f64,
+}
+
+/// A loop of the block.
+#[derive(Clone, Debug)]
+pub struct LoopRows {
+    /// Its chain.
+    pub plan: LoopPlan,
+    /// Its equations and the rows they stand in, those of the block first.
+    pub rows: Vec<(usize, usize)>,
+    /// How many of them are the block's.
+    of_block: usize,
+    /// A point closes it, so that it may be turned by anything.
+    pub may_turn: bool,
+    /// What its translation is measured in.
+    pub size: f64,
+}
+
+/// A block, laid out for its proof.
+#[derive(Clone, Debug, Default)]
+pub struct ProofBlock {
+    /// Unknowns in the order of the columns.
+    pub unknowns: Vec<usize>,
+    /// Unknowns of earlier blocks that enter.
+    pub before: Vec<usize>,
+    /// Arguments of the loops, then equations.
+    pub forms: Vec<FormUse>,
+    /// A form that is not affine is among them.
+    pub has_formula: bool,
+    /// Its loops.
+    pub loops: Vec<LoopRows>,
+    /// Its scalar equations.
+    pub equations: Vec<EquationRow>,
+    /// The row of the first of them.
+    pub first_equation: usize,
+    /// Number of rows.
+    pub rows: usize,
+}
+
+/// All blocks of a mechanism, laid out for the proof of poses.
+#[derive(Clone, Debug)]
+pub struct ProofPlan {
+    /// Affine forms of the arguments; `None` for formulas.
+    pub arguments: Vec<Option<Affine>>,
+    /// In the order of their solution.
+    pub blocks: Vec<ProofBlock>,
+    /// Number of equations beyond the unknowns that no proof can take: they are only bounded.
+    pub redundant_rows: usize,
+}
+
+impl ProofPlan {
+    /// Lays out the blocks of `structure`.
+    pub fn new(mechanism: &Mechanism, structure: &Structure) -> Self {
+        let arguments = mechanism.arguments.iter().map(Argument::affine);
+        let equations = mechanism.equations.iter().map(|e| e.expression.affine());
+        let mut forms: Vec<Option<Affine>> = arguments.chain(equations).collect();
+        let blocks = structure.blocks.iter();
+        let blocks = blocks.map(|block| ProofBlock::new(mechanism, structure, block, &forms));
+        let blocks: Vec<ProofBlock> = blocks.collect();
+        let beyond = blocks
+            .iter()
+            .map(|b| b.rows.saturating_sub(b.unknowns.len()));
+        let redundant_rows = beyond.sum();
+        forms.truncate(mechanism.arguments.len());
+        Self {
+            arguments: forms,
+            blocks,
+            redundant_rows,
+        }
+    }
+}
+
+impl ProofBlock {
+    /// Lays out a block.
+    fn new(mechanism: &Mechanism, structure: &Structure, block: &Block, forms: &Forms) -> Self {
+        let rows = ProofRows::new(structure, block);
+        let mut laid_out = Self {
+            first_equation: rows.first_equation,
+            rows: rows.count,
+            unknowns: block.unknowns.clone(),
+            ..Self::default()
+        };
+        let first_equation = mechanism.arguments.len();
+        let equations = block.equations.iter().map(|index| first_equation + index);
+        for index in block.arguments.iter().copied().chain(equations) {
+            laid_out.add_form(mechanism, block, forms, index);
+        }
+        for (part, of_loop) in block.loops.iter().zip(rows.loops) {
+            let place = |a: usize| block.arguments.binary_search(&a).unwrap_or(0);
+            let steps = &mechanism.loops[part.index].chain.steps;
+            laid_out.loops.push(LoopRows {
+                plan: LoopPlan::new(steps, place),
+                rows: of_loop,
+                of_block: part.components.len(),
+                may_turn: mechanism.loops[part.index].closes == Closes::Point,
+                size: mechanism.loops[part.index].size,
+            });
+        }
+        for index in &block.equations {
+            let affine = forms[first_equation + index].clone().unwrap_or_default();
+            let scale = mechanism.weight_of(*index);
+            laid_out.equations.push(EquationRow { affine, scale });
+        }
+        laid_out.note_rows();
+        laid_out
+    }
+
+    /// Notes which rows of the block depend on each form.
+    fn note_rows(&mut self) {
+        let first = self.forms.len() - self.equations.len();
+        let mut row = 0;
+        for item in &self.loops {
+            let end = row + item.of_block;
+            for argument in item.plan.arguments() {
+                self.forms[argument].reaches(row..end);
+            }
+            row = end;
+        }
+        for form in &mut self.forms[first..] {
+            form.reaches(row..row + 1);
+            row += 1;
+        }
+    }
+
+    fn add_form(&mut self, mechanism: &Mechanism, block: &Block, forms: &Forms, index: usize) {
+        self.has_formula |= forms[index].is_none();
+        let (mut own, mut before) = (Vec::new(), Vec::new());
+        let terms = forms[index].iter().flat_map(Affine::numbers);
+        for (slot, c) in terms {
+            if let Some(column) = block.columns.of(slot) {
+                own.push((column, c * mechanism.scale_of(slot)));
+            } else if slot < mechanism.unknowns.len() {
+                let known = self.before.iter().position(|s| *s == slot);
+                let place = known.unwrap_or_else(|| {
+                    self.before.push(slot);
+                    self.before.len() - 1
+                });
+                before.push((place, c * mechanism.scale_of(slot)));
+            }
+        }
+        let sum = |rates: &[(usize, f64)]| rates.iter().map(|(_, c)| c.abs()).sum::<f64>();
+        self.forms.push(FormUse {
+            index,
+            own_rate: sum(&own),
+            rate: sum(&own) + sum(&before),
+            own,
+            before,
+            rows: 0..0,
+        });
+    }
+}

@@ -1,0 +1,188 @@
+//! What was found for a table of targets: text and JSON. Nothing is computed here.
+
+use super::cells::{aligned_rows, six_digits};
+use super::rounded::at_most;
+use crate::analysis::study::{FamilyError, ParametricMechanism};
+use crate::analysis::synthesis::ending_word;
+use crate::analysis::synthesis::target::{Target, TargetSynthesis, Tried, VerifiedRows};
+use crate::analysis::synthesis::verify::Proof;
+use serde_json::{Value, json};
+
+/// What was found.
+pub struct FoundTarget<'a> {
+    /// The scene with its variables.
+    pub family: &'a ParametricMechanism,
+    /// What it is to do.
+    pub target: &'a Target,
+    /// Where random numbers started.
+    pub seed: u64,
+    /// The search.
+    pub synthesis: TargetSynthesis,
+    /// The rows, as an independent motion meets them.
+    pub rows: VerifiedRows,
+    /// The whole drive of the found mechanism.
+    pub proof: Result<Proof, FamilyError>,
+}
+
+impl FoundTarget<'_> {
+    /// Sum of the squares of what the independent motion misses.
+    fn sum(&self) -> f64 {
+        let pairs = self.rows.missed.iter().zip(&self.target.rows);
+        pairs
+            .map(|(missed, row)| row.weight * missed.unwrap_or(f64::INFINITY).powi(2))
+            .sum()
+    }
+
+    fn poses(&self) -> usize {
+        self.synthesis.starts.iter().map(|tried| tried.poses).sum()
+    }
+
+    /// Line of the row that is missed most.
+    fn worst_line(&self) -> usize {
+        let missed = self.rows.missed.iter().map(|m| m.unwrap_or(f64::INFINITY));
+        let pairs = missed.zip(&self.target.rows);
+        let worst = pairs.max_by(|a, b| a.0.total_cmp(&b.0));
+        worst.map_or(0, |(_, row)| row.line)
+    }
+}
+
+/// The report in words.
+pub fn target_text(found: &FoundTarget) -> String {
+    let (family, target, synthesis) = (found.family, found.target, &found.synthesis);
+    let mechanism = family.mechanism();
+    let unit = &mechanism.length_unit;
+    let names: Vec<&str> = target.columns.iter().map(|c| c.name.as_str()).collect();
+    let met = match target.free_input {
+        Some(free) => format!("`{}` free in every row", mechanism.inputs[free.input].name),
+        None => "when the table says".to_owned(),
+    };
+    let mut text = format!(
+        "{}\n  targets          {} rows of {}, {met}\n",
+        mechanism.title,
+        target.rows.len(),
+        names.join(", ")
+    );
+    text += &format!(
+        "  search           {} starts (seed {}), {} poses, {:.1} s{}\n",
+        synthesis.starts.len(),
+        found.seed,
+        found.poses(),
+        synthesis.seconds,
+        if synthesis.stopped { ", stopped" } else { "" }
+    );
+    let sum = found.sum();
+    let mean = (sum / target.rows.len() as f64).sqrt();
+    text += &format!(
+        "  missed           sum of squares {}, mean {} {unit}, farthest {} {unit} (line {})\n",
+        six_digits(sum),
+        six_digits(mean),
+        six_digits(found.rows.worst()),
+        found.worst_line()
+    );
+    text += &format!("  rows             {}\n", rows_sentence(found));
+    text += &format!(
+        "  whole drive      {}\n",
+        drive_sentence(&found.proof, unit)
+    );
+    let mut rows = vec![["variable", "file", "found"].map(str::to_owned).to_vec()];
+    for (variable, x) in family.study.variables.iter().zip(&synthesis.fit.x) {
+        let shown = |v: f64| six_digits(v * family.units(variable.kind));
+        rows.push(vec![
+            variable.name.clone(),
+            shown(variable.start),
+            shown(*x),
+        ]);
+    }
+    text + &aligned_rows(&rows)
+}
+
+/// What the independent motion says of the rows.
+fn rows_sentence(found: &FoundTarget) -> String {
+    let rows = &found.rows;
+    let met = rows.missed.iter().flatten().count();
+    let mut text = format!("{met} of {} met on one motion", rows.missed.len());
+    if !rows.one_branch {
+        text = format!(
+            "{met} of {} met, but on several branches",
+            rows.missed.len()
+        );
+    }
+    text += &match rows.unproved {
+        0 => format!(", certified to {}", at_most(rows.error_bound)),
+        count => format!(", {count} without a certificate"),
+    };
+    if !rows.in_order {
+        text += ", not in the table's order";
+    }
+    text
+}
+
+fn drive_sentence(proof: &Result<Proof, FamilyError>, unit: &str) -> String {
+    match proof {
+        Err(error) => error.to_string(),
+        Ok(proof) => {
+            let mut text = format!("{} of {} poses", proof.poses - proof.missing, proof.poses);
+            text += &match proof.unproved {
+                0 => format!(", certified to {}", at_most(proof.error_bound)),
+                count => format!(", {count} without a certificate"),
+            };
+            if let Some(open) = proof.open {
+                text += &format!(", closed to {} {unit}", at_most(open));
+            }
+            if !proof.meeting.is_empty() || !proof.cutting.is_empty() {
+                let count = proof.meeting.len() + proof.cutting.len();
+                text += &format!(", {count} pairs of bodies as drawn meet");
+            }
+            text
+        }
+    }
+}
+
+/// The JSON document.
+pub fn target_document(found: &FoundTarget) -> Value {
+    let (family, target, synthesis) = (found.family, found.target, &found.synthesis);
+    let mechanism = family.mechanism();
+    let variables = family.study.variables.iter().zip(&synthesis.fit.x);
+    let unknowns = mechanism.unknowns.len();
+    let row = |(k, pose): (usize, &Vec<f64>)| {
+        let inputs = mechanism.inputs.iter().zip(&pose[unknowns..]);
+        let inputs = inputs.take(family.own_inputs());
+        let inputs: serde_json::Map<String, Value> = inputs
+            .map(|(input, v)| (input.name.clone(), json!(v * family.units(input.kind))))
+            .collect();
+        json!({
+            "line": target.rows[k].line,
+            "inputs": inputs,
+            "missed": found.rows.missed.get(k).copied().flatten(),
+        })
+    };
+    let start = |tried: &Tried| {
+        json!({
+            "from": tried.origin.words(),
+            "first": tried.first,
+            "sum": tried.sum,
+            "steps": tried.steps,
+            "ended": ending_word(tried.ended),
+            "poses": tried.poses,
+        })
+    };
+    json!({
+        "schema": "mechanim-target/1",
+        "title": mechanism.title,
+        "unit": mechanism.length_unit,
+        "seed": found.seed,
+        "seconds": synthesis.seconds,
+        "sum": found.sum(),
+        "variables": variables.map(|(v, x)| json!({
+            "name": v.name,
+            "file": v.start * family.units(v.kind),
+            "found": x * family.units(v.kind),
+        })).collect::<Vec<_>>(),
+        "rows": synthesis.fit.poses.iter().enumerate().map(row).collect::<Vec<_>>(),
+        "in_order": found.rows.in_order,
+        "proved": found.rows.holds(),
+        "error_bound": found.rows.error_bound,
+        "drive_holds": found.proof.as_ref().is_ok_and(Proof::holds),
+        "starts": synthesis.starts.iter().map(start).collect::<Vec<_>>(),
+    })
+}
