@@ -93,7 +93,7 @@ mod tests {
             assert!(line.chars().count() <= 100, "{line}");
         }
         assert!(
-            help.contains("Judge and report:\n  check        Check loop closure"),
+            help.contains("Judge and report:\n  check        Check closure"),
             "{help}"
         );
     }
