@@ -99,7 +99,7 @@ mod api;
 struct Readme;
 
 pub use api::{
-    Assembly, Check, CheckOptions, Error, ErrorKind, Film, Motion, PairClearance, Placement, Pose,
+    Assembly, Check, CheckOptions, Error, ErrorKind, Film, Motion, PairClearance, Pose,
     Quantity, Samples, Scene, Study,
 };
 pub use kinematics::results::certificate::{Certificate, Reason};
