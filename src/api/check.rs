@@ -103,7 +103,10 @@ impl Check {
     /// # Ok::<(), mechanim::Error>(())
     /// ```
     pub fn passed(&self) -> bool {
-        matches!(self.answer.verdict.result(), Status::Passed | Status::Skipped)
+        matches!(
+            self.answer.verdict.result(),
+            Status::Passed | Status::Skipped
+        )
     }
 
     /// The pairs of bodies that were judged, the worst first.

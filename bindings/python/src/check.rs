@@ -86,7 +86,10 @@ impl Check {
 
     /// The page in a frame of its own, for notebooks.
     fn _repr_html_(&self, py: Python<'_>) -> PyResult<String> {
-        let page = self.to_html(py)?.replace('&', "&amp;").replace('"', "&quot;");
+        let page = self
+            .to_html(py)?
+            .replace('&', "&amp;")
+            .replace('"', "&quot;");
         Ok(format!(
             "<iframe title=\"mechanim report\" style=\"width:100%;height:720px;border:0\" srcdoc=\"{page}\"></iframe>"
         ))

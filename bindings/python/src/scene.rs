@@ -274,7 +274,9 @@ impl Scene {
         };
         let names: Vec<&str> = vary.iter().map(String::as_str).collect();
         let study = self.inner.study().vary(&names);
-        let found = watched(py, move |flag| study.until(flag).enclose(tolerance, samples))?;
+        let found = watched(py, move |flag| {
+            study.until(flag).enclose(tolerance, samples)
+        })?;
         Ok(Enclosure::new(found.or_raise(py)?))
     }
 
