@@ -337,6 +337,23 @@ impl Motion {
         written.or_raise(py)
     }
 
+    /// The same in memory: the bytes of a file with the ending `format`, "gif", "png", "apng", "mp4" …
+    #[pyo3(signature = (format = "gif", *, size = (640, 480), rate = None, quality = 100, dark = false))]
+    fn encode<'py>(
+        &self,
+        py: Python<'py>,
+        format: &str,
+        size: (u32, u32),
+        rate: Option<f64>,
+        quality: u8,
+        dark: bool,
+    ) -> PyResult<Bound<'py, PyBytes>> {
+        let folder = tempfile::tempdir()?;
+        let path = folder.path().join(format!("film.{format}"));
+        self.save(py, path.clone(), size, rate, quality, dark)?;
+        Ok(PyBytes::new(py, &std::fs::read(path)?))
+    }
+
     /// Curves over this motion as SVG: formulas as in a scene's plots, `"d(h, phi)"` for derivatives, against another formula
     /// or the time. Without curves those that the scene asks for, else its outputs. `IPython.display.SVG` shows them.
     #[pyo3(signature = (*curves, against = None))]

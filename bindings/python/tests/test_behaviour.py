@@ -154,8 +154,10 @@ def test_pictures(program, tmp_path):
     png = motion._repr_png_()
     assert png[:8] == b"\x89PNG\r\n\x1a\n" and zlib.crc32(png) != 0
     assert motion.save(tmp_path / "a.gif", size=(96, 72)) == (tmp_path / "a.gif").stat().st_size
-    with pytest.raises(mechanim.FileError):
-        motion.save(tmp_path / "a.what")
+    assert motion.encode("gif", size=(96, 72)) == (tmp_path / "a.gif").read_bytes()
+    for wrong in (lambda: motion.save(tmp_path / "a.what"), lambda: motion.encode("what")):
+        with pytest.raises(mechanim.FileError):
+            wrong()
     with pytest.raises(mechanim.ArgumentError):
         motion.render(4)
 
