@@ -1,7 +1,6 @@
 //! Which kind of file a path asks for. Creates nothing.
 
 use super::error::ExportError;
-use super::video::VideoKind;
 use std::path::{Path, PathBuf};
 
 /// File name pattern used inside a folder of frames.
@@ -33,6 +32,15 @@ pub enum Format {
     Stl,
     /// Triangles of one pose by body, Wavefront OBJ.
     Obj,
+}
+
+/// Container and codec.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum VideoKind {
+    /// H.264 in MP4: plays everywhere.
+    Mp4,
+    /// VP9 in WebM: plays in browsers, free of patents.
+    Webm,
 }
 
 impl Format {

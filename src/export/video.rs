@@ -1,6 +1,7 @@
 //! Compressed video by the program `ffmpeg`, which takes raw frames from a pipe and writes the file beside its place.
 
 use super::error::ExportError;
+use super::format::VideoKind;
 use super::raw::{Chroma, RawKind, RawSink};
 use super::target::{Output, Target};
 use super::{ExportSummary, FrameCoder, FrameSink};
@@ -20,43 +21,13 @@ const MOST_WORDS: u64 = 1 << 12;
 const FILTERS: &str = "crop=trunc(iw/2)*2:trunc(ih/2)*2:0:0,format=yuv420p,\
     setparams=range=tv:colorspace=bt709:color_primaries=bt709:color_trc=bt709";
 
-/// Container and codec.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum VideoKind {
-    /// H.264 in MP4: plays everywhere.
-    Mp4,
-    /// VP9 in WebM: plays in browsers, free of patents.
-    Webm,
-}
-
-impl VideoKind {
-    /// Codec, quality (drawn edges stay clean) and container.
-    fn arguments(self) -> &'static [&'static str] {
-        match self {
-            Self::Mp4 => &[
-                "-c:v",
-                "libx264",
-                "-crf",
-                "16",
-                "-movflags",
-                "+faststart",
-                "-f",
-                "mp4",
-            ],
-            Self::Webm => &[
-                "-c:v",
-                "libvpx-vp9",
-                "-crf",
-                "24",
-                "-b:v",
-                "0",
-                "-row-mt",
-                "1",
-                "-f",
-                "webm",
-            ],
-        }
-    }
+/// Codec, quality (drawn edges stay clean) and container.
+fn arguments(kind: VideoKind) -> Vec<&'static str> {
+    let text = match kind {
+        VideoKind::Mp4 => "-c:v libx264 -crf 16 -movflags +faststart -f mp4",
+        VideoKind::Webm => "-c:v libvpx-vp9 -crf 24 -b:v 0 -row-mt 1 -f webm",
+    };
+    text.split(' ').collect()
 }
 
 /// A video under construction: bytes go to the encoder, and its file goes to its place when it has ended well.
@@ -81,7 +52,7 @@ impl VideoFile {
         command.args(["-hide_banner", "-nostdin", "-loglevel", "error", "-y"]);
         command.args(["-f", "yuv4mpegpipe", "-i", "pipe:0", "-an", "-vf", FILTERS]);
         command.args(["-fflags", "+bitexact", "-flags:v", "+bitexact"]);
-        command.args(kind.arguments());
+        command.args(arguments(kind));
         // The name is a file's, whatever it looks like.
         command.arg(in_protocol(temporary));
         command

@@ -6,9 +6,7 @@ use crate::program::{Run, Workspace, finish, interrupt};
 use std::os::unix::fs::PermissionsExt;
 use std::time::{Duration, Instant};
 
-const FILM: [&str; 7] = [
-    "render", "four-bar", "--frames", "4", "--size", "64x48", "--out",
-];
+const FILM: [&str; 4] = ["render", "four-bar", "--size", "64x48"];
 
 /// A folder with a program called `ffmpeg` that is this script, and no other program on the path.
 fn with_encoder(script: &str) -> Workspace {
@@ -20,15 +18,15 @@ fn with_encoder(script: &str) -> Workspace {
 }
 
 /// Everything the script needs stands in these folders of every system.
-fn command(ws: &Workspace, out: &str) -> std::process::Command {
-    let mut command = ws.command(&[&FILM[..], &[out]].concat());
+fn command(ws: &Workspace, out: &str, frames: &str) -> std::process::Command {
+    let mut command = ws.command(&[&FILM[..], &["--frames", frames, "--out", out]].concat());
     let bin = ws.path("bin").display().to_string();
     command.env("PATH", format!("{bin}:/usr/bin:/bin"));
     command
 }
 
 fn film(ws: &Workspace, out: &str) -> Run {
-    finish(command(ws, out).spawn().unwrap())
+    finish(command(ws, out, "4").spawn().unwrap())
 }
 
 /// Takes the last argument for its file, as `file:PATH`.
@@ -73,7 +71,7 @@ fn an_encoder_that_fails_leaves_what_was_there() {
 #[test]
 fn without_an_encoder_the_message_says_what_to_do() {
     let ws = Workspace::new();
-    let mut command = ws.command(&[&FILM[..], &["a.webm"]].concat());
+    let mut command = ws.command(&[&FILM[..], &["--out", "a.webm"]].concat());
     command.env("PATH", ws.path("nowhere"));
     let run = finish(command.spawn().unwrap());
     run.exits(2).says(&["a.webm", "ffmpeg", ".y4m"]);
@@ -84,18 +82,16 @@ fn without_an_encoder_the_message_says_what_to_do() {
 fn a_video_is_an_ordinary_file() {
     let ws = with_encoder("cat >/dev/null");
     film(&ws, "/dev/null").exits(2);
-    let arguments = [&FILM[..], &["-", "--format", "mp4"]].concat();
+    let arguments = [&FILM[..], &["--out", "-", "--format", "mp4"]].concat();
     ws.run(&arguments).exits(2).says(&["ordinary file"]);
-    let arguments = [&FILM[..], &["/dev/null", "--format", "mp4"]].concat();
+    let arguments = [&FILM[..], &["--out", "/dev/null", "--format", "mp4"]].concat();
     ws.run(&arguments).exits(2).says(&["ordinary file"]);
 }
 
 #[test]
 fn ctrl_c_ends_the_encoder_too() {
     let ws = with_encoder(&format!("{LAST}; echo $$ > id; exec sleep 60"));
-    let mut command = command(&ws, "a.mp4");
-    command.args(["--frames", "100000"]);
-    let child = command.spawn().unwrap();
+    let child = command(&ws, "a.mp4", "100000").spawn().unwrap();
     let begun = Instant::now();
     let id = loop {
         let id = std::fs::read_to_string(ws.path("id")).unwrap_or_default();

@@ -63,7 +63,9 @@ fn is_rounded_to(printed: f64, figure: &str) -> bool {
 fn missing(row: &Row, output: &str) -> Vec<String> {
     let printed: Vec<f64> = numbers(output).iter().map(|n| n.parse().unwrap()).collect();
     let quoted = row.ours.split('`').skip(1).step_by(2);
-    let quoted = quoted.filter(|part| !output.contains(part)).map(str::to_owned);
+    let quoted = quoted
+        .filter(|part| !output.contains(part))
+        .map(str::to_owned);
     let figures = numbers(&row.ours).into_iter();
     let figures = figures.filter(|n| !printed.iter().any(|p| is_rounded_to(*p, n)));
     quoted.chain(figures).collect()
