@@ -3,7 +3,8 @@
 //! They exist to be compared. What `mechanim` itself does is in [`continuation`](crate::kinematics::motion::continuation).
 
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
-use crate::kinematics::rates::higher_order::{By, higher_rates};
+use crate::kinematics::rates::columns::By;
+use crate::kinematics::rates::higher_order::higher_rates;
 use crate::kinematics::solve::newton::Corrector;
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::system::System;

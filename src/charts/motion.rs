@@ -2,8 +2,7 @@
 //! says so.
 
 use super::gaps::{gap_shades, leave_out_outliers, short_number};
-use crate::kinematics::loops::observed::observed_slots;
-use crate::kinematics::rates::higher_order::{By, higher_rates};
+use crate::kinematics::rates::columns::{By, slot_series};
 use crate::kinematics::results::trajectory::{Event, EventKind, Sample, Trajectory};
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
@@ -291,7 +290,6 @@ impl ChartedMotion<'_> {
             return &self.series[known].1;
         }
         let system = self.system;
-        let mechanism = system.mechanism();
         let by = match rate.per {
             Per::Time => By::Time,
             Per::Input(k) => By::Input(k),
@@ -299,9 +297,8 @@ impl ChartedMotion<'_> {
         let of = |sample: &Sample| {
             let pose = sample.pose.as_ref()?;
             let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();
-            let inputs = by.inputs(self.actuation, &sample.inputs, sample.time, rate.order);
-            let series = higher_rates(system, &coordinates, &inputs, rate.order)?;
-            Some(observed_slots(mechanism, &series))
+            let driven = (self.actuation, sample.time);
+            slot_series(system, &coordinates, by, driven, rate.order)
         };
         let all = self.trajectory.samples.iter().map(of).collect();
         self.series.push((rate, all));

@@ -170,7 +170,7 @@ pub fn event_sentence(mechanism: &Mechanism, event: &Event) -> String {
             )
         }
         EventKind::StartSingular => format!(
-            "the motion starts at a singular pose at {at}: rates are infinite or not determined there, and assemblies may meet"
+            "the motion starts at a singular pose at {at}: rates that are not given are infinite or not determined there, and assemblies may meet"
         ),
         EventKind::AxesParallel { contact } => format!(
             "the two cylinders of contact `{contact}` have parallel axes at {at}: they touch along a line, and its coordinates say nothing; write `sphere` for both where centres stay in one plane"

@@ -5,7 +5,7 @@ use super::events::{event_list, gap_list};
 use crate::export::error::ExportError;
 use crate::export::target::Output;
 use crate::kinematics::certificate::observed;
-use crate::kinematics::rates::higher_order::RateColumns;
+use crate::kinematics::rates::columns::RateColumns;
 use crate::kinematics::results::certificate::{CONSISTENT, Certificate, Reason};
 use crate::kinematics::results::trajectory::{ClosedPose, Sample, Trajectory};
 use crate::model::mechanism::{Kind, Mechanism};
@@ -239,9 +239,9 @@ fn sample_cells(mechanism: &Mechanism, sample: &Sample, columns: Columns) -> Vec
     }
     if let Some(derivatives) = columns.derivatives {
         let headings = derivatives.headings(mechanism).into_iter().enumerate();
-        // A singular pose has none.
+        // A singular pose has none, a fold those that are finite.
         cells.extend(headings.map(|(k, (_, factor))| {
-            let value = pose.derivatives.get(k);
+            let value = pose.derivatives.get(k).filter(|v| v.is_finite());
             value.map_or(TableCell::Empty, |v| TableCell::Number(v * factor))
         }));
     }

@@ -457,6 +457,12 @@ impl Scene {
 
 /// Anything that NumPy takes for a row of numbers.
 pub fn numbers(py: Python<'_>, values: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+    // What is a row of numbers already takes no call of Python.
+    if let Ok(array) = values.extract::<PyReadonlyArray1<'_, f64>>()
+        && let Ok(slice) = array.as_slice()
+    {
+        return Ok(slice.to_vec());
+    }
     let numpy = py.import("numpy")?;
     let options = PyDict::new(py);
     options.set_item("dtype", "float64")?;

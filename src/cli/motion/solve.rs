@@ -12,7 +12,7 @@ use crate::diag::shown_number;
 use crate::export::Output;
 use crate::kinematics::motion::limits::add_limits;
 use crate::kinematics::motion::sampling::{even_times, frame_times};
-use crate::kinematics::rates::higher_order::{By, RateColumns, add_derivatives};
+use crate::kinematics::rates::columns::{By, RateColumns, add_derivatives};
 use crate::kinematics::solve::iterates::record_iterates;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;

@@ -7,7 +7,7 @@
 use super::continuation::solve_motion;
 use super::sampling::is_cyclic;
 use crate::kinematics::loops::forward;
-use crate::kinematics::rates::higher_order::{By, RateColumns};
+use crate::kinematics::rates::columns::{By, RateColumns};
 use crate::kinematics::results::trajectory::{Event, EventKind, Sample, Trajectory};
 use crate::kinematics::solve::newton::Pace;
 use crate::kinematics::solve::pose_solver::PoseSolver;

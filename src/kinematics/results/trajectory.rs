@@ -18,7 +18,7 @@ pub struct ClosedPose {
     pub outputs: Vec<f64>,
     /// Rates of the unknowns per second, from the drive's rates; NaN for angles that are gimbal-locked.
     pub rates: Vec<f64>,
-    /// Rates of higher order, as [`RateColumns`](crate::kinematics::rates::higher_order::RateColumns) names them; empty unless asked for.
+    /// Rates of higher order, as [`RateColumns`](crate::kinematics::rates::columns::RateColumns) names them; empty unless asked for.
     pub derivatives: Vec<f64>,
     /// Largest gap of any loop relative to the mechanism's size, from an independent product.
     pub closure_error: f64,

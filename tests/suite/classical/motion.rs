@@ -5,7 +5,7 @@ use crate::driven::{
 };
 use mechanim::diag::Source;
 use mechanim::kinematics::assemblies::{DEFAULT_STARTS, Mode, Modes, find_modes};
-use mechanim::kinematics::rates::higher_order::{By, RateColumns};
+use mechanim::kinematics::rates::columns::{By, RateColumns};
 use mechanim::kinematics::results::trajectory::{ClosedPose, EventKind, Trajectory};
 use mechanim::scene::{Overrides, load_scene};
 

@@ -6,7 +6,7 @@ use mechanim::distance::bodies::{Hull, nearest_bodies};
 use mechanim::kinematics::certificate::tube;
 use mechanim::kinematics::motion::feasible::Feasible;
 use mechanim::kinematics::motion::{continuation, feasible, limits, sampling};
-use mechanim::kinematics::rates::higher_order::{self, RateColumns};
+use mechanim::kinematics::rates::columns::{self, RateColumns};
 use mechanim::kinematics::results::certificate::IntervalCertificate;
 use mechanim::kinematics::results::trajectory::{ClosedPose, Trajectory};
 use mechanim::kinematics::structure::block::StructureError;
@@ -133,7 +133,7 @@ pub fn add_limits(driven: &impl Driven, trajectory: &mut Trajectory) {
 /// Fills in derivatives.
 pub fn add_derivatives(driven: &impl Driven, trajectory: &mut Trajectory, columns: RateColumns) {
     let system = driven.system().unwrap();
-    higher_order::add_derivatives(&system, driven.actuation(), trajectory, columns);
+    columns::add_derivatives(&system, driven.actuation(), trajectory, columns);
 }
 
 /// Values of the inputs that have poses.

@@ -11,7 +11,7 @@ use mechanim::kinematics::results::trajectory::EventKind;
 use mechanim::kinematics::freedoms::mobility::Mobility;
 
 use mechanim::kinematics::assemblies::{DEFAULT_STARTS, Mode, find_modes};
-use mechanim::kinematics::rates::higher_order::{By, RateColumns};
+use mechanim::kinematics::rates::columns::{By, RateColumns};
 
 use crate::reference::Table;
 use crate::reference::scenes::{scene, turned, value, whole, written};

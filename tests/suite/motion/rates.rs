@@ -5,7 +5,8 @@
 use crate::driven::{Driven, Model, add_derivatives, even_times, solve};
 use mechanim::diag::Source;
 
-use mechanim::kinematics::rates::higher_order::{By, RateColumns, higher_rates};
+use mechanim::kinematics::rates::columns::{By, RateColumns};
+use mechanim::kinematics::rates::higher_order::higher_rates;
 use mechanim::kinematics::results::trajectory::ClosedPose;
 use mechanim::kinematics::solve::branch::BranchWatch;
 use mechanim::kinematics::solve::newton::{Corrector, Pace};
@@ -439,4 +440,51 @@ fn tangents_signs_and_singular_values_by_a_shared_inverse_are_those_of_the_pose(
             .count();
     }
     assert!(beside > 300, "{beside}");
+}
+
+/// Rates of the columns at the first pose: NaN where there is none.
+fn rates_at_start(mechanism: &Model, order: usize) -> Vec<(String, f64)> {
+    let columns = RateColumns {
+        order,
+        by: By::Time,
+    };
+    let mut trajectory = solve(mechanism, &[0.0]).unwrap();
+    add_derivatives(mechanism, &mut trajectory, columns);
+    let names = columns.headings(&mechanism.mechanism).into_iter();
+    let found = &trajectory.samples[0].pose.as_ref().unwrap().derivatives;
+    names
+        .map(|(name, _)| name)
+        .zip(found.iter().copied())
+        .collect()
+}
+
+/// Where the drive sets out from a dead centre unknowns go with the root of time; what is even in them has finite rates.
+#[test]
+fn rates_at_a_fold_are_one_sided_where_they_are_finite() {
+    // x = r cos phi and h = r cos phi + sqrt(L^2 - r^2 sin^2 phi) are series in phi^2: dx/dh = 2/3, d2x/dh2 = -1/360.
+    let crank = written(
+        "duration = 1\nunits = { angle = \"rad\" }\n[inputs]\nh = \"120 - t\"\n\
+         [loops]\nA = \"Rz(phi) Tx(40) Rz(alpha) Tx(80) Rz(beta) Tx(-h)\"\n[guess]\nphi = 0.1\n\
+         [outputs]\nx = \"40*cos(phi)\"\nodd = \"sin(phi)\"\n",
+    );
+    let rates = rates_at_start(&crank, 2);
+    let of = |name: &str| rates.iter().find(|(n, _)| n == name).unwrap().1;
+    assert!((of("d(x)/dt") + 2.0 / 3.0).abs() < 1e-9, "{rates:?}");
+    assert!((of("d2(x)/dt2") + 1.0 / 360.0).abs() < 1e-9, "{rates:?}");
+    for infinite in ["d(phi)/dt", "d(alpha)/dt", "d2(beta)/dt2", "d(odd)/dt"] {
+        assert!(of(infinite).is_nan(), "{infinite}: {rates:?}");
+    }
+    // The rope leaves the drum: phi' = -sqrt(u^2 - 1)/u vanishes at u = 1, and goes with the root of time.
+    let drum = rates_at_start(&builtin_scene("rope-drum", &[]), 2);
+    let of = |name: &str| drum.iter().find(|(n, _)| n == name).unwrap().1;
+    assert!(of("d(phi)/dt").abs() < 1e-9, "{drum:?}");
+    for infinite in ["d2(phi)/dt2", "d(gamma)/dt", "d(s)/dt"] {
+        assert!(of(infinite).is_nan(), "{infinite}: {drum:?}");
+    }
+    // Where two branches cross, here the parallelogram and its crossed form, nothing is determined.
+    let crossing = written(
+        "duration = 1\nunits = { angle = \"rad\" }\n[inputs]\nphi = \"t\"\n\
+         [loops]\nA = \"Rz(phi) Tx(40) Rz(a) Tx(100) Rz(b) Tx(-40) Rz(c) Tx(-100)\"\n",
+    );
+    assert!(rates_at_start(&crossing, 1).is_empty());
 }

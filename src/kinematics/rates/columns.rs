@@ -1,0 +1,165 @@
+//! Rates as tables show them: what they are taken by, their names and units, and their values at a pose.
+
+use super::fold::series_beside_fold;
+use super::higher_order::higher_rates;
+use crate::kinematics::loops::observed::observed_slots;
+use crate::kinematics::results::trajectory::Trajectory;
+use crate::kinematics::structure::system::System;
+use crate::model::actuation::Actuation;
+use crate::model::mechanism::{Coordinate, Kind, Mechanism};
+use crate::numbers::series::{HIGHEST_ORDER, TaylorSeries};
+
+/// What rates are taken by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum By {
+    /// Seconds of the drive.
+    Time,
+    /// One input, the others standing still: transfer functions.
+    Input(usize),
+}
+
+impl By {
+    /// Series of the inputs, whose values are `given`, along it.
+    pub fn inputs(
+        self,
+        actuation: &Actuation,
+        given: &[f64],
+        time: f64,
+        order: usize,
+    ) -> Vec<TaylorSeries> {
+        match self {
+            Self::Time => {
+                let drives = actuation.drives.iter();
+                drives.map(|d| d.series(time, order)).collect()
+            }
+            // The variable itself is the moving input; the others are constant.
+            Self::Input(moving) => (0..given.len())
+                .map(|k| {
+                    let rate = if k == moving { 1.0 } else { 0.0 };
+                    TaylorSeries::linear(given[k], rate, order)
+                })
+                .collect(),
+        }
+    }
+}
+
+/// Series of all slots that formulas may use, along what rates are taken by: of a motion that is driven by `actuation`, at a pose
+/// at `time`. At a fold they are one-sided, and coefficients that are infinite are NaN; `None` at other singular poses.
+pub fn slot_series(
+    system: &System,
+    coordinates: &[f64],
+    by: By,
+    (actuation, time): (&Actuation, f64),
+    order: usize,
+) -> Option<Vec<TaylorSeries>> {
+    let mechanism = system.mechanism();
+    let given = &coordinates[mechanism.unknowns.len()..];
+    let inputs = by.inputs(actuation, given, time, order);
+    if let Some(series) = higher_rates(system, coordinates, &inputs, order) {
+        return Some(observed_slots(mechanism, &series));
+    }
+    let inputs = by.inputs(actuation, given, time, HIGHEST_ORDER);
+    series_beside_fold(system, coordinates, &inputs, order)
+}
+
+/// Which rates a table shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RateColumns {
+    /// Highest order, at least one.
+    pub order: usize,
+    /// What they are taken by.
+    pub by: By,
+}
+
+impl RateColumns {
+    /// Names of the columns (`d2(h)/dt2`, `d(h)/d(phi)`) and the factors from internal values to the file's units;
+    /// all orders of one quantity, then the next.
+    pub fn headings(&self, mechanism: &Mechanism) -> Vec<(String, f64)> {
+        let (below, unit) = match self.by {
+            By::Time => ("t".to_owned(), 1.0),
+            By::Input(k) => {
+                let input = &mechanism.inputs[k];
+                (
+                    format!("({})", input.name),
+                    mechanism.file_units(input.kind),
+                )
+            }
+        };
+        self.of_orders(mechanism, |name, kind, k| {
+            let power = if k == 1 { String::new() } else { k.to_string() };
+            let text = format!("d{power}({name})/d{below}{power}");
+            (text, mechanism.file_units(kind) / unit.powi(k as i32))
+        })
+    }
+
+    /// Units of the same columns: `mm/deg^2`; empty where there is none.
+    pub fn units(&self, mechanism: &Mechanism) -> Vec<String> {
+        let below = match self.by {
+            By::Time => "s",
+            By::Input(k) => mechanism.unit_name(mechanism.inputs[k].kind),
+        };
+        self.of_orders(mechanism, |_, kind, k| {
+            let above = mechanism.unit_name(kind);
+            let one = if above.is_empty() { "1" } else { above };
+            match (below, k) {
+                ("", _) => above.to_owned(),
+                (_, 1) => format!("{one}/{below}"),
+                (_, _) => format!("{one}/{below}^{k}"),
+            }
+        })
+    }
+
+    /// What `of` makes of every column: of the name and the kind of a quantity and the order.
+    fn of_orders<T>(&self, mechanism: &Mechanism, of: impl Fn(&str, Kind, usize) -> T) -> Vec<T> {
+        let mut quantities: Vec<(String, Kind)> = Vec::new();
+        let named = |c: &Coordinate| (c.name.clone(), c.kind);
+        quantities.extend(mechanism.unknowns.iter().map(named));
+        for trace in &mechanism.traces {
+            let places = ["x", "y", "z"].map(|axis| format!("{}.{axis}", trace.name));
+            quantities.extend(places.map(|name| (name, Kind::Length)));
+        }
+        let outputs = mechanism.outputs.iter();
+        quantities.extend(outputs.map(|o| (o.name.clone(), o.kind)));
+        let mut list = Vec::with_capacity(quantities.len() * self.order);
+        for (name, kind) in &quantities {
+            list.extend((1..=self.order).map(|k| of(name, *kind, k)));
+        }
+        list
+    }
+
+    /// Values of the columns at a pose, in internal units; `None` where there are none.
+    pub fn values(
+        &self,
+        system: &System,
+        actuation: &Actuation,
+        coordinates: &[f64],
+        time: f64,
+    ) -> Option<Vec<f64>> {
+        let driven = (actuation, time);
+        let slots = slot_series(system, coordinates, self.by, driven, self.order)?;
+        let mechanism = system.mechanism();
+        let inputs = mechanism.unknowns.len()..mechanism.coordinate_count();
+        let shown = slots
+            .iter()
+            .enumerate()
+            .filter(|(k, _)| !inputs.contains(k));
+        let derivatives = shown.flat_map(|(_, s)| (1..=self.order).map(|k| s.derivative(k)));
+        Some(derivatives.collect())
+    }
+}
+
+/// Fills the derivatives of every pose of a trajectory; those that are infinite or not determined stay empty.
+pub fn add_derivatives(
+    system: &System,
+    actuation: &Actuation,
+    trajectory: &mut Trajectory,
+    columns: RateColumns,
+) {
+    for sample in &mut trajectory.samples {
+        if let Some(pose) = &mut sample.pose {
+            let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();
+            let values = columns.values(system, actuation, &coordinates, sample.time);
+            pose.derivatives = values.unwrap_or_default();
+        }
+    }
+}
