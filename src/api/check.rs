@@ -5,10 +5,13 @@ use super::loaded::Loaded;
 use super::motion::Samples;
 use crate::clearance::check::{ClearanceReport, Closely, PairReport};
 use crate::jobs::Stopwatch;
+use crate::kinematics::results::trajectory::Trajectory;
+use crate::page::{Checked, article_of, page_text};
 use crate::report::clearance;
 use crate::report::junit::to_junit;
 use crate::report::motion_check::{MotionAnswer, MotionCheck};
-use crate::report::verdict::{Asked, Judged, Status, Verdict};
+use crate::report::verdict::{Asked, Judged, Status};
+use std::sync::Arc;
 
 /// Options of a check, in addition to the requirements of the scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,63 +59,39 @@ pub struct PairClearance {
 
 /// The result of a check.
 pub struct Check {
-    text: String,
+    loaded: Arc<Loaded>,
+    trajectory: Trajectory,
+    clearances: Option<ClearanceReport>,
+    answer: MotionAnswer,
     json: String,
-    verdict: Verdict,
     seconds: f64,
     pairs: Vec<PairClearance>,
 }
 
 impl Check {
-    pub(super) fn run(loaded: &Loaded, options: &CheckOptions) -> Result<Self, Error> {
-        let [times, _] = options.samples.times(loaded)?;
-        let check = MotionCheck {
-            scene: &loaded.scene,
-            system: &loaded.system,
-            times: &times,
-            asked: Asked {
-                closure: options.closure,
-                poses: true,
-                motion: options.motion,
-                estimates: false,
-                empty: false,
-                band: None,
-            },
-            // All pairs are handed out, one by one.
-            closely: Closely {
-                tolerance: options.tolerance,
-                pairs: usize::MAX,
-                times: true,
-            },
-            is_swept: false,
-            worst: usize::MAX,
-        };
+    pub(super) fn run(loaded: Arc<Loaded>, options: &CheckOptions) -> Result<Self, Error> {
+        let [times, _] = options.samples.times(&loaded)?;
+        let check = asked_check(&loaded, options, &times);
         let begun = Stopwatch::start();
         let trajectory = check.solve(&|| false)?;
         let solving = begun.seconds();
-        let (answer, pairs) = if trajectory.poses().next().is_none() {
-            (check.without_pose(&trajectory, None), Vec::new())
+        let (answer, clearances) = if trajectory.poses().next().is_none() {
+            (check.without_pose(&trajectory, None), None)
         } else {
             let mut covered = check.cover(&trajectory);
             let found = check.clearances(&mut covered, &|_, _| {})?;
             let answer = check.answer(&trajectory, &mut covered, found.as_ref(), solving);
-            (
-                answer,
-                found.map_or_else(Vec::new, |found| pairs(loaded, &found)),
-            )
+            (answer, found)
         };
-        let MotionAnswer {
-            text,
-            document,
-            verdict,
-            ..
-        } = answer;
+        let pairs = clearances.as_ref().map(|found| pairs(&loaded, found));
         Ok(Self {
-            text,
-            json: format!("{document:#}\n"),
+            json: format!("{:#}\n", answer.document),
             seconds: begun.seconds(),
-            verdict,
-            pairs,
+            pairs: pairs.unwrap_or_default(),
+            loaded,
+            trajectory,
+            clearances,
+            answer,
         })
     }
 
@@ -124,7 +103,10 @@ impl Check {
     /// # Ok::<(), mechanim::Error>(())
     /// ```
     pub fn passed(&self) -> bool {
-        matches!(self.verdict.result(), Status::Passed | Status::Skipped)
+        matches!(
+            self.answer.verdict.result(),
+            Status::Passed | Status::Skipped
+        )
     }
 
     /// The pairs of bodies that were judged, the worst first.
@@ -146,7 +128,7 @@ impl Check {
     /// # Ok::<(), mechanim::Error>(())
     /// ```
     pub fn text(&self) -> &str {
-        &self.text
+        &self.answer.text
     }
 
     /// The same as a JSON document.
@@ -169,10 +151,63 @@ impl Check {
     /// ```
     pub fn to_junit(&self) -> String {
         to_junit(&[Judged {
-            source: &self.verdict.title,
-            verdict: &self.verdict,
+            source: &self.answer.verdict.title,
+            verdict: &self.answer.verdict,
             seconds: self.seconds,
         }])
+    }
+
+    /// The page that `mechanim report` writes: a self-contained HTML text with the motion in three dimensions, curves,
+    /// clearances and proofs.
+    ///
+    /// Errors: the picture of the mechanism cannot be drawn.
+    ///
+    /// ```
+    /// let check = mechanim::Scene::builtin("four-bar")?.check(&Default::default())?;
+    /// assert!(check.to_html()?.starts_with("<!DOCTYPE html>"));
+    /// # Ok::<(), mechanim::Error>(())
+    /// ```
+    pub fn to_html(&self) -> Result<String, Error> {
+        let article = article_of(
+            &Checked {
+                source: &self.loaded.text.name,
+                scene: &self.loaded.scene,
+                system: &self.loaded.system,
+                trajectory: &self.trajectory,
+                clearances: self.clearances.as_ref(),
+                answer: &self.answer,
+            },
+            1,
+        )?;
+        Ok(page_text("", &[article], None))
+    }
+}
+
+/// The requirements of a check. All pairs are examined one by one.
+fn asked_check<'a>(
+    loaded: &'a Loaded,
+    options: &CheckOptions,
+    times: &'a [f64],
+) -> MotionCheck<'a> {
+    MotionCheck {
+        scene: &loaded.scene,
+        system: &loaded.system,
+        times,
+        asked: Asked {
+            closure: options.closure,
+            poses: true,
+            motion: options.motion,
+            estimates: false,
+            empty: false,
+            band: None,
+        },
+        closely: Closely {
+            tolerance: options.tolerance,
+            pairs: usize::MAX,
+            times: true,
+        },
+        is_swept: false,
+        worst: usize::MAX,
     }
 }
 

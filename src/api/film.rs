@@ -14,6 +14,7 @@ use crate::render::open::RendererChoice;
 use crate::staging::PictureOptions;
 use image::RgbaImage;
 use std::path::Path;
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 /// Frames per second for samples at arbitrary times.
@@ -32,6 +33,7 @@ pub struct Film<'m> {
     quality: Quality,
     theme: Option<Theme>,
     drawn_by: DrawnBy,
+    cancel: Arc<AtomicBool>,
 }
 
 impl<'m> Film<'m> {
@@ -50,6 +52,7 @@ impl<'m> Film<'m> {
             quality: Quality::BEST,
             theme: None,
             drawn_by: DrawnBy::default(),
+            cancel: Arc::default(),
         }
     }
 
@@ -129,6 +132,24 @@ impl<'m> Film<'m> {
         self
     }
 
+    /// A film that is abandoned as soon as `cancel` is set: [`Film::write`] then fails and leaves an existing file unchanged.
+    ///
+    /// ```
+    /// # use mechanim::{Samples, Scene};
+    /// # use std::sync::{Arc, atomic::AtomicBool};
+    /// # let folder = tempfile::tempdir()?;
+    /// # let path = folder.path().join("a.gif");
+    /// let motion = Scene::builtin("four-bar")?.solve(Samples::Even(5))?;
+    /// let raised = Arc::new(AtomicBool::new(true));
+    /// assert!(motion.film().until(&raised).write(&path).is_err());
+    /// assert!(!path.exists());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn until(mut self, cancel: &Arc<AtomicBool>) -> Self {
+        self.cancel = Arc::clone(cancel);
+        self
+    }
+
     /// The picture of sample `index`. If there is no pose, the picture says so.
     ///
     /// Errors: no such sample; a size that cannot be drawn.
@@ -199,10 +220,9 @@ impl<'m> Film<'m> {
                 chroma: Chroma::Full,
                 repeat: true,
             };
-            let never = AtomicBool::new(false);
             let mut workers = pictures.workers(&self.drawn_by)?.list;
-            let prepared = settings.open(destination, &mut workers, &never)?;
-            let summary = settings.write(prepared, workers, &|_, _| {}, &never)?;
+            let prepared = settings.open(destination, &mut workers, &self.cancel)?;
+            let summary = settings.write(prepared, workers, &|_, _| {}, &self.cancel)?;
             Ok(summary.bytes)
         })
     }

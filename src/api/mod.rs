@@ -23,7 +23,7 @@ pub use error::{Error, ErrorKind};
 pub use film::Film;
 pub use motion::{Motion, Samples};
 pub use optimum::{OptimiseOptions, Optimum};
-pub use pose::{Placement, Pose};
+pub use pose::Pose;
 pub use scene::{Quantity, Scene};
 pub use sensitivity::Sensitivity;
 pub use study::Study;

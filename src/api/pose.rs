@@ -14,16 +14,6 @@ pub struct Pose<'m> {
     pose: &'m ClosedPose,
 }
 
-/// Position and orientation of a body, as the transform `world_from_body`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct Placement {
-    /// Rotation matrix by rows: world axes from body axes.
-    pub rotation: [[f64; 3]; 3],
-    /// Origin of the body's frame in the world, in the scene's length unit.
-    pub translation: [f64; 3],
-}
-
 impl<'m> Pose<'m> {
     pub(super) fn new(loaded: &'m Loaded, sample: &'m Sample, pose: &'m ClosedPose) -> Self {
         Self {
@@ -83,7 +73,8 @@ impl<'m> Pose<'m> {
         Ok(self.pose.rates[index] * mechanism.file_units(unknowns[index].kind))
     }
 
-    /// Position and orientation of a body.
+    /// Position and orientation of a body: `world_from_body` as a homogeneous matrix by rows. The last column is the origin
+    /// of the body's frame, in the scene's length unit.
     ///
     /// Errors: no body has that name.
     ///
@@ -92,13 +83,13 @@ impl<'m> Pose<'m> {
     /// let motion = Scene::builtin("bennett")?.solve(Samples::At(vec![0.0]))?;
     /// let pose = motion.pose(0).ok_or("no pose")?;
     /// let scene = Scene::builtin("bennett")?;
-    /// let [x, y, z] = pose.placement(scene.bodies()[0])?.rotation;
+    /// let [x, y, z, last] = pose.placement(scene.bodies()[0])?;
     /// let determinant = x[0] * (y[1] * z[2] - y[2] * z[1]) - x[1] * (y[0] * z[2] - y[2] * z[0])
     ///     + x[2] * (y[0] * z[1] - y[1] * z[0]);
-    /// assert!((determinant - 1.0).abs() < 1e-12);
+    /// assert!((determinant - 1.0).abs() < 1e-12 && last == [0.0, 0.0, 0.0, 1.0]);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn placement(&self, body: &str) -> Result<Placement, Error> {
+    pub fn placement(&self, body: &str) -> Result<[[f64; 4]; 4], Error> {
         let bodies = &self.loaded.scene.mechanism.bodies;
         let Some(index) = bodies.iter().position(|b| b.name == body) else {
             let names = bodies.iter().map(|b| b.name.as_str());
@@ -117,7 +108,7 @@ impl<'m> Pose<'m> {
     /// assert_eq!(pose.placements()[1], pose.placement(scene.bodies()[1])?);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn placements(&self) -> Vec<Placement> {
+    pub fn placements(&self) -> Vec<[[f64; 4]; 4]> {
         self.pose.bodies.iter().map(placement).collect()
     }
 
@@ -199,10 +190,9 @@ impl<'m> Pose<'m> {
     }
 }
 
-fn placement(world_from_body: &math::Pose) -> Placement {
-    let rows = world_from_body.rotation.transpose();
-    Placement {
-        rotation: rows.to_cols_array_2d(),
-        translation: world_from_body.translation.to_array(),
-    }
+fn placement(world_from_body: &math::Pose) -> [[f64; 4]; 4] {
+    let [x, y, z] = world_from_body.rotation.transpose().to_cols_array_2d();
+    let t = world_from_body.translation;
+    let row = |[a, b, c]: [f64; 3], shift: f64| [a, b, c, shift];
+    [row(x, t.x), row(y, t.y), row(z, t.z), [0.0, 0.0, 0.0, 1.0]]
 }

@@ -366,7 +366,7 @@ impl Scene {
     /// # Ok::<(), mechanim::Error>(())
     /// ```
     pub fn check(&self, options: &CheckOptions) -> Result<Check, Error> {
-        Check::run(&self.loaded, options)
+        Check::run(Arc::clone(&self.loaded), options)
     }
 
     /// A study of the scene's measures as functions of its parameters.

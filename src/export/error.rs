@@ -37,13 +37,26 @@ pub enum ExportError {
         source: io::Error,
     },
     /// The path does not tell which format to write.
-    #[error("{}: {reason}; known are .gif, .png, .apng, .y4m, .rgba, .glb, .stl, .obj, and a folder or a pattern such as frame-%04d.png for single frames", .path.display())]
+    #[error("{}: {reason}; known are .gif, .png, .apng, .mp4, .webm, .y4m, .rgba, .glb, .stl, .obj, and a folder or a pattern such as frame-%04d.png for single frames", .path.display())]
     UnknownFormat {
         /// The path asked for.
         path: PathBuf,
         /// What is wrong with it.
         reason: String,
     },
+    /// Videos are written by another program, which cannot be run.
+    #[error("cannot write {}: the program {program} writes videos, and it does not run ({source}); install it, or write a .gif, .apng or .y4m", .path.display())]
+    NoEncoder {
+        /// The file asked for.
+        path: PathBuf,
+        /// The program's name.
+        program: &'static str,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// A video goes to an ordinary file, in which its encoder goes back and forth.
+    #[error("cannot write {}: a video needs an ordinary file; a .y4m goes through pipes", .0.display())]
+    NoSeek(PathBuf),
     /// The format holds shapes, not pictures.
     #[error("{format} holds no pixels")]
     NoPixels {

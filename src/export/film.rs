@@ -11,6 +11,7 @@ use super::png::{Effort, PngSettings, SequenceSink, StillSink};
 use super::raw::{Chroma, RawKind, RawSink};
 use super::sampled_frames::{DrawnSamples, draw_samples, look_at};
 use super::timing::{FrameTimes, Schedule};
+use super::video::{VideoFile, VideoSink};
 use super::{ExportSummary, Format, FrameSink, Output, Target};
 use image::RgbaImage;
 use std::path::Path;
@@ -23,6 +24,8 @@ pub enum Destination {
     File(Box<dyn Output>),
     /// A file a frame.
     Sequence(FramePattern),
+    /// A video that an encoder writes.
+    Video(VideoFile),
 }
 
 impl Destination {
@@ -32,6 +35,7 @@ impl Destination {
     pub fn at(path: &Path, format: &Format) -> Result<Self, ExportError> {
         Ok(match format {
             Format::PngSequence(pattern) => Self::Sequence(pattern.clone()),
+            Format::Video(kind) => Self::Video(VideoFile::create(path, *kind)?),
             _ => Self::File(Box::new(Target::create(path)?)),
         })
     }
@@ -102,6 +106,10 @@ impl FilmSettings<'_> {
                 let sink = SequenceSink::new(pattern, self.png(Effort::Fast))?;
                 return Ok(Prepared::plain(Box::new(sink)));
             }
+            Destination::Video(file) => {
+                let sink = VideoSink::new(file, self.fps, self.size)?;
+                return Ok(Prepared::plain(Box::new(sink)));
+            }
         };
         let (size, fps, chroma) = (self.size, self.fps, self.chroma);
         let sink: Box<dyn FrameSink> = match self.format {
@@ -112,7 +120,7 @@ impl FilmSettings<'_> {
             }
             Format::Y4m => Box::new(RawSink::new(file, RawKind::Y4m { fps, chroma }, size)?),
             Format::Rgba => Box::new(RawSink::new(file, RawKind::Rgba { fps }, size)?),
-            Format::Glb | Format::Stl | Format::Obj => {
+            Format::Glb | Format::Stl | Format::Obj | Format::Video(_) => {
                 return Err(PipelineError::Export(ExportError::NoPixels {
                     format: self.format.name(),
                 }));

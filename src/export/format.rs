@@ -22,6 +22,8 @@ pub enum Format {
     PngSequence(FramePattern),
     /// Uncompressed video with a header, 4:4:4.
     Y4m,
+    /// Compressed video, by an encoder of its own.
+    Video(VideoKind),
     /// Uncompressed pixels one after the other, four bytes each, no header.
     Rgba,
     /// Binary glTF: meshes, and the motion as an animation of nodes.
@@ -30,6 +32,15 @@ pub enum Format {
     Stl,
     /// Triangles of one pose by body, Wavefront OBJ.
     Obj,
+}
+
+/// Container and codec.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum VideoKind {
+    /// H.264 in MP4: plays everywhere.
+    Mp4,
+    /// VP9 in WebM: plays in browsers, free of patents.
+    Webm,
 }
 
 impl Format {
@@ -81,6 +92,8 @@ impl Format {
             "apng" => Self::Apng,
             "png" => Self::Png,
             "y4m" => Self::Y4m,
+            "mp4" => Self::Video(VideoKind::Mp4),
+            "webm" => Self::Video(VideoKind::Webm),
             "rgba" => Self::Rgba,
             "glb" => Self::Glb,
             "stl" => Self::Stl,
@@ -97,6 +110,8 @@ impl Format {
             Self::Png => "a PNG",
             Self::PngSequence(_) => "a sequence of PNGs",
             Self::Y4m => "a y4m video",
+            Self::Video(VideoKind::Mp4) => "an MP4 video",
+            Self::Video(VideoKind::Webm) => "a WebM video",
             Self::Rgba => "a raw video",
             Self::Glb => "a GLB",
             Self::Stl => "an STL",

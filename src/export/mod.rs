@@ -30,6 +30,7 @@ pub mod sampled_frames;
 pub mod solid;
 pub mod target;
 pub mod timing;
+pub mod video;
 
 pub use error::ExportError;
 pub use format::Format;

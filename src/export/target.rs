@@ -132,6 +132,14 @@ impl Target {
         })
     }
 
+    /// Where the file is made, for a program that writes it; `None` for a device or a pipe.
+    pub(super) fn temporary(&self) -> Option<&Path> {
+        match &self.body {
+            FileBody::Atomic(_, temporary) => Some(temporary),
+            FileBody::Direct(_) => None,
+        }
+    }
+
     /// Flushes and moves the file to its place, over a file that may stand there.
     pub fn commit(self) -> Result<(), ExportError> {
         self.move_to_place(true)

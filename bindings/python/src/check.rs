@@ -1,6 +1,9 @@
 //! Checks and assemblies as values.
 
+use crate::errors::OrRaise;
+use crate::signals::watched;
 use pyo3::prelude::*;
+use std::sync::Arc;
 
 /// The least distance of two bodies over the motion, and what is proved of it.
 #[pyclass(frozen, get_all, module = "mechanim")]
@@ -36,12 +39,14 @@ impl PairClearance {
 /// The answer to everything that a scene asks for.
 #[pyclass(frozen, module = "mechanim")]
 pub struct Check {
-    inner: mechanim::Check,
+    inner: Arc<mechanim::Check>,
 }
 
 impl Check {
     pub(crate) fn new(inner: mechanim::Check) -> Self {
-        Self { inner }
+        Self {
+            inner: Arc::new(inner),
+        }
     }
 }
 
@@ -71,6 +76,23 @@ impl Check {
     #[getter]
     fn junit(&self) -> String {
         self.inner.to_junit()
+    }
+
+    /// The report as one HTML page that opens without a network: the motion in three dimensions, curves, clearances, proofs.
+    fn to_html(&self, py: Python<'_>) -> PyResult<String> {
+        let inner = Arc::clone(&self.inner);
+        watched(py, move |_| inner.to_html())?.or_raise(py)
+    }
+
+    /// The page in a frame of its own, for notebooks.
+    fn _repr_html_(&self, py: Python<'_>) -> PyResult<String> {
+        let page = self
+            .to_html(py)?
+            .replace('&', "&amp;")
+            .replace('"', "&quot;");
+        Ok(format!(
+            "<iframe title=\"mechanim report\" style=\"width:100%;height:720px;border:0\" srcdoc=\"{page}\"></iframe>"
+        ))
     }
 
     /// All judged pairs of bodies, the worst first.

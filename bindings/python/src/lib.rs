@@ -35,8 +35,23 @@ mod _mechanim {
     #[pyfunction]
     fn program(py: Python<'_>) -> PyResult<()> {
         let arguments: Vec<std::ffi::OsString> = py.import("sys")?.getattr("argv")?.extract()?;
-        let code = py.detach(|| mechanim::cli::program::main(arguments));
-        py.import("sys")?.getattr("exit")?.call1((code,))?;
+        let exit = py.import("sys")?.getattr("exit")?;
+        match py.detach(|| super::run_program(arguments)) {
+            Some(code) => exit.call1((code,))?,
+            None => exit.call1(("mechanim: this wheel was built without the program",))?,
+        };
         Ok(())
     }
+}
+
+/// Runs the program; `None` in a wheel without it.
+#[cfg(feature = "program")]
+fn run_program(arguments: Vec<std::ffi::OsString>) -> Option<i32> {
+    Some(mechanim::cli::program::main(arguments).into())
+}
+
+/// Runs the program; `None` in a wheel without it.
+#[cfg(not(feature = "program"))]
+fn run_program(_: Vec<std::ffi::OsString>) -> Option<i32> {
+    None
 }

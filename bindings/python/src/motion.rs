@@ -2,6 +2,7 @@
 
 use crate::arrow::stream;
 use crate::errors::{OrRaise, warn};
+use crate::signals::watched;
 use image::{ImageFormat, RgbaImage};
 use mechanim::{Certificate, Pose};
 use numpy::{PyArray1, PyArrayMethods};
@@ -9,12 +10,13 @@ use pyo3::exceptions::{PyRuntimeError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyCapsule, PyDict};
 use std::io::Cursor;
+use std::sync::Arc;
 
 /// A solved motion: its values as arrays, one entry a sample, in the scene's units. Samples without a pose are NaN.
 #[pyclass(frozen, module = "mechanim")]
 pub struct Motion {
     scene: mechanim::Scene,
-    inner: mechanim::Motion,
+    inner: Arc<mechanim::Motion>,
 }
 
 type Array<'py> = Bound<'py, PyAny>;
@@ -47,6 +49,7 @@ impl Motion {
             );
             warn(py, "MotionWarning", &message)?;
         }
+        let inner = Arc::new(inner);
         Ok(Self { scene, inner })
     }
 
@@ -92,10 +95,16 @@ impl Motion {
             .collect()
     }
 
-    /// Values by name, shape (n,).
+    /// Values by name, shape (n,); of a traced point by its name all coordinates, shape (n, 3).
     fn __getitem__<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Array<'py>> {
-        let values = self.inner.values(name).or_raise(py)?;
-        shaped(py, values, &[self.inner.len()])
+        let Some(point) = self.coordinates_of(name) else {
+            let values = self.inner.values(name).or_raise(py)?;
+            return shaped(py, values, &[self.inner.len()]);
+        };
+        let columns = point.iter().map(|name| self.inner.values(name));
+        let columns: Vec<Vec<f64>> = columns.collect::<Result<_, _>>().or_raise(py)?;
+        let rows = (0..self.inner.len()).flat_map(|k| columns.iter().map(move |column| column[k]));
+        shaped(py, rows.collect(), &[self.inner.len(), 3])
     }
 
     fn __len__(&self) -> usize {
@@ -103,7 +112,8 @@ impl Motion {
     }
 
     fn __contains__(&self, name: &str) -> bool {
-        self.scene.quantities().iter().any(|q| q.name == name)
+        self.coordinates_of(name).is_some()
+            || self.scene.quantities().iter().any(|q| q.name == name)
     }
 
     fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
@@ -127,11 +137,7 @@ impl Motion {
                 continue;
             };
             for placement in pose.placements() {
-                for (row, shift) in placement.rotation.iter().zip(placement.translation) {
-                    values.extend_from_slice(row);
-                    values.push(shift);
-                }
-                values.extend_from_slice(&[0.0, 0.0, 0.0, 1.0]);
+                values.extend_from_slice(placement.as_flattened());
             }
         }
         shaped(py, values, &[self.inner.len(), bodies, 4, 4])
@@ -229,26 +235,30 @@ impl Motion {
     }
 
     /// Exact derivatives of values by parameters through the closed loops: shape (n, parameters) for one name,
-    /// (n, names, parameters) for a list.
+    /// (n, names, parameters) for a list, (n, 3, parameters) for a traced point.
     fn jacobian<'py>(
         &self,
         py: Python<'py>,
         names: Names,
         parameters: Vec<String>,
     ) -> PyResult<Array<'py>> {
-        let list = match &names {
-            Names::One(name) => std::slice::from_ref(name),
-            Names::Many(list) => list.as_slice(),
+        let (list, is_one) = match names {
+            Names::One(name) => match self.coordinates_of(&name) {
+                Some(point) => (point.to_vec(), false),
+                None => (vec![name], true),
+            },
+            Names::Many(list) => (list, false),
         };
-        let slopes = self.slopes(py, list, &parameters)?;
+        let slopes = self.slopes(py, &list, &parameters)?;
         let [n, q, p] = [self.inner.len(), list.len(), parameters.len()];
-        match names {
-            Names::One(_) => shaped(py, slopes, &[n, p]),
-            Names::Many(_) => shaped(py, slopes, &[n, q, p]),
+        match is_one {
+            true => shaped(py, slopes, &[n, p]),
+            false => shaped(py, slopes, &[n, q, p]),
         }
     }
 
-    /// The gradient, by parameters, of the sum of values times `cotangents` (arrays by name): shape (parameters,). Samples
+    /// The gradient, by parameters, of the sum of values times `cotangents` (arrays by name, of the shapes that the motion gives
+    /// for these names): shape (parameters,). Samples
     /// whose cotangents are all zero count for nothing, whether they have a pose or not.
     fn vjp<'py>(
         &self,
@@ -257,14 +267,20 @@ impl Motion {
         parameters: Vec<String>,
     ) -> PyResult<Array<'py>> {
         let mut weights = Vec::new();
+        let count = self.inner.len();
         for (name, values) in cotangents {
             let values = crate::scene::numbers(py, &values)?;
-            if values.len() != self.inner.len() {
-                let [given, wanted] = [values.len(), self.inner.len()];
-                let why = format!("`{name}` has {given} cotangents for {wanted} samples");
+            let names = self.coordinates_of(&name);
+            let names = names.map_or_else(|| vec![name.clone()], Vec::from);
+            if values.len() != count * names.len() {
+                let [given, wanted] = [values.len(), count * names.len()];
+                let why = format!("`{name}` has {given} cotangents, not {wanted}");
                 return Err(PyTypeError::new_err(why));
             }
-            weights.push((name, values));
+            for (k, own) in names.iter().enumerate() {
+                let column = values.iter().skip(k).step_by(names.len()).copied();
+                weights.push((own.clone(), column.collect::<Vec<f64>>()));
+            }
         }
         weights.sort_by(|a, b| a.0.cmp(&b.0));
         let names: Vec<String> = weights.iter().map(|(name, _)| name.clone()).collect();
@@ -296,7 +312,8 @@ impl Motion {
         shaped(py, image.into_raw(), &[size.1 as usize, size.0 as usize, 4])
     }
 
-    /// Writes the motion as an animation or a picture, by the ending of `path` (.gif, .png, .apng …); returns its bytes.
+    /// Writes the motion as an animation or a picture, by the ending of `path` (.gif, .png, .apng …); returns the number of
+    /// bytes. Ctrl-C is answered within 50 ms, and leaves a file of that name as it was.
     #[pyo3(signature = (path, *, size = (640, 480), rate = None, quality = 100, dark = false))]
     fn save(
         &self,
@@ -307,19 +324,34 @@ impl Motion {
         quality: u8,
         dark: bool,
     ) -> PyResult<u64> {
-        let film = self
-            .inner
-            .film()
-            .size(size.0, size.1)
-            .quality(quality)
-            .built_in_renderer();
-        let film = if dark { film.dark() } else { film };
-        let film = match rate {
-            Some(rate) => film.rate(rate),
-            None => film,
-        };
-        let written = py.detach(|| film.write(&path)).or_raise(py)?;
-        Ok(written)
+        let motion = Arc::clone(&self.inner);
+        let written = watched(py, move |flag| {
+            let film = motion.film().size(size.0, size.1).quality(quality);
+            let film = film.built_in_renderer().until(flag);
+            let film = if dark { film.dark() } else { film };
+            match rate {
+                Some(rate) => film.rate(rate).write(&path),
+                None => film.write(&path),
+            }
+        })?;
+        written.or_raise(py)
+    }
+
+    /// The same in memory: the bytes of a file with the ending `format`, "gif", "png", "apng", "mp4" …
+    #[pyo3(signature = (format = "gif", *, size = (640, 480), rate = None, quality = 100, dark = false))]
+    fn encode<'py>(
+        &self,
+        py: Python<'py>,
+        format: &str,
+        size: (u32, u32),
+        rate: Option<f64>,
+        quality: u8,
+        dark: bool,
+    ) -> PyResult<Bound<'py, PyBytes>> {
+        let folder = tempfile::tempdir()?;
+        let path = folder.path().join(format!("film.{format}"));
+        self.save(py, path.clone(), size, rate, quality, dark)?;
+        Ok(PyBytes::new(py, &std::fs::read(path)?))
     }
 
     /// Curves over this motion as SVG: formulas as in a scene's plots, `"d(h, phi)"` for derivatives, against another formula
@@ -380,6 +412,14 @@ impl Motion {
 }
 
 impl Motion {
+    /// The coordinates of a traced point, if that is its name.
+    fn coordinates_of(&self, name: &str) -> Option<[String; 3]> {
+        let names = ["x", "y", "z"].map(|axis| format!("{name}.{axis}"));
+        let known = self.scene.quantities();
+        let is_known = |name: &String| known.iter().any(|q| q.name == *name);
+        names.iter().all(is_known).then_some(names)
+    }
+
     fn slopes(
         &self,
         py: Python<'_>,

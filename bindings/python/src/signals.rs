@@ -12,34 +12,39 @@ const PERIOD: Duration = Duration::from_millis(20);
 /// How often a thread is looked at.
 const POLL: Duration = Duration::from_millis(1);
 
-/// Runs `work` on a thread of its own while other Python threads go on; it is given a flag that is raised when a signal
-/// handler raises.
-pub fn watched<T: Send>(
+/// How long work may take to end after a signal: by then Ctrl-C is to be answered.
+const GRACE: Duration = Duration::from_millis(25);
+
+/// Runs `work` on a thread of its own while other Python threads go on. It is given a flag that is raised when a signal
+/// handler raises; work that does not end soon then is left to itself, and what it finds is dropped.
+pub fn watched<T: Send + 'static>(
     py: Python<'_>,
-    work: impl FnOnce(&Arc<AtomicBool>) -> T + Send,
+    work: impl FnOnce(&Arc<AtomicBool>) -> T + Send + 'static,
 ) -> PyResult<T> {
     let flag = Arc::new(AtomicBool::new(false));
-    let (result, raised) = py.detach(|| {
-        std::thread::scope(|scope| {
-            let worker = scope.spawn(|| work(&flag));
-            let mut raised = None;
-            while !worker.is_finished() {
-                std::thread::sleep(POLL);
-                if raised.is_none()
-                    && let Err(error) = Python::attach(|py| py.check_signals())
-                {
-                    raised = Some(error);
-                    flag.store(true, Ordering::Relaxed);
-                }
+    let raised = Arc::clone(&flag);
+    let worker = std::thread::spawn(move || work(&flag));
+    let ended = |within: Duration| {
+        let begun = Instant::now();
+        while !worker.is_finished() && begun.elapsed() < within {
+            std::thread::sleep(POLL);
+        }
+        worker.is_finished()
+    };
+    let answer = py.detach(|| {
+        while !ended(PERIOD) {
+            if let Err(error) = Python::attach(|py| py.check_signals()) {
+                raised.store(true, Ordering::Relaxed);
+                ended(GRACE);
+                return Err(error);
             }
-            (worker.join(), raised)
-        })
+        }
+        Ok(())
     });
-    match (raised, result) {
-        (Some(error), _) => Err(error),
-        (None, Ok(result)) => Ok(result),
-        (None, Err(panic)) => std::panic::resume_unwind(panic),
-    }
+    answer?;
+    worker
+        .join()
+        .or_else(|panic| std::panic::resume_unwind(panic))
 }
 
 /// Runs `work` while other Python threads go on. It is given a question that it asks between its steps: whether to give up.

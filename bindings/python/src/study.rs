@@ -24,7 +24,8 @@ impl Study {
 impl Study {
     /// The exact derivative of every measure by every variable, in the scene's units.
     fn sensitivity(&self, py: Python<'_>) -> PyResult<Sensitivity> {
-        let inner = py.detach(|| self.inner.sensitivity()).or_raise(py)?;
+        let study = self.inner.clone();
+        let inner = watched(py, move |_| study.sensitivity())?.or_raise(py)?;
         Ok(Sensitivity { inner })
     }
 
@@ -51,7 +52,9 @@ impl Study {
             distribution,
             seed,
         };
-        let inner = watched(py, |flag| self.inner.until(flag).tolerance(&options))?.or_raise(py)?;
+        let study = self.inner.clone();
+        let found = watched(py, move |flag| study.until(flag).tolerance(&options))?;
+        let inner = found.or_raise(py)?;
         Ok(Tolerance { inner })
     }
 
@@ -87,7 +90,9 @@ impl Study {
             within,
             seed,
         };
-        let inner = watched(py, |flag| self.inner.until(flag).optimise(&options))?.or_raise(py)?;
+        let study = self.inner.clone();
+        let found = watched(py, move |flag| study.until(flag).optimise(&options))?;
+        let inner = found.or_raise(py)?;
         Ok(Optimum { inner })
     }
 }

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyCapsule;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// How often signals are looked at while the threads work.
 const PERIOD: Duration = Duration::from_millis(20);
@@ -100,16 +100,21 @@ fn share(
                 });
             }
             drop(sender);
+            let mut asked = Instant::now();
             loop {
                 match done.recv_timeout(PERIOD) {
                     Ok((index, row)) => rows[index] = Some(row),
-                    Err(mpsc::RecvTimeoutError::Timeout) => {
-                        if let Err(error) = Python::attach(|py| py.check_signals()) {
-                            stop.store(true, Ordering::Relaxed);
-                            return Err(error);
-                        }
-                    }
+                    Err(mpsc::RecvTimeoutError::Timeout) => {}
                     Err(mpsc::RecvTimeoutError::Disconnected) => return Ok(()),
+                }
+                // Rows may come without a pause.
+                if asked.elapsed() < PERIOD {
+                    continue;
+                }
+                asked = Instant::now();
+                if let Err(error) = Python::attach(|py| py.check_signals()) {
+                    stop.store(true, Ordering::Relaxed);
+                    return Err(error);
                 }
             }
         })

@@ -1,6 +1,7 @@
 """Scenes as values: mistakes, pickles, threads, memory, signals, pictures."""
 
 import concurrent.futures
+import html
 import io
 import multiprocessing
 import pickle
@@ -92,31 +93,57 @@ def test_memory_stays_flat():
     for _ in range(300):
         cycle()
     before = resident()
-    for _ in range(2000):
+    for _ in range(100_000):
         cycle()
     assert resident() - before < 1000, "pages"
 
 
-def test_ctrl_c_ends_a_run_soon(python, tmp_path):
+LONG = {
+    "solve": "mechanim.load('gearshift').solve(samples=400_000)",
+    "check": "mechanim.load('dyads').check(samples=20_000, motion=True)",
+    "modes": "[mechanim.load('twin-steer').modes(0.1) for _ in range(100)]",
+    "sensitivity": "[mechanim.load('torus-torus').study('all').sensitivity() for _ in range(1000)]",
+    "enclose": "mechanim.load('gearshift').enclose(0.5, vary=['all'], samples=400)",
+    "sweep": "mechanim.load('slider-crank').sweep({'L': [90.0] * 100_000}, ['h'], samples=60)",
+    "save": "mechanim.load('seven-r').solve(samples=2000).save('long.gif')",
+}
+
+
+@pytest.mark.parametrize("work", LONG)
+def test_ctrl_c_ends_a_run_soon(work, python, tmp_path):
+    """Within 50 ms; a machine with other work may take a little longer to tell."""
     script = tmp_path / "long.py"
     script.write_text(
         "import mechanim, time\n"
-        "scene = mechanim.load('gearshift')\n"
-        "print('ready', flush=True)\n"
         "try:\n"
-        "    scene.solve(samples=400_000)\n"
+        "    print('ready', flush=True)\n"
+        f"    {LONG[work]}\n"
+        "    print('done', flush=True)\n"
         "except KeyboardInterrupt:\n"
-        "    print('interrupted', flush=True)\n"
+        "    print('interrupted', time.monotonic(), flush=True)\n"
     )
-    run = subprocess.Popen([python, str(script)], stdout=subprocess.PIPE, text=True)
-    assert run.stdout is not None
-    assert run.stdout.readline() == "ready\n"
-    time.sleep(0.5)
-    sent = time.monotonic()
-    run.send_signal(signal.SIGINT)
-    assert run.stdout.readline() == "interrupted\n"
-    assert time.monotonic() - sent < 1.0
-    run.wait(10)
+    waits = []
+    for _ in range(3):
+        run = subprocess.Popen([python, str(script)], stdout=subprocess.PIPE, text=True, cwd=tmp_path)
+        assert run.stdout is not None
+        assert run.stdout.readline() == "ready\n"
+        time.sleep(0.8)
+        sent = time.monotonic()
+        run.send_signal(signal.SIGINT)
+        word, told = run.stdout.readline().split()
+        assert word == "interrupted"
+        waits.append(float(told) - sent)
+        run.wait(20)
+    assert min(waits) < 0.05, waits
+    assert not (tmp_path / "long.gif").exists()
+
+
+def test_pages(tmp_path):
+    check = mechanim.load("four-bar").check(samples=12)
+    page = check.to_html()
+    assert page.startswith("<!DOCTYPE html>") and "http" not in page.split("<style>")[0].replace("http-equiv", "")
+    frame = check._repr_html_()
+    assert frame.count('"') == 6 and html.unescape(frame.split('srcdoc="')[1][: -len('"></iframe>')]) == page
 
 
 def test_pictures(program, tmp_path):
@@ -127,8 +154,10 @@ def test_pictures(program, tmp_path):
     png = motion._repr_png_()
     assert png[:8] == b"\x89PNG\r\n\x1a\n" and zlib.crc32(png) != 0
     assert motion.save(tmp_path / "a.gif", size=(96, 72)) == (tmp_path / "a.gif").stat().st_size
-    with pytest.raises(mechanim.FileError):
-        motion.save(tmp_path / "a.what")
+    assert motion.encode("gif", size=(96, 72)) == (tmp_path / "a.gif").read_bytes()
+    for wrong in (lambda: motion.save(tmp_path / "a.what"), lambda: motion.encode("what")):
+        with pytest.raises(mechanim.FileError):
+            wrong()
     with pytest.raises(mechanim.ArgumentError):
         motion.render(4)
 

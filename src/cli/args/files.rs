@@ -7,7 +7,7 @@ use std::path::PathBuf;
 /// What is written, and how.
 #[derive(Debug, Args)]
 pub struct FileArgs {
-    /// File to write: .gif, .apng, .png, .y4m, .rgba, a folder, a pattern such as frame-%04d.png, or `-` for standard
+    /// File to write: .gif, .apng, .png, .mp4, .webm, .y4m, .rgba, a folder, a pattern such as frame-%04d.png, or `-` for standard
     /// output; of scenes also the models .glb, .stl and .obj.
     #[arg(long, short, value_name = "FILE")]
     pub out: PathBuf,
@@ -123,6 +123,8 @@ pub enum PictureFormat {
     Gif,
     Apng,
     Png,
+    Mp4,
+    Webm,
     Y4m,
     Rgba,
     Glb,

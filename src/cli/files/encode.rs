@@ -79,7 +79,7 @@ fn is_same(a: &Path, b: &Path) -> bool {
 }
 
 fn holds_no_alpha(format: &Format) -> bool {
-    matches!(format, Format::Gif | Format::Y4m)
+    matches!(format, Format::Gif | Format::Y4m | Format::Video(_))
 }
 
 /// Reads frames by their number.

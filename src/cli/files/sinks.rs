@@ -7,10 +7,11 @@ use crate::cli::term::outcome::Failure;
 use crate::cli::term::progress::Progress;
 use crate::export::error::PipelineError;
 use crate::export::film::{Destination, FilmSettings, Prepared};
+use crate::export::format::VideoKind;
 use crate::export::gif::Quality;
 use crate::export::png::Effort;
 use crate::export::raw::Chroma;
-use crate::export::{ExportSummary, Format, Output, Stream, Target};
+use crate::export::{ExportError, ExportSummary, Format, Output, Stream, Target};
 use image::RgbaImage;
 use std::path::Path;
 
@@ -54,6 +55,8 @@ fn named_format(format: PictureFormat, out: &Path) -> Result<Format, Failure> {
             Ok(sequence @ Format::PngSequence(_)) => sequence,
             _ => Format::Png,
         },
+        PictureFormat::Mp4 => Format::Video(VideoKind::Mp4),
+        PictureFormat::Webm => Format::Video(VideoKind::Webm),
         PictureFormat::Y4m => Format::Y4m,
         PictureFormat::Rgba => Format::Rgba,
         PictureFormat::Glb => Format::Glb,
@@ -69,9 +72,12 @@ pub fn to_stdout(args: &FileArgs) -> bool {
 
 /// Opens the output.
 pub fn open_sink(args: &FileArgs, format: &Format) -> Result<Destination, Failure> {
-    Ok(match format {
-        Format::PngSequence(pattern) => Destination::Sequence(pattern.clone()),
-        _ => Destination::File(open_file(args)?),
+    if matches!(format, Format::Video(_)) && to_stdout(args) {
+        return Err(ExportError::NoSeek(args.out.clone()).into());
+    }
+    Ok(match to_stdout(args) {
+        true => Destination::File(open_file(args)?),
+        false => Destination::at(&args.out, format)?,
     })
 }
 

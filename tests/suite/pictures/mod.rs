@@ -12,4 +12,5 @@ mod rendering;
 mod scene_pictures;
 mod snapshots;
 mod study_pictures;
+mod videos;
 mod views;

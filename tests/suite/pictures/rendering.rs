@@ -141,7 +141,7 @@ fn frames_that_do_not_fit_are_named() {
             "x.glb",
             &["a GLB holds shapes, which pictures do not have"],
         ),
-        (&["f0.png"], "x.mp4", &["unknown extension .mp4"]),
+        (&["f0.png"], "x.avi", &["unknown extension .avi"]),
     ] {
         let mut arguments = [&["encode"], files, &["--out", out]].concat();
         w.run(&arguments).exits(2).prints_nothing().says(says);

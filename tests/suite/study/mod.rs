@@ -1,6 +1,7 @@
 //! Sweeps, tolerances, sensitivities, optimisation and synthesis.
 
 mod abreast;
+mod jacobians;
 mod search_pictures;
 mod studies;
 mod study_verbs;

@@ -38,7 +38,7 @@ fn blocks(text: &str) -> Vec<Block> {
 }
 
 /// The words of a command up to a pipe, a redirection or a comment; quotes are taken off.
-fn words(command: &str) -> Vec<String> {
+pub(super) fn words(command: &str) -> Vec<String> {
     let (mut list, mut word, mut quote) = (Vec::new(), None::<String>, None);
     for c in command.chars() {
         match (quote, c) {

@@ -19,6 +19,7 @@ mod replaced_files;
 mod report_pages;
 mod report_schema;
 mod schema;
+mod sources_page;
 mod strangers;
 mod third_party;
 mod verdicts;

@@ -80,7 +80,7 @@ pub(crate) fn zero_between(
         zero = found
             .filter(|zero| is_around && bracket.contains(zero))
             .unwrap_or(middle);
-        if is_around && nearest < NEAR_ENOUGH * tracker.best_sigma {
+        if is_around && nearest < NEAR_ENOUGH * tracker.regularity.largest() {
             break;
         }
         // Nodes that are all on one side of it were too close.

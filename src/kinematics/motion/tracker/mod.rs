@@ -4,5 +4,6 @@
 pub mod arc_length;
 pub mod jumps;
 pub mod path_tracker;
+pub mod regularity;
 pub mod singular;
 pub mod steps;

@@ -2,6 +2,7 @@
 //!
 //! The drive is always evaluated at a time computed from the sample's own time, never accumulated.
 
+use super::regularity::Regularity;
 use super::steps::{StepBudget, Steps};
 use crate::kinematics::solve::branch::BranchState;
 use crate::kinematics::solve::newton::Pace;
@@ -20,20 +21,6 @@ const PATIENCE: usize = 1_000;
 
 /// Least share of a way for so many steps: a way of a hundred thousand turns takes two thousand times as many.
 const LEAST_PROGRESS: f64 = 1e-6;
-
-/// A step across a singular pose starts from the last pose whose smallest singular value is above this fraction
-/// of the best seen; nearer to the singular pose the tangent is noise.
-const TRUSTED_SIGMA: f64 = 1e-4;
-
-/// Below this fraction of the best smallest singular value no tangent is taken from a pose: it has lost its last
-/// digits. Folds are approached to the square of it.
-const USABLE_SIGMA: f64 = 1e-6;
-
-/// A step may take the smallest singular value, as it falls, down to this share of itself.
-const LEAST_LEFT: f64 = 0.1;
-
-/// A change by a smaller share is the rounding of what is iterated.
-const SEEN_CHANGE: f64 = 1e-4;
 
 /// A closed pose on the way, with what is needed to go on from it.
 #[derive(Clone, Debug)]
@@ -120,10 +107,8 @@ pub struct PathTracker<'s> {
     pub(crate) anchor: Option<PathPoint>,
     /// The last accepted pose and the one before it, where ball joints need them.
     pub(crate) recent: [Option<PathPoint>; 2],
-    /// Largest of the smallest singular values that were met.
-    pub(crate) best_sigma: f64,
-    /// Time and smallest singular value of the last accepted pose and of the one before it.
-    trend: [Option<[f64; 2]>; 2],
+    /// The smallest singular values that were met.
+    pub(crate) regularity: Regularity,
 }
 
 impl<'s> PathTracker<'s> {
@@ -141,8 +126,7 @@ impl<'s> PathTracker<'s> {
             interval: actuation.duration,
             anchor: None,
             recent: [None, None],
-            best_sigma: 0.0,
-            trend: [None, None],
+            regularity: Regularity::default(),
         }
     }
 
@@ -178,9 +162,7 @@ impl<'s> PathTracker<'s> {
     /// Observes a closed pose.
     pub fn point(&mut self, time: f64, coordinates: Vec<f64>) -> PathPoint {
         let branch = self.solver.observe(&coordinates);
-        if branch.sigma_min.is_finite() {
-            self.best_sigma = self.best_sigma.max(branch.sigma_min);
-        }
+        self.regularity.observe(branch.sigma_min);
         PathPoint {
             time,
             coordinates,
@@ -191,8 +173,7 @@ impl<'s> PathTracker<'s> {
     /// Accepts a pose; it is an anchor from then on if it is well away from singular ones.
     pub fn keep(&mut self, point: PathPoint, watcher: &mut dyn PathWatcher) -> PathPoint {
         self.solver.keep_jacobians(&point.coordinates);
-        let trend = [point.time, point.branch.sigma_min];
-        self.trend = [Some(trend), self.trend[0]];
+        self.regularity.accept(point.time, point.branch.sigma_min);
         watcher.accepted(self, &point);
         if self.solver.chart().is_some() {
             self.recent = [Some(point.clone()), self.recent[0].take()];
@@ -267,7 +248,8 @@ impl<'s> PathTracker<'s> {
     ) -> Result<Option<PathPoint>, usize> {
         let inputs = self.inputs(time)?;
         let usable = self.is_usable(&here.branch);
-        if usable && self.heads_for_zero(here, time) {
+        let way = [here.time, time];
+        if usable && self.regularity.heads_for_zero(way, here.branch.sigma_min) {
             return Ok(None);
         }
         let base = match &self.anchor {
@@ -302,21 +284,6 @@ impl<'s> PathTracker<'s> {
         Ok(fine.then_some(point))
     }
 
-    /// Whether the smallest singular value, falling on as it fell on the step before, would nearly vanish on the way to
-    /// `time`: it may touch zero there and be as large as before behind it.
-    fn heads_for_zero(&self, here: &PathPoint, time: f64) -> bool {
-        let [Some([last, _]), Some([before, sigma])] = self.trend else {
-            return false;
-        };
-        let now = here.branch.sigma_min;
-        let change = now - sigma;
-        if last != here.time || before == last || change.abs() < SEEN_CHANGE * now {
-            return false;
-        }
-        let left = now + change * (time - last) / (last - before);
-        left < LEAST_LEFT * now
-    }
-
     /// Whether nothing tells that a singular pose lies between two regular ones.
     fn stays_regular(&mut self, from: &PathPoint, to: &PathPoint) -> bool {
         let sigmas = from.branch.sigma_min + to.branch.sigma_min;
@@ -335,12 +302,12 @@ impl<'s> PathTracker<'s> {
 
     /// Whether the tangent of a pose is worth anything.
     pub fn is_usable(&self, branch: &BranchState) -> bool {
-        branch.sigma_min >= USABLE_SIGMA * self.best_sigma
+        self.regularity.is_usable(branch.sigma_min)
     }
 
     /// Whether a pose is far enough from singular ones to predict from across one.
     pub(crate) fn is_trusted(&self, branch: &BranchState) -> bool {
-        branch.sigma_min >= TRUSTED_SIGMA * self.best_sigma
+        self.regularity.is_trusted(branch.sigma_min)
     }
 
     /// Gives angles that are nearly locked the values in which they go on smoothly from the poses before.

@@ -115,7 +115,7 @@ impl PathTracker<'_> {
         let mut scout = self.clone();
         let first = scout.walk_back(beyond, SingularTarget::Gap(end.time), &mut UpToSingular);
         self.solver.iterations = scout.solver.iterations;
-        self.best_sigma = scout.best_sigma;
+        self.regularity.learn_from(&scout.regularity);
         let Some(first) = first else { return true };
         let Ok(inputs) = self.inputs(0.5 * (end.time + first.time)) else {
             return false;
