@@ -1,9 +1,9 @@
-//! Exact motion, collision reports and pictures of spatial mechanisms, from their equations.
+//! Exact motion, proved clearances and pictures of spatial mechanisms, computed from their loop equations.
 //!
-//! A mechanism is written the way a lecture writes it: elementary transforms multiplied into chains, loops that must equal
-//! the identity, inputs driven over time. A [`Scene`] is read from such a text. Solving it gives a [`Motion`]: poses that are
-//! closed to rounding, each with its [`Certificate`]. A scene can be checked ([`Scene::check`]), which proves clearances
-//! between bodies over the whole motion, and a motion can be drawn ([`Motion::film`]) without a window or a display.
+//! A mechanism is described as in a textbook: products of elementary transforms form chains, closed loops equal the
+//! identity, and inputs are driven over time. A [`Scene`] is read from such a description. Solving it gives a
+//! [`Motion`], a sequence of poses that are closed to rounding, each with a [`Certificate`]. [`Scene::check`] proves
+//! clearances between bodies over the whole motion. [`Motion::film`] draws the motion without a window or a display.
 //!
 //! ```
 //! use mechanim::{Certificate, Samples, Scene};
@@ -21,7 +21,7 @@
 //! # Ok::<(), mechanim::Error>(())
 //! ```
 //!
-//! # Where to look
+//! # Overview
 //!
 //! | to | use |
 //! |---|---|
@@ -29,13 +29,13 @@
 //! | solve a motion at chosen times | [`Scene::solve`], [`Samples`] |
 //! | read values, rates, placements and proofs | [`Motion`], [`Pose`], [`Certificate`] |
 //! | check a design | [`Scene::check`], [`Check`], [`PairClearance`] |
-//! | ask what its dimensions do to its measures, and for better ones | [`Scene::study`], [`Study`], [`study`] |
+//! | analyse the influence of dimensions, and optimise them | [`Scene::study`], [`Study`], [`study`] |
 //! | draw it | [`Motion::film`], [`Film`] |
-//! | list its assemblies | [`Scene::assemblies`], [`Assembly`] |
+//! | list its assembly modes | [`Scene::assemblies`], [`Assembly`] |
 //!
 //! # Write a mechanism
 //!
-//! A scene is a TOML text. Names without a definition are the unknowns; loops must equal the identity.
+//! A scene is a TOML text. Undefined names are the unknowns; loops must equal the identity.
 //!
 //! ```
 //! let text = r#"
@@ -55,7 +55,7 @@
 //!
 //! # Draw it
 //!
-//! A film renders on all cores without a display; the name of the file decides on the format.
+//! A film renders on all cores without a display; the file name determines the format.
 //!
 //! ```no_run
 //! let motion = mechanim::Scene::builtin("gearshift")?.solve(mechanim::Samples::Frames)?;
@@ -65,7 +65,7 @@
 //!
 //! # Vary it
 //!
-//! A study asks what dimensions do to the measures of a scene: derivatives, tolerances, the best values.
+//! A study analyses how the measures of a scene depend on its dimensions: derivatives, tolerances, optimal values.
 //!
 //! ```
 //! let study = mechanim::Scene::builtin("gearshift")?.study().vary(&["L4", "L5d"]);
@@ -76,19 +76,19 @@
 //!
 //! # Units, errors, threads
 //!
-//! Lengths are in the scene's own unit, angles in radians or degrees as the scene says, times in seconds. Mistakes in a scene are
-//! an [`Error`] that lists them, each with file, line and column, and with hints. A pose that does not exist is no
-//! error: see [`Motion::is_whole`]. Scenes and motions can be shared among threads; a solve gives the same bits on any number
-//! of them.
+//! Lengths are in the scene's own unit, angles in radians or degrees as chosen in the scene, times in seconds. If a
+//! scene has errors, the [`Error`] lists all of them with file, line, column and hints. A pose that does not exist is
+//! not an error: see [`Motion::is_whole`]. Scenes and motions can be shared between threads, and results do not depend
+//! on the number of threads.
 //!
 //! # Features
 //!
-//! `cli` builds the `mechanim` program, `gpu` the wgpu renderer; both are on by default, and a library needs neither:
-//! `default-features = false`. The modules of the engine are private then. The feature `engine`, which `cli` brings along, opens
-//! them to the program, its tests and benches; they are not documented here and may change in any release. The format of scenes
-//! is described in `docs/scene-format.md`.
+//! `cli` builds the `mechanim` program, and `gpu` the wgpu renderer. Both are enabled by default; as a library the
+//! crate needs neither (`default-features = false`), and the modules of the engine are then private. `cli` enables the
+//! feature `engine`, which opens these modules to the program, its tests and benches. They are not documented here and
+//! may change in any release. `docs/scene-format.md` describes the format of scenes.
 
-// What only the program asks for has no other use in a bare library.
+// Code that only the program uses is unused in a library without features.
 #![cfg_attr(not(feature = "engine"), allow(dead_code, unused_imports))]
 
 mod api;
@@ -104,7 +104,7 @@ pub use api::{
 };
 pub use kinematics::results::certificate::{Certificate, Reason};
 
-/// What a [`Study`] is asked with, and what it answers.
+/// Options and results of a [`Study`].
 pub mod study {
     pub use crate::analysis::study::optimum::SearchMethod;
     pub use crate::analysis::tolerance::Distribution;

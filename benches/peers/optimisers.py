@@ -120,7 +120,7 @@ class Objective:
 def scipy_runs():
     return [
         ("Nelder-Mead", lambda f: minimize(f, START, method="Nelder-Mead", bounds=BOUNDS)),
-        ("BFGS, as it comes", lambda f: minimize(f, START, method="BFGS")),
+        ("BFGS, default options", lambda f: minimize(f, START, method="BFGS")),
         ("BFGS, gtol 1e-9", lambda f: minimize(f, START, method="BFGS", options={"gtol": 1e-9})),
         ("L-BFGS-B", lambda f: minimize(f, START, method="L-BFGS-B", bounds=BOUNDS)),
         ("L-BFGS-B, ftol 1e-15", lambda f: minimize(f, START, method="L-BFGS-B", bounds=BOUNDS,

@@ -1,10 +1,10 @@
-//! Assemblies at one pose of the inputs.
+//! Assembly modes for given input values.
 
 use super::error::{Error, ErrorKind};
 use super::loaded::Loaded;
 use crate::kinematics::assemblies::{DEFAULT_STARTS, find_modes};
 
-/// One of the ways in which a mechanism can be put together at the same inputs.
+/// One of the assembly modes of a mechanism at the same input values.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Assembly {
@@ -12,9 +12,9 @@ pub struct Assembly {
     pub branch: String,
     /// Every unknown by name, in the scene's units.
     pub values: Vec<(String, f64)>,
-    /// Assemblies of one number put the bodies in the same places.
+    /// Assemblies with the same number place the bodies identically.
     pub placement: usize,
-    /// Assemblies meet here, or it is a point of a continuous set.
+    /// Whether the pose is singular: assembly modes meet here, or it is a point of a continuous set.
     pub is_singular: bool,
 }
 

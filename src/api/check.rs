@@ -1,4 +1,4 @@
-//! Everything that a scene asks for, answered at once.
+//! The complete check of a scene.
 
 use super::error::Error;
 use super::loaded::Loaded;
@@ -13,16 +13,16 @@ use crate::report::motion_check::{MotionAnswer, MotionCheck};
 use crate::report::verdict::{Asked, Judged, Status};
 use std::sync::Arc;
 
-/// What is asked of a check beside what the scene asks.
+/// Options of a check, in addition to the requirements of the scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CheckOptions {
-    /// At which times the motion is sampled; the verdict on clearances covers all times between them.
+    /// Times at which the motion is sampled; the verdict on clearances covers all times in between.
     pub samples: Samples,
-    /// Largest closure error that passes, relative to the mechanism's size.
+    /// Largest permitted closure error, relative to the mechanism's size.
     pub closure: f64,
-    /// Whether the motion between the samples must be proved, too.
+    /// Whether the motion between the samples must be proved as well.
     pub motion: bool,
-    /// How near the proved bound of a distance must come to the distance found, as a part of the pair's minimum.
+    /// Required agreement of the proved bound with the distance found, as a fraction of the pair's minimum.
     pub tolerance: f64,
 }
 
@@ -37,27 +37,27 @@ impl Default for CheckOptions {
     }
 }
 
-/// How near two bodies come over the whole motion.
+/// The smallest distance of two bodies over the whole motion.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct PairClearance {
     /// Names of the bodies.
     pub bodies: [String; 2],
-    /// Least distance that passes.
+    /// Smallest permitted distance.
     pub minimum: f64,
-    /// Least distance found, in the scene's length unit; negative if they are in each other.
+    /// Smallest distance found, in the scene's length unit; negative if the bodies penetrate each other.
     pub distance: f64,
-    /// When that is, in seconds.
+    /// Time of this distance in seconds.
     pub time: f64,
-    /// They never come nearer than this, where `is_proved`.
+    /// Lower bound of the distance over the whole motion; proved if `is_proved`.
     pub bound: f64,
-    /// The bound is proved for the whole motion.
+    /// Whether the bound is proved for the whole motion.
     pub is_proved: bool,
-    /// The pair keeps its minimum, proved.
+    /// Whether it is proved that the pair keeps its minimum.
     pub passed: bool,
 }
 
-/// The answers to a check.
+/// The result of a check.
 pub struct Check {
     loaded: Arc<Loaded>,
     trajectory: Trajectory,
@@ -95,7 +95,7 @@ impl Check {
         })
     }
 
-    /// Whether everything that was asked is so, and proved where a proof belongs to it.
+    /// Whether all requirements are met, and proved if they need a proof.
     ///
     /// ```
     /// let check = mechanim::Scene::builtin("gearshift")?.check(&Default::default())?;
@@ -142,7 +142,7 @@ impl Check {
         &self.json
     }
 
-    /// The verdict as JUnit XML, one case for everything that was asked.
+    /// The verdict as JUnit XML, with one case per requirement.
     ///
     /// ```
     /// let check = mechanim::Scene::builtin("four-bar")?.check(&Default::default())?;
@@ -157,8 +157,8 @@ impl Check {
         }])
     }
 
-    /// The page that `mechanim report` writes: one HTML text that opens without a network, with the motion in three dimensions,
-    /// curves, clearances and proofs.
+    /// The page that `mechanim report` writes: a self-contained HTML text with the motion in three dimensions, curves,
+    /// clearances and proofs.
     ///
     /// Errors: the picture of the mechanism cannot be drawn.
     ///
@@ -183,7 +183,7 @@ impl Check {
     }
 }
 
-/// The questions of a check. All pairs are handed out, one by one.
+/// The requirements of a check. All pairs are examined one by one.
 fn asked_check<'a>(
     loaded: &'a Loaded,
     options: &CheckOptions,

@@ -1,4 +1,4 @@
-//! Exact derivatives of a motion's values by parameters of its scene, through the closed loops.
+//! Exact derivatives of a motion's values with respect to parameters of its scene.
 
 use super::error::{Error, ErrorKind, find_column};
 use super::loaded::Loaded;
@@ -10,13 +10,14 @@ use crate::numbers::hyper_dual::HyperDual;
 use crate::scene::Overrides;
 
 impl Motion {
-    /// The derivatives of values by parameters at every sample, exact to rounding: the linearised loops are solved, no
-    /// difference is taken. The rates are those of the assembly that the motion is in, with the inputs as they are.
+    /// The derivatives of values with respect to parameters at every sample, exact to rounding. They solve the
+    /// linearised loop-closure equations; there are no finite differences. They apply to the motion's assembly mode,
+    /// with fixed inputs.
     ///
-    /// Shape: samples × `names` × `parameters`, one after another with the last index fastest. Units: of the value per unit of
-    /// the parameter, as the scene has them. `NaN` where a sample has no pose, and at singular poses.
+    /// The result has the shape samples × `names` × `parameters`, the last index varying fastest, in units of the value
+    /// per unit of the parameter as used in the scene. It is `NaN` where a sample has no pose, and at singular poses.
     ///
-    /// Errors: an unknown value or parameter; a parameter that is not a plain number or decides the structure.
+    /// Errors: an unknown value or parameter; a parameter that is not a plain number or that affects the structure.
     ///
     /// ```
     /// // h = r cos(phi) + sqrt(L² - r² sin²(phi)): at phi = 0 it grows with L one to one.
@@ -62,13 +63,13 @@ impl Motion {
     }
 }
 
-/// The derivative that a slot carries; `NaN` where it has none.
+/// The derivative of a slot; `NaN` if it has none.
 fn first(values: &[HyperDual], slot: usize) -> f64 {
     let slope = values.get(slot).map_or(f64::NAN, |value| value.first);
     if slope.is_finite() { slope } else { f64::NAN }
 }
 
-/// The same scene with parameters as further inputs.
+/// The same scene with parameters as additional inputs.
 fn varied(loaded: &Loaded, parameters: &[&str]) -> Result<Loaded, Error> {
     for (k, name) in parameters.iter().enumerate() {
         if parameters[..k].contains(name) {
@@ -85,7 +86,7 @@ fn varied(loaded: &Loaded, parameters: &[&str]) -> Result<Loaded, Error> {
     Loaded::new(loaded.text.clone(), overrides)
 }
 
-/// Factors from internal derivatives to those in the file's units, one for each pair of value and parameter.
+/// Factors that convert internal derivatives to the file's units, one for each pair of value and parameter.
 fn units(mechanism: &Mechanism, varied: &Mechanism, columns: &[Column]) -> Vec<f64> {
     let parameters = &varied.inputs[mechanism.inputs.len()..];
     let pairs = columns.iter().flat_map(|column| {

@@ -1,4 +1,4 @@
-//! Bands of a motion that no piece within its tolerances leaves.
+//! Proved bands that contain the motion of every piece within its tolerances.
 
 use super::error::Error;
 use super::loaded::Loaded;
@@ -9,7 +9,7 @@ use crate::model::mechanism::{Kind, Mechanism};
 use crate::report::enclosure::{enclosure_document, rounded_end};
 use std::sync::atomic::AtomicBool;
 
-/// Bands of a motion, proved: no piece within its tolerances leaves them. Made by
+/// Proved bands that contain the motion of every piece within its tolerances. Returned by
 /// [`Study::enclose`](crate::Study::enclose).
 ///
 /// ```
@@ -59,10 +59,10 @@ impl Enclosure {
         })
     }
 
-    /// At every sample the two ends that no piece leaves, of an unknown, a coordinate `name.x` of a traced point, or an
-    /// output, in the scene's units; NaN where nothing is proved.
+    /// The band `[low, high]` of an unknown, a coordinate `name.x` of a traced point, or an output at every sample, in
+    /// the scene's units; NaN where nothing is proved.
     ///
-    /// Errors: nothing of that name has a band.
+    /// Errors: no quantity with a band has that name.
     ///
     /// ```
     /// # use mechanim::{Samples, Scene};
@@ -82,9 +82,9 @@ impl Enclosure {
         }
     }
 
-    /// All samples with their values, bands, status, and the least and greatest value of a piece that was closed, as a JSON
-    /// document; and why samples have no bands, with the dimension that takes the mechanism farthest towards where the
-    /// proof fails.
+    /// All samples as a JSON document: values, bands, status, and the smallest and largest value of the solved pieces.
+    /// For samples without bands it gives the reason and the dimension that brings the mechanism closest to the failure
+    /// of the proof.
     ///
     /// ```
     /// # use mechanim::{Samples, Scene};
@@ -100,7 +100,7 @@ impl Enclosure {
     }
 }
 
-/// The bands of one quantity in its unit, sample by sample, rounded outwards; NaN where there is none.
+/// The bands of one quantity in its unit at every sample, rounded outwards; NaN where there is none.
 fn bands_of(mechanism: &Mechanism, motion: &[Enclosed], index: usize, kind: Kind) -> Vec<[f64; 2]> {
     let end = |value: f64, side: f64| {
         let shown = rounded_end(value, kind, mechanism, side);

@@ -1,4 +1,4 @@
-//! What can go wrong, as one type.
+//! The error type of the library.
 
 use crate::analysis::study::FamilyError;
 use crate::diag::{Diagnostic, SceneError, Severity, Source, Span, nearest_name};
@@ -12,25 +12,25 @@ use crate::render::RenderError;
 use crate::scene::source::SourceError;
 use std::fmt;
 
-/// Kinds of errors, as far as a program may want to tell them apart.
+/// Kinds of errors that a program can distinguish.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ErrorKind {
-    /// There is no such scene, or its file cannot be read.
+    /// The scene does not exist, or its file cannot be read.
     Source,
-    /// The scene has mistakes; the message lists all of them with their places.
+    /// The scene has errors; the message lists all of them with their positions.
     Scene,
-    /// The mechanism is ill-posed: it lacks equations, or contradicts itself.
+    /// The mechanism is ill-posed: under-constrained or contradictory.
     Mechanism,
     /// A name, time or number that does not fit the scene.
     Argument,
     /// A picture or a file could not be made.
     File,
-    /// More memory, or numbers of a motion, than a process may use.
+    /// The motion needs more memory or more numbers than the limits allow.
     Limit,
 }
 
-/// Why something could not be done: a kind, a message, and hints how to mend it.
+/// An error: its kind, a message, and hints on how to fix it.
 ///
 /// ```
 /// let error = mechanim::Scene::builtin("gearshfit").unwrap_err();
@@ -53,7 +53,7 @@ impl Error {
         }
     }
 
-    /// A name that nothing in the scene has.
+    /// A name that does not occur in the scene.
     pub(super) fn unknown_name<'a>(
         what: &str,
         name: &str,
@@ -72,7 +72,7 @@ impl Error {
         Self::new(ErrorKind::Argument, message, hints)
     }
 
-    /// Its kind.
+    /// The kind of the error.
     ///
     /// ```
     /// let scene = mechanim::Scene::builtin("four-bar").unwrap();
@@ -83,7 +83,7 @@ impl Error {
         self.kind
     }
 
-    /// How to mend it, if anything is known; the best first.
+    /// Hints on how to fix it, the best first.
     ///
     /// ```
     /// let error = mechanim::Scene::open("nowhere.toml").unwrap_err();
@@ -175,7 +175,7 @@ impl From<PipelineError<RenderError>> for Error {
     }
 }
 
-/// A message with its place, `file:line:column: message`.
+/// A message with its position, `file:line:column: message`.
 pub(super) fn line(source: &Source, diagnostic: &Diagnostic) -> String {
     // What was put in place of the file's own values has no place in the text.
     let inside = |span: &&Span| span.start < source.text.len();
@@ -189,7 +189,7 @@ pub(super) fn line(source: &Source, diagnostic: &Diagnostic) -> String {
 
 /// The column of a named value.
 ///
-/// Errors: nothing in the mechanism has that name.
+/// Errors: no quantity of the mechanism has that name.
 pub(super) fn find_column(mechanism: &Mechanism, name: &str) -> Result<Column, Error> {
     let unknown = |names: Vec<String>| {
         let names = names.iter().map(String::as_str);

@@ -1,4 +1,4 @@
-//! Pictures of a motion, one by one or in a file.
+//! Pictures and animations of a motion.
 
 use super::error::{Error, ErrorKind};
 use super::loaded::Loaded;
@@ -17,13 +17,13 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-/// Frames a second for samples at free times.
+/// Frames per second for samples at arbitrary times.
 const USUAL_RATE: f64 = 20.0;
 
-/// Samples a pixel.
+/// Samples per pixel.
 const SMOOTHNESS: u32 = 4;
 
-/// Pictures of a motion: what they look like, and how they are written. Made by [`Motion::film`](crate::Motion::film).
+/// Pictures of a motion: their appearance and their output. Returned by [`Motion::film`](crate::Motion::film).
 #[derive(Clone)]
 pub struct Film<'m> {
     loaded: &'m Loaded,
@@ -56,7 +56,7 @@ impl<'m> Film<'m> {
         }
     }
 
-    /// Width and height in pixels, 640 by 480 unless said otherwise.
+    /// Width and height in pixels, 640 by 480 by default.
     ///
     /// ```
     /// # use mechanim::{Samples, Scene};
@@ -69,7 +69,7 @@ impl<'m> Film<'m> {
         self
     }
 
-    /// Frames a second; unless said otherwise the film plays as long as the motion lasts.
+    /// Frames per second; by default, the film lasts as long as the motion.
     ///
     /// ```
     /// # use mechanim::{Samples, Scene};
@@ -85,7 +85,7 @@ impl<'m> Film<'m> {
         self
     }
 
-    /// Quality of a GIF, 1 to 100 (unless said otherwise): lower values allow small colour errors for smaller files.
+    /// Quality of a GIF, from 1 to 100 (default): lower values allow small colour errors for smaller files.
     ///
     /// ```
     /// # use mechanim::{Samples, Scene};
@@ -102,7 +102,7 @@ impl<'m> Film<'m> {
         self
     }
 
-    /// Light bodies before a dark background.
+    /// Draws light bodies on a dark background.
     ///
     /// ```
     /// # use mechanim::{Samples, Scene};
@@ -116,8 +116,8 @@ impl<'m> Film<'m> {
         self
     }
 
-    /// Draws with the built-in renderer, whose pictures are the same bytes on every machine. Unless said otherwise a
-    /// hardware graphics adapter draws where there is one.
+    /// Uses the built-in renderer, which draws the same bytes on every machine. By default, a hardware graphics adapter
+    /// draws if there is one.
     ///
     /// ```
     /// # use mechanim::{Samples, Scene};
@@ -132,7 +132,7 @@ impl<'m> Film<'m> {
         self
     }
 
-    /// A film that is given up as soon as `cancel` is raised: [`Film::write`] fails then, and leaves a file of that name as it was.
+    /// A film that is abandoned as soon as `cancel` is set: [`Film::write`] then fails and leaves an existing file unchanged.
     ///
     /// ```
     /// # use mechanim::{Samples, Scene};
@@ -150,7 +150,7 @@ impl<'m> Film<'m> {
         self
     }
 
-    /// The picture of sample `index`. Where there is no pose the picture says so.
+    /// The picture of sample `index`. If there is no pose, the picture says so.
     ///
     /// Errors: no such sample; a size that cannot be drawn.
     ///
@@ -181,8 +181,9 @@ impl<'m> Film<'m> {
         })
     }
 
-    /// Writes all samples into a file: .gif, .apng, .y4m, .rgba, a folder or a pattern such as `frame-%04d.png`; a .png
-    /// takes the first. Returns the number of bytes. The file is replaced only when it is complete.
+    /// Writes all samples to a file: .gif, .apng, .y4m, .rgba, a folder or a pattern such as `frame-%04d.png`; a .png
+    /// contains the first sample. Returns the number of bytes. An existing file is replaced when the new one is
+    /// complete.
     ///
     /// Errors: an unknown extension; a failed write; a size that cannot be drawn.
     ///
@@ -226,7 +227,7 @@ impl<'m> Film<'m> {
         })
     }
 
-    /// Stages the motion and hands its pictures to `draw`.
+    /// Prepares the motion for drawing and passes its pictures to `draw`.
     fn staged<T>(&self, draw: impl FnOnce(Pictures) -> Result<T, Error>) -> Result<T, Error> {
         let mut scene = self.loaded.scene.clone();
         let change = ViewChange {

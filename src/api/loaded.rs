@@ -1,4 +1,4 @@
-//! What a scene, its motions and its checks share.
+//! Data shared by a scene, its motions and its checks.
 
 use super::error::Error;
 use crate::diag::Source;
@@ -6,7 +6,7 @@ use crate::kinematics::structure::system::System;
 use crate::scene::{OtherDrives, Overrides, Scene, load_scene};
 use std::sync::Arc;
 
-/// A scene as read, and its mechanism as analysed.
+/// A scene that has been read, with its analysed mechanism.
 pub(super) struct Loaded {
     pub(super) text: Source,
     pub(super) overrides: Overrides,
@@ -15,7 +15,7 @@ pub(super) struct Loaded {
 }
 
 impl Loaded {
-    /// Errors: mistakes in the scene; a mechanism that is not determined.
+    /// Errors: errors in the scene; an under-determined mechanism.
     pub(super) fn new(text: Source, overrides: Overrides) -> Result<Self, Error> {
         let scene = load_scene(&text, &overrides)?;
         let system = System::new(Arc::clone(&scene.mechanism), &scene.actuation)?;
@@ -27,7 +27,7 @@ impl Loaded {
         })
     }
 
-    /// The same mechanism, driven otherwise: nothing is read or analysed again.
+    /// The same mechanism with another drive; nothing is read or analysed again.
     pub(super) fn driven(&self, drives: OtherDrives) -> Self {
         let mut scene = self.scene.clone();
         drives.replace_in(&mut scene.actuation);

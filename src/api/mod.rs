@@ -1,4 +1,4 @@
-//! The library's face: a scene, its motion, what is known of every pose, checks, studies and films.
+//! The public API: scenes, motions, poses with their proofs, checks, studies and films.
 
 mod assembly;
 mod check;

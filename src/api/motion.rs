@@ -1,4 +1,4 @@
-//! A solved motion: its samples, what happened between them, its values as columns.
+//! A solved motion: its samples, events and values.
 
 use super::error::{Error, ErrorKind, find_column};
 use super::film::Film;
@@ -20,23 +20,23 @@ use crate::scene::{PlotText, load_scene};
 use std::fmt;
 use std::sync::Arc;
 
-/// At which times a motion is sampled.
+/// The times at which a motion is sampled.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub enum Samples {
-    /// The frames of the scene's own rate.
+    /// The frames at the scene's frame rate.
     #[default]
     Frames,
-    /// So many, evenly over the motion; a cyclic motion is not sampled at its end again.
+    /// This number of samples, spread evenly over the motion; the end of a cyclic motion is not sampled again.
     Even(usize),
-    /// These, in seconds, ascending. The motion is followed from its start to them.
+    /// These times in seconds, ascending. The motion is followed from its start to each of them.
     At(Vec<f64>),
 }
 
 impl Samples {
-    /// Times to be kept, and times to be solved.
+    /// The times to be kept, and the times to be solved.
     ///
-    /// Errors: none, too many, out of order, outside the motion, more than the limits of a run allow.
+    /// Errors: no times, too many for the limits of a run, times out of order or outside the motion.
     pub(super) fn times(&self, loaded: &Loaded) -> Result<[Vec<f64>; 2], Error> {
         let (mechanism, actuation) = (&loaded.scene.mechanism, &loaded.scene.actuation);
         let frames = || frame_times(mechanism, actuation, loaded.scene.view.fps);
@@ -70,7 +70,7 @@ impl Samples {
     }
 }
 
-/// The motion of a scene over its drive: a value, which stays valid whatever becomes of the scene.
+/// The motion of a scene along its drive. It is an independent value and remains valid without the scene.
 pub struct Motion {
     pub(super) loaded: Arc<Loaded>,
     pub(super) trajectory: Trajectory,
@@ -111,7 +111,7 @@ impl Motion {
         self.trajectory.samples.len()
     }
 
-    /// Whether there are no samples; a motion that was solved has some.
+    /// Whether there are no samples; a solved motion always has some.
     ///
     /// ```
     /// # use mechanim::{Samples, Scene};
@@ -122,7 +122,7 @@ impl Motion {
         self.trajectory.samples.is_empty()
     }
 
-    /// Whether there is a pose at every sample and, as far as is known, between them.
+    /// Whether a pose exists at every sample and, as far as is known, between them.
     ///
     /// ```
     /// # use mechanim::{Samples, Scene};
@@ -133,7 +133,7 @@ impl Motion {
         self.trajectory.is_whole()
     }
 
-    /// The poses there are, in the order of time.
+    /// All poses in the order of time; samples without a pose are skipped.
     ///
     /// ```
     /// # use mechanim::{Samples, Scene};
@@ -145,7 +145,7 @@ impl Motion {
         (0..self.len()).filter_map(|index| self.pose(index))
     }
 
-    /// The pose of sample `index`; `None` where the mechanism cannot be closed, and behind the last sample.
+    /// The pose of sample `index`; `None` if the mechanism cannot be closed there, or beyond the last sample.
     ///
     /// ```
     /// # use mechanim::{Samples, Scene};
@@ -160,7 +160,7 @@ impl Motion {
         Some(Pose::new(&self.loaded, sample, pose))
     }
 
-    /// Times of the samples in seconds.
+    /// The times of the samples in seconds.
     ///
     /// ```
     /// # use mechanim::{Samples, Scene};
@@ -174,7 +174,7 @@ impl Motion {
 
     /// A named value at every sample, in the scene's units; NaN where there is no pose.
     ///
-    /// Errors: nothing in the scene has that name.
+    /// Errors: no quantity of the scene has that name.
     ///
     /// ```
     /// # use mechanim::{Samples, Scene};
@@ -195,7 +195,7 @@ impl Motion {
         Ok(values.collect())
     }
 
-    /// The scene's measures of this motion, by name, in its units; `None` where one has no value.
+    /// The scene's measures for this motion, by name, in the scene's units; `None` if a measure has no value.
     ///
     /// ```
     /// # use mechanim::{Samples, Scene};
@@ -215,7 +215,7 @@ impl Motion {
             .collect()
     }
 
-    /// What happened between the samples, one sentence each: ends of the motion, singular poses, dead points.
+    /// Events between the samples, one sentence each: ends of the motion, singular poses, dead points.
     ///
     /// ```
     /// # use mechanim::{Samples, Scene};
@@ -241,7 +241,8 @@ impl Motion {
             .collect()
     }
 
-    /// Largest gap of any loop over all poses, relative to the mechanism's size, from an independent product.
+    /// Largest closure error of any loop over all poses, relative to the mechanism's size, computed by an independent
+    /// product.
     ///
     /// ```
     /// # use mechanim::{Samples, Scene};
@@ -265,7 +266,7 @@ impl Motion {
         self.written(|output| write_csv(mechanism, &self.trajectory, self.columns(), output))
     }
 
-    /// The same as JSON, with events, gaps and units.
+    /// The same table as JSON, with events, gaps and units.
     ///
     /// ```
     /// # use mechanim::{Samples, Scene};
@@ -292,10 +293,11 @@ impl Motion {
         String::from_utf8(text).unwrap_or_default()
     }
 
-    /// Curves over this motion as SVG: formulas as in the scene's `[[plots]]`, with derivatives as `d(h, phi)`, against another
-    /// formula or the time. Without curves those that the scene asks for, else its outputs.
+    /// A plot of this motion as SVG. Curves are formulas as in the scene's `[[plots]]`, with derivatives as `d(h,
+    /// phi)`, plotted against another formula or time. Without curves, the scene's plots are drawn, or its outputs if
+    /// it has none.
     ///
-    /// Errors: formulas that cannot be read, all of them listed.
+    /// Errors: invalid formulas, all of them listed.
     ///
     /// ```
     /// # use mechanim::{Samples, Scene};

@@ -1,4 +1,4 @@
-//! The best values of a study's variables.
+//! The optimal values of a study's variables.
 
 use super::error::{Error, ErrorKind};
 use crate::analysis::study::optimum::{SearchMethod, Verified};
@@ -8,18 +8,18 @@ use crate::report::optimum::OptimumReport;
 use crate::scene::edit::with_values;
 use std::sync::atomic::AtomicBool;
 
-/// How an optimum is searched.
+/// Options of an optimisation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OptimiseOptions {
     /// The method.
     pub method: SearchMethod,
-    /// Most iterations.
+    /// Maximum number of iterations.
     pub iterations: usize,
-    /// Relative accuracy; the method's own if absent.
+    /// Relative accuracy; the default of the method if absent.
     pub tolerance: Option<f64>,
-    /// Frees every variable within this share of its value, in place of the study's ranges.
+    /// Lets every variable move by this fraction of its value, instead of within the study's ranges.
     pub within: Option<f64>,
-    /// Where random numbers start ([`SearchMethod::Evolution`]).
+    /// Seed of the random numbers ([`SearchMethod::Evolution`]).
     pub seed: u64,
 }
 
@@ -35,7 +35,7 @@ impl Default for OptimiseOptions {
     }
 }
 
-/// Values of a study's variables that make its objective least. Made by [`Study::optimise`](crate::Study::optimise).
+/// Values of a study's variables that minimise its objective. Returned by [`Study::optimise`](crate::Study::optimise).
 pub struct Optimum {
     study: LoadedStudy,
     found: FoundOptimum,
@@ -67,7 +67,7 @@ impl Optimum {
         })
     }
 
-    /// The objective before and after, in the scene's units.
+    /// The objective before and after the optimisation, in the scene's units.
     ///
     /// ```
     /// # use mechanim::{Scene, study::OptimiseOptions};
@@ -81,7 +81,7 @@ impl Optimum {
         [optimum.first_value, optimum.minimum.value].map(|value| value * unit)
     }
 
-    /// The variables with their best values, in the scene's units.
+    /// The variables with their optimal values, in the scene's units.
     ///
     /// ```
     /// # use mechanim::{Scene, study::OptimiseOptions};
@@ -97,7 +97,7 @@ impl Optimum {
         shown.collect()
     }
 
-    /// Whether an independent motion with these values has the same objective, and all limits and clearances are kept.
+    /// Whether an independent motion with these values confirms the objective and keeps all limits and clearances.
     ///
     /// ```
     /// # use mechanim::{Scene, study::OptimiseOptions};
@@ -110,7 +110,7 @@ impl Optimum {
         self.report().holds()
     }
 
-    /// The text of the scene with the best values in place of its own.
+    /// The text of the scene with the optimal values.
     ///
     /// Errors: a text whose values cannot be replaced.
     ///

@@ -1,4 +1,4 @@
-//! One closed pose with everything that is known of it.
+//! A closed pose and its properties.
 
 use super::error::{Error, find_column};
 use super::loaded::Loaded;
@@ -6,7 +6,7 @@ use crate::kinematics::results::certificate::Certificate;
 use crate::kinematics::results::trajectory::{ClosedPose, Sample};
 use crate::math;
 
-/// A closed pose of a motion: values, places of bodies, residual, rank, condition, branch, certificate.
+/// A closed pose of a motion: values, placements of bodies, closure error, rank, condition, branch, certificate.
 #[derive(Clone, Copy)]
 pub struct Pose<'m> {
     loaded: &'m Loaded,
@@ -23,7 +23,7 @@ impl<'m> Pose<'m> {
         }
     }
 
-    /// Its time in seconds.
+    /// The time of the pose in seconds.
     ///
     /// ```
     /// # use mechanim::{Samples, Scene};
@@ -35,9 +35,9 @@ impl<'m> Pose<'m> {
         self.sample.time
     }
 
-    /// An input, unknown, traced coordinate (`name.x`) or output, in the scene's units.
+    /// The value of an input, unknown, traced coordinate (`name.x`) or output, in the scene's units.
     ///
-    /// Errors: nothing in the scene has that name.
+    /// Errors: no quantity of the scene has that name.
     ///
     /// ```
     /// # use mechanim::{Samples, Scene};
@@ -53,7 +53,7 @@ impl<'m> Pose<'m> {
         Ok(column.value(mechanism, self.sample, self.pose))
     }
 
-    /// Rate of an unknown per second, from the drive's rate; NaN for an angle that is gimbal-locked.
+    /// Time derivative of an unknown for the rate of the drive, per second; NaN for an angle in gimbal lock.
     ///
     /// Errors: no unknown has that name.
     ///
@@ -73,8 +73,8 @@ impl<'m> Pose<'m> {
         Ok(self.pose.rates[index] * mechanism.file_units(unknowns[index].kind))
     }
 
-    /// Where a body is: `world_from_body` as a homogeneous matrix by rows, with the origin of the body's frame in the last
-    /// column, in the scene's length unit.
+    /// Position and orientation of a body: `world_from_body` as a homogeneous matrix by rows. The last column is the origin
+    /// of the body's frame, in the scene's length unit.
     ///
     /// Errors: no body has that name.
     ///
@@ -98,7 +98,7 @@ impl<'m> Pose<'m> {
         Ok(placement(&self.pose.bodies[index]))
     }
 
-    /// Where every body is, in the order of [`Scene::bodies`](crate::Scene::bodies).
+    /// Position and orientation of every body, in the order of [`Scene::bodies`](crate::Scene::bodies).
     ///
     /// ```
     /// # use mechanim::{Samples, Scene};
@@ -112,7 +112,7 @@ impl<'m> Pose<'m> {
         self.pose.bodies.iter().map(placement).collect()
     }
 
-    /// Largest gap of any loop relative to the mechanism's size, from an independent product.
+    /// Largest closure error of any loop, relative to the mechanism's size, computed by an independent product.
     ///
     /// ```
     /// # use mechanim::{Samples, Scene};
@@ -124,7 +124,7 @@ impl<'m> Pose<'m> {
         self.pose.closure_error
     }
 
-    /// Smallest singular value of the Jacobian, in scaled unknowns and residuals: zero at a singular pose.
+    /// Smallest singular value of the Jacobian for scaled unknowns and residuals; zero at a singular pose.
     ///
     /// ```
     /// # use mechanim::{Samples, Scene};
@@ -136,7 +136,7 @@ impl<'m> Pose<'m> {
         self.pose.sigma_min
     }
 
-    /// Largest ratio of singular values of a block of equations.
+    /// Largest condition number of any block of equations.
     ///
     /// ```
     /// # use mechanim::{Samples, Scene};
@@ -161,7 +161,7 @@ impl<'m> Pose<'m> {
         self.pose.rank
     }
 
-    /// The assembly mode: one sign per block of equations. It changes only through singular poses.
+    /// The assembly mode: one sign per block of equations. It can change only at singular poses.
     ///
     /// ```
     /// # use mechanim::{Samples, Scene};
@@ -174,7 +174,8 @@ impl<'m> Pose<'m> {
         &self.pose.branch
     }
 
-    /// What is proved: how near the exact pose is, and within what distance it is the only one; or why nothing is.
+    /// The proof: the distance to the exact pose and the radius within which it is the only one, or the reason why it
+    /// failed.
     ///
     /// ```
     /// # use mechanim::{Certificate, Samples, Scene};

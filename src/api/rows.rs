@@ -1,4 +1,4 @@
-//! Drives through rows of values.
+//! Drives given by rows of values.
 
 use super::error::{Error, ErrorKind};
 use crate::limits::{Resource, current_limits};
@@ -6,7 +6,7 @@ use crate::model::drive::{Drive, Ease};
 use crate::model::mechanism::{Coordinate, Mechanism};
 use crate::scene::OtherDrives;
 
-/// Drives of all inputs straight from row to row.
+/// Piecewise linear drives of all inputs.
 pub(super) fn drives(
     mechanism: &Mechanism,
     times: &[f64],

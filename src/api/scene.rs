@@ -1,4 +1,4 @@
-//! A scene: read, resolved, analysed, ready to be solved as often as wanted.
+//! A scene that is read and analysed, and can be solved any number of times.
 
 use super::assembly::Assembly;
 use super::check::{Check, CheckOptions};
@@ -16,9 +16,9 @@ use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// A mechanism with its drive, bodies and view, read from the text of a scene.
+/// A mechanism with its drive, bodies and view, read from a scene.
 ///
-/// Values of parameters, drives and start values can be changed; that gives a new scene and leaves the old one as it is.
+/// Changing parameters, drives or start values returns a new scene and leaves the original unchanged.
 /// Lengths are in the scene's own unit, angles in its angle unit (degrees or radians), times in seconds.
 ///
 /// ```
@@ -46,16 +46,16 @@ impl fmt::Debug for Scene {
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Quantity {
-    /// Its name in the scene.
+    /// The name in the scene.
     pub name: String,
-    /// The unit that its values are given in; empty for plain numbers.
+    /// The unit of the values; empty for plain numbers.
     pub unit: String,
 }
 
 impl Scene {
-    /// A scene that comes with the crate.
+    /// A scene that is built into the crate.
     ///
-    /// Errors: there is none of that name; the hints list them.
+    /// Errors: no scene has that name; the hints list the built-in scenes.
     ///
     /// ```
     /// assert_eq!(mechanim::Scene::builtin("four-bar")?.bodies().len(), 4);
@@ -77,9 +77,9 @@ impl Scene {
         builtin::ALL.map(|scene| scene.name).to_vec()
     }
 
-    /// The scene in the file at `path`; meshes are looked for beside it.
+    /// Reads the scene file at `path`; mesh files are relative to it.
     ///
-    /// Errors: a file that cannot be read, or has mistakes: the error lists them, each with line and column.
+    /// Errors: a file that cannot be read or has errors; the message lists them, each with line and column.
     ///
     /// ```
     /// let scene = mechanim::Scene::open("scenes/peaucellier.toml")?;
@@ -95,9 +95,9 @@ impl Scene {
         Self::load(source::open_source(path)?, overrides)
     }
 
-    /// The scene that `text` describes, called `name` in messages.
+    /// Reads a scene from `text`; messages call it `name`.
     ///
-    /// Errors: mistakes, likewise.
+    /// Errors: errors in the text; the message lists them, each with line and column.
     ///
     /// ```
     /// let text = r#"
@@ -123,9 +123,9 @@ impl Scene {
         Self::load(text, Overrides::default())
     }
 
-    /// The same, with the meshes that it names looked for in `folder`.
+    /// The same, with mesh files relative to `folder`.
     ///
-    /// Errors: mistakes, likewise.
+    /// Errors: as for [`parse`](Self::parse).
     ///
     /// ```
     /// let text = std::fs::read_to_string("scenes/four-bar.toml").unwrap_or_default();
@@ -145,9 +145,9 @@ impl Scene {
         Self::load(text, overrides)
     }
 
-    /// The scene with a parameter changed: to a number in the scene's units, or a formula.
+    /// The scene with a changed parameter: a number in the scene's units, or a formula.
     ///
-    /// Errors: no such parameter; values that the mechanism does not allow.
+    /// Errors: no parameter has that name; the mechanism does not allow the value.
     ///
     /// ```
     /// let scene = mechanim::Scene::builtin("slider-crank")?;
@@ -159,9 +159,9 @@ impl Scene {
         self.changed(|overrides| set(&mut overrides.parameters, name, &value))
     }
 
-    /// The scene with an input driven otherwise: a formula of the time `t` in seconds.
+    /// The scene with another drive for an input: a formula of the time `t` in seconds.
     ///
-    /// Errors: no such input; a formula that cannot be read.
+    /// Errors: no input has that name; the formula is invalid.
     ///
     /// ```
     /// let scene = mechanim::Scene::builtin("slider-crank")?.with_input("phi", "pi/4")?;
@@ -173,11 +173,11 @@ impl Scene {
         self.changed(|overrides| set(&mut overrides.inputs, name, &formula))
     }
 
-    /// The scene driven through rows of values: row `k` is met at `times[k]` seconds, and the way between is straight.
-    /// Every input of the scene has a column, in the scene's units.
+    /// The scene driven by a table: row `k` applies at `times[k]` seconds, with linear interpolation in between. Every
+    /// input of the scene needs a column, in the scene's units.
     ///
-    /// Errors: an input without a column, a column for none; columns of other lengths than the times, which ascend from
-    /// zero or later.
+    /// Errors: an input without a column, or a column without an input; columns whose length differs from that of the
+    /// times; times that are negative or not ascending.
     ///
     /// ```
     /// let scene = mechanim::Scene::builtin("slider-crank")?;
@@ -192,9 +192,9 @@ impl Scene {
         Ok(Self { loaded })
     }
 
-    /// The scene with a start value for an unknown: the assembly nearest to the named start values is taken.
+    /// The scene with a start value for an unknown; the assembly closest to the named start values is used.
     ///
-    /// Errors: no such unknown.
+    /// Errors: no unknown has that name.
     ///
     /// ```
     /// let scene = mechanim::Scene::builtin("four-bar")?;
@@ -211,14 +211,14 @@ impl Scene {
         Ok(Self { loaded })
     }
 
-    /// The same text with other values put in place of its own.
+    /// The same text with replaced values.
     fn changed(&self, change: impl FnOnce(&mut Overrides)) -> Result<Self, Error> {
         let mut overrides = self.loaded.overrides.clone();
         change(&mut overrides);
         Self::load(self.loaded.text.clone(), overrides)
     }
 
-    /// Its title.
+    /// The title of the scene.
     ///
     /// ```
     /// assert!(!mechanim::Scene::builtin("bennett")?.title().is_empty());
@@ -228,7 +228,7 @@ impl Scene {
         &self.loaded.scene.mechanism.title
     }
 
-    /// What messages call it: the name of a built-in scene, a path, or what was given with the text.
+    /// The name used in messages: that of a built-in scene, a path, or the name given with the text.
     ///
     /// ```
     /// assert_eq!(mechanim::Scene::builtin("bennett")?.name(), "bennett");
@@ -238,7 +238,7 @@ impl Scene {
         &self.loaded.text.name
     }
 
-    /// The text that it was read from, without the values put in place of its own.
+    /// The text from which the scene was read, without replaced values.
     ///
     /// ```
     /// assert!(mechanim::Scene::builtin("bennett")?.text().contains("[loops]"));
@@ -248,7 +248,7 @@ impl Scene {
         &self.loaded.text.text
     }
 
-    /// What is odd in the text, but usable: one line each with its place.
+    /// Warnings about the text, one line each, with positions.
     ///
     /// ```
     /// assert!(mechanim::Scene::builtin("gearshift")?.warnings().is_empty());
@@ -259,7 +259,7 @@ impl Scene {
         sorted.iter().map(|d| line(&self.loaded.text, d)).collect()
     }
 
-    /// How long the motion lasts, in seconds.
+    /// The duration of the motion in seconds.
     ///
     /// ```
     /// assert!(mechanim::Scene::builtin("gearshift")?.duration() > 0.0);
@@ -269,7 +269,7 @@ impl Scene {
         self.loaded.scene.actuation.duration
     }
 
-    /// What is driven.
+    /// The inputs: the driven coordinates.
     ///
     /// ```
     /// assert_eq!(mechanim::Scene::builtin("slider-crank")?.inputs()[0].unit, "rad");
@@ -281,7 +281,7 @@ impl Scene {
         inputs.map(|c| self.quantity(&c.name, c.kind)).collect()
     }
 
-    /// What the loops determine.
+    /// The unknowns: the coordinates determined by the loops.
     ///
     /// ```
     /// assert_eq!(mechanim::Scene::builtin("seven-r")?.unknowns().len(), 6);
@@ -293,7 +293,7 @@ impl Scene {
         unknowns.map(|c| self.quantity(&c.name, c.kind)).collect()
     }
 
-    /// Every value that a pose has by name: inputs, unknowns, traced points as `name.x`, outputs.
+    /// All named values of a pose: inputs, unknowns, traced points as `name.x`, outputs.
     ///
     /// ```
     /// let scene = mechanim::Scene::builtin("peaucellier")?;
@@ -313,7 +313,7 @@ impl Scene {
         }
     }
 
-    /// Names of the bodies.
+    /// The names of the bodies.
     ///
     /// ```
     /// assert!(mechanim::Scene::builtin("bennett")?.bodies().len() >= 3);
@@ -324,7 +324,7 @@ impl Scene {
         bodies.map(|body| body.name.as_str()).collect()
     }
 
-    /// The motion along the drive. Samples without a pose are part of it: see [`Motion::is_whole`].
+    /// Solves the motion along the drive. It may contain samples without a pose: see [`Motion::is_whole`].
     ///
     /// Errors: times outside the motion, or out of order.
     ///
@@ -337,8 +337,8 @@ impl Scene {
         self.solve_until(samples, &|| false)
     }
 
-    /// The same, given up as soon as `cancelled` says so, which is asked between the steps; the motion ends there, with fewer
-    /// samples.
+    /// The same, but ends as soon as `cancelled` returns true. It is called between the steps; the motion then has
+    /// fewer samples.
     ///
     /// Errors: times outside the motion, or out of order.
     ///
@@ -356,9 +356,9 @@ impl Scene {
         Motion::solve(Arc::clone(&self.loaded), &samples, cancelled)
     }
 
-    /// Checks all that the scene asks for: that the loops close, proofs, measures within their limits, clearances.
+    /// Checks all requirements of the scene: loop closure, proofs, limits of measures, clearances.
     ///
-    /// Errors: samples that do not fit the motion. What fails is no error: see [`Check::passed`].
+    /// Errors: samples that do not fit the motion. A failed check is not an error: see [`Check::passed`].
     ///
     /// ```
     /// let check = mechanim::Scene::builtin("slider-crank")?.check(&Default::default())?;
@@ -369,7 +369,7 @@ impl Scene {
         Check::run(Arc::clone(&self.loaded), options)
     }
 
-    /// The measures of the scene as functions of its parameters.
+    /// A study of the scene's measures as functions of its parameters.
     ///
     /// ```
     /// let study = mechanim::Scene::builtin("slider-crank")?.study();
@@ -380,9 +380,9 @@ impl Scene {
         Study::new(Arc::clone(&self.loaded))
     }
 
-    /// The assemblies at the inputs of a time, as far as a search from many starts finds them.
+    /// The assembly modes for the inputs at a given time, as far as a search from many starts finds them.
     ///
-    /// Errors: an input without a value there.
+    /// Errors: an input that has no value at this time.
     ///
     /// ```
     /// let found = mechanim::Scene::builtin("four-bar")?.assemblies(0.1)?;

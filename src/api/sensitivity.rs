@@ -1,10 +1,10 @@
-//! Derivatives of measures by dimensions.
+//! Derivatives of measures with respect to dimensions.
 
 use super::error::Error;
 use crate::analysis::study::{Gradients, LoadedStudy};
 use crate::report::sensitivity::SensitivityTable;
 
-/// The exact derivative of every measure of a study by every variable. Made by
+/// The exact derivatives of all measures of a study with respect to all variables. Returned by
 /// [`Study::sensitivity`](crate::Study::sensitivity).
 pub struct Sensitivity {
     study: LoadedStudy,
@@ -17,7 +17,8 @@ impl Sensitivity {
         Ok(Self { study, gradients })
     }
 
-    /// The variables, those with the largest derivatives of the objective (of the first measure without one) first.
+    /// The variables, sorted by decreasing derivative of the objective, or of the first measure if there is no
+    /// objective.
     ///
     /// ```
     /// let study = mechanim::Scene::builtin("gearshift")?.study().vary(&["L4", "L5d"]);
@@ -44,9 +45,9 @@ impl Sensitivity {
         shown.collect()
     }
 
-    /// The derivative of a measure by a variable, in the scene's units.
+    /// The derivative of a measure with respect to a variable, in the scene's units.
     ///
-    /// Errors: no measure or no variable of that name.
+    /// Errors: no measure or no variable has that name.
     ///
     /// ```
     /// let sensitivity = mechanim::Scene::builtin("gearshift")?.study().vary(&["L4"]).sensitivity()?;

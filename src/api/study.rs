@@ -1,4 +1,4 @@
-//! Studies: what becomes of the measures of a scene when its parameters change.
+//! Studies: how the measures of a scene depend on its parameters.
 
 use super::enclosure::Enclosure;
 use super::error::Error;
@@ -11,7 +11,7 @@ use crate::analysis::study::{LoadedStudy, varied_names};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-/// The measures of a scene as functions of its parameters. Made by [`Scene::study`](crate::Scene::study).
+/// The measures of a scene as functions of its parameters. Returned by [`Scene::study`](crate::Scene::study).
 ///
 /// ```
 /// let study = mechanim::Scene::builtin("gearshift")?.study();
@@ -35,8 +35,8 @@ impl Study {
         }
     }
 
-    /// The study with these parameters as its variables, in place of those that it has by itself: the scene's
-    /// `[study.variables]` where something is minimised, else every length and angle. `"all"` stands for the latter, too.
+    /// The study with these parameters as its variables. The default variables are the scene's `[study.variables]` if
+    /// it minimises something, otherwise every length and angle; `"all"` also selects the latter.
     ///
     /// ```
     /// let study = mechanim::Scene::builtin("gearshift")?.study();
@@ -52,7 +52,7 @@ impl Study {
         }
     }
 
-    /// The study with searches and random pieces that end as soon as `cancel` is raised, with what they have until then.
+    /// The study with a flag: when `cancel` is set, searches and random pieces end and return their results so far.
     ///
     /// ```
     /// use mechanim::{Scene, study::OptimiseOptions};
@@ -70,9 +70,9 @@ impl Study {
         }
     }
 
-    /// The exact derivative of every measure by every variable.
+    /// The exact derivatives of all measures with respect to all variables.
     ///
-    /// Errors: nothing to measure; no such parameter; a pose that does not exist.
+    /// Errors: the scene has no measures; no parameter has that name; a pose does not exist.
     ///
     /// ```
     /// let study = mechanim::Scene::builtin("rope-drum")?.study();
@@ -84,9 +84,9 @@ impl Study {
         Sensitivity::of(self.load(true)?)
     }
 
-    /// What tolerances of the variables do to the measures: linear rules, random pieces, and proved bands.
+    /// Tolerance analysis of the measures: worst case and root sum square, random pieces, and proved bands.
     ///
-    /// Errors: likewise; a variable without a tolerance.
+    /// Errors: as for [`sensitivity`](Self::sensitivity); a variable without a tolerance.
     ///
     /// ```
     /// use mechanim::{Scene, study::ToleranceOptions};
@@ -103,14 +103,14 @@ impl Study {
         Tolerance::of(&self.load(true)?, options, &self.cancel)
     }
 
-    /// Bands of the motion that no piece leaves whose dimensions are within their tolerances, proved. `tolerance` is half the
-    /// width for every dimension that the scene gives none, in the dimension's unit.
+    /// Proved bands that contain the motion of every piece within its tolerances. `tolerance` is half the width, in the
+    /// dimension's unit, for every dimension without a tolerance in the scene.
     ///
-    /// What varies is what [`vary`](Self::vary) names, else the variables of the study that have a tolerance, else every length
-    /// and angle. The scene needs no measures.
+    /// The varied dimensions are those named with [`vary`](Self::vary), otherwise the variables of the study with a
+    /// tolerance, otherwise every length and angle. The scene needs no measures.
     ///
-    /// Errors: a dimension without a tolerance, or in a place where no tolerance is followed; samples that do not fit the
-    /// motion. Samples without a band are none: see [`Enclosure::to_json`].
+    /// Errors: a dimension without a tolerance, or used where tolerances are not supported; samples that do not fit the
+    /// motion. Samples without a band are not an error: see [`Enclosure::to_json`].
     ///
     /// ```
     /// # use mechanim::{Samples, Scene};
@@ -128,10 +128,11 @@ impl Study {
         )
     }
 
-    /// The values of the variables that make the study's objective least, kept within its limits, and proved afterwards.
+    /// The values of the variables that minimise the study's objective within its limits, verified by an independent
+    /// motion.
     ///
-    /// Errors: nothing to minimise or to vary; a pose that does not exist. Limits that cannot be kept are no error: see
-    /// [`Optimum::holds`].
+    /// Errors: no objective or no variables; a pose that does not exist. Limits that cannot be kept are not an error:
+    /// see [`Optimum::holds`].
     ///
     /// ```
     /// use mechanim::{Scene, study::OptimiseOptions};

@@ -1,4 +1,4 @@
-//! What tolerances of the dimensions do to measures.
+//! Tolerance analysis of measures.
 
 use super::error::Error;
 use crate::analysis::study::LoadedStudy;
@@ -9,16 +9,16 @@ use crate::jobs::core_count;
 use crate::report::tolerance::{SHARES, ToleranceReport};
 use std::sync::atomic::AtomicBool;
 
-/// How dimensions scatter, and how many random pieces are made.
+/// Options of a tolerance analysis: distribution and number of random pieces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ToleranceOptions {
-    /// Half the width of the tolerance of every dimension that the study gives none, in the dimension's unit.
+    /// Half the width of the tolerance, in the dimension's unit, for every dimension without one in the study.
     pub tolerance: Option<f64>,
     /// Number of random pieces.
     pub samples: usize,
-    /// How a dimension scatters within its tolerance.
+    /// Distribution of a dimension within its tolerance.
     pub distribution: Distribution,
-    /// Where random numbers start.
+    /// Seed of the random numbers.
     pub seed: u64,
 }
 
@@ -33,29 +33,29 @@ impl Default for ToleranceOptions {
     }
 }
 
-/// How a measure scatters, in the scene's units.
+/// The scatter of a measure, in the scene's units.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct MeasureScatter {
-    /// Its name.
+    /// The name of the measure.
     pub name: String,
-    /// With the file's own dimensions.
+    /// Value for the nominal dimensions.
     pub nominal: f64,
-    /// Root of the sum of squares of slope times tolerance.
+    /// Root sum square of derivative times tolerance.
     pub root_sum_square: f64,
-    /// The sum of their magnitudes: the worst case by the linear rule, which pieces can exceed.
+    /// Sum of the magnitudes of derivative times tolerance: the linear worst case, which pieces can exceed.
     pub linear_sum: f64,
-    /// Mean over the random pieces that assemble; NaN if there are none.
+    /// Mean over the random pieces that can be assembled; NaN if there are none.
     pub mean: f64,
     /// Standard deviation over them.
     pub deviation: f64,
-    /// Least and greatest value found among pieces and corners of the tolerances.
+    /// Smallest and largest value found among random pieces and corners of the tolerance box.
     pub found: [f64; 2],
-    /// No piece within the tolerances leaves this band, proved; `None` where that is not proved.
+    /// Proved band for all pieces within their tolerances; `None` if it is not proved.
     pub band: Option<[f64; 2]>,
 }
 
-/// What tolerances do to the measures of a study. Made by [`Study::tolerance`](crate::Study::tolerance).
+/// Result of a tolerance analysis. Returned by [`Study::tolerance`](crate::Study::tolerance).
 pub struct Tolerance {
     measures: Vec<MeasureScatter>,
     good: f64,
@@ -94,7 +94,7 @@ impl Tolerance {
         })
     }
 
-    /// Every measure with its scatter.
+    /// All measures with their scatter.
     ///
     /// ```
     /// # use mechanim::{Scene, study::ToleranceOptions};
@@ -110,7 +110,7 @@ impl Tolerance {
         &self.measures
     }
 
-    /// The share of the random pieces that assemble and keep the limits of all measures, from 0 to 1.
+    /// The share of random pieces that can be assembled and keep the limits of all measures, from 0 to 1.
     ///
     /// ```
     /// # use mechanim::{Scene, study::ToleranceOptions};
