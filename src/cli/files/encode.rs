@@ -8,7 +8,7 @@ use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::export::Format;
 use crate::import::film::png_files;
-use crate::import::{ImportError, has_alpha, natural_order, read_png};
+use crate::import::{ImportError, PictureRows, natural_order, read_png};
 use image::{Rgba, RgbaImage};
 use std::path::{Path, PathBuf};
 
@@ -29,8 +29,7 @@ pub fn run_encode(args: &EncodeArgs, term: &Term) -> Result<Outcome, Failure> {
             "for all frames write a .gif, .apng, a folder, or a pattern such as frame-%04d.png";
         return Err(Failure::usage(message, vec![hint.to_owned()]));
     }
-    // Only its size is kept: pictures may be as large as the memory allows.
-    let size = read_png(&paths[0])?.dimensions().into();
+    let size = PictureRows::open(&paths[0])?.size();
     let frames = Frames {
         paths: &paths,
         size,
@@ -124,8 +123,14 @@ impl Frames<'_> {
             return Ok(false);
         }
         for path in self.paths {
-            if has_alpha(path)? && is_translucent(&read_png(path)?) {
-                return Ok(true);
+            let mut rows = PictureRows::open(path)?;
+            if !rows.has_alpha() {
+                continue;
+            }
+            while let Some(row) = rows.next_row()? {
+                if row.as_chunks::<4>().0.iter().any(|p| p[3] < 255) {
+                    return Ok(true);
+                }
             }
         }
         Ok(false)

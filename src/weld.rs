@@ -6,28 +6,62 @@ use std::hash::{BuildHasher, Hash, RandomState};
 /// No item in this place of the table.
 const NONE: u32 = u32::MAX;
 
-/// For each of `count` items (fewer than 2³²) the first one with an equal key.
+/// Items, numbers below 2^32 - 1, by keys that are made anew whenever they are compared. No more than it has room for.
 ///
 /// The hash is another one in every run, so that no file can make all items meet; what is found does not depend on it.
-pub fn first_equal<K: Eq + Hash>(count: usize, key: impl Fn(usize) -> K) -> Vec<u32> {
-    let hasher = RandomState::new();
-    let mask = (count + count / 3 + 1).next_power_of_two() - 1;
-    let mut table = vec![NONE; mask + 1];
-    let mut first = Vec::with_capacity(count);
-    for item in 0..count {
-        let own = key(item);
-        let mut place = hasher.hash_one(&own) as usize & mask;
-        let found = loop {
-            match table[place] {
-                NONE => break item as u32,
-                other if key(other as usize) == own => break other,
-                _ => place = (place + 1) & mask,
-            }
-        };
-        table[place] = found;
-        first.push(found);
+pub struct FlatTable {
+    hasher: RandomState,
+    mask: usize,
+    table: Vec<u32>,
+}
+
+impl FlatTable {
+    /// For so many items.
+    pub fn with_room(count: usize) -> Self {
+        let mask = (count + count / 3 + 1).next_power_of_two() - 1;
+        Self {
+            hasher: RandomState::new(),
+            mask,
+            table: vec![NONE; mask + 1],
+        }
     }
-    first
+
+    /// The item with a key.
+    pub fn get<K: Eq + Hash>(&self, own: &K, key: impl Fn(usize) -> K) -> Option<usize> {
+        let item = self.table[self.place(own, key)];
+        (item != NONE).then_some(item as usize)
+    }
+
+    /// The item with a key; else `item`, which has it from now on.
+    pub fn get_or_insert<K: Eq + Hash>(
+        &mut self,
+        own: &K,
+        item: usize,
+        key: impl Fn(usize) -> K,
+    ) -> usize {
+        let place = self.place(own, key);
+        if self.table[place] == NONE {
+            self.table[place] = item as u32;
+        }
+        self.table[place] as usize
+    }
+
+    /// Where the item with a key is or would be.
+    fn place<K: Eq + Hash>(&self, own: &K, key: impl Fn(usize) -> K) -> usize {
+        let mut place = self.hasher.hash_one(own) as usize & self.mask;
+        while self.table[place] != NONE && key(self.table[place] as usize) != *own {
+            place = (place + 1) & self.mask;
+        }
+        place
+    }
+}
+
+/// For each of `count` items the first one with an equal key.
+pub fn first_equal<K: Eq + Hash>(count: usize, key: impl Fn(usize) -> K) -> Vec<u32> {
+    let mut table = FlatTable::with_room(count);
+    (0..count)
+        .map(|item| table.get_or_insert(&key(item), item, &key) as u32)
+        .collect()
 }
 
 /// The bits of a point, equal for equal points.
