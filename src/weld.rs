@@ -13,6 +13,8 @@ pub struct FlatTable {
     hasher: RandomState,
     mask: usize,
     table: Vec<u32>,
+    /// A bit for the hash of every key, one in eight set at most: most keys that are not there are told without a look at others.
+    seen: Vec<u8>,
 }
 
 impl FlatTable {
@@ -23,12 +25,17 @@ impl FlatTable {
             hasher: RandomState::new(),
             mask,
             table: vec![NONE; mask + 1],
+            seen: vec![0; mask + 1],
         }
     }
 
     /// The item with a key.
     pub fn get<K: Eq + Hash>(&self, own: &K, key: impl Fn(usize) -> K) -> Option<usize> {
-        let item = self.table[self.place(own, key)];
+        let hash = self.hasher.hash_one(own);
+        if !self.is_seen(hash) {
+            return None;
+        }
+        let item = self.table[self.place(hash, |k| key(k) == *own)];
         (item != NONE).then_some(item as usize)
     }
 
@@ -39,20 +46,35 @@ impl FlatTable {
         item: usize,
         key: impl Fn(usize) -> K,
     ) -> usize {
-        let place = self.place(own, key);
+        let hash = self.hasher.hash_one(own);
+        let may_be_known = self.is_seen(hash);
+        let place = self.place(hash, |k| may_be_known && key(k) == *own);
         if self.table[place] == NONE {
             self.table[place] = item as u32;
+            let (byte, bit) = self.bit(hash);
+            self.seen[byte] |= bit;
         }
         self.table[place] as usize
     }
 
-    /// Where the item with a key is or would be.
-    fn place<K: Eq + Hash>(&self, own: &K, key: impl Fn(usize) -> K) -> usize {
-        let mut place = self.hasher.hash_one(own) as usize & self.mask;
-        while self.table[place] != NONE && key(self.table[place] as usize) != *own {
+    /// The first place from that of a hash on that is free or holds such an item.
+    fn place(&self, hash: u64, is_it: impl Fn(usize) -> bool) -> usize {
+        let mut place = hash as usize & self.mask;
+        while self.table[place] != NONE && !is_it(self.table[place] as usize) {
             place = (place + 1) & self.mask;
         }
         place
+    }
+
+    /// Where the bit of a hash is: told by other bits of it than its place.
+    fn bit(&self, hash: u64) -> (usize, u8) {
+        let other = hash.rotate_left(32) as usize;
+        (other >> 3 & self.mask, 1 << (other & 7))
+    }
+
+    fn is_seen(&self, hash: u64) -> bool {
+        let (byte, bit) = self.bit(hash);
+        self.seen[byte] & bit != 0
     }
 }
 

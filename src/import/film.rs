@@ -16,9 +16,13 @@ use std::path::{Path, PathBuf};
 const GIF_MAGIC: &[u8] = b"GIF8";
 const PNG_MAGIC: &[u8] = b"\x89PNG\r\n\x1a\n";
 
-/// Bytes that are held of a pixel of an animation: by the decoder the picture so far, the part that is drawn over it and
-/// what comes of both, and by whoever compares two of them one frame ahead and the worst one.
-const BYTES_OF_FILM_PIXEL: f64 = 3.0 * 4.0 + 2.0 * 4.0;
+/// Bytes that the next frame of an animation takes of each of its pixels: the part that is drawn over the picture so far, and what
+/// comes of both; the first frame the picture so far, too.
+const BYTES_OF_NEXT_PIXEL: f64 = 2.0 * 4.0;
+const BYTES_OF_FIRST_PIXEL: f64 = 3.0 * 4.0;
+
+/// Frames of fewer bytes are read without asking whether there is memory for them.
+const WORTH_ASKING: f64 = 16e6;
 
 /// How often an animation plays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,8 +52,8 @@ pub struct FilmReader {
     /// What it is, for messages.
     pub kind: &'static str,
     frames: Box<dyn Iterator<Item = Result<FilmFrame, ImportError>>>,
-    /// Bytes that its frames will take.
-    bytes: f64,
+    /// Pixels of a frame that is held in memory.
+    held: f64,
     /// Pixels of the frames so far: a few bytes of a file can make a frame of any size.
     pixels: f64,
 }
@@ -65,7 +69,8 @@ impl FilmReader {
         let (mut file, size) = open_head(path)?;
         let start = file.fill_buf().map_err(|e| ImportError::read(path, e))?;
         if start.starts_with(GIF_MAGIC) {
-            return Self::of_gif(path, file, decoder_limits(size))?.held(size);
+            let film = Self::of_gif(path, file, decoder_limits(size))?;
+            return Ok(film.held(size));
         }
         if start.starts_with(PNG_MAGIC) {
             return Self::of_png(path, file, size);
@@ -73,16 +78,22 @@ impl FilmReader {
         Err(ImportError::decode(path, "neither a PNG nor a GIF"))
     }
 
-    /// Whose frames, of a size, are held in memory. Errors: there is not enough.
-    fn held(mut self, [width, height]: [u64; 2]) -> Result<Self, ImportError> {
-        self.bytes = width as f64 * height as f64 * BYTES_OF_FILM_PIXEL;
-        allow_memory(self.bytes, &self.path.display())?;
-        Ok(self)
+    /// Whose frames, of a size, are held in memory.
+    fn held(mut self, [width, height]: [u64; 2]) -> Self {
+        self.held = width as f64 * height as f64;
+        self
     }
 
-    /// Bytes that its frames will take beside what is used before the first one.
-    pub fn bytes(&self) -> f64 {
-        self.bytes
+    /// Refuses a frame for which there is not enough memory.
+    fn ask_for_memory(&self) -> Result<(), ImportError> {
+        let bytes = match self.pixels {
+            p if p > 0.0 => BYTES_OF_NEXT_PIXEL * self.held,
+            _ => BYTES_OF_FIRST_PIXEL * self.held,
+        };
+        if bytes > WORTH_ASKING {
+            allow_memory(bytes, &self.path.display())?;
+        }
+        Ok(())
     }
 
     /// Where it comes from.
@@ -101,7 +112,7 @@ impl FilmReader {
             plays,
             kind,
             frames: Box::new(frames),
-            bytes: 0.0,
+            held: 0.0,
             pixels: 0.0,
         }
     }
@@ -132,7 +143,7 @@ impl FilmReader {
             LoopCount::Finite(times) => Plays::Times(times.get()),
         };
         let frames = timed_frames(path, decoder.into_frames());
-        Self::new(path, "an APNG", Some(plays), frames).held(size)
+        Ok(Self::new(path, "an APNG", Some(plays), frames).held(size))
     }
 
     fn of_folder(path: &Path) -> Result<Self, ImportError> {
@@ -167,6 +178,9 @@ impl Iterator for FilmReader {
     type Item = Result<FilmFrame, ImportError>;
 
     fn next(&mut self) -> Option<Self::Item> {
+        if let Err(error) = self.ask_for_memory() {
+            return Some(Err(error));
+        }
         let frame = self.frames.next()?;
         Some(frame.and_then(|frame| self.counted_frame(frame)))
     }

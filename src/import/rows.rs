@@ -195,7 +195,7 @@ mod tests {
             ColorType::Rgb => encoder.set_trns(vec![0, 1, 0, 2, 0, 3]),
             _ => {}
         }
-        let row = kind.raw_row_length_from_width(depth, width) - 1;
+        let row = (width as usize * kind.samples() * depth as usize).div_ceil(8);
         let pixels: Vec<u8> = (0..row * height as usize).map(|_| byte()).collect();
         encoder
             .write_header()

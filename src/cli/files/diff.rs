@@ -8,7 +8,6 @@ use crate::cli::term::outcome::{Failure, Outcome};
 use crate::compare::film::{Allowed, FilmReport, FrameReport, FrameVerdict, compare_films};
 use crate::compare::{Comparison, Difference, LADDER};
 use crate::import::{FilmReader, Plays};
-use crate::limits::allow_memory;
 use crate::snapshot::golden::save_triptych;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -33,8 +32,6 @@ pub fn run_diff(args: &DiffArgs, term: &Term) -> Result<Outcome, Failure> {
         let hint = "two of a kind can be compared: PNG, APNG, GIF, or folders of PNGs";
         return Err(Failure::usage(message, vec![hint.to_owned()]));
     }
-    let (left, right) = (args.a.display(), args.b.display());
-    allow_memory(a.bytes() + b.bytes(), &format!("{left} beside {right}"))?;
     let allowed = Allowed {
         tolerance: args.tolerance,
         pixels: args.max_pixels,

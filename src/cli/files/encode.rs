@@ -9,6 +9,8 @@ use crate::cli::term::outcome::{Failure, Outcome};
 use crate::export::Format;
 use crate::import::film::png_files;
 use crate::import::{ImportError, PictureRows, natural_order, read_png};
+use crate::limits::allow_picture;
+use crate::render::BYTES_OF_DRAWN_PIXEL;
 use image::{Rgba, RgbaImage};
 use std::path::{Path, PathBuf};
 
@@ -36,12 +38,19 @@ pub fn run_encode(args: &EncodeArgs, term: &Term) -> Result<Outcome, Failure> {
         opaque: holds_no_alpha(&format).then(|| format.name()),
         background: args.background,
     };
+    let cores = crate::jobs::core_count();
+    let count = args.file.threads.unwrap_or(cores).min(paths.len()).max(1);
+    // As many at a time as there is memory for.
+    let allowed = |at_once: usize| {
+        let bytes = at_once as f64 * BYTES_OF_DRAWN_PIXEL;
+        allow_picture(frames.size, bytes, "a picture")
+    };
+    let count = (1..=count).rev().find(|n| allowed(*n).is_ok()).unwrap_or(1);
+    allowed(count)?;
     let destination = sinks::open_sink(&args.file, &format)?;
     let alpha = frames.opaque.is_none() && frames.are_translucent()?;
     let film = OpenFilm::new(&args.file, &format, frames.size, paths.len(), args.fps);
     let film = film.with_alpha(alpha).at_hand();
-    let cores = crate::jobs::core_count();
-    let count = args.file.threads.unwrap_or(cores);
     let mut workers: Vec<_> = (0..count)
         .map(|_| move |index: usize, image: &mut RgbaImage| frames.read(index, image))
         .collect();

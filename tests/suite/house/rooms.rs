@@ -9,13 +9,7 @@ use super::source::{Source, sources};
 /// floors; rooms of one floor know nothing of each other. A room in a room is named apart.
 const FLOORS: &[&[&str]] = &[
     &[
-        "diag.rs",
-        "limits.rs",
-        "limits/",
-        "math.rs",
-        "jobs.rs",
-        "weld.rs",
-        "linalg/",
+        "diag.rs", "limits/", "math.rs", "jobs.rs", "weld.rs", "linalg/",
     ],
     &["numbers/"],
     &["intervals/"],
@@ -60,17 +54,11 @@ const NARROW: &[(&str, &[&str])] = &[
     ("intervals/", &["linalg/", "math.rs", "numbers/"]),
     (
         "geometry/",
-        &[
-            "diag.rs",
-            "limits.rs",
-            "math.rs",
-            "weld.rs",
-            "model/shape.rs",
-        ],
+        &["diag.rs", "limits/", "math.rs", "weld.rs", "model/shape.rs"],
     ),
     ("render/", &["math.rs", "weld.rs", "geometry/"]),
     ("export/", &["math.rs", "geometry/"]),
-    ("import/", &["limits.rs"]),
+    ("import/", &["limits/"]),
     ("parts/", &["export/"]),
     ("plot/", &["render/text/"]),
     ("compare/", &["import/"]),

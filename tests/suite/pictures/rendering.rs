@@ -456,7 +456,7 @@ fn damaged_pictures_are_refused_in_order() {
         let whole = w.read(out);
         let frames = |bytes: &[u8]| {
             let path = w.write("damaged", bytes);
-            let Ok(mut film) = FilmReader::open(&path) else {
+            let Ok(film) = FilmReader::open(&path) else {
                 return None;
             };
             let read = |frame: FilmFrame| {
