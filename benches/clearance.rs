@@ -18,6 +18,7 @@ use glam::{DMat3, DVec3};
 use mechanim::analysis::random::Random;
 use mechanim::clearance::sweep_and_prune::{AxisBox, near_boxes};
 use mechanim::diag::Source;
+use mechanim::distance::mesh_tree::MeshTrees;
 use mechanim::distance::pair::signed_distance;
 use mechanim::distance::primitive::{Element, shape_elements};
 
@@ -45,7 +46,7 @@ fn element(solid: Solid) -> Element {
         colour: [0; 3],
         opacity: 1.0,
     };
-    shape_elements(&[shape]).remove(0)
+    shape_elements(&[shape], &mut MeshTrees::default()).remove(0)
 }
 
 /// A pose on a path that passes through all kinds of positions.

@@ -259,3 +259,4 @@ mod staging;
 pub mod sweep;
 #[cfg(not(feature = "engine"))]
 mod sweep;
+mod weld;

@@ -69,7 +69,7 @@ pub fn check_over(
     progress: &dyn Fn(usize, usize),
 ) -> ClearanceReport {
     let mechanism = motion.system.mechanism();
-    let hulls: Vec<Option<Hull>> = mechanism.bodies.iter().map(Hull::new).collect();
+    let hulls: Vec<Option<Hull>> = Hull::of_bodies(&mechanism.bodies);
     // Of several patterns the first one counts.
     let ignored = rules.ignored.iter().rev();
     let ignored: HashMap<[usize; 2], &Ignored> = ignored.map(|i| (i.pair, i)).collect();

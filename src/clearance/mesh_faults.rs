@@ -49,12 +49,17 @@ pub(super) fn without_inside(
     let mut list = Vec::new();
     for (k, hull) in hulls.iter().enumerate() {
         let open = hull.iter().flat_map(hull_meshes);
-        for tree in open.filter(|tree| tree.enclosure == ShellEnclosure::Open) {
+        for tree in open {
+            let is_tangled = tree.enclosure == ShellEnclosure::Tangled;
+            if !is_tangled && tree.enclosure != ShellEnclosure::Open {
+                continue;
+            }
             if !is_judged(k) {
                 continue;
             }
             let (name, source) = (&mechanism.bodies[k].name, &tree.source);
             let why = match tree.open_edges {
+                _ if is_tangled => "too many of its shells lie in each other".to_owned(),
                 0 => "its triangles enclose nothing".to_owned(),
                 1 => "an edge has one side only".to_owned(),
                 edges => format!("{edges} edges have one side only"),

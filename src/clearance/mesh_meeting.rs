@@ -7,9 +7,9 @@
 use super::meeting::Meeting;
 use super::slab::Slab;
 use crate::distance::boxes::OrientedBox;
-use crate::distance::mesh_tree::{Content, MeshTree, corner_support, nearer_first};
 use crate::distance::point::point_to;
 use crate::distance::primitive::{Element, Primitive};
+use crate::distance::triangle_tree::{Content, TriangleTree, corner_support, nearer_first};
 use crate::math::Pose;
 use glam::DVec3;
 
@@ -25,18 +25,18 @@ enum MeetingPart<'e> {
     /// A core that is no mesh.
     Solid(&'e Primitive),
     /// What a node of a placed mesh holds.
-    Node(&'e MeshTree, &'e Pose, usize),
+    Node(&'e TriangleTree, &'e Pose, usize),
 }
 
 impl<'e> MeetingPart<'e> {
     fn new(core: &'e Primitive) -> Self {
         match core {
-            Primitive::Mesh(tree, pose) => Self::Node(tree, pose, 0),
+            Primitive::Mesh(mesh, pose) => Self::Node(&mesh.tree, pose, 0),
             solid => Self::Solid(solid),
         }
     }
 
-    fn around(tree: &MeshTree, node: usize) -> &OrientedBox {
+    fn around(tree: &TriangleTree, node: usize) -> &OrientedBox {
         &tree.nodes[node].around
     }
 

@@ -1,8 +1,7 @@
 //! Comparison of two rows of pictures, frame by frame: pixels, names, times, how often they play.
 
-use super::{Comparison, Difference, LADDER, compare_pictures};
-use crate::import::{FilmFrame, Plays, natural_order};
-use image::RgbaImage;
+use super::{Comparison, Difference, LADDER, compare_rows};
+use crate::import::{FilmFrame, FramePicture, ImportError, Plays, natural_order};
 use std::cmp::Ordering;
 use std::path::Path;
 
@@ -50,7 +49,7 @@ pub struct FilmReport {
     /// How often they play, where that differs.
     pub plays: Option<[Option<Plays>; 2]>,
     /// Number of the frame that differs most, and its two pictures; `None` if no frame is in both.
-    pub worst: Option<(usize, RgbaImage, RgbaImage)>,
+    pub worst: Option<(usize, FramePicture, FramePicture)>,
 }
 
 impl FilmReport {
@@ -98,16 +97,16 @@ impl FrameReport {
     }
 }
 
-/// Compares two films: frames of the same name in folders, of the same number elsewhere. Holds four pictures at a
-/// time, however long the films are.
+/// Compares two films: frames of the same name in folders, of the same number elsewhere. Holds four pictures of
+/// animations at a time, however long they are, and of files no more than rows.
 ///
 /// Errors: the first that a film reports.
-pub fn compare_films<E>(
-    a: impl Iterator<Item = Result<FilmFrame, E>>,
-    b: impl Iterator<Item = Result<FilmFrame, E>>,
+pub fn compare_films(
+    a: impl Iterator<Item = Result<FilmFrame, ImportError>>,
+    b: impl Iterator<Item = Result<FilmFrame, ImportError>>,
     plays: [Option<Plays>; 2],
     allowed: Allowed,
-) -> Result<FilmReport, E> {
+) -> Result<FilmReport, ImportError> {
     let mut report = FilmReport {
         allowed,
         frames: Vec::new(),
@@ -139,7 +138,7 @@ pub fn compare_films<E>(
         };
         match (left, right) {
             (Some(left), Some(right)) => {
-                let frame = compare_frames(&left, &right, allowed.tolerance);
+                let frame = compare_frames(&left, &right, allowed.tolerance)?;
                 let bad = verdict_rank(&frame.verdict);
                 if badness.is_none_or(|most| bad > most) {
                     badness = Some(bad);
@@ -154,13 +153,18 @@ pub fn compare_films<E>(
     }
 }
 
-fn compare_frames(left: &FilmFrame, right: &FilmFrame, tolerance: u8) -> FrameReport {
+fn compare_frames(
+    left: &FilmFrame,
+    right: &FilmFrame,
+    tolerance: u8,
+) -> Result<FrameReport, ImportError> {
     let differs = (left.seconds - right.seconds).abs() > SAME_DELAY;
-    FrameReport {
+    let found = compare_rows(left.picture.rows()?, right.picture.rows()?, tolerance)?;
+    Ok(FrameReport {
         name: left.name.clone(),
-        verdict: FrameVerdict::Both(compare_pictures(&left.picture, &right.picture, tolerance)),
+        verdict: FrameVerdict::Both(found),
         seconds: differs.then_some([left.seconds, right.seconds]),
-    }
+    })
 }
 
 fn lone_frame(frame: FilmFrame, verdict: FrameVerdict) -> FrameReport {
@@ -181,14 +185,14 @@ fn verdict_rank(verdict: &FrameVerdict) -> (bool, u64, u8) {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
     use super::*;
-    use image::Rgba;
-    use std::convert::Infallible;
+    use image::{Rgba, RgbaImage};
 
-    fn film(frames: &[(&str, u8, f64)]) -> Vec<Result<FilmFrame, Infallible>> {
+    fn film(frames: &[(&str, u8, f64)]) -> Vec<Result<FilmFrame, ImportError>> {
         let frame = |(name, level, seconds): &(&str, u8, f64)| FilmFrame {
             name: (*name).to_owned(),
-            picture: RgbaImage::from_pixel(3, 2, Rgba([*level, 0, 0, 255])),
+            picture: FramePicture::Held(RgbaImage::from_pixel(3, 2, Rgba([*level, 0, 0, 255]))),
             seconds: *seconds,
         };
         frames.iter().map(|f| Ok(frame(f))).collect()
@@ -200,8 +204,7 @@ mod tests {
             pixels: 0,
         };
         let plays = [Some(Plays::Forever); 2];
-        let Ok(report) = compare_films(film(a).into_iter(), film(b).into_iter(), plays, allowed);
-        report
+        compare_films(film(a).into_iter(), film(b).into_iter(), plays, allowed).unwrap()
     }
 
     #[test]
@@ -247,7 +250,7 @@ mod tests {
         };
         let frames = || film(&[("", 1, 0.1)]).into_iter();
         let plays = [Some(Plays::Forever), Some(Plays::Times(1))];
-        let Ok(report) = compare_films(frames(), frames(), plays, allowed);
+        let report = compare_films(frames(), frames(), plays, allowed).unwrap();
         assert!(!report.is_same() && report.failing().is_empty());
     }
 }

@@ -1,23 +1,13 @@
 //! Image comparison: how far two pictures are apart, and where. Reads and writes no files.
 
 pub mod film;
+pub mod triptych;
 
-use image::{Rgba, RgbaImage};
+use crate::import::{ImportError, PictureRows};
+use image::RgbaImage;
 
 /// Tolerances of the table in a [`Difference`], in levels of 0 to 255.
 pub const LADDER: [u8; 8] = [0, 1, 2, 4, 8, 16, 32, 64];
-
-/// Levels by which the middle picture of a triptych amplifies differences: one level must be seen.
-const AMPLIFY: u8 = 8;
-
-/// Width in pixels of the bars between the pictures of a triptych.
-const GAP: u32 = 4;
-
-/// Distance in pixels of the mark from the differences that it surrounds.
-const MARK_DISTANCE: u32 = 3;
-
-/// Colour of the bars, of the mark, and of places that only one picture has.
-const FILL: Rgba<u8> = Rgba([255, 0, 255, 255]);
 
 /// Outcome of a comparison.
 #[derive(Clone, Debug, PartialEq)]
@@ -87,87 +77,110 @@ pub struct Difference {
 /// Compares `a` and `b` channel by channel; a pixel counts when a channel is off by more than `tolerance` levels.
 pub fn compare_pictures(a: &RgbaImage, b: &RgbaImage, tolerance: u8) -> Comparison {
     if a.dimensions() != b.dimensions() {
-        return Comparison::SizeMismatch {
-            a: a.dimensions().into(),
-            b: b.dimensions().into(),
-        };
+        let [a, b] = [a, b].map(|p| p.dimensions().into());
+        return Comparison::SizeMismatch { a, b };
     }
-    // Pixels by their difference: the table and the count are sums over it.
-    let mut histogram = [0u64; 256];
-    let mut squares = 0u64;
-    let (mut worst, mut worst_at) = (0, None);
-    let mut bounds: Option<[u32; 4]> = None;
-    for ((x, y, p), q) in a.enumerate_pixels().zip(b.pixels()) {
-        if p == q {
-            histogram[0] += 1;
-            continue;
-        }
-        let off: [u8; 4] = std::array::from_fn(|c| p.0[c].abs_diff(q.0[c]));
-        squares += off[..3]
-            .iter()
-            .map(|&d| u64::from(d) * u64::from(d))
-            .sum::<u64>();
-        let most = off.into_iter().fold(0, u8::max);
-        histogram[usize::from(most)] += 1;
-        if most > worst {
-            (worst, worst_at) = (most, Some([x, y]));
-        }
-        if most > tolerance {
-            let [l, t, r, b] = bounds.unwrap_or([x, y, x, y]);
-            bounds = Some([l.min(x), t.min(y), r.max(x), b.max(y)]);
+    let mut tally = Tally::new(tolerance);
+    let width = 4 * a.width().max(1) as usize;
+    let [left, right] = [a, b].map(|p| p.as_raw().chunks_exact(width));
+    left.zip(right).for_each(|(l, r)| tally.add_row(l, r));
+    Comparison::SameSize(tally.difference())
+}
+
+/// The same row by row, of pictures that may be larger than the memory.
+///
+/// Errors: a file is damaged.
+pub fn compare_rows(
+    mut a: PictureRows,
+    mut b: PictureRows,
+    tolerance: u8,
+) -> Result<Comparison, ImportError> {
+    if a.size() != b.size() {
+        let (a, b) = (a.size(), b.size());
+        return Ok(Comparison::SizeMismatch { a, b });
+    }
+    let mut tally = Tally::new(tolerance);
+    // Both to their ends: a file may be damaged behind its last row.
+    loop {
+        match (a.next_row()?, b.next_row()?) {
+            (Some(left), Some(right)) => tally.add_row(left, right),
+            _ => return Ok(Comparison::SameSize(tally.difference())),
         }
     }
-    let over = |tolerance: u8| histogram[usize::from(tolerance) + 1..].iter().sum();
-    let pixels = u64::from(a.width()) * u64::from(a.height());
-    let mean = squares as f64 / (3 * pixels.max(1)) as f64;
-    Comparison::SameSize(Difference {
-        pixels,
-        tolerance,
-        over: over(tolerance),
-        over_ladder: LADDER.map(over),
-        rmse: mean.sqrt(),
-        psnr: 10.0 * (255.0 * 255.0 / mean).log10(),
-        worst,
-        worst_at,
-        bounds,
-    })
 }
 
-/// Expected, amplified difference and actual picture side by side, each given the larger width and height; what one
-/// of them lacks is magenta, and so is the frame around the pixels that differ by more than `tolerance` levels.
-pub fn difference_triptych(expected: &RgbaImage, actual: &RgbaImage, tolerance: u8) -> RgbaImage {
-    let width = expected.width().max(actual.width());
-    let height = expected.height().max(actual.height());
-    let pixel = |image: &RgbaImage, x, y| image.get_pixel_checked(x, y).copied();
-    let bounds = match compare_pictures(expected, actual, tolerance) {
-        Comparison::SameSize(difference) => difference.bounds,
-        Comparison::SizeMismatch { .. } => None,
-    };
-    RgbaImage::from_fn(3 * width + 2 * GAP, height, |x, y| {
-        let (panel, x) = (x / (width + GAP), x % (width + GAP));
-        let (e, a) = (pixel(expected, x, y), pixel(actual, x, y));
-        let shown = match panel {
-            0 => e,
-            1 if bounds.is_some_and(|bounds| is_on_mark(bounds, x, y)) => None,
-            1 => e.zip(a).map(|(e, a)| amplify_difference(e, a)),
-            _ => a,
+/// What the rows so far differ by.
+struct Tally {
+    tolerance: u8,
+    rows: u32,
+    pixels: u64,
+    /// Pixels by their difference: the table and the count are sums over it.
+    histogram: [u64; 256],
+    squares: u64,
+    worst: u8,
+    worst_at: Option<[u32; 2]>,
+    bounds: Option<[u32; 4]>,
+}
+
+impl Tally {
+    fn new(tolerance: u8) -> Self {
+        Self {
+            tolerance,
+            rows: 0,
+            pixels: 0,
+            histogram: [0; 256],
+            squares: 0,
+            worst: 0,
+            worst_at: None,
+            bounds: None,
+        }
+    }
+
+    /// The next row of both, RGBA.
+    fn add_row(&mut self, a: &[u8], b: &[u8]) {
+        let y = self.rows;
+        self.rows += 1;
+        let (pixels, others) = (a.as_chunks::<4>().0, b.as_chunks::<4>().0);
+        self.pixels += pixels.len() as u64;
+        for (x, (p, q)) in (0u32..).zip(pixels.iter().zip(others)) {
+            if p == q {
+                self.histogram[0] += 1;
+                continue;
+            }
+            let off: [u8; 4] = std::array::from_fn(|c| p[c].abs_diff(q[c]));
+            let squares = off[..3].iter().map(|&d| u64::from(d) * u64::from(d));
+            self.squares += squares.sum::<u64>();
+            let most = off.into_iter().fold(0, u8::max);
+            self.histogram[usize::from(most)] += 1;
+            if most > self.worst {
+                (self.worst, self.worst_at) = (most, Some([x, y]));
+            }
+            if most > self.tolerance {
+                let [l, t, r, b] = self.bounds.unwrap_or([x, y, x, y]);
+                self.bounds = Some([l.min(x), t.min(y), r.max(x), b.max(y)]);
+            }
+        }
+    }
+
+    fn difference(&self) -> Difference {
+        let over = |tolerance: u8| {
+            self.histogram[usize::from(tolerance) + 1..]
+                .iter()
+                .sum::<u64>()
         };
-        shown.unwrap_or(FILL)
-    })
-}
-
-/// Whether a pixel is on the frame that surrounds `bounds` (left, top, right, bottom) at a small distance.
-fn is_on_mark([left, top, right, bottom]: [u32; 4], x: u32, y: u32) -> bool {
-    // Distances outwards from the bounds, as far as they are outside.
-    let across = left.saturating_sub(x).max(x.saturating_sub(right));
-    let down = top.saturating_sub(y).max(y.saturating_sub(bottom));
-    across.max(down) == MARK_DISTANCE
-}
-
-/// Black where equal, brighter with the difference of each channel.
-fn amplify_difference(e: Rgba<u8>, a: Rgba<u8>) -> Rgba<u8> {
-    let [r, g, b] = std::array::from_fn(|c| e.0[c].abs_diff(a.0[c]).saturating_mul(AMPLIFY));
-    Rgba([r, g, b, 255])
+        let mean = self.squares as f64 / (3 * self.pixels.max(1)) as f64;
+        Difference {
+            pixels: self.pixels,
+            tolerance: self.tolerance,
+            over: over(self.tolerance),
+            over_ladder: LADDER.map(over),
+            rmse: mean.sqrt(),
+            psnr: 10.0 * (255.0 * 255.0 / mean).log10(),
+            worst: self.worst,
+            worst_at: self.worst_at,
+            bounds: self.bounds,
+        }
+    }
 }
 
 #[cfg(test)]

@@ -1,9 +1,24 @@
 //! The comparer against planted faults.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use super::triptych::TriptychRows;
 use super::*;
+use crate::import::FramePicture;
+use image::Rgba;
 
 const SIZE: [u32; 2] = [64, 48];
+
+const FILL: Rgba<u8> = Rgba([255, 0, 255, 255]);
+
+fn difference_triptych(expected: &RgbaImage, actual: &RgbaImage, tolerance: u8) -> RgbaImage {
+    let [expected, actual] = [expected, actual].map(|p| FramePicture::Held(p.clone()));
+    let mut rows = TriptychRows::new(&expected, &actual, tolerance).unwrap();
+    let (size, mut pixels) = (rows.size(), Vec::new());
+    while let Some(row) = rows.next_row().unwrap() {
+        pixels.extend_from_slice(row);
+    }
+    RgbaImage::from_raw(size[0], size[1], pixels).unwrap()
+}
 
 /// A thin slanted line and a disc on a gradient: something of everything a renderer draws.
 fn picture(with_line: bool, shift: i32) -> RgbaImage {

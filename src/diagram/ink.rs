@@ -1,5 +1,6 @@
 //! What a drawing is made of while it grows: primitives, the lines that labels keep away from, and labels to be placed.
 
+use super::bins::Bins;
 use super::plane::{
     DrawnSpot, quarter_turn, spot_ahead, spot_difference, spot_length, unit_direction,
 };
@@ -29,10 +30,8 @@ pub struct WantedLabel {
 pub struct Ink {
     /// From back to front.
     pub primitives: Vec<DrawnPrimitive>,
-    /// Lines that labels had better not cover.
-    pub lines: Vec<[DrawnSpot; 2]>,
-    /// Boxes that labels must not cover.
-    pub boxes: Vec<Rect>,
+    /// Lines that labels had better not cover, and boxes that they must not.
+    pub bins: Bins,
     /// Labels, the first placed first.
     pub labels: Vec<WantedLabel>,
     /// Texts whose middle is fixed: text, place, height of capitals, colour.
@@ -52,8 +51,9 @@ impl Ink {
         if points.len() < 2 {
             return;
         }
-        self.lines
-            .extend(points.windows(2).map(|ends| [ends[0], ends[1]]));
+        for ends in points.windows(2) {
+            self.bins.push_line([ends[0], ends[1]]);
+        }
         self.mark(points, colour, width, dashes);
     }
 
@@ -145,7 +145,7 @@ impl Ink {
     /// Keeps labels out of a circle.
     pub fn reserve_circle(&mut self, at: DrawnSpot, radius: f64) {
         let r = radius * self.unit;
-        self.boxes.push(Rect {
+        self.bins.push_box(Rect {
             left: at[0] - r,
             top: at[1] - r,
             right: at[0] + r,
@@ -158,12 +158,16 @@ impl Ink {
         let step = 5.0 * self.unit;
         let length = spot_length(spot_difference(b, a));
         let count = ((length / step).ceil() as usize).clamp(1, 400);
-        let near = |at: DrawnSpot| {
-            self.lines
-                .iter()
-                .any(|line| super::plane::distance_to(at, *line) < within)
+        let near = |at: DrawnSpot| self.bins.is_line_within(at, within);
+        let inside = |[x, y]: DrawnSpot| {
+            let here = Rect {
+                left: x,
+                right: x,
+                top: y,
+                bottom: y,
+            };
+            self.bins.any_box(&here, |r| r.contains([x, y]))
         };
-        let inside = |at: DrawnSpot| self.boxes.iter().any(|r| r.contains(at));
         let hits = (0..=count).filter(|k| {
             let at = spot_ahead(a, spot_difference(b, a), *k as f64 / count as f64);
             near(at) || inside(at)

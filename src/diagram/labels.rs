@@ -1,9 +1,7 @@
 //! Labels find their places: as near to what they name as they can, on no other label and on no sign, over few lines.
 
 use super::ink::{Ink, WantedLabel};
-use super::plane::{
-    DrawnSpot, distance_to, spot_ahead, spot_difference, spot_length, unit_direction,
-};
+use super::plane::{DrawnSpot, spot_ahead, spot_difference, spot_length, unit_direction};
 use crate::plot::layout::Ruler;
 use crate::plot::primitive::{DrawnPrimitive, Rect, TextAnchor};
 use crate::plot::theme::Dashes;
@@ -56,7 +54,7 @@ pub fn place_labels(ink: &mut Ink, area: Rect) -> (Vec<PlacedLabel>, Vec<String>
         match best_place(&label, size, ink, &area) {
             Some(bounds) => {
                 draw_label(&label, bounds, ink);
-                ink.boxes.push(bounds);
+                ink.bins.push_box(bounds);
                 placed.push(PlacedLabel {
                     text: label.text,
                     bounds,
@@ -91,7 +89,7 @@ fn best_place(label: &WantedLabel, size: [f64; 2], ink: &Ink, area: &Rect) -> Op
             let (sin, cos) = crate::math::sin_cos(angle);
             let d = [wish[0] * cos - wish[1] * sin, wish[0] * sin + wish[1] * cos];
             let bounds = box_beside(label.anchor, d, distance, size);
-            if !is_within(&bounds, area) || ink.boxes.iter().any(|b| overlap(b, &bounds)) {
+            if !is_within(&bounds, area) || ink.bins.any_box(&bounds, |b| overlap(b, &bounds)) {
                 continue;
             }
             let turn = TURN_COST * (1.0 - cos) * ink.unit;
@@ -130,9 +128,9 @@ fn is_within(a: &Rect, area: &Rect) -> bool {
 
 /// Pixels of lines within a box.
 fn covered_lines(bounds: &Rect, ink: &Ink) -> f64 {
-    ink.lines
-        .iter()
-        .map(|line| clipped_length(*line, bounds))
+    ink.bins
+        .lines_in(bounds)
+        .map(|line| clipped_length(line, bounds))
         .sum()
 }
 
@@ -168,11 +166,11 @@ fn crossed_lines(line: [DrawnSpot; 2], ink: &Ink) -> f64 {
     let side = |[a, b]: [DrawnSpot; 2], p: DrawnSpot| {
         (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0])
     };
-    let crosses = |other: &&[DrawnSpot; 2]| {
+    let crosses = |other: &[DrawnSpot; 2]| {
         side(line, other[0]) * side(line, other[1]) < 0.0
-            && side(**other, line[0]) * side(**other, line[1]) < 0.0
+            && side(*other, line[0]) * side(*other, line[1]) < 0.0
     };
-    ink.lines.iter().filter(crosses).count() as f64
+    ink.bins.lines_across(line).filter(crosses).count() as f64
 }
 
 /// The line from a label that stands far away to what it names.
@@ -199,11 +197,7 @@ fn draw_label(label: &WantedLabel, bounds: Rect, ink: &mut Ink) {
     if label.ringed {
         let radius = 0.5 * bounds.width() - 0.8 * PAD * ink.unit;
         ink.circle(middle, radius / ink.unit, paper, label.colour, 1.2);
-    } else if ink
-        .lines
-        .iter()
-        .any(|line| distance_to(middle, *line) < bounds.height())
-    {
+    } else if ink.bins.is_line_within(middle, bounds.height()) {
         let [r, g, b, _] = paper;
         ink.primitives.push(DrawnPrimitive::Area {
             rect: bounds,

@@ -2,12 +2,9 @@
 
 use super::ink::{Ink, WantedLabel};
 use super::lettering::QuantityLettering;
-use super::plane::{
-    DrawingPlane, DrawnSpot, distance_to, spot_ahead, spot_difference, spot_length,
-};
+use super::plane::{DrawingPlane, DrawnSpot, spot_ahead, spot_difference, spot_length};
 use super::scheme::SchemeLink;
 use crate::math::sin_cos;
-use crate::plot::primitive::Rect;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
@@ -83,28 +80,22 @@ fn roomiest_place(corners: &[DrawnSpot], plane: &DrawingPlane, ink: &Ink) -> (Dr
             if !rim.contains(at) {
                 continue;
             }
-            let lines = ink.lines.iter().map(|line| distance_to(at, *line));
-            let boxes = ink.boxes.iter().map(|b| from_box(at, b));
-            let room = lines.chain(boxes).fold(f64::INFINITY, f64::min);
             // Outside only where there is no room inside; then near to it.
             let outside = match is_inside(at, corners) {
                 true => 0.0,
                 false => 0.8 * reach,
             };
-            let tight = 3.0 * (reach - room).max(0.0);
-            let kept = room.min((RADII[1] + FREE) * ink.unit);
-            let value = kept - outside - tight - 0.05 * spot_length(spot_difference(at, middle));
-            if value > best.0 {
-                best = (value, at, room);
+            let far = 0.05 * spot_length(spot_difference(at, middle));
+            let value = |room: f64| room - outside - 3.0 * (reach - room).max(0.0) - far;
+            // More room than the largest arrow takes is worth no more.
+            let most = (RADII[1] + FREE) * ink.unit;
+            let room = ink.bins.room(at, most, |room| value(room) <= best.0);
+            if value(room) > best.0 {
+                best = (value(room), at, room);
             }
         }
     }
     (best.1, best.2)
-}
-
-fn from_box(at: DrawnSpot, b: &Rect) -> f64 {
-    let near = [at[0].clamp(b.left, b.right), at[1].clamp(b.top, b.bottom)];
-    spot_length(spot_difference(at, near))
 }
 
 /// Twice the area within a polygon, with its sense.

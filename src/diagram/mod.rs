@@ -5,6 +5,7 @@
 //! writers.
 
 mod arcs;
+mod bins;
 mod contacts;
 mod ground;
 mod ink;

@@ -1,6 +1,7 @@
 //! The sheet: what is shown, in which order, and the lines under the drawing.
 
 use super::arcs::{arc_level, draw_angle};
+use super::bins::Bins;
 use super::ground::draw_ground;
 use super::ink::{Ink, WantedLabel};
 use super::labels::{PlacedLabel, place_labels};
@@ -118,8 +119,7 @@ pub fn draw_sheet(scheme: &Scheme, options: &SheetOptions) -> DiagramSheet {
     let unit = width / USUAL_WIDTH;
     let mut ink = Ink {
         primitives: Vec::new(),
-        lines: Vec::new(),
-        boxes: Vec::new(),
+        bins: Bins::new(unit),
         labels: Vec::new(),
         letters: Vec::new(),
         theme: options.theme,

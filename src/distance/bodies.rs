@@ -1,7 +1,7 @@
 //! Distance of two bodies: the least of all pairs of their elements.
 
 use super::mesh;
-use super::mesh_tree::ShellEnclosure;
+use super::mesh_tree::{MeshTrees, ShellEnclosure};
 use super::pair::{Proximity, signed_distance};
 use super::point::point_to;
 use super::primitive::{Element, Primitive, shape_elements};
@@ -31,7 +31,20 @@ pub struct BodyProximity {
 impl Hull {
     /// Of a body; `None` if it has no solids.
     pub fn new(body: &Body) -> Option<Self> {
-        let elements = shape_elements(&body.shapes);
+        Self::with_trees(body, &mut MeshTrees::default())
+    }
+
+    /// Of each of some bodies, which share the trees of their meshes.
+    pub fn of_bodies<'b>(bodies: impl IntoIterator<Item = &'b Body>) -> Vec<Option<Self>> {
+        let mut trees = MeshTrees::default();
+        let bodies = bodies.into_iter();
+        bodies
+            .map(|body| Self::with_trees(body, &mut trees))
+            .collect()
+    }
+
+    fn with_trees(body: &Body, trees: &mut MeshTrees) -> Option<Self> {
+        let elements = shape_elements(&body.shapes, trees);
         let balls: Vec<(DVec3, f64)> = elements.iter().map(Element::bounds).collect();
         let low = balls.iter().map(|(c, r)| *c - *r).reduce(DVec3::min)?;
         let high = balls.iter().map(|(c, r)| *c + *r).reduce(DVec3::max)?;
@@ -70,7 +83,10 @@ impl Hull {
 
     /// Whether a mesh of it should have an inside and has none.
     pub fn is_open(&self) -> bool {
-        let is_open = |e: &Element| matches!(&e.core, Primitive::Mesh(tree, _) if tree.enclosure == ShellEnclosure::Open);
+        let is_open = |e: &Element| {
+            matches!(&e.core, Primitive::Mesh(tree, _)
+                if matches!(tree.enclosure, ShellEnclosure::Open | ShellEnclosure::Tangled))
+        };
         self.elements.iter().any(is_open)
     }
 

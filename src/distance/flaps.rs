@@ -4,11 +4,8 @@
 //! A mesh with a hole has such edges too, so that only flat pieces count, and only those that lie alone: several of
 //! them side by side may be what is left of a shell.
 
+use super::surface_edges::{SurfaceEdges, triangle_edges};
 use glam::DVec3;
-use std::collections::HashMap;
-
-/// Edges with the triangles on both sides of them, along and against.
-pub(crate) type Sides = HashMap<[usize; 2], [Vec<usize>; 2]>;
 
 /// Flaps are alone if their balls, this much larger, do not meet.
 const ALONE: f64 = 2.0;
@@ -18,27 +15,26 @@ const MOST: usize = 32;
 
 /// Which triangles are flaps; `at` gives a corner's place, and what is off its plane by no more than `flat` is flat.
 pub(crate) fn find_flaps(
-    triangles: &[[usize; 3]],
-    sides: &Sides,
-    at: impl Fn(usize) -> DVec3,
+    triangles: &[[u32; 3]],
+    edges: &SurfaceEdges,
+    at: impl Fn(u32) -> DVec3,
     flat: f64,
 ) -> Vec<bool> {
     let mut is_flap = vec![false; triangles.len()];
     let mut balls: Vec<(DVec3, f64)> = Vec::new();
     let mut found = Vec::new();
-    for sheet in connected_sheets(triangles, sides) {
-        let edges = sheet.iter().flat_map(|k| triangle_edges(triangles[*k]));
-        let mut counts = edges.filter_map(|edge| sides.get(&edge));
-        let is_loose = counts.any(|[along, against]| (along.len() + against.len()) % 2 == 1);
+    each_sheet(triangles, edges, |sheet| {
+        let mut sides = sheet.iter().flat_map(|k| triangle_edges(triangles[*k]));
+        let is_loose = sides.any(|edge| edges.at(edge).len() % 2 == 1);
         let corners = || sheet.iter().flat_map(|k| triangles[*k].map(&at));
-        if is_loose && is_flat(&sheet, triangles, &at, flat) {
+        if found.len() <= MOST && is_loose && is_flat(sheet, triangles, &at, flat) {
             let count = (3 * sheet.len()) as f64;
             let center = corners().sum::<DVec3>() / count;
             let radius = corners().map(|p| p.distance(center)).fold(0.0, f64::max);
             balls.push((center, radius));
-            found.push(sheet);
+            found.push(sheet.to_vec());
         }
-    }
+    });
     let is_alone = |k: usize| {
         let (p, r) = balls[k];
         let mut others = balls.iter().enumerate().filter(|(j, _)| *j != k);
@@ -50,47 +46,32 @@ pub(crate) fn find_flaps(
     is_flap
 }
 
-fn triangle_edges([a, b, c]: [usize; 3]) -> [[usize; 2]; 3] {
-    [[a, b], [b, c], [c, a]].map(|[from, to]| [from.min(to), from.max(to)])
-}
-
-/// Triangles that hang together by edges with two sides.
-fn connected_sheets(triangles: &[[usize; 3]], sides: &Sides) -> Vec<Vec<usize>> {
+/// Tells of every set of triangles that hang together by edges with two sides.
+fn each_sheet(triangles: &[[u32; 3]], edges: &SurfaceEdges, mut tell: impl FnMut(&[usize])) {
     let mut is_done = vec![false; triangles.len()];
-    let mut sheets = Vec::new();
+    let mut sheet = Vec::new();
     for seed in 0..triangles.len() {
         if std::mem::replace(&mut is_done[seed], true) {
             continue;
         }
-        let mut sheet = vec![seed];
+        sheet.clear();
+        sheet.push(seed);
         let mut next = 0;
         while let Some(k) = sheet.get(next).copied() {
             next += 1;
             for edge in triangle_edges(triangles[k]) {
-                let Some([along, against]) = sides.get(&edge) else {
-                    continue;
-                };
-                if along.len() + against.len() != 2 {
-                    continue;
-                }
-                for &other in along.iter().chain(against) {
+                for other in edges.pair(edge).into_iter().flatten() {
                     if !std::mem::replace(&mut is_done[other], true) {
                         sheet.push(other);
                     }
                 }
             }
         }
-        sheets.push(sheet);
+        tell(&sheet);
     }
-    sheets
 }
 
-fn is_flat(
-    sheet: &[usize],
-    triangles: &[[usize; 3]],
-    at: &impl Fn(usize) -> DVec3,
-    flat: f64,
-) -> bool {
+fn is_flat(sheet: &[usize], triangles: &[[u32; 3]], at: &impl Fn(u32) -> DVec3, flat: f64) -> bool {
     let corners = |k: &usize| triangles[*k].map(at);
     let areas = sheet.iter().map(|k| {
         let [a, b, c] = corners(k);

@@ -58,7 +58,7 @@ fn lowest_point(core: &Primitive, n: DVec3) -> DVec3 {
         Primitive::Box(block) => of(&block.corners()),
         Primitive::Frustum(f) => of(&f.rims().map(|rim| of_rim(&rim))),
         Primitive::Mesh(tree, pose) => {
-            let lowest = tree.farthest(pose.rotation.transpose() * -n);
+            let lowest = tree.tree.farthest(pose.rotation.transpose() * -n);
             pose.transform_point(lowest.unwrap_or_default())
         }
         Primitive::HalfSpace(half) => half.point,

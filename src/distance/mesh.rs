@@ -8,11 +8,11 @@
 //! A mesh is a surface. It has distances and a test for points inside, but no depth.
 
 use super::boxes::OrientedBox;
-use super::mesh_tree::{Content, MeshTree, corner_support, nearer_first};
 use super::point::point_to;
 use super::primitive::{Element, Primitive};
 use super::primitive_distance;
 use super::primitive_pair::CorePair;
+use super::triangle_tree::{Content, TriangleTree, corner_support, nearer_first};
 use super::triangles;
 use crate::math::Pose;
 use glam::DVec3;
@@ -28,7 +28,7 @@ const WORTH_A_TRY: usize = 16;
 
 /// A mesh and a core that is none, in the mesh's frame.
 struct ToCore<'a> {
-    tree: &'a MeshTree,
+    tree: &'a TriangleTree,
     core: &'a Primitive,
     is_convex: bool,
     best: CorePair,
@@ -99,7 +99,7 @@ impl ToCore<'_> {
 
 /// Two meshes, the second one placed in the frame of the first.
 struct ToMesh<'a> {
-    trees: [&'a MeshTree; 2],
+    trees: [&'a TriangleTree; 2],
     pose: Pose,
     best: CorePair,
     /// The best normal in the second one's frame.
@@ -209,13 +209,13 @@ impl ToMesh<'_> {
 }
 
 /// Nearest points of a placed mesh and a core; not below zero.
-pub fn nearest_to_mesh(tree: &MeshTree, pose: &Pose, other: &Primitive) -> CorePair {
+pub(crate) fn nearest_to_mesh(tree: &TriangleTree, pose: &Pose, other: &Primitive) -> CorePair {
     let back = pose.inverse();
     let best = match other {
         _ if tree.is_empty() => CorePair::FAR,
         Primitive::Mesh(second, _) if second.is_empty() => CorePair::FAR,
         Primitive::Mesh(second, placed) => {
-            let pose = back * *placed;
+            let (pose, second) = (back * *placed, &second.tree);
             let mut search = ToMesh {
                 trees: [tree, second],
                 pose,

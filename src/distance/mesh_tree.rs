@@ -1,28 +1,12 @@
-//! A tree of oriented boxes over the triangles of a file, which are taken as they are.
+//! The triangles of a file as a tree, and what is inside.
 
-use super::boxes::OrientedBox;
 pub use super::shells::ShellEnclosure;
-use super::shells::{Shells, turns_around};
+use super::shells::Shells;
+use super::triangle_tree::TriangleTree;
 use crate::model::shape::TriangleSoup;
 use glam::DVec3;
-
-/// Most triangles in a leaf.
-const LEAF: usize = 4;
-
-/// Some triangles.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct TreeNode {
-    /// Holds them all.
-    pub(crate) around: OrientedBox,
-    /// A leaf's triangles, or the index of the second child (the first one follows).
-    pub(crate) content: Content,
-}
-
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Content {
-    Leaf(usize, usize),
-    Fork(usize),
-}
+use std::collections::HashMap;
+use std::sync::Arc;
 
 /// The triangles of a file, ready for queries, in the frame of the file.
 #[derive(Clone, Debug)]
@@ -37,10 +21,10 @@ pub struct MeshTree {
     pub points: Vec<DVec3>,
     /// Triangles beside closed shells: they have distances and enclose nothing.
     pub flaps: usize,
-    /// What encloses space where that is not all triangles.
-    walls: Option<Vec<[DVec3; 3]>>,
-    pub(crate) triangles: Vec<[DVec3; 3]>,
-    pub(crate) nodes: Vec<TreeNode>,
+    /// The triangles that enclose nothing, once more.
+    flap_tree: Option<TriangleTree>,
+    /// All triangles.
+    pub(crate) tree: TriangleTree,
 }
 
 impl MeshTree {
@@ -48,129 +32,48 @@ impl MeshTree {
     pub fn new(soup: &TriangleSoup) -> Self {
         let mut shells = Shells::new(soup);
         let flaps = shells.flaps.len();
-        let walls = (flaps > 0).then(|| shells.triangles.clone());
+        let flap_tree = (flaps > 0).then(|| TriangleTree::new(shells.flaps.clone()));
         shells.triangles.append(&mut shells.flaps);
-        let mut tree = Self {
+        Self {
             source: soup.source.clone(),
             enclosure: shells.enclosure,
             open_edges: shells.open_edges,
             points: shells.points,
             flaps,
-            walls,
-            triangles: shells.triangles,
-            nodes: Vec::new(),
-        };
-        tree.grow(0, tree.triangles.len());
-        tree
-    }
-
-    /// Adds the node over a range of triangles and all below it.
-    fn grow(&mut self, start: usize, end: usize) {
-        let part = &mut self.triangles[start..end];
-        let around = OrientedBox::around(part);
-        let index = self.nodes.len();
-        let content = Content::Leaf(start, end);
-        self.nodes.push(TreeNode { around, content });
-        if end - start <= LEAF {
-            return;
-        }
-        let axis = around.longest();
-        let middle = (end - start) / 2;
-        let key = |t: &[DVec3; 3]| axis.dot(t[0] + t[1] + t[2]);
-        part.select_nth_unstable_by(middle, |a, b| key(a).total_cmp(&key(b)));
-        self.grow(start, start + middle);
-        self.nodes[index].content = Content::Fork(self.nodes.len());
-        self.grow(start + middle, end);
-    }
-
-    /// Centre and radius of a ball around all triangles.
-    pub fn bounds(&self) -> (DVec3, f64) {
-        let root = self.nodes.first().map(|node| node.around);
-        root.map_or((DVec3::ZERO, 0.0), |around| (around.center, around.radius))
-    }
-
-    /// Number of triangles.
-    pub fn len(&self) -> usize {
-        self.triangles.len()
-    }
-
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.triangles.is_empty()
-    }
-
-    /// A vertex with the largest n · p; none without triangles.
-    pub fn farthest(&self, n: DVec3) -> Option<DVec3> {
-        let corners = self.triangles.get(self.highest(0, n).triangle)?;
-        Some(corners.iter().copied().fold(corners[0], |best, p| {
-            if n.dot(p) > n.dot(best) { p } else { best }
-        }))
-    }
-
-    /// What lies farthest along `n` below a node.
-    pub(crate) fn highest(&self, node: usize, n: DVec3) -> Highest {
-        let mut best = Highest {
-            height: f64::NEG_INFINITY,
-            triangle: 0,
-        };
-        if !self.is_empty() {
-            self.climb(node, n, &mut best);
-        }
-        best
-    }
-
-    fn climb(&self, node: usize, n: DVec3, best: &mut Highest) {
-        match self.nodes[node].content {
-            Content::Leaf(start, end) => {
-                for triangle in start..end {
-                    let height = corner_support(&self.triangles[triangle], n);
-                    if height > best.height {
-                        *best = Highest { height, triangle };
-                    }
-                }
-            }
-            Content::Fork(second) => {
-                let below = |k: usize| (k, -self.nodes[k].around.support(n));
-                for (k, lowest) in nearer_first([below(node + 1), below(second)]) {
-                    if -lowest > best.height {
-                        self.climb(k, n, best);
-                    }
-                }
-            }
+            flap_tree,
+            tree: TriangleTree::new(shells.triangles),
         }
     }
 
-    /// Whether a point is inside, by the solid angle of all triangles; an open mesh has no inside.
+    /// Whether a point is inside, by what crosses a ray from it; an open mesh has no inside.
     pub fn encloses(&self, point: DVec3) -> bool {
         let is_hollow = matches!(
             self.enclosure,
             ShellEnclosure::Solid | ShellEnclosure::InsideOut
         );
-        let (center, radius) = self.bounds();
-        is_hollow
-            && point.distance(center) <= radius
-            && turns_around(self.walls.as_ref().unwrap_or(&self.triangles), point).abs() > 0.5
+        is_hollow && self.tree.turns(self.flap_tree.as_ref(), point).abs() > 0.5
+    }
+
+    /// Number of triangles.
+    pub fn len(&self) -> usize {
+        self.tree.triangles.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.tree.triangles.is_empty()
     }
 }
 
-/// The triangle that reaches farthest in a direction n, and the n · p of its corner.
-#[derive(Clone, Copy)]
-pub(crate) struct Highest {
-    pub(crate) height: f64,
-    pub(crate) triangle: usize,
-}
+/// Trees of meshes by where their triangles are kept: bodies that share these share the tree.
+#[derive(Default)]
+pub struct MeshTrees(HashMap<usize, Arc<MeshTree>>);
 
-/// Largest n · p of a triangle.
-#[inline]
-pub(crate) fn corner_support(corners: &[DVec3; 3], n: DVec3) -> f64 {
-    let [a, b, c] = corners.each_ref().map(|p| n.dot(*p));
-    a.max(b).max(c)
-}
-
-/// Two things in the order of their numbers.
-pub(crate) fn nearer_first<T: Copy>(mut two: [(T, f64); 2]) -> [(T, f64); 2] {
-    if two[1].1 < two[0].1 {
-        two.swap(0, 1);
+impl MeshTrees {
+    /// That of some triangles.
+    pub(crate) fn tree(&mut self, soup: &Arc<TriangleSoup>) -> Arc<MeshTree> {
+        // They are kept by the mechanism as long as this lives.
+        let kept = self.0.entry(Arc::as_ptr(soup) as usize);
+        Arc::clone(kept.or_insert_with(|| Arc::new(MeshTree::new(soup))))
     }
-    two
 }

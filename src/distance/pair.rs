@@ -54,8 +54,10 @@ fn in_order(a: &Element, b: &Element) -> Proximity {
         (other, Primitive::HalfSpace(half)) => {
             half_space::nearest_to_half_space(half, other).swapped()
         }
-        (Primitive::Mesh(tree, pose), other) => mesh::nearest_to_mesh(tree, pose, other),
-        (other, Primitive::Mesh(tree, pose)) => mesh::nearest_to_mesh(tree, pose, other).swapped(),
+        (Primitive::Mesh(tree, pose), other) => mesh::nearest_to_mesh(&tree.tree, pose, other),
+        (other, Primitive::Mesh(tree, pose)) => {
+            mesh::nearest_to_mesh(&tree.tree, pose, other).swapped()
+        }
         (first, second) => signed_cores(first, second),
     };
     // Radii grow the cores; a mesh that is met has no depth.

@@ -4,7 +4,7 @@
 //! A sphere is a grown point, a capsule a grown segment, a torus a grown circle, a tube one grown segment a piece:
 //! each of them exactly. Nothing round is replaced by facets.
 
-use super::mesh_tree::MeshTree;
+use super::mesh_tree::{MeshTree, MeshTrees};
 use crate::math::{Pose, square_to};
 use crate::model::shape::{Shape, Solid};
 use glam::DVec3;
@@ -200,7 +200,7 @@ impl Primitive {
             }
             Self::HalfSpace(h) => (h.point, f64::INFINITY),
             Self::Mesh(tree, pose) => {
-                let (center, radius) = tree.bounds();
+                let (center, radius) = tree.tree.bounds();
                 (pose.transform_point(center), radius)
             }
         }
@@ -232,7 +232,7 @@ impl Primitive {
             Self::HalfSpace(_) => return None,
             Self::Mesh(tree, pose) => {
                 let local = pose.rotation.transpose() * n;
-                n.dot(pose.transform_point(tree.farthest(local)?))
+                n.dot(pose.transform_point(tree.tree.farthest(local)?))
             }
         })
     }
@@ -334,7 +334,7 @@ impl Element {
 }
 
 /// The elements of a body's shapes, in the body's frame. Translucent shapes count like all others.
-pub fn shape_elements(shapes: &[Shape]) -> Vec<Element> {
+pub fn shape_elements(shapes: &[Shape], trees: &mut MeshTrees) -> Vec<Element> {
     // Every solid is one or more primitives grown by a radius.
     let mut list = Vec::new();
     for (index, shape) in shapes.iter().enumerate() {
@@ -394,10 +394,8 @@ pub fn shape_elements(shapes: &[Shape]) -> Vec<Element> {
                 add(Primitive::HalfSpace(HalfSpace { point, normal }), 0.0);
             }
             Solid::Triangles(soup) => {
-                add(
-                    Primitive::Mesh(Arc::new(MeshTree::new(soup)), Pose::IDENTITY),
-                    0.0,
-                );
+                let tree = trees.tree(soup);
+                add(Primitive::Mesh(tree, Pose::IDENTITY), 0.0);
             }
         }
     }

@@ -1,10 +1,12 @@
 //! The shells of a mesh: its connected parts, whether each encloses space, and which side of it is outside.
 
-use super::flaps::Sides;
+use super::shell_boxes::ShellBoxes;
+use super::shell_surface::{Parts, ShellSurface};
+use super::triangle_tree::TriangleTree;
+use super::winding::turns_around;
 use crate::model::shape::TriangleSoup;
 use glam::DVec3;
 use std::collections::HashMap;
-use std::f64::consts::PI;
 
 /// How a file's triangles enclose space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,16 +17,18 @@ pub enum ShellEnclosure {
     InsideOut,
     /// It has edges with one side only.
     Open,
+    /// Closed, but so many shells lie in each other that which of them are walls of cavities is not looked for.
+    Tangled,
     /// The scene says that it is a surface, which has no inside.
     Surface,
 }
 
-/// Open edges are joined where their ends are nearer than this part of the largest coordinate: files hold single precision,
-/// seven digits.
-const WELD: f64 = 1e-6;
+/// How much is looked at to tell walls of cavities from shells that are inside out, in triangles: a few seconds of work.
+/// Tens of thousands of shells beside each other, and thousands of cavities in one, take far less.
+const MOST_LOOKED_AT: usize = 20_000_000;
 
-/// ... but no farther than this part of the mesh's extent: a small mesh far from its origin stays what it is.
-const LARGEST_WELD: f64 = 1e-4;
+/// Shells of more triangles are asked by a tree, and count as so many.
+const FEW: usize = 24;
 
 /// The shells of a mesh.
 pub struct Shells {
@@ -40,42 +44,40 @@ pub struct Shells {
     pub flaps: Vec<[DVec3; 3]>,
 }
 
-/// Triangles by corners that are one where they belong together.
-struct ShellSurface {
-    triangles: Vec<[usize; 3]>,
-}
-
 impl Shells {
     /// Of triangles as a file holds them.
     pub fn new(soup: &TriangleSoup) -> Self {
-        let corner = |k: u32| soup.vertices.get(k as usize).copied().unwrap_or_default();
-        let mut triangles: Vec<[DVec3; 3]> = soup.triangles.iter().map(|t| t.map(corner)).collect();
         // Triangles that share edges; corners nearly at one place are welded if edges stay open.
         let mut surface = ShellSurface::new(soup);
-        if !surface.open_edges().is_empty() {
-            surface.weld(&soup.vertices);
+        let mut edges = surface.edges();
+        if edges.open().next().is_some() {
+            surface.weld(&soup.vertices, &edges);
+            drop(edges);
+            edges = surface.edges();
         }
-        let mut open_edges = surface.open_edges().len();
-        let points = surface.parts();
-        let points = points
-            .iter()
-            .filter_map(|list| triangles.get(*list.first()?));
-        let points = points.map(|t| t[0]).collect();
+        let mut open_edges = edges.open().count();
+        let corner = |k: u32| soup.vertices.get(k as usize).copied().unwrap_or_default();
+        let mut triangles: Vec<[DVec3; 3]> = soup.triangles.iter().map(|t| t.map(corner)).collect();
+        let parts = surface.parts();
+        let points = parts.each().filter_map(|list| list.first());
+        let points = points.map(|k| triangles[*k as usize][0]).collect();
+        drop(parts);
         // What is still open may be flaps on closed shells.
         let mut flaps = Vec::new();
-        if open_edges > 0 && surface.close(&mut triangles, &soup.vertices, &mut flaps) {
+        if open_edges > 0 && surface.close(&edges, &mut triangles, &soup.vertices, &mut flaps) {
             open_edges = 0;
         }
+        drop(edges);
         // A closed mesh has an inside; the sign of its volume says whether it is inside out.
         let is_hollow = !soup.is_surface && open_edges == 0 && !triangles.is_empty();
-        let enclosure = match (soup.is_surface, is_hollow) {
+        let mut enclosure = match (soup.is_surface, is_hollow) {
             (true, _) => ShellEnclosure::Surface,
             (false, false) => ShellEnclosure::Open,
-            (false, true) if six_volumes(&triangles) < 0.0 => ShellEnclosure::InsideOut,
+            (false, true) if six_volumes(triangles.iter()) < 0.0 => ShellEnclosure::InsideOut,
             (false, true) => ShellEnclosure::Solid,
         };
-        if is_hollow {
-            turn_outside_out(&mut triangles, &surface.parts());
+        if is_hollow && !turn_outside_out(&mut triangles, &surface.parts()) {
+            enclosure = ShellEnclosure::Tangled;
         }
         Self {
             enclosure,
@@ -87,246 +89,58 @@ impl Shells {
     }
 }
 
-impl ShellSurface {
-    /// Corners at exactly the same place are one.
-    fn new(soup: &TriangleSoup) -> Self {
-        let mut first: HashMap<[u64; 3], usize> = HashMap::new();
-        let own: Vec<usize> = soup
-            .vertices
-            .iter()
-            .enumerate()
-            .map(|(k, p)| {
-                // Adding zero makes -0 into 0.
-                *first
-                    .entry((*p + 0.0).to_array().map(f64::to_bits))
-                    .or_insert(k)
-            })
-            .collect();
-        let index = |k: u32| own.get(k as usize).copied().unwrap_or_default();
-        Self {
-            triangles: soup.triangles.iter().map(|t| t.map(index)).collect(),
-        }
-    }
-
-    /// Every edge with its sides; triangles with two equal corners have none.
-    fn sides(&self) -> Sides {
-        let mut sides = Sides::new();
-        for (k, [a, b, c]) in self.triangles.iter().copied().enumerate() {
-            if a == b || b == c || c == a {
-                continue;
-            }
-            for [from, to] in [[a, b], [b, c], [c, a]] {
-                sides.entry([from.min(to), from.max(to)]).or_default()[usize::from(from > to)]
-                    .push(k);
-            }
-        }
-        sides
-    }
-
-    /// Edges that do not have as many sides along them as against them, in order.
-    fn open_edges(&self) -> Vec<[usize; 2]> {
-        let whole = self
-            .triangles
-            .iter()
-            .filter(|[a, b, c]| a != b && b != c && c != a);
-        let mut edges: Vec<([usize; 2], bool)> = whole
-            .flat_map(|[a, b, c]| [[*a, *b], [*b, *c], [*c, *a]])
-            .map(|[from, to]| ([from.min(to), from.max(to)], from < to))
-            .collect();
-        edges.sort_unstable();
-        let equal = edges.chunk_by(|first, second| first.0 == second.0);
-        let open = equal.filter(|sides| 2 * sides.iter().filter(|s| s.1).count() != sides.len());
-        open.filter_map(|sides| Some(sides.first()?.0)).collect()
-    }
-
-    /// Makes a closed surface of one that is closed but for flaps and for triangles that are numbered the other way round:
-    /// takes the flaps out, and turns the others. Changes nothing and says so where that is not enough.
-    fn close(
-        &mut self,
-        triangles: &mut Vec<[DVec3; 3]>,
-        vertices: &[DVec3],
-        flaps: &mut Vec<[DVec3; 3]>,
-    ) -> bool {
-        let at = |k: usize| vertices[k];
-        let is_flap =
-            super::flaps::find_flaps(&self.triangles, &self.sides(), at, weld_distance(vertices));
-        let kept: Vec<usize> = (0..is_flap.len()).filter(|k| !is_flap[*k]).collect();
-        let shell = Self {
-            triangles: kept.iter().map(|k| self.triangles[*k]).collect(),
-        };
-        let turned = shell.agreed();
-        if kept.is_empty() || !turned.open_edges().is_empty() {
-            return false;
-        }
-        let taken = (0..is_flap.len()).filter(|k| is_flap[*k]);
-        *flaps = taken.map(|k| triangles[k]).collect();
-        let pairs = kept
-            .iter()
-            .zip(shell.triangles.iter().zip(&turned.triangles));
-        *triangles = pairs
-            .map(|(k, (old, new))| {
-                let [a, b, c] = triangles[*k];
-                if old == new { [a, b, c] } else { [b, a, c] }
-            })
-            .collect();
-        *self = turned;
-        true
-    }
-
-    /// Makes corners of open edges one that are as near as the numbers of a file can be wrong.
-    fn weld(&mut self, vertices: &[DVec3]) {
-        let near = weld_distance(vertices);
-        let mut corners: Vec<usize> = self.open_edges().into_iter().flatten().collect();
-        corners.sort_unstable();
-        corners.dedup();
-        if near <= 0.0 {
-            return;
-        }
-        // Cells as large as what is joined: partners lie in neighbouring ones.
-        let cell = |p: DVec3| (p / near).floor();
-        let key = |p: DVec3| (p + 0.0).to_array().map(f64::to_bits);
-        let mut cells: HashMap<[u64; 3], Vec<usize>> = HashMap::new();
-        let mut first: Vec<usize> = (0..vertices.len()).collect();
-        for k in corners {
-            let here = cell(vertices[k]);
-            let around = (0..27).map(|n| {
-                let offset = DVec3::new(f64::from(n % 3), f64::from(n / 3 % 3), f64::from(n / 9));
-                here + offset - DVec3::ONE
-            });
-            let mut known = around.filter_map(|c| cells.get(&key(c))).flatten();
-            match known.find(|j| vertices[**j].distance(vertices[k]) <= near) {
-                Some(other) => first[k] = *other,
-                None => cells.entry(key(here)).or_default().push(k),
-            }
-        }
-        for corner in self.triangles.iter_mut().flatten() {
-            *corner = first[*corner];
-        }
-    }
-
-    /// The same triangles, turned so that neighbours run along their common edge in opposite directions, where that can be;
-    /// of those that hang together the smaller part is turned.
-    fn agreed(&self) -> Self {
-        let mut triangles = self.triangles.clone();
-        let sides = self.sides();
-        let mut is_done = vec![false; triangles.len()];
-        for seed in 0..triangles.len() {
-            if std::mem::replace(&mut is_done[seed], true) {
-                continue;
-            }
-            let (mut together, mut next, mut turned) = (vec![seed], 0, 0);
-            while let Some(k) = together.get(next).copied() {
-                next += 1;
-                let [a, b, c] = triangles[k];
-                for [from, to] in [[a, b], [b, c], [c, a]] {
-                    let Some([along, against]) = sides.get(&[from.min(to), from.max(to)]) else {
-                        continue;
-                    };
-                    let mut others = along.iter().chain(against).filter(|j| **j != k);
-                    let (Some(&other), 2) = (others.next(), along.len() + against.len()) else {
-                        continue;
-                    };
-                    if std::mem::replace(&mut is_done[other], true) {
-                        continue;
-                    }
-                    let [p, q, r] = triangles[other];
-                    let runs_along = [[p, q], [q, r], [r, p]].contains(&[from, to]);
-                    if runs_along {
-                        triangles[other] = [q, p, r];
-                        turned += 1;
-                    }
-                    together.push(other);
-                }
-            }
-            if 2 * turned > together.len() {
-                together.iter().for_each(|k| triangles[*k].swap(0, 1));
-            }
-        }
-        Self { triangles }
-    }
-
-    /// The triangles of every connected part.
-    fn parts(&self) -> Vec<Vec<usize>> {
-        let count = self.triangles.iter().flatten().max().map_or(0, |k| k + 1);
-        // Union and find over the corners.
-        let mut root: Vec<usize> = (0..count).collect();
-        fn find(root: &mut [usize], mut k: usize) -> usize {
-            while root[k] != k {
-                root[k] = root[root[k]];
-                k = root[k];
-            }
-            k
-        }
-        for [a, b, c] in &self.triangles {
-            for other in [b, c] {
-                let (p, q) = (find(&mut root, *a), find(&mut root, *other));
-                root[p.max(q)] = p.min(q);
-            }
-        }
-        let mut place: HashMap<usize, usize> = HashMap::new();
-        let mut parts: Vec<Vec<usize>> = Vec::new();
-        for (k, t) in self.triangles.iter().enumerate() {
-            let own = find(&mut root, t[0]);
-            let place = *place.entry(own).or_insert_with(|| {
-                parts.push(Vec::new());
-                parts.len() - 1
-            });
-            parts[place].push(k);
-        }
-        parts
-    }
-}
-
-/// How near to each other corners of open edges are one.
-fn weld_distance(vertices: &[DVec3]) -> f64 {
-    let largest = vertices
-        .iter()
-        .fold(0.0, |m: f64, p| m.max(p.abs().max_element()));
-    let low = vertices.iter().fold(DVec3::INFINITY, |m, p| m.min(*p));
-    let high = vertices.iter().fold(DVec3::NEG_INFINITY, |m, p| m.max(*p));
-    (WELD * largest).min(LARGEST_WELD * (high - low).length())
-}
-
-/// Turns closed shells whose outside is inside, but for the walls of a cavity.
-fn turn_outside_out(triangles: &mut [[DVec3; 3]], shells: &[Vec<usize>]) {
-    if six_volumes(triangles) < 0.0 {
+/// Turns closed shells whose outside is inside, but for the walls of a cavity; `false` where that takes too long.
+fn turn_outside_out(triangles: &mut [[DVec3; 3]], shells: &Parts) -> bool {
+    if six_volumes(triangles.iter()) < 0.0 {
         triangles.iter_mut().for_each(|t| t.swap(0, 1));
     }
     if shells.len() < 2 {
-        return;
+        return true;
     }
-    let of = |all: &[[DVec3; 3]], shell: &[usize]| -> Vec<[DVec3; 3]> {
-        shell.iter().map(|k| all[*k]).collect()
-    };
-    for (own, shell) in shells.iter().enumerate() {
-        let mine = of(triangles, shell);
-        if six_volumes(&mine) >= 0.0 {
+    let mut boxes = None;
+    let mut trees: HashMap<usize, TriangleTree> = HashMap::new();
+    let mut looked_at = 0;
+    for (own, shell) in shells.each().enumerate() {
+        if six_volumes(shell.iter().map(|k| &triangles[*k as usize])) >= 0.0 {
             continue;
         }
-        let others = shells.iter().enumerate().filter(|(k, _)| *k != own);
-        let others: Vec<usize> = others.flat_map(|(_, list)| list.iter().copied()).collect();
-        // The wall of a cavity lies in another shell.
-        if turns_around(&of(triangles, &others), mine[0][0]).abs() < 0.5 {
-            shell.iter().for_each(|k| triangles[*k].swap(0, 1));
+        let Some(point) = shell.first().map(|k| triangles[*k as usize][0]) else {
+            continue;
+        };
+        // The wall of a cavity lies in another shell. A closed shell goes around nothing that is beside its box.
+        let boxes = boxes.get_or_insert_with(|| ShellBoxes::new(triangles, shells));
+        let mut turns = 0.0;
+        boxes.each_around(point, &mut |other| {
+            let part = shells.part(other);
+            if other == own || looked_at > MOST_LOOKED_AT {
+                return;
+            }
+            looked_at += part.len().min(FEW);
+            let part_triangles = part.iter().map(|k| &triangles[*k as usize]);
+            turns += match part.len() {
+                ..=FEW => turns_around(part_triangles, point),
+                _ => {
+                    let tree = trees.entry(other);
+                    let grow = || TriangleTree::new(part_triangles.copied().collect());
+                    tree.or_insert_with(grow).turns(None, point)
+                }
+            };
+        });
+        if looked_at > MOST_LOOKED_AT {
+            return false;
+        }
+        if turns.abs() < 0.5 {
+            trees.remove(&own);
+            shell.iter().for_each(|k| triangles[*k as usize].swap(0, 1));
         }
     }
+    true
 }
 
-fn six_volumes(triangles: &[[DVec3; 3]]) -> f64 {
-    let origin = triangles.first().map_or(DVec3::ZERO, |t| t[0]);
-    let volume = |t: &[DVec3; 3]| {
+fn six_volumes<'t>(triangles: impl Iterator<Item = &'t [DVec3; 3]> + Clone) -> f64 {
+    let origin = triangles.clone().next().map_or(DVec3::ZERO, |t| t[0]);
+    triangles.fold(0.0, |sum, t| {
         let [a, b, c] = t.map(|p| p - origin);
-        a.dot(b.cross(c))
-    };
-    triangles.iter().map(volume).sum()
-}
-
-/// How often triangles go around a point: their solid angles, in whole spheres.
-pub fn turns_around(triangles: &[[DVec3; 3]], point: DVec3) -> f64 {
-    let angle = |t: &[DVec3; 3]| {
-        let [a, b, c] = t.map(|p| (p - point).normalize_or_zero());
-        let volume = a.dot(b.cross(c));
-        2.0 * libm::atan2(volume, 1.0 + a.dot(b) + b.dot(c) + c.dot(a))
-    };
-    triangles.iter().map(angle).sum::<f64>() / (4.0 * PI)
+        sum + a.dot(b.cross(c))
+    })
 }

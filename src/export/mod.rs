@@ -25,6 +25,7 @@ pub mod model;
 mod nearest_colour;
 pub mod palette;
 pub mod png;
+pub mod png_rows;
 pub mod raw;
 pub mod sampled_frames;
 pub mod solid;

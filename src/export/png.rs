@@ -48,7 +48,7 @@ pub fn encode_png(image: &RgbaImage, effort: Effort, out: &mut Vec<u8>) -> Resul
 }
 
 /// Appends the colours of RGBA pixels to `rgb`.
-fn drop_alpha(rgba: &[u8], rgb: &mut Vec<u8>) {
+pub(super) fn drop_alpha(rgba: &[u8], rgb: &mut Vec<u8>) {
     rgb.reserve(rgba.len() / 4 * 3);
     rgb.extend(rgba.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]));
 }

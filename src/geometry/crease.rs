@@ -1,7 +1,7 @@
 //! Normals of triangles that come without: smooth within the crease angle, sharp beyond it.
 
 use super::mesh::Mesh;
-use super::weld::{first_equal, number_first, point_bits};
+use crate::weld::{first_equal, number_first, point_bits};
 use glam::DVec3;
 
 /// Faces that meet at a smaller angle than this belong to one smooth surface: cosine of 40 degrees. Round

@@ -1,6 +1,6 @@
 //! A triangle mesh, and whether it encloses space.
 
-use super::weld::{first_equal, point_bits};
+use crate::weld::{first_equal, point_bits};
 use glam::DVec3;
 
 /// A closed or open triangle mesh with one normal per vertex.

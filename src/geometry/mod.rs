@@ -8,14 +8,12 @@ pub mod stl;
 mod torus;
 pub mod trace;
 mod tube;
-mod weld;
 
 pub use crease::mesh_of_triangles;
 pub use mesh::Mesh;
 pub use round::{MAX_SEGMENTS, MIN_SEGMENTS};
 pub use stl::{MAX_STL_TRIANGLES, StlError, read_stl};
 pub use trace::{TraceMesh, trace_mesh};
-pub(crate) use weld::number_first;
 
 use crate::model::shape::Solid;
 

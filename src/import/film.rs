@@ -1,12 +1,13 @@
 //! Anything that is a row of pictures: a PNG, an APNG, a GIF, a folder of PNGs. Read frame by frame.
 
 use super::order::natural_order;
-use super::picture::{self, ImportError, read_png};
-use crate::limits::{Resource, current_limits};
+use super::picture::{ImportError, decoder_limits, open_head};
+use super::rows::FramePicture;
+use crate::limits::{Resource, allow_memory, current_limits};
 use image::codecs::gif::GifDecoder;
 use image::codecs::png::PngDecoder;
 use image::metadata::LoopCount;
-use image::{AnimationDecoder, Frames, ImageDecoder, Limits, RgbaImage};
+use image::{AnimationDecoder, Frames, ImageDecoder, Limits};
 use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -14,6 +15,14 @@ use std::path::{Path, PathBuf};
 /// First bytes of the files that are known.
 const GIF_MAGIC: &[u8] = b"GIF8";
 const PNG_MAGIC: &[u8] = b"\x89PNG\r\n\x1a\n";
+
+/// Bytes that the next frame of an animation takes of each of its pixels: the part that is drawn over the picture so far, and what
+/// comes of both; the first frame the picture so far, too.
+const BYTES_OF_NEXT_PIXEL: f64 = 2.0 * 4.0;
+const BYTES_OF_FIRST_PIXEL: f64 = 3.0 * 4.0;
+
+/// Frames of fewer bytes are read without asking whether there is memory for them.
+const WORTH_ASKING: f64 = 16e6;
 
 /// How often an animation plays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,7 +39,7 @@ pub struct FilmFrame {
     /// The file's name in a folder; empty elsewhere.
     pub name: String,
     /// What a viewer shows, all parts laid over each other.
-    pub picture: RgbaImage,
+    pub picture: FramePicture,
     /// Seconds it is shown; 0 where the format has no time.
     pub seconds: f64,
 }
@@ -43,6 +52,8 @@ pub struct FilmReader {
     /// What it is, for messages.
     pub kind: &'static str,
     frames: Box<dyn Iterator<Item = Result<FilmFrame, ImportError>>>,
+    /// Pixels of a frame that is held in memory.
+    held: f64,
     /// Pixels of the frames so far: a few bytes of a file can make a frame of any size.
     pixels: f64,
 }
@@ -55,15 +66,34 @@ impl FilmReader {
         if path.is_dir() {
             return Self::of_folder(path);
         }
-        let (mut file, limits) = picture::open_picture(path)?;
+        let (mut file, size) = open_head(path)?;
         let start = file.fill_buf().map_err(|e| ImportError::read(path, e))?;
         if start.starts_with(GIF_MAGIC) {
-            return Self::of_gif(path, file, limits);
+            let film = Self::of_gif(path, file, decoder_limits(size))?;
+            return Ok(film.held(size));
         }
         if start.starts_with(PNG_MAGIC) {
-            return Self::of_png(path, file, limits);
+            return Self::of_png(path, file, size);
         }
         Err(ImportError::decode(path, "neither a PNG nor a GIF"))
+    }
+
+    /// Whose frames, of a size, are held in memory.
+    fn held(mut self, [width, height]: [u64; 2]) -> Self {
+        self.held = width as f64 * height as f64;
+        self
+    }
+
+    /// Refuses a frame for which there is not enough memory.
+    fn ask_for_memory(&self) -> Result<(), ImportError> {
+        let bytes = match self.pixels {
+            p if p > 0.0 => BYTES_OF_NEXT_PIXEL * self.held,
+            _ => BYTES_OF_FIRST_PIXEL * self.held,
+        };
+        if bytes > WORTH_ASKING {
+            allow_memory(bytes, &self.path.display())?;
+        }
+        Ok(())
     }
 
     /// Where it comes from.
@@ -82,6 +112,7 @@ impl FilmReader {
             plays,
             kind,
             frames: Box::new(frames),
+            held: 0.0,
             pixels: 0.0,
         }
     }
@@ -95,13 +126,13 @@ impl FilmReader {
         Ok(Self::new(path, "a GIF", Some(plays), frames))
     }
 
-    fn of_png(path: &Path, file: BufReader<File>, limits: Limits) -> Result<Self, ImportError> {
+    fn of_png(path: &Path, file: BufReader<File>, size: [u64; 2]) -> Result<Self, ImportError> {
         let refuse = |e| ImportError::decode(path, e);
-        let decoder = PngDecoder::with_limits(file, limits).map_err(refuse)?;
+        let decoder = PngDecoder::with_limits(file, decoder_limits(size)).map_err(refuse)?;
         if !decoder.is_apng().map_err(refuse)? {
             let still = FilmFrame {
                 name: String::new(),
-                picture: read_png(path)?,
+                picture: FramePicture::of_png(path)?,
                 seconds: 0.0,
             };
             return Ok(Self::new(path, "a PNG", None, std::iter::once(Ok(still))));
@@ -112,7 +143,7 @@ impl FilmReader {
             LoopCount::Finite(times) => Plays::Times(times.get()),
         };
         let frames = timed_frames(path, decoder.into_frames());
-        Ok(Self::new(path, "an APNG", Some(plays), frames))
+        Ok(Self::new(path, "an APNG", Some(plays), frames).held(size))
     }
 
     fn of_folder(path: &Path) -> Result<Self, ImportError> {
@@ -124,7 +155,7 @@ impl FilmReader {
             let name = file.file_name().unwrap_or_default();
             Ok(FilmFrame {
                 name: name.to_string_lossy().into_owned(),
-                picture: read_png(&file)?,
+                picture: FramePicture::of_png(&file)?,
                 seconds: 0.0,
             })
         });
@@ -135,7 +166,7 @@ impl FilmReader {
 impl FilmReader {
     /// The frame, unless the film has more pixels with it than it may.
     fn counted_frame(&mut self, frame: FilmFrame) -> Result<FilmFrame, ImportError> {
-        let [width, height] = <[u32; 2]>::from(frame.picture.dimensions()).map(f64::from);
+        let [width, height] = frame.picture.size().map(f64::from);
         self.pixels += width * height;
         let who = self.path.display();
         current_limits().allow(Resource::Film, self.pixels, &who)?;
@@ -147,6 +178,9 @@ impl Iterator for FilmReader {
     type Item = Result<FilmFrame, ImportError>;
 
     fn next(&mut self) -> Option<Self::Item> {
+        if let Err(error) = self.ask_for_memory() {
+            return Some(Err(error));
+        }
         let frame = self.frames.next()?;
         Some(frame.and_then(|frame| self.counted_frame(frame)))
     }
@@ -182,7 +216,7 @@ fn timed_frames(
         Ok(FilmFrame {
             name: String::new(),
             seconds: f64::from(numerator) / f64::from(denominator) / 1e3,
-            picture: frame.into_buffer(),
+            picture: FramePicture::Held(frame.into_buffer()),
         })
     })
 }

@@ -1,14 +1,13 @@
 //! Single pictures, and what can be wrong with a file.
 
 use crate::limits::{LimitExceeded, Resource, allow_memory};
-use image::codecs::png::PngDecoder;
-use image::{ImageDecoder, ImageFormat, ImageReader, Limits, RgbaImage};
+use image::{ImageFormat, ImageReader, Limits, RgbaImage};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader};
 use std::path::{Path, PathBuf};
 
 /// What a decoder may take beside the pixels: profiles and texts, which a small file can blow up to gigabytes.
-const MOST_BESIDE: u64 = 16 << 20;
+pub(super) const BESIDE_PIXELS: u64 = 16 << 20;
 
 /// Bytes that a decoder and its reader hold of a pixel at most: 16 bits a channel, and again 8 bits a channel.
 const BYTES_OF_PIXEL: u64 = 8 + 4;
@@ -87,18 +86,24 @@ pub fn read_png(path: &Path) -> Result<RgbaImage, ImportError> {
     Ok(picture.into_rgba8())
 }
 
-/// Whether a PNG has room for transparency, read off its head; its pixels may still all be opaque.
-///
-/// Errors: as [`read_png`].
-pub fn has_alpha(path: &Path) -> Result<bool, ImportError> {
-    let (file, limits) = open_picture(path)?;
-    let decoder = PngDecoder::with_limits(file, limits);
-    let decoder = decoder.map_err(|e| ImportError::decode(path, e))?;
-    Ok(decoder.color_type().has_alpha())
+/// Opens a picture file, and says what decoding it as a whole may take.
+fn open_picture(path: &Path) -> Result<(BufReader<File>, Limits), ImportError> {
+    let (file, size) = open_head(path)?;
+    let needed = size[0] as f64 * size[1] as f64 * BYTES_OF_PIXEL as f64;
+    allow_memory(needed, &path.display())?;
+    Ok((file, decoder_limits(size)))
 }
 
-/// Opens a picture file, and says what decoding it may take: its size is read off its head first.
-pub(super) fn open_picture(path: &Path) -> Result<(BufReader<File>, Limits), ImportError> {
+/// What decoding a picture of a size may take.
+pub(super) fn decoder_limits([width, height]: [u64; 2]) -> Limits {
+    let mut limits = Limits::default();
+    let pixels = width.saturating_mul(height);
+    limits.max_alloc = Some(BESIDE_PIXELS + pixels.saturating_mul(BYTES_OF_PIXEL));
+    limits
+}
+
+/// Opens a picture file whose size, read off its head, is not above the limit; 0 x 0 where it is neither PNG nor GIF.
+pub(super) fn open_head(path: &Path) -> Result<(BufReader<File>, [u64; 2]), ImportError> {
     let failed = |e| ImportError::read(path, e);
     if !std::fs::metadata(path).map_err(failed)?.is_file() {
         return Err(ImportError::decode(path, "it is no regular file"));
@@ -108,15 +113,11 @@ pub(super) fn open_picture(path: &Path) -> Result<(BufReader<File>, Limits), Imp
     // What is neither is refused for that, by whoever reads on.
     let place = [(&b"GIF"[..], GIF_SIZE), (&b"\x89PNG"[..], PNG_SIZE)];
     let place = place.into_iter().find(|(magic, _)| head.starts_with(magic));
-    let pixels = place
-        .and_then(|(_, place)| size_at(head, place))
-        .map_or(0, |[width, height]| width * height);
-    let who = path.display();
-    crate::limits::current_limits().allow(Resource::Pixels, pixels as f64, &who)?;
-    allow_memory(pixels as f64 * BYTES_OF_PIXEL as f64, &who)?;
-    let mut limits = Limits::default();
-    limits.max_alloc = Some(MOST_BESIDE + pixels.saturating_mul(BYTES_OF_PIXEL));
-    Ok((file, limits))
+    let size = place.and_then(|(_, place)| size_at(head, place));
+    let [width, height] = size.unwrap_or_default();
+    let pixels = width as f64 * height as f64;
+    crate::limits::current_limits().allow(Resource::Pixels, pixels, &path.display())?;
+    Ok((file, [width, height]))
 }
 
 /// Width and height of a picture, if its head is long enough.

@@ -4,7 +4,7 @@
 //! half the line's width, or if the depth of its own surface jumps beside it. Lines are mixed in where samples are: in
 //! linear light, a share of each pixel.
 
-use crate::geometry::number_first;
+use crate::weld::number_first;
 
 /// Width of a line in 480ths of the picture's height.
 const WIDTH: f64 = 1.15;

@@ -1,10 +1,12 @@
 //! One picture against its golden file. A golden is never written unasked, and one that is missing fails.
 
 use crate::compare::film::Allowed;
-use crate::compare::{Comparison, Difference, compare_pictures, difference_triptych};
+use crate::compare::triptych::TriptychRows;
+use crate::compare::{Comparison, Difference, compare_rows};
 use crate::export::png::{Effort, encode_png};
+use crate::export::png_rows::write_rows;
 use crate::export::{ExportError, Output, Target};
-use crate::import::read_png;
+use crate::import::{FramePicture, ImportError, PictureRows};
 use image::RgbaImage;
 use std::path::{Path, PathBuf};
 
@@ -73,11 +75,10 @@ pub fn judge_picture(
         Ok(found) => Ok(GoldenVerdict::Passed(found)),
         Err(failure) => {
             save_picture(&drawn, actual)?;
-            if let Some(expected) = &failure.expected {
-                save_picture(
-                    &difference,
-                    &difference_triptych(expected, actual, allowed.tolerance),
-                )?;
+            if let Some(size) = failure.expected {
+                let expected = FramePicture::File(golden.to_owned(), size);
+                let actual = FramePicture::Held(actual.clone());
+                save_triptych([&expected, &actual], allowed.tolerance, &difference)?;
             }
             Ok(GoldenVerdict::Failed {
                 reason: failure.reason,
@@ -94,7 +95,8 @@ pub fn path_beside(golden: &Path, kind: &str) -> PathBuf {
 
 struct Mismatch {
     reason: String,
-    expected: Option<RgbaImage>,
+    /// Size of the golden, if it can be read.
+    expected: Option<[u32; 2]>,
     difference: Option<Difference>,
 }
 
@@ -111,23 +113,49 @@ fn held_against(
     if !golden.exists() {
         return Err(unreadable("the golden picture is missing".to_owned()));
     }
-    let expected = read_png(golden).map_err(|e| unreadable(e.to_string()))?;
-    let outcome = compare_pictures(&expected, actual, allowed.tolerance);
+    let failed = |e: ImportError| unreadable(e.to_string());
+    let expected = PictureRows::open(golden).map_err(failed)?;
+    let size = expected.size();
+    let drawn = PictureRows::of_picture(actual);
+    let outcome = compare_rows(expected, drawn, allowed.tolerance).map_err(failed)?;
     let within = outcome.is_within(allowed.pixels);
     let reason = format!("{outcome} (allowed {})", allowed.pixels);
     match outcome {
         Comparison::SameSize(found) if within => Ok(found),
         Comparison::SameSize(found) => Err(Mismatch {
             reason,
-            expected: Some(expected),
+            expected: Some(size),
             difference: Some(found),
         }),
         Comparison::SizeMismatch { .. } => Err(Mismatch {
             reason: outcome.to_string(),
-            expected: Some(expected),
+            expected: Some(size),
             difference: None,
         }),
     }
+}
+
+/// Writes two pictures and their difference side by side.
+///
+/// Errors: a picture cannot be read, the file cannot be written.
+pub fn save_triptych(
+    [expected, actual]: [&FramePicture; 2],
+    tolerance: u8,
+    path: &Path,
+) -> Result<(), ExportError> {
+    let unreadable = |e: ImportError| ExportError::Encode {
+        name: path.display().to_string(),
+        message: e.to_string(),
+    };
+    let mut rows = TriptychRows::new(expected, actual, tolerance).map_err(unreadable)?;
+    let size = rows.size();
+    let mut output: Box<dyn Output> = Box::new(Target::create(path)?);
+    let next = |row: &mut Vec<u8>| {
+        row.extend_from_slice(rows.next_row().map_err(unreadable)?.unwrap_or_default());
+        Ok(())
+    };
+    write_rows(size, next, output.as_mut())?;
+    output.commit()
 }
 
 fn save_picture(path: &Path, image: &RgbaImage) -> Result<(), ExportError> {

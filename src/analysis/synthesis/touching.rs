@@ -48,7 +48,7 @@ impl Touching<'_> {
         let Some(order) = order_of(family, mechanism) else {
             return f64::INFINITY;
         };
-        let hulls: Vec<Option<Hull>> = mechanism.bodies.iter().map(Hull::new).collect();
+        let hulls: Vec<Option<Hull>> = Hull::of_bodies(&mechanism.bodies);
         let mut deepest = f64::NEG_INFINITY;
         for pose in poses.iter().step_by(STRIDE) {
             let coordinates: Vec<f64> = order.iter().map(|k| pose[*k]).collect();

@@ -6,8 +6,9 @@ use crate::cli::io;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::compare::film::{Allowed, FilmReport, FrameReport, FrameVerdict, compare_films};
-use crate::compare::{Comparison, Difference, LADDER, difference_triptych};
+use crate::compare::{Comparison, Difference, LADDER};
 use crate::import::{FilmReader, Plays};
+use crate::snapshot::golden::save_triptych;
 use serde_json::{Value, json};
 use std::path::Path;
 use std::sync::atomic::Ordering;
@@ -43,7 +44,7 @@ pub fn run_diff(args: &DiffArgs, term: &Term) -> Result<Outcome, Failure> {
     }
     match (&args.out, &found.worst) {
         (Some(path), Some((_, left, right))) => {
-            io::write_png(&difference_triptych(left, right, args.tolerance), path)?;
+            save_triptych([left, right], args.tolerance, path)?;
         }
         (Some(path), None) => term.warning(&format!(
             "no picture is in both: {} was not written",

@@ -8,7 +8,9 @@ use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::export::Format;
 use crate::import::film::png_files;
-use crate::import::{ImportError, has_alpha, natural_order, read_png};
+use crate::import::{ImportError, PictureRows, natural_order, read_png};
+use crate::limits::allow_picture;
+use crate::render::BYTES_OF_DRAWN_PIXEL;
 use image::{Rgba, RgbaImage};
 use std::path::{Path, PathBuf};
 
@@ -29,20 +31,26 @@ pub fn run_encode(args: &EncodeArgs, term: &Term) -> Result<Outcome, Failure> {
             "for all frames write a .gif, .apng, a folder, or a pattern such as frame-%04d.png";
         return Err(Failure::usage(message, vec![hint.to_owned()]));
     }
-    // Only its size is kept: pictures may be as large as the memory allows.
-    let size = read_png(&paths[0])?.dimensions().into();
+    let size = PictureRows::open(&paths[0])?.size();
     let frames = Frames {
         paths: &paths,
         size,
         opaque: holds_no_alpha(&format).then(|| format.name()),
         background: args.background,
     };
+    let cores = crate::jobs::core_count();
+    let count = args.file.threads.unwrap_or(cores).min(paths.len()).max(1);
+    // As many at a time as there is memory for.
+    let allowed = |at_once: usize| {
+        let bytes = at_once as f64 * BYTES_OF_DRAWN_PIXEL;
+        allow_picture(frames.size, bytes, "a picture")
+    };
+    let count = (1..=count).rev().find(|n| allowed(*n).is_ok()).unwrap_or(1);
+    allowed(count)?;
     let destination = sinks::open_sink(&args.file, &format)?;
     let alpha = frames.opaque.is_none() && frames.are_translucent()?;
     let film = OpenFilm::new(&args.file, &format, frames.size, paths.len(), args.fps);
     let film = film.with_alpha(alpha).at_hand();
-    let cores = crate::jobs::core_count();
-    let count = args.file.threads.unwrap_or(cores);
     let mut workers: Vec<_> = (0..count)
         .map(|_| move |index: usize, image: &mut RgbaImage| frames.read(index, image))
         .collect();
@@ -124,8 +132,14 @@ impl Frames<'_> {
             return Ok(false);
         }
         for path in self.paths {
-            if has_alpha(path)? && is_translucent(&read_png(path)?) {
-                return Ok(true);
+            let mut rows = PictureRows::open(path)?;
+            if !rows.has_alpha() {
+                continue;
+            }
+            while let Some(row) = rows.next_row()? {
+                if row.as_chunks::<4>().0.iter().any(|p| p[3] < 255) {
+                    return Ok(true);
+                }
             }
         }
         Ok(false)

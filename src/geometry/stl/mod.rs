@@ -6,9 +6,9 @@ mod text;
 
 pub use error::{MAX_STL_TRIANGLES, StlError};
 
-use super::weld::{first_equal, number_first, point_bits};
 use crate::diag::shown_text;
 use crate::model::shape::TriangleSoup;
+use crate::weld::{first_equal, number_first, point_bits};
 use binary::{
     BINARY_HEADER, BINARY_TRIANGLE, TriangleCorners, announced_triangles, binary_size,
     check_binary, of_binary,

@@ -6,7 +6,7 @@ use libfuzzer_sys::fuzz_target;
 use mechanim::cli::open::inputs_table::apply_inputs;
 use mechanim::diag::Source;
 use mechanim::geometry::{mesh_of_triangles, read_stl};
-use mechanim::import::FilmReader;
+use mechanim::import::{FilmFrame, FilmReader, ImportError};
 use mechanim::scene::{Overrides, builtin, load_scene};
 use mechanim::snapshot::Manifest;
 use std::path::PathBuf;
@@ -20,7 +20,12 @@ fuzz_target!(|bytes: &[u8]| {
     match (is_picture, is_mesh) {
         (true, _) => {
             if let Ok(film) = FilmReader::open(&written(bytes)) {
-                film.take(FRAMES).take_while(Result::is_ok).for_each(drop);
+                let read = |frame: FilmFrame| {
+                    let mut rows = frame.picture.rows()?;
+                    while rows.next_row()?.is_some() {}
+                    Ok::<_, ImportError>(())
+                };
+                let _ = film.take(FRAMES).try_for_each(|frame| frame.and_then(read));
             }
         }
         (_, true) => {

@@ -179,3 +179,63 @@ fn cracks_are_closed_as_far_as_a_file_can_be_wrong() {
         assert!(!mesh.encloses(middle + DVec3::X * 1.1));
     }
 }
+
+/// The same shell seen from inside.
+fn turned(mut triangles: Triangles) -> Triangles {
+    triangles.iter_mut().for_each(|t| t.swap(0, 1));
+    triangles
+}
+
+fn small_cube(middle: DVec3, half: f64) -> Triangles {
+    cuboid(middle - half, middle + half)
+}
+
+#[test]
+fn thousands_of_shells_are_turned_outside_out() {
+    let place = |k: usize| v((k % 20) as f64, (k / 20 % 20) as f64, (k / 400) as f64) * 3.0;
+    // Beside each other, every other one inside out.
+    let beside = (0..8000).flat_map(|k| match k % 2 {
+        0 => small_cube(place(k), 1.0),
+        _ => turned(small_cube(place(k), 1.0)),
+    });
+    let mesh = tree(&beside.collect());
+    for k in 0..8000 {
+        assert!(mesh.encloses(place(k) + v(0.1, 0.3, -0.7)), "{k}");
+        assert!(!mesh.encloses(place(k) + v(0.1, 1.5, -0.7)), "{k}");
+    }
+    // As cavities of one block; in each an island whose triangles are numbered the wrong way round.
+    let cavities = (0..1000).flat_map(|k| {
+        [
+            turned(small_cube(place(k), 1.0)),
+            turned(small_cube(place(k), 0.5)),
+        ]
+        .concat()
+    });
+    let block = cuboid(DVec3::splat(-2.0), DVec3::splat(60.0));
+    let mesh = tree(&block.into_iter().chain(cavities).collect());
+    assert_eq!(mesh.enclosure, ShellEnclosure::Solid);
+    for k in 0..1000 {
+        let judged = [0.3, 0.8, 1.2].map(|x| mesh.encloses(place(k) + v(x, 0.02, -0.03)));
+        assert_eq!(judged, [true, false, true], "{k}");
+    }
+}
+
+/// Thousands of shells in each other have no use but to take time.
+#[test]
+fn shells_in_each_other_without_end_are_given_up() {
+    let in_each_other = |count: usize| {
+        let shells = (0..count).flat_map(|k| {
+            let cube = small_cube(DVec3::ZERO, 1.0 + k as f64);
+            if k % 2 == 0 { cube } else { turned(cube) }
+        });
+        tree(&shells.collect())
+    };
+    let few = in_each_other(9);
+    assert_eq!(few.enclosure, ShellEnclosure::Solid);
+    for k in 0..9 {
+        assert_eq!(few.encloses(v(0.5 + k as f64, 0.1, 0.2)), k % 2 == 0, "{k}");
+    }
+    let many = in_each_other(4000);
+    assert_eq!(many.enclosure, ShellEnclosure::Tangled);
+    assert!(!many.encloses(DVec3::ZERO));
+}

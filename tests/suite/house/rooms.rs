@@ -8,7 +8,9 @@ use super::source::{Source, sources};
 /// The floors of the house, lowest first: folders and files under `src/`. A room uses itself and the rooms of lower
 /// floors; rooms of one floor know nothing of each other. A room in a room is named apart.
 const FLOORS: &[&[&str]] = &[
-    &["diag.rs", "limits.rs", "math.rs", "jobs.rs", "linalg/"],
+    &[
+        "diag.rs", "limits/", "math.rs", "jobs.rs", "weld.rs", "linalg/",
+    ],
     &["numbers/"],
     &["intervals/"],
     &["model/"],
@@ -52,11 +54,11 @@ const NARROW: &[(&str, &[&str])] = &[
     ("intervals/", &["linalg/", "math.rs", "numbers/"]),
     (
         "geometry/",
-        &["diag.rs", "limits.rs", "math.rs", "model/shape.rs"],
+        &["diag.rs", "limits/", "math.rs", "weld.rs", "model/shape.rs"],
     ),
-    ("render/", &["math.rs", "geometry/"]),
+    ("render/", &["math.rs", "weld.rs", "geometry/"]),
     ("export/", &["math.rs", "geometry/"]),
-    ("import/", &["limits.rs"]),
+    ("import/", &["limits/"]),
     ("parts/", &["export/"]),
     ("plot/", &["render/text/"]),
     ("compare/", &["import/"]),

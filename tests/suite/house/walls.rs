@@ -10,7 +10,7 @@ struct Wall {
     rooms: &'static [&'static str],
 }
 
-const WALLS: [Wall; 21] = [
+const WALLS: [Wall; 22] = [
     Wall {
         words: &["nix::"],
         rooms: &["cli/program.rs"],
@@ -50,8 +50,12 @@ const WALLS: [Wall; 21] = [
         rooms: &["export/"],
     },
     Wall {
-        words: &["use png::", "use gif::"],
+        words: &["use gif::"],
         rooms: &["export/"],
+    },
+    Wall {
+        words: &["use png::"],
+        rooms: &["export/", "import/"],
     },
     Wall {
         words: &["image::codecs"],

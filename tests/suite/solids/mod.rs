@@ -3,6 +3,7 @@
 pub mod parry;
 
 use glam::{DMat3, DQuat, DVec3};
+use mechanim::distance::mesh_tree::MeshTrees;
 use mechanim::distance::primitive::{Element, shape_elements};
 use mechanim::math::Pose;
 use mechanim::model::shape::{Shape, Solid};
@@ -53,7 +54,7 @@ pub fn element(solid: Solid) -> Element {
         colour: [0; 3],
         opacity: 1.0,
     };
-    shape_elements(&[shape]).remove(0)
+    shape_elements(&[shape], &mut MeshTrees::default()).remove(0)
 }
 
 pub fn sphere(center: DVec3, radius: f64) -> Element {

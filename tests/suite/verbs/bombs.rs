@@ -252,10 +252,30 @@ fn meshes_made_to_be_expensive_are_refused_or_drawn() {
         let (a, b) = (turn(k, 50_000), turn(k + 1, 50_000));
         [0.0, 0.0, 1.0, a.cos(), a.sin(), 0.0, b.cos(), b.sin(), 0.0]
     });
-    let around_an_edge = (0..5_000).map(|k| {
-        let a = turn(k, 5_000);
+    let around_an_edge = (0..200_000).map(|k| {
+        let a = turn(k, 200_000);
         [0.0, 0.0, 0.0, 0.0, 0.0, 1.0, a.cos(), a.sin(), a]
     });
+    // Twenty thousand tetrahedra, every other one inside out.
+    let tetrahedra: Vec<[f32; 9]> = (0..20_000)
+        .flat_map(|k| {
+            let at = |corner: usize| {
+                let mut p = [k % 30, k / 30 % 30, k / 900].map(|n| 3.0 * n as f32);
+                if let Some(c) = corner.checked_sub(1) {
+                    p[c] += 2.0;
+                }
+                p
+            };
+            let faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+            faces.map(|[a, b, c]| {
+                let face = if k % 2 == 0 { [a, b, c] } else { [a, c, b] };
+                let mut all = [0.0; 9];
+                let corners = face.into_iter().flat_map(at);
+                all.iter_mut().zip(corners).for_each(|(own, v)| *own = v);
+                all
+            })
+        })
+        .collect();
     let text = |inside: &str| format!("solid a\nfacet normal 0 0 1\n{inside}").into_bytes();
     let w = Workspace::new();
     let scene = format!(
@@ -310,7 +330,12 @@ fn meshes_made_to_be_expensive_are_refused_or_drawn() {
         ("a fan", stl(50_000, &fan.collect::<Vec<_>>()), ""),
         (
             "all at one edge",
-            stl(5_000, &around_an_edge.collect::<Vec<_>>()),
+            stl(200_000, &around_an_edge.collect::<Vec<_>>()),
+            "",
+        ),
+        (
+            "shells inside out",
+            stl(tetrahedra.len() as u32, &tetrahedra),
             "",
         ),
         ("all equal", stl(50_000, &vec![ONE; 50_000]), ""),
@@ -497,4 +522,55 @@ fn pipes_are_not_waited_for() {
         scope.spawn(|| std::fs::write(w.path("scene.toml"), text));
         bounded(&w, "a pipe with a writer", &["check", "scene.toml"]).exits(0);
     });
+}
+
+/// Diagrams of many loops: labels look for places among all that is drawn.
+#[test]
+fn diagrams_of_a_thousand_loops_are_drawn() {
+    let w = Workspace::new();
+    let loops: String = (0..1000)
+        .map(|k| {
+            let drive = if k == 0 {
+                "phi".to_owned()
+            } else {
+                format!("c{}", k - 1)
+            };
+            format!(
+                "L{k} = \"Rz({drive}) Tx(40) Rz(a{k}) Tx(80) Rz(b{k}) Tx(50) Rz(c{k}) Tx(-90)\"\n"
+            )
+        })
+        .collect();
+    w.write(
+        "s.toml",
+        format!("duration = 1\n[inputs]\nphi = \"0.3*t\"\n[loops]\n{loops}"),
+    );
+    let draw = ["draw", "s.toml", "--out", "o.svg"];
+    bounded(&w, "a diagram of 1000 loops", &draw).exits(0);
+}
+
+/// A PNG of one colour, RGB, whose rows are written one by one.
+fn plain_picture(side: u32, level: u8) -> Vec<u8> {
+    use std::io::Write as _;
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, side, side);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    let mut writer = encoder.write_header().unwrap();
+    let mut rows = writer.stream_writer().unwrap();
+    let row = vec![level; 3 * side as usize];
+    (0..side).for_each(|_| rows.write_all(&row).unwrap());
+    rows.finish().unwrap();
+    writer.finish().unwrap();
+    bytes
+}
+
+/// Two stills of 64 megapixels, and what they differ by, in the memory of their rows.
+#[test]
+fn large_stills_are_compared_row_by_row() {
+    let w = Workspace::new();
+    w.write("a.png", plain_picture(8000, 10));
+    w.write("b.png", plain_picture(8000, 13));
+    let diff = ["diff", "a.png", "b.png", "--out", "d.png"];
+    let run = bounded_by(&w, "large stills", &diff, "time=300s,memory=60M");
+    run.exits(1);
 }

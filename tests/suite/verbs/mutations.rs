@@ -8,7 +8,7 @@ use crate::program;
 use crate::program::{Workspace, finish, peak_of_process, seconds_of_children, seconds_of_process};
 use mechanim::cli::interrupt::CANCEL;
 use mechanim::diag::Source;
-use mechanim::import::FilmReader;
+use mechanim::import::{FilmFrame, FilmReader, ImportError};
 use mechanim::scene::{Overrides, Scene, builtin, load_scene};
 use mechanim::snapshot::Manifest;
 use std::ffi::OsString;
@@ -273,7 +273,12 @@ fn pictures_are_read_or_refused() {
         |bytes| {
             let path = w.write("mutated", bytes);
             if let Ok(film) = FilmReader::open(&path) {
-                film.take(50).take_while(Result::is_ok).for_each(drop);
+                let read = |frame: FilmFrame| {
+                    let mut rows = frame.picture.rows()?;
+                    while rows.next_row()?.is_some() {}
+                    Ok::<_, ImportError>(())
+                };
+                let _ = film.take(50).try_for_each(|frame| frame.and_then(read));
             }
         },
     );

@@ -1,7 +1,10 @@
 //! What a run may use: time, memory, and the sizes of what is made from files. Set once for the process, asked where
 //! things are allocated. Ends nothing by itself.
 
+mod groups;
+
 use std::fmt;
+use std::path::Path;
 use std::sync::OnceLock;
 
 /// Something a run may use up.
@@ -247,16 +250,10 @@ impl Memory {
     fn allowed() -> &'static Self {
         static ALLOWED: OnceLock<Memory> = OnceLock::new();
         ALLOWED.get_or_init(|| {
-            let groups = [
-                "/sys/fs/cgroup/memory.max",
-                "/sys/fs/cgroup/memory/memory.limit_in_bytes",
-            ];
-            let group = groups.iter().filter_map(|path| {
-                let text = std::fs::read_to_string(path).ok()?;
-                text.trim().parse::<f64>().ok()
-            });
             let machine = line_of("/proc/meminfo", "MemTotal:").map(|kib| 1024.0 * kib);
-            let least = group.chain(machine).fold(f64::INFINITY, f64::min);
+            let least = machine
+                .unwrap_or(f64::INFINITY)
+                .min(groups::group_memory(Path::new("/")));
             let addresses = line_of("/proc/self/limits", "Max address space");
             Memory {
                 resident: current_limits().most(Resource::Memory).min(SHARE * least),

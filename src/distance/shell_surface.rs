@@ -1,0 +1,241 @@
+//! The triangles of a mesh by corners that are one where they belong together: which edges stay open, what hangs together,
+//! how they are turned alike.
+
+use super::flaps::find_flaps;
+use super::surface_edges::{SurfaceEdges, triangle_edges};
+use crate::model::shape::TriangleSoup;
+use crate::weld::{FlatTable, first_equal, point_bits};
+use glam::DVec3;
+
+/// Open edges are joined where their ends are nearer than this part of the largest coordinate: files hold single precision,
+/// seven digits.
+const WELD: f64 = 1e-6;
+
+/// ... but no farther than this part of the mesh's extent: a small mesh far from its origin stays what it is.
+const LARGEST_WELD: f64 = 1e-4;
+
+/// No other corner.
+const NONE: u32 = u32::MAX;
+
+/// Triangles by corners that are one where they belong together.
+pub(crate) struct ShellSurface {
+    triangles: Vec<[u32; 3]>,
+}
+
+/// The triangles of every connected part, side by side.
+pub(crate) struct Parts {
+    ends: Vec<u32>,
+    list: Vec<u32>,
+}
+
+impl Parts {
+    /// The triangles of one after another.
+    pub(crate) fn each(&self) -> impl Iterator<Item = &[u32]> {
+        (0..self.len()).map(|k| self.part(k))
+    }
+
+    /// How many there are.
+    pub(crate) fn len(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// The triangles of one.
+    pub(crate) fn part(&self, index: usize) -> &[u32] {
+        let start = index.checked_sub(1).map_or(0, |before| self.ends[before]);
+        &self.list[start as usize..self.ends[index] as usize]
+    }
+}
+
+impl ShellSurface {
+    /// Corners at exactly the same place are one.
+    pub(crate) fn new(soup: &TriangleSoup) -> Self {
+        let own = first_equal(soup.vertices.len(), |k| point_bits(soup.vertices[k]));
+        let index = |k: u32| own.get(k as usize).copied().unwrap_or_default();
+        Self {
+            triangles: soup.triangles.iter().map(|t| t.map(index)).collect(),
+        }
+    }
+
+    /// Every edge with its sides.
+    pub(crate) fn edges(&self) -> SurfaceEdges {
+        SurfaceEdges::new(&self.triangles)
+    }
+
+    /// Makes a closed surface of one that is closed but for flaps and for triangles that are numbered the other way round:
+    /// takes the flaps out, and turns the others. Changes nothing and says so where that is not enough.
+    pub(crate) fn close(
+        &mut self,
+        edges: &SurfaceEdges,
+        triangles: &mut Vec<[DVec3; 3]>,
+        vertices: &[DVec3],
+        flaps: &mut Vec<[DVec3; 3]>,
+    ) -> bool {
+        let at = |k: u32| vertices[k as usize];
+        let is_flap = find_flaps(&self.triangles, edges, at, weld_distance(vertices));
+        let kept: Vec<usize> = (0..is_flap.len()).filter(|k| !is_flap[*k]).collect();
+        let shell = Self {
+            triangles: kept.iter().map(|k| self.triangles[*k]).collect(),
+        };
+        let turned = shell.agreed();
+        if kept.is_empty() || turned.edges().open().next().is_some() {
+            return false;
+        }
+        let taken = (0..is_flap.len()).filter(|k| is_flap[*k]);
+        *flaps = taken.map(|k| triangles[k]).collect();
+        let pairs = kept
+            .iter()
+            .zip(shell.triangles.iter().zip(&turned.triangles));
+        *triangles = pairs
+            .map(|(k, (old, new))| {
+                let [a, b, c] = triangles[*k];
+                if old == new { [a, b, c] } else { [b, a, c] }
+            })
+            .collect();
+        *self = turned;
+        true
+    }
+
+    /// Makes corners of open edges one that are as near as the numbers of a file can be wrong.
+    pub(crate) fn weld(&mut self, vertices: &[DVec3], edges: &SurfaceEdges) {
+        let near = weld_distance(vertices);
+        if near <= 0.0 {
+            return;
+        }
+        let mut corners: Vec<u32> = edges.open().flatten().collect();
+        corners.sort_unstable();
+        corners.dedup();
+        let place = |item: usize| vertices[corners[item] as usize];
+        // Cells as large as what is joined: partners lie in neighbouring ones.
+        let cell = |p: DVec3| (p / near).floor();
+        let key = |item: usize| point_bits(cell(place(item)));
+        let mut cells = FlatTable::with_room(corners.len());
+        // Those of one cell follow each other; few, since those that are near became one.
+        let mut next = vec![NONE; corners.len()];
+        let mut first: Vec<u32> = (0..vertices.len() as u32).collect();
+        let chain = |start: Option<usize>, next: &[u32], is_it: &dyn Fn(usize) -> bool| {
+            let mut at = start?;
+            while !is_it(at) {
+                at = Some(next[at]).filter(|k| *k != NONE)? as usize;
+            }
+            Some(at)
+        };
+        for item in 0..corners.len() {
+            let own = place(item);
+            let here = cell(own);
+            let is_near = |other: usize| place(other).distance(own) <= near;
+            let mut around = (0..27).map(|n| {
+                let offset = DVec3::new(f64::from(n % 3), f64::from(n / 3 % 3), f64::from(n / 9));
+                point_bits(here + offset - DVec3::ONE)
+            });
+            let known = around.find_map(|c| chain(cells.get(&c, key), &next, &is_near));
+            if let Some(other) = known {
+                first[corners[item] as usize] = corners[other];
+                continue;
+            }
+            let head = cells.get_or_insert(&point_bits(here), item, key);
+            if head != item {
+                let is_last = |k: usize| next[k] == NONE;
+                let last = chain(Some(head), &next, &is_last).unwrap_or(head);
+                next[last] = item as u32;
+            }
+        }
+        for corner in self.triangles.iter_mut().flatten() {
+            *corner = first[*corner as usize];
+        }
+    }
+
+    /// The same triangles, turned so that neighbours run along their common edge in opposite directions, where that can be;
+    /// of those that hang together the smaller part is turned.
+    fn agreed(&self) -> Self {
+        let mut triangles = self.triangles.clone();
+        let edges = self.edges();
+        let mut is_done = vec![false; triangles.len()];
+        let mut together = Vec::new();
+        for seed in 0..triangles.len() {
+            if std::mem::replace(&mut is_done[seed], true) {
+                continue;
+            }
+            together.clear();
+            together.push(seed);
+            let (mut next, mut turned) = (0, 0);
+            while let Some(k) = together.get(next).copied() {
+                next += 1;
+                for edge in triangle_edges(triangles[k]) {
+                    let others = edges.pair(edge).into_iter().flatten();
+                    let Some(other) = others.into_iter().find(|j| *j != k) else {
+                        continue;
+                    };
+                    if std::mem::replace(&mut is_done[other], true) {
+                        continue;
+                    }
+                    if triangle_edges(triangles[other]).contains(&edge) {
+                        triangles[other].swap(0, 1);
+                        turned += 1;
+                    }
+                    together.push(other);
+                }
+            }
+            if 2 * turned > together.len() {
+                together.iter().for_each(|k| triangles[*k].swap(0, 1));
+            }
+        }
+        Self { triangles }
+    }
+
+    /// The triangles of every connected part, the parts in the order of their first triangles.
+    pub(crate) fn parts(&self) -> Parts {
+        let count = self.triangles.iter().flatten().max().map_or(0, |k| k + 1);
+        // Union and find over the corners.
+        let mut root: Vec<u32> = (0..count).collect();
+        fn find(root: &mut [u32], mut k: u32) -> u32 {
+            while root[k as usize] != k {
+                root[k as usize] = root[root[k as usize] as usize];
+                k = root[k as usize];
+            }
+            k
+        }
+        for [a, b, c] in &self.triangles {
+            for other in [b, c] {
+                let (p, q) = (find(&mut root, *a), find(&mut root, *other));
+                root[p.max(q) as usize] = p.min(q);
+            }
+        }
+        let mut of: Vec<u32> = Vec::with_capacity(self.triangles.len());
+        of.extend(self.triangles.iter().map(|t| find(&mut root, t[0])));
+        drop(root);
+        let mut number = vec![NONE; count as usize];
+        let mut ends: Vec<u32> = Vec::new();
+        for part in &mut of {
+            let number = &mut number[*part as usize];
+            if *number == NONE {
+                *number = ends.len() as u32;
+                ends.push(0);
+            }
+            *part = *number;
+            ends[*part as usize] += 1;
+        }
+        drop(number);
+        // Where each begins; filling the list makes it where each ends.
+        let mut start = 0;
+        for end in &mut ends {
+            (start, *end) = (start + *end, start);
+        }
+        let mut list = vec![0; of.len()];
+        for (k, part) in of.iter().enumerate() {
+            let place = &mut ends[*part as usize];
+            list[*place as usize] = k as u32;
+            *place += 1;
+        }
+        Parts { ends, list }
+    }
+}
+
+/// How near to each other corners of open edges are one.
+fn weld_distance(vertices: &[DVec3]) -> f64 {
+    let largest = vertices
+        .iter()
+        .fold(0.0, |m: f64, p| m.max(p.abs().max_element()));
+    let low = vertices.iter().fold(DVec3::INFINITY, |m, p| m.min(*p));
+    let high = vertices.iter().fold(DVec3::NEG_INFINITY, |m, p| m.max(*p));
+    (WELD * largest).min(LARGEST_WELD * (high - low).length())
+}

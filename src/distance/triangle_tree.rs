@@ -1,0 +1,173 @@
+//! A tree of oriented boxes over triangles, which are taken as they are.
+
+use super::boxes::OrientedBox;
+use super::winding::{Ray, turns_around};
+use glam::DVec3;
+
+/// Most triangles in a leaf.
+const LEAF: usize = 4;
+
+/// Some triangles.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TreeNode {
+    /// Holds them all.
+    pub(crate) around: OrientedBox,
+    /// A leaf's triangles, or the index of the second child (the first one follows).
+    pub(crate) content: Content,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Content {
+    Leaf(usize, usize),
+    Fork(usize),
+}
+
+/// Triangles, ready for queries.
+#[derive(Clone, Debug)]
+pub(crate) struct TriangleTree {
+    pub(crate) triangles: Vec<[DVec3; 3]>,
+    pub(crate) nodes: Vec<TreeNode>,
+}
+
+impl TriangleTree {
+    /// Builds the tree: n log n.
+    pub(crate) fn new(triangles: Vec<[DVec3; 3]>) -> Self {
+        let mut tree = Self {
+            triangles,
+            nodes: Vec::new(),
+        };
+        tree.grow(0, tree.triangles.len());
+        tree
+    }
+
+    /// Adds the node over a range of triangles and all below it.
+    fn grow(&mut self, start: usize, end: usize) {
+        let part = &mut self.triangles[start..end];
+        let around = OrientedBox::around(part);
+        let index = self.nodes.len();
+        let content = Content::Leaf(start, end);
+        self.nodes.push(TreeNode { around, content });
+        if end - start <= LEAF {
+            return;
+        }
+        let axis = around.longest();
+        let middle = (end - start) / 2;
+        let key = |t: &[DVec3; 3]| axis.dot(t[0] + t[1] + t[2]);
+        part.select_nth_unstable_by(middle, |a, b| key(a).total_cmp(&key(b)));
+        self.grow(start, start + middle);
+        self.nodes[index].content = Content::Fork(self.nodes.len());
+        self.grow(start + middle, end);
+    }
+
+    /// Centre and radius of a ball around all triangles.
+    pub(crate) fn bounds(&self) -> (DVec3, f64) {
+        let root = self.nodes.first().map(|node| node.around);
+        root.map_or((DVec3::ZERO, 0.0), |around| (around.center, around.radius))
+    }
+
+    /// Whether there are none.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.triangles.is_empty()
+    }
+
+    /// A vertex with the largest n · p; none without triangles.
+    pub(crate) fn farthest(&self, n: DVec3) -> Option<DVec3> {
+        let corners = self.triangles.get(self.highest(0, n).triangle)?;
+        Some(corners.iter().copied().fold(corners[0], |best, p| {
+            if n.dot(p) > n.dot(best) { p } else { best }
+        }))
+    }
+
+    /// What lies farthest along `n` below a node.
+    pub(crate) fn highest(&self, node: usize, n: DVec3) -> Highest {
+        let mut best = Highest {
+            height: f64::NEG_INFINITY,
+            triangle: 0,
+        };
+        if !self.is_empty() {
+            self.climb(node, n, &mut best);
+        }
+        best
+    }
+
+    fn climb(&self, node: usize, n: DVec3, best: &mut Highest) {
+        match self.nodes[node].content {
+            Content::Leaf(start, end) => {
+                for triangle in start..end {
+                    let height = corner_support(&self.triangles[triangle], n);
+                    if height > best.height {
+                        *best = Highest { height, triangle };
+                    }
+                }
+            }
+            Content::Fork(second) => {
+                let below = |k: usize| (k, -self.nodes[k].around.support(n));
+                for (k, lowest) in nearer_first([below(node + 1), below(second)]) {
+                    if -lowest > best.height {
+                        self.climb(k, n, best);
+                    }
+                }
+            }
+        }
+    }
+
+    /// How often the triangles, but for some of them, go around a point; what is left must be closed.
+    pub(crate) fn turns(&self, without: Option<&Self>, point: DVec3) -> f64 {
+        let (center, radius) = self.bounds();
+        if point.distance(center) > radius {
+            return 0.0;
+        }
+        // Of open parts every ray counts another number: both are told by one.
+        let crossings = Ray::from_point(point).find_map(|ray| {
+            let beside = without.map_or(Some(0), |tree| tree.crossings(0, &ray))?;
+            Some(self.crossings(0, &ray)? - beside)
+        });
+        // Next to the surface itself no ray is clear.
+        crossings.map_or_else(
+            || {
+                let beside = without.map_or(0.0, |tree| turns_around(&tree.triangles, point));
+                turns_around(&self.triangles, point) - beside
+            },
+            f64::from,
+        )
+    }
+
+    /// How often triangles below a node lead out along a ray, less how often in; `None` where that is not clear.
+    fn crossings(&self, node: usize, ray: &Ray) -> Option<i32> {
+        let TreeNode { around, content } = &self.nodes[node];
+        if !ray.may_meet(around.center, around.radius, |n| around.reach(n)) {
+            return Some(0);
+        }
+        match *content {
+            Content::Leaf(start, end) => {
+                let mut here = self.triangles[start..end].iter();
+                here.try_fold(0, |sum, t| Some(sum + ray.crossing(t)?))
+            }
+            Content::Fork(second) => {
+                Some(self.crossings(node + 1, ray)? + self.crossings(second, ray)?)
+            }
+        }
+    }
+}
+
+/// The triangle that reaches farthest in a direction n, and the n · p of its corner.
+#[derive(Clone, Copy)]
+pub(crate) struct Highest {
+    pub(crate) height: f64,
+    pub(crate) triangle: usize,
+}
+
+/// Largest n · p of a triangle.
+#[inline]
+pub(crate) fn corner_support(corners: &[DVec3; 3], n: DVec3) -> f64 {
+    let [a, b, c] = corners.each_ref().map(|p| n.dot(*p));
+    a.max(b).max(c)
+}
+
+/// Two things in the order of their numbers.
+pub(crate) fn nearer_first<T: Copy>(mut two: [(T, f64); 2]) -> [(T, f64); 2] {
+    if two[1].1 < two[0].1 {
+        two.swap(0, 1);
+    }
+    two
+}
