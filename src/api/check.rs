@@ -46,7 +46,7 @@ pub struct PairClearance {
     pub distance: f64,
     /// When that is, in seconds.
     pub time: f64,
-    /// They never come nearer than this, where `is_proved`.
+    /// They never come nearer than this, where `is_proved`; negative infinity where nothing is known, or they are in each other.
     pub bound: f64,
     /// The bound is proved for the whole motion.
     pub is_proved: bool,
@@ -183,7 +183,7 @@ fn pairs(loaded: &Loaded, found: &ClearanceReport) -> Vec<PairClearance> {
         minimum: p.minimum,
         distance: p.least.distance,
         time: p.least.time,
-        bound: p.least.bound,
+        bound: p.known_bound().unwrap_or(f64::NEG_INFINITY),
         is_proved: p.least.is_certified,
         passed: p.judgement.is_kept() && p.least.is_certified,
     };
