@@ -49,7 +49,8 @@ pub struct PairClearance {
     pub distance: f64,
     /// Time of this distance in seconds.
     pub time: f64,
-    /// Lower bound of the distance over the whole motion; proved if `is_proved`.
+    /// Lower bound of the distance over the whole motion, proved if `is_proved`; negative infinity if nothing is known, or if the
+    /// bodies penetrate each other.
     pub bound: f64,
     /// Whether the bound is proved for the whole motion.
     pub is_proved: bool,
@@ -218,7 +219,7 @@ fn pairs(loaded: &Loaded, found: &ClearanceReport) -> Vec<PairClearance> {
         minimum: p.minimum,
         distance: p.least.distance,
         time: p.least.time,
-        bound: p.least.bound,
+        bound: p.known_bound().unwrap_or(f64::NEG_INFINITY),
         is_proved: p.least.is_certified,
         passed: p.judgement.is_kept() && p.least.is_certified,
     };

@@ -5,11 +5,10 @@ use crate::model::mechanism::Mechanism;
 use crate::plot::chart::{Axis, Chart, EventMark, Panel, PlotSeries, Shade};
 use crate::report::rounded::not_below;
 
-/// What a pair never comes below, if that says anything: a depth has no bound.
+/// What a pair never comes below, if that is not below the chart.
 fn chart_bound(pair: &PairReport) -> Option<f64> {
-    let least = &pair.least;
-    let is_one = least.distance > 0.0 && least.bound.is_finite() && least.bound >= 0.0;
-    is_one.then_some(least.bound)
+    let bound = pair.known_bound().filter(|bound| *bound >= 0.0);
+    bound.filter(|_| pair.least.distance > 0.0)
 }
 
 /// One curve a pair, the `most` worst ones; the dashed line is the minimum asked for, the mark the worst moment.
@@ -101,7 +100,10 @@ fn mark_worst(mechanism: &Mechanism, worst: &PairReport, panel: &mut Panel, char
         false => "estimated",
     };
     let known = chart_bound(worst).map_or_else(
-        || "a depth has no bound".to_owned(),
+        || match least.distance > 0.0 {
+            true => "not above zero".to_owned(),
+            false => "a depth has no bound".to_owned(),
+        },
         |bound| format!("never below {} {unit} ({how})", not_below(bound, 4)),
     );
     chart.notes.push(format!(

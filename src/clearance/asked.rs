@@ -337,7 +337,7 @@ fn judge_touching(motion: &mut ProvedMotion, sweep: &PairSweep) -> Option<PairRe
     {
         (least, judgement) = (between, Judgement::Failed);
     }
-    least.bound = contact.low.min(least.distance);
+    least.bound = sweep.told(contact.low.min(least.distance));
     least.is_certified = contact.is_certified;
     Some(PairReport {
         pair: sweep.bodies(),

@@ -70,7 +70,7 @@ impl PairSweep<'_> {
         // A depth is a measure, not a distance: what is proved then is that the bodies overlap.
         let is_certified = is_proved && near >= -self.slack() && motion.gaps.is_empty();
         let is_refined = bound >= self.target(&best);
-        let bound = bound - self.pose_slack(motion);
+        let bound = self.told(bound - self.pose_slack(motion));
         Some(self.least(motion, &best, bound, [is_certified, is_refined]))
     }
 

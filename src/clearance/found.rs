@@ -70,6 +70,13 @@ impl PairReport {
         matches!(self.judgement, Judgement::Failed | Judgement::Undecided)
     }
 
+    /// What its distance never is below; nothing where that is not known, or where the bodies are in each other: a depth is a
+    /// measure, of which it is only known that they overlap. Bodies that are meant to touch may be that deep between the samples.
+    pub fn known_bound(&self) -> Option<f64> {
+        let is_apart = self.farthest.is_some() || self.least.distance >= -self.slack;
+        Some(self.least.bound).filter(|bound| is_apart && bound.is_finite())
+    }
+
     /// Its class: near if it comes within `band` of the minimum, without a band within the minimum once more. Bodies in contact
     /// are meant to be.
     pub fn class(&self, band: Option<f64>) -> ClearanceClass {

@@ -19,6 +19,10 @@ pub const POSE_SLACK: f64 = 1e-10;
 /// their minimum cannot be proved to more.
 pub const JUDGED: f64 = 1e-9;
 
+/// But by no more than this part of the radius of the smaller body's ball, however far the two come from each other: a cut that
+/// can be seen is none of rounding.
+const MOST_JUDGED: f64 = 1e-3;
+
 /// A minimum, in lengths of the pair, below which the bound need not be finer than its share.
 const SMALLEST_SCALE: f64 = 1e-4;
 
@@ -37,7 +41,7 @@ pub struct Least {
     pub inside: [bool; 2],
     /// One lies in the other, a mesh among them: how deep is not known, and the distance is zero.
     pub is_enclosed: bool,
-    /// The distance never is below this.
+    /// The distance never is below this; negative infinity where nothing is known.
     pub bound: f64,
     /// The bound is proved, not estimated.
     pub is_certified: bool,
@@ -147,7 +151,8 @@ impl<'a> PairSweep<'a> {
 
     /// By how much a bound may stay below the minimum of a pair that passes.
     pub fn slack(&self) -> f64 {
-        JUDGED * self.extent
+        let smaller = self.hulls[0].ball.1.min(self.hulls[1].ball.1);
+        (JUDGED * self.extent).min(MOST_JUDGED * smaller)
     }
 
     /// The least distance that passes, to within rounding: exactly the minimum cannot be proved.
@@ -161,9 +166,24 @@ impl<'a> PairSweep<'a> {
         distance <= 0.0 && mesh::is_any(elements)
     }
 
-    /// No distance is lower, however deep bodies are in each other.
+    /// What stands for the depth of a mesh, which has none: lower than all distances that tell anything.
     pub(super) fn deepest(&self) -> f64 {
         -self.extent
+    }
+
+    /// A lower bound, as far as it tells anything. No depth is greater than the radii of the balls around both bodies together,
+    /// wherever they are: balls as far from each other as that are apart.
+    pub(super) fn told(&self, bound: f64) -> f64 {
+        let deepest = -self.hulls.iter().map(|hull| hull.ball.1).sum::<f64>();
+        // A mesh has no depth.
+        let is_solid = !self.hulls.iter().any(|hull| hull.has_mesh());
+        if bound > deepest && bound > self.deepest() {
+            bound
+        } else if is_solid && deepest >= self.enough() {
+            deepest
+        } else {
+            f64::NEG_INFINITY
+        }
     }
 
     /// The least distance that passes.

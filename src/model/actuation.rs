@@ -35,6 +35,47 @@ impl Actuation {
         }
     }
 
+    /// Makes one of instants at which drives have keys and jumps that differ by a rounding only: 0.3 s, and what another drive has as
+    /// 0.1 s + 0.2 s. Between them one drive would have jumped and the other not.
+    pub fn join_instants(&mut self) {
+        let keys = self.drives.iter().flat_map(Drive::keys);
+        let mut all: Vec<f64> = keys.copied().collect();
+        all.sort_by(f64::total_cmp);
+        all.dedup();
+        let jumping = |time: f64| self.drives.iter().any(|drive| drive.jumps_at(time));
+        // For each key what it is joined to: what a formula has, since its numbers are known to more digits, else the first one.
+        let mut joined: Vec<[f64; 2]> = Vec::new();
+        for time in all {
+            let first = joined.last().filter(|[last, _]| last.next_up() == time);
+            let known = match first {
+                Some([_, to]) => *to,
+                None => {
+                    let about = [time, time.next_up(), time.next_down()];
+                    about.into_iter().find(|t| jumping(*t)).unwrap_or(time)
+                }
+            };
+            joined.push([time, known]);
+        }
+        joined.retain(|[time, known]| time != known);
+        let to = |time: f64| {
+            let place = joined.binary_search_by(|[from, _]| from.total_cmp(&time));
+            place.map_or(time, |k| joined[k][1])
+        };
+        for keys in self.drives.iter_mut().map(Drive::keys_mut) {
+            for k in 0..keys.len() {
+                let known = to(keys[k]);
+                // Times of one drive stay apart.
+                let beside = [k.checked_sub(1), Some(k + 1)].into_iter().flatten();
+                if !beside
+                    .filter_map(|k| keys.get(k))
+                    .any(|other| *other == known)
+                {
+                    keys[k] = known;
+                }
+            }
+        }
+    }
+
     /// Values of the inputs at `time`; not finite where a drive has no value.
     pub fn inputs_at(&self, time: f64) -> Vec<f64> {
         self.drives.iter().map(|drive| drive.value(time)).collect()

@@ -65,7 +65,10 @@ impl Drive {
 
     /// The value at `time`; may be not finite where a formula has no value.
     pub fn value(&self, time: f64) -> f64 {
-        self.value_beside(time, time)
+        match self {
+            Self::Formula(formula) => formula.value_at_instant(time),
+            Self::Keys { .. } => self.value_beside(time, time),
+        }
     }
 
     /// Whether it is not proved that it has no value at `time`, read as a number or as a table prints it.
@@ -109,6 +112,7 @@ impl Drive {
             } if times.last() == Some(&time) => {
                 drive_piece(times, values, *ease, times.len() - 1, clock)
             }
+            Self::Formula(formula) if formula.has_pieces() => formula.on_sides_of(time, clock),
             _ => self.value_beside(clock, time),
         };
         series.set(0, self.value(time));
@@ -133,6 +137,27 @@ impl Drive {
                 *ease == Ease::Step || times.windows(2).any(|pair| pair[0] >= pair[1])
             }
             Self::Formula(formula) => formula.has_pieces(),
+        }
+    }
+
+    /// Whether its formula jumps at an instant.
+    pub fn jumps_at(&self, time: f64) -> bool {
+        matches!(self, Self::Formula(formula) if formula.has_pieces() && formula.jumps_at(time))
+    }
+
+    /// Times of its keys, ascending.
+    pub fn keys(&self) -> &[f64] {
+        match self {
+            Self::Keys { times, .. } => times,
+            Self::Formula(_) => &[],
+        }
+    }
+
+    /// The same, to be moved.
+    pub fn keys_mut(&mut self) -> &mut [f64] {
+        match self {
+            Self::Keys { times, .. } => times,
+            Self::Formula(_) => &mut [],
         }
     }
 

@@ -326,6 +326,7 @@ fn combine_affine(a: &Affine, x: Constant, b: &Affine, y: Constant) -> Affine {
 
 mod domain;
 mod fault;
+mod instants;
 pub mod jumps;
 pub mod pieces;
 mod quadratic;

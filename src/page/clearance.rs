@@ -91,14 +91,10 @@ fn pair_row(
         Judgement::Failed => Status::Failed,
         _ => Status::NotProved,
     };
-    let bound = match least.bound.is_finite() {
-        true => format!(
-            "{} ({})",
-            not_below(least.bound, 6),
-            sure(least.is_certified)
-        ),
-        false => "–".to_owned(),
-    };
+    let bound = pair.known_bound().map_or_else(
+        || "–".to_owned(),
+        |bound| format!("{} ({})", not_below(bound, 6), sure(least.is_certified)),
+    );
     let unit = &mechanism.length_unit;
     marks.push(json!({
         "points": least.points.map(narrow_vector),

@@ -298,9 +298,9 @@ fn clearance_section(
         Some(pair) => [
             Cell::text(judgement_word(&pair.judgement)),
             Cell::number(format!("{:.6}", pair.least.distance)),
-            match pair.least.bound.is_finite() && pair.least.is_certified {
-                true => Cell::number(not_below(pair.least.bound, 6)),
-                false => Cell::number("not proved"),
+            match pair.known_bound().filter(|_| pair.least.is_certified) {
+                Some(bound) => Cell::number(not_below(bound, 6)),
+                None => Cell::number("not proved"),
             },
         ],
         None => [Cell::text("not judged"), Cell::Empty, Cell::Empty],

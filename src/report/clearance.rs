@@ -14,6 +14,9 @@ const MOST_INTERVALS: usize = 4;
 /// More decimals of a second say nothing.
 const MOST_DECIMALS: f64 = 15.0;
 
+/// Of bodies that were found apart, and of which no more is known.
+pub const NO_BOUND: &str = "no bound";
+
 /// The word of a judgement in reports.
 pub fn judgement_word(judgement: &Judgement) -> &'static str {
     match judgement {
@@ -228,29 +231,32 @@ pub(super) fn bound_text(mechanism: &Mechanism, p: &PairReport, has_gaps: bool) 
         true => "proved",
         false => "estimated",
     };
-    match p.farthest {
-        Some(farthest) => format!(
+    match (p.known_bound(), p.farthest) {
+        (Some(bound), Some(farthest)) => format!(
             "between the samples from {} to {} {unit} apart ({sure})",
-            at_least_three(least.bound),
+            at_least_three(bound),
             at_most_three(farthest)
         ),
-        None if least.distance > 0.0 => {
+        (None, Some(farthest)) => format!(
+            "between the samples no more than {} {unit} apart ({sure}), how deep in each other is not known",
+            at_most_three(farthest)
+        ),
+        (Some(bound), None) => {
             let when = if has_gaps {
                 " where the motion was checked"
             } else {
                 ""
             };
-            format!(
-                "never below {} {unit}{when} ({sure})",
-                not_below(least.bound, 6)
-            )
+            format!("never below {} {unit}{when} ({sure})", not_below(bound, 6))
         }
-        // A depth has no bound: it is only known that the bodies overlap.
-        None => "a depth has no bound".to_owned(),
+        (None, None) if least.distance > 0.0 => NO_BOUND.to_owned(),
+        // It is only known that the bodies overlap.
+        (None, None) => "a depth has no bound".to_owned(),
     }
 }
 
-/// CSV: time, then one column of distances a judged pair, then one with what none of them falls below.
+/// CSV: time, then one column of distances a judged pair, then one with what none of them falls below, empty where that is not
+/// known.
 pub fn to_csv(mechanism: &Mechanism, report: &ClearanceReport) -> String {
     let mut text = String::from("time");
     for p in &report.judged {
@@ -274,9 +280,8 @@ pub fn to_csv(mechanism: &Mechanism, report: &ClearanceReport) -> String {
         }
         for p in &report.judged {
             text.push(',');
-            // A depth has no bound.
-            if p.least.distance > 0.0 || p.farthest.is_some() {
-                text.push_str(&p.least.bound.to_string());
+            if let Some(bound) = p.known_bound() {
+                text.push_str(&bound.to_string());
             }
         }
         text.push('\n');

@@ -31,7 +31,7 @@ pub fn to_json(
         if let Some(object) = value.as_object_mut() {
             if judged {
                 object.insert("class".to_owned(), json!(p.class(band).word()));
-                object.insert("bound".to_owned(), json!(p.least.bound));
+                object.insert("bound".to_owned(), json!(p.known_bound()));
                 object.insert("certified".to_owned(), json!(p.least.is_certified));
                 object.insert("refined".to_owned(), json!(p.least.is_refined));
                 object.insert("slack".to_owned(), json!(p.slack));

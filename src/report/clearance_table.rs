@@ -1,7 +1,7 @@
 //! Clearances as a table of text: the worst pairs, all that are far apart, and what was left out, with its reasons.
 
 use super::clearance::{
-    body_names, bound_text, judgement_reason, judgement_word, violations_sentence,
+    NO_BOUND, body_names, bound_text, judgement_reason, judgement_word, violations_sentence,
 };
 use super::pieces::piece_table;
 use super::rounded::not_below;
@@ -123,14 +123,13 @@ fn far_line(far: &FarPairs) -> String {
 
 fn pair_row(mechanism: &Mechanism, p: &PairReport) -> String {
     let [a, b] = body_names(mechanism, p);
-    // A depth has no bound: it is only known that the bodies overlap.
-    let bound = match (
-        p.least.distance > 0.0 && p.farthest.is_none(),
-        p.least.is_certified,
-    ) {
-        (false, _) => "-".to_owned(),
-        (true, true) => not_below(p.least.bound, 4),
-        (true, false) => format!("~{}", not_below(p.least.bound, 4)),
+    let bound = match (p.known_bound(), p.least.is_certified) {
+        _ if p.farthest.is_some() => "-".to_owned(),
+        (Some(bound), true) => not_below(bound, 4),
+        (Some(bound), false) => format!("~{}", not_below(bound, 4)),
+        (None, _) if p.least.distance > 0.0 => NO_BOUND.to_owned(),
+        // A depth: it is only known that the bodies overlap.
+        (None, _) => "-".to_owned(),
     };
     format!(
         "    {:>10.4}  {bound:>12}  {:>10.4}  {:>10.5}  {:<10} {a} / {b}{}\n",

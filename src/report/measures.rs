@@ -219,9 +219,11 @@ impl TakenMeasure<'_> {
         let time = time.map_or_else(String::new, |time| format!(", at {time}"));
         let bound = self.shown_bound(&known);
         if !bound.is_finite() {
-            return format!(
-                "{time}; no bound: the formula may have no value or no slope somewhere"
-            );
+            let why = match known.is_distance {
+                true => "",
+                false => ": the formula may have no value or no slope somewhere",
+            };
+            return format!("{time}; no bound{why}");
         }
         let decimals = shown_decimals(bound).map_or(12, |d| d.saturating_sub(1));
         let never = match known.bound < known.value {

@@ -53,6 +53,7 @@ impl OtherDrives {
         actuation.duration = self.duration;
         let own = actuation.drives.iter_mut().zip(&self.drives);
         own.for_each(|(drive, other)| *drive = other.clone());
+        actuation.join_instants();
     }
 }
 

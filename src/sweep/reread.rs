@@ -125,9 +125,9 @@ fn clearance_margins(found: Option<&ClearanceReport>) -> [f64; 2] {
             false => least,
         })
     };
-    let bound = |p: &PairReport| match p.least.is_certified {
-        true => p.least.bound - p.minimum,
-        false => f64::NAN,
+    let bound = |p: &PairReport| match p.known_bound().filter(|_| p.least.is_certified) {
+        Some(bound) => bound - p.minimum,
+        None => f64::NAN,
     };
     [least(&|p| p.least.distance - p.minimum), least(&bound)]
 }

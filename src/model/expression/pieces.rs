@@ -4,6 +4,7 @@
 //! A kink is passed by either of its sides with what that is off at most. A jump cannot be passed: a piece is what the
 //! formula is up to the jump, and goes on beyond it as far as the time of the jump is unknown.
 
+use super::instants::with_whole;
 use super::jumps::{Jump, Line, are_one, instant_of, line_of};
 use super::{Expression, Function, Op, apply_op};
 use crate::numbers::constant::Constant;
@@ -221,18 +222,17 @@ impl Expression {
     fn jump_state(&self, time: f64) -> Vec<f64> {
         let mut values: Vec<f64> = Vec::with_capacity(self.ops().len());
         let mut state = Vec::new();
-        for op in self.ops() {
+        for (op, whole) in self.ops().iter().zip(self.whole_numbers(time)) {
             if let Op::Call(function, a, b) = *op {
                 let (x, y) = (values[a], values[b]);
                 match function {
                     Function::Abs => state.push(f64::from(x < 0.0)),
                     Function::Min | Function::Max => state.push(f64::from(x < y)),
-                    Function::Floor => state.push(x.floor()),
-                    Function::Mod => state.push((x / y).floor()),
+                    Function::Floor | Function::Mod => state.push(whole.unwrap_or(f64::INFINITY)),
                     _ => {}
                 }
             }
-            values.push(apply_op(*op, &values, &[time]));
+            values.push(with_whole(*op, whole, &values, time));
         }
         state
     }

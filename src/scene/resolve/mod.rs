@@ -154,12 +154,13 @@ pub fn resolve_scene(
         size: 1.0,
         scales: Vec::new(),
     };
-    let actuation = Actuation {
+    let mut actuation = Actuation {
         drives: coordinates.drives,
         duration: coordinates.duration,
         guess: coordinates.guess,
         named: coordinates.named,
     };
+    actuation.join_instants();
     mechanism.size = overrides
         .size
         .unwrap_or_else(|| mechanism_size(&mechanism, &actuation, &names));

@@ -2,7 +2,7 @@
 //!
 //! `MECHANIM_SCENES` is how many, `MECHANIM_SEED` where they begin; every scene depends on its number only.
 
-use super::random_drives::{DURATION, Random, asked, drive, turn};
+use super::random_drives::{DURATION, Random, asked, drive, joint_drives, turn};
 use crate::dense::{Fine, Place, Solid, distance, golden};
 use crate::solids::{BOX_TRIANGLES, box_corner, stl_text};
 use glam::{DMat3, DVec3};
@@ -146,7 +146,12 @@ fn case(number: u64, folder: &Path) -> Case {
     if random.pick(12) == 0 {
         return contact(&mut random);
     }
-    let drives = [(); 3].map(|()| drive(&mut random));
+    let mut drives = [(); 3].map(|()| drive(&mut random));
+    let mut joint = Random(number.wrapping_mul(0x9e37_79b9_7f4a_7c15) + 2);
+    if joint.pick(6) == 0 {
+        let [first, second] = joint_drives(&mut joint);
+        (drives[0], drives[1 + joint.pick(2)]) = (first, second);
+    }
     let axes = [random.pick(3), random.pick(3), random.pick(3)];
     let (arm, foot) = (random.range(0.5, 3.0), random.vector(3.5));
     let (one, first) = solid(&mut random, folder, number, 0);

@@ -135,6 +135,51 @@ pub(super) fn drive(random: &mut Random) -> Drive {
     }
 }
 
+/// Two drives that jump at the same instants, which their texts say in different ways.
+pub(super) fn joint_drives(random: &mut Random) -> [Drive; 2] {
+    let (digits, first) = (2000 + random.pick(7000), random.pick(4));
+    let second = (first + 1 + random.pick(3)) % 4;
+    [first, second].map(|form| jumping(random, digits, form))
+}
+
+/// A drive that jumps whenever a time of so many tenths of a millisecond has passed again.
+fn jumping(random: &mut Random, digits: usize, form: usize) -> Drive {
+    let (p, a) = (random.range(-3.0, 3.0), random.range(0.2, 1.5));
+    let long = format!("{}.{:03}", digits / 1000, digits % 1000);
+    let time = |k: usize| format!("{}.{:04}", k * digits / 10_000, k * digits % 10_000);
+    let (step, count) = (digits as f64 / 1e4, 20_000 / digits);
+    // Just before a jump is a billionth of a second before it.
+    let passed = move |t: f64| (t / step + 1e-9).floor();
+    let (text, value): (String, Box<dyn Fn(f64) -> f64>) = match form {
+        0 => (
+            format!("{p} + {a}*floor(t/{})", time(1)),
+            Box::new(move |t| p + a * passed(t)),
+        ),
+        1 => (
+            format!("{p} - {a}*floor(10*t/{long})"),
+            Box::new(move |t| p - a * passed(t)),
+        ),
+        2 => (
+            format!("{p} + {a}*mod(3*t, 3*{})", time(1)),
+            Box::new(move |t| p + 3.0 * a * (t - step * passed(t))),
+        ),
+        _ => {
+            let values: Vec<f64> = (0..=count).map(|_| random.range(-a, a)).collect();
+            let keys = values.iter().enumerate();
+            let keys: Vec<String> = keys.map(|(k, v)| format!("[{}, {v}]", time(k))).collect();
+            (
+                format!("{{ keys = [{}], ease = \"step\" }}", keys.join(", ")),
+                Box::new(move |t| values[(passed(t).max(0.0) as usize).min(count)]),
+            )
+        }
+    };
+    Drive {
+        text,
+        value,
+        places: (1..=count).map(|k| step * k as f64).collect(),
+    }
+}
+
 /// Straight lines or steps between a few keys.
 fn keys(random: &mut Random, size: f64) -> Drive {
     let mut times: Vec<f64> = (0..3).map(|_| random.range(0.1, 1.9)).collect();

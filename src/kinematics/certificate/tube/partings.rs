@@ -1,10 +1,21 @@
-//! The poses at which stretches part: at the breaks of the drive, and where a stretch is halved.
+//! The poses at which stretches part: at the breaks of the drive, right before and behind its jumps, and where a stretch is
+//! halved.
 
-use super::drive::keys_between;
-use super::prover::Prover;
+use super::drive::{DriveStretch, keys_between};
+use super::path::InputPath;
+use super::prover::{Prover, SAME_INPUT};
 use super::stretches::Station;
 use crate::kinematics::results::certificate::{Obstacle, Refusal};
 use crate::kinematics::solve::newton::Pace;
+
+/// Steps in which the motion is followed to the pose right before a jump.
+const STEPS_TO_JUMP: u32 = 8;
+
+/// What the drive is right before a jump is what it is over this part of the way there, ...
+const AT_JUMP: f64 = 1.0 / 65_536.0;
+
+/// ... but no less than this part of the time, or of a second: the jump itself is known a hundred times as well.
+const LEAST_AT_JUMP: f64 = 1e-10;
 
 impl Prover<'_> {
     /// The interval's end and the breaks of the drive before it, the first one last.
@@ -24,6 +35,56 @@ impl Prover<'_> {
         ahead.push(end);
         ahead.reverse();
         Ok(ahead)
+    }
+
+    /// The pose to which the drive leads right before `last`, where it jumps to that; else `last` itself.
+    pub(super) fn before_a_jump(&mut self, here: &Station, last: Station) -> Station {
+        let keys = keys_between(&self.actuation.drives, here.time, last.time);
+        let from = keys.last().copied().unwrap_or(here.time);
+        self.beside_a_jump(last, here, from)
+    }
+
+    /// The pose from which the drive leads on right after `here`, where it jumps from that; else `here` itself.
+    pub(super) fn after_a_jump(&mut self, here: Station, last: &Station) -> Station {
+        let keys = keys_between(&self.actuation.drives, here.time, last.time);
+        let from = keys.first().copied().unwrap_or(last.time);
+        self.beside_a_jump(here, last, from)
+    }
+
+    /// The limit of the motion at a jump to or from `at`, on the side of `from`: followed from the pose on that side.
+    fn beside_a_jump(&mut self, at: Station, there: &Station, from: f64) -> Station {
+        // Enclosed over a short time only: what is quick farther away does not count.
+        let way = (from - at.time).abs();
+        let least = LEAST_AT_JUMP * at.time.abs().max(1.0);
+        let beside = at.time + (from - at.time).signum() * way.min(least.max(AT_JUMP * way));
+        let ends = [beside.min(at.time), beside.max(at.time)];
+        let inputs = InputPath::new(&self.actuation, DriveStretch::new(ends[0], ends[1]));
+        let values = at.sample.iter().flat_map(|(values, _)| values);
+        let limit = |k: usize| inputs.at(k, at.time).middle();
+        let jumps = |(k, v): (usize, &f64)| (limit(k) - v).abs() > SAME_INPUT * self.unit(k, *v);
+        if !values.enumerate().any(jumps) {
+            return at;
+        }
+        let mut coordinates = there.unknowns.clone();
+        for step in 1..=STEPS_TO_JUMP {
+            let share = f64::from(step) / f64::from(STEPS_TO_JUMP);
+            let time = from + share * (at.time - from);
+            coordinates.truncate(there.unknowns.len());
+            match step < STEPS_TO_JUMP {
+                true => coordinates.extend(self.actuation.inputs_at(time)),
+                false => coordinates.extend((0..self.actuation.drives.len()).map(limit)),
+            }
+            if !self.solver.closed(&mut coordinates, Pace::Brisk) {
+                return at;
+            }
+        }
+        coordinates.truncate(there.unknowns.len());
+        Station {
+            time: at.time,
+            unknowns: coordinates,
+            rates: None,
+            sample: None,
+        }
     }
 
     /// A closed pose at `time`, corrected from the straight line between two others; where that line leads to none, the

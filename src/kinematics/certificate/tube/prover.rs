@@ -1,7 +1,7 @@
 //! From sample to sample: where stretches part, and how tubes are joined to each other and to the samples.
 
 use super::blocks::Blocks;
-use super::drive::{DriveStretch, keys_between};
+use super::drive::DriveStretch;
 use super::form::Form;
 use super::path::{InputPath, TubePath};
 use super::stretches::{Bases, Station, Tube, largest_value};
@@ -11,7 +11,6 @@ use crate::kinematics::results::certificate::{
     Certificate, IntervalCertificate, Obstacle, Reason, Refusal,
 };
 use crate::kinematics::results::trajectory::Sample;
-use crate::kinematics::solve::newton::Pace;
 use crate::kinematics::solve::pose_solver::PoseSolver;
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::system::System;
@@ -27,14 +26,11 @@ use std::sync::Arc;
 pub const FLOOR: f64 = 1.0 / 65_536.0;
 
 /// An input of a sample may differ from the enclosed drive by rounding: this much of a radian or of the size.
-const SAME_INPUT: f64 = 1e-9;
+pub(super) const SAME_INPUT: f64 = 1e-9;
 
 /// Where in a stretch the rows of over-determined blocks are chosen, as parts of it: in the middle, and where that choice
 /// fails at either end.
 const CHOICES: [f64; 3] = [0.5, 0.0, 1.0];
-
-/// Steps in which the motion is followed to the pose right before a jump.
-const STEPS_TO_JUMP: u32 = 8;
 
 /// Proves intervals of one mechanism.
 #[derive(Debug)]
@@ -231,52 +227,8 @@ impl<'m> Prover<'m> {
         })
     }
 
-    /// The pose to which the drive leads right before `last`, where it jumps to that; else `last` itself.
-    fn before_a_jump(&mut self, here: &Station, last: Station) -> Station {
-        let keys = keys_between(&self.actuation.drives, here.time, last.time);
-        let from = keys.last().copied().unwrap_or(here.time);
-        self.beside_a_jump(last, here, from)
-    }
-
-    /// The pose from which the drive leads on right after `here`, where it jumps from that; else `here` itself.
-    fn after_a_jump(&mut self, here: Station, last: &Station) -> Station {
-        let keys = keys_between(&self.actuation.drives, here.time, last.time);
-        let from = keys.first().copied().unwrap_or(last.time);
-        self.beside_a_jump(here, last, from)
-    }
-
-    /// The limit of the motion at a jump to or from `at`, on the side of `from`: followed from the pose on that side.
-    fn beside_a_jump(&mut self, at: Station, there: &Station, from: f64) -> Station {
-        let ends = [from.min(at.time), from.max(at.time)];
-        let inputs = InputPath::new(&self.actuation, DriveStretch::new(ends[0], ends[1]));
-        let values = at.sample.iter().flat_map(|(values, _)| values);
-        let limit = |k: usize| inputs.at(k, at.time).middle();
-        let jumps = |(k, v): (usize, &f64)| (limit(k) - v).abs() > SAME_INPUT * self.unit(k, *v);
-        if !values.enumerate().any(jumps) {
-            return at;
-        }
-        let mut coordinates = there.unknowns.clone();
-        for step in 1..=STEPS_TO_JUMP {
-            let share = f64::from(step) / f64::from(STEPS_TO_JUMP);
-            let time = from + share * (at.time - from);
-            coordinates.truncate(there.unknowns.len());
-            let drives = 0..self.actuation.drives.len();
-            coordinates.extend(drives.map(|k| inputs.at(k, time).middle()));
-            if !self.solver.closed(&mut coordinates, Pace::Brisk) {
-                return at;
-            }
-        }
-        coordinates.truncate(there.unknowns.len());
-        Station {
-            time: at.time,
-            unknowns: coordinates,
-            rates: None,
-            sample: None,
-        }
-    }
-
     /// What differences of input `k` are measured in, at a value.
-    fn unit(&self, k: usize, value: f64) -> f64 {
+    pub(super) fn unit(&self, k: usize, value: f64) -> f64 {
         let mechanism = self.system.mechanism();
         match mechanism.inputs[k].kind {
             Kind::Length => mechanism.scale_of(mechanism.unknowns.len() + k),

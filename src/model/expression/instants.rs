@@ -1,0 +1,177 @@
+//! A formula of time at one instant: on which side of its jumps it is there, to more digits than plain numbers have.
+//!
+//! A time is a number of f64, and stands for all instants that are rounded to it: if a jump is at one of those, the time is that of
+//! the jump. So all that jumps at 0.3 s has jumped at the time 0.3, though 0.3/0.1 is less than 3 in plain numbers, and no two
+//! formulas that jump together are ever seen on different sides of that.
+
+use super::{Expression, Function, Op, apply_op};
+use crate::numbers::constant::Constant;
+use crate::numbers::scalar::Scalar;
+
+/// A number this near to a whole one, relative to itself or to one, may be on its other side: plain numbers are rounded by far less,
+/// and what is looked at with more digits for nothing takes time only.
+const NEAR_WHOLE: f64 = 1e-6;
+
+/// Of every operation the whole number that it gives, or takes away that often, if it jumps and that is known.
+pub(super) type WholeNumbers = Vec<Option<f64>>;
+
+impl Expression {
+    /// The value of a formula of time at an instant, seconds. Not finite where it has none.
+    pub fn value_at_instant(&self, time: f64) -> f64 {
+        let mut values: Vec<f64> = Vec::with_capacity(self.ops().len());
+        for op in self.ops() {
+            if is_near_whole(*op, &values) {
+                return self.on_sides_of(time, time);
+            }
+            values.push(apply_op(*op, &values, &[time]));
+        }
+        values.pop().unwrap_or(0.0)
+    }
+
+    /// The same at a time of any kind, on the sides of all jumps on which it is at the instant `place`.
+    pub fn on_sides_of<S: Scalar>(&self, place: f64, time: S) -> S {
+        let wholes = match self.is_near_jump(place) {
+            true => self.whole_numbers(place),
+            false => return self.value(&[time]),
+        };
+        let mut values = Vec::with_capacity(self.ops().len());
+        for (op, whole) in self.ops().iter().zip(wholes) {
+            let value = with_whole(*op, whole, &values, time);
+            values.push(value);
+        }
+        values.pop().unwrap_or(S::number(0.0))
+    }
+
+    /// Whether plain numbers may not tell on which side of a jump it is.
+    fn is_near_jump(&self, time: f64) -> bool {
+        let mut values: Vec<f64> = Vec::with_capacity(self.ops().len());
+        self.ops().iter().any(|op| {
+            let is_near = is_near_whole(*op, &values);
+            values.push(apply_op(*op, &values, &[time]));
+            is_near
+        })
+    }
+
+    /// Whether some function jumps at an instant.
+    pub fn jumps_at(&self, time: f64) -> bool {
+        let mut jumps = false;
+        self.look_around(time, |below, above| jumps |= below != above);
+        jumps
+    }
+
+    /// The whole numbers of all functions that jump, at an instant.
+    pub(super) fn whole_numbers(&self, time: f64) -> WholeNumbers {
+        self.look_around(time, |_, _| {})
+    }
+
+    /// The same; `seen` hears of the whole numbers between which a function may jump at the instant.
+    ///
+    /// What a whole number is taken of is followed at the time, and at the first and the last instant that are rounded to it, with
+    /// the same whole numbers of what it is of: a whole number that lies between is passed there, and reached.
+    fn look_around(&self, time: f64, mut seen: impl FnMut(f64, f64)) -> WholeNumbers {
+        let half = |next: f64| Constant::exact(0.5 * (next - time));
+        let here = Constant::exact(time);
+        let times = [
+            here,
+            here + half(time.next_down()),
+            here + half(time.next_up()),
+        ];
+        let mut tracks: [Vec<Constant>; 3] = Default::default();
+        let mut wholes = Vec::with_capacity(self.ops().len());
+        for op in self.ops() {
+            let own = tracks.each_ref().map(|values| step_of(*op, values));
+            let whole = match own {
+                [Some(here), Some(before), Some(behind)] => {
+                    let ends = [before, behind].map(|quotient| quotient.floor().number());
+                    let most = ends[0].max(ends[1]).max(here.floor().number());
+                    seen(ends[0].min(ends[1]), most);
+                    most.is_finite().then_some(most)
+                }
+                _ => None,
+            };
+            for (values, time) in tracks.iter_mut().zip(times) {
+                let value = with_whole(*op, whole, values, time);
+                values.push(value);
+            }
+            wholes.push(whole);
+        }
+        wholes
+    }
+}
+
+/// What a jumping function takes the whole number of.
+fn step_of<S: Scalar>(op: Op, values: &[S]) -> Option<S> {
+    match op {
+        Op::Call(Function::Floor, a, _) => Some(values[a]),
+        Op::Call(Function::Mod, a, b) => Some(values[a] / values[b]),
+        _ => None,
+    }
+}
+
+/// Whether plain numbers may not tell the whole number of a function.
+fn is_near_whole(op: Op, values: &[f64]) -> bool {
+    step_of(op, values).is_some_and(|x| (x - x.round()).abs() <= NEAR_WHOLE * x.abs().max(1.0))
+}
+
+/// An operation whose whole number may be known.
+pub(super) fn with_whole<S: Scalar>(op: Op, whole: Option<f64>, values: &[S], time: S) -> S {
+    match (op, whole) {
+        (Op::Call(Function::Floor, ..), Some(whole)) => S::number(whole),
+        (Op::Call(Function::Mod, a, b), Some(whole)) => {
+            let rest = values[a] - values[b].scale(whole);
+            // At a jump to zero what is rounded may be on the other side of it.
+            match rest.nominal() * values[b].nominal() < 0.0 {
+                true => rest - S::number(rest.nominal()),
+                false => rest,
+            }
+        }
+        _ => apply_op(op, values, &[time]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `floor(a t / b)`, and `mod(a t, b)`.
+    fn formulas(a: f64, b: f64) -> [Expression; 2] {
+        let head = [
+            Op::Slot(0),
+            Op::Constant(Constant::exact(a)),
+            Op::Multiply(0, 1),
+            Op::Constant(Constant::exact(b)),
+        ];
+        let floor = [Op::Divide(2, 3), Op::Call(Function::Floor, 4, 4)];
+        let modulo = [Op::Call(Function::Mod, 2, 3)];
+        [&floor[..], &modulo].map(|tail| Expression::new([&head, tail].concat()))
+    }
+
+    #[test]
+    fn a_time_is_that_of_a_jump_which_is_rounded_to_it() {
+        for (a, b, whole) in [
+            (3.0, 1.0, 1.0),
+            (-3.0, 1.0, -2.0),
+            (7.0, 0.5, 9.0),
+            (49.0, 1.0, 30.0),
+        ] {
+            let time = whole * b / a;
+            let [floor, modulo] = formulas(a, b);
+            assert!(floor.jumps_at(time) && modulo.jumps_at(time), "{a} {b}");
+            assert_eq!(floor.value_at_instant(time), whole, "{a} {b}");
+            let rest = modulo.value_at_instant(time);
+            assert!((0.0..1e-14).contains(&rest), "{a} {b}: {rest}");
+            let sign = f64::signum(a);
+            for (off, known) in [(1, whole), (-1, whole - 1.0)] {
+                let beside = match f64::from(off) * sign > 0.0 {
+                    true => time.next_up(),
+                    false => time.next_down(),
+                };
+                assert!(!floor.jumps_at(beside), "{a} {b} {off}");
+                assert_eq!(floor.value_at_instant(beside), known, "{a} {b} {off}");
+                let share = modulo.value_at_instant(beside) / b;
+                let expected = if off > 0 { 0.0 } else { 1.0 };
+                assert!((share - expected).abs() < 1e-13, "{a} {b} {off}: {share}");
+            }
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! A bound that tells nothing is said in words, in every report: no number is printed that is lower than any distance of the two
+//! bodies can be, and none of them passes a pair.
+
+use crate::program::Workspace;
+use serde_json::Value;
+
+/// A ball on an arm of length `1 + v` at the angle `u`, and a post.
+fn scene(u: &str, v: &str, post: &str) -> String {
+    format!(
+        r#"
+duration = 2
+[inputs]
+u = "{u}"
+v = "{v}"
+[[bodies]]
+name = "ball"
+frame = "Rz(u) Tx(1 + v)"
+shapes = [{{ sphere = {{ radius = 0.1 }} }}]
+[[bodies]]
+name = "post"
+shapes = [{{ {post} }}]
+[clearance]
+minimum = 0.1
+pairs = [{{ pair = ["ball", "post"], minimum = 0.1 }}]
+"#
+    )
+}
+
+const POST: &str = "sphere = { center = [0, 0, 3], radius = 0.1 }";
+
+/// Drives and posts, and whether nothing is known of the pair.
+const CASES: [(&str, &str, &str, bool); 9] = [
+    // So fast that no stretch of the motion is bounded well.
+    ("exp(20*t)", "0", POST, true),
+    ("sin(exp(9*t))", "0", POST, true),
+    ("0", "sin(1e6*t)", POST, true),
+    // So far away at the end that rounding of that place is larger than the bodies.
+    ("0", "exp(200*(t - 1))", POST, true),
+    (
+        "sin(exp(9*t))",
+        "0",
+        "half_space = { point = [0, 0, -3], normal = [0, 0, 1], size = 1 }",
+        true,
+    ),
+    (
+        "atan2(sin(7*t), cos(7*t))",
+        "0",
+        "box = { center = [0, 0, 3], size = [0.1, 0.1, 0.1] }",
+        true,
+    ),
+    // Of these something is known: they pass, and a depth.
+    ("0.5*sin(t)", "0", POST, false),
+    (
+        "0.5*sin(t)",
+        "0",
+        "sphere = { center = [1, 0, 0], radius = 0.1 }",
+        false,
+    ),
+    (
+        "0.5*sin(t)",
+        "0.1*t",
+        "half_space = { point = [0, 0, -3], normal = [0, 0, 1], size = 1 }",
+        false,
+    ),
+];
+
+#[test]
+fn bounds_that_tell_nothing_are_said_in_words_in_every_report() {
+    let w = Workspace::new();
+    for (u, v, post, is_unknown) in CASES {
+        w.write("scene.toml", scene(u, v, post));
+        for samples in ["2", "9", "40"] {
+            let said = w.run(&[
+                "check",
+                "scene.toml",
+                "--samples",
+                samples,
+                "--json",
+                "r.json",
+                "--csv",
+                "r.csv",
+                "--junit",
+                "r.xml",
+            ]);
+            let (code, text) = (said.code, said.text());
+            let told = format!("{u}, {v}, {post}, {samples} samples: {text}");
+            let json: Value = serde_json::from_slice(&w.read("r.json")).expect("JSON");
+            let pair = &json["clearance"]["pairs"][0];
+            let read = |name: &str| String::from_utf8(w.read(name)).expect("text");
+            let (csv, junit) = (read("r.csv"), read("r.xml"));
+            let last = csv.lines().nth(1).and_then(|row| row.rsplit(',').next());
+            let bound = pair["bound"].as_f64();
+            // No ball of the two is larger than 0.1, and the half-space is no farther than 3 and the ball's way.
+            assert!(bound.is_none_or(|bound| bound > -7.0), "{told}");
+            let cell: Option<f64> = last.and_then(|cell| cell.parse().ok());
+            assert_eq!(bound.is_some(), cell.is_some(), "{told}");
+            let off = bound.zip(cell).map_or(0.0, |(a, b)| (a - b).abs());
+            assert!(off < 1e-12, "{told}");
+            let is_apart = pair["distance"].as_f64().expect("a distance") > 0.0;
+            let is_told = [&text, &junit].map(|words| words.contains("no bound"));
+            if is_unknown {
+                assert_eq!((code, bound, is_told), (1, None, [true; 2]), "{told}");
+            } else {
+                assert_eq!(bound.is_some(), is_apart, "{told}");
+                assert_eq!(code, i32::from(!is_apart), "{told}");
+            }
+            let is_long = |word: &str| word.len() > 25 && word.parse::<f64>().is_ok();
+            for report in [&text, &junit] {
+                let longest = report.split([' ', ',', '~']).find(|word| is_long(word));
+                assert_eq!(longest, None, "{told}");
+            }
+        }
+    }
+}
+
+/// Where a pair comes far from each other at other times, a cut is one nevertheless.
+#[test]
+fn a_long_way_hides_no_cut() {
+    let w = Workspace::new();
+    for (v, code) in [
+        // 0.05 in each other at the beginning, a billion away at the end.
+        ("0.15 + 1e9*max(0, t - 1)", 1),
+        ("0.15 + 1e9*(t/2)^6", 1),
+        ("0.35 + 1e6*max(0, t - 1)", 0),
+    ] {
+        let post = "sphere = { center = [1, 0, 0], radius = 0.1 }";
+        w.write("scene.toml", scene("0", v, post));
+        for samples in ["2", "9", "40"] {
+            let said = w.run(&["check", "scene.toml", "--samples", samples]);
+            assert_eq!(said.code, code, "{v}, {samples}: {}", said.text());
+        }
+    }
+}
