@@ -48,8 +48,10 @@ pub struct FilmReport {
     pub frames: Vec<FrameReport>,
     /// How often they play, where that differs.
     pub plays: Option<[Option<Plays>; 2]>,
-    /// Number of the frame that differs most, and its two pictures; `None` if no frame is in both.
-    pub worst: Option<(usize, FramePicture, FramePicture)>,
+    /// Number of the frame that differs most; `None` if no frame is in both.
+    pub worst: Option<usize>,
+    /// Its two pictures, where they were to be kept.
+    pub worst_pictures: Option<[FramePicture; 2]>,
 }
 
 impl FilmReport {
@@ -97,8 +99,8 @@ impl FrameReport {
     }
 }
 
-/// Compares two films: frames of the same name in folders, of the same number elsewhere. Holds four pictures of
-/// animations at a time, however long they are, and of files no more than rows.
+/// Compares two films: frames of the same name in folders, of the same number elsewhere. Holds two pictures of
+/// animations at a time, and two more where the worst ones are to be kept, however long they are; of files no more than rows.
 ///
 /// Errors: the first that a film reports.
 pub fn compare_films(
@@ -106,12 +108,14 @@ pub fn compare_films(
     b: impl Iterator<Item = Result<FilmFrame, ImportError>>,
     plays: [Option<Plays>; 2],
     allowed: Allowed,
+    keeps_worst: bool,
 ) -> Result<FilmReport, ImportError> {
     let mut report = FilmReport {
         allowed,
         frames: Vec::new(),
         plays: (plays[0] != plays[1]).then_some(plays),
         worst: None,
+        worst_pictures: None,
     };
     let (mut a, mut b) = (a.peekable(), b.peekable());
     let mut badness = None;
@@ -142,7 +146,8 @@ pub fn compare_films(
                 let bad = verdict_rank(&frame.verdict);
                 if badness.is_none_or(|most| bad > most) {
                     badness = Some(bad);
-                    report.worst = Some((report.frames.len(), left.picture, right.picture));
+                    report.worst = Some(report.frames.len());
+                    report.worst_pictures = keeps_worst.then(|| [left.picture, right.picture]);
                 }
                 report.frames.push(frame);
             }
@@ -204,7 +209,14 @@ mod tests {
             pixels: 0,
         };
         let plays = [Some(Plays::Forever); 2];
-        compare_films(film(a).into_iter(), film(b).into_iter(), plays, allowed).unwrap()
+        compare_films(
+            film(a).into_iter(),
+            film(b).into_iter(),
+            plays,
+            allowed,
+            true,
+        )
+        .unwrap()
     }
 
     #[test]
@@ -214,7 +226,7 @@ mod tests {
         let strict = report(&a, &b, 0);
         assert_eq!((strict.failing(), strict.is_same()), (vec![1, 2], false));
         assert_eq!(strict.ladder(), [12, 12, 6, 0, 0, 0, 0, 0]);
-        assert_eq!(strict.worst.as_ref().map(|w| w.0), Some(1));
+        assert_eq!(strict.worst, Some(1));
         assert!(report(&a, &b, 3).is_same());
         assert!(report(&a, &a, 0).is_same());
     }
@@ -250,7 +262,7 @@ mod tests {
         };
         let frames = || film(&[("", 1, 0.1)]).into_iter();
         let plays = [Some(Plays::Forever), Some(Plays::Times(1))];
-        let report = compare_films(frames(), frames(), plays, allowed).unwrap();
+        let report = compare_films(frames(), frames(), plays, allowed, true).unwrap();
         assert!(!report.is_same() && report.failing().is_empty());
     }
 }

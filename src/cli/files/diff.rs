@@ -38,12 +38,12 @@ pub fn run_diff(args: &DiffArgs, term: &Term) -> Result<Outcome, Failure> {
     };
     let plays = [a.plays, b.plays];
     let going = |film: FilmReader| film.take_while(|_| !CANCEL.load(Ordering::Relaxed));
-    let found = compare_films(going(a), going(b), plays, allowed)?;
+    let found = compare_films(going(a), going(b), plays, allowed, args.out.is_some())?;
     if CANCEL.load(Ordering::Relaxed) {
         return Err(Failure::Interrupted);
     }
-    match (&args.out, &found.worst) {
-        (Some(path), Some((_, left, right))) => {
+    match (&args.out, &found.worst_pictures) {
+        (Some(path), Some([left, right])) => {
             save_triptych([left, right], args.tolerance, path)?;
         }
         (Some(path), None) => term.warning(&format!(
@@ -171,7 +171,7 @@ fn diff_document(args: &DiffArgs, kind: &str, found: &FilmReport) -> Value {
         "levels": LADDER,
         "pixels_over": found.ladder(),
         "plays": found.plays.map(|plays| plays.map(plays_word)),
-        "worst": found.worst.as_ref().map(|worst| worst.0),
+        "worst": found.worst,
         "frames": frames,
         "result": verdict_word(found),
     })
