@@ -4,7 +4,7 @@
 //! Products and sines are of the second order, other functions of the first. They cost N² a product: worth it where
 //! what two forms share in the second order cancels.
 
-use super::affine_form::AffineForm;
+use super::affine_form::{AffineForm, sum_of_magnitudes};
 use super::constant::Constant;
 use super::interval::Interval;
 use super::rounding::{GROW, OPERATION, UNDERFLOW};
@@ -42,7 +42,7 @@ impl<const N: usize> QuadraticForm<N> {
     /// Bound of the quadratic part.
     pub fn bend(&self) -> f64 {
         let rows = self.bends.iter().enumerate();
-        let row = |(k, row): (usize, &[f64; N])| row[k..].iter().map(|b| b.abs()).sum::<f64>();
+        let row = |(k, row): (usize, &[f64; N])| sum_of_magnitudes(&row[k..]);
         rows.map(row).sum::<f64>() * GROW
     }
 
@@ -60,12 +60,12 @@ impl<const N: usize> QuadraticForm<N> {
             return;
         }
         let mut size = 0.0;
-        for k in 0..N {
-            for l in k..N {
-                let added = factor * b.bends[k][l];
-                self.bends[k][l] += added;
-                size += self.bends[k][l].abs() + added.abs();
+        for (k, (row, other)) in self.bends.iter_mut().zip(&b.bends).enumerate() {
+            let (row, other) = (&mut row[k..], &other[k..]);
+            for (bend, added) in row.iter_mut().zip(other) {
+                *bend += factor * added;
             }
+            size += sum_of_magnitudes(row) + factor.abs() * sum_of_magnitudes(other);
         }
         // Rounding of every sum of second-order terms.
         self.line.error = (self.line.error + OPERATION * size) * GROW;
@@ -225,11 +225,12 @@ impl<const N: usize> Add for QuadraticForm<N> {
         let mut sum = self;
         sum.line = self.line + b.line;
         let mut size = 0.0;
-        for (row, other) in sum.bends.iter_mut().zip(&b.bends) {
-            for (bend, added) in row.iter_mut().zip(other) {
+        for (k, (row, other)) in sum.bends.iter_mut().zip(&b.bends).enumerate() {
+            let row = &mut row[k..];
+            for (bend, added) in row.iter_mut().zip(&other[k..]) {
                 *bend += added;
-                size += bend.abs();
             }
+            size += sum_of_magnitudes(row);
         }
         if size > 0.0 {
             // Rounding of every sum of second-order terms.

@@ -1,7 +1,8 @@
 //! Measures for all pieces: what the poses show as affine forms of the dimensions, reduced along the tracks and put into
 //! the formulas of the measures.
 
-use super::motion::{Obstacle, enclosed_pose};
+
+use super::pose_bands::{Obstacle, enclosed_pose};
 use super::plan::{Plan, sized};
 use crate::analysis::study::Nominal;
 use crate::kinematics::enclosure::pose::Encloser;

@@ -1,7 +1,8 @@
 //! Bands between the samples: the inputs of a whole stretch of the drive are dimensions like the others, so that one box
 //! holds the poses of all pieces at all its times. Stretches that are too long are halved.
 
-use super::motion::{Obstacle, Stretch, pose_enclosure, samples_at};
+use super::motion::{Stretch, samples_at};
+use super::pose_bands::{Obstacle, pose_enclosure};
 use super::plan::{Plan, sized};
 use crate::jobs::share_work;
 use crate::kinematics::enclosure::pose::Encloser;

@@ -17,8 +17,9 @@
 //! η is taken along x + S δ, A over the box. G vanishes at δ = 0, so that η is of second order, and what the derivatives leave
 //! open of third.
 
+use super::block_box::BlockBox;
 use super::form::DimensionForm;
-use super::mapped::{Mapped, SWEEPS, image_ratio};
+use super::mapped::{Contraction, Mapped, SWEEPS, image_ratio};
 use super::region::Region;
 use super::rows::{Layout, Rows};
 use crate::kinematics::results::certificate::Reason;
@@ -29,8 +30,8 @@ use crate::numbers::interval::Interval;
 use crate::numbers::rounding::GROW;
 use crate::numbers::scalar::{Ring, Scalar};
 
-/// The first box, as a multiple of η.
-const FIRST_SHARE: f64 = 2.0;
+/// The first box, as a multiple of what is mapped into itself where the Jacobian varies as it does along the tangent.
+const FIRST_SHARE: f64 = 1.2;
 
 /// No box is narrower, in scaled unknowns: rounding of the residual takes as much.
 const NARROWEST: f64 = 1e-13;
@@ -82,6 +83,27 @@ struct Centre {
     about: Vec<[f64; 3]>,
 }
 
+/// The Jacobian where the unknowns are looked for.
+struct Varying<F> {
+    rows: Rows<F>,
+    /// A, row after row.
+    entries: Vec<F>,
+    /// |A|
+    a: Contraction,
+}
+
+impl<F: DimensionForm> Varying<F> {
+    /// The dimension that takes A farthest from zero.
+    fn farthest(&self, m: usize) -> Option<usize> {
+        let mut moved = vec![0.0; m];
+        for entry in &self.entries {
+            let slopes = moved.iter_mut().zip(entry.slopes());
+            slopes.for_each(|(sum, slope)| *sum += slope.abs());
+        }
+        (0..m).max_by(|a, b| moved[*a].total_cmp(&moved[*b]))
+    }
+}
+
 /// Encloses the block's unknowns in `region`, where what the block depends on is enclosed already. The rows of `basis` are
 /// as many as the unknowns. Says which share of the unknowns' way is left open, at most.
 pub fn enclose_block<F: DimensionForm>(
@@ -92,6 +114,7 @@ pub fn enclose_block<F: DimensionForm>(
 ) -> Result<f64, Unbounded> {
     let centre = Centre::new(layout, basis, region)?;
     let (mut mapped, box_of) = centre.proved_box(mechanism, layout, basis, region)?;
+    let contraction = mapped.a.clone();
     centre.settle(layout, region, &mapped, &box_of);
     // What is known of the unknowns now is of higher order than the box: the same maps over it are narrower.
     let rounds = if F::BENT { POLISHING } else { 0 };
@@ -100,11 +123,13 @@ pub fn enclose_block<F: DimensionForm>(
         for (i, slot) in layout.block.unknowns.iter().enumerate() {
             region.slots[*slot] = region.slots[*slot].marked(region.count + i);
         }
-        let narrower = centre.map(layout, basis, region);
+        let narrower = centre
+            .varying(layout, basis, region)
+            .map(|varying| centre.map(layout, basis, region, varying));
         region.slots = known;
         let Ok(narrower) = narrower else { break };
         // The bounds that follow need a contraction.
-        if image_ratio(&narrower.times(&box_of), &box_of) >= 1.0 {
+        if image_ratio(&narrower.a.times(&box_of), &box_of) >= 1.0 {
             break;
         }
         mapped = Mapped {
@@ -113,7 +138,16 @@ pub fn enclose_block<F: DimensionForm>(
         };
         centre.settle(layout, region, &mapped, &box_of);
     }
-    Ok(centre.roughness(layout, region))
+    let roughness = centre.roughness(layout, region);
+    region.boxes.push(BlockBox {
+        inverse: centre.inverse,
+        rates: centre.rates,
+        about: centre.about,
+        basis: basis.to_vec(),
+        contraction,
+        sides: box_of,
+    });
+    Ok(roughness)
 }
 
 impl Centre {
@@ -193,29 +227,28 @@ impl Centre {
         region: &mut Region<F>,
     ) -> Result<(Mapped<F>, Vec<f64>), Unbounded> {
         let (n, m) = (self.n, region.count);
-        // Along x + S δ itself: what the box adds to it is in |A| w.
-        self.place(layout, region, &vec![0.0; n]);
         let mut farthest = self.farthest(layout, mechanism, m);
         let refused = |reason: Reason, dimension| Unbounded { reason, dimension };
-        let eta = self.map(layout, basis, region);
-        let eta = eta.map_err(|reason| refused(reason, farthest))?.eta;
+        // Along x + S δ itself: what the box adds to it is in |A| w.
+        self.place(layout, region, &vec![0.0; n]);
+        let along = self.varying(layout, basis, region);
+        let along = along.map_err(|reason| refused(reason, farthest))?;
+        let along = self.map(layout, basis, region, along);
+        let eta = along.eta;
         // A first box from what the rows are off along the tangent.
-        let mut box_of: Vec<f64> = (0..n)
-            .map(|i| {
-                let slot = layout.block.unknowns[i];
-                FIRST_SHARE * eta[i] + NARROWEST * mechanism.scale_of(slot)
-            })
-            .collect();
-        let mut passed: Option<(Mapped<F>, Vec<f64>)> = None;
+        let mut box_of = (0..SWEEPS).fold(eta.clone(), |w, _| along.a.image(&eta, &w));
+        for (side, slot) in box_of.iter_mut().zip(&layout.block.unknowns) {
+            *side = FIRST_SHARE * *side + NARROWEST * mechanism.scale_of(*slot);
+        }
+        let mut passed: Option<(Varying<F>, Vec<f64>)> = None;
         for _ in 0..ATTEMPTS {
             // The map of the whole box; where its image lies inside, every piece has a root there.
             self.place(layout, region, &box_of);
-            let Ok(mut mapped) = self.map(layout, basis, region) else {
+            let Ok(varying) = self.varying(layout, basis, region) else {
                 break;
             };
-            mapped.eta.clone_from(&eta);
-            farthest = mapped.farthest().or(farthest);
-            let image = mapped.image(&box_of);
+            farthest = varying.farthest(m).or(farthest);
+            let image = varying.a.image(&eta, &box_of);
             let inside = image.iter().zip(&box_of).all(|(y, w)| y < w);
             if !inside && passed.is_some() {
                 break;
@@ -233,14 +266,17 @@ impl Centre {
                     .collect();
                 continue;
             }
-            let swept = (0..SWEEPS).fold(image, |w, _| mapped.image(&w));
-            passed = Some((mapped, box_of));
+            let swept = (0..SWEEPS).fold(image, |w, _| varying.a.image(&eta, &w));
+            passed = Some((varying, box_of));
             if share > SHARP {
                 break;
             }
             box_of = swept.iter().map(|w| NARROWED * w).collect();
         }
-        passed.ok_or_else(|| refused(Reason::Singular, farthest))
+        let (varying, box_of) = passed.ok_or_else(|| refused(Reason::Singular, farthest))?;
+        self.place(layout, region, &box_of);
+        let mapped = self.map(layout, basis, region, varying);
+        Ok((Mapped { eta, ..mapped }, box_of))
     }
 
     /// How much of the way that unknowns go is neither of first nor of second order, at most.
@@ -263,11 +299,11 @@ impl Centre {
         box_of: &[f64],
         from: impl Fn(usize, usize) -> f64,
     ) -> Vec<f64> {
-        let (n, m) = (self.n, mapped.by_dimension.len());
+        let (n, m) = (self.n, self.rates.len() / self.n.max(1));
         let mut all = vec![0.0; n * m];
         for k in 0..m {
             let own: Vec<f64> = (0..n).map(|i| from(i, k)).collect();
-            let solved = mapped.solved(&own, box_of);
+            let solved = mapped.a.solved(&own, box_of);
             (0..n).for_each(|i| all[i * m + k] = solved[i]);
         }
         all
@@ -276,9 +312,9 @@ impl Centre {
     /// z = dx/dδ - S = -G + A G - A A z as forms, unknown after unknown: with the product A G where forms have a second order, else
     /// with bounds.
     fn rate_bends<F: DimensionForm>(&self, mapped: &Mapped<F>, box_of: &[f64]) -> Vec<F> {
-        let (n, m) = (self.n, mapped.by_dimension.len());
+        let (n, m) = (self.n, self.rates.len() / self.n.max(1));
         let g = |i: usize, k: usize| &mapped.g[i * m + k];
-        let column = |of: &dyn Fn(usize) -> f64| mapped.times(&(0..n).map(of).collect::<Vec<_>>());
+        let column = |of: &dyn Fn(usize) -> f64| mapped.a.times(&(0..n).map(of).collect::<Vec<_>>());
         let mut all = Vec::with_capacity(n * m);
         all.resize(n * m, F::number(0.0));
         if !F::BENT {
@@ -296,7 +332,7 @@ impl Centre {
         let sizes = self.solved_columns(mapped, box_of, |i, k| g(i, k).magnitude());
         for k in 0..m {
             let once = column(&|i| sizes[i * m + k]);
-            let twice = mapped.times(&once);
+            let twice = mapped.a.times(&once);
             for i in 0..n {
                 let mut form = -*g(i, k);
                 for j in 0..n {
@@ -318,18 +354,41 @@ impl Centre {
         }
     }
 
+    /// The Jacobian and A over the box.
+    fn varying<F: DimensionForm>(
+        &self,
+        layout: &Layout,
+        basis: &[usize],
+        region: &Region<F>,
+    ) -> Result<Varying<F>, Reason> {
+        let (n, columns) = (self.n, layout.slots.len());
+        let rows: Rows<F> = layout.rows(&region.slots, &self.about);
+        if !rows.jacobian.iter().all(|entry| entry.is_finite()) {
+            return Err(Reason::Formula);
+        }
+        let mut entries = Vec::with_capacity(n * n);
+        for i in 0..n {
+            for column in 0..n {
+                let of_column = basis.iter().map(|row| &rows.jacobian[row * columns + column]);
+                let factors = self.inverse[i * n..][..n].iter().copied();
+                let start = if i == column { -1.0 } else { 0.0 };
+                entries.push(F::combination(start, factors.zip(of_column)));
+            }
+        }
+        let a = Contraction(entries.iter().map(DimensionForm::magnitude).collect());
+        Ok(Varying { rows, entries, a })
+    }
+
     /// A, G and η over the box.
     fn map<F: DimensionForm>(
         &self,
         layout: &Layout,
         basis: &[usize],
         region: &Region<F>,
-    ) -> Result<Mapped<F>, Reason> {
+        varying: Varying<F>,
+    ) -> Mapped<F> {
         let (n, m, columns) = (self.n, region.count, layout.slots.len());
-        let rows: Rows<F> = layout.rows(&region.slots, &self.about);
-        if !rows.jacobian.iter().all(|entry| entry.is_finite()) {
-            return Err(Reason::Formula);
-        }
+        let Varying { rows, entries, a } = varying;
         // Fₖ of the rows of the basis.
         let zero = F::number(0.0);
         let mut by_dimension = vec![zero; n * m];
@@ -339,54 +398,36 @@ impl Centre {
                 if *by_slot == zero {
                     continue;
                 }
-                for (k, rate) in region.rates_of(*slot).iter().enumerate() {
-                    let sum = &mut by_dimension[l * m + k];
-                    if let Some(number) = rate.as_number() {
-                        sum.add_scaled(number, by_slot);
-                    } else {
-                        *sum = *sum + *by_slot * *rate;
-                    }
+                let sums = by_dimension[l * m..][..m].iter_mut();
+                for (sum, rate) in sums.zip(region.rates_of(*slot)) {
+                    sum.add_product(by_slot, rate);
                 }
             }
         }
         let mut mapped = Mapped {
             g: Vec::with_capacity(n * m),
-            entries: Vec::with_capacity(n * n),
-            a: vec![0.0; n * n],
+            entries: Vec::new(),
+            a,
             eta: self.newton.clone(),
-            by_dimension: vec![0.0; m],
         };
         for i in 0..n {
-            let mut row: Vec<F> = (self.rates[i * m..][..m].iter())
-                .map(|rate| F::number(*rate))
-                .collect();
-            for l in 0..n {
-                let factor = self.inverse[i * n + l];
-                for (form, by) in row.iter_mut().zip(&by_dimension[l * m..]) {
-                    form.add_scaled(factor, by);
-                }
+            let mut open = 0.0;
+            for k in 0..m {
+                // S + A S + R Fₖ
+                let inverse = self.inverse[i * n..][..n].iter().copied();
+                let by_rows = inverse.zip(by_dimension.iter().skip(k).step_by(m));
+                let column = self.rates.iter().skip(k).step_by(m).copied();
+                let by_entries = column.zip(&entries[i * n..][..n]);
+                let g = F::combination(self.rates[i * m + k], by_rows.chain(by_entries));
+                open += g.nominal().abs() + 0.5 * g.radius() + g.beyond();
+                mapped.g.push(g.folded(m));
             }
-            for column in 0..n {
-                let mut entry = F::number(if i == column { -1.0 } else { 0.0 });
-                for (l, row) in basis.iter().enumerate() {
-                    let factor = self.inverse[i * n + l];
-                    entry.add_scaled(factor, &rows.jacobian[row * columns + column]);
-                }
-                mapped.a[i * n + column] = entry.magnitude();
-                let slopes = mapped.by_dimension.iter_mut().zip(entry.slopes());
-                slopes.for_each(|(sum, slope)| *sum += slope.abs());
-                for (form, rate) in row.iter_mut().zip(&self.rates[column * m..]) {
-                    form.add_scaled(*rate, &entry);
-                }
-                mapped.entries.push(entry.folded(m));
-            }
-            let open = row
-                .iter()
-                .map(|g| g.nominal().abs() + 0.5 * g.radius() + g.beyond());
-            mapped.eta[i] = (mapped.eta[i] + open.sum::<f64>()) * GROW;
-            mapped.g.extend(row.into_iter().map(|form| form.folded(m)));
+            mapped.eta[i] = (mapped.eta[i] + open) * GROW;
         }
-        Ok(mapped)
+        if F::BENT {
+            mapped.entries = entries.into_iter().map(|entry| entry.folded(m)).collect();
+        }
+        mapped
     }
 
     /// Writes the unknowns and their derivatives into the region.
@@ -399,8 +440,8 @@ impl Centre {
     ) {
         let m = region.count;
         // A few more Krawczyk steps shrink the box that maps into itself.
-        let narrowed = (0..SWEEPS).fold(box_of.to_vec(), |w, _| mapped.image(&w));
-        let open = mapped.solved(&self.newton, box_of);
+        let narrowed = (0..SWEEPS).fold(box_of.to_vec(), |w, _| mapped.a.image(&mapped.eta, &w));
+        let open = mapped.a.solved(&self.newton, box_of);
         let bends = self.rate_bends(mapped, box_of);
         for (i, slot) in layout.block.unknowns.iter().enumerate() {
             let tangent = &self.rates[i * m..][..m];
