@@ -102,7 +102,11 @@ impl<const N: usize> AffineForm<N> {
         for (factor, form) in terms {
             if factor == 0.0 || form.is_zero() {
                 // What is not known stays so.
-                open += if form.error.is_finite() { 0.0 } else { form.error };
+                open += if form.error.is_finite() {
+                    0.0
+                } else {
+                    form.error
+                };
                 continue;
             }
             sum.value += factor * form.value;
@@ -141,7 +145,7 @@ impl<const N: usize> AffineForm<N> {
     }
 
     /// Exactly zero, so that products with it are zero as well.
-    fn is_zero(&self) -> bool {
+    pub(super) fn is_zero(&self) -> bool {
         self.value == 0.0 && self.error == 0.0 && self.slopes == [0.0; N]
     }
 

@@ -5,8 +5,8 @@
 //! far below the nearest piece that was found, the stretch is halved.
 
 use super::motion::samples_at;
-use super::pose_bands::{Obstacle, pose_enclosure};
 use super::plan::{Plan, sized};
+use super::pose_bands::{Obstacle, pose_enclosure};
 use super::stretches::stretch_tolerances;
 use crate::clearance::part::{JudgedPart, PieceClearance, Refusal};
 use crate::clearance::piece_gap::{PartWays, PieceView};

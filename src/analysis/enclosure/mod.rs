@@ -9,6 +9,8 @@ mod pieces;
 mod plan;
 mod pose_bands;
 mod stretches;
+mod takings;
+mod tracked;
 
 pub use allowed::{Allowed, allowed_motion};
 pub use clearances::enclose_clearances;

@@ -2,7 +2,7 @@
 //! range that pieces take.
 
 use super::plan::{Plan, sized};
-use super::pose_bands::{BandFinder, Bands, Obstacle};
+use super::pose_bands::{Bands, Obstacle, PieceFinder};
 use crate::jobs::share_work;
 use crate::kinematics::enclosure::pose::Encloser;
 use crate::kinematics::motion::continuation::solve_until;
@@ -46,7 +46,7 @@ pub fn enclose_motion(plan: &Plan, times: &[f64], threads: usize, search: bool) 
     let family = plan.family;
     let samples = samples_at(plan, times);
     let encloser = Encloser::new(family.system());
-    let work = |finder: &mut BandFinder, index: usize| {
+    let work = |finder: &mut PieceFinder, index: usize| {
         let sample = &samples[index];
         let bands = match &sample.pose {
             None => Err(Obstacle::NoPose),
@@ -55,14 +55,20 @@ pub fn enclose_motion(plan: &Plan, times: &[f64], threads: usize, search: bool) 
                 sized!(plan.room_for(plan.dimensions.len()), N => finder.bands::<N>(&pose))
             }
         };
-        let bands = bands.map(|bands| if search { bands } else { bands.without_search() });
+        let bands = bands.map(|bands| {
+            if search {
+                bands
+            } else {
+                bands.without_search()
+            }
+        });
         Some(Enclosed {
             time: sample.time,
             inputs: sample.inputs.clone(),
             bands,
         })
     };
-    let make = || BandFinder::new(plan, &encloser);
+    let make = || PieceFinder::new(plan, &encloser);
     let list = share_work(samples.len(), threads, make, work);
     list.into_iter().map(|(_, enclosed)| enclosed).collect()
 }

@@ -14,6 +14,7 @@ use crate::kinematics::solve::newton::Pace;
 use crate::kinematics::solve::pose_solver::PoseSolver;
 use crate::numbers::interval::Interval;
 use crate::numbers::octet::{LANES, LaneMask, Octet};
+use crate::numbers::scalar::Scalar;
 
 /// The range of one number over all pieces.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,22 +72,12 @@ impl From<Unbounded> for Obstacle {
 }
 
 /// Bands that are wider than what pieces take by no more than this part of it are sharp enough.
-const SHARP: f64 = 5e-3;
+const SHARP: f64 = 1e-2;
 
 /// So are those that are no wider than this beside the number itself and the mechanism: numbers that hardly vary.
 const NARROW: f64 = 1e-9;
 
-/// The enclosure of all pieces beside a closed pose.
-pub(super) fn enclosed_pose<const N: usize>(
-    plan: &Plan,
-    encloser: &Encloser,
-    solver: &mut PoseSolver,
-    pose: &[f64],
-) -> Result<PoseEnclosure<N>, Obstacle> {
-    pose_enclosure(plan, encloser, solver, pose, &plan.tolerances(pose))
-}
-
-/// The same with tolerances of one's own.
+/// The enclosure of all pieces beside a closed pose, with tolerances of one's own.
 pub(super) fn pose_enclosure<const N: usize>(
     plan: &Plan,
     encloser: &Encloser,
@@ -105,15 +96,21 @@ pub(super) fn pose_enclosure<const N: usize>(
     })?)
 }
 
-/// Finds bands; one for each thread.
-pub(super) struct BandFinder<'f> {
+/// Whether a band is hardly wider than what pieces take, so that nothing is to be gained by another enclosure. `size` is that of
+/// numbers beside which a width does not count.
+pub(super) fn is_sharp([lo, hi]: [f64; 2], found: [f64; 2], size: f64) -> bool {
+    hi - lo <= (1.0 + SHARP) * (found[1] - found[0]) + NARROW * size
+}
+
+/// Finds pieces and their bands; one for each thread.
+pub(super) struct PieceFinder<'f> {
     plan: &'f Plan<'f>,
     encloser: &'f Encloser<'f>,
     solver: PoseSolver<'f>,
     lanes: LaneSolver<'f>,
 }
 
-impl<'f> BandFinder<'f> {
+impl<'f> PieceFinder<'f> {
     /// Buffers for one thread.
     pub fn new(plan: &'f Plan<'f>, encloser: &'f Encloser<'f>) -> Self {
         let system = plan.family.system();
@@ -125,40 +122,55 @@ impl<'f> BandFinder<'f> {
         }
     }
 
-    /// The bands of all pieces beside a closed pose.
-    pub fn bands<const N: usize>(&mut self, pose: &[f64]) -> Result<Bands, Obstacle> {
+    /// The enclosure of all pieces beside a closed pose.
+    pub fn enclosed<const N: usize>(&mut self, pose: &[f64]) -> Result<PoseEnclosure<N>, Obstacle> {
+        let tolerances = self.plan.tolerances(pose);
+        pose_enclosure(
+            self.plan,
+            self.encloser,
+            &mut self.solver,
+            pose,
+            &tolerances,
+        )
+    }
+
+    /// The same with forms of first order alone; whether those of second order would be looked at.
+    pub fn enclosed_plainly<const N: usize>(
+        &mut self,
+        pose: &[f64],
+    ) -> Result<(PoseEnclosure<N>, bool), Obstacle> {
         if self.plan.is_cancelled() {
             return Err(Obstacle::Interrupted);
         }
-        let sought = Sought {
+        Ok(self.encloser.enclose_plainly(Sought {
             pose,
             input_open: &self.plan.input_open(pose),
             tolerances: &self.plan.tolerances(pose),
             bases: &self.solver.best_rows(pose),
-        };
+        })?)
+    }
+
+    /// The bands of all pieces beside a closed pose.
+    pub fn bands<const N: usize>(&mut self, pose: &[f64]) -> Result<Bands, Obstacle> {
         let anchor = Anchor::new(self.plan.family.system(), pose);
         let anchor = anchor.as_ref();
-        let Ok((plain, is_rough)) = self.encloser.enclose_plainly::<N>(sought) else {
-            let enclosure = self.encloser.enclose::<N>(sought)?;
+        let Ok((plain, is_rough)) = self.enclosed_plainly::<N>(pose) else {
+            let enclosure = self.enclosed::<N>(pose)?;
             return Ok(self.bands_within(&enclosure, anchor));
         };
         let first = self.bands_within(&plain, anchor);
-        if !is_rough || first.list.iter().all(|band| self.is_sharp(band)) {
+        let size = self.plan.family.mechanism().size;
+        let sharp =
+            |band: &Band| is_sharp([band.lo, band.hi], band.found, band.nominal.abs() + size);
+        if !is_rough || first.list.iter().all(sharp) {
             return Ok(first);
         }
-        let enclosure = self.encloser.enclose::<N>(sought)?;
+        let enclosure = self.enclosed::<N>(pose)?;
         let second = self.bands_within(&enclosure, anchor);
         let pairs = first.list.iter().zip(&second.list);
         Ok(Bands {
             list: pairs.map(|(a, b)| a.narrowed(b)).collect(),
         })
-    }
-
-    /// Whether nothing is to be gained by another enclosure.
-    fn is_sharp(&self, band: &Band) -> bool {
-        let way = band.found[1] - band.found[0];
-        let size = band.nominal.abs() + self.plan.family.mechanism().size;
-        band.hi - band.lo <= (1.0 + SHARP) * way + NARROW * size
     }
 
     /// Bands from an enclosure and the pieces at their ends.
@@ -200,10 +212,12 @@ impl<'f> BandFinder<'f> {
                     .and_then(|piece| self.encloser.piece(enclosure, &face.middle, piece))
                     .and_then(|piece| self.shown(&piece, *slot));
                 let beyond = Interval::around_zero(face.beyond);
-                *end = middle.map(|value| value + beyond).map(|reach| match sign < 0.0 {
-                    true => reach.lo,
-                    false => reach.hi,
-                });
+                *end = middle
+                    .map(|value| value + beyond)
+                    .map(|reach| match sign < 0.0 {
+                        true => reach.lo,
+                        false => reach.hi,
+                    });
             }
             let [lo, hi] = match ends {
                 [Some(lo), Some(hi)] if lo.is_finite() && hi.is_finite() => [lo, hi],
@@ -225,7 +239,7 @@ impl<'f> BandFinder<'f> {
     }
 
     /// The value of a slot at a pose.
-    fn shown<S: crate::numbers::scalar::Scalar>(&self, piece: &[S], slot: usize) -> Option<S> {
+    fn shown<S: Scalar>(&self, piece: &[S], slot: usize) -> Option<S> {
         match piece.get(slot) {
             Some(value) => Some(*value),
             None => observed_slots(self.plan.family.mechanism(), piece)
@@ -235,7 +249,7 @@ impl<'f> BandFinder<'f> {
     }
 
     /// Coordinates of the pieces at δ, eight at a time; nothing of those that do not close within the enclosure.
-    fn pieces<const N: usize>(
+    pub fn pieces<const N: usize>(
         &mut self,
         enclosure: &PoseEnclosure<N>,
         places: &[&[f64]],

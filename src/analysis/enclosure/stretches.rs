@@ -2,8 +2,8 @@
 //! holds the poses of all pieces at all its times. Stretches that are too long are halved.
 
 use super::motion::{Stretch, samples_at};
-use super::pose_bands::{Obstacle, pose_enclosure};
 use super::plan::{Plan, sized};
+use super::pose_bands::{Obstacle, pose_enclosure};
 use crate::jobs::share_work;
 use crate::kinematics::enclosure::pose::Encloser;
 use crate::kinematics::enclosure::region::Tolerance;

@@ -21,9 +21,10 @@ pub trait DimensionForm: Scalar + Send + Sync {
 
     /// Adds a product.
     fn add_product(&mut self, a: &Self, b: &Self) {
-        match b.as_number() {
-            Some(number) => self.add_scaled(number, a),
-            None => *self = *self + *a * *b,
+        match (a.as_number(), b.as_number()) {
+            (_, Some(number)) => self.add_scaled(number, a),
+            (Some(number), _) => self.add_scaled(number, b),
+            _ => *self = *self + *a * *b,
         }
     }
 
@@ -157,6 +158,14 @@ impl<const N: usize> DimensionForm for QuadraticForm<N> {
 
     fn add_scaled(&mut self, factor: f64, b: &Self) {
         Self::add_scaled(self, factor, b);
+    }
+
+    fn add_product(&mut self, a: &Self, b: &Self) {
+        Self::add_product(self, a, b);
+    }
+
+    fn combination<'f>(start: f64, terms: impl Iterator<Item = (f64, &'f Self)>) -> Self {
+        Self::combination(start, terms)
     }
 
     fn slopes(&self) -> &[f64] {

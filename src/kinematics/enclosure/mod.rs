@@ -6,6 +6,7 @@
 
 pub mod block;
 mod block_box;
+mod centre;
 mod corner;
 mod form;
 mod mapped;

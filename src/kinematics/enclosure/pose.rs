@@ -14,6 +14,7 @@ use crate::model::mechanism::{Mechanism, OutputSource};
 use crate::numbers::affine_form::AffineForm;
 use crate::numbers::interval::Interval;
 use crate::numbers::quadratic_form::QuadraticForm;
+use crate::numbers::scalar::Scalar;
 
 /// Poses whose boxes leave more than this share of the unknowns' way open are looked at to the second order.
 const ROUGH: f64 = 1e-3;
@@ -228,13 +229,17 @@ impl<const N: usize> PoseEnclosure<N> {
         self.len() == 0
     }
 
-    /// A formula of the slots as a function of the dimensions, to the first order.
-    pub fn formula(&self, expression: &Expression) -> AffineForm<N> {
-        let mut region = self.region.clone();
+    /// A formula of the slots as a function of the dimensions, to the first order, and its derivatives by every δ.
+    pub fn formula(&self, expression: &Expression) -> (AffineForm<N>, Vec<AffineForm<N>>) {
+        let region = &self.region;
         let rates = region.chain(&expression_gradient(expression, &region.slots));
-        let place = region.slots.len();
-        region.push(expression.value(&region.centre()), rates);
-        region.slots[place]
+        let centre = expression.value(&region.centre());
+        let value = centre.middle();
+        let form = match centre.is_finite() {
+            true => DimensionForm::integral(value, centre.distance(value), &rates),
+            false => AffineForm::undefined(),
+        };
+        (form, rates)
     }
 
     /// The coordinates at δ = 0.
