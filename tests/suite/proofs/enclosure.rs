@@ -761,7 +761,10 @@ fn measures_reach_the_ends_of_their_bands() {
         };
         let (least, greatest) = (corner(-1.0), corner(1.0));
         let name = &measure.name;
-        assert!(band.lo <= least + 1e-9 && greatest <= band.hi + 1e-9, "{name}");
+        assert!(
+            band.lo <= least + 1e-9 && greatest <= band.hi + 1e-9,
+            "{name}"
+        );
         let wider = (band.hi - band.lo) / (greatest - least);
         println!("{name}: {wider}");
         assert!(wider <= 1.02, "{name}: {wider}");
