@@ -24,6 +24,23 @@ pub struct AffineForm<const N: usize> {
 /// Operations in one slope of a product.
 const OF_PRODUCT: f64 = 4.0 * OPERATION;
 
+/// Sums that are taken side by side: one after the other each addition would wait for the one before.
+const AT_ONCE: usize = 8;
+
+/// Σ |slope|, not rounded up.
+#[inline]
+pub(super) fn sum_of_magnitudes(slopes: &[f64]) -> f64 {
+    let (groups, rest) = slopes.as_chunks::<AT_ONCE>();
+    let mut parts = [0.0; AT_ONCE];
+    for group in groups {
+        for (part, slope) in parts.iter_mut().zip(group) {
+            *part += slope.abs();
+        }
+    }
+    let rest: f64 = rest.iter().map(|slope| slope.abs()).sum();
+    rest + parts.iter().sum::<f64>()
+}
+
 impl<const N: usize> AffineForm<N> {
     /// Exactly zero.
     pub const ZERO: Self = Self {
@@ -66,20 +83,49 @@ impl<const N: usize> AffineForm<N> {
         }
         let before = self.value.abs();
         self.value += factor * b.value;
-        let mut size = before + 2.0 * (factor * b.value).abs();
         for (s, slope) in self.slopes.iter_mut().zip(&b.slopes) {
-            let added = factor * slope;
-            *s += added;
-            size += s.abs() + added.abs();
+            *s += factor * slope;
         }
+        let (own, added) = (
+            sum_of_magnitudes(&self.slopes),
+            sum_of_magnitudes(&b.slopes),
+        );
+        let size = before + 2.0 * (factor * b.value).abs() + own + factor.abs() * added;
         self.error += (factor.abs() * b.error + OPERATION * size + UNDERFLOW) * GROW;
         self.error *= GROW;
+    }
+
+    /// `start` and the sum of all forms times their factors, rounded as a whole.
+    pub fn combination<'f>(start: f64, terms: impl Iterator<Item = (f64, &'f Self)>) -> Self {
+        let mut sum = Self::number(start);
+        let (mut count, mut size, mut open) = (1.0, start.abs(), 0.0);
+        for (factor, form) in terms {
+            if factor == 0.0 || form.is_zero() {
+                // What is not known stays so.
+                open += if form.error.is_finite() {
+                    0.0
+                } else {
+                    form.error
+                };
+                continue;
+            }
+            sum.value += factor * form.value;
+            for (s, slope) in sum.slopes.iter_mut().zip(&form.slopes) {
+                *s += factor * slope;
+            }
+            count += 1.0;
+            size += factor.abs() * (form.value.abs() + sum_of_magnitudes(&form.slopes));
+            open += factor.abs() * form.error;
+        }
+        // A sum of products loses no more than so many operations on the sum of their magnitudes.
+        sum.error = (open + count * (OPERATION * size + UNDERFLOW)) * GROW;
+        sum
     }
 
     /// Bound of the linear part.
     #[inline]
     pub fn radius(&self) -> f64 {
-        self.slopes.iter().map(|s| s.abs()).sum::<f64>() * GROW
+        sum_of_magnitudes(&self.slopes) * GROW
     }
 
     /// Bound of the difference from the value.
@@ -99,7 +145,7 @@ impl<const N: usize> AffineForm<N> {
     }
 
     /// Exactly zero, so that products with it are zero as well.
-    fn is_zero(&self) -> bool {
+    pub(super) fn is_zero(&self) -> bool {
         self.value == 0.0 && self.error == 0.0 && self.slopes == [0.0; N]
     }
 
@@ -195,7 +241,7 @@ impl<const N: usize> Scalar for AffineForm<N> {
     }
 
     fn as_number(self) -> Option<f64> {
-        (self == Self::number(self.value)).then_some(self.value)
+        (self.error == 0.0 && self.slopes == [0.0; N]).then_some(self.value)
     }
 
     fn nominal(self) -> f64 {
@@ -298,13 +344,12 @@ impl<const N: usize> Add for AffineForm<N> {
     fn add(self, b: Self) -> Self {
         let mut sum = self;
         sum.value += b.value;
-        let mut size = sum.value.abs();
         for (s, slope) in sum.slopes.iter_mut().zip(&b.slopes) {
             *s += slope;
-            size += s.abs();
         }
         // What is added to zero is not rounded.
         if !(self.is_zero() || b.is_zero()) {
+            let size = sum.value.abs() + sum_of_magnitudes(&sum.slopes);
             sum.error = (self.error + b.error + OPERATION * size) * GROW;
         } else {
             sum.error = self.error + b.error;
@@ -330,12 +375,13 @@ impl<const N: usize> Mul for AffineForm<N> {
         }
         let (u, v) = (self.value, b.value);
         let mut slopes = [0.0; N];
-        let (mut of_self, mut of_b) = (0.0, 0.0);
         for ((slope, x), y) in slopes.iter_mut().zip(&self.slopes).zip(&b.slopes) {
             *slope = u * y + v * x;
-            of_self += x.abs();
-            of_b += y.abs();
         }
+        let (of_self, of_b) = (
+            sum_of_magnitudes(&self.slopes),
+            sum_of_magnitudes(&b.slopes),
+        );
         // The product of the deviations is of second order: it goes into the error term.
         let (far, wide) = (of_self + self.error, of_b + b.error);
         let rounding = OF_PRODUCT * (u.abs() * (v.abs() + of_b) + v.abs() * of_self);
@@ -408,6 +454,9 @@ mod tests {
             holds(a.atan(), libm::atan(p));
             holds(a.atan2(b), libm::atan2(p, q));
             holds(a.hypot(b), libm::hypot(p, q));
+            let terms = [(1.5, &a), (0.0, &b), (-0.3, &b), (2.0, &Form::ZERO)];
+            let sum = Form::combination(-1.0, terms.into_iter());
+            holds(sum, -1.0 + 1.5 * p - 0.3 * q);
         }
     }
 
@@ -440,6 +489,7 @@ mod tests {
             Form::number(1.0).asin(),
             Form::undefined() * Form::ZERO,
             Form::undefined() + Form::number(1.0),
+            Form::combination(1.0, [(0.0, &Form::undefined())].into_iter()),
         ] {
             assert!(!none.is_finite(), "{none:?}");
         }

@@ -4,7 +4,7 @@
 //! Products and sines are of the second order, other functions of the first. They cost N² a product: worth it where
 //! what two forms share in the second order cancels.
 
-use super::affine_form::AffineForm;
+use super::affine_form::{AffineForm, sum_of_magnitudes};
 use super::constant::Constant;
 use super::interval::Interval;
 use super::rounding::{GROW, OPERATION, UNDERFLOW};
@@ -42,7 +42,7 @@ impl<const N: usize> QuadraticForm<N> {
     /// Bound of the quadratic part.
     pub fn bend(&self) -> f64 {
         let rows = self.bends.iter().enumerate();
-        let row = |(k, row): (usize, &[f64; N])| row[k..].iter().map(|b| b.abs()).sum::<f64>();
+        let row = |(k, row): (usize, &[f64; N])| sum_of_magnitudes(&row[k..]);
         rows.map(row).sum::<f64>() * GROW
     }
 
@@ -60,15 +60,91 @@ impl<const N: usize> QuadraticForm<N> {
             return;
         }
         let mut size = 0.0;
-        for k in 0..N {
-            for l in k..N {
-                let added = factor * b.bends[k][l];
-                self.bends[k][l] += added;
-                size += self.bends[k][l].abs() + added.abs();
+        for (k, (row, other)) in self.bends.iter_mut().zip(&b.bends).enumerate() {
+            let (row, other) = (&mut row[k..], &other[k..]);
+            for (bend, added) in row.iter_mut().zip(other) {
+                *bend += factor * added;
             }
+            size += sum_of_magnitudes(row) + factor.abs() * sum_of_magnitudes(other);
         }
         // Rounding of every sum of second-order terms.
         self.line.error = (self.line.error + OPERATION * size) * GROW;
+    }
+
+    /// Adds a product, its terms up to the second order multiplied out in place.
+    pub fn add_product(&mut self, a: &Self, b: &Self) {
+        for (number, other) in [(a, b), (b, a)] {
+            if number.is_number() {
+                return self.add_scaled(number.line.value, other);
+            }
+        }
+        let (u, v) = (a.line.value, b.line.value);
+        let (x, y) = (&a.line.slopes, &b.line.slopes);
+        let rows = a.bends.iter().zip(&b.bends).enumerate();
+        let mut size = 0.0;
+        for (own, (k, (of_a, of_b))) in self.bends.iter_mut().zip(rows) {
+            own[k] += u * of_b[k] + v * of_a[k] + x[k] * y[k];
+            let (p, q) = (x[k], y[k]);
+            let rest = own[k + 1..].iter_mut();
+            let terms = of_a[k + 1..].iter().zip(&of_b[k + 1..]);
+            let slopes = x[k + 1..].iter().zip(&y[k + 1..]);
+            for ((bend, (a, b)), (x, y)) in rest.zip(terms).zip(slopes) {
+                *bend += u * b + v * a + (p * y + x * q);
+            }
+            size += sum_of_magnitudes(&own[k..]);
+        }
+        let line = &mut self.line;
+        for (k, slope) in line.slopes.iter_mut().enumerate() {
+            *slope += u * y[k] + v * x[k];
+        }
+        line.value += u * v;
+        size += line.value.abs() + sum_of_magnitudes(&line.slopes);
+        let (rx, ry) = (a.line.radius(), b.line.radius());
+        let (qx, qy) = (a.bend(), b.bend());
+        let (ex, ey) = (a.line.error, b.line.error);
+        let (far, wide) = (u.abs() + rx + qx, v.abs() + ry + qy);
+        // Errors times values, all products of third and fourth order, rounding, underflow.
+        let open = [
+            u.abs() * ey + v.abs() * ex,
+            rx * (qy + ey) + ry * (qx + ex),
+            (qx + ex) * (qy + ey),
+            OF_PRODUCT * far * wide + OPERATION * size,
+            UNDERFLOW,
+        ];
+        line.error = (line.error + open.iter().sum::<f64>()) * GROW;
+    }
+
+    /// `start` and the sum of all forms times their factors, rounded as a whole.
+    pub fn combination<'f>(start: f64, terms: impl Iterator<Item = (f64, &'f Self)>) -> Self {
+        let mut sum = Self::from(AffineForm::within(start, 0.0));
+        let (mut count, mut size, mut open) = (1.0, start.abs(), 0.0);
+        for (factor, form) in terms {
+            if factor == 0.0 || form.line.is_zero() && form.bend() == 0.0 {
+                // What is not known stays so.
+                let error = form.line.error;
+                open += if error.is_finite() { 0.0 } else { error };
+                continue;
+            }
+            let (own, line) = (&mut sum.line, &form.line);
+            own.value += factor * line.value;
+            for (s, slope) in own.slopes.iter_mut().zip(&line.slopes) {
+                *s += factor * slope;
+            }
+            let mut magnitudes = line.value.abs() + sum_of_magnitudes(&line.slopes);
+            for (k, (row, other)) in sum.bends.iter_mut().zip(&form.bends).enumerate() {
+                let other = &other[k..];
+                for (bend, added) in row[k..].iter_mut().zip(other) {
+                    *bend += factor * added;
+                }
+                magnitudes += sum_of_magnitudes(other);
+            }
+            count += 1.0;
+            size += factor.abs() * magnitudes;
+            open += factor.abs() * line.error;
+        }
+        // A sum of products loses no more than so many operations on the sum of their magnitudes.
+        sum.line.error = (open + count * (OPERATION * size + UNDERFLOW)) * GROW;
+        sum
     }
 
     /// Whether it is a number without an error.
@@ -225,11 +301,12 @@ impl<const N: usize> Add for QuadraticForm<N> {
         let mut sum = self;
         sum.line = self.line + b.line;
         let mut size = 0.0;
-        for (row, other) in sum.bends.iter_mut().zip(&b.bends) {
-            for (bend, added) in row.iter_mut().zip(other) {
+        for (k, (row, other)) in sum.bends.iter_mut().zip(&b.bends).enumerate() {
+            let row = &mut row[k..];
+            for (bend, added) in row.iter_mut().zip(&other[k..]) {
                 *bend += added;
-                size += bend.abs();
             }
+            size += sum_of_magnitudes(row);
         }
         if size > 0.0 {
             // Rounding of every sum of second-order terms.
@@ -249,41 +326,8 @@ impl<const N: usize> Sub for QuadraticForm<N> {
 impl<const N: usize> Mul for QuadraticForm<N> {
     type Output = Self;
     fn mul(self, b: Self) -> Self {
-        for (number, other) in [(&self, &b), (&b, &self)] {
-            if number.is_number() && other.is_finite() {
-                return match number.line.value == 0.0 {
-                    true => Self::ZERO,
-                    false => other.scale(number.line.value),
-                };
-            }
-        }
-        // Terms up to the second order are multiplied out.
-        let (u, v) = (self.line.value, b.line.value);
-        let (x, y) = (&self.line.slopes, &b.line.slopes);
         let mut product = Self::ZERO;
-        for k in 0..N {
-            product.line.slopes[k] = u * y[k] + v * x[k];
-            let row = &mut product.bends[k];
-            row[k] = u * b.bends[k][k] + v * self.bends[k][k] + x[k] * y[k];
-            for l in k + 1..N {
-                let both = x[k] * y[l] + x[l] * y[k];
-                row[l] = u * b.bends[k][l] + v * self.bends[k][l] + both;
-            }
-        }
-        let (rx, ry) = (self.line.radius(), b.line.radius());
-        let (qx, qy) = (self.bend(), b.bend());
-        let (ex, ey) = (self.line.error, b.line.error);
-        let (far, wide) = (u.abs() + rx + qx, v.abs() + ry + qy);
-        // Errors times values, all products of third and fourth order, rounding, underflow.
-        let open = [
-            u.abs() * ey + v.abs() * ex,
-            rx * (qy + ey) + ry * (qx + ex),
-            (qx + ex) * (qy + ey),
-            OF_PRODUCT * far * wide,
-            UNDERFLOW,
-        ];
-        product.line.value = u * v;
-        product.line.error = open.iter().sum::<f64>() * GROW;
+        product.add_product(&self, &b);
         product
     }
 }
@@ -355,6 +399,11 @@ mod tests {
             let mut sum = a;
             sum.add_scaled(-0.3, &c);
             holds(sum, p - 0.3 * r);
+            sum.add_product(&c, &b);
+            holds(sum, p - 0.3 * r + r * q);
+            let terms = [(1.5, &a), (0.0, &b), (-0.3, &c), (2.0, &Form::ZERO)];
+            let sum = Form::combination(-1.0, terms.into_iter());
+            holds(sum, -1.0 + 1.5 * p - 0.3 * r);
         }
     }
 
@@ -380,6 +429,7 @@ mod tests {
             around_zero.ln(),
             Form::undefined() * Form::ZERO,
             Form::undefined() + Form::number(1.0),
+            Form::combination(1.0, [(0.0, &Form::undefined())].into_iter()),
             Form::undefined().sin(),
         ] {
             assert!(!none.is_finite(), "{none:?}");

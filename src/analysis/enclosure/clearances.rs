@@ -4,8 +4,9 @@
 //! The time between two samples is a box like those of the bands: inputs are dimensions over it. Where the bound of a pair is
 //! far below the nearest piece that was found, the stretch is halved.
 
-use super::motion::{Obstacle, pose_enclosure, samples_at};
+use super::motion::samples_at;
 use super::plan::{Plan, sized};
+use super::pose_bands::{Obstacle, pose_enclosure};
 use super::stretches::stretch_tolerances;
 use crate::clearance::part::{JudgedPart, PieceClearance, Refusal};
 use crate::clearance::piece_gap::{PartWays, PieceView};

@@ -1,16 +1,20 @@
-//! Measures for all pieces: what the poses show as affine forms of the dimensions, reduced along the tracks and put into
-//! the formulas of the measures.
+//! Measures for all pieces: what the poses show as functions of the dimensions, reduced along the tracks and put into
+//! the formulas of the measures. Where the derivatives show at which corner of the tolerances a measure is greatest, all poses of
+//! that piece are solved and proved.
 
-use super::motion::{Obstacle, enclosed_pose};
 use super::plan::{Plan, sized};
+use super::pose_bands::{Obstacle, PieceFinder, is_sharp};
+use super::takings::taken_number;
+use super::tracked::Tracked;
 use crate::analysis::study::Nominal;
-use crate::kinematics::enclosure::pose::Encloser;
-use crate::kinematics::solve::pose_solver::PoseSolver;
+use crate::kinematics::abreast::anchor::Anchor;
+use crate::kinematics::enclosure::pose::{Encloser, PoseEnclosure};
+use crate::kinematics::enclosure::quadratic::{Face, Quadratic};
+use crate::kinematics::loops::observed::observed_slots;
 use crate::model::expression::Expression;
-use crate::model::measure::{Measure, MeasureSource, Taking};
+use crate::model::measure::{Measure, MeasureSource};
 use crate::numbers::affine_form::AffineForm;
 use crate::numbers::interval::Interval;
-use crate::numbers::rounding::GROW;
 use crate::numbers::scalar::{Ring, Scalar};
 
 /// The range of a measure over all pieces; nothing is known where it is not bounded.
@@ -33,77 +37,263 @@ pub fn enclose_measures(
     sized!(plan.room_for(plan.dimensions.len()), N => measure_bands::<N>(plan, nominal))
 }
 
+/// A band, and the least and greatest values that pieces take at its ends.
+struct Reached {
+    band: MeasureBand,
+    found: [f64; 2],
+}
+
+/// Numbers of forms that stand for plain intervals: none moves.
+const OF_ONE: usize = 4;
+
 fn measure_bands<const N: usize>(
     plan: &Plan,
     nominal: &Nominal,
 ) -> Result<Vec<MeasureBand>, (usize, Obstacle)> {
-    let family = plan.family;
-    let list = &family.measures.list;
-    let rows = family.rows();
-    let encloser = Encloser::new(family.system());
-    let mut solver = PoseSolver::new(family.system());
-    // Values of the formulas at the poses of every measure.
-    let mut shown: Vec<Vec<Vec<AffineForm<N>>>> = list
-        .iter()
-        .map(|m| vec![Vec::new(); measure_formulas(m).len()])
-        .collect();
-    for (row, (_, poses)) in rows.iter().enumerate() {
-        for index in poses.clone() {
-            let enclosure = enclosed_pose::<N>(plan, &encloser, &mut solver, &nominal.poses[index]);
-            let enclosure = enclosure.map_err(|obstacle| (index, obstacle))?;
-            for (measure, values) in list.iter().zip(&mut shown) {
-                if row_of(measure, rows.len()) == Some(row) {
-                    for (formula, values) in measure_formulas(measure).iter().zip(values) {
-                        values.push(enclosure.formula(formula));
-                    }
+    let encloser = Encloser::new(plan.family.system());
+    let mut search = Search {
+        plan,
+        encloser: &encloser,
+        finder: PieceFinder::new(plan, &encloser),
+        nominal,
+        anchors: Vec::new(),
+    };
+    // Poses that forms of first order do not enclose have those of second order at once.
+    let (mut plain, mut is_rough) = (Vec::new(), Vec::new());
+    for (index, pose) in nominal.poses.iter().enumerate() {
+        let (enclosure, rough) = match search.finder.enclosed_plainly::<N>(pose) {
+            Ok(enclosed) => enclosed,
+            Err(_) => {
+                let bent = search.finder.enclosed::<N>(pose);
+                (bent.map_err(|obstacle| (index, obstacle))?, false)
+            }
+        };
+        plain.push(enclosure);
+        is_rough.push(rough);
+    }
+    let first = search.reached(&plain);
+    let list = |reached: &[Reached]| reached.iter().map(|r| r.band).collect::<Vec<_>>();
+    let sharp = |r: &Reached| {
+        let size = r.band.lo.abs().max(r.band.hi.abs());
+        is_sharp([r.band.lo, r.band.hi], r.found, size)
+    };
+    if !is_rough.contains(&true) || first.iter().all(sharp) {
+        return Ok(list(&first));
+    }
+    let mut enclosures = Vec::new();
+    for (index, (known, rough)) in plain.into_iter().zip(is_rough).enumerate() {
+        enclosures.push(match rough {
+            true => {
+                let enclosed = search.finder.enclosed::<N>(&nominal.poses[index]);
+                enclosed.map_err(|obstacle| (index, obstacle))?
+            }
+            false => known,
+        });
+    }
+    let second = list(&search.reached(&enclosures));
+    let pairs = first.iter().zip(second);
+    let tighter = pairs.map(|(a, b)| MeasureBand {
+        lo: a.band.lo.max(b.lo),
+        hi: a.band.hi.min(b.hi),
+    });
+    Ok(tighter.collect())
+}
+
+struct Search<'p> {
+    plan: &'p Plan<'p>,
+    encloser: &'p Encloser<'p>,
+    finder: PieceFinder<'p>,
+    nominal: &'p Nominal,
+    /// Of every pose; made where the first pieces are looked for.
+    anchors: Vec<Option<Anchor>>,
+}
+
+impl Search<'_> {
+    /// Bands from the enclosures of all poses, and what the pieces at their ends take.
+    fn reached<const N: usize>(&mut self, enclosures: &[PoseEnclosure<N>]) -> Vec<Reached> {
+        let count = self.plan.dimensions.len();
+        let inputs = plan_inputs::<N>(self.plan);
+        let value = |pose: usize, formula: &Expression| {
+            let (form, rates) = enclosures[pose].formula(formula);
+            Tracked { form, rates }
+        };
+        let numbers = measure_numbers(self.plan, inputs.clone(), count, value);
+        let faces: Vec<[Face; 2]> = numbers
+            .iter()
+            .map(|number| {
+                let function = Quadratic {
+                    value: number.form.value,
+                    open: 0.0,
+                    rates: number.rates.clone(),
+                };
+                [-1.0, 1.0].map(|sign| function.face(sign))
+            })
+            .collect();
+        let mut places: Vec<&[f64]> = Vec::new();
+        // Where no derivative is known there is no corner to look at.
+        let bounded = |face: &&Face| face.beyond.is_finite();
+        for face in faces.iter().flatten().filter(bounded) {
+            for place in [&face.middle, &face.best] {
+                if !places.contains(&&place[..]) {
+                    places.push(place);
                 }
             }
         }
-    }
-    let mut numbers = plan_inputs::<N>(plan);
-    let first = numbers.len();
-    for (measure, values) in list.iter().zip(&shown) {
-        let form = match &measure.source {
-            MeasureSource::Formula(formula) => formula.value(&numbers),
-            MeasureSource::Over { per: Some(_), .. } => AffineForm::undefined(),
-            MeasureSource::Over { taking, power, .. } => taken_form(*taking, *power, values),
+        let at = self.measured_pieces(enclosures, &places, &inputs);
+        let measured = |place: &[f64], index: usize| {
+            let known = places.iter().position(|known| *known == place)?;
+            Some(at[known].as_ref()?[index]).filter(|range| range.is_finite())
         };
-        numbers.push(form);
-    }
-    let band = |form: &AffineForm<N>| {
-        let Interval { lo, hi } = form.range();
-        let Interval { lo, hi } = if form.is_finite() {
-            Interval { lo, hi }
-        } else {
-            Interval::ENTIRE
+        let one = |(index, number): (usize, &Tracked<N>)| {
+            let mut range = match number.form.is_finite() {
+                true => number.form.range(),
+                false => Interval::ENTIRE,
+            };
+            let mut found = [number.form.value; 2];
+            let [least, greatest] = &faces[index];
+            if let Some(lowest) = measured(&least.middle, index) {
+                let reach = lowest - Interval::point(least.beyond);
+                range.lo = range.lo.max(reach.lo);
+            }
+            if let Some(highest) = measured(&greatest.middle, index) {
+                let reach = highest + Interval::point(greatest.beyond);
+                range.hi = range.hi.min(reach.hi);
+            }
+            for face in [least, greatest] {
+                if let Some(value) = measured(&face.best, index) {
+                    found = [found[0].min(value.middle()), found[1].max(value.middle())];
+                }
+            }
+            let Interval { lo, hi } = range;
+            Reached {
+                band: MeasureBand { lo, hi },
+                found,
+            }
         };
-        MeasureBand { lo, hi }
-    };
-    Ok(numbers[first..].iter().map(band).collect())
+        numbers.iter().enumerate().map(one).collect()
+    }
+
+    /// All measures of the pieces at δ; nothing of those that have a pose that is not proved.
+    fn measured_pieces<const N: usize>(
+        &mut self,
+        enclosures: &[PoseEnclosure<N>],
+        places: &[&[f64]],
+        inputs: &[Tracked<N>],
+    ) -> Vec<Option<Vec<Interval>>> {
+        let system = self.plan.family.system();
+        if self.anchors.is_empty() {
+            let poses = self.nominal.poses.iter();
+            self.anchors = poses.map(|pose| Anchor::new(system, pose)).collect();
+        }
+        // Slots of every pose at every place.
+        let mut slots: Vec<Vec<Option<Vec<Interval>>>> = Vec::with_capacity(enclosures.len());
+        for (enclosure, anchor) in enclosures.iter().zip(&self.anchors) {
+            let pieces = self.finder.pieces(enclosure, places, anchor.as_ref());
+            let shown = pieces.iter().zip(places).map(|(piece, place)| {
+                let proved = self.encloser.piece(enclosure, place, piece.as_deref()?)?;
+                Some(observed_slots(system.mechanism(), &proved))
+            });
+            slots.push(shown.collect());
+        }
+        let at = |(index, place): (usize, &&[f64])| {
+            let poses: Option<Vec<&[Interval]>> =
+                slots.iter().map(|pose| pose[index].as_deref()).collect();
+            let poses = poses?;
+            let inputs = inputs.iter().map(|input| of_piece(input, place)).collect();
+            let value = |pose: usize, formula: &Expression| {
+                Tracked::<OF_ONE>::without_rates(
+                    AffineForm::of_interval(formula.value(poses[pose])),
+                    0,
+                )
+            };
+            let numbers = measure_numbers(self.plan, inputs, 0, value);
+            Some(numbers.iter().map(|number| number.form.range()).collect())
+        };
+        places.iter().enumerate().map(at).collect()
+    }
+}
+
+/// An input of the piece at δ.
+fn of_piece<const N: usize>(input: &Tracked<N>, place: &[f64]) -> Tracked<OF_ONE> {
+    let AffineForm {
+        value,
+        slopes,
+        error,
+    } = &input.form;
+    let drawn = Interval::point(*value) + Interval::around_zero(*error);
+    let moved = slopes.iter().zip(place);
+    let value = moved.fold(drawn, |sum, (slope, d)| {
+        sum + Interval::point(*slope).scale(*d)
+    });
+    Tracked::without_rates(AffineForm::of_interval(value), 0)
+}
+
+/// All measures, from the inputs at the start of the drive and the values of formulas at the poses of the tracks.
+fn measure_numbers<const N: usize>(
+    plan: &Plan,
+    inputs: Vec<Tracked<N>>,
+    count: usize,
+    value: impl Fn(usize, &Expression) -> Tracked<N>,
+) -> Vec<Tracked<N>> {
+    let rows = plan.family.rows();
+    let first = inputs.len();
+    let mut numbers = inputs;
+    for measure in &plan.family.measures.list {
+        let number = match &measure.source {
+            MeasureSource::Formula(formula) => of_formula(formula, &numbers),
+            MeasureSource::Over { per: Some(_), .. } => Tracked::undefined(count),
+            MeasureSource::Over {
+                of, taking, power, ..
+            } => {
+                let poses = row_of(measure, rows.len()).map_or(0..0, |row| rows[row].1.clone());
+                let values: Vec<Vec<Tracked<N>>> = (of.iter())
+                    .map(|formula| poses.clone().map(|pose| value(pose, formula)).collect())
+                    .collect();
+                taken_number(*taking, *power, &values, count)
+            }
+        };
+        numbers.push(number);
+    }
+    numbers.split_off(first)
+}
+
+/// A formula of numbers.
+fn of_formula<const N: usize>(formula: &Expression, numbers: &[Tracked<N>]) -> Tracked<N> {
+    let forms: Vec<AffineForm<N>> = numbers.iter().map(|number| number.form).collect();
+    let value = formula.value(&forms);
+    let count = numbers.iter().map(|number| number.rates.len()).max();
+    if count.unwrap_or(0) == 0 {
+        return Tracked::without_rates(value, 0);
+    }
+    let gradient = formula.gradient(&forms);
+    let used = formula.slots();
+    let parts: Vec<(AffineForm<N>, &Tracked<N>)> = (used.iter())
+        .map(|slot| (gradient[*slot], &numbers[*slot]))
+        .collect();
+    let mut number = Tracked::through(value, &parts);
+    number.rates.resize(count.unwrap_or(0), AffineForm::ZERO);
+    number
 }
 
 /// The inputs at the start of the drive, the dimensions moving.
-fn plan_inputs<const N: usize>(plan: &Plan) -> Vec<AffineForm<N>> {
+fn plan_inputs<const N: usize>(plan: &Plan) -> Vec<Tracked<N>> {
     let family = plan.family;
     let unknowns = family.mechanism().unknowns.len();
     let start = family.actuation.inputs_at(0.0);
     let pose = [vec![0.0; unknowns], start.clone()].concat();
     let open = plan.input_open(&pose);
-    let pairs = start.iter().zip(open);
-    let mut inputs: Vec<AffineForm<N>> = pairs.map(|(v, e)| AffineForm::within(*v, e)).collect();
+    let still = vec![AffineForm::ZERO; plan.dimensions.len()];
+    let one = |(value, open): (&f64, f64)| Tracked {
+        form: AffineForm::within(*value, open),
+        rates: still.clone(),
+    };
+    let mut inputs: Vec<Tracked<N>> = start.iter().zip(open).map(one).collect();
     for (k, tolerance) in plan.tolerances(&pose).iter().enumerate() {
         let input = &mut inputs[tolerance.slot - unknowns];
-        *input = input.moving(k, tolerance.half_width);
+        input.form = input.form.moving(k, tolerance.half_width);
+        input.rates[k] = AffineForm::within(tolerance.half_width, 0.0);
     }
     inputs
-}
-
-/// The formulas that a measure takes over poses.
-fn measure_formulas(measure: &Measure) -> &[Expression] {
-    match &measure.source {
-        MeasureSource::Over { of, per: None, .. } => of,
-        _ => &[],
-    }
 }
 
 /// Of `rows`, the one whose poses a measure is taken over: its track, or the drive behind them.
@@ -112,113 +302,4 @@ fn row_of(measure: &Measure, rows: usize) -> Option<usize> {
         MeasureSource::Formula(_) => None,
         MeasureSource::Over { track, .. } => Some(track.unwrap_or(rows.saturating_sub(1))),
     }
-}
-
-/// One number of `values[formula][pose]`.
-fn taken_form<const N: usize>(
-    taking: Taking,
-    power: f64,
-    values: &[Vec<AffineForm<N>>],
-) -> AffineForm<N> {
-    let [Some(first), second] = [values.first(), values.get(1)] else {
-        return AffineForm::undefined();
-    };
-    let (Some(begin), Some(end)) = (first.first(), first.last()) else {
-        return AffineForm::undefined();
-    };
-    if !values.iter().flatten().all(|v| v.is_finite()) {
-        return AffineForm::undefined();
-    }
-    let sum = || first.iter().fold(AffineForm::ZERO, |sum, v| sum + *v);
-    match taking {
-        Taking::First => *begin,
-        Taking::Last => *end,
-        Taking::Change => *end - *begin,
-        Taking::Min => -greatest_form(first.iter().map(|v| -*v)),
-        Taking::Max => greatest_form(first.iter().copied()),
-        Taking::Range => {
-            greatest_form(first.iter().copied()) + greatest_form(first.iter().map(|v| -*v))
-        }
-        Taking::Largest => greatest_form(first.iter().flat_map(|v| [*v, -*v])),
-        Taking::Sum => sum(),
-        Taking::Mean => sum() / AffineForm::number(first.len() as f64),
-        Taking::Norm => power_norm(first, power),
-        // The share of a polyline above zero has a kink wherever a value is zero.
-        Taking::Positive => AffineForm::undefined(),
-        Taking::Chord => match second {
-            Some(second) => chord_deviation(first, second).0,
-            None => AffineForm::undefined(),
-        },
-        Taking::Bow => match second {
-            Some(second) => bow_height(first, second),
-            None => AffineForm::undefined(),
-        },
-    }
-}
-
-/// The greatest of functions: the one that is so at δ = 0, and what others can exceed it by.
-fn greatest_form<const N: usize>(
-    list: impl Iterator<Item = AffineForm<N>> + Clone,
-) -> AffineForm<N> {
-    let best = list.clone().max_by(|a, b| a.value.total_cmp(&b.value));
-    let Some(best) = best else {
-        return AffineForm::undefined();
-    };
-    let excess = list.map(|form| (form - best).range().hi.max(0.0));
-    let excess = excess.fold(0.0, f64::max);
-    best + AffineForm::of_interval(Interval::new(0.0, excess * GROW))
-}
-
-/// (Σ |v|ᵖ)^(1/p)
-fn power_norm<const N: usize>(values: &[AffineForm<N>], power: f64) -> AffineForm<N> {
-    let p = AffineForm::number(power);
-    let sum = values.iter().fold(AffineForm::ZERO, |sum, v| {
-        let size = match v.is_below_zero() {
-            Some(true) => -*v,
-            Some(false) => *v,
-            None => AffineForm::of_interval(Interval::new(0.0, v.magnitude())),
-        };
-        sum + size.power(p)
-    });
-    match power == 2.0 {
-        true => sum.sqrt(),
-        false => sum.real_power(1.0 / power),
-    }
-}
-
-/// Distance from the first to the last point of a path, and the vector.
-fn chord_deviation<const N: usize>(
-    x: &[AffineForm<N>],
-    y: &[AffineForm<N>],
-) -> (AffineForm<N>, [AffineForm<N>; 2]) {
-    match (x, y) {
-        ([a, .., b], [c, .., d]) => {
-            let (along, up) = (*b - *a, *d - *c);
-            (along.hypot(up), [along, up])
-        }
-        _ => (AffineForm::undefined(), [AffineForm::undefined(); 2]),
-    }
-}
-
-/// Signed distance from the chord of the point that is farthest from it.
-fn bow_height<const N: usize>(x: &[AffineForm<N>], y: &[AffineForm<N>]) -> AffineForm<N> {
-    let (length, [a, b]) = chord_deviation(x, y);
-    let distance = |k: usize| ((y[k] - y[0]) * a - (x[k] - x[0]) * b) / length;
-    let all: Vec<AffineForm<N>> = (0..x.len().min(y.len())).map(distance).collect();
-    if !all.iter().all(|form| form.is_finite()) {
-        return AffineForm::undefined();
-    }
-    let nominal = all
-        .iter()
-        .max_by(|p, q| p.value.abs().total_cmp(&q.value.abs()));
-    let Some(nominal) = nominal else {
-        return AffineForm::undefined();
-    };
-    // Those that may be the farthest of some piece.
-    let least = |form: &AffineForm<N>| (form.value.abs() - form.deviation()).max(0.0);
-    let needed = all.iter().map(least).fold(0.0, f64::max);
-    let rivals = all.iter().filter(|form| form.magnitude() >= needed);
-    let apart = rivals.map(|form| (*form - *nominal).magnitude());
-    let apart = apart.fold(0.0, f64::max);
-    *nominal + AffineForm::within(0.0, apart)
 }

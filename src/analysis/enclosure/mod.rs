@@ -7,12 +7,16 @@ mod measures;
 mod motion;
 mod pieces;
 mod plan;
+mod pose_bands;
 mod stretches;
+mod takings;
+mod tracked;
 
 pub use allowed::{Allowed, allowed_motion};
 pub use clearances::enclose_clearances;
 pub use measures::{MeasureBand, enclose_measures};
-pub use motion::{Band, Bands, Enclosed, Obstacle, Stretch, enclose_motion, shown_names};
+pub use motion::{Enclosed, Stretch, enclose_motion, shown_names};
 pub use pieces::AskedPieces;
 pub use plan::{Dimension, MOST_DIMENSIONS, Plan};
+pub use pose_bands::{Band, Bands, Obstacle};
 pub use stretches::enclose_stretches;

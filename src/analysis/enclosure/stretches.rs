@@ -1,8 +1,9 @@
 //! Bands between the samples: the inputs of a whole stretch of the drive are dimensions like the others, so that one box
 //! holds the poses of all pieces at all its times. Stretches that are too long are halved.
 
-use super::motion::{Obstacle, Stretch, pose_enclosure, samples_at};
+use super::motion::{Stretch, samples_at};
 use super::plan::{Plan, sized};
+use super::pose_bands::{Obstacle, pose_enclosure};
 use crate::jobs::share_work;
 use crate::kinematics::enclosure::pose::Encloser;
 use crate::kinematics::enclosure::region::Tolerance;

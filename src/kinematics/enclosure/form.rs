@@ -19,6 +19,25 @@ pub trait DimensionForm: Scalar + Send + Sync {
     /// Adds `factor` times `b`.
     fn add_scaled(&mut self, factor: f64, b: &Self);
 
+    /// Adds a product.
+    fn add_product(&mut self, a: &Self, b: &Self) {
+        match (a.as_number(), b.as_number()) {
+            (_, Some(number)) => self.add_scaled(number, a),
+            (Some(number), _) => self.add_scaled(number, b),
+            _ => *self = *self + *a * *b,
+        }
+    }
+
+    /// `start` and the sum of all forms times their factors.
+    fn combination<'f>(start: f64, terms: impl Iterator<Item = (f64, &'f Self)>) -> Self
+    where
+        Self: 'f,
+    {
+        let mut sum = Self::number(start);
+        terms.for_each(|(factor, form)| sum.add_scaled(factor, form));
+        sum
+    }
+
     /// Change along each δ.
     fn slopes(&self) -> &[f64];
 
@@ -73,8 +92,16 @@ impl<const N: usize> DimensionForm for AffineForm<N> {
         Self::add_scaled(self, factor, b);
     }
 
+    fn combination<'f>(start: f64, terms: impl Iterator<Item = (f64, &'f Self)>) -> Self {
+        Self::combination(start, terms)
+    }
+
     fn slopes(&self) -> &[f64] {
         &self.slopes
+    }
+
+    fn radius(&self) -> f64 {
+        Self::radius(self)
     }
 
     fn beyond(&self) -> f64 {
@@ -131,6 +158,14 @@ impl<const N: usize> DimensionForm for QuadraticForm<N> {
 
     fn add_scaled(&mut self, factor: f64, b: &Self) {
         Self::add_scaled(self, factor, b);
+    }
+
+    fn add_product(&mut self, a: &Self, b: &Self) {
+        Self::add_product(self, a, b);
+    }
+
+    fn combination<'f>(start: f64, terms: impl Iterator<Item = (f64, &'f Self)>) -> Self {
+        Self::combination(start, terms)
     }
 
     fn slopes(&self) -> &[f64] {

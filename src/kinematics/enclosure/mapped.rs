@@ -11,13 +11,15 @@ pub struct Mapped<F> {
     pub g: Vec<F>,
     /// A, row after row.
     pub entries: Vec<F>,
-    /// |A|, row after row.
-    pub a: Vec<f64>,
+    /// |A|
+    pub a: Contraction,
     /// η
     pub eta: Vec<f64>,
-    /// How far each dimension takes A, summed.
-    pub by_dimension: Vec<f64>,
 }
+
+/// |A|, row after row: what a difference of two poses in the box is mapped by.
+#[derive(Clone, Debug)]
+pub struct Contraction(pub Vec<f64>);
 
 /// Largest share of the box that its image takes.
 pub fn image_ratio(image: &[f64], box_of: &[f64]) -> f64 {
@@ -25,17 +27,17 @@ pub fn image_ratio(image: &[f64], box_of: &[f64]) -> f64 {
     pairs.map(|(y, w)| y / w).fold(0.0, f64::max)
 }
 
-impl<F> Mapped<F> {
+impl Contraction {
     /// η + |A| w
-    pub fn image(&self, w: &[f64]) -> Vec<f64> {
+    pub fn image(&self, eta: &[f64], w: &[f64]) -> Vec<f64> {
         let moved = self.times(w);
-        let pairs = self.eta.iter().zip(moved);
+        let pairs = eta.iter().zip(moved);
         pairs.map(|(eta, moved)| (eta + moved) * GROW).collect()
     }
 
     /// |A| w
     pub fn times(&self, w: &[f64]) -> Vec<f64> {
-        let rows = self.a.chunks_exact(w.len().max(1));
+        let rows = self.0.chunks_exact(w.len().max(1));
         rows.map(|row| row.iter().zip(w).map(|(a, w)| a * w).sum::<f64>() * GROW)
             .collect()
     }
@@ -51,11 +53,5 @@ impl<F> Mapped<F> {
             next.map(|((from, moved), y)| ((from + moved) * GROW).min(*y))
                 .collect()
         })
-    }
-
-    /// The dimension that takes A farthest from zero.
-    pub fn farthest(&self) -> Option<usize> {
-        let all = self.by_dimension.iter().enumerate();
-        all.max_by(|a, b| a.1.total_cmp(b.1)).map(|(k, _)| k)
     }
 }

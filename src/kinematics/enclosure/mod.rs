@@ -5,6 +5,9 @@
 //! are kept, and a bound of the rest, which is of third order. [`block`] has the test, [`quadratic`] the ranges.
 
 pub mod block;
+mod block_box;
+mod centre;
+mod corner;
 mod form;
 mod mapped;
 pub mod observer;

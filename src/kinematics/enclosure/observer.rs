@@ -76,7 +76,7 @@ impl<'e, const N: usize> Observer<'e, N> {
             speed.add_scaled(direction[1], &velocity[1]);
             speed.add_scaled(direction[2], &velocity[2]);
             for (slot, rate) in self.rates.of(argument) {
-                let part = speed * *rate;
+                let part = rate.times(speed);
                 match sum.gradient.iter_mut().find(|(known, _)| known == slot) {
                     Some((_, known)) => *known = *known + part,
                     None => sum.gradient.push((*slot, part)),

@@ -4,17 +4,17 @@ use super::block::{Unbounded, enclose_block};
 use super::form::DimensionForm;
 use super::quadratic::Quadratic;
 use super::region::{Region, Tolerance};
-use super::rows::{Layout, Rates, expression_gradient};
+use super::rows::{Layout, Rates, argument_values, expression_gradient, turning_arguments};
 use super::twists::Twists;
 use crate::kinematics::loops::observed::observed_slots;
 use crate::kinematics::results::certificate::Reason;
 use crate::kinematics::structure::system::System;
 use crate::model::expression::Expression;
 use crate::model::mechanism::{Mechanism, OutputSource};
-use crate::model::outputs::output_arguments;
 use crate::numbers::affine_form::AffineForm;
 use crate::numbers::interval::Interval;
 use crate::numbers::quadratic_form::QuadraticForm;
+use crate::numbers::scalar::Scalar;
 
 /// Poses whose boxes leave more than this share of the unknowns' way open are looked at to the second order.
 const ROUGH: f64 = 1e-3;
@@ -26,19 +26,23 @@ const MOST_BENT: usize = 36;
 const LARGE_STACK: usize = 64 << 20;
 
 /// What is enclosed.
-#[derive(Clone, Copy)]
-struct Sought<'p> {
-    pose: &'p [f64],
-    input_open: &'p [f64],
-    tolerances: &'p [Tolerance],
-    bases: &'p [Vec<usize>],
+#[derive(Clone, Copy, Debug)]
+pub struct Sought<'p> {
+    /// A closed pose: unknowns, then inputs.
+    pub pose: &'p [f64],
+    /// How far the inputs may be meant from their values.
+    pub input_open: &'p [f64],
+    /// What varies.
+    pub tolerances: &'p [Tolerance],
+    /// The rows that each block is proved on.
+    pub bases: &'p [Vec<usize>],
 }
 
 /// Encloses poses of one system. Laid out once.
 #[derive(Clone, Debug)]
 pub struct Encloser<'s> {
-    system: &'s System,
-    layouts: Vec<Layout<'s>>,
+    pub(super) system: &'s System,
+    pub(super) layouts: Vec<Layout<'s>>,
 }
 
 /// The poses of all pieces at one place of the drive.
@@ -59,28 +63,15 @@ impl<'s> Encloser<'s> {
         }
     }
 
-    /// Encloses the poses beside the closed one at `pose` (unknowns, then inputs), where inputs are meant within `input_open` of
-    /// their values. `bases` are the rows that each block is proved on.
+    /// Encloses the poses beside a closed one.
     ///
     /// # Errors
     /// No box is proved.
-    pub fn enclose<const N: usize>(
-        &self,
-        pose: &[f64],
-        input_open: &[f64],
-        tolerances: &[Tolerance],
-        bases: &[Vec<usize>],
-    ) -> Result<PoseEnclosure<N>, Unbounded> {
-        if tolerances.len() > N {
+    pub fn enclose<const N: usize>(&self, sought: Sought) -> Result<PoseEnclosure<N>, Unbounded> {
+        if sought.tolerances.len() > N {
             // No form has room for them.
             return Err(Reason::Formula.into());
         }
-        let sought = Sought {
-            pose,
-            input_open,
-            tolerances,
-            bases,
-        };
         let first = self.region::<AffineForm<N>>(sought);
         // Where the Jacobian's second order is what makes boxes wide, it is kept.
         let is_rough = match &first {
@@ -97,8 +88,27 @@ impl<'s> Encloser<'s> {
         };
         Ok(PoseEnclosure {
             region,
-            coordinates: pose.len(),
+            coordinates: sought.pose.len(),
         })
+    }
+
+    /// The same with forms of first order alone; whether those of second order would be looked at.
+    ///
+    /// # Errors
+    /// No box is proved.
+    pub fn enclose_plainly<const N: usize>(
+        &self,
+        sought: Sought,
+    ) -> Result<(PoseEnclosure<N>, bool), Unbounded> {
+        if sought.tolerances.len() > N {
+            return Err(Reason::Formula.into());
+        }
+        let (region, roughness) = self.region::<AffineForm<N>>(sought)?;
+        let enclosure = PoseEnclosure {
+            region,
+            coordinates: sought.pose.len(),
+        };
+        Ok((enclosure, roughness > ROUGH && N <= MOST_BENT))
     }
 
     /// [`Self::bent_region`] on a stack of its own; `None` also where the system gives none.
@@ -121,6 +131,7 @@ impl<'s> Encloser<'s> {
             slots: lines(&region.slots),
             rates: lines(&region.rates),
             open: region.open,
+            boxes: region.boxes,
         })
     }
 
@@ -161,8 +172,9 @@ fn show_traces<F: DimensionForm>(
         let chain = &mechanism.bodies[trace.body].world_from_body;
         let used = chain.arguments();
         let known = &region.slots[..coordinates];
+        let turning = turning_arguments(mechanism, std::iter::once(&chain.steps[..]));
         let (values, rates) = (
-            output_arguments(mechanism, &used, known),
+            argument_values(mechanism, &used, &turning, known),
             Rates::new(mechanism, &used, known),
         );
         let twists = Twists::new(&chain.steps, &values, [0.0; 3]);
@@ -172,7 +184,7 @@ fn show_traces<F: DimensionForm>(
         twists.velocities(point, |argument, velocity| {
             for (slot, rate) in rates.of(argument) {
                 for (gradient, along) in gradients.iter_mut().zip(velocity) {
-                    let part = along * *rate;
+                    let part = rate.times(along);
                     match gradient.iter_mut().find(|(known, _)| known == slot) {
                         Some((_, sum)) => *sum = *sum + part,
                         None => gradient.push((*slot, part)),
@@ -197,6 +209,11 @@ impl<const N: usize> PoseEnclosure<N> {
         }
     }
 
+    /// Derivatives of slot `index` by every δ.
+    pub fn rates(&self, index: usize) -> &[AffineForm<N>] {
+        self.region.rates_of(index)
+    }
+
     /// Slot `index` to the first order.
     pub fn form(&self, index: usize) -> AffineForm<N> {
         self.region.slots[index]
@@ -212,13 +229,17 @@ impl<const N: usize> PoseEnclosure<N> {
         self.len() == 0
     }
 
-    /// A formula of the slots as a function of the dimensions, to the first order.
-    pub fn formula(&self, expression: &Expression) -> AffineForm<N> {
-        let mut region = self.region.clone();
+    /// A formula of the slots as a function of the dimensions, to the first order, and its derivatives by every δ.
+    pub fn formula(&self, expression: &Expression) -> (AffineForm<N>, Vec<AffineForm<N>>) {
+        let region = &self.region;
         let rates = region.chain(&expression_gradient(expression, &region.slots));
-        let place = region.slots.len();
-        region.push(expression.value(&region.centre()), rates);
-        region.slots[place]
+        let centre = expression.value(&region.centre());
+        let value = centre.middle();
+        let form = match centre.is_finite() {
+            true => DimensionForm::integral(value, centre.distance(value), &rates),
+            false => AffineForm::undefined(),
+        };
+        (form, rates)
     }
 
     /// The coordinates at δ = 0.

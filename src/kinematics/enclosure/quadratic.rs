@@ -30,6 +30,17 @@ pub struct Range {
     pub highest: Vec<f64>,
 }
 
+/// The part of the box on which a function is greatest: dimensions along which it is monotone stand at their ends.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Face {
+    /// Its middle: the others are as drawn.
+    pub middle: Vec<f64>,
+    /// δ near which the greatest value lies.
+    pub best: Vec<f64>,
+    /// No value is farther beyond that of the middle.
+    pub beyond: f64,
+}
+
 /// Rounding of the sums of a bound, relative to the sum of magnitudes.
 const SUMS: f64 = 1e-13;
 
@@ -50,6 +61,44 @@ impl<const N: usize> Quadratic<N> {
         }
     }
 
+    /// The face on which `sign` times the function is greatest.
+    pub fn face(&self, sign: f64) -> Face {
+        let mut fixed = self.monotone_ends(sign);
+        let middle: Vec<f64> = fixed.iter().map(|d| d.unwrap_or(0.0)).collect();
+        let beyond = self.beyond(sign, &fixed, &middle);
+        let mut best = middle.clone();
+        if fixed.contains(&None) {
+            self.climb(sign, &mut fixed);
+            let places = best.iter_mut().zip(fixed);
+            places.for_each(|(place, d)| *place = d.unwrap_or(0.0));
+        }
+        Face {
+            middle,
+            best,
+            beyond: if beyond.is_nan() {
+                f64::INFINITY
+            } else {
+                beyond
+            },
+        }
+    }
+
+    /// How far `sign` times the function can be beyond its value in the middle of a face: the mean of its derivatives on the way
+    /// from there.
+    fn beyond(&self, sign: f64, fixed: &[Option<f64>], middle: &[f64]) -> f64 {
+        let (mut sum, mut rest, mut size) = (0.0, 0.0, 0.0);
+        let open = |j: usize| fixed[j].is_none();
+        for (k, rate) in self.rates.iter().enumerate().filter(|(k, _)| open(*k)) {
+            let moved = rate.slopes.iter().zip(middle);
+            let linear = moved.fold(rate.value, |sum, (slope, at)| sum + slope * at);
+            sum += greatest_of(sign * linear, 0.5 * sign * rate.slopes[k]);
+            let others = (0..fixed.len()).filter(|j| *j != k && open(*j));
+            rest += rate.error + others.map(|j| 0.5 * rate.slopes[j].abs()).sum::<f64>();
+            size += rate.value.abs() + rate.radius();
+        }
+        (sum + rest + SUMS * size) * GROW
+    }
+
     /// A bound of `sign` times the function, and where that is greatest about.
     fn greatest(&self, sign: f64) -> (f64, Vec<f64>) {
         let mut fixed = self.monotone_ends(sign);
@@ -61,7 +110,13 @@ impl<const N: usize> Quadratic<N> {
 
     /// Ends at which dimensions must stand where the function is greatest; `None` where that is open.
     fn monotone_ends(&self, sign: f64) -> Vec<Option<f64>> {
-        let mut fixed: Vec<Option<f64>> = vec![None; self.rates.len()];
+        let slack = |rate: &AffineForm<N>| SUMS * (rate.value.abs() + rate.radius());
+        // Most derivatives have one sign on the whole box.
+        let on_all = |rate: &AffineForm<N>| {
+            let open = rate.radius() + rate.error + slack(rate);
+            (rate.value.abs() > open * GROW).then(|| (sign * rate.value).signum())
+        };
+        let mut fixed: Vec<Option<f64>> = self.rates.iter().map(on_all).collect();
         loop {
             let before = fixed.clone();
             for (k, rate) in self.rates.iter().enumerate() {
@@ -75,8 +130,7 @@ impl<const N: usize> Quadratic<N> {
                     middle += slope * at.unwrap_or(0.0);
                     open += if at.is_none() { slope.abs() } else { 0.0 };
                 }
-                let slack = SUMS * (rate.value.abs() + rate.radius());
-                if middle.abs() > (open + slack) * GROW {
+                if middle.abs() > (open + slack(rate)) * GROW {
                     fixed[k] = Some((sign * middle).signum());
                 }
             }

@@ -1,5 +1,6 @@
 //! Where the coordinates are for all values of some dimensions, and how they change with them.
 
+use super::block_box::BlockBox;
 use super::form::DimensionForm;
 use crate::numbers::interval::Interval;
 use crate::numbers::scalar::Scalar;
@@ -25,6 +26,8 @@ pub struct Region<F> {
     pub open: Vec<f64>,
     /// Derivatives of every slot by every δ, slot after slot.
     pub rates: Vec<F>,
+    /// What is known of the blocks that are enclosed.
+    pub boxes: Vec<BlockBox>,
 }
 
 impl<F: DimensionForm> Region<F> {
@@ -37,6 +40,7 @@ impl<F: DimensionForm> Region<F> {
             slots: pose.iter().map(|v| F::number(*v)).collect(),
             open: vec![0.0; pose.len()],
             rates: vec![F::number(0.0); pose.len() * count],
+            boxes: Vec::new(),
         };
         for (k, open) in input_open.iter().enumerate() {
             region.open[unknowns + k] = *open;
@@ -73,7 +77,7 @@ impl<F: DimensionForm> Region<F> {
         let mut rates = vec![F::number(0.0); self.count];
         for (slot, by_slot) in gradient {
             for (rate, of_slot) in rates.iter_mut().zip(self.rates_of(*slot)) {
-                *rate = *rate + *by_slot * *of_slot;
+                rate.add_product(by_slot, of_slot);
             }
         }
         rates

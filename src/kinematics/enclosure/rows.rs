@@ -1,14 +1,15 @@
 //! The equations of a block and their derivatives by all coordinates that they depend on, in any arithmetic.
 
-use super::twists::Twists;
+use super::twists::{Twists, frame_about, residual_component};
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::columns::Columns;
 use crate::kinematics::structure::loop_part::LoopPart;
-use crate::model::chain::Argument;
+use crate::model::chain::{Argument, ArgumentValue, ChainStep, ElementaryMotion};
 use crate::model::expression::Expression;
 use crate::model::mechanism::{Closes, Mechanism};
 use crate::model::outputs::output_arguments;
 use crate::model::walk::add_vectors;
+use crate::numbers::constant::Constant;
 use crate::numbers::scalar::Scalar;
 
 /// A block laid out: which coordinates it depends on.
@@ -20,6 +21,8 @@ pub struct Layout<'m> {
     /// Coordinates of the columns: the block's own unknowns, then all others.
     pub slots: Vec<usize>,
     columns: Columns,
+    /// Which arguments of the mechanism are angles of the block's loops.
+    turning: Vec<bool>,
 }
 
 /// Residuals and derivatives, row after row.
@@ -44,10 +47,13 @@ impl<'m> Layout<'m> {
         // Unknowns of the block first, then what comes from outside.
         others.retain(|slot| block.columns.of(*slot).is_none());
         let slots = [block.unknowns.clone(), others].concat();
+        let loops = block.loops.iter();
+        let chains = loops.map(|part| &mechanism.loops[part.index].chain.steps[..]);
         Self {
             mechanism,
             block,
             columns: Columns::new(&slots),
+            turning: turning_arguments(mechanism, chains),
             slots,
         }
     }
@@ -91,8 +97,9 @@ impl<'m> Layout<'m> {
             residual: Vec::with_capacity(count),
             jacobian: vec![zero; count * columns],
         };
-        let values = output_arguments(self.mechanism, &self.block.arguments, coordinates);
-        let rates = Rates::new(self.mechanism, &self.block.arguments, coordinates);
+        let used = &self.block.arguments;
+        let values = argument_values(self.mechanism, used, &self.turning, coordinates);
+        let rates = Rates::new(self.mechanism, used, coordinates);
         // Loops: residual and columns of the joints' twists, by the chain rule.
         for (part, about) in self.block.loops.iter().zip(about) {
             let item = &self.mechanism.loops[part.index];
@@ -108,7 +115,7 @@ impl<'m> Layout<'m> {
                     };
                     for (row, component) in components.iter().enumerate() {
                         let entry = &mut rows.jacobian[(first + row) * columns + column];
-                        *entry = *entry + by_argument[*component] * *rate;
+                        *entry = *entry + rate.times(by_argument[*component]);
                     }
                 }
             });
@@ -128,12 +135,88 @@ impl<'m> Layout<'m> {
         }
         rows
     }
+
+    /// The residuals alone.
+    pub fn residuals<S: Scalar>(&self, coordinates: &[S], about: &[[f64; 3]]) -> Vec<S> {
+        let used = &self.block.arguments;
+        let values = argument_values(self.mechanism, used, &self.turning, coordinates);
+        let mut list = Vec::with_capacity(self.block.rows());
+        for (part, about) in self.block.loops.iter().zip(about) {
+            let item = &self.mechanism.loops[part.index];
+            let end = frame_about(&item.chain.steps, &values, *about);
+            let components = part.components.iter();
+            list.extend(components.map(|c| residual_component(&end, *c, 1.0 / item.size)));
+        }
+        for index in &self.block.equations {
+            let value = self.mechanism.equations[*index]
+                .expression
+                .value(coordinates);
+            list.push(value.scale(self.mechanism.weight_of(*index)));
+        }
+        list
+    }
+}
+
+/// Which arguments are angles of the chains.
+pub fn turning_arguments<'c>(
+    mechanism: &Mechanism,
+    chains: impl Iterator<Item = &'c [ChainStep]>,
+) -> Vec<bool> {
+    let mut turning = vec![false; mechanism.arguments.len()];
+    for joint in chains.flatten().filter_map(ChainStep::joint) {
+        turning[joint.argument] |= joint.motion == ElementaryMotion::Rotation;
+    }
+    turning
+}
+
+/// Values of the arguments in `used`, with sine and cosine of those that are `turning`; the others stay zero.
+pub fn argument_values<S: Scalar>(
+    mechanism: &Mechanism,
+    used: &[usize],
+    turning: &[bool],
+    coordinates: &[S],
+) -> Vec<ArgumentValue<S>> {
+    let zero = S::number(0.0);
+    let still = |value| ArgumentValue {
+        value,
+        sin: zero,
+        cos: zero,
+    };
+    let mut all = vec![still(zero); mechanism.arguments.len()];
+    let mut scratch = Vec::new();
+    for index in used {
+        let value = mechanism.arguments[*index].value(coordinates, &mut scratch);
+        all[*index] = match turning[*index] {
+            true => ArgumentValue::new(value),
+            false => still(value),
+        };
+    }
+    all
+}
+
+/// A derivative of an argument.
+#[derive(Clone, Copy, Debug)]
+pub enum Rate<S> {
+    /// The same everywhere.
+    Constant(Constant),
+    /// Of a formula.
+    Varying(S),
+}
+
+impl<S: Scalar> Rate<S> {
+    /// The product with what changes as the argument does.
+    pub fn times(&self, by_argument: S) -> S {
+        match self {
+            Self::Constant(constant) => by_argument.scale_by(*constant),
+            Self::Varying(rate) => by_argument * *rate,
+        }
+    }
 }
 
 /// Derivatives of arguments by the coordinates that each depends on.
 #[derive(Clone, Debug)]
 pub struct Rates<S> {
-    of_argument: Vec<Vec<(usize, S)>>,
+    of_argument: Vec<Vec<(usize, Rate<S>)>>,
 }
 
 impl<S: Scalar> Rates<S> {
@@ -144,18 +227,20 @@ impl<S: Scalar> Rates<S> {
             of_argument[*index] = match &mechanism.arguments[*index] {
                 Argument::Affine(affine) => {
                     let terms = affine.terms.iter();
-                    terms
-                        .map(|(slot, c)| (*slot, S::from_constant(*c)))
+                    terms.map(|(slot, c)| (*slot, Rate::Constant(*c))).collect()
+                }
+                Argument::Formula(expression) => {
+                    let list = expression_gradient(expression, coordinates).into_iter();
+                    list.map(|(slot, rate)| (slot, Rate::Varying(rate)))
                         .collect()
                 }
-                Argument::Formula(expression) => expression_gradient(expression, coordinates),
             };
         }
         Self { of_argument }
     }
 
     /// Coordinates and rates of an argument.
-    pub fn of(&self, argument: usize) -> &[(usize, S)] {
+    pub fn of(&self, argument: usize) -> &[(usize, Rate<S>)] {
         &self.of_argument[argument]
     }
 }

@@ -25,6 +25,21 @@ struct Gathered<S> {
 }
 
 impl<S: Scalar> Gathered<S> {
+    /// Where a chain begins that is seen about a point.
+    fn from_point(about: [f64; 3]) -> Self {
+        Self {
+            frame: WalkFrame::identity(),
+            shift: about.map(|c| S::number(-c)),
+        }
+    }
+
+    /// Where it ends.
+    fn back_to(mut self, about: [f64; 3]) -> WalkFrame<S> {
+        self.move_by(about.map(S::number));
+        self.gather_shifts();
+        self.frame
+    }
+
     /// Where it is.
     fn place(&self) -> Triple<S> {
         let moved = |k: usize| self.frame.axes[k].map(|c| c * self.shift[k]);
@@ -80,10 +95,7 @@ impl<S: Scalar> Twists<S> {
     /// Walks along a chain; arguments are those of the whole mechanism. What is seen `about` a point is the chain between a translation
     /// from there and one back: it closes where the chain itself does.
     pub fn new(steps: &[ChainStep], arguments: &[ArgumentValue<S>], about: [f64; 3]) -> Self {
-        let mut way = Gathered {
-            frame: WalkFrame::identity(),
-            shift: about.map(|c| S::number(-c)),
-        };
+        let mut way = Gathered::from_point(about);
         let mut joints = Vec::with_capacity(steps.len());
         walk_chain(steps, &mut way, arguments, |way: &Gathered<S>, joint| {
             joints.push(Noted {
@@ -96,20 +108,14 @@ impl<S: Scalar> Twists<S> {
                 },
             });
         });
-        way.move_by(about.map(S::number));
-        way.gather_shifts();
-        let end = way.frame;
+        let end = way.back_to(about);
         let trace = end.axes[0][0] + end.axes[1][1] + end.axes[2][2];
         Self { end, joints, trace }
     }
 
-    /// The residual of a loop: the skew part of the rotation, then the translation over the loop's size.
+    /// The residual of a loop.
     pub fn residual(&self, component: usize, per_size: f64) -> S {
-        if component >= 3 {
-            return self.end.origin[component - 3].scale(per_size);
-        }
-        let (i, j) = ((component + 1) % 3, (component + 2) % 3);
-        (self.end.axes[i][j] - self.end.axes[j][i]).scale(0.5)
+        residual_component(&self.end, component, per_size)
     }
 
     /// Calls `take` with the argument of every joint and the derivative of the residual by it.
@@ -163,6 +169,26 @@ impl<S: Scalar> Twists<S> {
             (self.trace * a[k] - turned).scale(0.5)
         })
     }
+}
+
+/// The residual of a loop that ends so: the skew part of the rotation, then the translation over the loop's size.
+pub fn residual_component<S: Scalar>(end: &WalkFrame<S>, component: usize, per_size: f64) -> S {
+    if component >= 3 {
+        return end.origin[component - 3].scale(per_size);
+    }
+    let (i, j) = ((component + 1) % 3, (component + 2) % 3);
+    (end.axes[i][j] - end.axes[j][i]).scale(0.5)
+}
+
+/// Where a chain seen `about` a point ends.
+pub fn frame_about<S: Scalar>(
+    steps: &[ChainStep],
+    arguments: &[ArgumentValue<S>],
+    about: [f64; 3],
+) -> WalkFrame<S> {
+    let mut way = Gathered::from_point(about);
+    walk_chain(steps, &mut way, arguments, |_, _| {});
+    way.back_to(about)
 }
 
 fn cross_product<S: Scalar>(a: Triple<S>, b: Triple<S>) -> Triple<S> {

@@ -722,6 +722,55 @@ fn no_measure_of_a_piece_is_beyond_its_ends() {
     }
 }
 
+/// Corners of the tolerances, followed by the signs of differences, reach the ends of every measure's band.
+#[test]
+fn measures_reach_the_ends_of_their_bands() {
+    let case = Case::all("gearshift", 0.01, 0.0);
+    let family = case.family();
+    let plan = plan(&case, &family, 1.0);
+    let drawn = family.nominal().unwrap();
+    let bands = enclose_measures(&plan, &drawn).unwrap();
+    let mut evaluator = Evaluator::new(&family);
+    let nominal = evaluator.nominal(drawn.poses);
+    let variables = &family.study.variables;
+    let mut measured = |place: &[f64]| -> Vec<f64> {
+        let pairs = variables.iter().zip(place);
+        let values: Vec<f64> = pairs
+            .map(|(v, d)| {
+                let dimension = plan.dimensions.iter().find(|known| known.name == v.name);
+                v.start + d * dimension.unwrap().tolerance
+            })
+            .collect();
+        let stand = evaluator.approach(&nominal, &values).unwrap();
+        evaluator.measure(&stand).unwrap().measures
+    };
+    let differences: Vec<Vec<f64>> = (0..variables.len())
+        .map(|k| {
+            let mut place = vec![0.0; variables.len()];
+            place[k] = 0.1;
+            let above = measured(&place);
+            place[k] = -0.1;
+            let below = measured(&place);
+            above.iter().zip(below).map(|(a, b)| a - b).collect()
+        })
+        .collect();
+    for (index, (measure, band)) in family.measures.list.iter().zip(&bands).enumerate() {
+        let mut corner = |sign: f64| {
+            let place = differences.iter().map(|d| sign * d[index].signum());
+            measured(&place.collect::<Vec<_>>())[index]
+        };
+        let (least, greatest) = (corner(-1.0), corner(1.0));
+        let name = &measure.name;
+        assert!(
+            band.lo <= least + 1e-9 && greatest <= band.hi + 1e-9,
+            "{name}"
+        );
+        let wider = (band.hi - band.lo) / (greatest - least);
+        println!("{name}: {wider}");
+        assert!(wider <= 1.02, "{name}: {wider}");
+    }
+}
+
 #[test]
 fn bands_hold_between_the_samples() {
     for (name, case) in [

@@ -1,0 +1,323 @@
+//! The bands at a pose. Where the derivatives show at which corner of the tolerances a number is greatest, that piece is
+//! solved and proved: the band ends where a piece stands, whatever the enclosure of all others leaves open.
+
+use super::plan::Plan;
+use crate::kinematics::abreast::anchor::Anchor;
+use crate::kinematics::abreast::closing::LaneSolver;
+use crate::kinematics::enclosure::block::Unbounded;
+use crate::kinematics::enclosure::pose::{Encloser, PoseEnclosure, Sought};
+use crate::kinematics::enclosure::quadratic::{Face, Quadratic};
+use crate::kinematics::enclosure::region::Tolerance;
+use crate::kinematics::loops::observed::observed_slots;
+use crate::kinematics::results::certificate::Reason;
+use crate::kinematics::solve::newton::Pace;
+use crate::kinematics::solve::pose_solver::PoseSolver;
+use crate::numbers::interval::Interval;
+use crate::numbers::octet::{LANES, LaneMask, Octet};
+use crate::numbers::scalar::Scalar;
+
+/// The range of one number over all pieces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Band {
+    /// With the file's dimensions.
+    pub nominal: f64,
+    /// No piece is lower.
+    pub lo: f64,
+    /// No piece is higher.
+    pub hi: f64,
+    /// The least and the greatest value of a piece that was found.
+    pub found: [f64; 2],
+}
+
+/// The bands at one sample.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bands {
+    /// Unknowns, x, y, z of the traced points, outputs.
+    pub list: Vec<Band>,
+}
+
+impl Bands {
+    /// The same without what pieces were found to take.
+    pub(super) fn without_search(mut self) -> Self {
+        for band in &mut self.list {
+            band.found = [band.nominal; 2];
+        }
+        self
+    }
+}
+
+/// Why a sample has no bands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Obstacle {
+    /// There is no pose with the file's dimensions.
+    NoPose,
+    /// The caller did not want to wait.
+    Interrupted,
+    /// The box is not proved.
+    Test {
+        /// In the words of certificates.
+        reason: Reason,
+        /// The dimension that takes the mechanism farthest towards where it fails.
+        dimension: Option<usize>,
+    },
+}
+
+impl From<Unbounded> for Obstacle {
+    fn from(unbounded: Unbounded) -> Self {
+        Self::Test {
+            reason: unbounded.reason,
+            dimension: unbounded.dimension,
+        }
+    }
+}
+
+/// Bands that are wider than what pieces take by no more than this part of it are sharp enough.
+const SHARP: f64 = 1e-2;
+
+/// So are those that are no wider than this beside the number itself and the mechanism: numbers that hardly vary.
+const NARROW: f64 = 1e-9;
+
+/// The enclosure of all pieces beside a closed pose, with tolerances of one's own.
+pub(super) fn pose_enclosure<const N: usize>(
+    plan: &Plan,
+    encloser: &Encloser,
+    solver: &mut PoseSolver,
+    pose: &[f64],
+    tolerances: &[Tolerance],
+) -> Result<PoseEnclosure<N>, Obstacle> {
+    if plan.is_cancelled() {
+        return Err(Obstacle::Interrupted);
+    }
+    Ok(encloser.enclose(Sought {
+        pose,
+        input_open: &plan.input_open(pose),
+        tolerances,
+        bases: &solver.best_rows(pose),
+    })?)
+}
+
+/// Whether a band is hardly wider than what pieces take, so that nothing is to be gained by another enclosure. `size` is that of
+/// numbers beside which a width does not count.
+pub(super) fn is_sharp([lo, hi]: [f64; 2], found: [f64; 2], size: f64) -> bool {
+    hi - lo <= (1.0 + SHARP) * (found[1] - found[0]) + NARROW * size
+}
+
+/// Finds pieces and their bands; one for each thread.
+pub(super) struct PieceFinder<'f> {
+    plan: &'f Plan<'f>,
+    encloser: &'f Encloser<'f>,
+    solver: PoseSolver<'f>,
+    lanes: LaneSolver<'f>,
+}
+
+impl<'f> PieceFinder<'f> {
+    /// Buffers for one thread.
+    pub fn new(plan: &'f Plan<'f>, encloser: &'f Encloser<'f>) -> Self {
+        let system = plan.family.system();
+        Self {
+            plan,
+            encloser,
+            solver: PoseSolver::new(system),
+            lanes: LaneSolver::new(system),
+        }
+    }
+
+    /// The enclosure of all pieces beside a closed pose.
+    pub fn enclosed<const N: usize>(&mut self, pose: &[f64]) -> Result<PoseEnclosure<N>, Obstacle> {
+        let tolerances = self.plan.tolerances(pose);
+        pose_enclosure(
+            self.plan,
+            self.encloser,
+            &mut self.solver,
+            pose,
+            &tolerances,
+        )
+    }
+
+    /// The same with forms of first order alone; whether those of second order would be looked at.
+    pub fn enclosed_plainly<const N: usize>(
+        &mut self,
+        pose: &[f64],
+    ) -> Result<(PoseEnclosure<N>, bool), Obstacle> {
+        if self.plan.is_cancelled() {
+            return Err(Obstacle::Interrupted);
+        }
+        Ok(self.encloser.enclose_plainly(Sought {
+            pose,
+            input_open: &self.plan.input_open(pose),
+            tolerances: &self.plan.tolerances(pose),
+            bases: &self.solver.best_rows(pose),
+        })?)
+    }
+
+    /// The bands of all pieces beside a closed pose.
+    pub fn bands<const N: usize>(&mut self, pose: &[f64]) -> Result<Bands, Obstacle> {
+        let anchor = Anchor::new(self.plan.family.system(), pose);
+        let anchor = anchor.as_ref();
+        let Ok((plain, is_rough)) = self.enclosed_plainly::<N>(pose) else {
+            let enclosure = self.enclosed::<N>(pose)?;
+            return Ok(self.bands_within(&enclosure, anchor));
+        };
+        let first = self.bands_within(&plain, anchor);
+        let size = self.plan.family.mechanism().size;
+        let sharp =
+            |band: &Band| is_sharp([band.lo, band.hi], band.found, band.nominal.abs() + size);
+        if !is_rough || first.list.iter().all(sharp) {
+            return Ok(first);
+        }
+        let enclosure = self.enclosed::<N>(pose)?;
+        let second = self.bands_within(&enclosure, anchor);
+        let pairs = first.list.iter().zip(&second.list);
+        Ok(Bands {
+            list: pairs.map(|(a, b)| a.narrowed(b)).collect(),
+        })
+    }
+
+    /// Bands from an enclosure and the pieces at their ends.
+    fn bands_within<const N: usize>(
+        &mut self,
+        enclosure: &PoseEnclosure<N>,
+        anchor: Option<&Anchor>,
+    ) -> Bands {
+        let mechanism = self.plan.family.mechanism();
+        let unknowns = 0..mechanism.unknowns.len();
+        let shown = unknowns.chain(mechanism.coordinate_count()..enclosure.len());
+        let functions: Vec<(usize, Quadratic<N>)> =
+            shown.map(|slot| (slot, enclosure.slot(slot))).collect();
+        // Least and greatest of every number.
+        let faces: Vec<[Face; 2]> = functions
+            .iter()
+            .map(|(_, function)| [-1.0, 1.0].map(|sign| function.face(sign)))
+            .collect();
+        let mut places: Vec<&[f64]> = Vec::new();
+        for place in faces.iter().flatten().flat_map(|f| [&f.middle, &f.best]) {
+            if !places.contains(&&place[..]) {
+                places.push(place);
+            }
+        }
+        let pieces = self.pieces(enclosure, &places, anchor);
+        let piece_at = |place: &[f64]| {
+            let index = places.iter().position(|known| *known == place)?;
+            pieces[index].as_deref()
+        };
+        let band = |((slot, function), faces): (&(usize, Quadratic<N>), &[Face; 2])| {
+            let nominal = function.value;
+            let (mut found, mut ends) = ([nominal; 2], [None; 2]);
+            for ((face, sign), end) in faces.iter().zip([-1.0, 1.0]).zip(&mut ends) {
+                let best = piece_at(&face.best).and_then(|piece| self.shown(piece, *slot));
+                if let Some(value) = best.filter(|v| v.is_finite()) {
+                    found = [found[0].min(value), found[1].max(value)];
+                }
+                let middle = piece_at(&face.middle)
+                    .and_then(|piece| self.encloser.piece(enclosure, &face.middle, piece))
+                    .and_then(|piece| self.shown(&piece, *slot));
+                let beyond = Interval::around_zero(face.beyond);
+                *end = middle
+                    .map(|value| value + beyond)
+                    .map(|reach| match sign < 0.0 {
+                        true => reach.lo,
+                        false => reach.hi,
+                    });
+            }
+            let [lo, hi] = match ends {
+                [Some(lo), Some(hi)] if lo.is_finite() && hi.is_finite() => [lo, hi],
+                _ => {
+                    let range = function.range();
+                    [range.lo, range.hi]
+                }
+            };
+            Band {
+                nominal,
+                lo: lo.min(found[0]),
+                hi: hi.max(found[1]),
+                found,
+            }
+        };
+        Bands {
+            list: functions.iter().zip(&faces).map(band).collect(),
+        }
+    }
+
+    /// The value of a slot at a pose.
+    fn shown<S: Scalar>(&self, piece: &[S], slot: usize) -> Option<S> {
+        match piece.get(slot) {
+            Some(value) => Some(*value),
+            None => observed_slots(self.plan.family.mechanism(), piece)
+                .get(slot)
+                .copied(),
+        }
+    }
+
+    /// Coordinates of the pieces at δ, eight at a time; nothing of those that do not close within the enclosure.
+    pub fn pieces<const N: usize>(
+        &mut self,
+        enclosure: &PoseEnclosure<N>,
+        places: &[&[f64]],
+        anchor: Option<&Anchor>,
+    ) -> Vec<Option<Vec<f64>>> {
+        let mut all = Vec::with_capacity(places.len());
+        for eight in places.chunks(LANES) {
+            let mut coordinates = self.predicted(enclosure, eight);
+            let lanes = LaneMask::first(eight.len());
+            let closed = match anchor {
+                Some(anchor) => self.lanes.close(anchor, &mut coordinates, lanes).lanes,
+                None => LaneMask::NONE,
+            };
+            for (lane, place) in eight.iter().enumerate() {
+                let mut piece: Vec<f64> = coordinates.iter().map(|c| c.lane(lane)).collect();
+                if !closed.has(lane) {
+                    let inputs = piece.split_off(self.plan.family.mechanism().unknowns.len());
+                    piece = enclosure.coordinates_at(place);
+                    piece.truncate(piece.len() - inputs.len());
+                    piece.extend(inputs);
+                }
+                let closes = closed.has(lane) || self.solver.closed(&mut piece, Pace::Brisk);
+                all.push((closes && enclosure.holds(&piece)).then_some(piece));
+            }
+        }
+        all
+    }
+
+    /// Where pieces are along the tangent; their dimensions are those of pieces asked for, to the last bit.
+    fn predicted<const N: usize>(
+        &self,
+        enclosure: &PoseEnclosure<N>,
+        places: &[&[f64]],
+    ) -> Vec<Octet> {
+        let along = |k: usize| {
+            let of_lane = |lane: usize| places.get(lane).map_or(0.0, |place| place[k]);
+            Octet::new(std::array::from_fn(of_lane))
+        };
+        let along: Vec<Octet> = (0..self.plan.dimensions.len()).map(along).collect();
+        let mechanism = self.plan.family.mechanism();
+        let of = |slot: usize| {
+            let start = Octet::splat(enclosure.form(slot).value);
+            if slot >= mechanism.unknowns.len() {
+                return start;
+            }
+            let tangent = enclosure.rates(slot).iter().zip(&along);
+            tangent.fold(start, |sum, (rate, d)| sum + *d * rate.value)
+        };
+        let mut coordinates: Vec<Octet> = (0..mechanism.coordinate_count()).map(of).collect();
+        for (dimension, d) in self.plan.dimensions.iter().zip(&along) {
+            let drawn = coordinates[dimension.slot];
+            coordinates[dimension.slot] = drawn + *d * dimension.tolerance;
+        }
+        coordinates
+    }
+}
+
+impl Band {
+    /// What two bands of one number leave.
+    fn narrowed(&self, other: &Self) -> Self {
+        Self {
+            nominal: self.nominal,
+            lo: self.lo.max(other.lo),
+            hi: self.hi.min(other.hi),
+            found: [
+                self.found[0].min(other.found[0]),
+                self.found[1].max(other.found[1]),
+            ],
+        }
+    }
+}

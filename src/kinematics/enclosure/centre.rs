@@ -1,0 +1,183 @@
+//! A block at δ = 0, and what its box is mapped by: A, G and η.
+
+use super::form::DimensionForm;
+use super::mapped::{Contraction, Mapped};
+use super::region::Region;
+use super::rows::{Layout, Rows};
+use crate::kinematics::results::certificate::Reason;
+use crate::linalg::gauss_jordan::Elimination;
+use crate::linalg::lanes::LaneMatrix;
+use crate::numbers::interval::Interval;
+use crate::numbers::rounding::GROW;
+use crate::numbers::scalar::{Ring, Scalar};
+
+/// The block at δ = 0.
+pub struct Centre {
+    /// Number of unknowns.
+    pub n: usize,
+    /// Inverse of the Jacobian of the basis, row after row.
+    pub inverse: Vec<f64>,
+    /// |R F(x)|
+    pub newton: Vec<f64>,
+    /// S, unknown after unknown.
+    pub rates: Vec<f64>,
+    /// Points that the loops are seen about.
+    pub about: Vec<[f64; 3]>,
+}
+
+/// The Jacobian where the unknowns are looked for.
+pub struct Varying<F> {
+    rows: Rows<F>,
+    /// A, row after row.
+    entries: Vec<F>,
+    /// |A|
+    pub a: Contraction,
+}
+
+impl<F: DimensionForm> Varying<F> {
+    /// The dimension that takes A farthest from zero.
+    pub fn farthest(&self, m: usize) -> Option<usize> {
+        let mut moved = vec![0.0; m];
+        for entry in &self.entries {
+            let slopes = moved.iter_mut().zip(entry.slopes());
+            slopes.for_each(|(sum, slope)| *sum += slope.abs());
+        }
+        (0..m).max_by(|a, b| moved[*a].total_cmp(&moved[*b]))
+    }
+}
+
+impl Centre {
+    pub fn new<F: DimensionForm>(
+        layout: &Layout,
+        basis: &[usize],
+        region: &Region<F>,
+    ) -> Result<Self, Reason> {
+        let (n, m, columns) = (layout.own(), region.count, layout.slots.len());
+        if basis.len() != n {
+            return Err(Reason::Singular);
+        }
+        let nominal: Vec<f64> = region.slots.iter().map(|form| form.nominal()).collect();
+        let about = layout.middles(&nominal);
+        let rows: Rows<Interval> = layout.rows(&region.centre(), &about);
+        if !rows.jacobian.iter().all(|entry| entry.is_finite()) {
+            return Err(Reason::Formula);
+        }
+        let entry = |row: usize, column: usize| rows.jacobian[row * columns + column].middle();
+        let (mut matrix, mut inverse) = (LaneMatrix::default(), LaneMatrix::default());
+        matrix.reset(n, n);
+        for (i, row) in basis.iter().enumerate() {
+            for column in 0..n {
+                *matrix.at_mut(i, column) = entry(*row, column);
+            }
+        }
+        Elimination::default()
+            .invert_matrix(&matrix, &mut inverse)
+            .ok_or(Reason::Singular)?;
+        let inverse: Vec<f64> = (0..n * n).map(|k| inverse.at(k / n, k % n)).collect();
+        let newton = (0..n).map(|i| {
+            let terms = basis.iter().enumerate();
+            let sum = terms.fold(Interval::ZERO, |sum, (l, row)| {
+                sum + rows.residual[*row].scale(inverse[i * n + l])
+            });
+            sum.magnitude()
+        });
+        let newton = newton.collect();
+        // -R Fₖ with the values of the rates.
+        let mut rates = vec![0.0; n * m];
+        for (column, slot) in layout.slots.iter().enumerate().skip(n) {
+            for (k, rate) in region.rates_of(*slot).iter().enumerate() {
+                for (l, row) in basis.iter().enumerate() {
+                    let by_slot = entry(*row, column) * rate.nominal();
+                    for i in 0..n {
+                        rates[i * m + k] -= inverse[i * n + l] * by_slot;
+                    }
+                }
+            }
+        }
+        Ok(Self {
+            n,
+            inverse,
+            newton,
+            rates,
+            about,
+        })
+    }
+
+    /// The Jacobian and A over the box.
+    pub fn varying<F: DimensionForm>(
+        &self,
+        layout: &Layout,
+        basis: &[usize],
+        region: &Region<F>,
+    ) -> Result<Varying<F>, Reason> {
+        let (n, columns) = (self.n, layout.slots.len());
+        let rows: Rows<F> = layout.rows(&region.slots, &self.about);
+        if !rows.jacobian.iter().all(|entry| entry.is_finite()) {
+            return Err(Reason::Formula);
+        }
+        let mut entries = Vec::with_capacity(n * n);
+        for i in 0..n {
+            for column in 0..n {
+                let of_column = basis
+                    .iter()
+                    .map(|row| &rows.jacobian[row * columns + column]);
+                let factors = self.inverse[i * n..][..n].iter().copied();
+                let start = if i == column { -1.0 } else { 0.0 };
+                entries.push(F::combination(start, factors.zip(of_column)));
+            }
+        }
+        let a = Contraction(entries.iter().map(DimensionForm::magnitude).collect());
+        Ok(Varying { rows, entries, a })
+    }
+
+    /// A, G and η over the box.
+    pub fn map<F: DimensionForm>(
+        &self,
+        layout: &Layout,
+        basis: &[usize],
+        region: &Region<F>,
+        varying: Varying<F>,
+    ) -> Mapped<F> {
+        let (n, m, columns) = (self.n, region.count, layout.slots.len());
+        let Varying { rows, entries, a } = varying;
+        // Fₖ of the rows of the basis.
+        let zero = F::number(0.0);
+        let mut by_dimension = vec![zero; n * m];
+        for (l, row) in basis.iter().enumerate() {
+            for (column, slot) in layout.slots.iter().enumerate().skip(n) {
+                let by_slot = &rows.jacobian[row * columns + column];
+                if *by_slot == zero {
+                    continue;
+                }
+                let sums = by_dimension[l * m..][..m].iter_mut();
+                for (sum, rate) in sums.zip(region.rates_of(*slot)) {
+                    sum.add_product(by_slot, rate);
+                }
+            }
+        }
+        let mut mapped = Mapped {
+            g: Vec::with_capacity(n * m),
+            entries: Vec::new(),
+            a,
+            eta: self.newton.clone(),
+        };
+        for i in 0..n {
+            let mut open = 0.0;
+            for k in 0..m {
+                // S + A S + R Fₖ
+                let inverse = self.inverse[i * n..][..n].iter().copied();
+                let by_rows = inverse.zip(by_dimension.iter().skip(k).step_by(m));
+                let column = self.rates.iter().skip(k).step_by(m).copied();
+                let by_entries = column.zip(&entries[i * n..][..n]);
+                let g = F::combination(self.rates[i * m + k], by_rows.chain(by_entries));
+                open += g.nominal().abs() + 0.5 * g.radius() + g.beyond();
+                mapped.g.push(g.folded(m));
+            }
+            mapped.eta[i] = (mapped.eta[i] + open) * GROW;
+        }
+        if F::BENT {
+            mapped.entries = entries.into_iter().map(|entry| entry.folded(m)).collect();
+        }
+        mapped
+    }
+}
