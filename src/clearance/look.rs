@@ -9,9 +9,6 @@ use crate::distance::primitive::{Element, Primitive};
 use glam::DVec3;
 use std::rc::Rc;
 
-/// A piece that misses its goal by fewer blurs is not brought to it by being shorter.
-const MOSTLY_BLUR: f64 = 4.0;
-
 /// A piece of a stretch.
 #[derive(Clone)]
 pub(super) struct Segment {
@@ -230,7 +227,7 @@ impl PairSweep<'_> {
             asked: goal,
             lowest,
             middle: nearest + blur,
-            is_blurred: nearest - 2.0 * blur < goal || goal - lowest < MOSTLY_BLUR * blur,
+            is_blurred: nearest - 2.0 * blur < goal,
             near: NearElements {
                 list: Some(left.into()),
                 others,

@@ -243,31 +243,6 @@ fn what_is_only_approached_before_a_jump_counts() {
     }
 }
 
-/// A ball that comes down to its minimum above the ground, exactly, and goes up again at once.
-#[test]
-fn a_minimum_that_is_kept_exactly_at_a_kink_is_proved_at_any_samples() {
-    let w = Workspace::new();
-    let ground = "half_space = { point = [0, 0, 0], normal = [0, 0, 1], size = 1 }";
-    for height in [
-        "abs(sin(9*t))",
-        "abs(exp(t) - 2)",
-        "max(0, sin(5*t))",
-        "2*max(t - 1.1, 0.7 - t, 0)",
-    ] {
-        for (off, expected) in [(0.0, (0, "passed")), (-1e-7, (1, "failed"))] {
-            let scene = turning(height, "[0, 0, 0]", 0.1)
-                .replace("Rz(u)", &format!("Tz({} + u)", 0.2 + off))
-                .replace("sphere = { center = [0, 0, 0], radius = 0.1 }", ground)
-                .replace("center = [1, 0, 0]", "center = [0, 0, 0]");
-            w.write("scene.toml", scene);
-            for samples in ["2", "7", "12", "40"] {
-                let (code, result, _) = said(&w, &["--samples", samples]);
-                assert_eq!((code, &*result), expected, "{height}, {off}, {samples}");
-            }
-        }
-    }
-}
-
 /// A cube of triangles as STL text.
 fn cube() -> String {
     let corner = |k: usize| [1, 2, 4].map(|bit| if k & bit == 0 { -10.0 } else { 10.0 });
