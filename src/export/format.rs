@@ -241,7 +241,9 @@ mod tests {
         );
         assert_eq!(Format::from_path(Path::new("b.PNG")).unwrap(), Format::Png);
         assert_eq!(Format::from_path(Path::new("b.Glb")).unwrap(), Format::Glb);
-        for text in ["a.mp4", "a", "a.gif.bak", "frame-%04d.gif", "x-%d.jpg"] {
+        let video = Format::from_path(Path::new("b.MP4")).unwrap();
+        assert_eq!(video, Format::Video(VideoKind::Mp4));
+        for text in ["a.avi", "a", "a.gif.bak", "frame-%04d.gif", "x-%d.jpg"] {
             let message = Format::from_path(Path::new(text)).unwrap_err().to_string();
             assert!(
                 message.contains(text) && message.contains(".gif, .png"),
