@@ -5,15 +5,32 @@ use std::collections::HashSet;
 use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::process::Child;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::Duration;
 
 /// Temporary files that have not been moved to their places.
 static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
-/// Removes the temporary files of all targets, for a process that ends without dropping them.
+/// Other programs that write unfinished files.
+static WRITERS: Mutex<Vec<Weak<Mutex<Child>>>> = Mutex::new(Vec::new());
+
+/// Has a program ended with [`remove_unfinished`], as long as somebody holds it.
+pub(super) fn enter_writer(writer: &Arc<Mutex<Child>>) {
+    let mut writers = WRITERS.lock().unwrap_or_else(PoisonError::into_inner);
+    writers.retain(|known| known.strong_count() > 0);
+    writers.push(Arc::downgrade(writer));
+}
+
+/// Removes the temporary files of all targets, and ends the programs that write some, for a process that ends without dropping
+/// them.
 pub fn remove_unfinished() {
+    let writers = WRITERS.lock().unwrap_or_else(PoisonError::into_inner);
+    for writer in writers.iter().filter_map(Weak::upgrade) {
+        // One that has ended is not there any more.
+        let _ = writer.lock().unwrap_or_else(PoisonError::into_inner).kill();
+    }
     // Folders were entered before what is in them.
     for path in list_of_unfinished().drain(..).rev() {
         // Whoever has dropped a target has removed its file already.

@@ -3,15 +3,20 @@
 use super::error::ExportError;
 use super::format::VideoKind;
 use super::raw::{Chroma, RawKind, RawSink};
-use super::target::{Output, Target};
+use super::target::{Output, Target, enter_writer};
 use super::{ExportSummary, FrameCoder, FrameSink};
 use std::io::{self, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
+use std::time::Duration;
 
 /// The encoder, looked for where the system looks for programs.
 const ENCODER: &str = "ffmpeg";
+
+/// How often somebody looks whether it has ended.
+const LOOK: Duration = Duration::from_millis(2);
 
 /// What it says of a failure is kept up to this.
 const MOST_WORDS: u64 = 1 << 12;
@@ -33,7 +38,7 @@ fn arguments(kind: VideoKind) -> Vec<&'static str> {
 /// A video under construction: bytes go to the encoder, and its file goes to its place when it has ended well.
 pub struct VideoFile {
     name: String,
-    encoder: Child,
+    encoder: Arc<Mutex<Child>>,
     input: Option<BufWriter<ChildStdin>>,
     words: Option<JoinHandle<String>>,
     target: Option<Target>,
@@ -65,6 +70,7 @@ impl VideoFile {
             program: ENCODER,
             source,
         })?;
+        let input = encoder.stdin.take().map(BufWriter::new);
         let words = encoder.stderr.take().map(|stderr| {
             std::thread::spawn(move || {
                 let mut text = Vec::new();
@@ -75,19 +81,31 @@ impl VideoFile {
                 String::from_utf8_lossy(&text).trim().to_owned()
             })
         });
+        let encoder = Arc::new(Mutex::new(encoder));
+        enter_writer(&encoder);
         Ok(Self {
             name: path.display().to_string(),
-            input: encoder.stdin.take().map(BufWriter::new),
+            input,
             encoder,
             words,
             target: Some(target),
         })
     }
 
+    fn child(&self) -> MutexGuard<'_, Child> {
+        self.encoder.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// Ends the input and waits for the encoder.
     fn ended(&mut self) -> io::Result<(ExitStatus, String)> {
         let flushed = self.input.take().map_or(Ok(()), |mut input| input.flush());
-        let status = self.encoder.wait()?;
+        let status = loop {
+            // Between the looks it can be ended.
+            match self.child().try_wait()? {
+                Some(status) => break status,
+                None => std::thread::sleep(LOOK),
+            }
+        };
         let words = self.words.take().and_then(|words| words.join().ok());
         let words = words.unwrap_or_default();
         if status.success() {
@@ -164,8 +182,9 @@ impl Drop for VideoFile {
     fn drop(&mut self) {
         // Whoever has not committed gives up; an encoder that has ended is not there any more.
         self.input = None;
-        let _ = self.encoder.kill();
-        let _ = self.encoder.wait();
+        let mut encoder = self.child();
+        let _ = encoder.kill();
+        let _ = encoder.wait();
     }
 }
 
