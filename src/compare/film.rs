@@ -147,7 +147,7 @@ pub fn compare_films(
                 if badness.is_none_or(|most| bad > most) {
                     badness = Some(bad);
                     report.worst = Some(report.frames.len());
-                    report.worst_pictures = keeps_worst.then(|| [left.picture, right.picture]);
+                    report.worst_pictures = keeps_worst.then_some([left.picture, right.picture]);
                 }
                 report.frames.push(frame);
             }

@@ -18,7 +18,7 @@ impl Side {
 
     /// Whether the triangle runs from the lower corner to the higher one.
     pub(crate) fn is_along(self) -> bool {
-        self.run % 2 == 0
+        self.run.is_multiple_of(2)
     }
 }
 

@@ -120,7 +120,8 @@ mod tests {
     #[test]
     fn derivatives_are_enclosed() {
         type Two<T> = fn(&T, &T) -> T;
-        let rows: [(Two<Number>, fn(f64, f64) -> f64); 5] = [
+        type Plain = fn(f64, f64) -> f64;
+        let rows: [(Two<Number>, Plain); 5] = [
             (Number::plus, |a, b| a + b),
             (Number::minus, |a, b| a - b),
             (Number::times, |a, b| a * b),

@@ -42,7 +42,8 @@ impl Encloser<'_> {
                 let off = (here - drawn - way).abs();
                 let slack = PLACING * (here.abs() + drawn.abs() + size);
                 // What is no number is nowhere.
-                if !(off + slack <= own.sides[i]) {
+                let is_inside = off + slack <= own.sides[i];
+                if !is_inside {
                     return None;
                 }
             }
