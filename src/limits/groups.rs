@@ -135,8 +135,8 @@ mod tests {
         let first = "35 30 0:31 / /sys/fs/cgroup/memory rw shared:11 - cgroup cgroup rw,memory\n\
                      36 30 0:32 / /sys/fs/cgroup/cpu rw shared:12 - cgroup cgroup rw,cpu,cpuacct\n";
         let none = f64::INFINITY;
-        type Files = [(&'static str, &'static str)];
-        let cases: &[(&str, &Files, f64)] = &[
+        type Files<'a> = [(&'a str, &'a str)];
+        let cases: &[(&str, &Files<'_>, f64)] = &[
             ("nothing", &[], none),
             (
                 "no limit",

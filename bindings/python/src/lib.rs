@@ -47,7 +47,7 @@ mod _mechanim {
 /// Runs the program; `None` in a wheel without it.
 #[cfg(feature = "program")]
 fn run_program(arguments: Vec<std::ffi::OsString>) -> Option<i32> {
-    Some(mechanim::cli::program::main(arguments).into())
+    Some(mechanim::cli::program::main(arguments))
 }
 
 /// Runs the program; `None` in a wheel without it.
