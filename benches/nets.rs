@@ -9,8 +9,11 @@ use mechanim::scene::{Overrides, load_scene};
 use std::sync::Arc;
 use std::time::Instant;
 
+// The tests draw more than the nets do.
+#[allow(dead_code)]
 #[path = "../tests/suite/draws/mod.rs"]
 mod draws;
+#[allow(clippy::unwrap_used)]
 #[path = "../tests/suite/nets/mod.rs"]
 mod nets;
 
