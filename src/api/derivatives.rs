@@ -8,6 +8,7 @@ use crate::kinematics::results::columns::Column;
 use crate::model::mechanism::Mechanism;
 use crate::numbers::hyper_dual::HyperDual;
 use crate::scene::Overrides;
+use std::sync::Arc;
 
 impl Motion {
     /// The derivatives of values with respect to parameters at every sample, exact to rounding. They solve the
@@ -83,7 +84,7 @@ fn varied(loaded: &Loaded, parameters: &[&str]) -> Result<Loaded, Error> {
         size: Some(loaded.scene.mechanism.size),
         ..loaded.overrides.clone()
     };
-    Loaded::new(loaded.text.clone(), overrides)
+    Loaded::new(Arc::clone(&loaded.text), overrides)
 }
 
 /// Factors that convert internal derivatives to the file's units, one for each pair of value and parameter.

@@ -234,7 +234,7 @@ impl<'m> Film<'m> {
             theme: self.theme,
             ..ViewChange::default()
         };
-        change.apply(&mut scene.view);
+        change.apply(Arc::make_mut(&mut scene.view));
         let options = PictureOptions {
             size: self.size,
             samples: SMOOTHNESS,

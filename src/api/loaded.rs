@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 /// A scene that has been read, with its analysed mechanism.
 pub(super) struct Loaded {
-    pub(super) text: Source,
+    pub(super) text: Arc<Source>,
     pub(super) overrides: Overrides,
     pub(super) scene: Scene,
     pub(super) system: Arc<System>,
@@ -16,7 +16,7 @@ pub(super) struct Loaded {
 
 impl Loaded {
     /// Errors: errors in the scene; an under-determined mechanism.
-    pub(super) fn new(text: Source, overrides: Overrides) -> Result<Self, Error> {
+    pub(super) fn new(text: Arc<Source>, overrides: Overrides) -> Result<Self, Error> {
         let scene = load_scene(&text, &overrides)?;
         let system = System::new(Arc::clone(&scene.mechanism), &scene.actuation)?;
         Ok(Self {
@@ -34,7 +34,7 @@ impl Loaded {
         let mut overrides = self.overrides.clone();
         overrides.drives = Some(drives);
         Self {
-            text: self.text.clone(),
+            text: Arc::clone(&self.text),
             overrides,
             scene,
             system: Arc::clone(&self.system),

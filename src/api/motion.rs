@@ -313,7 +313,7 @@ impl Motion {
             text,
             overrides,
         } = &*self.loaded;
-        let mut plots = scene.plots.clone();
+        let mut plots = scene.plots.to_vec();
         if !curves.is_empty() {
             let mut overrides = overrides.clone();
             overrides.plot = Some(PlotText {
@@ -321,7 +321,7 @@ impl Motion {
                 y: curves.iter().map(|curve| (*curve).to_owned()).collect(),
                 equal: false,
             });
-            plots = load_scene(text, &overrides)?.plots;
+            plots = load_scene(text, &overrides)?.plots.to_vec();
         }
         if plots.is_empty() {
             plots = vec![default_plot(&scene.mechanism, &scene.actuation)];

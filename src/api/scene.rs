@@ -63,7 +63,7 @@ impl Scene {
     /// ```
     pub fn builtin(name: &str) -> Result<Self, Error> {
         match builtin::find_builtin(name) {
-            Some(text) => Self::load(text, Overrides::default()),
+            Some(text) => Self::load(Arc::new(text), Overrides::default()),
             None => Err(source::no_builtin(name).into()),
         }
     }
@@ -92,7 +92,7 @@ impl Scene {
             folder: source::folder_of(path),
             ..Overrides::default()
         };
-        Self::load(source::open_source(path)?, overrides)
+        Self::load(Arc::new(source::open_source(path)?), overrides)
     }
 
     /// Reads a scene from `text`; messages call it `name`.
@@ -120,7 +120,7 @@ impl Scene {
             name: name.to_owned(),
             text: text.to_owned(),
         };
-        Self::load(text, Overrides::default())
+        Self::load(Arc::new(text), Overrides::default())
     }
 
     /// The same, with mesh files relative to `folder`.
@@ -142,7 +142,7 @@ impl Scene {
             folder: folder.into(),
             ..Overrides::default()
         };
-        Self::load(text, overrides)
+        Self::load(Arc::new(text), overrides)
     }
 
     /// The scene with a changed parameter: a number in the scene's units, or a formula.
@@ -206,7 +206,7 @@ impl Scene {
         self.changed(|overrides| set(&mut overrides.guess, name, &value))
     }
 
-    fn load(text: Source, overrides: Overrides) -> Result<Self, Error> {
+    fn load(text: Arc<Source>, overrides: Overrides) -> Result<Self, Error> {
         let loaded = Arc::new(Loaded::new(text, overrides)?);
         Ok(Self { loaded })
     }
@@ -215,7 +215,7 @@ impl Scene {
     fn changed(&self, change: impl FnOnce(&mut Overrides)) -> Result<Self, Error> {
         let mut overrides = self.loaded.overrides.clone();
         change(&mut overrides);
-        Self::load(self.loaded.text.clone(), overrides)
+        Self::load(Arc::clone(&self.loaded.text), overrides)
     }
 
     /// The title of the scene.

@@ -8,6 +8,7 @@ use super::optimum::{OptimiseOptions, Optimum};
 use super::sensitivity::Sensitivity;
 use super::tolerance::{Tolerance, ToleranceOptions};
 use crate::analysis::study::{LoadedStudy, varied_names};
+use crate::diag::Source;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -155,6 +156,10 @@ impl Study {
             ..
         } = &*self.loaded;
         let names = varied_names(&self.names, all_by_default, &scene.dimensions)?;
-        Ok(LoadedStudy::new(text.clone(), overrides.clone(), &names)?)
+        Ok(LoadedStudy::new(
+            Source::clone(text),
+            overrides.clone(),
+            &names,
+        )?)
     }
 }

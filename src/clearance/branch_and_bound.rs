@@ -15,8 +15,9 @@ use crate::distance::bodies::nearest_bodies;
 /// Most pieces of time looked at for one pair.
 const MAX_LOOKS: usize = 40_000;
 
-/// Of bodies that overlap the moment of greatest depth is searched, not proved.
-const LOOKS_IN_OVERLAP: usize = 400;
+/// Where nothing can be proved, a lower distance is searched only: of bodies that overlap, and of those that are so large that
+/// their poses are rounded by more than what is left above the minimum.
+const LOOKS_WITHOUT_PROOF: usize = 400;
 
 /// Shortest piece of a stretch that is looked at, as a part of it.
 const SHORTEST: f64 = 1.0 / 65_536.0;
@@ -147,10 +148,11 @@ impl PairSweep<'_> {
             // A look for a higher goal may tell less.
             look.lowest = look.lowest.max(piece.known);
             self.measure(motion, &piece, &look, best);
-            let most = if self.is_cut(best) && self.minimum() >= 0.0 {
-                LOOKS_IN_OVERLAP
-            } else {
-                MAX_LOOKS
+            let is_beyond_proof = asked > best.found.proximity.distance
+                || (self.is_cut(best) && self.minimum() >= 0.0);
+            let most = match is_beyond_proof {
+                true => LOOKS_WITHOUT_PROOF,
+                false => MAX_LOOKS,
             };
             let is_open = look.lowest < self.value_of(motion, goal, best)
                 && look.lowest > f64::NEG_INFINITY

@@ -123,6 +123,21 @@ impl<S: Scalar> ArgumentValue<S> {
     }
 }
 
+impl ArgumentValue {
+    /// Takes a value; its sine and cosine only if it `turns` something, and unless they stand here already.
+    #[inline]
+    pub fn renew(&mut self, value: f64, turns: bool) {
+        // Both are zero where they were not computed.
+        let is_known = self.value == value && (self.sin != 0.0 || self.cos != 0.0);
+        if turns && !is_known {
+            *self = Self::new(value);
+        } else if !turns {
+            let (sin, cos) = (0.0, 0.0);
+            *self = Self { value, sin, cos };
+        }
+    }
+}
+
 impl ChainStep {
     /// The step that undoes this one.
     pub fn inverse(&self) -> Self {

@@ -125,7 +125,7 @@ fn colour_names() -> Vec<(Colour, String)> {
 
 /// The scene's plots, or what is plotted of a scene that says nothing about it.
 pub(super) fn shown_plots(scene: &Scene) -> Vec<Plot> {
-    match scene.plots.as_slice() {
+    match &*scene.plots {
         [] => vec![default_plot(&scene.mechanism, &scene.actuation)],
         plots => plots.to_vec(),
     }

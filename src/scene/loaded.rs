@@ -46,7 +46,7 @@ pub struct Kept {
     pub place: KeptIn,
 }
 
-/// A scene ready to be solved and drawn.
+/// A scene ready to be solved and drawn. What a change of the drive leaves alone is shared between copies.
 #[derive(Clone, Debug)]
 pub struct Scene {
     /// One line for lists.
@@ -56,19 +56,19 @@ pub struct Scene {
     /// What drives it, and where the search for a first pose starts.
     pub actuation: Actuation,
     /// What is measured of its motion.
-    pub measures: Measures,
+    pub measures: Arc<Measures>,
     /// How it wants to be seen.
-    pub view: View,
+    pub view: Arc<View>,
     /// Which clearances it asks for, if any.
-    pub clearance: Option<ClearanceRules>,
+    pub clearance: Option<Arc<ClearanceRules>>,
     /// What of its motion it wants to be plotted.
-    pub plots: Vec<Plot>,
+    pub plots: Arc<[Plot]>,
     /// What may be varied in it, and what is asked of it.
-    pub study: Option<Study>,
+    pub study: Option<Arc<Study>>,
     /// Lengths and angles that the file gives as numbers: what else could be varied.
-    pub dimensions: Vec<String>,
+    pub dimensions: Arc<[String]>,
     /// What every parameter measures, as far as known.
-    pub kinds: Vec<(String, Kind)>,
+    pub kinds: Arc<[(String, Kind)]>,
     /// Varied parameters whose file's values are kept somewhere.
     pub kept: Vec<Kept>,
     /// Its chains as written, where they were asked for.

@@ -139,7 +139,7 @@ fn picture_scene(picture: &Picture, folder: &Path) -> Result<Scene, DrawError> {
         ..Overrides::default()
     };
     let mut scene = load_scene(&source, &overrides).map_err(Box::new)?;
-    picture.view.apply(&mut scene.view);
+    picture.view.apply(Arc::make_mut(&mut scene.view));
     Ok(scene)
 }
 

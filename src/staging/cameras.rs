@@ -240,7 +240,8 @@ mod tests {
 
     fn view(path: CameraPath, projection: ViewProjection) -> View {
         let source = builtin::find_builtin("four-bar").unwrap();
-        let mut view = load_scene(&source, &Overrides::default()).unwrap().view;
+        let scene = load_scene(&source, &Overrides::default()).unwrap();
+        let mut view = View::clone(&scene.view);
         view.camera_path = path;
         view.projection = projection;
         view.margin = 0.05;

@@ -51,7 +51,7 @@ const NAME_SIZE: f64 = 0.026;
 pub fn pane_scenes(scene: &Scene) -> Vec<Scene> {
     let panes = PANES.iter().map(|Pane { look, free, .. }| {
         let mut pane = scene.clone();
-        let view = &mut pane.view;
+        let view = Arc::make_mut(&mut pane.view);
         view.captions = false;
         view.decor.gauge = false;
         view.margin = view.margin.max(0.5 * (free[0] + free[1]));

@@ -53,7 +53,7 @@ impl AskedPieces<'_> {
         let listed = if !self.vary.is_empty() {
             varied_names(self.vary, false, &drawn.dimensions)?
         } else if self.own.is_empty() && of_study.peek().is_none() {
-            drawn.dimensions.clone()
+            drawn.dimensions.to_vec()
         } else {
             of_study.map(|v| v.name.clone()).collect()
         };

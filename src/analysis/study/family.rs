@@ -158,7 +158,9 @@ impl ParametricMechanism {
             ..overrides.clone()
         };
         let scene = load_scene(source, &overrides).map_err(Box::new)?;
-        let mut study = scene.study.unwrap_or_default();
+        let mut study = scene
+            .study
+            .map_or_else(Study::default, Arc::unwrap_or_clone);
         if overrides.vary.is_empty() {
             study.variables.clear();
         }
@@ -173,7 +175,7 @@ impl ParametricMechanism {
         };
         reshaped::follow(own, &reading);
         let system = System::new(mechanism, &scene.actuation)?;
-        let mut measures = scene.measures;
+        let mut measures = Arc::unwrap_or_clone(scene.measures);
         for (index, [min, max]) in &study.limits {
             let measure = &mut measures.list[*index];
             measure.min = min.or(measure.min);

@@ -69,7 +69,7 @@ impl Proof {
 pub fn prove_found(source: &Source, overrides: &Overrides) -> Result<Proof, FamilyError> {
     // Solved anew on a finer grid than the search looked at.
     let mut scene = load_scene(source, overrides).map_err(Box::new)?;
-    for track in &mut scene.measures.tracks {
+    for track in &mut Arc::make_mut(&mut scene.measures).tracks {
         track.samples = FINER * (track.samples - 1) + 1;
     }
     let (mechanism, actuation) = (&scene.mechanism, &scene.actuation);

@@ -126,7 +126,7 @@ impl ViewArgs {
         self.hide
             .iter()
             .try_for_each(|name| hide_shapes(name, scene))?;
-        let view = &mut scene.view;
+        let view = Arc::make_mut(&mut scene.view);
         self.change().apply(view);
         if let Ghosts::Times(times) = &view.decor.ghosts {
             refuse_ghosts(times, scene.actuation.duration)?;

@@ -52,7 +52,7 @@ fn chosen_scheme(open: &OpenScene, at: Option<f64>) -> Result<Scheme, Failure> {
 
 fn sheet_options(args: &DrawArgs, scene: &Scene) -> SheetOptions {
     let mechanism = &scene.mechanism;
-    let mut view = scene.view.clone();
+    let mut view = View::clone(&scene.view);
     if let Some(named) = args.view {
         view.look_from(named);
     }

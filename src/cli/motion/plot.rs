@@ -94,7 +94,7 @@ fn split_list(list: &str) -> Vec<String> {
 /// The plots to draw: the scene's, the one with the given title, or the default.
 pub fn chosen_plots(title: Option<&str>, scene: &Scene) -> Result<Vec<Plot>, Failure> {
     let Some(title) = title else {
-        return Ok(match scene.plots.as_slice() {
+        return Ok(match &*scene.plots {
             [] => vec![default_plot(&scene.mechanism, &scene.actuation)],
             plots => plots.to_vec(),
         });

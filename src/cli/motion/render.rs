@@ -32,6 +32,7 @@ use crate::staging::marks::Marks;
 use crate::staging::model::Facets;
 use crate::staging::{PictureOptions, Staging, panes};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Slow enough to see what every step does.
 const ITERATES_A_SECOND: f64 = 1.0;
@@ -167,7 +168,7 @@ fn trace_iterations(
     let count = trajectory.samples.len();
     let times: Vec<f64> = trajectory.samples.iter().map(|s| s.time).collect();
     scene.actuation.duration = count as f64;
-    scene.view.decor.ghosts = Ghosts::Times(times.clone());
+    Arc::make_mut(&mut scene.view).decor.ghosts = Ghosts::Times(times.clone());
     let still = format.is_still();
     let plan = RenderPlan {
         times,

@@ -100,7 +100,7 @@ fn cloud_picture(
     clouds: &[PathCloud],
 ) -> Result<RgbaImage, Failure> {
     let mut scene = load_scene(&study.source, &study.overrides).map_err(Box::new)?;
-    scene.view.decor.trails = Trails::None;
+    Arc::make_mut(&mut scene.view).decor.trails = Trails::None;
     // The camera holds the whole motion; the pose is the one that the drive reaches.
     let even = even_times(&scene.mechanism, &scene.actuation, CAMERA_SAMPLES);
     let mut times = up_to(args.at, scene.actuation.duration, &even)?;

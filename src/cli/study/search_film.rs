@@ -145,9 +145,10 @@ fn thin_improvements(improvements: &[Improvement]) -> Vec<&Improvement> {
 
 fn improvement_shot(study: &LoadedStudy, improvement: &Improvement) -> Result<Shot, Failure> {
     let mut scene = study.scene_at(&improvement.values)?;
-    scene.view.decor.trails = Trails::None;
+    let view = Arc::make_mut(&mut scene.view);
+    view.decor.trails = Trails::None;
     // Labels on a trace need the whole drive; the path is drawn beside it.
-    scene.view.labels.clear();
+    view.labels.clear();
     let system = System::new(Arc::clone(&scene.mechanism), &scene.actuation)?;
     let paths = coloured_paths(&scene, &system);
     let trajectory = solve_motion(&system, &scene.actuation, &[0.0]);

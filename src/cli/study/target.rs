@@ -41,7 +41,7 @@ pub fn run_target(
     let study = drawn.study.iter().flat_map(|s| &s.variables);
     let names: Vec<String> = match args.vary.vary.as_slice() {
         [] => study.map(|v| v.name.clone()).collect(),
-        [all] if all == "all" => drawn.dimensions.clone(),
+        [all] if all == "all" => drawn.dimensions.to_vec(),
         named => named.to_vec(),
     };
     if names.is_empty() {

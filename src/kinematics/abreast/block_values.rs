@@ -44,42 +44,21 @@ pub(super) struct BlockValues {
     plain: Plain,
 }
 
-/// What there is to know of an argument beforehand.
-#[derive(Clone, Copy, Debug, Default)]
-struct Role {
-    /// It is the angle of a rotation.
-    turns: bool,
-    /// It depends on unknowns of the block: the others stand still while the block is closed.
-    moves: bool,
-}
-
-/// A block with the roles of its arguments.
+/// A block of a mechanism.
 #[derive(Clone, Debug)]
 pub(super) struct LaneBlock<'s> {
     pub mechanism: &'s Mechanism,
     pub block: &'s Block,
     /// Whether derivatives by coordinates from outside are wanted, too.
     with_outside: bool,
-    roles: Vec<Role>,
 }
 
 impl<'s> LaneBlock<'s> {
     pub fn new(mechanism: &'s Mechanism, block: &'s Block) -> Self {
-        let plan = &block.plan;
-        let mut roles = vec![Role::default(); plan.arguments.len()];
-        for (role, argument) in roles.iter_mut().zip(&plan.arguments) {
-            let mut shares = plan.shares[argument.shares.clone()].iter();
-            // Arguments that no unknown of the block moves are evaluated once a pose.
-            role.moves = shares.any(|share| share.column < block.unknowns.len());
-        }
-        for joint in &plan.joints {
-            roles[joint.argument].turns |= joint.motion == ElementaryMotion::Rotation;
-        }
         Self {
             mechanism,
             block,
             with_outside: false,
-            roles,
         }
     }
 
@@ -138,8 +117,9 @@ impl BlockValues {
         let plan = &lanes.block.plan;
         let still = ArgumentValue::default();
         self.arguments.resize(plan.arguments.len(), still);
-        for (k, (argument, role)) in plan.arguments.iter().zip(&lanes.roles).enumerate() {
-            if again && !role.moves {
+        for (k, argument) in plan.arguments.iter().enumerate() {
+            // Arguments that no unknown of the block moves are evaluated once a pose.
+            if again && !argument.moves {
                 continue;
             }
             let value = match &lanes.mechanism.arguments[argument.index] {
@@ -159,7 +139,7 @@ impl BlockValues {
             let own = &mut self.arguments[k];
             own.value = value;
             // Sine and cosine only where a rotation needs them.
-            if role.turns {
+            if argument.turns {
                 (own.sin, own.cos) = value.sin_cos();
             }
         }

@@ -127,8 +127,9 @@ impl BlockWorkspace {
     }
 
     fn evaluate_arguments(&mut self, site: UnknownSite) {
-        self.arguments.clear();
-        for argument in &site.plan.arguments {
+        let still = ArgumentValue::default();
+        self.arguments.resize(site.plan.arguments.len(), still);
+        for (argument, own) in site.plan.arguments.iter().zip(&mut self.arguments) {
             let value = if argument.is_formula {
                 site.mechanism.arguments[argument.index].value(site.coordinates, &mut self.values)
             } else {
@@ -138,7 +139,7 @@ impl BlockWorkspace {
                     sum + share.coefficient * site.coordinates[share.slot]
                 })
             };
-            self.arguments.push(ArgumentValue::new(value));
+            own.renew(value, argument.turns);
         }
     }
 
@@ -186,13 +187,10 @@ impl BlockWorkspace {
         let per_size = 1.0 / item.size;
         let planned = &site.plan.groups[item.groups.clone()];
         let joints = &self.joints[item.groups.clone()];
-        self.columns.clear();
-        self.columns.extend(
-            joints
-                .iter()
-                .zip(planned)
-                .map(|(group, p)| group.columns(p, &log_from_spin, translation, per_size)),
-        );
+        self.columns.resize(planned.len(), [[0.0; 4]; 6]);
+        for ((columns, group), planned) in self.columns.iter_mut().zip(joints).zip(planned) {
+            *columns = group.columns(planned, &log_from_spin, translation, per_size);
+        }
         let outer = self.outer.as_flattened_mut();
         let (columns, components) = (&self.columns[..], &item.components[..]);
         if let [_, _, _, _, _, _] = components {

@@ -37,6 +37,10 @@ pub struct PlannedArgument {
     pub shares: Range<usize>,
     /// Not affine.
     pub is_formula: bool,
+    /// It is the angle of a rotation; of lengths no sine and cosine are needed.
+    pub turns: bool,
+    /// It depends on unknowns of the block: the others stand still while the block is closed.
+    pub moves: bool,
 }
 
 /// A joint and the fixed pose before it.
@@ -232,11 +236,16 @@ impl BlockPlan {
                     coefficient,
                 }));
         }
+        let moves = self.shares[shares.clone()]
+            .iter()
+            .any(|share| share.column < columns);
         self.arguments.push(PlannedArgument {
             index,
             constant,
             shares,
             is_formula,
+            turns: false,
+            moves,
         });
     }
 
@@ -287,12 +296,14 @@ impl BlockPlan {
                     sign,
                 } => {
                     let (shift, turn) = parts_of(&fixed);
+                    let argument = used.binary_search(&argument).unwrap_or(0);
+                    self.arguments[argument].turns |= motion == ElementaryMotion::Rotation;
                     self.joints.push(LayoutJoint {
                         shift,
                         turn,
                         motion,
                         axis,
-                        argument: used.binary_search(&argument).unwrap_or(0),
+                        argument,
                         sign,
                     });
                     fixed = Pose::IDENTITY;

@@ -6,7 +6,7 @@
 
 use super::block::{Block, Structure};
 use super::proof_chain::LoopPlan;
-use crate::model::chain::Argument;
+use crate::model::chain::{Argument, ChainStep, ElementaryMotion};
 use crate::model::expression::Affine;
 use crate::model::mechanism::{Closes, Mechanism};
 use std::ops::Range;
@@ -118,11 +118,22 @@ pub struct ProofBlock {
     pub rows: usize,
 }
 
+/// An argument as the loops use it.
+#[derive(Clone, Debug, Default)]
+pub struct ProofArgument {
+    /// Its value; of no meaning for formulas.
+    pub form: Affine,
+    /// A loop has a joint that it moves. Arguments of bodies only are no part of a proof.
+    pub is_used: bool,
+    /// One of these joints is a rotation.
+    pub turns: bool,
+}
+
 /// All blocks of a mechanism, laid out for the proof of poses.
 #[derive(Clone, Debug)]
 pub struct ProofPlan {
-    /// Affine forms of the arguments; `None` for formulas.
-    pub arguments: Vec<Option<Affine>>,
+    /// All arguments of the mechanism.
+    pub arguments: Vec<ProofArgument>,
     /// In the order of their solution.
     pub blocks: Vec<ProofBlock>,
     /// Number of equations beyond the unknowns that no proof can take: they are only bounded.
@@ -134,7 +145,7 @@ impl ProofPlan {
     pub fn new(mechanism: &Mechanism, structure: &Structure) -> Self {
         let arguments = mechanism.arguments.iter().map(Argument::affine);
         let equations = mechanism.equations.iter().map(|e| e.expression.affine());
-        let mut forms: Vec<Option<Affine>> = arguments.chain(equations).collect();
+        let forms: Vec<Option<Affine>> = arguments.chain(equations).collect();
         let blocks = structure.blocks.iter();
         let blocks = blocks.map(|block| ProofBlock::new(mechanism, structure, block, &forms));
         let blocks: Vec<ProofBlock> = blocks.collect();
@@ -142,9 +153,21 @@ impl ProofPlan {
             .iter()
             .map(|b| b.rows.saturating_sub(b.unknowns.len()));
         let redundant_rows = beyond.sum();
-        forms.truncate(mechanism.arguments.len());
+        let arguments = forms.into_iter().take(mechanism.arguments.len());
+        let mut arguments: Vec<ProofArgument> = arguments
+            .map(|form| ProofArgument {
+                form: form.unwrap_or_default(),
+                ..ProofArgument::default()
+            })
+            .collect();
+        let steps = mechanism.loops.iter().flat_map(|item| &item.chain.steps);
+        for joint in steps.filter_map(ChainStep::joint) {
+            let argument = &mut arguments[joint.argument];
+            argument.is_used = true;
+            argument.turns |= joint.motion == ElementaryMotion::Rotation;
+        }
         Self {
-            arguments: forms,
+            arguments,
             blocks,
             redundant_rows,
         }

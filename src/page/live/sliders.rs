@@ -36,7 +36,7 @@ pub(super) fn dimensions(source: &Source, overrides: &Overrides, scene: &Scene) 
     let varied = load_scene(source, &overrides).ok();
     let variables = varied
         .and_then(|scene| scene.study)
-        .map_or_else(Vec::new, |s| s.variables);
+        .map_or_else(Vec::new, |s| s.variables.clone());
     let find = |name: &String| variables.iter().find(|v| v.name == *name);
     let found = names
         .iter()

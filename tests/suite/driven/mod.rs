@@ -57,7 +57,7 @@ impl From<Scene> for Model {
         Self {
             mechanism: scene.mechanism,
             actuation: scene.actuation,
-            measures: scene.measures,
+            measures: Arc::unwrap_or_clone(scene.measures),
         }
     }
 }

@@ -6,6 +6,7 @@ use mechanim::render::overlay::Overlay;
 use mechanim::scene::{Overrides, Scene, builtin, load_scene};
 use mechanim::staging::marks::Marks;
 use mechanim::staging::{PictureOptions, Staging, panes};
+use std::sync::Arc;
 
 fn scene(name: &str) -> Scene {
     let source = builtin::find_builtin(name).unwrap();
@@ -55,10 +56,11 @@ fn texts_keep_apart_and_inside_in_all_scenes_sizes_and_views() {
             ([500, 380], None, true),
         ] {
             scene.view = plain.clone();
+            let view = Arc::make_mut(&mut scene.view);
             if let Some(named) = named {
-                scene.view.look_from(named);
+                view.look_from(named);
             }
-            scene.view.decor.gauge = gauge;
+            view.decor.gauge = gauge;
             let options = PictureOptions { size, samples: 4 };
             check(entry.name, &Staging::new(&scene, &trajectory, options));
         }

@@ -46,7 +46,7 @@ impl Case {
     fn all(name: &str, length: f64, angle: f64) -> Self {
         let mut case = Self::builtin(name, &[]);
         let scene = load_scene(&case.source, &case.overrides).unwrap();
-        for name in &scene.dimensions {
+        for name in scene.dimensions.iter() {
             let kind = scene.kinds.iter().find(|(n, _)| n == name).unwrap().1;
             let is_angle = kind == mechanim::model::mechanism::Kind::Angle;
             case.tolerances

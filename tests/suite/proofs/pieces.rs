@@ -55,7 +55,7 @@ impl Case {
     /// A scene of the program with every length at one tolerance, and every angle.
     fn builtin(name: &str, samples: usize, [length, angle]: [f64; 2]) -> Self {
         let mut case = Self::new(builtin::find_builtin(name).unwrap(), samples, &[]);
-        for name in &case.scene.dimensions {
+        for name in case.scene.dimensions.iter() {
             let kind = case.scene.kinds.iter().find(|(n, _)| n == name).unwrap().1;
             let is_angle = kind == mechanim::model::mechanism::Kind::Angle;
             let tolerance = if is_angle { angle } else { length };

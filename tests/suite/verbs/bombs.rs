@@ -2,6 +2,7 @@
 //! refused or answered in little time and memory.
 
 use crate::program::{Run, STILL, Workspace, moving, seconds_of_children};
+use mechanim::scene::builtin;
 use std::time::Instant;
 
 /// What a run may use here, and the processor seconds it may take.
@@ -573,4 +574,22 @@ fn large_stills_are_compared_row_by_row() {
     let diff = ["diff", "a.png", "b.png", "--out", "d.png"];
     let run = bounded_by(&w, "large stills", &diff, "time=300s,memory=60M");
     run.exits(1);
+}
+
+/// A body so large that its poses are rounded by more than the mechanism's size: no bound can pass, and none is searched for long.
+#[test]
+fn solids_too_large_for_a_proof_are_left_undecided() {
+    let w = Workspace::new();
+    let scene = builtin::find_builtin("twin-steer").unwrap().text;
+    for size in ["1e16", "1e30", "1e94", "1e300"] {
+        let grown = scene.replace("\"YP-24\"", &format!("\"YP-{size}\""));
+        assert_ne!(grown, scene);
+        w.write("large.toml", grown.as_bytes());
+        let run = bounded(
+            &w,
+            &format!("`check` with a cylinder of {size} mm"),
+            &["check", "large.toml", "--samples", "3"],
+        );
+        assert_eq!(run.code, 1, "{}", run.stdout);
+    }
 }

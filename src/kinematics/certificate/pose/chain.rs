@@ -5,6 +5,7 @@
 
 use super::product::Product;
 use crate::kinematics::structure::proof_chain::{LoopPlan, PlannedJoint};
+use crate::kinematics::structure::proof_plan::ProofArgument;
 use crate::model::chain::ElementaryMotion;
 use crate::model::expression::Affine;
 use crate::numbers::double_double::DoubleDouble;
@@ -27,15 +28,36 @@ pub struct ArgumentDouble {
 impl ArgumentDouble {
     /// Evaluates an affine form at `coordinates + rests`, where rests that are not there are zero.
     pub fn new(form: &Affine, coordinates: &[f64], rests: &[f64]) -> Self {
-        let (value, open_length) = affine_value(form, coordinates, rests);
+        let (value, open) = affine_value(form, coordinates, rests);
         let (sin, cos) = sin_cos(value);
         Self {
-            value: SinCosFactor::short(value),
             sin,
             cos,
-            open_length,
             // An error of either function turns and stretches the pair by as much; twice that covers both.
-            open_angle: open_length + 2.0 * SIN_COS,
+            open_angle: open + 2.0 * SIN_COS,
+            ..Self::length(value, open)
+        }
+    }
+
+    /// What the loops need of an argument: nothing of those that stand in none, no sine and cosine of a length.
+    pub fn of(argument: &ProofArgument, coordinates: &[f64], rests: &[f64]) -> Self {
+        match argument {
+            ProofArgument { is_used: false, .. } => Self::default(),
+            ProofArgument {
+                turns: true, form, ..
+            } => Self::new(form, coordinates, rests),
+            ProofArgument { form, .. } => {
+                let (value, open) = affine_value(form, coordinates, rests);
+                Self::length(value, open)
+            }
+        }
+    }
+
+    fn length(value: DoubleDouble, open: f64) -> Self {
+        Self {
+            value: SinCosFactor::short(value),
+            open_length: open,
+            ..Self::default()
         }
     }
 }

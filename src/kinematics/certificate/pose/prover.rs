@@ -6,7 +6,6 @@ use super::kantorovich::{EarlierPose, Kantorovich};
 use crate::kinematics::results::certificate::Reason;
 use crate::kinematics::solve::newton::Corrector;
 use crate::kinematics::structure::system::System;
-use crate::model::expression::Affine;
 
 /// The proof of poses of one system: its plan, and the buffers of a pose.
 #[derive(Clone, Debug)]
@@ -40,14 +39,12 @@ impl<'m> PoseProver<'m> {
         bases: &[Vec<usize>],
         corrector: Option<&Corrector>,
     ) -> Result<f64, Reason> {
-        let blank = Affine::default();
-        self.arguments.clear();
-        let arguments = self.system.proof_plan().arguments.iter();
-        self.arguments.extend(
-            arguments.map(|form| {
-                ArgumentDouble::new(form.as_ref().unwrap_or(&blank), coordinates, rests)
-            }),
-        );
+        let planned = &self.system.proof_plan().arguments;
+        self.arguments
+            .resize(planned.len(), ArgumentDouble::default());
+        for (argument, planned) in self.arguments.iter_mut().zip(planned) {
+            *argument = ArgumentDouble::of(planned, coordinates, rests);
+        }
         // Block after block: each inherits the errors of those before it.
         self.earlier.reset(self.system.mechanism().unknowns.len());
         let mut radius = f64::INFINITY;
