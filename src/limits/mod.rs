@@ -148,8 +148,10 @@ impl Limits {
                 let names = Resource::ALL.map(Resource::name).join(", ");
                 return Err(format!("there is no limit `{}`: {names}", name.trim()));
             };
-            limits.0[resource as usize] = amount_of(resource.unit(), amount.trim())
-                .ok_or_else(|| format!("`{}` is no amount for `{}`", amount.trim(), name.trim()))?;
+            limits.0[resource as usize] =
+                amount_of(resource.unit(), amount.trim()).ok_or_else(|| {
+                    format!("`{}` is not an amount for `{}`", amount.trim(), name.trim())
+                })?;
         }
         Ok(limits)
     }

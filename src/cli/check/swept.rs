@@ -74,7 +74,7 @@ fn format_of(path: &Path) -> Result<Format, Failure> {
         "obj" => Ok(Format::Obj),
         "glb" => Ok(Format::Glb),
         _ => Err(Failure::usage(
-            format!("`{}` is no .stl, .obj or .glb file", path.display()),
+            format!("`{}` is not an .stl, .obj or .glb file", path.display()),
             Vec::new(),
         )),
     }

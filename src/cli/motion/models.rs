@@ -63,7 +63,7 @@ fn left_out(scene: &Scene) -> Option<String> {
         (decor.arrows, "arrows"),
         (decor.axes != ShownAxes::None, "axes"),
         (decor.gauge, "gauges"),
-        (decor.joints, "signs of joints"),
+        (decor.joints, "joint symbols"),
     ];
     let shown = shown.iter().filter(|(is_shown, _)| *is_shown);
     let names: Vec<&str> = shown.map(|(_, name)| *name).collect();

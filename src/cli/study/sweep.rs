@@ -84,11 +84,8 @@ fn in_parts(
             Folder::create(&place, plan, &borrowed_files(&opened.files))?
         }
         Ok(_) | Err(PartsError::NoStudy(_)) => {
-            let message = format!(
-                "{} is what a run has left that was stopped",
-                place.display()
-            );
-            let hint = "go on with it: --resume; or remove it";
+            let message = format!("{} is left from a run that was stopped", place.display());
+            let hint = "continue with --resume, or remove it";
             return Err(Failure::usage(message, vec![hint.to_owned()]));
         }
         Err(error) => return Err(error.into()),
@@ -106,7 +103,7 @@ fn in_parts(
     if run_share(&folder, &share, &make, progress)? == Ended::Stopped {
         let (all, missing) = (folder.plan.units(), folder.missing_units().len() as u64);
         return Err(Failure::Stopped(format!(
-            "{} of {all} units are in {}: go on with --resume",
+            "{} of {all} units are in {}: continue with --resume",
             all - missing,
             place.display()
         )));
@@ -135,7 +132,7 @@ fn in_memory(
             taker.commit()?;
             return Err(match first {
                 0 => Failure::Interrupted,
-                _ => Failure::Stopped(format!("only the first {first} designs were looked at")),
+                _ => Failure::Stopped(format!("only the first {first} designs were examined")),
             });
         };
         for (item, record) in items.zip(numbers.chunks_exact(width)) {

@@ -32,7 +32,7 @@ impl<'s> PlotFile<'s> {
         let format = PlotFormat::of(path)?;
         let value = drawn_value(sweep, rows.only.as_deref())?;
         let plot = SweepPlot::new(sweep, value).ok_or_else(|| {
-            let message = "--plot draws over one or two parameters, and the design changes another number of them";
+            let message = "--plot needs one or two parameters that vary, and the design varies another number of them";
             Failure::usage(message, Vec::new())
         })?;
         Ok(Some(Self {

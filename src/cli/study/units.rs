@@ -131,7 +131,7 @@ fn open_folder(path: &Path, term: &Term) -> Result<(Folder, OpenStudy), Failure>
             refuse_other(&folder, &opened.plan)?;
             OpenStudy::Tolerance(Box::new(opened))
         }
-        other => return Err(bad_plan(path, format!("no study does `{other}`"))),
+        other => return Err(bad_plan(path, format!("a study cannot do `{other}`"))),
     };
     Ok((folder, opened))
 }

@@ -29,7 +29,7 @@ pub enum StlError {
         path: String,
     },
     /// A folder, a device, a pipe.
-    #[error("cannot read {path}: it is no regular file")]
+    #[error("cannot read {path}: it is not a regular file")]
     NoFile {
         /// The file.
         path: String,

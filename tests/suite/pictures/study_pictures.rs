@@ -233,7 +233,7 @@ fn ctrl_c_keeps_the_best_so_far() {
     let text = run.text();
     run.says(&[
         "iteration 50",
-        "interrupted; the best so far was written to best.toml",
+        "interrupted; the best result so far was written to best.toml",
     ]);
     assert!(text.contains("interrupted, best so far"), "{text}");
     w.run(&["check", "best.toml", "--samples", "9"]).exits(0);
@@ -255,7 +255,7 @@ fn ctrl_c_keeps_the_best_so_far() {
     let search = ["synthesise", "sphere-sphere", "--out", "found.toml"];
     let run = interrupted(&w, &search).exits(130);
     assert!(run.text().contains("stopped"));
-    run.says(&["the best so far was reported and written as asked"]);
+    run.says(&["the best result so far was reported and written"]);
     w.run(&[
         "solve",
         "found.toml",

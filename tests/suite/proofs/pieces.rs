@@ -467,7 +467,7 @@ fn what_no_tolerance_can_follow_is_refused() {
         ),
         (
             &["check", "bare.toml", "--made-within", "0.1", "--vary", "r"],
-            "--made-within reports clearances, and the scene asks for none",
+            "--made-within reports clearances, but the scene has no section [clearance]",
         ),
         (
             &["check", "crank.toml", "--vary", "r"],

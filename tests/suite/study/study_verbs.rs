@@ -353,7 +353,7 @@ fn mistakes_of_a_study_are_said_with_their_place() {
         (
             "tolerance = 0.1",
             "tolerance = -1",
-            "a tolerance is not negative",
+            "a tolerance must not be negative",
         ),
         ("per = \"phi\"", "per = \"psi\"", "`psi` is none"),
         (
@@ -403,7 +403,7 @@ fn mistakes_of_a_study_are_said_with_their_place() {
             &["sensitivity", "crank.toml", "--rank", "q"],
             "no measure `q`",
         ),
-        (&["tolerance", "crank.toml"], "no tolerance is known of L"),
+        (&["tolerance", "crank.toml"], "there is no tolerance for L"),
         (
             &["tolerance", "crank.toml", "--samples", "0"],
             "whole number",
