@@ -1,5 +1,5 @@
-//! What a run may use: time, memory, and the sizes of what is made from files. Set once for the process, asked where
-//! things are allocated. Ends nothing by itself.
+//! Limits of a run: time, memory, and the sizes of everything that is made from files. Set once for the process and checked
+//! where memory is allocated. Never ends the process itself.
 
 mod groups;
 

@@ -442,7 +442,7 @@ fn intervals_that_reach_a_fold_are_refused() {
         text.contains("undecided") && text.contains("no bound from t ="),
         "{text}"
     );
-    assert!(text.contains("within its tolerance `"), "{text}");
+    assert!(text.contains("within the tolerances, `"), "{text}");
 }
 
 /// What cannot be true of other pieces is said before anything is solved.
