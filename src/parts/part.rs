@@ -116,7 +116,7 @@ impl Part {
             return Err(foreign("is not a part"));
         };
         if start >= end || end > plan.items {
-            return Err(foreign("holds items that the study does not have"));
+            return Err(foreign("contains items that the study does not have"));
         }
         let body = plan.numbers(end - start) * 8;
         if length != line.len() as u64 + body + DIGEST as u64 {

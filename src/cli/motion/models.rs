@@ -43,7 +43,7 @@ pub fn write_model(
     if let Some(left_out) = left_out(scene) {
         let name = format.name();
         term.note(&format!(
-            "{name} holds shapes and their motion, not {left_out}"
+            "{name} contains shapes and their motion, not {left_out}"
         ));
     }
     if !to_stdout(args) {

@@ -186,7 +186,7 @@ pub fn refuse_other(folder: &Folder, asked: &Plan) -> Result<(), Failure> {
     }
     Err(Failure::Parts(PartsError::Foreign {
         path: folder.path().to_owned(),
-        why: "holds rows of another scene, other meshes or other arguments than these".to_owned(),
+        why: "contains rows of another scene, other meshes or other arguments".to_owned(),
     }))
 }
 
@@ -304,8 +304,9 @@ impl<'s> RowTaker<'s> {
 
     /// Takes the row of design `item`.
     pub fn take(&mut self, item: u64, record: &[f64]) -> Result<(), Failure> {
-        let row = Row::of_record(record)
-            .ok_or_else(|| Failure::Internal("a part holds what is no row".to_owned()))?;
+        let row = Row::of_record(record).ok_or_else(|| {
+            Failure::Internal("a part contains something that is not a row".to_owned())
+        })?;
         self.summary.add(item, &row);
         if let Some(plot) = &mut self.plot {
             plot.add(item, &row);

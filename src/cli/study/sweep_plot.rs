@@ -76,10 +76,10 @@ fn drawn_value(sweep: &Sweep, only: Option<&str>) -> Result<usize, Failure> {
             let mut hints = Vec::new();
             hints.extend(nearest_name(name, names()).map(|near| format!("did you mean `{near}`?")));
             hints.push(format!(
-                "rows hold {}",
+                "rows contain {}",
                 names().collect::<Vec<_>>().join(", ")
             ));
-            Failure::usage(format!("rows hold no value `{name}`"), hints)
+            Failure::usage(format!("rows contain no value `{name}`"), hints)
         }),
         // Of a check the clearance tells more than whether it passed.
         None if sweep.asked == Asked::Check => Ok(1),

@@ -79,7 +79,7 @@ pub fn merge(folder: &Folder, opened: &OpenTolerance, rows: &RowsArgs) -> Result
     let mut sums = PieceSums::new(&bins);
     Merge::new(folder)?.each_part(&mut |numbers| {
         let part = PieceSums::of_record(&bins, numbers);
-        sums.join(part.ok_or_else(|| Failure::Internal("a part holds no sums".to_owned()))?);
+        sums.join(part.ok_or_else(|| Failure::Internal("a part contains no sums".to_owned()))?);
         Ok::<(), Failure>(())
     })?;
     // A report is whole or not written at all.

@@ -230,7 +230,7 @@ fn print_status(path: &Path, report: Option<&Path>, term: &Term) -> Result<Outco
         io::write_document(report, &document)?;
     }
     let mut text = format!(
-        "{} of {}: {} {}\n  {done} of {all} units done, {} worked on\n",
+        "{} of {}: {} {}\n  {done} of {all} units done, {} in progress\n",
         folder.plan.verb,
         folder.plan.scene,
         folder.plan.items,

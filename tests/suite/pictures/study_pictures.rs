@@ -193,7 +193,7 @@ fn a_film_shows_every_improvement() {
     .exits(0);
     w.run(&["optimise", "crank.toml", "--film", "film.png"])
         .exits(2)
-        .says(&["holds no film"]);
+        .says(&["cannot contain an animation"]);
 }
 
 /// Starts a run, waits for its first line on standard error, and interrupts it.
@@ -240,7 +240,7 @@ fn ctrl_c_keeps_the_best_so_far() {
     let pairs = ["optimise", "gearshift", "--pairs", "--threads", "1"];
     let run = interrupted(&w, &[&pairs[..], &plain].concat()).exits(130);
     assert!(run.text().contains("pairs optimised"));
-    run.says(&["interrupted; the ranking holds", "of 231 pairs"]);
+    run.says(&["interrupted; the ranking contains", "of 231 pairs"]);
     let pieces = [
         "tolerance",
         "gearshift",
