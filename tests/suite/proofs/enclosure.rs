@@ -567,7 +567,7 @@ fn the_program_writes_bands_and_says_what_it_refuses() {
     ]);
     let text = fold.exits(1).text();
     assert!(
-        text.contains("`l` takes the mechanism farthest") && text.contains("t = 0 s"),
+        text.contains("`l` brings the mechanism closest") && text.contains("t = 0 s"),
         "{text}"
     );
 }

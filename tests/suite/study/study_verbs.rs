@@ -413,7 +413,7 @@ fn mistakes_of_a_study_are_said_with_their_place() {
             "whole number",
         ),
         (&["optimise", "crank.toml", "--vary", "r,r"], "varied twice"),
-        (&["optimise", "slider-crank"], "nothing is to be varied"),
+        (&["optimise", "slider-crank"], "there is nothing to vary"),
         (
             &["optimise", "crank.toml", "--out", "crank.toml"],
             "is an input",
