@@ -1,4 +1,4 @@
-//! Messages about a user's text: what, where, and how to mend it. Many at once; printing is the command line's.
+//! Messages about a user's text: the error, its position, and a hint. Several are collected; the command line prints them.
 
 use std::borrow::Cow;
 use std::collections::HashSet;

@@ -1,5 +1,5 @@
-//! Numbered jobs shared among threads. Results come back in the order of their numbers, whichever thread did them, so
-//! that nothing depends on how many there are.
+//! Numbered jobs shared among threads. Results are returned in the order of their numbers, so that they do not depend on the
+//! number of threads.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};

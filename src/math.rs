@@ -1,6 +1,6 @@
-//! Poses and angles in f64, and the one door from f64 to the GPU's f32.
+//! Poses and angles in f64, and the only conversion from f64 to the GPU's f32.
 //!
-//! Holds no mechanism and no solver. A pose named `a_from_b` maps coordinates of frame b to frame a,
+//! Independent of mechanisms and solvers. A pose named `a_from_b` maps coordinates of frame b to frame a,
 //! so that products chain by name: `a_from_c = a_from_b * b_from_c`.
 
 use glam::{DMat3, DQuat, DVec3};

@@ -1,4 +1,4 @@
-//! Equal things among many, found by one flat table: what a mesh of millions of corners has memory for.
+//! Finds equal items among many with one flat table, which needs little memory for meshes with millions of corners.
 
 use glam::DVec3;
 use std::hash::{BuildHasher, Hash, RandomState};

@@ -1,4 +1,4 @@
-//! Studies of the solver itself and of mechanisms: loops around solving, never a second engine.
+//! Studies of the solver and of mechanisms. They call the solver repeatedly and contain no second one.
 
 pub mod cloud;
 pub mod dyads;

@@ -92,7 +92,7 @@ impl Enclosure {
     /// let enclosure = study.enclose(Some(0.1), Samples::Even(3))?;
     /// assert!(enclosure.to_json().contains("mechanim-enclosure/1"));
     /// let wide = study.vary(&["r"]).enclose(Some(60.0), Samples::Even(8))?;
-    /// assert!(wide.to_json().contains("within its tolerance `r`"));
+    /// assert!(wide.to_json().contains("within the tolerances, `r`"));
     /// # Ok::<(), mechanim::Error>(())
     /// ```
     pub fn to_json(&self) -> &str {

@@ -197,7 +197,7 @@ impl<'m> Film<'m> {
         let path = path.as_ref();
         let format = Format::from_path(path)?;
         if format.is_model() {
-            let why = format!("{} holds shapes, not pictures", format.name());
+            let why = format!("{} contains shapes, not pictures", format.name());
             return Err(Error::new(ErrorKind::File, why, Vec::new()));
         }
         let destination = Destination::at(path, &format)?;

@@ -47,7 +47,7 @@ impl Samples {
         };
         let refused = |why: String| Err(Error::new(ErrorKind::Argument, why, Vec::new()));
         let (Some(first), Some(last)) = (kept.first(), kept.last()) else {
-            return refused("no sample is asked for".to_owned());
+            return refused("no samples are requested".to_owned());
         };
         if kept.len() > MAX_SAMPLES {
             return refused(format!("at most {MAX_SAMPLES} samples"));

@@ -26,7 +26,7 @@ pub(super) fn drives(
             )));
         }
         if values.iter().any(|value| !value.is_finite()) {
-            return Err(refused(format!("`{name}` has values that are no numbers")));
+            return Err(refused(format!("`{name}` has values that are not numbers")));
         }
     }
     let ascend = times.windows(2).all(|pair| pair[0] < pair[1]);

@@ -23,7 +23,7 @@ pub fn band_chart(plan: &Plan, motion: &[Enclosed], wanted: &[usize]) -> Chart {
         description: "Bands that no piece within its tolerances leaves".to_owned(),
         panels: panels.collect(),
         notes: vec![
-            "About the motion as drawn. Bands: no piece leaves them, proved at every sample; lines: pieces that were found."
+            "Relative to the nominal motion. Bands: no piece leaves them (proved at every sample); lines: pieces that were found."
                 .to_owned(),
         ],
     }

@@ -116,7 +116,7 @@ fn mark_worst(mechanism: &Mechanism, worst: &PairReport, panel: &mut Panel, char
     });
     let [a, b] = worst.pair.map(|k| mechanism.bodies[k].name.as_str());
     chart.description = format!(
-        "{a} and {b} come nearest, {:.6} {unit} at {:.6} s; {minimum} is asked for",
+        "{a} and {b} come nearest, {:.6} {unit} at {:.6} s; the minimum is {minimum}",
         least.distance, least.time
     );
 }

@@ -64,7 +64,7 @@ fn cloud_panel(cloud: &PathCloud, unit: &str) -> Panel {
         cloud: across.iter().take(MOST_LINES).map(|d| line(d)).collect(),
         series: vec![
             named("median", at(0.5)),
-            named("as drawn", line(&vec![0.0; along.len()])),
+            named("nominal", line(&vec![0.0; along.len()])),
         ],
         samples: along.clone(),
         ..Panel::default()

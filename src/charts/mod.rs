@@ -1,6 +1,6 @@
-//! Charts of what was solved and studied: quantities of a motion, clearances, clouds of paths, work against precision.
+//! Charts of solved motions and studies: quantities of a motion, clearances, clouds of paths, time against error.
 //!
-//! Values in, a [`Chart`](crate::plot::Chart) out; drawing it is [`plot`](crate::plot)'s.
+//! Values become a [`Chart`](crate::plot::Chart); [`plot`](crate::plot) draws it.
 
 pub mod bands;
 pub mod clearance;

@@ -1,4 +1,4 @@
-//! Pairs that are left out of a check: looked at as often as the motion itself is described, though nothing is proved of them.
+//! Excluded pairs of a check: looked at as often as the motion itself is described, though nothing is proved of them.
 //!
 //! They are measured at every sample and in the middle of every stretch of the motion, of which quick moves have many, and
 //! around the lowest place of these in ever smaller steps.

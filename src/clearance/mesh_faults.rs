@@ -23,7 +23,7 @@ pub(super) fn mesh_warnings(mechanism: &Mechanism, hulls: &[Option<Hull>]) -> Ve
             let mesh = format!("the mesh of `{}` ({})", body.name, tree.source);
             if tree.enclosure == ShellEnclosure::InsideOut {
                 list.push(format!(
-                    "{mesh} is inside out: its inside is taken as the enclosed space all the same"
+                    "{mesh} is inside out; the enclosed space counts as its inside all the same"
                 ));
             }
             if tree.flaps > 0 {
@@ -59,13 +59,13 @@ pub(super) fn without_inside(
             }
             let (name, source) = (&mechanism.bodies[k].name, &tree.source);
             let why = match tree.open_edges {
-                _ if is_tangled => "too many of its shells lie in each other".to_owned(),
+                _ if is_tangled => "too many of its shells are nested".to_owned(),
                 0 => "its triangles enclose nothing".to_owned(),
-                1 => "an edge has one side only".to_owned(),
-                edges => format!("{edges} edges have one side only"),
+                1 => "an edge belongs to only one triangle".to_owned(),
+                edges => format!("{edges} edges belong to only one triangle"),
             };
             let text = format!(
-                "the mesh of `{name}` ({source}) has no inside: {why}; what lies in it is not noticed: mend the file, or say `surface = true` if it is a surface"
+                "the mesh of `{name}` ({source}) has no inside: {why}; bodies inside it are not detected: repair the file, or write `surface = true` if it is a surface"
             );
             list.push((k, text));
         }

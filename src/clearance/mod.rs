@@ -1,6 +1,6 @@
-//! Clearance: signed distances of solids, their least values over the motion with a bound, and what may touch.
+//! Clearance: signed distances of solids, their smallest values over the motion with a bound, and the pairs that may touch.
 //!
-//! Everything here is values in, values out; nothing prints.
+//! Functions take and return values; nothing prints.
 
 mod asked;
 mod branch_and_bound;

@@ -59,7 +59,7 @@ pub enum SweptError {
     #[error("the body has no shapes")]
     NoShapes,
     /// A half-space.
-    #[error("a half-space has no end")]
+    #[error("a half-space is unbounded")]
     Endless,
     /// Parts of the motion are not known.
     #[error("the motion could not be followed everywhere")]

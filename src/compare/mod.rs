@@ -1,4 +1,4 @@
-//! Image comparison: how far two pictures are apart, and where. Reads and writes no files.
+//! Image comparison: how much two pictures differ, and where. Reads and writes no files.
 
 pub mod film;
 pub mod triptych;

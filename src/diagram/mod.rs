@@ -1,7 +1,7 @@
-//! Kinematic diagrams: from the chains of a scene at a pose to lines, signs and letters on a sheet.
+//! Kinematic diagrams: from the chains of a scene at a pose to lines, symbols and text on a sheet.
 //!
-//! [`walk`] follows every chain as written and notes what it passes: a [`scheme::Scheme`] in space. [`sheet`] looks at it
-//! and lays it out; [`labels`] finds places for the letters. What comes out is a drawing like that of a chart, for the same
+//! [`walk`] follows every chain as written and records its parts in space: a [`scheme::Scheme`]. [`sheet`] projects it
+//! and lays it out; [`labels`] finds places for the text. The result is a drawing like that of a chart, for the same
 //! writers.
 
 mod arcs;

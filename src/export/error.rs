@@ -57,8 +57,8 @@ pub enum ExportError {
     /// A video goes to an ordinary file, in which its encoder goes back and forth.
     #[error("cannot write {}: a video needs an ordinary file; a .y4m goes through pipes", .0.display())]
     NoSeek(PathBuf),
-    /// The format holds shapes, not pictures.
-    #[error("{format} holds no pixels")]
+    /// The format contains shapes, not pictures.
+    #[error("{format} contains no pixels")]
     NoPixels {
         /// Name of the format.
         format: &'static str,

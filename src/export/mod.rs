@@ -1,12 +1,12 @@
-//! Files out of frames and models. Knows nothing of mechanisms; the only room with image encoders.
+//! Files from frames and models. Independent of mechanisms; the only room with image encoders.
 //!
-//! The protocol, for a caller that can draw any frame by its index:
+//! How a caller that can draw any frame by its index writes a file:
 //!
-//! 1. [`Format::from_path`] tells the kind of file.
+//! 1. [`Format::from_path`] determines the kind of file.
 //! 2. [`film::FilmSettings::open`] opens its sink. For a GIF it draws some frames on all cores and builds the palette
-//!    from them; they are kept and not drawn again.
-//! 3. [`film::FilmSettings::write`] draws, codes and writes all frames, in order and in bounded memory; only its success
-//!    leaves anything on disk.
+//!    from them; these frames are kept and not drawn again.
+//! 3. [`film::FilmSettings::write`] draws, encodes and writes all frames, in order and in bounded memory. A file appears on
+//!    disk only if this succeeds.
 
 use image::RgbaImage;
 

@@ -1,4 +1,4 @@
-//! Triangle meshes of the model's solids. Holds no poses of links and no renderer.
+//! Triangle meshes of the model's solids. Independent of poses and renderers.
 
 mod crease;
 mod mesh;

@@ -1,4 +1,5 @@
-//! Picture files in: PNG row by row, APNG and GIF frame by frame, in the order people count in. Draws and writes nothing.
+//! Reading of picture files: PNG row by row, APNG and GIF frame by frame, file names in numerical order. Draws and writes
+//! nothing.
 
 pub mod film;
 pub mod order;

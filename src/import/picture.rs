@@ -106,7 +106,7 @@ pub(super) fn decoder_limits([width, height]: [u64; 2]) -> Limits {
 pub(super) fn open_head(path: &Path) -> Result<(BufReader<File>, [u64; 2]), ImportError> {
     let failed = |e| ImportError::read(path, e);
     if !std::fs::metadata(path).map_err(failed)?.is_file() {
-        return Err(ImportError::decode(path, "it is no regular file"));
+        return Err(ImportError::decode(path, "it is not a regular file"));
     }
     let mut file = BufReader::new(File::open(path).map_err(failed)?);
     let head = file.fill_buf().map_err(failed)?;

@@ -1,4 +1,4 @@
-//! Position kinematics: closes the loops at every instant of the drive, and says how well.
+//! Position kinematics: closes the loops at every instant of the drive, with a measure of quality and a proof.
 //!
 //! A [`Trajectory`](results::trajectory::Trajectory) is complete before anything is drawn; nothing here draws or prints.
 

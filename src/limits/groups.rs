@@ -71,7 +71,7 @@ impl GroupMount {
             .ancestors()
             .filter_map(|group| {
                 let text = std::fs::read_to_string(place.join(group).join(self.file)).ok()?;
-                // `max` is no number.
+                // `max` is not a number.
                 text.trim().parse::<f64>().ok()
             })
             .fold(f64::INFINITY, f64::min)

@@ -1,5 +1,5 @@
-//! What a run may use: time, memory, and the sizes of what is made from files. Set once for the process, asked where
-//! things are allocated. Ends nothing by itself.
+//! Limits of a run: time, memory, and the sizes of everything that is made from files. Set once for the process and checked
+//! where memory is allocated. Never ends the process itself.
 
 mod groups;
 
@@ -148,8 +148,10 @@ impl Limits {
                 let names = Resource::ALL.map(Resource::name).join(", ");
                 return Err(format!("there is no limit `{}`: {names}", name.trim()));
             };
-            limits.0[resource as usize] = amount_of(resource.unit(), amount.trim())
-                .ok_or_else(|| format!("`{}` is no amount for `{}`", amount.trim(), name.trim()))?;
+            limits.0[resource as usize] =
+                amount_of(resource.unit(), amount.trim()).ok_or_else(|| {
+                    format!("`{}` is not an amount for `{}`", amount.trim(), name.trim())
+                })?;
         }
         Ok(limits)
     }

@@ -1,5 +1,5 @@
-//! Numbers, and the trait that all formulas are written in: constants with their error, Taylor series, hyper-dual numbers,
-//! intervals, affine forms, double-doubles, eight designs side by side.
+//! Number types, and the trait in terms of which all formulas are written: constants with their error, Taylor series,
+//! hyper-dual numbers, intervals, affine forms, double-doubles, eight designs in SIMD lanes.
 
 pub mod affine_form;
 pub mod constant;

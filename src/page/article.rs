@@ -133,7 +133,7 @@ pub(super) fn values_at(mechanism: &Mechanism, shown: &Trajectory) -> Vec<Value>
 
 /// The article of a scene that has no motion to show: what was asked, and the answers.
 pub fn article_without_motion(source: &str, verdict: &Verdict) -> Article {
-    let mut answers = Section::new("What was asked, and the answers");
+    let mut answers = Section::new("Checks and results");
     let mut table = Table::new("Questions", &["about", "question", "answer", "found"]);
     // Pairs of bodies have a table of their own where there is a motion to show.
     let is_elsewhere = |case: &&Case| case.group == CLEARANCE && case.status <= Status::Passed;
@@ -154,7 +154,7 @@ pub fn article_without_motion(source: &str, verdict: &Verdict) -> Article {
     answers.table(&table);
     if kept > 0 {
         answers.text(&format!(
-            "{kept} pairs of bodies keep their distance or are left out: see Clearance."
+            "{kept} pairs of bodies keep their distance or are excluded: see Clearance."
         ));
     }
     if all < verdict.cases.len() {

@@ -29,7 +29,7 @@ pub fn clearance_section(
 ) -> Section {
     let mut section = Section::new("Clearance");
     section.text(&format!(
-        "{} pairs of bodies judged, {} left out; lengths in {}. A bound holds at every instant, between the samples too.",
+        "{} pairs of bodies judged, {} excluded; lengths in {}. A bound holds at every instant, between the samples too.",
         found.judged_count(),
         found.excluded_count(),
         mechanism.length_unit,
@@ -62,7 +62,7 @@ pub fn clearance_section(
     }
     if let Some(far) = &found.far {
         section.text(&format!(
-            "{} more pairs never come nearer than {} {} ({})",
+            "{} more pairs never come closer than {} {} ({})",
             far.count,
             not_below(far.apart, 3),
             mechanism.length_unit,
@@ -148,7 +148,7 @@ pub(super) fn at_frames(chart: &Chart, shown: &Trajectory) -> Chart {
 
 /// Pairs that are not judged, with the reason.
 fn left_out(mechanism: &Mechanism, found: &ClearanceReport) -> Table {
-    let mut table = Table::new("Pairs that are left out", &["pair", "why", "", "nearest:"]);
+    let mut table = Table::new("Excluded pairs", &["pair", "why", "", "nearest:"]);
     for pair in found.excluded.iter().take(MOST_PAIRS) {
         table.rows.push(vec![
             Cell::text(body_names(mechanism, pair).join(" / ")),
@@ -158,7 +158,7 @@ fn left_out(mechanism: &Mechanism, found: &ClearanceReport) -> Table {
         ]);
     }
     let rest = found.excluded.len().saturating_sub(MOST_PAIRS);
-    let rest = (rest > 0).then(|| (rest, "left out".to_owned()));
+    let rest = (rest > 0).then(|| (rest, "excluded".to_owned()));
     let counted = found
         .counted
         .iter()

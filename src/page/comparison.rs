@@ -92,7 +92,7 @@ fn look_alike(articles: &mut [Article; 2]) {
 fn answers_section(old: Version, new: Version) -> Section {
     let mut section = Section::new("What has changed");
     let mut table = Table::new(
-        "Questions with another answer",
+        "Checks with different results",
         &["about", "question", "old", "", "new", ""],
     );
     let key = |case: &Case| (case.group, case.name.clone());
@@ -119,7 +119,7 @@ fn answers_section(old: Version, new: Version) -> Section {
         table.rows.push(row);
     }
     match table.rows.len() {
-        0 => section.text("Every question has the same answer, to the last digit that is shown."),
+        0 => section.text("All checks have the same results, to the last digit shown."),
         all => {
             table.rows.truncate(MOST_ROWS);
             section.table(&table);
@@ -131,13 +131,10 @@ fn answers_section(old: Version, new: Version) -> Section {
     section
 }
 
-/// Parameters that are written otherwise.
+/// Changed parameters.
 fn parameters_section(old: &[(String, String)], new: &[(String, String)]) -> Section {
     let mut section = Section::new("Parameters");
-    let mut table = Table::new(
-        "Parameters that are written otherwise",
-        &["parameter", "old:", "new:"],
-    );
+    let mut table = Table::new("Changed parameters", &["parameter", "old:", "new:"]);
     let find = |list: &[(String, String)], name: &str| {
         let found = list.iter().find(|(other, _)| other == name);
         found.map(|(_, text)| text.clone())
@@ -155,11 +152,11 @@ fn parameters_section(old: &[(String, String)], new: &[(String, String)]) -> Sec
     section
 }
 
-/// Least and greatest values, side by side.
+/// Smallest and largest values, side by side.
 fn values_section(old: &Checked, new: &Checked) -> Section {
     let mut section = Section::new("Values");
     let mut table = Table::new(
-        "Least and greatest values among the poses shown",
+        "Smallest and largest values among the poses shown",
         &[
             "quantity",
             "least, old:",
@@ -270,7 +267,7 @@ fn clearance_section(
     let mut section = Section::new("Clearance");
     let (Some(before), Some(after)) = (old.clearances, new.clearances) else {
         if old.clearances.is_some() || new.clearances.is_some() {
-            section.text("Only one of the versions asks for clearances.");
+            section.text("Only one of the versions has a section [clearance].");
         }
         return section;
     };

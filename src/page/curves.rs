@@ -174,7 +174,7 @@ pub fn transfer_section(curves: &mut Curves) -> Section {
         return section;
     }
     section.text(&format!(
-        "How fast every quantity follows the input {}: exact derivatives through the loops, not differences.",
+        "Derivative of every quantity with respect to the input {}: exact derivatives through the loops, not differences.",
         driven.name
     ));
     let drawn = curves.plots(&[plot]);

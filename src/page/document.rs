@@ -205,7 +205,7 @@ fn write_view(out: &mut String, article: &Article, still: &[u8]) {
     let canvas = match article.has_view() {
         false => String::new(),
         true => format!(
-            "<canvas data-part=\"canvas\" hidden tabindex=\"0\" role=\"img\" aria-label=\"3-D view of {title}: arrow keys turn it, plus and minus come nearer, Home resets it\"></canvas>"
+            "<canvas data-part=\"canvas\" hidden tabindex=\"0\" role=\"img\" aria-label=\"3-D view of {title}: arrow keys rotate it, plus and minus zoom, Home resets it\"></canvas>"
         ),
     };
     let _ = write!(
@@ -227,7 +227,7 @@ fn write_view(out: &mut String, article: &Article, still: &[u8]) {
         if canvas.is_empty() {
             ""
         } else {
-            "<span data-part=\"hint\">Drag to turn, with Shift or two fingers to move; pinch, or turn the wheel with Ctrl, to come nearer. Curves can be clicked.</span>"
+            "<span data-part=\"hint\">Drag to rotate, with Shift or two fingers to move; pinch, or use the wheel with Ctrl, to zoom. Click a curve to select a time.</span>"
         },
     );
     out.push_str("<noscript><p class=\"faint\">Scripts are off: the picture stands still, everything else is here.</p></noscript>\n");

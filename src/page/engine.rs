@@ -22,7 +22,7 @@ impl PackedEngine {
     /// Errors, in words: no WebAssembly, or not the engine of this version.
     pub fn new(wasm: &[u8]) -> Result<Self, String> {
         if !wasm.starts_with(MAGIC) {
-            return Err("it is no WebAssembly".to_owned());
+            return Err("it is not WebAssembly".to_owned());
         }
         let stamp = STAMP.as_bytes();
         if !wasm.windows(stamp.len()).any(|part| part == stamp) {

@@ -1,5 +1,5 @@
-//! A report as one HTML file that opens from a disk: nothing is fetched, and nothing runs but the file's own script, whose
-//! digest its policy names. Values in, text out; nothing is solved but what the page shows beside a check.
+//! A report as one HTML file that works offline: it fetches nothing and runs only its own script, whose digest is in its
+//! Content Security Policy. Takes values and returns text; solves only what the page shows in addition to a check.
 
 mod article;
 mod checked;

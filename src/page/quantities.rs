@@ -71,7 +71,7 @@ fn six_digits(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(value)
 }
 
-/// Least and greatest values of all quantities among the frames, in the scene's units, by name.
+/// Smallest and largest values of all quantities among the frames, in the scene's units, by name.
 pub(super) fn extreme_values(
     mechanism: &Mechanism,
     shown: &Trajectory,
@@ -99,10 +99,10 @@ fn ends_of(values: &[Option<f64>]) -> Option<[(usize, f64); 2]> {
     Some([least, greatest])
 }
 
-/// Least and greatest values of all quantities among the frames.
+/// Smallest and largest values of all quantities among the frames.
 pub(super) fn extreme_table(mechanism: &Mechanism, shown: &Trajectory) -> Table {
     let mut table = Table::new(
-        "Least and greatest values among the poses shown",
+        "Smallest and largest values among the poses shown",
         &[
             "quantity",
             "least:",

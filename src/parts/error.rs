@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 pub enum PartsError {
     /// The folder holds no study.
-    #[error("{} holds no study: it has no plan.json", .0.display())]
+    #[error("{} is not a study: it has no plan.json", .0.display())]
     NoStudy(PathBuf),
     /// There is something already.
     #[error("{} exists already", .0.display())]

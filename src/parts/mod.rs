@@ -1,9 +1,9 @@
-//! Studies in parts: work on numbered items that is cut into units, done anywhere in any order, and put together again to
+//! Studies in parts: work on numbered items that is divided into units, processed anywhere in any order, and merged to
 //! the same bytes.
 //!
-//! Knows no mechanism: an item gives a row of numbers, and the same row wherever it is made. A study is a folder:
-//! `plan.json` says what is done, `parts/` holds a file for every unit that is done, `leases/` one for every unit that
-//! somebody works on. A part exists whole or not at all; a lease saves time and decides nothing.
+//! Independent of mechanisms: an item is a row of numbers that is the same wherever it is computed. A study is a folder:
+//! `plan.json` describes the work, `parts/` contains a file for every finished unit, `leases/` one for every unit that
+//! a worker is processing. A part is never incomplete; a lease only saves time and decides nothing.
 
 pub mod error;
 pub mod folder;

@@ -95,9 +95,9 @@ impl Part {
         let mut line = Vec::new();
         let mut head = BufReader::new(file).take(LONGEST_HEAD);
         head.read_until(b'\n', &mut line).map_err(failed)?;
-        let head: Value = serde_json::from_slice(&line).map_err(|_| foreign("is no part"))?;
+        let head: Value = serde_json::from_slice(&line).map_err(|_| foreign("is not a part"))?;
         if head["schema"] != SCHEMA {
-            return Err(foreign("is no part"));
+            return Err(foreign("is not a part"));
         }
         if head["identity"] != plan.identity.as_str() || head["width"] != plan.width {
             return Err(foreign("is a part of another study"));
@@ -113,10 +113,10 @@ impl Part {
         }
         let ends = [head["first"].as_u64(), head["end"].as_u64()];
         let [Some(start), Some(end)] = ends else {
-            return Err(foreign("is no part"));
+            return Err(foreign("is not a part"));
         };
         if start >= end || end > plan.items {
-            return Err(foreign("holds items that the study does not have"));
+            return Err(foreign("contains items that the study does not have"));
         }
         let body = plan.numbers(end - start) * 8;
         if length != line.len() as u64 + body + DIGEST as u64 {

@@ -100,15 +100,15 @@ impl Plan {
         };
         let document: Value = serde_json::from_str(text).map_err(|e| bad(e.to_string()))?;
         if document["schema"] != SCHEMA {
-            return Err(bad(format!("is no plan of the kind {SCHEMA}")));
+            return Err(bad(format!("is not a plan of the kind {SCHEMA}")));
         }
         let word = |name: &str| {
             let value = document[name].as_str().map(str::to_owned);
-            value.ok_or_else(|| bad(format!("`{name}` is no text")))
+            value.ok_or_else(|| bad(format!("`{name}` is not a text")))
         };
         let number = |name: &str| {
             let value = document[name].as_u64().filter(|n| *n > 0);
-            value.ok_or_else(|| bad(format!("`{name}` is no positive whole number")))
+            value.ok_or_else(|| bad(format!("`{name}` is not a positive whole number")))
         };
         let arguments = document["arguments"].as_array().into_iter().flatten();
         let arguments = arguments.map(|a| a.as_str().map(str::to_owned));
@@ -116,7 +116,7 @@ impl Plan {
             verb: word("verb")?,
             arguments: arguments
                 .collect::<Option<_>>()
-                .ok_or_else(|| bad("`arguments` are no texts".to_owned()))?,
+                .ok_or_else(|| bad("`arguments` are not texts".to_owned()))?,
             scene: word("scene")?,
             meshes: word("meshes")?,
             identity: word("identity")?,
@@ -124,7 +124,7 @@ impl Plan {
             items: number("items")?,
             unit: number("items_of_a_unit")?,
             keeps: kept_items(&document)
-                .ok_or_else(|| bad("`keeps` is no known word".to_owned()))?,
+                .ok_or_else(|| bad("`keeps` is not a known word".to_owned()))?,
             width: number("numbers")?,
         };
         if plan.version != VERSION {

@@ -1,6 +1,6 @@
-//! Pictures of a stage: the types both renderers share, and the choice between them.
+//! Pictures of a stage: the types that both renderers share, and the choice between them.
 //!
-//! A renderer is a pure function from (stage, frame) to pixels; it knows nothing of mechanisms or files.
+//! A renderer is a pure function from (stage, frame) to pixels; it is independent of mechanisms and files.
 
 pub mod adapter;
 pub mod camera;

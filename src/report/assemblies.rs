@@ -62,7 +62,7 @@ pub fn mode_remarks(system: &System, modes: &Modes) -> Vec<String> {
     }
     if modes.list.len() > modes.placements() {
         lines.push(format!(
-            "{} modes: links that carry no body stand in several ways while the bodies stand alike.",
+            "{} modes: only links without a body are placed differently in them.",
             modes.list.len()
         ));
     }

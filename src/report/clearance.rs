@@ -105,7 +105,7 @@ pub fn pair_sentence(mechanism: &Mechanism, p: &PairReport) -> String {
     };
     let [a, b] = body_names(mechanism, p);
     format!(
-        "`{a}` ({first}) and `{b}` ({second}) {what} at t = {:.6} s; {:.6} {unit} are asked",
+        "`{a}` ({first}) and `{b}` ({second}) {what} at t = {:.6} s; the minimum is {:.6} {unit}",
         least.time, p.minimum
     )
 }
@@ -176,7 +176,7 @@ fn far_sentence(mechanism: &Mechanism, far: &FarPairs) -> String {
         false => "estimated",
     };
     format!(
-        "{}: what these bodies sweep stays apart: never below {} {} ({sure})",
+        "{}: their swept volumes stay apart: never below {} {} ({sure})",
         judgement_word(&far.judgement()),
         not_below(far.apart, 6),
         mechanism.length_unit
@@ -238,7 +238,7 @@ pub(super) fn bound_text(mechanism: &Mechanism, p: &PairReport, has_gaps: bool) 
             at_most_three(farthest)
         ),
         (None, Some(farthest)) => format!(
-            "between the samples no more than {} {unit} apart ({sure}), how deep in each other is not known",
+            "between the samples no more than {} {unit} apart ({sure}), the depth is not known",
             at_most_three(farthest)
         ),
         (Some(bound), None) => {

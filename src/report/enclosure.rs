@@ -61,7 +61,7 @@ pub fn refusal_text(plan: &Plan, enclosed: &Enclosed) -> Option<String> {
         )),
         Err(Obstacle::Test { reason, dimension }) => {
             let name = dimension.and_then(|k| plan.dimensions.get(k)).map(|d| {
-                format!("; within its tolerance `{}` takes the mechanism farthest towards a fold or change point", d.name)
+                format!("; within the tolerances, `{}` brings the mechanism closest to a fold or change point", d.name)
             });
             Some(format!(
                 "t = {} s: no box is proved: {}{}",
@@ -77,8 +77,8 @@ pub fn refusal_text(plan: &Plan, enclosed: &Enclosed) -> Option<String> {
 pub const fn reason_words(reason: Reason) -> &'static str {
     match reason {
         Reason::Formula => "a formula has no bounded derivatives there",
-        Reason::GimbalLock => "the angles of a ball joint are locked",
-        _ => "a piece may be singular there, or the box is too coarse to tell",
+        Reason::GimbalLock => "a ball joint is in gimbal lock",
+        _ => "a piece may be singular there, or the box is too large to exclude this",
     }
 }
 
@@ -237,7 +237,7 @@ pub fn enclosure_summary(plan: &Plan, motion: &[Enclosed], searched: bool) -> St
         plan.dimensions.len(),
         motion.len()
     );
-    let mut rows = vec![vec!["about the motion as drawn".to_owned()]];
+    let mut rows = vec![vec!["relative to the nominal motion".to_owned()]];
     rows[0].extend(["never below", "never above"].map(str::to_owned));
     if searched {
         rows[0].extend(["least found", "greatest found", "bound/found"].map(str::to_owned));
@@ -381,7 +381,7 @@ pub fn allowed_lines(plan: &Plan, name: &str, limit: f64, found: &Allowed) -> St
         return text;
     }
     text += &format!(
-        "\n  every piece keeps `{name}` within {} of the drawing with these tolerances ({} reached)\n\n",
+        "\n  every piece keeps `{name}` within {} of the nominal motion with these tolerances ({} reached)\n\n",
         six_digits(limit),
         outer_text(found.reached)
     );

@@ -31,7 +31,7 @@ pub fn freedoms_lines(mechanism: &Mechanism, mobility: &Mobility) -> Vec<(&'stat
     }
     for name in &mobility.conditions {
         let text = format!(
-            "`{name}` has equations that no unknown is left for: closed only where the inputs fit"
+            "`{name}` has more equations than unknowns: it closes only if the inputs are consistent"
         );
         lines.push(("condition", text));
     }
@@ -91,7 +91,7 @@ fn mobility_sentence(mobility: &Mobility) -> String {
     }
     let mut text = format!("{} by count ({})", count.freedoms(), count_terms(count));
     match (mobility.generic, mobility.at_start) {
-        (None, _) => text.push_str("; no closed pose to take a rank at"),
+        (None, _) => text.push_str("; no closed pose at which to determine the rank"),
         (Some(generic), start) => {
             let used = mobility.coordinates;
             text.push_str(&format!(

@@ -78,7 +78,7 @@ fn junit_case(mechanism: &Mechanism, sides: [Side; 2], pair: &BoxPair) -> Case {
         })
         .collect();
     let found = format!(
-        "least distance found {:.6} {unit} at {}; {} {unit} are asked",
+        "least distance found {:.6} {unit} at {}; the minimum is {} {unit}",
         pair.distance,
         at.join(", "),
         pair.minimum

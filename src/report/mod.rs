@@ -1,4 +1,4 @@
-//! Results in words, as tables and as documents: text, CSV, JSON, JUnit. Nothing is printed here.
+//! Results as text, tables and documents: CSV, JSON, JUnit. Nothing is printed here.
 
 pub mod assemblies;
 pub mod cells;

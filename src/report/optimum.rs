@@ -28,8 +28,8 @@ pub struct OptimumReport<'a> {
 pub fn ending_word(ended: Ended) -> &'static str {
     match ended {
         Ended::Converged => "converged",
-        Ended::Stalled => "no step gains any more",
-        Ended::OutOfBudget => "iterations used up",
+        Ended::Stalled => "no further improvement",
+        Ended::OutOfBudget => "iteration limit reached",
         Ended::Stopped => "interrupted, best so far",
     }
 }
@@ -71,7 +71,7 @@ impl OptimumReport<'_> {
         };
         format!(
             "{}\n  {name}: {} to {} ({change})\n  \
-             {}: {} iterations, {} evaluations ({} refused: {} not reached, {} torn, {} without a value), {:.2} s\n\n",
+             {}: {} iterations, {} evaluations ({} refused: {} not reached, {} with the branch lost, {} without a value), {:.2} s\n\n",
             study.family.mechanism().title,
             six_digits(first * unit),
             six_digits(last * unit),
@@ -104,7 +104,7 @@ impl OptimumReport<'_> {
     fn verified_lines(&self, verified: &Verified) -> String {
         let family = &self.study.family;
         let mut text = format!(
-            "\nFollowed again from the start values: {} poses, {} without a certificate, error at most {} {}.\n",
+            "\nSolved again from the start values: {} poses, {} without a certificate, error at most {} {}.\n",
             verified.poses,
             verified.unproved,
             at_most(verified.error_bound),
@@ -116,9 +116,7 @@ impl OptimumReport<'_> {
         text.push_str(&aligned_rows(&rows));
         text.extend(verified.whole.iter().map(|limit| self.whole_line(limit)));
         if !self.found.agrees(self.study, verified) {
-            text.push_str(
-                "Not confirmed: this motion is another than the one that was optimised.\n",
-            );
+            text.push_str("Not confirmed: this is not the motion that was optimised.\n");
         }
         if verified.violation > KEPT {
             text.push_str(&format!(
@@ -144,7 +142,7 @@ impl OptimumReport<'_> {
             missed => {
                 let share = 100.0 * missed;
                 let how = match limit.is_kept() {
-                    true => "kept but for the rounding of the search",
+                    true => "kept to within the rounding of the search",
                     false => "missed between those poses",
                 };
                 format!("its limits are {how}, by at most {share:.2e} %")
@@ -226,7 +224,7 @@ impl OptimumReport<'_> {
 fn nearest_words(pair: &NearestPair, unit: &str) -> String {
     let [a, b] = &pair.bodies;
     let distance = six_digits(pair.distance);
-    format!("{a} / {b}, {distance} {unit} ({} asked for)", pair.minimum)
+    format!("{a} / {b}, {distance} {unit} (minimum {})", pair.minimum)
 }
 
 /// What the bodies do, as a line of the report.
@@ -234,7 +232,7 @@ fn clearance_line(clearances: &Clearances, unit: &str) -> String {
     let verdict = match (clearances.kept, clearances.instead) {
         (true, None) => "Clearances are kept".to_owned(),
         (true, Some(iteration)) => format!(
-            "The optimum comes too near: the search is followed only to where clearances are kept, after iteration {iteration}"
+            "The optimum violates a clearance: the last point of the search that keeps all clearances is used, after iteration {iteration}"
         ),
         (false, _) => "Clearances are not kept".to_owned(),
     };

@@ -54,7 +54,7 @@ fn piece_sentence(mechanism: &Mechanism, pair: &PieceClearance) -> String {
         ),
     };
     format!(
-        "{known}; the nearest one found comes within {:.6} {unit} at t = {:.6} s; {:.6} {unit} are asked",
+        "{known}; the nearest one found comes within {:.6} {unit} at t = {:.6} s; the minimum is {:.6} {unit}",
         pair.found, pair.time, pair.minimum
     )
 }
@@ -67,7 +67,7 @@ fn refusal_words(refusal: &Refusal) -> String {
         Some(reason) => reason_words(reason),
     };
     let name = refusal.dimension.as_ref().map(|name| {
-        format!("; within its tolerance `{name}` takes the mechanism farthest towards a fold or change point")
+        format!("; within the tolerances, `{name}` brings the mechanism closest to a fold or change point")
     });
     format!(
         "no bound from t = {from} to {until} s: {why}{}",
@@ -90,7 +90,7 @@ pub fn piece_table(mechanism: &Mechanism, report: &PieceReport, worst: usize) ->
     );
     if !report.list.is_empty() {
         text.push_str(
-            "      as drawn     found   never below     minimum      at t/s  verdict    pair\n",
+            "        nominal     found   never below     minimum      at t/s  verdict    pair\n",
         );
     }
     let mut list: Vec<&PieceClearance> = report.list.iter().collect();

@@ -16,7 +16,7 @@ use serde_json::{Value, json};
 /// What proofs of a mechanism rest on, one sentence each.
 pub fn proof_assumptions(system: &System) -> Vec<String> {
     let mut list = vec![
-        "sine and cosine right within one unit in the last place".to_owned(),
+        "sine and cosine accurate to one unit in the last place".to_owned(),
         "inputs as printed".to_owned(),
     ];
     let redundant = system.redundant_rows();
@@ -257,7 +257,7 @@ impl PoseProofs {
             return "no loop and no equation: nothing to prove".to_owned();
         }
         if !self.is_asked() {
-            return "not asked for".to_owned();
+            return "not requested".to_owned();
         }
         let unit = &mechanism.length_unit;
         let bounds = self.certified().map_or_else(String::new, |p| {
@@ -285,7 +285,7 @@ impl PoseProofs {
         };
         let locked = match self.locked {
             0 => String::new(),
-            n => format!("; {n} with locked angles, of which the rotation is proved"),
+            n => format!("; {n} in gimbal lock, with the rotation proved"),
         };
         format!(
             "{bounds}refused {} of {}{reasons}{consistent}{open}{locked}",

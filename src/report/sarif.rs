@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 /// What the groups of questions are, for readers of a result.
 const RULES: [(&str, &str); 5] = [
     (MOTION, "All loops close over the whole motion."),
-    (PROOF, "Every pose that is asked for is proved."),
+    (PROOF, "Every requested proof succeeds."),
     (MEASURES, "Measures keep their limits."),
     (
         CLEARANCE,

@@ -93,7 +93,7 @@ pub fn synthesis_text(found: &FoundMechanism) -> String {
         if synthesis.stopped { ", stopped" } else { "" },
     ));
     text.push_str(&format!(
-        "  random draws rejected: {} do not assemble, {} do not move along the tracks, {} interpenetrate\n\n",
+        "  random starts rejected: {} cannot be assembled, {} cannot be followed along the tracks, {} interpenetrate\n\n",
         rejected.not_assembled, rejected.not_moving, rejected.interpenetrating
     ));
     let heads = [
@@ -155,7 +155,7 @@ fn start_row(index: usize, start: &Start, is_polish: bool, unit: f64) -> Vec<Str
             "0",
             "0",
             "-",
-            "no draw moves",
+            "no start can be followed",
         ])),
     }
     row
@@ -193,10 +193,13 @@ fn proof_line(found: &FoundMechanism) -> String {
     };
     let unit = &found.family.mechanism().length_unit;
     let open = proof.open.map_or(String::new(), |open| {
-        format!(", back where it began within {} {unit}", at_most(open))
+        format!(
+            ", returning to its start to within {} {unit}",
+            at_most(open)
+        )
     });
     let mut text = format!(
-        "\n  followed again: {} poses of the drive, {} missing, {} without a certificate, error at most {} {unit}, {}{open}\n",
+        "\n  solved again: {} poses of the drive, {} missing, {} without a certificate, error at most {} {unit}, {}{open}\n",
         proof.poses,
         proof.missing,
         proof.unproved,
@@ -216,13 +219,13 @@ fn proof_line(found: &FoundMechanism) -> String {
     }
     if !proof.meeting.is_empty() {
         text.push_str(&format!(
-            "  drawn bodies that meet with these dimensions: {}\n",
+            "  other bodies that collide with these dimensions: {}\n",
             names(&proof.meeting)
         ));
     }
     if found.violation(proof) > KEPT {
         text.push_str(&format!(
-            "  a limit is missed by {:.2e} of itself between the samples\n",
+            "  a limit is violated by {:.2e} of itself between the samples\n",
             found.violation(proof)
         ));
     }

@@ -63,7 +63,7 @@ fn scene_document(found: &FoundMechanism) -> Value {
                 "refused": { "not_reached": start.refusals.not_reached, "torn": start.refusals.torn, "no_value": start.refusals.no_value,
                              "interpenetrating": start.interpenetrating },
                 "limits_kept": start.value().is_finite(),
-                "ended": start.minimum.as_ref().map_or("no draw moves", |m| ending_word(m.ended)),
+                "ended": start.minimum.as_ref().map_or("no start can be followed", |m| ending_word(m.ended)),
             })
         })
         .collect();

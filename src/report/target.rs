@@ -131,7 +131,7 @@ fn drive_sentence(proof: &Result<Proof, FamilyError>, unit: &str) -> String {
             }
             if !proof.meeting.is_empty() || !proof.cutting.is_empty() {
                 let count = proof.meeting.len() + proof.cutting.len();
-                text += &format!(", {count} pairs of bodies as drawn meet");
+                text += &format!(", {count} pairs of other bodies collide");
             }
             text
         }

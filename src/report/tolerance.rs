@@ -37,13 +37,13 @@ const HEADS: [&str; 15] = [
 
 /// What the columns of the table mean.
 const LEGEND: &str = "
-RSS and linear sum: of the tolerances, by the linear rule, which pieces can exceed. Deviation: of the pieces, and what \
+RSS and linear sum: effect of the tolerances by the linear rule; pieces can exceed them. Deviation: that of the pieces, and what \
 the linear rule expects.
-Found: of the pieces and of corners within the tolerances. Never beyond: proved for all pieces within their tolerances.
+Found: extremes of the pieces and of corners of the tolerances. Never beyond: proved for all pieces within their tolerances.
 ";
 
 /// What the ends of a quantile mean where pieces were counted.
-const COUNTED: &str = "Quantiles lie between two numbers: values were counted in bins, and the 64 last ones on either side kept.\n";
+const COUNTED: &str = "Quantiles lie between two numbers: values were counted in bins, and the 64 most extreme ones on either side were kept.\n";
 
 /// A study with what its random pieces tell at [`SHARES`].
 pub struct ToleranceReport<'a> {
@@ -70,7 +70,7 @@ impl ToleranceReport<'_> {
         rows.extend(list.filter_map(|(index, measure)| self.row(index, measure)));
         let samples = pieces.made;
         let mut text = format!(
-            "{}\n  {} dimensions scatter, {samples} pieces, {} of them cannot be assembled\n\n",
+            "{}\n  {} dimensions vary, {samples} pieces, {} of them cannot be assembled\n\n",
             family.mechanism().title,
             family.study.variables.len(),
             pieces.failed,

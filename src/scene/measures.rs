@@ -23,7 +23,7 @@ pub struct MeasureFile {
     pub source: Option<MeasureSourceFile>,
     /// `min` and `max`
     pub limits: [Option<FormulaText>; 2],
-    /// `why`: words for a broken limit.
+    /// `why`: text that is printed if a limit is violated.
     pub why: Option<String>,
 }
 

@@ -135,7 +135,7 @@ pub fn read_shape(r: &mut TableReader) -> Option<ShapeFile> {
         let message = if solids.is_empty() {
             "a shape needs a solid"
         } else {
-            "a shape has only one solid"
+            "a shape can have only one solid"
         };
         r.diagnostics.push(
             Diagnostic::error(message)

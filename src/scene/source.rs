@@ -136,7 +136,7 @@ pub fn place_below(
     let refused = || {
         let name = shown_text(name);
         format!(
-            "{name} does not stand below the {whose} folder; --allow-files DIR lets scenes read other folders"
+            "{name} is not in or below the {whose} folder; --allow-files DIR lets scenes read other folders"
         )
     };
     let Ok(place) = own.join(name).canonicalize() else {

@@ -14,7 +14,7 @@ pub struct StudyFile {
     pub minimise: Option<Spanned<String>>,
     /// `[study.limits]`: `min` and `max` of measures
     pub limits: Vec<(Spanned<String>, [Option<FormulaText>; 2])>,
-    /// `[study.printed]`: what the source prints of measures
+    /// `[study.printed]`: values of measures printed in the source
     pub printed: Vec<(Spanned<String>, FormulaText)>,
     /// `note`: one line about what is studied
     pub note: Option<String>,

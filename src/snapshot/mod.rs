@@ -1,4 +1,4 @@
-//! Golden pictures: a list of pictures of scenes, and the files that they must equal.
+//! Golden pictures: a list of pictures of scenes, and the files to which they must be equal.
 
 pub mod golden;
 pub mod keys;

@@ -36,7 +36,7 @@ pub enum DrawError {
     #[error(transparent)]
     Limit(#[from] LimitExceeded),
     /// The scene has mistakes.
-    #[error("the scene has mistakes")]
+    #[error("the scene has errors")]
     Scene(#[from] Box<SceneError>),
     /// The mechanism is ill-posed.
     #[error(transparent)]

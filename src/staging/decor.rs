@@ -1,4 +1,4 @@
-//! What stands beside the bodies in a picture: trails, ghosts, arrows, axes and signs of joints.
+//! What stands beside the bodies in a picture: trails, ghosts, arrows, axes and joint symbols.
 
 use super::arrows::Arrows;
 use super::axes::{self, AxisSigns};

@@ -1,6 +1,6 @@
-//! From a solved scene to what a renderer draws: meshes, camera and ground once, then a draw list per sample.
+//! From a solved scene to the input of a renderer: meshes, camera and ground once, then a draw list per sample.
 //!
-//! A frame is a function of the trajectory and a sample's index only. No pixels here.
+//! A frame is a function of the trajectory and the index of a sample only. Contains no pixels.
 
 mod arrows;
 mod axes;

@@ -56,9 +56,9 @@ impl Design {
     pub fn grid(axes: Vec<DesignAxis>) -> Result<Self, String> {
         let product = |all: u64, axis: &DesignAxis| all.checked_mul(axis.count);
         let count = axes.iter().try_fold(1, product);
-        let count = count.filter(|n| *n <= MOST_DESIGNS).ok_or_else(|| {
-            format!("the grid has more than {MOST_DESIGNS} designs, which is the most")
-        })?;
+        let count = count
+            .filter(|n| *n <= MOST_DESIGNS)
+            .ok_or_else(|| format!("the grid has more than {MOST_DESIGNS} designs"))?;
         Ok(Self {
             axes,
             spread: Spread::Grid,

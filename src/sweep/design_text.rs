@@ -106,18 +106,18 @@ fn refuse_range(axis: &DesignAxis, text: &str, is_grid: bool) -> Result<(), Stri
     if axis.low > axis.high {
         let (low, high) = (axis.low, axis.high);
         return Err(format!(
-            "`{text}`: the range runs backwards; write {high}..{low}"
+            "`{text}`: the range is reversed; write {high}..{low}"
         ));
     }
     if axis.low == axis.high && axis.count > 1 {
         return Err(format!(
-            "`{text}`: one value cannot be taken {} times",
+            "`{text}`: a single value cannot be used {} times",
             axis.count
         ));
     }
     if is_grid && axis.low < axis.high && axis.count == 1 {
         return Err(format!(
-            "`{text}`: say how many values it takes, such as {text}:11"
+            "`{text}`: give the number of values, such as {text}:11"
         ));
     }
     Ok(())
@@ -126,7 +126,7 @@ fn refuse_range(axis: &DesignAxis, text: &str, is_grid: bool) -> Result<(), Stri
 fn refuse_doubles(axes: &[DesignAxis]) -> Result<(), String> {
     for (k, axis) in axes.iter().enumerate() {
         if axes[..k].iter().any(|other| other.name == axis.name) {
-            return Err(format!("`{}` stands twice in the design", axis.name));
+            return Err(format!("`{}` appears twice in the design", axis.name));
         }
     }
     Ok(())
@@ -135,7 +135,7 @@ fn refuse_doubles(axes: &[DesignAxis]) -> Result<(), String> {
 fn read_value(text: &str) -> Result<f64, String> {
     let value = text.trim().parse::<f64>().ok();
     let value = value.filter(|v| v.is_finite());
-    value.ok_or_else(|| format!("`{}` is no finite number", text.trim()))
+    value.ok_or_else(|| format!("`{}` is not a finite number", text.trim()))
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
-//! Many designs of one mechanism, one row each: which designs, what becomes of every one of them, and the rows as tables.
+//! Many designs of one mechanism, one row each: the designs, their rows, and the rows as tables.
 //!
-//! A row depends on the scene, the design's number and nothing else: not on the rows before it, on threads, or on how
-//! the work is cut.
+//! A row depends only on the scene and the number of the design: not on the rows before it, on threads, or on the division
+//! of the work.
 
 mod abreast;
 pub mod design;

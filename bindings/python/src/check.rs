@@ -5,22 +5,22 @@ use crate::signals::watched;
 use pyo3::prelude::*;
 use std::sync::Arc;
 
-/// The least distance of two bodies over the motion, and what is proved of it.
+/// The smallest distance of two bodies over the motion, with its bound.
 #[pyclass(frozen, get_all, module = "mechanim")]
 pub struct PairClearance {
     /// Names of the two bodies.
     bodies: (String, String),
-    /// What the scene asks for, in its length unit.
+    /// Smallest permitted distance, in the scene's length unit.
     minimum: f64,
-    /// The least distance found, negative where they cut.
+    /// Smallest distance found; negative if the bodies penetrate each other.
     distance: f64,
-    /// When, in seconds.
+    /// Time of this distance in seconds.
     time: f64,
-    /// No distance at any instant is smaller, if `is_proved`.
+    /// Lower bound of the distance over the whole motion, if `is_proved`.
     bound: f64,
     /// Whether `bound` is proved.
     is_proved: bool,
-    /// Whether the minimum is kept, proved.
+    /// Whether it is proved that the pair keeps its minimum.
     passed: bool,
 }
 
@@ -36,7 +36,7 @@ impl PairClearance {
     }
 }
 
-/// The answer to everything that a scene asks for.
+/// The result of a check.
 #[pyclass(frozen, module = "mechanim")]
 pub struct Check {
     inner: Arc<mechanim::Check>,
@@ -52,19 +52,19 @@ impl Check {
 
 #[pymethods]
 impl Check {
-    /// Whether all of it holds.
+    /// Whether all requirements are met.
     #[getter]
     fn passed(&self) -> bool {
         self.inner.passed()
     }
 
-    /// The report in words, as the program prints it.
+    /// The report as text, as the program prints it.
     #[getter]
     fn text(&self) -> &str {
         self.inner.text()
     }
 
-    /// The report as a dictionary, by the schema `mechanim-check-1`.
+    /// The report as a dictionary with the schema `mechanim-check/1`.
     #[getter]
     fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         py.import("json")?
@@ -78,7 +78,7 @@ impl Check {
         self.inner.to_junit()
     }
 
-    /// The report as one HTML page that opens without a network: the motion in three dimensions, curves, clearances, proofs.
+    /// The report as one HTML page that works offline: the motion in three dimensions, curves, clearances, proofs.
     fn to_html(&self, py: Python<'_>) -> PyResult<String> {
         let inner = Arc::clone(&self.inner);
         watched(py, move |_| inner.to_html())?.or_raise(py)
@@ -128,16 +128,16 @@ impl Check {
     }
 }
 
-/// One of the ways in which a mechanism can be put together at the same inputs.
+/// One of the assembly modes of a mechanism at the same inputs.
 #[pyclass(frozen, get_all, module = "mechanim")]
 pub struct Assembly {
     /// Signature of the assembly mode: one sign per block of equations.
     branch: String,
     /// Every unknown by name, in the scene's units.
     values: std::collections::BTreeMap<String, f64>,
-    /// Assemblies of one number put the bodies in the same places.
+    /// Assemblies with the same number place the bodies identically.
     placement: usize,
-    /// Assemblies meet here, or it is a point of a continuous set.
+    /// Whether assemblies meet here, or it is a point of a continuous set.
     is_singular: bool,
 }
 

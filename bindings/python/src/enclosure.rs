@@ -1,10 +1,10 @@
-//! Bands that no piece within its tolerances leaves, as arrays.
+//! Bands that contain every piece within its tolerances, as arrays.
 
 use crate::errors::OrRaise;
 use numpy::{IntoPyArray, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 
-/// Bands of a motion, proved: no piece within its tolerances leaves them. Made by `Scene.enclose`.
+/// Proved bands that contain the motion of every piece within its tolerances. Returned by `Scene.enclose`.
 ///
 /// `enclosure["M.x"]` has shape (n, 2): the lower and the upper end at every sample, in the scene's units; NaN where nothing
 /// is proved.
@@ -21,7 +21,7 @@ impl Enclosure {
 
 #[pymethods]
 impl Enclosure {
-    /// The lower and the upper end that no piece leaves, shape (n, 2): of an unknown, a traced point's `name.x`, an output.
+    /// Lower and upper end of the band of an unknown, of `name.x` of a traced point, or of an output, shape (n, 2).
     fn __getitem__<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let bands = self.inner.bands(name).or_raise(py)?;
         let rows = bands.len();
@@ -29,7 +29,7 @@ impl Enclosure {
         flat.into_pyarray(py).reshape([rows, 2])
     }
 
-    /// All samples with values, bands, status and the least and greatest piece found, and the refusals, as a dictionary by the schema `mechanim-enclosure-1`.
+    /// All samples with values, bands, status, the smallest and largest piece found, and refusals, as a dictionary (schema `mechanim-enclosure/1`).
     #[getter]
     fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         py.import("json")?

@@ -3,7 +3,7 @@
 use mechanim::{Error, ErrorKind};
 use pyo3::prelude::*;
 
-/// The exception for an error: a class of `mechanim` with the message, and what may help as `hints`.
+/// The exception for an error: a class of `mechanim` with the message and `hints` on how to fix it.
 pub fn raised(py: Python<'_>, error: &Error) -> PyErr {
     let class = match error.kind() {
         ErrorKind::Source | ErrorKind::Scene => "SceneError",

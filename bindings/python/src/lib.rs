@@ -12,7 +12,7 @@ mod sweep;
 
 use pyo3::prelude::*;
 
-/// What `import mechanim` offers; the package adds the exceptions and re-exports all of it.
+/// The content of `import mechanim`; the package adds the exceptions and re-exports everything.
 #[pymodule]
 mod _mechanim {
     use super::{PyResult, Python, pyfunction};

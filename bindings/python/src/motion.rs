@@ -12,7 +12,7 @@ use pyo3::types::{PyBytes, PyCapsule, PyDict};
 use std::io::Cursor;
 use std::sync::Arc;
 
-/// A solved motion: its values as arrays, one entry a sample, in the scene's units. Samples without a pose are NaN.
+/// A solved motion: its values as arrays with one entry per sample, in the scene's units. Samples without a pose are NaN.
 #[pyclass(frozen, module = "mechanim")]
 pub struct Motion {
     scene: mechanim::Scene,
@@ -95,7 +95,7 @@ impl Motion {
             .collect()
     }
 
-    /// Values by name, shape (n,); of a traced point by its name all coordinates, shape (n, 3).
+    /// Values by name, shape (n,); the name of a traced point gives all of its coordinates, shape (n, 3).
     fn __getitem__<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Array<'py>> {
         let Some(point) = self.coordinates_of(name) else {
             let values = self.inner.values(name).or_raise(py)?;
@@ -153,7 +153,7 @@ impl Motion {
         shaped(py, rates.or_raise(py)?, &[self.inner.len()])
     }
 
-    /// What is known of every sample: "certified", "consistent", "locked", "refused", or "no pose".
+    /// Status of every sample: "certified", "consistent", "locked", "refused", or "no pose".
     #[getter]
     fn status(&self) -> Vec<&'static str> {
         let word = |k| match self.inner.pose(k).map(|pose| pose.certificate()) {
@@ -166,8 +166,8 @@ impl Motion {
         (0..self.inner.len()).map(word).collect()
     }
 
-    /// Proved: no unknown is farther from an exact closed pose, shape (n,); lengths as they are, angles as radians times the
-    /// mechanism's size. NaN where nothing is proved.
+    /// Proved bound on the distance to an exact closed pose, shape (n,); lengths in the scene's unit, angles in radians times
+    /// the mechanism's size. NaN if the proof failed.
     #[getter]
     fn error_bound<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
         self.each(py, |pose| {
@@ -175,7 +175,7 @@ impl Motion {
         })
     }
 
-    /// Proved: that pose is the only one within this distance, shape (n,).
+    /// Proved radius within which that pose is the only one, shape (n,).
     #[getter]
     fn unique_radius<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
         self.each(py, |pose| {
@@ -212,13 +212,13 @@ impl Motion {
         self.inner.is_whole()
     }
 
-    /// Largest closure error of all samples, in radians and sizes.
+    /// Largest closure error of all samples, relative to the mechanism's size.
     #[getter]
     fn closure_error(&self) -> f64 {
         self.inner.closure_error()
     }
 
-    /// What happens between the samples, a sentence each: gaps, folds, changes of the assembly.
+    /// Events between the samples, one sentence each: gaps, folds, changes of the assembly.
     #[getter]
     fn events(&self) -> Vec<String> {
         self.inner.events()
@@ -234,7 +234,7 @@ impl Motion {
         Ok(measures)
     }
 
-    /// Exact derivatives of values by parameters through the closed loops: shape (n, parameters) for one name,
+    /// Exact derivatives of values with respect to parameters, through the closed loops: shape (n, parameters) for one name,
     /// (n, names, parameters) for a list, (n, 3, parameters) for a traced point.
     fn jacobian<'py>(
         &self,
@@ -257,9 +257,8 @@ impl Motion {
         }
     }
 
-    /// The gradient, by parameters, of the sum of values times `cotangents` (arrays by name, of the shapes that the motion gives
-    /// for these names): shape (parameters,). Samples
-    /// whose cotangents are all zero count for nothing, whether they have a pose or not.
+    /// The gradient, with respect to parameters, of the sum of values times `cotangents` (arrays by name, with the shapes of
+    /// `motion[name]`): shape (parameters,). Samples whose cotangents are all zero are ignored, even without a pose.
     fn vjp<'py>(
         &self,
         py: Python<'py>,
@@ -312,8 +311,8 @@ impl Motion {
         shaped(py, image.into_raw(), &[size.1 as usize, size.0 as usize, 4])
     }
 
-    /// Writes the motion as an animation or a picture, by the ending of `path` (.gif, .png, .apng …); returns the number of
-    /// bytes. Ctrl-C is answered within 50 ms, and leaves a file of that name as it was.
+    /// Writes the motion as an animation or a picture, depending on the extension of `path` (.gif, .png, .apng …); returns the
+    /// number of bytes. Ctrl-C takes effect within 50 ms and leaves an existing file unchanged.
     #[pyo3(signature = (path, *, size = (640, 480), rate = None, quality = 100, dark = false))]
     fn save(
         &self,
@@ -337,7 +336,7 @@ impl Motion {
         written.or_raise(py)
     }
 
-    /// The same in memory: the bytes of a file with the ending `format`, "gif", "png", "apng", "mp4" …
+    /// The same in memory: the bytes of a file with the extension `format`, "gif", "png", "apng", "mp4" …
     #[pyo3(signature = (format = "gif", *, size = (640, 480), rate = None, quality = 100, dark = false))]
     fn encode<'py>(
         &self,
@@ -354,8 +353,8 @@ impl Motion {
         Ok(PyBytes::new(py, &std::fs::read(path)?))
     }
 
-    /// Curves over this motion as SVG: formulas as in a scene's plots, `"d(h, phi)"` for derivatives, against another formula
-    /// or the time. Without curves those that the scene asks for, else its outputs. `IPython.display.SVG` shows them.
+    /// Curves of this motion as SVG: formulas as in a scene's plots, `"d(h, phi)"` for derivatives, plotted against another
+    /// formula or time. Without curves, the scene's plots are drawn, otherwise its outputs. `IPython.display.SVG` shows them.
     #[pyo3(signature = (*curves, against = None))]
     fn plot(
         &self,

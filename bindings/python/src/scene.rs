@@ -27,10 +27,11 @@ enum Replaced {
 #[derive(Clone, Hash, PartialEq, Eq)]
 struct Change(Replaced, String, String);
 
-/// A mechanism with its drive, bodies and view, read from the text of a scene. It never changes: `with_` gives another.
+/// A mechanism with its drive, bodies and view, read from the text of a scene. Scenes are immutable: `with_` returns a new
+/// one.
 ///
 /// Lengths are in the scene's own unit, angles in its angle unit (degrees or radians), times in seconds. Scenes can be
-/// pickled, compared and hashed: by their text and what was put in place of its values.
+/// pickled, compared and hashed, by their text and replaced values.
 #[pyclass(frozen, module = "mechanim")]
 pub struct Scene {
     pub(crate) inner: mechanim::Scene,
@@ -38,9 +39,9 @@ pub struct Scene {
     changes: Vec<Change>,
 }
 
-/// The scene in a file (a path), or a built-in one (a name), with parameters changed by keyword.
+/// Reads a scene from a file (a path), or a built-in one (a name); keywords replace parameters.
 ///
-/// Raises SceneError with every mistake and its place.
+/// Raises SceneError with all errors and their positions.
 #[pyfunction]
 #[pyo3(signature = (path_or_name, /, **parameters))]
 pub fn load(
@@ -65,9 +66,9 @@ pub fn load(
     Scene::new(py, inner, folder, parameters)
 }
 
-/// The scene that a text describes, called `name` in messages; meshes are looked for in `folder`.
+/// Reads a scene from a text, called `name` in messages; meshes are searched in `folder`.
 ///
-/// Raises SceneError with every mistake and its place.
+/// Raises SceneError with all errors and their positions.
 #[pyfunction]
 #[pyo3(signature = (text, /, *, name = "<text>", folder = "", **parameters))]
 pub fn loads(
@@ -164,7 +165,7 @@ impl Scene {
 
 #[pymethods]
 impl Scene {
-    /// The scene with parameters changed: to numbers in its units, or to formulas as text.
+    /// The scene with changed parameters: numbers in its units, or formulas as text.
     #[pyo3(signature = (**parameters))]
     fn with_(&self, py: Python<'_>, parameters: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         match parameters {
@@ -173,7 +174,7 @@ impl Scene {
         }
     }
 
-    /// The scene with inputs driven otherwise: formulas of the time `t`, or numbers.
+    /// The scene with other drives of its inputs: formulas of the time `t`, or numbers.
     #[pyo3(signature = (**inputs))]
     fn with_inputs(&self, py: Python<'_>, inputs: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         match inputs {
@@ -182,7 +183,7 @@ impl Scene {
         }
     }
 
-    /// The scene with start values for unknowns: the assembly nearest to them is taken.
+    /// The scene with start values for unknowns: the assembly closest to them is used.
     #[pyo3(signature = (**values))]
     fn with_guess(&self, py: Python<'_>, values: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         match values {
@@ -191,10 +192,10 @@ impl Scene {
         }
     }
 
-    /// The motion: at the scene's own frames, at `samples` even times, at `times` in seconds (followed from the start of the
-    /// drive), or through rows of `inputs`, where row k is met at `times[k]`, or at second k.
+    /// Solves the motion at the scene's own frames, at `samples` evenly spaced times, at `times` in seconds (followed from the
+    /// start of the drive), or through rows of `inputs`, where row k is at `times[k]`, or at k seconds.
     ///
-    /// Samples without a pose are rows of NaN, and give a MotionWarning. Ctrl-C gives up within 50 ms; other threads run on.
+    /// Samples without a pose are rows of NaN and cause a MotionWarning. Ctrl-C takes effect within 50 ms; other threads continue.
     #[pyo3(signature = (samples = None, *, times = None, inputs = None))]
     fn solve(
         &self,
@@ -219,11 +220,11 @@ impl Scene {
         Motion::new(py, scene.clone(), motion.or_raise(py)?)
     }
 
-    /// Checks all that the scene asks for: closure, proofs, measures within their limits, clearances between bodies.
-    /// Ctrl-C is answered within 50 ms; other threads run on.
+    /// Checks all requirements of the scene: closure, proofs, limits of measures, clearances between bodies.
+    /// Ctrl-C takes effect within 50 ms; other threads continue.
     ///
-    /// `motion`: proves the motion between the samples too. `closure`: the largest closure error, in radians or sizes.
-    /// `tolerance`: least distances are found to so many length units.
+    /// `motion`: also proves the motion between the samples. `closure`: the largest permitted closure error, relative to the
+    /// mechanism's size. `tolerance`: required agreement of bound and distance, as a fraction of the pair's minimum.
     #[pyo3(signature = (samples = None, *, motion = false, closure = 1e-9, tolerance = 1e-3))]
     fn check(
         &self,
@@ -244,7 +245,7 @@ impl Scene {
         Ok(Check::new(check.or_raise(py)?))
     }
 
-    /// The assemblies at the inputs of a time, as far as a search from many starts finds them.
+    /// The assemblies for the inputs at a given time, as far as a search from many starts finds them.
     #[pyo3(signature = (time = 0.0))]
     fn modes(&self, py: Python<'_>, time: f64) -> PyResult<Vec<Assembly>> {
         let scene = self.inner.clone();
@@ -252,11 +253,11 @@ impl Scene {
         Ok(found.into_iter().map(Assembly::new).collect())
     }
 
-    /// Bands that no piece leaves whose dimensions are within their tolerances, proved: at the scene's own frames, at
-    /// `samples` even times, or at `times` in seconds. Ctrl-C gives up; other threads run on.
+    /// Proved bands that contain every piece whose dimensions are within their tolerances: at the scene's own frames, at
+    /// `samples` evenly spaced times, or at `times` in seconds. Ctrl-C interrupts it; other threads continue.
     ///
-    /// `tolerance`: half the width for every dimension that the scene gives none. `vary`: names in place of the scene's own
-    /// choice, "all" for every length and angle.
+    /// `tolerance`: half the width for every dimension without a tolerance in the scene. `vary`: names in place of the scene's
+    /// own choice; "all" for every length and angle.
     #[pyo3(signature = (tolerance = None, *, vary = Vec::new(), samples = None, times = None))]
     fn enclose(
         &self,
@@ -280,18 +281,18 @@ impl Scene {
         Ok(Enclosure::new(found.or_raise(py)?))
     }
 
-    /// The measures of the scene as functions of its parameters: of these, or of those that the scene varies by itself.
-    /// "all" stands for every length and angle.
+    /// The measures of the scene as functions of the given parameters, or of those that the scene varies by default.
+    /// "all" selects every length and angle.
     #[pyo3(signature = (*variables))]
     fn study(&self, variables: Vec<String>) -> Study {
         let names: Vec<&str> = variables.iter().map(String::as_str).collect();
         Study::new(self.inner.study().vary(&names))
     }
 
-    /// Solves one design a row: parameters by name as arrays of one length, values by name at `samples` even times.
+    /// Solves one design per row: parameters by name as arrays of one length, values by name at `samples` evenly spaced times.
     ///
-    /// Every row is what `with_(...)` and `solve(...)` give; rows are shared among threads, and the bits do not depend on
-    /// their number. A row that cannot be read or closed is NaN, and its status says why.
+    /// Every row equals the result of `with_(...)` and `solve(...)`. Rows are shared among threads; the result does not depend
+    /// on their number. A row that cannot be read or closed is NaN, and its status says why.
     #[pyo3(signature = (designs, values, *, samples = None, threads = None))]
     fn sweep(
         &self,
@@ -316,7 +317,7 @@ impl Scene {
         self.inner.title()
     }
 
-    /// What messages call it.
+    /// Its name in messages.
     #[getter]
     fn name(&self) -> &str {
         self.inner.name()
@@ -328,7 +329,7 @@ impl Scene {
         self.inner.text()
     }
 
-    /// How long the motion lasts, in seconds.
+    /// The duration of the motion in seconds.
     #[getter]
     fn duration(&self) -> f64 {
         self.inner.duration()
@@ -340,7 +341,7 @@ impl Scene {
         self.inner.bodies()
     }
 
-    /// Units of every value that a pose has, by name: inputs, unknowns, traced points as `name.x`, outputs.
+    /// Units of all values of a pose, by name: inputs, unknowns, traced points as `name.x`, outputs.
     #[getter]
     fn units<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let units = PyDict::new(py);
@@ -350,13 +351,13 @@ impl Scene {
         Ok(units)
     }
 
-    /// Names of what is driven.
+    /// Names of the inputs.
     #[getter]
     fn inputs(&self) -> Vec<String> {
         self.inner.inputs().into_iter().map(|q| q.name).collect()
     }
 
-    /// Names of what the loops determine.
+    /// Names of the unknowns.
     #[getter]
     fn unknowns(&self) -> Vec<String> {
         self.inner.unknowns().into_iter().map(|q| q.name).collect()

@@ -8,7 +8,7 @@ use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// The measures of a scene as functions of its parameters. Made by `Scene.study`.
+/// The measures of a scene as functions of its parameters. Returned by `Scene.study`.
 #[pyclass(frozen, module = "mechanim")]
 pub struct Study {
     inner: mechanim::Study,
@@ -22,16 +22,16 @@ impl Study {
 
 #[pymethods]
 impl Study {
-    /// The exact derivative of every measure by every variable, in the scene's units.
+    /// The exact derivative of every measure with respect to every variable, in the scene's units.
     fn sensitivity(&self, py: Python<'_>) -> PyResult<Sensitivity> {
         let study = self.inner.clone();
         let inner = watched(py, move |_| study.sensitivity())?.or_raise(py)?;
         Ok(Sensitivity { inner })
     }
 
-    /// What tolerances of the variables do to the measures: linear rules, random pieces, proved bands.
+    /// Tolerance analysis of the measures: linear rules, random pieces, proved bands.
     ///
-    /// `tolerance`: half the width for every variable that the study gives none. `distribution`: "uniform" or "normal".
+    /// `tolerance`: half the width for every variable without a tolerance in the study. `distribution`: "uniform" or "normal".
     #[pyo3(signature = (tolerance = None, *, samples = 10_000, distribution = "uniform", seed = 1))]
     fn tolerance(
         &self,
@@ -58,10 +58,10 @@ impl Study {
         Ok(Tolerance { inner })
     }
 
-    /// The values of the variables that make the objective least, within the limits, proved afterwards. Ctrl-C ends the
-    /// search; other threads run on.
+    /// The values of the variables that minimise the objective within the limits, proved afterwards. Ctrl-C ends the
+    /// search; other threads continue.
     ///
-    /// `method`: "bfgs", "nelder-mead", "evolution" or "minimax". `within`: frees every variable within this share of its
+    /// `method`: "bfgs", "nelder-mead", "evolution" or "minimax". `within`: lets every variable move by this share of its
     /// value, in place of the study's ranges.
     #[pyo3(signature = (method = "bfgs", *, iterations = 1000, tolerance = None, within = None, seed = 1))]
     fn optimise(
@@ -97,7 +97,7 @@ impl Study {
     }
 }
 
-/// Derivatives of measures by variables, in the scene's units. `sensitivity["F"]` is the row of a measure.
+/// Derivatives of measures with respect to variables, in the scene's units. `sensitivity["F"]` is the row of a measure.
 #[pyclass(frozen, module = "mechanim")]
 pub struct Sensitivity {
     inner: mechanim::study::Sensitivity,
@@ -117,7 +117,7 @@ impl Sensitivity {
         named(py, self.inner.measures())
     }
 
-    /// The derivative of a measure by a variable.
+    /// The derivative of a measure with respect to a variable.
     fn derivative(&self, py: Python<'_>, measure: &str, variable: &str) -> PyResult<f64> {
         self.inner.derivative(measure, variable).or_raise(py)
     }
@@ -140,7 +140,7 @@ impl Sensitivity {
     }
 }
 
-/// What tolerances do to measures, in the scene's units. `tolerance["F"]` are the figures of a measure.
+/// The result of a tolerance analysis, in the scene's units. `tolerance["F"]` contains the numbers of a measure.
 #[pyclass(frozen, module = "mechanim")]
 pub struct Tolerance {
     inner: mechanim::study::Tolerance,
@@ -155,7 +155,7 @@ impl Tolerance {
         measures.map(|m| m.name.as_str()).collect()
     }
 
-    /// The share of the random pieces that assemble and keep the limits of all measures.
+    /// The share of the random pieces that can be assembled and keep the limits of all measures.
     #[getter]
     fn yield_share(&self) -> f64 {
         self.inner.yield_share()
@@ -167,8 +167,8 @@ impl Tolerance {
         self.inner.text()
     }
 
-    /// nominal, root_sum_square, linear_sum, mean, deviation; found: least and greatest value found; band: ends that no
-    /// piece within the tolerances leaves, proved, or None.
+    /// nominal, root_sum_square, linear_sum, mean, deviation; found: smallest and largest value found; band: proved
+    /// band for all pieces within the tolerances, or None.
     fn __getitem__<'py>(&self, py: Python<'py>, measure: &str) -> PyResult<Bound<'py, PyDict>> {
         let mut measures = self.inner.measures().iter();
         let Some(m) = measures.find(|m| m.name == measure) else {

@@ -68,7 +68,7 @@ impl AskedPieces<'_> {
         let mechanism = &drawn.mechanism;
         let names = self.names(drawn)?;
         if names.is_empty() {
-            let message = "nothing has a tolerance: name the parameters that are to vary";
+            let message = "no parameter has a tolerance: name the parameters to vary";
             return Err(FamilyError::Lacks(message.to_owned()));
         }
         // Between samples the inputs are dimensions as well.
@@ -79,7 +79,7 @@ impl AskedPieces<'_> {
         };
         if names.len() + inputs > MOST_DIMENSIONS {
             let message = format!(
-                "at most {MOST_DIMENSIONS} dimensions are enclosed together, found {}: name fewer that are to vary",
+                "at most {MOST_DIMENSIONS} dimensions are enclosed together, found {}: name fewer parameters to vary",
                 names.len() + inputs
             );
             return Err(FamilyError::Lacks(message));

@@ -78,10 +78,10 @@ pub enum FamilyError {
     #[error("{0}")]
     Lacks(String),
     /// Dimensions without a tolerance.
-    #[error("no tolerance is known of {0}")]
+    #[error("there is no tolerance for {0}")]
     NoTolerance(String),
     /// A dimension that stands where the file's value is kept.
-    #[error("`{}` stands {}, where its tolerance would be left out", .0.name, .0.place)]
+    #[error("`{}` appears {}, where its tolerance would be ignored", .0.name, .0.place)]
     Kept(Kept),
     /// A measure that the scene does not have.
     #[error("the scene has no measure `{name}`")]
@@ -120,12 +120,12 @@ impl ParametricMechanism {
         };
         if names.is_empty() {
             let message =
-                "nothing is to be varied: name parameters in `[study.variables]` or with --vary";
+                "there is nothing to vary: name parameters in `[study.variables]` or with --vary";
             return Err(FamilyError::Lacks(message.to_owned()));
         }
         let family = Self::of(source, overrides, names, nominal.mechanism.size)?;
         if family.measures.list.is_empty() {
-            let message = "the scene has no `[measures]`: a study asks what becomes of them";
+            let message = "the scene has no `[measures]`: a study evaluates them";
             return Err(FamilyError::Lacks(message.to_owned()));
         }
         Ok(family)

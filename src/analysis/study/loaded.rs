@@ -47,7 +47,7 @@ pub fn varied_names(
     names.extend(more.into_iter().cloned());
     for (k, name) in names.iter().enumerate() {
         if names[..k].contains(name) {
-            let message = format!("`{name}` is to be varied twice");
+            let message = format!("`{name}` is varied twice");
             return Err(FamilyError::Lacks(message));
         }
     }

@@ -256,7 +256,7 @@ pub struct Verified {
 /// Reads the scene again with the values as its parameters, follows the tracks from the start of the drive, and measures.
 ///
 /// # Errors
-/// What is wrong with the values: they do not assemble, or not on the way from the start values.
+/// What is wrong with the values: they cannot be assembled, or not on the way from the start values.
 pub fn verify_optimum(
     source: &Source,
     overrides: &Overrides,

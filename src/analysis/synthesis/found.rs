@@ -93,7 +93,7 @@ pub const fn ending_word(ended: Ended) -> &'static str {
     match ended {
         Ended::Converged => "converged",
         Ended::Stalled => "stuck",
-        Ended::OutOfBudget => "iterations used up",
+        Ended::OutOfBudget => "iteration limit reached",
         Ended::Stopped => "stopped",
     }
 }

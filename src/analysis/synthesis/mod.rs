@@ -66,7 +66,7 @@ pub fn synthesise_path(
         let mut rejected = Rejected::default();
         starts.iter().for_each(|s| rejected.add(s.rejected));
         return Err(FamilyError::Lacks(format!(
-            "no start moves: of {} draws {} do not assemble, {} do not move along the tracks, {} interpenetrate",
+            "no start can be followed: of {} draws {} cannot be assembled, {} cannot be followed along the tracks, {} interpenetrate",
             rejected.count(),
             rejected.not_assembled,
             rejected.not_moving,

@@ -26,11 +26,11 @@ pub struct DrawArgs {
     /// File to write: .svg, .pdf or .png; `-` for SVG on standard output.
     #[arg(long, short, value_name = "FILE")]
     pub out: PathBuf,
-    /// Time in seconds of the pose that is drawn; if absent, that of 24 poses whose loops enclose most.
+    /// Time in seconds of the pose that is drawn; if absent, the one of 24 poses whose loops enclose the largest area.
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
     pub at: Option<f64>,
-    /// Look from a named direction. If absent, a planar mechanism is looked at from its front, another one from where its
-    /// scene is looked at.
+    /// Look from a named direction. If absent, a planar mechanism is shown from the front, any other one from the
+    /// direction of its scene.
     #[arg(long, value_parser = named_word(&VIEWS))]
     pub view: Option<NamedView>,
     /// Direction of the viewer about the up axis, in degrees.

@@ -30,7 +30,7 @@ pub struct PlotArgs {
     /// Rates up to this order (1 to 8) of the curves are drawn as well: derivatives by time.
     #[arg(long, value_name = "N", requires = "y", value_parser = rate_order)]
     pub order: Option<usize>,
-    /// Rates by this input in place of time, the others standing still: transfer functions.
+    /// Rates with respect to this input instead of time, the others constant: transfer functions.
     #[arg(long, value_name = "INPUT", requires = "order")]
     pub per: Option<String>,
     /// Only the plot of the scene with this title.

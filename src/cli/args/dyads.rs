@@ -16,7 +16,7 @@ pub struct RowArgs {
     /// Time in seconds of the pose; the start if absent.
     #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
     pub at: f64,
-    /// Rates by this input in place of time, the others standing still: velocities are for one unit of it. The only input
+    /// Rates with respect to this input instead of time, the others constant: velocities are for one unit of it. The only input
     /// if absent.
     #[arg(long, value_name = "INPUT")]
     pub per: Option<String>,
@@ -66,7 +66,7 @@ pub struct IntervalsArgs {
     /// Velocity of the given point in place of its own: VX,VY.
     #[arg(long, value_name = "VX,VY", value_parser = two_numbers, allow_hyphen_values = true)]
     pub velocity: Option<[f64; 2]>,
-    /// Half the width of all right sides; 5 % of the given velocity if absent.
+    /// Half the width of all right-hand sides; 5 % of the given velocity if absent.
     #[arg(long, value_name = "VALUE", value_parser = positive_number)]
     pub side: Option<f64>,
     /// Centre the cube on zero instead of on the velocities of the pose.

@@ -31,8 +31,8 @@ pub struct EncloseArgs {
         conflicts_with = "samples"
     )]
     pub at: Vec<f64>,
-    /// Find tolerances that keep a band (of an unknown, a traced point or an output) within this of the motion as drawn, or
-    /// a measure within this of its value: how many times the given ones. NAME=VALUE.
+    /// Find tolerances that keep a band (of an unknown, a traced point or an output) within VALUE of the nominal motion,
+    /// or a measure within VALUE of its nominal value, as a multiple of the given tolerances: NAME=VALUE.
     #[arg(long, value_name = "NAME=VALUE", value_parser = named_limit)]
     pub allow: Option<(String, f64)>,
     /// Skip the search for pieces near the ends of the bands.
@@ -47,7 +47,7 @@ pub struct EncloseArgs {
     /// File to write: the bands of every sample as .csv or .json; `-` for CSV on standard output.
     #[arg(long, short, value_name = "FILE")]
     pub out: Option<PathBuf>,
-    /// Draw a chart (.svg or .png): the bands over time, about the motion as drawn.
+    /// Draw a chart (.svg or .png): the bands over time, relative to the nominal motion.
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
     /// Only these are drawn, separated by commas; outputs and traced points if absent.

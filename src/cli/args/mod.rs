@@ -48,7 +48,7 @@ pub struct Cli {
 }
 
 const EXIT_CODES: &str = "Exit codes: 0 done; 1 a check failed or could not prove what it was asked to, or a motion was given up undecided; \
-2 bad usage, bad scene, or a limit exceeded; 3 no usable graphics adapter; 4 the motion does not close all the way; 70 internal error; 130 interrupted.";
+2 bad usage, bad scene, or a limit exceeded; 3 no usable graphics adapter; 4 the motion does not reach its end; 70 internal error; 130 interrupted.";
 
 /// `mechanim schema`
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -95,7 +95,7 @@ pub enum Command {
     Tolerance(ToleranceArgs),
     /// Prove bands of motion and measures for all dimensions within tolerance.
     Enclose(EncloseArgs),
-    /// Take a planar linkage apart into dyads: matrices, velocity table, ranges of its coefficients.
+    /// Decompose a planar linkage into dyads: matrices, velocity table, ranges of its coefficients.
     Dyads(DyadsArgs),
     /// Solve a linkage's velocity equations in intervals: random trials, formal solutions, cubes, the exact set.
     Intervals(IntervalsArgs),

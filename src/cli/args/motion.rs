@@ -97,7 +97,7 @@ pub struct SolveArgs {
     /// are those of the piece that begins there.
     #[arg(long, value_name = "N", conflicts_with = "rates", value_parser = rate_order)]
     pub order: Option<usize>,
-    /// Rates by this input in place of time, the others standing still: transfer functions.
+    /// Rates with respect to this input instead of time, the others constant: transfer functions.
     #[arg(long, value_name = "INPUT", requires = "order")]
     pub per: Option<String>,
     /// Add columns bound(NAME) with proved error bounds of traced points and outputs, rounding of the print included.
@@ -171,11 +171,11 @@ pub struct CheckArgs {
     #[arg(long, value_name = "NAME=VALUE,…", value_delimiter = ',', value_parser = name_and_text, conflicts_with_all = ["allow_estimates", "allow_empty"])]
     pub pose: Vec<(String, String)>,
     /// Check the clearances over a range of this input instead of the motion; given twice, over a box of two inputs.
-    /// They are proved for all values at once, or the part of the box that is not is named.
+    /// They are proved for all values, or the report names the parts of the box that are not covered.
     #[arg(long, value_name = "INPUT=LOW:HIGH", value_parser = input_range, num_args = 1, conflicts_with_all = ["pose", "samples", "csv", "plot", "render", "matrix", "swept"])]
     pub inputs_box: Vec<(String, [f64; 2])>,
-    /// Also prove the clearances of every piece whose dimensions lie within this of the file's values, in their units. A
-    /// tolerance of a single one, --param NAME=880+-0.2, replaces it and is enough by itself.
+    /// Also prove the clearances of every piece whose dimensions differ from the file's by at most this, in their units.
+    /// --param NAME=880+-0.2 sets the tolerance of a single dimension and can be used alone.
     #[arg(long, value_name = "VALUE", value_parser = positive_number, conflicts_with_all = ["pose", "inputs_box"])]
     pub made_within: Option<f64>,
     /// What has a tolerance with --made-within: parameters and inputs.

@@ -197,9 +197,9 @@ pub struct SynthesiseArgs {
     /// Built-in scenes or scene files with a study whose variables have ranges; several make one report.
     #[arg(required = true, value_name = "SCENE")]
     pub scenes: Vec<OsString>,
-    /// A table (CSV) of what the mechanism is to do, in place of the study's objective: columns are coordinates of traced points
-    /// (P.x), outputs or unknowns; a column of every input, or `time`, says when each row is met, else that is found; `weight`
-    /// says how much a row counts.
+    /// A table (CSV) of the path or motion to reach, in place of the study's objective: columns are coordinates of traced points
+    /// (P.x), outputs or unknowns; a column for every input, or `time`, says when each row is met, otherwise that is found;
+    /// `weight` is the weight of a row.
     #[arg(long, value_name = "TABLE.csv", conflicts_with = "csv")]
     pub target: Option<PathBuf>,
     /// What is varied with --target; the study's variables if absent.

@@ -66,7 +66,7 @@ pub struct RowsArgs {
     /// Draw a chart (.svg or .png): a curve over one parameter, or a map over two, with the feasible region.
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
-    /// Only this value is drawn; the study's objective, else the first one if absent.
+    /// Only this value is drawn; if absent, the study's objective, otherwise the first value.
     #[arg(long, value_name = "NAME", requires = "plot")]
     pub only: Option<String>,
     /// Light or dark: colours of background, text and lines.
@@ -128,7 +128,7 @@ pub enum StudyCommand {
         #[arg(long, value_name = "FILE")]
         json: Option<PathBuf>,
     },
-    /// Put the parts together: the same bytes as from a run in one piece, whatever the units were. For a tolerance study
+    /// Merge the parts; the result is identical to that of a single run, byte for byte. For a tolerance study
     /// --out writes the report, as .json.
     Merge(MergeArgs),
     /// Write the script that runs the study on a cluster, and submit it.
@@ -193,7 +193,7 @@ pub struct RunArgs {
     /// Only these units, counted from 0: FIRST..END.
     #[arg(long = "only", alias = "units", value_name = "A..B", value_parser = unit_range)]
     pub units: Option<[u64; 2]>,
-    /// Be worker I of N, counted from 1: each worker begins with another unit and goes on with whatever is missing.
+    /// Worker I of N, counted from 1: each worker begins with a different unit and continues with whatever is missing.
     #[arg(long, value_name = "I/N", value_parser = worker_of, conflicts_with = "units")]
     pub worker: Option<[u64; 2]>,
     /// Begin no unit after this time: 90s, 30m, 2h.

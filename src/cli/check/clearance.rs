@@ -37,7 +37,7 @@ pub fn refuse_without_rules(args: &CheckArgs, scene: &Scene) -> Result<(), Failu
     match asked.filter(|_| scene.clearance.is_none()) {
         None => Ok(()),
         Some(option) => Err(Failure::usage(
-            format!("{option} reports clearances, and the scene asks for none"),
+            format!("{option} reports clearances, but the scene has no section [clearance]"),
             vec!["add a section: [clearance] with minimum = 0.5".to_owned()],
         )),
     }

@@ -15,7 +15,7 @@ pub fn check(args: &CheckArgs, opened: &OpenScene) -> Result<Answer, Failure> {
     let mechanism = &scene.mechanism;
     let Some(rules) = &scene.clearance else {
         return Err(Failure::usage(
-            "--inputs-box reports clearances, and the scene asks for none",
+            "--inputs-box reports clearances, but the scene has no section [clearance]",
             vec!["add a section: [clearance] with minimum = 0.5".to_owned()],
         ));
     };

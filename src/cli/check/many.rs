@@ -205,8 +205,8 @@ fn refuse_single(args: &CheckArgs) -> Result<(), Failure> {
     match asked.into_iter().find(|(_, is_asked)| *is_asked) {
         None => Ok(()),
         Some((option, _)) => Err(Failure::usage(
-            format!("{option} is about one scene, and there are several"),
-            vec!["check them one by one, or write one page of all: mechanim report".to_owned()],
+            format!("{option} works on a single scene, and there are several"),
+            vec!["check them one by one, or write one page for all: mechanim report".to_owned()],
         )),
     }
 }

@@ -63,7 +63,9 @@ fn check_one(args: &CheckArgs, term: &Term) -> Result<Outcome, Failure> {
         files::streamed_report(args).or(args.csv.as_deref().filter(|path| *path == Path::new("-")));
     io::print_beside(term, streamed, &answer.text)?;
     if answer.verdict.result_of(PROOF) == Status::NotProved {
-        term.note("hint: a proof that is asked for and refused fails the check; --certify none asks for none");
+        term.note(
+            "hint: the check fails if a requested proof fails; --certify none requests no proof",
+        );
     }
     Ok(answer.verdict.result().into())
 }

@@ -20,7 +20,7 @@ pub fn refuse_without_motion(args: &CheckArgs, own: &[(String, f64)]) -> Result<
     let other = other.into_iter().find(|(_, is_given)| *is_given);
     match (other, own.first()) {
         (Some((option, _)), Some((name, _))) => Err(Failure::usage(
-            format!("{option} takes the dimensions as they are, and `{name}` is an interval"),
+            format!("{option} uses fixed dimensions, and `{name}` is an interval"),
             vec![format!(
                 "without {option} the motion is checked for all pieces"
             )],
@@ -80,7 +80,7 @@ fn refuse_stiff(carried: &[CarriedShape], parts: &[JudgedPart]) -> Result<(), Fa
         None => Ok(()),
         Some(name) => Err(Failure::usage(
             format!(
-                "`{name}` stands in the direction or the scale of a solid, where its tolerance would be left out"
+                "`{name}` determines the direction or the scale of a solid, where its tolerance would be ignored"
             ),
             vec!["leave it out with --vary, or write the number there".to_owned()],
         )),

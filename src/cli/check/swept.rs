@@ -29,8 +29,12 @@ pub fn write(
     let seen_from = from.map(|name| body_index(opened, name)).transpose()?;
     let format = format_of(path)?;
     io::refuse_input(&args.scene, path)?;
-    let swept = Swept::new(covered.proved(), body, seen_from, args.cells)
-        .map_err(|error| Failure::usage(format!("`{name}` sweeps no mesh: {error}"), Vec::new()))?;
+    let swept = Swept::new(covered.proved(), body, seen_from, args.cells).map_err(|error| {
+        Failure::usage(
+            format!("no mesh around the volume swept by `{name}`: {error}"),
+            Vec::new(),
+        )
+    })?;
     let sure = if swept.is_certified {
         "proved"
     } else {
@@ -46,7 +50,7 @@ pub fn write(
     };
     let unit = &opened.scene.mechanism.length_unit;
     term.note(&format!(
-        "{}: encloses what `{name}` sweeps, nowhere farther from it than {within} {unit} ({sure}); {triangles} triangles",
+        "{}: encloses the volume swept by `{name}` to within {within} {unit} ({sure}); {triangles} triangles",
         path.display(),
     ));
     Ok(())
@@ -74,7 +78,7 @@ fn format_of(path: &Path) -> Result<Format, Failure> {
         "obj" => Ok(Format::Obj),
         "glb" => Ok(Format::Glb),
         _ => Err(Failure::usage(
-            format!("`{}` is no .stl, .obj or .glb file", path.display()),
+            format!("`{}` is not an .stl, .obj or .glb file", path.display()),
             Vec::new(),
         )),
     }

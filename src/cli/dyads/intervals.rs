@@ -99,7 +99,7 @@ fn run_random(args: &IntervalsArgs, row: &OpenRow) -> Result<Answered, Failure> 
         threads: args.threads.unwrap_or_else(core_count),
     };
     let trials = run_trials(chain, &asked).ok_or_else(|| {
-        let message = "the row of dyads is too entangled for trials";
+        let message = "the dyads are too strongly coupled for trials";
         Failure::usage(message, vec!["see `mechanim dyads`".to_owned()])
     })?;
     let size = speed_of(asked.given);

@@ -96,7 +96,7 @@ pub fn open_row(args: &RowArgs, term: &Term) -> Result<OpenRow, Failure> {
         .last()
         .and_then(|s| Some((s, s.pose.as_ref()?)));
     let Some((sample, pose)) = sample else {
-        let hints = vec!["`mechanim check` tells where the motion ends".to_owned()];
+        let hints = vec!["`mechanim check` shows where the motion ends".to_owned()];
         let message = format!("there is no pose at t = {} s", args.at);
         return Err(Failure::without_pose(is_undecided, message, hints));
     };
@@ -136,7 +136,7 @@ fn moving_input(args: &RowArgs, open: &OpenScene) -> Result<Option<usize>, Failu
             .iter()
             .position(|n| n == name)
             .map(Some)
-            .ok_or_else(|| Failure::usage(format!("`{name}` is no input"), hint())),
+            .ok_or_else(|| Failure::usage(format!("`{name}` is not an input"), hint())),
         None if inputs.len() == 1 => Ok(Some(0)),
         None if inputs.is_empty() => Err(Failure::usage(
             "nothing moves: the scene has no input",

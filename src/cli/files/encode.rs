@@ -18,7 +18,10 @@ use std::path::{Path, PathBuf};
 pub fn run_encode(args: &EncodeArgs, term: &Term) -> Result<Outcome, Failure> {
     let format = sinks::film_format(&args.file)?;
     if format.is_model() {
-        let message = format!("{} holds shapes, which pictures do not have", format.name());
+        let message = format!(
+            "{} contains shapes, which pictures do not have",
+            format.name()
+        );
         return Err(Failure::usage(message, Vec::new()));
     }
     let paths = picture_paths(args)?;
@@ -26,7 +29,7 @@ pub fn run_encode(args: &EncodeArgs, term: &Term) -> Result<Outcome, Failure> {
         return Err(io::is_input(path));
     }
     if format == Format::Png && paths.len() > 1 {
-        let message = format!("{} holds one picture", args.file.out.display());
+        let message = format!("{} contains one picture", args.file.out.display());
         let hint =
             "for all frames write a .gif, .apng, a folder, or a pattern such as frame-%04d.png";
         return Err(Failure::usage(message, vec![hint.to_owned()]));

@@ -35,7 +35,7 @@ pub fn run_new(args: &NewArgs, term: &Term) -> Result<Outcome, Failure> {
     let written = file.and_then(|mut file| file.write_all(text.as_bytes()));
     written.map_err(|error| match error.kind() {
         ErrorKind::AlreadyExists => Failure::usage(
-            format!("{shown} is there already, and stays as it is"),
+            format!("{shown} already exists and is left unchanged"),
             vec!["take another name, or remove the file".to_owned()],
         ),
         _ => Failure::usage(format!("cannot write {shown}: {error}"), Vec::new()),

@@ -25,10 +25,10 @@ pub fn film_format(args: &FileArgs) -> Result<Format, Failure> {
         None => Format::from_path(&args.out)?,
     };
     let refuse = |option: &str, holders: &str| {
-        let message = format!("{option} means nothing to {}", format.name());
+        let message = format!("{option} has no effect on {}", format.name());
         Err(Failure::usage(
             message,
-            vec![format!("it is for {holders}")],
+            vec![format!("it applies to {holders}")],
         ))
     };
     if args.quality.is_some() && format != Format::Gif {

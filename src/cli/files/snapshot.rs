@@ -68,8 +68,7 @@ fn wanted_update(args: &SnapshotArgs) -> Result<Update, Failure> {
         return Ok(Update::Never);
     };
     if std::env::var_os("CI").is_some() {
-        let message =
-            "--update is refused where CI is set: a golden is looked at before it is kept";
+        let message = "--update is refused if CI is set: golden pictures must be reviewed before they are accepted";
         return Err(Failure::usage(message, Vec::new()));
     }
     Ok(match update {

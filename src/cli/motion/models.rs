@@ -43,7 +43,7 @@ pub fn write_model(
     if let Some(left_out) = left_out(scene) {
         let name = format.name();
         term.note(&format!(
-            "{name} holds shapes and their motion, not {left_out}"
+            "{name} contains shapes and their motion, not {left_out}"
         ));
     }
     if !to_stdout(args) {
@@ -63,7 +63,7 @@ fn left_out(scene: &Scene) -> Option<String> {
         (decor.arrows, "arrows"),
         (decor.axes != ShownAxes::None, "axes"),
         (decor.gauge, "gauges"),
-        (decor.joints, "signs of joints"),
+        (decor.joints, "joint symbols"),
     ];
     let shown = shown.iter().filter(|(is_shown, _)| *is_shown);
     let names: Vec<&str> = shown.map(|(_, name)| *name).collect();

@@ -50,10 +50,7 @@ fn asked_plot(args: &PlotArgs) -> Result<Option<PlotText>, Failure> {
     if y.is_empty() {
         if args.x.is_some() || args.order.is_some() || args.equal {
             let hint = "name them: --y NAME,NAME";
-            return Err(Failure::usage(
-                "no curves are asked for",
-                vec![hint.to_owned()],
-            ));
+            return Err(Failure::usage("no curves are given", vec![hint.to_owned()]));
         }
         return Ok(None);
     }

@@ -42,8 +42,8 @@ pub fn run_render(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
     let mut clock = Clock::new(args.timings);
     let format = kind_of_output(args)?;
     if args.resolution.is_some() && !format.is_model() {
-        let message = format!("--resolution means nothing to {}", format.name());
-        let hint = "it is for GLB, STL and OBJ".to_owned();
+        let message = format!("--resolution has no effect on {}", format.name());
+        let hint = "it applies to GLB, STL and OBJ".to_owned();
         return Err(Failure::usage(message, vec![hint]));
     }
     io::refuse_input(&args.scene, &args.file.out)?;
@@ -323,7 +323,7 @@ fn kind_of_output(args: &RenderArgs) -> Result<Format, Failure> {
     if format.is_still() && args.frames.is_some_and(|n| n > 1) && !single {
         let out = args.file.out.display();
         let (message, hint) = if format.is_model() {
-            let message = format!("{out}: {} holds one pose, no motion", format.name());
+            let message = format!("{out}: {} contains one pose, not a motion", format.name());
             (
                 message,
                 "for the motion write a .glb; for one pose say --at SECONDS",
@@ -331,7 +331,7 @@ fn kind_of_output(args: &RenderArgs) -> Result<Format, Failure> {
         } else {
             let hint =
                 "for all frames write a .gif, .apng, a folder, or a pattern such as frame-%04d.png";
-            (format!("{out} holds one picture"), hint)
+            (format!("{out} contains one picture"), hint)
         };
         return Err(Failure::usage(message, vec![hint.to_owned()]));
     }

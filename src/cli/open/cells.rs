@@ -86,7 +86,9 @@ impl<R: BufRead> Cells<R> {
     pub fn value(&mut self, cell: &str) -> Result<f64, String> {
         let (commas, points) = (cell.matches(',').count(), cell.matches('.').count());
         if commas + points > 1 {
-            return Err("a number has one decimal sign and nothing between thousands".to_owned());
+            return Err(
+                "a number has one decimal separator and no thousands separators".to_owned(),
+            );
         }
         let own = match (commas, points) {
             (1, _) => Some(','),
@@ -97,16 +99,16 @@ impl<R: BufRead> Cells<R> {
             && own != known
         {
             return Err(format!(
-                "the numbers above have `{known}` as their decimal sign"
+                "the numbers above have `{known}` as their decimal separator"
             ));
         }
         self.decimal = self.decimal.or(own);
         let value = cell.replace(',', ".").parse::<f64>();
         match value {
             Ok(value) if value.is_finite() => Ok(value),
-            Ok(_) => Err("a value is finite".to_owned()),
+            Ok(_) => Err("a value must be finite".to_owned()),
             Err(_) if cell.is_empty() => Err("the cell is empty".to_owned()),
-            Err(_) => Err("a cell is a number, no formula and no unit".to_owned()),
+            Err(_) => Err("a cell must be a number, without formula or unit".to_owned()),
         }
     }
 }
@@ -136,7 +138,7 @@ fn split_cells(text: &str, separator: char) -> Result<Vec<String>, String> {
         match after.strip_prefix(separator) {
             Some(next) => rest = next,
             None if after.is_empty() => return Ok(cells),
-            None => return Err("something stands behind the quotes of a cell".to_owned()),
+            None => return Err("there is text after the closing quote of a cell".to_owned()),
         }
     }
 }

@@ -157,8 +157,9 @@ impl InputsTable<'_> {
             None => self.times.len() as f64,
         };
         if time < 0.0 || self.times.last().is_some_and(|last| time <= *last) {
-            let what = format!("time {time} s does not follow: times ascend from 0 or later");
-            let hint = "without a column of time row k is met at second k".to_owned();
+            let what =
+                format!("time {time} s is out of order: times start at 0 or later and increase");
+            let hint = "without a column `time`, row k is at k seconds".to_owned();
             return Err(self.table_fault(&what, vec![hint]));
         }
         self.times.push(time);

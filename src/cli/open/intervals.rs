@@ -27,7 +27,7 @@ fn named_interval(name: &str, text: &str) -> Result<Option<(String, f64)>, Failu
             Ok(half) if half >= 0.0 && half.is_finite() => {
                 Ok(Some((middle.trim().to_owned(), half)))
             }
-            _ => wrong(format!("`{name}`: `{}` is no tolerance", half.trim())),
+            _ => wrong(format!("`{name}`: `{}` is not a tolerance", half.trim())),
         };
     }
     let Some((low, high)) = text.split_once("..") else {
@@ -44,7 +44,7 @@ fn named_interval(name: &str, text: &str) -> Result<Option<(String, f64)>, Failu
             let half = (middle - low).max(high - middle).next_up();
             Ok(Some((format!("{middle:?}"), half)))
         }
-        _ => wrong(format!("`{name}`: `{text}` is no interval")),
+        _ => wrong(format!("`{name}`: `{text}` is not an interval")),
     }
 }
 

@@ -46,7 +46,7 @@ fn expand_pattern(name: &OsStr) -> Result<Vec<OsString>, Failure> {
             part => paths.into_iter().map(|path| path.join(part)).collect(),
         };
         if paths.len() > MOST_FILES {
-            let message = format!("`{text}` means more than {MOST_FILES} files");
+            let message = format!("`{text}` matches more than {MOST_FILES} files");
             return Err(Failure::usage(message, Vec::new()));
         }
     }
@@ -54,7 +54,7 @@ fn expand_pattern(name: &OsStr) -> Result<Vec<OsString>, Failure> {
     paths.sort();
     if paths.is_empty() {
         return Err(Failure::usage(
-            format!("no file is named like `{text}`"),
+            format!("no file matches `{text}`"),
             Vec::new(),
         ));
     }

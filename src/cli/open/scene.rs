@@ -32,7 +32,7 @@ pub fn open_changed(
     term: &Term,
 ) -> Result<OpenScene, Failure> {
     if args.scene == "-" && args.table.as_deref() == Some(Path::new("-")) {
-        let message = "standard input holds the scene or the table of inputs, not both";
+        let message = "standard input is the scene or the table of inputs, not both";
         return Err(Failure::usage(message, Vec::new()));
     }
     let (source, mut overrides) = text_of(args)?;

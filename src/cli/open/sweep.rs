@@ -150,7 +150,8 @@ fn refuse_instants(asked: &Asked, scene: &Scene) -> Result<(), Failure> {
             Instants::At(times) => {
                 let ascends = times.windows(2).all(|pair| pair[0] < pair[1]);
                 if !ascends || times.iter().any(|t| !(0.0..=last).contains(t)) {
-                    let message = format!("times of --at ascend, from 0 to {last} s at most");
+                    let message =
+                        format!("the times of --at must increase, from 0 to {last} s at most");
                     return Err(Failure::usage(message, Vec::new()));
                 }
                 times.len()
@@ -222,7 +223,7 @@ fn refuse_beyond(design: &Design, own: &[OwnRange]) -> Result<(), Failure> {
                 "the design takes `{}` from {} to {}, and the scene's study allows {} to {}",
                 axis.name, axis.low, axis.high, range.low, range.high
             );
-            let hint = "its range stands in [study.variables]";
+            let hint = "its range is defined in [study.variables]";
             return Err(Failure::usage(message, vec![hint.to_owned()]));
         }
     }
@@ -281,7 +282,7 @@ fn table_design(bytes: &[u8], name: &str) -> Result<Design, Failure> {
         }
     }
     if values.is_empty() {
-        let message = format!("{name} has no rows of designs under a line of names");
+        let message = format!("{name} has no rows of designs below its header");
         return Err(Failure::usage(message, Vec::new()));
     }
     Ok(Design::table(names, values))

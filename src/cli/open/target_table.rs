@@ -67,7 +67,7 @@ pub fn read_target(
     }
     if table.target.rows.iter().all(|row| row.weight == 0.0) {
         let message = format!("every row of {name} has weight 0");
-        let hint = "weights count squares: nothing would be asked for".to_owned();
+        let hint = "weights multiply squared errors: there would be nothing to fit".to_owned();
         return Err(Failure::usage(message, vec![hint]));
     }
     table.target.free_input = table.free_input()?;
@@ -116,7 +116,7 @@ impl TargetTable<'_> {
         for (k, name) in header.iter().enumerate() {
             if header[..k].contains(name) {
                 let what = format!("there are two columns `{name}`");
-                return Err(self.wrong(&header, k, &what, "one column a quantity"));
+                return Err(self.wrong(&header, k, &what, "write one column per quantity"));
             }
             let mut inputs = mechanism.inputs.iter().take(self.own);
             let input = inputs.position(|input| input.name == *name);
@@ -136,7 +136,7 @@ impl TargetTable<'_> {
                 }
                 (_, None, None) => {
                     let what = format!(
-                        "`{name}` is no input, unknown, output or coordinate of a traced point"
+                        "`{name}` is not an input, unknown, output or coordinate of a traced point"
                     );
                     let hint = format!("there are: {}", self.known_names());
                     return Err(self.wrong(&header, k, &what, &hint));
@@ -150,8 +150,8 @@ impl TargetTable<'_> {
             .iter()
             .position(|c| matches!(c, Column::Input(_)));
         if let Some(place) = place.filter(|_| is_timed) {
-            let what = "inputs and times both say when a row is met";
-            return Err(self.wrong(&header, place, what, "leave out one of both columns"));
+            let what = "both inputs and times say when a row is met";
+            return Err(self.wrong(&header, place, what, "leave out one of the two columns"));
         }
         if self.target.columns.is_empty() {
             let what = "no column has targets";
@@ -223,7 +223,12 @@ impl TargetTable<'_> {
                     key = Some((k, vec![value]));
                 }
                 Column::Weight if value < 0.0 => {
-                    return Err(self.wrong(row, k, "a weight below zero", "weights count squares"));
+                    return Err(self.wrong(
+                        row,
+                        k,
+                        "a weight below zero",
+                        "weights multiply squared errors",
+                    ));
                 }
                 Column::Weight => weight = value,
                 Column::Input(input) => {
@@ -251,7 +256,7 @@ impl TargetTable<'_> {
         if let Some((k, key)) = &key {
             if let Some((other, _)) = self.keys.iter().find(|(_, known)| known == key) {
                 let what = format!("line {other} has the same time or inputs");
-                let hint = "one row a time; targets of one pose stand in one row";
+                let hint = "write one row per time, with all targets of a pose in it";
                 return Err(self.wrong(row, *k, &what, hint));
             }
             self.keys.push((line, key.clone()));

@@ -47,7 +47,7 @@ pub fn write_worst_pair(
     };
     if Format::from_path(path)? != Format::Png {
         return Err(Failure::usage(
-            format!("{} is no .png file", path.display()),
+            format!("{} is not a .png file", path.display()),
             Vec::new(),
         ));
     }
@@ -102,7 +102,7 @@ fn pair_caption(mechanism: &Mechanism, pair: &PairReport) -> Vec<String> {
         judgement_word(&pair.judgement)
     );
     let when = format!(
-        "{:.4} {unit} at t = {:.4} s, {} {unit} asked",
+        "{:.4} {unit} at t = {:.4} s, minimum {} {unit}",
         pair.least.distance, pair.least.time, pair.minimum
     );
     vec![who, when]
@@ -116,7 +116,7 @@ pub fn alarm_marks(
 ) -> Result<Marks, Failure> {
     let Some(rules) = &scene.clearance else {
         return Err(Failure::usage(
-            "the scene asks for no clearances",
+            "the scene has no section [clearance]",
             vec!["add a section: [clearance] with minimum = 0.5".to_owned()],
         ));
     };

@@ -74,7 +74,7 @@ pub fn draw_paths(
 /// Refuses a picture that is no PNG, or would be written over an input of the command.
 pub fn refuse_other(scene: &SceneArgs, path: &Path) -> Result<(), Failure> {
     if Format::from_path(path)? != Format::Png {
-        let message = format!("{} is no .png file", path.display());
+        let message = format!("{} is not a .png file", path.display());
         return Err(Failure::usage(message, Vec::new()));
     }
     io::refuse_input(scene, path)

@@ -52,7 +52,7 @@ pub fn write_cloud(args: &ToleranceArgs, scattered: &ToleranceStudy) -> Result<(
     let family = &study.family;
     if family.mechanism().traces.is_empty() {
         return Err(Failure::usage(
-            "the cloud is drawn around the paths of traced points, and the scene traces none",
+            "the cloud is drawn around the paths of traced points, but the scene has none",
             vec!["name a point: [[traces]] with name, body and point".to_owned()],
         ));
     }

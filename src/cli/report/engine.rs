@@ -26,7 +26,7 @@ pub fn find_engine(named: Option<&Path>) -> Result<PackedEngine, Failure> {
         .or_else(beside)
         .unwrap_or_else(|| PathBuf::from(NAME));
     let bytes = std::fs::read(&path).map_err(|error| {
-        let what = "a live page holds the engine as WebAssembly, and there is none";
+        let what = "a live page contains the engine as WebAssembly, which was not found";
         refused(format!("{what}: {}: {error}", path.display()))
     })?;
     PackedEngine::new(&bytes).map_err(|why| refused(format!("{}: {why}", path.display())))
@@ -48,9 +48,9 @@ pub fn refuse_files(args: &SceneArgs, scene: &Scene) -> Result<(), Failure> {
     match shapes.any(|shape| matches!(shape.solid, Solid::Triangles(_))) {
         false => Ok(()),
         true => Err(Failure::usage(
-            "a live page holds the text of a scene only, and this one names mesh files",
+            "a live page contains only the text of a scene, and this one names mesh files",
             vec![
-                "leave out --live: the page shows the meshes, and everything but the sliders"
+                "leave out --live: the page shows the meshes and everything except the sliders"
                     .to_owned(),
             ],
         )),

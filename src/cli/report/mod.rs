@@ -132,7 +132,7 @@ pub(super) fn refuse_other_formats(path: &Path) -> Result<(), Failure> {
     match is_page || path == Path::new("-") {
         true => Ok(()),
         false => Err(Failure::usage(
-            format!("`{}` is no .html file", path.display()),
+            format!("`{}` is not an .html file", path.display()),
             vec!["name the page: --out report.html".to_owned()],
         )),
     }

@@ -39,7 +39,7 @@ pub fn run_accuracy(args: &AccuracyArgs, term: &Term) -> Result<Outcome, Failure
         Err(error @ StudyError::Gap { time }) => {
             let motion = solve_motion(&system, &scene.actuation, &[0.0, time]);
             let is_undecided = motion.is_whole() || motion.is_undecided();
-            let hints = vec!["`mechanim check` tells where the motion ends".to_owned()];
+            let hints = vec!["`mechanim check` shows where the motion ends".to_owned()];
             return Err(Failure::without_pose(
                 is_undecided,
                 error.to_string(),

@@ -216,7 +216,7 @@ fn wanted_slots(only: &[String], mechanism: &Mechanism) -> Result<Vec<usize>, Fa
 
 fn unknown_name(name: &str, names: &[String]) -> Failure {
     Failure::usage(
-        format!("`{name}` is no unknown, traced point or output"),
+        format!("`{name}` is not an unknown, traced point or output"),
         vec![format!("there are: {}", names.join(", "))],
     )
 }

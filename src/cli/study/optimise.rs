@@ -88,8 +88,8 @@ pub fn run_optimise(args: &OptimiseArgs, term: &Term) -> Result<Outcome, Failure
     io::print_beside(term, on_output.map(PathBuf::as_path), &report.text())?;
     if is_stopped {
         let kept = out.map_or_else(
-            || "the best so far was reported".to_owned(),
-            |out| format!("the best so far was written to {}", out.display()),
+            || "the best result so far was reported".to_owned(),
+            |out| format!("the best result so far was written to {}", out.display()),
         );
         return Err(Failure::Stopped(kept));
     }

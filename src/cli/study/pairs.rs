@@ -84,7 +84,11 @@ pub fn run_pairs(
         &pair_ranking(study, &ranked, args.rows, seconds),
     )?;
     if ranked.len() < jobs.len() {
-        let kept = format!("the ranking holds {} of {} pairs", ranked.len(), jobs.len());
+        let kept = format!(
+            "the ranking contains {} of {} pairs",
+            ranked.len(),
+            jobs.len()
+        );
         return Err(Failure::Stopped(kept));
     }
     Ok(Outcome::Done)

@@ -72,7 +72,7 @@ pub fn film_file(out: &Path) -> Result<FileArgs, Failure> {
     let format = sinks::film_format(&args)?;
     if format.is_still() || format.is_model() {
         return Err(Failure::usage(
-            format!("{} holds no film", out.display()),
+            format!("{} cannot contain an animation", out.display()),
             vec![
                 "write a .gif, .apng, .y4m, a folder, or a pattern such as frame-%04d.png"
                     .to_owned(),

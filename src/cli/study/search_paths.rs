@@ -34,7 +34,7 @@ pub fn refuse_without_paths(study: &LoadedStudy) -> Result<(), Failure> {
     }
 }
 
-/// Plots in which a unit is as long on both axes.
+/// Plots with the same scale on both axes.
 fn path_plots(scene: &Scene) -> Vec<Plot> {
     scene
         .plots

@@ -37,8 +37,8 @@ pub fn submit(args: &SubmitArgs, term: &Term) -> Result<Outcome, Failure> {
     }
     // Whoever submits a study twice at once has half of the workers wait for the others.
     if !target.commit_new()? {
-        let message = format!("{} is there: the study was submitted", path.display());
-        let hint = "remove it to submit what is missing once more";
+        let message = format!("{} exists: the study was submitted", path.display());
+        let hint = "remove it to submit the missing units again";
         return Err(Failure::usage(message, vec![hint.to_owned()]));
     }
     hand_over(&command, &path)?;
@@ -57,7 +57,7 @@ fn hand_over(command: &[&str], script: &Path) -> Result<(), Failure> {
     };
     // Nothing was submitted, so that it can be tried again.
     let _ = std::fs::remove_file(script);
-    let hint = "--dry-run writes the script and hands it to nobody";
+    let hint = "--dry-run writes the script without submitting it";
     Err(Failure::usage(why, vec![hint.to_owned()]))
 }
 

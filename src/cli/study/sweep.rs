@@ -84,11 +84,8 @@ fn in_parts(
             Folder::create(&place, plan, &borrowed_files(&opened.files))?
         }
         Ok(_) | Err(PartsError::NoStudy(_)) => {
-            let message = format!(
-                "{} is what a run has left that was stopped",
-                place.display()
-            );
-            let hint = "go on with it: --resume; or remove it";
+            let message = format!("{} is left from a run that was stopped", place.display());
+            let hint = "continue with --resume, or remove it";
             return Err(Failure::usage(message, vec![hint.to_owned()]));
         }
         Err(error) => return Err(error.into()),
@@ -106,7 +103,7 @@ fn in_parts(
     if run_share(&folder, &share, &make, progress)? == Ended::Stopped {
         let (all, missing) = (folder.plan.units(), folder.missing_units().len() as u64);
         return Err(Failure::Stopped(format!(
-            "{} of {all} units are in {}: go on with --resume",
+            "{} of {all} units are in {}: continue with --resume",
             all - missing,
             place.display()
         )));
@@ -135,7 +132,7 @@ fn in_memory(
             taker.commit()?;
             return Err(match first {
                 0 => Failure::Interrupted,
-                _ => Failure::Stopped(format!("only the first {first} designs were looked at")),
+                _ => Failure::Stopped(format!("only the first {first} designs were examined")),
             });
         };
         for (item, record) in items.zip(numbers.chunks_exact(width)) {
@@ -189,7 +186,7 @@ pub fn refuse_other(folder: &Folder, asked: &Plan) -> Result<(), Failure> {
     }
     Err(Failure::Parts(PartsError::Foreign {
         path: folder.path().to_owned(),
-        why: "holds rows of another scene, other meshes or other arguments than these".to_owned(),
+        why: "contains rows of another scene, other meshes or other arguments".to_owned(),
     }))
 }
 
@@ -307,8 +304,9 @@ impl<'s> RowTaker<'s> {
 
     /// Takes the row of design `item`.
     pub fn take(&mut self, item: u64, record: &[f64]) -> Result<(), Failure> {
-        let row = Row::of_record(record)
-            .ok_or_else(|| Failure::Internal("a part holds what is no row".to_owned()))?;
+        let row = Row::of_record(record).ok_or_else(|| {
+            Failure::Internal("a part contains something that is not a row".to_owned())
+        })?;
         self.summary.add(item, &row);
         if let Some(plot) = &mut self.plot {
             plot.add(item, &row);

@@ -32,7 +32,7 @@ impl<'s> PlotFile<'s> {
         let format = PlotFormat::of(path)?;
         let value = drawn_value(sweep, rows.only.as_deref())?;
         let plot = SweepPlot::new(sweep, value).ok_or_else(|| {
-            let message = "--plot draws over one or two parameters, and the design changes another number of them";
+            let message = "--plot needs one or two parameters that vary, and the design varies another number of them";
             Failure::usage(message, Vec::new())
         })?;
         Ok(Some(Self {
@@ -76,10 +76,10 @@ fn drawn_value(sweep: &Sweep, only: Option<&str>) -> Result<usize, Failure> {
             let mut hints = Vec::new();
             hints.extend(nearest_name(name, names()).map(|near| format!("did you mean `{near}`?")));
             hints.push(format!(
-                "rows hold {}",
+                "rows contain {}",
                 names().collect::<Vec<_>>().join(", ")
             ));
-            Failure::usage(format!("rows hold no value `{name}`"), hints)
+            Failure::usage(format!("rows contain no value `{name}`"), hints)
         }),
         // Of a check the clearance tells more than whether it passed.
         None if sweep.asked == Asked::Check => Ok(1),

@@ -89,7 +89,7 @@ pub fn run_synthesise(args: &SynthesiseArgs, term: &Term) -> Result<Outcome, Fai
     }
     io::print_beside(term, args.json.as_deref(), &report)?;
     if stopped {
-        let kept = "the best so far was reported and written as asked";
+        let kept = "the best result so far was reported and written";
         return Err(Failure::Stopped(kept.to_owned()));
     }
     // What was demanded decides; without a demand every mechanism must hold.

@@ -46,7 +46,7 @@ pub fn run_target(
     };
     if names.is_empty() {
         let message =
-            "nothing is to be varied: name parameters in `[study.variables]` or with --vary";
+            "there is nothing to vary: name parameters in `[study.variables]` or with --vary";
         return Err(Failure::usage(message, Vec::new()));
     }
     let mut family = ParametricMechanism::varying(&source, &overrides, &names)?;
@@ -94,7 +94,7 @@ pub fn run_target(
     }
     io::print_beside(term, args.json.as_deref(), &target_text(&answer))?;
     if is_interrupted() {
-        let kept = "the best so far was reported and written as asked";
+        let kept = "the best result so far was reported and written";
         return Err(Failure::Stopped(kept.to_owned()));
     }
     Ok(match answer.rows.holds() {
@@ -126,7 +126,7 @@ fn refuse_driven(family: &ParametricMechanism) -> Result<(), Failure> {
         None => Ok(()),
         Some(kept) => Err(Failure::usage(
             format!(
-                "`{}` stands {}, which keeps the file's value",
+                "`{}` appears {}, where it would keep the file's value",
                 kept.name, kept.place
             ),
             vec!["put what is added to an input into the chain: Rz(phi + phi0)".to_owned()],

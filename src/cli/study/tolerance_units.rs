@@ -79,7 +79,7 @@ pub fn merge(folder: &Folder, opened: &OpenTolerance, rows: &RowsArgs) -> Result
     let mut sums = PieceSums::new(&bins);
     Merge::new(folder)?.each_part(&mut |numbers| {
         let part = PieceSums::of_record(&bins, numbers);
-        sums.join(part.ok_or_else(|| Failure::Internal("a part holds no sums".to_owned()))?);
+        sums.join(part.ok_or_else(|| Failure::Internal("a part contains no sums".to_owned()))?);
         Ok::<(), Failure>(())
     })?;
     // A report is whole or not written at all.
@@ -105,7 +105,7 @@ pub fn refuse_rows(rows: &RowsArgs) -> Result<(), Failure> {
                 .is_some_and(|e| e.eq_ignore_ascii_case("json"))
     };
     if rows.plot.is_some() || rows.out.as_deref().is_some_and(|path| !is_json(path)) {
-        let message = "of the pieces of a study only sums are kept, of which there is a report";
+        let message = "a study of pieces keeps only sums, so that it has a report but no table";
         let hint = "--out report.json; `mechanim tolerance --csv` writes every piece";
         return Err(Failure::usage(message, vec![hint.to_owned()]));
     }

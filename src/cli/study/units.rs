@@ -131,7 +131,7 @@ fn open_folder(path: &Path, term: &Term) -> Result<(Folder, OpenStudy), Failure>
             refuse_other(&folder, &opened.plan)?;
             OpenStudy::Tolerance(Box::new(opened))
         }
-        other => return Err(bad_plan(path, format!("no study does `{other}`"))),
+        other => return Err(bad_plan(path, format!("a study cannot do `{other}`"))),
     };
     Ok((folder, opened))
 }
@@ -230,7 +230,7 @@ fn print_status(path: &Path, report: Option<&Path>, term: &Term) -> Result<Outco
         io::write_document(report, &document)?;
     }
     let mut text = format!(
-        "{} of {}: {} {}\n  {done} of {all} units done, {} worked on\n",
+        "{} of {}: {} {}\n  {done} of {all} units done, {} in progress\n",
         folder.plan.verb,
         folder.plan.scene,
         folder.plan.items,

@@ -115,9 +115,8 @@ impl Term {
                 &of_structure
             }
             Failure::Import(ImportError::Transparent { .. }) => {
-                one_hint = [
-                    "lay them over a colour with --background #rrggbb, or write .apng".to_owned(),
-                ];
+                one_hint =
+                    ["put them on a colour with --background #rrggbb, or write .apng".to_owned()];
                 &one_hint
             }
             _ => &[],

@@ -139,8 +139,8 @@ pub enum Failure {
 fn written_by_now() -> &'static str {
     match finished_count() {
         0 => "nothing was written",
-        1 => "one file was complete before, and stays",
-        _ => "the files that were complete before stay",
+        1 => "one file that was complete before is kept",
+        _ => "files that were complete before are kept",
     }
 }
 

@@ -17,31 +17,31 @@ pub enum StlError {
         source: std::io::Error,
     },
     /// No triangles at all.
-    #[error("{path} holds no triangles")]
+    #[error("{path} contains no triangles")]
     Empty {
         /// The file.
         path: String,
     },
     /// The file ends before the triangles it announces.
-    #[error("{path} is cut short, or no STL file: it has no room for the triangles it announces")]
+    #[error("{path} is truncated or not an STL file: it is too short for its number of triangles")]
     Truncated {
         /// The file.
         path: String,
     },
     /// A folder, a device, a pipe.
-    #[error("cannot read {path}: it is no regular file")]
+    #[error("cannot read {path}: it is not a regular file")]
     NoFile {
         /// The file.
         path: String,
     },
     /// All triangles are points or lines.
-    #[error("{path} holds no triangle with an area")]
+    #[error("{path} contains no triangle with an area")]
     Flat {
         /// The file.
         path: String,
     },
     /// More than [`MAX_STL_TRIANGLES`].
-    #[error("{path} holds more than {MAX_STL_TRIANGLES} triangles; reduce it first")]
+    #[error("{path} contains more than {MAX_STL_TRIANGLES} triangles; reduce it first")]
     TooLarge {
         /// The file.
         path: String,

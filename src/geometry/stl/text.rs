@@ -77,12 +77,9 @@ impl<R: BufRead> StlText<R> {
         for expected in words {
             let word = self
                 .word()?
-                .ok_or_else(|| format!("it ends where `{expected}` stands"))?;
+                .ok_or_else(|| format!("it ends where `{expected}` is expected"))?;
             if !self.bytes[word].eq_ignore_ascii_case(expected.as_bytes()) {
-                return Err(format!(
-                    "line {} has no `{expected}` where one stands",
-                    self.line
-                ));
+                return Err(format!("line {}: `{expected}` is expected", self.line));
             }
         }
         Ok(())
@@ -91,11 +88,10 @@ impl<R: BufRead> StlText<R> {
     fn numbers(&mut self) -> Result<[f64; 3], String> {
         let mut numbers = [0.0; 3];
         for number in &mut numbers {
-            let word = self.word()?.ok_or("it ends where a number stands")?;
+            let word = self.word()?.ok_or("it ends where a number is expected")?;
             let word = std::str::from_utf8(&self.bytes[word]).unwrap_or_default();
             let value = word.parse();
-            *number =
-                value.map_err(|_| format!("line {} has no number where one stands", self.line))?;
+            *number = value.map_err(|_| format!("line {}: a number is expected", self.line))?;
         }
         Ok(numbers)
     }
@@ -124,10 +120,7 @@ impl<R: BufRead> Iterator for StlText<R> {
             Ok(Some(word)) if self.bytes[word.clone()].eq_ignore_ascii_case(b"facet") => {
                 Some(self.read_triangle())
             }
-            Ok(Some(_)) => Some(Err(format!(
-                "line {} has no `facet` where one stands",
-                self.line
-            ))),
+            Ok(Some(_)) => Some(Err(format!("line {}: `facet` is expected", self.line))),
         }
     }
 }

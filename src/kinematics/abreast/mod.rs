@@ -1,9 +1,11 @@
-//! Eight designs of one structure solved side by side: the same blocks in the same order, other numbers in every lane.
+//! Eight designs of one structure solved in SIMD lanes: the same blocks in the same order, with different numbers in every
+//! lane.
 //!
-//! Every design begins beside a known pose, the [`Anchor`](anchor::Anchor): of it the order of elimination is taken, and
-//! against its Jacobians a closed pose is shown to be regular and on the same side of all singular ones. What does not
-//! go smoothly leaves its lane and is left to [`PoseSolver`](super::solve::pose_solver::PoseSolver); nothing is ever taken
-//! from a neighbour, so that the bits of a design do not depend on its company.
+//! Every design starts near a known pose, the [`Anchor`](anchor::Anchor). The anchor provides the order of elimination, and
+//! a comparison with its Jacobians shows that a closed pose is regular and on the same side of all singular poses. A design
+//! that does not converge regularly leaves its lane and is solved by
+//! [`PoseSolver`](super::solve::pose_solver::PoseSolver). Lanes exchange no data, so that the bits of a design do not depend
+//! on its neighbours.
 
 pub mod anchor;
 mod block_values;

@@ -1,13 +1,12 @@
-//! The assemblies of a mechanism at one pose of its inputs: starts of several kinds, and what they lead to without
-//! repetition.
+//! The assemblies of a mechanism for given inputs: several kinds of starts, and the distinct solutions that they lead to.
 //!
-//! A count, not a proof: an assembly that no start leads to stays unknown. The search goes on until an estimate of what is
-//! unseen says that hardly a random start would lead to anything new (`search`).
+//! This is a count, not a proof: an assembly that no start leads to remains unknown. The search continues until an estimate
+//! says that a random start would hardly lead to anything new (`search`).
 //!
-//! Two closures are the same **mode** when all links stand alike, whatever the angles are called: whole turns, the second
-//! set of Euler angles of a ball joint, and the spin of a rod between two balls make no other mode. Modes in which the
-//! bodies stand alike are one **placement** (`alike`). Singular closures that can be moved on are points of one
-//! **continuous set**, a curve as a rule (`sets`).
+//! Two solutions are the same **mode** if all links have the same placement, whatever their angles: full turns, the second
+//! set of Euler angles of a ball joint, and the spin of a rod between two balls make no new mode. Modes in which the
+//! bodies have the same placement are one **placement** (`alike`). Singular solutions that can be moved continuously are
+//! points of one **continuous set**, usually a curve (`sets`).
 
 mod alike;
 mod names;

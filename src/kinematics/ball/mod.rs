@@ -1,4 +1,4 @@
-//! Ball joints written as three rotations, and their description next to gimbal-locked poses.
+//! Ball joints written as three rotations, and their description near gimbal lock.
 
 pub mod chart;
 pub mod joint;

@@ -1,33 +1,33 @@
-//! A proof beside a pose: how near the exact closed pose is, and within which radius it is the only one.
+//! The proof of a pose: a bound on the distance to the exact closed pose, and the radius within which it is the only one.
 //!
-//! Newton and Kantorovich with explicit constants. With x the computed pose, R near the inverse of the Jacobian J,
-//! F the residual in the form of [`chain`](pose::chain), and all unknowns measured in radians and mechanism sizes:
+//! The Newton-Kantorovich theorem with explicit constants. x is the computed pose, R an approximate inverse of the Jacobian
+//! J, F the residual in the form of [`chain`](pose::chain); all unknowns are measured in radians and mechanism sizes:
 //!
 //! ```text
 //! eta >= |R F(x)|    q >= |I - R J(x)|    K >= |R F''| within BALL of x    D = (1-q)² - 2 K eta
 //! error bound r = 2 eta / (1 - q + sqrt D),    uniqueness (1-q)/K,    if q < 1, D > 0, r <= BALL
 //! ```
 //!
-//! Rounding is part of eta and q. F is evaluated with 23 digits, sine and cosine with 20 (`circle`), so that no function
-//! of the platform is trusted; constants come with their error. The inputs are the numbers of the sample, or the decimals
-//! that a table prints for them. The skew part of the loop's rotation also vanishes at a
-//! half-turn; a positive trace rules it out.
+//! Rounding is included in eta and q. F is evaluated with 23 digits, sine and cosine with 20 (`circle`), so that no function
+//! of the platform needs to be trusted; constants carry their error. The inputs are the numbers of the sample, or the
+//! decimals that a table prints for them. The skew part of the loop's rotation also vanishes at a
+//! half-turn; a positive trace excludes it.
 //!
-//! The Newton step of the proof is known far better than f64 can say where the pose is. So a pose can be moved by it to
-//! the nearest numbers, and what is left of its error bound is little more than their rounding.
+//! The Newton step of the proof is known much more accurately than f64 can represent the pose. The pose is therefore moved
+//! by this step to the nearest numbers, and the remaining error bound is little more than their rounding.
 //!
-//! Blocks are proved in their order. Of every unknown of an earlier block that enters a later one its Newton step is
-//! taken into the later residual, and what is left of its error bound is added to eta through |R times its column|, and
+//! Blocks are proved in their order. If an unknown of an earlier block enters a later one, its Newton step is
+//! included in the later residual, and the rest of its error bound is added to eta through |R times its column|, and
 //! to q and eta through the second derivatives.
 //!
-//! Of a block with more equations than unknowns as many rows as unknowns are proved. The others cannot be: that they hold
-//! at the very same pose is a property of the dimensions, and those are known to some digits only. At the exact pose of the
-//! proved rows each of them is bounded, by the same test with the same digits. Where it is open by more than rounding and
-//! the digits of the dimensions explain, the pose is refused; else the bound is part of the certificate. The same holds for
-//! equations that the structure found empty at random poses, unless they vanish by the axes of the chain (`proof_plan`).
+//! In a block with more equations than unknowns, as many rows are proved as there are unknowns. The others cannot be proved:
+//! whether they hold at the same pose depends on the dimensions, which are known to a few digits only. Each of them is
+//! bounded at the exact pose of the proved rows, by the same test with the same digits. If it is open by more than rounding
+//! and the digits of the dimensions explain, the pose is refused; otherwise the bound is part of the certificate. The same
+//! applies to equations that were found empty at random poses, unless they vanish by the axes of the chain (`proof_plan`).
 //!
-//! Where arguments or equations are no affine forms, the test of [`tube`] with its interval arithmetic takes a pose that
-//! stands still: simpler, and a few times less sharp. The motion between poses is proved there too.
+//! If arguments or equations are not affine, the interval test of [`tube`] is applied to a constant pose: simpler, and a few
+//! times less sharp. [`tube`] also proves the motion between poses.
 
 pub mod absence;
 pub mod gaps;

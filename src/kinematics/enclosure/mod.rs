@@ -1,8 +1,8 @@
-//! Boxes around the poses of all pieces: dimensions lie anywhere in their intervals, and the unknowns, traced points and
+//! Boxes around the poses of all pieces: the dimensions lie anywhere in their intervals, and the unknowns, traced points and
 //! outputs of every such piece lie in the box.
 //!
-//! Everything is a function of the dimensions: its value, its derivatives as affine forms, so that mixed second derivatives
-//! are kept, and a bound of the rest, which is of third order. [`block`] has the test, [`quadratic`] the ranges.
+//! Everything is a function of the dimensions: its value, its derivatives as affine forms, which preserve mixed second
+//! derivatives, and a bound on the remainder of third order. [`block`] contains the test, [`quadratic`] the ranges.
 
 pub mod block;
 mod block_box;

@@ -1,6 +1,6 @@
-//! What moves: ranks at random and closed poses, the structure that follows from them, mobility, and passive freedoms.
+//! Freedoms: ranks at random and closed poses, the structure that follows from them, mobility, and idle freedoms.
 //!
-//! Above `solve`, since closed poses decide on ranks.
+//! Depends on `solve`, since closed poses decide on ranks.
 
 pub mod analysis;
 pub mod count;

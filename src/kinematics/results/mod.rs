@@ -1,4 +1,4 @@
-//! What solving and proving give, as values.
+//! Result types of solving and proving.
 
 pub mod certificate;
 pub mod columns;

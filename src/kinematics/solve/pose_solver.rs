@@ -1,7 +1,7 @@
 //! Closed poses beside known ones: predicted, corrected, observed. Whatever follows a motion, varies dimensions or looks
 //! between two samples does it here, with one rule for what may be trusted.
 //!
-//! Next to a pose where the angles of a ball joint are locked everything is solved in a [`BallChart`]; the scene's angles are
+//! Next to a pose where a ball joint is in gimbal lock everything is solved in a [`BallChart`]; the scene's angles are
 //! read from the result.
 
 use super::along_drive::AlongDrive;

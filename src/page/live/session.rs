@@ -122,7 +122,7 @@ impl LiveScene {
         let is_number = |v: &f64| v.is_finite();
         let wanted = text.trim().parse().ok().filter(is_number);
         let wanted: f64 =
-            wanted.ok_or_else(|| LiveError::Asked(format!("`{text}` is no number")))?;
+            wanted.ok_or_else(|| LiveError::Asked(format!("`{text}` is not a number")))?;
         let mut changed = self.overrides.clone();
         changed.parameters.retain(|(other, _)| other != name);
         changed

@@ -34,7 +34,7 @@ pub static SCENE: Keys = Keys::new(
         table_key(
             "parameters",
             FORMULAS_BY_NAME,
-            "constants, from the top down",
+            "constants; each may use those above it",
         ),
         table_key(
             "inputs",
@@ -83,7 +83,7 @@ pub static SCENE: Keys = Keys::new(
         ),
         table_key("plots", Tables(&PLOT), "what `mechanim plot` draws"),
         table_key("view", Table(&VIEW), "how the scene is seen"),
-        table_key("study", Table(&STUDY), "what may vary, and what is asked"),
+        table_key("study", Table(&STUDY), "what may vary, and its objective"),
     ],
 );
 
@@ -194,7 +194,7 @@ pub static DISTANCE: Keys = Keys::new(
         table_key(
             "distance",
             Texts,
-            "two bodies; `*` at the end for all that begin so",
+            "two bodies; `*` at the end stands for any rest of a name",
         )
         .required(),
         table_key(
@@ -208,24 +208,32 @@ pub static DISTANCE: Keys = Keys::new(
 pub static MEASURE: Keys = Keys::new(
     "measure",
     &[
-        table_key("track", Text, "over which poses; the drive if absent"),
+        table_key(
+            "track",
+            Text,
+            "the track whose poses are used; the drive if absent",
+        ),
         table_key(
             "of",
             Any(&[Formula, Formulas(0)]),
             "a formula; two for the path of chord and bow",
         )
         .required(),
-        table_key("per", Text, "an input: the derivative by it is taken"),
+        table_key(
+            "per",
+            Text,
+            "an input: the derivative with respect to it is used",
+        ),
         table_key(
             "take",
             Word(&TAKINGS),
-            "how one number is made of the row of values",
+            "how the values are reduced to one number",
         )
         .required(),
         table_key("power", Formula, "of a norm; 2 if absent"),
         table_key("min", Formula, "lower limit"),
         table_key("max", Formula, "upper limit"),
-        table_key("why", Text, "words for a broken limit"),
+        table_key("why", Text, "text that is printed if a limit is violated"),
     ],
 );
 
@@ -235,25 +243,29 @@ static LABEL: Keys = Keys::new(
         table_key("text", Text, "what it says").required(),
         table_key("body", Text, "the body that it is fixed to"),
         table_key("point", Formulas(3), "its point in the body's frame"),
-        table_key("trace", Text, "the trace that it stands on"),
+        table_key("trace", Text, "the trace that it is placed on"),
         table_key("time", Formula, "where on the trace, in seconds"),
         table_key("colour", Colour, "its colour"),
         table_key("size", Formula, "as a fraction of the picture's height"),
-        table_key("leader", Flag, "stands beside its point, with a line to it"),
-        table_key("hides", Flag, "gone while another body hides its point"),
+        table_key("leader", Flag, "placed beside its point, with a line to it"),
+        table_key(
+            "hides",
+            Flag,
+            "hidden while another body is in front of its point",
+        ),
     ],
 );
 
 static CLEARANCE: Keys = Keys::new(
     "clearance",
     &[
-        table_key("minimum", Formula, "least distance of any two bodies"),
+        table_key("minimum", Formula, "smallest distance of any two bodies"),
         table_key("pairs", Tables(&PAIR), "minima of single pairs"),
         table_key("ignore", Tables(&IGNORED), "pairs that are not judged"),
         table_key(
             "touching",
             Tables(&TOUCHING),
-            "pairs in contact all the time",
+            "pairs that are always in contact",
         ),
     ],
 );
@@ -264,7 +276,7 @@ static PAIR: Keys = Keys::new(
     "pair",
     &[
         BOTH,
-        table_key("minimum", Formula, "their least distance").required(),
+        table_key("minimum", Formula, "their smallest distance").required(),
     ],
 );
 
@@ -272,7 +284,7 @@ static IGNORED: Keys = Keys::new(
     "ignored pair",
     &[
         BOTH,
-        table_key("reason", Text, "why they may come near").required(),
+        table_key("reason", Text, "why they may touch").required(),
         table_key("shapes", Rows(2), "shapes that are left out, by number"),
         table_key("down_to", Formula, "distance that still passes, negative"),
     ],
@@ -286,7 +298,7 @@ static PLOT: Keys = Keys::new(
         table_key("title", Text, "text above the plot"),
         table_key("x", Formula, "what the curves are drawn against"),
         table_key("y", Formulas(0), "the curves").required(),
-        table_key("equal", Flag, "a unit is as long on both axes"),
+        table_key("equal", Flag, "the same scale on both axes"),
         table_key("angle", Word(&["rad", "deg"]), "unit of angles in it"),
         table_key("marks", Rows(2), "reference points"),
         table_key("lines", Rows(4), "reference lines"),
@@ -301,16 +313,16 @@ static STUDY: Keys = Keys::new(
             Named(&[Table(&VARIABLE)]),
             "parameters that may change",
         ),
-        table_key("minimise", Text, "the measure that is made small"),
+        table_key("minimise", Text, "the measure to minimise"),
         table_key(
             "limits",
             Named(&[Table(&LIMIT)]),
-            "what the study asks of measures",
+            "limits of measures in the study",
         ),
         table_key(
             "printed",
             FORMULAS_BY_NAME,
-            "what the source prints of measures",
+            "values of measures printed in the source",
         ),
         table_key("note", Text, "one line about what is studied"),
     ],
@@ -320,8 +332,8 @@ static STUDY: Keys = Keys::new(
 pub static VARIABLE: Keys = Keys::new(
     "variable",
     &[
-        table_key("range", Formulas(2), "least and largest value"),
-        table_key("tolerance", Formula, "by how much it may be off"),
+        table_key("range", Formulas(2), "smallest and largest value"),
+        table_key("tolerance", Formula, "tolerance (±), in its unit"),
     ],
 );
 

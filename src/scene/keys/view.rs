@@ -16,7 +16,7 @@ static SHADOWS_WORDS: [&str; Shadows::NAMES.len()] = words(&Shadows::NAMES);
 static TRAILS_WORDS: [&str; Trails::NAMES.len()] = words(&Trails::NAMES);
 static AXES_WORDS: [&str; ShownAxes::NAMES.len()] = words(&ShownAxes::NAMES);
 
-pub(crate) const AZIMUTH: Key = Key::new("azimuth", Formula, "where the viewer stands, in degrees");
+pub(crate) const AZIMUTH: Key = Key::new("azimuth", Formula, "direction of the viewer, in degrees");
 pub(crate) const ELEVATION: Key =
     Key::new("elevation", Formula, "height above the horizon, in degrees");
 pub(crate) const PROJECTION: Key =
@@ -29,7 +29,8 @@ pub(crate) const SHADOWS: Key = Key::new("shadows", Word(&SHADOWS_WORDS), "where
 pub(crate) const BACKGROUND: Key = Key::new("background", Colour, "in place of the theme's");
 pub(crate) const TRAILS: Key =
     Key::new("trails", Word(&TRAILS_WORDS), "how traced paths are drawn");
-pub(crate) const GHOSTS: Key = Key::new("ghosts", Formula, "how many earlier poses stay");
+pub(crate) const GHOSTS: Key =
+    Key::new("ghosts", Formula, "number of earlier poses that are shown");
 pub(crate) const ARROWS: Key = Key::new("arrows", Flag, "velocity arrows on traced points");
 pub(crate) const AXES: Key = Key::new("axes", Word(&AXES_WORDS), "axes of frames");
 pub(crate) const GAUGE: Key = Key::new("gauge", Flag, "gauges of the inputs");
@@ -58,14 +59,22 @@ pub static VIEW: Keys = Keys::new(
         BACKGROUND,
         Key::new("transparent", Flag, "no background, in PNG and APNG"),
         TRAILS,
-        Key::new("trail_length", Formula, "seconds that a fading trail holds"),
+        Key::new(
+            "trail_length",
+            Formula,
+            "length of a fading trail in seconds",
+        ),
         GHOSTS,
-        Key::new("ghost_times", Formulas(0), "poses at these seconds stay"),
+        Key::new(
+            "ghost_times",
+            Formulas(0),
+            "shows the poses at these times in seconds",
+        ),
         ARROWS,
         Key::new(
             "arrow_scale",
             Formula,
-            "seconds of motion that an arrow is long",
+            "length of arrows, in seconds of motion",
         ),
         AXES,
         GAUGE,
@@ -94,6 +103,10 @@ static CAMERA: Keys = Keys::new(
             Formula,
             "of the eye from the target, in place of zoom",
         ),
-        Key::new("target", Formulas(3), "the point in the picture's middle"),
+        Key::new(
+            "target",
+            Formulas(3),
+            "the point in the middle of the picture",
+        ),
     ],
 );

@@ -88,7 +88,7 @@ fn body_opacity(
     }
     diagnostics.push(
         Diagnostic::error(format!(
-            "opacity is between 0 and 1, found {}",
+            "opacity must be between 0 and 1, found {}",
             shown_number(value)
         ))
         .at(text.span.clone()),

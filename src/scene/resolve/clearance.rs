@@ -157,7 +157,7 @@ pub fn asked_distance(
                 diagnostics.push(
                     Diagnostic::error(message)
                         .at(place)
-                        .hint("a distance is that of solids"),
+                        .hint("a distance is measured between solids"),
                 );
             }
         }
@@ -199,7 +199,7 @@ fn named_shapes(
         list.extend(first.zip(second).map(<[usize; 2]>::from));
     }
     if rows.value.is_empty() {
-        diagnostics.push(Diagnostic::error("`shapes` names none").at(rows.span.clone()));
+        diagnostics.push(Diagnostic::error("`shapes` is empty").at(rows.span.clone()));
     }
     list
 }
@@ -221,7 +221,7 @@ fn ignored_depth(
     diagnostics.push(
         Diagnostic::error(message)
             .at(text.span.clone())
-            .hint("-1.5 lets bodies be 1.5 deep in each other; a distance belongs into `pairs`"),
+            .hint("-1.5 allows a penetration of 1.5; a distance belongs in `pairs`"),
     );
     None
 }
@@ -241,7 +241,7 @@ fn minimum_distance(
     );
     diagnostics.push(
         Diagnostic::error(message).at(text.span.clone()).hint(
-            "0 lets bodies touch but not overlap; bodies that may overlap belong into `ignore`",
+            "0 lets bodies touch but not overlap; bodies that may overlap belong in `ignore`",
         ),
     );
     None
@@ -306,7 +306,7 @@ fn pairs_once(
     let key = [a.min(b), a.max(b)];
     if let Some((_, other)) = seen.iter().find(|(k, _)| *k == key) {
         let message = format!(
-            "the pair `{}`, `{}` stands twice",
+            "the pair `{}`, `{}` is listed twice",
             first.value, second.value
         );
         diagnostics.push(

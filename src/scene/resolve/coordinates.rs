@@ -138,7 +138,7 @@ fn resolve_guess(
             }
             if names.is_settled(&name.value, parsed) {
                 let message = format!("the start value of `{}` is not used", name.value);
-                let hint = "the axes of the two cylinders are parallel, and leave it no choice";
+                let hint = "the axes of the two cylinders are parallel, so that it is constant";
                 diagnostics.push(
                     Diagnostic::warning(message)
                         .at(name.span.clone())
@@ -180,7 +180,7 @@ fn resolve_duration(
             .fold(0.0, f64::max);
         let moving = drives.iter().position(|d| !d.is_constant());
         if let (true, Some(moving)) = (last == 0.0, moving) {
-            let mut diagnostic = Diagnostic::error("how long does the motion last?")
+            let mut diagnostic = Diagnostic::error("the duration of the motion is unknown")
                 .hint("add `duration = 2.0` (seconds)");
             if let InputFile::Formula(text) = &file.inputs[moving].1 {
                 diagnostic = diagnostic.at(text.span.clone());

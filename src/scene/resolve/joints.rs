@@ -210,7 +210,7 @@ impl<'a> FoldedJoints<'a> {
             diagnostics.push(
                 Diagnostic::error("a shape's frame must be constant")
                     .at(place.clone())
-                    .hint("put what moves into the body's frame"),
+                    .hint("put the motion into the body's frame"),
             );
             return None;
         }

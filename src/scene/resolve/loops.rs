@@ -24,15 +24,12 @@ pub fn warn_of_loops(mechanism: &Mechanism, parsed: &Parsed, diagnostics: &mut D
             .iter()
             .find(|e| same(&e.chain) || same(&inverse_chain(&e.chain)));
         if let Some(first) = first {
-            let message = format!(
-                "loop `{}` says the same as loop `{}`",
-                item.name, first.name
-            );
+            let message = format!("loop `{}` is the same as loop `{}`", item.name, first.name);
             diagnostics.push(
                 Diagnostic::warning(message)
                     .at(span)
                     .with_related(place(&first.name), "first here")
-                    .hint("its equations are redundant: take one of them out"),
+                    .hint("its equations are redundant: remove one of them"),
             );
             continue;
         }
@@ -43,14 +40,14 @@ pub fn warn_of_loops(mechanism: &Mechanism, parsed: &Parsed, diagnostics: &mut D
         let slots: Vec<usize> = slots.collect();
         if slots.is_empty() {
             let message = format!(
-                "nothing moves in loop `{}`: it holds constants only",
+                "nothing moves in loop `{}`: it contains only constants",
                 item.name
             );
             let hint = "it is checked once and determines nothing";
             diagnostics.push(Diagnostic::warning(message).at(span).hint(hint));
         } else if slots.iter().all(|slot| *slot >= mechanism.unknowns.len()) {
-            let message = format!("loop `{}` holds no unknown, only inputs", item.name);
-            let hint = "it determines nothing, and closes only where the inputs fit together";
+            let message = format!("loop `{}` contains no unknown, only inputs", item.name);
+            let hint = "it determines nothing, and closes only if the inputs are consistent";
             diagnostics.push(Diagnostic::warning(message).at(span).hint(hint));
         }
     }

@@ -238,7 +238,7 @@ fn resolve_power(
         return Some(power);
     }
     let found = shown_number(power);
-    let message = format!("the power of a norm is at least 1, found {found}");
+    let message = format!("the power of a norm must be at least 1, found {found}");
     diagnostics.push(Diagnostic::error(message).at(text.span.clone()));
     None
 }
@@ -252,7 +252,7 @@ fn input_index(
     if found.is_none() {
         let known = names.inputs.iter().map(|i| i.name.as_str());
         let message = format!(
-            "values are derived by an input, and `{}` is none",
+            "derivatives are taken with respect to an input, and `{}` is none",
             name.value
         );
         diagnostics.push(

@@ -202,7 +202,7 @@ impl Names {
         match self.meaning(name) {
             Some(Meaning::Parameter(i)) => Ok(CompiledValue::Constant(self.parameters[i].value)),
             Some(_) => Err(Diagnostic::error(format!(
-                "`{name}` moves, but a constant is wanted here"
+                "`{name}` varies, but a constant is required here"
             ))
             .at(span.clone())),
             None => Err(self.undefined(name, span)),

@@ -195,8 +195,10 @@ impl Resolver<'_, '_> {
             Some(text) => {
                 let value = self.value(text, kind)?;
                 if value < 0.0 {
-                    let message =
-                        format!("a tolerance is not negative, found {}", shown_number(value));
+                    let message = format!(
+                        "a tolerance must not be negative, found {}",
+                        shown_number(value)
+                    );
                     let place = text.span.clone();
                     self.diagnostics.push(Diagnostic::error(message).at(place));
                     return None;

@@ -135,7 +135,7 @@ pub fn expand_dependents(parsed: &mut Parsed, varied: &[String], diagnostics: &m
                 .iter()
                 .map(|(n, _)| &n.value[..])
                 .collect();
-            let message = format!("`{name}` is to be varied, but the scene has no such parameter");
+            let message = format!("`{name}` cannot be varied: the scene has no such parameter");
             diagnostics.push(Diagnostic::error(message).suggest(name, known));
         }
     }

@@ -36,7 +36,7 @@ fn oldham() -> Row {
         ..Row::new(
             "Oldham coupling",
             "Oldham 1821; Willis 1841",
-            "ratio 1; the disc's centre runs on a circle over the shafts, twice a turn",
+            "ratio 1; the disc's centre moves on a circle through both shafts, twice per turn",
         )
     }
 }

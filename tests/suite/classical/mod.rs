@@ -109,9 +109,9 @@ fn a_wrong_dimension_is_found_in_every_row() {
 
 const HEAD: &str = "# Classical mechanisms
 
-Mechanisms whose answers stand in books, beside ours. `tests/suite/classical` solves every row, computes the known answer by formulas
-of its own, and compares this page with its table. *Within* bounds the difference of any number of the row (lengths of the
-order of 1 to 100, angles in radians) and the error that the certificate proves. *Freedoms* are by count of joints and by
+Mechanisms with textbook answers, compared with those of mechanim. `tests/suite/classical` solves every row, computes the known answer
+with formulas of its own, and compares this page with its table. *Within* is a bound on the difference of every number of the row (lengths
+of the order of 1 to 100, angles in radians) and on the proved error. *Freedoms* are determined by counting joints and by
 rank; *assemblies* are those that `mechanim modes` finds at the first sample. Years are those of the first publication.
 
 | mechanism | source | known answer | within | freedoms | assemblies | proof |
@@ -121,9 +121,9 @@ rank; *assemblies* are those that `mechanim modes` finds at the first sample. Ye
 const NOTES: &str = "
 ## Errata
 
-* Norton's table of Hoecken linkages prints the coupler ratio of its first row as 3.963, half of which is lost in rounding: with it the
-  coupler point deviates by 0.00036 % of the way, not by the printed 0.00001 %. With 3.9625 it is 0.0000105 %. The other rows in our table
-  have the printed figures.
+* Norton's table of Hoecken linkages prints the coupler ratio of its first row rounded to 3.963. With this value the
+  coupler point deviates by 0.00036 % of the travel, not by the printed 0.00001 %; with 3.9625 it is 0.0000105 %. The other rows of our table
+  agree with the printed numbers.
 ";
 
 #[test]

@@ -134,7 +134,7 @@ fn roberts() -> Row {
         ..Row::new(
             "Roberts' linkage",
             "Roberts, before 1841; Kempe, *How to Draw a Straight Line*, 1877",
-            "the apex stands on the base line at its ends and its middle",
+            "the apex is on the base line at its ends and its middle",
         )
     }
 }
@@ -210,7 +210,7 @@ fn hoecken_60() -> Row {
         answers: |motion| hoecken_answers(motion, [60.0, 2.9, 3.85], [1.763, 1e-3, 2.7e-4, 1e-5]),
         ..hoecken_row(
             "Hoecken's linkage, 60°",
-            "way 1.763 cranks, deviation 0.00027 % of it",
+            "travel 1.763 cranks, deviation 0.00027 % of it",
             ["60", "2.9", "3.85"],
         )
     }
@@ -221,7 +221,7 @@ fn hoecken_180() -> Row {
         answers: |motion| hoecken_answers(motion, [180.0, 2.2, 2.8], [4.181, 1e-3, 0.096, 1e-3]),
         ..hoecken_row(
             "Hoecken's linkage, 180°",
-            "way 4.181 cranks, deviation 0.096 % of it",
+            "travel 4.181 cranks, deviation 0.096 % of it",
             ["180", "2.2", "2.8"],
         )
     }
@@ -232,7 +232,7 @@ fn hoecken_20() -> Row {
         answers: |motion| hoecken_answers(motion, [20.0, 2.975, 3.9625], [0.601, 1e-3, 1e-5, 1e-5]),
         ..hoecken_row(
             "Hoecken's linkage, 20°",
-            "way 0.601 cranks, deviation 0.00001 % of it (erratum below)",
+            "travel 0.601 cranks, deviation 0.00001 % of it (erratum below)",
             ["20", "2.975", "3.9625"],
         )
     }

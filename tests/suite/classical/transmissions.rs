@@ -167,7 +167,7 @@ fn geneva_four() -> Row {
         },
         ..geneva_row(
             "Geneva wheel, four slots",
-            "enters at no speed with acceleration ω² tan 180°/n; largest speed ratio λ/(1 − λ) = 2.414, λ = sin 180°/n",
+            "enters with zero speed and acceleration ω² tan 180°/n; largest speed ratio λ/(1 − λ) = 2.414, λ = sin 180°/n",
             "4",
         )
     }
@@ -183,7 +183,7 @@ fn geneva_six() -> Row {
         },
         ..geneva_row(
             "Geneva wheel, six slots",
-            "enters at no speed; largest speed ratio 1",
+            "enters with zero speed; largest speed ratio 1",
             "6",
         )
     }
@@ -262,7 +262,7 @@ fn ferguson() -> Row {
         ..Row::new(
             "Ferguson's paradox",
             "Ferguson 1764; Willis, *Principles of Mechanism*, 1841",
-            "for a turn of the arm +1/101, 0 and −1/99 turns",
+            "per turn of the arm +1/101, 0 and −1/99 turns",
         )
     }
 }
@@ -279,7 +279,7 @@ fn differential_screw() -> Row {
         ..Row::new(
             "Differential screw",
             "Hunter 1781; Prony; Willis 1841",
-            "advance of p₁ − p₂ a turn",
+            "advance of p₁ − p₂ per turn",
         )
     }
 }

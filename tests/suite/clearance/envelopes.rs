@@ -115,7 +115,7 @@ fn the_program_writes_it_and_says_how_near_it_is() {
             "ball",
         ])
         .exits(0);
-    run.says(&["encloses what `ball` sweeps"]);
+    run.says(&["encloses the volume swept by `ball`"]);
     assert!(w.path("ball.stl").is_file());
     w.run(&[
         "check",

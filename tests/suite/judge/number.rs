@@ -61,7 +61,10 @@ impl Precise {
         let plain = text.trim().trim_start_matches('+').replace('_', "");
         let value =
             CONSTANTS.with_borrow_mut(|c| BigFloat::parse(&plain, Radix::Dec, BITS, CUT, c));
-        assert!(!value.is_nan() && !value.is_inf(), "`{text}` is no number");
+        assert!(
+            !value.is_nan() && !value.is_inf(),
+            "`{text}` is not a number"
+        );
         Self(value)
     }
 

@@ -1,4 +1,4 @@
-//! Least and greatest values of measures are those of the whole motion, whatever the samples, and their bounds hold: against
+//! Smallest and largest values of measures are those of the whole motion, whatever the samples, and their bounds hold: against
 //! closed forms and dense values of our own.
 
 use crate::draws::Draws;

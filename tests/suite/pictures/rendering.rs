@@ -129,7 +129,7 @@ fn frames_that_do_not_fit_are_named() {
         (
             &["f0.png", "f1.png"],
             "x.png",
-            &["x.png holds one picture", ".gif, .apng"],
+            &["x.png contains one picture", ".gif, .apng"],
         ),
         (
             &["f0.png", "f1.png"],
@@ -139,7 +139,7 @@ fn frames_that_do_not_fit_are_named() {
         (
             &["f0.png"],
             "x.glb",
-            &["a GLB holds shapes, which pictures do not have"],
+            &["a GLB contains shapes, which pictures do not have"],
         ),
         (&["f0.png"], "x.avi", &["unknown extension .avi"]),
     ] {
@@ -209,14 +209,17 @@ fn a_file_that_cannot_hold_what_is_asked_is_refused() {
         (
             "x.stl",
             &["--frames", "5"][..],
-            &["x.stl: an STL holds one pose, no motion", "write a .glb"][..],
+            &[
+                "x.stl: an STL contains one pose, not a motion",
+                "write a .glb",
+            ][..],
         ),
         (
             "x.obj",
             &["--frames", "5"],
-            &["an OBJ holds one pose", "--at SECONDS"],
+            &["an OBJ contains one pose", "--at SECONDS"],
         ),
-        ("x.png", &["--frames", "5"], &["x.png holds one picture"]),
+        ("x.png", &["--frames", "5"], &["x.png contains one picture"]),
         (
             "x.stl",
             &["--at", "9"],
@@ -225,22 +228,25 @@ fn a_file_that_cannot_hold_what_is_asked_is_refused() {
         (
             "x.png",
             &["--quality", "50"],
-            &["--quality means nothing to a PNG", "it is for GIFs"],
+            &["--quality has no effect on a PNG", "it applies to GIFs"],
         ),
         (
             "x.gif",
             &["--compression", "small"],
-            &["--compression means nothing to a GIF"],
+            &["--compression has no effect on a GIF"],
         ),
         (
             "x.y4m",
             &["--loop", "once"],
-            &["--loop means nothing to a y4m video"],
+            &["--loop has no effect on a y4m video"],
         ),
         (
             "x.gif",
             &["--chroma", "420"],
-            &["--chroma means nothing to a GIF", "it is for y4m videos"],
+            &[
+                "--chroma has no effect on a GIF",
+                "it applies to y4m videos",
+            ],
         ),
         (
             "x.gif",

@@ -193,7 +193,7 @@ fn a_film_shows_every_improvement() {
     .exits(0);
     w.run(&["optimise", "crank.toml", "--film", "film.png"])
         .exits(2)
-        .says(&["holds no film"]);
+        .says(&["cannot contain an animation"]);
 }
 
 /// Starts a run, waits for its first line on standard error, and interrupts it.
@@ -233,14 +233,14 @@ fn ctrl_c_keeps_the_best_so_far() {
     let text = run.text();
     run.says(&[
         "iteration 50",
-        "interrupted; the best so far was written to best.toml",
+        "interrupted; the best result so far was written to best.toml",
     ]);
     assert!(text.contains("interrupted, best so far"), "{text}");
     w.run(&["check", "best.toml", "--samples", "9"]).exits(0);
     let pairs = ["optimise", "gearshift", "--pairs", "--threads", "1"];
     let run = interrupted(&w, &[&pairs[..], &plain].concat()).exits(130);
     assert!(run.text().contains("pairs optimised"));
-    run.says(&["interrupted; the ranking holds", "of 231 pairs"]);
+    run.says(&["interrupted; the ranking contains", "of 231 pairs"]);
     let pieces = [
         "tolerance",
         "gearshift",
@@ -255,7 +255,7 @@ fn ctrl_c_keeps_the_best_so_far() {
     let search = ["synthesise", "sphere-sphere", "--out", "found.toml"];
     let run = interrupted(&w, &search).exits(130);
     assert!(run.text().contains("stopped"));
-    run.says(&["the best so far was reported and written as asked"]);
+    run.says(&["the best result so far was reported and written"]);
     w.run(&[
         "solve",
         "found.toml",

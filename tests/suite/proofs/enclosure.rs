@@ -543,7 +543,7 @@ fn the_program_writes_bands_and_says_what_it_refuses() {
     for (arguments, part) in [
         (&["--param", "r=41..40"][..], "above the upper end"),
         (&["--param", "r=40+-x"], "no tolerance"),
-        (&["--vary", "r"], "no tolerance is known of r"),
+        (&["--vary", "r"], "there is no tolerance for r"),
         (&["--vary", "q", "--tolerance", "1"], "no such parameter"),
         (
             &["--tolerance", "0.1", "--allow", "z=1"],
@@ -567,7 +567,7 @@ fn the_program_writes_bands_and_says_what_it_refuses() {
     ]);
     let text = fold.exits(1).text();
     assert!(
-        text.contains("`l` takes the mechanism farthest") && text.contains("t = 0 s"),
+        text.contains("`l` brings the mechanism closest") && text.contains("t = 0 s"),
         "{text}"
     );
 }
@@ -585,7 +585,7 @@ fn a_dimension_that_stands_in_a_drive_is_refused() {
         "1",
     ])
     .exits(2)
-    .says(&["`tilt` stands in a drive"]);
+    .says(&["`tilt` appears in a drive"]);
 }
 
 #[test]

@@ -442,7 +442,7 @@ fn intervals_that_reach_a_fold_are_refused() {
         text.contains("undecided") && text.contains("no bound from t ="),
         "{text}"
     );
-    assert!(text.contains("within its tolerance `"), "{text}");
+    assert!(text.contains("within the tolerances, `"), "{text}");
 }
 
 /// What cannot be true of other pieces is said before anything is solved.
@@ -467,7 +467,7 @@ fn what_no_tolerance_can_follow_is_refused() {
         ),
         (
             &["check", "bare.toml", "--made-within", "0.1", "--vary", "r"],
-            "--made-within reports clearances, and the scene asks for none",
+            "--made-within reports clearances, but the scene has no section [clearance]",
         ),
         (
             &["check", "crank.toml", "--vary", "r"],

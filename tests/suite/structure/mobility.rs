@@ -728,14 +728,14 @@ fn odd_loops_are_solved_or_refused_and_always_said() {
             scene(one, &format!("A = \"{crank}\"\nB = \"{crank}\"")),
             0,
             &[
-                "warning: loop `B` says the same as loop `A`",
+                "warning: loop `B` is the same as loop `A`",
                 "take one of them out",
             ],
         ),
         (
             scene(one, &format!("A = \"{crank}\"\nB = \"{back}\"")),
             0,
-            &["loop `B` says the same as loop `A`"],
+            &["loop `B` is the same as loop `A`"],
         ),
         (
             scene(one, &format!("A = \"{crank}\"\nB = \"Tx(2) Tx(-2)\"")),
@@ -753,7 +753,7 @@ fn odd_loops_are_solved_or_refused_and_always_said() {
         (
             scene(two, &format!("A = \"{crank}\"\nB = \"Rz(phi) Rz(-psi)\"")),
             0,
-            &["loop `B` holds no unknown, only inputs"],
+            &["loop `B` contains no unknown, only inputs"],
         ),
         (
             scene(

@@ -353,7 +353,7 @@ fn mistakes_of_a_study_are_said_with_their_place() {
         (
             "tolerance = 0.1",
             "tolerance = -1",
-            "a tolerance is not negative",
+            "a tolerance must not be negative",
         ),
         ("per = \"phi\"", "per = \"psi\"", "`psi` is none"),
         (
@@ -403,7 +403,7 @@ fn mistakes_of_a_study_are_said_with_their_place() {
             &["sensitivity", "crank.toml", "--rank", "q"],
             "no measure `q`",
         ),
-        (&["tolerance", "crank.toml"], "no tolerance is known of L"),
+        (&["tolerance", "crank.toml"], "there is no tolerance for L"),
         (
             &["tolerance", "crank.toml", "--samples", "0"],
             "whole number",
@@ -413,7 +413,7 @@ fn mistakes_of_a_study_are_said_with_their_place() {
             "whole number",
         ),
         (&["optimise", "crank.toml", "--vary", "r,r"], "varied twice"),
-        (&["optimise", "slider-crank"], "nothing is to be varied"),
+        (&["optimise", "slider-crank"], "there is nothing to vary"),
         (
             &["optimise", "crank.toml", "--out", "crank.toml"],
             "is an input",

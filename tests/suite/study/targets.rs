@@ -358,7 +358,10 @@ fn mistakes_of_a_table_are_told_with_their_places() {
             "time,P.x\n7,1\n",
             &["t.csv:2:1: time 7 s is outside of the drive"],
         ),
-        ("P.x,Q.y\n1,2\n", &["t.csv:1:5: `Q.y` is no input", "P.x"]),
+        (
+            "P.x,Q.y\n1,2\n",
+            &["t.csv:1:5: `Q.y` is not an input", "P.x"],
+        ),
         ("P.x,P.x\n1,2\n", &["t.csv:1:5: there are two columns"]),
         (
             "time,phi,P.x\n0,0,1\n",
@@ -392,7 +395,7 @@ fn mistakes_of_a_table_are_told_with_their_places() {
     let arguments = ["synthesise", "driven.toml", "--target", "t.csv"];
     run(&workspace, &arguments)
         .exits(2)
-        .says(&["`turn` stands in a drive"]);
+        .says(&["`turn` appears in a drive"]);
     let arguments = [
         "synthesise",
         "four-bar",

@@ -77,7 +77,7 @@ fn folders_that_are_something_else_are_refused() {
     run(&space, &line).exits(2).says(&["a run has left"]);
     run(&space, "study run rows.csv.parts")
         .exits(2)
-        .says(&["holds no study"]);
+        .says(&["is not a study"]);
     space.write("plan.json", "{}");
     run(&space, "study run .").exits(2).says(&["is no plan"]);
     let line = format!("{sweep} --out nowhere/rows.csv");

@@ -134,7 +134,7 @@ fn what_cannot_be_meant_of_pieces_is_refused() {
         ("--tolerance 0.1 --pieces 0", "whole number"),
         ("--tolerance 0.1 --pieces nan", "whole number"),
         ("--tolerance 0", "0"),
-        ("--pieces 10", "no tolerance is known"),
+        ("--pieces 10", "there is no tolerance"),
         ("--tolerance 0.1 --vary nothing", "nothing"),
         (
             "--tolerance 0.1 --inputs t.csv",

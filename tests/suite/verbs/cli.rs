@@ -94,7 +94,7 @@ fn help_and_version_are_no_errors_and_bad_usage_is() {
     let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(
         help.contains("Exit codes: 0 done; 1 a check failed or could not prove")
-            && help.contains("4 the motion does not close all the way"),
+            && help.contains("4 the motion does not reach its end"),
         "{help}"
     );
     w.run(&["--version"]).exits(0).says_nothing();
@@ -915,7 +915,7 @@ fn motion_is_proved_on_request() {
         .run(&["check", "dyads", "--certify", "none"])
         .exits(0)
         .text();
-    assert!(text.contains("not asked for"), "{text}");
+    assert!(text.contains("not requested"), "{text}");
     w.run(&[
         "solve",
         "dyads",

@@ -25,7 +25,7 @@ fn two_versions_are_shown_side_by_side() {
         "Old: Slider-crank",
         "New: Slider-crank",
         "data-linked",
-        "<caption>Parameters that are written otherwise</caption>",
+        "<caption>Changed parameters</caption>",
         "<tr><td>L</td><td class=\"number\">80</td><td class=\"number\">90</td></tr>",
         "<h2>Values</h2>",
         "Dashed: the old version.",
@@ -53,7 +53,7 @@ fn a_scene_that_is_the_same_has_no_other_answers() {
     w.run(&["compare", "four-bar", "four-bar", "--out", "c.html"])
         .exits(0);
     let text = page(&w, "c.html");
-    assert!(text.contains("Every question has the same answer, to the last digit that is shown."));
+    assert!(text.contains("All checks have the same results, to the last digit shown."));
     assert!(!text.contains("<h2>Parameters</h2>"));
 }
 

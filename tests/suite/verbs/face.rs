@@ -94,7 +94,7 @@ fn tolerances_of_library_and_program_agree() {
     }
     assert!(
         study.tolerance(&Default::default()).is_err(),
-        "no tolerance is known"
+        "there is no tolerance"
     );
 }
 

@@ -400,6 +400,6 @@ fn without_its_engine_a_live_page_says_how_to_get_it() {
         "p.html",
     ])
     .exits(2)
-    .says(&["it is no WebAssembly"]);
+    .says(&["it is not WebAssembly"]);
     assert!(!w.path("p.html").exists());
 }

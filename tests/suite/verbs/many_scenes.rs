@@ -109,7 +109,7 @@ fn what_is_about_one_scene_is_refused_for_several() {
             .run(&[&["check", "good.toml", "near.toml"], option].concat())
             .exits(2);
         run.prints_nothing().says(&[
-            "is about one scene, and there are several",
+            "works on a single scene, and there are several",
             "mechanim report",
         ]);
     }
@@ -118,7 +118,7 @@ fn what_is_about_one_scene_is_refused_for_several() {
         .says(&["standard input is one scene"]);
     w.run(&["check", "none?.toml"])
         .exits(2)
-        .says(&["no file is named like `none?.toml`"]);
+        .says(&["no file matches `none?.toml`"]);
     // A report never lands on any of the scenes.
     let run = w
         .run(&["check", "good.toml", "near.toml", "--json", "near.toml"])

@@ -164,7 +164,7 @@ fn several_scenes_share_a_page_and_its_worst_result() {
     // What is only a word of the command line is shown, too.
     w.run(&["report", "none-*.toml", "--out", "p.html"])
         .exits(2)
-        .says(&["no file is named like `none-*.toml`"]);
+        .says(&["no file matches `none-*.toml`"]);
 }
 
 #[test]
@@ -192,7 +192,7 @@ fn pages_are_html_files_and_never_replace_a_scene() {
         .says(&["is an input of this command"]);
     w.run(&["report", "four-bar", "--out", "p.txt"])
         .exits(2)
-        .says(&["`p.txt` is no .html file"]);
+        .says(&["`p.txt` is not an .html file"]);
     // The same scene gives the same bytes.
     w.run(&["report", "four-bar", "--out", "a.html"]).exits(0);
     let second = w.run(&["report", "four-bar", "--out", "-"]).exits(0);

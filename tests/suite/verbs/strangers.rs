@@ -383,7 +383,7 @@ fn meshes_stand_below_the_scene_or_where_they_are_allowed() {
                 run.stderr
             );
             if !is_read {
-                run.says(&["does not stand below the scene's folder"]);
+                run.says(&["is not in or below the scene's folder"]);
             }
         }
     }

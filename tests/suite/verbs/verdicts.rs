@@ -368,7 +368,12 @@ fn values_and_limits_are_in_the_cases() {
     );
     holds(
         "crank / slider",
-        &["failed", "70.000000 mm are asked", "never below", "proved"],
+        &[
+            "failed",
+            "the minimum is 70.000000 mm",
+            "never below",
+            "proved",
+        ],
     );
     holds("motion closes", &["21 samples, all with a pose"]);
     holds("pose certificates", &["error at most", "refused 0 of 21"]);

@@ -57,7 +57,7 @@ pub struct TargetSearch<'f> {
 pub struct Tried {
     /// Where it was.
     pub origin: Origin,
-    /// Sum of the squares there; NaN where no draw moves through all rows.
+    /// Sum of the squares there; NaN where no start can be followed through all rows.
     pub first: f64,
     /// The same at the end.
     pub sum: f64,

@@ -1,4 +1,4 @@
-//! Where the angles of a ball joint are locked though the mechanism is not.
+//! Where a ball joint is in gimbal lock though the mechanism is not.
 
 use super::events::Events;
 use crate::kinematics::ball::joint::Ball;
