@@ -193,34 +193,9 @@ fn the_loops_of_the_dyads_are_as_sharp_as_their_bars() {
     }
 }
 
-/// The mechanism of the dyads by its bars, whose lengths are dimensions.
-fn bars() -> Case {
-    let text = include_str!("../../data/dyads-bars.toml");
-    let mut parameters = String::from("[parameters]\n");
-    let mut tolerances = Vec::new();
-    let mut lines: Vec<String> = Vec::new();
-    for line in text.lines() {
-        let bar = line.strip_prefix('b').and_then(|l| l.split_once(" = \""));
-        match bar.filter(|(_, formula)| formula.starts_with('(')) {
-            Some((name, formula)) => {
-                let (sum, square) = formula.trim_end_matches('"').rsplit_once(" - ").unwrap();
-                parameters += &format!("L{name} = \"sqrt({square})\"\n");
-                tolerances.push((format!("L{name}"), 0.05));
-                lines.push(format!("b{name} = \"{sum} - L{name}^2\""));
-            }
-            None => lines.push(line.to_owned()),
-        }
-    }
-    let text = lines.join("\n").replace("[parameters]\n", &parameters);
-    let traced = "\n[[traces]]\nname = \"p0\"\nbody = \"point 0\"\n";
-    let mut case = Case::text(&format!("{text}{traced}"), &[]);
-    case.tolerances = tolerances;
-    case
-}
-
 #[test]
 fn the_dyads_attain_their_bands_in_17_bars() {
-    let case = bars().input("phi", "pi/2");
+    let case = Case::all("dyads-bars", 0.05, 0.0).input("phi", "pi/2");
     assert_eq!(case.tolerances.len(), 17);
     // The start values are those of phi = 0.
     let case = Case {
@@ -400,7 +375,7 @@ fn cases() -> Vec<(&'static str, Case, f64)> {
         ("slider-crank", Case::all("slider-crank", 0.5, 0.0), 1.0),
         ("gearshift", Case::all("gearshift", 0.1, 0.0), 1.0),
         ("dyads", Case::all("dyads", 0.1, 0.0), 1.0),
-        ("bars", bars(), 1.0),
+        ("dyads-bars", Case::all("dyads-bars", 0.05, 0.0), 1.0),
         ("lifting-arm", Case::all("lifting-arm", 0.005, 0.0), 1.0),
         ("twin-steer", Case::all("twin-steer", 0.001, 0.00002), 1.0),
         ("seven-r", Case::all("seven-r", 0.0005, 0.0002), 1.0),
