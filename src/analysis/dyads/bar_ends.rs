@@ -48,18 +48,21 @@ impl<'m> BarEnds<'m> {
 
     /// Whether a joint is no joint, but what places an end, or a body that is drawn where ends are.
     pub fn place_joint(&self, joint: &Joint) -> bool {
-        let mut own = joint.coordinates.iter();
-        !joint.coordinates.is_empty() && own.all(|slot| self.slots.contains(slot))
+        self.place(joint.coordinates.iter().copied())
     }
 
     /// Whether a link is only drawn where ends are.
     pub fn place_link(&self, link: usize) -> bool {
         let chain = self.mechanism.joints.world_from_link(link);
         let arguments = chain.arguments().into_iter();
-        let mut slots = arguments
-            .flat_map(|a| self.mechanism.arguments[a].coordinates())
-            .peekable();
-        slots.peek().is_some() && slots.all(|slot| self.slots.contains(&slot))
+        self.place(arguments.flat_map(|a| self.mechanism.arguments[a].coordinates()))
+    }
+
+    /// Whether coordinates of ends are among these, and but for inputs nothing else is.
+    fn place(&self, slots: impl Iterator<Item = usize> + Clone) -> bool {
+        let is_end = |slot: usize| self.slots.contains(&slot);
+        let is_input = |slot: usize| slot >= self.mechanism.unknowns.len();
+        slots.clone().any(is_end) && slots.clone().all(|slot| is_end(slot) || is_input(slot))
     }
 
     /// The link that carries an end; `None` if the end is free.

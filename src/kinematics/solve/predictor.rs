@@ -18,7 +18,7 @@ use crate::linalg::lanes::Lanes;
 use wide::f64x4;
 
 /// Highest order. One more costs a pass along the joints, one less an iteration of Newton's method.
-pub const HIGHEST_ORDER: usize = 4;
+pub use crate::kinematics::structure::planned_quadratic::HIGHEST_ORDER;
 
 /// How a prediction was made.
 #[derive(Clone, Copy, Debug, PartialEq)]

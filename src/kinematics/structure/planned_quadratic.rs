@@ -3,6 +3,9 @@
 use crate::model::expression::{Affine, Quadratic};
 use crate::numbers::scalar::Ring;
 
+/// Highest order of the coefficients that products are asked for.
+pub const HIGHEST_ORDER: usize = 4;
+
 /// A coordinate's part of an affine form.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct PlannedTerm {
@@ -102,15 +105,24 @@ impl PlannedQuadratic {
     }
 
     /// What the coefficients of the coordinates below that order contribute to coefficient `order` of the value, where
-    /// `coefficients` holds those of all `count` coordinates from the first order on, one order after the other.
+    /// `coefficients` holds those of all `count` coordinates from the first order on, one order after the other. The order is 2 to
+    /// [`HIGHEST_ORDER`].
     pub fn bend(&self, coefficients: &[f64], count: usize, order: usize) -> f64 {
-        let along = |factor: usize, order: usize| {
-            let of_order = &coefficients[(order - 1) * count..order * count];
-            self.factors[factor].linear(0.0, of_order)
+        let along = |factor: usize| {
+            let orders = coefficients.chunks_exact(count).take(order - 1);
+            let mut values = [0.0; HIGHEST_ORDER];
+            for (value, of_order) in values.iter_mut().zip(orders) {
+                *value = self.factors[factor].linear(0.0, of_order);
+            }
+            values
         };
         let products = self.products.iter().map(|(factor, [a, b])| {
-            let parts = (1..order).map(|k| along(*a, k) * along(*b, order - k));
-            factor * parts.sum::<f64>()
+            let first = along(*a);
+            let second = if a == b { first } else { along(*b) };
+            let pairs = first[..order - 1]
+                .iter()
+                .zip(second[..order - 1].iter().rev());
+            factor * pairs.map(|(x, y)| x * y).sum::<f64>()
         });
         products.sum()
     }

@@ -129,6 +129,8 @@ pub struct ProofBlock {
 pub struct ProofPlan {
     /// Affine forms of the arguments; `None` for formulas.
     pub arguments: Vec<Option<Affine>>,
+    /// Which of them stand in blocks: the others only carry bodies.
+    pub is_needed: Vec<bool>,
     /// In the order of their solution.
     pub blocks: Vec<ProofBlock>,
     /// Number of equations beyond the unknowns that no proof can take: they are only bounded.
@@ -147,8 +149,12 @@ impl ProofPlan {
             .iter()
             .map(|b| b.rows.saturating_sub(b.unknowns.len()));
         let redundant_rows = beyond.sum();
+        let mut is_needed = vec![false; arguments.len()];
+        let needed = blocks.iter().flat_map(|block| &block.arguments);
+        needed.for_each(|index| is_needed[*index] = true);
         Self {
             arguments,
+            is_needed,
             blocks,
             redundant_rows,
         }

@@ -107,9 +107,9 @@ impl Names {
             .iter()
             .for_each(|(_, node)| node.visit_names(&mut gather));
         let bars = &parsed.bars;
-        bars.factors().for_each(|f| visit_factor(f, &mut gather));
         bars.lengths()
             .for_each(|node| node.visit_names(&mut gather));
+        bars.factors().for_each(|f| visit_factor(f, &mut gather));
         names.unknowns = found.iter().map(|(name, _)| coordinate(name)).collect();
         names.unknown_places = found.into_iter().map(|(_, span)| span).collect();
         names.index();

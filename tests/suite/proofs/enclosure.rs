@@ -447,6 +447,63 @@ fn pieces_find_a_band_without_its_remainder() {
     assert!(caught >= 6, "{caught}");
 }
 
+/// Bands that end at the corner where one dimension, the one that counts most, has the wrong sign.
+fn wrong_corners(case: &Case, plan: &Plan, times: &[f64]) -> Vec<Enclosed> {
+    let family = case.family();
+    let mut solver = PoseSolver::new(family.system());
+    let unknowns = family.mechanism().unknowns.len();
+    let mut motion = enclose_motion(plan, times, 1, false);
+    for enclosed in &mut motion {
+        let Ok(bands) = &mut enclosed.bands else {
+            continue;
+        };
+        let drawn: Vec<f64> = bands.list[..unknowns].iter().map(|b| b.nominal).collect();
+        let drawn = [drawn, enclosed.inputs.clone()].concat();
+        let mut shown_at = |places: &[f64]| {
+            let changes = plan.dimensions.iter().zip(places);
+            let changes: Vec<(usize, f64)> =
+                changes.map(|(d, p)| (d.slot, d.tolerance * p)).collect();
+            let slots = piece(&family, &mut solver, &drawn, &changes).unwrap();
+            [&slots[..unknowns], &slots[drawn.len()..]].concat()
+        };
+        let count = plan.dimensions.len();
+        let middle = shown_at(&vec![0.0; count]);
+        let rates: Vec<Vec<f64>> = (0..count)
+            .map(|k| {
+                let mut places = vec![0.0; count];
+                places[k] = 0.01;
+                let moved = shown_at(&places);
+                moved.iter().zip(&middle).map(|(a, b)| a - b).collect()
+            })
+            .collect();
+        for (index, band) in bands.list.iter_mut().enumerate() {
+            let of_band: Vec<f64> = rates.iter().map(|r| r[index]).collect();
+            let strongest =
+                (0..count).max_by(|a, b| of_band[*a].abs().total_cmp(&of_band[*b].abs()));
+            let mut corner: Vec<f64> = of_band.iter().map(|r| r.signum()).collect();
+            corner[strongest.unwrap()] *= -1.0;
+            band.hi = shown_at(&corner)[index];
+            corner.iter_mut().for_each(|c| *c *= -1.0);
+            band.lo = shown_at(&corner)[index];
+        }
+    }
+    motion
+}
+
+/// The planted fault of corners: a wrong sign. Few dimensions, so that pieces come near their corners at all.
+#[test]
+fn pieces_find_a_band_that_ends_at_a_wrong_corner() {
+    for (name, case, factor) in cases() {
+        if case.tolerances.len() > 4 {
+            continue;
+        }
+        let wrong = |plan: &Plan, times: &[f64]| wrong_corners(&case, plan, times);
+        let (left, seen) = leaving(&case, factor, 12, 400, wrong);
+        assert!(10 * left > seen, "{name}: {left} of {seen}");
+        assert_eq!(leaving(&case, factor, 12, 400, proved).0, 0, "{name}");
+    }
+}
+
 #[test]
 fn tolerances_that_reach_a_fold_are_refused() {
     // The servo is shortest at 1.0615528.

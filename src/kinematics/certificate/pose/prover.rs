@@ -42,12 +42,13 @@ impl<'m> PoseProver<'m> {
     ) -> Result<f64, Reason> {
         let blank = Affine::default();
         self.arguments.clear();
-        let arguments = self.system.proof_plan().arguments.iter();
-        self.arguments.extend(
-            arguments.map(|form| {
-                ArgumentDouble::new(form.as_ref().unwrap_or(&blank), coordinates, rests)
-            }),
-        );
+        let plan = self.system.proof_plan();
+        let arguments = plan.arguments.iter().zip(&plan.is_needed);
+        self.arguments
+            .extend(arguments.map(|(form, is_needed)| match is_needed {
+                true => ArgumentDouble::new(form.as_ref().unwrap_or(&blank), coordinates, rests),
+                false => ArgumentDouble::default(),
+            }));
         // Block after block: each inherits the errors of those before it.
         self.earlier.reset(self.system.mechanism().unknowns.len());
         let mut radius = f64::INFINITY;
