@@ -100,13 +100,13 @@ const PAIRS: &[Pair] = &[
             duration = 4
             units = { angle = "deg" }
             [parameters]
-            L = 110
+            L = 90
             [inputs]
             phi = "360*t/4"
             [chains]
             crank = "T(0, 0, 10) Rz(phi)"
             [bars]
-            rod = { from = "pin", to = "T(90, 0, 20) Rx(psi) T(0, 60, 0)", length = "L" }
+            rod = { from = "pin", to = "T(60, 60, 20) Rx(psi) T(0, 40, 0)", length = "L" }
             [guess]
             psi = 60
             [[bodies]]
@@ -114,7 +114,7 @@ const PAIRS: &[Pair] = &[
             frame = "crank"
             [[bodies]]
             name = "lever"
-            frame = "T(90, 0, 20) Rx(psi)"
+            frame = "T(60, 60, 20) Rx(psi)"
             [[traces]]
             name = "pin"
             body = "crank"
@@ -122,7 +122,7 @@ const PAIRS: &[Pair] = &[
             [[traces]]
             name = "M"
             body = "lever"
-            point = [0, 60, 0]
+            point = [0, 40, 0]
         "#,
         other: r#"
             duration = 4
@@ -131,16 +131,16 @@ const PAIRS: &[Pair] = &[
             phi = "360*t/4"
             [contacts.c]
             first = { sphere = { radius = 50 }, frame = "T(0, 0, 10) Rz(phi) T(25, 0, 4)" }
-            second = { sphere = { radius = 60 }, frame = "T(90, 0, 20) Rx(psi) T(0, 60, 0)" }
+            second = { sphere = { radius = 40 }, frame = "T(60, 60, 20) Rx(psi) T(0, 40, 0)" }
             [guess]
             psi = 60
             [[bodies]]
             name = "lever"
-            frame = "T(90, 0, 20) Rx(psi)"
+            frame = "T(60, 60, 20) Rx(psi)"
             [[traces]]
             name = "M"
             body = "lever"
-            point = [0, 60, 0]
+            point = [0, 40, 0]
         "#,
         columns: &["M"],
     },
