@@ -43,6 +43,11 @@ pub fn jacobian_conditioning(jacobian: &[f64], rows: usize, columns: usize) -> C
     }
     let scale = matrix.amax();
     let scale = if scale > 0.0 { scale } else { 1.0 };
+    if let ([rows, columns], [a, b, c, d]) = ([rows, columns], matrix.as_slice())
+        && rows == columns
+    {
+        return conditioning_of_two([a, b, c, d].map(|v| v / scale), scale);
+    }
     let Some(values) = SVD::try_new(matrix / scale, false, false, SVD_CONVERGENCE, SVD_SWEEPS)
         .map(|svd| svd.singular_values * scale)
     else {
@@ -63,6 +68,28 @@ pub fn jacobian_conditioning(jacobian: &[f64], rows: usize, columns: usize) -> C
         sigma_min,
         sigma_max,
         rank,
+    }
+}
+
+/// Singular values of `scale` times the matrix with columns (a, b) and (c, d), whose entries are at most one: half the sum of two
+/// lengths, and the determinant over that. A point that two bars hold needs no more.
+fn conditioning_of_two([a, b, c, d]: [f64; 4], scale: f64) -> Conditioning {
+    let length = |x: f64, y: f64| (x * x + y * y).sqrt();
+    let largest = 0.5 * (length(a + d, b - c) + length(a - d, b + c));
+    let determinant = (a * d - b * c).abs();
+    let least = if largest > 0.0 {
+        determinant / largest
+    } else {
+        0.0
+    };
+    let regular = [largest, least];
+    let regular = regular
+        .iter()
+        .filter(|s| **s > RANK_TOLERANCE * largest && **s > 0.0);
+    Conditioning {
+        sigma_min: least * scale,
+        sigma_max: largest * scale,
+        rank: regular.count(),
     }
 }
 
@@ -116,6 +143,32 @@ mod tests {
         let c = jacobian_conditioning(&[3.0, 0.0, 0.0, 0.5], 2, 2);
         assert_eq!((c.sigma_max, c.sigma_min, c.rank), (3.0, 0.5, 2));
         assert_eq!(jacobian_conditioning(&[1.0, 0.0, 0.0, 0.0], 2, 2).rank, 1);
+    }
+
+    #[test]
+    fn two_by_two_is_decomposed_as_a_part_of_three_by_three() {
+        for k in 0..200 {
+            let [b, c] = [0.7, 2.1].map(|f| (f * f64::from(k)).sin());
+            // Nearly singular ones, too, of all sizes.
+            let gap = 10.0_f64.powi(-(k % 9));
+            let size = 10.0_f64.powi(k % 13 - 6);
+            let two = [1.0, b, c, b * c + gap].map(|v| v * size);
+            let found = jacobian_conditioning(&two, 2, 2);
+            let middle = (found.sigma_min * found.sigma_max).sqrt();
+            let [a, b, c, d] = two;
+            let three = [a, b, 0.0, c, d, 0.0, 0.0, 0.0, middle];
+            let wanted = jacobian_conditioning(&three, 3, 3);
+            let rounding = 1e-14 * wanted.sigma_max;
+            assert!(
+                (found.sigma_max - wanted.sigma_max).abs() <= rounding,
+                "{k}"
+            );
+            assert!(
+                (found.sigma_min - wanted.sigma_min).abs() <= rounding,
+                "{k}"
+            );
+            assert_eq!((found.rank, wanted.rank), (2, 3), "{k}");
+        }
     }
 
     #[test]

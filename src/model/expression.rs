@@ -331,5 +331,7 @@ pub mod jumps;
 pub mod pieces;
 mod quadratic;
 
+pub use quadratic::Quadratic;
+
 #[cfg(test)]
 mod tests;

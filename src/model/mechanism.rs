@@ -87,6 +87,26 @@ pub struct Equation {
     pub magnitude: f64,
 }
 
+/// A bar between two points, whose equation has its name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bar {
+    /// Name in the scene.
+    pub name: String,
+    /// The points.
+    pub ends: [BarEnd; 2],
+    /// How far apart they are, if that does not change.
+    pub length: Option<f64>,
+}
+
+/// A point that a bar ends in.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BarEnd {
+    /// Its coordinates, as translations along the axes of the world.
+    pub point: Chain,
+    /// What carries it, from the world.
+    pub carrier: Chain,
+}
+
 /// A link: where its frame is and what it looks like.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Body {
@@ -174,6 +194,8 @@ pub struct Mechanism {
     pub loops: Vec<Loop>,
     /// Scalar equations.
     pub equations: Vec<Equation>,
+    /// Those equations that are bars.
+    pub bars: Vec<Bar>,
     /// Names of those loops and equations that are contacts of surfaces.
     pub contacts: Vec<String>,
     /// Cylinders among them that may cross at any angle.

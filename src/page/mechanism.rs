@@ -21,9 +21,13 @@ pub fn mechanism_section(checked: &Checked) -> Section {
         ("Joints".to_owned(), joint_list(mechanism)),
         ("Closed loops".to_owned(), named_list(loops)),
     ];
-    if !mechanism.equations.is_empty() {
-        let names = mechanism.equations.iter().map(|e| e.name.as_str());
-        terms.push(("Equations".to_owned(), named_list(names)));
+    let is_bar = |name: &str| mechanism.bars.iter().any(|bar| bar.name == name);
+    let equations = mechanism.equations.iter().map(|e| e.name.as_str());
+    let (bars, equations): (Vec<&str>, Vec<&str>) = equations.partition(|name| is_bar(name));
+    for (head, names) in [("Bars", bars), ("Equations", equations)] {
+        if !names.is_empty() {
+            terms.push((head.to_owned(), named_list(names.into_iter())));
+        }
     }
     let inputs = mechanism.inputs.iter().enumerate();
     let inputs: Vec<String> = inputs

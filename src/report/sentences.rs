@@ -44,11 +44,14 @@ pub fn gap_sentence(mechanism: &Mechanism, gap: &Gap) -> String {
         if mechanism.equations.iter().any(|e| e.name == lack.name)
             && !mechanism.contacts.contains(&lack.name)
         {
-            return format!(
-                "; equation `{}` leaves {} at {at}",
-                lack.name,
-                shown_amount(lack.distance)
-            );
+            let left = shown_amount(lack.distance);
+            return match mechanism.bars.iter().any(|b| b.name == lack.name) {
+                true => format!(
+                    "; bar `{}` is {left} {unit} off its length at {at}",
+                    lack.name
+                ),
+                false => format!("; equation `{}` leaves {left} at {at}", lack.name),
+            };
         }
         format!(
             "; the nearest to closing that was found leaves `{}` {} {unit}{turned} open at {at}",
@@ -205,6 +208,18 @@ fn start_lack(mechanism: &Mechanism, at: &str, name: &str, [angle, distance]: [f
     }
     if !distance.is_finite() {
         return format!("`{name}` has no value at {at} where the search ended");
+    }
+    if let Some(bar) = mechanism.bars.iter().find(|b| b.name == name) {
+        let left = shown_amount(distance);
+        // Of a length that changes the equation is one of squares.
+        let unit = if bar.length.is_some() {
+            unit.clone()
+        } else {
+            format!("{unit}²")
+        };
+        return format!(
+            "bar `{name}` does not fit at {at}: the best pose found leaves it {left} {unit} off its length"
+        );
     }
     if mechanism.equations.iter().any(|e| e.name == name) {
         let left = shown_amount(distance);

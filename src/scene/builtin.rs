@@ -18,7 +18,7 @@ macro_rules! builtin {
 }
 
 /// All of them, in the order of the list.
-pub const ALL: [Builtin; 24] = builtin![
+pub const ALL: [Builtin; 25] = builtin![
     "gearshift",
     "gearshift-optimised",
     "gearshift-left",
@@ -28,6 +28,7 @@ pub const ALL: [Builtin; 24] = builtin![
     "rope-drum",
     "lifting-arm",
     "dyads",
+    "dyads-bars",
     "torus-torus",
     "seven-r",
     "sphere-torus",

@@ -1,10 +1,11 @@
 //! The scene file as typed: every section and key it may have but those of shapes and plots, with places, before
 //! anything is looked up.
 
+use super::bars::{BarFile, read_bar};
 use super::bodies::{BodyFile, LabelFile, TraceFile, read_body, read_label, read_trace};
 use super::clearance::{self, ClearanceFile, DistanceFile};
 use super::contacts::{ContactFile, read_surfaces};
-use super::keys::tables::{CONTACT, DISTANCE, INPUT, MEASURE, SCENE, TRACK};
+use super::keys::tables::{BAR, CONTACT, DISTANCE, INPUT, MEASURE, SCENE, TRACK};
 use super::measures::{MeasureFile, TrackFile, measure_formula, read_measure, read_track};
 use super::plots::{PlotFile, read_plot};
 use super::reader::{FoundValue, NamedFormula, Spanned, TableReader, read_table};
@@ -37,6 +38,8 @@ pub struct SceneFile {
     pub loops: Vec<NamedFormula>,
     /// `[equations]`
     pub equations: Vec<NamedFormula>,
+    /// `[bars]`
+    pub bars: Vec<BarFile>,
     /// `[contacts]`
     pub contacts: Vec<ContactFile>,
     /// `[guess]`
@@ -68,12 +71,13 @@ pub struct SceneFile {
 }
 
 /// The keys of a scene that are tables or lists of tables.
-const SECTIONS: [&str; 14] = [
+const SECTIONS: [&str; 15] = [
     "parameters",
     "inputs",
     "chains",
     "loops",
     "equations",
+    "bars",
     "contacts",
     "guess",
     "bodies",
@@ -146,6 +150,7 @@ fn scene_tables<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> SceneFile {
         chains: r.named_formulas("chains"),
         loops: r.named_formulas("loops"),
         equations: r.named_formulas("equations"),
+        bars: read_bars(r, text),
         contacts: read_contacts(r, text),
         guess: r.named_formulas("guess"),
         bodies: r
@@ -200,6 +205,26 @@ fn read_inputs<'t>(
             }
         };
         list.push((name, input.unwrap_or(InputFile::Unread)));
+    }
+    list
+}
+
+fn read_bars<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> Vec<BarFile> {
+    let mut list = Vec::new();
+    for (name, value, span) in r.named("bars") {
+        let place = format!("bar `{}`", name.value);
+        let parts = match value.as_table() {
+            Some(table) => {
+                let found = FoundValue { table, text, span };
+                read_table(found, &BAR, place, r.diagnostics, read_bar)
+            }
+            None => {
+                let message = format!("{place} must be a table with `from`, `to` and `length`");
+                r.diagnostics.push(Diagnostic::error(message).at(span));
+                None
+            }
+        };
+        list.push(BarFile { name, parts });
     }
     list
 }

@@ -2,6 +2,7 @@
 // A message is large, and made once for each mistake of a file: boxing it would save nothing.
 #![allow(clippy::result_large_err)]
 
+pub mod bars;
 pub mod bodies;
 pub mod builtin;
 pub mod clearance;

@@ -112,13 +112,15 @@ impl<'t, 'd> TableReader<'t, 'd> {
         }
     }
 
+    /// Whether a key holds a list.
+    pub fn holds_list(&self, key: &str) -> bool {
+        let value = self.table.get(key);
+        value.is_some_and(|value| value.get_ref().is_array())
+    }
+
     /// A number or formula, or a list of them.
     pub fn formula_or_formulas(&mut self, key: &'static str) -> Option<Vec<FormulaText>> {
-        let is_list = self
-            .table
-            .get(key)
-            .is_some_and(|value| value.get_ref().is_array());
-        if is_list {
+        if self.holds_list(key) {
             return self.formulas(key).map(|list| list.value);
         }
         self.formula(key).map(|one| vec![one])

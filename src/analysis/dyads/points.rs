@@ -1,50 +1,22 @@
-//! The points and bars of a planar linkage, found from its joints and traced points at a closed pose.
+//! The points and bars of a planar linkage, found from its joints, bars and traced points at a closed pose.
 //!
-//! A point is the axis of a revolute joint, or a traced point of a link, seen along the axes. A link with two of them is a bar, one with
-//! more is held by bars: every further point by two to points before it that are not in line with it.
+//! A point is the axis of a revolute joint, an end of a bar, or a traced point of a link, seen along the axes. A link with two of them is
+//! a bar, one with more is held by bars: every further point by two to points before it that are not in line with it.
 
+use super::bar_ends::BarEnds;
+use super::not_dyads::NotDyads;
+use super::plane::{SAME, SeenPlane, cross_product, dot_product};
 use crate::intervals::chain::DyadChain;
-use crate::intervals::peeling::{NoDyads, peel_dyads};
+use crate::intervals::peeling::peel_dyads;
 use crate::kinematics::rates::variation::Variation;
 use crate::kinematics::structure::system::System;
 use crate::model::chain::Chain;
 use crate::model::joints::{Joint, JointKind};
-use crate::model::mechanism::Mechanism;
+use crate::model::mechanism::{BarEnd, Mechanism};
 use crate::model::outputs::output_arguments;
 use crate::model::walk::WalkFrame;
 use crate::numbers::hyper_dual::HyperDual;
-
-/// Axes are parallel, points are one, and three are in line, within this (radians, sizes of the mechanism): what folded constants are
-/// rounded by, far below what anybody draws.
-const SAME: f64 = 1e-9;
-
-/// Why a mechanism is no row of dyads.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum NotDyads {
-    /// A joint that is no hinge.
-    #[error("not a chain of dyads: {0}, and bars turn in hinges only")]
-    Joint(String),
-    /// Axes that are not parallel.
-    #[error("not a chain of dyads: the axes are not parallel, {0}")]
-    NotPlanar(String),
-    /// Points of a link in one line.
-    #[error(
-        "not a chain of dyads: the points {0} of a link are in one line, which bars do not hold"
-    )]
-    InLine(String),
-    /// No joint at all.
-    #[error("not a chain of dyads: there are no hinges")]
-    NoHinges,
-    /// The bars do not come apart.
-    #[error("not a chain of dyads: {0}")]
-    Bars(#[from] NoDyads),
-    /// Not one degree of freedom.
-    #[error("not a chain of dyads with one degree of freedom: it has {0}")]
-    Freedoms(usize),
-    /// Bars in line.
-    #[error("the bars of dyad {0} are in line here: its matrices have a pole")]
-    Pole(String),
-}
+use std::collections::BTreeMap;
 
 /// A linkage as a row of dyads, with names.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,7 +34,10 @@ pub struct PlanarRow {
 /// A point that was found, with the links that carry it.
 struct FoundPoint {
     name: Option<String>,
+    /// None for the free end of a bar.
     links: Vec<usize>,
+    /// A bar of the scene ends in it.
+    is_end: bool,
     place: [f64; 2],
     velocity: [f64; 2],
 }
@@ -81,19 +56,21 @@ pub fn planar_row(system: &System, pose: &[f64], moving: usize) -> Result<Planar
         ..HyperDual::default()
     };
     let slots: Vec<HyperDual> = pose.iter().zip(&rates).map(changing).collect();
-    let normal = common_axis(mechanism, &slots)?;
+    let ends = BarEnds::new(mechanism)?;
+    let normal = common_axis(mechanism, &slots, &ends)?;
     let reader = LinkageReader {
         mechanism,
         slots: &slots,
+        ends,
         plane: SeenPlane::square_to(normal),
     };
-    let mut points = reader.points();
+    let mut points = reader.points()?;
+    let bars = reader.bars(&points)?;
     // For one unit of the file, as velocities are printed.
     let unit = mechanism.unit_of(mechanism.inputs[moving].kind).number();
     for point in &mut points {
         point.velocity = point.velocity.map(|v| v * unit);
     }
-    let bars = reader.bars(&points)?;
     let names = names_of(&points);
     let fixed: Vec<usize> = (0..points.len())
         .filter(|k| points[*k].links.contains(&0))
@@ -126,54 +103,6 @@ pub fn planar_row(system: &System, pose: &[f64], moving: usize) -> Result<Planar
     }
 }
 
-/// The plane that everything is seen in.
-struct SeenPlane {
-    axes: [[f64; 3]; 2],
-    names: [&'static str; 2],
-}
-
-impl SeenPlane {
-    /// With two axes of the world where the normal is the third one.
-    fn square_to(normal: [f64; 3]) -> Self {
-        let unit = |k: usize| [0, 1, 2].map(|i| if i == k { 1.0 } else { 0.0 });
-        let along = (0..3).find(|k| normal[*k].abs() > 1.0 - SAME);
-        match along {
-            Some(k) => {
-                let (a, b) = ([1, 0, 0][k], [2, 2, 1][k]);
-                let names = ["x", "y", "z"];
-                Self {
-                    axes: [unit(a), unit(b)],
-                    names: [names[a], names[b]],
-                }
-            }
-            None => {
-                // The world's axis that is farthest from the normal, turned into the plane.
-                let far = (0..3).min_by(|a, b| normal[*a].abs().total_cmp(&normal[*b].abs()));
-                let start = unit(far.unwrap_or(0));
-                let part = dot_product(start, normal);
-                let inside = [0, 1, 2].map(|i| start[i] - part * normal[i]);
-                let length = dot_product(inside, inside).sqrt();
-                let first = inside.map(|v| v / length);
-                Self {
-                    axes: [first, cross_product(normal, first)],
-                    names: ["u", "v"],
-                }
-            }
-        }
-    }
-}
-
-fn dot_product(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross_product(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [0, 1, 2].map(|k| {
-        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-        a[i] * b[j] - a[j] * b[i]
-    })
-}
-
 fn frame_of(mechanism: &Mechanism, slots: &[HyperDual], chain: &Chain) -> WalkFrame<HyperDual> {
     let values = output_arguments(mechanism, &chain.arguments(), slots);
     WalkFrame::at_end_of(&chain.steps, &values)
@@ -189,9 +118,14 @@ fn joint_frame(mechanism: &Mechanism, slots: &[HyperDual], joint: &Joint) -> Wal
 }
 
 /// The direction of all hinges.
-fn common_axis(mechanism: &Mechanism, slots: &[HyperDual]) -> Result<[f64; 3], NotDyads> {
+fn common_axis(
+    mechanism: &Mechanism,
+    slots: &[HyperDual],
+    ends: &BarEnds,
+) -> Result<[f64; 3], NotDyads> {
     let mut common: Option<([f64; 3], String)> = None;
-    for joint in &mechanism.joints.list {
+    let real = mechanism.joints.list.iter();
+    for joint in real.filter(|joint| !ends.place_joint(joint)) {
         let name = joint_name(mechanism, joint);
         if joint.kind != JointKind::Revolute {
             return Err(NotDyads::Joint(format!(
@@ -214,7 +148,27 @@ fn common_axis(mechanism: &Mechanism, slots: &[HyperDual]) -> Result<[f64; 3], N
             }
         }
     }
-    common.map(|(axis, _)| axis).ok_or(NotDyads::NoHinges)
+    match common {
+        Some((axis, _)) => Ok(axis),
+        None => bar_normal(mechanism, slots, ends).ok_or(NotDyads::NoHinges),
+    }
+}
+
+/// The axis of the world along which no bar reaches and no end moves, the last if there are several.
+fn bar_normal(mechanism: &Mechanism, slots: &[HyperDual], ends: &BarEnds) -> Option<[f64; 3]> {
+    let mut flat = [ends.bars().next().is_some(); 3];
+    for bar in ends.bars() {
+        let [a, b] = bar
+            .each_ref()
+            .map(|end| frame_of(mechanism, slots, &end.point).origin);
+        for (axis, flat) in flat.iter_mut().enumerate() {
+            let rests = a[axis].first == 0.0 && b[axis].first == 0.0;
+            let apart = (a[axis].value - b[axis].value).abs();
+            *flat &= rests && apart <= SAME * mechanism.size;
+        }
+    }
+    let normal = flat.iter().rposition(|flat| *flat)?;
+    Some([0, 1, 2].map(|k| if k == normal { 1.0 } else { 0.0 }))
 }
 
 /// The bodies that a joint connects.
@@ -237,53 +191,100 @@ fn joint_name(mechanism: &Mechanism, joint: &Joint) -> String {
 struct LinkageReader<'m> {
     mechanism: &'m Mechanism,
     slots: &'m [HyperDual],
+    ends: BarEnds<'m>,
     plane: SeenPlane,
 }
 
 impl LinkageReader<'_> {
-    /// Traced points first, in their order, then hinges without one.
-    fn points(&self) -> Vec<FoundPoint> {
+    /// Traced points first, in their order, then hinges and ends of bars without one.
+    fn points(&self) -> Result<Vec<FoundPoint>, NotDyads> {
         let mechanism = self.mechanism;
         let mut hinges: Vec<FoundPoint> = Vec::new();
         for joint in &mechanism.joints.list {
+            if self.ends.place_joint(joint) {
+                continue;
+            }
             let origin = joint_frame(mechanism, self.slots, joint).origin;
             let links = [joint.before.link, joint.after.link];
             self.add_point(&mut hinges, None, &links, origin);
+        }
+        for end in self.ends.bars().flatten() {
+            let place = self.end_place(end);
+            let link = self.ends.link_of(end);
+            let index = self.add_point(&mut hinges, None, link.as_slice(), place);
+            hinges[index].is_end = true;
         }
         let mut points: Vec<FoundPoint> = Vec::new();
         for trace in &mechanism.traces {
             let chain = &mechanism.bodies[trace.body].world_from_body;
             let frame = frame_of(mechanism, self.slots, chain);
             let link = mechanism.joints.of_body[trace.body];
+            // What is only drawn at the ends of bars names them.
+            let is_drawn = self.ends.place_link(link);
+            let links = if is_drawn { vec![] } else { vec![link] };
             let place = frame.point(trace.point.to_array());
-            let [x, y] = self.seen_along(place, |c| c.value);
-            let hinge = hinges
-                .iter()
-                .position(|h| h.links.contains(&link) && self.are_one(h.place, [x, y]));
-            if let Some(hinge) = hinge {
-                points.push(hinges.remove(hinge));
+            match self.find_point(&hinges, &links, place) {
+                Some(hinge) => points.push(hinges.remove(hinge)),
+                None if is_drawn && self.find_point(&points, &links, place).is_none() => continue,
+                None => {}
             }
-            self.add_point(&mut points, Some(&trace.name), &[link], place);
+            self.add_point(&mut points, Some(&trace.name), &links, place);
         }
         points.extend(hinges);
         // A point that no bar can hold is not seen: a traced point of the frame alone.
-        points.retain(|p| p.links != [0]);
-        points
+        points.retain(|p| p.is_end || p.links != [0]);
+        self.judge_free_ends(&points)?;
+        Ok(points)
     }
 
-    /// Adds a point, or its name and links to one that is there.
+    fn end_place(&self, end: &BarEnd) -> [HyperDual; 3] {
+        frame_of(self.mechanism, self.slots, &end.point).origin
+    }
+
+    /// Every free end has two coordinates of its own.
+    fn judge_free_ends(&self, points: &[FoundPoint]) -> Result<(), NotDyads> {
+        let names = names_of(points);
+        let mut owners: BTreeMap<usize, usize> = BTreeMap::new();
+        for end in self.ends.bars().flatten() {
+            let link = self.ends.link_of(end);
+            let found = self.find_point(points, link.as_slice(), self.end_place(end));
+            let (Some(point), None) = (found, link) else {
+                continue;
+            };
+            for slot in self.ends.free_slots(end, &names[point])? {
+                if *owners.entry(slot).or_insert(point) != point {
+                    return Err(NotDyads::Point(names[point].clone()));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The point at that place that is on one of the links; of free ends, the one that moves alike.
+    fn find_point(
+        &self,
+        points: &[FoundPoint],
+        links: &[usize],
+        place: [HyperDual; 3],
+    ) -> Option<usize> {
+        let here = self.seen_along(place, |c| c.value);
+        let velocity = self.seen_along(place, |c| c.first);
+        points.iter().position(|p| {
+            let is_free = p.links.is_empty() && links.is_empty();
+            let is_on = p.links.iter().any(|l| links.contains(l));
+            self.are_one(p.place, here) && (is_on || is_free && self.are_one(p.velocity, velocity))
+        })
+    }
+
+    /// Adds a point, or its name and links to one that is there; its index.
     fn add_point(
         &self,
         points: &mut Vec<FoundPoint>,
         name: Option<&str>,
         links: &[usize],
         place: [HyperDual; 3],
-    ) {
-        let here = self.seen_along(place, |c| c.value);
-        let same = |p: &&mut FoundPoint| {
-            p.links.iter().any(|l| links.contains(l)) && self.are_one(p.place, here)
-        };
-        let known = points.iter_mut().find(same);
+    ) -> usize {
+        let known = self.find_point(points, links, place);
         let shorter = |old: &Option<String>| {
             let name = name.map(str::to_owned);
             match (old, name) {
@@ -293,20 +294,26 @@ impl LinkageReader<'_> {
             }
         };
         match known {
-            Some(point) => {
+            Some(index) => {
+                let point = &mut points[index];
                 point.name = shorter(&point.name);
                 for link in links {
                     if !point.links.contains(link) {
                         point.links.push(*link);
                     }
                 }
+                index
             }
-            None => points.push(FoundPoint {
-                name: shorter(&None),
-                links: links.to_vec(),
-                place: here,
-                velocity: self.seen_along(place, |c| c.first),
-            }),
+            None => {
+                points.push(FoundPoint {
+                    name: shorter(&None),
+                    links: links.to_vec(),
+                    is_end: false,
+                    place: self.seen_along(place, |c| c.value),
+                    velocity: self.seen_along(place, |c| c.first),
+                });
+                points.len() - 1
+            }
         }
     }
 
@@ -323,7 +330,7 @@ impl LinkageReader<'_> {
         libm::hypot(a[0] - b[0], a[1] - b[1]) <= SAME * self.mechanism.size
     }
 
-    /// Bars that hold the points of every moving link together.
+    /// Bars that hold the points of every moving link together, and those of the scene.
     fn bars(&self, points: &[FoundPoint]) -> Result<Vec<[usize; 2]>, NotDyads> {
         let mut bars = Vec::new();
         for link in 1..self.mechanism.joints.links.len() {
@@ -346,6 +353,17 @@ impl LinkageReader<'_> {
                     }
                 }
                 held.push(point);
+            }
+        }
+        for ends in self.ends.bars() {
+            let [a, b] = ends.each_ref().map(|end| {
+                let link = self.ends.link_of(end);
+                self.find_point(points, link.as_slice(), self.end_place(end))
+            });
+            if let (Some(a), Some(b)) = (a, b)
+                && !bars.iter().any(|bar| *bar == [a, b] || *bar == [b, a])
+            {
+                bars.push([a, b]);
             }
         }
         Ok(bars)

@@ -41,6 +41,8 @@ pub(super) struct BlockValues {
     arguments: Vec<ArgumentValue<Octet>>,
     lines: Vec<AxisLine>,
     columns: Vec<[Octet; 6]>,
+    /// Forms that an equation multiplies.
+    factors: Vec<Octet>,
     plain: Plain,
 }
 
@@ -280,21 +282,33 @@ impl BlockValues {
         let (plan, rows) = (&lanes.block.plan, lanes.block.rows());
         let planned = &plan.equations[index];
         let formula = &lanes.mechanism.equations[planned.index].expression;
+        let unknowns = lanes.block.unknowns.len();
+        let shares = &plan.shares[planned.shares.clone()];
+        if let Some(quadratic) = &planned.quadratic {
+            let value = quadratic.value(coordinates, &mut self.factors);
+            self.residual[planned.row] = value * planned.scale;
+            let (jacobian, outer) = (&mut self.jacobian, &mut self.outer);
+            quadratic.each_slope(&self.factors, |place, slope| {
+                let share = &shares[place];
+                let entry = match share.column.checked_sub(unknowns) {
+                    None => &mut jacobian[share.column * rows + planned.row],
+                    Some(_) if !lanes.with_outside => return,
+                    Some(column) => &mut outer[column * outer_stride(rows) + planned.row],
+                };
+                *entry += slope * (planned.scale * share.scale);
+            });
+            return;
+        }
         let value = by_lanes(&mut self.plain, coordinates, |plain, slots| {
             formula.value_with(slots, &mut plain.values)
         });
         self.residual[planned.row] = value * planned.scale;
-        for (k, share) in plan.shares[planned.shares.clone()].iter().enumerate() {
-            let unknowns = lanes.block.unknowns.len();
+        for share in shares {
             let is_outside = share.column >= unknowns;
             if is_outside && !lanes.with_outside {
                 continue;
             }
-            // Derivatives that are polynomials are laid out before; others are taken lane by lane.
-            let rate = match &planned.slopes {
-                Some(slopes) => slopes[k].value(coordinates),
-                None => rate_by(&mut self.plain, formula, share.slot, coordinates),
-            };
+            let rate = rate_by(&mut self.plain, formula, share.slot, coordinates);
             let entry = match is_outside {
                 false => &mut self.jacobian[share.column * rows + planned.row],
                 true => {

@@ -249,20 +249,29 @@ fn loop_spaces(mechanism: &Mechanism, poses: &[Vec<f64>]) -> Vec<Space> {
 }
 
 /// Calls `each` with every motion's argument, its unit (radian, size) and its twist for a rate of one unit: angular
-/// velocity, and velocity at the origin over the loop's size.
+/// velocity, and velocity at the origin over the loop's size; where a point closes the loop, the velocity of that point alone.
 fn each_twist(
     item: &Loop,
     arguments: &[ArgumentValue],
     mut each: impl FnMut(usize, f64, [f64; 6]),
 ) {
     let size = item.size;
+    // Of a loop that closes in a point only the velocity of that point counts.
+    let point = match item.closes {
+        Closes::Frame => None,
+        Closes::Point => Some(item.chain.pose(arguments).translation),
+    };
     let mut end = Pose::IDENTITY;
     walk_chain(&item.chain.steps, &mut end, arguments, |here, joint| {
         let axis = here.rotation.col(joint.axis) * joint.sign;
         // Twist in Plücker form: the velocity of the point at the origin, over the loop's size.
-        let (unit, turn, speed) = match joint.motion {
-            ElementaryMotion::Rotation => (1.0, axis, here.translation.cross(axis) / size),
-            ElementaryMotion::Translation => (size, DVec3::ZERO, axis),
+        let (unit, turn, speed) = match (joint.motion, point) {
+            (ElementaryMotion::Rotation, None) => (1.0, axis, here.translation.cross(axis) / size),
+            (ElementaryMotion::Rotation, Some(point)) => {
+                let arm = point - here.translation;
+                (1.0, DVec3::ZERO, axis.cross(arm) / size)
+            }
+            (ElementaryMotion::Translation, _) => (size, DVec3::ZERO, axis),
         };
         let twist = [turn.x, turn.y, turn.z, speed.x, speed.y, speed.z];
         each(joint.argument, unit, twist);

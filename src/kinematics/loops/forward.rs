@@ -4,7 +4,7 @@
 //! zero but the elementary steps themselves.
 
 use crate::math::{Pose, rotation_log};
-use crate::model::chain::ArgumentValue;
+use crate::model::chain::{ArgumentValue, ChainStep};
 use crate::model::mechanism::{Closes, Loop, Mechanism};
 use glam::DVec3;
 
@@ -21,7 +21,7 @@ pub fn loop_gap(item: &Loop, arguments: &[ArgumentValue]) -> (f64, f64) {
 
 /// The largest gap over all loops and equations, relative to the loop's size; NaN if anything is not a number.
 pub fn closure_error(mechanism: &Mechanism, coordinates: &[f64]) -> f64 {
-    let arguments = mechanism.argument_values(coordinates);
+    let arguments = loop_arguments(mechanism, coordinates);
     let mut largest = 0.0_f64;
     let mut note = |value: f64| {
         // NaN stays the largest once it is met.
@@ -39,6 +39,20 @@ pub fn closure_error(mechanism: &Mechanism, coordinates: &[f64]) -> f64 {
         note((equation.expression.value(coordinates) * scale).abs());
     }
     largest
+}
+
+/// Values of the arguments that stand in loops; the others stay zero.
+fn loop_arguments(mechanism: &Mechanism, coordinates: &[f64]) -> Vec<ArgumentValue> {
+    let (mut values, mut scratch) = (Vec::new(), Vec::new());
+    values.resize(mechanism.arguments.len(), None);
+    let steps = mechanism.loops.iter().flat_map(|item| &item.chain.steps);
+    for joint in steps.filter_map(ChainStep::joint) {
+        values[joint.argument].get_or_insert_with(|| {
+            let argument = &mechanism.arguments[joint.argument];
+            ArgumentValue::new(argument.value(coordinates, &mut scratch))
+        });
+    }
+    values.into_iter().map(Option::unwrap_or_default).collect()
 }
 
 /// `world_from_body` of every body.

@@ -235,18 +235,24 @@ impl BlockWorkspace {
         let equation = &site.mechanism.equations[planned.index];
         let row = planned.row;
         let shares = &site.plan.shares[planned.shares.clone()];
-        if !with_columns || planned.slopes.is_some() {
+        if let Some(quadratic) = &planned.quadratic {
+            let value = quadratic.value(site.coordinates, &mut self.values);
+            self.residual[row] = value * planned.scale;
+            if with_columns {
+                let (jacobian, outer) = (&mut self.jacobian, &mut self.outer);
+                quadratic.each_slope(&self.values, |place, slope| {
+                    let share = &shares[place];
+                    let column = column_at(jacobian, outer, site.rows, share.column);
+                    column[row] += slope * planned.scale * share.scale;
+                });
+            }
+            return;
+        }
+        if !with_columns {
             let value = equation
                 .expression
                 .value_with(site.coordinates, &mut self.values);
             self.residual[row] = value * planned.scale;
-            let slopes = planned.slopes.iter().flatten();
-            for (share, slope) in shares.iter().zip(slopes).filter(|_| with_columns) {
-                let derivative = slope.value(site.coordinates) * planned.scale * share.scale;
-                let column =
-                    column_at(&mut self.jacobian, &mut self.outer, site.rows, share.column);
-                column[row] += derivative;
-            }
             return;
         }
         // Value and gradient in one pass of reverse mode.

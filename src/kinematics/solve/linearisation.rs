@@ -156,7 +156,9 @@ impl Linearisation {
     pub(super) fn singular_values(&mut self, block: &Block) -> Conditioning {
         let (rows, columns) = (block.rows(), block.unknowns.len());
         let jacobian = &self.workspace.jacobian;
-        if self.has_inverse && columns > 0 {
+        // Of two unknowns they are a formula.
+        let is_small = [rows, columns] == [2, 2];
+        if self.has_inverse && columns > 0 && !is_small {
             self.transposed.copy_rows(jacobian, columns, rows);
             // Power iterations with J and its inverse are reliable well away from a loss of rank.
             if let Some((sigma_min, sigma_max)) = self.extremes.of(&self.transposed, &self.inverse)

@@ -3,7 +3,8 @@
 //! At a closed pose the sum of the joints' twists ξⱼ times their rates vanishes, and goes on vanishing. A joint's twist
 //! moves with the links before it, ξⱼ' = [V, ξⱼ] with V the sum of the twists times rates of the joints before. So the
 //! coefficients of ξⱼ and V follow from one another, one pass along the loop an order, and the highest coefficient of the
-//! unknowns comes from the Jacobian of the pose. (Brackets of twists: Murray, Li and Sastry, A Mathematical
+//! unknowns comes from the Jacobian of the pose. Of an equation of second degree that coefficient is a sum of products of
+//! lower ones. (Brackets of twists: Murray, Li and Sastry, A Mathematical
 //! Introduction to Robotic Manipulation, chapter 2.)
 
 use super::linearisation::Linearisation;
@@ -17,7 +18,7 @@ use crate::linalg::lanes::Lanes;
 use wide::f64x4;
 
 /// Highest order. One more costs a pass along the joints, one less an iteration of Newton's method.
-pub const HIGHEST_ORDER: usize = 4;
+pub use crate::kinematics::structure::planned_quadratic::HIGHEST_ORDER;
 
 /// How a prediction was made.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,7 +52,7 @@ pub struct Predictor {
 
 impl Predictor {
     /// Moves `coordinates` (unknowns and inputs of a closed pose) to the given inputs, the unknowns by the Taylor
-    /// polynomial of `order`, 1 to [`HIGHEST_ORDER`]. Where a formula is involved the tangent is all.
+    /// polynomial of `order`, 1 to [`HIGHEST_ORDER`]. Where a formula of more than second degree is involved the tangent is all.
     pub fn predict(
         &mut self,
         system: &System,
@@ -63,8 +64,8 @@ impl Predictor {
         let mechanism = system.mechanism();
         let structure = system.structure();
         let (n, count) = (mechanism.unknowns.len(), coordinates.len());
-        let affine = structure.blocks.iter().all(|block| block.plan.is_affine);
-        let order = if affine {
+        let has_series = structure.blocks.iter().all(|block| block.plan.has_series);
+        let order = if has_series {
             order.clamp(1, HIGHEST_ORDER)
         } else {
             1
@@ -120,6 +121,11 @@ impl Predictor {
             if k > 0 {
                 let drift = buffers.workspace.drift.as_flattened_mut();
                 self.add_bends(&block.plan, drift, k);
+                for equation in &block.plan.equations {
+                    let form = equation.quadratic.iter();
+                    let bend = form.map(|f| f.bend(&self.series, count, k + 1));
+                    drift[equation.row] += equation.scale * bend.sum::<f64>();
+                }
             }
             buffers.solve_drift();
             // Coefficients of higher orders are too small to gain.

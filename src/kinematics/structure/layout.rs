@@ -3,13 +3,13 @@
 
 use crate::math::Pose;
 use crate::model::chain::{Argument, ChainStep, ElementaryMotion};
-use crate::model::expression::Affine;
 use crate::model::mechanism::Mechanism;
 use glam::{DMat3, DVec3};
 use std::ops::Range;
 
 use super::columns::Columns;
 use super::loop_part::LoopPart;
+use super::planned_quadratic::PlannedQuadratic;
 use crate::linalg::lanes::{Lanes, lane_groups};
 
 /// Where a part of a rate goes.
@@ -127,8 +127,8 @@ pub struct PlannedEquation {
     pub scale: f64,
     /// Coordinates it depends on.
     pub shares: Range<usize>,
-    /// Of an equation of second degree: its derivatives by these coordinates, in their order.
-    pub slopes: Option<Vec<Affine>>,
+    /// Of an equation of second degree: its layout over these coordinates.
+    pub quadratic: Option<PlannedQuadratic>,
 }
 
 /// The layout of a block.
@@ -152,8 +152,9 @@ pub struct BlockPlan {
     pub equations: Vec<PlannedEquation>,
     /// Coordinates from outside that the block depends on, in the order of their columns.
     pub outer: Vec<usize>,
-    /// All arguments and equations are affine, so that series of the unknowns follow from the joints alone.
-    pub is_affine: bool,
+    /// All arguments are affine and no equation is of more than second degree, so that series of the unknowns follow from the
+    /// joints and from products.
+    pub has_series: bool,
 }
 
 impl BlockPlan {
@@ -167,7 +168,7 @@ impl BlockPlan {
     ) -> Self {
         let scales = unknowns.iter().map(|slot| mechanism.scale_of(*slot));
         let mut plan = Self {
-            is_affine: true,
+            has_series: true,
             scales: scales.collect(),
             ..Self::default()
         };
@@ -191,15 +192,16 @@ impl BlockPlan {
         for (k, &index) in equations.iter().enumerate() {
             let equation = &mechanism.equations[index];
             let slots = equation.expression.slots();
-            let terms: Vec<(usize, f64)> = slots.into_iter().map(|slot| (slot, 0.0)).collect();
+            let terms: Vec<(usize, f64)> = slots.iter().map(|slot| (*slot, 0.0)).collect();
+            let quadratic = equation.expression.quadratic();
             let shares = plan.add_shares(mechanism, &terms, column_of, columns);
-            plan.is_affine &= equation.expression.affine().is_some();
+            plan.has_series &= quadratic.is_some();
             plan.equations.push(PlannedEquation {
                 index,
                 row: row + k,
                 scale: mechanism.weight_of(index),
                 shares,
-                slopes: equation.expression.affine_slopes(),
+                quadratic: quadratic.map(|form| PlannedQuadratic::new(&form, &slots)),
             });
         }
         plan
@@ -226,7 +228,7 @@ impl BlockPlan {
             }
         };
         let shares = self.add_shares(mechanism, &terms, column_of, columns);
-        self.is_affine &= !is_formula;
+        self.has_series &= !is_formula;
         if !is_formula {
             let argument = self.arguments.len();
             self.terms

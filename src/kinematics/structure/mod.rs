@@ -6,6 +6,7 @@ pub mod empty_equations;
 pub mod layout;
 pub mod loop_part;
 pub mod ordering;
+pub mod planned_quadratic;
 pub mod proof_chain;
 pub mod proof_plan;
 pub mod system;

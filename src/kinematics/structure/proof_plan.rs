@@ -7,12 +7,9 @@
 use super::block::{Block, Structure};
 use super::proof_chain::LoopPlan;
 use crate::model::chain::{Argument, ChainStep, ElementaryMotion};
-use crate::model::expression::Affine;
+use crate::model::expression::{Affine, Quadratic};
 use crate::model::mechanism::{Closes, Mechanism};
 use std::ops::Range;
-
-/// Affine forms of the arguments, then of the equations; `None` for formulas.
-type Forms = [Option<Affine>];
 
 /// The rows of a block's loops.
 #[derive(Clone, Debug, Default)]
@@ -47,11 +44,9 @@ impl ProofRows {
     }
 }
 
-/// A form (argument or affine equation) that the block uses.
+/// A form that the block uses: an argument, or one that an equation is made of.
 #[derive(Clone, Debug)]
 pub struct FormUse {
-    /// Index among the certifier's forms.
-    pub index: usize,
     /// Rate by each unknown of the block in scaled form, as (column, rate).
     pub own: Vec<(usize, f64)>,
     /// Rate by unknowns of earlier blocks, as (place in [`ProofBlock::before`], scaled rate).
@@ -76,10 +71,19 @@ impl FormUse {
 /// An equation of the block.
 #[derive(Clone, Debug)]
 pub struct EquationRow {
-    /// Its form.
-    pub affine: Affine,
+    /// The place of the first of its forms: what is affine in it, then its factors.
+    pub first_form: usize,
+    /// Its formula.
+    pub formula: Quadratic,
     /// What its value is multiplied by.
     pub scale: f64,
+}
+
+impl EquationRow {
+    /// The places of its forms.
+    pub fn forms(&self) -> Range<usize> {
+        self.first_form..self.first_form + 1 + self.formula.factors.len()
+    }
 }
 
 /// A loop of the block.
@@ -104,9 +108,11 @@ pub struct ProofBlock {
     pub unknowns: Vec<usize>,
     /// Unknowns of earlier blocks that enter.
     pub before: Vec<usize>,
-    /// Arguments of the loops, then equations.
+    /// Arguments of the loops, then what the equations are made of.
     pub forms: Vec<FormUse>,
-    /// A form that is not affine is among them.
+    /// Index of each argument among those of the mechanism.
+    pub arguments: Vec<usize>,
+    /// An argument that is not affine is among them, or an equation of more than second degree.
     pub has_formula: bool,
     /// Its loops.
     pub loops: Vec<LoopRows>,
@@ -144,27 +150,27 @@ impl ProofPlan {
     /// Lays out the blocks of `structure`.
     pub fn new(mechanism: &Mechanism, structure: &Structure) -> Self {
         let arguments = mechanism.arguments.iter().map(Argument::affine);
-        let equations = mechanism.equations.iter().map(|e| e.expression.affine());
-        let forms: Vec<Option<Affine>> = arguments.chain(equations).collect();
+        let arguments: Vec<Option<Affine>> = arguments.collect();
         let blocks = structure.blocks.iter();
-        let blocks = blocks.map(|block| ProofBlock::new(mechanism, structure, block, &forms));
+        let blocks = blocks.map(|block| ProofBlock::new(mechanism, structure, block, &arguments));
         let blocks: Vec<ProofBlock> = blocks.collect();
         let beyond = blocks
             .iter()
             .map(|b| b.rows.saturating_sub(b.unknowns.len()));
         let redundant_rows = beyond.sum();
-        let arguments = forms.into_iter().take(mechanism.arguments.len());
         let mut arguments: Vec<ProofArgument> = arguments
+            .into_iter()
             .map(|form| ProofArgument {
                 form: form.unwrap_or_default(),
                 ..ProofArgument::default()
             })
             .collect();
+        for index in blocks.iter().flat_map(|block| &block.arguments) {
+            arguments[*index].is_used = true;
+        }
         let steps = mechanism.loops.iter().flat_map(|item| &item.chain.steps);
         for joint in steps.filter_map(ChainStep::joint) {
-            let argument = &mut arguments[joint.argument];
-            argument.is_used = true;
-            argument.turns |= joint.motion == ElementaryMotion::Rotation;
+            arguments[joint.argument].turns |= joint.motion == ElementaryMotion::Rotation;
         }
         Self {
             arguments,
@@ -176,18 +182,28 @@ impl ProofPlan {
 
 impl ProofBlock {
     /// Lays out a block.
-    fn new(mechanism: &Mechanism, structure: &Structure, block: &Block, forms: &Forms) -> Self {
+    fn new(
+        mechanism: &Mechanism,
+        structure: &Structure,
+        block: &Block,
+        arguments: &[Option<Affine>],
+    ) -> Self {
         let rows = ProofRows::new(structure, block);
         let mut laid_out = Self {
             first_equation: rows.first_equation,
             rows: rows.count,
             unknowns: block.unknowns.clone(),
+            arguments: block.arguments.clone(),
             ..Self::default()
         };
-        let first_equation = mechanism.arguments.len();
-        let equations = block.equations.iter().map(|index| first_equation + index);
-        for index in block.arguments.iter().copied().chain(equations) {
-            laid_out.add_form(mechanism, block, forms, index);
+        for index in &block.arguments {
+            laid_out.has_formula |= arguments[*index].is_none();
+            let blank = Affine::default();
+            laid_out.add_form(
+                mechanism,
+                block,
+                arguments[*index].as_ref().unwrap_or(&blank),
+            );
         }
         for (part, of_loop) in block.loops.iter().zip(rows.loops) {
             let place = |a: usize| block.arguments.binary_search(&a).unwrap_or(0);
@@ -201,9 +217,18 @@ impl ProofBlock {
             });
         }
         for index in &block.equations {
-            let affine = forms[first_equation + index].clone().unwrap_or_default();
-            let scale = mechanism.weight_of(*index);
-            laid_out.equations.push(EquationRow { affine, scale });
+            let formula = mechanism.equations[*index].expression.quadratic();
+            laid_out.has_formula |= formula.is_none();
+            let formula = formula.unwrap_or_default();
+            let first_form = laid_out.forms.len();
+            for form in [&formula.rest].into_iter().chain(&formula.factors) {
+                laid_out.add_form(mechanism, block, form);
+            }
+            laid_out.equations.push(EquationRow {
+                first_form,
+                formula,
+                scale: mechanism.weight_of(*index),
+            });
         }
         laid_out.note_rows();
         laid_out
@@ -211,7 +236,6 @@ impl ProofBlock {
 
     /// Notes which rows of the block depend on each form.
     fn note_rows(&mut self) {
-        let first = self.forms.len() - self.equations.len();
         let mut row = 0;
         for item in &self.loops {
             let end = row + item.of_block;
@@ -220,17 +244,17 @@ impl ProofBlock {
             }
             row = end;
         }
-        for form in &mut self.forms[first..] {
-            form.reaches(row..row + 1);
+        for equation in &self.equations {
+            for form in equation.forms() {
+                self.forms[form].reaches(row..row + 1);
+            }
             row += 1;
         }
     }
 
-    fn add_form(&mut self, mechanism: &Mechanism, block: &Block, forms: &Forms, index: usize) {
-        self.has_formula |= forms[index].is_none();
+    fn add_form(&mut self, mechanism: &Mechanism, block: &Block, form: &Affine) {
         let (mut own, mut before) = (Vec::new(), Vec::new());
-        let terms = forms[index].iter().flat_map(Affine::numbers);
-        for (slot, c) in terms {
+        for (slot, c) in form.numbers() {
             if let Some(column) = block.columns.of(slot) {
                 own.push((column, c * mechanism.scale_of(slot)));
             } else if slot < mechanism.unknowns.len() {
@@ -244,7 +268,6 @@ impl ProofBlock {
         }
         let sum = |rates: &[(usize, f64)]| rates.iter().map(|(_, c)| c.abs()).sum::<f64>();
         self.forms.push(FormUse {
-            index,
             own_rate: sum(&own),
             rate: sum(&own) + sum(&before),
             own,

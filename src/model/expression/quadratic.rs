@@ -1,105 +1,205 @@
-//! Formulas of second degree, such as the distance of two points: their derivatives are affine, and bend nowhere.
+//! Formulas of second degree, such as the distance of two points: sums of products of affine forms, whose derivatives are
+//! affine and bend nowhere.
 
 use super::{Affine, Expression, ONE, Op, ZERO, affine_of, combine_affine, operand_places};
 use crate::numbers::constant::Constant;
 
-/// What is known of an operation's value.
-#[derive(Clone, Debug)]
-enum Degree {
-    /// At most one.
-    Affine(Affine),
-    /// Two: the derivatives by the slots that stand in it, ascending.
-    Quadratic(Vec<(usize, Affine)>),
+/// A formula of second degree: `rest` and a sum of products of affine forms, as it is written. The square of a difference
+/// stays one, so that nothing is lost where two far places are near each other.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Quadratic {
+    /// What is affine.
+    pub rest: Affine,
+    /// The forms that are multiplied, each once.
+    pub factors: Vec<Affine>,
+    /// Products of two of them, and what each is multiplied by.
+    pub products: Vec<(Constant, [usize; 2])>,
+}
+
+/// The value of an operation: of first degree if there are no products.
+#[derive(Clone, Debug, Default)]
+struct Degree {
+    rest: Affine,
+    products: Vec<(Constant, [Affine; 2])>,
 }
 
 impl Expression {
+    /// As a sum of products of affine forms, where no more than two are multiplied.
+    pub fn quadratic(&self) -> Option<Quadratic> {
+        let last_uses = self.last_uses();
+        let mut degrees: Vec<Degree> = Vec::with_capacity(self.ops().len());
+        for (place, op) in self.ops().iter().enumerate() {
+            let degree = match last_uses[place] {
+                None => Degree::default(),
+                Some(_) => degree_of(*op, &mut |k: usize| match last_uses[k] == Some(place) {
+                    true => std::mem::take(&mut degrees[k]),
+                    // Long sums are handed on, not copied.
+                    false => degrees[k].clone(),
+                })?,
+            };
+            degrees.push(degree);
+        }
+        degrees.pop().map(Quadratic::from)
+    }
+
     /// Derivatives by the slots of [`slots`](Self::slots), in their order, where all of them are affine.
     pub fn affine_slopes(&self) -> Option<Vec<Affine>> {
-        let mut degrees: Vec<Degree> = Vec::with_capacity(self.ops().len());
-        for op in self.ops() {
-            degrees.push(degree_of(*op, &degrees)?);
-        }
-        let slopes = slopes_of(degrees.last()?);
-        let find = |slot: usize| slopes.iter().find(|(s, _)| *s == slot);
+        let quadratic = self.quadratic()?;
         let slots = self.slots().into_iter();
-        let all = slots.map(|slot| find(slot).map_or_else(Affine::default, |(_, a)| a.clone()));
-        Some(all.collect())
+        Some(slots.map(|slot| quadratic.slope(slot)).collect())
     }
-}
 
-fn degree_of(op: Op, degrees: &[Degree]) -> Option<Degree> {
-    let affine = |k: usize| match &degrees[k] {
-        Degree::Affine(affine) => Some(affine),
-        Degree::Quadratic(_) => None,
-    };
-    let constant = |k: usize| affine(k).filter(|a| a.terms.is_empty()).map(|a| a.constant);
-    let combined = |parts: &[(usize, Constant)]| Degree::Quadratic(combine_slopes(degrees, parts));
-    // What is affine stays so.
-    let operands: Vec<usize> = operand_places(op).into_iter().flatten().collect();
-    let forms: Option<Vec<Affine>> = operands.iter().map(|k| affine(*k).cloned()).collect();
-    let place = |operand: usize| usize::from(operands.first() != Some(&operand));
-    let form = forms.and_then(|forms| affine_of(op.mapped(place), &forms));
-    if let Some(form) = form {
-        return Some(Degree::Affine(form));
-    }
-    match op {
-        Op::Negate(a) => Some(combined(&[(a, -ONE)])),
-        Op::Add(a, b) => Some(combined(&[(a, ONE), (b, ONE)])),
-        Op::Subtract(a, b) => Some(combined(&[(a, ONE), (b, -ONE)])),
-        Op::Divide(a, b) => Some(combined(&[(a, ONE / constant(b)?)])),
-        Op::Power(a, b) if constant(b)? == Constant::exact(2.0) => {
-            Some(product_of(affine(a)?, affine(a)?))
+    /// For every operation the last one that uses it; itself for the last one, `None` for what does not enter the value.
+    fn last_uses(&self) -> Vec<Option<usize>> {
+        let mut uses = vec![None; self.ops().len()];
+        if let Some(last) = uses.len().checked_sub(1) {
+            uses[last] = Some(last);
         }
-        Op::Multiply(a, b) => match (constant(a), constant(b)) {
-            (Some(c), _) => Some(combined(&[(b, c)])),
-            (_, Some(c)) => Some(combined(&[(a, c)])),
-            _ => Some(product_of(affine(a)?, affine(b)?)),
-        },
-        _ => None,
-    }
-}
-
-/// (a b)' = a' b + b' a
-fn product_of(a: &Affine, b: &Affine) -> Degree {
-    let mut slots: Vec<usize> = a.terms.iter().chain(&b.terms).map(|(s, _)| *s).collect();
-    slots.sort_unstable();
-    slots.dedup();
-    let slope = |form: &Affine, slot: usize| {
-        let term = form.terms.iter().find(|(s, _)| *s == slot);
-        term.map_or(ZERO, |(_, c)| *c)
-    };
-    let slopes = slots.into_iter().map(|slot| {
-        let sum = combine_affine(b, slope(a, slot), a, slope(b, slot));
-        (slot, sum)
-    });
-    Degree::Quadratic(slopes.collect())
-}
-
-/// Derivatives of a sum of multiples.
-fn combine_slopes(degrees: &[Degree], parts: &[(usize, Constant)]) -> Vec<(usize, Affine)> {
-    let mut sum: Vec<(usize, Affine)> = Vec::new();
-    for (operand, factor) in parts {
-        for (slot, slope) in slopes_of(&degrees[*operand]) {
-            let place = sum.partition_point(|(s, _)| *s < slot);
-            if sum.get(place).is_none_or(|(s, _)| *s != slot) {
-                sum.insert(place, (slot, Affine::default()));
+        for (place, op) in self.ops().iter().enumerate().rev() {
+            if uses[place].is_some() {
+                for operand in operand_places(*op).into_iter().flatten() {
+                    uses[operand] = uses[operand].or(Some(place));
+                }
             }
-            sum[place].1 = combine_affine(&sum[place].1, ONE, &slope, *factor);
         }
+        uses
     }
-    sum
 }
 
-fn slopes_of(degree: &Degree) -> Vec<(usize, Affine)> {
-    match degree {
-        Degree::Quadratic(slopes) => slopes.clone(),
-        Degree::Affine(affine) => {
-            let number = |constant: Constant| Affine {
-                constant,
-                terms: Vec::new(),
+impl Quadratic {
+    /// The derivative by a slot: (a b)' = a' b + b' a.
+    fn slope(&self, slot: usize) -> Affine {
+        let rate = |form: &Affine| {
+            let term = form.terms.iter().find(|(s, _)| *s == slot);
+            term.map_or(ZERO, |(_, c)| *c)
+        };
+        let rest = Affine {
+            constant: rate(&self.rest),
+            terms: Vec::new(),
+        };
+        let products = self.products.iter();
+        products.fold(rest, |sum, (factor, [a, b])| {
+            let [a, b] = [&self.factors[*a], &self.factors[*b]];
+            match [rate(a), rate(b)] {
+                [ZERO, ZERO] => sum,
+                [x, y] => {
+                    let slope = combine_affine(b, x, a, y);
+                    combine_affine(&sum, ONE, &slope, *factor)
+                }
+            }
+        })
+    }
+}
+
+impl From<Degree> for Quadratic {
+    fn from(degree: Degree) -> Self {
+        let mut quadratic = Self {
+            rest: degree.rest,
+            ..Self::default()
+        };
+        let factors = &mut quadratic.factors;
+        // Only a neighbour is looked at: the two factors of a square.
+        let mut place = |form: Affine| {
+            if factors.last() != Some(&form) {
+                factors.push(form);
+            }
+            factors.len() - 1
+        };
+        for (factor, [a, b]) in degree.products {
+            let places = [place(a), place(b)];
+            quadratic.products.push((factor, places));
+        }
+        quadratic
+    }
+}
+
+impl Degree {
+    fn is_affine(&self) -> bool {
+        self.products.is_empty()
+    }
+
+    /// The number that it is.
+    fn constant(&self) -> Option<Constant> {
+        (self.is_affine() && self.rest.terms.is_empty()).then_some(self.rest.constant)
+    }
+
+    fn scaled(mut self, factor: Constant) -> Self {
+        self.rest = combine_affine(&self.rest, factor, &Affine::default(), ZERO);
+        for (c, _) in &mut self.products {
+            *c = factor * *c;
+        }
+        self
+    }
+
+    fn plus(mut self, other: Self, factor: Constant) -> Self {
+        self.rest = combine_affine(&self.rest, ONE, &other.rest, factor);
+        let others = other.products.into_iter();
+        self.products
+            .extend(others.map(|(c, forms)| (factor * c, forms)));
+        self
+    }
+
+    fn times(self, other: Self) -> Option<Self> {
+        match (self.constant(), other.constant()) {
+            (Some(c), _) => Some(other.scaled(c)),
+            (_, Some(c)) => Some(self.scaled(c)),
+            _ if self.is_affine() && other.is_affine() => Some(Self {
+                rest: Affine::default(),
+                products: vec![(ONE, [self.rest, other.rest])],
+            }),
+            _ => None,
+        }
+    }
+}
+
+/// The degree of an operation; `take` gives that of an operand.
+fn degree_of(op: Op, take: &mut dyn FnMut(usize) -> Degree) -> Option<Degree> {
+    match op {
+        Op::Constant(_) | Op::Slot(_) => Some(Degree {
+            rest: affine_of(op, &[])?,
+            products: Vec::new(),
+        }),
+        Op::Negate(a) => Some(take(a).scaled(-ONE)),
+        Op::Add(a, b) if a == b => Some(take(a).scaled(ONE + ONE)),
+        Op::Add(a, b) => Some(take(a).plus(take(b), ONE)),
+        Op::Subtract(a, b) if a == b => Some(Degree::default()),
+        Op::Subtract(a, b) => Some(take(a).plus(take(b), -ONE)),
+        Op::Multiply(a, b) if a == b => {
+            let degree = take(a);
+            degree.clone().times(degree)
+        }
+        Op::Multiply(a, b) => take(a).times(take(b)),
+        // Functions, and what has a variable below the line or in the exponent: of numbers only, or of first degree.
+        Op::Divide(..) | Op::Power(..) | Op::Call(..) => {
+            let places = operand_places(op);
+            let [first, second] = match places {
+                [Some(a), Some(b)] if a != b => [take(a), take(b)],
+                [Some(a), _] => {
+                    let degree = take(a);
+                    [degree.clone(), degree]
+                }
+                _ => return None,
             };
-            let terms = affine.terms.iter();
-            terms.map(|(slot, c)| (*slot, number(*c))).collect()
+            match (op, second.constant()) {
+                (Op::Divide(..), Some(divisor)) if !first.is_affine() => {
+                    return Some(first.scaled(ONE / divisor));
+                }
+                (Op::Power(..), Some(exponent))
+                    if exponent == ONE + ONE && first.constant().is_none() =>
+                {
+                    return first.clone().times(first);
+                }
+                _ => {}
+            }
+            if !first.is_affine() || !second.is_affine() {
+                return None;
+            }
+            // Its operands stand first and second now.
+            let is_first = |operand: usize| usize::from(places[0] != Some(operand));
+            Some(Degree {
+                rest: affine_of(op.mapped(is_first), &[first.rest, second.rest])?,
+                products: Vec::new(),
+            })
         }
     }
 }

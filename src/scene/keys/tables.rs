@@ -53,6 +53,11 @@ pub static SCENE: Keys = Keys::new(
         ),
         table_key("equations", FORMULAS_BY_NAME, "formulas that must be zero"),
         table_key(
+            "bars",
+            Named(&[Table(&BAR)]),
+            "pairs of points that stay as far apart as they are",
+        ),
+        table_key(
             "contacts",
             Named(&[Table(&CONTACT)]),
             "pairs of surfaces that touch",
@@ -104,6 +109,18 @@ pub static INPUT: Keys = Keys::new(
         table_key("ease", Word(&EASES), "how values change between keys"),
     ],
 );
+
+/// A bar between two points.
+pub static BAR: Keys = Keys::new(
+    "bar",
+    &[
+        table_key("from", END, "one end: a point, a chain or a trace").required(),
+        table_key("to", END, "the other end").required(),
+        table_key("length", Formula, "how far apart they are").required(),
+    ],
+);
+
+const END: Holds = Any(&[Formula, Formulas(0)]);
 
 /// A contact of two surfaces.
 pub static CONTACT: Keys = Keys::new(

@@ -19,6 +19,7 @@ impl Names {
             .iter()
             .flat_map(|(_, f)| f)
             .chain(parsed.contacts.iter().flat_map(|c| c.factors()))
+            .chain(parsed.bars.factors())
             .chain(parsed.frames.iter().flatten())
         {
             if let Factor::Elementary(motion, _, node) = factor {
@@ -36,6 +37,8 @@ impl Names {
         let pairs = parsed.contacts.iter().filter(|c| c.is_of_spheres());
         let radii = pairs.flat_map(|c| c.sides.iter().flat_map(|side| side.surface.sizes()));
         sites.extend(radii.map(|(_, node)| (node, Some(Kind::Length))));
+        let lengths = parsed.bars.lengths();
+        sites.extend(lengths.map(|node| (node, Some(Kind::Length))));
         sites.extend(parsed.points.iter().map(|node| (node, Some(Kind::Length))));
         for (node, wanted) in sites {
             self.note(node, wanted, diagnostics);

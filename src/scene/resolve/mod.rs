@@ -1,5 +1,6 @@
 //! From the file as typed to the mechanism: names to indices, units to radians, formulas to operations.
 
+mod bars;
 pub mod bodies;
 mod body_constants;
 pub mod camera;
@@ -68,6 +69,11 @@ pub fn resolve_scene(
     let mut joints = joints::FoldedJoints::new(&names, &angle_unit);
     let mut loops = joints.loops(&parsed, diagnostics);
     let mut equations = joints.equations(&parsed, diagnostics);
+    let mut bars = parsed
+        .bars
+        .resolve((&names, &angle_unit), &mut joints, diagnostics);
+    loops.append(&mut bars.loops);
+    equations.append(&mut bars.equations);
     let mut contacts = Contacts::resolve(&parsed.contacts, &names, &mut joints, diagnostics);
     loops.append(&mut contacts.loops);
     equations.append(&mut contacts.equations);
@@ -141,6 +147,7 @@ pub fn resolve_scene(
         arguments,
         loops,
         equations,
+        bars: bars.list,
         contacts: parsed
             .contacts
             .iter()
@@ -161,6 +168,9 @@ pub fn resolve_scene(
         named: coordinates.named,
     };
     actuation.join_instants();
+    for pin in &parsed.bars.pins {
+        pin.start(&mechanism, &mut actuation);
+    }
     mechanism.size = overrides
         .size
         .unwrap_or_else(|| mechanism_size(&mechanism, &actuation, &names));
@@ -213,7 +223,7 @@ fn angle_unit(file: &SceneFile, diagnostics: &mut Diagnostics) -> AngleUnit {
 /// Shares of the drive at which driven lengths are looked at.
 const INSTANTS: [f64; 5] = [0.0, 0.21, 0.47, 0.73, 1.0];
 
-/// The mechanism's own length: the longest fixed offset between two joints of its loops, else its longest length
+/// The mechanism's own length: the longest bar or fixed offset between two joints of its loops, else its longest length
 /// parameter, driven length or constant of a chain, else the largest lead of a screw, else one.
 fn mechanism_size(mechanism: &Mechanism, actuation: &Actuation, names: &Names) -> f64 {
     use crate::model::chain::ChainStep;
@@ -225,7 +235,8 @@ fn mechanism_size(mechanism: &Mechanism, actuation: &Actuation, names: &Names) -
             ChainStep::Fixed(pose) => Some(pose.translation.length()),
             ChainStep::Joint { .. } => None,
         });
-    let longest = fixed.fold(0.0, f64::max);
+    let bars = mechanism.bars.iter().filter_map(|bar| bar.length);
+    let longest = fixed.chain(bars).fold(0.0, f64::max);
     if longest > 0.0 {
         return longest;
     }

@@ -106,6 +106,10 @@ impl Names {
             .equations
             .iter()
             .for_each(|(_, node)| node.visit_names(&mut gather));
+        let bars = &parsed.bars;
+        bars.lengths()
+            .for_each(|node| node.visit_names(&mut gather));
+        bars.factors().for_each(|f| visit_factor(f, &mut gather));
         names.unknowns = found.iter().map(|(name, _)| coordinate(name)).collect();
         names.unknown_places = found.into_iter().map(|(_, span)| span).collect();
         names.index();

@@ -5,6 +5,7 @@ use super::super::formula::chain::{Item, parse_chain};
 use super::super::formula::expansion::Factor;
 use super::super::formula::expression::FormulaNode;
 use super::super::measures::MeasureFile;
+use super::bars::ParsedBars;
 use super::contacts::chains::{ContactItems, ParsedContact};
 use super::parsing::{Named, NamedChains, note_diagnostic, parsed_expression};
 use crate::diag::Diagnostics;
@@ -19,6 +20,7 @@ pub struct Parsed {
     pub equations: Vec<Named<FormulaNode>>,
     pub guess: Vec<Named<FormulaNode>>,
     pub outputs: Vec<Named<FormulaNode>>,
+    pub bars: ParsedBars,
     /// Surface contacts.
     pub contacts: Vec<ParsedContact>,
     /// One per body of the file; empty for a body that stands in the world.
@@ -90,8 +92,10 @@ impl Parsed {
         };
         let (parameters, equations) = (named(&file.parameters), named(&file.equations));
         let (guess, outputs) = (named(&file.guess), named(&file.outputs));
+        let bars = ParsedBars::parse(file, &chains, diagnostics);
         let is_complete = loops.len() == file.loops.len()
             && equations.len() == file.equations.len()
+            && bars.list.len() == file.bars.len()
             && contacts.len() == file.contacts.len();
         let inputs = file
             .inputs
@@ -109,6 +113,7 @@ impl Parsed {
             inputs,
             loops,
             equations,
+            bars,
             contacts,
             guess,
             outputs,

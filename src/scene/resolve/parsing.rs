@@ -43,6 +43,11 @@ impl NamedChains {
         }
     }
 
+    /// Whether there is a chain of that name.
+    pub fn holds(&self, name: &str) -> bool {
+        self.places.contains_key(name)
+    }
+
     fn find(&self, name: &str) -> Option<&[Item]> {
         let place = self.places.get(name)?;
         Some(&self.list[*place].1)

@@ -148,6 +148,7 @@ pub fn expand_dependents(parsed: &mut Parsed, varied: &[String], diagnostics: &m
     let loops = parsed.loops.iter_mut().map(|(_, factors)| factors);
     let chains = loops.chain(&mut parsed.frames).flatten();
     chains.for_each(expand_factor);
+    parsed.bars.change(&expand_factor, &expand);
     for contact in &mut parsed.contacts {
         contact.visit_factors(&expand_factor);
         contact.visit_sizes(&expand);
@@ -203,7 +204,8 @@ pub fn kept_parameters(parsed: &Parsed, varied: &[String]) -> Vec<Kept> {
         .iter()
         .for_each(|node| note(node, KeptIn::Measure, false));
     let loops = parsed.loops.iter().map(|(_, factors)| factors);
-    for factor in loops.chain(&parsed.frames).flatten() {
+    let pins = parsed.bars.pins.iter().map(|pin| &pin.closing);
+    for factor in loops.chain(pins).chain(&parsed.frames).flatten() {
         if let Factor::Direction(nodes, _) = factor {
             nodes
                 .iter()

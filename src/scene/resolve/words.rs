@@ -21,6 +21,7 @@ pub fn refuse_double_and_reserved(file: &SceneFile, diagnostics: &mut Diagnostic
         ),
         ("input", file.inputs.iter().map(|(n, _)| n).collect()),
         ("chain", file.chains.iter().map(|(n, _)| n).collect()),
+        ("bar", file.bars.iter().map(|b| &b.name).collect()),
         ("contact", file.contacts.iter().map(|c| &c.name).collect()),
         ("output", file.outputs.iter().map(|(n, _)| n).collect()),
         ("output", file.distances.iter().map(|d| &d.name).collect()),

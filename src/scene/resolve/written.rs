@@ -40,6 +40,11 @@ pub fn resolve_notation(
                 .contacts
                 .iter()
                 .find_map(|c| closing_factors(c, &item.name))
+                .or_else(|| {
+                    let mut pins = parsed.bars.pins.iter();
+                    let pin = pins.find(|pin| pin.name == item.name)?;
+                    Some(&pin.closing[..])
+                })
         };
         let mut chain =
             writer.written_chain(&item.name, factors.or_else(of_contact).unwrap_or(&[]));

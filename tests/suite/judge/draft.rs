@@ -31,6 +31,10 @@ impl Draft {
                 .collect(),
             ..Self::default()
         };
+        for (ends, length) in &file.bars {
+            let ends = ends.each_ref().map(|items| expanded(items, file));
+            draft.distances.push((ends, length.clone()));
+        }
         for (name, sides) in &file.contacts {
             match contact::closure(name, sides) {
                 Closure::Frame(items) => draft.loops.push(expanded(&items, file)),

@@ -16,6 +16,8 @@ pub struct File {
     pub chains: Chains,
     pub loops: Vec<Vec<Item>>,
     pub equations: Vec<Node>,
+    /// Chains to both ends, and the length.
+    pub bars: Vec<([Vec<Item>; 2], Node)>,
     pub contacts: Vec<(String, [Side; 2])>,
     /// Frames of bodies and formulas of outputs: they may tell what a name measures.
     pub frames: Vec<Vec<Item>>,
@@ -58,6 +60,7 @@ impl File {
             chains: chains("chains").collect(),
             loops: chains("loops").map(|(_, items)| items).collect(),
             equations: formulas("equations").map(|(_, node)| node).collect(),
+            bars: bars(table, &traces(table, &bodies)),
             contacts: contacts(table),
             frames: frames.map(|f| chain_of(f.get_ref())).collect(),
             outputs: formulas("outputs").collect(),
@@ -136,6 +139,33 @@ fn drive_of(value: &DeValue) -> Vec<Node> {
     let values = values.map(|pair| formula_of(pair.get_ref().as_array().unwrap()[1].get_ref()));
     let formula = table.get("formula").map(|f| formula_of(f.get_ref()));
     values.chain(formula).collect()
+}
+
+fn bars(table: &DeTable, traces: &[(String, Vec<Item>, [Node; 3])]) -> Vec<([Vec<Item>; 2], Node)> {
+    let shifts = |nodes: Vec<Node>| {
+        let nodes = nodes.into_iter().enumerate();
+        nodes.map(|(axis, node)| Item::Part(chain::Part::Shift(axis, node)))
+    };
+    let end = |value: &DeValue| match value.as_array() {
+        Some(point) => shifts(point.iter().map(|c| formula_of(c.get_ref())).collect()).collect(),
+        None => {
+            let text = value.as_str().unwrap();
+            match traces.iter().find(|(name, ..)| name == text) {
+                Some((_, frame, point)) => {
+                    let shifts = shifts(point.to_vec());
+                    frame.iter().cloned().chain(shifts).collect()
+                }
+                None => chain::parse(text),
+            }
+        }
+    };
+    let all = section(table, "bars").into_iter();
+    all.map(|(_, value)| {
+        let bar = value.as_table().unwrap();
+        let ends = ["from", "to"].map(|key| end(bar[key].get_ref()));
+        (ends, formula_of(bar["length"].get_ref()))
+    })
+    .collect()
 }
 
 fn contacts(table: &DeTable) -> Vec<(String, [Side; 2])> {

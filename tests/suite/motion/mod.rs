@@ -1,6 +1,7 @@
 //! Motions: poses, rates, events and endings against references that are not ours.
 
 mod accuracy;
+mod bars;
 mod change_points;
 mod contacts;
 mod dense_nets;

@@ -109,13 +109,15 @@ fn mobility_of(text: &str) -> Mobility {
 type ByHand = (&'static str, usize, &'static [usize], i64, usize);
 
 /// R revolute, P prismatic, C cylindrical, U universal, S spherical.
-const BUILT_IN: [ByHand; 24] = [
+const BUILT_IN: [ByHand; 25] = [
     // 4R
     ("bennett", 4, &[6], 0, 1),
     // 6R
     ("bricard", 6, &[6], 0, 1),
     // 10R between eight links
     ("dyads", 10, &[3, 3, 3], 0, 1),
+    // R of the crank, 2P of each of its pin and eight points; the pin is on the crank, 16 bars
+    ("dyads-bars", 19, &[2], -16, 1),
     // 3R P
     ("feeder", 4, &[3], 0, 1),
     // 4R

@@ -590,6 +590,6 @@ fn solids_too_large_for_a_proof_are_left_undecided() {
             &format!("`check` with a cylinder of {size} mm"),
             &["check", "large.toml", "--samples", "3"],
         );
-        assert_eq!(run.code, 1, "{}", run.stdout);
+        assert_eq!(run.code, 1, "{}", run.stderr);
     }
 }

@@ -50,6 +50,70 @@ fn the_row_of_the_scene_is_that_of_the_source() {
     assert!((range[1][1].as_f64().unwrap() - 5.715026151381).abs() < 1e-11);
 }
 
+/// The same mechanism as points and bars: bars of the scene, one of a link, and bodies that are only drawn.
+#[test]
+fn bars_of_a_scene_are_the_row_of_its_loops() {
+    let space = Workspace::new();
+    let [loops, bars] = ["dyads", "dyads-bars"]
+        .map(|scene| document(&space, &["dyads", scene, "--at", "1.3", "--out", "-"]));
+    let sorted = |row: &Value, key: &str| {
+        let mut all: Vec<String> = row[key]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(Value::to_string)
+            .collect();
+        all.sort();
+        all
+    };
+    assert_eq!(loops["lever"], bars["lever"]);
+    assert_eq!(loops["columns"], bars["columns"]);
+    assert_eq!(bars["bars"].as_array().unwrap().len(), 17);
+    let ends = |row: &Value| -> Vec<String> {
+        let all = row["row"].as_array().unwrap().iter();
+        let mut all: Vec<String> = all
+            .map(|d| format!("{};{}", d["point"], d["ends"]))
+            .collect();
+        all.sort();
+        all
+    };
+    assert_eq!(ends(&loops), ends(&bars));
+    let names = |row: &Value| sorted(row, "points").len();
+    assert_eq!(names(&loops), names(&bars));
+    for point in loops["points"].as_array().unwrap() {
+        let others = bars["points"].as_array().unwrap();
+        let other = others.iter().find(|p| p["name"] == point["name"]).unwrap();
+        for axis in 0..2 {
+            let [a, b] = [point, other].map(|p| p["velocity"][axis].as_f64().unwrap());
+            assert!((a - b).abs() < 1e-10, "{}: {a} {b}", point["name"]);
+        }
+    }
+    // A slider, a free equation and a point without freedom of its own are no dyads.
+    for (bar, words) in [
+        (
+            "a = { from = [\"s\", 0], to = \"crank\", length = 90 }",
+            "nor free in the plane",
+        ),
+        (
+            "a = { from = [\"x\", \"y\"], to = \"crank\", length = 90 }\n[equations]\ntie = \"x + y - 40\"",
+            "equation `tie` is no bar",
+        ),
+    ] {
+        let scene = format!(
+            "duration = 1\n[inputs]\nphi = \"t\"\n[chains]\ncrank = \"Rz(phi) Tx(40)\"\n[bars]\n{bar}\n[guess]\ns = 100\nx = 100\ny = -60\n\
+             [[bodies]]\nname = \"crank\"\nframe = \"crank\"\n"
+        );
+        let guess = if bar.contains("\"s\"") {
+            scene.replace("x = 100\ny = -60\n", "")
+        } else {
+            scene.replace("s = 100\n", "")
+        };
+        space.write("no.toml", &guess);
+        let run = space.run(&["dyads", "no.toml"]).exits(2);
+        assert!(run.stderr.contains(words), "{}", run.stderr);
+    }
+}
+
 #[test]
 fn the_table_is_written_in_three_ways() {
     let space = Workspace::new();

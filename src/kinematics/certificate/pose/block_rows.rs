@@ -1,12 +1,13 @@
 //! One block as rows: residual, Jacobian and bounds of its equations. The test itself is in `kantorovich`.
 
-use super::chain::{ArgumentDouble, LoopAtPose, affine_value};
+use super::chain::{ArgumentDouble, LoopAtPose};
+use super::equation::EquationAtPose;
 use crate::kinematics::certificate::neighbourhood::BALL;
 use crate::kinematics::results::certificate::Reason;
 use crate::kinematics::structure::proof_plan::{LoopRows, ProofBlock};
 use crate::linalg::lanes::LaneMatrix;
 use crate::model::chain::ElementaryMotion;
-use crate::numbers::rounding::{DECIMAL, U};
+use crate::numbers::rounding::{GROW, U};
 
 /// Relative rounding of a joint's column: a dozen operations on numbers that carry the last bit of f64.
 const COLUMN_ROUNDING: f64 = 64.0 * U;
@@ -44,6 +45,7 @@ pub struct BlockRows<'m> {
     /// How far each form is open, as what it is used for.
     pub open: Vec<f64>,
     at_pose: Vec<LoopAtPose>,
+    equation: EquationAtPose,
     arguments: Vec<ArgumentDouble>,
 }
 
@@ -56,6 +58,7 @@ impl<'m> BlockRows<'m> {
             columns: LaneMatrix::default(),
             open: vec![0.0; of.forms.len()],
             at_pose: vec![LoopAtPose::default(); of.loops.len()],
+            equation: EquationAtPose::default(),
             arguments: Vec::with_capacity(of.forms.len()),
         }
     }
@@ -68,10 +71,10 @@ impl<'m> BlockRows<'m> {
     ) -> Result<(), Reason> {
         self.columns.reset(self.of.forms.len(), self.rows.len());
         self.open.fill(0.0);
-        let of_block = self.of.forms[..self.of.forms.len() - self.of.equations.len()].iter();
         self.arguments.clear();
+        let of_block = self.of.arguments.iter();
         self.arguments
-            .extend(of_block.map(|form| arguments[form.index]));
+            .extend(of_block.map(|index| arguments[*index]));
         for index in 0..self.of.loops.len() {
             self.loop_rows(index)?;
         }
@@ -91,16 +94,8 @@ impl<'m> BlockRows<'m> {
             }
         }
         for (equation, row) in self.of.equations.iter().zip(self.of.first_equation..) {
-            let terms = equation
-                .affine
-                .terms
-                .iter()
-                .map(|(slot, c)| (*c, coordinates[*slot]));
-            let all = terms.chain([(equation.affine.constant, 1.0)]);
-            let sizes = all
-                .filter(|(c, _)| !c.is_exact())
-                .map(|(c, x)| c.largest() * x.abs());
-            self.rows[row].last_units = DECIMAL * equation.scale * sizes.sum::<f64>();
+            let units = self.equation.last_units(&equation.formula, coordinates);
+            self.rows[row].last_units = equation.scale * units;
         }
     }
 
@@ -165,19 +160,31 @@ impl<'m> BlockRows<'m> {
     }
 
     fn equation_rows(&mut self, [coordinates, rests]: [&[f64]; 2]) {
-        let row = self.of.first_equation;
-        let first = self.of.forms.len() - self.of.equations.len();
-        for (k, equation) in self.of.equations.iter().enumerate() {
+        for (equation, row) in self.of.equations.iter().zip(self.of.first_equation..) {
             let scale = equation.scale;
-            let (value, open) = affine_value(&equation.affine, coordinates, rests);
+            let (value, open) = self
+                .equation
+                .evaluate(&equation.formula, [coordinates, rests]);
             let residual = value.hi * scale;
-            *self.columns.at_mut(first + k, row + k) = scale;
-            self.rows[row + k] = ProvedRow {
+            // The formula is a function of its forms, whose derivatives are its factors.
+            let (mut second, mut second_all, mut column_error) = (0.0, 0.0, 0.0);
+            let forms = &self.of.forms[equation.forms()];
+            for (form, [slope, open]) in equation.forms().zip(&self.equation.slopes) {
+                *self.columns.at_mut(form, row) = slope * scale;
+                let error = COLUMN_ROUNDING * slope.abs() + open;
+                column_error += error * self.of.forms[form].rate;
+            }
+            for (factor, [a, b]) in &equation.formula.products {
+                let [a, b] = [&forms[1 + a], &forms[1 + b]];
+                second += 2.0 * factor.largest() * a.own_rate * b.own_rate;
+                second_all += 2.0 * factor.largest() * a.rate * b.rate;
+            }
+            self.rows[row] = ProvedRow {
                 residual,
                 open: (open + value.lo.abs()) * scale + 4.0 * U * residual.abs(),
-                second: 0.0,
-                second_all: 0.0,
-                column_error: COLUMN_ROUNDING * scale * self.of.forms[first + k].rate,
+                second: second * scale * GROW,
+                second_all: second_all * scale * GROW,
+                column_error: column_error * scale * GROW,
                 last_units: 0.0,
             };
         }

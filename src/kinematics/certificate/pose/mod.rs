@@ -2,6 +2,7 @@
 
 pub mod block_rows;
 pub mod chain;
+mod equation;
 pub mod kantorovich;
 mod lane_rows;
 pub mod product;

@@ -3,7 +3,7 @@
 use super::path::TubePath;
 use super::taylor_model::TaylorModel;
 use crate::model::chain::Argument;
-use crate::model::expression::{Affine, Expression};
+use crate::model::expression::{Affine, Expression, Quadratic};
 use crate::model::mechanism::Mechanism;
 use crate::numbers::constant::Constant;
 use crate::numbers::interval::Interval;
@@ -31,7 +31,8 @@ pub struct Sparse {
     /// Of `slots`, in their order.
     expression: Expression,
     slots: Vec<usize>,
-    /// Of a formula of second degree: its derivatives, of all coordinates.
+    /// A formula of second degree, and its derivatives, of all coordinates.
+    quadratic: Option<Quadratic>,
     slopes: Option<Vec<Affine>>,
 }
 
@@ -40,6 +41,7 @@ impl Sparse {
         let slots = expression.slots();
         Self {
             expression: expression.renumbered_slots(&slots),
+            quadratic: expression.quadratic(),
             slopes: expression.affine_slopes(),
             slots,
         }
@@ -94,6 +96,10 @@ impl Form {
     /// Value over the stretch.
     pub fn value(&self, path: &TubePath) -> TaylorModel {
         match self {
+            Self::Formula(Sparse {
+                quadratic: Some(quadratic),
+                ..
+            }) => quadratic_model(quadratic, &path.coordinates),
             Self::Formula(formula) => {
                 if let Some(still) = path.still() {
                     return TaylorModel::standing(formula.value(still));
@@ -185,6 +191,21 @@ impl Form {
             Self::Formula(formula) => formula.value(place),
         }
     }
+}
+
+/// A sum of products of affine forms.
+fn quadratic_model(form: &Quadratic, coordinates: &[TaylorModel]) -> TaylorModel {
+    let model = |form: &Affine| TaylorModel::of_affine(form, coordinates);
+    let factors: Vec<TaylorModel> = form.factors.iter().map(model).collect();
+    let products = form.products.iter();
+    products.fold(model(&form.rest), |sum, (factor, [a, b])| {
+        let product = factors[*a].times(&factors[*b]);
+        let scaled = TaylorModel {
+            rest: factor.open() * product.size(),
+            ..TaylorModel::ZERO
+        };
+        sum.plus(&product.scaled(factor.number())).plus(&scaled)
+    })
 }
 
 /// Bounds of the first and second derivative of a formula in any direction whose entries are at most `rates`,

@@ -1,0 +1,98 @@
+//! Bars that the scene gives as bars: which coordinates do nothing but place their ends, and which links these are on.
+
+use super::not_dyads::NotDyads;
+use crate::model::chain::{Chain, ChainStep};
+use crate::model::joints::Joint;
+use crate::model::mechanism::{BarEnd, Mechanism};
+use std::collections::BTreeSet;
+
+/// The ends of all bars of a mechanism.
+pub struct BarEnds<'m> {
+    mechanism: &'m Mechanism,
+    /// Unknowns that are coordinates of ends.
+    slots: BTreeSet<usize>,
+}
+
+impl<'m> BarEnds<'m> {
+    /// Of all bars.
+    ///
+    /// # Errors
+    /// An equation that is no bar.
+    pub fn new(mechanism: &'m Mechanism) -> Result<Self, NotDyads> {
+        let is_bar = |name: &str| mechanism.bars.iter().any(|bar| bar.name == name);
+        let other = mechanism.equations.iter().find(|e| !is_bar(&e.name));
+        if let Some(other) = other.filter(|_| !mechanism.bars.is_empty()) {
+            return Err(NotDyads::Equation(other.name.clone()));
+        }
+        let mut ends = Self {
+            mechanism,
+            slots: BTreeSet::new(),
+        };
+        let all = mechanism.bars.iter().flat_map(|bar| &bar.ends);
+        ends.slots = all.flat_map(|end| ends.unknowns_of(&end.point)).collect();
+        Ok(ends)
+    }
+
+    /// Every bar's ends.
+    pub fn bars(&self) -> impl Iterator<Item = &'m [BarEnd; 2]> {
+        self.mechanism.bars.iter().map(|bar| &bar.ends)
+    }
+
+    fn unknowns_of(&self, chain: &Chain) -> BTreeSet<usize> {
+        let arguments = chain.arguments().into_iter();
+        let slots = arguments.flat_map(|a| self.mechanism.arguments[a].coordinates());
+        slots
+            .filter(|slot| *slot < self.mechanism.unknowns.len())
+            .collect()
+    }
+
+    /// Whether a joint is no joint, but what places an end, or a body that is drawn where ends are.
+    pub fn place_joint(&self, joint: &Joint) -> bool {
+        self.place(joint.coordinates.iter().copied())
+    }
+
+    /// Whether a link is only drawn where ends are.
+    pub fn place_link(&self, link: usize) -> bool {
+        let chain = self.mechanism.joints.world_from_link(link);
+        let arguments = chain.arguments().into_iter();
+        self.place(arguments.flat_map(|a| self.mechanism.arguments[a].coordinates()))
+    }
+
+    /// Whether coordinates of ends are among these, and but for inputs nothing else is.
+    fn place(&self, slots: impl Iterator<Item = usize> + Clone) -> bool {
+        let is_end = |slot: usize| self.slots.contains(&slot);
+        let is_input = |slot: usize| slot >= self.mechanism.unknowns.len();
+        slots.clone().any(is_end) && slots.clone().all(|slot| is_end(slot) || is_input(slot))
+    }
+
+    /// The link that carries an end; `None` if the end is free.
+    pub fn link_of(&self, end: &BarEnd) -> Option<usize> {
+        let joints = &self.mechanism.joints;
+        let own = moving_steps(&end.carrier);
+        if own.is_empty() {
+            return Some(0);
+        }
+        let mut links = 1..joints.links.len();
+        links.find(|link| {
+            !self.place_link(*link) && moving_steps(&joints.world_from_link(*link)) == own
+        })
+    }
+
+    /// Unknowns that move a free end; two of them make it free in its plane.
+    ///
+    /// # Errors
+    /// One that is not.
+    pub fn free_slots(&self, end: &BarEnd, name: &str) -> Result<BTreeSet<usize>, NotDyads> {
+        let slots = self.unknowns_of(&end.point);
+        match slots.len() {
+            2 => Ok(slots),
+            _ => Err(NotDyads::Point(name.to_owned())),
+        }
+    }
+}
+
+/// The steps of a chain up to the last one that moves.
+fn moving_steps(chain: &Chain) -> Vec<ChainStep> {
+    let last = chain.steps.iter().rposition(|step| step.joint().is_some());
+    chain.steps[..last.map_or(0, |last| last + 1)].to_vec()
+}
