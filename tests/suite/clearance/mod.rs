@@ -20,6 +20,7 @@ mod gate;
 mod grazing;
 mod joint_jumps;
 mod joint_meshes;
+mod kinks;
 mod mesh_shells;
 mod narrow_gaps;
 mod neighbour_scenes;
