@@ -24,6 +24,7 @@ mod kinks;
 mod mesh_shells;
 mod narrow_gaps;
 mod neighbour_scenes;
+mod on_axes;
 mod random_clearances;
 mod random_drives;
 mod told_bounds;
