@@ -14,11 +14,21 @@ pub fn sin_cos(angle: f64) -> (f64, f64) {
     libm::sincos(angle)
 }
 
+/// What is left of a vector along an axis is rounding and may lie along the axis itself, which is a unit vector to rounding only:
+/// then the square of its part across is less than this.
+const ALONG: f64 = 1e-12;
+
 /// The unit vector square to `axis` that is nearest to `v`; zero along the axis.
 pub fn square_to(axis: DVec3, v: DVec3) -> DVec3 {
     // Twice: next to the axis the first remainder is mostly rounding.
     let across = (v - axis * v.dot(axis)).normalize_or_zero();
-    (across - axis * across.dot(axis)).normalize_or_zero()
+    let square = across - axis * across.dot(axis);
+    let size = square.length_squared();
+    if size > ALONG {
+        square / size.sqrt()
+    } else {
+        DVec3::ZERO
+    }
 }
 
 /// A rigid motion: rotation matrix and translation.

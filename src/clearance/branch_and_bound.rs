@@ -242,7 +242,10 @@ pub(super) fn split_piece(
         near: look.near.clone(),
     };
     let is_certified = motion.stretches[piece.stretch].is_certified;
-    if (look.is_blurred || !is_certified)
+    let half = 0.5 * piece.half;
+    // Of a piece as short as may be the rest of a longer stretch is what may still be lost.
+    let is_left_to_stretch = half < SHORTEST && motion.may_be_halved(piece.stretch);
+    if (look.is_blurred || is_left_to_stretch || !is_certified)
         && let Some([first, second]) = motion.halves(piece.stretch)
     {
         // The same times as seen from the halves.
@@ -262,7 +265,6 @@ pub(super) fn split_piece(
             [over(first, low, 1.0), over(second, -1.0, high - 2.0)]
         });
     }
-    let half = 0.5 * piece.half;
     (is_certified && half >= SHORTEST).then(|| {
         [
             part(piece.stretch, piece.middle - half, half),

@@ -117,7 +117,8 @@ impl PairSweep<'_> {
                     asked: low,
                     lowest: low,
                     middle: high,
-                    is_blurred: self.chain.blur(arguments, self.hulls[1].ball) > BLURRED * allowed,
+                    is_blurred: self.chain.blur(arguments, piece.middle, self.hulls[1].ball)
+                        > BLURRED * allowed,
                     near: NearElements::ALL,
                 };
                 let halves = (!is_settled)

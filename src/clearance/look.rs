@@ -222,7 +222,7 @@ impl PairSweep<'_> {
                 }
             }
         }
-        let blur = self.chain.blur(arguments, ball);
+        let blur = self.chain.blur(arguments, s, ball);
         BoundGoal {
             asked: goal,
             lowest,

@@ -389,6 +389,12 @@ impl<'m> ProvedMotion<'m> {
         }
     }
 
+    /// Whether a stretch is long enough to be halved for its own sake.
+    pub fn may_be_halved(&self, stretch: usize) -> bool {
+        let MotionStretch { start, end, .. } = self.stretches[stretch];
+        end - start > self.shortest
+    }
+
     /// The halves of a stretch, whose bounds are narrower; `None` when there are too many stretches, or they cannot be
     /// had.
     pub fn halves(&mut self, stretch: usize) -> Option<[usize; 2]> {

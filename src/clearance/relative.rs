@@ -284,27 +284,8 @@ impl RelativeChain {
         moved.off += (whole - moving.off_by_length).max(0.0) + 1e-12 * whole;
         moved
     }
-
-    /// What the bounds of the arguments alone let the points of a ball deviate by, however short the time.
-    pub fn blur(&self, arguments: &[TaylorModel], (center, radius): (DVec3, f64)) -> f64 {
-        let (mut blur, mut reach) = (0.0, center.length() + radius);
-        for step in self.steps.iter().rev() {
-            match *step {
-                ChainStep::Fixed(pose) => reach += pose.translation.length(),
-                ChainStep::Joint {
-                    motion, argument, ..
-                } => {
-                    let model = &arguments[argument];
-                    match motion {
-                        ElementaryMotion::Rotation => blur += rate_times(model.rest, reach),
-                        ElementaryMotion::Translation => {
-                            blur += model.rest;
-                            reach += model.size();
-                        }
-                    }
-                }
-            }
-        }
-        blur
+    /// What the bounds of the arguments alone let the points of a ball deviate by at the place `s`, however short the time.
+    pub fn blur(&self, arguments: &[TaylorModel], s: f64, ball: (DVec3, f64)) -> f64 {
+        self.around(arguments, s, 0.0).deviation(ball)
     }
 }

@@ -150,14 +150,22 @@ fn to_box(block: &BoxCore, point: DVec3) -> PointHit {
     }
 }
 
+/// Off the axis by more than this part of the height, rounding turns the way out by no more than numbers are off.
+const FAR_OUT: f64 = 0.5;
+
 fn to_frustum(frustum: &Frustum, point: DVec3) -> PointHit {
     let offset = point - frustum.from;
     let height = offset.dot(frustum.axis);
     let across = offset - frustum.axis * height;
     let rho = across.length();
-    let outward = match square_to(frustum.axis, across) {
-        DVec3::ZERO => Pose::from_z_axis(frustum.axis).rotation.x_axis,
-        outward => outward,
+    // What is left off the axis is exact where it is not short beside the way along it.
+    let outward = if rho > height.abs() * FAR_OUT {
+        across / rho
+    } else {
+        match square_to(frustum.axis, across) {
+            DVec3::ZERO => Pose::from_z_axis(frustum.axis).rotation.x_axis,
+            outward => outward,
+        }
     };
     let (distance, nearest, normal) = to_profile(frustum, DVec2::new(rho, height));
     let space = |v: DVec2| outward * v.x + frustum.axis * v.y;

@@ -5,14 +5,13 @@
 //! the other, so none can be too small, and one of them is the nearest pair. A circle is searched along its angle.
 
 use super::curve_bend::CurveBend;
-use super::point::{on_segment, point_to, to_segment};
+use super::point::{PointHit, on_segment, point_to, to_segment};
 use super::primitive::{BOX_EDGES, Circle, Frustum, Primitive};
 use super::primitive_pair::CorePair;
 use super::search::{CurveSpot, least_convex, least_near, least_on_circle};
 use super::triangles;
 use crate::math::sin_cos;
 use glam::DVec3;
-use std::f64::consts::{FRAC_PI_8, TAU};
 
 /// The nearest points of two cores, neither of which is a mesh.
 ///
@@ -142,8 +141,11 @@ pub fn is_coaxial(a: &Primitive, circle: &Circle) -> bool {
 /// A value is the least if it provably could fall by no more than this, relative to the lengths it is made of: rounding.
 const LEAST: f64 = 2.0 * f64::EPSILON;
 
-/// First step along a circle is at least this part of a turn.
-const SMALLEST_STEP: f64 = 1e-6;
+/// The first step along a circle, as the tangent of half its angle: at least, and at most.
+const FIRST_STEP: [f64; 2] = [3e-6, 0.2];
+
+/// The tangent of half a quarter of a turn: where it is looked for the least value beside the place that seems nearest.
+const FARTHEST: f64 = 1.0;
 
 /// Nearest points of a convex core and a disc if they lie on its circle, where one provably is nearest.
 ///
@@ -154,23 +156,39 @@ fn of_disc(a: &Primitive, circle: &Circle) -> Option<CorePair> {
     if matches!(a, Primitive::Circle(_)) {
         return None;
     }
-    let (radius, [x, y]) = (circle.radius, circle.directions());
-    let angle_of = |v: DVec3| libm::atan2(v.dot(y), v.dot(x));
-    let at = |angle: f64| {
-        let (sin, cos) = sin_cos(angle);
-        (x * cos + y * sin, y * cos - x * sin)
+    let (center, radius) = (circle.center, circle.radius);
+    let start = match circle.outward(-point_to(a, center)?.normal) {
+        DVec3::ZERO => circle.directions()[0],
+        outward => outward,
     };
-    let start = angle_of(-point_to(a, circle.center)?.normal);
+    let side = circle.axis.cross(start);
+    // Outward and along the circle, by the tangent t of half the angle from the start, and how fast the angle goes with t.
+    let at = |t: f64| {
+        let fast = 2.0 / (1.0 + t * t);
+        let (sin, cos) = (fast * t, fast - 1.0);
+        (start * cos + side * sin, side * cos - start * sin, fast)
+    };
+    let spot = |t: f64, hit: &PointHit, tangent: DVec3| CurveSpot {
+        at: t,
+        value: hit.distance,
+        slope: hit.normal.dot(tangent),
+    };
     // Of a small core the nearest point hardly moves.
-    let ahead = point_to(a, circle.center + at(start).0 * radius)?.nearest - circle.center;
-    let turn = (angle_of(ahead) - start).abs();
-    let step = (2.0 * turn.min(TAU - turn)).clamp(TAU * SMALLEST_STEP, FRAC_PI_8);
-    let best = least_near(start, step, |angle| {
-        let (outward, along) = at(angle);
-        core_spot(a, angle, circle.center + outward * radius, along * radius)
+    let here = point_to(a, center + start * radius)?;
+    let ahead = here.nearest - center;
+    let (along, aside) = (ahead.dot(start), ahead.dot(side).abs());
+    let turn = aside / (along + (along * along + aside * aside).sqrt());
+    let step = (2.0 * turn).min(FIRST_STEP[1]).max(FIRST_STEP[0]);
+    let first = spot(0.0, &here, side * (2.0 * radius));
+    let best = least_near(first, step, FARTHEST, |t| {
+        let (outward, along, fast) = at(t);
+        let hit = point_to(a, center + outward * radius);
+        hit.map_or(CurveSpot::default(), |hit| {
+            spot(t, &hit, along * (radius * fast))
+        })
     })?;
-    let (outward, along) = at(best.at);
-    let point = circle.center + outward * radius;
+    let (outward, along, _) = at(best.at);
+    let point = center + outward * radius;
     let hit = point_to(a, point)?;
     let (inwards, aside) = (-hit.normal.dot(outward), hit.normal.dot(along));
     let falls = radius * aside * aside / (libm::hypot(inwards, aside) + inwards);
@@ -213,9 +231,10 @@ fn of_solids(a: &Primitive, b: &Primitive) -> CorePair {
     let mut best = CorePair::FAR;
     if let (Primitive::Frustum(f), Primitive::Frustum(g)) = (a, b) {
         compare_sides(f, g, &mut best);
-        if is_proved(a, b, &best) {
-            return best;
+        if !is_proved(a, b, &best) {
+            rims_and_spines([(a, f), (b, g)], &mut best);
         }
+        return best;
     }
     let far = [
         corners_of_second(a, b, &mut best),
@@ -270,8 +289,7 @@ fn edges_of_second(a: &Primitive, b: &Primitive, far: &[f64; 8], best: &mut Core
         }
     }
     if let Primitive::Frustum(frustum) = b {
-        let rims = frustum.rims();
-        let mut rims = rims.map(|rim| (of_point(a, rim.center).distance - rim.radius, rim));
+        let mut rims = frustum.rims().map(|rim| (lowest_of_disc(a, &rim), rim));
         rims.sort_by(|p, q| p.0.total_cmp(&q.0));
         for (lowest, rim) in rims {
             if lowest < least {
@@ -289,6 +307,45 @@ fn edges_of_second(a: &Primitive, b: &Primitive, far: &[f64; 8], best: &mut Core
         }
     }
     false
+}
+
+/// No point of a disc is nearer to a convex core: the distance lies above its plane at the middle of the disc.
+fn lowest_of_disc(a: &Primitive, disc: &Circle) -> f64 {
+    let hit = of_point(a, disc.center);
+    let flat = hit.normal - disc.axis * hit.normal.dot(disc.axis);
+    hit.distance - disc.radius * flat.length()
+}
+
+/// Rims and spines of two frusta against each other, those first that promise most, until the best is proved to be the
+/// nearest.
+fn rims_and_spines(pair: [(&Primitive, &Frustum); 2], best: &mut CorePair) {
+    let [(a, f), (b, g)] = pair;
+    let [of_a, of_b] = [f.rims(), g.rims()];
+    let mut rims = [
+        (b, of_a[0], true),
+        (b, of_a[1], true),
+        (a, of_b[0], false),
+        (a, of_b[1], false),
+    ]
+    .map(|(other, rim, is_first)| (lowest_of_disc(other, &rim), other, rim, is_first));
+    rims.sort_by(|p, q| p.0.total_cmp(&q.0));
+    for (lowest, other, rim, is_first) in rims {
+        if lowest < best.distance {
+            let found = of_circle(other, &rim);
+            let found = if is_first { found.swapped() } else { found };
+            let is_nearer = found.distance < best.distance;
+            best.take(found);
+            if is_nearer && is_proved(a, b, best) {
+                return;
+            }
+        }
+    }
+    // A thin solid may pierce the other one without touching its rims.
+    for spine in [of_edge(a, &g.spine()), of_edge(b, &f.spine()).swapped()] {
+        if spine.distance <= 0.0 {
+            best.take(spine);
+        }
+    }
 }
 
 /// Where the curved sides of two frusta face each other: the common normal makes a given angle with both axes.

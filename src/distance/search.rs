@@ -2,7 +2,7 @@
 //! bound of the slope.
 
 use crate::math::sin_cos;
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::TAU;
 use std::sync::OnceLock;
 
 /// A place with the function's value and slope.
@@ -60,10 +60,15 @@ pub fn least_convex(low: f64, high: f64, f: impl Fn(f64) -> CurveSpot) -> CurveS
 /// How much farther than where the slope seems to vanish is looked for the other side of a minimum.
 const BEYOND: f64 = 1.5;
 
-/// The minimum that a function of an angle falls to from `start`, looked for in steps that begin with `step`; `None` if a
-/// quarter of a turn does not lead to it.
-pub fn least_near(start: f64, step: f64, f: impl Fn(f64) -> CurveSpot) -> Option<CurveSpot> {
-    let mut here = f(start);
+/// The minimum that a function falls to from a spot, looked for in steps that begin with `step`; `None` if it is not led to
+/// within `farthest`.
+pub fn least_near(
+    start: CurveSpot,
+    step: f64,
+    farthest: f64,
+    f: impl Fn(f64) -> CurveSpot,
+) -> Option<CurveSpot> {
+    let mut here = start;
     let direction = -here.slope.signum();
     let mut step = step;
     while here.slope != 0.0 {
@@ -80,7 +85,7 @@ pub fn least_near(start: f64, step: f64, f: impl Fn(f64) -> CurveSpot) -> Option
         let vanishes = next.slope * (next.at - here.at) / (here.slope - next.slope);
         step = (BEYOND * vanishes.abs()).clamp(step, 8.0 * step);
         here = next;
-        let is_near = (here.at - start).abs() + step <= FRAC_PI_2;
+        let is_near = (here.at - start.at).abs() + step <= farthest;
         if !is_near {
             return None;
         }

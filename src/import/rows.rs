@@ -1,6 +1,6 @@
 //! PNG files row by row, as RGBA of 8 bits a channel: what is large need not be held.
 
-use super::picture::{BESIDE_PIXELS, ImportError, open_head, read_png};
+use super::picture::{BESIDE_PIXELS, ImportError, open_head};
 use crate::limits::allow_memory;
 use image::RgbaImage;
 use png::{BitDepth, ColorType, Decoder, Limits, Reader, Transformations};
@@ -26,9 +26,9 @@ pub struct PictureRows<'p> {
 
 enum RowSource<'p> {
     Held(&'p RgbaImage),
-    /// The rows of an interlaced file stand all over it: it is read as a whole.
-    Read(RgbaImage),
     File(PathBuf, Box<Reader<BufReader<File>>>),
+    /// The rows of an interlaced file stand all over it: with the first of them all are decoded, as the file has its pixels.
+    Interlaced(PathBuf, Box<Reader<BufReader<File>>>, Vec<u8>),
 }
 
 impl<'p> PictureRows<'p> {
@@ -53,7 +53,7 @@ impl<'p> PictureRows<'p> {
         let reader = decoder.read_info().map_err(refuse)?;
         let size = reader.info().size().into();
         let source = match reader.info().interlaced {
-            true => RowSource::Read(read_png(path)?),
+            true => RowSource::Interlaced(path.to_owned(), Box::new(reader), Vec::new()),
             false => RowSource::File(path.to_owned(), Box::new(reader)),
         };
         Ok(Self::new(source, size))
@@ -76,8 +76,8 @@ impl<'p> PictureRows<'p> {
     /// Whether pixels have room for transparency; they may still all be opaque.
     pub fn has_alpha(&self) -> bool {
         match &self.source {
-            RowSource::Held(_) | RowSource::Read(_) => true,
-            RowSource::File(_, reader) => matches!(
+            RowSource::Held(_) => true,
+            RowSource::File(_, reader) | RowSource::Interlaced(_, reader, _) => matches!(
                 reader.output_color_type().0,
                 ColorType::Rgba | ColorType::GrayscaleAlpha
             ),
@@ -86,14 +86,13 @@ impl<'p> PictureRows<'p> {
 
     /// The next row; `None` behind the last.
     ///
-    /// Errors: the file is damaged.
+    /// Errors: the file is damaged, or is interlaced and takes more memory than the run may use.
     pub fn next_row(&mut self) -> Result<Option<&[u8]>, ImportError> {
         let index = self.count as usize;
         self.count = self.count.saturating_add(1);
         let width = RGBA * self.size[0].max(1) as usize;
         match &mut self.source {
             RowSource::Held(picture) => Ok(picture.as_raw().chunks_exact(width).nth(index)),
-            RowSource::Read(picture) => Ok(picture.as_raw().chunks_exact(width).nth(index)),
             RowSource::File(path, reader) => {
                 let kind = reader.output_color_type();
                 let row = reader.next_row();
@@ -103,8 +102,29 @@ impl<'p> PictureRows<'p> {
                     &self.row[..]
                 }))
             }
+            RowSource::Interlaced(path, reader, pixels) => {
+                if index == 0 {
+                    *pixels = all_rows(path, reader)?;
+                }
+                let bytes = pixels.len() / self.size[1].max(1) as usize;
+                let row = pixels.chunks_exact(bytes.max(1)).nth(index);
+                Ok(row.map(|row| {
+                    rgba_of(row, reader.output_color_type(), &mut self.row);
+                    &self.row[..]
+                }))
+            }
         }
     }
+}
+
+/// All rows of a file, one after the other.
+fn all_rows(path: &Path, reader: &mut Reader<BufReader<File>>) -> Result<Vec<u8>, ImportError> {
+    let bytes = reader.output_buffer_size().unwrap_or(usize::MAX);
+    allow_memory(bytes as f64, &path.display())?;
+    let mut pixels = vec![0; bytes];
+    let found = reader.next_frame(&mut pixels);
+    found.map_err(|e| ImportError::decode(path, e))?;
+    Ok(pixels)
 }
 
 /// The pixels of a row as RGBA.
@@ -173,6 +193,7 @@ impl FramePicture {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
+    use super::super::picture::read_png;
     use super::*;
     use png::Encoder;
 

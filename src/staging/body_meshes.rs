@@ -5,8 +5,11 @@ use crate::geometry::mesh_of;
 use crate::kinematics::results::trajectory::ClosedPose;
 use crate::math::Pose;
 use crate::model::mechanism::Mechanism;
+use crate::model::shape::{Solid, TriangleSoup};
 use crate::render::{Camera, Instance, StageMesh};
 use glam::DVec3;
+use std::collections::HashMap;
+use std::sync::Arc;
 
 /// Largest distance between a round surface and its facets, in pixels: below what four samples can show.
 const FACET_ERROR_PIXELS: f64 = 0.2;
@@ -70,18 +73,28 @@ fn nearest_pixel(camera: &Camera, size: [u32; 2], points: &[DVec3]) -> f64 {
     nearest.clamp(camera.near, camera.far) / scale
 }
 
-/// One part per shape of every body.
+/// One part per shape of every body. Shapes that share the triangles of a file share their mesh.
 pub fn of_bodies(
     mechanism: &Mechanism,
     pixel: f64,
     meshes: &mut Vec<StageMesh>,
 ) -> Vec<StagedPart> {
     let mut parts = Vec::new();
+    let mut of_files: HashMap<*const TriangleSoup, usize> = HashMap::new();
     for (body, b) in mechanism.bodies.iter().enumerate() {
         for shape in &b.shapes {
-            meshes.push(mesh_of(&shape.solid, FACET_ERROR_PIXELS * pixel).into());
+            let mut new_mesh = || {
+                meshes.push(mesh_of(&shape.solid, FACET_ERROR_PIXELS * pixel).into());
+                meshes.len() - 1
+            };
+            let mesh = match &shape.solid {
+                Solid::Triangles(soup) => {
+                    *of_files.entry(Arc::as_ptr(soup)).or_insert_with(new_mesh)
+                }
+                _ => new_mesh(),
+            };
             parts.push(StagedPart {
-                mesh: meshes.len() - 1,
+                mesh,
                 body,
                 body_from_shape: shape.body_from_shape,
                 colour: shape.colour,

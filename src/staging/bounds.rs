@@ -4,8 +4,10 @@ use super::link_symbols;
 use crate::geometry::coarse_mesh_of;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::model::mechanism::Mechanism;
-use crate::model::shape::Solid;
+use crate::model::shape::{Solid, TriangleSoup};
 use glam::DVec3;
+use std::collections::HashMap;
+use std::sync::Arc;
 
 /// Samples looked at: more do not widen the bounds visibly.
 const MAX_SAMPLES: usize = 64;
@@ -50,6 +52,8 @@ fn outermost_points(points: &[DVec3]) -> Vec<DVec3> {
 
 /// Points of coarse meshes of all bodies over the motion, and all traced points.
 pub fn moving_points(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<DVec3> {
+    // Of a file that many shapes are of the outermost points are looked for once.
+    let mut of_files: HashMap<*const TriangleSoup, Vec<DVec3>> = HashMap::new();
     let hulls: Vec<(usize, Vec<DVec3>)> = mechanism
         .bodies
         .iter()
@@ -59,7 +63,9 @@ pub fn moving_points(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<DVec
             let place = |p: &DVec3| shape.body_from_shape.transform_point(*p);
             let hull = match &shape.solid {
                 Solid::Triangles(soup) if soup.vertices.len() > MANY => {
-                    outermost_points(&soup.vertices).iter().map(place).collect()
+                    let of_file = of_files.entry(Arc::as_ptr(soup));
+                    let points = of_file.or_insert_with(|| outermost_points(&soup.vertices));
+                    points.iter().map(place).collect()
                 }
                 solid => {
                     let mesh = coarse_mesh_of(solid, COARSE);

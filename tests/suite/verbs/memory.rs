@@ -91,6 +91,27 @@ fn a_large_mesh_is_drawn_in_little_memory() {
     assert!(taken < most, "{taken}");
 }
 
+/// Bodies of one file share its mesh: what every one adds are its triangles on the screen. With meshes of their own 20 take six
+/// times as much as one.
+#[test]
+fn bodies_of_one_file_are_drawn_in_little_more_memory_than_one() {
+    let w = Workspace::new();
+    w.write("m.stl", scattered_triangles(60_000));
+    let still = [
+        "render", "s.toml", "-q", "--at", "0", "--size", "200x150", "--out", "o.png",
+    ];
+    let [one, many] = [1, 20].map(|count| {
+        let body = |k: usize| {
+            format!("[[bodies]]\nname = \"b{k}\"\nframe = \"Tx({k}) Rz({k}*phi)\"\nshapes = [{{ stl = {{ file = \"m.stl\", surface = true }} }}]\n")
+        };
+        let bodies: String = (0..count).map(body).collect();
+        w.write("s.toml", format!("duration = 1\n[inputs]\nphi = \"2*t\"\n{bodies}"));
+        peak(&w, &still)
+    });
+    println!("1 body {:.0} MB, 20 bodies {:.0} MB", one / 1e6, many / 1e6);
+    assert!(many < 4.0 * one, "{one} {many}");
+}
+
 /// Tables are written row by row: of a motion of a million samples nothing is held but the motion. Measured at a tenth.
 #[test]
 fn tables_take_no_memory_beside_the_motion() {

@@ -9,6 +9,7 @@ mod documents;
 mod dyad_verbs;
 mod face;
 mod flags;
+mod interlaced;
 mod large_texts;
 mod live_pages;
 mod many_scenes;
