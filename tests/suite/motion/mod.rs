@@ -6,6 +6,7 @@ mod contacts;
 mod dense_nets;
 mod dyads;
 mod endings;
+mod fold_rates;
 mod gimbal;
 mod hard_cases;
 mod hard_motions;
