@@ -43,7 +43,7 @@ pub fn motion_chart(
     }
     let missing = trajectory.missing();
     if missing > 0 {
-        let all = trajectory.samples.len();
+        let all = trajectory.asked();
         chart.notes.push(format!(
             "{missing} of {all} samples have no pose: the loops are not closed there"
         ));
@@ -53,11 +53,7 @@ pub fn motion_chart(
         format!("{} against {}", names.join(", "), p.x.heading(0))
     };
     let panels: Vec<String> = chart.panels.iter().map(named).collect();
-    chart.description = format!(
-        "{} at {} samples",
-        panels.join("; "),
-        trajectory.samples.len()
-    );
+    chart.description = format!("{} at {} samples", panels.join("; "), trajectory.asked());
     chart
 }
 
