@@ -8,7 +8,8 @@ use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::expression::{Expression, Op};
 use crate::model::mechanism::{Kind, Mechanism};
-use crate::model::plot::{Abscissa, Per, Plot, PlotCurve, Rate};
+use crate::model::plot::{Abscissa, Plot, PlotCurve};
+use crate::model::rate::Rate;
 use crate::numbers::series::TaylorSeries;
 use crate::plot::chart::{Axis, Chart, EventMark, Panel, PlotSeries};
 use crate::plot::scale::ScaleKind;
@@ -286,10 +287,7 @@ impl ChartedMotion<'_> {
             return &self.series[known].1;
         }
         let system = self.system;
-        let by = match rate.per {
-            Per::Time => By::Time,
-            Per::Input(k) => By::Input(k),
-        };
+        let by = By::from(rate.per);
         let of = |sample: &Sample| {
             let pose = sample.pose.as_ref()?;
             let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();

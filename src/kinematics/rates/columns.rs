@@ -7,6 +7,7 @@ use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::{Coordinate, Kind, Mechanism};
+use crate::model::rate::Per;
 use crate::numbers::series::{HIGHEST_ORDER, TaylorSeries};
 
 /// What rates are taken by.
@@ -16,6 +17,15 @@ pub enum By {
     Time,
     /// One input, the others standing still: transfer functions.
     Input(usize),
+}
+
+impl From<Per> for By {
+    fn from(per: Per) -> Self {
+        match per {
+            Per::Time => Self::Time,
+            Per::Input(k) => Self::Input(k),
+        }
+    }
 }
 
 impl By {

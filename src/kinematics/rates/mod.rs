@@ -4,6 +4,7 @@ mod coefficients;
 pub mod columns;
 mod fold;
 pub mod higher_order;
+pub mod rated;
 mod regular;
 pub mod variation;
 

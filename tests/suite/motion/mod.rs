@@ -4,6 +4,7 @@ mod accuracy;
 mod change_points;
 mod contacts;
 mod dense_nets;
+mod derived_outputs;
 mod dyads;
 mod endings;
 mod fold_rates;

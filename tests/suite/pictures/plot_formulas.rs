@@ -97,7 +97,7 @@ fn mistakes_beside_derivatives_have_places() {
         ("r*d(h, u)", "`u` is not an input"),
         ("r*d(h)", "a derivative is written"),
         ("r*d(h, t, 99)", "the order of a derivative"),
-        ("2*d(h, t", "`d`"),
+        ("2*d(h, t", "expected `)`"),
     ] {
         w.write(
             "wrong.toml",
