@@ -34,6 +34,10 @@ const FELT: f64 = 1e-7;
 /// A turning point is known to this part of the path's unit: so much of the next coefficient may stand in the one that vanishes.
 const FLAT: f64 = 1e-9;
 
+/// Where a formula's terms cancel, a coefficient that vanishes is rounding beside the next but one, which the same terms make. The
+/// later ones tell nothing: those of a fast oscillation grow without bound.
+const CANCELLED: f64 = 1e-12;
+
 /// Rounding of a coefficient, as a share of what it was added up from.
 const ROUNDING: f64 = 1e-11;
 
@@ -304,7 +308,8 @@ fn one_sided_series(slot: &TaylorSeries, slope: &[f64], order: usize) -> TaylorS
 fn vanishes(series: &[Summed]) -> bool {
     let misplaced = series.iter().enumerate().skip(1);
     let misplaced = misplaced.map(|(k, c)| c.value.abs() * FLAT.powi(k as i32));
-    series[0].value.abs() <= misplaced.sum::<f64>() + rounding_of(&series[0])
+    let cancelled = series.get(2).map_or(0.0, |c| CANCELLED * c.value.abs());
+    series[0].value.abs() <= misplaced.sum::<f64>() + cancelled + rounding_of(&series[0])
 }
 
 /// What a coefficient may be off by: nothing where it was not added up.

@@ -209,3 +209,29 @@ fn studies_say_which_derivatives_they_cannot_derive() {
             .says(&["studies cannot derive", "s.toml:"]);
     }
 }
+
+/// An enclosure has no bound of what holds a derivative, and has searched nothing of it.
+#[test]
+fn enclosures_say_nothing_of_derivatives() {
+    let w = Workspace::new();
+    let text = SQUARE.replace("x^2 - p", "x^2 - k*p");
+    w.write("s.toml", format!("{text}[outputs]\nrate = \"d(x, t)\"\n"));
+    let run = w.run(&[
+        "enclose",
+        "s.toml",
+        "--param",
+        "k=2+-0.01",
+        "--samples",
+        "3",
+    ]);
+    let said = run.exits(0).text();
+    let row = said
+        .lines()
+        .find(|line| line.trim_start().starts_with("rate"));
+    let words: Vec<&str> = row.unwrap().split_whitespace().collect();
+    assert_eq!(
+        words[1..6],
+        ["unbounded", "unbounded", "-", "-", "-"],
+        "{said}"
+    );
+}

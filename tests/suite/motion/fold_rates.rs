@@ -3,8 +3,8 @@
 //!
 //! In every case the quantities are functions of the way s from the fold, most of them powers, so that all derivatives are known.
 
-use super::super::driven::{Driven, Model, add_derivatives, solve};
-use super::super::reference::mechanism;
+use crate::driven::{Driven, Model, add_derivatives, solve};
+use crate::reference::mechanism;
 use mechanim::diag::Source;
 use mechanim::kinematics::rates::columns::{By, RateColumns};
 
