@@ -17,16 +17,23 @@ const LEVELS: usize = 13;
 /// Values nearer to the least than this share of the span are one level.
 const LOWEST: f64 = 1e-4;
 
+/// A number stands at least this far from the border, from the way of the search and from other numbers, in shares of the area's sides;
+/// a line without such a place has none.
+const ROOM: f64 = 0.035;
+
+/// A number is this many times as wide as it is high.
+const WIDE: f64 = 2.5;
+
 /// The map of an objective: contours, and the points of a search.
 pub fn search_map(title: &str, axes: [Axis; 2], grid: &ValueGrid, path: &[[f64; 2]]) -> Chart {
     let levels = grid.levels();
     let mut panel = Panel::default();
     for level in &levels {
         let lines = grid.contour(*level);
-        // The number stands where the line is highest.
-        let top = lines.iter().flatten().max_by(|a, b| a[1].total_cmp(&b[1]));
-        panel.words.extend(top.map(|at| PointWord {
-            at: *at,
+        let taken: Vec<[f64; 2]> = panel.words.iter().map(|word| word.at).collect();
+        let place = grid.free_place(lines.iter().flatten(), path, &taken);
+        panel.words.extend(place.map(|at| PointWord {
+            at,
             text: format!("{level:.1e}"),
         }));
         panel
@@ -69,6 +76,35 @@ impl ValueGrid {
         (0..LEVELS).map(|k| low + (high - low) * share(k)).collect()
     }
 
+    /// The place among `points` with most room for a number.
+    fn free_place<'p>(
+        &self,
+        points: impl Iterator<Item = &'p [f64; 2]>,
+        path: &[[f64; 2]],
+        taken: &[[f64; 2]],
+    ) -> Option<[f64; 2]> {
+        let share = |point: &[f64; 2]| {
+            [0, 1].map(|axis| {
+                let places = &self.places[axis];
+                let (first, last) = (places[0], places[places.len() - 1]);
+                (point[axis] - first) / (last - first)
+            })
+        };
+        let path: Vec<[f64; 2]> = path.iter().map(share).collect();
+        let taken: Vec<[f64; 2]> = taken.iter().map(share).collect();
+        let room = |point: &[f64; 2]| {
+            let at = share(point);
+            let border = [at[0] / WIDE, (1.0 - at[0]) / WIDE, at[1], 1.0 - at[1]];
+            let ways = path.windows(2).map(|ends| way_off(at, [ends[0], ends[1]]));
+            let numbers = taken.iter().map(|other| way_off(at, [*other, *other]));
+            let all = border.into_iter().chain(ways).chain(numbers);
+            all.fold(f64::INFINITY, f64::min)
+        };
+        let rooms = points.map(|point| (room(point), *point));
+        let best = rooms.max_by(|a, b| a.0.total_cmp(&b.0));
+        best.filter(|(room, _)| *room > ROOM).map(|(_, at)| at)
+    }
+
     /// Pieces of the line at which the value is `level`: a straight one through every triangle of the grid that it crosses.
     pub fn contour(&self, level: f64) -> Vec<[[f64; 2]; 2]> {
         let [xs, ys] = &self.places;
@@ -88,6 +124,21 @@ impl ValueGrid {
         }
         pieces
     }
+}
+
+/// How far a number at a place is from a straight way.
+fn way_off(at: [f64; 2], [from, to]: [[f64; 2]; 2]) -> f64 {
+    let [at, from, to] = [at, from, to].map(|p| [p[0] / WIDE, p[1]]);
+    let (along, there) = (
+        [to[0] - from[0], to[1] - from[1]],
+        [at[0] - from[0], at[1] - from[1]],
+    );
+    let length = along[0] * along[0] + along[1] * along[1];
+    let share = match length > 0.0 {
+        true => ((there[0] * along[0] + there[1] * along[1]) / length).clamp(0.0, 1.0),
+        false => 0.0,
+    };
+    libm::hypot(there[0] - share * along[0], there[1] - share * along[1])
 }
 
 /// The piece of a triangle on which a linear function vanishes.
@@ -129,6 +180,21 @@ mod tests {
         assert!(off.fold(0.0, f64::max) < 3e-3);
         let levels = grid.levels();
         assert!(levels.len() == LEVELS && levels.is_sorted() && levels[0] < 0.01);
+        // Numbers keep away from the way of the search, from the border and from each other.
+        let axes = [Axis::default(), Axis::default()];
+        let way = [[-1.9, -1.9], [0.0, 0.0]];
+        let map = search_map("bowl", axes, &grid, &way);
+        let words = &map.panels[0].words;
+        assert!(words.len() > 5, "{}", words.len());
+        for (k, word) in words.iter().enumerate() {
+            let at = word.at.map(|v| 0.25 * v + 0.5);
+            assert!(at.iter().all(|v| *v > ROOM && *v < 1.0 - ROOM));
+            assert!(way_off(at, way.map(|p| p.map(|v| 0.25 * v + 0.5))) > ROOM);
+            for other in &words[..k] {
+                let other = other.at.map(|v| 0.25 * v + 0.5);
+                assert!(way_off(at, [other, other]) > ROOM);
+            }
+        }
         // Where there is no value there is no line.
         grid.values[20][30] = f64::INFINITY;
         assert!(grid.contour(1.0).len() < circle.len());

@@ -8,7 +8,8 @@ use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::expression::{Expression, Op};
 use crate::model::mechanism::{Kind, Mechanism};
-use crate::model::plot::{Abscissa, Per, Plot, PlotCurve, Rate};
+use crate::model::plot::{Abscissa, Plot, PlotCurve};
+use crate::model::rate::Rate;
 use crate::numbers::series::TaylorSeries;
 use crate::plot::chart::{Axis, Chart, EventMark, Panel, PlotSeries};
 use crate::plot::scale::ScaleKind;
@@ -43,7 +44,7 @@ pub fn motion_chart(
     }
     let missing = trajectory.missing();
     if missing > 0 {
-        let all = trajectory.samples.len();
+        let all = trajectory.asked();
         chart.notes.push(format!(
             "{missing} of {all} samples have no pose: the loops are not closed there"
         ));
@@ -53,11 +54,7 @@ pub fn motion_chart(
         format!("{} against {}", names.join(", "), p.x.heading(0))
     };
     let panels: Vec<String> = chart.panels.iter().map(named).collect();
-    chart.description = format!(
-        "{} at {} samples",
-        panels.join("; "),
-        trajectory.samples.len()
-    );
+    chart.description = format!("{} at {} samples", panels.join("; "), trajectory.asked());
     chart
 }
 
@@ -290,10 +287,7 @@ impl ChartedMotion<'_> {
             return &self.series[known].1;
         }
         let system = self.system;
-        let by = match rate.per {
-            Per::Time => By::Time,
-            Per::Input(k) => By::Input(k),
-        };
+        let by = By::from(rate.per);
         let of = |sample: &Sample| {
             let pose = sample.pose.as_ref()?;
             let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();

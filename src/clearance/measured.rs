@@ -36,7 +36,7 @@ pub struct Known {
 
 /// Whether more than the samples is looked at for a measure, which takes certified poses.
 pub fn is_of_whole_motion(mechanism: &Mechanism, measure: &Measure) -> bool {
-    formula_of(measure).is_some() || distance_of(mechanism, measure).is_some()
+    formula_of(mechanism, measure).is_some() || distance_of(mechanism, measure).is_some()
 }
 
 /// What is known of a measure over its motion, which has certified poses: that of the drive, or of the measure's track; `None` where it is one of the samples, or has no value at
@@ -46,7 +46,7 @@ pub fn known(motion: &mut ProvedMotion, measure: &Measure, tolerance: f64) -> Op
     if let Some(distance) = distance_of(mechanism, measure) {
         return least_distance(motion, distance, measure.min.unwrap_or(0.0), tolerance);
     }
-    let (formula, taking) = formula_of(measure)?;
+    let (formula, taking) = formula_of(mechanism, measure)?;
     let unit = match measure.kind {
         Kind::Length => mechanism.size,
         Kind::Angle => 1.0,
@@ -71,10 +71,11 @@ pub fn known(motion: &mut ProvedMotion, measure: &Measure, tolerance: f64) -> Op
     })
 }
 
-/// The formula of which a measure takes an extreme value.
-fn formula_of(measure: &Measure) -> Option<(&Expression, Taking)> {
+/// The formula of which a measure takes an extreme value; one with rates is looked at in samples only.
+fn formula_of<'m>(mechanism: &Mechanism, measure: &'m Measure) -> Option<(&'m Expression, Taking)> {
     let MeasureSource::Over {
         of,
+        rates,
         per: None,
         taking: taking @ (Taking::Max | Taking::Min | Taking::Largest | Taking::Range),
         ..
@@ -82,7 +83,9 @@ fn formula_of(measure: &Measure) -> Option<(&Expression, Taking)> {
     else {
         return None;
     };
-    Some((of.first()?, *taking))
+    let formula = of.first()?;
+    let is_plain = rates.is_empty() && !mechanism.uses_rates(formula);
+    is_plain.then_some((formula, *taking))
 }
 
 /// The distance of which a measure takes the least.
@@ -103,7 +106,7 @@ pub fn distance_of<'m>(mechanism: &'m Mechanism, measure: &Measure) -> Option<&'
     let outputs = mechanism.outputs.iter().enumerate();
     let mut asked = outputs.filter_map(|(k, output)| match &output.source {
         OutputSource::Distance(distance) => Some((k, distance)),
-        OutputSource::Formula(_) => None,
+        OutputSource::Formula(_) | OutputSource::Rated(_) => None,
     });
     let found = asked.find(|(k, _)| *formula == Expression::new(vec![Op::Slot(base + k)]));
     found.map(|(_, distance)| distance)

@@ -169,7 +169,8 @@ pub fn number_links(
     lettering: &QuantityLettering,
     ink: &mut Ink,
 ) {
-    for (index, link) in scheme.links.iter().enumerate() {
+    let shown = scheme.links.iter().enumerate();
+    for (index, link) in shown.filter(|(_, link)| link.is_shown) {
         let (anchor, wish) = match index {
             0 => (grounds.first().copied(), [0.9, 0.5]),
             _ => number_place(scheme, index, signs, plane, is_plane),

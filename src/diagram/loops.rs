@@ -133,7 +133,7 @@ pub fn draw_frames(
     ink: &mut Ink,
 ) {
     let mut arrows: Vec<TriadArrow> = Vec::new();
-    let mut ordered: Vec<&SchemeLink> = links.iter().collect();
+    let mut ordered: Vec<&SchemeLink> = links.iter().filter(|link| link.is_shown).collect();
     ordered.sort_by_key(|link| link.number);
     for link in ordered {
         let origin = plane.spot(link.frame.translation);

@@ -37,6 +37,8 @@ pub struct SchemeLink {
     pub paths: Vec<Vec<DVec3>>,
     /// Frame of its first body.
     pub frame: Pose,
+    /// Whether it belongs to the mechanism: a loop passes it, or a body rides on it by joints alone.
+    pub is_shown: bool,
 }
 
 /// A joint.

@@ -165,12 +165,15 @@ fn note_line(what: &str, list: Vec<String>) -> Option<String> {
     (!list.is_empty()).then(|| format!("{what}: {}", list.join(", ")))
 }
 
+/// Between the items of a list.
+const BETWEEN_ITEMS: &str = "  ·  ";
+
 /// `1 frame · 2 crank`
 fn body_names(scheme: &Scheme) -> String {
     let mut named: Vec<(usize, String)> = scheme
         .links
         .iter()
-        .filter(|link| !link.names.is_empty())
+        .filter(|link| link.is_shown && !link.names.is_empty())
         .map(|link| (link.number, link.names.join(", ")))
         .collect();
     named.sort();
@@ -178,7 +181,7 @@ fn body_names(scheme: &Scheme) -> String {
         .into_iter()
         .map(|(k, names)| format!("{k} {names}"))
         .collect();
-    texts.join("  ·  ")
+    texts.join(BETWEEN_ITEMS)
 }
 
 /// Links, signs, ground, numbers.
@@ -382,13 +385,16 @@ fn finished_sheet(
     }
 }
 
-/// A text in lines that are no wider than `wide`.
+/// A text in lines that are no wider than `wide`; a list is folded between its items.
 fn folded_lines(text: &str, wide: f64, size: f64, ruler: &Ruler) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
-    for word in text.split(' ') {
-        let longer = lines.last().map(|line| format!("{line} {word}"));
+    let is_narrow = |piece: &str| ruler.width(piece, size) <= wide;
+    let is_list = text.contains(BETWEEN_ITEMS) && text.split(BETWEEN_ITEMS).all(is_narrow);
+    let separator = if is_list { BETWEEN_ITEMS } else { " " };
+    for word in text.split(separator) {
+        let longer = lines.last().map(|line| format!("{line}{separator}{word}"));
         match (lines.last_mut(), longer) {
-            (Some(line), Some(longer)) if ruler.width(&longer, size) <= wide => *line = longer,
+            (Some(line), Some(longer)) if is_narrow(&longer) => *line = longer,
             _ => lines.push(word.to_owned()),
         }
     }

@@ -2,7 +2,7 @@
 
 use super::scheme::{Scheme, SchemeJoint, SchemeLink, SchemeLoop};
 use crate::math::Pose;
-use crate::model::chain::{ArgumentValue, ElementaryMotion};
+use crate::model::chain::{Argument, ArgumentValue, ElementaryMotion};
 use crate::model::joints::{JointKind, Joints, Passage};
 use crate::model::mechanism::Mechanism;
 use crate::model::notation::{Notation, WrittenChain, WrittenFactor, unsigned_text};
@@ -28,6 +28,9 @@ pub fn scheme_at(mechanism: &Mechanism, notation: &Notation, coordinates: &[f64]
         walker.follow_chain(chain, passages, start_pose, start.link, true);
     }
     for (k, chain) in notation.bodies.iter().enumerate() {
+        if !rides_on_joints(mechanism, k) {
+            continue;
+        }
         let end = walker.follow_chain(chain, &joints.along_bodies[k], Pose::IDENTITY, 0, false);
         let link = joints.of_body[k];
         walker.note_frame(link, k, end);
@@ -71,13 +74,14 @@ impl<'a> ChainWalker<'a> {
         own: &[ArgumentValue],
     ) -> Self {
         let joints = &mechanism.joints;
-        let numbers = link_numbers(joints);
+        let shown = shown_links(mechanism);
+        let numbers = link_numbers(joints, &shown);
         let links = joints
             .links
             .iter()
-            .zip(numbers)
+            .zip(numbers.into_iter().zip(shown))
             .zip(joints.link_poses(own))
-            .map(|((link, number), frame)| SchemeLink {
+            .map(|((link, (number, is_shown)), frame)| SchemeLink {
                 number,
                 names: link
                     .bodies
@@ -86,6 +90,7 @@ impl<'a> ChainWalker<'a> {
                     .collect(),
                 paths: Vec::new(),
                 frame,
+                is_shown,
             });
         Self {
             mechanism,
@@ -293,8 +298,38 @@ pub(super) fn has_point(kind: JointKind) -> bool {
     )
 }
 
-/// Numbers of links as lectures count: the frame is 1, then in the order of bodies, then the rest.
-fn link_numbers(joints: &Joints) -> Vec<usize> {
+/// Whether a body is moved as joints move. A formula with kinks (a piece of a rope that lies on its drum until it leaves it) moves a
+/// body for pictures only: no joint does that.
+fn rides_on_joints(mechanism: &Mechanism, body: usize) -> bool {
+    let arguments = mechanism.bodies[body].world_from_body.arguments();
+    arguments.iter().all(|k| match &mechanism.arguments[*k] {
+        Argument::Affine(_) => true,
+        Argument::Formula(formula) => !formula.has_pieces(),
+    })
+}
+
+/// Links that loops pass, and those of bodies that ride on joints.
+fn shown_links(mechanism: &Mechanism) -> Vec<bool> {
+    let joints = &mechanism.joints;
+    let mut shown = vec![false; joints.links.len()];
+    let riding = (0..mechanism.bodies.len()).filter(|body| rides_on_joints(mechanism, *body));
+    let own: Vec<usize> = riding.collect();
+    let passed = own.iter().flat_map(|body| &joints.along_bodies[*body]);
+    let passed = passed.chain(joints.along_loops.iter().flatten());
+    let ends = passed.flat_map(|passage| {
+        let joint = &joints.list[passage.joint];
+        [joint.before.link, joint.after.link]
+    });
+    let starts = joints.loop_starts.iter().map(|start| start.link);
+    let bodies = own.iter().map(|body| joints.of_body[*body]);
+    let all = ends.chain(starts).chain(bodies).chain([0]);
+    all.for_each(|link| shown[link] = true);
+    shown
+}
+
+/// Numbers of links as lectures count: the frame is 1, then in the order of bodies, then the rest; those that are not shown come
+/// last.
+fn link_numbers(joints: &Joints, shown: &[bool]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..joints.links.len()).collect();
     let first = |link: usize| {
         joints.links[link]
@@ -304,7 +339,7 @@ fn link_numbers(joints: &Joints) -> Vec<usize> {
             .copied()
             .unwrap_or(usize::MAX)
     };
-    order.sort_by_key(|link| (*link != 0, first(*link), *link));
+    order.sort_by_key(|link| (*link != 0, !shown[*link], first(*link), *link));
     let mut numbers = vec![0; order.len()];
     order
         .iter()

@@ -77,6 +77,14 @@ impl PivotedQr {
         }
     }
 
+    /// Magnitude of the first pivot, which no other exceeds.
+    pub fn largest_pivot(&self) -> f64 {
+        match self.rank {
+            0 => 0.0,
+            _ => self.factors.at(0, 0).abs(),
+        }
+    }
+
     /// Column of the original matrix that became column `k`.
     pub fn column_order(&self) -> &[usize] {
         &self.order

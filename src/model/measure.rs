@@ -2,6 +2,7 @@
 
 use super::expression::Expression;
 use super::mechanism::Kind;
+use super::rate::Rate;
 
 /// Poses beside the drive: the inputs go from one set of values to another in equal steps.
 #[derive(Clone, Debug, PartialEq)]
@@ -100,6 +101,8 @@ pub enum MeasureSource {
         track: Option<usize>,
         /// As many as `taking` is wide. Slots: coordinates, then x, y, z of every trace, then outputs.
         of: Vec<Expression>,
+        /// Formulas of slots whose rates are slots, too, behind all others.
+        rates: Vec<(Expression, Rate)>,
         /// Input by which the values are derived; the values themselves if there is none.
         per: Option<usize>,
         /// What is made of them.

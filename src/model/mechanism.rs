@@ -5,6 +5,7 @@ use super::distance::Distance;
 use super::expression::Expression;
 use super::joints::Joints;
 use super::printed;
+use super::rate::RatedFormula;
 use super::shape::Shape;
 use crate::numbers::constant::Constant;
 use glam::DVec3;
@@ -151,6 +152,8 @@ pub enum OutputSource {
     Formula(Expression),
     /// How far bodies are from each other.
     Distance(Distance),
+    /// A formula that holds rates: it has a value where the motion is known, and in no other arithmetic than that of numbers.
+    Rated(RatedFormula),
 }
 
 /// Angle unit of a scene file.
@@ -215,6 +218,20 @@ pub struct Mechanism {
 }
 
 impl Mechanism {
+    /// Whether a formula of slots uses outputs that hold rates, by however many others.
+    pub fn uses_rates(&self, formula: &Expression) -> bool {
+        let first = self.coordinate_count() + 3 * self.traces.len();
+        let mut held: Vec<bool> = Vec::with_capacity(self.outputs.len());
+        for output in &self.outputs {
+            held.push(match &output.source {
+                OutputSource::Rated(_) => true,
+                OutputSource::Formula(formula) => uses_any(formula, first, &held),
+                OutputSource::Distance(_) => false,
+            });
+        }
+        uses_any(formula, first, &held)
+    }
+
     /// Number of coordinates: unknowns and inputs.
     pub fn coordinate_count(&self) -> usize {
         self.unknowns.len() + self.inputs.len()
@@ -300,4 +317,11 @@ impl Mechanism {
         }
         rests
     }
+}
+
+/// Whether a formula uses one of the outputs, from slot `first` on, that are told.
+fn uses_any(formula: &Expression, first: usize, told: &[bool]) -> bool {
+    let outputs = formula.slots().into_iter();
+    let mut outputs = outputs.filter_map(|slot| slot.checked_sub(first));
+    outputs.any(|output| told.get(output) == Some(&true))
 }

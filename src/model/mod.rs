@@ -20,6 +20,7 @@ pub mod palette;
 pub mod pattern;
 pub mod plot;
 pub mod printed;
+pub mod rate;
 pub mod shape;
 pub mod study;
 pub mod theme;

@@ -13,7 +13,8 @@ use crate::numbers::scalar::Scalar;
 use glam::DVec3;
 
 impl MechanismOutput {
-    /// The value, of coordinates, x, y, z of every trace and earlier outputs.
+    /// The value, of coordinates, x, y, z of every trace and earlier outputs. Outputs that hold rates have none here: those are of a
+    /// motion, not of a pose.
     pub fn value_with<S: Scalar>(
         &self,
         mechanism: &Mechanism,
@@ -25,6 +26,7 @@ impl MechanismOutput {
             OutputSource::Distance(distance) => {
                 distance.value(mechanism, &slots[..mechanism.coordinate_count()])
             }
+            OutputSource::Rated(_) => S::undefined(),
         }
     }
 
@@ -45,6 +47,7 @@ impl MechanismOutput {
                 let coordinates = &slots[..mechanism.coordinate_count()];
                 distance.add_gradient(mechanism, coordinates, scale, gradient);
             }
+            OutputSource::Rated(_) => gradient.fill(f64::NAN),
         }
     }
 
@@ -53,6 +56,7 @@ impl MechanismOutput {
         match &self.source {
             OutputSource::Formula(formula) => formula.slots(),
             OutputSource::Distance(distance) => distance.slots(mechanism),
+            OutputSource::Rated(formula) => formula.slots(),
         }
     }
 }

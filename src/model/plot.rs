@@ -3,10 +3,7 @@
 use super::dimension::raised_power;
 use super::expression::Expression;
 use super::mechanism::Kind;
-use crate::numbers::series::HIGHEST_ORDER;
-
-/// Highest order of a derivative that is offered; the cost grows with the third power.
-pub const MAX_ORDER: usize = HIGHEST_ORDER;
+use super::rate::Rate;
 
 /// A plot of the motion; curves of different units stand in panels of their own.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,24 +48,6 @@ pub struct PlotCurve {
     pub rate: Option<Rate>,
     /// Rates that it is made of, of formulas with the same slots.
     pub rates: Vec<(Expression, Rate)>,
-}
-
-/// Which rate of a quantity.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Rate {
-    /// By what.
-    pub per: Per,
-    /// Order, one or more.
-    pub order: usize,
-}
-
-/// What a rate is taken by.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Per {
-    /// Seconds of the drive.
-    Time,
-    /// An input, the others standing still.
-    Input(usize),
 }
 
 /// Unit and factor of a rate from those of the quantity and of what it is taken by.

@@ -259,11 +259,13 @@ pub fn enclosure_summary(plan: &Plan, motion: &[Enclosed], searched: bool) -> St
             } else {
                 "-".to_owned()
             };
-            row.extend([
-                six_digits(-all.found[0] * unit),
-                six_digits(all.found[1] * unit),
-                ratio,
-            ]);
+            // Nothing is searched of what has no bound.
+            let is_bounded = all.below.is_finite() || all.above.is_finite();
+            let found = |value: f64| match is_bounded {
+                true => six_digits(value * unit),
+                false => "-".to_owned(),
+            };
+            row.extend([found(-all.found[0]), found(all.found[1]), ratio]);
         }
         row.push(six_digits(all.time));
         rows.push(row);

@@ -34,6 +34,8 @@ pub struct Overrides {
     pub drives: Option<OtherDrives>,
     /// Whether the chains are kept as they are written, for drawings.
     pub notation: bool,
+    /// Whether a study derives the measures by what is varied.
+    pub derives_measures: bool,
     /// Whether solids follow what is varied, for enclosures of clearances.
     pub carries_shapes: bool,
 }

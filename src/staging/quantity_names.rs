@@ -1,12 +1,13 @@
 //! Names of quantities as they are written by hand: Greek letters and subscripts.
 
 /// Names of the Greek letters.
-const GREEK: [(&str, char); 35] = [
+const GREEK: [(&str, char); 36] = [
     ("alpha", 'α'),
     ("beta", 'β'),
     ("gamma", 'γ'),
     ("delta", 'δ'),
     ("epsilon", 'ε'),
+    ("eps", 'ε'),
     ("zeta", 'ζ'),
     ("eta", 'η'),
     ("theta", 'θ'),

@@ -242,6 +242,7 @@ fn measure_numbers<const N: usize>(
         let number = match &measure.source {
             MeasureSource::Formula(formula) => of_formula(formula, &numbers),
             MeasureSource::Over { per: Some(_), .. } => Tracked::undefined(count),
+            MeasureSource::Over { rates, .. } if !rates.is_empty() => Tracked::undefined(count),
             MeasureSource::Over {
                 of, taking, power, ..
             } => {

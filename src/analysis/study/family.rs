@@ -111,6 +111,10 @@ impl ParametricMechanism {
         overrides: &Overrides,
         vary: &[String],
     ) -> Result<Self, FamilyError> {
+        let overrides = &Overrides {
+            derives_measures: true,
+            ..overrides.clone()
+        };
         let nominal = load_scene(source, overrides).map_err(Box::new)?;
         let own = nominal.study.iter().flat_map(|s| &s.variables);
         let names: Vec<String> = if vary.is_empty() {

@@ -168,6 +168,7 @@ impl Evaluator<'_> {
                     per,
                     taking,
                     power,
+                    ..
                 } => {
                     let poses = &shown[self.family.poses_of(*track)];
                     let rows: Vec<Vec<f64>> = of

@@ -76,6 +76,7 @@ impl<'f> StudyRows<'f> {
             per,
             taking,
             power,
+            ..
         } = &measure.source
         else {
             return None;

@@ -95,7 +95,7 @@ pub fn worker_count(text: &str) -> Result<usize, String> {
 
 /// Order of a derivative.
 pub fn rate_order(text: &str) -> Result<usize, String> {
-    let limit = crate::model::plot::MAX_ORDER;
+    let limit = crate::model::rate::MAX_ORDER;
     match text.parse::<usize>() {
         Ok(order) if (1..=limit).contains(&order) => Ok(order),
         _ => Err(format!("between 1 and {limit}")),

@@ -55,10 +55,7 @@ pub fn tell_events(
     }
     term.warning(&match missing {
         0 => "every sample has a pose, but not every instant between them".to_owned(),
-        _ => format!(
-            "{missing} of {} samples have no pose",
-            trajectory.samples.len()
-        ),
+        _ => format!("{missing} of {} samples have no pose", trajectory.asked()),
     });
     if trajectory.is_undecided() {
         return Ok(Outcome::Undecided);

@@ -152,8 +152,8 @@ impl<'s> Encloser<'s> {
                 OutputSource::Formula(formula) => {
                     region.chain(&expression_gradient(formula, &region.slots))
                 }
-                // Nothing bounds a distance here: its own value is unbounded.
-                OutputSource::Distance(_) => region.chain(&[]),
+                // Nothing bounds a distance or a rate here: its own value is unbounded.
+                OutputSource::Distance(_) | OutputSource::Rated(_) => region.chain(&[]),
             };
             region.push(centre[place], rates);
         }

@@ -5,12 +5,14 @@ pub mod reduce;
 use super::loops::observed::observed_slots;
 use super::motion::continuation::solve_motion;
 use super::rates::higher_order::higher_rates;
+use super::rates::rated::rate_values;
 use super::results::trajectory::{ClosedPose, Sample, Trajectory};
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::drive::{Drive, Ease};
 use crate::model::expression::Expression;
 use crate::model::measure::{MeasureSource, MeasuredTrack, Measures};
+use crate::model::rate::Rate;
 use crate::numbers::series::TaylorSeries;
 use reduce::reduce_values;
 use std::collections::HashMap;
@@ -40,13 +42,13 @@ pub fn measure_watched(
     samples: &[Sample],
     seen: &mut dyn FnMut(&Trajectory),
 ) -> Vec<Option<f64>> {
-    let mut over = measure_over(system, measures, None, samples);
+    let mut over = measure_over((system, actuation), measures, None, samples);
     for (k, track) in measures.tracks.iter().enumerate() {
         // The poses of one track at a time: together they would fill the memory.
         let motion = motion_along(system, actuation, track);
         seen(&motion);
         let poses = poses_along(motion);
-        over.extend(measure_over(system, measures, Some(k), &poses));
+        over.extend(measure_over((system, actuation), measures, Some(k), &poses));
     }
     let inputs = actuation.inputs_at(0.0);
     let mut values: Vec<Option<f64>> = Vec::new();
@@ -72,7 +74,7 @@ pub fn formula_value(formula: &Expression, slots: &[f64]) -> Option<f64> {
 
 /// The values of the measures that look along one track, or along the drive, by their index.
 fn measure_over(
-    system: &System,
+    driven: (&System, &Actuation),
     measures: &Measures,
     wanted: Option<usize>,
     samples: &[Sample],
@@ -82,12 +84,13 @@ fn measure_over(
         MeasureSource::Over {
             track,
             of,
+            rates,
             per,
             taking,
             power,
         } if *track == wanted => {
             let at = |formula: &Expression| -> Option<Vec<f64>> {
-                let one = |s: &Sample| value_at(system, s, formula, *per);
+                let one = |s: &Sample| value_at(driven, s, (formula, rates), *per);
                 samples.iter().map(one).collect()
             };
             let rows: Option<Vec<Vec<f64>>> = of.iter().map(at).collect();
@@ -101,16 +104,23 @@ fn measure_over(
 
 /// The value of a formula at a pose, or its derivative by an input.
 fn value_at(
-    system: &System,
+    (system, actuation): (&System, &Actuation),
     sample: &Sample,
-    formula: &Expression,
+    (formula, rates): (&Expression, &[(Expression, Rate)]),
     per: Option<usize>,
 ) -> Option<f64> {
     let pose = sample.pose.as_ref()?;
-    let Some(input) = per else {
-        return Some(formula.value(&pose_slots(pose, &sample.inputs)));
-    };
     let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();
+    let Some(input) = per else {
+        let mut slots = pose_slots(pose, &sample.inputs);
+        slots.extend(rate_values(
+            system,
+            (actuation, sample.time),
+            &coordinates,
+            rates,
+        ));
+        return Some(formula.value(&slots));
+    };
     let series = values_along(system, &coordinates, &[input], 1)?;
     Some(formula.value(&series).coefficients()[1])
 }

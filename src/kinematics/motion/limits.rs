@@ -8,6 +8,7 @@ use super::continuation::solve_motion;
 use super::sampling::is_cyclic;
 use crate::kinematics::loops::forward;
 use crate::kinematics::rates::columns::{By, RateColumns};
+use crate::kinematics::rates::rated::fill_rated_outputs;
 use crate::kinematics::results::trajectory::{Event, EventKind, Sample, Trajectory};
 use crate::kinematics::solve::newton::Pace;
 use crate::kinematics::solve::pose_solver::PoseSolver;
@@ -227,7 +228,9 @@ impl<'m> LimitSearch<'m> {
             Some(output) => {
                 let bodies = forward::body_poses(mechanism, coordinates);
                 let traces = forward::trace_points(mechanism, &bodies);
-                let values = forward::trace_positions(mechanism, coordinates, &traces);
+                let mut values = forward::trace_positions(mechanism, coordinates, &traces);
+                let driven = (self.actuation, time);
+                fill_rated_outputs(self.system, driven, coordinates, &traces, &mut values);
                 (values[output], mechanism.outputs[output].kind)
             }
         };

@@ -7,6 +7,7 @@ use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::{Coordinate, Kind, Mechanism};
+use crate::model::rate::Per;
 use crate::numbers::series::{HIGHEST_ORDER, TaylorSeries};
 
 /// What rates are taken by.
@@ -16,6 +17,15 @@ pub enum By {
     Time,
     /// One input, the others standing still: transfer functions.
     Input(usize),
+}
+
+impl From<Per> for By {
+    fn from(per: Per) -> Self {
+        match per {
+            Per::Time => Self::Time,
+            Per::Input(k) => Self::Input(k),
+        }
+    }
 }
 
 impl By {
@@ -41,7 +51,24 @@ impl By {
                 .collect(),
         }
     }
+
+    /// How far it goes during the motion.
+    fn way(self, mechanism: &Mechanism, actuation: &Actuation, given: &[f64]) -> f64 {
+        match self {
+            Self::Time => actuation.duration,
+            Self::Input(moving) => {
+                let usual = mechanism.scale_of(mechanism.unknowns.len() + moving);
+                let at = |share| actuation.drives[moving].value(share * actuation.duration);
+                let far = LOOKS.map(|share| (at(share) - given[moving]).abs());
+                let far = far.into_iter().fold(0.0, f64::max);
+                if far > 0.0 { far } else { usual }
+            }
+        }
+    }
 }
+
+/// Shares of the duration at which it is looked how far an input goes.
+const LOOKS: [f64; 5] = [0.0, 0.21, 0.47, 0.73, 1.0];
 
 /// Series of all slots that formulas may use, along what rates are taken by: of a motion that is driven by `actuation`, at a pose
 /// at `time`. At a fold they are one-sided, and coefficients that are infinite are NaN; `None` at other singular poses.
@@ -59,7 +86,8 @@ pub fn slot_series(
         return Some(observed_slots(mechanism, &series));
     }
     let inputs = by.inputs(actuation, given, time, HIGHEST_ORDER);
-    series_beside_fold(system, coordinates, &inputs, order)
+    let way = by.way(mechanism, actuation, given);
+    series_beside_fold(system, coordinates, &inputs, way, order)
 }
 
 /// Which rates a table shows.

@@ -6,7 +6,8 @@
 //! block's null vector; with that its matrix is regular, and every order is one more right side, as at other poses. A rate is
 //! then the quotient of two series, finite where the numerator vanishes with the denominator.
 
-use super::higher_order::{FOLD_TOLERANCE, residual_coefficient};
+use super::coefficients::residual_coefficient;
+use super::regular::is_regular;
 use crate::kinematics::loops::observed::observed_slots;
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::structure::block::Block;
@@ -17,36 +18,70 @@ use crate::model::mechanism::Mechanism;
 use crate::numbers::scalar::Scalar;
 use crate::numbers::series::{HIGHEST_ORDER, TaylorSeries};
 
+/// Pivots below this share of the largest one have no direction to divide by: a fold is found to the square root of rounding.
+const FOLD_TOLERANCE: f64 = 6e-8;
+
 /// A pose is closed to about 1e-16, so a known fold is off by its root along the path.
 const FARTHEST: f64 = 1e-6;
 
-/// A numerator that is smaller, relative to its series, vanishes: what is left of it is rounding through a matrix that is regular.
+/// Another turning point within this way along the path spoils the digits: folds of higher order are such pairs.
+const LONELY: f64 = 1e-4;
+
+/// The variable moves the block that folds where, over all of its way, it moves the residual by more than this. Less is what
+/// is left by rounding of a drive at rest, or where branches cross, and tells nothing of the path.
+const FELT: f64 = 1e-7;
+
+/// A turning point is known to this part of the path's unit: so much of the next coefficient may stand in the one that vanishes.
 const FLAT: f64 = 1e-9;
+
+/// Where a formula's terms cancel, a coefficient that vanishes is rounding beside the next but one, which the same terms make. The
+/// later ones tell nothing: those of a fast oscillation grow without bound.
+const CANCELLED: f64 = 1e-12;
+
+/// Rounding of a coefficient, as a share of what it was added up from.
+const ROUNDING: f64 = 1e-11;
 
 /// Steps of Newton's method to the fold; each doubles the digits.
 const STEPS: usize = 4;
 
-/// Series of all slots that formulas may use along a variable, of which `inputs` are the series, at a fold: those of the side on
-/// which there are poses. Coefficients that are infinite are NaN, and so are all behind them.
+/// Series of all slots that formulas may use along a variable, of which `inputs` are the series and which goes as far as `way`, at
+/// a fold: those of the side on which there are poses. Coefficients that are infinite are NaN, and so are all behind them.
 ///
 /// `None` where the pose is no simple fold.
 pub fn series_beside_fold(
     system: &System,
     coordinates: &[f64],
     inputs: &[TaylorSeries],
+    way: f64,
     order: usize,
 ) -> Option<Vec<TaylorSeries>> {
     let mechanism = system.mechanism();
-    let mut path = FoldedPath::at(system, coordinates, inputs)?;
+    let mut path = FoldedPath::at(system, coordinates, inputs, way)?;
     path.expand()?;
+    // Once more at the fold itself, since moving a series costs its last coefficients.
     let fold = path.turning_point()?;
-    let moved: Vec<TaylorSeries> = path.series.iter().map(|s| shifted(s, fold)).collect();
-    let variable = shifted(&path.variable, fold);
+    let mut there: Vec<f64> = path.series.iter().map(|s| s.value_at(fold)).collect();
+    let unknowns = mechanism.unknowns.len();
+    there[unknowns..].copy_from_slice(&coordinates[unknowns..]);
+    let mut path = FoldedPath::at(system, &there, inputs, way)?;
+    path.expand()?;
+    let rest = path.turning_point()?;
+    let moved: Vec<TaylorSeries> = path.series.iter().map(|s| shifted(s, rest)).collect();
+    let variable = shifted(&path.variable, rest);
     let slots = observed_slots(mechanism, &moved);
     // The variable's derivative, divided by d.
     let slope: Vec<f64> = derivative(variable.coefficients()).split_off(1);
+    if !turns_once(&slope) {
+        return None;
+    }
     let rates = |slot: &TaylorSeries| one_sided_series(slot, &slope, order);
     Some(slots.iter().map(rates).collect())
+}
+
+/// Whether a variable, whose derivative divided by d is `slope`, has no other turning point close by.
+fn turns_once(slope: &[f64]) -> bool {
+    let mut higher = slope.iter().enumerate().skip(1);
+    slope[0] != 0.0 && higher.all(|(k, c)| slope[0].abs() > c.abs() * LONELY.powi(k as i32))
 }
 
 /// The path through a fold, in its own parameter.
@@ -60,6 +95,8 @@ struct FoldedPath<'s> {
     along: Vec<f64>,
     /// Series of the inputs in the variable.
     inputs: &'s [TaylorSeries],
+    /// How far the variable goes.
+    way: f64,
     /// Series of the coordinates in the path's parameter.
     series: Vec<TaylorSeries>,
     /// That of the variable.
@@ -68,7 +105,12 @@ struct FoldedPath<'s> {
 
 impl<'s> FoldedPath<'s> {
     /// At a pose at which one block lacks one rank.
-    fn at(system: &'s System, coordinates: &[f64], inputs: &'s [TaylorSeries]) -> Option<Self> {
+    fn at(
+        system: &'s System,
+        coordinates: &[f64],
+        inputs: &'s [TaylorSeries],
+        way: f64,
+    ) -> Option<Self> {
         let (mechanism, blocks) = (system.mechanism(), &system.structure().blocks);
         let constant = |q: &f64| TaylorSeries::linear(*q, 0.0, HIGHEST_ORDER);
         let (mut workspace, mut factors) = (BlockWorkspace::default(), Vec::new());
@@ -77,8 +119,7 @@ impl<'s> FoldedPath<'s> {
             let (rows, columns) = (block.rows(), block.unknowns.len());
             workspace.evaluate(mechanism, block, coordinates, Want::Jacobian);
             let mut qr = PivotedQr::default();
-            qr.factor(&workspace.jacobian, rows, columns, FOLD_TOLERANCE);
-            if qr.rank() < columns {
+            if !is_regular(mechanism, block, coordinates, &workspace, &mut qr) {
                 if folded.is_some() || qr.rank() + 1 < columns {
                     return None;
                 }
@@ -97,6 +138,7 @@ impl<'s> FoldedPath<'s> {
             jacobian,
             along,
             inputs,
+            way,
             series: coordinates.iter().map(constant).collect(),
             variable: constant(&0.0),
         })
@@ -164,25 +206,29 @@ impl<'s> FoldedPath<'s> {
         let blocks = self.blocks;
         let block = &blocks[self.folded];
         let (rows, columns) = (block.rows(), block.unknowns.len());
-        // The column is made as large as the others, whatever the variable is measured in.
         let size = |values: &[f64]| values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-        let unit = size(column) / size(&self.jacobian);
-        if !(unit.is_finite() && unit > 0.0) {
+        if !(size(column) * self.way > FELT && size(column).is_finite()) {
             return None;
         }
+        // The column and the rows are made as large as the null vector, whatever the variable and the block are measured in. One
+        // unknown alone hardly moves its equation at a fold.
+        let of_unknowns = if columns > 1 { 0.0 } else { size(column) };
+        let of_rows = size(&self.jacobian).max(of_unknowns);
+        let unit = size(column) / of_rows;
         let mut matrix = Vec::with_capacity((rows + 1) * (columns + 1));
         for (j, share) in self.along.iter().enumerate() {
-            matrix.extend_from_slice(&self.jacobian[j * rows..][..rows]);
+            let entries = &self.jacobian[j * rows..][..rows];
+            matrix.extend(entries.iter().map(|entry| entry / of_rows));
             matrix.push(*share);
         }
-        matrix.extend(column.iter().map(|value| value / unit));
+        matrix.extend(column.iter().map(|value| value / (unit * of_rows)));
         matrix.push(0.0);
         let mut qr = PivotedQr::default();
         qr.factor(&matrix, rows + 1, columns + 1, FOLD_TOLERANCE);
         if qr.rank() < columns + 1 {
             return None;
         }
-        let mut right_side: Vec<f64> = residual.iter().map(|r| -r).collect();
+        let mut right_side: Vec<f64> = residual.iter().map(|r| -r / of_rows).collect();
         right_side.push(if k == 1 { 1.0 } else { 0.0 });
         let mut step = vec![0.0; columns + 1];
         qr.solve(&mut right_side, &mut step);
@@ -228,32 +274,72 @@ fn derivative(coefficients: &[f64]) -> Vec<f64> {
     terms.map(|(k, c)| k as f64 * c).collect()
 }
 
+/// A coefficient and what it was added up from, which tells its rounding.
+#[derive(Clone, Copy)]
+struct Summed {
+    value: f64,
+    size: f64,
+}
+
 /// Series of a slot in the variable, whose derivative by the parameter d is d times `slope`.
 fn one_sided_series(slot: &TaylorSeries, slope: &[f64], order: usize) -> TaylorSeries {
+    let order = order.min(HIGHEST_ORDER);
     let mut series = TaylorSeries::linear(slot.coefficients()[0], f64::NAN, order);
-    let mut rest = slot.coefficients().to_vec();
+    let exact = |c: &f64| Summed {
+        value: *c,
+        size: c.abs(),
+    };
+    let mut rest: Vec<Summed> = slot.coefficients().iter().map(exact).collect();
     let mut factorial = 1.0;
-    for k in 1..=order.min(HIGHEST_ORDER) {
-        let size = rest.iter().skip(1).fold(0.0, |m: f64, c| m.max(c.abs()));
-        let above = derivative(&rest);
-        let is_infinite = above.first().is_none_or(|first| first.abs() > FLAT * size);
-        if is_infinite || above.len() < 2 {
-            (k..=order.min(HIGHEST_ORDER)).for_each(|j| series.set(j, f64::NAN));
+    for k in 1..=order {
+        let above = summed_derivative(&rest);
+        if above.len() < 2 || !vanishes(&above) {
+            (k..=order).for_each(|j| series.set(j, f64::NAN));
             break;
         }
         rest = quotient(&above[1..], slope);
         factorial *= k as f64;
-        series.set(k, rest[0] / factorial);
+        series.set(k, rest[0].value / factorial);
     }
     series
 }
 
+/// Whether the first coefficient is zero but for rounding and the place of the turning point.
+fn vanishes(series: &[Summed]) -> bool {
+    let misplaced = series.iter().enumerate().skip(1);
+    let misplaced = misplaced.map(|(k, c)| c.value.abs() * FLAT.powi(k as i32));
+    let cancelled = series.get(2).map_or(0.0, |c| CANCELLED * c.value.abs());
+    series[0].value.abs() <= misplaced.sum::<f64>() + cancelled + rounding_of(&series[0])
+}
+
+/// What a coefficient may be off by: nothing where it was not added up.
+fn rounding_of(coefficient: &Summed) -> f64 {
+    match coefficient.size > coefficient.value.abs() {
+        true => ROUNDING * coefficient.size,
+        false => 0.0,
+    }
+}
+
+/// The derivative of a polynomial.
+fn summed_derivative(coefficients: &[Summed]) -> Vec<Summed> {
+    let terms = coefficients.iter().enumerate().skip(1);
+    let term = |(k, c): (usize, &Summed)| Summed {
+        value: k as f64 * c.value,
+        size: k as f64 * c.size,
+    };
+    terms.map(term).collect()
+}
+
 /// The quotient of two series; the lower one does not begin with zero.
-fn quotient(above: &[f64], below: &[f64]) -> Vec<f64> {
-    let mut result: Vec<f64> = Vec::with_capacity(above.len());
-    for (k, value) in above.iter().enumerate() {
-        let known: f64 = (0..k).map(|j| result[j] * below[k - j]).sum();
-        result.push((value - known) / below[0]);
+fn quotient(above: &[Summed], below: &[f64]) -> Vec<Summed> {
+    let mut result: Vec<Summed> = Vec::with_capacity(above.len());
+    for (k, over) in above.iter().enumerate() {
+        let known: f64 = (0..k).map(|j| result[j].value * below[k - j]).sum();
+        let sizes: f64 = (0..k).map(|j| result[j].size * below[k - j].abs()).sum();
+        result.push(Summed {
+            value: (over.value - known) / below[0],
+            size: (over.size + sizes) / below[0].abs(),
+        });
     }
     result
 }

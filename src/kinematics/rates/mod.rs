@@ -1,8 +1,11 @@
 //! Derivatives of closed poses: rates of any order by time or by an input, and mixed second derivatives.
 
+mod coefficients;
 pub mod columns;
 mod fold;
 pub mod higher_order;
+pub mod rated;
+mod regular;
 pub mod variation;
 
 use crate::kinematics::loops::residual::residual_of;

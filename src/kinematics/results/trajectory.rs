@@ -265,9 +265,16 @@ pub struct Trajectory {
     /// Proofs of the motion after each sample, up to the next one or to the end of a cyclic drive; empty unless
     /// asked for.
     pub intervals: Vec<IntervalCertificate>,
+    /// How many of the samples nobody asked for: those where the motion ends and resumes.
+    pub added: usize,
 }
 
 impl Trajectory {
+    /// Number of samples that were asked for.
+    pub fn asked(&self) -> usize {
+        self.samples.len() - self.added
+    }
+
     /// Number of samples without a pose.
     pub fn missing(&self) -> usize {
         self.samples.iter().filter(|s| s.pose.is_none()).count()

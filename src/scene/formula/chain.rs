@@ -1,7 +1,8 @@
 //! Products of transforms as typed: `Tx(p) Rx(phi) T45 inv(T51)`.
 
-use super::expression::{FormulaNode, Parser};
+use super::expression::Parser;
 use super::lexer::{TokenKind, tokenize_text};
+use super::node::FormulaNode;
 use crate::diag::{Diagnostic, Span};
 use crate::model::chain::ElementaryMotion;
 

@@ -1,6 +1,6 @@
 //! Trees of names to operations over slots.
 
-use super::expression::{FormulaNode, NodeKind};
+use super::node::{FormulaNode, NodeKind};
 use crate::diag::{Diagnostic, Span};
 use crate::model::expression::{Expression, Op};
 use crate::numbers::constant::Constant;
@@ -59,6 +59,11 @@ fn emit_node(
                 '/' => Op::Divide(a, b),
                 _ => Op::Power(a, b),
             }
+        }
+        NodeKind::Derivative(_) => {
+            return Err(Diagnostic::error("a derivative cannot stand here")
+                .at(node.span.clone())
+                .hint("derivatives stand in [outputs], in `of` of measures and in plots, and in no other derivative"));
         }
         NodeKind::Call(function, args) => {
             // min and max of many are a row of calls of two.

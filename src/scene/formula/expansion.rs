@@ -1,7 +1,7 @@
 //! Chains written out: references and inverses expanded to elementary motions.
 
 use super::chain::{Item, Transform};
-use super::expression::FormulaNode;
+use super::node::FormulaNode;
 use crate::diag::{Diagnostic, Span};
 use crate::model::chain::ElementaryMotion;
 use crate::numbers::constant::Constant;
@@ -198,7 +198,7 @@ fn elementary_factors(transform: Transform, arguments: &[FormulaNode]) -> Vec<Fa
 
 /// pitch·angle/2π.
 fn screw_advance(pitch: FormulaNode, angle: FormulaNode) -> FormulaNode {
-    use super::expression::NodeKind::{Angle, Binary, Radians};
+    use super::node::NodeKind::{Angle, Binary, Radians};
     let span = pitch.span.start..angle.span.end;
     let turn = FormulaNode {
         kind: Radians(Constant::PI * Constant::exact(2.0)),
@@ -250,7 +250,7 @@ mod tests {
                 Factor::Direction(..) => unreachable!(),
             })
             .collect();
-        use super::super::expression::NodeKind;
+        use super::super::node::NodeKind;
         assert_eq!(
             shapes[0],
             (

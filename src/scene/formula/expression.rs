@@ -1,100 +1,12 @@
-//! Expression trees as typed: numbers, names, operations, calls. No values and no kinds yet.
+//! The parser of formulas: from tokens to trees.
 
 use super::lexer::{Token, TokenKind, tokenize_text};
+use super::node::{DerivativeNode, FormulaNode, NodeKind};
 use crate::diag::{Diagnostic, Span};
 use crate::model::expression::Function;
 use crate::model::mechanism::AngleUnit;
+use crate::model::rate::MAX_ORDER;
 use crate::numbers::constant::Constant;
-
-/// A node and its place in the file.
-#[derive(Clone, Debug, PartialEq)]
-pub struct FormulaNode {
-    /// What it is.
-    pub kind: NodeKind,
-    /// Where it is.
-    pub span: Span,
-}
-
-/// The forms of a node.
-#[derive(Clone, Debug, PartialEq)]
-pub enum NodeKind {
-    /// A literal.
-    Number(Constant),
-    /// A literal with an explicit angle unit, already in radians.
-    Radians(Constant),
-    /// A part that stands where an angle is wanted, whatever stands around it.
-    Angle(Box<FormulaNode>),
-    /// A name, to be looked up.
-    Name(String),
-    /// Sign change.
-    Negate(Box<FormulaNode>),
-    /// One of `+ - * / ^`.
-    Binary(char, Box<FormulaNode>, Box<FormulaNode>),
-    /// A function and its arguments.
-    Call(Function, Vec<FormulaNode>),
-}
-
-impl FormulaNode {
-    /// A literal without a place of its own.
-    pub fn number(value: Constant, span: Span) -> Self {
-        Self {
-            kind: NodeKind::Number(value),
-            span,
-        }
-    }
-
-    /// The negative of this node.
-    pub fn negated(self) -> Self {
-        let span = self.span.clone();
-        match self.kind {
-            NodeKind::Number(v) => Self {
-                kind: NodeKind::Number(-v),
-                span,
-            },
-            NodeKind::Negate(inner) => *inner,
-            kind => Self {
-                kind: NodeKind::Negate(Box::new(Self {
-                    kind,
-                    span: span.clone(),
-                })),
-                span,
-            },
-        }
-    }
-
-    /// Whether the same is written, wherever it stands.
-    pub fn is_alike(&self, other: &Self) -> bool {
-        use NodeKind::{Angle, Binary, Call, Name, Negate, Number, Radians};
-        match (&self.kind, &other.kind) {
-            (Number(a), Number(b)) | (Radians(a), Radians(b)) => a == b,
-            (Name(a), Name(b)) => a == b,
-            (Negate(a), Negate(b)) | (Angle(a), Angle(b)) => a.is_alike(b),
-            (Binary(sign, a, b), Binary(other, c, d)) => {
-                sign == other && a.is_alike(c) && b.is_alike(d)
-            }
-            (Call(function, a), Call(other, b)) => {
-                function == other
-                    && a.len() == b.len()
-                    && a.iter().zip(b).all(|(a, b)| a.is_alike(b))
-            }
-            _ => false,
-        }
-    }
-
-    /// Calls `visit` on every name below this node.
-    pub fn visit_names(&self, visit: &mut dyn FnMut(&str, &Span)) {
-        match &self.kind {
-            NodeKind::Number(_) | NodeKind::Radians(_) => {}
-            NodeKind::Name(name) => visit(name, &self.span),
-            NodeKind::Negate(inner) | NodeKind::Angle(inner) => inner.visit_names(visit),
-            NodeKind::Binary(_, a, b) => {
-                a.visit_names(visit);
-                b.visit_names(visit);
-            }
-            NodeKind::Call(_, args) => args.iter().for_each(|a| a.visit_names(visit)),
-        }
-    }
-}
 
 /// Parses a whole expression that starts at byte `offset` of the file.
 pub fn parse_expression(text: &str, offset: usize) -> Result<FormulaNode, Diagnostic> {
@@ -292,7 +204,60 @@ impl<'a> Parser<'a> {
         }
     }
 
+    /// The parts of `d(…)` behind its parenthesis.
+    fn parse_derivative(&mut self, token: &Token) -> Result<FormulaNode, Diagnostic> {
+        let start = token.span.start;
+        let of = self.expression()?;
+        if !self.take_sign(',') {
+            return Err(misread_derivative(start..self.peek().span.end));
+        }
+        let by = self.peek();
+        let TokenKind::Name(name) = &by.kind else {
+            return Err(misread_derivative(start..by.span.end));
+        };
+        self.take();
+        let order = match self.take_sign(',') {
+            true => self.derivative_order()?,
+            false => 1,
+        };
+        if self.peek().kind == TokenKind::Sign(',') {
+            return Err(misread_derivative(start..self.peek().span.end));
+        }
+        let span = start..self.peek().span.end;
+        self.expect_sign(')')?;
+        let parts = DerivativeNode {
+            of,
+            by: name.clone(),
+            by_span: by.span.clone(),
+            order,
+        };
+        Ok(FormulaNode {
+            kind: NodeKind::Derivative(Box::new(parts)),
+            span,
+        })
+    }
+
+    fn derivative_order(&mut self) -> Result<usize, Diagnostic> {
+        let token = self.take();
+        let given = match token.kind {
+            TokenKind::Number(value) => Some(value.number()),
+            _ => None,
+        };
+        let known = |order: &f64| order.fract() == 0.0 && (1.0..=MAX_ORDER as f64).contains(order);
+        given
+            .filter(known)
+            .map(|order| order as usize)
+            .ok_or_else(|| {
+                let message =
+                    format!("the order of a derivative is a whole number from 1 to {MAX_ORDER}");
+                Diagnostic::error(message).at(token.span.clone())
+            })
+    }
+
     fn parse_call(&mut self, name: &str, token: &Token) -> Result<FormulaNode, Diagnostic> {
+        if name == "d" {
+            return self.parse_derivative(token);
+        }
         let Some(function) = Function::from_name(name) else {
             return Err(Diagnostic::error(format!("unknown function `{name}`"))
                 .at(token.span.clone())
@@ -318,6 +283,13 @@ impl<'a> Parser<'a> {
             span,
         })
     }
+}
+
+/// `d(…)` with parts that are no derivative's.
+fn misread_derivative(span: Span) -> Diagnostic {
+    Diagnostic::error("a derivative is written `d(quantity, input)`")
+        .at(span)
+        .hint("or `d(quantity, input, order)`; `t` in place of an input is the time")
 }
 
 fn named_constant(name: &str, token: &Token) -> Result<FormulaNode, Diagnostic> {

@@ -3,7 +3,7 @@
 //! Rule: a part of a formula that stands where an angle is wanted and holds no angle itself (`Ry(180)`,
 //! `beta + 30`) is in the file's angle unit. In a file in radians nothing is converted.
 
-use super::expression::{FormulaNode, NodeKind};
+use super::node::{FormulaNode, NodeKind};
 use crate::diag::Span;
 use crate::model::expression::Function;
 use crate::model::mechanism::Kind;
@@ -35,6 +35,7 @@ pub fn infer_kind(
             infer_kind(a, wanted.filter(|_| keeps_a), note);
             infer_kind(b, wanted.filter(|_| keeps_b), note);
         }
+        NodeKind::Derivative(parts) => infer_kind(&parts.of, None, note),
         NodeKind::Call(function, args) => {
             let inner = argument_kind(*function, wanted);
             args.iter().for_each(|arg| infer_kind(arg, inner, note));
@@ -132,6 +133,7 @@ fn holds_angle(node: &FormulaNode, is_angle: &dyn Fn(&str) -> bool) -> bool {
         NodeKind::Name(name) => is_angle(name),
         NodeKind::Negate(inner) => holds_angle(inner, is_angle),
         NodeKind::Binary(_, a, b) => holds_angle(a, is_angle) || holds_angle(b, is_angle),
+        NodeKind::Derivative(_) => false,
         NodeKind::Call(function, args) => match function {
             Function::Asin | Function::Acos | Function::Atan | Function::Atan2 => true,
             Function::Sin | Function::Cos | Function::Tan => false,

@@ -9,4 +9,5 @@ pub mod expansion;
 pub mod expression;
 pub mod kinds;
 pub mod lexer;
+pub mod node;
 pub mod written;

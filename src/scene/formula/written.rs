@@ -1,6 +1,6 @@
 //! Formulas back as text: as short as they can be read again.
 
-use super::expression::{FormulaNode, NodeKind};
+use super::node::{FormulaNode, NodeKind};
 use crate::numbers::constant::Constant;
 use std::f64::consts::PI;
 
@@ -27,6 +27,14 @@ fn written_node(node: &FormulaNode) -> (String, Hold) {
         NodeKind::Angle(inner) => written_node(inner),
         NodeKind::Negate(inner) => (format!("-{}", held_in(inner, Hold::Sign)), Hold::Sign),
         NodeKind::Binary(sign, a, b) => written_operation(*sign, a, b),
+        NodeKind::Derivative(parts) => {
+            let of = written_formula(&parts.of);
+            let text = match parts.order {
+                1 => format!("d({of}, {})", parts.by),
+                order => format!("d({of}, {}, {order})", parts.by),
+            };
+            (text, Hold::Atom)
+        }
         NodeKind::Call(function, args) => {
             let args: Vec<String> = args.iter().map(written_formula).collect();
             (

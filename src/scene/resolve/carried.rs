@@ -3,7 +3,7 @@
 
 use super::super::file::SceneFile;
 use super::super::formula::expansion::Factor;
-use super::super::formula::expression::FormulaNode;
+use super::super::formula::node::FormulaNode;
 use super::super::shapes::SolidFile;
 use super::joints::FoldedJoints;
 use super::parsed::Parsed;

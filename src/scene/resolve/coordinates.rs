@@ -2,8 +2,8 @@
 
 use super::super::file::{InputFile, SceneFile};
 use super::super::formula::compile::{CompiledValue, compile_formula, constant_node};
-use super::super::formula::expression::FormulaNode;
 use super::super::formula::kinds::to_radians;
+use super::super::formula::node::FormulaNode;
 use super::names::{Meaning, Names};
 use super::parsed::{Parsed, ParsedInput};
 use super::parsing::parsed_expression;

@@ -2,8 +2,8 @@
 
 use super::super::formula::compile::{compile_formula, exact_constant};
 use super::super::formula::expansion::Factor;
-use super::super::formula::expression::{FormulaNode, NodeKind};
 use super::super::formula::kinds::to_radians;
+use super::super::formula::node::{FormulaNode, NodeKind};
 use super::kinds_of_names::kind_of_motion;
 use super::names::Names;
 use super::parsed::Parsed;
@@ -120,7 +120,10 @@ impl<'a> FoldedJoints<'a> {
     /// Power of length in the dimension of a formula, as far as the kinds of its names tell.
     fn length_exponent(&self, node: &FormulaNode) -> f64 {
         match &node.kind {
-            NodeKind::Number(_) | NodeKind::Radians(_) | NodeKind::Angle(_) => 0.0,
+            NodeKind::Number(_)
+            | NodeKind::Radians(_)
+            | NodeKind::Angle(_)
+            | NodeKind::Derivative(_) => 0.0,
             NodeKind::Name(name) => f64::from(self.names.kind(name) == Some(Kind::Length)),
             NodeKind::Negate(inner) => self.length_exponent(inner),
             NodeKind::Binary(sign, a, b) => {

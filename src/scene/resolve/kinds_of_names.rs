@@ -1,8 +1,8 @@
 //! What every name of a scene measures, a length, an angle or a number: found from where it stands.
 
 use super::super::formula::expansion::Factor;
-use super::super::formula::expression::FormulaNode;
 use super::super::formula::kinds::infer_kind;
+use super::super::formula::node::FormulaNode;
 use super::names::Names;
 use super::parsed::{Parsed, ParsedInput};
 use super::words::TIME;

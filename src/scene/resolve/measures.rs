@@ -3,13 +3,16 @@
 use super::super::file::SceneFile;
 use super::super::formula::compile::{CompiledValue, compile_formula, constant_node};
 use super::super::formula::kinds::to_radians;
+use super::super::formula::node::{FormulaNode, NodeKind};
 use super::super::measures::{MeasureFile, MeasureSourceFile, TrackFile};
 use super::body_constants::BodyConstants;
 use super::names::Names;
 use super::outputs::{Scope, dimension_of};
 use super::parsing::parsed_expression;
+use super::rates::{FoundRates, TIME, find_derivative};
 use crate::diag::{Diagnostic, Diagnostics, Span, shown_number};
 use crate::model::dimension::Dimension;
+use crate::model::expression::Expression;
 use crate::model::measure::{Measure, MeasureSource, MeasuredTrack, Taking};
 use crate::model::mechanism::Kind;
 use crate::scene::reader::Spanned;
@@ -98,16 +101,17 @@ fn fixed_point(
         .ok()
 }
 
-/// Resolves the measures in the order of the file.
+/// Resolves the measures in the order of the file; in a study they are derived by parameters.
 pub fn resolve_measures(
     file: &SceneFile,
     scope: &Scope,
-    tracks: &[MeasuredTrack],
+    (tracks, is_studied): (&[MeasuredTrack], bool),
     diagnostics: &mut Diagnostics,
 ) -> Vec<Measure> {
     let mut measures: Vec<Measure> = Vec::new();
     for item in &file.measures {
-        if let Some(measure) = resolve_measure(item, file, scope, tracks, &measures, diagnostics) {
+        let among = (tracks, measures.as_slice(), is_studied);
+        if let Some(measure) = resolve_measure(item, file, scope, among, diagnostics) {
             measures.push(measure);
         }
     }
@@ -118,8 +122,7 @@ fn resolve_measure(
     item: &MeasureFile,
     file: &SceneFile,
     scope: &Scope,
-    tracks: &[MeasuredTrack],
-    earlier: &[Measure],
+    (tracks, earlier, is_studied): (&[MeasuredTrack], &[Measure], bool),
     diagnostics: &mut Diagnostics,
 ) -> Option<Measure> {
     let (source, kind) = match item.source.as_ref()? {
@@ -127,7 +130,7 @@ fn resolve_measure(
             measure_formula(text, file, scope.names, earlier, diagnostics)?
         }
         source @ MeasureSourceFile::Over { .. } => {
-            resolve_over(source, file, scope, tracks, diagnostics)?
+            resolve_over(source, file, scope, (tracks, is_studied), diagnostics)?
         }
     };
     let [min, max] = item.limits.each_ref().map(|text| match text {
@@ -148,7 +151,7 @@ fn resolve_over(
     source: &MeasureSourceFile,
     file: &SceneFile,
     scope: &Scope,
-    tracks: &[MeasuredTrack],
+    (tracks, is_studied): (&[MeasuredTrack], bool),
     diagnostics: &mut Diagnostics,
 ) -> Option<(MeasureSource, Kind)> {
     let MeasureSourceFile::Over {
@@ -166,19 +169,29 @@ fn resolve_over(
         Some(name) => Some(track_index(name, file, tracks, diagnostics)?),
     };
     let taking = resolve_taking(take, of.len(), diagnostics)?;
+    let nodes = of.iter().map(|text| parsed_expression(text, diagnostics));
+    let mut nodes: Vec<FormulaNode> = nodes.collect::<Option<_>>()?;
+    let per = match per {
+        None => derived_by_all(&mut nodes, scope.names),
+        Some(name) => Some(input_index(name, scope.names, diagnostics)?),
+    };
     let mut kind = Kind::Number;
-    let mut formulas = Vec::new();
-    for text in of {
-        let node = parsed_expression(text, diagnostics)?;
-        let compiled = scope.compile(&node).map_err(|d| diagnostics.push(d));
+    let (mut formulas, mut rates) = (Vec::new(), FoundRates::default());
+    for node in &nodes {
+        let compiled = scope.compile_beside(node, &mut rates).and_then(|compiled| {
+            let place = RatePlace {
+                is_track: track.is_some(),
+                is_derived: per.is_some(),
+                is_studied,
+            };
+            place.refuse(node, &compiled.0, scope)?;
+            Ok(compiled)
+        });
+        let compiled = compiled.map_err(|d| diagnostics.push(d));
         let (formula, dimension) = compiled.ok()?;
         kind = dimension.kind();
         formulas.push(formula);
     }
-    let per = match per {
-        None => None,
-        Some(name) => Some(input_index(name, scope.names, diagnostics)?),
-    };
     if let Some(input) = per
         && scope.names.inputs[input].kind != Kind::Number
     {
@@ -190,11 +203,88 @@ fn resolve_over(
     let source = MeasureSource::Over {
         track,
         of: formulas,
+        rates: rates.list,
         per,
         taking,
         power: resolve_power(power.as_ref(), scope, diagnostics)?,
     };
     Some((source, kind))
+}
+
+/// The input by which all formulas are derived once, which then are what is derived: `of = "d(h, phi)"` is `of = "h"` with `per`, of which
+/// studies know more.
+fn derived_by_all(nodes: &mut [FormulaNode], names: &Names) -> Option<usize> {
+    let by = |node: &FormulaNode| match &node.kind {
+        NodeKind::Derivative(parts) if parts.order == 1 => {
+            let mut inputs = names.inputs.iter();
+            inputs.position(|input| input.name == parts.by)
+        }
+        _ => None,
+    };
+    let first = by(nodes.first()?)?;
+    // What holds a derivative itself is refused as it is written.
+    let is_plain = |node: &FormulaNode| match &node.kind {
+        NodeKind::Derivative(parts) => find_derivative(&parts.of, &|_| true).is_none(),
+        _ => false,
+    };
+    if !nodes
+        .iter()
+        .all(|node| by(node) == Some(first) && is_plain(node))
+    {
+        return None;
+    }
+    for node in nodes {
+        if let NodeKind::Derivative(parts) = &node.kind {
+            *node = parts.of.clone();
+        }
+    }
+    Some(first)
+}
+
+/// Where a measure's formula stands, which tells the rates it may not hold.
+struct RatePlace {
+    is_track: bool,
+    is_derived: bool,
+    is_studied: bool,
+}
+
+impl RatePlace {
+    fn refuse(
+        &self,
+        node: &FormulaNode,
+        formula: &Expression,
+        scope: &Scope,
+    ) -> Result<(), Diagnostic> {
+        let slots = formula.slots();
+        let own = find_derivative(node, &|_| true);
+        let timed = find_derivative(node, &|parts| {
+            let is_input = scope.names.inputs.iter().any(|i| i.name == parts.by);
+            !is_input && TIME.contains(&parts.by.as_str())
+        });
+        let uses_timed = slots.iter().any(|slot| scope.is_timed(*slot));
+        let holds = own.is_some() || slots.iter().any(|slot| scope.is_rated(*slot));
+        let at = |found: Option<&FormulaNode>| found.unwrap_or(node).span.clone();
+        if self.is_track && (timed.is_some() || uses_timed) {
+            return Err(Diagnostic::error("a track has no time to derive by")
+                .at(at(timed))
+                .hint("derive by an input, or measure along the drive: without `track`"));
+        }
+        if self.is_derived && holds {
+            return Err(
+                Diagnostic::error("`per` derives what holds a derivative itself")
+                    .at(at(own))
+                    .hint("a derivative of higher order is written `d(quantity, input, order)`"),
+            );
+        }
+        if self.is_studied && holds {
+            return Err(Diagnostic::error(
+                "studies cannot derive by parameters what holds a derivative",
+            )
+            .at(at(own))
+            .hint("a whole `of = \"d(quantity, input)\"` of the first order can be studied"));
+        }
+        Ok(())
+    }
 }
 
 /// What is taken of the values, for a measure of so many formulas.

@@ -22,6 +22,7 @@ mod outputs;
 mod parsed;
 mod parsing;
 mod plots;
+mod rates;
 mod scales;
 mod solids;
 mod study;
@@ -118,7 +119,12 @@ pub fn resolve_scene(
         true => measures::resolve_tracks(file, &scope, &start, diagnostics),
         false => Vec::new(),
     };
-    let measures = measures::resolve_measures(file, &scope, &tracks, diagnostics);
+    let measures = measures::resolve_measures(
+        file,
+        &scope,
+        (&tracks, overrides.derives_measures),
+        diagnostics,
+    );
     let outputs = scope.outputs;
     let is_empty = loops.is_empty() && equations.is_empty() && bodies.is_empty();
     if is_empty && outputs.is_empty() && !diagnostics.has_errors() {

@@ -2,8 +2,8 @@
 
 use super::super::file::SceneFile;
 use super::super::formula::compile::{CompiledValue, compile_formula};
-use super::super::formula::expression::{FormulaNode, NodeKind};
 use super::super::formula::kinds::to_radians;
+use super::super::formula::node::{FormulaNode, NodeKind};
 use super::body_constants::BodyConstants;
 use super::clearance::asked_distance;
 use super::contacts::closure::Contacts;
@@ -13,6 +13,7 @@ use crate::diag::{Diagnostic, Diagnostics, Span};
 use crate::model::dimension::Dimension;
 use crate::model::expression::{Expression, Function};
 use crate::model::mechanism::{AngleUnit, Body, Kind, MechanismOutput, OutputSource, Trace};
+use crate::model::rate::{Per, Rate, RatedFormula};
 use std::collections::HashMap;
 
 /// What formulas of poses may use.
@@ -27,6 +28,8 @@ pub struct Scope<'a> {
     places: HashMap<String, Option<usize>>,
     /// What they measure.
     dimensions: HashMap<String, Dimension>,
+    /// Slots of those that hold rates, by however many others, and whether one of these is by the time.
+    rated: HashMap<usize, bool>,
 }
 
 /// A number beside those of a pose that a formula may use.
@@ -55,6 +58,7 @@ impl<'a> Scope<'a> {
             outputs: Vec::new(),
             places: HashMap::new(),
             dimensions: HashMap::new(),
+            rated: HashMap::new(),
         };
         let constants = BodyConstants { names };
         for item in &file.distances {
@@ -70,14 +74,18 @@ impl<'a> Scope<'a> {
         }
         for (name, node) in &parsed.outputs {
             let name = &name.value;
-            let compiled = scope.compile(node);
+            let compiled = scope.compile_rated(node);
             scope.note(name, compiled.is_ok());
             match compiled {
-                Ok((expression, dimension)) => {
+                Ok((formula, dimension)) => {
                     scope.dimensions.insert(name.clone(), dimension);
+                    scope.note_rates(&formula);
                     scope.outputs.push(MechanismOutput {
                         name: name.clone(),
-                        source: OutputSource::Formula(expression),
+                        source: match formula.rates.is_empty() {
+                            true => OutputSource::Formula(formula.expression),
+                            false => OutputSource::Rated(formula),
+                        },
                         kind: dimension.kind(),
                     });
                 }
@@ -92,6 +100,27 @@ impl<'a> Scope<'a> {
         let place = is_usable.then_some(self.outputs.len());
         let earlier = self.places.entry(name.to_owned()).or_insert(place);
         *earlier = earlier.or(place);
+    }
+
+    /// Notes whether the next output holds rates.
+    fn note_rates(&mut self, formula: &RatedFormula) {
+        let is_timed = |(_, rate): &(Expression, Rate)| rate.per == Per::Time;
+        let own = formula.rates.iter().map(is_timed);
+        let used = formula.expression.slots();
+        let used = used.iter().filter_map(|slot| self.rated.get(slot).copied());
+        if let Some(timed) = own.chain(used).reduce(|a, b| a || b) {
+            self.rated.insert(self.slot_count(), timed);
+        }
+    }
+
+    /// Whether a slot is an output that holds rates.
+    pub fn is_rated(&self, slot: usize) -> bool {
+        self.rated.contains_key(&slot)
+    }
+
+    /// Whether a slot is an output that holds rates by the time.
+    pub fn is_timed(&self, slot: usize) -> bool {
+        self.rated.get(&slot) == Some(&true)
     }
 
     /// A formula over coordinates, traced points and the outputs so far, and what it measures.
@@ -134,7 +163,7 @@ impl<'a> Scope<'a> {
         Ok((formula, dimension))
     }
 
-    /// Number of slots that formulas of poses have, once all outputs are known.
+    /// Number of slots that formulas of poses have, with the outputs so far.
     pub fn slot_count(&self) -> usize {
         let coordinates = self.names.unknowns.len() + self.names.inputs.len();
         coordinates + 3 * self.traces.len() + self.outputs.len()
@@ -197,7 +226,7 @@ pub fn dimension_of(
 ) -> Dimension {
     let of = |node: &FormulaNode| dimension_of(node, names, known);
     match &node.kind {
-        NodeKind::Number(_) => Dimension::NUMBER,
+        NodeKind::Number(_) | NodeKind::Derivative(_) => Dimension::NUMBER,
         NodeKind::Radians(_) | NodeKind::Angle(_) => Dimension::of(Kind::Angle),
         NodeKind::Name(name) => {
             let coordinate = names.kind(name).map(Dimension::of);

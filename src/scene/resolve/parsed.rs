@@ -3,7 +3,7 @@
 use super::super::file::{InputFile, SceneFile};
 use super::super::formula::chain::{Item, parse_chain};
 use super::super::formula::expansion::Factor;
-use super::super::formula::expression::FormulaNode;
+use super::super::formula::node::FormulaNode;
 use super::super::measures::MeasureFile;
 use super::bars::ParsedBars;
 use super::contacts::chains::{ContactItems, ParsedContact};

@@ -2,7 +2,8 @@
 
 use super::super::formula::chain::Item;
 use super::super::formula::expansion::{Factor, expand_chain};
-use super::super::formula::expression::{FormulaNode, parse_expression};
+use super::super::formula::expression::parse_expression;
+use super::super::formula::node::FormulaNode;
 use super::super::reader::Spanned;
 use super::super::values::FormulaText;
 use crate::diag::{Diagnostic, Diagnostics};

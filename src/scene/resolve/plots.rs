@@ -2,17 +2,17 @@
 
 use super::super::file::SceneFile;
 use super::super::formula::compile::constant_node;
+use super::super::formula::node::{DerivativeNode, FormulaNode, NodeKind};
 use super::super::plots::PlotFile;
-use super::derivative_text::{
-    TIME, derivative_order, derivative_parts, derivative_range, moved_diagnostic, placeholder_name,
-    rate_label, text_part,
-};
-use super::outputs::{ExtraSlot, Scope};
+use super::derivative_text::{rate_label, text_part};
+use super::outputs::Scope;
 use super::parsing::parsed_expression;
+use super::rates::TIME;
 use crate::diag::{Diagnostic, Diagnostics};
 use crate::model::dimension::Dimension;
 use crate::model::mechanism::AngleUnit;
-use crate::model::plot::{Abscissa, Per, Plot, PlotCurve, Rate, rate_unit};
+use crate::model::plot::{Abscissa, Plot, PlotCurve, rate_unit};
+use crate::model::rate::Per;
 use crate::scene::values::FormulaText;
 
 /// What the plots of a scene are resolved with.
@@ -124,112 +124,60 @@ impl TextSite<'_> {
             None => (None, whole),
         };
         let body = text_part(text, body);
-        let mut curve = match derivative_parts(&body) {
-            Some(parts) => self.derivative_curve(&parts, &body, diagnostics)?,
-            None => self.formula_curve(&body, diagnostics)?,
+        let node = parsed_expression(&body, diagnostics)?;
+        let curve = match &node.kind {
+            NodeKind::Derivative(parts) => self.derivative_curve(parts, &body),
+            _ => self.formula_curve(&node, &body),
         };
+        let mut curve = curve.map_err(|d| diagnostics.push(d)).ok()?;
         if let Some(name) = name {
             curve.label = name.to_owned();
         }
         Some(curve)
     }
 
-    /// A formula that may have derivatives in it. Each stands there under a name of the same length, so that mistakes keep
-    /// their places.
+    /// A formula that may hold derivatives.
     fn formula_curve(
         &self,
+        node: &FormulaNode,
         body: &FormulaText,
-        diagnostics: &mut Diagnostics,
-    ) -> Option<PlotCurve> {
-        let (mut text, mut rates) = (body.clone(), Vec::new());
-        let mut extra: Vec<ExtraSlot> = Vec::new();
-        while let Some(range) = derivative_range(&text.text) {
-            let part = text_part(&text, range.clone());
-            let parts = derivative_parts(&part)?;
-            let rate = self.derivative_curve(&parts, body, diagnostics)?;
-            let name = placeholder_name(range.len(), extra.len());
-            text.text.replace_range(range, &name);
-            let slot = self.scope.slot_count() + extra.len();
-            let dimension = self.rate_dimension(&rate);
-            extra.push(ExtraSlot {
-                name,
-                slot,
-                dimension,
-            });
-            rates.push((rate.expression, rate.rate?));
-        }
-        let curve = self.compiled_curve(&text, &extra, diagnostics)?;
-        Some(PlotCurve {
+    ) -> Result<PlotCurve, Diagnostic> {
+        let (formula, dimension) = self.scope.compile_rated(node)?;
+        let (unit, factor) = self.unit(dimension);
+        Ok(PlotCurve {
             label: body.text.trim().to_owned(),
-            rates,
-            ..curve
-        })
-    }
-
-    /// What a rate measures.
-    fn rate_dimension(&self, curve: &PlotCurve) -> Dimension {
-        let whole = Dimension::of(curve.kind);
-        match curve.rate {
-            None => whole,
-            Some(Rate { per, order }) => {
-                let below = match per {
-                    Per::Time => Dimension::TIME,
-                    Per::Input(k) => Dimension::of(self.scope.names.inputs[k].kind),
-                };
-                whole - below * order as i32
-            }
-        }
-    }
-
-    /// `d(formula, input, order)`, whose parts these are.
-    fn derivative_curve(
-        &self,
-        parts: &[FormulaText],
-        body: &FormulaText,
-        diagnostics: &mut Diagnostics,
-    ) -> Option<PlotCurve> {
-        if !(2..=3).contains(&parts.len()) {
-            let diagnostic = Diagnostic::error("a derivative is written `d(quantity, input)`");
-            let hint = "or `d(quantity, input, order)`; `t` in place of an input is the time";
-            diagnostics.push(moved_diagnostic(diagnostic, body).hint(hint));
-            return None;
-        }
-        let quantity = self.compiled_curve(&parts[0], &[], diagnostics)?;
-        let (per, unit) = self.per(&parts[1], diagnostics)?;
-        let order = match parts.get(2) {
-            None => 1,
-            Some(text) => derivative_order(text, diagnostics)?,
-        };
-        let below = (unit.0.as_str(), unit.1);
-        let (unit, factor) = rate_unit((&quantity.unit, quantity.factor), below, order);
-        let label = rate_label(parts[0].text.trim(), parts[1].text.trim(), order);
-        Some(PlotCurve {
-            label,
             unit,
             factor,
-            rate: Some(Rate { per, order }),
-            ..quantity
+            expression: formula.expression,
+            kind: dimension.kind(),
+            rate: None,
+            rates: formula.rates,
         })
     }
 
-    /// The curve of a formula without derivatives; `extra` names are known in it, too.
-    fn compiled_curve(
+    /// A derivative alone.
+    fn derivative_curve(
         &self,
-        text: &FormulaText,
-        extra: &[ExtraSlot],
-        diagnostics: &mut Diagnostics,
-    ) -> Option<PlotCurve> {
-        let node = parsed_expression(text, diagnostics)?;
-        let compiled = self.scope.compile_with(&node, extra);
-        let (expression, dimension) = compiled.map_err(|d| diagnostics.push(d)).ok()?;
-        let (unit, factor) = self.unit(dimension);
-        Some(PlotCurve {
-            label: text.text.trim().to_owned(),
+        parts: &DerivativeNode,
+        body: &FormulaText,
+    ) -> Result<PlotCurve, Diagnostic> {
+        let (expression, rate, dimension) = self.scope.rate(parts)?;
+        let of = self.unit(dimension);
+        let below = match rate.per {
+            Per::Time => ("s".to_owned(), 1.0),
+            per @ Per::Input(_) => self.unit(self.scope.dimension_of_per(per)),
+        };
+        let (unit, factor) = rate_unit((&of.0, of.1), (&below.0, below.1), rate.order);
+        // Places are counted from the start of the text.
+        let of = &parts.of.span;
+        let quantity = body.text.get(of.start - body.offset..of.end - body.offset);
+        Ok(PlotCurve {
+            label: rate_label(quantity.unwrap_or("").trim(), &parts.by, rate.order),
             unit,
             factor,
             expression,
             kind: dimension.kind(),
-            rate: None,
+            rate: Some(rate),
             rates: Vec::new(),
         })
     }
@@ -237,30 +185,5 @@ impl TextSite<'_> {
     fn unit(&self, dimension: Dimension) -> (String, f64) {
         let angle = &self.angle_unit;
         dimension.unit_words(self.length_unit, &angle.name, angle.radians.number())
-    }
-
-    /// What a derivative is taken by, with its unit and factor.
-    fn per(
-        &self,
-        text: &FormulaText,
-        diagnostics: &mut Diagnostics,
-    ) -> Option<(Per, (String, f64))> {
-        let name = text.text.trim();
-        let inputs = &self.scope.names.inputs;
-        if let Some(index) = inputs.iter().position(|c| c.name == name) {
-            return Some((
-                Per::Input(index),
-                self.unit(Dimension::of(inputs[index].kind)),
-            ));
-        }
-        if TIME.contains(&name) {
-            return Some((Per::Time, ("s".to_owned(), 1.0)));
-        }
-        let names = inputs.iter().map(|c| c.name.as_str());
-        let diagnostic = Diagnostic::error(format!("`{name}` is not an input"))
-            .label("derivatives are taken by an input, or by `t`")
-            .suggest(name, names);
-        diagnostics.push(moved_diagnostic(diagnostic, text));
-        None
     }
 }

@@ -4,7 +4,7 @@
 
 use super::super::file::SceneFile;
 use super::super::formula::expansion::Factor;
-use super::super::formula::expression::{FormulaNode, NodeKind};
+use super::super::formula::node::{FormulaNode, NodeKind};
 use super::joints::FoldedJoints;
 use super::names::{Meaning, Names, Parameter};
 use super::parsed::{Parsed, ParsedInput};
@@ -253,6 +253,7 @@ fn substitute_names(node: &mut FormulaNode, formulas: &[(String, FormulaNode)], 
             substitute_names(a, formulas, depth - 1);
             substitute_names(b, formulas, depth - 1);
         }
+        NodeKind::Derivative(parts) => substitute_names(&mut parts.of, formulas, depth - 1),
         NodeKind::Call(_, args) => args
             .iter_mut()
             .for_each(|arg| substitute_names(arg, formulas, depth - 1)),

@@ -3,7 +3,7 @@
 use super::super::file::SceneFile;
 use super::super::formula::compile::constant_node;
 use super::super::formula::expansion::Factor;
-use super::super::formula::expression::{FormulaNode, NodeKind};
+use super::super::formula::node::{FormulaNode, NodeKind};
 use super::super::formula::written::written_formula;
 use super::contacts::chains::{Closure, ContactSide, ParsedContact};
 use super::joints::FoldedJoints;

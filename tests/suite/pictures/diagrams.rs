@@ -242,3 +242,41 @@ fn diagrams_are_those_that_were_looked_at() {
         assert!(page.ends_with("%%EOF\n"));
     }
 }
+
+/// What a formula with kinks moves, as the pieces of a rope that leave their drum, no joint moves: it is a picture.
+#[test]
+fn only_what_joints_move_is_in_a_diagram() {
+    for item in builtin::ALL {
+        let scene = scene(item.name);
+        let scheme = scheme(&scene);
+        let shown = scheme.links.iter().filter(|link| link.is_shown);
+        let mut numbers: Vec<usize> = shown.map(|link| link.number).collect();
+        numbers.sort_unstable();
+        assert_eq!(
+            numbers,
+            (1..=numbers.len()).collect::<Vec<_>>(),
+            "{}",
+            item.name
+        );
+        let sheet = draw_sheet(&scheme, &options(&scene, DiagramParts::USUAL));
+        let mut drawn: Vec<usize> = texts(&sheet)
+            .iter()
+            .filter_map(|t| t.parse().ok())
+            .collect();
+        drawn.sort_unstable();
+        assert_eq!(drawn, numbers, "{}", item.name);
+        // Lists are folded between their items.
+        assert!(
+            !svg::write_svg(&sheet.drawing).contains(">·"),
+            "{}",
+            item.name
+        );
+    }
+    let links = scheme(&scene("rope-drum")).links;
+    let names: Vec<String> = links
+        .into_iter()
+        .filter(|l| l.is_shown)
+        .flat_map(|l| l.names)
+        .collect();
+    assert_eq!(names.len(), 3, "{names:?}");
+}

@@ -97,7 +97,7 @@ fn mistakes_beside_derivatives_have_places() {
         ("r*d(h, u)", "`u` is not an input"),
         ("r*d(h)", "a derivative is written"),
         ("r*d(h, t, 99)", "the order of a derivative"),
-        ("2*d(h, t", "`d`"),
+        ("2*d(h, t", "expected `)`"),
     ] {
         w.write(
             "wrong.toml",
@@ -105,5 +105,36 @@ fn mistakes_beside_derivatives_have_places() {
         );
         let run = w.run(&["plot", "wrong.toml", "--out", "x.svg"]).exits(2);
         run.says(&[said, "wrong.toml:", formula]);
+    }
+}
+
+/// Curves end where the motion does, at poses that nobody asked for: they are not counted as samples.
+#[test]
+fn only_the_samples_that_are_asked_for_are_counted() {
+    let w = Workspace::new();
+    for (place, drive, missing) in [
+        ("nowhere", "t + 1", 0),
+        ("at the start", "t - 0.35", 4),
+        ("in the middle", "(t - 0.5)^2 - 0.04 + 1e-3", 3),
+        ("at the end", "0.65 - t", 4),
+        ("at both ends", "0.0301 - (t - 0.5)^2", 8),
+        ("in two places", "cos(4*pi*t) + 0.5", 4),
+    ] {
+        let text = format!(
+            "duration = 1\n[inputs]\np = \"{drive}\"\n[equations]\ne = \"x^2 - p\"\n[guess]\nx = 1\n"
+        );
+        w.write("s.toml", &text);
+        let run = ["plot", "s.toml", "--samples", "11", "--out", "-"];
+        let run = w.run(&run).exits(if missing == 0 { 0 } else { 4 });
+        let said = format!("{missing} of 11 samples have no pose");
+        assert_eq!(
+            run.stderr.contains(&said),
+            missing > 0,
+            "{place}: {}",
+            run.stderr
+        );
+        let picture = run.text();
+        assert_eq!(picture.contains(&said), missing > 0, "{place}");
+        assert!(picture.contains("at 11 samples"), "{place}");
     }
 }

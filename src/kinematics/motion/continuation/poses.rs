@@ -4,6 +4,7 @@ use super::recorder::Recorder;
 use crate::kinematics::certificate::Certifier;
 use crate::kinematics::loops::forward;
 use crate::kinematics::motion::tracker::path_tracker::PathPoint;
+use crate::kinematics::rates::rated::fill_rated_outputs;
 use crate::kinematics::results::certificate::{Certificate, Reason};
 use crate::kinematics::results::trajectory::{ClosedPose, Sample};
 use crate::kinematics::solve::branch::best_rows;
@@ -51,7 +52,9 @@ impl Recorder<'_> {
         let certificate = self.certified(&mut coordinates);
         let bodies = forward::body_poses(mechanism, &coordinates);
         let traces = forward::trace_points(mechanism, &bodies);
-        let outputs = forward::trace_positions(mechanism, &coordinates, &traces);
+        let mut outputs = forward::trace_positions(mechanism, &coordinates, &traces);
+        let driven = (self.tracker.actuation(), point.time);
+        fill_rated_outputs(system, driven, &coordinates, &traces, &mut outputs);
         let closure_error = forward::closure_error(mechanism, &coordinates);
         let finite = bodies.iter().all(|p| p.is_finite()) && closure_error.is_finite();
         if !finite {

@@ -132,6 +132,7 @@ impl<'s> Recorder<'s> {
         }
         self.gaps.measure(&self.tracker, self.proof.is_some());
         let mut samples = self.samples;
+        let asked = samples.len();
         for edge in self.edges.into_iter().flatten() {
             let place = samples.partition_point(|s| s.time < edge.time);
             if samples.get(place).is_none_or(|s| s.time != edge.time) {
@@ -139,6 +140,7 @@ impl<'s> Recorder<'s> {
             }
         }
         Trajectory {
+            added: samples.len() - asked,
             samples,
             events: self.events.list,
             gaps: self.gaps.list,

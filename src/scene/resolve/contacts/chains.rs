@@ -10,7 +10,7 @@
 use super::super::super::contacts::{ContactFile, ContactSurface, SurfaceFile};
 use super::super::super::formula::chain::{Item, Transform, parse_chain};
 use super::super::super::formula::expansion::Factor;
-use super::super::super::formula::expression::{FormulaNode, NodeKind};
+use super::super::super::formula::node::{FormulaNode, NodeKind};
 use super::super::super::reader::Spanned;
 use crate::diag::Diagnostics;
 use crate::model::chain::ElementaryMotion;

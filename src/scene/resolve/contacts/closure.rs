@@ -4,7 +4,7 @@
 use super::super::super::contacts::ContactSurface;
 use super::super::super::formula::compile::{compile_formula, constant_node, exact_constant};
 use super::super::super::formula::expansion::Factor;
-use super::super::super::formula::expression::FormulaNode;
+use super::super::super::formula::node::FormulaNode;
 use super::super::joints::FoldedJoints;
 use super::super::names::{Meaning, Names};
 use super::super::symbolic::{

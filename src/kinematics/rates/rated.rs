@@ -1,0 +1,64 @@
+//! Values of formulas that hold rates, at the poses of a motion.
+
+use super::columns::{By, slot_series};
+use crate::kinematics::structure::system::System;
+use crate::model::actuation::Actuation;
+use crate::model::expression::Expression;
+use crate::model::mechanism::OutputSource;
+use crate::model::rate::Rate;
+use crate::numbers::series::TaylorSeries;
+use glam::DVec3;
+
+/// Rates of formulas at a pose of the motion that is driven so, at its time; NaN where they are infinite or not determined.
+pub fn rate_values(
+    system: &System,
+    driven: (&Actuation, f64),
+    coordinates: &[f64],
+    rates: &[(Expression, Rate)],
+) -> Vec<f64> {
+    // Series are shared by rates of one kind.
+    let mut known: Vec<(Rate, Option<Vec<TaylorSeries>>)> = Vec::new();
+    let value = |(formula, rate): &(Expression, Rate)| {
+        let place = known.iter().position(|(r, _)| r == rate);
+        let place = place.unwrap_or_else(|| {
+            let by = By::from(rate.per);
+            let series = slot_series(system, coordinates, by, driven, rate.order);
+            known.push((*rate, series));
+            known.len() - 1
+        });
+        let series = known[place].1.as_ref();
+        series.map_or(f64::NAN, |s| formula.value(s).derivative(rate.order))
+    };
+    rates.iter().map(value).collect()
+}
+
+/// Fills in the outputs of a pose that hold rates, and with them those that use them.
+pub fn fill_rated_outputs(
+    system: &System,
+    driven: (&Actuation, f64),
+    coordinates: &[f64],
+    traces: &[DVec3],
+    outputs: &mut [f64],
+) {
+    let list = &system.mechanism().outputs;
+    let is_rated = |source: &OutputSource| matches!(source, OutputSource::Rated(_));
+    if !list.iter().any(|output| is_rated(&output.source)) {
+        return;
+    }
+    let mut slots = coordinates.to_vec();
+    slots.extend(traces.iter().flat_map(|p| p.to_array()));
+    let mut scratch = Vec::new();
+    for (output, value) in list.iter().zip(outputs) {
+        match &output.source {
+            OutputSource::Rated(formula) => {
+                let rates = rate_values(system, driven, coordinates, &formula.rates);
+                *value = formula
+                    .expression
+                    .value(&[slots.as_slice(), &rates].concat());
+            }
+            OutputSource::Formula(formula) => *value = formula.value_with(&slots, &mut scratch),
+            OutputSource::Distance(_) => {}
+        }
+        slots.push(*value);
+    }
+}

@@ -1,0 +1,49 @@
+//! Rates of quantities as they stand in formulas: `d(h, phi)`, `d(h, t, 2)`.
+
+use super::expression::Expression;
+use crate::numbers::series::HIGHEST_ORDER;
+
+/// Highest order of a derivative that is offered; the cost grows with the third power.
+pub const MAX_ORDER: usize = HIGHEST_ORDER;
+
+/// Which rate of a quantity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rate {
+    /// By what.
+    pub per: Per,
+    /// Order, one or more.
+    pub order: usize,
+}
+
+/// What a rate is taken by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Per {
+    /// Seconds of the drive.
+    Time,
+    /// An input, the others standing still.
+    Input(usize),
+}
+
+/// A formula that holds rates.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RatedFormula {
+    /// Its slots: coordinates, then x, y, z of every trace, the outputs that are known to it, and its rates.
+    pub expression: Expression,
+    /// The slot of the first rate.
+    pub first: usize,
+    /// Formulas of the slots before, of which it holds the rates.
+    pub rates: Vec<(Expression, Rate)>,
+}
+
+impl RatedFormula {
+    /// Slots that it uses or that it holds rates of, ascending.
+    pub fn slots(&self) -> Vec<usize> {
+        let own = self.expression.slots().into_iter();
+        let own = own.filter(|slot| *slot < self.first);
+        let rates = self.rates.iter().flat_map(|(formula, _)| formula.slots());
+        let mut slots: Vec<usize> = own.chain(rates).collect();
+        slots.sort_unstable();
+        slots.dedup();
+        slots
+    }
+}

@@ -1,0 +1,138 @@
+//! Derivatives in formulas of poses: each becomes a slot behind those of the pose, with the formula and the rate that it stands
+//! for.
+
+use super::super::formula::node::{DerivativeNode, FormulaNode, NodeKind};
+use super::outputs::{ExtraSlot, Scope};
+use crate::diag::{Diagnostic, Span};
+use crate::model::dimension::Dimension;
+use crate::model::expression::Expression;
+use crate::model::rate::{Per, Rate, RatedFormula};
+
+/// Names of the time by which rates are taken, and of that on an axis.
+pub const TIME: [&str; 2] = ["time", "t"];
+
+/// Rates that formulas hold, with what they measure.
+#[derive(Default)]
+pub struct FoundRates {
+    /// Formulas and which of their rates.
+    pub list: Vec<(Expression, Rate)>,
+    extra: Vec<ExtraSlot>,
+}
+
+impl Scope<'_> {
+    /// A formula that may hold derivatives, and what it measures.
+    pub fn compile_rated(
+        &self,
+        node: &FormulaNode,
+    ) -> Result<(RatedFormula, Dimension), Diagnostic> {
+        let mut found = FoundRates::default();
+        let (expression, dimension) = self.compile_beside(node, &mut found)?;
+        let formula = RatedFormula {
+            expression,
+            first: self.slot_count(),
+            rates: found.list,
+        };
+        Ok((formula, dimension))
+    }
+
+    /// The same of one of several formulas that share their rates.
+    pub fn compile_beside(
+        &self,
+        node: &FormulaNode,
+        found: &mut FoundRates,
+    ) -> Result<(Expression, Dimension), Diagnostic> {
+        let mut node = node.clone();
+        self.take_rates(&mut node, found)?;
+        self.compile_with(&node, &found.extra)
+    }
+
+    /// What a derivative is made of: the formula, which of its rates, and what the formula measures.
+    pub fn rate(
+        &self,
+        parts: &DerivativeNode,
+    ) -> Result<(Expression, Rate, Dimension), Diagnostic> {
+        let (formula, dimension) = self.compile(&parts.of)?;
+        if formula.slots().iter().any(|slot| self.is_rated(*slot)) {
+            let message = "what is derived here holds a derivative itself";
+            return Err(Diagnostic::error(message)
+                .at(parts.of.span.clone())
+                .hint("a derivative of higher order is written `d(quantity, input, order)`"));
+        }
+        let rate = Rate {
+            per: self.per(&parts.by, &parts.by_span)?,
+            order: parts.order,
+        };
+        Ok((formula, rate, dimension))
+    }
+
+    /// What a rate is taken by measures.
+    pub fn dimension_of_per(&self, per: Per) -> Dimension {
+        match per {
+            Per::Time => Dimension::TIME,
+            Per::Input(k) => Dimension::of(self.names.inputs[k].kind),
+        }
+    }
+
+    /// Puts the name of a slot in the place of every derivative.
+    fn take_rates(&self, node: &mut FormulaNode, found: &mut FoundRates) -> Result<(), Diagnostic> {
+        match &mut node.kind {
+            NodeKind::Number(_) | NodeKind::Radians(_) | NodeKind::Name(_) => {}
+            NodeKind::Negate(inner) | NodeKind::Angle(inner) => self.take_rates(inner, found)?,
+            NodeKind::Binary(_, a, b) => {
+                self.take_rates(a, found)?;
+                self.take_rates(b, found)?;
+            }
+            NodeKind::Call(_, args) => {
+                for arg in args {
+                    self.take_rates(arg, found)?;
+                }
+            }
+            NodeKind::Derivative(parts) => {
+                let (formula, rate, whole) = self.rate(parts)?;
+                let below = self.dimension_of_per(rate.per) * rate.order as i32;
+                // No name of a scene has a parenthesis.
+                let name = format!("d({})", found.list.len());
+                found.extra.push(ExtraSlot {
+                    name: name.clone(),
+                    slot: self.slot_count() + found.list.len(),
+                    dimension: whole - below,
+                });
+                found.list.push((formula, rate));
+                node.kind = NodeKind::Name(name);
+            }
+        }
+        Ok(())
+    }
+
+    /// What a derivative is taken by.
+    fn per(&self, name: &str, span: &Span) -> Result<Per, Diagnostic> {
+        let inputs = &self.names.inputs;
+        if let Some(index) = inputs.iter().position(|c| c.name == name) {
+            return Ok(Per::Input(index));
+        }
+        if TIME.contains(&name) {
+            return Ok(Per::Time);
+        }
+        let names = inputs.iter().map(|c| c.name.as_str());
+        Err(Diagnostic::error(format!("`{name}` is not an input"))
+            .at(span.clone())
+            .label("derivatives are taken by an input, or by `t`")
+            .suggest(name, names))
+    }
+}
+
+/// The first derivative of a formula that `wanted` picks.
+pub fn find_derivative<'n>(
+    node: &'n FormulaNode,
+    wanted: &dyn Fn(&DerivativeNode) -> bool,
+) -> Option<&'n FormulaNode> {
+    match &node.kind {
+        NodeKind::Number(_) | NodeKind::Radians(_) | NodeKind::Name(_) => None,
+        NodeKind::Negate(inner) | NodeKind::Angle(inner) => find_derivative(inner, wanted),
+        NodeKind::Binary(_, a, b) => {
+            find_derivative(a, wanted).or_else(|| find_derivative(b, wanted))
+        }
+        NodeKind::Call(_, args) => args.iter().find_map(|arg| find_derivative(arg, wanted)),
+        NodeKind::Derivative(parts) => wanted(parts).then_some(node),
+    }
+}
