@@ -79,7 +79,7 @@ fn folders_that_are_something_else_are_refused() {
         .exits(2)
         .says(&["is not a study"]);
     space.write("plan.json", "{}");
-    run(&space, "study run .").exits(2).says(&["is no plan"]);
+    run(&space, "study run .").exits(2).says(&["is not a plan"]);
     let line = format!("{sweep} --out nowhere/rows.csv");
     run(&space, &line).exits(2).says(&["nowhere"]);
 }

@@ -285,7 +285,7 @@ fn meshes_made_to_be_expensive_are_refused_or_drawn() {
     );
     w.write("s.toml", scene);
     for (what, mesh, says) in [
-        ("4e9 announced", stl(u32::MAX, &[ONE]), "cut short"),
+        ("4e9 announced", stl(u32::MAX, &[ONE]), "truncated"),
         (
             "not a number",
             stl(2, &[ONE, [f32::NAN; 9]]),
