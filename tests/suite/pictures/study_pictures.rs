@@ -135,7 +135,7 @@ fn clouds_of_paths_are_drawn_and_do_not_depend_on_threads() {
         "c.svg",
     ])
     .exits(2)
-    .says(&["the scene traces none"]);
+    .says(&["but the scene has none"]);
     w.run(&[
         "tolerance",
         "crank.toml",

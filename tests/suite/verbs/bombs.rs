@@ -510,9 +510,9 @@ fn pipes_are_not_waited_for() {
             &["solve", "s.toml", "--inputs", "table.csv", "--out", "-"],
             "nothing was written",
         ),
-        (&["diff", "a.png", "a.png"], "no regular file"),
-        (&["encode", "a.png", "--out", "o.gif"], "no regular file"),
-        (&["check", "m.toml"], "no regular file"),
+        (&["diff", "a.png", "a.png"], "not a regular file"),
+        (&["encode", "a.png", "--out", "o.gif"], "not a regular file"),
+        (&["check", "m.toml"], "not a regular file"),
     ] {
         bounded(&w, arguments[0], arguments).exits(2).says(&[says]);
     }

@@ -391,11 +391,11 @@ fn meshes_stand_below_the_scene_or_where_they_are_allowed() {
     w.write("in/s.toml", with_mesh("parts"));
     w.run(&["check", "in/s.toml"])
         .exits(2)
-        .says(&["no regular file"]);
+        .says(&["not a regular file"]);
     w.write("in/s.toml", with_mesh("/dev/zero"));
     w.run(&["check", "in/s.toml", "--allow-files", "/dev"])
         .exits(2)
-        .says(&["no regular file"]);
+        .says(&["not a regular file"]);
 }
 
 /// A list of pictures names scenes as a scene names meshes: none elsewhere is read, nor shown in a message.
