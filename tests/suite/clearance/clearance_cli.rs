@@ -148,15 +148,14 @@ fn reports_of_clearances_need_a_section() {
     w.run(&["check", "plain.toml"]).exits(0);
     for option in ["--csv", "--plot", "--render"] {
         let run = w.run(&["check", "plain.toml", option, "x.png"]);
-        run.exits(2)
-            .says(&["the scene asks for none", "[clearance]"]);
+        run.exits(2).says(&["the scene has no section [clearance]"]);
     }
     w.run(&["check", "plain.toml", "--junit", "x.xml"]).exits(0);
     w.run(&["check", "plain.toml", "--tolerance", "0"]).exits(2);
     w.write("bad.toml", swing(30.0));
     w.run(&["check", "bad.toml", "--render", "x.gif"])
         .exits(2)
-        .says(&["no .png file"]);
+        .says(&["not a .png file"]);
 }
 
 /// A closed ball of triangles in the text form, or one with a hole, or one inside out.

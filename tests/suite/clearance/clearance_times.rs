@@ -132,7 +132,7 @@ fn every_report_says_when() {
     assert!(first["seen"] == true && first["to"] == 2.0, "{times}");
     assert!(read("r.xml").contains(words));
     let plot = read("r.svg");
-    for words in ["floor / ball", "a depth has no bound", "0.5 is asked"] {
+    for words in ["floor / ball", "a depth has no bound", "the minimum is 0.5"] {
         assert!(plot.contains(words), "{words}: {plot}");
     }
     let matrix = read("m.svg");

@@ -618,7 +618,7 @@ fn snapshots_are_not_written_in_ci_nor_without_a_list() {
     w.write("snapshots.toml", LIST);
     let mut command = w.command(&["snapshot", "--update", "."]);
     let run = finish(command.env("CI", "true").spawn().unwrap());
-    run.exits(2).says(&["--update is refused where CI is set"]);
+    run.exits(2).says(&["--update is refused if CI is set"]);
     assert!(!w.path("start.png").exists());
     for (from, to, says) in [
         (

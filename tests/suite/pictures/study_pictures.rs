@@ -135,7 +135,7 @@ fn clouds_of_paths_are_drawn_and_do_not_depend_on_threads() {
         "c.svg",
     ])
     .exits(2)
-    .says(&["the scene traces none"]);
+    .says(&["but the scene has none"]);
     w.run(&[
         "tolerance",
         "crank.toml",
@@ -145,7 +145,7 @@ fn clouds_of_paths_are_drawn_and_do_not_depend_on_threads() {
         "c.gif",
     ])
     .exits(2)
-    .says(&["no .png file"]);
+    .says(&["not a .png file"]);
 }
 
 #[test]

@@ -463,7 +463,7 @@ fn what_no_tolerance_can_follow_is_refused() {
                 "--vary",
                 "r,w",
             ][..],
-            "stands in the direction or the scale of a solid",
+            "determines the direction or the scale of a solid",
         ),
         (
             &["check", "bare.toml", "--made-within", "0.1", "--vary", "r"],

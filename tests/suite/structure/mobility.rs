@@ -731,7 +731,7 @@ fn odd_loops_are_solved_or_refused_and_always_said() {
             0,
             &[
                 "warning: loop `B` is the same as loop `A`",
-                "take one of them out",
+                "remove one of them",
             ],
         ),
         (

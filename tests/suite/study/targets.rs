@@ -365,7 +365,7 @@ fn mistakes_of_a_table_are_told_with_their_places() {
         ("P.x,P.x\n1,2\n", &["t.csv:1:5: there are two columns"]),
         (
             "time,phi,P.x\n0,0,1\n",
-            &["t.csv:1:6: inputs and times both say"],
+            &["t.csv:1:6: both inputs and times say"],
         ),
         ("P.x,P.y\n1,abc\n", &["t.csv:2:3: `abc` is not a number"]),
         ("P.x,P.y\n1,nan\n", &["t.csv:2:3: `nan` is not a number"]),

@@ -7,10 +7,10 @@ use crate::program::Workspace;
 fn designs_that_cannot_be_meant_are_refused() {
     let space = Workspace::new();
     for (design, why) in [
-        ("grid:crank=50..20:5", "backwards"),
-        ("grid:crank=20..50", "how many"),
-        ("grid:crank=nan..50:5", "no finite number"),
-        ("grid:crank=0..1e400:5", "no finite number"),
+        ("grid:crank=50..20:5", "reversed"),
+        ("grid:crank=20..50", "number of values"),
+        ("grid:crank=nan..50:5", "not a finite number"),
+        ("grid:crank=0..1e400:5", "not a finite number"),
         ("lhs:1e19,crank=1..2", "whole number"),
         ("lhs:10000000000000000000,crank=1..2", "whole number"),
         ("sobol:0,crank=1..2", "whole number"),
@@ -51,7 +51,7 @@ fn tables_that_cannot_be_meant_are_refused() {
         ("crank,ex\n30\n", "1 cells under 2 names"),
         ("crank,crank\n30,31\n", "two columns"),
         ("crank,\n30,31\n", "no name"),
-        ("crank\nlong\n", "a cell is a number"),
+        ("crank\nlong\n", "a cell must be a number"),
         ("crank\n", "no rows"),
         ("", "no rows"),
     ] {
@@ -74,12 +74,12 @@ fn folders_that_are_something_else_are_refused() {
     let sweep = "sweep four-bar --design grid:crank=30..35:3 --outputs K.x";
     std::fs::create_dir(space.path("rows.csv.parts")).unwrap();
     let line = format!("{sweep} --out rows.csv --resume");
-    run(&space, &line).exits(2).says(&["a run has left"]);
+    run(&space, &line).exits(2).says(&["left from a run"]);
     run(&space, "study run rows.csv.parts")
         .exits(2)
         .says(&["is not a study"]);
     space.write("plan.json", "{}");
-    run(&space, "study run .").exits(2).says(&["is no plan"]);
+    run(&space, "study run .").exits(2).says(&["is not a plan"]);
     let line = format!("{sweep} --out nowhere/rows.csv");
     run(&space, &line).exits(2).says(&["nowhere"]);
 }

@@ -286,7 +286,7 @@ fn meshes_made_to_be_expensive_are_refused_or_drawn() {
     );
     w.write("s.toml", scene);
     for (what, mesh, says) in [
-        ("4e9 announced", stl(u32::MAX, &[ONE]), "cut short"),
+        ("4e9 announced", stl(u32::MAX, &[ONE]), "truncated"),
         (
             "not a number",
             stl(2, &[ONE, [f32::NAN; 9]]),
@@ -511,9 +511,9 @@ fn pipes_are_not_waited_for() {
             &["solve", "s.toml", "--inputs", "table.csv", "--out", "-"],
             "nothing was written",
         ),
-        (&["diff", "a.png", "a.png"], "no regular file"),
-        (&["encode", "a.png", "--out", "o.gif"], "no regular file"),
-        (&["check", "m.toml"], "no regular file"),
+        (&["diff", "a.png", "a.png"], "not a regular file"),
+        (&["encode", "a.png", "--out", "o.gif"], "not a regular file"),
+        (&["check", "m.toml"], "not a regular file"),
     ] {
         bounded(&w, arguments[0], arguments).exits(2).says(&[says]);
     }

@@ -391,11 +391,11 @@ fn meshes_stand_below_the_scene_or_where_they_are_allowed() {
     w.write("in/s.toml", with_mesh("parts"));
     w.run(&["check", "in/s.toml"])
         .exits(2)
-        .says(&["no regular file"]);
+        .says(&["not a regular file"]);
     w.write("in/s.toml", with_mesh("/dev/zero"));
     w.run(&["check", "in/s.toml", "--allow-files", "/dev"])
         .exits(2)
-        .says(&["no regular file"]);
+        .says(&["not a regular file"]);
 }
 
 /// A list of pictures names scenes as a scene names meshes: none elsewhere is read, nor shown in a message.
@@ -593,10 +593,10 @@ fn tables_of_spreadsheets_are_read() {
     assert_eq!(run.exits(0).text().lines().count(), 3);
     for (table, says) in [
         ("phi;phi\n1;2\n", "two columns `phi`"),
-        ("time,phi\n1,0\n1,0.1\n", "times ascend"),
-        ("time,phi\n-1,0\n", "times ascend"),
+        ("time,phi\n1,0\n1,0.1\n", "times start at 0 or later"),
+        ("time,phi\n-1,0\n", "times start at 0 or later"),
         ("phi,x\n0,25,1\n", "decimal commas need `;`"),
-        ("phi;x\n0,25;1\n0.5;1\n", "decimal sign"),
+        ("phi;x\n0,25;1\n0.5;1\n", "decimal separator"),
         ("phi\npi/2\n", "no formula"),
         ("phi\r0.25\r0.5\r", "carriage returns"),
     ] {
