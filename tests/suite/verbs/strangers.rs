@@ -597,7 +597,7 @@ fn tables_of_spreadsheets_are_read() {
         ("time,phi\n-1,0\n", "times start at 0 or later"),
         ("phi,x\n0,25,1\n", "decimal commas need `;`"),
         ("phi;x\n0,25;1\n0.5;1\n", "decimal separator"),
-        ("phi\npi/2\n", "no formula"),
+        ("phi\npi/2\n", "without formula"),
         ("phi\r0.25\r0.5\r", "carriage returns"),
     ] {
         w.write("t.csv", table);
