@@ -4,7 +4,7 @@ use super::super::super::bars::{END_HINT, EndFile};
 use super::super::super::file::SceneFile;
 use super::super::super::formula::chain::{Item, parse_chain};
 use super::super::super::formula::expansion::Factor;
-use super::super::super::formula::expression::{FormulaNode, NodeKind};
+use super::super::super::formula::node::{FormulaNode, NodeKind};
 use super::super::super::values::FormulaText;
 use super::super::parsing::{NamedChains, note_diagnostic, parsed_expression};
 use crate::diag::{Diagnostic, Diagnostics, Span};

@@ -1,7 +1,7 @@
 //! Points that rotations carry around: their coordinates as unknowns, and what says where they are.
 
 use super::super::super::formula::expansion::Factor;
-use super::super::super::formula::expression::{FormulaNode, NodeKind};
+use super::super::super::formula::node::{FormulaNode, NodeKind};
 use super::ends::shift_along;
 use crate::diag::Span;
 use crate::model::actuation::Actuation;
