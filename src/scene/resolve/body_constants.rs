@@ -3,6 +3,7 @@
 use super::super::formula::compile::constant_node;
 use super::names::Names;
 use super::parsing::parsed_expression;
+use super::range::computable;
 use crate::diag::{Diagnostic, Diagnostics, shown_number};
 use crate::scene::values::FormulaText;
 use glam::DVec3;
@@ -17,7 +18,8 @@ impl BodyConstants<'_> {
     /// The value of a formula of parameters.
     pub fn value(&self, text: &FormulaText, diagnostics: &mut Diagnostics) -> Option<f64> {
         let node = parsed_expression(text, diagnostics)?;
-        match constant_node(&node, &|n, s| self.names.constant(n, s)) {
+        let value = constant_node(&node, &|n, s| self.names.constant(n, s));
+        match value.and_then(|value| computable(value, |v| *v, &text.span)) {
             Ok(value) => Some(value),
             Err(diagnostic) => {
                 diagnostics.push(diagnostic);

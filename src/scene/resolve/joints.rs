@@ -8,7 +8,8 @@ use super::kinds_of_names::kind_of_motion;
 use super::names::Names;
 use super::parsed::Parsed;
 use super::parsing::Named;
-use crate::diag::{Diagnostic, Diagnostics, Span, shown_number};
+use super::range::computable;
+use crate::diag::{Diagnostic, Diagnostics, Span};
 use crate::math::Pose;
 use crate::model::chain::{Argument, ArgumentValue, Chain, ChainStep, ElementaryMotion};
 use crate::model::expression::{Affine, Expression, Function};
@@ -18,10 +19,6 @@ use crate::numbers::constant::Constant;
 use glam::DVec3;
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
-
-/// Largest fixed length or angle of a chain. The solver squares lengths and multiplies the squares; a fourth power
-/// must stay finite, with room for sums.
-const LARGEST: f64 = 1e60;
 
 /// Most motions of a chain that are not fixed: each of them makes a link, whose place is a chain of all before it, so that
 /// time and memory grow with the square of their number.
@@ -275,14 +272,7 @@ impl<'a> FoldedJoints<'a> {
         let expression = self.expression(motion, node)?;
         match expression.affine() {
             Some(affine) if affine.terms.is_empty() => {
-                let value = affine.constant;
-                if value.number().abs() > LARGEST {
-                    let value = shown_number(value.number());
-                    let message = format!("{value} is beyond what can be computed with");
-                    return Err(Diagnostic::error(message)
-                        .at(node.span.clone())
-                        .hint(format!("at most {LARGEST:e}: choose a larger unit")));
-                }
+                let value = computable(affine.constant, |c| c.number(), &node.span)?;
                 Ok(ChainStep::Fixed(match motion {
                     ElementaryMotion::Translation => FixedPose::translation(axis, value),
                     ElementaryMotion::Rotation => FixedPose::rotation(axis, value),

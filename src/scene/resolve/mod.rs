@@ -22,6 +22,7 @@ mod outputs;
 mod parsed;
 mod parsing;
 mod plots;
+mod range;
 mod rates;
 mod scales;
 mod solids;
