@@ -329,9 +329,7 @@ mod fault;
 mod instants;
 pub mod jumps;
 pub mod pieces;
-mod quadratic;
-
-pub use quadratic::Quadratic;
+pub mod quadratic;
 
 #[cfg(test)]
 mod tests;

@@ -1,6 +1,7 @@
 //! An equation of second degree laid out for evaluation: the affine forms that it multiplies as short sums of plain numbers.
 
-use crate::model::expression::{Affine, Quadratic};
+use crate::model::expression::Affine;
+use crate::model::expression::quadratic::Quadratic;
 use crate::numbers::scalar::Ring;
 
 /// Highest order of the coefficients that products are asked for.
@@ -84,9 +85,11 @@ impl PlannedQuadratic {
         values.clear();
         values.extend(self.factors.iter().map(|f| f.value(coordinates)));
         let products = self.products.iter();
-        products.fold(self.rest.value(coordinates), |sum, (factor, [a, b])| {
+        let sum = products.fold(S::number(0.0), |sum, (factor, [a, b])| {
             sum + (values[*a] * values[*b]).scale(*factor)
-        })
+        });
+        // What is constant comes last, as in the formula: where the rest cancels it, it does so to zero.
+        sum + self.rest.value(coordinates)
     }
 
     /// Parts of the derivatives, by the place of a coordinate, where its factors have these `values`; a coordinate may have

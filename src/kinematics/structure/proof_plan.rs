@@ -7,7 +7,8 @@
 use super::block::{Block, Structure};
 use super::proof_chain::LoopPlan;
 use crate::model::chain::{Argument, ChainStep, ElementaryMotion};
-use crate::model::expression::{Affine, Quadratic};
+use crate::model::expression::Affine;
+use crate::model::expression::quadratic::Quadratic;
 use crate::model::mechanism::{Closes, Mechanism};
 use std::ops::Range;
 

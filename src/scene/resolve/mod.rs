@@ -43,6 +43,7 @@ use crate::model::joints::Joints;
 use crate::model::measure::Measures;
 use crate::model::mechanism::{AngleUnit, Kind, Mechanism};
 use crate::numbers::constant::Constant;
+use bars::equations::resolve_bars;
 use contacts::closure::Contacts;
 use meshes::MeshFiles;
 use names::Names;
@@ -71,9 +72,8 @@ pub fn resolve_scene(
     let mut joints = joints::FoldedJoints::new(&names, &angle_unit);
     let mut loops = joints.loops(&parsed, diagnostics);
     let mut equations = joints.equations(&parsed, diagnostics);
-    let mut bars = parsed
-        .bars
-        .resolve((&names, &angle_unit), &mut joints, diagnostics);
+    let named = (&names, &angle_unit);
+    let mut bars = resolve_bars(&parsed.bars, named, &mut joints, diagnostics);
     loops.append(&mut bars.loops);
     equations.append(&mut bars.equations);
     let mut contacts = Contacts::resolve(&parsed.contacts, &names, &mut joints, diagnostics);

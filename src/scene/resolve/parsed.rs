@@ -5,7 +5,7 @@ use super::super::formula::chain::{Item, parse_chain};
 use super::super::formula::expansion::Factor;
 use super::super::formula::node::FormulaNode;
 use super::super::measures::MeasureFile;
-use super::bars::ParsedBars;
+use super::bars::parsed::ParsedBars;
 use super::contacts::chains::{ContactItems, ParsedContact};
 use super::parsing::{Named, NamedChains, note_diagnostic, parsed_expression};
 use crate::diag::Diagnostics;

@@ -1,7 +1,8 @@
 //! An equation of second degree at a pose: its value with 31 digits, and its derivatives by the forms that it is made of.
 
 use super::chain::affine_value;
-use crate::model::expression::{Affine, Quadratic};
+use crate::model::expression::Affine;
+use crate::model::expression::quadratic::Quadratic;
 use crate::numbers::double_double::DoubleDouble;
 use crate::numbers::rounding::{DECIMAL, LONG_OPERATION, U};
 

@@ -3,7 +3,8 @@
 use super::path::TubePath;
 use super::taylor_model::TaylorModel;
 use crate::model::chain::Argument;
-use crate::model::expression::{Affine, Expression, Quadratic};
+use crate::model::expression::quadratic::Quadratic;
+use crate::model::expression::{Affine, Expression};
 use crate::model::mechanism::Mechanism;
 use crate::numbers::constant::Constant;
 use crate::numbers::interval::Interval;

@@ -1,0 +1,160 @@
+//! Parsed bars as equations, and pins as loops.
+
+use super::super::super::formula::compile::{compile_formula, constant_node};
+use super::super::super::formula::expansion::Factor;
+use super::super::super::formula::kinds::to_radians;
+use super::super::super::formula::node::{FormulaNode, NodeKind};
+use super::super::joints::FoldedJoints;
+use super::super::names::{Meaning, Names};
+use super::parsed::{ParsedBar, ParsedBars, ParsedEnd};
+use crate::diag::{Diagnostic, Diagnostics, Span, shown_number};
+use crate::model::chain::ElementaryMotion;
+use crate::model::mechanism::{AngleUnit, Bar, BarEnd, Closes, Equation, Kind, Loop};
+use crate::numbers::constant::Constant;
+
+/// What bars add to the mechanism.
+#[derive(Default)]
+pub struct ResolvedBars {
+    pub loops: Vec<Loop>,
+    pub equations: Vec<Equation>,
+    pub list: Vec<Bar>,
+}
+
+/// Equations and loops of the bars that are sound.
+pub fn resolve_bars(
+    parsed: &ParsedBars,
+    (names, unit): (&Names, &AngleUnit),
+    joints: &mut FoldedJoints,
+    diagnostics: &mut Diagnostics,
+) -> ResolvedBars {
+    let mut resolved = ResolvedBars::default();
+    for pin in &parsed.pins {
+        let closed = joints.closing(&pin.name, &pin.closing, Closes::Point, diagnostics);
+        let base = joints.chain(&pin.base, diagnostics);
+        if let (Some(closed), Some(base)) = (closed, base) {
+            resolved.loops.push(Loop { base, ..closed });
+        }
+    }
+    for bar in &parsed.list {
+        if let Some((equation, bar)) = resolve_bar(bar, (names, unit), joints, diagnostics) {
+            resolved.equations.push(equation);
+            resolved.list.push(bar);
+        }
+    }
+    resolved
+}
+
+/// The equation of a sound bar.
+fn resolve_bar(
+    bar: &ParsedBar,
+    (names, unit): (&Names, &AngleUnit),
+    joints: &mut FoldedJoints,
+    diagnostics: &mut Diagnostics,
+) -> Option<(Equation, Bar)> {
+    let name = &bar.name.value;
+    let mut refuse = |message: String, span: &Span, hint: &str| {
+        let message = Diagnostic::error(message).at(span.clone());
+        diagnostics.push(message.hint(hint));
+    };
+    let [from, to] = &bar.ends;
+    let is_fixed = |node: &FormulaNode| {
+        let mut fixed = true;
+        node.visit_names(&mut |name, _| {
+            fixed &= matches!(names.meaning(name), Some(Meaning::Parameter(_)));
+        });
+        fixed
+    };
+    let stands = |end: &ParsedEnd| {
+        end.carrier.iter().all(|factor| match factor {
+            Factor::Elementary(_, _, node) => is_fixed(node),
+            Factor::Direction(..) => true,
+        })
+    };
+    let pairs = from.place.iter().zip(&to.place);
+    let mut is_sound = true;
+    if pairs.into_iter().all(|(a, b)| a.is_alike(b)) {
+        let message = format!("bar `{name}` has the same point at both ends");
+        refuse(message, &to.span, "a bar connects two points");
+        is_sound = false;
+    } else if stands(from) && stands(to) {
+        let message = format!("bar `{name}` is between two fixed points");
+        let hint = "it holds nothing that moves: leave it out, or let an end be an unknown point or a point of a link";
+        refuse(message, &bar.name.span, hint);
+        is_sound = false;
+    }
+    let mut length = None;
+    let length_node = to_radians(bar.length.clone(), Some(Kind::Length), unit.radians, &|n| {
+        names.is_angle(n)
+    });
+    if is_fixed(&length_node) {
+        match constant_node(&length_node, &|n, s| names.constant(n, s)) {
+            Ok(value) if value > 0.0 => length = Some(value),
+            Ok(value) => {
+                let value = shown_number(value);
+                let message = format!("the length of bar `{name}` must be positive, found {value}");
+                let hint = "a bar is as long as its points are apart; points that are one are written as one";
+                refuse(message, &bar.length.span, hint);
+                is_sound = false;
+            }
+            Err(diagnostic) => {
+                diagnostics.push(diagnostic);
+                is_sound = false;
+            }
+        }
+    }
+    let mut end = |end: &ParsedEnd| {
+        let motion = ElementaryMotion::Translation;
+        let coordinates = end.place.iter().cloned().enumerate();
+        let coordinates: Vec<Factor> = coordinates
+            .map(|(axis, node)| Factor::Elementary(motion, axis, node))
+            .collect();
+        Some(BarEnd {
+            point: joints.chain(&coordinates, diagnostics)?,
+            carrier: joints.chain(&end.carrier, diagnostics)?,
+        })
+    };
+    let ends = [end(from)?, end(to)?];
+    if !is_sound {
+        return None;
+    }
+    let gap = to_radians(bar_gap(bar, length), None, unit.radians, &|n| {
+        names.is_angle(n)
+    });
+    match compile_formula(&gap, &|n, s| names.coordinate(n, s)) {
+        Ok(expression) => {
+            let equation = Equation {
+                name: name.clone(),
+                expression,
+                length_exponent: if length.is_some() { 1.0 } else { 2.0 },
+                magnitude: 1.0,
+            };
+            let name = name.clone();
+            Some((equation, Bar { name, ends, length }))
+        }
+        Err(diagnostic) => {
+            diagnostics.push(diagnostic);
+            None
+        }
+    }
+}
+
+/// (d² - L²) / 2 L: by how much the points are too far apart, to the first order. A length that changes divides nothing.
+fn bar_gap(bar: &ParsedBar, length: Option<f64>) -> FormulaNode {
+    let span = &bar.name.span;
+    let binary = |sign: char, a: FormulaNode, b: FormulaNode| FormulaNode {
+        kind: NodeKind::Binary(sign, Box::new(a), Box::new(b)),
+        span: span.clone(),
+    };
+    let number = |value: f64| FormulaNode::number(Constant::exact(value), span.clone());
+    let square = |node: FormulaNode| binary('^', node, number(2.0));
+    let [from, to] = &bar.ends;
+    let pairs = from.place.iter().zip(&to.place);
+    let squares = pairs.map(|(a, b)| square(binary('-', b.clone(), a.clone())));
+    let sum = squares.reduce(|sum, next| binary('+', sum, next));
+    let sum = sum.unwrap_or_else(|| number(0.0));
+    let gap = binary('-', sum, square(bar.length.clone()));
+    match length {
+        Some(length) => binary('*', gap, number(0.5 / length)),
+        None => gap,
+    }
+}
