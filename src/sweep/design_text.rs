@@ -165,7 +165,7 @@ mod tests {
     #[test]
     fn what_cannot_be_meant_is_refused() {
         for (text, why) in [
-            ("grid:a=10..0:11", "backwards"),
+            ("grid:a=10..0:11", "reversed"),
             ("grid:a=0..10", "how many"),
             ("grid:a=0..nan:3", "no finite number"),
             ("grid:a=0..inf:3", "no finite number"),

@@ -201,7 +201,7 @@ mod tests {
     fn what_is_no_table_is_refused() {
         for (bytes, why) in [
             (&b"a,b\n\"1,2\n"[..], "not closed"),
-            (b"\"a\"b,c\n", "behind the quotes"),
+            (b"\"a\"b,c\n", "after the closing quote"),
             (b"\xff\xfea\0", "UTF-16"),
             (b"a\xe4,b\n", "not UTF-8"),
             (&vec![0; 3 << 20], "longer"),

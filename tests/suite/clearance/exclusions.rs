@@ -117,7 +117,7 @@ fn wrong_entries_are_refused() {
     for (entry, words) in [
         (", shapes = [[3, 1]]", "`block` has no shape 3"),
         (", shapes = [[1, 0]]", "`slider one` has no shape 0"),
-        (", shapes = []", "names none"),
+        (", shapes = []", "`shapes` is empty"),
         (", down_to = 1", "`down_to` must not be positive"),
     ] {
         w.write("bad.toml", scene(10.0, &ignore(entry)));

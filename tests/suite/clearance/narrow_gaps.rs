@@ -155,9 +155,10 @@ fn the_branch_taken_from_a_change_point_is_said() {
 #[test]
 fn the_bound_of_plain_numbers_holds_in_their_own_unit() {
     // Two circles and a diagonal, as equations only: nothing says what a unit is.
-    for scale in [1e-9, 1.0, 3e8] {
+    for scale in [f64::exp2(-30.0), 1.0, f64::exp2(28.0)] {
+        // All digits of a power of two: the decimal number is the binary one.
         let mechanism = written(&format!(
-            "duration = 4\n[parameters]\nk = {scale}\n[inputs]\nx = \"60*k + 30*k*t/4\"\n[equations]\n\
+            "duration = 4\n[parameters]\nk = {scale:.30e}\n[inputs]\nx = \"60*k + 30*k*t/4\"\n[equations]\n\
              c = \"x^2 + y^2 - (100*k)^2\"\nd = \"z - 2*y\"\n[guess]\ny = \"100*k\"\nz = \"80*k\"\n"
         ));
         let trajectory = solve(&mechanism, &even_times(&mechanism, 81)).unwrap();

@@ -360,7 +360,8 @@ fn judge(number: u64, folder: &Path, tally: &mut Tally) {
         return;
     }
     // What the program has found counts where it is a distance of the reference, too; at a jump either side does.
-    let near = [-1e-9, 0.0, 1e-9].map(|off| case.at(time + off, Fine::Yes));
+    let near = [-1e-9, 0.0, 1e-9].map(|off| (time + off).clamp(0.0, DURATION));
+    let near = near.map(|t| case.at(t, Fine::Yes));
     let truth = if distance > 0.0 {
         near.into_iter().fold(truth, f64::min)
     } else {

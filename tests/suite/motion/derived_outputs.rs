@@ -214,13 +214,15 @@ fn studies_say_which_derivatives_they_cannot_derive() {
 #[test]
 fn enclosures_say_nothing_of_derivatives() {
     let w = Workspace::new();
-    let text = SQUARE.replace("x^2 - p", "x^2 - k*p");
+    let text = SQUARE
+        .replace("k = 2\n", "k = 2\nc = 2\n")
+        .replace("x^2 - p", "x^2 - c*p");
     w.write("s.toml", format!("{text}[outputs]\nrate = \"d(x, t)\"\n"));
     let run = w.run(&[
         "enclose",
         "s.toml",
         "--param",
-        "k=2+-0.01",
+        "c=2+-0.01",
         "--samples",
         "3",
     ]);

@@ -574,7 +574,7 @@ fn the_program_writes_bands_and_says_what_it_refuses() {
     assert_eq!(document["samples"].as_array().unwrap().len(), 5);
     for (arguments, part) in [
         (&["--param", "r=41..40"][..], "above the upper end"),
-        (&["--param", "r=40+-x"], "no tolerance"),
+        (&["--param", "r=40+-x"], "is not a tolerance"),
         (&["--vary", "r"], "there is no tolerance for r"),
         (&["--vary", "q", "--tolerance", "1"], "no such parameter"),
         (

@@ -152,6 +152,6 @@ fn what_cannot_be_meant_of_pieces_is_refused() {
     run(&space, "study run study").exits(0);
     for asked in ["--out rows.csv", "--out rows.jsonl", "--plot map.svg"] {
         let merge = run(&space, &format!("study merge study {asked}")).exits(2);
-        merge.says(&["only sums are kept"]);
+        merge.says(&["keeps only sums"]);
     }
 }
