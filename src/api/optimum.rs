@@ -139,7 +139,7 @@ impl Optimum {
     /// # use mechanim::{Scene, study::OptimiseOptions};
     /// let study = Scene::builtin("gearshift-optimised")?.study();
     /// let best = study.optimise(&OptimiseOptions { iterations: 1, ..Default::default() })?;
-    /// assert!(best.text().contains("Followed again"));
+    /// assert!(best.text().contains("Solved again"));
     /// # Ok::<(), mechanim::Error>(())
     /// ```
     pub fn text(&self) -> String {

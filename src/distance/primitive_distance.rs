@@ -178,7 +178,11 @@ fn of_disc(a: &Primitive, circle: &Circle) -> Option<CorePair> {
     let ahead = here.nearest - center;
     let (along, aside) = (ahead.dot(start), ahead.dot(side).abs());
     let turn = aside / (along + (along * along + aside * aside).sqrt());
-    let step = (2.0 * turn).min(FIRST_STEP[1]).max(FIRST_STEP[0]);
+    // Without a way along or aside there is no turn.
+    let step = match turn.is_nan() {
+        true => FIRST_STEP[1],
+        false => (2.0 * turn).clamp(FIRST_STEP[0], FIRST_STEP[1]),
+    };
     let first = spot(0.0, &here, side * (2.0 * radius));
     let best = least_near(first, step, FARTHEST, |t| {
         let (outward, along, fast) = at(t);

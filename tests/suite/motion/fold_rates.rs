@@ -171,7 +171,7 @@ fn loops() -> Vec<Case> {
                 // A semicircle: y = sqrt(s - s²/4), two derivatives of it.
                 (
                     "odd",
-                    Box::new(|k, s| semicircle(k, s)),
+                    Box::new(semicircle),
                 ),
             ],
             given: vec!["c"],

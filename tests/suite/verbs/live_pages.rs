@@ -295,7 +295,7 @@ fn mistakes_have_places_and_change_nothing() {
     for (question, part) in [
         (
             json!({ "ask": "move", "name": "L", "value": "1e" }),
-            "no number",
+            "is not a number",
         ),
         (json!({ "ask": "move", "name": "Q", "value": "1" }), "Q"),
         (json!({ "ask": "drive", "inputs": [["Q", 1]] }), "Q"),
@@ -376,7 +376,7 @@ fn without_its_engine_a_live_page_says_how_to_get_it() {
         "p.html",
     ])
     .exits(2)
-    .says(&["there is none", "none.wasm", build]);
+    .says(&["was not found", "none.wasm", build]);
     w.write("other.wasm", b"\0asm\x01\0\0\0mechanim-web 0.0.0\n");
     w.run(&[
         "report",

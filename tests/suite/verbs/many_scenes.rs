@@ -178,7 +178,7 @@ fn new_scenes_pass_and_replace_nothing() {
     let before = w.read("my four-bar.toml");
     w.run(&["new", "my four-bar.toml", "--from", "four-bar"])
         .exits(2)
-        .says(&["is there already"]);
+        .says(&["already exists"]);
     assert_eq!(w.read("my four-bar.toml"), before);
     w.run(&["new", "x", "--from", "fourbar"])
         .exits(2)
