@@ -39,7 +39,7 @@ pub struct Clearances {
     pub instead: Option<usize>,
 }
 
-/// Judges the values; `None` if the scene has no section [clearance], or no pair is judged.
+/// Judges the values; `None` if the scene has no section `[clearance]`, or no pair is judged.
 fn judge_clearances(
     study: &LoadedStudy,
     values: &[f64],
