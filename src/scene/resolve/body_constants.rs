@@ -3,7 +3,7 @@
 use super::super::formula::compile::constant_node;
 use super::names::Names;
 use super::parsing::parsed_expression;
-use super::range::computable;
+use super::range::within_range;
 use crate::diag::{Diagnostic, Diagnostics, shown_number};
 use crate::scene::values::FormulaText;
 use glam::DVec3;
@@ -19,7 +19,8 @@ impl BodyConstants<'_> {
     pub fn value(&self, text: &FormulaText, diagnostics: &mut Diagnostics) -> Option<f64> {
         let node = parsed_expression(text, diagnostics)?;
         let value = constant_node(&node, &|n, s| self.names.constant(n, s));
-        match value.and_then(|value| computable(value, |v| *v, &text.span)) {
+        let in_range = |value: f64| within_range(value, &text.span).map(|()| value);
+        match value.and_then(in_range) {
             Ok(value) => Some(value),
             Err(diagnostic) => {
                 diagnostics.push(diagnostic);

@@ -8,7 +8,7 @@ use super::kinds_of_names::kind_of_motion;
 use super::names::Names;
 use super::parsed::Parsed;
 use super::parsing::Named;
-use super::range::computable;
+use super::range::within_range;
 use crate::diag::{Diagnostic, Diagnostics, Span};
 use crate::math::Pose;
 use crate::model::chain::{Argument, ArgumentValue, Chain, ChainStep, ElementaryMotion};
@@ -272,7 +272,8 @@ impl<'a> FoldedJoints<'a> {
         let expression = self.expression(motion, node)?;
         match expression.affine() {
             Some(affine) if affine.terms.is_empty() => {
-                let value = computable(affine.constant, |c| c.number(), &node.span)?;
+                let value = affine.constant;
+                within_range(value.number(), &node.span)?;
                 Ok(ChainStep::Fixed(match motion {
                     ElementaryMotion::Translation => FixedPose::translation(axis, value),
                     ElementaryMotion::Rotation => FixedPose::rotation(axis, value),

@@ -1,6 +1,6 @@
 //! The mesh files of a scene: where they may stand, each read once, their triangles counted together.
 
-use super::range::computable;
+use super::range::LARGEST;
 use crate::geometry::stl::read_stl;
 use crate::limits::{Resource, current_limits};
 use crate::model::shape::TriangleSoup;
@@ -56,8 +56,12 @@ impl<'f> MeshFiles<'f> {
         soup.vertices.iter_mut().for_each(|v| *v *= scale);
         let farthest = soup.vertices.iter().map(|v| v.abs().max_element());
         let farthest = farthest.fold(0.0, f64::max);
-        computable(farthest, |v| *v, &(0..0))
-            .map_err(|e| format!("{} has a coordinate of {}", soup.source, e.message))?;
+        if farthest > LARGEST {
+            return Err(format!(
+                "{} has a coordinate of {farthest:e} with its `scale`: at most {LARGEST:e}",
+                soup.source
+            ));
+        }
         soup.is_surface = is_surface;
         let soup = Arc::new(soup);
         self.known.insert(key, Arc::clone(&soup));

@@ -6,19 +6,17 @@ use crate::diag::{Diagnostic, Span, shown_number};
 /// fourth power must stay finite, with room for sums.
 pub const LARGEST: f64 = 1e60;
 
-/// `value`, unless it is beyond [`LARGEST`].
+/// Refuses a number beyond [`LARGEST`].
 ///
 /// # Errors
 /// The message for the text at `span`.
-pub fn computable<T>(value: T, number: impl Fn(&T) -> f64, span: &Span) -> Result<T, Diagnostic> {
-    let size = number(&value);
-    match size.abs() > LARGEST {
-        false => Ok(value),
-        true => Err(Diagnostic::error(format!(
-            "{} is beyond what can be computed with",
-            shown_number(size)
-        ))
-        .at(span.clone())
-        .hint(format!("at most {LARGEST:e}: choose a larger unit"))),
+pub fn within_range(value: f64, span: &Span) -> Result<(), Diagnostic> {
+    if value.abs() <= LARGEST {
+        return Ok(());
     }
+    let number = shown_number(value);
+    let message = format!("{number} is beyond what can be computed with");
+    Err(Diagnostic::error(message)
+        .at(span.clone())
+        .hint(format!("at most {LARGEST:e}: choose a larger unit")))
 }

@@ -576,6 +576,23 @@ fn large_stills_are_compared_row_by_row() {
     run.exits(1);
 }
 
+/// A mesh within the range of its file, and far beyond that of a scene once it is scaled.
+#[test]
+fn meshes_scaled_beyond_the_range_are_refused() {
+    const ONE: [f32; 9] = [0.0, 0.0, 0.0, 1e17, 0.0, 0.0, 0.0, 1e17, 0.0];
+    let w = Workspace::new();
+    w.write("m.stl", stl(1, &[ONE]));
+    for (scale, code) in [("1e42", 0), ("1e50", 2), ("1e59", 2)] {
+        let mesh = format!("stl = {{ file = \"m.stl\", scale = {scale}, surface = true }}");
+        let body = format!("[[bodies]]\nname = \"m\"\nshapes = [{{ {mesh} }}]\n");
+        w.write("s.toml", format!("{STILL}{body}"));
+        let run = bounded(&w, scale, &["solve", "s.toml"]);
+        assert_eq!(run.code, code, "{scale}: {}", run.stderr);
+        let says = "at most 1e60";
+        assert_eq!(run.stderr.contains(says), code == 2, "{}", run.stderr);
+    }
+}
+
 /// A body so large that its poses are rounded by more than the mechanism's size: no bound can pass, and none is searched for long.
 /// Where squares of squares overflow, it is refused.
 #[test]
