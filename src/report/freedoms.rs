@@ -39,7 +39,7 @@ pub fn freedoms_lines(mechanism: &Mechanism, mobility: &Mobility) -> Vec<(&'stat
         mobility
             .idle
             .iter()
-            .map(|held| ("idle", passive_sentence(mechanism, held))),
+            .map(|held| ("idle", idle_sentence(mechanism, held))),
     );
     lines
 }
@@ -136,7 +136,7 @@ fn redundant_sentence(mechanism: &Mechanism, mobility: &Mobility) -> String {
 }
 
 /// An idle freedom as a sentence.
-pub fn passive_sentence(mechanism: &Mechanism, held: &Held) -> String {
+pub fn idle_sentence(mechanism: &Mechanism, held: &Held) -> String {
     let names = |slots: &[usize]| -> String {
         let names = slots.iter().map(|u| mechanism.unknowns[*u].name.as_str());
         names.collect::<Vec<_>>().join(", ")

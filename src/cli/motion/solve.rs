@@ -73,7 +73,7 @@ pub fn run_solve(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
         ));
     }
     for held in &system.structure().held {
-        let idle = freedoms::passive_sentence(&scene.mechanism, held);
+        let idle = freedoms::idle_sentence(&scene.mechanism, held);
         term.note(&format!("idle: {idle} at its start value"));
     }
     if let Some(wanted) = derivatives {

@@ -3,7 +3,7 @@
 //! A link with an idle spin (a rod between two ball joints) stands where its line does: of all its poses about that line
 //! the mean is compared.
 
-use crate::kinematics::freedoms::passive::Spins;
+use crate::kinematics::freedoms::idle::Spins;
 use crate::kinematics::freedoms::twists::Line;
 use crate::kinematics::loops::forward::body_poses;
 use crate::kinematics::structure::system::System;

@@ -2,10 +2,10 @@
 //!
 //! Everything here depends on the mechanism only, not on a pose. The order itself is found in
 //! [`ordering`](crate::kinematics::structure::ordering), the poses that decide on ranks in [`generic_rank`](super::generic_rank),
-//! passive freedoms in [`passive`].
+//! idle freedoms in [`idle`].
 
 use super::generic_rank::{EMPTY, Ranks, closed_poses, poses_around, random_poses};
-use super::passive;
+use super::idle;
 use crate::kinematics::ball::chart::chart_system;
 use crate::kinematics::loops::enclosed::is_open_throughout;
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
@@ -32,7 +32,7 @@ impl System {
     ///
     /// Ranks are taken at random poses. Loops with more equations than unknowns, those that seem to lack
     /// equations, and mechanisms that start at a singular pose are judged at closed poses on `actuation`, too: an
-    /// over-constrained loop has its true rank only there, and only there it shows whether a freedom is passive.
+    /// over-constrained loop has its true rank only there, and only there it shows whether a freedom is idle.
     ///
     /// # Errors
     /// A loop that closes nowhere, unknowns that nothing determines, more coupled equations than there is memory for.
@@ -93,7 +93,7 @@ fn analyse_system(
         closed.blocks(&incidence, incidence.groups(&[]))?,
         Vec::new(),
     );
-    let held = passive::find_passive(&system, &closed)?;
+    let held = idle::find_idle(&system, &closed)?;
     if held.is_empty() {
         return Ok(system);
     }

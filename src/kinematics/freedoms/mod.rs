@@ -5,6 +5,6 @@
 pub mod analysis;
 pub mod count;
 pub mod generic_rank;
+pub mod idle;
 pub mod mobility;
-pub mod passive;
 pub mod twists;

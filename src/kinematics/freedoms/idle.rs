@@ -23,7 +23,7 @@ use crate::numbers::series::TaylorSeries;
 const IMPURE: f64 = 0.05;
 
 /// The idle freedoms of all blocks; the mechanism is refused if some freedom is not idle.
-pub fn find_passive(system: &System, closed: &Ranks) -> Result<Vec<Held>, StructureError> {
+pub fn find_idle(system: &System, closed: &Ranks) -> Result<Vec<Held>, StructureError> {
     let mechanism = system.mechanism();
     let structure = system.structure();
     let mut list = Vec::new();
@@ -81,7 +81,7 @@ fn of_block(
         block,
         pose,
     };
-    // A passive motion turns every body about a fixed line; others are freedoms that want a drive.
+    // An idle motion turns every body about a fixed line; others are freedoms that want a drive.
     let lines: Vec<Option<AxisLines>> = null.iter().map(|r| site.with(r).idle_lines()).collect();
     let driven = lines.iter().zip(&null).filter(|(lines, _)| lines.is_none());
     refuse_freedom(mechanism, block, driven.map(|(_, rates)| rates.as_slice()))?;
