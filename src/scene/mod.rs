@@ -18,6 +18,7 @@ pub mod plots;
 pub mod reader;
 pub mod resolve;
 pub mod shapes;
+pub mod shown_dimensions;
 pub mod source;
 pub mod studies;
 pub mod template;
