@@ -1,7 +1,7 @@
 //! Links, their solids and their traced points.
 
 use super::super::file::SceneFile;
-use super::super::shapes::ShapeFile;
+use super::super::solids::ShapeFile;
 use super::body_constants::BodyConstants;
 use super::joints::FoldedJoints;
 use super::meshes::MeshFiles;
