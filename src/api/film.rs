@@ -10,6 +10,7 @@ use crate::kinematics::results::trajectory::Trajectory;
 use crate::model::theme::Theme;
 use crate::model::view_change::ViewChange;
 use crate::pictures::frames::{DrawnBy, Pictures, with_pictures};
+use crate::pictures::playback::PlayOrder;
 use crate::render::open::RendererChoice;
 use crate::staging::PictureOptions;
 use image::RgbaImage;
@@ -206,11 +207,13 @@ impl<'m> Film<'m> {
         } else {
             self.trajectory.samples.len()
         };
-        self.staged(|pictures| {
+        self.staged(|mut pictures| {
+            let playback = pictures.scene.view.playback;
+            pictures.order = PlayOrder::plain(0, count).played(playback, self.rate);
             let settings = FilmSettings {
                 format: &format,
                 size: self.size,
-                count,
+                count: pictures.order.pictures(),
                 fps: self.rate,
                 needed_colours: pictures.staging.needed_colours(),
                 at_hand: false,

@@ -22,6 +22,7 @@ pub mod plot;
 pub mod printed;
 pub mod rate;
 pub mod shape;
+pub mod shown_dimension;
 pub mod study;
 pub mod theme;
 pub mod view;

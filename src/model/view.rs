@@ -1,6 +1,7 @@
 //! How a scene wants to be seen: camera direction, ground, labels. Plain data, no pixels.
 
 use super::camera_path::CameraPath;
+use super::shown_dimension::ShownDimension;
 use super::theme::Theme;
 use glam::DVec3;
 
@@ -127,15 +128,17 @@ pub enum ShownAxes {
     World,
     Bodies,
     All,
+    Corner,
 }
 
 impl ShownAxes {
     /// Names in files and options.
-    pub const NAMES: [(&'static str, Self); 4] = [
+    pub const NAMES: [(&'static str, Self); 5] = [
         ("none", Self::None),
         ("world", Self::World),
         ("bodies", Self::Bodies),
         ("all", Self::All),
+        ("corner", Self::Corner),
     ];
 }
 
@@ -152,6 +155,10 @@ pub struct Decor {
     pub arrow_scale: Option<f64>,
     /// Axes of frames.
     pub axes: ShownAxes,
+    /// Seconds between the marks on traced paths, if there are any.
+    pub ticks: Option<f64>,
+    /// A scale bar in a parallel projection, the pitch of the ground's grid in a perspective.
+    pub scale: bool,
     /// Gauges of the inputs.
     pub gauge: bool,
     /// Joints drawn by kind, found in the chains.
@@ -166,6 +173,8 @@ impl Default for Decor {
             arrows: false,
             arrow_scale: None,
             axes: ShownAxes::None,
+            ticks: None,
+            scale: false,
             gauge: false,
             joints: false,
         }
@@ -210,6 +219,20 @@ pub enum LabelPlace {
         /// Shift in the world.
         offset: DVec3,
     },
+}
+
+/// How a film runs from its first picture to the next round.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Playback {
+    /// Forwards, then backwards.
+    pub bounce: bool,
+    /// Seconds that its first and its last pose are shown for, beside the time of their own picture.
+    pub pause: f64,
+}
+
+impl Playback {
+    /// Longer pauses, in seconds, are taken for a mistake.
+    pub const LONGEST_PAUSE: f64 = 60.0;
 }
 
 /// Shadows, and the light that bodies near to each other keep from each other.
@@ -262,10 +285,14 @@ pub struct View {
     pub ground: GroundPlace,
     /// Frames a second unless asked otherwise.
     pub fps: f64,
+    /// How a film runs.
+    pub playback: Playback,
     /// Whether title and input values are written in the corners.
     pub captions: bool,
     /// Texts in the world.
     pub labels: Vec<SceneLabel>,
+    /// Lengths and angles with their values.
+    pub dimensions: Vec<ShownDimension>,
     /// What is shown beside the bodies.
     pub decor: Decor,
     /// How the camera moves.

@@ -41,6 +41,14 @@ pub struct ViewChange {
     pub arrows: Option<bool>,
     /// ShownAxes of frames.
     pub axes: Option<ShownAxes>,
+    /// Seconds between marks on paths.
+    pub ticks: Option<f64>,
+    /// Scale bar, or pitch of the grid.
+    pub scale: Option<bool>,
+    /// Forwards, then backwards.
+    pub bounce: Option<bool>,
+    /// Seconds that the ends of a film are shown for.
+    pub pause: Option<f64>,
     /// Gauges of the inputs.
     pub gauge: Option<bool>,
     /// Joints drawn by kind.
@@ -87,7 +95,12 @@ impl ViewChange {
         if self.ground == Some(false) {
             view.ground = GroundPlace::None;
         }
+        let playback = &mut view.playback;
+        playback.bounce = self.bounce.unwrap_or(playback.bounce);
+        playback.pause = self.pause.unwrap_or(playback.pause);
         let decor = &mut view.decor;
+        decor.ticks = self.ticks.or(decor.ticks);
+        decor.scale = self.scale.unwrap_or(decor.scale);
         if let Some(ghosts) = &self.ghosts {
             decor.ghosts = ghosts.clone();
         }

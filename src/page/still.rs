@@ -3,6 +3,7 @@
 use crate::export::png::{Effort, encode_png};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::pictures::frames::{DrawnBy, Pictures};
+use crate::pictures::playback::PlayOrder;
 use crate::render::adapter::AdapterChoice;
 use crate::render::open::RendererChoice;
 use crate::render::{Camera, RenderError};
@@ -39,7 +40,7 @@ pub fn first_picture(scene: &Scene, shown: &Trajectory) -> Result<Picture, Rende
         scene,
         staging: &staging,
         panes: &[],
-        first: 0,
+        order: PlayOrder::plain(0, 1),
         panel: None,
     };
     for draw in pictures.workers(&by)?.list.iter_mut().take(1) {

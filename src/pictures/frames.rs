@@ -1,5 +1,6 @@
 //! Workers that draw any sample of a motion: panes drawn and laid side by side, captions and plots added.
 
+use super::playback::PlayOrder;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::plot::companion::Companion;
 use crate::plot::raster::ChartPainter;
@@ -22,8 +23,8 @@ pub struct Pictures<'a> {
     pub staging: &'a Staging<'a>,
     /// Parts of it that are views of their own, with their top left pixels; empty for one view.
     pub panes: &'a [([u32; 2], Staging<'a>)],
-    /// First sample that is drawn.
-    pub first: usize,
+    /// The sample that each picture shows.
+    pub order: PlayOrder,
     /// A plot beside the motion.
     pub panel: Option<&'a Companion>,
 }
@@ -45,7 +46,7 @@ pub fn with_pictures<T>(
         scene,
         staging: &staging,
         panes: &panes,
-        first: 0,
+        order: PlayOrder::plain(0, trajectory.samples.len()),
         panel: None,
     })
 }
@@ -128,11 +129,11 @@ impl<'a> Pictures<'a> {
             Ok(())
         };
         let Some(panel) = self.panel else {
-            return Box::new(move |picture, image| draw(self.first + picture, image));
+            return Box::new(move |picture, image| draw(self.order.sample(picture), image));
         };
         let (mut motion, mut painter) = (RgbaImage::new(width, height), ChartPainter::default());
         Box::new(move |picture, image| {
-            let sample = self.first + picture;
+            let sample = self.order.sample(picture);
             draw(sample, &mut motion)?;
             panel.compose_frame(&motion, sample, &mut painter, image);
             Ok(())

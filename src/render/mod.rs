@@ -163,6 +163,17 @@ pub struct Patch {
     pub opacity: f64,
 }
 
+/// A straight line over the picture, below the labels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stroke {
+    /// In pixels from the top left.
+    pub ends: [[f64; 2]; 2],
+    /// Half its width at both ends, in pixels.
+    pub half_widths: [f64; 2],
+    /// sRGB colour.
+    pub colour: [u8; 3],
+}
+
 /// A line of text over the picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Label {
@@ -189,7 +200,9 @@ pub struct Frame {
     pub instances: Vec<Instance>,
     /// Rectangles over them.
     pub patches: Vec<Patch>,
-    /// Text over both.
+    /// Lines over them.
+    pub strokes: Vec<Stroke>,
+    /// Text over all of them.
     pub labels: Vec<Label>,
     /// Drawn greyed, with a hatched margin: there is no pose at this time.
     pub no_pose: bool,

@@ -8,6 +8,7 @@ pub mod border;
 mod paint;
 mod patch;
 mod plate;
+mod stroke;
 
 use super::text::{Face, PHASES, Setting, set_text};
 use super::{Anchor, Camera, Frame, Label};
@@ -36,7 +37,7 @@ impl Overlay {
         }
     }
 
-    /// Draws the border (if the frame has no pose), the patches and the labels of `frame` over `image`, in their order.
+    /// Draws the border (if the frame has no pose), the patches, the strokes and the labels of `frame` over `image`, in their order.
     ///
     /// Parts outside the picture are cut off. A label is left out where its anchor lies behind the camera or is
     /// not a finite place, or where its size is not positive. Alpha is not touched.
@@ -47,6 +48,9 @@ impl Overlay {
         let picture = <[u32; 2]>::from(image.dimensions()).map(f64::from);
         for patch in &frame.patches {
             patch::draw_patch(&mut OverlayPainter::new(image), patch, picture);
+        }
+        for stroke in &frame.strokes {
+            stroke::draw_stroke(&mut OverlayPainter::new(image), stroke);
         }
         self.taken.clear();
         for label in &frame.labels {

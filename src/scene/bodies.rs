@@ -1,7 +1,8 @@
 //! Bodies, traced points and labels of a scene file, as typed.
 
 use super::reader::{Spanned, TableReader, required_value};
-use super::shapes::{ShapeFile, read_shape};
+use super::shapes::read_shapes;
+use super::solids::ShapeFile;
 use super::values::FormulaText;
 use crate::diag::Span;
 
@@ -67,7 +68,7 @@ pub fn read_body(r: &mut TableReader) -> Option<BodyFile> {
     let colour = r.colour("colour");
     let opacity = r.formula("opacity");
     let shapes = r
-        .tables("shapes", read_shape)
+        .tables("shapes", read_shapes)
         .into_iter()
         .flatten()
         .collect();

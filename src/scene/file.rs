@@ -9,6 +9,7 @@ use super::keys::tables::{BAR, CONTACT, DISTANCE, INPUT, MEASURE, SCENE, TRACK};
 use super::measures::{MeasureFile, TrackFile, measure_formula, read_measure, read_track};
 use super::plots::{PlotFile, read_plot};
 use super::reader::{FoundValue, NamedFormula, Spanned, TableReader, read_table};
+use super::shown_dimensions::{ShownDimensionFile, read_shown_dimension};
 use super::studies::{StudyFile, read_study};
 use super::values::{FormulaText, formula_of};
 use super::views::{ViewFile, read_view};
@@ -58,6 +59,8 @@ pub struct SceneFile {
     pub measures: Vec<MeasureFile>,
     /// `[[labels]]`
     pub labels: Vec<LabelFile>,
+    /// `[[dimensions]]`
+    pub dimensions: Vec<ShownDimensionFile>,
     /// `[clearance]`
     pub clearance: Option<ClearanceFile>,
     /// `[[plots]]`
@@ -71,7 +74,7 @@ pub struct SceneFile {
 }
 
 /// The keys of a scene that are tables or lists of tables.
-const SECTIONS: [&str; 15] = [
+const SECTIONS: [&str; 16] = [
     "parameters",
     "inputs",
     "chains",
@@ -86,6 +89,7 @@ const SECTIONS: [&str; 15] = [
     "tracks",
     "measures",
     "labels",
+    "dimensions",
     "plots",
 ];
 
@@ -169,6 +173,11 @@ fn scene_tables<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> SceneFile {
         measures: read_measures(r, text),
         labels: r
             .tables("labels", read_label)
+            .into_iter()
+            .flatten()
+            .collect(),
+        dimensions: r
+            .tables("dimensions", read_shown_dimension)
             .into_iter()
             .flatten()
             .collect(),

@@ -1,80 +1,16 @@
-//! The shapes of a body as typed: which solids there are, and the keys each of them has.
+//! The shapes of a body: each is read as one solid, or as those of a part of a machine.
 
-use super::reader::{Spanned, TableReader, required_value};
+use super::machine_parts;
+use super::reader::{TableReader, required_value};
+use super::solids::{ShapeFile, SolidFile};
 use super::values::FormulaText;
-use crate::diag::{Diagnostic, Span};
-
-/// One shape of a body.
-#[derive(Clone, Debug)]
-pub struct ShapeFile {
-    /// The solid.
-    pub solid: SolidFile,
-    /// `frame`: a constant chain `body_from_shape`.
-    pub frame: Option<FormulaText>,
-    /// `colour`
-    pub colour: Option<[u8; 3]>,
-    /// `opacity`
-    pub opacity: Option<FormulaText>,
-    /// Where the shape stands.
-    pub span: Span,
-}
-
-/// Parameters of a solid as typed.
-#[derive(Clone, Debug)]
-#[allow(missing_docs)]
-pub enum SolidFile {
-    Sphere {
-        center: Option<[FormulaText; 3]>,
-        radius: FormulaText,
-    },
-    Capsule {
-        from: [FormulaText; 3],
-        to: [FormulaText; 3],
-        radius: FormulaText,
-    },
-    Cylinder {
-        from: [FormulaText; 3],
-        to: [FormulaText; 3],
-        radius: FormulaText,
-    },
-    Cone {
-        from: [FormulaText; 3],
-        to: [FormulaText; 3],
-        radius_from: FormulaText,
-        radius_to: FormulaText,
-    },
-    Box {
-        center: Option<[FormulaText; 3]>,
-        size: [FormulaText; 3],
-    },
-    Torus {
-        center: Option<[FormulaText; 3]>,
-        axis: Option<[FormulaText; 3]>,
-        ring: FormulaText,
-        tube: FormulaText,
-    },
-    Tube {
-        points: Spanned<Vec<[FormulaText; 3]>>,
-        radius: FormulaText,
-        closed: bool,
-    },
-    HalfSpace {
-        point: Option<[FormulaText; 3]>,
-        normal: Option<[FormulaText; 3]>,
-        size: FormulaText,
-    },
-    Stl {
-        file: Spanned<String>,
-        scale: Option<FormulaText>,
-        surface: bool,
-    },
-}
+use crate::diag::Diagnostic;
 
 /// The names of the solids, in the order in which they are tried.
 const SOLIDS: &str = "sphere, capsule, cylinder, cone, box, torus, tube, half_space, stl";
 
-/// Reads one entry of `shapes`.
-pub fn read_shape(r: &mut TableReader) -> Option<ShapeFile> {
+/// Reads one entry of `shapes`: a solid, or the solids of a part.
+pub fn read_shapes(r: &mut TableReader) -> Vec<ShapeFile> {
     let span = r.span.clone();
     let solids: Vec<Option<SolidFile>> = [
         r.table("sphere", |s| {
@@ -130,6 +66,11 @@ pub fn read_shape(r: &mut TableReader) -> Option<ShapeFile> {
     .into_iter()
     .flatten()
     .collect();
+    let solids: Vec<Option<Vec<SolidFile>>> = solids
+        .into_iter()
+        .map(|solid| solid.map(|solid| vec![solid]))
+        .chain(machine_parts::read_parts(r))
+        .collect();
     let (frame, colour, opacity) = (r.formula("frame"), r.colour("colour"), r.formula("opacity"));
     if solids.len() != 1 {
         let message = if solids.is_empty() {
@@ -139,19 +80,20 @@ pub fn read_shape(r: &mut TableReader) -> Option<ShapeFile> {
         };
         r.diagnostics.push(
             Diagnostic::error(message)
-                .at(span)
-                .hint(format!("one of {SOLIDS}")),
+                .at(span.clone())
+                .hint(format!("one of {SOLIDS}, {}", machine_parts::PARTS)),
         );
-        return None;
+        return Vec::new();
     }
-    let solid = solids.into_iter().flatten().next()?;
-    Some(ShapeFile {
+    let solids = solids.into_iter().flatten().flatten();
+    let shapes = solids.map(|solid| ShapeFile {
         solid,
-        frame,
+        frame: frame.clone(),
         colour,
-        opacity,
-        span,
-    })
+        opacity: opacity.clone(),
+        span: span.clone(),
+    });
+    shapes.collect()
 }
 
 type Rod = (

@@ -8,7 +8,7 @@ use crate::render::{Anchor, Instance, Label, StageMesh};
 use glam::DVec3;
 
 /// Colours of x, y and z.
-const COLOURS: [[u8; 3]; 3] = [[0xd5, 0x5e, 0x00], [0x00, 0x9e, 0x73], [0x00, 0x72, 0xb2]];
+pub const COLOURS: [[u8; 3]; 3] = [[0xd5, 0x5e, 0x00], [0x00, 0x9e, 0x73], [0x00, 0x72, 0xb2]];
 
 /// Length of the world's and of the bodies' axes over the extent of the motion.
 const LENGTHS: [f64; 2] = [0.16, 0.08];

@@ -38,6 +38,8 @@ pub struct Captions {
     title: Vec<String>,
     title_fit: Fitted,
     values_fit: Fitted,
+    /// The widest that the values get.
+    widest: Vec<String>,
     gauges: Gauges,
 }
 
@@ -65,7 +67,26 @@ impl Captions {
             values_fit: fit_pieces(&widest, VALUE_GAP, VALUE_SIZE * size[1], room),
             gauges: Gauges::new(mechanism, ranges, size),
             title,
+            widest,
         }
+    }
+
+    /// The lower right corner, in pixels, of a free room that is `needed` pixels wide: above values that reach so far.
+    pub fn free_corner(&self, scene: &Scene, has_pose: bool, needed: f64) -> [f64; 2] {
+        let [width, height] = self.size;
+        let inset = border_inset(has_pose) * height;
+        let view = &scene.view;
+        let mut rows = 0.0;
+        if view.decor.gauge {
+            rows = self.gauges.height();
+        } else if view.captions {
+            let text = self.values_fit.text(&self.widest);
+            let [wide, high] = fitting::text_extent(&text, self.values_fit.size);
+            if inset + wide > width - needed {
+                rows = high + AIR * self.values_fit.size;
+            }
+        }
+        [width - inset, height - inset - rows]
     }
 
     /// Adds title, input values (as text or gauges) and the notice of a missing pose to `frame`.
@@ -75,11 +96,7 @@ impl Captions {
             return;
         }
         let (view, theme) = (&scene.view, scene.view.theme);
-        let inset = if sample.pose.is_some() {
-            INSET
-        } else {
-            INSET_IN_HATCHING
-        };
+        let inset = border_inset(sample.pose.is_some());
         let left = inset * height / width;
         let line = |text: String, y: f64, size: f64, colour| Label {
             text,
@@ -117,6 +134,13 @@ impl Captions {
                 .labels
                 .push(line(text, top, fitted.size, theme.warning()));
         }
+    }
+}
+
+fn border_inset(has_pose: bool) -> f64 {
+    match has_pose {
+        true => INSET,
+        false => INSET_IN_HATCHING,
     }
 }
 

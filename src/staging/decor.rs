@@ -4,6 +4,7 @@ use super::arrows::Arrows;
 use super::axes::{self, AxisSigns};
 use super::body_meshes::StagedPart;
 use super::joint_symbols::JointSymbols;
+use super::ticks::{self, TickMarks};
 use super::trails::{self, TracePart, TrailLook};
 use super::{bounds, ghosts, joints};
 use crate::kinematics::results::trajectory::{ClosedPose, Trajectory};
@@ -20,6 +21,7 @@ pub struct DecorParts {
     joints: JointSymbols,
     axes: AxisSigns,
     traces: Vec<TracePart>,
+    ticks: Vec<TickMarks>,
     arrows: Option<Arrows>,
     ghosts: Vec<usize>,
 }
@@ -49,6 +51,7 @@ impl DecorParts {
             joints,
             axes: AxisSigns::new(decor.axes, extent, meshes),
             traces: Vec::new(),
+            ticks: Vec::new(),
             arrows: None,
             ghosts: ghosts::ghost_samples(&decor.ghosts, trajectory, scene.actuation.duration),
         }
@@ -69,6 +72,7 @@ impl DecorParts {
             height,
         };
         self.traces = trails::of_traces(scene, trajectory, look, meshes);
+        self.ticks = ticks::of_traces(scene, trajectory, &view.decor, look, meshes);
         let traces = &mechanism.traces;
         let sizes = [self.extent, pixel];
         self.arrows = Arrows::new(traces, trajectory, &view.decor, sizes, meshes);
@@ -98,6 +102,7 @@ impl DecorParts {
             .iter()
             .flat_map(|trace| trace.instances(index))
             .collect();
+        all.extend(self.ticks.iter().map(|ticks| ticks.instance(index)));
         let now = (shown, pose);
         all.extend(ghosts::ghost_instances(
             parts,

@@ -75,6 +75,11 @@ impl Gauges {
         gauges
     }
 
+    /// Height of all rows in pixels.
+    pub fn height(&self) -> f64 {
+        PITCH * self.ranges.len() as f64 * self.size[1]
+    }
+
     fn text(&self, mechanism: &Mechanism, row: usize, value: f64) -> String {
         let input = &mechanism.inputs[row];
         let own = value_text(mechanism, input, value);

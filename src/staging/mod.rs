@@ -8,7 +8,9 @@ mod body_meshes;
 mod bounds;
 mod cameras;
 mod captions;
+mod context;
 mod decor;
+mod dimension_lines;
 mod fitting;
 mod gauge;
 mod ghosts;
@@ -23,14 +25,18 @@ mod occlusion;
 pub mod panes;
 mod placed_labels;
 pub mod quantity_names;
+mod round_steps;
 pub mod shared_camera;
 mod solids;
+mod ticks;
 mod trails;
 mod value_text;
 
 use crate::kinematics::results::trajectory::{ClosedPose, Trajectory};
 use crate::model::theme::Theme;
-use crate::model::view::{EdgeLines, GroundPlace, LabelPlace, SceneLabel, Shadows, UpAxis, View};
+use crate::model::view::{
+    EdgeLines, GroundPlace, LabelPlace, SceneLabel, Shadows, ShownAxes, UpAxis, View,
+};
 use crate::render::edges::Edges;
 use crate::render::look::Rim;
 use crate::render::overlay::border;
@@ -40,11 +46,14 @@ use crate::scene::Scene;
 use body_meshes::StagedPart;
 use cameras::Cameras;
 use captions::Captions;
+use context::{ContextRoom, ContextSigns};
 use decor::DecorParts;
+use dimension_lines::DimensionLook;
 use glam::DVec3;
 use label_placement::Rectangle;
 use marks::Marks;
 use placed_labels::Letters;
+use round_steps::round_step;
 use std::sync::Arc;
 
 /// Size and sampling of the pictures.
@@ -70,6 +79,11 @@ pub struct Staging<'a> {
     measure: Option<usize>,
     decor: DecorParts,
     captions: Captions,
+    context: ContextSigns,
+    /// Extent of the motion.
+    extent: f64,
+    /// Size of the signs over the picture, over their usual one.
+    enlarged: f64,
     /// The scene's labels, one entry per label.
     letters: Vec<Letters>,
     /// For every sample the sample whose pose is drawn: itself, or the nearest one that has a pose.
@@ -110,8 +124,10 @@ impl<'a> Staging<'a> {
         let aspect = picture_aspect(options);
         let times: Vec<f64> = trajectory.samples.iter().map(|s| s.time).collect();
         let duration = scene.actuation.duration;
-        let cameras = Cameras::new(view, up, &bounds, aspect, (&times, duration));
         let ground = view_ground(view, &bounds, up);
+        let extent = bounds::box_of(&bounds).map_or(1.0, |[low, high]| (high - low).length());
+        bounds.extend(dimension_lines::held_points(scene, trajectory, extent));
+        let cameras = Cameras::new(view, up, &bounds, aspect, (&times, duration));
         let pixel = body_meshes::pixel_size(cameras.all(), options.size, &bounds);
         let parts = body_meshes::of_bodies(&scene.mechanism, pixel, &mut meshes);
         let height = f64::from(options.size[1]);
@@ -141,6 +157,14 @@ impl<'a> Staging<'a> {
             measure,
             decor,
             captions: Captions::new(scene, trajectory, options.size),
+            context: ContextSigns {
+                scale: view.decor.scale,
+                triad: view.decor.axes == ShownAxes::Corner,
+                unit: scene.mechanism.length_unit.clone(),
+                theme: view.theme,
+            },
+            extent,
+            enlarged: 1.0,
             letters: Vec::new(),
             shown: shown_samples(trajectory),
         };
@@ -159,6 +183,7 @@ impl<'a> Staging<'a> {
         let camera = |index: usize| cameras(index).unwrap_or(self.stage.camera);
         let mut captions = Frame::default();
         self.add_captions(0, &mut captions);
+        self.add_context(&camera(0), true, &mut captions);
         let taken = (&captions, reserved);
         self.letters =
             placed_labels::place_letters(moving, &camera, self.stage.size, taken, &points);
@@ -181,6 +206,8 @@ impl<'a> Staging<'a> {
         let mut colours = vec![self.stage.background, theme.ink(), theme.faint_ink()];
         colours.extend(self.decor.flat_colours());
         colours.extend(gauge::flat_colours(self.scene.view.decor.gauge));
+        colours.extend(self.context.flat_colours());
+        colours.extend(dimension_lines::flat_colours(self.scene));
         if self.trajectory.samples.iter().any(|s| s.pose.is_none()) {
             colours.extend(border::COLOURS);
         }
@@ -212,8 +239,19 @@ impl<'a> Staging<'a> {
         if let Some(pose) = self.shown[index].and_then(|k| self.trajectory.samples[k].pose.as_ref())
         {
             frame.instances = self.instances(index, pose);
-            frame.labels = self.labels(pose, &frame.camera(&self.stage));
+            let camera = frame.camera(&self.stage);
+            frame.labels = self.labels(pose, &camera);
+            let look = DimensionLook {
+                camera,
+                size: self.stage.size,
+                background: self.stage.background,
+                extent: self.extent,
+                enlarged: self.enlarged,
+            };
+            dimension_lines::add_dimensions(self.scene, pose, look, &mut frame);
         }
+        let has_pose = !frame.no_pose;
+        self.add_context(&frame.camera(&self.stage), has_pose, &mut frame);
         self.add_captions(index, &mut frame);
         frame
     }
@@ -229,6 +267,19 @@ impl<'a> Staging<'a> {
         if let Some(sample) = self.trajectory.samples.get(index) {
             self.captions.add_captions(self.scene, sample, frame);
         }
+    }
+
+    /// Scale and triad.
+    fn add_context(&self, camera: &Camera, has_pose: bool, frame: &mut Frame) {
+        let height = f64::from(self.stage.size[1]);
+        let needed = ContextSigns::WIDEST * height * self.enlarged;
+        let room = ContextRoom {
+            corner: self.captions.free_corner(self.scene, has_pose, needed),
+            size: self.stage.size,
+            enlarged: self.enlarged,
+        };
+        self.context
+            .add(camera, self.stage.ground.as_ref(), room, frame);
     }
 
     fn instances(&self, index: usize, pose: &ClosedPose) -> Vec<Instance> {
@@ -361,35 +412,4 @@ fn view_ground(view: &View, points: &[DVec3], up: DVec3) -> Option<Ground> {
             Ground::DARKER
         },
     })
-}
-
-/// The nearest of 1, 2, 5 times a power of ten.
-fn round_step(step: f64) -> f64 {
-    if !(step.is_finite() && step > 0.0) {
-        return 0.0;
-    }
-    let power = 10f64.powf(step.log10().floor());
-    let mantissa = step / power;
-    let rounded = [1.0, 2.0, 5.0, 10.0].into_iter().min_by(|a, b| {
-        let far = |x: &f64| (x / mantissa).ln().abs();
-        far(a).total_cmp(&far(b))
-    });
-    power * rounded.unwrap_or(1.0)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn grid_steps_are_round() {
-        for (step, round) in [(97.0, 100.0), (3.0, 2.0), (0.06, 0.05), (8.0, 10.0)] {
-            assert!(
-                (round_step(step) - round).abs() < 1e-12 * round,
-                "{step} {}",
-                round_step(step)
-            );
-        }
-        assert_eq!(round_step(0.0), 0.0);
-    }
 }

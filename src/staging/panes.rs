@@ -14,6 +14,8 @@ struct Pane {
     name: &'static str,
     look: Option<NamedView>,
     free: [f64; 2],
+    /// The one that shows the scale of all parallel ones.
+    scaled: bool,
 }
 
 /// Row by row; top stands above front, so that their x axes agree. The first has title and name in it, the third the
@@ -23,21 +25,25 @@ const PANES: [Pane; 4] = [
         name: "top",
         look: Some(NamedView::Top),
         free: [0.25, 0.05],
+        scaled: false,
     },
     Pane {
         name: "",
         look: None,
         free: [0.16, 0.06],
+        scaled: false,
     },
     Pane {
         name: "front",
         look: Some(NamedView::Front),
         free: [0.11, 0.17],
+        scaled: false,
     },
     Pane {
         name: "side",
         look: Some(NamedView::Side),
         free: [0.11, 0.06],
+        scaled: true,
     },
 ];
 
@@ -49,21 +55,26 @@ const NAME_SIZE: f64 = 0.026;
 
 /// The scene as each pane looks at it.
 pub fn pane_scenes(scene: &Scene) -> Vec<Scene> {
-    let panes = PANES.iter().map(|Pane { look, free, .. }| {
-        let mut pane = scene.clone();
-        let view = Arc::make_mut(&mut pane.view);
-        view.captions = false;
-        view.decor.gauge = false;
-        view.margin = view.margin.max(0.5 * (free[0] + free[1]));
-        for label in &mut view.labels {
-            label.size *= LABELS;
-            label.yields = true;
-        }
-        if let Some(named) = look {
-            view.look_from(*named);
-        }
-        pane
-    });
+    let panes = PANES.iter().map(
+        |Pane {
+             look, free, scaled, ..
+         }| {
+            let mut pane = scene.clone();
+            let view = Arc::make_mut(&mut pane.view);
+            view.captions = false;
+            view.decor.gauge = false;
+            view.decor.scale &= *scaled;
+            view.margin = view.margin.max(0.5 * (free[0] + free[1]));
+            for label in &mut view.labels {
+                label.size *= LABELS;
+                label.yields = true;
+            }
+            if let Some(named) = look {
+                view.look_from(*named);
+            }
+            pane
+        },
+    );
     panes.collect()
 }
 
@@ -110,6 +121,7 @@ pub fn pane_stagings<'a>(
             camera.world_from_camera.translation += up * (0.5 * (free[0] - free[1]) * tallest);
         }
         let [width, height] = pane.stage.size.map(f64::from);
+        pane.enlarged = LABELS;
         // Where the texts over the panes stand.
         let above = [0.0, 0.0, width, free[0] * height];
         let below = [0.0, height - free[1] * height, width, height];

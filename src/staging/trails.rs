@@ -11,8 +11,8 @@ use glam::DVec3;
 use std::ops::Range;
 
 /// Radius of a trace in 480ths of the picture's height where the scene gives none, and its least in pixels.
-const TRACE_RADIUS: f64 = 1.7;
-const LEAST_RADIUS_PIXELS: f64 = 0.7;
+pub const TRACE_RADIUS: f64 = 1.7;
+pub const LEAST_RADIUS_PIXELS: f64 = 0.7;
 
 /// Of a path that is still to be travelled: its radius over that of a trace, and its share of the trace's colour.
 const AHEAD_RADIUS: f64 = 0.55;
@@ -100,7 +100,8 @@ impl TracePart {
     }
 }
 
-fn trace_piece(mesh: usize, triangles: Range<u32>, colour: [u8; 3]) -> Instance {
+/// Triangles of a path in its own colour.
+pub fn trace_piece(mesh: usize, triangles: Range<u32>, colour: [u8; 3]) -> Instance {
     Instance {
         mesh,
         world_from_mesh: Pose::IDENTITY,

@@ -5,23 +5,36 @@ use crate::model::mechanism::{Coordinate, Kind, Mechanism};
 /// Height of a line of values as a fraction of the picture's height.
 pub const VALUE_SIZE: f64 = 0.030;
 
-/// `-17.0 mm`, with a fixed number of digits so that the text does not jump.
+/// `+17.0 mm` or `−17.0 mm`, with a fixed number of digits so that the text does not jump.
 pub fn value_text(mechanism: &Mechanism, input: &Coordinate, value: f64) -> String {
-    let in_file = value * mechanism.file_units(input.kind);
+    let text = amount_text(mechanism, input.kind, value, None);
+    // As wide as a minus, so that nothing jumps at zero.
+    match text.starts_with(MINUS) {
+        true => text,
+        false => format!("+{text}"),
+    }
+}
+
+/// The same without a plus, with `digits` behind the point if given.
+pub fn amount_text(mechanism: &Mechanism, kind: Kind, value: f64, digits: Option<usize>) -> String {
+    let in_degrees = mechanism.angle_unit.name == "deg";
+    let (usual, unit) = match kind {
+        Kind::Angle if in_degrees => (1, "°".to_owned()),
+        Kind::Angle => (3, " rad".to_owned()),
+        Kind::Length => (1, format!(" {}", mechanism.length_unit)),
+        Kind::Number => (3, String::new()),
+    };
+    let digits = digits.unwrap_or(usual);
+    let in_file = value * mechanism.file_units(kind);
     // Half a unit of the last digit must not show as a negative zero.
-    let tidy = |digits: i32| {
-        let unit = 10f64.powi(digits);
-        (in_file * unit).round() / unit + 0.0
-    };
-    let text = match input.kind {
-        Kind::Angle if mechanism.angle_unit.name == "deg" => format!("{:+.1}°", tidy(1)),
-        Kind::Angle => format!("{:+.3} rad", tidy(3)),
-        Kind::Length => format!("{:+.1} {}", tidy(1), mechanism.length_unit),
-        Kind::Number => format!("{:+.3}", tidy(3)),
-    };
-    // As wide as a plus, so that nothing jumps at zero.
+    let last = 10f64.powi(digits as i32);
+    let tidy = (in_file * last).round() / last + 0.0;
+    let text = format!("{tidy:.digits$}{unit}");
     match text.strip_prefix('-') {
-        Some(amount) => format!("−{amount}"),
+        Some(amount) => format!("{MINUS}{amount}"),
         None => text,
     }
 }
+
+/// The sign, as wide as a plus.
+const MINUS: char = '−';

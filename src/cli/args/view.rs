@@ -6,7 +6,7 @@ use crate::diag::shown_number;
 use crate::export::Format;
 use crate::model::theme::Theme;
 use crate::model::view::{
-    EdgeLines, Ghosts, NamedView, Shadows, ShownAxes, Trails, ViewProjection,
+    EdgeLines, Ghosts, NamedView, Playback, Shadows, ShownAxes, Trails, ViewProjection,
 };
 use crate::model::view_change::ViewChange;
 use crate::scene::Scene;
@@ -76,6 +76,18 @@ pub struct ViewArgs {
     /// Axes of frames.
     #[arg(long, value_parser = named_word(&ShownAxes::NAMES))]
     pub axes: Option<ShownAxes>,
+    /// Marks on the traced paths every so many seconds of the motion: where they are far apart the point is fast.
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = positive_scale)]
+    pub ticks: Option<f64>,
+    /// A scale bar in parallel projections; in a perspective, the pitch of the ground's grid.
+    #[arg(long)]
+    pub scale: bool,
+    /// Play the motion forwards, then backwards.
+    #[arg(long)]
+    pub bounce: bool,
+    /// Show the first and the last pose for this much longer.
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = pause_seconds)]
+    pub pause: Option<f64>,
     /// Show the inputs as gauges with their ranges instead of numbers.
     #[arg(long)]
     pub gauge: bool,
@@ -112,6 +124,10 @@ impl ViewArgs {
             trails: self.trails,
             arrows: yes(self.arrows),
             axes: self.axes,
+            ticks: self.ticks,
+            scale: yes(self.scale),
+            bounce: yes(self.bounce),
+            pause: self.pause,
             gauge: yes(self.gauge),
             joints: yes(self.joints),
             orbit: self.orbit.map(f64::to_radians),
@@ -223,6 +239,14 @@ fn positive_scale(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
         _ => Err("a positive number of seconds".to_owned()),
+    }
+}
+
+fn pause_seconds(text: &str) -> Result<f64, String> {
+    let most = Playback::LONGEST_PAUSE;
+    match text.parse::<f64>() {
+        Ok(value) if (0.0..=most).contains(&value) => Ok(value),
+        _ => Err(format!("between 0 and {most} seconds")),
     }
 }
 

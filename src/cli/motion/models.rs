@@ -62,6 +62,9 @@ fn left_out(scene: &Scene) -> Option<String> {
         (decor.ghosts != Ghosts::Count(0), "ghosts"),
         (decor.arrows, "arrows"),
         (decor.axes != ShownAxes::None, "axes"),
+        (decor.scale, "scale"),
+        (decor.ticks.is_some(), "ticks"),
+        (!view.dimensions.is_empty(), "dimensions"),
         (decor.gauge, "gauges"),
         (decor.joints, "joint symbols"),
     ];

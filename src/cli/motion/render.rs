@@ -23,6 +23,7 @@ use crate::limits::allow_picture;
 use crate::model::printed::InputReading;
 use crate::model::view::Ghosts;
 use crate::pictures::frames::{DrawnBy, Pictures};
+use crate::pictures::playback::PlayOrder;
 use crate::render::BYTES_OF_DRAWN_PIXEL;
 use crate::render::adapter::AdapterChoice;
 use crate::render::open::RendererChoice;
@@ -115,7 +116,7 @@ pub fn run_render(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
             scene: &scene,
             panes: &panes,
             staging: &staging,
-            first: plan.first,
+            order: plan.order(&scene),
             panel: panel.as_ref(),
         };
         io::unless_reader_left(draw_film(
@@ -137,8 +138,11 @@ fn warn_of_missing_glyphs(scene: &Scene, term: &Term) {
     let mechanism = &scene.mechanism;
     let inputs = mechanism.inputs.iter().map(|input| input.name.as_str());
     let labels = scene.view.labels.iter().map(|label| label.text.as_str());
+    let dimensions = scene.view.dimensions.iter();
+    let dimensions = dimensions.filter_map(|dimension| dimension.text.as_deref());
     let texts: Vec<&str> = std::iter::once(mechanism.title.as_str())
         .chain(labels)
+        .chain(dimensions)
         .chain(inputs)
         .collect();
     for text in texts {
@@ -200,7 +204,8 @@ fn draw_film(
     }
     clock.end_stage("renderer");
     let destination = sinks::open_sink(&args.file, format)?;
-    let film = OpenFilm::new(&args.file, format, args.size, plan.count, plan.fps)
+    let count = pictures.order.pictures();
+    let film = OpenFilm::new(&args.file, format, args.size, count, plan.fps)
         .with_needed_colours(pictures.staging.needed_colours())
         .with_alpha(pictures.scene.view.transparent);
     let prepared = film.sink(destination, &mut workers.list, term)?;
@@ -299,6 +304,11 @@ impl RenderPlan {
 }
 
 impl RenderPlan {
+    /// How they are played.
+    fn order(&self, scene: &Scene) -> PlayOrder {
+        PlayOrder::plain(self.first, self.count).played(scene.view.playback, self.fps)
+    }
+
     /// The samples that are shown.
     fn frame_range(&self) -> Range<usize> {
         self.first..self.first + self.count

@@ -93,11 +93,13 @@ impl LiveScene {
     pub fn gif(&self, size: [u32; 2]) -> Result<Vec<u8>, LiveError> {
         let film = self.film();
         let memory = FilmBuffer::default();
-        self.drawn(&film, size, |pictures| {
+        self.drawn(&film, size, |mut pictures| {
+            let view = &pictures.scene.view;
+            pictures.order = pictures.order.played(view.playback, view.fps);
             let settings = FilmSettings {
                 format: &Format::Gif,
                 size,
-                count: film.samples.len(),
+                count: pictures.order.pictures(),
                 fps: self.now.scene.view.fps,
                 needed_colours: pictures.staging.needed_colours(),
                 at_hand: false,

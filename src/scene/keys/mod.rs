@@ -1,6 +1,7 @@
 //! Which keys a table of a file may have, and what each of them holds: the one list that the reader, its "did you mean",
 //! the schema for editors and the documents share.
 
+mod machine_parts;
 mod shapes;
 pub mod tables;
 pub mod view;

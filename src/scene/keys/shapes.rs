@@ -1,13 +1,14 @@
 //! The keys of the solids.
 
 use super::Holds::{Colour, Flag, Formula, Formulas, Rows, Table, Text};
+use super::machine_parts::{BEARING, EYED_ROD, FORK, LATHE, PIN};
 use super::{Holds, Key, Keys};
 
 const fn shape_key(name: &'static str, holds: Holds, says: &'static str) -> Key {
     Key::new(name, holds, says)
 }
 
-/// A shape: one solid, and where it is.
+/// A shape: one solid or part of a machine, and where it is.
 pub static SHAPE: Keys = Keys::with_one_of(
     "shape",
     &[
@@ -20,6 +21,11 @@ pub static SHAPE: Keys = Keys::with_one_of(
         shape_key("tube", Table(&TUBE), "a round bar along a line"),
         shape_key("half_space", Table(&HALF_SPACE), "everything below a plane"),
         shape_key("stl", Table(&STL), "triangles from a file"),
+        shape_key("rod", Table(&EYED_ROD), "a bar with eyes about z"),
+        shape_key("fork", Table(&FORK), "two cheeks about a pin along z"),
+        shape_key("pin", Table(&PIN), "a pin along z with heads"),
+        shape_key("bearing", Table(&BEARING), "a bearing about z on a foot"),
+        shape_key("lathe", Table(&LATHE), "a turned part about z"),
         shape_key("frame", Formula, "constant chain from the body"),
         shape_key("colour", Colour, "in place of the body's"),
         shape_key("opacity", Formula, "in place of the body's"),
@@ -34,6 +40,11 @@ pub static SHAPE: Keys = Keys::with_one_of(
         "tube",
         "half_space",
         "stl",
+        "rod",
+        "fork",
+        "pin",
+        "bearing",
+        "lathe",
     ],
 );
 
@@ -46,7 +57,7 @@ static SPHERE: Keys = Keys::new(
 );
 
 static ROD: Keys = Keys::new(
-    "rod",
+    "round bar",
     &[
         shape_key("from", Formulas(3), "one end of its axis").required(),
         shape_key("to", Formulas(3), "the other end").required(),

@@ -82,6 +82,11 @@ pub static SCENE: Keys = Keys::new(
         ),
         table_key("labels", Tables(&LABEL), "texts in the picture"),
         table_key(
+            "dimensions",
+            Tables(&DIMENSION),
+            "lengths and angles drawn with their values",
+        ),
+        table_key(
             "clearance",
             Table(&CLEARANCE),
             "distances that bodies must keep",
@@ -270,6 +275,30 @@ static LABEL: Keys = Keys::new(
             Flag,
             "hidden while another body is in front of its point",
         ),
+    ],
+);
+
+static DIMENSION: Keys = Keys::new(
+    "dimension",
+    &[
+        table_key("from", Table(&PLACE), "where it begins").required(),
+        table_key("to", Table(&PLACE), "where it ends").required(),
+        table_key("at", Table(&PLACE), "vertex: makes it an angle"),
+        table_key("axis", Formulas(3), "the angle is counted about it"),
+        table_key("radius", Formula, "of the arc of an angle"),
+        table_key("offset", Formulas(3), "shift of the line of a length"),
+        table_key("text", Text, "what it says, with {} for the value"),
+        table_key("digits", Formula, "digits behind the point"),
+        table_key("colour", Colour, "its colour"),
+    ],
+);
+
+static PLACE: Keys = Keys::new(
+    "place",
+    &[
+        table_key("body", Text, "a body that it moves with"),
+        table_key("trace", Text, "a traced point, in place of a body"),
+        table_key("point", Formulas(3), "its place in the body's frame"),
     ],
 );
 

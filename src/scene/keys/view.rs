@@ -35,6 +35,7 @@ pub(crate) const ARROWS: Key = Key::new("arrows", Flag, "velocity arrows on trac
 pub(crate) const AXES: Key = Key::new("axes", Word(&AXES_WORDS), "axes of frames");
 pub(crate) const GAUGE: Key = Key::new("gauge", Flag, "gauges of the inputs");
 pub(crate) const JOINTS: Key = Key::new("joints", Flag, "joints drawn by kind");
+pub(crate) const SCALE: Key = Key::new("scale", Flag, "scale bar, or the pitch of the grid");
 pub(crate) const ORBIT: Key = Key::new("orbit", Formula, "degrees that the camera turns");
 pub(crate) const CAPTIONS: Key = Key::new(
     "captions",
@@ -64,6 +65,7 @@ pub static VIEW: Keys = Keys::new(
             Formula,
             "length of a fading trail in seconds",
         ),
+        Key::new("ticks", Formula, "seconds between the marks on a path"),
         GHOSTS,
         Key::new(
             "ghost_times",
@@ -77,6 +79,7 @@ pub static VIEW: Keys = Keys::new(
             "length of arrows, in seconds of motion",
         ),
         AXES,
+        SCALE,
         GAUGE,
         JOINTS,
         Key::new(
@@ -87,6 +90,8 @@ pub static VIEW: Keys = Keys::new(
         ORBIT,
         Key::new("camera_path", Tables(&CAMERA), "keys of a moving camera"),
         Key::new("fps", Formula, "frames a second"),
+        Key::new("bounce", Flag, "plays forwards, then backwards"),
+        Key::new("pause", Formula, "seconds that the ends are shown for"),
         CAPTIONS,
     ],
 );

@@ -1,7 +1,7 @@
 //! Links, their solids and their traced points.
 
 use super::super::file::SceneFile;
-use super::super::shapes::ShapeFile;
+use super::super::solids::ShapeFile;
 use super::body_constants::BodyConstants;
 use super::joints::FoldedJoints;
 use super::meshes::MeshFiles;
@@ -13,6 +13,7 @@ use crate::math::Pose;
 use crate::model::mechanism::{Body, Trace};
 use crate::model::palette;
 use crate::model::shape::Shape;
+use crate::scene::reader::Spanned;
 use crate::scene::values::FormulaText;
 use std::collections::HashMap;
 
@@ -172,6 +173,24 @@ pub fn body_index(
             Diagnostic::error(format!("there is no body `{name}`"))
                 .at(span.clone())
                 .suggest(name, bodies.iter().map(|b| b.name.as_str())),
+        );
+    }
+    found
+}
+
+/// The index of the trace of that name, or a message unless it is declared and could not be read.
+pub fn trace_index(
+    trace: &Spanned<String>,
+    names: &Names,
+    traces: &[Trace],
+    diagnostics: &mut Diagnostics,
+) -> Option<usize> {
+    let found = traces.iter().position(|t| t.name == trace.value);
+    if found.is_none() && !names.declares_trace(&trace.value) {
+        diagnostics.push(
+            Diagnostic::error(format!("there is no trace `{}`", trace.value))
+                .at(trace.span.clone())
+                .suggest(&trace.value, traces.iter().map(|t| t.name.as_str())),
         );
     }
     found

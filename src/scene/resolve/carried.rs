@@ -4,7 +4,7 @@
 use super::super::file::SceneFile;
 use super::super::formula::expansion::Factor;
 use super::super::formula::node::FormulaNode;
-use super::super::shapes::SolidFile;
+use super::super::solids::SolidFile;
 use super::joints::FoldedJoints;
 use super::parsed::Parsed;
 use super::parsing::parsed_expression;

@@ -18,6 +18,7 @@ pub fn resolve_decor(
         constants.positive(what, text, diagnostics)
     };
     let length = positive("trail_length", &view.trail_length);
+    let ticks = positive("ticks", &view.ticks);
     let arrow_scale = positive("arrow_scale", &view.arrow_scale);
     let trails = match chosen_word(&view.trails, &Trails::NAMES, "kind of trails", diagnostics) {
         Trails::Fading(_) => Trails::Fading(length),
@@ -29,6 +30,8 @@ pub fn resolve_decor(
         arrows: view.arrows.unwrap_or(false),
         arrow_scale,
         axes: chosen_word(&view.axes, &ShownAxes::NAMES, "choice of axes", diagnostics),
+        scale: view.scale.unwrap_or(false),
+        ticks,
         gauge: view.gauge.unwrap_or(false),
         joints: view.joints.unwrap_or(false),
     }

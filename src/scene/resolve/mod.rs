@@ -25,6 +25,7 @@ mod plots;
 mod range;
 mod rates;
 mod scales;
+mod shown_dimensions;
 mod solids;
 mod study;
 mod symbolic;

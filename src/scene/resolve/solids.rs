@@ -1,6 +1,6 @@
 //! Solids of bodies: the numbers of each kind, and what of them cannot be drawn or measured.
 
-use super::super::shapes::SolidFile;
+use super::super::solids::SolidFile;
 use super::body_constants::BodyConstants;
 use super::meshes::MeshFiles;
 use crate::diag::{Diagnostic, Diagnostics, Span};

@@ -3,17 +3,18 @@
 use super::super::bodies::LabelFile;
 use super::super::file::SceneFile;
 use super::super::views::ViewFile;
-use super::bodies::body_index;
+use super::bodies::{body_index, trace_index};
 use super::body_constants::BodyConstants;
 use super::choices::{MOST_LABELS, chosen_word};
 use super::names::Names;
+use super::shown_dimensions;
 use crate::diag::{Diagnostic, Diagnostics, shown_number};
 use crate::model::camera_path::CameraPath;
 use crate::model::mechanism::{Body, Trace};
 use crate::model::theme::Theme;
 use crate::model::view::{
-    Decor, EdgeLines, GroundPlace, LabelPlace, NamedView, SceneLabel, Shadows, UpAxis, View,
-    ViewProjection,
+    Decor, EdgeLines, GroundPlace, LabelPlace, NamedView, Playback, SceneLabel, Shadows, UpAxis,
+    View, ViewProjection,
 };
 use crate::model::view_change::ViewChange;
 use crate::scene::reader::Spanned;
@@ -46,6 +47,9 @@ pub fn resolve_view(
     let labels = labels.filter_map(|l| resolve_label(l, &constants, bodies, traces, diagnostics));
     let labels = labels.collect();
     let decor = super::decor::resolve_decor(view, &constants, diagnostics);
+    let places = (bodies, traces);
+    let dimensions =
+        shown_dimensions::resolve_dimensions(&file.dimensions, &constants, places, diagnostics);
     let camera_path = super::camera::resolve_camera(view, &constants, diagnostics);
     let mut reader = ViewReader {
         view,
@@ -54,6 +58,7 @@ pub fn resolve_view(
     };
     let mut resolved = View {
         labels,
+        dimensions,
         decor,
         ..reader.plain_view()
     };
@@ -81,6 +86,10 @@ impl ViewReader<'_, '_> {
         let projection = self.projection();
         let margin = self.number(&view.margin, DEFAULT_MARGIN, [0.0, 0.4], "margin");
         let fps = self.number(&view.fps, DEFAULT_FPS, [0.01, 1000.0], "fps");
+        let playback = Playback {
+            bounce: view.bounce.unwrap_or(false),
+            pause: self.number(&view.pause, 0.0, [0.0, Playback::LONGEST_PAUSE], "pause"),
+        };
         let diagnostics = &mut *self.diagnostics;
         let theme = chosen_word(&view.theme, &Theme::NAMES, "theme", diagnostics);
         let (edges, shadows) = (&EdgeLines::NAMES, &Shadows::NAMES);
@@ -98,8 +107,10 @@ impl ViewReader<'_, '_> {
             shadows: chosen_word(&view.shadows, shadows, "kind of shadows", diagnostics),
             ground: self.ground(),
             fps,
+            playback,
             captions: view.captions.unwrap_or(true),
             labels: Vec::new(),
+            dimensions: Vec::new(),
             decor: Decor::default(),
             camera_path: CameraPath::default(),
         }
@@ -213,17 +224,7 @@ fn on_trace(
     traces: &[Trace],
     diagnostics: &mut Diagnostics,
 ) -> Option<LabelPlace> {
-    let Some(index) = traces.iter().position(|t| t.name == trace.value) else {
-        if constants.names.declares_trace(&trace.value) {
-            return None;
-        }
-        diagnostics.push(
-            Diagnostic::error(format!("there is no trace `{}`", trace.value))
-                .at(trace.span.clone())
-                .suggest(&trace.value, traces.iter().map(|t| t.name.as_str())),
-        );
-        return None;
-    };
+    let index = trace_index(trace, constants.names, traces, diagnostics)?;
     let time = label
         .time
         .as_ref()

@@ -1,7 +1,7 @@
 //! Texts of pictures as rectangles: none covers another, none leaves the picture, whatever its size and view.
 
 use crate::driven::{frame_times, solve};
-use mechanim::model::view::NamedView;
+use mechanim::model::view::{NamedView, ShownAxes};
 use mechanim::render::overlay::Overlay;
 use mechanim::scene::{Overrides, Scene, builtin, load_scene};
 use mechanim::staging::marks::Marks;
@@ -61,10 +61,13 @@ fn texts_keep_apart_and_inside_in_all_scenes_sizes_and_views() {
                 view.look_from(named);
             }
             view.decor.gauge = gauge;
+            view.decor.scale = true;
+            view.decor.axes = ShownAxes::Corner;
             let options = PictureOptions { size, samples: 4 };
             check(entry.name, &Staging::new(&scene, &trajectory, options));
         }
         scene.view = plain;
+        Arc::make_mut(&mut scene.view).decor.scale = true;
         let options = PictureOptions {
             size: [640, 480],
             samples: 4,

@@ -1,5 +1,6 @@
 //! Pictures, films, plots, and the files that hold them.
 
+mod context;
 mod diagrams;
 mod export_files;
 mod export_formats;

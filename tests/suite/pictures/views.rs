@@ -22,7 +22,7 @@ fn picture(folder: &Path, options: &[&str]) -> RgbaImage {
 fn every_option_changes_the_picture() {
     let folder = tempfile::tempdir().unwrap();
     let plain = picture(folder.path(), &["--at", "3"]);
-    let options: [&[&str]; 16] = [
+    let options: [&[&str]; 19] = [
         &["--orbit", "120"],
         &["--view", "iso"],
         &["--view", "front"],
@@ -37,6 +37,9 @@ fn every_option_changes_the_picture() {
         &["--trails", "fading"],
         &["--arrows"],
         &["--axes", "all"],
+        &["--axes", "corner"],
+        &["--scale"],
+        &["--ticks", "0.5"],
         &["--gauge"],
         &["--joints"],
     ];

@@ -1,5 +1,6 @@
 //! Solids of clearance tests: their short names, and random ones that are the same in every run.
 
+mod machine_parts;
 pub mod parry;
 
 use glam::{DMat3, DQuat, DVec3};
