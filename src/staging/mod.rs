@@ -101,7 +101,7 @@ impl<'a> Staging<'a> {
         options: PictureOptions,
         marks: Marks,
     ) -> Self {
-        let mut bounds = bounds::moving_points(&scene.mechanism, trajectory);
+        let mut bounds = bounds::moving_points(scene, trajectory);
         let view = &scene.view;
         let up = up_axis(view.up);
         let mut meshes = Vec::new();
@@ -113,7 +113,7 @@ impl<'a> Staging<'a> {
         let cameras = Cameras::new(view, up, &bounds, aspect, (&times, duration));
         let ground = view_ground(view, &bounds, up);
         let pixel = body_meshes::pixel_size(cameras.all(), options.size, &bounds);
-        let parts = body_meshes::of_bodies(&scene.mechanism, pixel, &mut meshes);
+        let parts = body_meshes::of_bodies(scene, pixel, &mut meshes);
         let height = f64::from(options.size[1]);
         decor.after_camera(moving, (pixel, height), &mut meshes);
         let measure = marks.mesh(pixel, &mut meshes);
@@ -153,7 +153,7 @@ impl<'a> Staging<'a> {
         if self.scene.view.labels.is_empty() {
             return;
         }
-        let points = bounds::moving_points(&self.scene.mechanism, self.trajectory);
+        let points = bounds::moving_points(self.scene, self.trajectory);
         let moving = (self.scene, self.trajectory);
         let cameras = |index: usize| self.cameras.get(index).copied();
         let camera = |index: usize| cameras(index).unwrap_or(self.stage.camera);

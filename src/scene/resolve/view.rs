@@ -102,6 +102,7 @@ impl ViewReader<'_, '_> {
             labels: Vec::new(),
             decor: Decor::default(),
             camera_path: CameraPath::default(),
+            hidden: Vec::new(),
         }
     }
 
