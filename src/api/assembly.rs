@@ -28,7 +28,8 @@ impl Assembly {
             let why = format!("input `{name}` has no value at t = {time} s");
             return Err(Error::new(ErrorKind::Argument, why, Vec::new()));
         }
-        let modes = find_modes(&loaded.system, &start, DEFAULT_STARTS, &|| false);
+        let named = &actuation.named;
+        let modes = find_modes(&loaded.system, &start, named, DEFAULT_STARTS, &|| false);
         let list = modes.list.into_iter().map(|mode| {
             let unknowns = mechanism.unknowns.iter().zip(&mode.coordinates);
             let values = unknowns.map(|(c, v)| (c.name.clone(), v * mechanism.file_units(c.kind)));

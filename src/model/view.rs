@@ -1,6 +1,8 @@
 //! How a scene wants to be seen: camera direction, ground, labels. Plain data, no pixels.
 
 use super::camera_path::CameraPath;
+use super::mechanism::Mechanism;
+use super::shape::Shape;
 use super::shown_dimension::ShownDimension;
 use super::theme::Theme;
 use glam::DVec3;
@@ -297,9 +299,34 @@ pub struct View {
     pub decor: Decor,
     /// How the camera moves.
     pub camera_path: CameraPath,
+    /// Solids that are left out of pictures.
+    pub hidden: Vec<HiddenSolids>,
+}
+
+/// Solids of a body that pictures leave out; they move and are measured like the others.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct HiddenSolids {
+    /// Index of the body.
+    pub body: usize,
+    /// Only those of this kind, by its word; all if `None`.
+    pub kind: Option<String>,
 }
 
 impl View {
+    /// The solids of a body of `mechanism` that pictures show.
+    pub fn shown_shapes<'m>(
+        &self,
+        mechanism: &'m Mechanism,
+        body: usize,
+    ) -> impl Iterator<Item = &'m Shape> + use<'m, '_> {
+        let shapes = mechanism.bodies[body].shapes.iter();
+        shapes.filter(move |shape| {
+            let mut hidden = self.hidden.iter().filter(|hidden| hidden.body == body);
+            let is_meant = |kind: &str| kind == shape.solid.word();
+            !hidden.any(|hidden| hidden.kind.as_deref().is_none_or(is_meant))
+        })
+    }
+
     /// Looks from a named direction. `Four` leaves the direction as it is, which one of the four views shows.
     pub fn look_from(&mut self, named: NamedView) {
         let iso = std::f64::consts::FRAC_1_SQRT_2.atan();

@@ -121,12 +121,17 @@ impl<'t> MotionProof<'t> {
         text
     }
 
-    /// The question whether the motion is proved between the samples.
-    pub fn case(&self, mechanism: &Mechanism, actuation: &Actuation) -> Case {
-        let status = match self.is_whole() {
+    /// What the question whether the motion is proved between the samples comes to.
+    fn status(&self) -> Status {
+        match self.is_whole() {
             true => Status::Passed,
             false => Status::NotProved,
-        };
+        }
+    }
+
+    /// The question whether the motion is proved between the samples.
+    pub fn case(&self, mechanism: &Mechanism, actuation: &Actuation) -> Case {
+        let status = self.status();
         let text = self.sentence(mechanism, actuation);
         Case::new(PROOF, "motion certificate", status, text)
     }
@@ -153,6 +158,16 @@ impl<'t> MotionProof<'t> {
             "unique_radius": any.then_some(self.unique_radius),
             "refused": refused.collect::<Vec<_>>(),
         })
+    }
+}
+
+/// What a table of poses is worth. Rows that do not close fail it; the intervals between its rows want a proof where one was
+/// asked for. A pose that is closed and cannot be certified says so in its row.
+pub fn table_status(poses: &PoseProofs, motion: Option<&MotionProof>) -> Status {
+    match motion.map(MotionProof::status) {
+        _ if poses.open > 0 => Status::Failed,
+        Some(status) => status,
+        None => Status::Passed,
     }
 }
 

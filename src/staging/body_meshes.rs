@@ -4,9 +4,9 @@ use super::bounds;
 use crate::geometry::mesh_of;
 use crate::kinematics::results::trajectory::ClosedPose;
 use crate::math::Pose;
-use crate::model::mechanism::Mechanism;
 use crate::model::shape::{Solid, TriangleSoup};
 use crate::render::{Camera, Instance, StageMesh};
+use crate::scene::Scene;
 use glam::DVec3;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -74,15 +74,11 @@ fn nearest_pixel(camera: &Camera, size: [u32; 2], points: &[DVec3]) -> f64 {
 }
 
 /// One part per shape of every body. Shapes that share the triangles of a file share their mesh.
-pub fn of_bodies(
-    mechanism: &Mechanism,
-    pixel: f64,
-    meshes: &mut Vec<StageMesh>,
-) -> Vec<StagedPart> {
+pub fn of_bodies(scene: &Scene, pixel: f64, meshes: &mut Vec<StageMesh>) -> Vec<StagedPart> {
     let mut parts = Vec::new();
     let mut of_files: HashMap<*const TriangleSoup, usize> = HashMap::new();
-    for (body, b) in mechanism.bodies.iter().enumerate() {
-        for shape in &b.shapes {
+    for body in 0..scene.mechanism.bodies.len() {
+        for shape in scene.view.shown_shapes(&scene.mechanism, body) {
             let mut new_mesh = || {
                 meshes.push(mesh_of(&shape.solid, FACET_ERROR_PIXELS * pixel).into());
                 meshes.len() - 1

@@ -3,8 +3,8 @@
 use super::link_symbols;
 use crate::geometry::coarse_mesh_of;
 use crate::kinematics::results::trajectory::Trajectory;
-use crate::model::mechanism::Mechanism;
 use crate::model::shape::{Solid, TriangleSoup};
+use crate::scene::Scene;
 use glam::DVec3;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -51,14 +51,13 @@ fn outermost_points(points: &[DVec3]) -> Vec<DVec3> {
 }
 
 /// Points of coarse meshes of all bodies over the motion, and all traced points.
-pub fn moving_points(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<DVec3> {
+pub fn moving_points(scene: &Scene, trajectory: &Trajectory) -> Vec<DVec3> {
+    let mechanism = &scene.mechanism;
+    let shown = |body| scene.view.shown_shapes(mechanism, body);
     // Of a file that many shapes are of the outermost points are looked for once.
     let mut of_files: HashMap<*const TriangleSoup, Vec<DVec3>> = HashMap::new();
-    let hulls: Vec<(usize, Vec<DVec3>)> = mechanism
-        .bodies
-        .iter()
-        .enumerate()
-        .flat_map(|(body, b)| b.shapes.iter().map(move |shape| (body, shape)))
+    let hulls: Vec<(usize, Vec<DVec3>)> = (0..mechanism.bodies.len())
+        .flat_map(|body| shown(body).map(move |shape| (body, shape)))
         .map(|(body, shape)| {
             let place = |p: &DVec3| shape.body_from_shape.transform_point(*p);
             let hull = match &shape.solid {

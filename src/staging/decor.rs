@@ -37,7 +37,7 @@ impl DecorParts {
         let extent = bounds::box_of(bounds).map_or(1.0, |[low, high]| (high - low).length());
         // A scene without bodies draws its joints and links instead.
         let joints = if decor.joints || mechanism.bodies.is_empty() {
-            JointSymbols::new(mechanism, trajectory, (extent, up), meshes)
+            JointSymbols::new(scene, trajectory, (extent, up), meshes)
         } else {
             JointSymbols::default()
         };

@@ -5,6 +5,7 @@ use crate::geometry::coarse_mesh_of;
 use crate::math::Pose;
 use crate::model::joints::JointKind;
 use crate::model::mechanism::Mechanism;
+use crate::model::view::View;
 use glam::DVec3;
 
 /// Facet error of the meshes that are looked at over a solid's radius.
@@ -45,9 +46,9 @@ type AxisStretch = [f64; 2];
 
 impl<'p> Outlines<'p> {
     /// Outlines of all bodies, which are looked at at some of the poses of the motion.
-    pub fn new(mechanism: &Mechanism, all: &'p [PlacedLinks]) -> Self {
-        let bodies = mechanism.bodies.iter().map(|body| {
-            let solids = body.shapes.iter().map(|shape| {
+    pub fn new((mechanism, view): (&Mechanism, &View), all: &'p [PlacedLinks]) -> Self {
+        let bodies = (0..mechanism.bodies.len()).map(|body| {
+            let solids = view.shown_shapes(mechanism, body).map(|shape| {
                 let mesh = coarse_mesh_of(&shape.solid, COARSE);
                 let points = mesh.positions.iter();
                 points
@@ -206,7 +207,7 @@ mod tests {
         let poses: Vec<PlacedLinks> = closed
             .map(|(sample, pose)| PlacedLinks::new(&mechanism, sample, pose))
             .collect();
-        let outlines = Outlines::new(&mechanism, &poses);
+        let outlines = Outlines::new((&mechanism, &scene.view), &poses);
         let places = joints::placed_joints(&mechanism)
             .into_iter()
             .filter(|joint| joint.grounded)

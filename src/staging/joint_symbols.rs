@@ -12,6 +12,7 @@ use crate::model::joints::JointKind;
 use crate::model::mechanism::Mechanism;
 use crate::model::shape::Solid;
 use crate::render::{Instance, StageMesh};
+use crate::scene::Scene;
 use glam::DVec3;
 
 /// Radius of a pin over the extent of the motion; all signs are made of it.
@@ -56,11 +57,12 @@ pub struct JointSymbols {
 impl JointSymbols {
     /// Adds the meshes of all joints; nothing without any pose.
     pub fn new(
-        mechanism: &Mechanism,
+        scene: &Scene,
         trajectory: &Trajectory,
         (extent, up): (f64, DVec3),
         meshes: &mut Vec<StageMesh>,
     ) -> Self {
+        let mechanism = &scene.mechanism;
         let poses = placed_samples(mechanism, trajectory);
         let Some(first) = poses.first() else {
             return Self::default();
@@ -77,7 +79,7 @@ impl JointSymbols {
                 });
             }
         }
-        let outlines = Outlines::new(mechanism, &poses);
+        let outlines = Outlines::new((mechanism, &scene.view), &poses);
         for joint in joints::placed_joints(mechanism) {
             let place = outlines.place(&joint, HOLD * radius);
             let shift = DVec3::AXES[joint.axis] * place.shift;

@@ -115,7 +115,7 @@ impl<'a> Staging<'a> {
         options: PictureOptions,
         marks: Marks,
     ) -> Self {
-        let mut bounds = bounds::moving_points(&scene.mechanism, trajectory);
+        let mut bounds = bounds::moving_points(scene, trajectory);
         let view = &scene.view;
         let up = up_axis(view.up);
         let mut meshes = Vec::new();
@@ -129,7 +129,7 @@ impl<'a> Staging<'a> {
         bounds.extend(dimension_lines::held_points(scene, trajectory, extent));
         let cameras = Cameras::new(view, up, &bounds, aspect, (&times, duration));
         let pixel = body_meshes::pixel_size(cameras.all(), options.size, &bounds);
-        let parts = body_meshes::of_bodies(&scene.mechanism, pixel, &mut meshes);
+        let parts = body_meshes::of_bodies(scene, pixel, &mut meshes);
         let height = f64::from(options.size[1]);
         decor.after_camera(moving, (pixel, height), &mut meshes);
         let measure = marks.mesh(pixel, &mut meshes);
@@ -177,7 +177,7 @@ impl<'a> Staging<'a> {
         if self.scene.view.labels.is_empty() {
             return;
         }
-        let points = bounds::moving_points(&self.scene.mechanism, self.trajectory);
+        let points = bounds::moving_points(self.scene, self.trajectory);
         let moving = (self.scene, self.trajectory);
         let cameras = |index: usize| self.cameras.get(index).copied();
         let camera = |index: usize| cameras(index).unwrap_or(self.stage.camera);

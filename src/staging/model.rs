@@ -77,7 +77,7 @@ pub fn of_motion(
     facets: Facets,
 ) -> ExportModel {
     let mechanism = &scene.mechanism;
-    let extent = bounds::box_of(&bounds::moving_points(mechanism, trajectory))
+    let extent = bounds::box_of(&bounds::moving_points(scene, trajectory))
         .map_or(mechanism.size, |[low, high]| (high - low).length());
     let keys = pose_keys(trajectory, samples);
     let bodies = mechanism.bodies.iter().enumerate().map(|(index, body)| {
@@ -87,9 +87,9 @@ pub fn of_motion(
         });
         ModelBody {
             name: body.name.clone(),
-            parts: body
-                .shapes
-                .iter()
+            parts: scene
+                .view
+                .shown_shapes(mechanism, index)
                 .map(|s| model_part(s, facets.facet_error(&s.solid, extent)))
                 .collect(),
             poses: poses.collect(),

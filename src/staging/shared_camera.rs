@@ -20,7 +20,7 @@ impl SharedCamera {
         options: PictureOptions,
     ) -> Option<Self> {
         let view = &moving.clone().next()?.0.view;
-        let all = moving.flat_map(|(s, t)| bounds::moving_points(&s.mechanism, t));
+        let all = moving.flat_map(|(s, t)| bounds::moving_points(s, t));
         let points: Vec<_> = all.collect();
         Some(Self {
             camera: cameras::still_camera(view, up_axis(view.up), &points, picture_aspect(options)),

@@ -6,7 +6,7 @@ use crate::diag::shown_number;
 use crate::export::Format;
 use crate::model::theme::Theme;
 use crate::model::view::{
-    EdgeLines, Ghosts, NamedView, Playback, Shadows, ShownAxes, Trails, ViewProjection,
+    EdgeLines, Ghosts, HiddenSolids, NamedView, Playback, Shadows, ShownAxes, Trails, ViewProjection,
 };
 use crate::model::view_change::ViewChange;
 use crate::scene::Scene;
@@ -182,7 +182,7 @@ fn refuse_ghosts(times: &[f64], last: f64) -> Result<(), Failure> {
 
 /// Takes a body's solids out of the pictures; its motion stays.
 fn hide_shapes(name: &str, scene: &mut Scene) -> Result<(), Failure> {
-    let mechanism = Arc::make_mut(&mut scene.mechanism);
+    let mechanism = &scene.mechanism;
     let whole = mechanism.bodies.iter().position(|body| body.name == name);
     let (body, kind) = match (whole, name.rsplit_once('.')) {
         (Some(body), _) => (Some(body), None),
@@ -198,20 +198,22 @@ fn hide_shapes(name: &str, scene: &mut Scene) -> Result<(), Failure> {
         .map(|body| body.name.as_str())
         .collect();
     let hint = format!("its bodies are: {}", names.join(", "));
-    let Some(body) = body.map(|k| &mut mechanism.bodies[k]) else {
+    let Some(body) = body else {
         let message = format!("the scene has no body `{name}`");
         return Err(Failure::usage(message, vec![hint]));
     };
-    let before = body.shapes.len();
-    body.shapes
-        .retain(|shape| kind.is_some_and(|kind| shape.solid.word() != kind));
-    match kind {
-        Some(kind) if body.shapes.len() == before => {
-            let message = format!("body `{}` has no {kind}", body.name);
-            Err(Failure::usage(message, Vec::new()))
-        }
-        _ => Ok(()),
+    let mut shown = scene.view.shown_shapes(mechanism, body);
+    if let Some(kind) = kind
+        && !shown.any(|shape| shape.solid.word() == kind)
+    {
+        let message = format!("body `{}` has no {kind}", mechanism.bodies[body].name);
+        return Err(Failure::usage(message, Vec::new()));
     }
+    drop(shown);
+    let kind = kind.map(str::to_owned);
+    let view = Arc::make_mut(&mut scene.view);
+    view.hidden.push(HiddenSolids { body, kind });
+    Ok(())
 }
 
 /// Degrees about the up axis.

@@ -17,7 +17,7 @@ use crate::kinematics::solve::iterates::record_iterates;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::{Kind, Mechanism};
-use crate::report::proof::{MotionProof, PoseProofs};
+use crate::report::proof::{MotionProof, PoseProofs, table_status};
 use crate::report::table::{Columns, write_csv, write_json};
 use crate::report::{freedoms, iterates as iterate_table};
 use crate::scene::Scene;
@@ -51,27 +51,25 @@ pub fn run_solve(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
     if args.at.is_some() {
         trajectory.samples.drain(..trajectory.samples.len() - 1);
     }
-    let outcome = event_messages::tell_events(&system, actuation, &trajectory, term)?;
+    let told = event_messages::tell_events(&system, actuation, &trajectory, term)?;
     let proves_motion = args.certify == CertifyArg::Motion;
     let proof = proves_motion.then(|| MotionProof::of(&trajectory));
-    if let Some(proof) = proof.filter(|p| !p.is_whole()) {
+    if let Some(proof) = proof.as_ref().filter(|p| !p.is_whole()) {
         term.warning(&format!(
             "motion: {}",
             proof.sentence(&scene.mechanism, actuation)
         ));
     }
-    let open = PoseProofs::of(
-        system.structure(),
-        &trajectory,
-        args.certify != CertifyArg::None,
-    )
-    .open;
-    if open > 0 {
+    let asked = args.certify != CertifyArg::None;
+    let poses = PoseProofs::of(system.structure(), &trajectory, asked);
+    if poses.open > 0 {
         term.warning(&format!(
-            "{open} of {} samples are open: redundant equations do not hold, by more than rounding and the digits of the dimensions explain",
+            "{} of {} samples are open: redundant equations do not hold, by more than rounding and the digits of the dimensions explain",
+            poses.open,
             trajectory.samples.len()
         ));
     }
+    let outcome = told.worse(table_status(&poses, proof.as_ref()).into());
     for held in &system.structure().held {
         let idle = freedoms::idle_sentence(&scene.mechanism, held);
         term.note(&format!("idle: {idle} at its start value"));

@@ -157,7 +157,7 @@ pub fn search_modes(
         ));
     }
     let cancelled = || CANCEL.load(Ordering::Relaxed);
-    let modes = find_modes(system, &first, starts, &cancelled);
+    let modes = find_modes(system, &first, &actuation.named, starts, &cancelled);
     refuse_interrupted()?;
     Ok(modes)
 }

@@ -8,6 +8,7 @@ use crate::jobs::{core_count, share_work};
 use crate::kinematics::loops::forward::closure_error;
 use crate::kinematics::solve::assembly::assemble_pose;
 use crate::kinematics::solve::newton::Corrector;
+use crate::kinematics::solve::pose_solver::PoseSolver;
 use crate::kinematics::solve::random_starts::{CLOSED, start_values};
 use crate::kinematics::structure::system::System;
 use crate::model::mechanism::Kind;
@@ -39,7 +40,8 @@ const ROUND: usize = 100;
 
 /// One start.
 enum Job {
-    Scene,
+    /// The start values, of which the solver keeps those that the scene names.
+    Scene { named: Vec<bool> },
     /// Its number.
     Random(usize),
     /// The values.
@@ -55,7 +57,7 @@ enum Job {
 impl Job {
     fn kind(&self) -> StartKind {
         match self {
-            Self::Scene => StartKind::Scene,
+            Self::Scene { .. } => StartKind::Scene,
             Self::Random(_) => StartKind::Random,
             Self::Mirrored(_) => StartKind::Mirrored,
             Self::Continued { .. } => StartKind::Continued,
@@ -64,18 +66,22 @@ impl Job {
 }
 
 /// Searches the assemblies at the inputs of `first` (start values of the unknowns, then inputs), from there and from at most
-/// `limit` other starts.
+/// `limit` other starts. `named` are the start values that the scene names, as in
+/// [`Actuation::named`](crate::model::actuation::Actuation::named): the scene's own assembly is the one where a motion starts.
 ///
 /// The result depends on nothing but the arguments, in particular not on the number of threads. Ends early, with
 /// what it has, when `cancelled` says so.
 pub fn find_modes(
     system: &System,
     first: &[f64],
+    named: &[bool],
     limit: usize,
     cancelled: &(dyn Fn() -> bool + Sync),
 ) -> Modes {
     let mut search = ModeSearch::new(system);
-    let mut jobs = vec![Job::Scene];
+    let mut jobs = vec![Job::Scene {
+        named: named.to_vec(),
+    }];
     let (mut left, mut random) = (limit, 0);
     loop {
         // What earlier rounds suggest comes first, then random starts.
@@ -153,8 +159,10 @@ impl<'s> ModeSearch<'s> {
             let tally = self.tally_of(kind);
             tally.starts += 1;
             tally.closed += usize::from(!closures.is_empty());
-            for pose in closures {
-                self.sort_pose(pose, kind);
+            for (number, pose) in closures.into_iter().enumerate() {
+                let group = self.sort_pose(pose, kind);
+                // Of the scene's start the first is where its motion starts.
+                self.groups[group].is_scene |= kind == StartKind::Scene && number == 0;
             }
         }
     }
@@ -163,28 +171,28 @@ impl<'s> ModeSearch<'s> {
         &mut self.tallies[kind as usize].1
     }
 
-    /// Adds a closed pose to its group.
-    fn sort_pose(&mut self, pose: Vec<f64>, kind: StartKind) {
+    /// Adds a closed pose to its group, whose number it returns.
+    fn sort_pose(&mut self, pose: Vec<f64>, kind: StartKind) -> usize {
         let place = self.alike.place(&pose);
         let mut known = self.places.iter();
         let known = known.position(|other| same_numbers(&other.links, &place.links));
         // A known placement, else a point of a known continuous set, else a new one.
         let group = known.or_else(|| self.set_of(&pose, &place));
-        let placement = match group {
+        let index = group.unwrap_or(self.groups.len());
+        match group {
             Some(group) => {
                 let group = &mut self.groups[group];
                 match group.dimension {
                     0 => group.meet(self.system.mechanism(), pose),
                     _ => group.met += 1,
                 }
-                group.is_scene |= kind == StartKind::Scene;
-                group.placement
             }
             None => self.add(pose, place, kind),
-        };
-        if kind == StartKind::Random {
-            self.placements[placement].1 += 1;
         }
+        if kind == StartKind::Random {
+            self.placements[self.groups[index].placement].1 += 1;
+        }
+        index
     }
 
     /// The group of the known continuous set on which a pose lies.
@@ -199,8 +207,8 @@ impl<'s> ModeSearch<'s> {
         sets.find(own).map(|(_, group)| *group)
     }
 
-    /// A new group; its placement.
-    fn add(&mut self, pose: Vec<f64>, place: PlacedPoint, kind: StartKind) -> usize {
+    /// A new group.
+    fn add(&mut self, pose: Vec<f64>, place: PlacedPoint, kind: StartKind) {
         let set = Continuum::new(self.system, &self.alike, &pose);
         let mut placements = self.placements.iter();
         let known = match set {
@@ -225,12 +233,11 @@ impl<'s> ModeSearch<'s> {
         self.groups.push(ModeGroup {
             coordinates: pose,
             met: 1,
-            is_scene: kind == StartKind::Scene,
+            is_scene: false,
             placement,
             dimension,
         });
         self.places.push(place);
-        placement
     }
 
     /// Starts that follow from a new placement.
@@ -307,12 +314,17 @@ fn search_closures(
 ) -> Vec<Vec<f64>> {
     let mechanism = system.mechanism();
     let starts = match job {
-        Job::Scene => vec![first.to_vec()],
+        // Where the named values are not kept, the start leads to an assembly of its own.
+        Job::Scene { .. } => vec![first.to_vec()],
         Job::Random(number) => vec![start_values(mechanism, first, *number)],
         Job::Mirrored(values) => vec![values.clone()],
         Job::Continued { pose, block, key } => {
             branch_neighbours(mechanism, &system.blocks()[*block], pose, *key, cancelled)
         }
+    };
+    let meant = match job {
+        Job::Scene { named } => PoseSolver::new(system).assembled(first, Some(named)).ok(),
+        _ => None,
     };
     let closed = starts.into_iter().filter_map(|mut values| {
         for held in &system.structure().held {
@@ -323,7 +335,13 @@ fn search_closures(
         let pose = assemble_pose(system, &mut corrector, &values, false).ok()?;
         Some(pose.coordinates)
     });
-    closed
+    // Mostly the plain start ends where the meant one does.
+    let meant: Vec<Vec<f64>> = meant.into_iter().map(|pose| pose.coordinates).collect();
+    let is_other = |pose: &Vec<f64>| !meant.iter().any(|known| same_numbers(known, pose));
+    let others: Vec<Vec<f64>> = closed.filter(is_other).collect();
+    meant
+        .into_iter()
+        .chain(others)
         .filter(|pose| closure_error(mechanism, pose) <= CLOSED)
         .collect()
 }

@@ -19,9 +19,11 @@ use crate::kinematics::structure::loop_part::{LoopPart, component_name, componen
 use crate::kinematics::structure::ordering::{Incidence, Member, of_group, unknowns_of};
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
+use crate::model::chain::{ChainStep, ElementaryMotion};
 use crate::model::mechanism::{Kind, Mechanism};
 use crate::model::outputs::output_arguments;
 use crate::numbers::interval::Interval;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// Lengths above this are none of a mechanism; products of two are still numbers.
@@ -81,25 +83,31 @@ fn analyse_system(
         poses = closed_poses(&trial(merged.collect(), Vec::new()), actuation);
     }
     if poses.is_empty() {
-        // Nothing closes: solving will say so, unless the mechanism is not determined anyway.
-        let lacking = system.blocks().iter().find(|b| generic.lacks(b));
-        return match lacking {
-            Some(block) => Err(generic.under_determined(block)),
-            None => Ok(system),
-        };
+        // Nothing closes: solving will say so, unless the mechanism is not determined anyway. A spin is idle in open loops, too.
+        return with_spins_held(system, &incidence, &generic, trial);
     }
     let closed = Ranks::new(&mechanism, &poses);
     let system = trial(
         closed.blocks(&incidence, incidence.groups(&[]))?,
         Vec::new(),
     );
-    let held = idle::find_idle(&system, &closed)?;
+    with_spins_held(system, &incidence, &closed, trial)
+}
+
+/// The system, with its idle freedoms held.
+fn with_spins_held(
+    system: System,
+    incidence: &Incidence,
+    ranks: &Ranks,
+    trial: impl Fn(Vec<Block>, Vec<Held>) -> System,
+) -> Result<System, StructureError> {
+    let held = idle::find_idle(&system, ranks)?;
     if held.is_empty() {
         return Ok(system);
     }
     let slots: Vec<usize> = held.iter().map(|h| h.unknown).collect();
     Ok(trial(
-        closed.blocks(&incidence, incidence.groups(&slots))?,
+        ranks.blocks(incidence, incidence.groups(&slots))?,
         held,
     ))
 }
@@ -120,7 +128,8 @@ fn starts_singular(system: &System, actuation: &Actuation) -> bool {
     system.blocks().iter().any(|b| ranks.lacks(b))
 }
 
-/// An unknown that changes no equation at any pose stands in the formulas only in vain.
+/// An unknown that changes no equation at any pose stands in the formulas only in vain, unless it turns links of a loop: a
+/// freedom of joints, which may be idle.
 fn refuse_unheld(
     mechanism: &Mechanism,
     incidence: &Incidence,
@@ -139,12 +148,34 @@ fn refuse_unheld(
             }
         }
     }
-    let unheld: Vec<usize> = (0..felt.len()).filter(|u| !felt[*u]).collect();
+    let turning = turning_unknowns(mechanism);
+    let unheld = (0..felt.len()).filter(|unknown| !felt[*unknown] && !turning.contains(unknown));
+    let unheld: Vec<usize> = unheld.collect();
     if unheld.is_empty() {
         return Ok(());
     }
     let names = slot_names(mechanism, unheld.into_iter());
     Err(StructureError::Unheld { names })
+}
+
+/// Angles that turn a joint of a loop.
+fn turning_unknowns(mechanism: &Mechanism) -> BTreeSet<usize> {
+    let pose = vec![0.0; mechanism.coordinate_count()];
+    let steps = mechanism.loops.iter().flat_map(|item| &item.chain.steps);
+    let turned = steps.filter_map(|step| match step {
+        ChainStep::Joint {
+            motion: ElementaryMotion::Rotation,
+            argument,
+            ..
+        } => Some(mechanism.arguments[*argument].gradient(&pose)),
+        _ => None,
+    });
+    let is_angle = |unknown: &usize| {
+        let unknown = mechanism.unknowns.get(*unknown);
+        unknown.is_some_and(|unknown| unknown.kind == Kind::Angle)
+    };
+    let slots = turned.flatten().map(|(slot, _)| slot);
+    slots.filter(is_angle).collect()
 }
 
 /// Whether a loop is proved to be open at all poses whose lengths are numbers.

@@ -8,7 +8,7 @@
 
 use super::generic_rank::{RANK, random_poses, rank_of_rows};
 use crate::math::Pose;
-use crate::model::chain::{ArgumentValue, ElementaryMotion};
+use crate::model::chain::{Argument, ArgumentValue, ElementaryMotion};
 use crate::model::joints::{Joint, Joints};
 use crate::model::mechanism::{Closes, Loop, Mechanism};
 use crate::model::walk::walk_chain;
@@ -32,7 +32,8 @@ pub struct LoopSpace {
 pub struct JointCount {
     /// Freedoms of the joints: those of loops, and those of bodies that move by a coordinate of their own.
     pub joints: usize,
-    /// Coordinates that stand in equations only.
+    /// Freedoms of the coordinates in equations that the joints do not have: coordinates that stand in equations only, and of a
+    /// sum that moves a joint all but one.
     pub free: usize,
     /// Every loop.
     pub loops: Vec<LoopSpace>,
@@ -48,11 +49,11 @@ impl JointCount {
     /// Counts a mechanism's joints.
     pub fn new(mechanism: &Mechanism) -> Self {
         let poses = random_poses(mechanism);
-        let counted = counted_joints(mechanism);
+        let (counted, span) = counted_joints(mechanism);
         let list = &mechanism.joints.list;
         let freedoms: usize = counted.iter().map(|j| list[*j].kind.freedoms()).sum();
         let arguments = counted.iter().flat_map(|j| list[*j].arguments());
-        let independent = poses.first().map_or(0, |pose| {
+        let independent = telling_pose(mechanism, &poses).map_or(0, |pose| {
             independent_arguments(mechanism, &arguments.collect::<Vec<_>>(), pose)
         });
         let spaces = loop_spaces(mechanism, &poses);
@@ -73,7 +74,7 @@ impl JointCount {
                 true => independent,
                 false => freedoms,
             },
-            free: in_equations_only(mechanism, &counted),
+            free: beside_joints(mechanism, span),
             loops: mechanism.loops.iter().zip(spaces).map(of_loop).collect(),
             equations: mechanism.equations.len(),
             shared: shared.unwrap_or(0),
@@ -105,8 +106,8 @@ impl JointCount {
 }
 
 /// Joints that loops pass, and of the others those that bring a coordinate of their own: what follows another
-/// joint (a piece of a rope, a stage of a telescope) is placed, not jointed.
-fn counted_joints(mechanism: &Mechanism) -> Vec<usize> {
+/// joint (a piece of a rope, a stage of a telescope) is placed, not jointed. With them what they change.
+fn counted_joints(mechanism: &Mechanism) -> (Vec<usize>, TwistSpan) {
     let Joints {
         list, along_loops, ..
     } = &mechanism.joints;
@@ -117,8 +118,8 @@ fn counted_joints(mechanism: &Mechanism) -> Vec<usize> {
     // one add nothing, those of coordinates that only stand in other sums do.
     let mut span = TwistSpan::default();
     let poses = random_poses(mechanism);
-    let Some(pose) = poses.first() else {
-        return counted;
+    let Some(pose) = telling_pose(mechanism, &poses) else {
+        return (counted, span);
     };
     for joint in &counted {
         adds_freedom(mechanism, &mut span, &list[*joint], pose);
@@ -130,7 +131,17 @@ fn counted_joints(mechanism: &Mechanism) -> Vec<usize> {
             counted.push(index);
         }
     }
-    counted
+    (counted, span)
+}
+
+/// The pose at which the fewest arguments have no value: an arc sine may have none at a random one.
+fn telling_pose<'p>(mechanism: &Mechanism, poses: &'p [Vec<f64>]) -> Option<&'p [f64]> {
+    let unknown = |pose: &&Vec<f64>| {
+        let arguments = mechanism.arguments.iter();
+        let has_none = |a: &&Argument| a.gradient(pose).iter().any(|(_, rate)| !rate.is_finite());
+        arguments.filter(has_none).count()
+    };
+    poses.iter().min_by_key(unknown).map(Vec::as_slice)
 }
 
 /// Whether the motions of a joint change something that those in `span` do not; they are in it from then on.
@@ -187,13 +198,13 @@ impl TwistSpan {
     }
 }
 
-fn in_equations_only(mechanism: &Mechanism, counted: &[usize]) -> usize {
-    let joints = &mechanism.joints.list;
-    let of_joints = counted.iter().flat_map(|j| &joints[*j].coordinates);
-    let of_joints: BTreeSet<usize> = of_joints.copied().collect();
+/// How many coordinates of equations change something that the joints do not, each beside those before it: a joint that is
+/// moved by a sum of two has one freedom, and the equations know both.
+fn beside_joints(mechanism: &Mechanism, mut span: TwistSpan) -> usize {
     let equations = mechanism.equations.iter();
     let slots: BTreeSet<usize> = equations.flat_map(|e| e.expression.slots()).collect();
-    slots.difference(&of_joints).count()
+    let added = slots.into_iter().filter(|slot| span.add(&[(*slot, 1.0)]));
+    added.count()
 }
 
 /// How many of the arguments change independently of each other.

@@ -113,6 +113,7 @@ impl ViewReader<'_, '_> {
             dimensions: Vec::new(),
             decor: Decor::default(),
             camera_path: CameraPath::default(),
+            hidden: Vec::new(),
         }
     }
 

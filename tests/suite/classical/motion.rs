@@ -110,7 +110,7 @@ impl Motion {
     pub fn modes(&self) -> Modes {
         let system = self.model.system().unwrap();
         let first = self.model.actuation.start_at(0.0);
-        find_modes(&system, &first, DEFAULT_STARTS, &|| false)
+        find_modes(&system, &first, &[], DEFAULT_STARTS, &|| false)
     }
 
     /// Whether some assembly has these unknowns, angles up to whole turns.

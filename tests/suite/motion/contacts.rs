@@ -315,7 +315,7 @@ fn nearest_and_farthest_normals_are_assemblies() {
         let system = mechanism.system().unwrap();
         let inputs = [degrees.to_radians()];
         let first = [&mechanism.actuation.guess[..], &inputs].concat();
-        let found = find_modes(&system, &first, DEFAULT_STARTS, &|| false);
+        let found = find_modes(&system, &first, &[], DEFAULT_STARTS, &|| false);
         assert_eq!(found.list.len(), count, "{name} at {degrees}");
     }
 }
@@ -327,6 +327,7 @@ fn torus_pair_has_eight_assemblies_at_the_start() {
     let found = find_modes(
         &system,
         &mechanism.actuation.start_at(0.0),
+        &[],
         DEFAULT_STARTS,
         &|| false,
     );

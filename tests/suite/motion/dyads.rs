@@ -83,6 +83,7 @@ fn four_assemblies_are_found_at_the_start() {
     let modes = find_modes(
         &system,
         &mechanism.actuation.start_at(0.0),
+        &[],
         DEFAULT_STARTS,
         &|| false,
     );

@@ -27,7 +27,7 @@ fn value(mechanism: &Mechanism, pose: &ClosedPose, name: &str) -> f64 {
 fn assemblies(mechanism: &Model, names: &[&str]) -> Vec<Vec<f64>> {
     let system = mechanism.system().unwrap();
     let first = mechanism.actuation.start_at(0.0);
-    let modes = find_modes(&system, &first, DEFAULT_STARTS, &|| false);
+    let modes = find_modes(&system, &first, &[], DEFAULT_STARTS, &|| false);
     let modes = modes.list.iter();
     let named = |coordinates: &[f64]| {
         let values = names.iter().map(|name| coordinates[slot(mechanism, name)]);

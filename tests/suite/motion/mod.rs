@@ -13,6 +13,7 @@ mod gimbal;
 mod hard_cases;
 mod hard_motions;
 mod hard_rows;
+mod kinks;
 mod limit_positions;
 mod motion_events;
 mod random_starts;

@@ -313,6 +313,58 @@ fn joints_driven_by_sums_of_coordinates_are_counted() {
     }
 }
 
+/// A joint that a sum of coordinates moves has one freedom, and what equations know of its terms beside it is counted too:
+/// the count is the rank, however the angles are written.
+#[test]
+fn terms_of_a_sum_that_moves_a_joint_are_counted_in_equations() {
+    let planet = |frame: &str| {
+        format!(
+            "inputs = {{ q = \"t\" }}\nequations = {{ gear = \"20*p - 50*q\" }}\n\
+             bodies = [ {{ name = \"carrier\", frame = \"Tx(0)\" }}, {{ name = \"planet\", frame = \"Tx(30) {frame}\" }} ]\n"
+        )
+    };
+    let crank = |angle: &str, inputs: &str, equations: &str| {
+        format!(
+            "units = {{ angle = \"rad\" }}\ninputs = {{ {inputs} }}\nequations = {{ {equations} }}\n\
+             loops = {{ L = \"Rz({angle}) Tx(30) Rz(b) Tx(90) Rz(c) Tx(-s)\" }}\nguess = {{ b = -0.7, c = 0.2, s = 110 }}\n"
+        )
+    };
+    let cases = [
+        (planet("Rz(p)"), 1),
+        (planet("Rz(p+q)"), 1),
+        (planet("Rz(p-q)"), 1),
+        (planet("Rz(p+q) Tx(5) Rz(p)"), 1),
+        (
+            planet("Rz(p+q+w)").replace("q = \"t\"", "q = \"t\", w = 0.1"),
+            2,
+        ),
+        (crank("p", "q = \"0.2+t/3\"", "e = \"p - 3*q\""), 1),
+        (crank("p+q", "q = \"0.2+t/3\"", "e = \"p - 2*q\""), 1),
+        (
+            crank("p-u", "q = \"0.2+t/3\"", "e = \"p - 2*q\", f = \"u - q/2\""),
+            1,
+        ),
+        (
+            crank(
+                "atan2(y,x)",
+                "a = \"0.5+t\"",
+                "e = \"x - cos(a)\", f = \"y - sin(a)\"",
+            )
+            .replace("guess = {", "guess = { x = 0.8, y = 0.5,"),
+            1,
+        ),
+        // At some random poses an arc sine has no value.
+        (
+            crank("asin(3*y)", "a = \"0.5+0.1*t\"", "f = \"3*y - sin(a)\""),
+            1,
+        ),
+    ];
+    for (text, freedoms) in cases {
+        let mobility = mobility_of(&format!("duration = 1\n{text}"));
+        assert_eq!(mobility.count.freedoms(), freedoms, "{text}");
+    }
+}
+
 /// Rounding of an equation that always holds is no rank.
 #[test]
 fn a_parallelogram_whose_loop_always_closes_has_its_freedom() {
@@ -956,4 +1008,63 @@ fn a_point_is_closed_where_it_is() {
     }
     let mobility = mobility_of(text);
     assert_eq!(mobility.generic.unwrap().mobility, 2);
+}
+
+/// A rod between two balls spins, in whatever angles it is written, with a body on it or without.
+#[test]
+fn the_spin_of_a_rod_is_idle_in_whatever_angles_it_is_written() {
+    let begin = "Rz(a) Tx(30) Rz(b1) Ry(b2)";
+    let end = "Ry(c2) Rz(c3) Ty(-40) Rx(-d) Tx(-60) Tz(20)";
+    let rod = "[[bodies]]\nname = \"rod\"\nframe = \"Rz(a) Tx(30) Rz(b1) Ry(b2) Rx(b3)\"\n";
+    let mut poses = Vec::new();
+    for middle in [
+        "Rx(b3) Tx(50) Rx(c1)",
+        "Rx(b3) Tx(50) Rx(c1-b3)",
+        "Rx(b3) Tx(50) Rx(2*c1-b3/2)",
+    ] {
+        for body in ["", rod] {
+            let text = format!(
+                "duration = 1\nunits = {{ angle = \"rad\" }}\ninputs = {{ a = \"0.5+0.3*t\" }}\n\
+                 loops = {{ L = \"{begin} {middle} {end}\" }}\nguess = {{ b1 = 0.1, b2 = 0.2 }}\n{body}"
+            );
+            let model = crate::reference::scenes::written(&text);
+            let system = model.system().unwrap_or_else(|e| panic!("{text}: {e}"));
+            assert_eq!(system.structure().held.len(), 1, "{text}");
+            let trajectory = crate::driven::solve(&model, &[0.0, 0.5, 1.0]).unwrap();
+            let rocker = crate::reference::slot(&model, "d");
+            let whole = crate::reference::scenes::whole(&trajectory);
+            poses.push(
+                whole
+                    .iter()
+                    .map(|p| p.unknowns[rocker])
+                    .collect::<Vec<f64>>(),
+            );
+        }
+    }
+    for other in &poses[1..] {
+        let apart = other.iter().zip(&poses[0]).map(|(a, b)| (a - b).abs());
+        assert!(apart.fold(0.0, f64::max) < 1e-12, "{poses:?}");
+    }
+}
+
+/// What does not close has no freedom too many because a link of it spins.
+#[test]
+fn a_rod_that_is_too_short_does_not_close_and_its_spin_is_idle() {
+    let w = crate::program::Workspace::new();
+    let scene = |length: f64, more: &str| {
+        format!(
+            "duration = 4\n[inputs]\nphi = \"2*pi*t/4\"\n[loops]\n\
+             A = \"Rz(phi) Tx(20) Rx(a) Ry(b) Rz(c) Tx({length}) Rx(d) Ry(e) Rz(f) Ty(-60) Rx(g) {more} T(-30, -50, -70)\"\n\
+             [guess]\nb = 0.3\n"
+        )
+    };
+    w.write("short.toml", scene(10.0, ""));
+    w.run(&["solve", "short.toml", "--samples", "3", "-o", "-"])
+        .exits(4)
+        .says(&["loop `A` does not close", "no pose exists (proved)"]);
+    // A freedom that wants a drive is still named.
+    w.write("loose.toml", scene(10.0, "Tx(5) Rz(h)"));
+    w.run(&["solve", "loose.toml", "--samples", "3", "-o", "-"])
+        .exits(2)
+        .says(&["coordinate(s) are free"]);
 }

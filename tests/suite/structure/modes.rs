@@ -44,7 +44,9 @@ fn builtin_scene(name: &str, inputs: &[(&str, &str)]) -> Model {
 fn modes(mechanism: &Model, starts: usize) -> Modes {
     let system = mechanism.system().unwrap();
     let first = mechanism.actuation.start_at(0.0);
-    let modes = find_modes(&system, &first, starts, &|| false);
+    let modes = find_modes(&system, &first, &mechanism.actuation.named, starts, &|| {
+        false
+    });
     for mode in &modes.list {
         assert!(closure_error(mechanism, &mode.coordinates) <= 1e-12);
         assert_eq!(
@@ -565,4 +567,62 @@ fn a_start_value_that_another_mode_keeps_is_warned_about() {
         .says_nothing();
     // A rough sketch is no reason to speak: no assembly is nearer.
     w.run(&["check", "slider-crank"]).exits(0).says_nothing();
+}
+
+/// The coordinates of the starred mode are those where the motion starts, or place every body alike.
+fn is_starred(model: &Model) -> bool {
+    let (Ok(system), Ok(trajectory)) = (model.system(), driven::solve(model, &[0.0])) else {
+        return true;
+    };
+    let Some(pose) = &trajectory.samples[0].pose else {
+        return true;
+    };
+    let (first, named) = (model.actuation.start_at(0.0), &model.actuation.named);
+    let modes = find_modes(&system, &first, named, 0, &|| false);
+    let starred: Vec<&Mode> = modes.list.iter().filter(|m| m.is_scene).collect();
+    let [mode] = starred[..] else {
+        return false;
+    };
+    let slots = 0..model.unknowns.len();
+    let same = slots.map(|k| turned(mode.coordinates[k] - pose.unknowns[k]) / model.scale_of(k));
+    let bodies = body_poses(model, &mode.coordinates);
+    let mut placed = bodies.iter().zip(&pose.bodies);
+    let is_alike = |(a, b): (&Pose, &Pose)| {
+        a.rotation.abs_diff_eq(b.rotation, 1e-6)
+            && a.translation.distance(b.translation) < 1e-6 * model.size
+    };
+    mode.dimension > 0
+        || same.fold(0.0, f64::max) < 1e-6
+        || (!bodies.is_empty() && placed.all(is_alike))
+}
+
+/// Where start values are wishes the star stands at what is nearest to them, as in `solve`.
+#[test]
+fn the_starred_mode_is_where_the_motion_starts() {
+    let rocker = |start: f64| {
+        format!(
+            "units = {{ length = \"mm\" }}\n[inputs]\nphi = 1\n[loops]\n\
+             A = \"Rz(phi) Tx(35) Rz(al) Tx(95) Rz(mu) Tx(-80) Rz(-psi) Tx(-105)\"\n[guess]\npsi = {start}\n"
+        )
+    };
+    let lift = scissors(560.0, "a2 = -140\nb2 = 140");
+    let mut models: Vec<(String, Model)> = [lift, rocker(-2.3), rocker(1.6), rocker(0.0)]
+        .into_iter()
+        .map(|text| (text.clone(), reference::scenes::written(&text)))
+        .collect();
+    for scene in builtin::ALL {
+        models.push((scene.name.to_owned(), builtin_scene(scene.name, &[])));
+    }
+    let folder = format!("{}/tests/hard", env!("CARGO_MANIFEST_DIR"));
+    for file in std::fs::read_dir(folder).unwrap() {
+        let path = file.unwrap().path();
+        let name = path.file_stem().unwrap().to_str().unwrap();
+        if path.extension().is_some_and(|e| e == "toml") {
+            models.push((name.to_owned(), reference::hard(name, &[])));
+        }
+    }
+    assert!(models.len() > 50, "{}", models.len());
+    let wrong = models.iter().filter(|(_, model)| !is_starred(model));
+    let wrong: Vec<&String> = wrong.map(|(name, _)| name).collect();
+    assert!(wrong.is_empty(), "{wrong:?}");
 }

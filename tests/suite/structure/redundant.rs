@@ -228,7 +228,7 @@ fn open_rows_fail_the_check_and_stand_in_the_table() {
             "open" => table.says(&["5 of 5 samples are open: redundant equations do not hold"]),
             _ => table.says_nothing(),
         };
-        let text = table.exits(0).text();
+        let text = table.exits(code).text();
         let mut rows = text
             .lines()
             .filter(|l| l.starts_with(|c: char| c.is_ascii_digit()));

@@ -20,6 +20,12 @@ const LONGEST_CROSSING: f64 = 1.0;
 const HOPS: [f64; 4] = [1e-6, 1e-7, 1e-8, 1e-9];
 const LONGEST_HOP: f64 = 1e-5;
 
+/// The same behind a kink where a formula has no finite rate, as a root has at zero: the pose moves far in no time, and less
+/// by a thousandth of the time, by a factor that steps of rounding and jumps do not have.
+const STEEP_HOPS: [f64; 3] = [1e-12, 1e-9, 1e-6];
+const LONGEST_STEEP: f64 = 0.1;
+const STEEP_GROWTH: f64 = 2.0;
+
 /// A crossing is looked for at no more than this many distances: as many as there are bits in the last step.
 const MOST_REACHES: usize = 64;
 
@@ -90,21 +96,45 @@ impl PathTracker<'_> {
         if !self.is_trusted(&end.branch) {
             return None;
         }
-        let n = self.unknowns();
-        let interval = self.interval;
-        HOPS.iter().find_map(|share| {
-            let beyond = end.time + (share * interval).min(time - end.time);
-            let inputs = self.inputs(beyond).ok()?;
-            let mut coordinates = [&end.coordinates[..n], &inputs].concat();
-            let correction = self.solver.correct(&mut coordinates, Pace::Brisk);
-            if !correction.converged || correction.first_step > LONGEST_HOP {
+        let mut hops = HOPS.iter();
+        let near = hops.find_map(|share| self.beside(end, (share, time), LONGEST_HOP));
+        near.or_else(|| self.steep_hop(end, time))
+    }
+
+    /// Over a kink beyond which the pose has no finite rate: ever farther, from where the path is still near.
+    fn steep_hop(&mut self, end: &PathPoint, time: f64) -> Option<PathPoint> {
+        let (mut here, mut far) = (end.clone(), 0.0);
+        for share in &STEEP_HOPS {
+            let next = self.beside(&here, (share, time), LONGEST_STEEP)?;
+            let apart = self.solver.apart(&next.coordinates, &end.coordinates);
+            if apart < STEEP_GROWTH * far {
                 return None;
             }
-            let point = self.point(beyond, coordinates);
-            let ratio = point.branch.sigma_min / end.branch.sigma_min;
-            let is_alike = point.branch.signs == end.branch.signs && (0.5..=2.0).contains(&ratio);
-            (beyond > end.time && is_alike).then_some(point)
-        })
+            (here, far) = (next, apart);
+        }
+        Some(here)
+    }
+
+    /// The pose that is next to another, a share of the interval between two samples behind it but not beyond `time`, and as
+    /// regular.
+    fn beside(
+        &mut self,
+        here: &PathPoint,
+        (share, time): (&f64, f64),
+        longest: f64,
+    ) -> Option<PathPoint> {
+        let n = self.unknowns();
+        let beyond = here.time + (share * self.interval).min(time - here.time);
+        let inputs = self.inputs(beyond).ok()?;
+        let mut coordinates = [&here.coordinates[..n], &inputs].concat();
+        let correction = self.solver.correct(&mut coordinates, Pace::Brisk);
+        if !correction.converged || correction.first_step > longest {
+            return None;
+        }
+        let point = self.point(beyond, coordinates);
+        let ratio = point.branch.sigma_min / here.branch.sigma_min;
+        let is_alike = point.branch.signs == here.branch.signs && (0.5..=2.0).contains(&ratio);
+        (beyond > here.time && is_alike).then_some(point)
     }
 
     /// Whether poses join `end` to `beyond`. What looks like a crossing may be two folds that face each other over a

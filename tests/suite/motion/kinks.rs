@@ -1,0 +1,56 @@
+//! Equations with a kink, or an infinite rate, that the motion meets at a sample or between two.
+
+use crate::driven;
+use crate::reference::scenes::written;
+
+/// An unknown that a formula of the input gives, its value, and a start value.
+type Kinked = (&'static str, fn(f64) -> f64, f64);
+
+const KINKED: [Kinked; 9] = [
+    ("x - sqrt(abs(phi))", |p| p.abs().sqrt(), 1.5),
+    ("x - abs(phi)^(1/3)", |p| p.abs().cbrt(), 1.2),
+    ("x - abs(phi)^0.2", |p| p.abs().powf(0.2), 1.1),
+    ("x - asin(sin(phi))", |p| p.sin().asin(), -0.5),
+    ("x - acos(cos(phi))", |p| p.cos().acos(), 1.0),
+    ("x - abs(phi)", f64::abs, 2.0),
+    ("x - max(phi, 0)", |p| p.max(0.0), 0.0),
+    ("x^3 - phi", f64::cbrt, -1.2),
+    ("x*abs(x) - phi", |p| p.signum() * p.abs().sqrt(), -1.4),
+];
+
+/// However many samples there are, and wherever they lie to the kink, every one has its pose.
+#[test]
+fn no_sample_is_lost_at_a_kink() {
+    let mut lost = Vec::new();
+    for (equation, exact, start) in KINKED {
+        for shift in [2.0, 1.3] {
+            let model = written(&format!(
+                "duration = 4\n[inputs]\nphi = \"t-{shift}\"\n[equations]\ne = \"{equation}\"\n[guess]\nx = {start}\n"
+            ));
+            for count in 2..=12 {
+                let trajectory = driven::solve(&model, &driven::even_times(&model, count)).unwrap();
+                let is_right = trajectory.samples.iter().all(|sample| {
+                    // A double root is known to half of the digits, a triple one to a third.
+                    let pose = sample.pose.as_ref();
+                    pose.is_some_and(|p| (p.unknowns[0] - exact(sample.inputs[0])).abs() < 1e-4)
+                });
+                if !is_right || !trajectory.is_whole() {
+                    lost.push((equation, shift, count, trajectory.missing()));
+                }
+            }
+        }
+    }
+    assert!(lost.is_empty(), "{lost:?}");
+}
+
+/// What jumps is no kink: the motion ends there, or the jump is passed as such.
+#[test]
+fn a_formula_that_jumps_is_not_taken_for_a_kink() {
+    for step in ["floor(phi)", "0.05*floor(phi)"] {
+        let model = written(&format!(
+            "duration = 4\n[inputs]\nphi = \"t-2.5\"\n[equations]\ne = \"x - {step}\"\n[guess]\nx = 0\n"
+        ));
+        let trajectory = driven::solve(&model, &driven::even_times(&model, 4)).unwrap();
+        assert!(!trajectory.is_whole(), "{step}");
+    }
+}
