@@ -5,6 +5,7 @@ pub mod affine_form;
 pub mod constant;
 pub mod double_double;
 pub mod exact_sum;
+pub mod form_room;
 pub mod hyper_dual;
 pub mod interval;
 pub mod octet;

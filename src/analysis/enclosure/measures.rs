@@ -81,12 +81,9 @@ fn measure_bands<const N: usize>(
         return Ok(list(&first));
     }
     let mut enclosures = Vec::new();
-    for (index, (known, rough)) in plain.into_iter().zip(is_rough).enumerate() {
+    for (known, rough) in plain.into_iter().zip(is_rough) {
         enclosures.push(match rough {
-            true => {
-                let enclosed = search.finder.enclosed::<N>(&nominal.poses[index]);
-                enclosed.map_err(|obstacle| (index, obstacle))?
-            }
+            true => encloser.refined(&known),
             false => known,
         });
     }

@@ -114,23 +114,16 @@ impl<'f> Plan<'f> {
     }
 }
 
-/// Runs `$call` with N the least size of affine forms that holds `$count` dimensions.
+/// Runs `$call` with N the least size of affine forms that holds `$count` dimensions. Everything is compiled once a size: few of them
+/// keep the program small.
 macro_rules! sized {
     ($count:expr, $N:ident => $call:expr) => {
         match $count {
-            0..=4 => {
-                const $N: usize = 4;
+            0..=12 => {
+                const $N: usize = 12;
                 $call
             }
-            5..=8 => {
-                const $N: usize = 8;
-                $call
-            }
-            9..=24 => {
-                const $N: usize = 24;
-                $call
-            }
-            25..=36 => {
+            13..=36 => {
                 const $N: usize = 36;
                 $call
             }

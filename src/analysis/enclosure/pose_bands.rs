@@ -165,7 +165,7 @@ impl<'f> PieceFinder<'f> {
         if !is_rough || first.list.iter().all(sharp) {
             return Ok(first);
         }
-        let enclosure = self.enclosed::<N>(pose)?;
+        let enclosure = self.encloser.refined(&plain);
         let second = self.bands_within(&enclosure, anchor);
         let pairs = first.list.iter().zip(&second.list);
         Ok(Bands {

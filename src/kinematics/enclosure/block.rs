@@ -45,8 +45,11 @@ const ATTEMPTS: usize = 10;
 /// A box that was mapped to more than this share of itself is good enough.
 const SHARP: f64 = 0.6;
 
-/// How often the maps are taken again over what is known of the unknowns to the second order.
+/// How often the maps are taken again over what is known of the unknowns to the second order, ...
 const POLISHING: usize = 2;
+
+/// ... and where it was known to the first order only: once more.
+const REFINING: usize = 3;
 
 /// Why there is no box.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,30 +78,10 @@ pub fn enclose_block<F: DimensionForm>(
     region: &mut Region<F>,
 ) -> Result<f64, Unbounded> {
     let centre = Centre::new(layout, basis, region)?;
-    let (mut mapped, box_of) = centre.proved_box(mechanism, layout, basis, region)?;
-    let contraction = mapped.a.clone();
+    let (mapped, box_of) = centre.proved_box(mechanism, layout, basis, region)?;
     centre.settle(layout, region, &mapped, &box_of);
-    // What is known of the unknowns now is of higher order than the box: the same maps over it are narrower.
-    let rounds = if F::BENT { POLISHING } else { 0 };
-    for _ in 0..rounds {
-        let known = region.slots.clone();
-        for (i, slot) in layout.block.unknowns.iter().enumerate() {
-            region.slots[*slot] = region.slots[*slot].marked(region.count + i);
-        }
-        let narrower = centre
-            .varying(layout, basis, region)
-            .map(|varying| centre.map(layout, basis, region, varying));
-        region.slots = known;
-        let Ok(narrower) = narrower else { break };
-        // The bounds that follow need a contraction.
-        if image_ratio(&narrower.a.times(&box_of), &box_of) >= 1.0 {
-            break;
-        }
-        mapped = Mapped {
-            eta: mapped.eta,
-            ..narrower
-        };
-        centre.settle(layout, region, &mapped, &box_of);
+    if F::BENT {
+        centre.polish(layout, basis, region, (&box_of, POLISHING));
     }
     let roughness = centre.roughness(layout, region);
     region.boxes.push(BlockBox {
@@ -106,13 +89,51 @@ pub fn enclose_block<F: DimensionForm>(
         rates: centre.rates,
         about: centre.about,
         basis: basis.to_vec(),
-        contraction,
+        contraction: mapped.a,
         sides: box_of,
     });
     Ok(roughness)
 }
 
+/// Encloses the block's unknowns once more, where all slots are known already: to the second order if the first left much open.
+pub fn refine_block<F: DimensionForm>(layout: &Layout, known: &BlockBox, region: &mut Region<F>) {
+    let open = region.open.clone();
+    let centre = Centre::of_box(layout, known, region);
+    if !centre.polish(layout, &known.basis, region, (&known.sides, REFINING)) {
+        region.open = open;
+    }
+}
+
 impl Centre {
+    /// What is known of the unknowns is of higher order than the box: the same maps over it are narrower. Whether anything was
+    /// gained.
+    fn polish<F: DimensionForm>(
+        &self,
+        layout: &Layout,
+        basis: &[usize],
+        region: &mut Region<F>,
+        (box_of, rounds): (&[f64], usize),
+    ) -> bool {
+        for round in 0..rounds {
+            let known = region.slots.clone();
+            for (i, slot) in layout.block.unknowns.iter().enumerate() {
+                region.slots[*slot] = region.slots[*slot].marked(region.count + i);
+            }
+            let narrower = self
+                .varying(layout, basis, region)
+                .map(|varying| self.map(layout, basis, region, varying));
+            region.slots = known;
+            // The bounds that follow need a contraction.
+            match narrower {
+                Ok(narrower) if image_ratio(&narrower.a.times(box_of), box_of) < 1.0 => {
+                    self.settle(layout, region, &narrower, box_of);
+                }
+                _ => return round > 0,
+            }
+        }
+        true
+    }
+
     /// The dimension that moves the unknowns most.
     fn farthest(&self, layout: &Layout, mechanism: &Mechanism, m: usize) -> Option<usize> {
         let moved = |k: usize| {
@@ -217,13 +238,17 @@ impl Centre {
 
     /// z = dx/dδ - S = -G + A G - A A z as forms, unknown after unknown: with the product A G where forms have a second order, else
     /// with bounds.
-    fn rate_bends<F: DimensionForm>(&self, mapped: &Mapped<F>, box_of: &[f64]) -> Vec<F> {
+    fn rate_bends<F: DimensionForm>(
+        &self,
+        room: F::Room,
+        mapped: &Mapped<F>,
+        box_of: &[f64],
+    ) -> Vec<F> {
         let (n, m) = (self.n, self.rates.len() / self.n.max(1));
         let g = |i: usize, k: usize| &mapped.g[i * m + k];
         let column =
             |of: &dyn Fn(usize) -> f64| mapped.a.times(&(0..n).map(of).collect::<Vec<_>>());
-        let mut all = Vec::with_capacity(n * m);
-        all.resize(n * m, F::number(0.0));
+        let (minus, mut all) = (F::number(-1.0), vec![F::number(0.0); n * m]);
         if !F::BENT {
             // |A G| and what follows from it.
             let moved: Vec<Vec<f64>> = (0..m).map(|k| column(&|i| g(i, k).radius())).collect();
@@ -232,7 +257,7 @@ impl Centre {
             };
             let beyond = self.solved_columns(mapped, box_of, open);
             for (form, (own, open)) in all.iter_mut().zip(mapped.g.iter().zip(beyond)) {
-                *form = F::linear(0.0, own.slopes(), open);
+                *form = F::linear(room, 0.0, own.slopes(), open);
             }
             return all.into_iter().map(|form| -form).collect();
         }
@@ -241,11 +266,9 @@ impl Centre {
             let once = column(&|i| sizes[i * m + k]);
             let twice = mapped.a.times(&once);
             for i in 0..n {
-                let mut form = -*g(i, k);
-                for j in 0..n {
-                    form = form + mapped.entries[i * n + j] * *g(j, k);
-                }
-                all[i * m + k] = form.opened(twice[i]);
+                let products = (0..n).map(|j| (&mapped.entries[i * n + j], g(j, k)));
+                let terms = std::iter::once((&minus, g(i, k))).chain(products);
+                all[i * m + k] = F::sum_of_products(terms).opened(twice[i]);
             }
         }
         all
@@ -256,7 +279,7 @@ impl Centre {
         let m = region.count;
         for (i, slot) in layout.block.unknowns.iter().enumerate() {
             let rates = &self.rates[i * m..][..m];
-            let form = F::linear(region.slots[*slot].nominal(), rates, box_of[i]);
+            let form = F::linear(region.room, region.slots[*slot].nominal(), rates, box_of[i]);
             region.slots[*slot] = form.marked(m + i);
         }
     }
@@ -273,7 +296,7 @@ impl Centre {
         // A few more Krawczyk steps shrink the box that maps into itself.
         let narrowed = (0..SWEEPS).fold(box_of.to_vec(), |w, _| mapped.a.image(&mapped.eta, &w));
         let open = mapped.a.solved(&self.newton, box_of);
-        let bends = self.rate_bends(mapped, box_of);
+        let bends = self.rate_bends(region.room, mapped, box_of);
         for (i, slot) in layout.block.unknowns.iter().enumerate() {
             let tangent = &self.rates[i * m..][..m];
             for (k, rate) in tangent.iter().enumerate() {
@@ -281,10 +304,10 @@ impl Centre {
             }
             region.open[*slot] = open[i];
             let value = region.slots[*slot].nominal();
-            let mut form = F::integral(value, open[i], region.rates_of(*slot));
+            let mut form = F::integral(region.room, value, open[i], region.rates_of(*slot));
             // Of first order forms the plain tangent with the box may be tighter than the mean value form.
             if !F::BENT && form.beyond() > narrowed[i] {
-                form = F::linear(value, tangent, narrowed[i]);
+                form = F::linear(region.room, value, tangent, narrowed[i]);
             }
             region.slots[*slot] = form;
         }

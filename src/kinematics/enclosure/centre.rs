@@ -1,5 +1,6 @@
 //! A block at δ = 0, and what its box is mapped by: A, G and η.
 
+use super::block_box::BlockBox;
 use super::form::DimensionForm;
 use super::mapped::{Contraction, Mapped};
 use super::region::Region;
@@ -74,14 +75,7 @@ impl Centre {
             .invert_matrix(&matrix, &mut inverse)
             .ok_or(Reason::Singular)?;
         let inverse: Vec<f64> = (0..n * n).map(|k| inverse.at(k / n, k % n)).collect();
-        let newton = (0..n).map(|i| {
-            let terms = basis.iter().enumerate();
-            let sum = terms.fold(Interval::ZERO, |sum, (l, row)| {
-                sum + rows.residual[*row].scale(inverse[i * n + l])
-            });
-            sum.magnitude()
-        });
-        let newton = newton.collect();
+        let newton = newton_steps(&inverse, basis, &rows.residual);
         // -R Fₖ with the values of the rates.
         let mut rates = vec![0.0; n * m];
         for (column, slot) in layout.slots.iter().enumerate().skip(n) {
@@ -101,6 +95,26 @@ impl Centre {
             rates,
             about,
         })
+    }
+
+    /// That of a box that is proved already.
+    pub fn of_box<F: DimensionForm>(
+        layout: &Layout,
+        known: &BlockBox,
+        region: &mut Region<F>,
+    ) -> Self {
+        for slot in &layout.block.unknowns {
+            // The box is about this pose exactly.
+            region.open[*slot] = 0.0;
+        }
+        let residual = layout.residuals(&region.centre(), &known.about);
+        Self {
+            n: layout.own(),
+            newton: newton_steps(&known.inverse, &known.basis, &residual),
+            inverse: known.inverse.clone(),
+            rates: known.rates.clone(),
+            about: known.about.clone(),
+        }
     }
 
     /// The Jacobian and A over the box.
@@ -142,18 +156,14 @@ impl Centre {
         let Varying { rows, entries, a } = varying;
         // Fₖ of the rows of the basis.
         let zero = F::number(0.0);
-        let mut by_dimension = vec![zero; n * m];
-        for (l, row) in basis.iter().enumerate() {
-            for (column, slot) in layout.slots.iter().enumerate().skip(n) {
-                let by_slot = &rows.jacobian[row * columns + column];
-                if *by_slot == zero {
-                    continue;
-                }
-                let sums = by_dimension[l * m..][..m].iter_mut();
-                for (sum, rate) in sums.zip(region.rates_of(*slot)) {
-                    sum.add_product(by_slot, rate);
-                }
-            }
+        let mut by_dimension = Vec::with_capacity(n * m);
+        for row in basis {
+            let others = layout.slots.iter().zip(&rows.jacobian[row * columns..]);
+            let others: Vec<(usize, F)> = (others.skip(n))
+                .filter(|(_, by_slot)| **by_slot != zero)
+                .map(|(slot, by_slot)| (*slot, *by_slot))
+                .collect();
+            by_dimension.extend(region.chain(&others));
         }
         let mut mapped = Mapped {
             g: Vec::with_capacity(n * m),
@@ -180,4 +190,17 @@ impl Centre {
         }
         mapped
     }
+}
+
+/// |R F| of the rows of a basis.
+fn newton_steps(inverse: &[f64], basis: &[usize], residual: &[Interval]) -> Vec<f64> {
+    let rows = inverse.chunks_exact(basis.len().max(1));
+    rows.map(|row| {
+        let terms = row.iter().zip(basis);
+        let sum = terms.fold(Interval::ZERO, |sum, (factor, row)| {
+            sum + residual[*row].scale(*factor)
+        });
+        sum.magnitude()
+    })
+    .collect()
 }

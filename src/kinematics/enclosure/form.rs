@@ -1,31 +1,42 @@
 //! Enclosures of functions of the dimensions, to the first or the second order.
 
 use crate::numbers::affine_form::AffineForm;
+use crate::numbers::form_room::FormRoom;
 use crate::numbers::quadratic_form::QuadraticForm;
 use crate::numbers::rounding::{GROW, OPERATION};
 use crate::numbers::scalar::{Ring, Scalar};
 
 /// What enclosures are computed with.
-pub trait DimensionForm: Scalar + Send + Sync {
+pub trait DimensionForm: Scalar {
     /// Whether it has a second order.
     const BENT: bool;
 
+    /// Where its coefficients are put.
+    type Room: Copy;
+
     /// A number that stays within `error` of `value`, and moves with the dimensions as `slopes` say.
-    fn linear(value: f64, slopes: &[f64], error: f64) -> Self;
+    fn linear(room: Self::Room, value: f64, slopes: &[f64], error: f64) -> Self;
 
     /// A function whose value at δ = 0 is within `open` of `value` and whose derivatives by every δ are `rates`.
-    fn integral(value: f64, open: f64, rates: &[Self]) -> Self;
+    fn integral(room: Self::Room, value: f64, open: f64, rates: &[Self]) -> Self;
 
     /// Adds `factor` times `b`.
     fn add_scaled(&mut self, factor: f64, b: &Self);
 
-    /// Adds a product.
-    fn add_product(&mut self, a: &Self, b: &Self) {
-        match (a.as_number(), b.as_number()) {
-            (_, Some(number)) => self.add_scaled(number, a),
-            (Some(number), _) => self.add_scaled(number, b),
-            _ => *self = *self + *a * *b,
+    /// The sum of products.
+    fn sum_of_products<'f>(terms: impl Iterator<Item = (&'f Self, &'f Self)>) -> Self
+    where
+        Self: 'f,
+    {
+        let mut sum = Self::number(0.0);
+        for (a, b) in terms {
+            match (a.as_number(), b.as_number()) {
+                (_, Some(number)) => sum.add_scaled(number, a),
+                (Some(number), _) => sum.add_scaled(number, b),
+                _ => sum = sum + *a * *b,
+            }
         }
+        sum
     }
 
     /// `start` and the sum of all forms times their factors.
@@ -72,14 +83,16 @@ pub trait DimensionForm: Scalar + Send + Sync {
 impl<const N: usize> DimensionForm for AffineForm<N> {
     const BENT: bool = false;
 
-    fn linear(value: f64, slopes: &[f64], error: f64) -> Self {
+    type Room = ();
+
+    fn linear(_: (), value: f64, slopes: &[f64], error: f64) -> Self {
         let mut form = Self::within(value, error);
         form.slopes[..slopes.len()].copy_from_slice(slopes);
         form
     }
 
     /// ∫ of the derivatives along the way: half of what they change by is beyond the tangent.
-    fn integral(value: f64, open: f64, rates: &[Self]) -> Self {
+    fn integral(_: (), value: f64, open: f64, rates: &[Self]) -> Self {
         let bend = rates.iter().map(|rate| 0.5 * rate.radius() + rate.error);
         let mut form = Self::within(value, (open + bend.sum::<f64>() * GROW) * GROW);
         for (slope, rate) in form.slopes.iter_mut().zip(rates) {
@@ -129,42 +142,52 @@ impl<const N: usize> DimensionForm for AffineForm<N> {
     }
 }
 
-impl<const N: usize> DimensionForm for QuadraticForm<N> {
+impl<'r, const N: usize> DimensionForm for QuadraticForm<'r, N> {
     const BENT: bool = true;
 
-    fn linear(value: f64, slopes: &[f64], error: f64) -> Self {
-        Self::from(<AffineForm<N> as DimensionForm>::linear(
-            value, slopes, error,
-        ))
+    type Room = &'r FormRoom;
+
+    fn linear(room: &'r FormRoom, value: f64, slopes: &[f64], error: f64) -> Self {
+        Self::within(AffineForm::linear((), value, slopes, error), room)
     }
 
     /// Half of the slopes are bends; of the bends a third is left.
-    fn integral(value: f64, open: f64, rates: &[Self]) -> Self {
+    fn integral(room: &'r FormRoom, value: f64, open: f64, rates: &[Self]) -> Self {
         let rest = rates.iter().map(|rate| rate.line.error + rate.bend() / 3.0);
-        let mut form = Self::number(value);
-        let mut size = 0.0;
+        let mut line = AffineForm::number(value);
+        let mut bends = vec![0.0; room.bends()];
+        let (mut size, mut outside) = (0.0, 0.0);
         for (k, rate) in rates.iter().enumerate() {
-            form.line.slopes[k] = rate.line.value;
+            line.slopes[k] = rate.line.value;
             for (l, slope) in rate.line.slopes.iter().enumerate() {
                 // ∂²f/∂k∂l comes from both rates: half from each.
-                form.bends[k.min(l)][k.max(l)] += 0.5 * slope;
+                match k.max(l) < room.count() {
+                    true => bends[room.place(k.min(l), k.max(l))] += 0.5 * slope,
+                    false => outside += 0.5 * slope.abs(),
+                }
                 size += slope.abs();
             }
         }
         let rounding = OPERATION * size;
-        form.line.error = (open + rest.sum::<f64>() * GROW + rounding) * GROW;
-        form
+        line.error = (open + outside + rest.sum::<f64>() * GROW + rounding) * GROW;
+        Self::within(line, room).bent(bends, None)
     }
 
     fn add_scaled(&mut self, factor: f64, b: &Self) {
         Self::add_scaled(self, factor, b);
     }
 
-    fn add_product(&mut self, a: &Self, b: &Self) {
-        Self::add_product(self, a, b);
+    fn sum_of_products<'f>(terms: impl Iterator<Item = (&'f Self, &'f Self)>) -> Self
+    where
+        Self: 'f,
+    {
+        Self::sum_of_products(terms)
     }
 
-    fn combination<'f>(start: f64, terms: impl Iterator<Item = (f64, &'f Self)>) -> Self {
+    fn combination<'f>(start: f64, terms: impl Iterator<Item = (f64, &'f Self)>) -> Self
+    where
+        Self: 'f,
+    {
         Self::combination(start, terms)
     }
 
@@ -182,19 +205,28 @@ impl<const N: usize> DimensionForm for QuadraticForm<N> {
     }
 
     fn marked(mut self, index: usize) -> Self {
-        self.line = self.line.marked(index);
+        if index < self.span() {
+            self.line = self.line.marked(index);
+        }
         self
     }
 
     fn folded(mut self, first: usize) -> Self {
         self.line = self.line.folded(first);
-        let mut sum = 0.0;
-        for (k, row) in self.bends.iter_mut().enumerate() {
-            for bend in row.iter_mut().skip(first.max(k)) {
+        let span = self.span();
+        if first >= span || self.bends().is_empty() {
+            return self;
+        }
+        let (mut bends, mut sum) = (self.bends().to_vec(), 0.0);
+        let mut rows = &mut bends[..];
+        for k in 0..span {
+            let (row, rest) = rows.split_at_mut(span - k);
+            for bend in row.iter_mut().skip(first.saturating_sub(k)) {
                 sum += std::mem::take(bend).abs();
             }
+            rows = rest;
         }
         self.line.error = (self.line.error + sum * GROW) * GROW;
-        self
+        self.bent(bends, None)
     }
 }

@@ -1,6 +1,6 @@
 //! A pose for all dimensions in their intervals: unknowns, traced points, outputs, and any formula of them.
 
-use super::block::{Unbounded, enclose_block};
+use super::block::{Unbounded, enclose_block, refine_block};
 use super::form::DimensionForm;
 use super::quadratic::Quadratic;
 use super::region::{Region, Tolerance};
@@ -12,6 +12,7 @@ use crate::kinematics::structure::system::System;
 use crate::model::expression::Expression;
 use crate::model::mechanism::{Mechanism, OutputSource};
 use crate::numbers::affine_form::AffineForm;
+use crate::numbers::form_room::FormRoom;
 use crate::numbers::interval::Interval;
 use crate::numbers::quadratic_form::QuadraticForm;
 use crate::numbers::scalar::Scalar;
@@ -19,11 +20,8 @@ use crate::numbers::scalar::Scalar;
 /// Poses whose boxes leave more than this share of the unknowns' way open are looked at to the second order.
 const ROUGH: f64 = 1e-3;
 
-/// Most dimensions of forms of second order: a form takes eight times the square of it in bytes.
+/// Most dimensions of forms of second order: a form takes four times the square of it in bytes.
 const MOST_BENT: usize = 36;
-
-/// Bytes of the stack on which forms of second order are computed with: some hundred of them at ten kilobytes, many times over.
-const LARGE_STACK: usize = 64 << 20;
 
 /// What is enclosed.
 #[derive(Clone, Copy, Debug)]
@@ -72,24 +70,25 @@ impl<'s> Encloser<'s> {
             // No form has room for them.
             return Err(Reason::Formula.into());
         }
-        let first = self.region::<AffineForm<N>>(sought);
-        // Where the Jacobian's second order is what makes boxes wide, it is kept.
-        let is_rough = match &first {
-            Ok((_, roughness)) => *roughness > ROUGH,
-            Err(unbounded) => unbounded.reason == Reason::Singular,
-        };
-        let second = match is_rough && N <= MOST_BENT {
-            true => self.on_large_stack(sought),
-            false => None,
-        };
-        let region = match second {
-            Some(region) => region,
-            None => first?.0,
+        let region = match self.region::<AffineForm<N>>((), sought) {
+            // Where the Jacobian's second order is what makes boxes wide, it is kept.
+            Ok((region, roughness)) if Self::is_rough::<N>(roughness) => {
+                self.refined_region(&region)
+            }
+            Ok((region, _)) => region,
+            Err(unbounded) if unbounded.reason == Reason::Singular && N <= MOST_BENT => {
+                self.bent_region(sought).ok_or(unbounded)?
+            }
+            Err(unbounded) => return Err(unbounded),
         };
         Ok(PoseEnclosure {
             region,
             coordinates: sought.pose.len(),
         })
+    }
+
+    fn is_rough<const N: usize>(roughness: f64) -> bool {
+        roughness > ROUGH && N <= MOST_BENT
     }
 
     /// The same with forms of first order alone; whether those of second order would be looked at.
@@ -103,61 +102,115 @@ impl<'s> Encloser<'s> {
         if sought.tolerances.len() > N {
             return Err(Reason::Formula.into());
         }
-        let (region, roughness) = self.region::<AffineForm<N>>(sought)?;
+        let (region, roughness) = self.region::<AffineForm<N>>((), sought)?;
         let enclosure = PoseEnclosure {
             region,
             coordinates: sought.pose.len(),
         };
-        Ok((enclosure, roughness > ROUGH && N <= MOST_BENT))
+        Ok((enclosure, Self::is_rough::<N>(roughness)))
     }
 
-    /// [`Self::bent_region`] on a stack of its own; `None` also where the system gives none.
-    fn on_large_stack<const N: usize>(&self, sought: Sought) -> Option<Region<AffineForm<N>>> {
-        std::thread::scope(|scope| {
-            let large = std::thread::Builder::new().stack_size(LARGE_STACK);
-            let handle = large.spawn_scoped(scope, || self.bent_region(sought));
-            handle.ok()?.join().ok()?
-        })
+    /// An enclosure of first order, with what is of second order kept.
+    pub fn refined<const N: usize>(&self, plain: &PoseEnclosure<N>) -> PoseEnclosure<N> {
+        PoseEnclosure {
+            region: self.refined_region(&plain.region),
+            coordinates: plain.coordinates,
+        }
     }
 
-    /// Everything with forms of second order, and in the end to the first one with the rest bounded. These forms are large: apart,
-    /// so that nobody else's stack holds them.
-    #[inline(never)]
+    fn refined_region<const N: usize>(
+        &self,
+        plain: &Region<AffineForm<N>>,
+    ) -> Region<AffineForm<N>> {
+        let room = self.form_room::<N>(plain.count);
+        let mechanism = self.system.mechanism();
+        let (unknowns, coordinates) = (mechanism.unknowns.len(), mechanism.coordinate_count());
+        let lifted = |form: &AffineForm<N>| QuadraticForm::within(*form, &room);
+        let mut region = Region {
+            room: &room,
+            count: plain.count,
+            slots: plain.slots[..coordinates].iter().map(lifted).collect(),
+            open: plain.open[..coordinates].to_vec(),
+            rates: plain.rates[..coordinates * plain.count]
+                .iter()
+                .map(lifted)
+                .collect(),
+            boxes: plain.boxes.clone(),
+        };
+        for slot in 0..unknowns {
+            let (value, rates) = (plain.slots[slot].value, region.rates_of(slot));
+            region.slots[slot] = DimensionForm::integral(&room, value, plain.open[slot], rates);
+        }
+        for (layout, known) in self.layouts.iter().zip(&plain.boxes) {
+            refine_block(layout, known, &mut region);
+        }
+        show_all(mechanism, &mut region);
+        plain_region(region)
+    }
+
+    /// Room for forms of so many dimensions and of the sides of a block's box.
+    fn form_room<const N: usize>(&self, dimensions: usize) -> FormRoom {
+        let largest = self.layouts.iter().map(Layout::own).max();
+        FormRoom::new((dimensions + largest.unwrap_or(0)).min(N))
+    }
+
+    /// Everything with forms of second order.
     fn bent_region<const N: usize>(&self, sought: Sought) -> Option<Region<AffineForm<N>>> {
-        let (region, _) = self.region::<QuadraticForm<N>>(sought).ok()?;
-        let lines = |forms: &[QuadraticForm<N>]| forms.iter().map(QuadraticForm::affine).collect();
-        Some(Region {
-            count: region.count,
-            slots: lines(&region.slots),
-            rates: lines(&region.rates),
-            open: region.open,
-            boxes: region.boxes,
-        })
+        let room = self.form_room::<N>(sought.tolerances.len());
+        let (region, _) = self.region::<QuadraticForm<N>>(&room, sought).ok()?;
+        Some(plain_region(region))
     }
 
     /// Enclosures of all slots, and which share of the unknowns' way is left open, at most.
-    fn region<F: DimensionForm>(&self, sought: Sought) -> Result<(Region<F>, f64), Unbounded> {
+    fn region<F: DimensionForm>(
+        &self,
+        room: F::Room,
+        sought: Sought,
+    ) -> Result<(Region<F>, f64), Unbounded> {
         let mechanism = self.system.mechanism();
         let unknowns = mechanism.unknowns.len();
-        let mut region =
-            Region::<F>::new(sought.pose, unknowns, sought.input_open, sought.tolerances);
+        let Sought {
+            pose,
+            input_open,
+            tolerances,
+            ..
+        } = sought;
+        let mut region = Region::<F>::new(room, pose, unknowns, input_open, tolerances);
         let mut roughness = 0.0_f64;
         for (layout, basis) in self.layouts.iter().zip(sought.bases) {
             roughness = roughness.max(enclose_block(mechanism, layout, basis, &mut region)?);
         }
-        let centre = observed_slots(mechanism, &region.centre());
-        show_traces(mechanism, &mut region, &centre);
-        for (output, place) in mechanism.outputs.iter().zip(region.slots.len()..) {
-            let rates = match &output.source {
-                OutputSource::Formula(formula) => {
-                    region.chain(&expression_gradient(formula, &region.slots))
-                }
-                // Nothing bounds a distance or a rate here: its own value is unbounded.
-                OutputSource::Distance(_) | OutputSource::Rated(_) => region.chain(&[]),
-            };
-            region.push(centre[place], rates);
-        }
+        show_all(mechanism, &mut region);
         Ok((region, roughness))
+    }
+}
+
+/// The same to the first order, with the rest bounded.
+fn plain_region<const N: usize>(region: Region<QuadraticForm<N>>) -> Region<AffineForm<N>> {
+    let lines = |forms: &[QuadraticForm<N>]| forms.iter().map(QuadraticForm::affine).collect();
+    Region {
+        room: (),
+        count: region.count,
+        slots: lines(&region.slots),
+        rates: lines(&region.rates),
+        open: region.open,
+        boxes: region.boxes,
+    }
+}
+
+/// Appends x, y, z of every trace and all outputs.
+fn show_all<F: DimensionForm>(mechanism: &Mechanism, region: &mut Region<F>) {
+    let centre = observed_slots(mechanism, &region.centre());
+    show_traces(mechanism, region, &centre);
+    for (output, place) in mechanism.outputs.iter().zip(region.slots.len()..) {
+        let rates = match &output.source {
+            OutputSource::Formula(formula) => {
+                region.chain(&expression_gradient(formula, &region.slots))
+            }
+            // Nothing bounds a distance or a rate here: its own value is unbounded.
+            OutputSource::Distance(_) | OutputSource::Rated(_) => region.chain(&[]),
+        };
+        region.push(centre[place], rates);
     }
 }
 
@@ -236,7 +289,7 @@ impl<const N: usize> PoseEnclosure<N> {
         let centre = expression.value(&region.centre());
         let value = centre.middle();
         let form = match centre.is_finite() {
-            true => DimensionForm::integral(value, centre.distance(value), &rates),
+            true => DimensionForm::integral((), value, centre.distance(value), &rates),
             false => AffineForm::undefined(),
         };
         (form, rates)

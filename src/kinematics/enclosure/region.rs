@@ -17,7 +17,9 @@ pub struct Tolerance {
 /// Enclosures of slots (coordinates, then what is computed from them) as functions of δ: dimension k is its value plus
 /// δₖ times its half width.
 #[derive(Clone, Debug)]
-pub struct Region<F> {
+pub struct Region<F: DimensionForm> {
+    /// Where forms put their coefficients.
+    pub room: F::Room,
     /// Number of dimensions, at most what a form has room for.
     pub count: usize,
     /// Every slot.
@@ -33,9 +35,16 @@ pub struct Region<F> {
 impl<F: DimensionForm> Region<F> {
     /// Inputs of a pose with their tolerances; the unknowns are not enclosed yet. Input k is meant within `input_open[k]` of
     /// its value.
-    pub fn new(pose: &[f64], unknowns: usize, input_open: &[f64], list: &[Tolerance]) -> Self {
+    pub fn new(
+        room: F::Room,
+        pose: &[f64],
+        unknowns: usize,
+        input_open: &[f64],
+        list: &[Tolerance],
+    ) -> Self {
         let count = list.len();
         let mut region = Self {
+            room,
             count,
             slots: pose.iter().map(|v| F::number(*v)).collect(),
             open: vec![0.0; pose.len()],
@@ -46,14 +55,14 @@ impl<F: DimensionForm> Region<F> {
             region.open[unknowns + k] = *open;
         }
         for (slot, open) in region.open.iter().enumerate().skip(unknowns) {
-            region.slots[slot] = F::linear(pose[slot], &[], *open);
+            region.slots[slot] = F::linear(room, pose[slot], &[], *open);
         }
         for (k, tolerance) in list.iter().enumerate() {
             let slot = tolerance.slot;
             // A dimension is its nominal value plus its half width times a variable in -1..1.
             let mut slopes = vec![0.0; count];
             slopes[k] = tolerance.half_width;
-            region.slots[slot] = F::linear(pose[slot], &slopes, region.open[slot]);
+            region.slots[slot] = F::linear(room, pose[slot], &slopes, region.open[slot]);
             region.rates[slot * count + k] = F::number(tolerance.half_width);
         }
         region
@@ -74,13 +83,11 @@ impl<F: DimensionForm> Region<F> {
 
     /// Derivatives by every δ of what changes with slots as `gradient` says.
     pub fn chain(&self, gradient: &[(usize, F)]) -> Vec<F> {
-        let mut rates = vec![F::number(0.0); self.count];
-        for (slot, by_slot) in gradient {
-            for (rate, of_slot) in rates.iter_mut().zip(self.rates_of(*slot)) {
-                rate.add_product(by_slot, of_slot);
-            }
-        }
-        rates
+        let along = |k: usize| {
+            let terms = gradient.iter();
+            F::sum_of_products(terms.map(|(slot, by_slot)| (by_slot, &self.rates_of(*slot)[k])))
+        };
+        (0..self.count).map(along).collect()
     }
 
     /// Appends a slot whose value at δ = 0 is in `centre` and whose derivatives are `rates`.
@@ -88,7 +95,7 @@ impl<F: DimensionForm> Region<F> {
         let value = centre.middle();
         let open = centre.distance(value);
         self.slots.push(match centre.is_finite() {
-            true => F::integral(value, open, &rates),
+            true => F::integral(self.room, value, open, &rates),
             false => F::undefined(),
         });
         self.open.push(open);

@@ -1,0 +1,168 @@
+//! What formulas and chains do with forms of second order.
+
+use super::QuadraticForm;
+use crate::numbers::affine_form::AffineForm;
+use crate::numbers::constant::Constant;
+use crate::numbers::interval::Interval;
+use crate::numbers::rounding::{GROW, OPERATION};
+use crate::numbers::scalar::{Ring, Scalar};
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+impl<const N: usize> Ring for QuadraticForm<'_, N> {
+    fn number(value: f64) -> Self {
+        Self::from(AffineForm::within(value, 0.0))
+    }
+
+    fn scale(self, factor: f64) -> Self {
+        if factor == 1.0 {
+            return self;
+        }
+        if factor == -1.0 {
+            return -self;
+        }
+        Self::combination(0.0, std::iter::once((factor, &self)))
+    }
+
+    fn scale_by(self, factor: Constant) -> Self {
+        match factor.is_exact() {
+            true => self.scale(factor.number()),
+            false => self * Self::from_constant(factor),
+        }
+    }
+}
+
+impl<const N: usize> Scalar for QuadraticForm<'_, N> {
+    fn from_constant(constant: Constant) -> Self {
+        Self::from(AffineForm::from_constant(constant))
+    }
+
+    fn undefined() -> Self {
+        Self::from(AffineForm::undefined())
+    }
+
+    fn is_finite(self) -> bool {
+        self.affine().is_finite()
+    }
+
+    fn as_number(self) -> Option<f64> {
+        self.is_number().then_some(self.line.value)
+    }
+
+    fn nominal(self) -> f64 {
+        self.line.value
+    }
+
+    fn first_order(self, _value: f64) -> Self {
+        Self::undefined()
+    }
+
+    fn is_below_zero(self) -> Option<bool> {
+        self.affine().is_below_zero()
+    }
+
+    fn sin_cos(self) -> (Self, Self) {
+        if self.is_number() || !self.is_finite() {
+            let (sin, cos) = self.line.sin_cos();
+            let within = |line| Self {
+                room: self.room,
+                ..Self::from(line)
+            };
+            return (within(sin), within(cos));
+        }
+        let (sin, cos) = Interval::point(self.line.value).sin_cos();
+        (self.wave_form(sin, cos), self.wave_form(cos, -sin))
+    }
+
+    fn exp(self) -> Self {
+        self.by_line(Scalar::exp)
+    }
+
+    fn ln(self) -> Self {
+        self.by_line(Scalar::ln)
+    }
+
+    fn sqrt(self) -> Self {
+        self.by_line(Scalar::sqrt)
+    }
+
+    fn asin(self) -> Self {
+        self.by_line(Scalar::asin)
+    }
+
+    fn acos(self) -> Self {
+        self.by_line(Scalar::acos)
+    }
+
+    fn atan(self) -> Self {
+        self.by_line(Scalar::atan)
+    }
+
+    fn atan2(self, x: Self) -> Self {
+        self.by_line(|y| y.atan2(x.affine()))
+    }
+
+    fn floor(self) -> Self {
+        self.by_line(Scalar::floor)
+    }
+}
+
+impl<const N: usize> Neg for QuadraticForm<'_, N> {
+    type Output = Self;
+    fn neg(self) -> Self {
+        let turned = self.bends.iter().map(|b| -b).collect();
+        Self::from(-self.line).bent(turned, self.room)
+    }
+}
+
+impl<const N: usize> Add for QuadraticForm<'_, N> {
+    type Output = Self;
+    fn add(self, b: Self) -> Self {
+        let room = self.room.or(b.room);
+        let line = self.line + b.line;
+        if self.bends.is_empty() || b.bends.is_empty() {
+            // What is added to nothing is not rounded, and stays where it is.
+            let (bends, bend) = match self.bends.is_empty() {
+                true => (b.bends, b.bend),
+                false => (self.bends, self.bend),
+            };
+            return Self {
+                line,
+                bends,
+                bend,
+                room,
+            };
+        }
+        let pairs = self.bends.iter().zip(b.bends);
+        let bends = pairs.map(|(own, added)| own + added).collect();
+        let mut sum = Self::from(line).bent(bends, room);
+        // Rounding of every sum of second-order terms.
+        sum.line.error = (sum.line.error + OPERATION * (self.bend + b.bend)) * GROW;
+        sum
+    }
+}
+
+impl<const N: usize> Sub for QuadraticForm<'_, N> {
+    type Output = Self;
+    fn sub(self, b: Self) -> Self {
+        Self::combination(0.0, [(1.0, &self), (-1.0, &b)].into_iter())
+    }
+}
+
+impl<const N: usize> Mul for QuadraticForm<'_, N> {
+    type Output = Self;
+    fn mul(self, b: Self) -> Self {
+        Self::sum_of_products(std::iter::once((&self, &b)))
+    }
+}
+
+impl<const N: usize> Div for QuadraticForm<'_, N> {
+    type Output = Self;
+    fn div(self, b: Self) -> Self {
+        let inverse = AffineForm::number(1.0) / b.affine();
+        let inverse = Self {
+            room: b.room,
+            ..Self::from(inverse)
+        };
+        self * inverse
+    }
+}
