@@ -110,7 +110,7 @@ impl<'a> AskedPair<'a> {
         without: &[[usize; 2]],
         found: &mut BoundSearch,
     ) {
-        let Some(&first) = motion.samples.first() else {
+        let Some(first) = motion.assembled() else {
             return;
         };
         let hulls = region.hulls.each_ref();

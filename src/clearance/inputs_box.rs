@@ -60,6 +60,8 @@ pub struct BoxReport {
     pub unreached: Vec<[[f64; 2]; 2]>,
     /// How many strips were looked at.
     pub strips: usize,
+    /// Pairs that were wholly left out in a strip.
+    left_out: Vec<([usize; 2], [[f64; 2]; 2])>,
 }
 
 /// A part of the box: a range of the second input, and the pairs that are open there; all at first.
@@ -116,6 +118,7 @@ pub fn check_box(
             }));
         }
     }
+    report.uncover_left_out();
     report
 }
 
@@ -145,6 +148,11 @@ fn look(
     let found = check_over(&mut motion, rules, closely, &|_, _| {});
     // Empty after a strip that was not reached: all pairs then.
     let wanted = strip.open.as_ref().filter(|open| !open.is_empty());
+    let is_judged = |pair: &[usize; 2]| found.judged.iter().any(|judged| judged.pair == *pair);
+    let out = found.excluded.iter().map(|report| report.pair);
+    let out =
+        out.filter(|pair| !is_judged(pair) && wanted.is_none_or(|wanted| wanted.contains(pair)));
+    report.left_out.extend(out.map(|pair| (pair, whole)));
     let mut open = Vec::new();
     for pair in &found.judged {
         if wanted.is_some_and(|wanted| !wanted.contains(&pair.pair)) {
@@ -179,6 +187,16 @@ impl BoxReport {
     pub fn is_kept(&self) -> bool {
         let kept = |pair: &BoxPair| !pair.is_broken && pair.uncovered.is_empty();
         self.unreached.is_empty() && self.pairs.iter().all(kept)
+    }
+
+    /// What is judged in one strip and wholly left out in another one is not known there.
+    fn uncover_left_out(&mut self) {
+        for (pair, strip) in &self.left_out {
+            let known = self.pairs.iter_mut().find(|known| known.pair == *pair);
+            if let Some(known) = known.filter(|known| !known.uncovered.contains(strip)) {
+                known.uncovered.push(*strip);
+            }
+        }
     }
 
     /// Takes in what a strip says of a pair.
@@ -226,6 +244,7 @@ fn motion_along<'m>(
         .into_iter()
         .next()?
         .pose?;
+    let assembled = [first.unknowns.as_slice(), &start].concat();
     let way = Actuation::straight(&start, &from, first.unknowns);
     let reached = solve_motion(system, &way, &[0.0, 1.0])
         .samples
@@ -244,5 +263,5 @@ fn motion_along<'m>(
         play[sides[1].input] = 0.5 * (range[1] - range[0]) * (1.0 + 1e-12);
     }
     let motion = ProvedMotion::with_play(system, &along, &trajectory, play);
-    Some((along, motion))
+    Some((along, motion.assembled_at(assembled)))
 }

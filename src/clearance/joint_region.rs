@@ -3,7 +3,9 @@
 //! A long shape that is held by a joint is cut into the part that is near the joint and the parts that are not, so that only
 //! the near parts of two shapes are left out of a check. A bar that folds onto its neighbour far from their pin is seen.
 
-use crate::distance::bodies::{Hull, LeftOut, nearest_bodies};
+use crate::distance::bodies::Hull;
+use crate::distance::mesh;
+use crate::distance::pair::signed_distance;
 use crate::distance::primitive::{BoxCore, Element, Frustum, Primitive};
 use crate::math::Pose;
 use glam::DVec3;
@@ -26,7 +28,10 @@ const LONG: f64 = 2.0;
 const ALONG: f64 = 0.5;
 
 /// How often the region is doubled until the parts outside of it are clear of each other at the first pose.
-const DOUBLINGS: u32 = 8;
+const DOUBLINGS: u32 = 3;
+
+/// Shapes touch where they miss each other by this part of their thickness.
+const TOUCH: f64 = 1e-9;
 
 /// Where a joint is, in the frame of one body.
 #[derive(Clone, Debug)]
@@ -200,6 +205,8 @@ pub struct JointRegion {
     pub hulls: [Hull; 2],
     /// Parts that touch at the joint.
     pub touching: Vec<[usize; 2]>,
+    /// Parts of either body that were cut off, with the number of what is left of their elements.
+    beyond: [Vec<[usize; 2]>; 2],
     /// Where the joint is, as either body sees it.
     places: [Place; 2],
     /// Nothing slides in the joint.
@@ -216,23 +223,45 @@ impl JointRegion {
         first_from_second: &Pose,
         minimum: f64,
     ) -> Self {
-        let mut reach = REACH * thickest_element(hulls, touching);
+        // A pair whose parts near the joint do not touch meets elsewhere: it is none of the joint.
+        let is_there =
+            |pair: &&[usize; 2]| touches_near(hulls, **pair, places, first_from_second, minimum);
+        let touching: Vec<[usize; 2]> = touching.iter().filter(is_there).copied().collect();
+        let mut reach = REACH * thickest_element(hulls, &touching);
+        let first = Self::cut(hulls, &touching, places, reach);
         for _ in 0..DOUBLINGS {
-            let cut = Self::cut(hulls, touching, places, reach);
-            let left_out: LeftOut = cut.touching.iter().copied().collect();
-            // Parts of pairs that do not touch as a whole keep the minimum anyway.
-            let found = nearest_bodies(&cut.hulls[0], &cut.hulls[1], first_from_second, &left_out);
-            if found.is_none_or(|found| found.proximity.distance > minimum) {
+            let cut = Self::cut(hulls, &touching, places, reach);
+            if cut.is_clear_beyond(first_from_second, minimum) {
                 return cut;
             }
             reach *= 2.0;
         }
-        Self {
-            hulls: hulls.map(Clone::clone),
-            touching: touching.to_vec(),
-            places: places.clone(),
-            only_turns: false,
-        }
+        first
+    }
+
+    /// Whether the parts of touching shapes are clear of each other but for those at the joint.
+    fn is_clear_beyond(&self, first_from_second: &Pose, minimum: f64) -> bool {
+        let [first, second] = [0, 1].map(|side| &self.hulls[side].elements);
+        let far = |mine: &Element, other: &Element| {
+            signed_distance(mine, &other.moved(first_from_second)).distance > minimum
+        };
+        self.touching.iter().all(|pair| {
+            let [mine, others] = [0, 1].map(|side| self.parts_of(side, pair[side]));
+            let all = mine
+                .iter()
+                .flat_map(|i| others.iter().map(move |j| [*i, *j]));
+            all.filter(|parts| parts != pair)
+                .all(|[i, j]| far(&first[i], &second[j]))
+        })
+    }
+
+    /// The parts of an element that was cut, the near one first.
+    fn parts_of(&self, side: usize, element: usize) -> Vec<usize> {
+        let beyond = self.beyond[side].iter();
+        let beyond = beyond
+            .filter(|[_, of]| *of == element)
+            .map(|[part, _]| *part);
+        std::iter::once(element).chain(beyond).collect()
     }
 
     /// By how much two parts that touch may come deeper into each other than at the first pose.
@@ -254,6 +283,7 @@ impl JointRegion {
 
     fn cut(hulls: [&Hull; 2], touching: &[[usize; 2]], places: &[Place; 2], reach: f64) -> Self {
         let mut new: [Vec<Element>; 2] = hulls.map(|hull| hull.elements.clone());
+        let mut far: [Vec<[usize; 2]>; 2] = Default::default();
         for side in 0..2 {
             for k in 0..hulls[side].elements.len() {
                 if touching.iter().any(|pair| pair[side] == k) {
@@ -261,6 +291,8 @@ impl JointRegion {
                         element_parts(&hulls[side].elements[k], &places[side], reach);
                     // The near part keeps the number.
                     new[side][k] = near;
+                    let parts = new[side].len()..new[side].len() + beyond.len();
+                    far[side].extend(parts.map(|part| [part, k]));
                     new[side].extend(beyond);
                 }
             }
@@ -278,9 +310,39 @@ impl JointRegion {
                 },
             ],
             touching: touching.to_vec(),
+            beyond: far,
             places: places.clone(),
             only_turns: false,
         }
+    }
+}
+
+/// Whether two elements meet near a joint: no farther from it than the region of these two alone reaches, that of the thinnest
+/// extent of both. A thin bar may end at the far edge of a wide plate.
+fn touches_near(
+    hulls: [&Hull; 2],
+    [i, j]: [usize; 2],
+    places: &[Place; 2],
+    first_from_second: &Pose,
+    minimum: f64,
+) -> bool {
+    let [first, second] = [&hulls[0].elements[i], &hulls[1].elements[j]];
+    let reach = REACH * (thinnest(first) + thinnest(second));
+    let (mine, _) = element_parts(first, &places[0], reach);
+    let (other, _) = element_parts(second, &places[1], reach);
+    let other = other.moved(first_from_second);
+    if mesh::is_any([&mine, &other]) && mesh::one_inside(&mine.core, &other.core) {
+        return true;
+    }
+    signed_distance(&mine, &other).distance <= minimum + TOUCH * thinnest(first)
+}
+
+/// Half of an element's smallest extent.
+fn thinnest(element: &Element) -> f64 {
+    match &element.core {
+        Primitive::Box(b) => b.half.min_element() + element.radius,
+        Primitive::Frustum(f) => (0.5 * f.length).min(f.radii[0].max(f.radii[1])) + element.radius,
+        _ => thickness(element),
     }
 }
 

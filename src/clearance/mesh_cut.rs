@@ -51,7 +51,7 @@ impl PairSweep<'_> {
     /// A pose at which meshes are farther in each other than at the first one, by more than `growth`: it is looked for at every
     /// sample and in the middle of every stretch. `None` also where nothing parts them at the first pose.
     pub(super) fn cut_deeper(&self, motion: &mut ProvedMotion, growth: f64) -> Option<Least> {
-        let first = self.relative(motion, *motion.samples.first()?);
+        let first = self.relative(motion, motion.assembled()?);
         let at_first = |shift: &f64| !self.is_cut_beyond(&first, *shift);
         let parted = (0..DOUBLINGS).map(|k| growth * f64::from(1_u32 << k));
         let parted = std::iter::once(0.0).chain(parted).find(at_first)?;

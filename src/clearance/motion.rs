@@ -111,6 +111,8 @@ pub struct ProvedMotion<'m> {
     shortest: f64,
     /// Poses with which a part of the motion begins that is not known to be joined to the one before.
     anew: HashSet<usize>,
+    /// The pose that says what is together at a joint, where it is not the first sample.
+    assembled: Option<usize>,
 }
 
 impl<'m> ProvedMotion<'m> {
@@ -153,6 +155,7 @@ impl<'m> ProvedMotion<'m> {
             gaps: Vec::new(),
             pose_error: pose_error(mechanism.size, trajectory),
             anew: HashSet::new(),
+            assembled: None,
         };
         // Samples with poses in a row are joined by proved stretches; anything else begins anew.
         let mut last: Option<usize> = None;
@@ -186,6 +189,19 @@ impl<'m> ProvedMotion<'m> {
         }
         motion.roots = motion.stretches.len();
         motion
+    }
+
+    /// The same motion as a part of a larger one, whose bodies were put together at another pose: unknowns, then inputs. It
+    /// has no time.
+    pub fn assembled_at(mut self, coordinates: Vec<f64>) -> Self {
+        self.assembled = Some(self.instant(f64::NAN, coordinates));
+        self
+    }
+
+    /// The pose at which the bodies are put together: what touches at a joint then is meant to. The first sample, unless
+    /// another one was told.
+    pub fn assembled(&self) -> Option<usize> {
+        self.assembled.or_else(|| self.samples.first().copied())
     }
 
     /// Values of all arguments at the sampled times.

@@ -46,7 +46,8 @@ impl Neighbours {
     }
 }
 
-/// Why two bodies are neighbours, or `None` if they are not. Shapes nearer than `minimum` count as touching.
+/// Why two bodies are neighbours, or `None` if they are not. Shapes nearer than `minimum` count as touching, but for those of
+/// bodies that slide along each other.
 pub fn joint_neighbours(
     motion: &ProvedMotion,
     joints: &Joints,
@@ -58,7 +59,10 @@ pub fn joint_neighbours(
         return Some(Neighbours::Rigid);
     }
     let joint = joints.between(a, b)?;
-    let first = *motion.samples.first()?;
+    // Sliders have no place of their own: only what touches is of them.
+    let slides = matches!(joint.kind, JointKind::Prismatic | JointKind::Planar);
+    let near = if slides { 0.0 } else { minimum };
+    let first = motion.assembled()?;
     let place = place_of(joints, joint, &motion.instants[first].arguments);
     let [world_from_a, world_from_b] = [a, b].map(|body| motion.body_pose(first, body));
     let a_from_b = world_from_a.inverse() * world_from_b;
@@ -67,7 +71,7 @@ pub fn joint_neighbours(
     for (i, first) in hulls[0].elements.iter().enumerate() {
         for (j, mine) in hulls[1].elements.iter().enumerate() {
             let second = mine.moved(&a_from_b);
-            let contact = contact_of(first, &second, minimum);
+            let contact = contact_of(first, &second, near);
             let is_there = contact.is_some_and(|(point, radius)| {
                 place.is_near(world_from_a.transform_point(point), AROUND * radius)
             });
@@ -82,12 +86,12 @@ pub fn joint_neighbours(
     Some(Neighbours::Joined { words, region })
 }
 
-/// Where two elements touch, or are nearer than `minimum`, and the radius of the smaller one.
-fn contact_of(first: &Element, second: &Element, minimum: f64) -> Option<(DVec3, f64)> {
+/// Where two elements touch, or are no farther apart than `near`, and the radius of the smaller one.
+fn contact_of(first: &Element, second: &Element, near: f64) -> Option<(DVec3, f64)> {
     let [(_, r), (_, s)] = [first.bounds(), second.bounds()];
     let radius = r.min(s);
     let found = signed_distance(first, second);
-    let is_near = found.distance <= minimum + TOUCH * radius;
+    let is_near = found.distance <= near + TOUCH * radius;
     let is_inside = || mesh::is_any([first, second]) && mesh::one_inside(&first.core, &second.core);
     (is_near || is_inside()).then(|| (contact_place(first, second, &found), radius))
 }
