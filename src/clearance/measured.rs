@@ -26,6 +26,8 @@ pub struct Known {
     pub time: Option<f64>,
     /// Whether the bound is proved.
     pub is_certified: bool,
+    /// The motion has a pose at all times; else nothing is known of those where it has none.
+    pub is_whole: bool,
     /// By how much value and bound may be beyond a limit that is kept: rounding of the poses.
     pub slack: f64,
     /// One body is inside the other somewhere: the distance says too little.
@@ -65,6 +67,7 @@ pub fn known(motion: &mut ProvedMotion, measure: &Measure, tolerance: f64) -> Op
         bound: sign * found.bound,
         time: found.time,
         is_certified: found.is_certified,
+        is_whole: motion.gaps.is_empty(),
         slack: SLACK * found.value.abs().max(unit),
         is_enclosed: false,
         is_distance: false,
@@ -153,6 +156,7 @@ fn of_pair(motion: &mut ProvedMotion, gap: &Gap, limit: f64, tolerance: f64) -> 
         bound,
         time: Some(time),
         is_certified,
+        is_whole: motion.gaps.is_empty(),
         slack: sweep.slack(),
         is_enclosed,
         is_distance: true,

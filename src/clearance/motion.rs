@@ -6,7 +6,7 @@
 
 use crate::kinematics::certificate::tube::{Prover, TaylorModel, Tube};
 use crate::kinematics::loops::observed::observed_slots;
-use crate::kinematics::results::trajectory::{Sample, Trajectory};
+use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::solve::newton::Pace;
 use crate::kinematics::solve::pose_solver::PoseSolver;
 use crate::kinematics::structure::system::System;
@@ -16,10 +16,7 @@ use crate::model::chain::ArgumentValue;
 use crate::model::expression::Expression;
 use std::collections::HashSet;
 
-/// Shortest stretch that is tried to be proved, as a part of the interval between two samples, ...
-const FLOOR: f64 = 1.0 / 1024.0;
-
-/// ... and of the whole motion: what is proved must not depend on how many samples there are. With play, which shorter
+/// Shortest stretch that is tried to be proved at first, as a part of the whole motion: what is proved must not depend on how many samples there are. With play, which shorter
 /// stretches do not take away, the first one counts alone.
 const SHORTEST: f64 = 1.0 / 262_144.0;
 
@@ -32,11 +29,8 @@ const STRETCHES_WITH_PLAY: usize = 1_000;
 /// ... and most arguments of joints in all of them together (about 100 MB); bounds are as good as they are by then.
 const MAX_ARGUMENTS: usize = 1_200_000;
 
-/// An estimated motion may differ from the parabola by this times what the parabola differs from a line ...
-const ESTIMATE_FACTOR: f64 = 2.0;
-
-/// ... plus this part of the line's way.
-const ESTIMATE_SHARE: f64 = 0.1;
+/// An estimated motion may differ from a line by this part of the line's way.
+pub(super) const ESTIMATE_SHARE: f64 = 0.1;
 
 /// A pose at a time.
 #[derive(Clone, Debug)]
@@ -62,13 +56,13 @@ pub struct MotionStretch {
     pub arguments: Vec<TaylorModel>,
     /// The arguments' bounds are proved.
     pub is_certified: bool,
-    way: Way,
+    pub(super) way: Way,
     /// First of its two halves, once asked for; `Some(None)` where there are none.
-    halves: Option<Option<usize>>,
+    pub(super) halves: Option<Option<usize>>,
 }
 
 #[derive(Clone, Debug)]
-enum Way {
+pub(super) enum Way {
     Proved(Box<Tube>),
     /// Between two instants.
     Estimated([usize; 2]),
@@ -90,9 +84,9 @@ fn pose_error(size: f64, trajectory: &Trajectory) -> f64 {
 pub struct ProvedMotion<'m> {
     /// Whose motion.
     pub system: &'m System,
-    actuation: Actuation,
-    solver: PoseSolver<'m>,
-    prover: Prover<'m>,
+    pub(super) actuation: Actuation,
+    pub(super) solver: PoseSolver<'m>,
+    pub(super) prover: Prover<'m>,
     /// All poses solved.
     pub instants: Vec<SampledInstant>,
     /// Indices of the poses at the sampled times.
@@ -108,7 +102,7 @@ pub struct ProvedMotion<'m> {
     /// More stretches are not made, ...
     most_stretches: usize,
     /// ... and none shorter at first, seconds.
-    shortest: f64,
+    pub(super) shortest: f64,
     /// Poses with which a part of the motion begins that is not known to be joined to the one before.
     anew: HashSet<usize>,
     /// The pose that says what is together at a joint, where it is not the first sample.
@@ -158,6 +152,10 @@ impl<'m> ProvedMotion<'m> {
             assembled: None,
         };
         // Samples with poses in a row are joined by proved stretches; anything else begins anew.
+        let of_loops = trajectory.gaps.iter();
+        let of_loops =
+            of_loops.filter_map(|gap| Some([gap.from.as_ref()?.time, gap.until.as_ref()?.time]));
+        let lacking: Vec<[f64; 2]> = of_loops.collect();
         let mut last: Option<usize> = None;
         for (k, sample) in trajectory.samples.iter().enumerate() {
             let here = sample.pose.as_ref().map(|pose| {
@@ -174,7 +172,7 @@ impl<'m> ProvedMotion<'m> {
                     let place = motion.samples.len();
                     motion.samples.extend(here);
                     let is_joined =
-                        motion.cover(&trajectory.samples[k - 1..=k], [place - 1, place]);
+                        motion.cover(&trajectory.samples[k - 1..=k], [place - 1, place], &lacking);
                     motion.anew.extend(here.filter(|_| !is_joined));
                 }
                 _ => {
@@ -244,7 +242,7 @@ impl<'m> ProvedMotion<'m> {
     }
 
     /// Notes a stretch that is not looked at, with the one right before it.
-    fn leave_out(&mut self, from: f64, to: f64) {
+    pub(super) fn leave_out(&mut self, from: f64, to: f64) {
         match self.gaps.last_mut() {
             Some(gap) if gap[1] == from => gap[1] = to,
             _ => self.gaps.push([from, to]),
@@ -254,113 +252,6 @@ impl<'m> ProvedMotion<'m> {
     /// Whether what was true before this pose of a sample may not be any more: the motion jumps to it, or is not proved.
     pub fn begins_anew(&self, instant: usize) -> bool {
         self.anew.contains(&instant)
-    }
-
-    /// Covers the interval between two samples, `places` in the list of samples; whether they are proved to be joined.
-    fn cover(&mut self, pair: &[Sample], places: [usize; 2]) -> bool {
-        let (from, to) = (pair[0].time, pair[1].time);
-        let floor = FLOOR.min(self.shortest / (to - from));
-        let (tubes, refused) = self.prover.tubes(pair, floor);
-        let before = self.stretches.len();
-        let mut whole = refused.is_none();
-        for tube in tubes {
-            let arguments = self.prover.arguments(&tube);
-            if !arguments.iter().all(TaylorModel::is_finite) {
-                // A joint outside all loops whose formula has a kink or no value here.
-                whole = false;
-                break;
-            }
-            // Both poses are held by the tubes that begin and end with them, if their inputs are.
-            let begins = tube.start == from && self.prover.has_inputs(&tube, &pair[0]);
-            let ends = tube.end == to && self.prover.has_inputs(&tube, &pair[1]);
-            let ends = [begins.then_some(places[0]), ends.then_some(places[1])];
-            self.add_tube(tube, arguments, ends);
-        }
-        if whole {
-            let [first, last] = [self.stretches.get(before), self.stretches.last()];
-            return first.is_some_and(|s| s.ends[0] == Some(places[0]))
-                && last.is_some_and(|s| s.ends[1] == Some(places[1]));
-        }
-        // What is behind the refusal is looked at as a whole.
-        let reached = self.stretches.last().map(|s| s.end);
-        let reached = reached.filter(|t| *t > from && *t < to);
-        let start = match reached {
-            None => Some(self.samples[places[0]]),
-            Some(time) => self.between(self.samples[places[0]], self.samples[places[1]], time),
-        };
-        let end = self.samples[places[1]];
-        let ends = [reached.is_none().then_some(places[0]), Some(places[1])];
-        if start.is_none_or(|start| self.add_estimate([start, end], ends).is_none()) {
-            self.leave_out(reached.unwrap_or(from), to);
-        }
-        false
-    }
-
-    fn add_tube(
-        &mut self,
-        tube: Tube,
-        arguments: Vec<TaylorModel>,
-        ends: [Option<usize>; 2],
-    ) -> usize {
-        self.stretches.push(MotionStretch {
-            start: tube.start,
-            end: tube.end,
-            ends,
-            arguments,
-            is_certified: true,
-            way: Way::Proved(Box::new(tube)),
-            halves: None,
-        });
-        self.stretches.len() - 1
-    }
-
-    /// A stretch between two instants with a parabola; `None` if its middle cannot be solved.
-    fn add_estimate(&mut self, ends: [usize; 2], samples: [Option<usize>; 2]) -> Option<usize> {
-        let [start, end] = ends.map(|k| self.instants[k].time);
-        let middle = self.between(ends[0], ends[1], 0.5 * (start + end))?;
-        let [a, b, c] = [ends[0], middle, ends[1]].map(|k| &self.instants[k].arguments);
-        // A parabola through both ends and the middle.
-        let of = |k: usize| {
-            let (way, bend) = (
-                0.5 * (c[k].value - a[k].value),
-                0.5 * (c[k].value + a[k].value) - b[k].value,
-            );
-            let mut model = TaylorModel::constant(b[k].value);
-            (model.c[1], model.c[2]) = (way, bend);
-            model.rest = ESTIMATE_FACTOR * bend.abs() + ESTIMATE_SHARE * way.abs();
-            model
-        };
-        self.stretches.push(MotionStretch {
-            start,
-            end,
-            ends: samples,
-            arguments: (0..a.len()).map(of).collect(),
-            is_certified: false,
-            way: Way::Estimated(ends),
-            halves: None,
-        });
-        Some(self.stretches.len() - 1)
-    }
-
-    /// The closed pose near the straight line between two instants.
-    fn between(&mut self, start: usize, end: usize, time: f64) -> Option<usize> {
-        let (a, b) = (&self.instants[start], &self.instants[end]);
-        let share = (time - a.time) / (b.time - a.time);
-        let inputs = self.actuation.inputs_at(time);
-        let ends = [&a.coordinates[..], &b.coordinates[..]];
-        let coordinates = self.solver.between(ends, share, &inputs, Pace::Brisk)?;
-        Some(self.instant(time, coordinates))
-    }
-
-    /// Keeps a closed pose; its index.
-    fn instant(&mut self, time: f64, coordinates: Vec<f64>) -> usize {
-        let mechanism = self.system.mechanism();
-        self.instants.push(SampledInstant {
-            time,
-            arguments: mechanism.argument_values(&coordinates),
-            coordinates,
-        });
-        self.instants.len() - 1
     }
 
     /// Times of places of a stretch.

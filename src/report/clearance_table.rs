@@ -28,6 +28,11 @@ pub fn clearance_table(mechanism: &Mechanism, found: &ClearanceReport, worst: us
         if let Some(times) = violations_sentence(p, has_gaps) {
             text.push_str(&format!("                  {times}\n"));
         }
+        if let Some(slack) = slack_used(p) {
+            text.push_str(&format!(
+                "                  below its minimum by no more than the slack for rounding, {slack:.1e} {unit}\n"
+            ));
+        }
         if p.farthest.is_some() {
             text.push_str(&format!(
                 "                  touching: {}\n",
@@ -63,6 +68,12 @@ pub fn clearance_table(mechanism: &Mechanism, found: &ClearanceReport, worst: us
     let pieces = found.pieces.iter();
     text.extend(pieces.map(|pieces| piece_table(mechanism, pieces, worst)));
     text
+}
+
+/// The slack of a pair that passes by it: its bound is below the minimum.
+fn slack_used(p: &PairReport) -> Option<f64> {
+    let is_used = p.farthest.is_none() && p.judgement.is_kept() && p.least.bound < p.minimum;
+    is_used.then_some(p.slack)
 }
 
 /// Excluded pairs with equal reasons, in the order in which these come first.

@@ -36,8 +36,13 @@ fn parts_in_words(mechanism: &Mechanism, sides: [Side; 2], parts: &[[[f64; 2]; 2
     format!("{}{more}", shown.join("; "))
 }
 
-/// One case a pair, and one for what no motion leads to.
-pub fn cases(mechanism: &Mechanism, sides: [Side; 2], report: &BoxReport) -> Vec<Case> {
+/// One case a pair, one for what no motion leads to, and one if no pair was judged, unless that is allowed.
+pub fn cases(
+    mechanism: &Mechanism,
+    sides: [Side; 2],
+    report: &BoxReport,
+    may_be_empty: bool,
+) -> Vec<Case> {
     let pairs = report
         .pairs
         .iter()
@@ -53,7 +58,7 @@ pub fn cases(mechanism: &Mechanism, sides: [Side; 2], report: &BoxReport) -> Vec
             text,
         ));
     }
-    if report.pairs.is_empty() {
+    if report.pairs.is_empty() && !may_be_empty {
         let text = "no pair of bodies was judged";
         cases.push(Case::new(
             CLEARANCE,

@@ -175,7 +175,8 @@ impl TakenMeasure<'_> {
                 true => self.measure.min.is_some(),
                 false => self.measure.max.is_some(),
             };
-            let bound_keeps = estimates || known.is_certified && !self.is_off(known.bound);
+            let bound_keeps =
+                estimates && known.is_whole || known.is_certified && !self.is_off(known.bound);
             !self.is_off(known.value) && (bound_keeps || !is_limited)
         })
     }

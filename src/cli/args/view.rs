@@ -6,7 +6,8 @@ use crate::diag::shown_number;
 use crate::export::Format;
 use crate::model::theme::Theme;
 use crate::model::view::{
-    EdgeLines, Ghosts, HiddenSolids, NamedView, Playback, Shadows, ShownAxes, Trails, ViewProjection,
+    EdgeLines, Ghosts, HiddenSolids, NamedView, Playback, Shadows, ShownAxes, Trails,
+    ViewProjection,
 };
 use crate::model::view_change::ViewChange;
 use crate::scene::Scene;

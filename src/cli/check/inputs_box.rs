@@ -46,7 +46,7 @@ pub fn check(args: &CheckArgs, opened: &OpenScene) -> Result<Answer, Failure> {
     let report = check_box(system, &scene.actuation, rules, sides, args.asked.tolerance);
     let verdict = Verdict {
         title: mechanism.title.clone(),
-        cases: cases(mechanism, sides, &report),
+        cases: cases(mechanism, sides, &report, args.asked.allow_empty),
     };
     let mut text = format!(
         "{}\n  box of inputs    {} strips\n",

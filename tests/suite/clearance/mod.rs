@@ -1,5 +1,6 @@
 //! Distances of shapes, at poses and over motions, and what `check` says of them.
 
+mod assembled;
 mod broad_phase;
 mod clearance_cli;
 mod clearance_half_space;

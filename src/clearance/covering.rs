@@ -1,0 +1,174 @@
+//! How the interval between two samples is covered: with tubes as far as they are proved, with estimates behind, and not at all
+//! where there is no pose.
+
+use super::motion::{ESTIMATE_SHARE, MotionStretch, ProvedMotion, SampledInstant, Way};
+use super::undefined;
+use crate::kinematics::certificate::tube::{TaylorModel, Tube};
+use crate::kinematics::results::trajectory::Sample;
+use crate::kinematics::solve::newton::Pace;
+
+/// Shortest stretch that is tried to be proved, as a part of the interval between two samples.
+const FLOOR: f64 = 1.0 / 1024.0;
+
+/// An estimated motion may differ from the parabola by this times what the parabola differs from a line, beside a part of the line's way.
+const ESTIMATE_FACTOR: f64 = 2.0;
+
+impl ProvedMotion<'_> {
+    /// Covers the interval between two samples, `places` in the list of samples, but for what lacks a pose; whether they are
+    /// proved to be joined.
+    pub(super) fn cover(
+        &mut self,
+        pair: &[Sample],
+        places: [usize; 2],
+        lacking: &[[f64; 2]],
+    ) -> bool {
+        let (from, to) = (pair[0].time, pair[1].time);
+        let floor = FLOOR.min(self.shortest / (to - from));
+        let (tubes, refused) = self.prover.tubes(pair, floor);
+        let before = self.stretches.len();
+        let mut whole = refused.is_none();
+        for tube in tubes {
+            let arguments = self.prover.arguments(&tube);
+            if !arguments.iter().all(TaylorModel::is_finite) {
+                // A joint outside all loops whose formula has a kink or no value here.
+                whole = false;
+                break;
+            }
+            // Both poses are held by the tubes that begin and end with them, if their inputs are.
+            let begins = tube.start == from && self.prover.has_inputs(&tube, &pair[0]);
+            let ends = tube.end == to && self.prover.has_inputs(&tube, &pair[1]);
+            let ends = [begins.then_some(places[0]), ends.then_some(places[1])];
+            self.add_tube(tube, arguments, ends);
+        }
+        if whole {
+            let [first, last] = [self.stretches.get(before), self.stretches.last()];
+            return first.is_some_and(|s| s.ends[0] == Some(places[0]))
+                && last.is_some_and(|s| s.ends[1] == Some(places[1]));
+        }
+        // What is behind the refusal is looked at as a whole, but for where there is no pose.
+        let reached = self.stretches.last().map(|s| s.end);
+        let reached = reached.filter(|t| *t > from && *t < to);
+        let samples = places.map(|place| self.samples[place]);
+        let (mut at, mut first) = (
+            reached.unwrap_or(from),
+            reached.is_none().then_some(places[0]),
+        );
+        let mut start = match reached {
+            None => Some(samples[0]),
+            Some(time) => self.between(samples[0], samples[1], time),
+        };
+        for [off, on] in undefined::gaps(self.system, &self.actuation, [at, to], lacking) {
+            if off > at {
+                let end = self.between(samples[0], samples[1], off);
+                self.estimate([at, off], [start, end], [first, None]);
+            }
+            self.leave_out(off, on);
+            (at, first) = (on, None);
+            start = match on < to {
+                true => self.between(samples[0], samples[1], on),
+                false => None,
+            };
+        }
+        if at < to {
+            self.estimate(
+                [at, to],
+                [start, Some(samples[1])],
+                [first, Some(places[1])],
+            );
+        }
+        false
+    }
+
+    /// An estimate between two instants; without one of them, or where it has none, the stretch is left out.
+    fn estimate(
+        &mut self,
+        [from, to]: [f64; 2],
+        ends: [Option<usize>; 2],
+        samples: [Option<usize>; 2],
+    ) {
+        let known = match ends {
+            [Some(start), Some(end)] => self.add_estimate([start, end], samples),
+            _ => None,
+        };
+        if known.is_none() {
+            self.leave_out(from, to);
+        }
+    }
+
+    pub(super) fn add_tube(
+        &mut self,
+        tube: Tube,
+        arguments: Vec<TaylorModel>,
+        ends: [Option<usize>; 2],
+    ) -> usize {
+        self.stretches.push(MotionStretch {
+            start: tube.start,
+            end: tube.end,
+            ends,
+            arguments,
+            is_certified: true,
+            way: Way::Proved(Box::new(tube)),
+            halves: None,
+        });
+        self.stretches.len() - 1
+    }
+
+    /// A stretch between two instants with a parabola; `None` if its middle cannot be solved.
+    pub(super) fn add_estimate(
+        &mut self,
+        ends: [usize; 2],
+        samples: [Option<usize>; 2],
+    ) -> Option<usize> {
+        let [start, end] = ends.map(|k| self.instants[k].time);
+        let middle = self.between(ends[0], ends[1], 0.5 * (start + end))?;
+        let [a, b, c] = [ends[0], middle, ends[1]].map(|k| &self.instants[k].arguments);
+        // A parabola through both ends and the middle.
+        let of = |k: usize| {
+            let (way, bend) = (
+                0.5 * (c[k].value - a[k].value),
+                0.5 * (c[k].value + a[k].value) - b[k].value,
+            );
+            let mut model = TaylorModel::constant(b[k].value);
+            (model.c[1], model.c[2]) = (way, bend);
+            model.rest = ESTIMATE_FACTOR * bend.abs() + ESTIMATE_SHARE * way.abs();
+            model
+        };
+        self.stretches.push(MotionStretch {
+            start,
+            end,
+            ends: samples,
+            arguments: (0..a.len()).map(of).collect(),
+            is_certified: false,
+            way: Way::Estimated(ends),
+            halves: None,
+        });
+        Some(self.stretches.len() - 1)
+    }
+
+    /// The closed pose near the straight line between two instants.
+    pub(super) fn between(&mut self, start: usize, end: usize, time: f64) -> Option<usize> {
+        let (a, b) = (&self.instants[start], &self.instants[end]);
+        let share = (time - a.time) / (b.time - a.time);
+        let inputs = self.actuation.inputs_at(time);
+        let ends = [&a.coordinates[..], &b.coordinates[..]];
+        let coordinates = self.solver.between(ends, share, &inputs, Pace::Brisk)?;
+        let instant = self.instant(time, coordinates);
+        let mut arguments = self.instants[instant].arguments.iter();
+        if arguments.all(|argument| argument.value.is_finite()) {
+            return Some(instant);
+        }
+        self.instants.truncate(instant);
+        None
+    }
+
+    /// Keeps a closed pose; its index.
+    pub(super) fn instant(&mut self, time: f64, coordinates: Vec<f64>) -> usize {
+        let mechanism = self.system.mechanism();
+        self.instants.push(SampledInstant {
+            time,
+            arguments: mechanism.argument_values(&coordinates),
+            coordinates,
+        });
+        self.instants.len() - 1
+    }
+}
