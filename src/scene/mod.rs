@@ -20,6 +20,7 @@ pub mod resolve;
 pub mod shapes;
 pub mod source;
 pub mod studies;
+pub mod syntax;
 pub mod template;
 pub mod values;
 pub mod views;
