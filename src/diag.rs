@@ -127,8 +127,26 @@ pub fn shown_number(value: f64) -> String {
     }
 }
 
-/// Most characters of one quoted value, and of a whole message: more is not read, and may be megabytes.
-const MOST_QUOTED: usize = 120;
+/// Digits before the point that are read as a number, and digits that a number in decimals keeps behind its zeros.
+const MOST_WHOLE_DIGITS: i32 = 9;
+const LEAST_DIGITS: i32 = 3;
+
+/// A number with so many decimals, as messages show it: as a power of ten where decimals would show nothing but zeros,
+/// or hundreds of digits.
+pub fn decimals_of(value: f64, decimals: usize) -> String {
+    let size = value.abs();
+    let least = 10_f64.powi(LEAST_DIGITS - 1 - decimals as i32);
+    if size == 0.0 || !size.is_finite() || (least..10_f64.powi(MOST_WHOLE_DIGITS)).contains(&size) {
+        format!("{value:.decimals$}")
+    } else {
+        format!("{value:.*e}", LEAST_DIGITS as usize)
+    }
+}
+
+/// Most characters of one quoted value: more is not read, and may be megabytes.
+pub const MOST_QUOTED: usize = 120;
+
+/// The same of a whole message.
 const MOST_SAID: usize = 4000;
 
 /// Whether a character acts on who shows it, instead of being seen: controls and escapes, marks that turn the direction
@@ -203,7 +221,7 @@ pub fn shorten_text(text: &str) -> Cow<'_, str> {
 }
 
 /// The beginning of what is longer than so many characters.
-fn cut_text(text: &str, most: usize) -> Cow<'_, str> {
+pub fn cut_text(text: &str, most: usize) -> Cow<'_, str> {
     match text.char_indices().nth(most) {
         Some((end, _)) => Cow::Owned(format!("{}…", &text[..end])),
         None => Cow::Borrowed(text),
@@ -317,6 +335,25 @@ mod tests {
             (f64::INFINITY, "inf"),
         ] {
             assert_eq!(shown_number(value), text);
+        }
+    }
+
+    #[test]
+    fn decimals_show_what_a_number_is() {
+        for (value, decimals, text) in [
+            (0.0, 6, "0.000000"),
+            (1e-9, 6, "1.000e-9"),
+            (-1.148e-7, 6, "-1.148e-7"),
+            (1.5e-4, 6, "0.000150"),
+            (-17.0, 9, "-17.000000000"),
+            (1.23e-8, 9, "1.230e-8"),
+            (999_999_999.5, 3, "999999999.500"),
+            (-1e300, 9, "-1.000e300"),
+            (f64::NAN, 6, "NaN"),
+            (f64::NEG_INFINITY, 6, "-inf"),
+            (0.004, 3, "4.000e-3"),
+        ] {
+            assert_eq!(decimals_of(value, decimals), text);
         }
     }
 

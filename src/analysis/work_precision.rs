@@ -6,6 +6,7 @@
 use super::observer::{largest_distance, marked_positions};
 use super::reference::Reference;
 use super::routes::{RotationForm, Route, Walker};
+use crate::diag::decimals_of;
 use crate::kinematics::loops::forward;
 use crate::kinematics::motion::continuation::solve_motion;
 use crate::kinematics::motion::sampling::is_cyclic;
@@ -85,7 +86,8 @@ pub struct PrecisionStudy {
 pub enum StudyError {
     /// Routes can only be compared where the motion has poses all along.
     #[error(
-        "the motion has no pose at t = {time:.9} s: routes are compared on motions without gaps"
+        "the motion has no pose at t = {} s: routes are compared on motions without gaps",
+        decimals_of(*time, 9)
     )]
     Gap {
         /// Seconds.

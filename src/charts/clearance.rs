@@ -1,6 +1,7 @@
 //! The chart of a clearance report: distance over time of the worst pairs, with their minimum and the worst moment.
 
 use crate::clearance::check::{ClearanceReport, PairReport};
+use crate::diag::decimals_of;
 use crate::model::mechanism::Mechanism;
 use crate::plot::chart::{Axis, Chart, EventMark, Panel, PlotSeries, Shade};
 use crate::report::rounded::not_below;
@@ -112,11 +113,12 @@ fn mark_worst(mechanism: &Mechanism, worst: &PairReport, panel: &mut Panel, char
     panel.marks.push([least.time, least.distance]);
     panel.events.push(EventMark {
         x: least.time,
-        label: format!("{:.4} {unit}", least.distance),
+        label: format!("{} {unit}", decimals_of(least.distance, 4)),
     });
     let [a, b] = worst.pair.map(|k| mechanism.bodies[k].name.as_str());
     chart.description = format!(
-        "{a} and {b} come nearest, {:.6} {unit} at {:.6} s; the minimum is {minimum}",
-        least.distance, least.time
+        "{a} and {b} come nearest, {} {unit} at {} s; the minimum is {minimum}",
+        decimals_of(least.distance, 6),
+        decimals_of(least.time, 6)
     );
 }

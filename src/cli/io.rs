@@ -6,7 +6,7 @@ use super::term::Term;
 use super::term::outcome::Failure;
 use crate::diag::shown_lines;
 use crate::export::png::{Effort, encode_png};
-use crate::export::{Output, Stream, Target, folder_of};
+use crate::export::{Output, Stream, Target, folder_of, link_end};
 use image::RgbaImage;
 use serde_json::Value;
 use std::io::Write;
@@ -45,16 +45,17 @@ pub fn refuse_clashes(
     Ok(())
 }
 
-/// Where a path leads: that of its folder where it is not there yet.
+/// Where a path leads, through links to what is not there yet, too.
 fn absolute_place(path: &Path) -> PathBuf {
     if path == Path::new("-") {
         return path.to_owned();
     }
-    path.canonicalize().unwrap_or_else(|_| {
-        let folder = folder_of(path).canonicalize();
-        let name = path.file_name().unwrap_or_default();
-        folder.map_or_else(|_| path.to_owned(), |folder| folder.join(name))
-    })
+    let end = link_end(path).unwrap_or_else(|_| path.to_owned());
+    let folder = folder_of(&end).canonicalize();
+    match (folder, end.file_name()) {
+        (Ok(folder), Some(name)) => folder.join(name),
+        _ => end.canonicalize().unwrap_or(end),
+    }
 }
 
 /// Where the result of an interrupted run goes: beside a complete one, which it does not replace (`t.partial.csv`).

@@ -25,7 +25,9 @@ use dyads::{intervals, row};
 use files::{diff, encode, new_scene, snapshot};
 use motion::{draw, modes, plot, render, show, solve};
 use rerun::run_again;
+use std::any::TypeId;
 use std::ffi::OsString;
+use std::path::PathBuf;
 use study::{accuracy, enclose, optimise, sensitivity, sweep, synthesise, tolerance, units};
 pub use term::outcome::{Failure, Outcome};
 use term::{Term, outcome};
@@ -98,13 +100,32 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> i32 {
     }
 }
 
-/// The arguments; a negative number behind an option is its value, so that the option can say what it takes.
+/// The arguments, with [`values_with_signs`] in all verbs.
 fn command_line() -> clap::Command {
+    grouped_command(Cli::command()).mut_subcommands(values_with_signs)
+}
+
+/// A negative number behind an option is its value, so that the option can say what it takes; where an option takes one
+/// value that is neither any text nor a path, so is all that begins with a sign: `-1x3`, `-1,2`.
+fn values_with_signs(verb: clap::Command) -> clap::Command {
     let takes_values = |arg: clap::Arg| {
         let is_option = arg.get_long().is_some() && arg.get_action().takes_values();
+        let kind = arg.get_value_parser().type_id();
+        let takes_any = [
+            TypeId::of::<String>(),
+            TypeId::of::<PathBuf>(),
+            TypeId::of::<OsString>(),
+        ];
+        let takes_one = arg
+            .get_num_args()
+            .is_none_or(|number| number.min_values() == 1 && number.max_values() == 1);
+        let has_form = takes_one && takes_any.iter().all(|any| kind != *any);
+        let has_signs = arg.is_allow_hyphen_values_set() || (is_option && has_form);
         arg.allow_negative_numbers(is_option)
+            .allow_hyphen_values(has_signs)
     };
-    grouped_command(Cli::command()).mut_subcommands(|verb| verb.mut_args(takes_values))
+    verb.mut_args(takes_values)
+        .mut_subcommands(values_with_signs)
 }
 
 /// Prints help, version or a usage error where it belongs.

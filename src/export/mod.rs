@@ -35,7 +35,7 @@ pub mod video;
 
 pub use error::ExportError;
 pub use format::Format;
-pub use target::{Output, Stream, Target, finished_count, folder_of, remove_unfinished};
+pub use target::{Output, Stream, Target, finished_count, folder_of, link_end, remove_unfinished};
 
 /// What was written.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -105,7 +105,7 @@ enum FileBody {
 
 impl Target {
     /// Starts a file at `path`. Its folder must exist; a symbolic link is followed, also to what is not there yet; a
-    /// device or pipe is written directly. Mode and owner of a file that is replaced are kept, the owner where the system
+    /// device, a pipe or an open file of a process (`/dev/stdout`) is written directly. Mode and owner of a file that is replaced are kept, the owner where the system
     /// lets them be.
     pub fn create(path: &Path) -> Result<Self, ExportError> {
         let name = path.display().to_string();
@@ -120,9 +120,8 @@ impl Target {
         if existing.as_ref().is_some_and(fs::Metadata::is_dir) {
             return Err(ExportError::IsFolder(path.to_owned()));
         }
-        if existing.as_ref().is_some_and(|m| !m.is_file()) {
-            let file = fs::OpenOptions::new().write(true).open(path);
-            let file = file.map_err(|e| ExportError::create(path, e))?;
+        if is_descriptor(&place) || existing.as_ref().is_some_and(|m| !m.is_file()) {
+            let file = open_directly(&place).map_err(|e| ExportError::create(path, e))?;
             let body = FileBody::Direct(BufWriter::with_capacity(BUFFER_BYTES, file));
             return Ok(Self {
                 name,
@@ -250,10 +249,16 @@ impl Output for Target {
 /// Most links that lead to each other.
 const MOST_LINKS: usize = 40;
 
-/// Where a path leads when its links are followed, whether there is something or not.
-fn link_end(path: &Path) -> io::Result<PathBuf> {
+/// Where a path leads when its links are followed, whether there is something or not; an open file of a process, which
+/// looks like a link, is an end.
+///
+/// Errors: the links lead in a circle.
+pub fn link_end(path: &Path) -> io::Result<PathBuf> {
     let mut place = path.to_owned();
     for _ in 0..MOST_LINKS {
+        if is_descriptor(&place) {
+            return Ok(place);
+        }
         match fs::read_link(&place) {
             // A link counts from where it stands.
             Ok(next) => place = folder_of(&place).join(next),
@@ -261,6 +266,32 @@ fn link_end(path: &Path) -> io::Result<PathBuf> {
         }
     }
     Err(io::Error::other("its symbolic links lead in a circle"))
+}
+
+/// Whether a path is an open file of a process (`/dev/fd/3`, `/proc/self/fd/3`). What it seems to link to need not be a
+/// path, and a file that is put in the place of one loses what others have written to it.
+fn is_descriptor(path: &Path) -> bool {
+    let name = path.file_name().and_then(|name| name.to_str());
+    let is_number = name.is_some_and(|name| name.parse::<u32>().is_ok());
+    let is_list = |folder: PathBuf| folder.starts_with("/proc") && folder.ends_with("fd");
+    is_number && folder_of(path).canonicalize().is_ok_and(is_list)
+}
+
+/// Opens what is no ordinary file. An open file is written behind what is in it, and standard output as it was handed
+/// over: a socket has no other way.
+fn open_directly(place: &Path) -> io::Result<fs::File> {
+    #[cfg(unix)]
+    if is_descriptor(place) {
+        use std::os::fd::AsFd;
+        let folder = folder_of(place).canonicalize().ok();
+        let is_own = folder == Path::new("/proc/self/fd").canonicalize().ok();
+        return match place.file_name().and_then(|name| name.to_str()) {
+            Some("1") if is_own => io::stdout().as_fd().try_clone_to_owned().map(Into::into),
+            Some("2") if is_own => io::stderr().as_fd().try_clone_to_owned().map(Into::into),
+            _ => fs::OpenOptions::new().append(true).open(place),
+        };
+    }
+    fs::OpenOptions::new().write(true).open(place)
 }
 
 /// Gives a new file the mode and the owner of the one that it will replace, and finds out now whether it may replace it.

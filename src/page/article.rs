@@ -9,6 +9,7 @@ use super::mechanism::mechanism_section;
 use super::model::viewer_model;
 use super::quantities::{ShownQuantity, extreme_table, shown_quantities};
 use super::still::first_picture;
+use crate::diag::decimals_of;
 use crate::kinematics::motion::limits::add_limits;
 use crate::kinematics::results::trajectory::{EventKind, Trajectory};
 use crate::model::mechanism::Mechanism;
@@ -211,7 +212,7 @@ fn motion_section(checked: &Checked, shown: &Trajectory) -> Section {
     );
     let row = |time: f64, text: String| {
         vec![
-            Cell::number(format!("{time:.6}")),
+            Cell::number(decimals_of(time, 6)),
             Cell::text(&text),
             Cell::Show {
                 frame: nearest_frame(shown, time),

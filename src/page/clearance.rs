@@ -5,6 +5,7 @@ use super::frames::nearest_frame;
 use super::markup::{Cell, Section, Table};
 use crate::charts::clearance::clearance_chart;
 use crate::clearance::check::{ClearanceReport, Judgement, PairReport};
+use crate::diag::decimals_of;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::math::narrow_vector;
 use crate::model::mechanism::Mechanism;
@@ -98,7 +99,11 @@ fn pair_row(
     let unit = &mechanism.length_unit;
     marks.push(json!({
         "points": least.points.map(narrow_vector),
-        "text": format!("{names}: {:.6} {unit} at t = {:.6} s.", least.distance, least.time),
+        "text": format!(
+            "{names}: {} {unit} at t = {} s.",
+            decimals_of(least.distance, 6),
+            decimals_of(least.time, 6)
+        ),
     }));
     let show = Cell::Show {
         frame: nearest_frame(shown, least.time),
@@ -108,8 +113,8 @@ fn pair_row(
     vec![
         Cell::text(&names),
         Cell::State(status, judgement_word(&pair.judgement).to_owned()),
-        Cell::number(format!("{:.6}", least.distance)),
-        Cell::number(format!("{:.6}", least.time)),
+        Cell::number(decimals_of(least.distance, 6)),
+        Cell::number(decimals_of(least.time, 6)),
         Cell::number(bound),
         Cell::number(format!("{}", pair.minimum)),
         show,
@@ -154,7 +159,7 @@ fn left_out(mechanism: &Mechanism, found: &ClearanceReport) -> Table {
             Cell::text(body_names(mechanism, pair).join(" / ")),
             Cell::text(judgement_word(&pair.judgement)),
             Cell::text(judgement_reason(&pair.judgement).unwrap_or_default()),
-            Cell::number(format!("{:.6}", pair.least.distance)),
+            Cell::number(decimals_of(pair.least.distance, 6)),
         ]);
     }
     let rest = found.excluded.len().saturating_sub(MOST_PAIRS);

@@ -11,6 +11,7 @@ use super::quantities::extreme_values;
 use crate::charts::clearance::clearance_chart;
 use crate::charts::motion::motion_chart;
 use crate::clearance::check::PairReport;
+use crate::diag::decimals_of;
 use crate::kinematics::motion::continuation::{solve_motion, solve_with_ends};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::plot::chart::{Chart, SeriesStyle};
@@ -174,7 +175,7 @@ fn values_section(old: &Checked, new: &Checked) -> Section {
             .find(|(other, of, _)| other == name && of == unit);
         let mut row = vec![Cell::text(format!("{name} {unit}").trim_end())];
         for end in 0..2 {
-            let number = |v: f64| Cell::number(format!("{v:.6}"));
+            let number = |v: f64| Cell::number(decimals_of(v, 6));
             row.extend(match was {
                 Some((_, _, was)) => [
                     number(was[end]),
@@ -294,7 +295,7 @@ fn clearance_section(
     let cells = |pair: Option<&PairReport>| match pair {
         Some(pair) => [
             Cell::text(judgement_word(&pair.judgement)),
-            Cell::number(format!("{:.6}", pair.least.distance)),
+            Cell::number(decimals_of(pair.least.distance, 6)),
             match pair.known_bound().filter(|_| pair.least.is_certified) {
                 Some(bound) => Cell::number(not_below(bound, 6)),
                 None => Cell::number("not proved"),

@@ -7,7 +7,7 @@ use crate::plot::raster::ChartPainter;
 use crate::render::adapter::AdapterChoice;
 use crate::render::open::{RendererChoice, open_renderer};
 use crate::render::overlay::Overlay;
-use crate::render::{RenderError, Renderer, matte};
+use crate::render::{RenderError, Renderer, allow_drawing, matte};
 use crate::scene::Scene;
 use crate::staging::marks::Marks;
 use crate::staging::{PictureOptions, Staging, panes};
@@ -90,6 +90,7 @@ impl<'a> Pictures<'a> {
     ///
     /// Errors: no adapter of the kind asked for; a size that cannot be drawn.
     pub fn workers(self, by: &DrawnBy) -> Result<Workers<'a>, RenderError> {
+        allow_drawing(self.staging.stage.size)?;
         let parts = self.panes.iter().map(|(corner, pane)| (*corner, pane));
         let mut views: Vec<_> = parts.collect();
         if views.is_empty() {

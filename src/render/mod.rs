@@ -21,6 +21,7 @@ pub mod ramp;
 mod stage_mesh;
 pub mod text;
 
+use crate::limits::{LimitExceeded, allow_picture};
 use crate::math::Pose;
 use edges::Edges;
 use glam::DVec3;
@@ -227,6 +228,15 @@ pub enum RenderError {
     /// The picture is larger than the adapter can draw.
     #[error("{0}")]
     Size(String),
+    /// The picture is larger than the run may draw.
+    #[error(transparent)]
+    Limit(#[from] LimitExceeded),
+}
+
+/// Refuses a picture that is larger than the run may draw. Every renderer asks before it allocates one, and so does whoever
+/// puts one together.
+pub fn allow_drawing(size: [u32; 2]) -> Result<(), RenderError> {
+    Ok(allow_picture(size, BYTES_OF_DRAWN_PIXEL, "a picture")?)
 }
 
 /// Draws frames of one stage.

@@ -5,6 +5,7 @@ use super::pieces::piece_cases;
 use super::rounded::{at_least_three, at_most_three, not_above, not_below};
 use super::verdict::{Asked, CLEARANCE, Case, Status};
 use crate::clearance::check::{ClearanceReport, FarPairs, Judgement, PairReport, Violation};
+use crate::diag::decimals_of;
 use crate::model::mechanism::Mechanism;
 use crate::model::shape::Solid;
 
@@ -99,14 +100,15 @@ pub fn pair_sentence(mechanism: &Mechanism, p: &PairReport) -> String {
     let what = if least.is_enclosed {
         "lie one in the other".to_owned()
     } else if least.distance < 0.0 {
-        format!("overlap by {:.6} {unit}", -least.distance)
+        format!("overlap by {} {unit}", decimals_of(-least.distance, 6))
     } else {
-        format!("come within {:.6} {unit}", least.distance)
+        format!("come within {} {unit}", decimals_of(least.distance, 6))
     };
     let [a, b] = body_names(mechanism, p);
     format!(
-        "`{a}` ({first}) and `{b}` ({second}) {what} at t = {:.6} s; the minimum is {:.6} {unit}",
-        least.time, p.minimum
+        "`{a}` ({first}) and `{b}` ({second}) {what} at t = {} s; the minimum is {} {unit}",
+        decimals_of(least.time, 6),
+        decimals_of(p.minimum, 6)
     )
 }
 
@@ -139,7 +141,8 @@ pub fn clearance_cases(mechanism: &Mechanism, report: &ClearanceReport, asked: A
         )
     }));
     list.extend(report.gaps.iter().map(|[from, to]| {
-        let name = format!("t = {from:.6} s to {to:.6} s");
+        let [from, to] = [from, to].map(|time| decimals_of(*time, 6));
+        let name = format!("t = {from} s to {to} s");
         let text = "not checked: the motion could not be followed there";
         Case::new(CLEARANCE, &name, Status::NotProved, text)
     }));

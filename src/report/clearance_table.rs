@@ -6,6 +6,7 @@ use super::clearance::{
 use super::pieces::piece_table;
 use super::rounded::not_below;
 use crate::clearance::check::{ClearanceReport, FarPairs, PairReport};
+use crate::diag::decimals_of;
 use crate::model::mechanism::Mechanism;
 
 /// More excluded pairs with one reason are one line of the table. JSON and JUnit have all of them.
@@ -61,9 +62,8 @@ pub fn clearance_table(mechanism: &Mechanism, found: &ClearanceReport, worst: us
         ));
     }
     for [start, end] in &found.gaps {
-        text.push_str(&format!(
-            "    not checked from t = {start:.6} s to {end:.6} s\n"
-        ));
+        let [start, end] = [start, end].map(|time| decimals_of(*time, 6));
+        text.push_str(&format!("    not checked from t = {start} s to {end} s\n"));
     }
     let pieces = found.pieces.iter();
     text.extend(pieces.map(|pieces| piece_table(mechanism, pieces, worst)));

@@ -2,6 +2,7 @@
 
 use super::sentences::gap_sentence;
 use super::verdict::{Case, MOTION, Status};
+use crate::diag::decimals_of;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::solve::pose_check::{LoopVerdict, Offered, OfferedGap};
 use crate::model::mechanism::Mechanism;
@@ -107,7 +108,8 @@ fn offered_sentence(mechanism: &Mechanism, item: &Offered) -> String {
             return format!("{} (off by {value:.1e})", verdict_word(item.verdict));
         }
     };
-    let gap = format!("{angle:.6} rad and {distance:.6} {unit}");
+    let [turned, apart] = [angle, distance].map(|v| decimals_of(v, 6));
+    let gap = format!("{turned} rad and {apart} {unit}");
     match item.verdict {
         LoopVerdict::Closed => format!("closed (off by {angle:.1e} rad and {distance:.1e} {unit})"),
         LoopVerdict::HalfTurn => format!(

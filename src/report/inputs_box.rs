@@ -3,6 +3,7 @@
 use super::rounded::not_below;
 use super::verdict::{CLEARANCE, Case, Status};
 use crate::clearance::inputs_box::{BoxPair, BoxReport, Side};
+use crate::diag::decimals_of;
 use crate::model::mechanism::Mechanism;
 use serde_json::{Value, json};
 
@@ -83,8 +84,8 @@ fn junit_case(mechanism: &Mechanism, sides: [Side; 2], pair: &BoxPair) -> Case {
         })
         .collect();
     let found = format!(
-        "least distance found {:.6} {unit} at {}; the minimum is {} {unit}",
-        pair.distance,
+        "least distance found {} {unit} at {}; the minimum is {} {unit}",
+        decimals_of(pair.distance, 6),
         at.join(", "),
         pair.minimum
     );

@@ -4,6 +4,7 @@ use super::rounded::{not_above, not_below};
 use super::verdict::{Case, MEASURES, Status};
 use crate::clearance::covered::CoveredMotion;
 use crate::clearance::measured::{Known, is_of_whole_motion, known};
+use crate::diag::decimals_of;
 use crate::kinematics::measures::{formula_value, measure_motion};
 use crate::kinematics::motion::sampling::only_times;
 use crate::kinematics::results::trajectory::Trajectory;
@@ -207,11 +208,13 @@ impl TakenMeasure<'_> {
         let Some(known) = self.known else {
             return String::new();
         };
-        let time = known.time.map(|time| format!("t = {time:.6} s"));
+        let time = known
+            .time
+            .map(|time| format!("t = {} s", decimals_of(time, 6)));
         let place = self
             .place
             .iter()
-            .map(|(name, value, unit)| format!("{name} = {value:.5} {unit}"));
+            .map(|(name, value, unit)| format!("{name} = {} {unit}", decimals_of(*value, 5)));
         let place: Vec<String> = place.collect();
         let time = time.or((!place.is_empty()).then(|| place.join(", ")));
         if known.is_distance && (known.value <= 0.0 || known.is_enclosed) {

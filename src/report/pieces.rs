@@ -4,6 +4,7 @@ use super::enclosure::reason_words;
 use super::rounded::not_below;
 use super::verdict::{CLEARANCE, Case, Status};
 use crate::clearance::part::{PieceClearance, PieceReport, Refusal};
+use crate::diag::decimals_of;
 use crate::model::mechanism::Mechanism;
 use crate::model::printed::shortest_decimal;
 use serde_json::{Value, json};
@@ -54,8 +55,10 @@ fn piece_sentence(mechanism: &Mechanism, pair: &PieceClearance) -> String {
         ),
     };
     format!(
-        "{known}; the nearest one found comes within {:.6} {unit} at t = {:.6} s; the minimum is {:.6} {unit}",
-        pair.found, pair.time, pair.minimum
+        "{known}; the nearest one found comes within {} {unit} at t = {} s; the minimum is {} {unit}",
+        decimals_of(pair.found, 6),
+        decimals_of(pair.time, 6),
+        decimals_of(pair.minimum, 6)
     )
 }
 

@@ -3,6 +3,7 @@
 use super::rounded::{at_least, at_most};
 use super::sentences;
 use super::verdict::{Case, PROOF, Status};
+use crate::diag::decimals_of;
 use crate::kinematics::results::certificate::{
     CONSISTENT, Certificate, IntervalCertificate, Reason,
 };
@@ -113,9 +114,9 @@ impl<'t> MotionProof<'t> {
         if let Some(refusal) = refusal {
             let inputs = sentences::input_sentence(mechanism, &actuation.inputs_at(refusal.time));
             let word = refusal.obstacle.word();
-            let time = refusal.time;
+            let time = decimals_of(refusal.time, 9);
             text.push_str(&format!(
-                "; refused first after t = {time:.9} s ({inputs}): {word}"
+                "; refused first after t = {time} s ({inputs}): {word}"
             ));
         }
         text

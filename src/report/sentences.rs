@@ -1,5 +1,6 @@
 //! Events and gaps of a motion as sentences, with values in the scene's units.
 
+use crate::diag::decimals_of;
 use crate::kinematics::results::trajectory::{Ending, Event, EventKind, Gap, Instant};
 use crate::model::mechanism::{Kind, Mechanism};
 
@@ -18,8 +19,8 @@ pub fn counted_things(number: usize, thing: &str) -> String {
 pub fn gap_sentence(mechanism: &Mechanism, gap: &Gap) -> String {
     let at = |i: &Instant| {
         format!(
-            "t = {:.9} s ({})",
-            i.time,
+            "t = {} s ({})",
+            decimals_of(i.time, 9),
             input_sentence(mechanism, &i.inputs)
         )
     };
@@ -32,7 +33,7 @@ pub fn gap_sentence(mechanism: &Mechanism, gap: &Gap) -> String {
     let lack = gap.widest.as_ref().map_or_else(String::new, |lack| {
         let unit = &mechanism.length_unit;
         let turned = if lack.angle > SEEN_ANGLE {
-            format!(" and {:.6} rad", lack.angle)
+            format!(" and {} rad", shown_amount(lack.angle))
         } else {
             String::new()
         };
@@ -103,8 +104,8 @@ fn ending_words(ending: &Ending) -> String {
 /// One event as a sentence.
 pub fn event_sentence(mechanism: &Mechanism, event: &Event) -> String {
     let at = format!(
-        "t = {:.9} s ({})",
-        event.time,
+        "t = {} s ({})",
+        decimals_of(event.time, 9),
         input_sentence(mechanism, &event.inputs)
     );
     match &event.kind {
@@ -203,7 +204,8 @@ fn start_lack(mechanism: &Mechanism, at: &str, name: &str, [angle, distance]: [f
     let unit = &mechanism.length_unit;
     if mechanism.contacts.iter().any(|c| c == name) {
         return format!(
-            "contact `{name}` cannot be made at {at}: the best pose found leaves {distance:.6} {unit} between the surfaces"
+            "contact `{name}` cannot be made at {at}: the best pose found leaves {} {unit} between the surfaces",
+            shown_amount(distance)
         );
     }
     if !distance.is_finite() {
@@ -228,18 +230,15 @@ fn start_lack(mechanism: &Mechanism, at: &str, name: &str, [angle, distance]: [f
         );
     }
     format!(
-        "loop `{name}` does not close at {at}: the best pose found leaves {} {unit} and {angle:.6} rad",
-        shown_amount(distance)
+        "loop `{name}` does not close at {at}: the best pose found leaves {} {unit} and {} rad",
+        shown_amount(distance),
+        shown_amount(angle)
     )
 }
 
-/// What is lacking, in decimals as long as these show it.
+/// What is lacking.
 fn shown_amount(value: f64) -> String {
-    if value == 0.0 || (1e-4..1e7).contains(&value) {
-        format!("{value:.6}")
-    } else {
-        format!("{value:.3e}")
-    }
+    decimals_of(value, 6)
 }
 
 /// `p = -17 mm, phi = 0.2 rad`.
@@ -259,7 +258,7 @@ pub fn input_sentence(mechanism: &Mechanism, values: &[f64]) -> String {
 
 /// A value with its unit: `-17.000000000 mm`.
 pub fn with_unit(mechanism: &Mechanism, kind: Kind, value: f64) -> String {
-    let text = format!("{:.9}", value * mechanism.file_units(kind));
+    let text = decimals_of(value * mechanism.file_units(kind), 9);
     match mechanism.unit_name(kind) {
         "" => text,
         unit => format!("{text} {unit}"),

@@ -11,10 +11,11 @@ use super::plots::{PlotFile, read_plot};
 use super::reader::{FoundValue, NamedFormula, Spanned, TableReader, read_table};
 use super::shown_dimensions::{ShownDimensionFile, read_shown_dimension};
 use super::studies::{StudyFile, read_study};
+use super::syntax::parse_tables;
 use super::values::{FormulaText, formula_of};
 use super::views::{ViewFile, read_view};
 use crate::diag::{Diagnostic, Diagnostics, Source};
-use toml::de::{DeTable, DeValue};
+use toml::de::DeValue;
 
 /// A scene file.
 #[derive(Clone, Debug, Default)]
@@ -111,19 +112,12 @@ pub enum InputFile {
 
 /// Reads the text of a scene; mistakes go to `diagnostics`, and what could be read is returned.
 pub fn read_scene(source: &Source, diagnostics: &mut Diagnostics) -> SceneFile {
-    let (document, errors) = DeTable::parse_recoverable(&source.text);
-    for error in errors {
-        let message = format!("not valid TOML: {}", error.message());
-        let end = source.text.len();
-        let span = error.span().unwrap_or(end..end);
-        diagnostics.push(Diagnostic::error(message).at(span));
-    }
-    if diagnostics.has_errors() {
+    let Some(document) = parse_tables(&source.text, diagnostics) else {
         return SceneFile {
             lacks_sections: true,
             ..SceneFile::default()
         };
-    }
+    };
     let table = document.get_ref();
     let found = FoundValue {
         table,

@@ -23,6 +23,7 @@ pub mod shown_dimensions;
 pub mod solids;
 pub mod source;
 pub mod studies;
+pub mod syntax;
 pub mod template;
 pub mod values;
 pub mod views;

@@ -11,10 +11,10 @@ use crate::model::view_change::ViewChange;
 use crate::scene::reader::{FoundValue, Spanned, TableReader, read_table};
 use crate::scene::resolve::camera::MOST_ORBIT;
 use crate::scene::resolve::choices::{MOST_GHOSTS, chosen_word};
+use crate::scene::syntax::parse_tables;
 use crate::scene::values::FormulaText;
 use std::collections::HashSet;
 use std::path::PathBuf;
-use toml::de::DeTable;
 
 /// Name of the list in its folder.
 pub const MANIFEST: &str = "snapshots.toml";
@@ -91,14 +91,9 @@ impl Manifest {
 }
 
 fn read_pictures(source: &Source, diagnostics: &mut Diagnostics) -> Vec<Picture> {
-    let (table, errors) = DeTable::parse_recoverable(&source.text);
-    for error in errors {
-        let message = format!("not valid TOML: {}", error.message());
-        diagnostics.push(Diagnostic::error(message).at(error.span().unwrap_or(0..0)));
-    }
-    if diagnostics.has_errors() {
+    let Some(table) = parse_tables(&source.text, diagnostics) else {
         return Vec::new();
-    }
+    };
     let whole = table.span();
     let place = "the list".to_owned();
     let found = FoundValue {

@@ -9,14 +9,24 @@ use std::path::Path;
 
 /// Runs the verb.
 pub fn write_manual(folder: &Path) -> Result<Outcome, Failure> {
-    let mut program = Cli::command();
+    // The verb `help` shows these pages; it has none.
+    let mut program = without_help(Cli::command());
     program.build();
-    write_page(folder, &program, "mechanim")?;
-    for verb in program.get_subcommands() {
-        let name = format!("mechanim-{}", verb.get_name());
-        write_page(folder, verb, &name)?;
-    }
+    write_pages(folder, &program, "mechanim")?;
     Ok(Outcome::Done)
+}
+
+fn without_help(command: Command) -> Command {
+    command
+        .disable_help_subcommand(true)
+        .mut_subcommands(without_help)
+}
+
+/// The page of a verb and those of its own verbs.
+fn write_pages(folder: &Path, command: &Command, name: &str) -> Result<(), Failure> {
+    write_page(folder, command, name)?;
+    let mut verbs = command.get_subcommands();
+    verbs.try_for_each(|verb| write_pages(folder, verb, &format!("{name}-{}", verb.get_name())))
 }
 
 fn write_page(folder: &Path, command: &Command, name: &str) -> Result<(), Failure> {

@@ -138,7 +138,7 @@ impl ViewArgs {
 
     /// Applies the options to the view of `scene`.
     ///
-    /// Errors: a transparent background in a format without alpha; too many ghosts, or one outside the motion.
+    /// Errors: a transparent background in a format without alpha; too many ghosts, two at one time, or one outside the motion.
     pub fn apply(&self, format: &Format, scene: &mut Scene) -> Result<(), Failure> {
         self.hide
             .iter()
@@ -167,6 +167,16 @@ impl ViewArgs {
     }
 }
 
+/// A time that stands in the list more than once.
+fn twice_in(times: &[f64]) -> Option<f64> {
+    let mut sorted = times.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    sorted
+        .windows(2)
+        .find(|two| two[0] == two[1])
+        .map(|two| two[0])
+}
+
 fn refuse_ghosts(times: &[f64], last: f64) -> Result<(), Failure> {
     let outside = times.iter().find(|time| !(0.0..=last).contains(*time));
     let message = match outside {
@@ -176,7 +186,10 @@ fn refuse_ghosts(times: &[f64], last: f64) -> Result<(), Failure> {
             shown_number(*time),
             shown_number(last)
         ),
-        None => return Ok(()),
+        None => match twice_in(times) {
+            Some(time) => format!("two ghosts at {} s", shown_number(time)),
+            None => return Ok(()),
+        },
     };
     Err(Failure::usage(message, Vec::new()))
 }

@@ -6,6 +6,7 @@ use crate::cli::io;
 use crate::cli::open::scene::OpenScene;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
+use crate::diag::decimals_of;
 use crate::export::png::{Effort, PngSettings, StillSink};
 use crate::export::{Format, FrameSink, Target};
 use crate::kinematics::motion::continuation::solve_motion;
@@ -65,7 +66,7 @@ pub fn write_worst_pair(
         measure: Some(DimensionMark {
             bodies: worst.pair,
             points: least.points,
-            text: format!("{:.3} {unit}", least.distance),
+            text: format!("{} {unit}", decimals_of(least.distance, 3)),
             caption: pair_caption(&scene.mechanism, worst),
             is_alarm: !worst.judgement.is_kept(),
         }),
@@ -102,8 +103,10 @@ fn pair_caption(mechanism: &Mechanism, pair: &PairReport) -> Vec<String> {
         judgement_word(&pair.judgement)
     );
     let when = format!(
-        "{:.4} {unit} at t = {:.4} s, minimum {} {unit}",
-        pair.least.distance, pair.least.time, pair.minimum
+        "{} {unit} at t = {} s, minimum {} {unit}",
+        decimals_of(pair.least.distance, 4),
+        decimals_of(pair.least.time, 4),
+        decimals_of(pair.minimum, 4)
     );
     vec![who, when]
 }

@@ -6,7 +6,9 @@ pub mod outcome;
 pub mod progress;
 
 use super::args::values::ColourChoice;
-use crate::diag::{Diagnostic, Diagnostics, Severity, Source, shorten_text, shown_text};
+use crate::diag::{
+    Diagnostic, Diagnostics, MOST_QUOTED, Severity, Source, cut_text, shorten_text, shown_text,
+};
 use crate::import::ImportError;
 use crate::kinematics::structure::block::StructureError;
 use crate::limits::{Resource, current_limits};
@@ -135,6 +137,7 @@ impl Term {
         let mut all = writer.buffer();
         let most = current_limits().most(Resource::Message);
         let (mut shown, mut left): ([usize; 2], [Vec<&Diagnostic>; 2]) = Default::default();
+        let mut is_cut = false;
         for diagnostic in diagnostics.sorted() {
             let kind = usize::from(diagnostic.severity == Severity::Warning);
             if self.quiet && kind == 1 {
@@ -148,6 +151,7 @@ impl Term {
             let mut one = writer.buffer();
             let _ = term::emit_to_write_style(&mut one, &config, &file, &excerpt);
             if (all.len() + one.len()) as f64 > most {
+                is_cut = true;
                 left[kind].push(diagnostic);
                 continue;
             }
@@ -155,6 +159,14 @@ impl Term {
             let _ = all.write_all(one.as_slice());
         }
         self.say(all);
+        // Whatever the limit: what is wrong is said, without the line it stands in.
+        for (kind, head, colour) in [(0, "error", Color::Red), (1, "warning", Color::Yellow)] {
+            if shown == [0, 0] && !left[kind].is_empty() {
+                let first = left[kind].remove(0);
+                shown[kind] += 1;
+                self.print_headed(head, colour, &cut_text(&first.message, MOST_QUOTED));
+            }
+        }
         for (left, word) in left.iter().zip(["error", "warning"]) {
             if !left.is_empty() {
                 let kinds: HashSet<String> = left.iter().map(|d| kind_of(&d.message)).collect();
@@ -165,6 +177,13 @@ impl Term {
                     left.len()
                 ));
             }
+        }
+        if is_cut {
+            let most = Resource::Message.shown(most);
+            self.note_always(&format!(
+                "the limit `message` is {most}, and all messages about {} need more (--limits message=…)",
+                shown_text(&source.name)
+            ));
         }
     }
 

@@ -184,7 +184,7 @@ impl Failure {
                 NOT_CLOSED
             }
             Self::Render(RenderError::NoAdapter(_)) => NO_ADAPTER,
-            Self::Render(RenderError::Size(_)) => BAD_USAGE,
+            Self::Render(RenderError::Size(_) | RenderError::Limit(_)) => BAD_USAGE,
             Self::Render(RenderError::Device(_)) => NO_ADAPTER,
             Self::Interrupted | Self::Stopped(_) => INTERRUPTED,
             Self::Internal(_) => INTERNAL,

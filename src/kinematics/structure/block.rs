@@ -6,6 +6,7 @@
 use super::columns::Columns;
 use super::layout::BlockPlan;
 use super::loop_part::LoopPart;
+use crate::diag::decimals_of;
 use crate::limits::LimitExceeded;
 use crate::model::mechanism::Mechanism;
 
@@ -65,7 +66,7 @@ pub struct Structure {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum StructureError {
     /// A loop has the same gap at every pose.
-    #[error("loop `{name}` cannot close at any pose: {what} always differs by {gap:.6} {unit}")]
+    #[error("loop `{name}` cannot close at any pose: {what} always differs by {} {unit}", decimals_of(*gap, 6))]
     Impossible {
         /// Name of the loop.
         name: String,

@@ -24,7 +24,7 @@ mod window;
 use super::contact_shadow::{ContactShadow, ShadowCaster};
 use super::look::Surroundings;
 use super::mutual_shade::MutualShade;
-use super::{Camera, Frame, RenderError, Renderer, Stage, StageMesh, colour};
+use super::{Camera, Frame, RenderError, Renderer, Stage, StageMesh, allow_drawing, colour};
 use assembly::TriangleAssembly;
 use backdrop::Backdrop;
 use image::RgbaImage;
@@ -79,6 +79,7 @@ impl CpuRenderer {
                 "a picture of {width} x {height} pixels cannot be drawn; sides are 1 to {MAX_SIDE}"
             )));
         }
+        allow_drawing(stage.size)?;
         let lens = Lens::new(&stage.camera, stage.size);
         let backdrop = Backdrop::new(&stage);
         let tile = match stage.samples {

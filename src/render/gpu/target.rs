@@ -2,8 +2,8 @@
 
 use super::device::Device;
 use super::formats::{COLOUR_FORMAT, DEPTH_FORMAT, SURFACE_FORMAT};
-use crate::render::RenderError;
 use crate::render::edges::BACKDROP;
+use crate::render::{RenderError, allow_drawing};
 use image::RgbaImage;
 
 /// Bytes of a pixel.
@@ -230,6 +230,7 @@ fn padded_row(width: u32) -> u32 {
 }
 
 fn check_size(size: [u32; 2], limits: &wgpu::Limits) -> Result<(), RenderError> {
+    allow_drawing(size)?;
     let [width, height] = size;
     let largest = limits.max_texture_dimension_2d;
     if width == 0 || height == 0 {

@@ -56,7 +56,7 @@ const NARROW: &[(&str, &[&str])] = &[
         "geometry/",
         &["diag.rs", "limits/", "math.rs", "weld.rs", "model/shape.rs"],
     ),
-    ("render/", &["math.rs", "weld.rs", "geometry/"]),
+    ("render/", &["limits/", "math.rs", "weld.rs", "geometry/"]),
     ("export/", &["math.rs", "geometry/"]),
     ("import/", &["limits/"]),
     ("parts/", &["export/"]),
