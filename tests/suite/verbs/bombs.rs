@@ -617,3 +617,53 @@ fn solids_too_large_for_a_proof_are_left_undecided() {
         assert_eq!(run.code, code, "{size}: {}", run.stderr);
     }
 }
+
+/// Four megabytes of nothing but mistakes of grammar, each of which a reader that recovers would keep.
+#[test]
+fn files_of_mistakes_take_little_memory() {
+    let w = Workspace::new();
+    for line in [".", "\r", "\r\n=", "= \n", "a=\n"] {
+        let text = line.repeat((4 << 20) / line.len());
+        w.write("s.toml", text.clone());
+        w.write("snapshots.toml", text);
+        for arguments in [&["check", "s.toml"], &["snapshot", "snapshots.toml"]] {
+            let run = bounded_by(&w, &format!("{line:?}"), arguments, "time=60s,memory=600M");
+            assert_eq!(run.code, 2, "{line:?}: {}", run.stderr);
+            assert!(run.stderr.contains("toml:"), "{line:?}: {}", run.stderr);
+        }
+    }
+}
+
+/// The first mistake is said under any limit of messages, and the limit that cut the list is named.
+#[test]
+fn the_first_mistake_is_always_said() {
+    let w = Workspace::new();
+    w.write(
+        "s.toml",
+        moving().replace("2*t", "2*no") + "[chains]\nc = \"Tx(nope(1))\"\n",
+    );
+    for limit in ["message=1", "message=10", "message=200"] {
+        let run = w.run(&["check", "s.toml", "--limits", limit]);
+        assert_eq!(run.code, 2);
+        assert!(run.stderr.contains("error"), "{limit}: {}", run.stderr);
+        assert!(run.stderr.contains("message"), "{limit}: {}", run.stderr);
+    }
+}
+
+/// The picture of a check has the limit of every picture.
+#[test]
+fn pictures_of_checks_are_limited() {
+    let w = Workspace::new();
+    let check = [
+        "check",
+        "gearshift",
+        "--render",
+        "w.png",
+        "--limits",
+        "pixels=1000",
+    ];
+    let run = w.run(&check);
+    assert_eq!(run.code, 2, "{}", run.stderr);
+    assert!(run.stderr.contains("`pixels`"), "{}", run.stderr);
+    assert!(!w.path("w.png").exists());
+}

@@ -14,6 +14,10 @@ const STEPS_OF_SAMPLE: usize = 1_000;
 /// Steps that every radian adds which an input turns between two samples: three times what a crank takes.
 const STEPS_OF_RADIAN: f64 = 20.0;
 
+/// How often the turns of a motion may fill its steps up again: three hundred thousand turns in all, and some ten seconds of a
+/// small mechanism.
+const REFILLS_BY_TURNS: usize = 2;
+
 /// The same two numbers where steps are so dear that they would take hours.
 const FEWEST_STEPS: usize = 500;
 const FEWEST_OF_SAMPLE: usize = 50;
@@ -22,6 +26,8 @@ const FEWEST_OF_SAMPLE: usize = 50;
 #[derive(Clone, Debug)]
 pub struct StepBudget {
     left: Rc<Cell<usize>>,
+    /// What turns may still add.
+    by_turns: Rc<Cell<usize>>,
     most: usize,
     of_sample: usize,
 }
@@ -32,6 +38,7 @@ impl StepBudget {
         let most = (MOST_STEPS / cost.max(1)).max(FEWEST_STEPS);
         Self {
             left: Rc::new(Cell::new(most)),
+            by_turns: Rc::new(Cell::new(REFILLS_BY_TURNS * most)),
             most,
             of_sample: (STEPS_OF_SAMPLE / cost.max(1)).max(FEWEST_OF_SAMPLE),
         }
@@ -62,7 +69,9 @@ impl StepBudget {
             0 => 0,
             _ => (STEPS_OF_RADIAN * turned()) as usize,
         };
-        self.left.set(left.saturating_add(of_turns).min(self.most));
+        let of_turns = of_turns.min(missing).min(self.by_turns.get());
+        self.by_turns.set(self.by_turns.get() - of_turns);
+        self.left.set((left + of_turns).min(self.most));
     }
 }
 
@@ -151,6 +160,19 @@ mod tests {
             budget.refill(|| turned);
             assert_eq!((0..2 * MOST_STEPS).filter(|_| budget.take()).count(), steps);
         }
+    }
+
+    /// However many samples are far apart: turns fill up so often, and no more.
+    #[test]
+    fn turns_are_bounded_in_all() {
+        let budget = StepBudget::of_cost(1);
+        let mut taken = 0;
+        for _ in 0..50 {
+            taken += (0..2 * MOST_STEPS).filter(|_| budget.take()).count();
+            budget.refill(|| f64::INFINITY);
+        }
+        assert!(taken > REFILLS_BY_TURNS * MOST_STEPS);
+        assert!(taken <= (1 + REFILLS_BY_TURNS) * MOST_STEPS + 50 * STEPS_OF_SAMPLE);
     }
 
     /// Dear steps are fewer, and what costs more than is left takes all.
