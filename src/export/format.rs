@@ -179,7 +179,7 @@ impl FramePattern {
         if let Some(part) = parts.last_mut() {
             part.push_str(rest);
         }
-        let folder = super::target::folder_of(path).to_owned();
+        let folder = super::place::folder_of(path).to_owned();
         match <[String; 2]>::try_from(parts) {
             Ok([before, after]) => Ok(Self {
                 folder,

@@ -24,6 +24,7 @@ mod kmeans;
 pub mod model;
 mod nearest_colour;
 pub mod palette;
+pub mod place;
 pub mod png;
 pub mod png_rows;
 pub mod raw;
@@ -35,7 +36,8 @@ pub mod video;
 
 pub use error::ExportError;
 pub use format::Format;
-pub use target::{Output, Stream, Target, finished_count, folder_of, link_end, remove_unfinished};
+pub use place::{folder_of, link_end};
+pub use target::{Output, Stream, Target, finished_count, remove_unfinished};
 
 /// What was written.
 #[derive(Clone, Debug, Default, PartialEq)]

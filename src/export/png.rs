@@ -238,7 +238,7 @@ impl SequenceSink {
         let folder = pattern.folder().to_owned();
         let made_folder = !folder.is_dir();
         if made_folder {
-            let parent = super::target::folder_of(&folder);
+            let parent = super::place::folder_of(&folder);
             if !parent.exists() {
                 return Err(ExportError::MissingFolder {
                     path: folder.clone(),

@@ -1,6 +1,7 @@
 //! Where bytes go: a file that appears only when complete, or a stream. Knows no format.
 
 use super::error::ExportError;
+use super::place::{folder_of, is_descriptor, link_end, open_directly};
 use std::collections::HashSet;
 use std::fs;
 use std::io::{self, BufWriter, Write};
@@ -104,9 +105,9 @@ enum FileBody {
 }
 
 impl Target {
-    /// Starts a file at `path`. Its folder must exist; a symbolic link is followed, also to what is not there yet; a
-    /// device, a pipe or an open file of a process (`/dev/stdout`) is written directly. Mode and owner of a file that is replaced are kept, the owner where the system
-    /// lets them be.
+    /// Starts a file at `path`. Its folder must exist; a symbolic link is followed, also to what is not there yet; a device,
+    /// a pipe or an open file of a process (`/dev/stdout`) is written directly. Mode and owner of a file that is replaced are
+    /// kept, the owner where the system lets them be.
     pub fn create(path: &Path) -> Result<Self, ExportError> {
         let name = path.display().to_string();
         let place = link_end(path).map_err(|e| ExportError::create(path, e))?;
@@ -246,54 +247,6 @@ impl Output for Target {
     }
 }
 
-/// Most links that lead to each other.
-const MOST_LINKS: usize = 40;
-
-/// Where a path leads when its links are followed, whether there is something or not; an open file of a process, which
-/// looks like a link, is an end.
-///
-/// Errors: the links lead in a circle.
-pub fn link_end(path: &Path) -> io::Result<PathBuf> {
-    let mut place = path.to_owned();
-    for _ in 0..MOST_LINKS {
-        if is_descriptor(&place) {
-            return Ok(place);
-        }
-        match fs::read_link(&place) {
-            // A link counts from where it stands.
-            Ok(next) => place = folder_of(&place).join(next),
-            Err(_) => return Ok(place),
-        }
-    }
-    Err(io::Error::other("its symbolic links lead in a circle"))
-}
-
-/// Whether a path is an open file of a process (`/dev/fd/3`, `/proc/self/fd/3`). What it seems to link to need not be a
-/// path, and a file that is put in the place of one loses what others have written to it.
-fn is_descriptor(path: &Path) -> bool {
-    let name = path.file_name().and_then(|name| name.to_str());
-    let is_number = name.is_some_and(|name| name.parse::<u32>().is_ok());
-    let is_list = |folder: PathBuf| folder.starts_with("/proc") && folder.ends_with("fd");
-    is_number && folder_of(path).canonicalize().is_ok_and(is_list)
-}
-
-/// Opens what is no ordinary file. An open file is written behind what is in it, and standard output as it was handed
-/// over: a socket has no other way.
-fn open_directly(place: &Path) -> io::Result<fs::File> {
-    #[cfg(unix)]
-    if is_descriptor(place) {
-        use std::os::fd::AsFd;
-        let folder = folder_of(place).canonicalize().ok();
-        let is_own = folder == Path::new("/proc/self/fd").canonicalize().ok();
-        return match place.file_name().and_then(|name| name.to_str()) {
-            Some("1") if is_own => io::stdout().as_fd().try_clone_to_owned().map(Into::into),
-            Some("2") if is_own => io::stderr().as_fd().try_clone_to_owned().map(Into::into),
-            _ => fs::OpenOptions::new().append(true).open(place),
-        };
-    }
-    fs::OpenOptions::new().write(true).open(place)
-}
-
 /// Gives a new file the mode and the owner of the one that it will replace, and finds out now whether it may replace it.
 #[cfg(unix)]
 fn take_after(old: &fs::Metadata, new: &fs::File, folder: &Path) -> io::Result<()> {
@@ -416,14 +369,6 @@ fn is_left_behind(path: &Path) -> bool {
     };
     let is_free = || fs::File::open(path).is_ok_and(|file| file.try_lock().is_ok());
     fs::symlink_metadata(path).is_ok_and(is_old) && is_free()
-}
-
-/// The folder that holds `path`: `.` for a bare name.
-pub fn folder_of(path: &Path) -> &Path {
-    match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    }
 }
 
 /// Names the cause of a failed creation as far as the file system tells it.

@@ -1,7 +1,8 @@
 //! The product of a chain, step by step, in any arithmetic: poses, series, derivatives, formulas, enclosures.
 //!
-//! Two products are written out apart from this one, because they are hot or exact: `kinematics/loops/joint_lanes` (four
-//! joints at once) and `kinematics/certificate/pose/product` (two f64 a number). Tests hold them against this one.
+//! Three products are written out apart from this one, because they are hot or exact: the joints of a loop with its
+//! derivatives (`kinematics/loops`), eight poses at once (`kinematics/abreast`), and two f64 a number
+//! (`kinematics/certificate/pose`). Tests hold the first and the last against this one; lanes are held against the first.
 
 use super::chain::{ArgumentValue, Chain, ChainJoint, ChainStep, ElementaryMotion};
 use super::fixed::{FixedPose, PoseError};

@@ -1,4 +1,5 @@
-//! What one operation can lose: every constant that proofs count rounding with.
+//! What one operation can lose: the constants that proofs count rounding with. What a sum or a series of them loses is
+//! derived where it is summed.
 //!
 //! Arithmetic is IEEE 754 in double precision, to nearest. Three things are taken for granted and nothing else: that
 //! operations and square roots are rounded correctly, that functions of `libm` are right within one unit in the last place,

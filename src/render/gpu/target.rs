@@ -230,7 +230,6 @@ fn padded_row(width: u32) -> u32 {
 }
 
 fn check_size(size: [u32; 2], limits: &wgpu::Limits) -> Result<(), RenderError> {
-    allow_drawing(size)?;
     let [width, height] = size;
     let largest = limits.max_texture_dimension_2d;
     if width == 0 || height == 0 {
@@ -246,7 +245,7 @@ fn check_size(size: [u32; 2], limits: &wgpu::Limits) -> Result<(), RenderError> 
             limits.max_buffer_size >> 20
         )));
     }
-    Ok(())
+    allow_drawing(size)
 }
 
 #[cfg(test)]

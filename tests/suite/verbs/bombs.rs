@@ -586,7 +586,7 @@ fn meshes_scaled_beyond_the_range_are_refused() {
         let mesh = format!("stl = {{ file = \"m.stl\", scale = {scale}, surface = true }}");
         let body = format!("[[bodies]]\nname = \"m\"\nshapes = [{{ {mesh} }}]\n");
         w.write("s.toml", format!("{STILL}{body}"));
-        let run = bounded(&w, scale, &["solve", "s.toml"]);
+        let run = bounded(&w, scale, &["solve", "s.toml", "--out", "o.csv"]);
         assert_eq!(run.code, code, "{scale}: {}", run.stderr);
         let says = "at most 1e60";
         assert_eq!(run.stderr.contains(says), code == 2, "{}", run.stderr);

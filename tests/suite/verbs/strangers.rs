@@ -613,3 +613,41 @@ fn tables_of_spreadsheets_are_read() {
         .exits(2)
         .says(&["longer than"]);
 }
+
+/// An open file of the process is written where it is: a pipe, and a file behind what others have written into it.
+#[cfg(target_os = "linux")]
+#[test]
+fn open_files_are_written_directly() {
+    let w = Workspace::new();
+    let program = env!("CARGO_BIN_EXE_mechanim");
+    let words = "solve four-bar --samples 2 --format csv --out";
+    for (what, lines) in [
+        (format!("{program} {words} /dev/stdout | cat > o.csv"), 3),
+        (
+            format!("(echo head; {program} {words} /dev/stdout) > o.csv"),
+            4,
+        ),
+        (format!("{program} {words} /dev/fd/7 7> o.csv"), 3),
+        (
+            format!("{program} {words} /dev/stderr 2>&1 | cat > o.csv"),
+            3,
+        ),
+    ] {
+        let mut shell = std::process::Command::new("sh");
+        let ended = shell.args(["-c", &what]).current_dir(w.path("")).status();
+        assert!(ended.unwrap().success(), "{what}");
+        let text = String::from_utf8(w.read("o.csv")).unwrap();
+        assert_eq!(text.lines().count(), lines, "{what}: {text}");
+    }
+}
+
+/// Two names of one file that is not there yet are one target.
+#[cfg(unix)]
+#[test]
+fn targets_behind_dangling_links_are_compared() {
+    let w = Workspace::new();
+    std::os::unix::fs::symlink("a.out", w.path("b.out")).unwrap();
+    let check = ["check", "gearshift", "--json", "a.out", "--csv", "b.out"];
+    w.run(&check).exits(2);
+    assert!(!w.path("a.out").exists());
+}
