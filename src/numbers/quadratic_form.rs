@@ -291,9 +291,8 @@ impl<'r, const N: usize> QuadraticForm<'r, N> {
         let (radius, beyond) = (line.radius(), self.bend + line.error);
         let wide = (radius + beyond) * GROW;
         let mut bends = Vec::new();
-        let lost;
-        match self.room {
-            None => lost = 0.5 * here.abs() * radius * radius,
+        let lost = match self.room {
+            None => 0.5 * here.abs() * radius * radius,
             Some(room) => {
                 bends.reserve_exact(room.bends());
                 for k in 0..room.count() {
@@ -306,9 +305,9 @@ impl<'r, const N: usize> QuadraticForm<'r, N> {
                     *bend += rate * own;
                 }
                 let outside = sum_of_magnitudes(&line.slopes[room.count()..]);
-                lost = here.abs() * radius * outside;
+                here.abs() * radius * outside
             }
-        }
+        };
         let open = [
             value.distance(here) * (1.0 + wide * wide),
             slope.distance(rate) * wide,
