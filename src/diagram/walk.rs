@@ -2,7 +2,7 @@
 
 use super::scheme::{Scheme, SchemeJoint, SchemeLink, SchemeLoop};
 use crate::math::Pose;
-use crate::model::chain::{Argument, ArgumentValue, ElementaryMotion};
+use crate::model::chain::{ArgumentValue, ElementaryMotion};
 use crate::model::joints::{JointKind, Joints, Passage};
 use crate::model::mechanism::Mechanism;
 use crate::model::notation::{Notation, WrittenChain, WrittenFactor, unsigned_text};
@@ -28,7 +28,7 @@ pub fn scheme_at(mechanism: &Mechanism, notation: &Notation, coordinates: &[f64]
         walker.follow_chain(chain, passages, start_pose, start.link, true);
     }
     for (k, chain) in notation.bodies.iter().enumerate() {
-        if !rides_on_joints(mechanism, k) {
+        if !rides_on_joints(joints, k) {
             continue;
         }
         let end = walker.follow_chain(chain, &joints.along_bodies[k], Pose::IDENTITY, 0, false);
@@ -298,21 +298,17 @@ pub(super) fn has_point(kind: JointKind) -> bool {
     )
 }
 
-/// Whether a body is moved as joints move. A formula with kinks (a piece of a rope that lies on its drum until it leaves it) moves a
-/// body for pictures only: no joint does that.
-fn rides_on_joints(mechanism: &Mechanism, body: usize) -> bool {
-    let arguments = mechanism.bodies[body].world_from_body.arguments();
-    arguments.iter().all(|k| match &mechanism.arguments[*k] {
-        Argument::Affine(_) => true,
-        Argument::Formula(formula) => !formula.has_pieces(),
-    })
+/// Whether joints carry a body all the way.
+fn rides_on_joints(joints: &Joints, body: usize) -> bool {
+    let mut passages = joints.along_bodies[body].iter();
+    passages.all(|passage| !joints.list[passage.joint].is_placed)
 }
 
 /// Links that loops pass, and those of bodies that ride on joints.
 fn shown_links(mechanism: &Mechanism) -> Vec<bool> {
     let joints = &mechanism.joints;
     let mut shown = vec![false; joints.links.len()];
-    let riding = (0..mechanism.bodies.len()).filter(|body| rides_on_joints(mechanism, *body));
+    let riding = (0..mechanism.bodies.len()).filter(|body| rides_on_joints(joints, *body));
     let own: Vec<usize> = riding.collect();
     let passed = own.iter().flat_map(|body| &joints.along_bodies[*body]);
     let passed = passed.chain(joints.along_loops.iter().flatten());

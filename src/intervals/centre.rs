@@ -6,12 +6,10 @@
 use super::kaucher::Kaucher;
 use super::simplex::{Programme, maximise};
 use super::system::{IntervalSystem, SolutionSet};
+use crate::numbers::rounding::SUMS;
 
 /// Halvings in the search for the radius of a cube in the united set.
 const HALVINGS: usize = 60;
-
-/// Rounding of a row's sums, relative.
-const SUMS: f64 = 1e-14;
 
 /// How far all A x of a point stay inside b: it is tolerable where this is not negative.
 pub fn tolerance_at(system: &IntervalSystem, t: &[f64]) -> f64 {

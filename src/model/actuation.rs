@@ -78,13 +78,17 @@ impl Actuation {
 
     /// Values of the inputs at `time`; not finite where a drive has no value.
     pub fn inputs_at(&self, time: f64) -> Vec<f64> {
-        self.drives.iter().map(|drive| drive.value(time)).collect()
+        self.values_at(time).collect()
+    }
+
+    /// The same one after the other.
+    pub fn values_at(&self, time: f64) -> impl Iterator<Item = f64> + '_ {
+        self.drives.iter().map(move |drive| drive.value(time))
     }
 
     /// Rates of the inputs per second at `time`; not finite where a drive has none.
     pub fn rates_at(&self, time: f64) -> Vec<f64> {
-        let drives = self.drives.iter();
-        drives.map(|d| d.series(time, 1).derivative(1)).collect()
+        self.drives.iter().map(|drive| drive.rate(time)).collect()
     }
 
     /// Start values of all coordinates: the guess, then the inputs at `time`.

@@ -5,7 +5,7 @@ use super::printed::printing_error;
 use crate::numbers::constant::Constant;
 use crate::numbers::interval::Interval;
 use crate::numbers::scalar::Scalar;
-use crate::numbers::series::TaylorSeries;
+use crate::numbers::series::{Series, TaylorSeries};
 
 /// How a keyframe's value turns into the next one's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -103,8 +103,20 @@ impl Drive {
     /// At a key it is the piece that begins there, at the last key the piece that ends there; held values have no
     /// rate.
     pub fn series(&self, time: f64, order: usize) -> TaylorSeries {
-        let clock = TaylorSeries::linear(time, 1.0, order);
-        let mut series = match self {
+        let mut series = self.behind(time, TaylorSeries::linear(time, 1.0, order));
+        series.set(0, self.value(time));
+        series
+    }
+
+    /// Rate per second at `time`, by the same pieces; not finite where it has none.
+    pub fn rate(&self, time: f64) -> f64 {
+        self.behind(time, Series::<f64, 2>::linear(time, 1.0, 1))
+            .derivative(1)
+    }
+
+    /// The value at a clock of any kind, by the piece that [`series`](Self::series) is of at `time`.
+    fn behind<S: Scalar>(&self, time: f64, clock: S) -> S {
+        match self {
             Self::Keys {
                 times,
                 values,
@@ -114,9 +126,7 @@ impl Drive {
             }
             Self::Formula(formula) if formula.has_pieces() => formula.on_sides_of(time, clock),
             _ => self.value_beside(clock, time),
-        };
-        series.set(0, self.value(time));
-        series
+        }
     }
 
     /// Times strictly between `from` and `to` where it is not smooth, ascending: its keys, kinks and jumps of its formula.

@@ -35,8 +35,12 @@ pub const FUNCTION_WIDENING: f64 = 4.7e-16;
 /// Covers what underflow loses in a product. Large enough to keep slow subnormal numbers away.
 pub const UNDERFLOW: f64 = 1e-200;
 
-/// Makes up for the rounding of sums of positive terms in bounds themselves: a thousand operations lose 1.2e-13.
-pub const GROW: f64 = 1.0 + 1e-12;
+/// What sums of up to nine thousand terms lose, relative to the sum of their magnitudes: every term takes part in as many
+/// operations at most.
+pub const SUMS: f64 = 1e-12;
+
+/// Makes up for the rounding of sums of positive terms in bounds themselves.
+pub const GROW: f64 = 1.0 + SUMS;
 
 /// Error of a sine or a cosine of [`super::sin_cos`], and so of the angle they stand for (radians): the rest's cube over
 /// six, computed in f64 to five units in the last place, is all that counts.
@@ -64,6 +68,11 @@ pub const fn of_decimal(value: f64) -> f64 {
     } else {
         DECIMAL * value.abs()
     }
+}
+
+/// The largest of `values`, none of which is negative; NaN if one of them is.
+pub fn largest_or_nan(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, |a: f64, b| if b.is_nan() || b > a { b } else { a })
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use crate::kinematics::rates::columns::RateColumns;
 use crate::kinematics::results::certificate::{CONSISTENT, Certificate, Reason};
 use crate::kinematics::results::trajectory::{ClosedPose, Sample, Trajectory};
 use crate::model::mechanism::{Kind, Mechanism};
-use crate::model::printed::{printing_unit, shortest_decimal};
+use crate::model::printed::{printing_unit, push_shortest_decimal};
 use crate::numbers::rounding::GROW;
 use serde_json::{Map, Value, json};
 
@@ -51,14 +51,15 @@ pub fn write_csv(
     for (index, sample) in trajectory.samples.iter().enumerate() {
         line.push('\n');
         output.emit(line.as_bytes())?;
-        line = sample_cells(mechanism, sample, columns)
-            .into_iter()
-            .chain(motion_cells(trajectory, index, columns))
-            .collect::<Vec<_>>()
-            .iter()
-            .map(csv_cell)
-            .collect::<Vec<_>>()
-            .join(",");
+        line.clear();
+        let cells = sample_cells(mechanism, sample, columns).into_iter();
+        let cells = cells.chain(motion_cells(trajectory, index, columns));
+        for (place, cell) in cells.enumerate() {
+            if place > 0 {
+                line.push(',');
+            }
+            push_csv_cell(&mut line, &cell);
+        }
     }
     line.push('\n');
     output.emit(line.as_bytes())
@@ -323,20 +324,19 @@ fn motion_cells(trajectory: &Trajectory, index: usize, columns: Columns) -> Vec<
     cells
 }
 
-fn csv_cell(cell: &TableCell) -> String {
-    match cell {
-        TableCell::Number(value) => csv_number(*value),
-        TableCell::Whole(value) => value.to_string(),
-        TableCell::Text(text) => quoted_cell(text),
-        TableCell::Empty => String::new(),
-    }
-}
-
 /// A number; nothing for a value that does not exist (infinities, NaN).
 pub(super) fn csv_number(value: f64) -> String {
-    match value.is_finite() {
-        true => shortest_decimal(value),
-        false => String::new(),
+    let mut text = String::new();
+    push_csv_cell(&mut text, &TableCell::Number(value));
+    text
+}
+
+fn push_csv_cell(line: &mut String, cell: &TableCell) {
+    match cell {
+        TableCell::Number(value) if value.is_finite() => push_shortest_decimal(line, *value),
+        TableCell::Whole(value) => line.push_str(&value.to_string()),
+        TableCell::Text(text) => line.push_str(&quoted_cell(text)),
+        TableCell::Number(_) | TableCell::Empty => {}
     }
 }
 

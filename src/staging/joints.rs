@@ -3,7 +3,7 @@
 
 use crate::kinematics::results::trajectory::{ClosedPose, Sample};
 use crate::math::Pose;
-use crate::model::chain::{Argument, ArgumentValue, ChainStep, ElementaryMotion};
+use crate::model::chain::{ArgumentValue, ChainStep, ElementaryMotion};
 use crate::model::joints::{Joint, JointKind, LinkFrame};
 use crate::model::mechanism::Mechanism;
 use crate::model::walk::walk_chain;
@@ -93,21 +93,10 @@ impl PlacedJoint {
     }
 }
 
-/// All joints but those of pieces that follow a formula (of a rope on its drum): these are placed, not jointed.
+/// All joints but those at which nothing is joined.
 pub fn placed_joints(mechanism: &Mechanism) -> Vec<PlacedJoint> {
-    let joints = &mechanism.joints;
-    let mut in_loops = vec![false; joints.list.len()];
-    for passage in joints.along_loops.iter().flatten() {
-        in_loops[passage.joint] = true;
-    }
-    let list = joints.list.iter().enumerate();
-    let jointed = list.filter(|(index, joint)| {
-        let mut arguments = joint.arguments().map(|a| &mechanism.arguments[a]);
-        in_loops[*index] || !arguments.any(|a| matches!(a, Argument::Formula(_)))
-    });
-    jointed
-        .filter_map(|(_, joint)| place_joint(joint))
-        .collect()
+    let jointed = mechanism.joints.list.iter().filter(|j| !j.is_placed);
+    jointed.filter_map(place_joint).collect()
 }
 
 fn place_joint(joint: &Joint) -> Option<PlacedJoint> {

@@ -2,7 +2,7 @@
 
 use super::row::Row;
 use super::swept_scene::Sweep;
-use crate::model::printed::shortest_decimal;
+use crate::model::printed::push_shortest_decimal;
 use crate::report::cells::quoted_cell;
 use serde_json::{Map, Value, json};
 
@@ -69,7 +69,7 @@ impl<'s> RowTable<'s> {
                 for number in numbers {
                     text.push(',');
                     if number.is_finite() {
-                        text.push_str(&shortest_decimal(number));
+                        push_shortest_decimal(text, number);
                     }
                 }
             }

@@ -129,7 +129,7 @@ impl<'f> Evaluator<'f> {
     /// On which side of its singular poses a pose is, and how far from them.
     fn side(&mut self, pose: &[f64]) -> (Vec<i8>, f64) {
         let state = self.solver.observe(pose);
-        (state.signs, state.sigma_min)
+        (state.signs.into_vec(), state.sigma_min)
     }
 
     /// d(unknowns)/d(variable) at a pose, variable after variable.

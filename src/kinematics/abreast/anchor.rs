@@ -1,13 +1,10 @@
 //! A known closed pose beside which eight designs are solved, and when a pose beside it is regular and on its side of all
 //! singular poses.
 
-use super::factors::PivotOrder;
+use super::factors::{LARGEST_BLOCK, PivotOrder};
 use crate::kinematics::solve::newton::Corrector;
 use crate::kinematics::structure::system::System;
 use crate::numbers::octet::{LaneMask, Octet};
-
-/// Largest block that is solved side by side: larger ones are sparse, or fill the cache eight times over.
-const LARGEST_BLOCK: usize = 32;
 
 /// How far a Jacobian may be from the anchor's, as a part of what would reach a singular one.
 const MOST_CHANGE: f64 = 0.9;

@@ -2,6 +2,9 @@
 
 use crate::numbers::octet::{LaneMask, Octet};
 
+/// Largest block that is solved side by side: larger ones are sparse, or fill the cache eight times over.
+pub(super) const LARGEST_BLOCK: usize = 32;
+
 /// The order of the rows, and what a pivot must be at least.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct PivotOrder {
@@ -115,23 +118,28 @@ impl Factors {
 
     /// Solves matrix · step = -`right`.
     pub fn solve(&mut self, right: &[Octet], order: &PivotOrder) {
-        let n = order.rows.len();
         let step = &mut self.step;
         step.clear();
         step.extend(order.rows.iter().map(|row| -right[*row]));
-        // Forwards by the factors, backwards by the pivots.
-        for k in 0..n {
-            let (value, column) = (step[k], &self.entries[k * n..(k + 1) * n]);
-            for (left, factor) in step[k + 1..].iter_mut().zip(&column[k + 1..]) {
-                *left -= *factor * value;
-            }
+        substitute(&self.entries, &self.reciprocals, step);
+    }
+}
+
+/// Turns a right side, its rows in the order of the pivots, into the solution: forwards by the factors below the diagonal, backwards
+/// by the pivots.
+pub(super) fn substitute(entries: &[Octet], reciprocals: &[Octet], right: &mut [Octet]) {
+    let n = right.len();
+    for k in 0..n {
+        let (value, column) = (right[k], &entries[k * n..(k + 1) * n]);
+        for (left, factor) in right[k + 1..].iter_mut().zip(&column[k + 1..]) {
+            *left -= *factor * value;
         }
-        for k in (0..n).rev() {
-            let value = step[k] * self.reciprocals[k];
-            step[k] = value;
-            for (left, entry) in step[..k].iter_mut().zip(&self.entries[k * n..]) {
-                *left -= *entry * value;
-            }
+    }
+    for k in (0..n).rev() {
+        let value = right[k] * reciprocals[k];
+        right[k] = value;
+        for (left, entry) in right[..k].iter_mut().zip(&entries[k * n..]) {
+            *left -= *entry * value;
         }
     }
 }

@@ -5,22 +5,16 @@
 
 use super::block_values::{BlockValues, LaneBlock};
 use super::closing::{close_block, largest};
-use super::factors::Elimination;
+use super::factors::{Elimination, LARGEST_BLOCK};
 use super::frames::turn_of;
 use super::pivoting::PivotedFactors;
+use crate::kinematics::solve::between::MOST_CHANGE;
 use crate::kinematics::solve::pose_solver::largest_correction;
 use crate::kinematics::structure::system::System;
 use crate::model::mechanism::Closes;
 use crate::model::outputs::output_arguments;
 use crate::model::walk::WalkFrame;
 use crate::numbers::octet::{LANES, LaneMask, Octet};
-
-/// Largest norm of 1 - B⁻¹A, with A and B the Jacobians at the ends of a step: no matrix between them is singular while it is
-/// below one, and the determinants have one sign.
-const MOST_CHANGE: f64 = 0.8;
-
-/// Largest block that is followed: of larger ones a step costs as much side by side.
-const LARGEST_BLOCK: usize = 32;
 
 /// Two changes of the inputs have one direction if what is across is below this part of the longer one, squared.
 const ACROSS: f64 = 1e-12;

@@ -1,6 +1,6 @@
 //! Triangular factors of eight matrices at once, each with the order of rows that partial pivoting gives it.
 
-use super::factors::{Elimination, clear_below};
+use super::factors::{Elimination, clear_below, substitute};
 use crate::linalg::gauss_jordan::SMALLEST_RATIO;
 use crate::numbers::octet::{LANES, LaneMask, Octet};
 
@@ -76,20 +76,7 @@ impl Elimination for PivotedFactors {
                 step[i] = lanes.choose(a, b);
             }
         }
-        // Forwards by the factors, backwards by the pivots.
-        for k in 0..n {
-            let (value, column) = (step[k], &self.entries[k * n..(k + 1) * n]);
-            for (left, factor) in step[k + 1..].iter_mut().zip(&column[k + 1..]) {
-                *left -= *factor * value;
-            }
-        }
-        for k in (0..n).rev() {
-            let value = step[k] * self.reciprocals[k];
-            step[k] = value;
-            for (left, entry) in step[..k].iter_mut().zip(&self.entries[k * n..]) {
-                *left -= *entry * value;
-            }
-        }
+        substitute(&self.entries, &self.reciprocals, step);
     }
 
     fn step(&self) -> &[Octet] {

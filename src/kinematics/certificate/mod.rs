@@ -31,6 +31,7 @@
 
 pub mod absence;
 pub mod gaps;
+pub mod majorant;
 pub mod neighbourhood;
 pub mod observed;
 pub mod pose;

@@ -3,11 +3,8 @@
 
 use super::pose::{Encloser, PoseEnclosure};
 use crate::numbers::interval::Interval;
-use crate::numbers::rounding::GROW;
+use crate::numbers::rounding::{GROW, SUMS};
 use crate::numbers::scalar::Ring;
-
-/// Rounding of where a pose lies in a box, relative to the magnitudes that are summed up.
-const PLACING: f64 = 1e-12;
 
 impl Encloser<'_> {
     /// All coordinates of the piece at δ, of which `coordinates` are nearly those; `None` where that is not proved.
@@ -40,7 +37,7 @@ impl Encloser<'_> {
                     (way + rate * d, size + (rate * d).abs())
                 });
                 let off = (here - drawn - way).abs();
-                let slack = PLACING * (here.abs() + drawn.abs() + size);
+                let slack = SUMS * (here.abs() + drawn.abs() + size);
                 // What is no number is nowhere.
                 let is_inside = off + slack <= own.sides[i];
                 if !is_inside {

@@ -4,7 +4,7 @@
 //! is left open after that is bounded term by term.
 
 use crate::numbers::affine_form::AffineForm;
-use crate::numbers::rounding::GROW;
+use crate::numbers::rounding::{GROW, SUMS};
 
 /// A function of δ in [-1, 1]ⁿ.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,9 +40,6 @@ pub struct Face {
     /// No value is farther beyond that of the middle.
     pub beyond: f64,
 }
-
-/// Rounding of the sums of a bound, relative to the sum of magnitudes.
-const SUMS: f64 = 1e-13;
 
 /// Times that all dimensions are looked at for a better place.
 const ROUNDS: usize = 6;

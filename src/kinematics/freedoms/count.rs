@@ -105,8 +105,8 @@ impl JointCount {
     }
 }
 
-/// Joints that loops pass, and of the others those that bring a coordinate of their own: what follows another
-/// joint (a piece of a rope, a stage of a telescope) is placed, not jointed. With them what they change.
+/// Joints that loops pass, and of the others those that add a freedom: one whose coordinates other joints know already (a
+/// gear, a stage of a telescope) adds none. With them what they change.
 fn counted_joints(mechanism: &Mechanism) -> (Vec<usize>, TwistSpan) {
     let Joints {
         list, along_loops, ..

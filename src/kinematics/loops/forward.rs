@@ -6,6 +6,7 @@
 use crate::math::{Pose, rotation_log};
 use crate::model::chain::{ArgumentValue, ChainStep};
 use crate::model::mechanism::{Closes, Loop, Mechanism};
+use crate::numbers::rounding::largest_or_nan;
 use glam::DVec3;
 
 /// Rotation angle (radians) and distance (scene's unit) by which a loop's product differs from the identity; a loop
@@ -21,24 +22,24 @@ pub fn loop_gap(item: &Loop, arguments: &[ArgumentValue]) -> (f64, f64) {
 
 /// The largest gap over all loops and equations, relative to the loop's size; NaN if anything is not a number.
 pub fn closure_error(mechanism: &Mechanism, coordinates: &[f64]) -> f64 {
-    let arguments = loop_arguments(mechanism, coordinates);
-    let mut largest = 0.0_f64;
-    let mut note = |value: f64| {
-        // NaN stays the largest once it is met.
-        if value.is_nan() || value > largest {
-            largest = value;
-        }
-    };
-    for item in &mechanism.loops {
-        let (angle, distance) = loop_gap(item, &arguments);
-        note(angle);
-        note(distance / item.size);
-    }
-    for (index, equation) in mechanism.equations.iter().enumerate() {
+    gap_of_all(
+        mechanism,
+        coordinates,
+        &loop_arguments(mechanism, coordinates),
+    )
+}
+
+fn gap_of_all(mechanism: &Mechanism, coordinates: &[f64], arguments: &[ArgumentValue]) -> f64 {
+    let loops = mechanism.loops.iter().flat_map(|item| {
+        let (angle, distance) = loop_gap(item, arguments);
+        [angle, distance / item.size]
+    });
+    let equations = mechanism.equations.iter().enumerate();
+    let equations = equations.map(|(index, equation)| {
         let scale = mechanism.weight_of(index);
-        note((equation.expression.value(coordinates) * scale).abs());
-    }
-    largest
+        (equation.expression.value(coordinates) * scale).abs()
+    });
+    largest_or_nan(loops.chain(equations))
 }
 
 /// Values of the arguments that stand in loops; the others stay zero.
@@ -57,12 +58,13 @@ fn loop_arguments(mechanism: &Mechanism, coordinates: &[f64]) -> Vec<ArgumentVal
 
 /// `world_from_body` of every body.
 pub fn body_poses(mechanism: &Mechanism, coordinates: &[f64]) -> Vec<Pose> {
-    let arguments = mechanism.argument_values(coordinates);
-    mechanism
-        .bodies
-        .iter()
-        .map(|body| body.world_from_body.pose(&arguments))
-        .collect()
+    poses_of(mechanism, &mechanism.argument_values(coordinates))
+}
+
+fn poses_of(mechanism: &Mechanism, arguments: &[ArgumentValue]) -> Vec<Pose> {
+    let bodies = mechanism.bodies.iter();
+    let poses = bodies.map(|body| body.world_from_body.pose(arguments));
+    poses.collect()
 }
 
 /// World positions of the traced points.
@@ -74,14 +76,47 @@ pub fn trace_points(mechanism: &Mechanism, poses: &[Pose]) -> Vec<DVec3> {
         .collect()
 }
 
-/// Values of the outputs, angles in radians.
-pub fn trace_positions(mechanism: &Mechanism, coordinates: &[f64], traces: &[DVec3]) -> Vec<f64> {
-    let mut slots = coordinates.to_vec();
+/// What is seen of a mechanism at one pose.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Observation {
+    /// `world_from_body` of every body.
+    pub bodies: Vec<Pose>,
+    /// World positions of the traced points.
+    pub traces: Vec<DVec3>,
+    /// Values of the outputs, angles in radians; those of rates are not known yet.
+    pub outputs: Vec<f64>,
+    /// As [`closure_error`] has it.
+    pub closure_error: f64,
+}
+
+impl Observation {
+    /// At coordinates (unknowns, then inputs): every argument is evaluated once.
+    pub fn new(mechanism: &Mechanism, coordinates: &[f64]) -> Self {
+        let arguments = mechanism.argument_values(coordinates);
+        let bodies = poses_of(mechanism, &arguments);
+        let traces = trace_points(mechanism, &bodies);
+        Self {
+            outputs: output_values(mechanism, coordinates, &traces),
+            closure_error: gap_of_all(mechanism, coordinates, &arguments),
+            bodies,
+            traces,
+        }
+    }
+}
+
+/// Values of the outputs that are no rates: each may use those before it.
+fn output_values(mechanism: &Mechanism, coordinates: &[f64], traces: &[DVec3]) -> Vec<f64> {
+    if mechanism.outputs.is_empty() {
+        return Vec::new();
+    }
+    let known = coordinates.len() + 3 * traces.len();
+    let mut slots = Vec::with_capacity(known + mechanism.outputs.len());
+    slots.extend_from_slice(coordinates);
     slots.extend(traces.iter().flat_map(|p| p.to_array()));
     let mut values = Vec::new();
     for output in &mechanism.outputs {
         let value = output.value_with(mechanism, &slots, &mut values);
         slots.push(value);
     }
-    slots.split_off(coordinates.len() + 3 * traces.len())
+    slots.split_off(known)
 }

@@ -6,7 +6,7 @@
 
 use super::continuation::solve_motion;
 use super::sampling::is_cyclic;
-use crate::kinematics::loops::forward;
+use crate::kinematics::loops::forward::Observation;
 use crate::kinematics::rates::columns::{By, RateColumns};
 use crate::kinematics::rates::rated::fill_rated_outputs;
 use crate::kinematics::results::trajectory::{Event, EventKind, Sample, Trajectory};
@@ -226,12 +226,10 @@ impl<'m> LimitSearch<'m> {
         let (value, kind) = match quantity.checked_sub(n) {
             None => (coordinates[quantity], mechanism.unknowns[quantity].kind),
             Some(output) => {
-                let bodies = forward::body_poses(mechanism, coordinates);
-                let traces = forward::trace_points(mechanism, &bodies);
-                let mut values = forward::trace_positions(mechanism, coordinates, &traces);
+                let mut seen = Observation::new(mechanism, coordinates);
                 let driven = (self.actuation, time);
-                fill_rated_outputs(self.system, driven, coordinates, &traces, &mut values);
-                (values[output], mechanism.outputs[output].kind)
+                fill_rated_outputs(self.system, driven, coordinates, &mut seen);
+                (seen.outputs[output], mechanism.outputs[output].kind)
             }
         };
         self.events.push(Event {

@@ -1,13 +1,13 @@
 //! Values of formulas that hold rates, at the poses of a motion.
 
 use super::columns::{By, slot_series};
+use crate::kinematics::loops::forward::Observation;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::expression::Expression;
 use crate::model::mechanism::OutputSource;
 use crate::model::rate::Rate;
 use crate::numbers::series::TaylorSeries;
-use glam::DVec3;
 
 /// Rates of formulas at a pose of the motion that is driven so, at its time; NaN where they are infinite or not determined.
 pub fn rate_values(
@@ -37,8 +37,7 @@ pub fn fill_rated_outputs(
     system: &System,
     driven: (&Actuation, f64),
     coordinates: &[f64],
-    traces: &[DVec3],
-    outputs: &mut [f64],
+    seen: &mut Observation,
 ) {
     let list = &system.mechanism().outputs;
     let is_rated = |source: &OutputSource| matches!(source, OutputSource::Rated(_));
@@ -46,9 +45,9 @@ pub fn fill_rated_outputs(
         return;
     }
     let mut slots = coordinates.to_vec();
-    slots.extend(traces.iter().flat_map(|p| p.to_array()));
+    slots.extend(seen.traces.iter().flat_map(|p| p.to_array()));
     let mut scratch = Vec::new();
-    for (output, value) in list.iter().zip(outputs) {
+    for (output, value) in list.iter().zip(&mut seen.outputs) {
         match &output.source {
             OutputSource::Rated(formula) => {
                 let rates = rate_values(system, driven, coordinates, &formula.rates);

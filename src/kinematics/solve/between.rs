@@ -16,7 +16,7 @@ use crate::linalg::lanes::{
 const SHARE_OF_SIGMAS: f64 = 0.5;
 
 /// Largest eigenvalue of E, likewise.
-const MOST_CHANGE: f64 = 0.8;
+pub const MOST_CHANGE: f64 = 0.8;
 
 /// Times that E is squared: the norm of a power bounds the eigenvalues better than that of E.
 const SQUARINGS: i32 = 3;

@@ -7,6 +7,7 @@ use super::newton::Corrector;
 use crate::kinematics::structure::system::System;
 use crate::linalg::pivoted_qr::PivotedQr;
 use crate::linalg::svd::Conditioning;
+use smallvec::SmallVec;
 
 /// Keeps the row basis of over-determined blocks, so that signs at different poses can be compared.
 #[derive(Clone, Debug, Default)]
@@ -26,7 +27,7 @@ const WORN: f64 = 0.1;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BranchState {
     /// Determinant sign of every block; 0 at a singular pose.
-    pub signs: Vec<i8>,
+    pub signs: SmallVec<[i8; 16]>,
     /// Worst block.
     pub sigma_min: f64,
     /// Largest ratio of singular values.

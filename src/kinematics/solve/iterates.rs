@@ -2,7 +2,7 @@
 //! of every loop. Plain Newton on every block in its order, without the safeguards of the solver.
 
 use super::closure::CLOSURE_TOLERANCE;
-use crate::kinematics::loops::forward;
+use crate::kinematics::loops::forward::Observation;
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::results::certificate::{Certificate, Reason};
 use crate::kinematics::results::trajectory::{ClosedPose, Sample, Trajectory};
@@ -48,16 +48,15 @@ pub struct OpenLoop {
 pub fn iterate_film(mechanism: &Mechanism, inputs: &[f64], list: &[Iterate]) -> Trajectory {
     let frame = |(second, iterate): (usize, &Iterate)| {
         let coordinates = [iterate.unknowns.as_slice(), inputs].concat();
-        let bodies = forward::body_poses(mechanism, &coordinates);
-        let traces = forward::trace_points(mechanism, &bodies);
+        let seen = Observation::new(mechanism, &coordinates);
         let pose = ClosedPose {
             unknowns: iterate.unknowns.clone(),
-            outputs: forward::trace_positions(mechanism, &coordinates, &traces),
-            bodies,
-            traces,
+            outputs: seen.outputs,
+            bodies: seen.bodies,
+            traces: seen.traces,
             rates: vec![0.0; iterate.unknowns.len()],
             derivatives: Vec::new(),
-            closure_error: forward::closure_error(mechanism, &coordinates),
+            closure_error: seen.closure_error,
             sigma_min: f64::NAN,
             condition: f64::NAN,
             rank: 0,

@@ -2,7 +2,7 @@
 
 pub mod along_drive;
 pub mod assembly;
-mod between;
+pub mod between;
 pub mod branch;
 pub mod closure;
 mod descent;

@@ -7,10 +7,14 @@
 use super::{Expression, Function, Op, apply_op};
 use crate::numbers::constant::Constant;
 use crate::numbers::scalar::Scalar;
+use smallvec::SmallVec;
 
 /// A number this near to a whole one, relative to itself or to one, may be on its other side: plain numbers are rounded by far less,
 /// and what is looked at with more digits for nothing takes time only.
 const NEAR_WHOLE: f64 = 1e-6;
+
+/// Operations of a drive that need no room of the heap: it is evaluated at every step of a motion.
+const FEW: usize = 16;
 
 /// Of every operation the whole number that it gives, or takes away that often, if it jumps and that is known.
 pub(super) type WholeNumbers = Vec<Option<f64>>;
@@ -18,7 +22,7 @@ pub(super) type WholeNumbers = Vec<Option<f64>>;
 impl Expression {
     /// The value of a formula of time at an instant, seconds. Not finite where it has none.
     pub fn value_at_instant(&self, time: f64) -> f64 {
-        let mut values: Vec<f64> = Vec::with_capacity(self.ops().len());
+        let mut values = SmallVec::<[f64; FEW]>::new();
         for op in self.ops() {
             if is_near_whole(*op, &values) {
                 return self.on_sides_of(time, time);
@@ -44,7 +48,7 @@ impl Expression {
 
     /// Whether plain numbers may not tell on which side of a jump it is.
     fn is_near_jump(&self, time: f64) -> bool {
-        let mut values: Vec<f64> = Vec::with_capacity(self.ops().len());
+        let mut values = SmallVec::<[f64; FEW]>::new();
         self.ops().iter().any(|op| {
             let is_near = is_near_whole(*op, &values);
             values.push(apply_op(*op, &values, &[time]));

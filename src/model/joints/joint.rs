@@ -67,6 +67,9 @@ pub struct Joint {
     pub before: LinkFrame,
     /// Where they end.
     pub after: LinkFrame,
+    /// No loop passes it, and a formula with kinks moves it: a piece of a rope on its drum stands where its formula places it, and
+    /// nothing joins it there.
+    pub is_placed: bool,
 }
 
 impl Joint {

@@ -3,9 +3,9 @@
 use super::joint::{Joint, Joints, Link, LinkFrame, Passage};
 use super::links::{Finished, LinkGraph, LinkPath, Paths};
 use super::pairs::{MotionRun, PairRows};
-use crate::model::chain::{Chain, ChainStep};
+use crate::model::chain::{Argument, Chain, ChainStep};
 use crate::model::mechanism::Mechanism;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 impl Joints {
     /// The joints of `mechanism`, whose own table is not looked at.
@@ -55,6 +55,7 @@ fn joint_table(mechanism: &Mechanism, graph: &Finished) -> Joints {
     let along_loops = along(&graph.paths.loops);
     let passages = [&along_bodies, &along_bases, &along_loops].map(Vec::as_slice);
     let chains = Chains::new(mechanism, graph, passages);
+    let in_loops: BTreeSet<usize> = along_loops.iter().flatten().map(|p| p.joint).collect();
     let joint = |(index, run): (usize, &MotionRun)| {
         let (steps, ends) = chains.spelled_steps(index)?;
         let [before, after] = ends.map(|frame| LinkFrame {
@@ -63,6 +64,7 @@ fn joint_table(mechanism: &Mechanism, graph: &Finished) -> Joints {
         });
         Some(Joint {
             kind: run.kind,
+            is_placed: !in_loops.contains(&index) && has_kinks(mechanism, &steps),
             steps,
             coordinates: rows.coordinates_of(&run.crossings),
             before,
@@ -83,6 +85,13 @@ fn joint_table(mechanism: &Mechanism, graph: &Finished) -> Joints {
         along_loops,
         closes: graph.closes.clone(),
     }
+}
+
+/// Whether a formula with kinks moves one of the steps.
+fn has_kinks(mechanism: &Mechanism, steps: &[ChainStep]) -> bool {
+    let arguments = steps.iter().filter_map(ChainStep::joint);
+    let mut arguments = arguments.map(|joint| &mechanism.arguments[joint.argument]);
+    arguments.any(|a| matches!(a, Argument::Formula(formula) if formula.has_pieces()))
 }
 
 /// The links that joints connect, numbered anew: those within a joint are none.

@@ -4,7 +4,7 @@
 use crate::driven::{frame_times, solve};
 use mechanim::diag::Source;
 use mechanim::kinematics::results::trajectory::Trajectory;
-use mechanim::model::view::{NamedView, Playback, ShownAxes};
+use mechanim::model::view::{HiddenSolids, NamedView, Playback, ShownAxes};
 use mechanim::pictures::playback::PlayOrder;
 use mechanim::render::{Frame, Label};
 use mechanim::scene::{Overrides, Scene, builtin, load_scene};
@@ -230,4 +230,54 @@ fn films_play_in_order_back_and_with_pauses() {
     assert_eq!(order(4, true, 0.1), [5, 5, 6, 7, 8, 8, 7, 6]);
     assert_eq!(order(2, true, 0.1), [5, 5, 6, 6]);
     assert_eq!(order(1, true, 0.3), [5]);
+}
+
+/// Triangles of the first picture.
+fn drawn_triangles(scene: &Scene, trajectory: &Trajectory) -> usize {
+    let staging = staged(scene, trajectory);
+    let frame = staging.frame(0);
+    let instances = frame.instances.iter().map(|instance| {
+        let count = staging.stage.meshes[instance.mesh].triangles.len();
+        let range = &instance.triangles;
+        (range.end as usize).min(count) - (range.start as usize).min(count)
+    });
+    instances.sum()
+}
+
+#[test]
+fn hidden_solids_leave_the_pictures_and_nothing_else() {
+    let (scene, trajectory) = solved("");
+    let all = drawn_triangles(&scene, &trajectory);
+    let mechanism = &scene.mechanism;
+    let body = |name: &str| {
+        mechanism
+            .bodies
+            .iter()
+            .position(|b| b.name == name)
+            .unwrap()
+    };
+    let mut left = Vec::new();
+    for (name, kind) in [
+        ("crank", Some("cylinder")),
+        ("crank", None),
+        ("coupler", None),
+    ] {
+        let mut hidden = scene.clone();
+        let solids = HiddenSolids {
+            body: body(name),
+            kind: kind.map(str::to_owned),
+        };
+        Arc::make_mut(&mut hidden.view).hidden.push(solids);
+        assert!(Arc::ptr_eq(&hidden.mechanism, mechanism));
+        let shapes = &mechanism.bodies[body(name)].shapes;
+        let is_left = |word: &str| kind.is_some_and(|k| k != word);
+        let expected = shapes.iter().filter(|s| is_left(s.solid.word())).count();
+        let shown = hidden.view.shown_shapes(mechanism, body(name)).count();
+        assert_eq!(shown, expected, "{name} {kind:?}");
+        left.push(drawn_triangles(&hidden, &trajectory));
+    }
+    assert!(
+        left[1] < left[0] && left[0] < all && left[2] < all,
+        "{left:?}"
+    );
 }

@@ -3,12 +3,13 @@
 use super::block_rows::BlockRows;
 use super::lane_rows::{add_part, add_sizes, put_groups, row_part};
 use crate::kinematics::certificate::gaps::LARGEST_GAP;
+use crate::kinematics::certificate::majorant::{Root, root_within};
 use crate::kinematics::certificate::neighbourhood::BALL;
 use crate::kinematics::results::certificate::Reason;
 use crate::linalg::gauss_jordan::Elimination;
 use crate::linalg::lanes::{LaneMatrix, Lanes, add_scaled, lane_groups};
 use crate::linalg::sparse_lu::{LEAST, SparseLu};
-use crate::numbers::rounding::U;
+use crate::numbers::rounding::{GROW, U, largest_or_nan};
 use wide::f64x4;
 
 /// What is proved of the unknowns of earlier blocks, in radians and sizes.
@@ -42,9 +43,6 @@ impl EarlierPose {
         self.largest = self.largest.max(step.abs() + rest);
     }
 }
-
-/// Makes up for the rounding of sums of positive terms in the bounds themselves: far more than they need.
-const GROW: f64 = 1.0 + 1e-12;
 
 /// Numbers of all unknowns and redundant rows, or of all rows, in whole groups.
 #[derive(Clone, Debug, Default)]
@@ -158,23 +156,11 @@ impl Kantorovich {
         self.bound_unknowns(n, block, earlier);
         let PoseConstants { newton, rest, q, k } = &self.unknowns;
         let [newton, rest, q, k] = [newton, rest, q, k].map(|list| &list.as_flattened()[..all]);
-        let (mut eta, mut most_q, mut most_k) = (0.0, 0.0, 0.0);
-        for i in 0..n {
-            eta = larger_or_nan(eta, (newton[i].abs() + rest[i] * GROW) * GROW);
-            most_q = larger_or_nan(most_q, q[i] * GROW);
-            most_k = larger_or_nan(most_k, k[i] * GROW);
-        }
-        // Newton-Kantorovich with A: a root exists where (1 - q)² > 2 K eta.
-        let discriminant = (1.0 - most_q) * (1.0 - most_q) * (1.0 - 8.0 * U) - 2.0 * most_k * eta;
-        if !(most_q < 1.0 && discriminant > 0.0) {
-            return Err(Reason::Singular);
-        }
-        // The smaller root of the majorant is the error; 1 - q over K is where the pose is alone.
-        let error = 2.0 * eta / (1.0 - most_q + discriminant.sqrt()) * GROW;
-        let radius = ((1.0 - most_q) / most_k).min(BALL);
-        if !(error <= BALL && error < radius) {
-            return Err(Reason::Singular);
-        }
+        let eta = largest_or_nan((0..n).map(|i| (newton[i].abs() + rest[i] * GROW) * GROW));
+        let most = |list: &[f64]| largest_or_nan(list[..n].iter().map(|v| v * GROW));
+        // A root exists within the error; up to the radius the pose is alone.
+        let bounds = [eta, most(q), most(k)];
+        let Root { error, unique } = root_within(BALL, bounds).ok_or(Reason::Singular)?;
         let rest = |i: usize| {
             let (q, k) = (q[i] * GROW, k[i] * GROW);
             (rest[i] * GROW + q * error + 0.5 * k * error * error) * GROW
@@ -199,7 +185,7 @@ impl Kantorovich {
             }
             earlier.closes_to = earlier.closes_to.max(closes_to);
         }
-        Ok((radius, error))
+        Ok((unique, error))
     }
 
     /// The derivatives of the rows in their order.
@@ -418,9 +404,4 @@ impl Kantorovich {
         put_groups(&mut self.unknowns.q, first, q);
         put_groups(&mut self.unknowns.k, first, k);
     }
-}
-
-/// Maximum; NaN propagates.
-fn larger_or_nan(a: f64, b: f64) -> f64 {
-    if b.is_nan() || b > a { b } else { a }
 }

@@ -1,8 +1,9 @@
-//! The constants of the Newton-Kantorovich test over a stretch, and the test itself.
+//! The constants of the Newton-Kantorovich test over a stretch.
 
 use super::rows::TubeLayout;
+use crate::kinematics::certificate::majorant::{Root, root_within};
 use crate::kinematics::results::certificate::Reason;
-use crate::numbers::rounding::GROW;
+use crate::numbers::rounding::{GROW, largest_or_nan};
 
 /// What is proved of the unknowns of earlier blocks.
 #[derive(Clone, Debug)]
@@ -41,28 +42,16 @@ impl TubeConstants {
     }
 }
 
-/// The test itself: eta + q r + K r²/2 ≤ r has a solution, and the map contracts there. Returns that solution.
+/// The test of a block; what it proves is noted for the later ones. Returns the error.
 pub fn accept_constants(
     layout: &TubeLayout,
     constants: &[TubeConstants],
     ball: f64,
     earlier: &mut EarlierTube,
 ) -> Result<f64, Reason> {
-    let worst = |f: fn(&TubeConstants) -> f64| {
-        let values = constants.iter().map(f);
-        values.fold(0.0, |a: f64, b| if b.is_nan() || b > a { b } else { a })
-    };
-    let (eta, q, k) = (worst(TubeConstants::eta), worst(|c| c.q), worst(|c| c.k));
-    // The smaller root of K r²/2 - (1 - q) r + eta = 0 is the error, if the roots are real.
-    let discriminant = (1.0 - q) * (1.0 - q) * (1.0 - 1e-15) - 2.0 * k * eta;
-    if !(q < 1.0 && discriminant > 0.0) {
-        return Err(Reason::Singular);
-    }
-    let error = 2.0 * eta / (1.0 - q + discriminant.sqrt()) * GROW;
-    let unique = ((1.0 - q) / k).min(ball) / GROW;
-    if error.is_nan() || error >= unique {
-        return Err(Reason::Singular);
-    }
+    let worst = |f: fn(&TubeConstants) -> f64| largest_or_nan(constants.iter().map(f));
+    let bounds = [worst(TubeConstants::eta), worst(|c| c.q), worst(|c| c.k)];
+    let Root { error, unique } = root_within(ball, bounds).ok_or(Reason::Singular)?;
     // What this block leaves open is an uncertain input of the later ones.
     for (slot, c) in layout.block.unknowns.iter().zip(constants) {
         let rest = (c.residual + c.explained(error)) * GROW;

@@ -8,11 +8,9 @@ use crate::model::expression::{Affine, Expression};
 use crate::model::mechanism::Mechanism;
 use crate::numbers::constant::Constant;
 use crate::numbers::interval::Interval;
+use crate::numbers::rounding::GROW;
 use crate::numbers::scalar::Scalar;
 use crate::numbers::series::Series;
-
-/// More than sums of a few thousand rounded products are off by, relative to themselves.
-const SUM_SLACK: f64 = 1e-12;
 
 /// A formula to the second order along a line.
 type Bend = Series<Interval, 3>;
@@ -152,7 +150,7 @@ impl Form {
                 let terms = affine.terms.iter();
                 let rate: f64 = terms.map(|(slot, c)| c.largest() * rates[*slot]).sum();
                 FormChange {
-                    rate: rate * (1.0 + SUM_SLACK),
+                    rate: rate * GROW,
                     bend: 0.0,
                 }
             }
@@ -182,7 +180,7 @@ impl Form {
         let sum: f64 = slopes
             .map(|(slot, slope)| rates[*slot] * along(slope))
             .sum();
-        Some(sum * (1.0 + SUM_SLACK))
+        Some(sum * GROW)
     }
 
     /// All values in `place`.

@@ -163,7 +163,7 @@ mod tests {
         let fold = Fold {
             at: PathPoint {
                 time: 0.0,
-                coordinates: vec![x, phi],
+                coordinates: [x, phi].into(),
                 branch: BranchState::default(),
             },
             beside: [vec![x - 0.1, phi], vec![x + 0.1, phi]],

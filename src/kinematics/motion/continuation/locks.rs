@@ -116,7 +116,7 @@ fn locate_lock(
         ball,
         start: a.time,
         span,
-        known: vec![(0.0, a.coordinates.clone()), (1.0, b.coordinates.clone())],
+        known: vec![(0.0, a.coordinates.to_vec()), (1.0, b.coordinates.to_vec())],
     };
     let (mut s, mut best) = (part, (part, f64::INFINITY));
     let mut step = 1e-3_f64;

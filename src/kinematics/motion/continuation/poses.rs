@@ -2,7 +2,7 @@
 
 use super::recorder::Recorder;
 use crate::kinematics::certificate::Certifier;
-use crate::kinematics::loops::forward;
+use crate::kinematics::loops::forward::Observation;
 use crate::kinematics::motion::tracker::path_tracker::PathPoint;
 use crate::kinematics::rates::rated::fill_rated_outputs;
 use crate::kinematics::results::certificate::{Certificate, Reason};
@@ -48,27 +48,24 @@ impl Recorder<'_> {
     pub(crate) fn closed_pose(&mut self, point: &PathPoint) -> Option<ClosedPose> {
         let system = self.tracker.system();
         let mechanism = system.mechanism();
-        let mut coordinates = point.coordinates.clone();
+        let mut coordinates = point.coordinates.to_vec();
         let certificate = self.certified(&mut coordinates);
-        let bodies = forward::body_poses(mechanism, &coordinates);
-        let traces = forward::trace_points(mechanism, &bodies);
-        let mut outputs = forward::trace_positions(mechanism, &coordinates, &traces);
-        let driven = (self.tracker.actuation(), point.time);
-        fill_rated_outputs(system, driven, &coordinates, &traces, &mut outputs);
-        let closure_error = forward::closure_error(mechanism, &coordinates);
-        let finite = bodies.iter().all(|p| p.is_finite()) && closure_error.is_finite();
-        if !finite {
+        let mut seen = Observation::new(mechanism, &coordinates);
+        let is_finite = seen.bodies.iter().all(|p| p.is_finite());
+        if !(is_finite && seen.closure_error.is_finite()) {
             return None;
         }
+        let driven = (self.tracker.actuation(), point.time);
+        fill_rated_outputs(system, driven, &coordinates, &mut seen);
         coordinates.truncate(mechanism.unknowns.len());
         Some(ClosedPose {
             unknowns: coordinates,
-            bodies,
-            traces,
-            outputs,
+            bodies: seen.bodies,
+            traces: seen.traces,
+            outputs: seen.outputs,
             rates: self.tracker.rates(point),
             derivatives: Vec::new(),
-            closure_error,
+            closure_error: seen.closure_error,
             sigma_min: point.branch.sigma_min,
             condition: point.branch.condition,
             // Holding an idle freedom is an equation more.

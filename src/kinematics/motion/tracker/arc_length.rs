@@ -179,7 +179,7 @@ impl ArcWalk<'_, '_> {
     fn start(&mut self, end: &PathPoint) -> Option<ArcPoint> {
         let mut point = ArcPoint {
             time: end.time,
-            coordinates: end.coordinates.clone(),
+            coordinates: end.coordinates.to_vec(),
             tangent: Vec::new(),
         };
         let count = self.unknowns().len() + 1;
@@ -440,7 +440,7 @@ impl ArcWalk<'_, '_> {
         let is_later = (fold.time - end.time) * self.unit > 0.0;
         let at = PathPoint {
             time: if is_later { fold.time } else { end.time },
-            coordinates: fold.coordinates,
+            coordinates: fold.coordinates.into(),
             branch: end.branch.clone(),
         };
         Some(Onward::Fold(Fold { at, beside }))

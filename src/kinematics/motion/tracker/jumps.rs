@@ -57,9 +57,10 @@ impl PathTracker<'_> {
         let begin = tracker.keep(begin, &mut Unwatched);
         let end = tracker.follow(begin, 1.0, &mut Unwatched);
         let iterations = tracker.solver.iterations;
-        let mut end = end.ok()?;
-        end.coordinates[n..].copy_from_slice(&inputs);
+        let end = end.ok()?;
+        let mut coordinates = end.coordinates.to_vec();
+        coordinates[n..].copy_from_slice(&inputs);
         self.solver.iterations += iterations;
-        Some(self.point(time, end.coordinates))
+        Some(self.point(time, coordinates))
     }
 }

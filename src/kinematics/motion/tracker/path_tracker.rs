@@ -10,6 +10,7 @@ use crate::kinematics::solve::pose_solver::PoseSolver;
 use crate::kinematics::solve::predictor::HIGHEST_ORDER;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
+use std::rc::Rc;
 
 /// Smallest step as a fraction of the interval between two samples: locates the end of a motion to about 1e-12
 /// of that interval.
@@ -27,8 +28,8 @@ const LEAST_PROGRESS: f64 = 1e-6;
 pub struct PathPoint {
     /// Seconds.
     pub time: f64,
-    /// Unknowns, then inputs.
-    pub coordinates: Vec<f64>,
+    /// Unknowns, then inputs; shared by what remembers the pose.
+    pub coordinates: Rc<[f64]>,
     /// On which side of its singular poses it is, and how far from them.
     pub branch: BranchState,
 }
@@ -160,7 +161,8 @@ impl<'s> PathTracker<'s> {
     }
 
     /// Observes a closed pose.
-    pub fn point(&mut self, time: f64, coordinates: Vec<f64>) -> PathPoint {
+    pub fn point(&mut self, time: f64, coordinates: impl Into<Rc<[f64]>>) -> PathPoint {
+        let coordinates = coordinates.into();
         let branch = self.solver.observe(&coordinates);
         self.regularity.observe(branch.sigma_min);
         PathPoint {
@@ -317,10 +319,10 @@ impl<'s> PathTracker<'s> {
         let near: Vec<f64> = match &self.recent[1] {
             Some(before) if before.time != base.time => {
                 let part = (time - base.time) / (base.time - before.time);
-                let pairs = base.coordinates.iter().zip(&before.coordinates);
+                let pairs = base.coordinates.iter().zip(before.coordinates.iter());
                 pairs.map(|(q, p)| q + part * (q - p)).collect()
             }
-            _ => base.coordinates.clone(),
+            _ => base.coordinates.to_vec(),
         };
         chart.rename(coordinates, &near);
     }

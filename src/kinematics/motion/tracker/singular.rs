@@ -184,7 +184,7 @@ impl PathTracker<'_> {
         let other = BESIDE_FOLD.iter().find_map(|share| {
             let time = first.time + share * (found.time - first.time);
             let mirrored = self.mirrored(first, found, time)?;
-            (mirrored.branch.signs == wanted).then_some(mirrored)
+            (*mirrored.branch.signs == *wanted).then_some(mirrored)
         })?;
         self.anchor = Some(other.clone());
         self.follow(other, found.time, &mut Unwatched).ok()
@@ -193,12 +193,10 @@ impl PathTracker<'_> {
     /// The pose at `time` of the branch that `found` is not on, mirrored at the fold where both begin.
     fn mirrored(&mut self, fold: &PathPoint, found: &PathPoint, time: f64) -> Option<PathPoint> {
         self.anchor = Some(found.clone());
-        let mut coordinates = self
-            .follow(found.clone(), time, &mut Unwatched)
-            .ok()?
-            .coordinates;
+        let followed = self.follow(found.clone(), time, &mut Unwatched).ok()?;
+        let mut coordinates = followed.coordinates.to_vec();
         let n = self.unknowns();
-        for (q, fold) in coordinates[..n].iter_mut().zip(&fold.coordinates) {
+        for (q, fold) in coordinates[..n].iter_mut().zip(fold.coordinates.iter()) {
             *q = 2.0 * fold - *q;
         }
         self.corrected(time, coordinates, Pace::Brisk)
