@@ -66,7 +66,7 @@ pub struct ShowArgs {
     )]
     pub at: f64,
     /// A chain of `[chains]`, or a loop. May be repeated; all loops if none is named.
-    #[arg(long = "chain", alias = "loop", value_name = "NAME")]
+    #[arg(long = "chain", value_name = "NAME")]
     pub chains: Vec<String>,
     /// Format, where the file name does not tell: text if absent.
     #[arg(long, value_enum)]

@@ -33,7 +33,7 @@ pub struct PlotArgs {
     /// Rates with respect to this input instead of time, the others constant: transfer functions.
     #[arg(long, value_name = "INPUT", requires = "order")]
     pub per: Option<String>,
-    /// Only the plot of the scene with this title.
+    /// Draw only the plot with this title.
     #[arg(long, value_name = "TITLE", conflicts_with = "y")]
     pub only: Option<String>,
     /// Number of samples, spread evenly over the motion; 361 if absent.

@@ -6,7 +6,7 @@ use crate::diag::{Diagnostic, Diagnostics, shown_number};
 use crate::model::camera_path::{CameraKey, CameraPath};
 use crate::scene::values::FormulaText;
 
-/// Most degrees that an orbit turns.
+/// Largest orbit in degrees.
 pub const MOST_ORBIT: f64 = 36_000.0;
 
 /// Largest azimuth of a key in degrees: a hundred turns.
@@ -15,7 +15,7 @@ const MOST_AZIMUTH: f64 = 36_000.0;
 /// Least and greatest zoom.
 const ZOOMS: [f64; 2] = [0.01, 100.0];
 
-/// Resolves them; mistakes are reported and left out.
+/// Resolves them; errors are reported and skipped.
 pub fn resolve_camera(
     view: &ViewFile,
     constants: &BodyConstants,
@@ -90,7 +90,7 @@ fn camera_key(
     })
 }
 
-/// The number under `what`, if it is there and in its range.
+/// The number at `what`, if it is present and in its range.
 fn within_range(
     what: &str,
     text: &Option<FormulaText>,

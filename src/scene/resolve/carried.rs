@@ -1,5 +1,5 @@
-//! Solids whose places follow what a study varies: chains to the points that they are made of, and their sizes, so that
-//! an enclosure of all pieces knows where their surfaces are.
+//! Solids that depend on the variables of a study: chains to their defining points, and their sizes, so that an
+//! enclosure of all pieces knows their surfaces.
 
 use super::super::file::SceneFile;
 use super::super::formula::expansion::Factor;
@@ -17,7 +17,7 @@ use crate::scene::values::FormulaText;
 /// The formulas of a solid.
 #[derive(Default)]
 struct Typed<'f> {
-    /// Points that it is made of.
+    /// Its defining points.
     points: Vec<&'f [FormulaText; 3]>,
     /// Radii and edges.
     sizes: Vec<&'f FormulaText>,
@@ -86,7 +86,7 @@ impl<'f> Typed<'f> {
     }
 }
 
-/// The solids of all bodies, with chains that follow the `dependents`.
+/// The solids of all bodies, with chains that depend on the `dependents`.
 pub fn carry_shapes(
     (file, parsed): (&SceneFile, &Parsed),
     dependents: &Dependents,
@@ -109,7 +109,7 @@ pub fn carry_shapes(
                 dependents.expand(&mut node);
                 Some(node)
             };
-            // Chains from the world to the points; without points of its own the shape's frame is one.
+            // Chains from the world to the points; a shape without points uses the origin of its frame.
             let mut ways: Vec<Vec<Factor>> = Vec::new();
             for point in &typed.points {
                 let mut way = frame.clone();

@@ -13,7 +13,7 @@ use crate::model::drive::{Drive, Ease};
 use crate::model::mechanism::{AngleUnit, Kind};
 use std::collections::HashMap;
 
-/// What moves and from where.
+/// The drives and the start of the motion.
 pub struct Coordinates {
     pub guess: Vec<f64>,
     /// Which unknowns have a start value.
@@ -22,10 +22,10 @@ pub struct Coordinates {
     pub duration: f64,
 }
 
-/// Longest motion accepted, in seconds: a year is certainly a slip.
+/// Longest motion accepted, in seconds: more than a year is certainly an error.
 const MAX_DURATION: f64 = 3.2e7;
 
-/// Shortest motion accepted, in seconds: parts of much shorter ones are no different numbers any more.
+/// Shortest motion accepted, in seconds: fractions of shorter ones could not be told apart.
 const MIN_DURATION: f64 = 1e-100;
 
 /// Resolves inputs, guesses and duration.

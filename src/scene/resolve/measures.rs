@@ -1,4 +1,4 @@
-//! Tracks and measures: names to indices, formulas over poses and over earlier measures.
+//! Resolves tracks and measures: names become indices, formulas refer to poses and earlier measures.
 
 use super::super::file::SceneFile;
 use super::super::formula::compile::{CompiledValue, compile_formula, constant_node};
@@ -18,13 +18,14 @@ use crate::model::mechanism::Kind;
 use crate::scene::reader::Spanned;
 use crate::scene::values::FormulaText;
 
-/// Most poses of a track: each is solved whenever the measures are asked for.
+/// Most poses of a track: all are solved whenever measures are evaluated.
 const MOST_SAMPLES: f64 = 10_000.0;
 
-/// Power of a norm that names none.
+/// Power of a norm without `power`.
 const DEFAULT_POWER: f64 = 2.0;
 
-/// Resolves the tracks; `start` are the inputs at the start of the drive, which a track keeps where it says nothing.
+/// Resolves the tracks; `start` are the inputs at the start of the drive, which apply to inputs that a track does not
+/// mention.
 pub fn resolve_tracks(
     file: &SceneFile,
     scope: &Scope,
@@ -101,7 +102,7 @@ fn fixed_point(
         .ok()
 }
 
-/// Resolves the measures in the order of the file; in a study they are derived by parameters.
+/// Resolves the measures in the order of the file; in a study they are differentiated by its variables.
 pub fn resolve_measures(
     file: &SceneFile,
     scope: &Scope,
@@ -211,8 +212,8 @@ fn resolve_over(
     Some((source, kind))
 }
 
-/// The input by which all formulas are derived once, which then are what is derived: `of = "d(h, phi)"` is `of = "h"` with `per`, of which
-/// studies know more.
+/// If all formulas are first derivatives by the same input, the input and the formulas themselves: `of = "d(h, phi)"`
+/// is equivalent to `of = "h"` with `per`, which studies support better.
 fn derived_by_all(nodes: &mut [FormulaNode], names: &Names) -> Option<usize> {
     let by = |node: &FormulaNode| match &node.kind {
         NodeKind::Derivative(parts) if parts.order == 1 => {
@@ -222,7 +223,7 @@ fn derived_by_all(nodes: &mut [FormulaNode], names: &Names) -> Option<usize> {
         _ => None,
     };
     let first = by(nodes.first()?)?;
-    // What holds a derivative itself is refused as it is written.
+    // A formula with a derivative inside is rejected as written.
     let is_plain = |node: &FormulaNode| match &node.kind {
         NodeKind::Derivative(parts) => find_derivative(&parts.of, &|_| true).is_none(),
         _ => false,
@@ -241,7 +242,7 @@ fn derived_by_all(nodes: &mut [FormulaNode], names: &Names) -> Option<usize> {
     Some(first)
 }
 
-/// Where a measure's formula stands, which tells the rates it may not hold.
+/// The position of a measure's formula, which determines the rates it may contain.
 struct RatePlace {
     is_track: bool,
     is_derived: bool,
@@ -287,7 +288,7 @@ impl RatePlace {
     }
 }
 
-/// What is taken of the values, for a measure of so many formulas.
+/// What a measure of this many formulas takes of the values.
 fn resolve_taking(
     take: &Spanned<String>,
     found: usize,

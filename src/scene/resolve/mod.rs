@@ -1,4 +1,4 @@
-//! From the file as typed to the mechanism: names to indices, units to radians, formulas to operations.
+//! Resolves a file as typed into a mechanism: names become indices, units radians, formulas operations.
 
 mod bars;
 pub mod bodies;
@@ -52,8 +52,8 @@ use outputs::Scope;
 use parsed::Parsed;
 use std::sync::Arc;
 
-/// Resolves everything; `None` when mistakes make the rest meaningless. Relative files start from the folder of
-/// `overrides`, whose parameters that vary become inputs that rest.
+/// Resolves everything; `None` if errors leave nothing meaningful. Relative file names refer to the folder of
+/// `overrides`; its varied parameters become constant inputs.
 pub fn resolve_scene(
     file: &SceneFile,
     overrides: &Overrides,
@@ -116,7 +116,7 @@ pub fn resolve_scene(
         .map(|section| clearance::resolve_clearance(section, &constants, &bodies, diagnostics));
     let start = coordinates.iter().flat_map(|c| &c.drives);
     let start: Vec<f64> = start.map(|drive| drive.value(0.0)).collect();
-    // Without drives, which has been reported, no track can be.
+    // Without drives, whose errors have been reported, tracks cannot be resolved.
     let tracks = match start.len() == names.inputs.len() {
         true => measures::resolve_tracks(file, &scope, &start, diagnostics),
         false => Vec::new(),
@@ -228,11 +228,11 @@ fn angle_unit(file: &SceneFile, diagnostics: &mut Diagnostics) -> AngleUnit {
     })
 }
 
-/// Shares of the drive at which driven lengths are looked at.
+/// Fractions of the drive at which driven lengths are evaluated.
 const INSTANTS: [f64; 5] = [0.0, 0.21, 0.47, 0.73, 1.0];
 
-/// The mechanism's own length: the longest bar or fixed offset between two joints of its loops, else its longest length
-/// parameter, driven length or constant of a chain, else the largest lead of a screw, else one.
+/// The characteristic length: the longest bar or fixed offset between two joints of its loops; otherwise the largest
+/// length parameter, driven length or constant of a chain; otherwise the largest lead of a screw; otherwise one.
 fn mechanism_size(mechanism: &Mechanism, actuation: &Actuation, names: &Names) -> f64 {
     use crate::model::chain::ChainStep;
     let fixed = mechanism
@@ -267,7 +267,7 @@ fn mechanism_size(mechanism: &Mechanism, actuation: &Actuation, names: &Names) -
     if longest > 0.0 { longest } else { 1.0 }
 }
 
-/// Lengths that stand in chains as numbers: fixed offsets of bodies, and what is added to a moving one.
+/// Lengths written as numbers in chains: fixed offsets of bodies, and constants added to variable ones.
 fn chain_constants(mechanism: &Mechanism) -> impl Iterator<Item = f64> {
     use crate::model::chain::{Argument, ChainStep, ElementaryMotion};
     let loops = mechanism.loops.iter().map(|l| &l.chain);
@@ -317,7 +317,7 @@ mod tests {
     use crate::diag::Source;
     use crate::scene::{Overrides, load_scene};
 
-    /// Tolerances are relative to the size: it must not depend on how a length is written.
+    /// Tolerances are relative to the size, so it must not depend on how a length is written.
     #[test]
     fn the_size_is_known_however_lengths_are_written() {
         let drive = "duration = 1\n[inputs]\nx = \"0.001*t\"\n";

@@ -23,16 +23,16 @@ pub struct Parsed {
     pub bars: ParsedBars,
     /// Surface contacts.
     pub contacts: Vec<ParsedContact>,
-    /// One per body of the file; empty for a body that stands in the world.
+    /// One per body of the file; empty for a body that is fixed to the world.
     pub frames: Vec<Vec<Factor>>,
     /// Coordinates of the traced points.
     pub points: Vec<FormulaNode>,
-    /// What says which poses are looked at beside the drive, and what of them: ends of tracks, and measures.
+    /// The formulas that define further poses and their measures: ends of tracks, and measures.
     pub tracks: Vec<FormulaNode>,
     pub measures: Vec<FormulaNode>,
     /// Named chains, for placing shapes.
     pub chains: NamedChains,
-    /// Every loop and equation could be read: only then is it known which names are unknowns.
+    /// Every loop and equation could be read; only then are the unknowns known.
     pub is_complete: bool,
 }
 
@@ -43,7 +43,7 @@ pub enum ParsedInput {
 }
 
 impl Parsed {
-    /// Parses everything; what fails is reported and left out.
+    /// Parses everything; invalid parts are reported and skipped.
     pub fn new(file: &SceneFile, diagnostics: &mut Diagnostics) -> Self {
         let mut chains: Vec<Named<Vec<Item>>> = file
             .chains
@@ -123,7 +123,7 @@ impl Parsed {
         }
     }
 
-    /// Parses and expands a chain that stands outside the `[chains]` section.
+    /// Parses and expands a chain outside the `[chains]` section.
     pub fn factors(
         &self,
         text: &FormulaText,
@@ -133,7 +133,7 @@ impl Parsed {
     }
 }
 
-/// Formulas whose mistakes are reported where they are resolved.
+/// Formulas whose errors are reported where they are resolved.
 fn unreported_nodes<'t>(texts: impl Iterator<Item = &'t FormulaText>) -> Vec<FormulaNode> {
     let mut silent = Diagnostics::default();
     texts

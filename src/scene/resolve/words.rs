@@ -1,4 +1,4 @@
-//! Which words can be names: each once, and none that the formula language reads otherwise.
+//! Checks names: each must be unique and not a word of the formula language.
 
 use super::super::file::SceneFile;
 use crate::diag::{Diagnostic, Diagnostics, Span};
@@ -11,7 +11,7 @@ pub const TIME: &str = "t";
 /// Words of the formula language besides its functions.
 const RESERVED: [&str; 7] = [TIME, "pi", "π", "E", "inv", "nan", "inf"];
 
-/// Refuses names that are given twice, and words that formulas read otherwise.
+/// Rejects names that are given twice and words of the formula language.
 pub fn refuse_double_and_reserved(file: &SceneFile, diagnostics: &mut Diagnostics) {
     let mut seen: BTreeMap<&str, (&str, Span)> = BTreeMap::new();
     let sections = [

@@ -1,4 +1,4 @@
-//! The chains of a scene as they are written, for drawings and for matrices on a board.
+//! The chains of a scene as written, for drawings and matrices.
 
 use super::super::file::SceneFile;
 use super::super::formula::compile::constant_node;
@@ -17,7 +17,7 @@ use crate::model::notation::{
     Notation, WrittenChain, WrittenContact, WrittenFactor, WrittenSurface, WrittenTerm,
 };
 
-/// Everything a scene writes as a chain; mistakes were reported where the mechanism was resolved.
+/// Everything in a scene that is written as a chain; errors were reported when the mechanism was resolved.
 pub fn resolve_notation(
     file: &SceneFile,
     parsed: &Parsed,
@@ -134,12 +134,12 @@ struct ChainWriter<'a> {
     terms: TermList,
 }
 
-/// The parts of all sums, each once.
+/// The terms of all sums, without repetition.
 #[derive(Default)]
 struct TermList(Vec<Argument>);
 
 impl TermList {
-    /// The parts of an argument.
+    /// The terms of an argument.
     fn of(
         &mut self,
         joints: &FoldedJoints,
@@ -164,7 +164,7 @@ impl TermList {
     }
 }
 
-/// The parts of a sum, and whether each is taken off.
+/// The terms of a sum, and whether each is subtracted.
 fn signed_parts<'n>(
     node: &'n FormulaNode,
     is_negative: bool,
@@ -210,7 +210,7 @@ impl ChainWriter<'_> {
         }
     }
 
-    /// Which factors became which steps of the mechanism's loop.
+    /// The steps of the mechanism's loop that each factor became.
     fn place_loop(&self, chain: &mut WrittenChain, factors: &[Factor], closes: Closes) {
         let steps: Vec<ChainStep> = chain.factors.iter().map(|f| f.step).collect();
         if steps.len() != factors.len() {
@@ -255,7 +255,7 @@ fn has_name(factor: &Factor) -> bool {
     found
 }
 
-/// Numbers the moving factors of `kept` by the steps that they become when constants side by side are folded.
+/// Numbers the moving factors of `kept` by their steps after adjacent constants are merged.
 fn place_steps(chain: &mut WrittenChain, kept: &[usize]) {
     let (mut next, mut was_fixed) = (0, false);
     for k in kept {

@@ -1,4 +1,4 @@
-//! Parsed bars as equations, and pins as loops.
+//! Translates parsed bars into equations, and pins into loops.
 
 use super::super::super::formula::compile::{compile_formula, constant_node};
 use super::super::super::formula::expansion::Factor;
@@ -12,7 +12,7 @@ use crate::model::chain::ElementaryMotion;
 use crate::model::mechanism::{AngleUnit, Bar, BarEnd, Closes, Equation, Kind, Loop};
 use crate::numbers::constant::Constant;
 
-/// What bars add to the mechanism.
+/// The contribution of bars to the mechanism.
 #[derive(Default)]
 pub struct ResolvedBars {
     pub loops: Vec<Loop>,
@@ -20,7 +20,7 @@ pub struct ResolvedBars {
     pub list: Vec<Bar>,
 }
 
-/// Equations and loops of the bars that are sound.
+/// Equations and loops of the valid bars.
 pub fn resolve_bars(
     parsed: &ParsedBars,
     (names, unit): (&Names, &AngleUnit),
@@ -44,7 +44,7 @@ pub fn resolve_bars(
     resolved
 }
 
-/// The equation of a sound bar.
+/// The equation of a valid bar.
 fn resolve_bar(
     bar: &ParsedBar,
     (names, unit): (&Names, &AngleUnit),
@@ -138,7 +138,8 @@ fn resolve_bar(
     }
 }
 
-/// (d² - L²) / 2 L: by how much the points are too far apart, to the first order. A length that changes divides nothing.
+/// (d² - L²) / 2 L: to first order, the amount by which the points are too far apart. A variable length is not used as
+/// a divisor.
 fn bar_gap(bar: &ParsedBar, length: Option<f64>) -> FormulaNode {
     let span = &bar.name.span;
     let binary = |sign: char, a: FormulaNode, b: FormulaNode| FormulaNode {

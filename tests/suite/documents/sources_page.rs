@@ -1,7 +1,7 @@
 //! `docs/sources.md`: every figure of "ours" is in the output of the command beside it, to all its digits, or the test that is
 //! named there exists.
 
-use super::document_commands::words;
+use super::text::words;
 use crate::program::Workspace;
 use std::collections::HashMap;
 use std::path::Path;
@@ -71,7 +71,7 @@ fn missing(row: &Row, output: &str) -> Vec<String> {
     quoted.chain(figures).collect()
 }
 
-fn sources_of_tests(folder: &Path, text: &mut String) {
+pub fn sources_of_tests(folder: &Path, text: &mut String) {
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         if path.is_dir() {
