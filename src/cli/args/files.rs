@@ -77,11 +77,7 @@ pub struct DiffArgs {
     /// The actual one, of the same kind.
     pub b: PathBuf,
     /// Largest difference of a colour channel that is ignored, 0 to 255.
-    #[arg(
-        long = "levels",
-        value_name = "N",
-        default_value_t = 0
-    )]
+    #[arg(long = "levels", value_name = "N", default_value_t = 0)]
     pub tolerance: u8,
     /// Most pixels of a picture that may differ by more.
     #[arg(long, value_name = "N", default_value_t = 0)]

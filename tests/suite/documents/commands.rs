@@ -44,7 +44,9 @@ fn refused(document: &Document) -> (Vec<String>, usize) {
     for block in document.blocks() {
         if matches!(block.language.as_str(), "sh" | "console" | "yaml") {
             let lines = block.command_lines();
-            let lines = lines.iter().map(|line| line.trim_start_matches("      - run: "));
+            let lines = lines
+                .iter()
+                .map(|line| line.trim_start_matches("      - run: "));
             commands.extend(lines.filter_map(program_command));
         }
     }
@@ -98,7 +100,10 @@ fn every_option_within_a_sentence_exists() {
     for document in documents() {
         for (code, _) in document.inline_code() {
             // Options of cargo are named with cargo, or set its profile.
-            let Some(rest) = code.strip_prefix("--").filter(|r| !r.starts_with("config ")) else {
+            let Some(rest) = code
+                .strip_prefix("--")
+                .filter(|r| !r.starts_with("config "))
+            else {
                 continue;
             };
             let end = rest.find(|c: char| !c.is_ascii_lowercase() && c != '-');
@@ -121,7 +126,11 @@ fn missing(command: &str, tests: &str) -> Vec<String> {
     for (k, word) in words.iter().enumerate() {
         let next = words.get(k + 1).map_or("", String::as_str);
         let exists = match word.as_str() {
-            "--bench" => root.join("benches").join(next).with_extension("rs").exists(),
+            "--bench" => root
+                .join("benches")
+                .join(next)
+                .with_extension("rs")
+                .exists(),
             // Filters are parts of the paths of tests.
             "suite" if words[k - 1] == "--test" && !next.is_empty() && next != "--" => {
                 let name = next.trim_end_matches(':');
@@ -150,7 +159,14 @@ fn tests_benches_and_scripts_of_the_documents_exist() {
         let lines = blocks.iter().flat_map(|block| block.command_lines());
         let code = document.inline_code().into_iter().map(|(code, _)| code);
         for command in lines.chain(code) {
-            let is_ours = ["cargo ", "python", ".ci/", "bash .ci", "MECHANIM_", "FAULTS_"];
+            let is_ours = [
+                "cargo ",
+                "python",
+                ".ci/",
+                "bash .ci",
+                "MECHANIM_",
+                "FAULTS_",
+            ];
             if is_ours.iter().any(|word| command.starts_with(word)) {
                 seen += 1;
                 let missing = missing(&command, &tests);

@@ -50,13 +50,24 @@ pub fn write_files(workspace: &Workspace) {
     for folder in ["designs", "scenes", "frames", "golden", "pages"] {
         std::fs::create_dir(workspace.path(folder)).unwrap();
     }
-    for name in ["scene.toml", "old.toml", "designs/one.toml", "designs/two.toml", "scenes/own.toml"] {
+    for name in [
+        "scene.toml",
+        "old.toml",
+        "designs/one.toml",
+        "designs/two.toml",
+        "scenes/own.toml",
+    ] {
         workspace.write(name, SCENE);
     }
     workspace.write("new.toml", SCENE.replace("r = 40", "r = 41"));
     workspace.write("table.csv", "time,u,v\n0,0,-40\n1,30,0\n2,60,40\n");
     let picture = ["render", "scene.toml", "--size", "64x48", "-q", "--out"];
-    for (name, at) in [("frames/f1.png", "0"), ("frames/f2.png", "1"), ("A.png", "0"), ("B.png", "0")] {
+    for (name, at) in [
+        ("frames/f1.png", "0"),
+        ("frames/f2.png", "1"),
+        ("A.png", "0"),
+        ("B.png", "0"),
+    ] {
         let arguments = [&picture[..], &[name, "--at", at]].concat();
         workspace.run(&arguments).exits(0);
     }
@@ -82,9 +93,8 @@ pub fn filled(command: &str, number: usize) -> Option<String> {
         .replace("FILE.stl", "file.stl")
         .replace("--body NAME", "--body crank")
         .replace("OTHER", "arm");
-    let is_placeholder = |word: &str| {
-        word.len() > 2 && word.chars().all(|c| c.is_ascii_uppercase())
-    };
+    let is_placeholder =
+        |word: &str| word.len() > 2 && word.chars().all(|c| c.is_ascii_uppercase());
     let text = text.replace(['[', ']'], "");
     let is_whole = !super::text::words(&text).iter().any(|w| is_placeholder(w));
     is_whole.then_some(text)

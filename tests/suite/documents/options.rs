@@ -98,9 +98,8 @@ fn faults(helps: &Helps, table: &[Row]) -> Vec<String> {
         for (verb, help) in verbs {
             let rest = help.strip_prefix(&row.means);
             // The words end where a clause does, so that a prefix like "Where" is no meaning.
-            let is_clause = rest.is_some_and(|rest| {
-                rest.is_empty() || !rest.starts_with(char::is_alphanumeric)
-            });
+            let is_clause = rest
+                .is_some_and(|rest| rest.is_empty() || !rest.starts_with(char::is_alphanumeric));
             if !is_clause || row.means.split(' ').count() < 2 {
                 faults.push(format!("{verb} --{flag}: {help}"));
             }

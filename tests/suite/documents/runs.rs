@@ -11,7 +11,10 @@ use std::process::Command;
 /// Commands that are not run, and why.
 const NOT_RUN: [(&str, &str); 26] = [
     ("--watch", "runs until it is interrupted"),
-    ("--live", "needs the engine as WebAssembly, see .ci/browsers"),
+    (
+        "--live",
+        "needs the engine as WebAssembly, see .ci/browsers",
+    ),
     ("ffmpeg", "needs another program"),
     (".mp4", "needs another program"),
     ("--format rgba", "many frames"),
@@ -138,8 +141,9 @@ fn commands_of_the_documents_end_as_stated() {
 fn a_command_that_ends_otherwise_is_seen() {
     let planted = Document {
         name: "planted.md".to_owned(),
-        text: "```sh\nmechanim show SCENE --chain none\nmechanim scenes none   # exit code 2\n```\n"
-            .to_owned(),
+        text:
+            "```sh\nmechanim show SCENE --chain none\nmechanim scenes none   # exit code 2\n```\n"
+                .to_owned(),
     };
     let (faults, seen) = broken(&planted);
     assert_eq!((faults.len(), seen), (1, 2), "{faults:?}");

@@ -9,10 +9,32 @@ use std::path::Path;
 
 /// Beginnings of words as they are spelt in America.
 const AMERICAN: [&str; 26] = [
-    "color", "center", "optimiz", "minimiz", "maximiz", "normaliz", "behavior", "neighbor", "gray",
-    "analyz", "recogniz", "labeled", "labeling", "modeled", "modeling", "catalog ", "synthesiz",
-    "summariz", "initializ", "millimeter", "organiz", "parametriz", "discretiz", "factoriz",
-    "traveled", "traveling",
+    "color",
+    "center",
+    "optimiz",
+    "minimiz",
+    "maximiz",
+    "normaliz",
+    "behavior",
+    "neighbor",
+    "gray",
+    "analyz",
+    "recogniz",
+    "labeled",
+    "labeling",
+    "modeled",
+    "modeling",
+    "catalog ",
+    "synthesiz",
+    "summariz",
+    "initializ",
+    "millimeter",
+    "organiz",
+    "parametriz",
+    "discretiz",
+    "factoriz",
+    "traveled",
+    "traveling",
 ];
 
 /// Titles and names that are not ours to spell.

@@ -127,9 +127,9 @@ pub fn program_command(line: &str) -> Option<String> {
         return Some(format!("mechanim {arguments}"));
     }
     while let Some((first, more)) = rest.split_once(' ') {
-        let is_setting = first.split_once('=').is_some_and(|(name, _)| {
-            name.chars().all(|c| c.is_ascii_uppercase() || c == '_')
-        });
+        let is_setting = first
+            .split_once('=')
+            .is_some_and(|(name, _)| name.chars().all(|c| c.is_ascii_uppercase() || c == '_'));
         if !is_setting {
             break;
         }
@@ -170,17 +170,27 @@ pub fn stated_code(text: &str) -> Option<i32> {
 fn documents_are_read_as_they_look() {
     let document = Document {
         name: "planted.md".to_owned(),
-        text: "A `one\ntwo` b.\n\nSave as `a.toml`:\n```toml\nx = 1\n```\n| `c d` | e |\n".to_owned(),
+        text: "A `one\ntwo` b.\n\nSave as `a.toml`:\n```toml\nx = 1\n```\n| `c d` | e |\n"
+            .to_owned(),
     };
-    let [block] = document.blocks().try_into().unwrap_or_else(|_| panic!("one block"));
+    let [block] = document
+        .blocks()
+        .try_into()
+        .unwrap_or_else(|_| panic!("one block"));
     assert_eq!(
         (block.language.as_str(), block.name.as_deref(), block.line),
         ("toml", Some("a.toml"), 5)
     );
     let code: Vec<String> = document.inline_code().into_iter().map(|c| c.0).collect();
     assert_eq!(code, ["one two", "a.toml", "c d"]);
-    assert_eq!(words("mechanim a 'b c' \"d\" # e"), ["mechanim", "a", "b c", "d"]);
-    assert_eq!(program_command("A=1 mechanim x").as_deref(), Some("mechanim x"));
+    assert_eq!(
+        words("mechanim a 'b c' \"d\" # e"),
+        ["mechanim", "a", "b c", "d"]
+    );
+    assert_eq!(
+        program_command("A=1 mechanim x").as_deref(),
+        Some("mechanim x")
+    );
     assert_eq!(program_command("cargo test"), None);
     assert_eq!(stated_code("(exit code 4)"), Some(4));
 }
