@@ -1,10 +1,11 @@
-//! The smallest box around a solution set: in every orthant the set is a polytope, whose extremes are linear programmes.
+//! The smallest box around a solution set: in every orthant the set is a polytope, whose extremes are linear
+//! programmes.
 
 use super::kaucher::Kaucher;
 use super::simplex::{Programme, maximise};
 use super::system::{IntervalSystem, SolutionSet};
 
-/// Most unknowns: there are two to this power orthants.
+/// Most unknowns: the number of orthants is two to this power.
 pub const MOST_UNKNOWNS: usize = 16;
 
 /// The hull of a solution set, computed in plain f64.
@@ -12,7 +13,7 @@ pub const MOST_UNKNOWNS: usize = 16;
 pub enum Hull {
     /// No point solves.
     Empty,
-    /// The set has no end along the unknown of this number.
+    /// The set is unbounded along the unknown of this number.
     Unbounded(usize),
     /// The box.
     Box(Vec<Kaucher>),
