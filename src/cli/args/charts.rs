@@ -21,7 +21,7 @@ pub struct PlotArgs {
     /// Curves in place of the scene's plots: names or formulas as in outputs, or d(NAME, INPUT, ORDER). May be repeated.
     #[arg(long, value_name = "NAME,NAME,…", allow_hyphen_values = true)]
     pub y: Vec<String>,
-    /// What they are drawn against: a name or formula; time if absent.
+    /// Quantity on the horizontal axis: a name or formula; time if absent.
     #[arg(long, value_name = "NAME", requires = "y")]
     pub x: Option<String>,
     /// The same scale on both axes, for paths in a plane.

@@ -102,8 +102,8 @@ pub struct SnapshotArgs {
     /// Draw only pictures whose file name contains this text. May be repeated.
     #[arg(long = "only", value_name = "TEXT")]
     pub only: Vec<String>,
-    /// Also let the list name scenes in this folder, and scenes read mesh files from it; by default only from the folder of the
-    /// list and below. May be repeated.
+    /// Also allow files in or below this folder: scenes and their mesh files, which otherwise must be in or below the folder of
+    /// the list. May be repeated.
     #[arg(long = "allow-files", value_name = "DIR")]
     pub allowed: Vec<PathBuf>,
     /// Write the report as JSON to this file (`-` for standard output).

@@ -75,7 +75,7 @@ pub enum Command {
     Site(SiteArgs),
     /// List the assemblies that close at the same inputs, searched from many starts.
     Modes(ModesArgs),
-    /// Plot outputs, coordinates and their derivatives against input or time (SVG or PNG).
+    /// Plot outputs, coordinates and their derivatives against input or time (SVG, PDF or PNG).
     Plot(PlotArgs),
     /// Draw the kinematic diagram: links, joint symbols, dimensions, angles, loops (SVG, PDF or PNG).
     Draw(DrawArgs),

@@ -103,7 +103,7 @@ pub struct SolveArgs {
     /// Add columns bound(NAME) with proved error bounds of traced points and outputs, rounding of the print included.
     #[arg(long, conflicts_with = "trace_iterations")]
     pub bounds: bool,
-    /// Also locate limit positions, where an unknown or output turns back while the drive goes on; printed, and written
+    /// Also locate limit positions, where an unknown or output reverses while the drive continues; printed, and written
     /// to JSON.
     #[arg(long)]
     pub events: bool,

@@ -112,7 +112,7 @@ pub struct OptimiseArgs {
     /// Make this measure small, in place of the study's objective.
     #[arg(long, value_name = "MEASURE")]
     pub minimise: Option<String>,
-    /// Method: how the minimum is searched for.
+    /// Method of computation: how the minimum is searched for.
     #[arg(long, value_enum, default_value_t = MethodArg::Bfgs)]
     pub method: MethodArg,
     /// Let every variable move by this share of its value (0.2 or 20%), instead of within the study's ranges.

@@ -20,10 +20,10 @@ pub struct SweepAsked {
     /// lhs:N,A=0..10), or a table TABLE.csv with a column for every parameter.
     #[arg(long, value_name = "DESIGN")]
     pub design: String,
-    /// Rows hold the scene's measures; this is the default.
+    /// Rows contain the scene's measures; this is the default.
     #[arg(long, conflicts_with_all = ["outputs", "check"])]
     pub measures: bool,
-    /// Rows hold these, separated by commas, at the instants of --samples or --at: inputs, unknowns, traced points as
+    /// Rows contain these, separated by commas, at the instants of --samples or --at: inputs, unknowns, traced points as
     /// NAME.x, outputs.
     #[arg(
         long,
@@ -36,7 +36,7 @@ pub struct SweepAsked {
     /// branch by the same tests, but nothing is proved.
     #[arg(long, requires = "outputs", conflicts_with = "check")]
     pub unproved: bool,
-    /// Rows hold the result of `mechanim check`: whether it passes, and the smallest margin of a clearance, as found and as
+    /// Rows contain the result of `mechanim check`: whether it passes, and the smallest margin of a clearance, as found and as
     /// proved for all times.
     #[arg(long)]
     pub check: bool,

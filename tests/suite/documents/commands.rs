@@ -83,10 +83,13 @@ fn the_program_takes_every_command_of_the_documents() {
     assert_eq!(refused(&planted).0.len(), 2);
 }
 
-/// All long options of a verb and of the verbs below it.
+/// All long options of a verb and of the verbs below it, with their older names.
 fn long_options(verb: &Command, found: &mut BTreeSet<String>) {
-    let own = verb.get_arguments().filter_map(|a| a.get_long());
-    found.extend(own.map(str::to_owned));
+    for argument in verb.get_arguments() {
+        let names = argument.get_all_aliases().unwrap_or_default();
+        let names = names.into_iter().chain(argument.get_long());
+        found.extend(names.map(str::to_owned));
+    }
     for below in verb.get_subcommands() {
         long_options(below, found);
     }

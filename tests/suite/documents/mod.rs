@@ -9,4 +9,5 @@ mod outputs;
 mod runs;
 mod sources_page;
 mod spelling;
+mod tables;
 mod text;

@@ -9,11 +9,11 @@ use std::collections::{BTreeMap, BTreeSet};
 /// An option: its helps, by the verbs that have it.
 type Helps = BTreeMap<String, BTreeMap<String, String>>;
 
-/// The help of every long option, with the verb that has it; options of the program stand under "all".
+/// The help of every long option, with the verb that has it; options of the program stand under "every verb".
 fn helps() -> Helps {
     let mut helps = BTreeMap::new();
     let program = Cli::command();
-    add_options(&program, "all", &mut helps);
+    add_options(&program, "every verb", &mut helps);
     for verb in program.get_subcommands() {
         collect(verb, verb.get_name(), &mut helps);
     }

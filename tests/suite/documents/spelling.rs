@@ -38,13 +38,14 @@ const AMERICAN: [&str; 26] = [
 ];
 
 /// Titles and names that are not ours to spell.
-const TITLES: [&str; 6] = [
+const TITLES: [&str; 7] = [
     "Global Optimization",
     "Methods of Optimization",
     "Numerical Optimization",
     "Color Universal Design",
     "simulation of color vision",
     "Gray code",
+    "Gray's order",
 ];
 
 /// The words of a text that are spelt in the American way.
