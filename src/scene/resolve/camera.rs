@@ -57,6 +57,7 @@ fn camera_key(
 ) -> Option<CameraKey> {
     let all = [-f64::MAX, f64::MAX];
     let time = within_range("t", &file.t, all, constants, diagnostics);
+    // A single key needs no time: the camera stays there.
     if file.t.is_none() && !alone {
         let message = "a camera key needs `t`, its time in seconds";
         diagnostics.push(Diagnostic::error(message).at(file.span.clone()));
@@ -73,6 +74,7 @@ fn camera_key(
     );
     let zoom = within_range("zoom", &file.zoom, ZOOMS, constants, diagnostics);
     let distance = file.distance.as_ref();
+    // Both determine the distance of the eye.
     if let (Some(_), Some(distance)) = (&file.zoom, distance) {
         let message = "a camera key has a `zoom` or a `distance`, not both";
         diagnostics.push(Diagnostic::error(message).at(distance.span.clone()));

@@ -30,6 +30,7 @@ impl<'f> Typed<'f> {
         let typed = Self::default();
         let at = |center: &'f Option<[FormulaText; 3]>| center.iter().collect();
         let along = |axis: &'f Option<[FormulaText; 3]>| axis.iter().flatten().collect();
+        // Points are followed by chains, sizes by lengths; directions and scales cannot be followed.
         match solid {
             SolidFile::Sphere { center, radius } => Self {
                 points: at(center),
@@ -97,6 +98,7 @@ pub fn carry_shapes(
     for (body, typed_body) in file.bodies.iter().enumerate() {
         for (shape, typed_shape) in typed_body.shapes.iter().enumerate() {
             let typed = Typed::new(&typed_shape.solid);
+            // The frame of the shape: that of its body, then its own.
             let mut frame = parsed.frames[body].clone();
             let own = typed_shape.frame.as_ref();
             let own = own.and_then(|text| parsed.factors(text, diagnostics));
@@ -104,6 +106,7 @@ pub fn carry_shapes(
                 dependents.expand_factor(&mut factor);
                 factor
             }));
+            // Parameters computed from the variables are written out in every formula.
             let node = |text: &FormulaText, diagnostics: &mut Diagnostics| {
                 let mut node = parsed_expression(text, diagnostics)?;
                 dependents.expand(&mut node);
@@ -121,10 +124,12 @@ pub fn carry_shapes(
             if ways.is_empty() {
                 ways.push(frame);
             }
+            // A size is the length of a chain with a single translation.
             let lengths = typed.sizes.iter();
             let lengths = lengths
                 .filter_map(|text| Some(vec![translation_along(0, node(text, diagnostics)?)]));
             let lengths: Vec<Vec<Factor>> = lengths.collect();
+            // A direction or scale that depends on a variable is named, so that it can be refused.
             let fixed = typed.fixed.iter();
             let stiff = fixed.filter_map(|text| dependents.used_in(&node(text, diagnostics)?));
             let stiff = stiff.collect::<Vec<String>>().into_iter().next();

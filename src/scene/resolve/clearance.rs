@@ -47,7 +47,7 @@ pub fn resolve_clearance(
             diagnostics,
         );
     }
-    // Likewise.
+    // The same precedence as for minima.
     rules.ignored.sort_by_key(|i| i.is_one_of_many);
     for pair in &file.touching {
         rules
@@ -275,6 +275,7 @@ fn all_bodies(
         found
     };
     let (first, second) = (of(first), of(second));
+    // Every pair once, whichever pattern its bodies match; no body with itself.
     let both = first
         .iter()
         .flat_map(|a| second.iter().map(|b| [*a.min(b), *a.max(b)]));

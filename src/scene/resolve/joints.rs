@@ -123,6 +123,7 @@ impl<'a> FoldedJoints<'a> {
             | NodeKind::Derivative(_) => 0.0,
             NodeKind::Name(name) => f64::from(self.names.kind(name) == Some(Kind::Length)),
             NodeKind::Negate(inner) => self.length_exponent(inner),
+            // Products and quotients add exponents; terms of a sum should agree, so the largest is taken.
             NodeKind::Binary(sign, a, b) => {
                 let (x, y) = (self.length_exponent(a), self.length_exponent(b));
                 match (sign, &b.kind) {

@@ -14,6 +14,7 @@ impl Names {
     /// Infers the kind of every name from its uses; a contradiction is an error.
     pub fn infer_kinds(&mut self, parsed: &Parsed, diagnostics: &mut Diagnostics) {
         let mut sites: Vec<(&FormulaNode, Option<Kind>)> = Vec::new();
+        // Uses that determine a kind: coordinates of rotations are angles, those of translations lengths.
         for factor in parsed
             .loops
             .iter()
@@ -26,6 +27,7 @@ impl Names {
                 sites.push((node, Some(kind_of_motion(*motion))));
             }
         }
+        // Equations and outputs require no kind of their own, but relate the kinds of their terms.
         sites.extend(
             parsed
                 .equations
@@ -43,6 +45,7 @@ impl Names {
         for (node, wanted) in sites {
             self.note(node, wanted, diagnostics);
         }
+        // Drives, start values and parameters take the kind of their name.
         for (name, input) in &parsed.inputs {
             let wanted = self.kind(&name.value);
             match input {

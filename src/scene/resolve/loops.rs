@@ -18,6 +18,7 @@ pub fn warn_of_loops(mechanism: &Mechanism, parsed: &Parsed, diagnostics: &mut D
     };
     for (k, item) in mechanism.loops.iter().enumerate() {
         let span = place(&item.name);
+        // A loop and its inverse have the same equations.
         let same = |other: &Chain| is_same(&item.chain, other, mechanism.size);
         let earlier = &mechanism.loops[..k];
         let first = earlier
@@ -33,6 +34,7 @@ pub fn warn_of_loops(mechanism: &Mechanism, parsed: &Parsed, diagnostics: &mut D
             );
             continue;
         }
+        // A loop that no unknown can change is either always closed or never.
         let used = item.chain.arguments();
         let slots = used
             .iter()

@@ -15,6 +15,7 @@ const POWERS: std::ops::Range<i32> = -100..100;
 
 /// Fills in the magnitudes of unknowns and equations that no chain determines.
 pub fn estimate_magnitudes(mechanism: &mut Mechanism, actuation: &Actuation) {
+    // With any length in a chain the scales are known already.
     let is_number = mechanism.unknowns.iter().any(|u| u.kind == Kind::Number);
     if !mechanism.loops.is_empty() || !mechanism.contacts.is_empty() || !is_number {
         return;
@@ -23,6 +24,7 @@ pub fn estimate_magnitudes(mechanism: &mut Mechanism, actuation: &Actuation) {
         .iter()
         .map(|share| actuation.start_at(share * actuation.duration))
         .collect();
+    // The equations that each coordinate appears in.
     let mut using = vec![Vec::new(); mechanism.coordinate_count()];
     for equation in &mechanism.equations {
         let slots = equation.expression.slots();
@@ -37,6 +39,7 @@ pub fn estimate_magnitudes(mechanism: &mut Mechanism, actuation: &Actuation) {
     for (slot, magnitude) in found {
         mechanism.scales[slot] = magnitude;
     }
+    // Equations come after the unknowns, whose scales their terms need.
     let scales = &mechanism.scales[..mechanism.unknowns.len()];
     let unit = mechanism.size;
     for equation in &mut mechanism.equations {

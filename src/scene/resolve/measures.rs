@@ -56,6 +56,7 @@ fn resolve_track(
         diagnostics.push(Diagnostic::error(message).at(text.span.clone()));
         return None;
     }
+    // Inputs that the track does not mention stay at the start of the drive.
     let (mut from, mut to) = (start.to_vec(), start.to_vec());
     for (name, ends) in &track.inputs {
         let Some(k) = names
@@ -165,17 +166,21 @@ fn resolve_over(
     else {
         return None;
     };
+    // Which poses: those of a track, or of the drive.
     let track = match track {
         None => None,
         Some(name) => Some(track_index(name, file, tracks, diagnostics)?),
     };
+    // How the values are reduced, and of which formulas.
     let taking = resolve_taking(take, of.len(), diagnostics)?;
     let nodes = of.iter().map(|text| parsed_expression(text, diagnostics));
     let mut nodes: Vec<FormulaNode> = nodes.collect::<Option<_>>()?;
+    // Derivatives by a single input are written as `per`, whether or not the file does so.
     let per = match per {
         None => derived_by_all(&mut nodes, scope.names),
         Some(name) => Some(input_index(name, scope.names, diagnostics)?),
     };
+    // The formulas, with the rates they contain; some positions do not allow rates.
     let mut kind = Kind::Number;
     let (mut formulas, mut rates) = (Vec::new(), FoundRates::default());
     for node in &nodes {
@@ -193,6 +198,7 @@ fn resolve_over(
         kind = dimension.kind();
         formulas.push(formula);
     }
+    // Length by length, or angle by angle, is a plain number.
     if let Some(input) = per
         && scope.names.inputs[input].kind != Kind::Number
     {
@@ -234,6 +240,7 @@ fn derived_by_all(nodes: &mut [FormulaNode], names: &Names) -> Option<usize> {
     {
         return None;
     }
+    // The derivative is taken off each formula; the caller takes it of all of them.
     for node in nodes {
         if let NodeKind::Derivative(parts) = &node.kind {
             *node = parts.of.clone();
@@ -256,6 +263,7 @@ impl RatePlace {
         formula: &Expression,
         scope: &Scope,
     ) -> Result<(), Diagnostic> {
+        // Rates may be written in the formula itself or be hidden in an output that it uses.
         let slots = formula.slots();
         let own = find_derivative(node, &|_| true);
         let timed = find_derivative(node, &|parts| {
@@ -265,11 +273,13 @@ impl RatePlace {
         let uses_timed = slots.iter().any(|slot| scope.is_timed(*slot));
         let holds = own.is_some() || slots.iter().any(|slot| scope.is_rated(*slot));
         let at = |found: Option<&FormulaNode>| found.unwrap_or(node).span.clone();
+        // A track has no time, so that rates by time do not exist there.
         if self.is_track && (timed.is_some() || uses_timed) {
             return Err(Diagnostic::error("a track has no time to derive by")
                 .at(at(timed))
                 .hint("derive by an input, or measure along the drive: without `track`"));
         }
+        // A derivative of a derivative would have to be of higher order.
         if self.is_derived && holds {
             return Err(
                 Diagnostic::error("`per` derives what holds a derivative itself")
@@ -277,6 +287,7 @@ impl RatePlace {
                     .hint("a derivative of higher order is written `d(quantity, input, order)`"),
             );
         }
+        // The derivatives of rates by parameters are not implemented.
         if self.is_studied && holds {
             return Err(Diagnostic::error(
                 "studies cannot derive by parameters what holds a derivative",
@@ -294,6 +305,7 @@ fn resolve_taking(
     found: usize,
     diagnostics: &mut Diagnostics,
 ) -> Option<Taking> {
+    // The word must be known, and fit the number of formulas.
     let known = Taking::NAMES.iter().find(|(name, _)| *name == take.value);
     let Some((_, taking)) = known else {
         let names = Taking::NAMES.map(|(name, _)| name);

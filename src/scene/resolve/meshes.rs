@@ -43,11 +43,13 @@ impl<'f> MeshFiles<'f> {
     ) -> Result<Arc<TriangleSoup>, String> {
         let path = self.folder.join(name);
         let place = place_below(name, (self.folder, "scene's"), self.allowed)?;
+        // The same file may be used at several scales, as a surface and as a solid.
         let key = (place, scale.to_bits(), is_surface);
         if let Some(known) = self.known.get(&key) {
             return Ok(Arc::clone(known));
         }
         let mut soup = read_stl(&path).map_err(|e| e.to_string())?;
+        // The limit applies to all meshes of a scene together.
         self.triangles += soup.triangles.len();
         let all = current_limits().allow(
             Resource::Triangles,

@@ -85,6 +85,7 @@ impl Names {
             suggestions: Cell::new(MOST_SUGGESTIONS),
             varied: Vec::new(),
         };
+        // Unknowns: every undefined name in an equation, in the order of first appearance.
         names.index();
         let mut found: Vec<(String, Span)> = Vec::new();
         let mut known: HashSet<String> = HashSet::new();
@@ -93,6 +94,7 @@ impl Names {
                 found.push((name.to_owned(), span.clone()));
             }
         };
+        // Loops, contacts, equations and bars can all introduce unknowns.
         parsed
             .loops
             .iter()
@@ -111,6 +113,7 @@ impl Names {
         bars.lengths()
             .for_each(|node| node.visit_names(&mut gather));
         bars.factors().for_each(|f| visit_factor(f, &mut gather));
+        // Names must be indexed again, since the unknowns are part of the list now.
         names.unknowns = found.iter().map(|(name, _)| coordinate(name)).collect();
         names.unknown_places = found.into_iter().map(|(_, span)| span).collect();
         names.index();
@@ -273,6 +276,7 @@ impl Names {
             let Some(Meaning::Parameter(own)) = self.meaning(&name.value) else {
                 continue;
             };
+            // A parameter may use earlier parameters only; each wrong use has its own message.
             let node = to_radians(
                 node.clone(),
                 self.parameters[own].kind,
@@ -301,6 +305,7 @@ impl Names {
                     Err(self.suggest(Diagnostic::error(message).at(span.clone()), used, earlier))
                 }
             };
+            // Errors are not repeated for parameters that use an invalid one.
             match exact_constant(&node, &lookup) {
                 Ok(value) => self.parameters[own].value = value,
                 Err(diagnostic) => {

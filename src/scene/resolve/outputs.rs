@@ -61,6 +61,7 @@ impl<'a> Scope<'a> {
             rated: HashMap::new(),
         };
         let constants = BodyConstants { names };
+        // Distances first: formulas may use them.
         for item in &file.distances {
             let distance = asked_distance(item, &constants, bodies, diagnostics);
             scope.note(&item.name.value, distance.is_some());
@@ -72,6 +73,7 @@ impl<'a> Scope<'a> {
                     kind: Kind::Length,
                 }));
         }
+        // Formulas in order: each may use the outputs before it.
         for (name, node) in &parsed.outputs {
             let name = &name.value;
             let compiled = scope.compile_rated(node);
@@ -235,9 +237,11 @@ pub fn dimension_of(
             found.unwrap_or_default()
         }
         NodeKind::Negate(inner) => of(inner),
+        // Sums have the dimension of their first term that has one; products add dimensions.
         NodeKind::Binary('+' | '-', a, b) => first_measured([of(a), of(b)]),
         NodeKind::Binary('*', a, b) => of(a) + of(b),
         NodeKind::Binary('/', a, b) => of(a) - of(b),
+        // Only whole powers have a dimension.
         NodeKind::Binary(_, base, power) => match power.kind {
             NodeKind::Number(power) if power.number().fract() == 0.0 => {
                 of(base) * power.number().clamp(-99.0, 99.0) as i32

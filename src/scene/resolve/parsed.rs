@@ -45,6 +45,7 @@ pub enum ParsedInput {
 impl Parsed {
     /// Parses everything; invalid parts are reported and skipped.
     pub fn new(file: &SceneFile, diagnostics: &mut Diagnostics) -> Self {
+        // Chains first: everything else may refer to them. An unreadable one keeps its name.
         let mut chains: Vec<Named<Vec<Item>>> = file
             .chains
             .iter()
@@ -58,6 +59,7 @@ impl Parsed {
             .iter()
             .filter_map(|contact| ContactItems::parse(contact, diagnostics))
             .collect();
+        // The frame of a contact is a chain that others may use.
         for contact in &contacts {
             chains.extend(contact.frame().map(|items| (contact.name.clone(), items)));
         }
@@ -66,6 +68,7 @@ impl Parsed {
             .into_iter()
             .filter_map(|contact| contact.expand(&chains, diagnostics))
             .collect();
+        // Loops and frames with all references expanded.
         let loops: Vec<Named<Vec<Factor>>> = file
             .loops
             .iter()
@@ -83,6 +86,7 @@ impl Parsed {
                     .unwrap_or_default()
             })
             .collect();
+        // Sections that map names to formulas.
         let mut named = |list: &[(Spanned<String>, FormulaText)]| -> Vec<Named<FormulaNode>> {
             list.iter()
                 .filter_map(|(name, text)| {
@@ -93,6 +97,7 @@ impl Parsed {
         let (parameters, equations) = (named(&file.parameters), named(&file.equations));
         let (guess, outputs) = (named(&file.guess), named(&file.outputs));
         let bars = ParsedBars::parse(file, &chains, diagnostics);
+        // Only if every loop and equation was read is an undefined name certainly an error.
         let is_complete = loops.len() == file.loops.len()
             && equations.len() == file.equations.len()
             && bars.list.len() == file.bars.len()
@@ -102,6 +107,7 @@ impl Parsed {
             .iter()
             .filter_map(|(name, input)| Some((name.clone(), parse_input(input, diagnostics)?)))
             .collect();
+        // Chains that nothing refers to have not been checked yet.
         chains.judge_all(diagnostics);
         let points = file.traces.iter().flat_map(|trace| trace.point.iter());
         let ends = file.tracks.iter().flat_map(|track| &track.inputs);

@@ -22,6 +22,7 @@ pub fn estimate_scales(mechanism: &mut Mechanism, actuation: &Actuation) {
         .iter()
         .map(|share| actuation.start_at(share * actuation.duration))
         .collect();
+    // The length of every loop and equation, with the coordinates that it shares with others.
     let of_loops = mechanism.loops.iter();
     let of_loops =
         of_loops.map(|item| (of_loop(mechanism, item, &poses), slots_of(mechanism, item)));
@@ -33,6 +34,7 @@ pub fn estimate_scales(mechanism: &mut Mechanism, actuation: &Actuation) {
     for (_, slots) in &mut members {
         slots.retain(|slot| mechanism.kind_of(*slot) == Kind::Length);
     }
+    // Members with a common length get a common unit; coordinates without any keep the size.
     share_scales(&mut members, mechanism.coordinate_count());
     let size = mechanism.size;
     let units: Vec<f64> = members
@@ -50,6 +52,7 @@ pub fn estimate_scales(mechanism: &mut Mechanism, actuation: &Actuation) {
             .iter()
             .for_each(|slot| mechanism.scales[*slot] = *unit);
     }
+    // Residuals are measured in the units of their own loop or equation.
     let (of_loops, of_equations) = units.split_at(mechanism.loops.len());
     for (item, unit) in mechanism.loops.iter_mut().zip(of_loops) {
         item.size = *unit;
@@ -109,6 +112,7 @@ fn of_loop(mechanism: &Mechanism, item: &Loop, poses: &[Vec<f64>]) -> f64 {
                 ..
             } => {
                 let argument = &mechanism.arguments[*argument];
+                // A translation at the start values and along the drive, and the advance of a screw per turn.
                 for pose in poses {
                     longest = longest.max(finite_or_zero(argument.value(pose, &mut scratch)));
                     for (slot, rate) in argument.gradient(pose) {

@@ -25,6 +25,7 @@ pub fn resolve_solid(
         constants,
         diagnostics,
     };
+    // Every kind has its own method, which reads all numbers before it rejects any.
     match solid {
         SolidFile::Sphere { center, radius } => site.sphere(center, radius),
         SolidFile::Capsule { from, to, radius } => site.capsule([from, to], radius),

@@ -37,6 +37,7 @@ pub fn resolve_study(
         unit,
         diagnostics,
     };
+    // Options of the command line take precedence over the file.
     let variables = resolver.study_variables(study, varied);
     let objective = match minimised {
         Some(name) => resolver.other_objective(name, measures),

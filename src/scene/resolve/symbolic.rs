@@ -83,6 +83,7 @@ impl Formulas {
                 value.value = self.argument_term(&arguments[argument]);
                 is_known[argument] = true;
             }
+            // Sine and cosine once for all rotations with the same argument.
             if motion == ElementaryMotion::Rotation && !turns[argument] {
                 value.cos = self.call_term(Function::Cos, value.value);
                 value.sin = self.call_term(Function::Sin, value.value);

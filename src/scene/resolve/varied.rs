@@ -128,6 +128,7 @@ const MAX_DEPTH: usize = 100;
 /// Replaces every parameter that depends on one of `varied` by its formula, wherever coordinates may appear; the names
 /// that remain are those in `varied` and constants.
 pub fn expand_dependents(parsed: &mut Parsed, varied: &[String], diagnostics: &mut Diagnostics) {
+    // Every name on the list must be a parameter of the file.
     for name in varied {
         if !parsed.parameters.iter().any(|(n, _)| n.value == *name) {
             let known: Vec<&str> = parsed
@@ -139,6 +140,7 @@ pub fn expand_dependents(parsed: &mut Parsed, varied: &[String], diagnostics: &m
             diagnostics.push(Diagnostic::error(message).suggest(name, known));
         }
     }
+    // Loops, frames, bars, contacts, equations and outputs follow the variables.
     let dependents = Dependents::new(parsed, varied);
     if dependents.list.is_empty() {
         return;
@@ -162,6 +164,7 @@ pub fn expand_dependents(parsed: &mut Parsed, varied: &[String], diagnostics: &m
 pub fn kept_parameters(parsed: &Parsed, varied: &[String]) -> Vec<Kept> {
     let dependents = dependent_parameters(&parsed.parameters, varied);
     let mut kept: Vec<Kept> = Vec::new();
+    // Records which variables a formula uses, directly or through a computed parameter.
     let mut note = |node: &FormulaNode, place: KeptIn, directly: bool| {
         let mut node = node.clone();
         let mut used: Vec<String> = Vec::new();
@@ -175,6 +178,7 @@ pub fn kept_parameters(parsed: &Parsed, varied: &[String]) -> Vec<Kept> {
         if used.is_empty() {
             return;
         }
+        // The parameters computed from variables are written out to find the variables themselves.
         substitute_names(&mut node, &dependents, MAX_DEPTH);
         node.visit_names(&mut |name, _| {
             let item = Kept {
@@ -186,6 +190,7 @@ pub fn kept_parameters(parsed: &Parsed, varied: &[String]) -> Vec<Kept> {
             }
         });
     };
+    // Drives, tracks and axes keep the file's values whatever way a variable enters.
     for (_, input) in &parsed.inputs {
         match input {
             ParsedInput::Formula(node) => note(node, KeptIn::Drive, true),
@@ -200,6 +205,7 @@ pub fn kept_parameters(parsed: &Parsed, varied: &[String]) -> Vec<Kept> {
         .iter()
         .for_each(|node| note(node, KeptIn::Track, true));
     parsed
+        // Measures follow variables, but not parameters computed from them.
         .measures
         .iter()
         .for_each(|node| note(node, KeptIn::Measure, false));
@@ -273,6 +279,7 @@ pub fn carry_points(
     for (trace, typed) in traces.iter_mut().zip(&file.traces) {
         let Some(point) = &typed.point else { continue };
         let mut factors = parsed.frames[trace.body].clone();
+        // The chain of the point: that of its body, then its coordinates in the body's frame.
         for (axis, text) in point.iter().enumerate() {
             let Some(mut node) = parsed_expression(text, diagnostics) else {
                 return;
@@ -287,6 +294,7 @@ pub fn carry_points(
         let Some(chain) = joints.chain(&factors, diagnostics) else {
             return;
         };
+        // A body without shapes carries the point, which is its origin.
         bodies.push(Body {
             name: trace.name.clone(),
             world_from_body: chain,

@@ -14,6 +14,7 @@ const RESERVED: [&str; 7] = [TIME, "pi", "π", "E", "inv", "nan", "inf"];
 /// Rejects names that are given twice and words of the formula language.
 pub fn refuse_double_and_reserved(file: &SceneFile, diagnostics: &mut Diagnostics) {
     let mut seen: BTreeMap<&str, (&str, Span)> = BTreeMap::new();
+    // All sections whose names can appear in the same formula.
     let sections = [
         (
             "parameter",
@@ -42,6 +43,7 @@ pub fn refuse_double_and_reserved(file: &SceneFile, diagnostics: &mut Diagnostic
                 continue;
             }
             seen.insert(word, (section, name.span.clone()));
+            // A name must be readable as a name wherever it may be used.
             let reserved = RESERVED.contains(&word) || Function::from_name(word).is_some();
             if reserved || !is_identifier(word) {
                 let (why, hint) = if reserved {

@@ -29,6 +29,7 @@ pub fn resolve_notation(
         names,
         terms: TermList::default(),
     };
+    // Loops: those of the file, the closing chains of contacts, and the pins of bars.
     let loops = mechanism.loops.iter().map(|item| {
         let own = parsed
             .loops
@@ -57,6 +58,7 @@ pub fn resolve_notation(
         chain
     });
     let loops = loops.collect();
+    // Bodies: their frames, with factors related to the steps of the mechanism's chains.
     let bodies = mechanism.bodies.iter().map(|body| {
         let own = file.bodies.iter().position(|b| b.name.value == body.name);
         let factors = own.map_or(&[][..], |k| parsed.frames[k].as_slice());
@@ -68,6 +70,7 @@ pub fn resolve_notation(
         chain
     });
     let bodies = bodies.collect();
+    // Named chains, as they are; their errors have been reported.
     let chains = file.chains.iter().filter_map(|(name, text)| {
         let factors = parsed.factors(text, &mut Diagnostics::default())?;
         let mut chain = writer.written_chain(&name.value, &factors);
@@ -75,6 +78,7 @@ pub fn resolve_notation(
         Some(chain)
     });
     let chains = chains.collect();
+    // Traced points: translations along the axes of the body's frame.
     let points = mechanism.traces.iter().map(|trace| {
         let own = file.traces.iter().find(|t| t.name.value == trace.name);
         let texts = own.and_then(|t| t.point.as_ref());
@@ -95,6 +99,7 @@ pub fn resolve_notation(
         writer.written_chain(&trace.name, &factors)
     });
     let points = points.collect();
+    // Contacts: a chain for each surface.
     let contacts = parsed.contacts.iter().map(|contact| WrittenContact {
         name: contact.name.value.clone(),
         sides: contact.sides.each_ref().map(|side| writer.surface(side)),

@@ -30,6 +30,7 @@ pub fn end_factors(
         EndFile::Point(coordinates, _) => shift_factors(coordinates, diagnostics),
         EndFile::Chain(text) => {
             let items = note_diagnostic(parse_chain, text, diagnostics)?;
+            // A chain that is a single name may also be that of a traced point.
             let [Item::Reference(name, span)] = &items[..] else {
                 return chains.expand(&items, diagnostics);
             };
@@ -51,6 +52,7 @@ pub fn end_factors(
             // An unknown body is reported with the trace.
             let mut bodies = file.bodies.iter();
             let body = bodies.find(|b| b.name.value == trace.body.value)?;
+            // The trace as a chain: the frame of its body, then its coordinates. Errors in both are reported elsewhere.
             let mut factors = match &body.frame {
                 None => Vec::new(),
                 Some(text) => {

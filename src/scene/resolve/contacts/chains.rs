@@ -192,6 +192,7 @@ impl ContactItems {
         let (surface, frame) = &self.surfaces[side];
         let (other, _) = &self.surfaces[1 - side];
         let number = side + 1;
+        // The last step along the normal: to the surface, or beyond it by a sphere's radius.
         let out = |size: &FormulaNode| match further {
             None => self.along_by(0, size.clone()),
             Some(more) => {
@@ -208,6 +209,7 @@ impl ContactItems {
                 self.rotation_about(1, &format!("phi{number}")),
                 out(tube),
             ]),
+            // Along a line of contact with a plane, the position has no effect and is omitted.
             ContactSurface::Cylinder { radius } => {
                 items.push(self.rotation_about(2, &format!("theta{number}")));
                 if !matches!(other, ContactSurface::Plane) {
@@ -215,6 +217,7 @@ impl ContactItems {
                 }
                 items.push(out(radius));
             }
+            // The plane's normal is z; a quarter turn makes it the x axis of the contact frame.
             ContactSurface::Plane => {
                 items.extend(self.slides(side));
                 items.push(self.turn(1, -(Constant::PI / Constant::exact(2.0))));

@@ -46,6 +46,7 @@ impl Contacts {
     ) -> Self {
         let mut all = Self::default();
         for contact in contacts {
+            // Both the sizes and the frames are checked, so that all errors are reported.
             let sound = is_sound(contact, names, diagnostics);
             let chains = contact
                 .sides
@@ -57,6 +58,7 @@ impl Contacts {
             if !sound {
                 continue;
             }
+            // A contact of two fixed surfaces determines nothing.
             let moves = |chain: &Chain| {
                 chain
                     .steps
@@ -72,7 +74,9 @@ impl Contacts {
                 );
                 continue;
             }
+            // The equation or loop that keeps the surfaces in contact.
             all.close(contact, names, joints, [&first, &second], diagnostics);
+            // Crossing cylinders: their axes may become parallel, where the contact point is not determined.
             let is_free = |what| names.meaning(&format!("{}.{what}", contact.name.value));
             if let (Some(factors), Some(Meaning::Unknown(_))) =
                 (factors_across(contact), is_free("w2"))
@@ -82,6 +86,7 @@ impl Contacts {
                 let crossing = across.map(|across| AxisCrossing { contact, across });
                 all.crossings.extend(crossing);
             }
+            // The scalars that outputs may use.
             let frame = contact.frame.as_ref();
             let frame = frame.and_then(|f| joints.chain(f, diagnostics));
             all.describe(
@@ -107,6 +112,7 @@ impl Contacts {
         let (factors, closes) = match &contact.closure {
             Closure::Frame(factors) => (factors, Closes::Frame),
             Closure::Point(factors) => (factors, Closes::Point),
+            // Two spheres: one equation for the distance of their centres, which may be points of loops of their own.
             Closure::Distance => {
                 let formulas = Formulas::default();
                 let own = closed_chains(contact, joints);
@@ -236,6 +242,7 @@ fn is_sound(contact: &ParsedContact, names: &Names, diagnostics: &mut Diagnostic
     let mut sound = true;
     for side in &contact.sides {
         let surface = &side.surface;
+        // Only a sphere may have radius zero: it is a point.
         let may_vanish = matches!(surface, ContactSurface::Sphere { .. });
         for (what, node) in surface.sizes() {
             let message = match constant_node(node, &|n, s| names.constant(n, s)) {
@@ -264,6 +271,7 @@ fn is_sound(contact: &ParsedContact, names: &Names, diagnostics: &mut Diagnostic
             sound = false;
         }
     }
+    // The distance of two points of radius zero is a square root at zero, which has no derivative.
     if sound && contact.is_of_spheres() && radius_sum(contact, names) == 0.0 {
         let message = "two points cannot touch in one equation: one of the spheres needs a radius";
         diagnostics.push(Diagnostic::error(message).at(contact.name.span.clone()));
