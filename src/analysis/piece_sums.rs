@@ -271,8 +271,10 @@ impl PieceSums {
         let (sums, bins) = (&self.measures[index], &self.bins[index]);
         let (shift, squares) = (sums.deviations.value(), sums.squares.value());
         let all = count as f64;
+        // Sum of squared deviations from the mean, from sums about the nominal value.
         let square = (squares - shift * (shift / all)).max(0.0);
         let quantile = |share: &f64| {
+            // A quantile lies between two ranks, each known exactly or up to a bin.
             let place = share * last as f64;
             let (rank, part) = (place.floor(), place.fract());
             let low = sums.at_rank(bins, rank as u64, count);

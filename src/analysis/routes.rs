@@ -100,6 +100,7 @@ impl<'m> Walker<'m> {
                     1 => self.euler(coordinates, from, to),
                     _ => self.runge_kutta(coordinates, from, to),
                 }
+                // The projection returns to a closed pose, so that errors do not accumulate in the loops.
                 if projected {
                     self.close(coordinates, TIGHT, RotationForm::Log)?;
                 }

@@ -159,6 +159,7 @@ fn route_settings() -> Vec<(&'static str, Route, usize)> {
         tolerance,
         form,
     };
+    // Predictors of order 0 to 3, corrected to four tolerances.
     let mut list = Vec::new();
     let families = [
         "Newton from the last pose",
@@ -171,6 +172,7 @@ fn route_settings() -> Vec<(&'static str, Route, usize)> {
             list.push((family, position(predictor, tolerance, RotationForm::Log), 1));
         }
     }
+    // One setting with smaller steps, and the residual that accepts half-turns.
     list.push((families[1], position(1, 1e-13, RotationForm::Log), 4));
     for predictor in 0..2 {
         list.push((
@@ -179,6 +181,7 @@ fn route_settings() -> Vec<(&'static str, Route, usize)> {
             1,
         ));
     }
+    // Integration of the rates, without and with projection onto the closed poses.
     let ode = |order, projected| Route::Ode { order, projected };
     for factor in [1, 4, 40] {
         list.push(("Euler", ode(1, false), factor));
@@ -293,6 +296,7 @@ impl Bench<'_> {
     /// Errors after 1, 10, 100 … turns, as far as `turns`.
     fn drift(&self, turns: usize) -> Vec<Drift> {
         let (first, last) = (&self.truth[0], &self.truth[self.truth.len() - 1]);
+        // Drift is measured where a motion returns: over any number of turns the pose should be the same.
         let returns = largest_distance(first, last) <= RETURNS * self.mechanism().size;
         if !returns || !is_cyclic(self.mechanism(), self.actuation) {
             return Vec::new();

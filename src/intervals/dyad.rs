@@ -91,6 +91,7 @@ pub fn printed_ranges(first: Kaucher, delta: Kaucher) -> Kaucher {
 /// The exact ranges if both bars have directions in intervals of their own, rounded outwards; `None` if they can be
 /// collinear. Every coefficient is monotone in each direction whatever the other is, so its extremes are at corners.
 pub fn corner_ranges(first: Kaucher, second: Kaucher) -> Option<[Kaucher; 4]> {
+    // The bars can be collinear where the sine of the angle between them can vanish.
     let sine = (second.interval() - first.interval()).sin_cos().0;
     if sine.holds_zero() {
         return None;
@@ -98,6 +99,7 @@ pub fn corner_ranges(first: Kaucher, second: Kaucher) -> Option<[Kaucher; 4]> {
     let mut found: Option<[Kaucher; 4]> = None;
     for a in [first.lo, first.hi] {
         for b in [second.lo, second.hi] {
+            // Each corner is computed with outward rounding and joined to the range.
             let (s12, c12) = Interval::point(a).sin_cos();
             let (s13, c13) = Interval::point(b).sin_cos();
             let cross = s13 * c12 - c13 * s12;
@@ -200,6 +202,7 @@ pub fn are_apart(point: [Interval; 2], ends: [[Interval; 2]; 2], sine: Interval)
 /// test fails at the velocities themselves.
 pub fn tied_cube(velocities: &[[f64; 2]], still: &[usize], dyads: &[Dyad], least: f64) -> f64 {
     let sine = Interval::point(least).sin_cos().0;
+    // Whether all velocities within r of the given ones belong to admissible directions.
     let fits = |r: f64| {
         let of = |k: usize| {
             let wide = if still.contains(&k) { 0.0 } else { r };
@@ -214,6 +217,7 @@ pub fn tied_cube(velocities: &[[f64; 2]], still: &[usize], dyads: &[Dyad], least
     if !fits(low) {
         return 0.0;
     }
+    // Doubled until it fails, then bisected.
     while fits(high) && high < 1e12 {
         (low, high) = (high, 2.0 * high);
     }

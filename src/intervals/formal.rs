@@ -170,6 +170,7 @@ pub fn solved_numbers(matrix: &[Vec<f64>], side: &[f64]) -> Option<Vec<f64>> {
     if pivots.smallest <= NO_PIVOT * largest {
         return None;
     }
+    // One product per component; a solution that is not finite is none.
     let solution: Vec<f64> = (0..n)
         .map(|i| (0..n).map(|j| inverse.at(i, j) * side[j]).sum())
         .collect();

@@ -29,14 +29,17 @@ pub fn solution_hull(system: &IntervalSystem, kind: &SolutionSet) -> Hull {
     }
     let inclusion = system.inclusion(kind);
     let mut found: Option<Vec<Kaucher>> = None;
+    // Within one orthant every |x| is linear, so that the set is a polytope.
     for orthant in 0..1u32 << n {
         let sign = |j: usize| if orthant >> j & 1 == 1 { -1.0 } else { 1.0 };
         let (rows, sides) = orthant_rows(&inclusion, sign);
         for j in 0..n {
+            // The extremes along each axis are two linear programmes.
             for up in [1.0, -1.0] {
                 let mut objective = vec![0.0; n];
                 objective[j] = up * sign(j);
                 let place = match maximise(&objective, &rows, &sides) {
+                    // An empty orthant needs no further programmes.
                     Programme::Infeasible => break,
                     Programme::Unbounded => return Hull::Unbounded(j),
                     Programme::Optimal { x, .. } => x,
@@ -63,6 +66,7 @@ fn orthant_rows(
             .enumerate()
             .map(|(j, g)| if sign(j) > 0.0 { *g } else { -*g })
             .collect();
+        // G x ⊆ h as two inequalities per row: the lower end and the upper end.
         rows.push(along.iter().map(|k| -k.lo).collect());
         sides.push(-h.lo);
         rows.push(along.iter().map(|k| k.hi).collect());

@@ -128,6 +128,7 @@ fn judge_cell(
     places: &[Box2],
     least: f64,
 ) -> Option<bool> {
+    // The bars of every dyad are examined with the point anywhere in the cell.
     let sine = Interval::point(least).sin_cos().0;
     let mut all = Some(true);
     let own = point_box(cell.middle, cell.half);
@@ -157,11 +158,13 @@ fn pave_cells(
         middle: chain.points[point],
         half: window.reach,
     };
+    // Depth-first subdivision of the window into four quarters.
     let mut open = vec![(whole, 0)];
     while let Some((cell, halvings)) = open.pop() {
         match answer(cell) {
             Some(true) => paving.inner.push(cell),
             Some(false) => {}
+            // Undecided cells of the smallest size form the boundary.
             None if halvings == window.halvings => paving.edge.push(cell),
             None => {
                 let half = 0.5 * cell.half;

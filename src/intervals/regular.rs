@@ -89,6 +89,7 @@ pub fn positive_share(
 pub fn determinant(matrix: &[Vec<f64>]) -> f64 {
     let mut matrix = matrix.to_vec();
     let (n, mut product) = (matrix.len(), 1.0);
+    // Gaussian elimination with partial pivoting; an exchange of rows changes the sign.
     for k in 0..n {
         let place = (k..n).max_by(|i, j| matrix[*i][k].abs().total_cmp(&matrix[*j][k].abs()));
         let place = place.unwrap_or(k);
@@ -101,6 +102,7 @@ pub fn determinant(matrix: &[Vec<f64>]) -> f64 {
         if pivot == 0.0 {
             return 0.0;
         }
+        // The pivot's row is subtracted from those below.
         let row = matrix[k].clone();
         for below in &mut matrix[k + 1..] {
             let factor = below[k] / pivot;

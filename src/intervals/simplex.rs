@@ -100,6 +100,7 @@ impl SimplexTable {
         loop {
             let objective = &self.cells[m];
             let scale = objective.iter().fold(1.0_f64, |s, v| s.max(v.abs()));
+            // Bland's rule: the first column that improves the objective, ...
             let entering = (0..columns).find(|j| objective[*j] < -ROUNDING * scale);
             let Some(entering) = entering else {
                 return true;
@@ -107,6 +108,7 @@ impl SimplexTable {
             let side = self.cells[m].len() - 1;
             let rows = (0..m).filter(|i| self.cells[*i][entering] > self.slack);
             let ratio = |i: &usize| self.cells[*i][side] / self.cells[*i][entering];
+            // ... and among rows with equal ratios the one whose variable has the lowest number.
             let leaving = rows.min_by(|i, j| {
                 let order = ratio(i).total_cmp(&ratio(j));
                 order.then(self.basis[*i].cmp(&self.basis[*j]))

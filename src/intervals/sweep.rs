@@ -147,6 +147,7 @@ impl RowSweep {
     ) -> AffinePlace {
         let [first, second] = self.dyads[index].ends.map(|end| &places[end]);
         let Projector { reads, moves } = projectors[index];
+        // v = v'' + n (e · (v' - v'')), for every column of the affine functions.
         let mut made = *second;
         for c in 0..=width {
             let along =

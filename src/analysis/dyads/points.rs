@@ -126,6 +126,7 @@ fn common_axis(
     ends: &BarEnds,
 ) -> Result<[f64; 3], NotDyads> {
     let mut common: Option<([f64; 3], String)> = None;
+    // All joints must be hinges, and their axes parallel.
     let real = mechanism.joints.list.iter();
     for joint in real.filter(|joint| !ends.place_joint(joint)) {
         let name = joint_name(mechanism, joint);
@@ -150,6 +151,7 @@ fn common_axis(
             }
         }
     }
+    // Without hinges the bars alone must determine the plane.
     match common {
         Some((axis, _)) => Ok(axis),
         None => bar_normal(mechanism, slots, ends).ok_or(NotDyads::NoHinges),
@@ -335,6 +337,7 @@ impl LinkageReader<'_> {
     /// Bars that make every moving link rigid, and those of the scene.
     fn bars(&self, points: &[FoundPoint]) -> Result<Vec<[usize; 2]>, NotDyads> {
         let mut bars = Vec::new();
+        // Every moving link is made rigid: its second point by one bar, each further one by two.
         for link in 1..self.mechanism.joints.links.len() {
             let own: Vec<usize> = (0..points.len())
                 .filter(|k| points[*k].links.contains(&link))
@@ -357,6 +360,7 @@ impl LinkageReader<'_> {
                 held.push(point);
             }
         }
+        // Bars of the scene, unless a link has provided the same one.
         for ends in self.ends.bars() {
             let [a, b] = ends.each_ref().map(|end| {
                 let link = self.ends.link_of(end);
@@ -399,6 +403,7 @@ impl LinkageReader<'_> {
 
 /// Names of points; only the numbers if all names are one letter and a number, such as p0 to p10.
 fn names_of(points: &[FoundPoint]) -> Vec<String> {
+    // Unnamed points get letters that no point has yet, then numbered ones.
     let taken = |letter: &char| {
         let mut names = points.iter().filter_map(|p| p.name.as_deref());
         names.any(|name| name == letter.to_string())
@@ -416,6 +421,7 @@ fn names_of(points: &[FoundPoint]) -> Vec<String> {
             }
         })
         .collect();
+    // If all names are one letter and a number, the number suffices.
     let number = |name: &String| {
         let mut rest = name.chars();
         let letter = rest.next()?;

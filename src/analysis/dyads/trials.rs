@@ -147,6 +147,7 @@ impl<'c> TrialRun<'c> {
             drawn,
             sign: 1.0,
         };
+        // The drawn pose itself is the first trial: it gives the sign with which determinants are compared.
         let mut scratch = Scratch::default();
         let own = run.drawn.clone();
         for pair in own {

@@ -252,6 +252,7 @@ impl Search<'_> {
         let one = |(part, known): &(usize, f64)| {
             let (ways, goal) = (&self.ways[*part], goals[*part]);
             let look = ways.look(&view, goal);
+            // Where the bound is too low, the piece that determines it is solved, at both ends and in the middle.
             let place = look.place.filter(|_| look.lowest.max(*known) < goal);
             let nearest = place.and_then(|place| {
                 let [from, until] = stretch.ends;

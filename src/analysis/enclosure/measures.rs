@@ -238,6 +238,7 @@ fn measure_numbers<const N: usize>(
     for measure in &plan.family.measures.list {
         let number = match &measure.source {
             MeasureSource::Formula(formula) => of_formula(formula, &numbers),
+            // Derivatives by inputs and outputs with rates have no slopes by the dimensions.
             MeasureSource::Over { per: Some(_), .. } => Tracked::undefined(count),
             MeasureSource::Over { rates, .. } if !rates.is_empty() => Tracked::undefined(count),
             MeasureSource::Over {

@@ -46,6 +46,7 @@ pub fn enclose_motion(plan: &Plan, times: &[f64], threads: usize, search: bool) 
     let family = plan.family;
     let samples = samples_at(plan, times);
     let encloser = Encloser::new(family.system());
+    // Each sample on its own: the bands at a pose do not depend on other samples.
     let work = |finder: &mut PieceFinder, index: usize| {
         let sample = &samples[index];
         let bands = match &sample.pose {

@@ -259,12 +259,14 @@ impl<'f> PieceFinder<'f> {
         for eight in places.chunks(LANES) {
             let mut coordinates = self.predicted(enclosure, eight);
             let lanes = LaneMask::first(eight.len());
+            // Eight pieces at once, where an anchor exists.
             let closed = match anchor {
                 Some(anchor) => self.lanes.close(anchor, &mut coordinates, lanes).lanes,
                 None => LaneMask::NONE,
             };
             for (lane, place) in eight.iter().enumerate() {
                 let mut piece: Vec<f64> = coordinates.iter().map(|c| c.lane(lane)).collect();
+                // A lane that failed starts again from the enclosure's own prediction.
                 if !closed.has(lane) {
                     let inputs = piece.split_off(self.plan.family.mechanism().unknowns.len());
                     piece = enclosure.coordinates_at(place);
@@ -272,6 +274,7 @@ impl<'f> PieceFinder<'f> {
                     piece.extend(inputs);
                 }
                 let closes = closed.has(lane) || self.solver.closed(&mut piece, Pace::Brisk);
+                // A closed pose outside the enclosure is another assembly.
                 all.push((closes && enclosure.holds(&piece)).then_some(piece));
             }
         }
@@ -291,6 +294,7 @@ impl<'f> PieceFinder<'f> {
         let along: Vec<Octet> = (0..self.plan.dimensions.len()).map(along).collect();
         let mechanism = self.plan.family.mechanism();
         let of = |slot: usize| {
+            // The linear part of the enclosure: the nominal value plus the slopes times δ.
             let start = Octet::splat(enclosure.form(slot).value);
             if slot >= mechanism.unknowns.len() {
                 return start;

@@ -81,6 +81,7 @@ fn greatest_of<const N: usize>(list: &[Tracked<N>]) -> Tracked<N> {
 fn power_norm<const N: usize>(values: &[Tracked<N>], power: f64) -> Tracked<N> {
     let (p, less) = (AffineForm::number(power), AffineForm::number(power - 1.0));
     let raised = |v: &Tracked<N>| {
+        // |v| where the sign is known; otherwise the range of the magnitude, and a slope between 0 and 1.
         let (size, sign) = match v.form.is_below_zero() {
             Some(true) => (-v.form, AffineForm::number(-1.0)),
             Some(false) => (v.form, AffineForm::number(1.0)),
@@ -98,6 +99,7 @@ fn power_norm<const N: usize>(values: &[Tracked<N>], power: f64) -> Tracked<N> {
         rates: vec![AffineForm::ZERO; count],
     };
     let sum = values.iter().fold(zero, |sum, v| sum.plus(&raised(v)));
+    // The root of the sum, with its slope by the chain rule.
     let root = match power == 2.0 {
         true => sum.form.sqrt(),
         false => sum.form.real_power(1.0 / power),

@@ -115,6 +115,7 @@ impl ParametricMechanism {
             derives_measures: true,
             ..overrides.clone()
         };
+        // A first reading gives the names of the variables and the size; a second one makes them inputs.
         let nominal = load_scene(source, overrides).map_err(Box::new)?;
         let own = nominal.study.iter().flat_map(|s| &s.variables);
         let names: Vec<String> = if vary.is_empty() {

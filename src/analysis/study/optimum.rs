@@ -217,6 +217,7 @@ fn least_largest(
     watch: Box<Watch<'_>>,
     cancel: &AtomicBool,
 ) -> Result<Optimum, FamilyError> {
+    // A search without iterations gives bounds, scales and the first value.
     let quiet = StudySearch::new(family, Box::new(|_, _, _| true))?;
     let (bounds, scales, first_value) = (quiet.bounds(), quiet.scales(), quiet.value());
     let mut evaluator = Evaluator::new(family).until(cancel);

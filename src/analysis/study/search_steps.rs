@@ -42,6 +42,7 @@ impl LoadedStudy {
             true
         };
         let optimum = find_optimum(&self.family, method, iterations, Box::new(watch), cancel)?;
+        // From the start over all improvements to the minimum.
         let mut improvements = vec![Improvement {
             iteration: 0,
             values: self.family.start(),

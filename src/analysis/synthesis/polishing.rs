@@ -82,6 +82,7 @@ fn polish_start(
     phase: Phase,
 ) -> Start {
     let clock = Instant::now();
+    // Nothing to polish: no time, no assembly, or a gap in a track.
     let family = standing_family(family, start).filter(|_| run.goes_on(phase));
     let Some(family) = family else {
         return start.clone();
@@ -118,12 +119,14 @@ fn tighten_bounds(
     asked: &ParametricMechanism,
     found: &Start,
 ) -> Option<bool> {
+    // Measured on finer tracks: the violations between the samples of the study.
     let fine = standing_family(asked, found)?.with_finer_tracks(FINER);
     let mut evaluator = Evaluator::new(&fine);
     let stand = evaluator.nominal(fine.nominal().ok()?.poses);
     let measures = evaluator.measure(&stand).ok()?.measures;
     let limits = &asked.study.limits;
     let mut missed = false;
+    // Each violated limit is tightened by a multiple of its violation.
     for (index, [min, max]) in limits {
         let (value, measure) = (measures[*index], &mut family.measures.list[*index]);
         if let (Some(max), Some(present)) = (max, &mut measure.max)

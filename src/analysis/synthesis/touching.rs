@@ -33,6 +33,7 @@ impl Touching<'_> {
     /// in mechanism sizes beyond rounding. Zero or less if the scene has no such pair; infinite if it cannot have these
     /// values.
     pub fn depth(&self, family: &ParametricMechanism, values: &[f64], poses: &[Vec<f64>]) -> f64 {
+        // The scene with these values: its shapes depend on them.
         let overrides = Overrides {
             parameters: (self.parameters)(values),
             vary: Vec::new(),
@@ -48,6 +49,7 @@ impl Touching<'_> {
         let Some(order) = order_of(family, mechanism) else {
             return f64::INFINITY;
         };
+        // The deepest overlap of the touching pairs, at some of the poses.
         let hulls: Vec<Option<Hull>> = Hull::of_bodies(&mechanism.bodies);
         let mut deepest = f64::NEG_INFINITY;
         for pose in poses.iter().step_by(STRIDE) {

@@ -92,6 +92,7 @@ pub struct TargetSynthesis {
 /// # Errors
 /// Variables without a range; no start that moves through all rows.
 pub fn fit_target(search: &TargetSearch) -> Result<TargetSynthesis, FamilyError> {
+    // Random starts are drawn from a box, so every variable needs a range.
     let variables = &search.family.study.variables;
     if let Some(v) = variables.iter().find(|v| !(v.upper - v.lower).is_finite()) {
         let message = format!("synthesis searches a box: give `{}` a range", v.name);
@@ -103,6 +104,7 @@ pub fn fit_target(search: &TargetSearch) -> Result<TargetSynthesis, FamilyError>
     let enough = ENOUGH * search.target.spread();
     let mut starts: Vec<Tried> = Vec::new();
     let mut best: Option<(f64, Fit)> = None;
+    // Batches have a fixed size, so that the result does not depend on the number of threads.
     while starts.len() < search.plan.starts && (starts.is_empty() || goes_on()) {
         let first = starts.len();
         let count = (search.plan.starts - first).min(BATCH);
@@ -123,6 +125,7 @@ pub fn fit_target(search: &TargetSearch) -> Result<TargetSynthesis, FamilyError>
             }
             starts.push(tried);
         }
+        // A fit with only rounding errors cannot be improved.
         let rows = search.target.rows.len() as f64;
         if best
             .as_ref()
@@ -231,6 +234,7 @@ impl TargetSearch<'_> {
     fn is_joined(&self, fitting: &mut Fitting, fit: &Fit) -> bool {
         let mechanism = self.family.mechanism();
         let unknowns = mechanism.unknowns.len();
+        // The rows become a drive, one second apart, which the tracker follows.
         let times: Vec<f64> = (0..fit.poses.len()).map(|k| k as f64).collect();
         let drive = |slot: usize| Drive::Keys {
             times: times.clone(),
@@ -334,6 +338,7 @@ fn drive_path(fitting: &mut Fitting, start: &[f64], free: FreeInput) -> Vec<Vec<
     let unknowns = fitting.family.mechanism().unknowns.len();
     let [low, high] = free.range;
     let step = (high - low) / LOOKS as f64;
+    // From the start, steps of equal size until the end of the range or of the motion.
     let mut walk = |until: f64, by: f64| {
         let mut list = vec![start.to_vec()];
         let count = ((until - start[slot]) / by).round().max(0.0) as usize;
@@ -348,6 +353,7 @@ fn drive_path(fitting: &mut Fitting, start: &[f64], free: FreeInput) -> Vec<Vec<
         }
         list
     };
+    // A crank: a full turn forwards, or, if that is blocked, both ways as far as possible.
     if free.is_cyclic {
         let forth = walk(start[slot] + (high - low), step);
         if forth.len() > LOOKS {
