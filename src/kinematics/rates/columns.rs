@@ -1,4 +1,4 @@
-//! Rates as tables show them: what they are taken by, their names and units, and their values at a pose.
+//! Rates as shown in tables: their variable, names and units, and their values at a pose.
 
 use super::fold::series_beside_fold;
 use super::higher_order::higher_rates;
@@ -10,12 +10,12 @@ use crate::model::mechanism::{Coordinate, Kind, Mechanism};
 use crate::model::rate::Per;
 use crate::numbers::series::{HIGHEST_ORDER, TaylorSeries};
 
-/// What rates are taken by.
+/// The variable of differentiation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum By {
     /// Seconds of the drive.
     Time,
-    /// One input, the others standing still: transfer functions.
+    /// One input, the others constant: transfer functions.
     Input(usize),
 }
 
@@ -29,7 +29,7 @@ impl From<Per> for By {
 }
 
 impl By {
-    /// Series of the inputs, whose values are `given`, along it.
+    /// Series of the inputs along it, with the `given` values.
     pub fn inputs(
         self,
         actuation: &Actuation,
@@ -52,7 +52,7 @@ impl By {
         }
     }
 
-    /// How far it goes during the motion.
+    /// Its range during the motion.
     fn way(self, mechanism: &Mechanism, actuation: &Actuation, given: &[f64]) -> f64 {
         match self {
             Self::Time => actuation.duration,
@@ -67,11 +67,12 @@ impl By {
     }
 }
 
-/// Shares of the duration at which it is looked how far an input goes.
+/// Fractions of the duration at which the range of an input is evaluated.
 const LOOKS: [f64; 5] = [0.0, 0.21, 0.47, 0.73, 1.0];
 
-/// Series of all slots that formulas may use, along what rates are taken by: of a motion that is driven by `actuation`, at a pose
-/// at `time`. At a fold they are one-sided, and coefficients that are infinite are NaN; `None` at other singular poses.
+/// Series of all slots that formulas may use, along the variable of differentiation: for a motion driven by
+/// `actuation`, at a pose at `time`. At a fold they are one-sided, with NaN for infinite coefficients; `None` at other
+/// singular poses.
 pub fn slot_series(
     system: &System,
     coordinates: &[f64],
@@ -90,12 +91,12 @@ pub fn slot_series(
     series_beside_fold(system, coordinates, &inputs, way, order)
 }
 
-/// Which rates a table shows.
+/// The rates that a table shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RateColumns {
     /// Highest order, at least one.
     pub order: usize,
-    /// What they are taken by.
+    /// Their variable.
     pub by: By,
 }
 
@@ -137,7 +138,7 @@ impl RateColumns {
         })
     }
 
-    /// What `of` makes of every column: of the name and the kind of a quantity and the order.
+    /// Applies `of` to every column: to the name and kind of a quantity and the order.
     fn of_orders<T>(&self, mechanism: &Mechanism, of: impl Fn(&str, Kind, usize) -> T) -> Vec<T> {
         let mut quantities: Vec<(String, Kind)> = Vec::new();
         let named = |c: &Coordinate| (c.name.clone(), c.kind);
@@ -155,7 +156,7 @@ impl RateColumns {
         list
     }
 
-    /// Values of the columns at a pose, in internal units; `None` where there are none.
+    /// Values of the columns at a pose, in internal units; `None` if they do not exist.
     pub fn values(
         &self,
         system: &System,
@@ -176,7 +177,7 @@ impl RateColumns {
     }
 }
 
-/// Fills the derivatives of every pose of a trajectory; those that are infinite or not determined stay empty.
+/// Fills the derivatives of every pose of a trajectory; infinite or undetermined ones stay empty.
 pub fn add_derivatives(
     system: &System,
     actuation: &Actuation,

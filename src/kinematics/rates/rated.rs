@@ -1,4 +1,4 @@
-//! Values of formulas that hold rates, at the poses of a motion.
+//! Values of formulas that contain rates, at the poses of a motion.
 
 use super::columns::{By, slot_series};
 use crate::kinematics::loops::forward::Observation;
@@ -9,7 +9,8 @@ use crate::model::mechanism::OutputSource;
 use crate::model::rate::Rate;
 use crate::numbers::series::TaylorSeries;
 
-/// Rates of formulas at a pose of the motion that is driven so, at its time; NaN where they are infinite or not determined.
+/// Rates of formulas at a pose of the motion with this actuation, at its time; NaN if they are infinite or
+/// undetermined.
 pub fn rate_values(
     system: &System,
     driven: (&Actuation, f64),
@@ -32,7 +33,7 @@ pub fn rate_values(
     rates.iter().map(value).collect()
 }
 
-/// Fills in the outputs of a pose that hold rates, and with them those that use them.
+/// Fills in the outputs of a pose that contain rates, and those that use them.
 pub fn fill_rated_outputs(
     system: &System,
     driven: (&Actuation, f64),

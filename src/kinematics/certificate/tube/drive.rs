@@ -1,4 +1,4 @@
-//! The inputs over a stretch of time as series.
+//! The inputs over a time interval as series.
 
 use super::taylor_model::{TERMS, TaylorEnclosure};
 use crate::model::drive::Drive;
@@ -6,7 +6,7 @@ use crate::model::expression::jumps::Jump;
 use crate::model::expression::pieces::around_instant;
 use crate::numbers::interval::Interval;
 
-/// A stretch of time, from -1 to 1 in `s`.
+/// A time interval, mapped to -1 to 1 in `s`.
 #[derive(Clone, Copy, Debug)]
 pub struct DriveStretch {
     /// Time at s = 0, seconds.
@@ -31,13 +31,13 @@ impl DriveStretch {
         }
     }
 
-    /// Where a time lies in it.
+    /// The position of a time in it.
     pub fn place(&self, time: f64) -> Interval {
         (Interval::point(time) - Interval::point(self.middle)) / Interval::point(self.half)
     }
 
-    /// The same with a little more where a drive jumps at its ends: a tube goes on beyond the jump as far as its time is
-    /// unknown. `None` where it is open which of two drives jumps first.
+    /// The same, extended a little if a drive jumps at its ends: a tube continues beyond the jump as far as its time is
+    /// uncertain. `None` if the order of two jumping drives is undecided.
     pub fn over_jumps(self, drives: &[Drive]) -> Option<Self> {
         let ends = self.ends;
         let mut jumping: [Option<Jump>; 2] = [None, None];
@@ -79,7 +79,7 @@ impl DriveStretch {
         })
     }
 
-    /// An input over the stretch, which holds no break inside, as a series about s = 0, and about every place at once.
+    /// An input over an interval without breaks inside, as a series about s = 0, and about every place at once.
     pub fn input(&self, drive: &Drive) -> [TaylorEnclosure; 2] {
         let clock = |start| TaylorEnclosure::linear(start, Interval::point(self.half), TERMS - 1);
         let clocks = [Interval::point(self.middle), self.all].map(clock);
@@ -93,7 +93,7 @@ impl DriveStretch {
     }
 }
 
-/// Times strictly between two others where a drive has no single series, ascending: not those that are the same but for
+/// Times strictly between two others at which a drive has no single series, ascending, without duplicates up to
 /// rounding.
 pub fn keys_between(drives: &[Drive], start: f64, end: f64) -> Vec<f64> {
     let breaks = |drive: &Drive| drive.breaks(start, end);

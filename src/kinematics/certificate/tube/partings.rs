@@ -1,5 +1,5 @@
-//! The poses at which stretches part: at the breaks of the drive, right before and behind its jumps, and where a stretch is
-//! halved.
+//! The poses at which tubes meet: at the breaks of the drive, immediately before and after its jumps, and where a time
+//! interval is halved.
 
 use super::drive::{DriveStretch, keys_between};
 use super::path::InputPath;
@@ -8,17 +8,18 @@ use super::stretches::Station;
 use crate::kinematics::results::certificate::{Obstacle, Refusal};
 use crate::kinematics::solve::newton::Pace;
 
-/// Steps in which the motion is followed to the pose right before a jump.
+/// Number of steps in which the motion is followed to the pose just before a jump.
 const STEPS_TO_JUMP: u32 = 8;
 
-/// What the drive is right before a jump is what it is over this part of the way there, ...
+/// The drive just before a jump is evaluated over this fraction of the distance to it, ...
 const AT_JUMP: f64 = 1.0 / 65_536.0;
 
-/// ... but no less than this part of the time, or of a second: the jump itself is known a hundred times as well.
+/// ... but no less than this fraction of the time, or of a second: the jump itself is known a hundred times as
+/// accurately.
 const LEAST_AT_JUMP: f64 = 1e-10;
 
 impl Prover<'_> {
-    /// The interval's end and the breaks of the drive before it, the first one last.
+    /// The end of the interval and the breaks of the drive before it, the first one last.
     pub(super) fn by_keyframes(
         &mut self,
         start: &Station,
@@ -37,14 +38,14 @@ impl Prover<'_> {
         Ok(ahead)
     }
 
-    /// The pose to which the drive leads right before `last`, where it jumps to that; else `last` itself.
+    /// The pose to which the drive leads just before `last`, if it jumps there; otherwise `last` itself.
     pub(super) fn before_a_jump(&mut self, here: &Station, last: Station) -> Station {
         let keys = keys_between(&self.actuation.drives, here.time, last.time);
         let from = keys.last().copied().unwrap_or(here.time);
         self.beside_a_jump(last, here, from)
     }
 
-    /// The pose from which the drive leads on right after `here`, where it jumps from that; else `here` itself.
+    /// The pose from which the drive continues just after `here`, if it jumps there; otherwise `here` itself.
     pub(super) fn after_a_jump(&mut self, here: Station, last: &Station) -> Station {
         let keys = keys_between(&self.actuation.drives, here.time, last.time);
         let from = keys.first().copied().unwrap_or(last.time);
@@ -53,7 +54,7 @@ impl Prover<'_> {
 
     /// The limit of the motion at a jump to or from `at`, on the side of `from`: followed from the pose on that side.
     fn beside_a_jump(&mut self, at: Station, there: &Station, from: f64) -> Station {
-        // Enclosed over a short time only: what is quick farther away does not count.
+        // Enclosed over a short time only, so that fast changes farther away do not matter.
         let way = (from - at.time).abs();
         let least = LEAST_AT_JUMP * at.time.abs().max(1.0);
         let beside = at.time + (from - at.time).signum() * way.min(least.max(AT_JUMP * way));
@@ -87,8 +88,8 @@ impl Prover<'_> {
         }
     }
 
-    /// A closed pose at `time`, corrected from the straight line between two others; where that line leads to none, the
-    /// motion is followed from the first one. Which assembly it is of is found out by the proof.
+    /// A closed pose at `time`, corrected from the straight line between two others; if that fails, the motion is
+    /// followed from the first one. The proof determines its assembly.
     pub(super) fn pose_between(&mut self, a: &Station, b: &Station, time: f64) -> Option<Station> {
         let share = (time - a.time) / (b.time - a.time);
         let actuation = &self.actuation;
