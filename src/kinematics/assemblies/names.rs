@@ -65,7 +65,7 @@ pub enum StartKind {
 
 /// The results of one kind of starts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Tally {
+pub struct StartResults {
     /// Starts.
     pub starts: usize,
     /// Those that led to a closed pose.
@@ -82,7 +82,7 @@ pub struct Modes {
     /// Bodies whose placements are counted; without any it is the links.
     pub bodies: Vec<usize>,
     /// What the starts of every kind led to.
-    pub tallies: Vec<(StartKind, Tally)>,
+    pub tallies: Vec<(StartKind, StartResults)>,
     /// Good and Turing's estimate of the probability that one more random start leads to a new placement.
     pub unseen: f64,
     /// Placements that no random start led to.

@@ -1,7 +1,7 @@
 //! The search: rounds of starts of several kinds, until an estimate says that nothing is missing.
 
 use super::alike::{Alike, PlacedPoint, same_numbers};
-use super::names::{ModeGroup, Modes, StartKind, Tally, describe_mode};
+use super::names::{ModeGroup, Modes, StartKind, StartResults, describe_mode};
 use super::sets::{Continuum, lost_rank};
 use super::walk::{WIDEST, branch_neighbours};
 use crate::jobs::{core_count, share_work};
@@ -115,7 +115,7 @@ struct ModeSearch<'s> {
     /// For every placement its bodies' positions (nothing for a continuous set), and the random starts that led to it.
     placements: Vec<(Vec<f64>, usize)>,
     sets: Vec<(Continuum, usize)>,
-    tallies: [(StartKind, Tally); 4],
+    tallies: [(StartKind, StartResults); 4],
     /// Starts that follow from what was found.
     derived: VecDeque<Job>,
 }
@@ -135,7 +135,7 @@ impl<'s> ModeSearch<'s> {
             places: Vec::new(),
             placements: Vec::new(),
             sets: Vec::new(),
-            tallies: kinds.map(|kind| (kind, Tally::default())),
+            tallies: kinds.map(|kind| (kind, StartResults::default())),
             derived: VecDeque::new(),
         }
     }
@@ -167,7 +167,7 @@ impl<'s> ModeSearch<'s> {
         }
     }
 
-    fn tally_of(&mut self, kind: StartKind) -> &mut Tally {
+    fn tally_of(&mut self, kind: StartKind) -> &mut StartResults {
         &mut self.tallies[kind as usize].1
     }
 

@@ -7,7 +7,7 @@
 use super::continuation::solve_motion;
 use super::sampling::is_cyclic;
 use crate::kinematics::loops::forward::Observation;
-use crate::kinematics::rates::columns::{By, RateColumns};
+use crate::kinematics::rates::columns::{RateColumns, RateVariable};
 use crate::kinematics::rates::rated::fill_rated_outputs;
 use crate::kinematics::results::trajectory::{Event, EventKind, Sample, Trajectory};
 use crate::kinematics::solve::newton::Pace;
@@ -37,7 +37,7 @@ const WIDTH: f64 = 1e-15;
 /// First derivatives by time.
 const FIRST: RateColumns = RateColumns {
     order: 1,
-    by: By::Time,
+    by: RateVariable::Time,
 };
 
 /// Adds an event for every limit position of an unknown or output to those of a solved motion.

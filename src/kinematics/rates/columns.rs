@@ -12,14 +12,14 @@ use crate::numbers::series::{HIGHEST_ORDER, TaylorSeries};
 
 /// The variable of differentiation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum By {
+pub enum RateVariable {
     /// Seconds of the drive.
     Time,
     /// One input, the others constant: transfer functions.
     Input(usize),
 }
 
-impl From<Per> for By {
+impl From<Per> for RateVariable {
     fn from(per: Per) -> Self {
         match per {
             Per::Time => Self::Time,
@@ -28,7 +28,7 @@ impl From<Per> for By {
     }
 }
 
-impl By {
+impl RateVariable {
     /// Series of the inputs along it, with the `given` values.
     pub fn inputs(
         self,
@@ -76,7 +76,7 @@ const LOOKS: [f64; 5] = [0.0, 0.21, 0.47, 0.73, 1.0];
 pub fn slot_series(
     system: &System,
     coordinates: &[f64],
-    by: By,
+    by: RateVariable,
     (actuation, time): (&Actuation, f64),
     order: usize,
 ) -> Option<Vec<TaylorSeries>> {
@@ -97,7 +97,7 @@ pub struct RateColumns {
     /// Highest order, at least one.
     pub order: usize,
     /// Their variable.
-    pub by: By,
+    pub by: RateVariable,
 }
 
 impl RateColumns {
@@ -105,8 +105,8 @@ impl RateColumns {
     /// all orders of one quantity, then the next.
     pub fn headings(&self, mechanism: &Mechanism) -> Vec<(String, f64)> {
         let (below, unit) = match self.by {
-            By::Time => ("t".to_owned(), 1.0),
-            By::Input(k) => {
+            RateVariable::Time => ("t".to_owned(), 1.0),
+            RateVariable::Input(k) => {
                 let input = &mechanism.inputs[k];
                 (
                     format!("({})", input.name),
@@ -124,8 +124,8 @@ impl RateColumns {
     /// Units of the same columns: `mm/deg^2`; empty where there is none.
     pub fn units(&self, mechanism: &Mechanism) -> Vec<String> {
         let below = match self.by {
-            By::Time => "s",
-            By::Input(k) => mechanism.unit_name(mechanism.inputs[k].kind),
+            RateVariable::Time => "s",
+            RateVariable::Input(k) => mechanism.unit_name(mechanism.inputs[k].kind),
         };
         self.of_orders(mechanism, |_, kind, k| {
             let above = mechanism.unit_name(kind);

@@ -1,6 +1,6 @@
 //! Values of formulas that contain rates, at the poses of a motion.
 
-use super::columns::{By, slot_series};
+use super::columns::{RateVariable, slot_series};
 use crate::kinematics::loops::forward::Observation;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
@@ -22,7 +22,7 @@ pub fn rate_values(
     let value = |(formula, rate): &(Expression, Rate)| {
         let place = known.iter().position(|(r, _)| r == rate);
         let place = place.unwrap_or_else(|| {
-            let by = By::from(rate.per);
+            let by = RateVariable::from(rate.per);
             let series = slot_series(system, coordinates, by, driven, rate.order);
             known.push((*rate, series));
             known.len() - 1

@@ -23,12 +23,12 @@ pub struct Variation<'m> {
     turns: Vec<ArgumentValue<HyperDual>>,
     scratch: Vec<HyperDual>,
     bend: Vec<f64>,
-    weakest: Weakest,
+    weakest: SmallestSingular,
 }
 
 /// The smallest singular value of the worst block with its singular vectors.
 #[derive(Clone, Debug, Default)]
-struct Weakest {
+struct SmallestSingular {
     sigma: f64,
     block: usize,
     left: Vec<f64>,
@@ -52,7 +52,7 @@ impl<'m> Variation<'m> {
             turns: vec![ArgumentValue::default(); mechanism.arguments.len()],
             scratch: Vec::new(),
             bend: Vec::new(),
-            weakest: Weakest::default(),
+            weakest: SmallestSingular::default(),
         }
     }
 
@@ -143,9 +143,9 @@ impl<'m> Variation<'m> {
         let system = self.system;
         let mechanism = system.mechanism();
         let structure = system.structure();
-        let mut weakest = Weakest {
+        let mut weakest = SmallestSingular {
             sigma: f64::INFINITY,
-            ..Weakest::default()
+            ..SmallestSingular::default()
         };
         for (index, block) in structure.blocks.iter().enumerate() {
             if block.unknowns.is_empty() {
@@ -162,11 +162,11 @@ impl<'m> Variation<'m> {
     }
 
     /// Power iteration with the inverse.
-    fn weakest_of(&self, index: usize, block: &Block) -> Weakest {
+    fn weakest_of(&self, index: usize, block: &Block) -> SmallestSingular {
         let (rows, columns) = (block.rows(), block.unknowns.len());
-        let mut found = Weakest {
+        let mut found = SmallestSingular {
             block: index,
-            ..Weakest::default()
+            ..SmallestSingular::default()
         };
         let Some(inverse) = self.corrector.inverse(index) else {
             return found;

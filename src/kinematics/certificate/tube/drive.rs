@@ -8,7 +8,7 @@ use crate::numbers::interval::Interval;
 
 /// A time interval, mapped to -1 to 1 in `s`.
 #[derive(Clone, Copy, Debug)]
-pub struct DriveStretch {
+pub struct DriveInterval {
     /// Time at s = 0, seconds.
     pub middle: f64,
     /// Half the length, rounded up so that both ends are inside.
@@ -18,7 +18,7 @@ pub struct DriveStretch {
     ends: [f64; 2],
 }
 
-impl DriveStretch {
+impl DriveInterval {
     /// From `start` to `end`.
     pub fn new(start: f64, end: f64) -> Self {
         let middle = 0.5 * start + 0.5 * end;
@@ -176,7 +176,7 @@ mod tests {
     #[test]
     fn enclosures_hold_what_f64_finds_at_every_place() {
         for drive in drives() {
-            let stretch = DriveStretch::new(0.62, 0.64);
+            let stretch = DriveInterval::new(0.62, 0.64);
             let [middle, everywhere] = stretch.input(&drive);
             for share in [-1.0, -0.4, 0.0, 0.3, 1.0] {
                 let time = (stretch.middle + share * stretch.half).clamp(0.62, 0.64);

@@ -1,7 +1,7 @@
 //! The poses at which tubes meet: at the breaks of the drive, immediately before and after its jumps, and where a time
 //! interval is halved.
 
-use super::drive::{DriveStretch, keys_between};
+use super::drive::{DriveInterval, keys_between};
 use super::path::InputPath;
 use super::prover::{Prover, SAME_INPUT};
 use super::stretches::Station;
@@ -59,7 +59,7 @@ impl Prover<'_> {
         let least = LEAST_AT_JUMP * at.time.abs().max(1.0);
         let beside = at.time + (from - at.time).signum() * way.min(least.max(AT_JUMP * way));
         let ends = [beside.min(at.time), beside.max(at.time)];
-        let inputs = InputPath::new(&self.actuation, DriveStretch::new(ends[0], ends[1]));
+        let inputs = InputPath::new(&self.actuation, DriveInterval::new(ends[0], ends[1]));
         let values = at.sample.iter().flat_map(|(values, _)| values);
         let limit = |k: usize| inputs.at(k, at.time).middle();
         let jumps = |(k, v): (usize, &f64)| (limit(k) - v).abs() > SAME_INPUT * self.unit(k, *v);

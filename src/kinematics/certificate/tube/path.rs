@@ -1,6 +1,6 @@
 //! The path at the centre of a tube: polynomials in the unknowns, the drive itself in the inputs.
 
-use super::drive::DriveStretch;
+use super::drive::DriveInterval;
 use super::taylor_model::{Polynomial, TaylorEnclosure, TaylorModel};
 use crate::model::actuation::Actuation;
 use crate::numbers::interval::Interval;
@@ -10,7 +10,7 @@ use std::cell::OnceCell;
 /// Coordinates (unknowns, then inputs) over a time interval.
 #[derive(Clone, Debug)]
 pub struct TubePath {
-    stretch: DriveStretch,
+    stretch: DriveInterval,
     /// The unknowns' are polynomials and nothing else.
     pub coordinates: Vec<TaylorModel>,
     /// The inputs about the middle and about every place at once, as intervals.
@@ -23,14 +23,14 @@ pub struct TubePath {
 
 /// The inputs of a mechanism over a stretch.
 pub struct InputPath {
-    stretch: DriveStretch,
+    stretch: DriveInterval,
     /// About the middle, about every place at once.
     inputs: [Vec<TaylorEnclosure>; 2],
 }
 
 impl InputPath {
     /// The drives over a stretch without breaks inside.
-    pub fn new(actuation: &Actuation, stretch: DriveStretch) -> Self {
+    pub fn new(actuation: &Actuation, stretch: DriveInterval) -> Self {
         let over = stretch.over_jumps(&actuation.drives);
         let input = |drive| match &over {
             Some(over) => over.input(drive),
@@ -116,7 +116,7 @@ impl TubePath {
             ..TaylorModel::constant(*q)
         });
         Self {
-            stretch: DriveStretch::new(0.0, 0.0),
+            stretch: DriveInterval::new(0.0, 0.0),
             coordinates: models.collect(),
             inputs: [inputs.clone(), inputs],
             series: OnceCell::new(),
@@ -125,7 +125,7 @@ impl TubePath {
     }
 
     /// The stretch.
-    pub fn stretch(&self) -> &DriveStretch {
+    pub fn stretch(&self) -> &DriveInterval {
         &self.stretch
     }
 

@@ -1,7 +1,7 @@
 //! From sample to sample: where tubes begin and end, and how they are connected to each other and to the samples.
 
 use super::blocks::Blocks;
-use super::drive::DriveStretch;
+use super::drive::DriveInterval;
 use super::form::Form;
 use super::path::{InputPath, TubePath};
 use super::stretches::{Bases, Station, Tube, largest_value};
@@ -126,7 +126,7 @@ impl<'m> Prover<'m> {
         let middle = 0.5 * tube.start + 0.5 * tube.end;
         let mut part = |start: f64, end: f64| {
             let inputs =
-                InputPath::new(&self.actuation, DriveStretch::new(start, end)).widened(&self.play);
+                InputPath::new(&self.actuation, DriveInterval::new(start, end)).widened(&self.play);
             let path = inputs.with(tube.path.part(
                 self.system.mechanism().unknowns.len(),
                 start,
@@ -244,7 +244,7 @@ impl<'m> Prover<'m> {
         next: &Station,
         before: Option<&Tube>,
     ) -> Result<Tube, Obstacle> {
-        let mut inputs = InputPath::new(&self.actuation, DriveStretch::new(here.time, next.time));
+        let mut inputs = InputPath::new(&self.actuation, DriveInterval::new(here.time, next.time));
         inputs = inputs.widened(&self.play);
         if !inputs.is_finite() {
             return Err(Obstacle::Drive);

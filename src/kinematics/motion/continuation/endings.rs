@@ -2,7 +2,7 @@
 
 use super::domain_proof;
 use super::fold_proof;
-use super::recorder::{MOST_WAYS_ON, Recorder, WayOn};
+use super::recorder::{MOST_WAYS_ON, PathContinuation, Recorder};
 use crate::kinematics::motion::tracker::arc_length::Onward;
 use crate::kinematics::motion::tracker::path_tracker::{PathPoint, Unwatched};
 use crate::kinematics::motion::tracker::singular::SingularTarget;
@@ -19,7 +19,7 @@ impl Recorder<'_> {
         &mut self,
         end: &PathPoint,
         time: f64,
-    ) -> Result<WayOn, (PathPoint, Ending)> {
+    ) -> Result<PathContinuation, (PathPoint, Ending)> {
         let tracker = &mut self.tracker;
         // Steps also end at kinks of formulas, where the Jacobian is regular: no singular pose is passed there.
         let is_singular = !tracker.is_trusted(&end.branch);
@@ -36,7 +36,7 @@ impl Recorder<'_> {
                 },
             },
         };
-        Ok(WayOn { to, is_passed })
+        Ok(PathContinuation { to, is_passed })
     }
 
     /// The pose to which the path leads in arc length.

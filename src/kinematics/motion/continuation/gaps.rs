@@ -2,7 +2,7 @@
 
 use crate::kinematics::certificate::absence::has_no_pose;
 use crate::kinematics::motion::tracker::path_tracker::{PathPoint, PathTracker, Unwatched};
-use crate::kinematics::results::trajectory::{Ending, Gap, Instant, Lack};
+use crate::kinematics::results::trajectory::{Ending, Gap, Instant, RemainingGap};
 use crate::kinematics::solve::assembly::{NotClosed, smallest_gap};
 
 /// Poses (scaled unknowns) that agree within this are the same pose.
@@ -70,7 +70,7 @@ impl Gaps {
         let proved = proof && has_no_pose(tracker.system(), &at.inputs);
         let lack = smallest_gap(tracker.system(), best);
         if let Some(gap) = self.list.last_mut() {
-            gap.widest = Some(Lack {
+            gap.widest = Some(RemainingGap {
                 at,
                 name: lack.name,
                 angle: lack.angle,

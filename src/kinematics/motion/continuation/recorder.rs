@@ -25,7 +25,7 @@ const PARALLEL: f64 = 1e-6;
 pub(super) const MOST_WAYS_ON: usize = 10_000;
 
 /// A pose beyond the end of the steps.
-pub(super) struct WayOn {
+pub(super) struct PathContinuation {
     /// The pose.
     pub to: PathPoint,
     /// A singular pose lies between, even if no sign shows it.
@@ -266,13 +266,13 @@ impl<'s> Recorder<'s> {
                     return self.end(end.clone(), (end, Ending::GivenUp { sigma_min }), time);
                 }
                 Err(Stop::Ends(end)) => match self.way_on(&end, time) {
-                    Ok(WayOn { to, .. })
+                    Ok(PathContinuation { to, .. })
                         if to.time == time && !self.tracker.is_usable(&to.branch) =>
                     {
                         self.events.singular_sample = Some(time);
                         return Ok(to);
                     }
-                    Ok(WayOn { to, is_passed }) => {
+                    Ok(PathContinuation { to, is_passed }) => {
                         let is_other_side = to.branch.signs != end.branch.signs;
                         if (is_other_side || is_passed) && self.tracker.jump_after(&end).is_none() {
                             self.events.passed_at(&self.tracker, end.time);
