@@ -3,7 +3,7 @@
 //! They exist for comparison only. mechanim itself uses [`continuation`](crate::kinematics::motion::continuation).
 
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
-use crate::kinematics::rates::columns::By;
+use crate::kinematics::rates::columns::RateVariable;
 use crate::kinematics::rates::higher_order::higher_rates;
 use crate::kinematics::solve::newton::Corrector;
 use crate::kinematics::structure::block::Block;
@@ -127,7 +127,8 @@ impl<'m> Walker<'m> {
             }
             _ => {
                 let n = self.system.mechanism().unknowns.len();
-                let inputs = By::Time.inputs(self.actuation, &coordinates[n..], from, order);
+                let inputs =
+                    RateVariable::Time.inputs(self.actuation, &coordinates[n..], from, order);
                 // Taylor polynomial of the motion at the last pose.
                 let series = higher_rates(self.system, coordinates, &inputs, order)?;
                 coordinates

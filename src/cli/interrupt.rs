@@ -1,4 +1,4 @@
-//! Ctrl-C: what is asked of a run, and what it does about it.
+//! Ctrl-C: requests to stop, and the reaction to them.
 
 use super::term::outcome::Failure;
 use std::sync::Arc;
@@ -15,7 +15,7 @@ static SAVES: AtomicBool = AtomicBool::new(false);
 /// How long a run may take to end in order after Ctrl-C: a frame, or a few poses of a large mechanism.
 const GRACE: Duration = Duration::from_millis(350);
 
-/// How long the proof of what was found may still take then.
+/// How long the proof of a result may still take after Ctrl-C.
 const GRACE_OF_PROOF: Duration = Duration::from_millis(150);
 
 /// Waits for a run to end after Ctrl-C. Where it does not, and has nothing to save, removes what is half-written and says
@@ -29,7 +29,7 @@ pub fn wait_until_overdue() {
     eprintln!("error: {}", Failure::Interrupted);
 }
 
-/// How often somebody looks whether the work of another thread is done.
+/// How often the result of another thread is polled.
 const LOOK: Duration = Duration::from_millis(10);
 
 /// What is found, unless Ctrl-C comes and it takes longer than a little from then on: that is not waited for.

@@ -22,7 +22,7 @@ const UNEVEN_TICKS: u32 = 10_000;
 /// quarter better still without a filter, which would smear their borders.
 const LEFT_OUT: [u8; 4] = [0; 4];
 
-/// What an APNG should be like.
+/// The options of an APNG.
 #[derive(Clone, Debug)]
 pub struct ApngSettings {
     /// Size in pixels.
@@ -33,14 +33,14 @@ pub struct ApngSettings {
     pub repeat: bool,
     /// Time against size of the file.
     pub effort: Effort,
-    /// The frames are translucent; else their alpha must be 255 everywhere.
+    /// Whether frames are translucent; otherwise their alpha must be 255 everywhere.
     pub alpha: bool,
 }
 
 /// Writes an APNG frame by frame. Memory does not grow with the number of frames.
 pub struct ApngSink {
     output: Box<dyn Output>,
-    /// What the encoder has made and the output has not taken yet.
+    /// Output of the encoder that has not been written yet.
     spool: Spool,
     writer: Writer<Spool>,
     size: [u32; 2],
@@ -80,7 +80,7 @@ impl ApngSink {
             // On what changes between frames the highest level saves nothing; the choice of filter does.
             Effort::Balanced | Effort::Small => Compression::Balanced,
         });
-        // Laid over, a pixel that does not change can be left out; a translucent one would show what was below.
+        // With blending, an unchanged pixel can be omitted; a translucent one would show the pixel below.
         let blend = if settings.alpha {
             BlendOp::Source
         } else {
@@ -109,7 +109,7 @@ impl ApngSink {
         Ok(sink)
     }
 
-    /// Hands what the encoder made to the output.
+    /// Passes the encoder's output on.
     fn drain_output(&mut self) -> Result<(), ExportError> {
         let bytes = self.spool.take();
         self.output.emit(&bytes)?;

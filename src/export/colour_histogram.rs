@@ -1,11 +1,11 @@
-//! The colours of sampled frames: the distinct ones while they are few, else bins that keep their mean colour.
+//! The colours of sampled frames: the distinct ones while there are few, otherwise bins with their mean colours.
 
 use image::RgbaImage;
 
 /// Bits a channel of a bin: 7 gives some twenty thousand occupied bins for a rendered animation; 6 costs 0.2 dB.
 const BITS: u32 = 7;
 
-/// A colour that stands for the pixels of one bin.
+/// A colour that represents the pixels of one bin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ColourBin {
     /// Mean sRGB colour of the pixels, channels 0 to 255. The mean, not the bin's centre, which would shift

@@ -1,4 +1,4 @@
-//! What can go wrong between a drawn frame and a finished file, each with the path and the cause.
+//! The errors between a drawn frame and a finished file, each with the path and the cause.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ pub enum ExportError {
         /// The folder that is missing.
         folder: PathBuf,
     },
-    /// A folder stands where the file should go.
+    /// The target is a folder.
     #[error("cannot write {}: it is a folder", .0.display())]
     IsFolder(PathBuf),
     /// The file exists and is marked read-only.
@@ -31,12 +31,12 @@ pub enum ExportError {
     /// A write, flush or rename failed after the file was created (disk full, broken pipe).
     #[error("writing {name} failed: {source}")]
     Write {
-        /// The file asked for, or `standard output`.
+        /// The requested file, or `standard output`.
         name: String,
         /// What the system said.
         source: io::Error,
     },
-    /// The path does not tell which format to write.
+    /// The path does not determine the format.
     #[error("{}: {reason}; known are .gif, .png, .apng, .mp4, .webm, .y4m, .rgba, .glb, .stl, .obj, and a folder or a pattern such as frame-%04d.png for single frames", .path.display())]
     UnknownFormat {
         /// The path asked for.
@@ -54,7 +54,7 @@ pub enum ExportError {
         /// What the system said.
         source: io::Error,
     },
-    /// A video goes to an ordinary file, in which its encoder goes back and forth.
+    /// A video must be an ordinary file, because its encoder seeks in it.
     #[error("cannot write {}: a video needs an ordinary file; a .y4m goes through pipes", .0.display())]
     NoSeek(PathBuf),
     /// The format contains shapes, not pictures.

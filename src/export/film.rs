@@ -64,7 +64,7 @@ pub struct FilmSettings<'a> {
     pub effort: Option<Effort>,
     /// Colour of a y4m video.
     pub chroma: Chroma,
-    /// A GIF or APNG repeats forever; else it plays once.
+    /// Whether a GIF or APNG repeats forever; otherwise it plays once.
     pub repeat: bool,
 }
 
@@ -72,7 +72,7 @@ pub struct FilmSettings<'a> {
 pub struct Prepared {
     sink: Box<dyn FrameSink>,
     samples: DrawnSamples,
-    /// Frames that a GIF leaves out, because it cannot show them as fast as asked.
+    /// Number of frames that a GIF omits, because it cannot show them as fast as requested.
     pub left_out: usize,
 }
 

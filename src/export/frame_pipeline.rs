@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::Duration;
 
-/// Frames in flight a worker: one being drawn, two waiting for their turn.
+/// Frames in flight per worker: one being drawn, two waiting.
 const WINDOW_PER_WORKER: usize = 3;
 
 /// How long the writing thread sleeps before it looks at the cancel flag again.

@@ -43,7 +43,7 @@ pub fn write_glb(
     })
 }
 
-/// The lists of a glTF document under construction; entries refer to each other by their place.
+/// The lists of a glTF document under construction; entries refer to each other by index.
 #[derive(Default)]
 struct Document {
     buffer: Buffer,
@@ -165,7 +165,7 @@ impl Document {
         })
     }
 
-    /// The place of a material; equal ones are one.
+    /// The index of a material; equal ones are shared.
     fn material_index(&mut self, material: Value) -> usize {
         let known = self.materials.iter().position(|m| *m == material);
         known.unwrap_or_else(|| Self::push(&mut self.materials, material))
@@ -188,7 +188,7 @@ impl Document {
         Self::push(&mut self.nodes, node)
     }
 
-    /// The camera stands outside the scaled world: its distances are in metres.
+    /// The camera is outside the scaled world: its distances are in metres.
     fn push_camera(&mut self, camera: &ModelCamera, model: &ExportModel) {
         let [near, far] = camera.range.map(|distance| distance * model.metres);
         let (kind, lens) = match camera.fov_y {

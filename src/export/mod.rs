@@ -46,14 +46,14 @@ pub struct ExportSummary {
     pub frames: usize,
     /// Bytes written over all files.
     pub bytes: u64,
-    /// Duration of the animation in seconds as the file says it; 0 where the format has no time.
+    /// Duration of the animation in seconds according to the file; 0 if the format has no time.
     pub seconds: f64,
 }
 
-/// Takes the frames of one file or one sequence, in order.
+/// Receives the frames of one file or one sequence, in order.
 ///
-/// The work on a frame is in two steps: a coder looks at one frame alone and runs on many threads; `write` gets what
-/// it made of frame 0, 1, 2 … and runs on one.
+/// A frame is processed in two steps: a coder handles one frame independently, on many threads; `write` receives the
+/// results of frames 0, 1, 2 … on one thread.
 pub trait FrameSink: Send {
     /// Size every frame must have, in pixels.
     fn size(&self) -> [u32; 2];

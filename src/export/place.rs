@@ -1,4 +1,4 @@
-//! Where a file goes: the end of its links, its folder, and what is no ordinary file.
+//! The destination of a file: the end of its links, its folder, and whether it is an ordinary file.
 
 use std::fs;
 use std::io;

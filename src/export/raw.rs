@@ -10,7 +10,7 @@ use image::RgbaImage;
 /// Greatest number in a y4m frame rate; programs read it as a 32-bit integer.
 const LARGEST_RATE: u32 = 1_000_000;
 
-/// What stands before every frame of a y4m video.
+/// The header of every frame of a y4m video.
 const FRAME: &[u8] = b"FRAME\n";
 
 /// Fractional bits of the colour conversion.
@@ -34,8 +34,8 @@ pub enum Chroma {
     /// Colour at every pixel (4:4:4).
     #[default]
     Full,
-    /// One colour for two by two pixels, their mean, in the middle of them (4:2:0): what players want. At an odd side
-    /// the last colour is for fewer pixels.
+    /// One colour for two by two pixels, their mean, located at their centre (4:2:0), as players expect. At an odd side
+    /// the last colour is that of fewer pixels.
     Quarter,
 }
 

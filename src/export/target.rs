@@ -17,7 +17,7 @@ static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 /// Other programs that write unfinished files.
 static WRITERS: Mutex<Vec<Weak<Mutex<Child>>>> = Mutex::new(Vec::new());
 
-/// Has a program ended with [`remove_unfinished`], as long as somebody holds it.
+/// Whether a program ends with [`remove_unfinished`], while this value exists.
 pub(super) fn enter_writer(writer: &Arc<Mutex<Child>>) {
     let mut writers = WRITERS.lock().unwrap_or_else(PoisonError::into_inner);
     writers.retain(|known| known.strong_count() > 0);
@@ -34,7 +34,7 @@ pub fn remove_unfinished() {
     }
     // Folders were entered before what is in them.
     for path in list_of_unfinished().drain(..).rev() {
-        // Whoever has dropped a target has removed its file already.
+        // A dropped target has removed its file already.
         let _ = if path.is_dir() {
             fs::remove_dir(path)
         } else {
@@ -74,13 +74,13 @@ fn list_of_unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
 /// Bytes between two system calls; frames are tens of kilobytes.
 const BUFFER_BYTES: usize = 1 << 16;
 
-/// A destination that takes effect as a whole: what is dropped without `commit` was never there
-/// (as far as the destination can take bytes back; a pipe cannot).
+/// A destination that takes effect as a whole: without `commit` it leaves nothing behind (as far as the destination
+/// permits; a pipe cannot take bytes back).
 pub trait Output: Write + Send {
     /// Name for messages.
     fn name(&self) -> &str;
 
-    /// Writes all of `bytes`. Errors: the destination takes no more.
+    /// Writes all of `bytes`. Errors: the destination accepts no more.
     fn emit(&mut self, bytes: &[u8]) -> Result<(), ExportError> {
         let written = self.write_all(bytes);
         written.map_err(|source| ExportError::write(self.name(), source))
@@ -90,7 +90,7 @@ pub trait Output: Write + Send {
     fn commit(self: Box<Self>) -> Result<(), ExportError>;
 }
 
-/// A file under construction beside its final place.
+/// A file under construction next to its final place.
 pub struct Target {
     name: String,
     path: PathBuf,
@@ -157,7 +157,7 @@ impl Target {
         }
     }
 
-    /// Flushes and moves the file to its place, over a file that may stand there.
+    /// Flushes and moves the file to its place, replacing an existing file.
     pub fn commit(self) -> Result<(), ExportError> {
         self.move_to_place(true)
     }
@@ -269,7 +269,7 @@ fn take_after(_: &fs::Metadata, _: &fs::File, _: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Any writer as an output, for example standard output; what was written stays written.
+/// Any writer as an output, for example standard output; what was written cannot be taken back.
 pub struct Stream<W: Write + Send> {
     name: String,
     writer: W,

@@ -34,7 +34,7 @@ pub enum FrameTimes {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Schedule {
     ticks_per_second: f64,
-    /// Ticks that each frame is shown for, 0 for those that are left out.
+    /// Ticks for which each frame is shown, 0 for omitted ones.
     delays: Vec<u32>,
     left_out: usize,
 }
@@ -104,7 +104,7 @@ impl Schedule {
         for k in 1..=count {
             let last = if k == count { hold } else { 0.0 };
             let start = ticks(times.start(k) - times.start(0) + last);
-            // A frame without time of its own, at either side, is left out: the one before stays.
+            // A frame without time of its own, on either side, is omitted: the previous one stays.
             let left = whole - start;
             if k < count && (start - since).min(left) < f64::from(shortest) {
                 schedule.left_out += 1;
@@ -135,7 +135,7 @@ impl Schedule {
         f64::from(self.delay(k)) / self.ticks_per_second
     }
 
-    /// Number of frames that are left out.
+    /// Number of omitted frames.
     pub fn left_out(&self) -> usize {
         self.left_out
     }

@@ -15,10 +15,10 @@ use std::time::Duration;
 /// The encoder, looked for where the system looks for programs.
 const ENCODER: &str = "ffmpeg";
 
-/// How often somebody looks whether it has ended.
+/// How often the state of the encoder is polled.
 const LOOK: Duration = Duration::from_millis(2);
 
-/// What it says of a failure is kept up to this.
+/// Most bytes of its error messages that are kept.
 const MOST_WORDS: u64 = 1 << 12;
 
 /// Frames arrive as 4:4:4 with limited range and the colours of BT.709, and leave as players want them: 4:2:0 with even

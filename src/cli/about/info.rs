@@ -1,4 +1,4 @@
-//! `mechanim info`: what a bug report needs to say.
+//! `mechanim info`: the data needed in a bug report.
 
 use crate::cli::io;
 use crate::cli::term::outcome::{Failure, Outcome};

@@ -1,4 +1,4 @@
-//! The verbs that tell about the program: scenes, info, completions.
+//! The verbs about the program itself: scenes, info, completions.
 
 pub mod completions;
 pub mod info;

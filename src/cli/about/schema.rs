@@ -1,4 +1,4 @@
-//! `mechanim schema`: what a scene, or a list of golden pictures, may hold.
+//! `mechanim schema`: the keys of a scene, or of a list of golden pictures.
 
 use crate::cli::args::SchemaArg;
 use crate::cli::io;

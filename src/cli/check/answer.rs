@@ -1,4 +1,4 @@
-//! What a check found, before anything of it is written.
+//! The result of a check, before anything is written.
 
 use crate::cli::term::outcome::Failure;
 use crate::report::closure;
@@ -9,11 +9,11 @@ use serde_json::{Value, json};
 pub struct Answer {
     /// Lines for people.
     pub text: String,
-    /// The JSON report, if it was asked for.
+    /// The JSON report, if requested.
     pub document: Option<Value>,
     /// What exit code and JUnit follow from.
     pub verdict: Verdict,
-    /// Said in place of the text: there is nothing to report on.
+    /// Shown instead of the text if there is nothing to report on.
     pub failure: Option<Failure>,
 }
 

@@ -1,4 +1,4 @@
-//! The clearance part of `mechanim check`: what is asked, and the files.
+//! The clearance part of `mechanim check`: options and files.
 
 use crate::charts;
 use crate::clearance::check::ClearanceReport;
@@ -20,7 +20,7 @@ use crate::report::motion_check::MotionCheck;
 use crate::scene::Scene;
 use std::path::Path;
 
-/// More curves in one panel cannot be told apart.
+/// Most curves in one panel that can be told apart.
 const MOST_CURVES: usize = 5;
 
 /// Refuses to report clearances where the scene asks for none.

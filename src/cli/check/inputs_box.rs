@@ -1,4 +1,4 @@
-//! `mechanim check --inputs-box`: every pair over a box of inputs in place of a motion.
+//! `mechanim check --inputs-box`: every pair over a box of inputs instead of a motion.
 
 use super::answer::Answer;
 use crate::clearance::inputs_box::{Side, check_box};

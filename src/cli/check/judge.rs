@@ -1,4 +1,4 @@
-//! One scene, judged: its motion, a pose that is offered, or a box of its inputs.
+//! The check of one scene: its motion, a given pose, or a box of its inputs.
 
 use super::answer::Answer;
 use super::{inputs_box, motion, pieces, pose};

@@ -112,7 +112,7 @@ pub fn check_many(args: &CheckArgs, scenes: &[SceneArgs], term: &Term) -> Result
     worst_outcome(&checked)
 }
 
-/// Judges one scene; what is said is kept, so that scenes do not talk at once.
+/// Checks one scene; its messages are stored, so that those of several scenes are not interleaved.
 fn check_one(args: &CheckArgs, scene: &SceneArgs, term: &Term) -> Checked {
     let own = CheckArgs {
         scene: scene.clone(),

@@ -1,5 +1,5 @@
-//! `mechanim check`: do all loops close over the motion, is an offered pose a closed one, and is all that was asked for
-//! so. Exit code, text, JSON and JUnit follow from one verdict.
+//! `mechanim check`: whether all loops close over the motion, whether a given pose is closed, and whether all
+//! requirements are met. Exit code, text, JSON and JUnit follow from one verdict.
 
 mod answer;
 mod clearance;

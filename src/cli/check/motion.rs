@@ -64,7 +64,7 @@ pub fn check_motion(
     })
 }
 
-/// Seconds at which a motion is judged: as many as asked, the rows of a table, or the scene's frames.
+/// Seconds at which a motion is examined: as many as requested, the rows of a table, or the scene's frames.
 pub fn asked_times(asked: &AskedArgs, args: &SceneArgs, scene: &Scene) -> Vec<f64> {
     let (mechanism, actuation) = (&scene.mechanism, &scene.actuation);
     match asked.samples {
@@ -74,7 +74,7 @@ pub fn asked_times(asked: &AskedArgs, args: &SceneArgs, scene: &Scene) -> Vec<f6
     }
 }
 
-/// The check that is asked for, of every verb that judges a motion.
+/// The check requested from any verb that examines a motion.
 pub fn motion_check<'a>(
     asked: &AskedArgs,
     opened: &'a OpenScene,
@@ -92,7 +92,7 @@ pub fn motion_check<'a>(
     }
 }
 
-/// What the command line asks of a motion.
+/// The requirements of the command line.
 pub fn asked_questions(asked: &AskedArgs) -> Asked {
     Asked {
         closure: asked.closure,

@@ -1,4 +1,4 @@
-//! The check of a pose that is offered with `--pose`.
+//! The check of a pose given with `--pose`.
 
 use super::answer::Answer;
 use crate::cli::args::motion::CheckArgs;

@@ -1,4 +1,4 @@
-//! `mechanim check --swept`: what a body sweeps, as a file.
+//! `mechanim check --swept`: the swept volume of a body, as a file.
 
 use crate::clearance::covered::CoveredMotion;
 use crate::clearance::swept::Swept;

@@ -1,4 +1,4 @@
-//! `mechanim dyads`: a planar linkage taken apart into dyads.
+//! `mechanim dyads`: decomposes a planar linkage into dyads.
 
 use crate::analysis::dyads::{PlanarRow, planar_row};
 use crate::cli::args::dyads::{DyadsArgs, RowArgs};

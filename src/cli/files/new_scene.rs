@@ -27,7 +27,7 @@ pub fn run_new(args: &NewArgs, term: &Term) -> Result<Outcome, Failure> {
         source.name
     );
     let text = titled_template(&source.text, &title.unwrap_or_default(), &head);
-    // Made only if there is none: what somebody has written is never lost.
+    // Created only if there is none: an existing file is never lost.
     let file = std::fs::OpenOptions::new()
         .write(true)
         .create_new(true)

@@ -1,4 +1,4 @@
-//! Solving with as much proof as was asked for, until Ctrl-C.
+//! Solving with the requested proofs, until Ctrl-C.
 
 use crate::cli::args::motion::CertifyArg;
 use crate::cli::interrupt::{is_interrupted, refuse_interrupted};

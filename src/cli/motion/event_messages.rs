@@ -1,4 +1,4 @@
-//! What happened in a motion, said on standard error, and the outcome it means.
+//! Messages about the events of a motion on standard error, and the resulting outcome.
 
 use crate::cli::open::mode;
 use crate::cli::term::Term;
@@ -25,7 +25,7 @@ pub fn tell_events(
         return Err(never_closed(system, actuation, trajectory));
     }
     let mechanism = system.mechanism();
-    // What a gap says is not said again as an event.
+    // Events that a gap already reports are omitted.
     let told = |e: &&Event| {
         !matches!(
             e.kind,

@@ -1,4 +1,4 @@
-//! What a viewer of the animation sees so far, and what the next frame has to change.
+//! The picture that a viewer of the animation shows so far, and the changes that the next frame needs.
 
 use super::colour_costs::{Pixel, PixelChange};
 use crate::export::changed_area::PixelArea;
@@ -33,8 +33,8 @@ impl Screen {
         }
     }
 
-    /// Goes over to another table of colours: what is shown of the one before has the index `indices` there, or
-    /// `transparent` where no entry is that colour.
+    /// Switches to another table of colours: pixels with the same colour there get the index `indices`, others
+    /// `transparent`.
     pub(super) fn change_table(&mut self, indices: &[u8; 256], transparent: u8) {
         for shown in &mut self.shown {
             *shown = indices[usize::from(*shown)];

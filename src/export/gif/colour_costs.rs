@@ -1,6 +1,6 @@
-//! What it costs to show one palette colour instead of another.
+//! The cost of showing one palette colour instead of another.
 
-/// Colours considered in place of the nearest one, itself included.
+/// Number of colours considered instead of the nearest one, including itself.
 pub(super) const NEIGHBOURS: usize = 12;
 
 /// Marks an index that may not be used for a pixel.
@@ -114,7 +114,7 @@ impl Costs {
         }
     }
 
-    /// Error that sending `index` adds over the nearest colour, or `NEVER` if that is too much.
+    /// Error added by sending `index` instead of the nearest colour, or `NEVER` if that is too large.
     #[inline]
     pub(super) fn added(&self, wish: &ColourWish, index: u8) -> i32 {
         let colour = if index == self.transparent {

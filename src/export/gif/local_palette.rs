@@ -1,4 +1,4 @@
-//! The table of colours that one frame of a GIF brings for what the animation's palette misses.
+//! The palette of a single GIF frame, for colours that the animation's palette lacks.
 
 use crate::export::palette::Palette;
 use image::RgbaImage;

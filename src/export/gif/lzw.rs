@@ -1,7 +1,7 @@
-//! LZW as GIF wants it: the dictionary and the bit stream. Which strings to send is [`super::string_search`]'s part.
+//! LZW as used by GIF: the dictionary and the bit stream. [`super::string_search`] chooses the strings.
 //!
-//! Written here because choosing among several admissible pixel values needs the dictionary itself, which encoder
-//! crates keep to themselves.
+//! It is our own because choosing among several admissible pixel values needs the dictionary itself, which encoder
+//! crates do not expose.
 
 /// Codes a dictionary can hold.
 const CODES: usize = 4096;

@@ -29,7 +29,7 @@ const LONGEST_SIDE: u32 = u16::MAX as u32;
 /// Longest delay of one GIF frame in hundredths, a 16-bit field.
 const LONGEST_DELAY: u32 = u16::MAX as u32;
 
-/// Frames looked at for the palette. More than 12 did not lower the error measurably.
+/// Number of frames from which the palette is computed. More than 12 did not reduce the error measurably.
 const SAMPLES: usize = 12;
 
 /// Indices of the frames to build the palette from: spread over the animation, first and last included.
@@ -71,7 +71,7 @@ impl Quality {
     }
 }
 
-/// What a GIF should be like.
+/// The options of a GIF.
 #[derive(Clone, Debug)]
 pub struct GifSettings {
     /// Size in pixels.

@@ -1,9 +1,9 @@
-//! Which LZW strings to send when a pixel may take several values.
+//! Chooses LZW strings when a pixel may take several values.
 //!
-//! A pixel may be left as it is shown (the transparent index) or take any palette colour, at the price of the
-//! squared sRGB error this adds over its nearest colour. All dictionary strings that fit so far are followed at
-//! once; a longer string wins if the error it adds is worth the pixels it covers. Pixels that did not change stay
-//! as they are shown, whatever that is: nothing still ever flickers.
+//! A pixel may stay as it is (the transparent index) or take any palette colour, at the cost of the squared sRGB error
+//! added over its nearest colour. All matching dictionary strings are followed at once; a longer string wins if its
+//! added error is worth the pixels it covers. Unchanged pixels stay as they are shown, so that nothing static ever
+//! flickers.
 
 use super::colour_costs::{Costs, Loss, NEVER, Pixel, PixelChange};
 use super::lzw::{BitWriter, Dictionary, NONE};

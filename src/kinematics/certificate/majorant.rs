@@ -14,9 +14,10 @@ pub struct Root {
     pub unique: f64,
 }
 
-/// The test: `eta` bounds |R F|, `q` |I - R J| at the centre, and `k` |R F''| within `ball` of it. A root exists if eta
-/// + q r + K r²/2 ≤ r for some r in the ball; the smallest such r is the error. `None` if there is none, or if a bound
-/// is NaN.
+/// The test: `eta` bounds |R F|, `q` |I - R J| at the centre, and `k` |R F''| within `ball` of it.
+///
+/// A root exists if `eta + q r + k r²/2 ≤ r` for some r in the ball; the smallest such r is the error. `None` if there is
+/// none, or if a bound is NaN.
 pub fn root_within(ball: f64, [eta, q, k]: [f64; 3]) -> Option<Root> {
     let slope = 1.0 - q;
     let discriminant = slope * slope * (1.0 - DISCRIMINANT) - 2.0 * k * eta;
@@ -32,6 +33,7 @@ pub fn root_within(ball: f64, [eta, q, k]: [f64; 3]) -> Option<Root> {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::panic)]
     use super::*;
 
     #[test]

@@ -69,6 +69,64 @@ fn the_scene_of_the_readme_works() {
     assert_eq!(trajectory.missing(), 0);
 }
 
+/// Files, folders and types that a document names in backticks, and that are not there.
+fn unknown_names(text: &str, files: &[String], code: &str) -> Vec<String> {
+    let is_file = |name: &str| {
+        let ends = [".rs", ".toml", ".py", ".wgsl", ".json"];
+        name.contains('/') && ends.iter().any(|end| name.ends_with(end))
+    };
+    let is_type = |name: &str| {
+        name.starts_with(|c: char| c.is_ascii_uppercase())
+            && name.chars().all(|c| c.is_ascii_alphanumeric() || c == ':')
+            && name.contains(|c: char| c.is_ascii_lowercase())
+    };
+    let names = text.split('`').skip(1).step_by(2);
+    let missing = names.filter(|name| {
+        if is_file(name) {
+            !files.iter().any(|file| file.ends_with(name))
+        } else if is_type(name) {
+            name.split("::").any(|part| !code.contains(part))
+        } else {
+            false
+        }
+    });
+    missing.map(str::to_owned).collect()
+}
+
+fn all_files(folder: &std::path::Path, found: &mut Vec<String>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            all_files(&path, found);
+        } else {
+            found.push(path.to_str().unwrap().replace('\\', "/"));
+        }
+    }
+}
+
+#[test]
+fn files_and_types_of_the_architecture_exist() {
+    let (mut files, mut code) = (Vec::new(), String::new());
+    for folder in ["src", "tests", "docs", "bindings", "benches", "examples"] {
+        all_files(std::path::Path::new(folder), &mut files);
+    }
+    for file in crate::house::source::sources() {
+        code.push_str(&file.text);
+    }
+    // A type of another library.
+    code.push_str("Bvh");
+    for name in ["ARCHITECTURE.md", "CONTRIBUTING.md"] {
+        let text = read(name);
+        let outside: String = text.split("```").step_by(2).collect();
+        let unknown = unknown_names(&outside, &files, &code);
+        assert!(unknown.is_empty(), "{name}: {unknown:?}");
+        assert!(outside.matches('`').count() > 5, "{name}");
+    }
+    let planted = "`scene/nowhere.rs`, `src/lib.rs`, `Planted` and `System::new`";
+    let unknown = unknown_names(planted, &files, "System new");
+    assert_eq!(unknown, ["scene/nowhere.rs", "Planted"]);
+}
+
 /// What a block may be called: what is run, what is printed, files, other languages, and what is neither.
 const LABELS: [&str; 8] = [
     "sh",

@@ -2,7 +2,7 @@
 
 use crate::program::Workspace;
 use mechanim::analysis::enclosure::{
-    Enclosed, Obstacle, Plan, enclose_measures, enclose_motion, enclose_stretches, shown_names,
+    Enclosed, Obstacle, Plan, enclose_between, enclose_measures, enclose_motion, shown_names,
 };
 use mechanim::analysis::study::{Evaluator, ParametricMechanism};
 use mechanim::diag::Source;
@@ -818,7 +818,7 @@ fn bands_hold_between_the_samples() {
     ] {
         let family = case.family();
         let plan = plan(&case, &family, 1.0);
-        let stretches = enclose_stretches(&plan, &times(&family, 60), 1);
+        let stretches = enclose_between(&plan, &times(&family, 60), 1);
         assert!(stretches.iter().all(|s| s.bands.is_ok()), "{name}");
         let mut random = Random(5);
         let mut solver = PoseSolver::new(family.system());
