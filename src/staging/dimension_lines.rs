@@ -41,6 +41,9 @@ const LEAST_TRUE: f64 = 0.5;
 /// Arrow heads stand outside of a line shorter than this many of them.
 const SHORT: f64 = 3.0;
 
+/// An angle this little below zero is a zero that was rounded, not a full turn: poses are exact to far less.
+const LEVEL: f64 = 1e-9;
+
 /// Poses at which room is made for dimensions.
 const LOOKS: usize = 48;
 
@@ -171,7 +174,10 @@ impl Measured {
             at,
             sides: [first, second],
             radius: radius.unwrap_or(RADIUS * extent),
-            angle: if angle < 0.0 { angle + TAU } else { angle },
+            angle: match angle < -LEVEL {
+                true => angle + TAU,
+                false => angle.max(0.0),
+            },
             directed: axis.is_some(),
         }))
     }
