@@ -1,4 +1,4 @@
-//! Paths of traced points of random pieces around those of the mechanism as drawn.
+//! Paths of the traced points of random pieces around the nominal paths.
 
 use super::study::{Evaluator, ParametricMechanism, TrackPoses};
 use super::tolerance::{SampleBatch, values_of};
@@ -14,18 +14,18 @@ pub struct PathCloud {
     pub trace: String,
     /// sRGB colour of its path.
     pub colour: [u8; 3],
-    /// The path with the file's values, one point a pose, in the world.
+    /// The path with the file's values, one point per pose, in world coordinates.
     pub nominal: Vec<DVec3>,
-    /// Those of the random pieces that assemble, in their order.
+    /// Those of the random pieces that can be assembled, in their order.
     pub pieces: Vec<Vec<DVec3>>,
 }
 
-/// A cloud unrolled: lengths along the nominal path, and deviations across it.
+/// A cloud in the coordinates of its nominal path: lengths along it and deviations across it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spread {
     /// Length of the nominal path up to every pose.
     pub along: Vec<f64>,
-    /// For every piece the deviation at every pose, in the direction across the path in which the pieces scatter most.
+    /// For every piece the deviation at every pose, in the direction across the path with the largest scatter.
     pub across: Vec<Vec<f64>>,
 }
 
@@ -54,7 +54,7 @@ pub fn path_clouds(
             clouds.push((poses.clone(), index, cloud));
         }
     }
-    // One random piece after the other, the same pieces that the statistics are made of.
+    // One random piece after the other; the statistics use the same pieces.
     for item in 0..batch.samples {
         if cancel.load(Ordering::Relaxed) {
             return None;
@@ -73,7 +73,7 @@ pub fn path_clouds(
 }
 
 impl PathCloud {
-    /// The cloud unrolled along its nominal path.
+    /// The cloud in the coordinates of its nominal path.
     pub fn spread(&self) -> Spread {
         let mut along = vec![0.0];
         for pair in self.nominal.windows(2) {
@@ -91,8 +91,8 @@ impl PathCloud {
         }
     }
 
-    /// For every pose the unit vector across the path along which the pieces scatter most; its sense does not change on
-    /// the way.
+    /// For every pose the unit vector across the path in which the pieces scatter most; its sign is continuous along
+    /// the path.
     fn directions(&self) -> Vec<DVec3> {
         let mut directions: Vec<DVec3> = Vec::with_capacity(self.nominal.len());
         for k in 0..self.nominal.len() {
@@ -104,7 +104,7 @@ impl PathCloud {
                 let (x, y) = (off.dot(first), off.dot(second));
                 (a, b, c) = (a + x * x, b + x * y, c + y * y);
             }
-            // The greater axis of the scatter [a b; b c].
+            // The major axis of the scatter matrix [a b; b c].
             let angle = 0.5 * libm::atan2(2.0 * b, a - c);
             let mut direction = first * libm::cos(angle) + second * libm::sin(angle);
             let before = directions.last();
@@ -116,8 +116,8 @@ impl PathCloud {
         directions
     }
 
-    /// The factor, 1, 2 or 5 times a power of ten, that makes deviations about `share` of the path's extent; one if
-    /// they are that large already or there are none.
+    /// The factor, 1, 2 or 5 times a power of ten, that magnifies deviations to about `share` of the path's extent; one
+    /// if they are that large already or zero.
     pub fn enlargement(&self, share: f64) -> f64 {
         let far = |p: &[DVec3]| {
             let pairs = p.iter().zip(&self.nominal);
@@ -142,7 +142,7 @@ impl PathCloud {
     }
 }
 
-/// The unit vector along a path at point `k`, by central differences; z where the path stands still.
+/// The unit tangent at point `k`, by central differences; z where the point does not move.
 fn path_tangent(path: &[DVec3], k: usize) -> DVec3 {
     let (before, after) = (k.saturating_sub(1), (k + 1).min(path.len() - 1));
     (path[after] - path[before])
@@ -181,7 +181,7 @@ mod tests {
 
     #[test]
     fn enlargements_are_round_and_never_shrink() {
-        // The middle piece is 5 off on a path of 40.
+        // The second piece deviates by 5 on a path of length 40.
         assert_eq!(cloud().enlargement(0.05), 1.0);
         assert_eq!(cloud().enlargement(0.6), 2.0);
         assert_eq!(cloud().enlargement(8.0), 50.0);

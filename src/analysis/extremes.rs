@@ -1,14 +1,14 @@
-//! The least and the greatest value of every measure that pieces within their tolerances were found to have: the corner that
-//! the signs of the gradient point to, the one that they point to there, and so on.
+//! The extreme values of every measure found among pieces within their tolerances: at the corner indicated by the signs
+//! of the gradient, then at the corner indicated there, and so on.
 
 use super::study::{Evaluator, Gradients, TrackPoses};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Corners that are looked at on the way to an extreme.
+/// Maximum number of corners visited on the way to an extreme.
 const ROUNDS: usize = 4;
 
-/// The least and greatest value found of every measure, from the piece with the file's dimensions on; those found until
-/// `cancel` is raised.
+/// The least and greatest value found for every measure, starting with the nominal piece; those found before `cancel`
+/// is raised.
 pub fn found_extremes(
     evaluator: &mut Evaluator,
     nominal: &TrackPoses,
@@ -45,7 +45,7 @@ pub fn found_extremes(
     found
 }
 
-/// The corner of the tolerances towards which `sign` times a function with this gradient grows.
+/// The corner of the tolerances in whose direction `sign` times a function with this gradient grows.
 fn steepest_corner(
     nominal: &TrackPoses,
     gradient: &[f64],

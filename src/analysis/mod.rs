@@ -1,4 +1,4 @@
-//! Studies of the solver and of mechanisms. They call the solver repeatedly and contain no second one.
+//! Analyses of the solver and of mechanisms. They call the solver repeatedly and do not contain a second one.
 
 pub mod cloud;
 pub mod dyads;

@@ -1,10 +1,10 @@
-//! Where a mechanism stands, as plain lengths: what two poses are compared by.
+//! The position of a mechanism as a list of lengths, for comparing two poses.
 
 use crate::kinematics::loops::forward;
 use crate::model::mechanism::{Kind, Mechanism};
 use std::f64::consts::TAU;
 
-/// Coordinates of all body frames and traced points in the scene's unit. A scene without bodies is seen by its
+/// Coordinates of all body frames and traced points in the scene's unit. A scene without bodies is compared by its
 /// unknowns; angles then count as angle times size.
 pub fn marked_positions(mechanism: &Mechanism, coordinates: &[f64]) -> Vec<f64> {
     if mechanism.bodies.is_empty() {
@@ -13,7 +13,7 @@ pub fn marked_positions(mechanism: &Mechanism, coordinates: &[f64]) -> Vec<f64> 
             .map(|(unknown, value)| match unknown.kind {
                 Kind::Length | Kind::Number => *value,
                 Kind::Angle => {
-                    // The same angle a turn further on is the same place.
+                    // An angle plus a full turn is the same position.
                     let turns = libm::floor(value / TAU + 0.5);
                     (value - TAU * turns) * mechanism.size
                 }
@@ -26,7 +26,7 @@ pub fn marked_positions(mechanism: &Mechanism, coordinates: &[f64]) -> Vec<f64> 
     origins.chain(traces).flat_map(|p| p.to_array()).collect()
 }
 
-/// Largest difference of two lists of positions; infinite where anything is not a number.
+/// Largest difference of two lists of positions; infinite if any entry is not a number.
 pub fn largest_distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).fold(0.0, |largest: f64, (a, b)| {
         let difference = (a - b).abs();

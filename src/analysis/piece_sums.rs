@@ -1,5 +1,6 @@
-//! What is kept of any number of random pieces in little space: counts, exact sums, quantiles by counting, the least and the
-//! greatest values. Two of them joined are, bit by bit, what all pieces together give, however they were divided.
+//! Statistics of any number of random pieces in little memory: counts, exact sums, quantiles from a histogram, the
+//! least and the greatest values. Merging two of them gives, bit by bit, the statistics of all their pieces, however
+//! they were divided.
 
 use super::tolerance::{MeasureScatter, PieceSummary, Pieces};
 use crate::numbers::exact_sum::ExactSum;
@@ -7,13 +8,13 @@ use crate::numbers::exact_sum::ExactSum;
 /// Bins of a measure.
 const BINS: usize = 4096;
 
-/// How many of the least and of the greatest values are kept.
+/// Number of the least and of the greatest values that are stored.
 const KEPT: usize = 64;
 
-/// Where values of a measure are counted: bins of one width from `low` on, fixed before anything is drawn.
+/// The histogram of a measure: bins of equal width from `low` on, fixed before anything is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bins {
-    /// The value from which deviations are summed.
+    /// The value from which deviations are counted.
     pub nominal: f64,
     low: f64,
     width: f64,
@@ -29,7 +30,7 @@ impl Bins {
         }
     }
 
-    /// The place of a value among the counts: 0 below all bins, the last one above.
+    /// The bin of a value: 0 below all bins, the last one above.
     fn place(&self, value: f64) -> usize {
         let steps = (value - self.low) / self.width;
         if steps < 0.0 {
@@ -41,7 +42,7 @@ impl Bins {
         }
     }
 
-    /// The ends of a place.
+    /// The ends of a bin.
     fn ends(&self, place: usize) -> [f64; 2] {
         let edge = |k: usize| self.low + self.width * k as f64;
         match place {
@@ -52,7 +53,7 @@ impl Bins {
     }
 }
 
-/// What is kept of one measure.
+/// The statistics of one measure.
 #[derive(Clone, Debug, PartialEq)]
 struct MeasureSums {
     deviations: ExactSum,
@@ -64,7 +65,7 @@ struct MeasureSums {
     greatest: Vec<f64>,
 }
 
-/// What is kept of some pieces.
+/// The statistics of some pieces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PieceSums {
     bins: Vec<Bins>,
@@ -72,9 +73,9 @@ pub struct PieceSums {
     pub made: u64,
     /// Pieces that cannot be assembled, or have a measure without a value.
     pub failed: u64,
-    /// Pieces that keep all requirements.
+    /// Pieces that satisfy all requirements.
     pub good: u64,
-    /// A number made of all values.
+    /// A digest of all values.
     pub digest: u64,
     measures: Vec<MeasureSums>,
 }
@@ -137,7 +138,7 @@ impl MeasureSums {
         })
     }
 
-    /// The values between which the one of this rank lies, from 0 of `all`.
+    /// The values between which the one of this rank, from 0 of `all`, lies.
     fn at_rank(&self, bins: &Bins, rank: u64, all: u64) -> [f64; 2] {
         let from_above = all - 1 - rank;
         let known = match (
@@ -161,7 +162,7 @@ impl MeasureSums {
     }
 }
 
-/// Keeps a value among the first ones of a list that is in this order.
+/// Inserts a value into a sorted list of the first values.
 fn keep(list: &mut Vec<f64>, value: f64, comes_before: impl Fn(f64, f64) -> bool) {
     let is_out = |last: &f64| list.len() == KEPT && !comes_before(value, *last);
     if list.last().is_some_and(is_out) {
@@ -172,11 +173,11 @@ fn keep(list: &mut Vec<f64>, value: f64, comes_before: impl Fn(f64, f64) -> bool
     list.truncate(KEPT);
 }
 
-/// Numbers before those of the measures: counts, and the digest in two halves.
+/// Numbers before those of the measures: counts, and the two halves of the digest.
 const HEAD: usize = 5;
 
 impl PieceSums {
-    /// Nothing yet, of measures that are counted in these bins.
+    /// Empty statistics of measures with these histograms.
     pub fn new(bins: &[Bins]) -> Self {
         Self {
             bins: bins.to_vec(),
@@ -188,7 +189,7 @@ impl PieceSums {
         }
     }
 
-    /// Numbers that the sums of so many measures take.
+    /// Length of the statistics of this many measures as numbers.
     pub const fn width(measures: usize) -> usize {
         HEAD + measures * MeasureSums::WIDTH
     }
@@ -200,7 +201,7 @@ impl PieceSums {
         self.good += pieces.good as u64;
         self.digest = self.digest.wrapping_add(pieces.digest);
         for piece in pieces.values.chunks_exact(self.bins.len().max(1)) {
-            // A piece that failed is counted, and adds to no measure.
+            // A failed piece is counted, but contributes to no measure.
             if piece.iter().any(|v| v.is_nan()) {
                 continue;
             }
@@ -221,7 +222,7 @@ impl PieceSums {
         pairs.for_each(|(own, sums)| own.join(sums));
     }
 
-    /// As numbers that a part keeps.
+    /// As numbers, as stored in a part.
     pub fn record(&self) -> Vec<f64> {
         let counts = [self.made, self.failed, self.good];
         let halves = [self.digest >> 32, self.digest & u64::from(u32::MAX)];
@@ -233,7 +234,7 @@ impl PieceSums {
         numbers
     }
 
-    /// The sums of such numbers; `None` if they are none.
+    /// The statistics from such numbers; `None` if they are invalid.
     pub fn of_record(bins: &[Bins], record: &[f64]) -> Option<Self> {
         let (head, rest) = record.split_first_chunk::<HEAD>()?;
         let [made, failed, good, high, low] = head.map(|n| n as u64);
@@ -251,7 +252,7 @@ impl PieceSums {
         })
     }
 
-    /// What they tell, with quantiles at `shares` (0 to 1).
+    /// The results, with quantiles at `shares` (0 to 1).
     pub fn summary(&self, shares: &[f64]) -> PieceSummary {
         let measures = (0..self.measures.len()).map(|index| self.scatter(index, shares));
         PieceSummary {
@@ -270,8 +271,10 @@ impl PieceSums {
         let (sums, bins) = (&self.measures[index], &self.bins[index]);
         let (shift, squares) = (sums.deviations.value(), sums.squares.value());
         let all = count as f64;
+        // Sum of squared deviations from the mean, from sums about the nominal value.
         let square = (squares - shift * (shift / all)).max(0.0);
         let quantile = |share: &f64| {
+            // A quantile lies between two ranks, each known exactly or up to a bin.
             let place = share * last as f64;
             let (rank, part) = (place.floor(), place.fract());
             let low = sums.at_rank(bins, rank as u64, count);

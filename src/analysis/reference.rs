@@ -1,4 +1,4 @@
-//! The poses that routes are compared with: solved with all care, and how well they are known.
+//! The reference poses with which routes are compared, solved as accurately as possible, and their accuracy.
 
 use super::observer::{largest_distance, marked_positions};
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
@@ -9,7 +9,7 @@ use crate::linalg::pivoted_qr::PivotedQr;
 use crate::linalg::svd::RANK_TOLERANCE;
 use crate::model::actuation::Actuation;
 
-/// The true motion at some instants, as well as f64 can say it.
+/// The true motion at some instants, as accurately as f64 can represent it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Reference {
     /// Seconds.
@@ -18,7 +18,7 @@ pub struct Reference {
     pub poses: Vec<Option<Vec<f64>>>,
     /// Worst proved error of an unknown, in the scene's unit (angles times the size); `None` where any has no proof.
     pub bound: Option<f64>,
-    /// Largest change of a coordinate by one more Newton step, in the scene's unit: what rounding leaves.
+    /// Largest change of a coordinate by one more Newton step, in the scene's unit: the effect of rounding.
     pub moved: f64,
     /// The same at the last pose.
     pub moved_at_end: f64,
@@ -48,7 +48,7 @@ impl Reference {
                 _ => None,
             };
             let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();
-            // At a singular pose a step leads anywhere and tells nothing; the missing bound says so.
+            // At a singular pose a step is meaningless; the missing bound shows this.
             let singular = Certificate::Refused {
                 reason: Reason::Singular,
             };

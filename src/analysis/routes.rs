@@ -1,6 +1,6 @@
-//! Ways from pose to pose along the drive: closing the loops at every step, or integrating their rates.
+//! Routes from pose to pose along the drive: closing the loops at every step, or integrating their rates.
 //!
-//! They exist to be compared. What `mechanim` itself does is in [`continuation`](crate::kinematics::motion::continuation).
+//! They exist for comparison only. mechanim itself uses [`continuation`](crate::kinematics::motion::continuation).
 
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::rates::columns::By;
@@ -17,24 +17,24 @@ use glam::{DMat3, DQuat, DVec3};
 /// Newton steps after which a pose counts as lost.
 const MOST_ITERATIONS: u32 = 30;
 
-/// Closure that a projection after an integration step reaches for: just above rounding.
+/// Closure error aimed at by a projection after an integration step: just above rounding.
 pub const TIGHT: f64 = 1e-13;
 
-/// What a loop's rotation is measured by.
+/// The residual of a loop's rotation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RotationForm {
     /// The rotation vector: zero at the identity only.
     Log,
-    /// The skew part of the matrix: zero at half-turns too.
+    /// The skew part of the matrix: it is also zero at half-turns.
     Skew,
 }
 
-/// How a step is made.
+/// The kind of step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Route {
     /// Prediction, then Newton's method on the loops.
     Position {
-        /// Order of the Taylor series that predicts; 0 starts from the last pose.
+        /// Order of the Taylor polynomial used for prediction; 0 starts from the last pose.
         predictor: usize,
         /// Newton ends when no entry of the residual is larger.
         tolerance: f64,
@@ -50,7 +50,7 @@ pub enum Route {
     },
 }
 
-/// Goes along the drive of one mechanism, with buffers that all steps reuse.
+/// Follows the drive of one mechanism, with buffers shared by all steps.
 pub struct Walker<'m> {
     system: &'m System,
     actuation: &'m Actuation,
@@ -100,6 +100,7 @@ impl<'m> Walker<'m> {
                     1 => self.euler(coordinates, from, to),
                     _ => self.runge_kutta(coordinates, from, to),
                 }
+                // The projection returns to a closed pose, so that errors do not accumulate in the loops.
                 if projected {
                     self.close(coordinates, TIGHT, RotationForm::Log)?;
                 }
@@ -185,12 +186,12 @@ impl<'m> Walker<'m> {
         }
     }
 
-    /// Puts the skew part of the rotation, and its derivatives, in place of the rotation vector's.
+    /// Replaces the rotation vector and its derivatives by the skew part of the rotation.
     fn take_skew_part(&mut self, block: &Block) {
         let mut row = 0;
         for part in &block.loops {
             let turns: Vec<usize> = part.components.iter().copied().filter(|c| *c < 3).collect();
-            // Components are in order, rotation first; those left out are zero at every pose.
+            // Components are in order, rotation first; missing ones are zero at every pose.
             let at = |list: &[f64], first: usize| {
                 let mut vector = [0.0; 3];
                 for (k, component) in turns.iter().enumerate() {
@@ -213,7 +214,7 @@ impl<'m> Walker<'m> {
         }
     }
 
-    /// Rates per second of all coordinates at `time`; the inputs' own rates are the drive's.
+    /// Rates per second of all coordinates at `time`; those of the inputs come from the drive.
     fn velocity(&mut self, coordinates: &[f64], time: f64) -> Vec<f64> {
         let mut velocity = vec![0.0; coordinates.len()];
         let n = self.system.mechanism().unknowns.len();
@@ -234,7 +235,7 @@ impl<'m> Walker<'m> {
         self.set_inputs(coordinates, to);
     }
 
-    /// The classical method of fourth order. Inputs are the drive's at every stage, so that only the unknowns drift.
+    /// The classical method of fourth order. Inputs follow the drive at every stage, so that only the unknowns drift.
     fn runge_kutta(&mut self, coordinates: &mut [f64], from: f64, to: f64) {
         let h = to - from;
         let middle = from + 0.5 * h;

@@ -1,5 +1,5 @@
-//! What tolerances of the dimensions do to the measures of a study: linear sums, and random pieces whose numbers do not
-//! depend on how the work is divided.
+//! The effect of tolerances on the measures of a study: linear sums, and random pieces whose values do not depend on
+//! how the work is divided.
 
 use super::random::Random;
 use super::study::{
@@ -8,16 +8,16 @@ use super::study::{
 use crate::jobs::share_watched;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// How a dimension scatters within its tolerance.
+/// The distribution of a dimension within its tolerance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Distribution {
-    /// Every value within is as likely.
+    /// All values are equally likely.
     Uniform,
-    /// Normal; the tolerance is three deviations.
+    /// Normal; the tolerance is three standard deviations.
     Normal,
 }
 
-/// Deviations in a tolerance of a normal distribution.
+/// Number of standard deviations in a tolerance with a normal distribution.
 const DEVIATIONS: f64 = 3.0;
 
 impl Distribution {
@@ -42,9 +42,9 @@ impl Distribution {
 pub struct Linear {
     /// Root of the sum of squares of slope times tolerance.
     pub root_sum_square: f64,
-    /// Sum of their magnitudes: all dimensions at their worst at once, by the linear rule. Pieces can be farther out.
+    /// Sum of their magnitudes: all dimensions at their worst at once, to first order. Pieces can exceed it.
     pub linear_sum: f64,
-    /// Standard deviation if the dimensions scatter as [`Distribution`] says.
+    /// Standard deviation for the given [`Distribution`].
     pub deviation: f64,
 }
 
@@ -79,13 +79,13 @@ pub struct Pieces {
     pub values: Vec<f64>,
     /// Measures of one piece.
     pub measures: usize,
-    /// Pieces made: all, or the first ones where the work was cut short.
+    /// Number of pieces made: all, or fewer after a cancellation.
     pub made: usize,
     /// Pieces that cannot be assembled, or have a measure without a value.
     pub failed: usize,
     /// Pieces that keep all requirements.
     pub good: usize,
-    /// A number made of all values, the same for any division of the work.
+    /// A digest of all values, the same for any division of the work.
     pub digest: u64,
 }
 
@@ -104,10 +104,10 @@ pub struct SampleBatch {
     pub threads: usize,
 }
 
-/// Pieces that a worker takes at once.
+/// Number of pieces per unit of work.
 const PORTION: usize = 64;
 
-/// Makes and measures random pieces around `nominal`; those made so far if `cancel` is raised.
+/// Makes and measures random pieces around `nominal`; ends early when `cancel` is raised.
 ///
 /// `watch` is called now and then on this thread with the number of pieces made.
 pub fn sample_pieces(
@@ -148,7 +148,7 @@ pub fn sample_pieces(
     );
     let mut values = Vec::with_capacity(batch.samples * measures);
     for (index, portion) in portions {
-        // Work that was cut short may have left a portion out: what lies behind it is not counted.
+        // Work that was cut short may lack a portion; pieces after it are not counted.
         if PORTION * index * measures != values.len() {
             break;
         }
@@ -186,7 +186,7 @@ fn summarise_pieces(
             let pairs = list.iter().zip(piece);
             good += usize::from(pairs.into_iter().all(|(m, v)| m.allows(*v)));
         }
-        // A sum of one number per piece does not depend on the order, nor on how pieces are shared out.
+        // A sum with one term per piece does not depend on the order or on the division of the work.
         let mut hash = (first + item) as u64 ^ 0xcbf2_9ce4_8422_2325;
         for value in piece {
             hash = (hash ^ value.to_bits()).wrapping_mul(0x0000_0100_0000_01b3);
@@ -204,7 +204,7 @@ fn summarise_pieces(
     }
 }
 
-/// The value below which `share` (0 to 1) of ascending `values` lie, interpolated; NaN if there are none.
+/// The value below which `share` (0 to 1) of ascending `values` lies, interpolated; NaN if there are none.
 pub fn sorted_quantile(values: &[f64], share: f64) -> f64 {
     let place = share * values.len().saturating_sub(1) as f64;
     let (low, part) = (place.floor() as usize, place.fract());
@@ -215,14 +215,14 @@ pub fn sorted_quantile(values: &[f64], share: f64) -> f64 {
     }
 }
 
-/// What pieces tell of one measure.
+/// The statistics of one measure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasureScatter {
     /// Mean.
     pub mean: f64,
     /// Standard deviation.
     pub deviation: f64,
-    /// Between which two numbers the values at the asked shares lie; twice the same where every value is known.
+    /// The two numbers between which the value at each share lies; equal if every value is known.
     pub quantiles: Vec<[f64; 2]>,
     /// Least and greatest value.
     pub found: [f64; 2],
@@ -244,7 +244,7 @@ pub struct PieceSummary {
 }
 
 impl Pieces {
-    /// What they tell, with quantiles at `shares` (0 to 1).
+    /// The statistics, with quantiles at `shares` (0 to 1).
     pub fn summary(&self, shares: &[f64]) -> PieceSummary {
         let measures = (0..self.measures).map(|index| self.scatter(index, shares));
         PieceSummary {

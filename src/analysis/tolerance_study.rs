@@ -1,4 +1,5 @@
-//! What tolerances do to the measures of a study, put together once: linear rules, corners, proved bands, random pieces.
+//! The tolerance analysis of a study, shared by program and library: linear rules, corners, proved bands, random
+//! pieces.
 
 use super::enclosure::{MOST_DIMENSIONS, MeasureBand, Plan, enclose_measures};
 use super::extremes::found_extremes;
@@ -19,15 +20,15 @@ pub struct ToleranceStudy<'a> {
     pub tolerances: Vec<f64>,
     /// The linear scatter of every measure.
     pub linear: Vec<Linear>,
-    /// Least and greatest value of every measure at corners of the tolerances, once they were looked for.
+    /// Extreme values of every measure at corners of the tolerances, once they are computed.
     corners: Vec<[f64; 2]>,
-    /// What no piece is beyond; empty where that is not proved, or not yet.
+    /// Proved bounds over all pieces; empty if not proved or not computed yet.
     bands: Vec<MeasureBand>,
     batch: SampleBatch,
 }
 
 impl<'a> ToleranceStudy<'a> {
-    /// What is needed to make the random pieces of `batch`. `general` is the tolerance of variables that have none of their own, in
+    /// Prepares the random pieces of `batch`. `general` is the tolerance of variables that have none of their own, in
     /// the file's units.
     ///
     /// # Errors
@@ -50,8 +51,7 @@ impl<'a> ToleranceStudy<'a> {
         })
     }
 
-    /// The same with what is found at corners of the tolerances, and what is proved of all pieces within. Once `cancel` is raised no
-    /// more corners are tried, and no bands are proved.
+    /// Adds the extremes at corners of the tolerances and the proved bands of all pieces, until `cancel` is raised.
     pub fn with_extremes(mut self, cancel: &AtomicBool) -> Self {
         let family = &self.study.family;
         let (poses, gradients) = (&self.nominal.poses, &self.nominal.gradients);
@@ -74,7 +74,7 @@ impl<'a> ToleranceStudy<'a> {
         self.batch
     }
 
-    /// The random pieces; those made so far if `cancel` is raised. `watch` hears now and then how many there are.
+    /// The random pieces; ends early when `cancel` is raised. `watch` is called now and then with their number.
     pub fn pieces(&self, cancel: &AtomicBool, watch: &dyn Fn(usize)) -> Pieces {
         self.pieces_of(self.batch, cancel, watch)
     }
@@ -90,7 +90,7 @@ impl<'a> ToleranceStudy<'a> {
         sample_pieces(family, poses, &self.tolerances, batch, cancel, watch)
     }
 
-    /// The least and greatest value of a measure among pieces, where they are known, and corners.
+    /// Extreme values of a measure among pieces, if they are known, and corners.
     pub fn found(&self, measure: usize, pieces: Option<[f64; 2]>) -> [f64; 2] {
         let corners = self.corners.get(measure).copied();
         let known = corners.into_iter().chain(pieces);
@@ -99,7 +99,7 @@ impl<'a> ToleranceStudy<'a> {
         })
     }
 
-    /// What a measure of no piece is below, and above; an end is infinite where that is not proved.
+    /// Proved lower and upper bounds of a measure; infinite if not proved.
     pub fn band(&self, measure: usize) -> [f64; 2] {
         let band = self.bands.get(measure);
         band.map_or([f64::NEG_INFINITY, f64::INFINITY], |b| [b.lo, b.hi])

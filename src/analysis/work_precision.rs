@@ -1,7 +1,7 @@
-//! Work against precision: the same instants of one motion reached by many routes, each with its time and true error.
+//! Work-precision diagrams: the same instants of one motion computed by many routes, each with its time and true error.
 //!
-//! Every route delivers the same poses; one that makes smaller steps in between pays for them. Times are measured
-//! and vary with the machine; errors do not.
+//! Every route delivers the same poses; one with smaller steps in between takes longer. Times are measured and depend
+//! on the machine; errors do not.
 
 use super::observer::{largest_distance, marked_positions};
 use super::reference::Reference;
@@ -15,27 +15,27 @@ use crate::model::actuation::Actuation;
 use crate::model::mechanism::Mechanism;
 use std::time::Instant;
 
-/// A run is repeated until this many seconds have gone by; the fastest counts.
+/// A run is repeated for this many seconds; the fastest run counts.
 const ENOUGH: f64 = 0.03;
 
 /// Most repetitions of a run.
 const MOST_RUNS: usize = 20;
 
-/// A pose farther from the true one than this share of the mechanism's size is another assembly, or lost.
+/// A pose that deviates by more than this fraction of the mechanism's size is another assembly, or lost.
 const LOST: f64 = 0.25;
 
-/// Start and end of a motion that returns differ by no more, relative to the size.
+/// A motion returns if its start and end differ by no more, relative to the size.
 const RETURNS: f64 = 1e-9;
 
 /// Steps of the integrations in the drift table, per turn.
 pub const DRIFT_STEPS: usize = 180;
 
-/// What was measured of one route.
+/// The measurements of one route.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PrecisionRow {
     /// Name of the group it belongs to; a curve of the chart.
     pub family: &'static str,
-    /// The route; `None` for the program's own way.
+    /// The route; `None` for the program's own solver.
     pub route: Option<Route>,
     /// Steps over the whole motion.
     pub steps: usize,
@@ -49,11 +49,11 @@ pub struct PrecisionRow {
     pub error: f64,
     /// Largest closure error at any instant, relative to the size.
     pub closure: f64,
-    /// Instants without a pose, or with one that is not the motion's.
+    /// Instants without a pose, or with one of another motion.
     pub lost: usize,
 }
 
-/// How far a route has drifted after some turns.
+/// The drift of a route after some turns.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drift {
     /// Name of the route.
@@ -84,7 +84,7 @@ pub struct PrecisionStudy {
 /// Why there is no study.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
-    /// Routes can only be compared where the motion has poses all along.
+    /// Routes can only be compared if the motion has poses throughout.
     #[error(
         "the motion has no pose at t = {} s: routes are compared on motions without gaps",
         decimals_of(*time, 9)
@@ -117,7 +117,7 @@ pub fn study_precision(
 ) -> Result<PrecisionStudy, StudyError> {
     let mechanism = system.mechanism();
     let times = even_instants(actuation.duration, poses);
-    // The truth: proved poses, and the points that are compared.
+    // The reference: proved poses, and the points that are compared.
     let reference = Reference::new(system, actuation, times);
     let mut truth = Vec::with_capacity(poses + 1);
     for (time, pose) in reference.times.iter().zip(&reference.poses) {
@@ -159,6 +159,7 @@ fn route_settings() -> Vec<(&'static str, Route, usize)> {
         tolerance,
         form,
     };
+    // Predictors of order 0 to 3, corrected to four tolerances.
     let mut list = Vec::new();
     let families = [
         "Newton from the last pose",
@@ -171,6 +172,7 @@ fn route_settings() -> Vec<(&'static str, Route, usize)> {
             list.push((family, position(predictor, tolerance, RotationForm::Log), 1));
         }
     }
+    // One setting with smaller steps, and the residual that accepts half-turns.
     list.push((families[1], position(1, 1e-13, RotationForm::Log), 4));
     for predictor in 0..2 {
         list.push((
@@ -179,6 +181,7 @@ fn route_settings() -> Vec<(&'static str, Route, usize)> {
             1,
         ));
     }
+    // Integration of the rates, without and with projection onto the closed poses.
     let ode = |order, projected| Route::Ode { order, projected };
     for factor in [1, 4, 40] {
         list.push(("Euler", ode(1, false), factor));
@@ -214,7 +217,7 @@ impl Bench<'_> {
         }
     }
 
-    /// The poses at all instants after the start; those behind a failure are missing.
+    /// The poses at all instants after the start; those after a failure are missing.
     fn walk(&self, walker: &mut Walker, route: Route, steps: usize) -> Vec<Vec<f64>> {
         let poses = self.reference.times.len() - 1;
         let each = steps / poses;
@@ -265,7 +268,7 @@ impl Bench<'_> {
         }
     }
 
-    /// What `mechanim solve` does: steps as long as they may be, branch watched, every pose proved.
+    /// What `mechanim solve` does: steps as long as possible, branch checks, every pose proved.
     fn own_row(&self) -> PrecisionRow {
         let times = &self.reference.times;
         let poses = times.len() - 1;
@@ -274,7 +277,7 @@ impl Bench<'_> {
         let found: Vec<Vec<f64>> = samples
             .filter_map(|s| Some([s.pose.as_ref()?.unknowns.as_slice(), &s.inputs].concat()))
             .collect();
-        // The reference are these very poses; what another Newton step moves is what is left of their error.
+        // The reference consists of these very poses; their error is estimated by another Newton step.
         let judged = PrecisionRow {
             error: self.reference.moved,
             end_error: self.reference.moved_at_end,
@@ -293,6 +296,7 @@ impl Bench<'_> {
     /// Errors after 1, 10, 100 … turns, as far as `turns`.
     fn drift(&self, turns: usize) -> Vec<Drift> {
         let (first, last) = (&self.truth[0], &self.truth[self.truth.len() - 1]);
+        // Drift is measured where a motion returns: over any number of turns the pose should be the same.
         let returns = largest_distance(first, last) <= RETURNS * self.mechanism().size;
         if !returns || !is_cyclic(self.mechanism(), self.actuation) {
             return Vec::new();

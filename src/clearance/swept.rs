@@ -237,6 +237,7 @@ impl Surface<'_> {
         let radius = 2.0 * HALF_DIAGONAL * half;
         let of = |k: &u32| (field.off_pose(&field.poses[*k as usize], center), *k);
         let distances: Vec<(f64, u32)> = near.iter().map(of).collect();
+        // The body changes its distance by no more than the cell's radius: does its surface pass through the cell?
         let least = distances
             .iter()
             .map(|(d, _)| *d)
@@ -244,6 +245,7 @@ impl Surface<'_> {
         if (least - field.level).abs() > radius {
             return;
         }
+        // Poses that cannot be the nearest anywhere in the cell are not needed for its parts.
         let nearer = distances.iter().filter(|(d, _)| *d <= least + 2.0 * radius);
         let near: Vec<u32> = nearer.map(|(_, k)| *k).collect();
         if side == 1 {
@@ -270,6 +272,7 @@ impl Surface<'_> {
     fn cut_cell(&mut self, at: IVec3, near: &[u32]) {
         let corners: [IVec3; 8] = std::array::from_fn(|k| at + corner(k));
         let values = corners.map(|c| self.value(c, near));
+        // Marching tetrahedra: each is cut in a triangle, in a quadrangle, or not at all.
         for tetrahedron in TETRAHEDRA {
             let (inner, outer): (Vec<usize>, Vec<usize>) =
                 tetrahedron.into_iter().partition(|k| values[*k] < 0.0);
@@ -281,6 +284,7 @@ impl Surface<'_> {
                 ([i, j], [a, b]) => vec![cut(*i, *a), cut(*i, *b), cut(*j, *b), cut(*j, *a)],
                 _ => continue,
             };
+            // The cut faces from the corners inside to those outside.
             let middle = |list: &[usize]| {
                 let sum: DVec3 = list.iter().map(|k| corners[*k].as_dvec3()).sum();
                 sum / list.len() as f64

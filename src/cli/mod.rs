@@ -45,7 +45,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> i32 {
         Ok(cli) => cli,
         Err(error) => return usage_error(&error),
     };
-    let term = Term::new(cli.color, cli.quiet);
+    let term = Term::new(cli.colour, cli.quiet);
     if let Err(failure) = watch::begin_watch(cli.limits) {
         term.failure(&failure);
         return failure.code();

@@ -141,6 +141,7 @@ pub fn nearest_bodies(
     left_out: &LeftOut,
 ) -> Option<BodyProximity> {
     let placed: Vec<Element> = b.elements.iter().map(|e| e.moved(a_from_b)).collect();
+    // Pairs are sorted by a cheap lower bound, the distance of their bounding spheres.
     let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
     for (i, first) in a.elements.iter().enumerate() {
         pairs.extend(
@@ -154,6 +155,7 @@ pub fn nearest_bodies(
     pairs.sort_by(|p, q| p.0.total_cmp(&q.0));
     let mut best: Option<BodyProximity> = None;
     for (lowest, i, j) in pairs {
+        // No later pair can be nearer.
         if best.is_some_and(|b| lowest >= b.proximity.distance) {
             break;
         }

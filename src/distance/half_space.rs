@@ -15,6 +15,7 @@ pub fn nearest_to_half_space(half: &HalfSpace, other: &Primitive) -> CorePair {
     let n = half.normal;
     let point = match other {
         Primitive::HalfSpace(second) => {
+            // Two half-spaces overlap without end unless their planes are parallel and face each other.
             if (n + second.normal).length() > PARALLEL {
                 return CorePair {
                     distance: f64::NEG_INFINITY,

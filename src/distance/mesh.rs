@@ -77,6 +77,7 @@ impl ToCore<'_> {
 
     fn walk(&mut self, node: usize) {
         let second = match self.tree.nodes[node].content {
+            // Triangles of a leaf that the present plane does not separate are measured.
             Content::Leaf(start, end) => {
                 for k in start..end {
                     if !self.is_parted(corner_support(&self.tree.triangles[k], self.best.normal)) {
@@ -87,6 +88,7 @@ impl ToCore<'_> {
             }
             Content::Fork(second) => second,
         };
+        // The nearer child first, so that the best distance drops early.
         let next = [node + 1, second].map(|k| (k, self.apart(&self.tree.nodes[k].around)));
         for (k, lowest) in nearer_first(next) {
             let top = self.tree.nodes[k].around.support(self.best.normal);

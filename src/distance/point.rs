@@ -128,6 +128,7 @@ fn to_box(block: &BoxCore, point: DVec3) -> PointHit {
         translation,
     } = block.from_box;
     let local = rotation.transpose() * (point - translation);
+    // Outside: the nearest point is the clamped one.
     let clamped = local.clamp(-block.half, block.half);
     let out = local - clamped;
     let distance = out.length();
@@ -138,6 +139,7 @@ fn to_box(block: &BoxCore, point: DVec3) -> PointHit {
             normal: rotation * (out / distance),
         };
     }
+    // Inside: the nearest face gives the depth and the normal.
     let gaps = block.half - local.abs();
     let axis = (0..3).fold(0, |best, k| if gaps[k] < gaps[best] { k } else { best });
     let sign = if local[axis] < 0.0 { -1.0 } else { 1.0 };

@@ -216,6 +216,7 @@ impl Primitive {
                 let local = b.from_box.rotation.transpose() * n;
                 n.dot(b.from_box.translation) + local.abs().dot(b.half)
             }
+            // The farther of the two rims: its centre, plus its radius across the axis.
             Self::Frustum(f) => {
                 let along = n.dot(f.axis);
                 let across = (n - f.axis * along).length();

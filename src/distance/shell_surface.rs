@@ -151,6 +151,7 @@ impl ShellSurface {
         let edges = self.edges();
         let mut is_done = vec![false; triangles.len()];
         let mut together = Vec::new();
+        // Breadth-first through each connected part, from any of its triangles.
         for seed in 0..triangles.len() {
             if std::mem::replace(&mut is_done[seed], true) {
                 continue;
@@ -168,6 +169,7 @@ impl ShellSurface {
                     if std::mem::replace(&mut is_done[other], true) {
                         continue;
                     }
+                    // Neighbours agree if they run along their common edge in opposite directions.
                     if triangle_edges(triangles[other]).contains(&edge) {
                         triangles[other].swap(0, 1);
                         turned += 1;
@@ -175,6 +177,7 @@ impl ShellSurface {
                     together.push(other);
                 }
             }
+            // The orientation of the majority is kept.
             if 2 * turned > together.len() {
                 together.iter().for_each(|k| triangles[*k].swap(0, 1));
             }

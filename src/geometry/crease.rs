@@ -1,22 +1,22 @@
-//! Normals of triangles that come without: smooth within the crease angle, sharp beyond it.
+//! Computes normals of triangles without any: smooth below the crease angle, sharp above it.
 
 use super::mesh::Mesh;
 use crate::weld::{first_equal, number_first, point_bits};
 use glam::DVec3;
 
-/// Faces that meet at a smaller angle than this belong to one smooth surface: cosine of 40 degrees. Round
-/// parts exported with 12 or more segments a turn stay smooth, chamfers of 45 degrees stay sharp.
+/// Faces that meet at a smaller angle than this belong to one smooth surface: cosine of 40 degrees. Round parts
+/// exported with 12 or more segments per turn stay smooth, chamfers of 45 degrees stay sharp.
 const CREASE_COSINE: f64 = 0.766_044_443_118_978;
 
-/// Corners at one position that are compared with each other one by one. Where more meet, those of nearly one normal are
-/// taken together: comparing all would take hours at the tip of a fine cone.
+/// Number of corners at one position that are compared one by one. If more meet, those with similar normals are merged:
+/// comparing all would take hours at the tip of a fine cone.
 const MOST_COMPARED: usize = 256;
 
-/// Cells along the edge of the octahedron that normals are sorted by there: about 6 degrees each.
+/// Cells along the edge of the octahedron by which normals are then sorted: about 6 degrees each.
 const CELLS: usize = 16;
 
-/// A mesh of bare triangles: corners at one position are welded, normals are the angle-weighted means of
-/// the faces around within the crease angle. Triangles without area or with an index out of range go.
+/// A mesh of bare triangles: corners at one position are welded, normals are the angle-weighted means of the
+/// surrounding faces within the crease angle. Triangles without area or with an index out of range are removed.
 pub fn mesh_of_triangles(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Mesh {
     let faces = CreaseFaces::new(vertices, triangles);
     let around = faces.around();
@@ -41,9 +41,9 @@ pub fn mesh_of_triangles(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Mesh {
     share_vertices(mesh)
 }
 
-/// Makes corners with equal position and normal into one vertex, in order of first use.
+/// Merges corners with equal position and normal into one vertex, in order of first use.
 pub(super) fn share_vertices(mut mesh: Mesh) -> Mesh {
-    // By corners, since vertices may stand in another order than they are used in.
+    // By corners, since the order of the vertices may differ from that of their use.
     let corner = |k: usize| mesh.triangles[k / 3][k % 3] as usize;
     let key = |k: usize| {
         [
@@ -58,7 +58,7 @@ pub(super) fn share_vertices(mut mesh: Mesh) -> Mesh {
         .enumerate()
         .filter(|(k, first)| *k == **first as usize);
     if is_in_order {
-        // In place: a mesh of bare triangles fills most of the memory.
+        // In place, because a mesh of bare triangles can fill most of the memory.
         let kept: Vec<bool> = (0..ids.len()).map(|k| ids[k] as usize == k).collect();
         retain_kept(&mut mesh.positions, &kept);
         retain_kept(&mut mesh.normals, &kept);
@@ -118,7 +118,7 @@ impl<'t> CreaseFaces<'t> {
         self.triangles[triangle as usize].map(|corner| self.vertices[corner as usize])
     }
 
-    /// The angle of a face at one of its corners; a corner is three times its face and 0 to 2.
+    /// The angle of a face at one of its corners; a corner is three times its face plus 0 to 2.
     fn angle(&self, corner: u32) -> f64 {
         let points = self.corners(self.list[corner as usize / 3]);
         let [at, first, second] = [0, 1, 2].map(|k| points[(corner as usize + k) % 3]);
@@ -130,7 +130,7 @@ impl<'t> CreaseFaces<'t> {
         self.normals[corner as usize / 3]
     }
 
-    /// Which corners are at one position.
+    /// Groups corners by position.
     fn around(&self) -> AroundVertex {
         let mut ids = first_equal(self.vertices.len(), |k| point_bits(self.vertices[k]));
         let mut starts = vec![0; number_first(&mut ids) + 1];
@@ -170,7 +170,7 @@ impl<'t> CreaseFaces<'t> {
         }
     }
 
-    /// The same where very many meet: normals in one cell of directions stand for each other.
+    /// The same if very many meet: normals in one cell of directions are merged.
     fn smooth_many(&self, corners: &[u32], normals: &mut [DVec3]) {
         let mut sums = vec![DVec3::ZERO; 2 * CELLS * CELLS];
         for corner in corners {
@@ -192,7 +192,7 @@ impl<'t> CreaseFaces<'t> {
     }
 }
 
-/// The cell of a direction on the octahedron: its two halves laid flat side by side.
+/// The cell of a direction on the octahedron, whose two halves are unfolded next to each other.
 fn direction_cell(direction: DVec3) -> usize {
     let flat = direction / direction.abs().element_sum();
     let index = |v: f64| (((v + 1.0) * 0.5 * CELLS as f64) as usize).min(CELLS - 1);

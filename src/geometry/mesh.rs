@@ -1,4 +1,4 @@
-//! A triangle mesh, and whether it encloses space.
+//! A triangle mesh, and whether it is closed.
 
 use crate::weld::{first_equal, point_bits};
 use glam::DVec3;
@@ -39,8 +39,8 @@ impl Mesh {
         closed_edges(self).is_some()
     }
 
-    /// Whether the outside hides the inside completely: closed, and not inside out as a file may have it. A
-    /// renderer may leave out the back faces of such a mesh.
+    /// Whether the outside completely hides the inside: closed, and not inside out as in some files. A renderer may
+    /// cull the back faces of such a mesh.
     pub fn hides_its_inside(&self) -> bool {
         let corner = |index: u32| {
             let position = self.positions.get(index as usize);
@@ -69,7 +69,7 @@ pub(super) fn closed_edges(mesh: &Mesh) -> Option<[usize; 3]> {
         let corners = corners.filter(has_edges);
         corners.flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]])
     };
-    // Most open meshes are told without a list of their edges, which fills the memory of large ones.
+    // Most open meshes are recognised without a list of their edges, which would fill the memory for large ones.
     let balance = edges().fold(0u64, |sum, [a, b]| match a < b {
         true => sum.wrapping_add(edge_mark(a, b)),
         false => sum.wrapping_sub(edge_mark(b, a)),
@@ -95,7 +95,7 @@ pub(super) fn closed_edges(mesh: &Mesh) -> Option<[usize; 3]> {
     (triangles > 0).then_some([used.len(), count, triangles])
 }
 
-/// A number for an edge that others seldom have: the marks of edges that run there and back cancel.
+/// A hash of a directed edge: the hashes of opposite edges cancel.
 fn edge_mark(low: u32, high: u32) -> u64 {
     let mixed = (u64::from(low) << 32 | u64::from(high)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     (mixed ^ (mixed >> 29)).wrapping_mul(0xbf58_476d_1ce4_e5b9)

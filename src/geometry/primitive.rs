@@ -1,6 +1,6 @@
-//! Meshes of links, pins and balls: parry's tessellations, with the analytic normals added.
+//! Meshes of links, pins and balls: parry's tessellations, with analytic normals.
 //!
-//! parry gives which corners make triangles and where they sit on the unit shape; here they are put on the
+//! parry determines the triangles and the positions of their corners on the unit shape; here they are moved onto the
 //! true surface, so that the result does not depend on the platform's sine.
 
 use super::crease;
@@ -10,7 +10,7 @@ use crate::math::Pose;
 use glam::{DMat3, DVec3};
 use parry3d_f64::shape::{Ball, Capsule, Cone, Cuboid, Cylinder};
 
-/// Below this share of the radius a link has no length, and a capsule is a ball.
+/// Below this fraction of the radius a link has no length, and a capsule is a ball.
 const NO_LENGTH: f64 = 1e-9;
 
 /// parry's corner in a frame whose third column is the shape's axis.
@@ -66,10 +66,10 @@ pub(super) fn capsule_mesh(from: DVec3, to: DVec3, radius: f64, tolerance: f64) 
     mesh
 }
 
-/// Thickness of the sheet that stands for a half-space, in its edge length.
+/// Thickness of the sheet that represents a half-space, relative to its edge.
 const SHEET: f64 = 0.01;
 
-/// The square sheet that stands for a half-space: its upper side lies in the plane.
+/// The square sheet that represents a half-space: its upper side lies in the plane.
 pub(super) fn sheet_mesh(point: DVec3, normal: DVec3, size: f64) -> Mesh {
     let thickness = SHEET * size;
     let mut mesh = cuboid_mesh(
@@ -118,7 +118,7 @@ pub(super) fn frustum_mesh(ends: [DVec3; 2], radii: [f64; 2], tolerance: f64) ->
         let [a, b, c] = triangle.map(|i| i as usize);
         let level = corners[a].y + corners[b].y + corners[c].y;
         let flat = level.abs() > 2.5;
-        // At the tip the surface has no normal of its own; the side's middle direction serves.
+        // The tip of a cone has no normal; the direction in the middle of the side is used.
         let middle = outward[a] + outward[b] + outward[c];
         let corners_out = [a, b, c].map(|corner| {
             let out = if outward[corner] == DVec3::ZERO {

@@ -1,14 +1,14 @@
-//! What round solids share: how fine they are, and which way they stand.
+//! Shared properties of round solids: number of segments, and orientation.
 
 use crate::math::Pose;
 use glam::{DMat3, DVec3};
 
-/// Fewest segments around a circle: an octagon still reads as round in a picture of a few pixels.
+/// Fewest segments around a circle: in a picture of a few pixels an octagon still looks round.
 pub const MIN_SEGMENTS: u32 = 8;
 /// Most segments around a circle; at 256 the chord error is below 8e-5 of the radius.
 pub const MAX_SEGMENTS: u32 = 256;
-/// Bits kept of a unit vector's components that came from the platform's sine and cosine, whose last bits
-/// differ between platforms. 2^-26 is far below any tessellation error and far above those bits.
+/// Bits kept of a unit vector's components computed with the platform's sine and cosine, whose last bits differ between
+/// platforms. 2^-26 is far below any tessellation error and far above those bits.
 const SETTLE: f64 = (1u64 << 26) as f64;
 
 /// Segments around a circle of `radius` so that its chords stay within `tolerance`; a multiple of 4, so
@@ -25,17 +25,18 @@ pub fn segment_count(radius: f64, tolerance: f64) -> u32 {
         .clamp(MIN_SEGMENTS, MAX_SEGMENTS)
 }
 
-/// Whether a length is one: above zero and not "not a number".
+/// Whether a number is a valid length: positive and not NaN.
 pub fn is_positive(length: f64) -> bool {
     length > 0.0
 }
 
-/// A unit vector with the bits removed in which platforms differ.
+/// A unit vector without the bits that differ between platforms.
 pub fn settle_direction(direction: DVec3) -> DVec3 {
     ((direction * SETTLE).round() / SETTLE).normalize_or_zero()
 }
 
-/// Rotation whose third column is `axis`; the columns map parry's (z, x, y), whose round shapes stand on y.
+/// Rotation whose third column is `axis`; the columns map parry's (z, x, y), because its round shapes have y as their
+/// axis.
 pub fn upright_frame(axis: DVec3) -> DMat3 {
     Pose::from_z_axis(axis).rotation
 }

@@ -25,10 +25,9 @@ pub struct TraceMesh {
 
 /// The tube of `radius` with `segments` sides along a path, one step for each point after the first.
 ///
-/// Every step is a closed piece of its own with the same number of triangles, round where it begins (which
-/// is the joint with the step before) and pointed where it ends, so that a growing range draws a growing
-/// trace. A step to or from a missing point (`None`, or not finite) and one without length has triangles
-/// without area.
+/// Every step is a closed piece with the same number of triangles, round at its start (the joint with the previous
+/// step) and pointed at its end, so that a growing range draws a growing trace. A step to or from a missing point
+/// (`None`, or not finite) and one without length has triangles without area.
 pub fn trace_mesh(points: &[Option<DVec3>], radius: f64, segments: u32) -> TraceMesh {
     let segments = segments.max(MIN_TRACE_SEGMENTS);
     let triangles_per_step = TRIANGLES_PER_SEGMENT * segments;
@@ -68,7 +67,7 @@ struct TraceTube {
 }
 
 impl TraceTube {
-    /// Triangles without area, so that later ones keep their place.
+    /// Triangles without area, so that later ones keep their index.
     fn skip_triangles(&mut self, count: u32) {
         if self.mesh.positions.is_empty() {
             self.mesh.push_vertex(DVec3::ZERO, DVec3::Z);

@@ -1,4 +1,4 @@
-//! Round tubes along polylines: rings carried along without twist, balls at the corners, round ends.
+//! Round tubes along polylines: rings transported without twist, balls at the corners, round ends.
 
 use super::mesh::Mesh;
 use super::primitive;
@@ -9,14 +9,14 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Points closer than this share of the tube's radius are one point.
 const REPEAT: f64 = 1e-9;
-/// Sine below which two directions have no common perpendicular worth the name.
+/// Sine below which the common perpendicular of two directions is not well defined.
 const STRAIGHT: f64 = 1e-12;
 
 /// All points within `radius` of the polyline, as one closed surface.
 ///
-/// At a corner the ring turns about the corner point, so that its outer half sweeps the ball that joins the two
-/// straight parts; its inner half stays where both parts meet, on the plane that halves the corner. So no facet passes
-/// through another one. Where the legs are too short for that the inner half turns, too, and stays inside the tube.
+/// At a corner the ring rotates about the corner point: its outer half sweeps the ball that joins the two straight
+/// parts; its inner half stays on the bisecting plane, where both parts meet. No facet therefore passes through another
+/// one. If the legs are too short for that, the inner half rotates too and stays inside the tube.
 pub(super) fn tube_mesh(points: &[DVec3], radius: f64, closed: bool, tolerance: f64) -> Mesh {
     if !is_positive(radius) {
         return Mesh::default();
@@ -30,7 +30,7 @@ pub(super) fn tube_mesh(points: &[DVec3], radius: f64, closed: bool, tolerance: 
     }
 }
 
-/// The polyline without repeated neighbours and without what is not finite.
+/// The polyline without repeated points and without points that are not finite.
 fn distinct_points(points: &[DVec3], radius: f64, closed: bool) -> Vec<DVec3> {
     let mut kept: Vec<DVec3> = Vec::with_capacity(points.len());
     for point in points.iter().filter(|p| p.is_finite()) {
@@ -79,12 +79,12 @@ impl RingFrame {
         }
     }
 
-    /// Axis and angle of the shortest turn to a new direction of the tube.
+    /// Axis and angle of the smallest rotation to a new direction of the tube.
     pub(super) fn turn_to(&self, direction: DVec3) -> (DVec3, f64) {
         let own = self.direction();
         let normal = own.cross(direction);
         let angle = libm::atan2(normal.length(), own.dot(direction));
-        // Straight on any axis will do, and so it will for a full reversal.
+        // Without a change of direction any axis will do, and also for a full reversal.
         let axis = if normal.length() > STRAIGHT {
             normal.normalize()
         } else {
@@ -100,8 +100,8 @@ impl RingFrame {
     }
 }
 
-/// Depth over the radius above which a vertex belongs to a corner's inner side: those on the axis of the turn, which
-/// stay where they are, must be the same vertex to the bit.
+/// Depth relative to the radius above which a vertex belongs to a corner's inner side: vertices on the axis of
+/// rotation, which do not move, must be bitwise equal.
 const ON_AXIS: f64 = 1e-9;
 
 /// A ring before its vertices are made.
@@ -111,12 +111,12 @@ struct TubeRing {
     mitre: Option<Mitre>,
 }
 
-/// Where the inner half of a corner's rings lies.
+/// Position of the inner half of a corner's rings.
 #[derive(Clone, Copy)]
 struct Mitre {
     /// Before the corner.
     frame: RingFrame,
-    /// Unit direction from the corner point to its inner side, square to the leg before.
+    /// Unit direction from the corner point to its inner side, perpendicular to the leg before.
     inward: DVec3,
     /// Tangent of half the angle.
     slope: f64,
@@ -196,7 +196,8 @@ impl TubeSweep {
         self.mesh
     }
 
-    /// Rings that turn about the corner until the tube points in `direction`; its inner side may take `room` of the legs.
+    /// Rings that rotate about the corner until the tube points in `direction`; its inner side may use `room` of the
+    /// legs.
     fn corner(
         &self,
         (center, room): (DVec3, f64),
@@ -207,7 +208,7 @@ impl TubeSweep {
         let (axis, angle) = frame.turn_to(direction);
         let step = TAU / f64::from(self.around);
         if angle <= step {
-            // A bend this slight is as good as a mitre; its error is within the chords' tolerance.
+            // Such a slight bend is equivalent to a mitre; its error is within the tolerance of the chords.
             let frame = frame.turned(axis, 0.5 * angle);
             rings.push(TubeRing {
                 center,
@@ -234,7 +235,7 @@ impl TubeSweep {
         frame.turned(axis, angle)
     }
 
-    /// Spreads the twist that a closed line has gathered evenly over its length.
+    /// Distributes the twist accumulated along a closed line evenly over its length.
     fn spread_twist(&self, rings: &mut [TubeRing], twist: f64) {
         let centers: Vec<DVec3> = rings.iter().map(|ring| ring.center).collect();
         let Some(last) = centers.last() else { return };

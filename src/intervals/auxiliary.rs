@@ -1,6 +1,6 @@
-//! Auxiliary systems, "compress and inflate": where the formal solution is improper, that of a system with a narrower matrix
-//! or a wider right side may be proper. What it proves holds for the auxiliary system; for the one asked for only where
-//! the test with outward rounding says so.
+//! Auxiliary systems, "compress and inflate": if the formal solution is improper, that of a system with a narrower
+//! matrix or a wider right-hand side may be proper. It proves something about the auxiliary system; about the original
+//! system only if the test with outward rounding succeeds.
 
 use super::formal::{Formal, formal_solution};
 use super::kaucher::Kaucher;
@@ -15,14 +15,14 @@ pub struct AuxiliaryPlan {
     pub of_b: f64,
 }
 
-/// What came of a plan.
+/// The result of a plan.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tried {
     /// The plan.
     pub plan: AuxiliaryPlan,
     /// The formal solution of its system for the set asked for.
     pub formal: Formal,
-    /// Whether the solution, where it is proper, lies in the set of the system as it was given.
+    /// Whether a proper solution lies in the set of the original system.
     pub holds: Answer,
 }
 

@@ -1,7 +1,8 @@
 //! The method of the centre: the largest cube about a point that lies in a solution set, and the best point for it.
 //!
-//! For the tolerable set the radius is the least of (rad bᵢ - |mid bᵢ - Σ aᵢⱼ tⱼ|) / Σ |aᵢⱼ| over the rows, where |.| is the
-//! magnitude of an interval: the source prints a plain bracket, and calls rad bᵢ and mid bᵢ R and M without saying of what.
+//! For the tolerable set the radius is the least of (rad bᵢ - |mid bᵢ - Σ aᵢⱼ tⱼ|) / Σ |aᵢⱼ| over the rows, where |.|
+//! is the magnitude of an interval. (The source prints a plain bracket, and calls rad bᵢ and mid bᵢ R and M without
+//! saying that they belong to b.)
 
 use super::kaucher::Kaucher;
 use super::simplex::{Programme, maximise};
@@ -11,7 +12,7 @@ use crate::numbers::rounding::SUMS;
 /// Halvings in the search for the radius of a cube in the united set.
 const HALVINGS: usize = 60;
 
-/// How far all A x of a point stay inside b: it is tolerable where this is not negative.
+/// How far all A x of a point stay inside b: the point is tolerable if this is not negative.
 pub fn tolerance_at(system: &IntervalSystem, t: &[f64]) -> f64 {
     let rows = row_slacks(system, t).into_iter();
     rows.fold(f64::INFINITY, f64::min)
@@ -45,7 +46,7 @@ pub fn united_radius(system: &IntervalSystem, t: &[f64]) -> f64 {
         system.a.iter().zip(&system.b).all(|(row, b)| {
             let middle: f64 = row.iter().zip(t).map(|(a, t)| a.middle() * t).sum();
             let reach: f64 = row.iter().map(|a| a.middle().abs()).sum();
-            // What the width of a row gives the box to move in.
+            // The slack that the width of a row gives to the box.
             let open: f64 = row
                 .iter()
                 .zip(t)
@@ -81,11 +82,11 @@ pub fn centre_radius(system: &IntervalSystem, t: &[f64], kind: &SolutionSet) -> 
     }
 }
 
-/// The point that is most tolerable, and by how much: a linear programme, since the functional is concave. `None` where
-/// it has no end, as for a matrix with columns around zero only.
+/// The most tolerable point, and its tolerability: a linear programme, since the functional is concave. `None` if it is
+/// unbounded, as for a matrix whose columns contain only intervals around zero.
 pub fn best_centre(system: &IntervalSystem) -> Option<(Vec<f64>, f64)> {
     let n = system.unknowns();
-    // t = u - v and the functional = p - q, all not negative; parts of t that are both positive only make rows tighter.
+    // t = u - v and the functional = p - q, all non-negative; parts of t that are both positive only tighten rows.
     let mut objective = vec![0.0; 2 * n];
     objective.extend([1.0, -1.0]);
     let (mut rows, mut sides) = (Vec::new(), Vec::new());

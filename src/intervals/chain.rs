@@ -1,4 +1,5 @@
-//! A row of dyads at a pose: its matrices, and the linear systems of its velocities, of its positions, and of both in intervals.
+//! A sequence of dyads at a pose: its matrices, and the linear systems of its velocities, of its positions, and of both
+//! in intervals.
 
 use super::dyad::{
     Coefficients, Dyad, conjugate_coefficients, corner_ranges, dyad_system, exact_ranges,
@@ -8,7 +9,7 @@ use super::formal::solved_numbers;
 use super::kaucher::Kaucher;
 use super::system::IntervalSystem;
 
-/// A row of dyads with a lever that is led from outside: one degree of freedom.
+/// A sequence of dyads with a lever driven from outside: one degree of freedom.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DyadChain {
     /// Places of all points.
@@ -19,16 +20,16 @@ pub struct DyadChain {
     pub fixed: Vec<usize>,
     /// The dyads; the last has the point whose velocity is given.
     pub dyads: Vec<Dyad>,
-    /// A moving point and the fixed one that the bar between them leads to.
+    /// A moving point and the fixed point of its bar.
     pub lever: [usize; 2],
 }
 
 /// Which directions the bars may have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Directions {
-    /// Each within this (radians) of its own.
+    /// Each direction within this angle (radians) of its own.
     Near(f64),
-    /// The first bar of a dyad any, the second turned from it by an angle in this interval (radians).
+    /// The first bar of a dyad in any direction, the second rotated from it by an angle in this interval (radians).
     Turned(Kaucher),
 }
 
@@ -50,7 +51,7 @@ impl DyadChain {
         (0..self.points.len()).rev().filter(is_unknown).collect()
     }
 
-    /// J and J' of every dyad; `None` where its bars are in line.
+    /// J and J' of every dyad; `None` if its bars are collinear.
     pub fn matrices(&self) -> Option<Vec<[Coefficients; 2]>> {
         let of = |dyad: &Dyad| {
             j_matrices(
@@ -77,7 +78,7 @@ impl DyadChain {
         (f - e).rem_euclid(std::f64::consts::PI)
     }
 
-    /// The system (3) of the velocities: rows and right sides.
+    /// The system (3) of the velocities: rows and right-hand sides.
     pub fn velocity_system(&self) -> Option<(Vec<Vec<f64>>, Vec<f64>)> {
         let matrices = self.matrices()?;
         Some(dyad_system(
@@ -88,8 +89,8 @@ impl DyadChain {
         ))
     }
 
-    /// Positions by the conjugate system, in the order of [`Self::unknowns`]; with the signs as `printed` they are those of a
-    /// reflection, and wrong.
+    /// Positions by the conjugate system, in the order of [`Self::unknowns`]; with the signs as `printed` they are
+    /// those of a reflection, which is wrong.
     pub fn conjugate_positions(&self, printed: bool) -> Option<Vec<[f64; 2]>> {
         let conjugate = |j: Coefficients| {
             let [a, b, c, d] = conjugate_coefficients(j);
@@ -107,7 +108,7 @@ impl DyadChain {
         Some(solution.chunks_exact(2).map(|p| [p[0], p[1]]).collect())
     }
 
-    /// How far the bars of a dyad's ranges reach; `None` where they can be in line.
+    /// The ranges of the coefficients of every dyad; `None` if its bars can be collinear.
     pub fn ranges(&self, dyad: &Dyad, directions: Directions) -> Option<IntervalMatrices> {
         let first = match directions {
             Directions::Turned(delta) => exact_ranges(WHOLE_TURN, delta)?,
@@ -122,8 +123,8 @@ impl DyadChain {
         Some([first, second])
     }
 
-    /// The system of the velocities with coefficients anywhere in their ranges, each for itself, the velocity of the given
-    /// point in place of its own, and all right sides wider by `side` on both sides.
+    /// The system of the velocities with all coefficients varying independently in their ranges, another velocity of
+    /// the given point, and all right-hand sides widened by `side` on both sides.
     pub fn interval_system(
         &self,
         directions: Directions,

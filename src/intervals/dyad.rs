@@ -1,8 +1,9 @@
-//! Dyads: two bars and the point that they carry. The velocity of the point is J v + J' v' of those at the bars' other ends.
+//! Dyads: two bars and the point they connect. The velocity of the point is J v + J' v', where v and v' are those of
+//! the bars' other ends.
 //!
-//! J = [f_y; -f_x] eᵀ / (e × f) and J' = 1 - J, with e and f the bars from those ends to the point: complementary oblique
-//! projectors, so that i₄ = 1 - i₁ and i₁ i₄ = i₂ i₃. They have a pole where the bars are in line and nowhere else, whatever
-//! tangents in their printed form do.
+//! J = [f_y; -f_x] eᵀ / (e × f) and J' = 1 - J, with e and f the bars from those ends to the point: complementary
+//! oblique projectors, so that i₄ = 1 - i₁ and i₁ i₄ = i₂ i₃. They have a pole where the bars are collinear and nowhere
+//! else, unlike the tangents in the printed form.
 
 use super::kaucher::Kaucher;
 use crate::numbers::interval::Interval;
@@ -21,7 +22,7 @@ pub struct Dyad {
 /// Coefficients i₁ i₂ / i₃ i₄ of a matrix.
 pub type Coefficients = [f64; 4];
 
-/// J and J' of a point and the far ends of its bars; `None` where these are in line.
+/// J and J' of a point and the far ends of its bars; `None` if these are collinear.
 pub fn j_matrices(point: [f64; 2], ends: [[f64; 2]; 2]) -> Option<[Coefficients; 2]> {
     let [e, f] = ends.map(|end| [point[0] - end[0], point[1] - end[1]]);
     let cross = e[0] * f[1] - e[1] * f[0];
@@ -31,17 +32,17 @@ pub fn j_matrices(point: [f64; 2], ends: [[f64; 2]; 2]) -> Option<[Coefficients;
     is_finite.then_some([first, second])
 }
 
-/// The coefficients that positions have in place of velocities, those of the velocity polygon. The source prints i₂' = i₃ and
+/// The coefficients for positions instead of velocities, those of the velocity polygon. The source prints i₂' = i₃ and
 /// i₃' = i₂, which belongs to a reflection.
 pub fn conjugate_coefficients([a, b, c, d]: Coefficients) -> Coefficients {
     [d, -c, -b, a]
 }
 
-/// The exact ranges of the coefficients where the first bar has a direction in `first` and the second is turned from it by an
-/// angle in `delta` (radians), rounded outwards; `None` if the bars can be in line.
+/// The exact ranges of the coefficients if the first bar has a direction in `first` and the second is rotated from it
+/// by an angle in `delta` (radians), rounded outwards; `None` if the bars can be collinear.
 ///
-/// With s = 2 φ + δ, i₁ = ½ + sin s / (2 sin δ) and i₂ = (cos δ - cos s) / (2 sin δ). For a direction that stays both are monotone in δ, so
-/// that every extreme is taken at an end of δ.
+/// With s = 2 φ + δ, i₁ = ½ + sin s / (2 sin δ) and i₂ = (cos δ - cos s) / (2 sin δ). For a fixed direction both are
+/// monotone in δ, so that every extreme is attained at an end of δ.
 pub fn exact_ranges(first: Kaucher, delta: Kaucher) -> Option<[Kaucher; 4]> {
     let half = Interval::point(0.5);
     if delta.interval().sin_cos().0.holds_zero() {
@@ -60,8 +61,8 @@ pub fn exact_ranges(first: Kaucher, delta: Kaucher) -> Option<[Kaucher; 4]> {
     Some(all.map(Kaucher::from))
 }
 
-/// What interval arithmetic makes of sin φ₁₃ cos φ₁₂ / sin δ and its like, with every angle taken for itself: the same
-/// coefficients, overestimated.
+/// Interval arithmetic for sin φ₁₃ cos φ₁₂ / sin δ and the other coefficients, with independent angles: an
+/// overestimate.
 pub fn naive_ranges(first: Kaucher, delta: Kaucher) -> Option<[Kaucher; 4]> {
     let (s12, c12) = first.interval().sin_cos();
     let (s13, c13) = (first.interval() + delta.interval()).sin_cos();
@@ -73,8 +74,8 @@ pub fn naive_ranges(first: Kaucher, delta: Kaucher) -> Option<[Kaucher; 4]> {
     Some(all.map(|v| Kaucher::from(v / sine)))
 }
 
-/// What interval arithmetic makes of the formulas as they are printed, with tangents of φ₁₂ and φ₁₃: nothing, where the
-/// angles can pass a quarter turn.
+/// Interval arithmetic for the formulas as printed, with tangents of φ₁₂ and φ₁₃: unbounded if the angles can pass a
+/// quarter turn.
 pub fn printed_ranges(first: Kaucher, delta: Kaucher) -> Kaucher {
     let tangent = |x: Interval| {
         let (sin, cos) = x.sin_cos();
@@ -87,9 +88,10 @@ pub fn printed_ranges(first: Kaucher, delta: Kaucher) -> Kaucher {
     Kaucher::from(t13 / (t13 - t12))
 }
 
-/// The exact ranges where both bars have directions in intervals of their own, rounded outwards; `None` if they can be in line.
-/// Every coefficient is monotone in each direction whatever the other is, so that its extremes stand at corners.
+/// The exact ranges if both bars have directions in intervals of their own, rounded outwards; `None` if they can be
+/// collinear. Every coefficient is monotone in each direction whatever the other is, so its extremes are at corners.
 pub fn corner_ranges(first: Kaucher, second: Kaucher) -> Option<[Kaucher; 4]> {
+    // The bars can be collinear where the sine of the angle between them can vanish.
     let sine = (second.interval() - first.interval()).sin_cos().0;
     if sine.holds_zero() {
         return None;
@@ -97,6 +99,7 @@ pub fn corner_ranges(first: Kaucher, second: Kaucher) -> Option<[Kaucher; 4]> {
     let mut found: Option<[Kaucher; 4]> = None;
     for a in [first.lo, first.hi] {
         for b in [second.lo, second.hi] {
+            // Each corner is computed with outward rounding and joined to the range.
             let (s12, c12) = Interval::point(a).sin_cos();
             let (s13, c13) = Interval::point(b).sin_cos();
             let cross = s13 * c12 - c13 * s12;
@@ -111,7 +114,7 @@ pub fn corner_ranges(first: Kaucher, second: Kaucher) -> Option<[Kaucher; 4]> {
     found
 }
 
-/// What numbers of a system need.
+/// The operations that numbers of a system need.
 pub trait Entry: Copy + Add<Output = Self> + Mul<Output = Self> + Neg<Output = Self> {
     /// Exactly this number.
     fn of(value: f64) -> Self;
@@ -129,8 +132,8 @@ impl Entry for Kaucher {
     }
 }
 
-/// The linear system of a row of dyads: two rows a dyad, v = J v' + J' v'', in unknowns whose columns are two for every
-/// point of `unknowns`. All other points have their `values`, which stand on the right.
+/// The linear system of a sequence of dyads: two rows per dyad, v = J v' + J' v'', with two columns for every point of
+/// `unknowns`. All other points have their `values`, which go to the right-hand side.
 pub fn dyad_system<T: Entry>(
     matrices: &[[[T; 4]; 2]],
     dyads: &[Dyad],
@@ -144,7 +147,7 @@ pub fn dyad_system<T: Entry>(
     for (dyad, both) in dyads.iter().zip(matrices) {
         let mut pair = vec![vec![zero; width]; 2];
         let own = column(dyad.point);
-        // Unknown velocities stand on the left, so that the row of a known point is J v' + J' v'' = v.
+        // Terms of unknown velocities are on the left, so that the row of a known point is J v' + J' v'' = v.
         let is_unknown = own.is_some();
         let signed = |v: T| if is_unknown { -v } else { v };
         let mut side = match own {
@@ -176,8 +179,8 @@ pub fn dyad_system<T: Entry>(
     (rows, sides)
 }
 
-/// Whether the bars of a dyad are nowhere nearer to each other's line than an angle of this `sine`, wherever its points are
-/// in their boxes: |e x f| against sine |e| |f|. `None` where that differs, or is not told.
+/// Whether the bars of a dyad are nowhere closer to collinear than an angle with this `sine`, wherever its points are
+/// in their boxes: |e x f| compared with sine |e| |f|. `None` if undecided.
 pub fn are_apart(point: [Interval; 2], ends: [[Interval; 2]; 2], sine: Interval) -> Option<bool> {
     let [e, f] = ends.map(|end| [point[0] - end[0], point[1] - end[1]]);
     let cross = e[0] * f[1] - e[1] * f[0];
@@ -194,11 +197,12 @@ pub fn are_apart(point: [Interval; 2], ends: [[Interval; 2]; 2], sine: Interval)
     (cross.magnitude() < needed.lo).then_some(false)
 }
 
-/// Half the side of a cube about velocities in which every choice of them belongs to directions of the bars that are nowhere
-/// nearer to each other than `least` (radians): proved by intervals. Points without a radius, `still`, keep theirs.
-/// Zero if it fails at the velocities themselves.
+/// Half the side of a cube of velocities all of which belong to directions of the bars that are nowhere closer to
+/// collinear than `least` (radians), proved by intervals. Points without a radius, `still`, keep theirs. Zero if the
+/// test fails at the velocities themselves.
 pub fn tied_cube(velocities: &[[f64; 2]], still: &[usize], dyads: &[Dyad], least: f64) -> f64 {
     let sine = Interval::point(least).sin_cos().0;
+    // Whether all velocities within r of the given ones belong to admissible directions.
     let fits = |r: f64| {
         let of = |k: usize| {
             let wide = if still.contains(&k) { 0.0 } else { r };
@@ -213,6 +217,7 @@ pub fn tied_cube(velocities: &[[f64; 2]], still: &[usize], dyads: &[Dyad], least
     if !fits(low) {
         return 0.0;
     }
+    // Doubled until it fails, then bisected.
     while fits(high) && high < 1e12 {
         (low, high) = (high, 2.0 * high);
     }

@@ -1,8 +1,8 @@
 //! Formal solutions: Kaucher vectors x with A x = b exactly, by the subdifferential Newton method on the immersion into
 //! twice as many numbers.
 //!
-//! If the formal solution of A x = b is proper it lies in the tolerable set; that of dual A x = b in the united set; that of
-//! dual A x = dual b in the controllable set. Otherwise it proves nothing, and that is said.
+//! If the formal solution of A x = b is proper it lies in the tolerable set; that of dual A x = b in the united set;
+//! that of dual A x = dual b in the controllable set. Otherwise it proves nothing, and the report says so.
 
 use super::kaucher::Kaucher;
 use super::system::IntervalSystem;
@@ -18,17 +18,17 @@ pub enum Formal {
         x: Vec<Kaucher>,
         /// Newton steps.
         steps: usize,
-        /// Unknowns whose ends are out of order.
+        /// Unknowns that are improper.
         improper: Vec<usize>,
     },
-    /// A subgradient has no inverse: the method says nothing about the system.
+    /// A subgradient is singular: the method says nothing about the system.
     Singular {
         /// Steps made before.
         steps: usize,
     },
-    /// No solution after the most steps that are made.
+    /// No solution within the maximum number of steps.
     NotConverged,
-    /// As many rows as unknowns are needed.
+    /// The system must be square.
     NotSquare,
 }
 
@@ -38,7 +38,7 @@ const MOST_STEPS: usize = 500;
 /// The residual of a solution, relative to the right side.
 const CLOSED: f64 = 1e-13;
 
-/// Ends nearer to each other than this, relative, may be either way round.
+/// Ends nearer to each other than this, relative, may be in either order.
 const SAME_END: f64 = 1e-12;
 
 /// Solves A x = b formally; `tau` damps the steps, 0 < tau ≤ 1.
@@ -65,7 +65,7 @@ pub fn formal_solution(system: &IntervalSystem, tau: f64) -> Formal {
         let moved: f64 = step.iter().fold(0.0, |s: f64, v| s.max(v.abs()));
         let length = y.iter().fold(0.0, |s: f64, v| s.max(v.abs()));
         y.iter_mut().zip(&step).for_each(|(y, s)| *y -= tau * s);
-        // Rounding is all that is left, though the residual is that of long sums.
+        // Only rounding is left, though the residual is that of long sums.
         if moved <= 4.0 * f64::EPSILON * length {
             return formal_from(&y, steps + 1);
         }
@@ -150,7 +150,7 @@ fn product_ends(a: Kaucher, lo: f64, hi: f64) -> [[f64; 3]; 2] {
     ]
 }
 
-/// The solution of a square system of numbers; `None` where a pivot is rounding.
+/// The solution of a square real system; `None` if a pivot is rounding.
 pub fn solved_numbers(matrix: &[Vec<f64>], side: &[f64]) -> Option<Vec<f64>> {
     let n = side.len();
     let (mut rows, mut inverse) = (LaneMatrix::default(), LaneMatrix::default());
@@ -170,6 +170,7 @@ pub fn solved_numbers(matrix: &[Vec<f64>], side: &[f64]) -> Option<Vec<f64>> {
     if pivots.smallest <= NO_PIVOT * largest {
         return None;
     }
+    // One product per component; a solution that is not finite is none.
     let solution: Vec<f64> = (0..n)
         .map(|i| (0..n).map(|j| inverse.at(i, j) * side[j]).sum())
         .collect();

@@ -1,10 +1,11 @@
-//! The smallest box around a solution set: in every orthant the set is a polytope, whose extremes are linear programmes.
+//! The smallest box around a solution set: in every orthant the set is a polytope, whose extremes are linear
+//! programmes.
 
 use super::kaucher::Kaucher;
 use super::simplex::{Programme, maximise};
 use super::system::{IntervalSystem, SolutionSet};
 
-/// Most unknowns: there are two to this power orthants.
+/// Most unknowns: the number of orthants is two to this power.
 pub const MOST_UNKNOWNS: usize = 16;
 
 /// The hull of a solution set, computed in plain f64.
@@ -12,7 +13,7 @@ pub const MOST_UNKNOWNS: usize = 16;
 pub enum Hull {
     /// No point solves.
     Empty,
-    /// The set has no end along the unknown of this number.
+    /// The set is unbounded along the unknown of this number.
     Unbounded(usize),
     /// The box.
     Box(Vec<Kaucher>),
@@ -28,14 +29,17 @@ pub fn solution_hull(system: &IntervalSystem, kind: &SolutionSet) -> Hull {
     }
     let inclusion = system.inclusion(kind);
     let mut found: Option<Vec<Kaucher>> = None;
+    // Within one orthant every |x| is linear, so that the set is a polytope.
     for orthant in 0..1u32 << n {
         let sign = |j: usize| if orthant >> j & 1 == 1 { -1.0 } else { 1.0 };
         let (rows, sides) = orthant_rows(&inclusion, sign);
         for j in 0..n {
+            // The extremes along each axis are two linear programmes.
             for up in [1.0, -1.0] {
                 let mut objective = vec![0.0; n];
                 objective[j] = up * sign(j);
                 let place = match maximise(&objective, &rows, &sides) {
+                    // An empty orthant needs no further programmes.
                     Programme::Infeasible => break,
                     Programme::Unbounded => return Hull::Unbounded(j),
                     Programme::Optimal { x, .. } => x,
@@ -62,6 +66,7 @@ fn orthant_rows(
             .enumerate()
             .map(|(j, g)| if sign(j) > 0.0 { *g } else { -*g })
             .collect();
+        // G x ⊆ h as two inequalities per row: the lower end and the upper end.
         rows.push(along.iter().map(|k| -k.lo).collect());
         sides.push(-h.lo);
         rows.push(along.iter().map(|k| k.hi).collect());

@@ -1,7 +1,7 @@
-//! Kaucher arithmetic: intervals whose ends may stand the wrong way round, so that sums and most products can be undone.
+//! Kaucher arithmetic: intervals whose ends may be in reverse order, so that sums and most products have inverses.
 //!
-//! Every operation is rounded outwards, lower ends down and upper ends up, and not at all where it is exact. Products
-//! after Lakeyev: each end is a difference of two maxima of which one is zero.
+//! Every operation is rounded outwards, lower ends down and upper ends up, and is exact where possible. Products after
+//! Lakeyev: each end is a difference of two maxima of which one is zero.
 
 use crate::numbers::double_double::DoubleDouble;
 use crate::numbers::interval::Interval;
@@ -16,7 +16,7 @@ pub struct Kaucher {
     pub hi: f64,
 }
 
-/// Towards which side an operation is rounded.
+/// The direction of rounding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum RoundingSide {
     Down,
@@ -24,7 +24,7 @@ enum RoundingSide {
 }
 
 impl RoundingSide {
-    /// A rounded value whose exact one is `value + rest`.
+    /// A rounded value whose exact value is `value + rest`.
     fn rounded(self, value: f64, rest: f64) -> f64 {
         match self {
             // Without the exact rest the neighbour is the bound.
@@ -40,7 +40,7 @@ impl RoundingSide {
     }
 
     fn product(self, a: f64, b: f64) -> f64 {
-        /// The rest of products below is not exact.
+        /// The rest of a product below this is not exact.
         const SMALL: f64 = 1e-280;
         if a == 0.0 || b == 0.0 {
             return 0.0;
@@ -70,7 +70,7 @@ fn negative_part(x: f64) -> f64 {
 }
 
 impl Kaucher {
-    /// Both ends as they are.
+    /// Both ends, unchanged.
     pub const fn new(lo: f64, hi: f64) -> Self {
         Self { lo, hi }
     }
@@ -90,12 +90,12 @@ impl Kaucher {
         Self::new(self.hi, self.lo)
     }
 
-    /// What added to it gives zero.
+    /// The additive inverse.
     pub const fn opposite(self) -> Self {
         Self::new(-self.lo, -self.hi)
     }
 
-    /// What multiplied with it gives one; `None` if zero lies between its ends.
+    /// The multiplicative inverse; `None` if zero lies between its ends.
     pub fn inverse(self) -> Option<Self> {
         self.holds_no_zero().then(|| {
             Self::new(
@@ -115,7 +115,7 @@ impl Kaucher {
         0.5 * self.lo + 0.5 * self.hi
     }
 
-    /// Half of what the second end is above the first: negative for improper ones.
+    /// Half the difference of the ends: negative for improper ones.
     pub fn radius(self) -> f64 {
         0.5 * self.hi - 0.5 * self.lo
     }
@@ -157,7 +157,7 @@ impl Kaucher {
         )
     }
 
-    /// The same numbers as an interval of proofs; of improper ones the numbers between the ends.
+    /// The same numbers as an interval for proofs; for an improper one, the numbers between the ends.
     pub fn interval(self) -> Interval {
         let ends = self.proper();
         Interval::new(ends.lo, ends.hi)
@@ -263,7 +263,8 @@ mod tests {
         }
     }
 
-    /// The product by its definition: for every member of a proper interval, or some of an improper one, extreme over extreme.
+    /// The product by its definition: for every member of a proper interval, or some member of an improper one, extreme
+    /// over extreme.
     fn defined(a: Kaucher, b: Kaucher) -> Kaucher {
         let all = |x: Kaucher, take: &dyn Fn(f64) -> Kaucher| {
             let (p, q) = (take(x.lo), take(x.hi));
@@ -317,7 +318,7 @@ mod tests {
                 near(found.lo, exact.lo) && near(found.hi, exact.hi),
                 "{a:?} {b:?} {found:?} {exact:?}"
             );
-            // Outwards: never inside of what f64 gives to nearest.
+            // Outwards: never inside the result of f64 rounded to nearest.
             assert!(found.lo <= exact.lo && found.hi >= exact.hi);
         }
     }

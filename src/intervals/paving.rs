@@ -1,15 +1,17 @@
-//! The exact set of places from which bars keep their angles: squares that lie in it, squares on its edge, and the rest.
+//! Pavings of the exact set of positions for which bars keep their angles: squares inside it, squares on its boundary,
+//! and the rest.
 //!
-//! A dyad whose bars are nowhere nearer to one line than an angle δ keeps |e × f| ≥ sin δ |e| |f|, whatever the lengths of its bars. For
-//! one point beside fixed ends that is: inside exactly one of two circles. Two sets of a point are paved: where it may be with the
-//! others as drawn (`section`), and where it may be for some places of the others about theirs (`projection`).
+//! A dyad whose bars are nowhere closer to collinear than an angle δ satisfies |e × f| ≥ sin δ |e| |f|, whatever the
+//! lengths of its bars. For one point with fixed ends this means: inside exactly one of two circles. Two sets of a
+//! point are paved: its positions with the others as drawn (`section`), and its positions for some positions of the
+//! others near theirs (`projection`).
 
 use super::chain::DyadChain;
 use super::dyad::{Dyad, are_apart};
 use crate::numbers::interval::Interval;
 use crate::numbers::scalar::Scalar;
 
-/// A square: its middle and half its side.
+/// A square: its centre and half its side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PavedSquare {
     /// Middle.
@@ -23,14 +25,14 @@ pub struct PavedSquare {
 pub struct Paving {
     /// Squares all of whose points belong to it (proved).
     pub inner: Vec<PavedSquare>,
-    /// Squares that are not decided. All points of the window outside of both do not belong to it (proved).
+    /// Undecided squares. Points of the window outside both lists do not belong to the set (proved).
     pub edge: Vec<PavedSquare>,
     /// Half the side of the window.
     pub reach: f64,
 }
 
 impl Paving {
-    /// Shares of the window that are inside, and on the edge.
+    /// Fractions of the window that are inside, and on the boundary.
     pub fn shares(&self) -> [f64; 2] {
         let whole = self.reach * self.reach;
         [&self.inner, &self.edge].map(|list| {
@@ -45,7 +47,7 @@ impl Paving {
 pub struct PavingWindow {
     /// The least angle between the bars of a dyad as lines, radians.
     pub least: f64,
-    /// Half the side of the square about a point as drawn in which it is looked for.
+    /// Half the side of the window around a point as drawn.
     pub reach: f64,
     /// How often squares are halved.
     pub halvings: u32,
@@ -57,7 +59,7 @@ fn point_box(p: [f64; 2], half: f64) -> Box2 {
     p.map(|v| Interval::point(v) + Interval::around_zero(half))
 }
 
-/// Where `point` may be with all others as drawn.
+/// The positions of `point` with all others as drawn.
 pub fn pave_section(chain: &DyadChain, point: usize, window: PavingWindow) -> Paving {
     let drawn: Vec<Box2> = chain.points.iter().map(|p| point_box(*p, 0.0)).collect();
     pave_cells(chain, point, window, |cell| {
@@ -65,8 +67,8 @@ pub fn pave_section(chain: &DyadChain, point: usize, window: PavingWindow) -> Pa
     })
 }
 
-/// Where `point` may be for some places of the other moving points within `reach` of their own. `random` gives numbers from -1
-/// to 1 and `tries` says how many places of the others are looked at for squares inside.
+/// The positions of `point` for some positions of the other moving points within `reach` of their own. `random` gives
+/// numbers from -1 to 1, and `tries` is the number of positions of the others examined for squares inside.
 pub fn pave_projection(
     chain: &DyadChain,
     point: usize,
@@ -83,7 +85,7 @@ pub fn pave_projection(
     let others = |k: &usize| !chain.fixed.contains(k) && *k != point;
     let mut witnesses: Vec<Vec<Box2>> = Vec::new();
     for item in 0..tries {
-        // The drawing first, then places farther and farther from it.
+        // First the positions as drawn, then positions farther and farther away.
         let share = item as f64 / tries as f64;
         let mut places = chain.points.clone();
         for k in (0..places.len()).filter(others) {
@@ -118,7 +120,7 @@ fn dyad_answer(dyad: &Dyad, places: &[Box2], sine: Interval) -> Option<bool> {
     are_apart(places[dyad.point], dyad.ends.map(|end| places[end]), sine)
 }
 
-/// Whether all places in a cell keep all dyads, or none does.
+/// Whether all positions in a cell satisfy all dyads, or none does.
 fn judge_cell(
     dyads: &[Dyad],
     point: usize,
@@ -126,6 +128,7 @@ fn judge_cell(
     places: &[Box2],
     least: f64,
 ) -> Option<bool> {
+    // The bars of every dyad are examined with the point anywhere in the cell.
     let sine = Interval::point(least).sin_cos().0;
     let mut all = Some(true);
     let own = point_box(cell.middle, cell.half);
@@ -155,11 +158,13 @@ fn pave_cells(
         middle: chain.points[point],
         half: window.reach,
     };
+    // Depth-first subdivision of the window into four quarters.
     let mut open = vec![(whole, 0)];
     while let Some((cell, halvings)) = open.pop() {
         match answer(cell) {
             Some(true) => paving.inner.push(cell),
             Some(false) => {}
+            // Undecided cells of the smallest size form the boundary.
             None if halvings == window.halvings => paving.edge.push(cell),
             None => {
                 let half = 0.5 * cell.half;

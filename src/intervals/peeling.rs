@@ -1,24 +1,24 @@
-//! A planar chain of bars taken apart into dyads: every point keeps two of its bars, a lever one.
+//! Decomposes a planar chain of bars into dyads: every point keeps two of its bars, a lever one.
 //!
-//! Points are peeled off in their order. A point that has more than two bars left keeps the two that others can do without, and
-//! leaves the rest to the points of the highest numbers, as long as every bar still finds a point (a matching of bars and
-//! points). Which bars belong to which point is a choice: every such row of dyads has the same velocities.
+//! Points are removed in their order. A point with more than two bars left keeps those that others need least, and
+//! leaves the rest to the points with the highest numbers, as long as every bar still finds a point (a matching of bars
+//! and points). The assignment of bars to points is a choice: every such sequence of dyads has the same velocities.
 
 use super::dyad::Dyad;
 
-/// A chain as a row of dyads.
+/// A chain as a sequence of dyads.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Peeled {
-    /// The last is peeled first: its point carries no bar of another.
+    /// The last one is removed first: its point carries no bar of another.
     pub dyads: Vec<Dyad>,
     /// A moving point and the fixed one that its only own bar leads to.
     pub levers: Vec<[usize; 2]>,
 }
 
-/// Why a chain is not made of dyads.
+/// Why a chain cannot be decomposed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NoDyads {
-    /// More bars than two a point.
+    /// More than two bars per point.
     #[error(
         "{bars} bars on {points} moving points: dyads have two a point, and levers leave it free to move"
     )]
@@ -28,7 +28,7 @@ pub enum NoDyads {
         /// Number of moving points.
         points: usize,
     },
-    /// Fewer points are joined to fixed ones than levers are needed.
+    /// Fewer points are connected to fixed ones than levers are needed.
     #[error("{needed} levers are needed, and {found} points have a bar to a fixed one")]
     FewLevers {
         /// Degrees of freedom of the bars.
@@ -44,10 +44,10 @@ pub enum NoDyads {
     },
 }
 
-/// Takes a chain apart. Bars join two points of `0..points`, not both `fixed`.
+/// Decomposes a chain. Bars connect two points of `0..points`, not both `fixed`.
 ///
 /// # Errors
-/// Chains that are not made of dyads and levers.
+/// Chains that do not consist of dyads and levers.
 pub fn peel_dyads(points: usize, fixed: &[usize], bars: &[[usize; 2]]) -> Result<Peeled, NoDyads> {
     let moving: Vec<usize> = (0..points).filter(|p| !fixed.contains(p)).collect();
     let free = (2 * moving.len()).checked_sub(bars.len());
@@ -77,7 +77,7 @@ pub fn peel_dyads(points: usize, fixed: &[usize], bars: &[[usize; 2]]) -> Result
         for bar in kept {
             owner[bar] = Some(point);
         }
-        // What is left has the other end to go to.
+        // The other bars are left to their other ends.
         for bar in left {
             owner[bar] = Some(other_end(bars[bar], point));
         }
@@ -109,8 +109,8 @@ fn other_end(bar: [usize; 2], point: usize) -> usize {
     if bar[0] == point { bar[1] } else { bar[0] }
 }
 
-/// As many levers as the chain has degrees of freedom, each with its bar: the points of the highest numbers that are joined to
-/// fixed ones.
+/// As many levers as the chain has degrees of freedom, each with its bar: the points with the highest numbers that are
+/// connected to fixed ones.
 fn chosen_levers(
     moving: &[usize],
     fixed: &[usize],
@@ -167,8 +167,8 @@ fn kept_bars(
     (kept, left)
 }
 
-/// Whether all bars without an owner find a point with room: a matching by augmenting paths. Else a point of the part that
-/// has too many.
+/// Whether all bars without an owner find a point with room: a matching by augmenting paths. Otherwise a point of the
+/// part that has too many.
 fn all_find_room(
     bars: &[[usize; 2]],
     owner: &[Option<usize>],
@@ -184,7 +184,7 @@ fn all_find_room(
     Ok(())
 }
 
-/// Puts a bar to one of its ends, moving others on if need be.
+/// Assigns a bar to one of its ends, reassigning others if necessary.
 fn find_room(
     bar: usize,
     bars: &[[usize; 2]],

@@ -1,4 +1,4 @@
-//! Whether all matrices in an interval matrix have an inverse.
+//! Whether all matrices in an interval matrix are regular.
 
 use super::system::IntervalSystem;
 use crate::linalg::gauss_jordan::Elimination;
@@ -8,11 +8,11 @@ use crate::numbers::rounding::GROW;
 /// Steps of the iteration for the spectral radius.
 const STEPS: usize = 200;
 
-/// A bound of the spectral radius of |mid A⁻¹| rad A: below one all matrices are regular. Infinite where the middle has no
-/// inverse.
+/// A bound of the spectral radius of |mid A⁻¹| rad A: below one all matrices are regular. Infinite if the midpoint is
+/// singular.
 ///
-/// By Collatz and Wielandt the largest (M x)ᵢ / xᵢ is a bound for every positive x. The inverse is rounded; what R mid A
-/// differs from the identity by is added to M.
+/// By Collatz and Wielandt the largest (M x)ᵢ / xᵢ is a bound for every positive x. The inverse is rounded; the
+/// difference between R mid A and the identity is added to M.
 pub fn spectral_bound(system: &IntervalSystem) -> f64 {
     let n = system.unknowns();
     if system.b.len() != n {
@@ -89,6 +89,7 @@ pub fn positive_share(
 pub fn determinant(matrix: &[Vec<f64>]) -> f64 {
     let mut matrix = matrix.to_vec();
     let (n, mut product) = (matrix.len(), 1.0);
+    // Gaussian elimination with partial pivoting; an exchange of rows changes the sign.
     for k in 0..n {
         let place = (k..n).max_by(|i, j| matrix[*i][k].abs().total_cmp(&matrix[*j][k].abs()));
         let place = place.unwrap_or(k);
@@ -101,6 +102,7 @@ pub fn determinant(matrix: &[Vec<f64>]) -> f64 {
         if pivot == 0.0 {
             return 0.0;
         }
+        // The pivot's row is subtracted from those below.
         let row = matrix[k].clone();
         for below in &mut matrix[k + 1..] {
             let factor = below[k] / pivot;

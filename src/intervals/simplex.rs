@@ -1,13 +1,13 @@
-//! The simplex method on a dense table, with Bland's rule so that it ends: small programmes in plain f64.
+//! The simplex method on a dense table, with Bland's rule against cycling: small programmes in plain f64.
 
 /// What a programme gives.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Programme {
-    /// No point keeps all rows.
+    /// No point satisfies all rows.
     Infeasible,
-    /// The objective has no end.
+    /// The objective is unbounded.
     Unbounded,
-    /// The greatest value and where it is taken.
+    /// The greatest value and its point.
     Optimal {
         /// Of the objective.
         value: f64,
@@ -19,7 +19,7 @@ pub enum Programme {
 /// Entries below this, relative to the largest of all, are rounding.
 const ROUNDING: f64 = 1e-11;
 
-/// The table of a programme: rows of constraints, the objective last; right sides in the last column.
+/// The tableau of a programme: rows of constraints, the objective last; right-hand sides in the last column.
 struct SimplexTable {
     cells: Vec<Vec<f64>>,
     basis: Vec<usize>,
@@ -34,7 +34,7 @@ pub fn maximise(objective: &[f64], rows: &[Vec<f64>], sides: &[f64]) -> Programm
         .flatten()
         .chain(sides)
         .fold(1.0_f64, |s, v| s.max(v.abs()));
-    // One more variable is taken from every row: with it at the worst shortage there is a feasible point.
+    // One more variable is subtracted from every row: when it equals the largest violation, the point is feasible.
     let mut table = SimplexTable {
         cells: Vec::with_capacity(m + 1),
         basis: (n..n + m).collect(),
@@ -94,12 +94,13 @@ pub fn maximise(objective: &[f64], rows: &[Vec<f64>], sides: &[f64]) -> Programm
 }
 
 impl SimplexTable {
-    /// Improves the objective by the first `columns`; false if it has no end.
+    /// Improves the objective by the first `columns`; false if it is unbounded.
     fn run(&mut self, columns: usize) -> bool {
         let m = self.basis.len();
         loop {
             let objective = &self.cells[m];
             let scale = objective.iter().fold(1.0_f64, |s, v| s.max(v.abs()));
+            // Bland's rule: the first column that improves the objective, ...
             let entering = (0..columns).find(|j| objective[*j] < -ROUNDING * scale);
             let Some(entering) = entering else {
                 return true;
@@ -107,6 +108,7 @@ impl SimplexTable {
             let side = self.cells[m].len() - 1;
             let rows = (0..m).filter(|i| self.cells[*i][entering] > self.slack);
             let ratio = |i: &usize| self.cells[*i][side] / self.cells[*i][entering];
+            // ... and among rows with equal ratios the one whose variable has the lowest number.
             let leaving = rows.min_by(|i, j| {
                 let order = ratio(i).total_cmp(&ratio(j));
                 order.then(self.basis[*i].cmp(&self.basis[*j]))

@@ -1,12 +1,12 @@
-//! The system of a row of dyads solved along the row, point by point: what one trial of random directions costs.
+//! Solves the system of a sequence of dyads point by point, which makes a trial of random directions cheap.
 //!
-//! v = v'' + J (v' - v''), and J is a product of two vectors, n eᵀ / (e × f). A few points are taken as parameters, so that all others
-//! follow one after the other as affine functions of them; the dyads that are left over close the system.
+//! v = v'' + J (v' - v''), and J is a product of two vectors, n eᵀ / (e × f). A few points are parameters, so that all
+//! others follow one after the other as affine functions of them; the remaining dyads close the system.
 
 use super::chain::DyadChain;
 use super::dyad::Dyad;
 
-/// Most parameters: two for every point that the others are computed from.
+/// Most parameters: two for every point from which the others are computed.
 pub const MOST_PARAMETERS: usize = 8;
 
 /// Columns of an affine function: its parameters, then the constant.
@@ -20,19 +20,19 @@ type AffinePlace = [[f64; WIDTH]; 2];
 pub struct Projector {
     /// Along the first bar, which reads the difference of the ends.
     pub reads: [f64; 2],
-    /// Square to the second, along which the point differs from its end.
+    /// Perpendicular to the second, along which the point differs from its end.
     pub moves: [f64; 2],
 }
 
-/// In which order the points of a row are computed.
+/// The order in which the points of a sequence are computed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RowSweep {
     dyads: Vec<Dyad>,
     /// Points that are parameters.
     free: Vec<usize>,
-    /// Dyads that give a point, in order.
+    /// Dyads that determine a point, in order.
     steps: Vec<usize>,
-    /// Dyads that must hold of what is known by then.
+    /// Dyads whose points are already known: closing equations.
     checks: Vec<usize>,
     count: usize,
 }
@@ -47,7 +47,7 @@ pub struct SolvedRow {
 }
 
 impl RowSweep {
-    /// Orders a row; `None` if more parameters are needed than [`MOST_PARAMETERS`].
+    /// Orders a sequence; `None` if more parameters are needed than [`MOST_PARAMETERS`].
     pub fn new(chain: &DyadChain) -> Option<Self> {
         let count = chain.points.len();
         let mut known: Vec<bool> = (0..count).map(|k| chain.fixed.contains(&k)).collect();
@@ -70,7 +70,7 @@ impl RowSweep {
                 }
                 continue;
             }
-            // The point that most of the others wait for.
+            // The point that most of the others need.
             let waits = |point: usize| {
                 let ends = open.iter().flat_map(|d| chain.dyads[*d].ends);
                 ends.filter(|end| *end == point).count()
@@ -90,7 +90,7 @@ impl RowSweep {
         })
     }
 
-    /// Solves for all points, where those that are not computed have their `values`. False where the system is singular.
+    /// Solves for all points; those that are not computed have their `values`. False if the system is singular.
     pub fn solve(
         &self,
         projectors: &[Projector],
@@ -112,7 +112,7 @@ impl RowSweep {
         for &index in &self.steps {
             places[self.dyads[index].point] = self.carried_point(index, projectors, places, width);
         }
-        // What the left-over dyads make of their points, less these.
+        // The residuals of the remaining dyads.
         let mut rows = [[0.0; WIDTH]; MOST_PARAMETERS];
         for (k, &index) in self.checks.iter().enumerate() {
             let made = self.carried_point(index, projectors, places, width);
@@ -147,6 +147,7 @@ impl RowSweep {
     ) -> AffinePlace {
         let [first, second] = self.dyads[index].ends.map(|end| &places[end]);
         let Projector { reads, moves } = projectors[index];
+        // v = v'' + n (e · (v' - v'')), for every column of the affine functions.
         let mut made = *second;
         for c in 0..=width {
             let along =

@@ -1,7 +1,7 @@
-//! Interval systems and their solution sets: what stands for "all" and what for "some" is chosen entry by entry.
+//! Interval systems and their solution sets: "for all" or "for some" is chosen entry by entry.
 //!
-//! A point x is in the set where for all values of the entries under "all" there are values of those under "some" with
-//! A x = b. With G = A∀ + dual A∃ and h = dual b∀ + b∃ that is the inclusion G x ⊆ h in Kaucher arithmetic.
+//! A point x is in the set if for all values of the entries under "all" there are values of those under "some" with A x
+//! = b. With G = A∀ + dual A∃ and h = dual b∀ + b∃ this is the inclusion G x ⊆ h in Kaucher arithmetic.
 
 use super::kaucher::Kaucher;
 
@@ -23,7 +23,7 @@ pub struct IntervalSystem {
     pub b: Vec<Kaucher>,
 }
 
-/// Whether something holds, where rounding may leave it open.
+/// Whether something holds; rounding may leave it open.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Answer {
     /// It does.
@@ -34,7 +34,7 @@ pub enum Answer {
     Open,
 }
 
-/// What is wrong with a system.
+/// Errors of a system.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SystemError {
     /// Rows of different length, or not as many as right sides.
@@ -52,7 +52,7 @@ impl IntervalSystem {
     /// A system of proper intervals, each given by its ends.
     ///
     /// # Errors
-    /// Shapes that do not fit; ends out of order.
+    /// Sizes that do not fit; ends out of order.
     pub fn new(a: &[Vec<[f64; 2]>], b: &[[f64; 2]]) -> Result<Self, SystemError> {
         let system = Self::any(a, b)?;
         let rows = system.a.iter().zip(&system.b).enumerate();
@@ -67,7 +67,7 @@ impl IntervalSystem {
     /// A system of Kaucher intervals.
     ///
     /// # Errors
-    /// Shapes that do not fit.
+    /// Sizes that do not fit.
     pub fn any(a: &[Vec<[f64; 2]>], b: &[[f64; 2]]) -> Result<Self, SystemError> {
         let columns = a.first().map_or(0, Vec::len);
         if a.len() != b.len() || columns == 0 || a.iter().any(|row| row.len() != columns) {
@@ -142,8 +142,8 @@ impl IntervalSystem {
         answer
     }
 
-    /// Whether a proper box lies in a set, every point of it. G x grows with the box where A stands for all; elsewhere this
-    /// is sufficient only, and `Open` where it fails.
+    /// Whether all points of a proper box lie in a set. This is exact if A is quantified by "all" throughout; otherwise
+    /// it is only sufficient, and `Open` if it fails.
     pub fn holds_box(&self, x: &[Kaucher], kind: &SolutionSet) -> Answer {
         let inclusion = self.inclusion(kind);
         let is_in = inclusion

@@ -1,7 +1,7 @@
-//! Affine forms: how a number changes with N others to the first order, and a bound of all the rest.
+//! Affine forms: the first-order dependence of a number on N others, and a bound of everything else.
 //!
-//! A form `value + Σ slopesₖ δₖ ± error` encloses a function of δ in [-1, 1]ᴺ. What two forms share in the first order
-//! cancels, which intervals forget; what is of second order or rounded goes into the error. Affine arithmetic of de
+//! A form `value + Σ slopesₖ δₖ ± error` encloses a function of δ in [-1, 1]ᴺ. First-order terms that two forms share
+//! cancel, unlike in interval arithmetic; terms of second order and rounding go into the error. Affine arithmetic of de
 //! Figueiredo and Stolfi (Numerical Algorithms 37, 2004) with functions by the mean value theorem.
 
 use super::constant::Constant;
@@ -24,7 +24,7 @@ pub struct AffineForm<const N: usize> {
 /// Operations in one slope of a product.
 const OF_PRODUCT: f64 = 4.0 * OPERATION;
 
-/// Sums that are taken side by side: one after the other each addition would wait for the one before.
+/// Number of parallel partial sums: in a single sum every addition would wait for the previous one.
 const AT_ONCE: usize = 8;
 
 /// Σ |slope|, not rounded up.
@@ -67,7 +67,7 @@ impl<const N: usize> AffineForm<N> {
         }
     }
 
-    /// The same with `half_width` δ of number `index` added.
+    /// The same plus `half_width` δ of number `index`.
     pub fn moving(mut self, index: usize, half_width: f64) -> Self {
         self.slopes[index] += half_width;
         self
@@ -77,7 +77,7 @@ impl<const N: usize> AffineForm<N> {
     #[inline]
     pub fn add_scaled(&mut self, factor: f64, b: &Self) {
         if factor == 0.0 {
-            // What is not known stays so.
+            // An unknown number stays unknown.
             self.error += if b.error.is_finite() { 0.0 } else { b.error };
             return;
         }
@@ -101,7 +101,7 @@ impl<const N: usize> AffineForm<N> {
         let (mut count, mut size, mut open) = (1.0, start.abs(), 0.0);
         for (factor, form) in terms {
             if factor == 0.0 || form.is_zero() {
-                // What is not known stays so.
+                // An unknown number stays unknown.
                 open += if form.error.is_finite() {
                     0.0
                 } else {
@@ -117,7 +117,7 @@ impl<const N: usize> AffineForm<N> {
             size += factor.abs() * (form.value.abs() + sum_of_magnitudes(&form.slopes));
             open += factor.abs() * form.error;
         }
-        // A sum of products loses no more than so many operations on the sum of their magnitudes.
+        // A sum of products loses at most this many roundings of the sum of their magnitudes.
         sum.error = (open + count * (OPERATION * size + UNDERFLOW)) * GROW;
         sum
     }
@@ -144,12 +144,12 @@ impl<const N: usize> AffineForm<N> {
         Interval::point(self.value) + Interval::around_zero(self.deviation())
     }
 
-    /// Exactly zero, so that products with it are zero as well.
+    /// Exactly zero, so that products with it are zero too.
     pub(super) fn is_zero(&self) -> bool {
         self.value == 0.0 && self.error == 0.0 && self.slopes == [0.0; N]
     }
 
-    /// A function of it: its value here and its derivative on the whole range.
+    /// A function of it: its value at the centre and its derivative on the whole range.
     fn through(self, value: Interval, derivative: Interval) -> Self {
         let slope = derivative.middle();
         if !(value.is_finite() && derivative.is_finite()) {
@@ -166,11 +166,13 @@ impl<const N: usize> AffineForm<N> {
         }
     }
 
-    /// A function of it: its value and its derivative here, and a bound of its second derivative on the whole range.
+    /// A function of it: its value and its derivative at the centre, and a bound of its second derivative on the whole
+    /// range.
     fn bent(self, value: Interval, derivative: Interval, bend: f64) -> Self {
         let (middle, slope) = (value.middle(), derivative.middle());
         let wide = self.deviation();
-        // What the tangent leaves out: its slope's uncertainty over the range, and the bend (Taylor, second order).
+        // The error of the tangent: the uncertainty of its slope over the range, and the curvature (Taylor, second
+        // order).
         let open = derivative.distance(slope) * wide + slope.abs() * self.error;
         let rounding = OPERATION * slope.abs() * self.radius();
         let bent = 0.5 * bend * wide * wide;
@@ -264,7 +266,8 @@ impl<const N: usize> Scalar for AffineForm<N> {
         if self.is_zero() {
             return (self, Self::number(1.0));
         }
-        // Value and slope at the centre; the bend of a sine over the whole range is at most the sine itself.
+        // Value and slope at the centre; the second derivative of a sine over the whole range is bounded by the sine
+        // itself.
         let here = Interval::point(self.value).sin_cos();
         let over = self.range().sin_cos();
         if !self.is_finite() {
@@ -308,7 +311,7 @@ impl<const N: usize> Scalar for AffineForm<N> {
             return Self::undefined();
         }
         let (along, up) = (x.range(), self.range());
-        // The range has no cut inside, or the derivatives would not tell how the angle changes.
+        // The range must not contain the branch cut, or the derivatives would not describe the angle.
         if !up.atan2(along).is_finite() {
             return Self::undefined();
         }
@@ -347,7 +350,7 @@ impl<const N: usize> Add for AffineForm<N> {
         for (s, slope) in sum.slopes.iter_mut().zip(&b.slopes) {
             *s += slope;
         }
-        // What is added to zero is not rounded.
+        // Adding to zero causes no rounding.
         if !(self.is_zero() || b.is_zero()) {
             let size = sum.value.abs() + sum_of_magnitudes(&sum.slopes);
             sum.error = (self.error + b.error + OPERATION * size) * GROW;

@@ -1,6 +1,6 @@
-//! Sums of two f64: about 31 digits, so that a residual of 1e-15 is known to many digits.
+//! Unevaluated sums of two f64: about 31 digits, so that a residual of 1e-15 is known to many digits.
 //!
-//! Error-free sums and products of Knuth and Dekker; no fused operations, which not every machine has.
+//! Error-free sums and products of Knuth and Dekker, without fused operations, which not every machine has.
 
 use std::ops::{Add, Mul, Neg, Sub};
 

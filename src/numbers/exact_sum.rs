@@ -1,7 +1,7 @@
-//! Sums of f64 without rounding: the same in any order and for any division of the summands.
+//! Exact sums of f64: the same in any order and for any division of the terms.
 //!
-//! Every f64 is a whole multiple of the smallest one, so that a sum is one long whole number (Kulisch, Computer Arithmetic
-//! and Validity, chapter 8). It is kept in digits of 32 bits, whose carries wait.
+//! Every f64 is a whole multiple of the smallest one, so a sum is one long whole number (Kulisch, Computer Arithmetic
+//! and Validity, chapter 8). It is stored in digits of 32 bits with delayed carries.
 
 use libm::ldexp;
 
@@ -14,10 +14,10 @@ pub const DIGITS: usize = 68;
 /// Exponent of the smallest f64.
 const SMALLEST: i32 = -1074;
 
-/// Summands after which carries are made: no digit has overflown by then.
+/// Number of terms after which carries are propagated: before that no digit can overflow.
 const MOST_WAITING: u32 = 1 << 30;
 
-/// Bits of the mantissa that are written down.
+/// Bits of the mantissa that are stored.
 const FRACTION: u32 = 52;
 
 /// An exact sum.
@@ -26,7 +26,7 @@ pub struct ExactSum {
     /// The lowest first; the highest one has the sign.
     digits: [i64; DIGITS],
     waiting: u32,
-    /// Summands that are no numbers, or not bounded: there is no sum then.
+    /// Number of terms that are NaN or infinite: there is no sum then.
     unbounded: u64,
 }
 
@@ -78,7 +78,7 @@ impl ExactSum {
         self.carry();
     }
 
-    /// Makes all digits but the highest those of one number, not negative and of 32 bits.
+    /// Propagates carries: all digits but the highest become non-negative, with 32 bits.
     fn carry(&mut self) {
         let mut carried = 0;
         for (k, digit) in self.digits.iter_mut().enumerate() {
@@ -91,7 +91,7 @@ impl ExactSum {
         self.waiting = 0;
     }
 
-    /// The sum, rounded once; NaN if a summand was no bounded number.
+    /// The sum, rounded once; NaN if a term was NaN or infinite.
     pub fn value(&self) -> f64 {
         if self.unbounded > 0 {
             return f64::NAN;
@@ -106,7 +106,7 @@ impl ExactSum {
         let Some(highest) = sum.digits.iter().rposition(|digit| *digit != 0) else {
             return 0.0;
         };
-        // Three digits hold more bits than f64; of the others it counts whether there is anything.
+        // Three digits contain more bits than f64; of the others it only matters whether they are zero.
         let lowest = highest.saturating_sub(2);
         let digits = sum.digits[lowest..=highest].iter().rev();
         let leading = digits.fold(0u128, |all, digit| all << BITS | *digit as u128);
@@ -124,7 +124,7 @@ impl ExactSum {
         digits.chain([self.unbounded as f64]).collect()
     }
 
-    /// The sum of such numbers; `None` if they are none.
+    /// The sum from such numbers; `None` if they are invalid.
     pub fn of_record(record: &[f64]) -> Option<Self> {
         let (digits, unbounded) = record.split_first_chunk::<DIGITS>()?;
         let [unbounded] = unbounded else { return None };

@@ -1,8 +1,8 @@
-//! Where forms put their coefficients: lists that live as long as the room, so that forms are copied without them.
+//! Storage of the forms' coefficients: lists that live as long as the storage, so that copying forms is cheap.
 
 use std::cell::{Cell, OnceCell};
 
-/// Lists of coefficients of so many δ. They are kept until all are given up together.
+/// Lists of coefficients for this many δ. They are freed together.
 #[derive(Debug)]
 pub struct FormRoom {
     count: usize,
@@ -13,11 +13,11 @@ pub struct FormRoom {
 /// Lists on a shelf.
 const ON_SHELF: usize = 256;
 
-/// Most values in all lists together: 2 GB. What is computed beyond that has no place, and is bounded instead.
+/// Most values in all lists together: 2 GB. Coefficients beyond that are bounded instead of stored.
 const MOST_VALUES: usize = 1 << 28;
 
 impl FormRoom {
-    /// Room for forms that change with `count` numbers.
+    /// Storage for forms that depend on `count` numbers.
     pub fn new(count: usize) -> Self {
         let lists = MOST_VALUES / (count * (count + 1) / 2).max(1);
         let shelves = (lists / ON_SHELF).clamp(1, 1 << 14);
@@ -33,17 +33,17 @@ impl FormRoom {
         self.count
     }
 
-    /// How many pairs of them there are, each with itself and every other.
+    /// Number of pairs of them, including each with itself.
     pub fn bends(&self) -> usize {
         self.count * (self.count + 1) / 2
     }
 
-    /// Where in a packed list the pair (k, l) stands, k ≤ l.
+    /// Index of the pair (k, l), k ≤ l, in a packed list.
     pub fn place(&self, k: usize, l: usize) -> usize {
         k * (2 * self.count + 1 - k) / 2 + l - k
     }
 
-    /// Keeps a list; `None` where there is no place any more.
+    /// Stores a list; `None` if there is no more space.
     pub fn keep(&self, list: Vec<f64>) -> Option<&[f64]> {
         let index = self.kept.get();
         let shelf = self.shelves.get(index / ON_SHELF)?;

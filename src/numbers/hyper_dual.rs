@@ -1,6 +1,6 @@
-//! Numbers that change along two directions at once, s and t: value, both first derivatives and the mixed second one.
-//! They lie on the stack: exact mixed derivatives of many poses by many variables are made of them. [`super::series`]
-//! has series of any order along one direction.
+//! Hyper-dual numbers, with derivatives in two directions s and t: value, both first derivatives and the mixed second
+//! one. They are on the stack; exact mixed derivatives of many poses by many variables are computed with them.
+//! [`super::series`] has series of any order in one direction.
 
 use super::scalar::{Ring, Scalar};
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -19,7 +19,7 @@ pub struct HyperDual {
 }
 
 impl HyperDual {
-    /// A number that does not change.
+    /// A constant.
     pub const fn constant(value: f64) -> Self {
         Self {
             value,

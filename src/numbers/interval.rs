@@ -1,8 +1,8 @@
-//! Intervals with outward rounding: every result holds all values that exact arithmetic could give.
+//! Intervals with outward rounding: every result contains all values that exact arithmetic could give.
 //!
-//! Plain f64 operations, widened afterwards, so that no machine needs a rounding mode. Where a function has no
-//! value, or no single formula (a quotient by an interval around zero), the result is [`Interval::ENTIRE`], and so is
-//! all that follows from it; a proof then fails by itself. Functions of `libm` are assumed right within one unit in the
+//! Plain f64 operations, widened afterwards, so that no rounding mode is needed. If a function has no value, or no
+//! single formula (a quotient by an interval around zero), the result is [`Interval::ENTIRE`], and so is everything
+//! computed from it; a proof then fails by itself. Functions of `libm` are assumed to be accurate to one unit in the
 //! last place.
 
 use super::constant::Constant;
@@ -21,10 +21,10 @@ pub struct Interval {
     pub hi: f64,
 }
 
-/// Quotients below this are told from their neighbours: 2 to the power of 52.
+/// Quotients below this have a unit in the last place below one: 2 to the power of 52.
 const MOST_WHOLE: f64 = 4_503_599_627_370_496.0;
 
-/// Relative error of π/2 and of the quotient by 2π, generously.
+/// Relative error of π/2 and of the quotient by 2π, with a generous margin.
 const TURN_SLACK: f64 = 1e-14;
 
 impl Interval {
@@ -46,7 +46,7 @@ impl Interval {
         }
     }
 
-    /// The quotient of two numbers that divide without a rest, which is exact: what is whole stays whole.
+    /// The quotient of two numbers that divide exactly: whole numbers stay whole.
     fn whole_quotient(self, b: Self) -> Option<f64> {
         let are_numbers = self.lo == self.hi && b.lo == b.hi;
         let quotient = self.lo / b.lo;
@@ -54,12 +54,12 @@ impl Interval {
         is_whole.then_some(quotient)
     }
 
-    /// The sum of two numbers, of which the second is far smaller.
+    /// The sum of two numbers, the second far smaller than the first.
     pub fn sum_of(value: f64, rest: f64) -> Self {
         Self::from_constant(Constant::exact(value) + Constant::exact(rest))
     }
 
-    /// From `lo` to `hi`; everything if they are out of order or no numbers.
+    /// From `lo` to `hi`; everything if they are out of order or NaN.
     pub fn new(lo: f64, hi: f64) -> Self {
         if lo <= hi {
             Self { lo, hi }
@@ -82,7 +82,7 @@ impl Interval {
         self.lo.abs().max(self.hi.abs())
     }
 
-    /// A number inside, about the middle.
+    /// A number inside, near the middle.
     pub fn middle(self) -> f64 {
         0.5 * self.lo + 0.5 * self.hi
     }
@@ -160,7 +160,7 @@ impl Ring for Interval {
 }
 
 impl Scalar for Interval {
-    /// All numbers that the constant may mean.
+    /// All values that the constant may have.
     fn from_constant(constant: Constant) -> Self {
         let number = constant.number();
         if constant.is_exact() {
@@ -183,7 +183,7 @@ impl Scalar for Interval {
         (self.lo == self.hi).then_some(self.lo)
     }
 
-    /// Zero at an end belongs to the side of the others.
+    /// Zero at an end belongs to the side of the other values.
     fn nominal(self) -> f64 {
         self.middle()
     }
@@ -245,7 +245,7 @@ impl Scalar for Interval {
         self.monotone_image(libm::asin)
     }
 
-    /// Angle of the point (`x`, `self`); nothing is known where the box meets the negative x axis.
+    /// Angle of the point (`x`, `self`); unknown if the box meets the negative x axis.
     fn atan2(self, x: Self) -> Self {
         if !(self.is_finite() && x.is_finite()) || (x.lo <= 0.0 && self.holds_zero()) {
             return Self::ENTIRE;
@@ -271,7 +271,7 @@ impl Scalar for Interval {
         self.monotone_image(libm::atan)
     }
 
-    /// Where it is the same for all members.
+    /// The sign, if it is the same for all members.
     fn floor(self) -> Self {
         let (lo, hi) = (self.lo.floor(), self.hi.floor());
         if lo == hi {

@@ -1,4 +1,4 @@
-//! Number types, and the trait in terms of which all formulas are written: constants with their error, Taylor series,
+//! Number types, and the trait over which all formulas are written: constants with their error, Taylor series,
 //! hyper-dual numbers, intervals, affine forms, double-doubles, eight designs in SIMD lanes.
 
 pub mod affine_form;

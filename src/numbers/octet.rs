@@ -1,8 +1,8 @@
-//! Eight numbers side by side: one of each of eight designs of the same structure.
+//! Eight numbers side by side: one for each of eight designs of the same structure.
 //!
-//! Nothing goes from one lane to another, so that the bits of a lane do not depend on its neighbours. Sums and products are
-//! those of f64 lane by lane, whatever the registers of the processor hold at once; so are the functions, but for sine and
-//! cosine (`octet_sin_cos`).
+//! Lanes do not affect each other, so the bits of a lane do not depend on its neighbours. Sums and products are those
+//! of f64 lane by lane, whatever the width of the processor's registers; so are the functions, except sine and cosine
+//! (`octet_sin_cos`).
 
 use super::octet_sin_cos::sin_cos;
 use super::scalar::{Ring, Scalar};
@@ -50,7 +50,7 @@ impl Octet {
         self.0.as_mut_array()[lane % LANES] = value;
     }
 
-    /// What a function of plain numbers makes of each.
+    /// Applies a function of plain numbers to each.
     #[inline]
     pub fn each(self, function: impl Fn(f64) -> f64) -> Self {
         Self::new(self.to_array().map(function))
@@ -67,7 +67,7 @@ impl Octet {
         Self(self.0.abs())
     }
 
-    /// The larger magnitude of each lane; what is no number wins.
+    /// The larger magnitude of each lane; NaN propagates.
     #[inline(always)]
     pub fn larger_magnitude(self, other: Self) -> Self {
         let other = other.magnitude();
@@ -76,19 +76,19 @@ impl Octet {
         is_kept.choose(self, other)
     }
 
-    /// Where these are no numbers.
+    /// The lanes that are NaN.
     #[inline(always)]
     pub fn is_nan(self) -> LaneMask {
         LaneMask(self.0.is_nan())
     }
 
-    /// Where these are below the others, or equal; nowhere where one of two is no number.
+    /// The lanes where these are less than or equal to the others; not those with NaN.
     #[inline(always)]
     pub fn at_most(self, other: Self) -> LaneMask {
         LaneMask(self.0.simd_le(other.0))
     }
 
-    /// Where these are above the others; nowhere where one of two is no number.
+    /// The lanes where these are greater than the others; not those with NaN.
     #[inline(always)]
     pub fn above(self, other: Self) -> LaneMask {
         LaneMask(self.0.simd_gt(other.0))
@@ -121,7 +121,7 @@ impl LaneMask {
         Self(f64x8::new(std::array::from_fn(lane)))
     }
 
-    /// From the one lane's number, elsewhere the other's.
+    /// From the one in the selected lanes, from the other elsewhere.
     #[inline(always)]
     pub fn choose(self, here: Octet, elsewhere: Octet) -> Octet {
         Octet(self.0.bitselect(here.0, elsewhere.0))
@@ -247,7 +247,7 @@ impl Scalar for Octet {
         rest.iter().all(|other| *other == first).then_some(first)
     }
 
-    /// There is no one number that eight of them stand for.
+    /// Eight numbers are not a single one.
     fn nominal(self) -> f64 {
         self.as_number().unwrap_or(f64::NAN)
     }

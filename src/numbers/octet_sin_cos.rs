@@ -1,8 +1,8 @@
 //! Sine and cosine of eight angles at once.
 //!
-//! The nearest multiple of π/2 is taken away in three parts (Cody and Waite, Software Manual for the Elementary Functions);
-//! what is left goes into the minimax polynomials of FreeBSD's msun for -π/4 to π/4, the same ones that libm uses. The
-//! error is below one unit in the last place, as there; the last bit may be another one.
+//! The nearest multiple of π/2 is subtracted in three parts (Cody and Waite, Software Manual for the Elementary
+//! Functions); the rest is the argument of the minimax polynomials of FreeBSD's msun for -π/4 to π/4, which libm also
+//! uses. The error is below one unit in the last place, as there; the last bit may differ.
 
 use wide::{f64x8, u64x8};
 
@@ -11,7 +11,7 @@ const LARGEST: f64 = 1e6;
 
 const PER_QUARTER: f64 = std::f64::consts::FRAC_2_PI;
 
-/// Adding and taking away rounds to whole numbers, whose last bits are then those of the sum.
+/// Adding and subtracting it rounds to whole numbers, whose last bits are then those of the sum.
 const ROUNDING: f64 = 1.5 * (1u64 << 52) as f64;
 
 /// π/2 as two parts of 33 bits and the rest, by their bits.
@@ -47,7 +47,7 @@ pub(super) fn sin_cos(x: f64x8) -> (f64x8, f64x8) {
     let number = |value: f64| f64x8::splat(value);
     let sum = x * number(PER_QUARTER) + number(ROUNDING);
     let count = sum - number(ROUNDING);
-    // x - count · π/2 with what its rounding leaves over.
+    // x - count · π/2, with the rounding error of the difference.
     let first = x - count * number(QUARTER[0]);
     let by = count * number(QUARTER[1]);
     let second = first - by;
@@ -69,7 +69,7 @@ pub(super) fn sin_cos(x: f64x8) -> (f64x8, f64x8) {
     (sin, cos)
 }
 
-/// The same with those of angles that are too large for three parts, and of what is no angle.
+/// The same, with separate handling of angles that are too large for three parts and of NaN.
 #[cold]
 fn with_large(angles: f64x8, sin: f64x8, cos: f64x8) -> (f64x8, f64x8) {
     let (mut sin, mut cos) = (sin.to_array(), cos.to_array());

@@ -1,9 +1,9 @@
-//! Quadratic forms: value + Σ slopesₖ δₖ + Σ bendsₖₗ δₖ δₗ ± error encloses a function of δ in [-1, 1]ᴺ: what
-//! [`AffineForm`] is to the first order. Products and sines are of the second order, other functions of the first. They
-//! cost N² a product: worth it where what two forms share in the second order cancels.
+//! Quadratic forms: value + Σ slopesₖ δₖ + Σ bendsₖₗ δₖ δₗ ± error encloses a function of δ in [-1, 1]ᴺ, as
+//! [`AffineForm`] does to first order. Products and sines are of second order, other functions of first order. A
+//! product takes N² operations, which pays if shared terms of second order cancel.
 //!
-//! Bends by the δ that occur lie packed in a [`FormRoom`], row after row from the diagonal on: a form itself is small
-//! and copied freely.
+//! Second-order coefficients of the δ that occur are packed in a [`FormRoom`], row after row from the diagonal on: a
+//! form itself is small and cheap to copy.
 
 use super::affine_form::{AffineForm, sum_of_magnitudes};
 use super::form_room::FormRoom;
@@ -13,20 +13,20 @@ use super::rounding::{GROW, OPERATION, UNDERFLOW};
 /// An enclosure of a function of δ in [-1, 1]ᴺ.
 #[derive(Clone, Copy, Debug)]
 pub struct QuadraticForm<'r, const N: usize> {
-    /// At δ = 0, the change along each δ, and a bound of what neither they nor the bends are.
+    /// Value at δ = 0, slope along each δ, and a bound of everything that is not of first or second order.
     pub line: AffineForm<N>,
-    /// Factors of δₖ δₗ for k ≤ l; empty where all are zero.
+    /// Factors of δₖ δₗ for k ≤ l; empty if all are zero.
     bends: &'r [f64],
     /// Bound of the quadratic part.
     bend: f64,
-    /// Where bends of what is computed with it are put; a number needs none.
+    /// Storage for the second-order coefficients of results; a plain number needs none.
     room: Option<&'r FormRoom>,
 }
 
 /// Roundings in a coefficient of a product, generously: four products and their sum.
 const OF_PRODUCT: f64 = 8.0 * OPERATION;
 
-/// A sum on its way: its bends are changed in place.
+/// A sum under construction: its second-order coefficients are changed in place.
 struct QuadraticSum<'r, const N: usize> {
     line: AffineForm<N>,
     bends: Vec<f64>,
@@ -47,7 +47,7 @@ impl<'r, const N: usize> QuadraticSum<'r, N> {
         }
     }
 
-    /// The bends, where there is room for them.
+    /// The second-order coefficients, if there is space for them.
     fn unfold(&mut self) {
         if let (true, Some(room)) = (self.bends.is_empty(), self.room) {
             self.bends = vec![0.0; room.bends()];
@@ -58,7 +58,7 @@ impl<'r, const N: usize> QuadraticSum<'r, N> {
         self.room = self.room.or(form.room);
         let line = &form.line;
         if factor == 0.0 || line.is_zero() && form.bend == 0.0 {
-            // What is not known stays so.
+            // An unknown number stays unknown.
             let open = line.error + form.bend;
             self.line.error += if open.is_finite() { 0.0 } else { f64::INFINITY };
             return;
@@ -93,10 +93,10 @@ impl<'r, const N: usize> QuadraticSum<'r, N> {
         if rx > 0.0 && ry > 0.0 {
             self.unfold();
             match self.room {
-                // Without room the product of the slopes is in the error.
+                // Without space the product of the slopes goes into the error.
                 None => lost = rx * ry,
                 Some(room) => {
-                    // So is that of slopes along what the room does not have.
+                    // So does that of slopes along δ without storage.
                     let outside = |slopes: &[f64]| sum_of_magnitudes(&slopes[room.count()..]);
                     lost = outside(x) * ry + rx * outside(y);
                     let mut rows = &mut self.bends[..];
@@ -152,8 +152,8 @@ impl<'r, const N: usize> QuadraticSum<'r, N> {
             count,
             size,
         } = self;
-        // A sum of products loses no more than so many operations on the sum of their magnitudes; errors are summed up with
-        // as many roundings.
+        // A sum of products loses at most this many roundings of the sum of their magnitudes; errors are summed with as
+        // many roundings.
         if count > 1.0 {
             let grown = 1.0 + count * GROWN;
             line.error =
@@ -192,7 +192,8 @@ impl<'r, const N: usize> QuadraticForm<'r, N> {
         room: None,
     };
 
-    /// A form without bends; those of products with it are put into the room. Its slopes are those that the room has.
+    /// A form without second-order coefficients; those of products with it go into the storage. Its slopes are those of
+    /// the storage.
     pub fn within(line: AffineForm<N>, room: &'r FormRoom) -> Self {
         Self {
             room: Some(room),
@@ -200,7 +201,7 @@ impl<'r, const N: usize> QuadraticForm<'r, N> {
         }
     }
 
-    /// The same with these bends, packed; where there is no room for them they are in the error.
+    /// The same with these second-order coefficients, packed; without space they go into the error.
     pub fn bent(mut self, bends: Vec<f64>, room: Option<&'r FormRoom>) -> Self {
         self.room = self.room.or(room);
         self.bend = sum_of_magnitudes(&bends) * GROW;
@@ -229,7 +230,7 @@ impl<'r, const N: usize> QuadraticForm<'r, N> {
         self.bends.get(place).copied().unwrap_or(0.0)
     }
 
-    /// Number of δ that it has bends of.
+    /// Number of δ for which it has second-order coefficients.
     pub fn span(&self) -> usize {
         self.room.map_or(0, FormRoom::count)
     }
@@ -239,7 +240,7 @@ impl<'r, const N: usize> QuadraticForm<'r, N> {
         self.bends
     }
 
-    /// The same to the first order: the quadratic part is in the error.
+    /// The same to first order: the quadratic part goes into the error.
     pub fn affine(&self) -> AffineForm<N> {
         let mut line = self.line;
         line.error = (line.error + self.bend) * GROW;
@@ -284,7 +285,8 @@ impl<'r, const N: usize> QuadraticForm<'r, N> {
         }
     }
 
-    /// value + slope y - ½ (that function) y² and a third-order rest: sine or cosine, whose second derivative is minus itself.
+    /// value + slope y - ½ (that function) y² and a third-order remainder: sine or cosine, whose second derivative is
+    /// minus itself.
     fn wave_form(self, value: Interval, slope: Interval) -> Self {
         let (here, rate) = (value.middle(), slope.middle());
         let line = &self.line;

@@ -1,10 +1,10 @@
-//! What one operation can lose: the constants that proofs count rounding with. What a sum or a series of them loses is
-//! derived where it is summed.
+//! Rounding errors of single operations: the constants used by all proofs. The errors of sums and series are derived
+//! where they are computed.
 //!
-//! Arithmetic is IEEE 754 in double precision, to nearest. Three things are taken for granted and nothing else: that
-//! operations and square roots are rounded correctly, that functions of `libm` are right within one unit in the last place,
-//! and that numbers read from tables are those meant within one unit in the last place unless they are whole. Constants of a
-//! scene are read and folded with 31 digits: see [`constant`](super::constant).
+//! Arithmetic is IEEE 754 in double precision, to nearest. Only three things are assumed: that operations and square
+//! roots are rounded correctly, that functions of `libm` are accurate to one unit in the last place, and that numbers
+//! read from tables are those as written to one unit in the last place, exactly if they are whole. Constants of a scene
+//! are read and folded with 31 digits: see [`constant`](super::constant).
 
 /// Unit roundoff: an operation returns the exact result times 1 + e, |e| ≤ U.
 pub const U: f64 = f64::EPSILON / 2.0;
@@ -13,7 +13,7 @@ pub const U: f64 = f64::EPSILON / 2.0;
 /// the smallest number that has such a unit.
 pub const OPERATION: f64 = 2.0 * U;
 
-/// A number that was rounded to f64 and is not whole, relative: one unit in the last place.
+/// Relative error of a number that was rounded to f64 and is not whole: one unit in the last place.
 pub const DECIMAL: f64 = 2.0 * U;
 
 /// An operation with sums of two f64, relative.
@@ -22,7 +22,7 @@ pub const LONG_OPERATION: f64 = 1.0 / (1u128 << 99) as f64;
 /// A function of such a sum, relative to a value of about one.
 pub const LONG_FUNCTION: f64 = 1e-28;
 
-/// What a product next to the smallest numbers of f64 loses: a few of them.
+/// Error of a product close to underflow: a few of the smallest numbers of f64.
 pub const SMALLEST: f64 = 1e-322;
 
 /// Relative widening of an interval after one operation: U, and U² for the widening itself, rounded up.
@@ -32,22 +32,22 @@ pub const WIDENING: f64 = 2.3e-16;
 /// same for the widening itself.
 pub const FUNCTION_WIDENING: f64 = 4.7e-16;
 
-/// Covers what underflow loses in a product. Large enough to keep slow subnormal numbers away.
+/// Covers underflow in a product. Large enough to avoid slow subnormal numbers.
 pub const UNDERFLOW: f64 = 1e-200;
 
-/// What sums of up to nine thousand terms lose, relative to the sum of their magnitudes: every term takes part in as many
-/// operations at most.
+/// Error of sums of up to nine thousand terms, relative to the sum of their magnitudes: every term takes part in at
+/// most that many operations.
 pub const SUMS: f64 = 1e-12;
 
-/// Makes up for the rounding of sums of positive terms in bounds themselves.
+/// Compensates the rounding of sums of positive terms in bounds themselves.
 pub const GROW: f64 = 1.0 + SUMS;
 
-/// Error of a sine or a cosine of [`super::sin_cos`], and so of the angle they stand for (radians): the rest's cube over
-/// six, computed in f64 to five units in the last place, is all that counts.
+/// Error of a sine or a cosine of [`super::sin_cos`], and so of the angle they represent (radians): only the rest's
+/// cube over six matters, computed in f64 to five units in the last place.
 pub const SIN_COS: f64 = 4e-21;
 
-/// Rounding of one step of a product with 23 digits (radians, sizes): six entries lose at most 11 × 2^-80 each, a shift no
-/// more of itself.
+/// Rounding of one step of a product with 23 digits (radians, sizes): each of six entries loses at most 11 × 2^-80, a
+/// translation no more of itself.
 pub const LONG_STEP: f64 = 3e-23;
 
 /// Up to here every whole number is one of f64.
@@ -60,7 +60,7 @@ pub const fn is_exact(value: f64) -> bool {
     value as i64 as f64 == value && value.abs() <= LARGEST_WHOLE
 }
 
-/// By how much a number that was rounded to f64 may differ from the one meant.
+/// Bound on the difference between a number that was rounded to f64 and the number as written.
 #[inline]
 pub const fn of_decimal(value: f64) -> f64 {
     if is_exact(value) {

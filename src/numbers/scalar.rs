@@ -1,20 +1,21 @@
-//! What formulas and chains compute with: one set of operations and functions for every kind of number.
+//! The number types of formulas and chains: one set of operations and functions for all of them.
 //!
-//! A formula is walked once, in `model::expression`, over any [`Scalar`]: plain numbers, numbers with derivatives
-//! ([`HyperDual`](super::hyper_dual::HyperDual), [`Series`](super::series::Series)) and enclosures
-//! ([`Interval`](super::interval::Interval), series of intervals). What a kind leaves out follows from the rest.
+//! A formula is evaluated by one traversal, in `model::expression`, over any [`Scalar`]: plain numbers, numbers with
+//! derivatives ([`HyperDual`](super::hyper_dual::HyperDual), [`Series`](super::series::Series)) and enclosures
+//! ([`Interval`](super::interval::Interval), series of intervals). Operations that a type does not define follow from
+//! the others.
 
 use super::constant::Constant;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// Whole exponents up to this are products, so that they exist for negative bases and at zero, exact for squares.
+/// Whole exponents up to this are products, so that powers exist for negative bases and at zero, and squares are exact.
 pub const LARGEST_PRODUCT: f64 = 16.0;
 
-/// What can be added and multiplied: enough for products of chains.
+/// Types with sums and products: enough for products of chains.
 pub trait Ring:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
 {
-    /// Exactly this number, which does not change.
+    /// Exactly this number, constant.
     fn number(value: f64) -> Self;
 
     /// Product with an exact number.
@@ -22,36 +23,36 @@ pub trait Ring:
         Self::number(factor) * self
     }
 
-    /// Product with a constant of the scene: enclosures hold that with the number meant.
+    /// Product with a constant of the scene: enclosures use the number as written, with its error.
     fn scale_by(self, factor: Constant) -> Self {
         self.scale(factor.number())
     }
 }
 
-/// A number, or something that stands for one.
+/// A number, or a type that represents one.
 pub trait Scalar: Ring + PartialEq + Div<Output = Self> {
-    /// A constant of the scene: enclosures hold the number that was meant, others take the nearest f64.
+    /// A constant of the scene: enclosures contain the number as written, others use the nearest f64.
     fn from_constant(constant: Constant) -> Self {
         Self::number(constant.number())
     }
 
-    /// What has no value, or none that is known.
+    /// An undefined or unknown value.
     fn undefined() -> Self;
 
-    /// Whether all parts are numbers and bounded.
+    /// Whether all parts are finite numbers.
     fn is_finite(self) -> bool;
 
-    /// The number, if this is a single one that does not change.
+    /// The number, if this is a single constant one.
     fn as_number(self) -> Option<f64>;
 
-    /// The number itself, without what comes with it; of an enclosure, one in its middle.
+    /// The number itself, without derivatives; for an enclosure, one in its middle.
     fn nominal(self) -> f64;
 
-    /// What is `value` and changes as this does to the first order: nothing is known of its higher orders, and so nothing of
-    /// an enclosure.
+    /// A number with this `value` and the first-order changes of `self`: its higher orders are unknown, and an
+    /// enclosure of it as well.
     fn first_order(self, value: f64) -> Self;
 
-    /// Whether it is below zero, just behind a zero for what changes; `None` where that is open.
+    /// Whether it is negative (just after a zero for a series); `None` if undecided.
     fn is_below_zero(self) -> Option<bool>;
 
     /// Square.
@@ -86,7 +87,7 @@ pub trait Scalar: Ring + PartialEq + Div<Output = Self> {
     /// Largest whole number that is not above.
     fn floor(self) -> Self;
 
-    /// A power whose exponent is one number, but no small whole one.
+    /// A power with a constant exponent that is not a small whole number.
     fn real_power(self, exponent: f64) -> Self {
         (self.ln() * Self::number(exponent)).exp()
     }
@@ -117,7 +118,7 @@ pub trait Scalar: Ring + PartialEq + Div<Output = Self> {
         self - divisor * (self / divisor).floor()
     }
 
-    /// `negative` where this is below zero, else `other`; nothing where the sign is open.
+    /// `negative` if this is below zero, otherwise `other`; undefined if the sign is undecided.
     fn choose(self, negative: Self, other: Self) -> Self {
         match self.is_below_zero() {
             Some(true) => negative,
@@ -141,7 +142,7 @@ pub trait Scalar: Ring + PartialEq + Div<Output = Self> {
         (self - other).choose(other, self)
     }
 
-    /// Power. Small whole exponents are products; others that change need a positive base.
+    /// Power. Small whole exponents are products; variable exponents need a positive base.
     fn power(self, exponent: Self) -> Self {
         match exponent.as_number() {
             None => (self.ln() * exponent).exp(),
@@ -175,10 +176,9 @@ pub trait Scalar: Ring + PartialEq + Div<Output = Self> {
         }
     }
 
-    /// By which share a power changes with its exponent: the logarithm of the base.
+    /// The relative derivative of a power by its exponent: the logarithm of the base.
     ///
-    /// A plain number without a logarithm still has powers of whole exponents, between which there is no slope to
-    /// follow: zero.
+    /// A negative number has no logarithm, but has powers of whole exponents, between which there is no slope: zero.
     fn slope_by_exponent(self) -> Self {
         self.ln()
     }

@@ -1,9 +1,9 @@
-//! Truncated power series in one variable, over any kind of number: exact rates of any order, and enclosures of them.
+//! Truncated power series in one variable over any number type: exact rates of any order, and enclosures of them.
 //!
-//! A series holds the coefficients c₀ … cₙ of Σ cₖ hᵏ, so that the k-th derivative is k! cₖ. The recurrences come from
-//! the differential equations of the functions (Griewank and Walther, Evaluating Derivatives, 2nd ed., chapter 13).
-//! Where a function has a kink (abs, min, max, mod, floor) the series is that of the side it is on; an enclosure that
-//! holds both sides is undefined.
+//! A series contains the coefficients c₀ … cₙ of Σ cₖ hᵏ, so that the k-th derivative is k! cₖ. The recurrences come
+//! from the differential equations of the functions (Griewank and Walther, Evaluating Derivatives, 2nd ed., chapter
+//! 13). At a kink of a function (abs, min, max, mod, floor) the series is that of one side; an enclosure that contains
+//! both sides is undefined.
 
 use super::constant::Constant;
 use super::interval::Interval;
@@ -13,9 +13,9 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// Highest power of a series of plain numbers.
 pub const HIGHEST_ORDER: usize = 8;
 
-/// Coefficients of a truncated series, on the stack: those up to the order, and zeros behind them.
+/// Coefficients of a truncated series, on the stack: those up to the order, followed by zeros.
 ///
-/// Operands have the same order, or order zero: then they are constants, which go with every order.
+/// Operands have the same order, or order zero: constants, which are compatible with every order.
 #[derive(Clone, Copy, Debug)]
 pub struct Series<T, const N: usize = { HIGHEST_ORDER + 1 }> {
     coefficients: [T; N],
@@ -91,7 +91,7 @@ impl<T: Scalar, const N: usize> Series<T, N> {
         &self.coefficients[..self.length]
     }
 
-    /// The coefficients one after the other, each from those before it.
+    /// Computes the coefficients one after the other, each from those before it.
     #[inline]
     fn built(length: usize, mut coefficient: impl FnMut(usize, &[T; N]) -> T) -> Self {
         let mut coefficients = [T::number(0.0); N];

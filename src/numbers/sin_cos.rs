@@ -1,14 +1,14 @@
 //! Sine and cosine with 20 digits, so that the proof need not trust those of f64.
 //!
-//! The angle is reduced to a multiple of π/64 and a rest; the multiple's sine and cosine stand in a table that the
-//! compiler fills by their Taylor series, those of the rest are short polynomials.
+//! The angle is reduced to a multiple of π/64 and a rest; sine and cosine of the multiple are in a table that the
+//! compiler fills by Taylor series, those of the rest are short polynomials.
 
 use super::double_double::{DoubleDouble, split_halves};
 
 /// Largest angle (radians) that is reduced without loss: its count of steps is exact in f64 with room to spare.
 pub const LARGEST_ANGLE: f64 = 1e12;
 
-/// π as three parts; what is missing is below 2e-49.
+/// π as three parts; the error is below 2e-49.
 const PI: [f64; 3] = [
     std::f64::consts::PI,
     1.224_646_799_147_353_2e-16,
@@ -22,8 +22,8 @@ const QUARTER: usize = STEPS / 2;
 /// Rounds by its size.
 const ROUNDING: f64 = 1.5 * (1u64 << 52) as f64;
 
-/// Adding and taking away rounds numbers up to two to multiples of 2^-26. Products of two such numbers up to one, and
-/// sums of a few of them, are exact in f64.
+/// Adding and subtracting it rounds numbers up to two to multiples of 2^-26. Products of two such numbers up to one,
+/// and sums of a few of them, are exact in f64.
 pub const GRID: f64 = 1.5 * (1u64 << 26) as f64;
 
 /// A number as a short leading part, whose products with others are exact, and the rest: about 79 bits.
@@ -66,7 +66,7 @@ impl SinCosFactor {
         DoubleDouble::ordered(self.upper, self.lower)
     }
 
-    /// Its negative for a negative `sign`.
+    /// Negated for a negative `sign`.
     #[inline]
     pub fn signed(&self, sign: f64) -> Self {
         Self {
@@ -76,7 +76,7 @@ impl SinCosFactor {
         }
     }
 
-    /// What the exact product of the leading parts leaves out, with an error of 2^-78.
+    /// The error of the product of the leading parts, itself with an error of 2^-78.
     #[inline]
     fn beside(&self, b: &Self) -> f64 {
         self.upper * b.lower + self.lower * b.whole
@@ -193,7 +193,7 @@ pub fn long_sin_cos(angle: DoubleDouble) -> (DoubleDouble, DoubleDouble) {
     }
 }
 
-/// Sine and cosine of at most π/128. What the series leave out is below 3e-23.
+/// Sine and cosine of at most π/128. The truncation error of the series is below 3e-23.
 fn near_zero(rest: DoubleDouble) -> (SinCosFactor, SinCosFactor) {
     let r = rest.hi;
     let square = rest * rest;

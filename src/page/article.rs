@@ -1,4 +1,4 @@
-//! One mechanism on a page: what was asked of it and what was found, in the order in which an engineer asks.
+//! One mechanism on a page: the questions and their answers, in the order in which an engineer asks them.
 
 use super::checked::Checked;
 use super::clearance::clearance_section;
@@ -18,7 +18,7 @@ use crate::report::sentences::{event_sentence, gap_sentence};
 use crate::report::verdict::{CLEARANCE, Case, Status, Verdict};
 use serde_json::{Value, json};
 
-/// Rows of a table that is still read.
+/// Most rows of a table on a page.
 const MOST_ROWS: usize = 60;
 
 /// A mechanism's part of a page, ready to be written.
@@ -62,7 +62,7 @@ pub fn article_of(checked: &Checked, number: usize) -> Result<Article, RenderErr
     Ok(article)
 }
 
-/// The same for a page that shows the mechanism already: without a picture, and without a camera of its own.
+/// The same for a page that already shows the mechanism: without a picture and without its own camera.
 pub(super) fn article_in_view(checked: &Checked, number: usize) -> Article {
     match checked.trajectory.poses().next() {
         None => article_without_motion(checked.source, &checked.answer.verdict),
@@ -132,11 +132,11 @@ pub(super) fn values_at(mechanism: &Mechanism, shown: &Trajectory) -> Vec<Value>
     shown_quantities(mechanism).into_iter().map(one).collect()
 }
 
-/// The article of a scene that has no motion to show: what was asked, and the answers.
+/// The article of a scene without a motion to show: the questions and their answers.
 pub fn article_without_motion(source: &str, verdict: &Verdict) -> Article {
     let mut answers = Section::new("Checks and results");
     let mut table = Table::new("Questions", &["about", "question", "answer", "found"]);
-    // Pairs of bodies have a table of their own where there is a motion to show.
+    // If there is a motion to show, pairs of bodies have a table of their own.
     let is_elsewhere = |case: &&Case| case.group == CLEARANCE && case.status <= Status::Passed;
     let kept = verdict.cases.iter().filter(is_elsewhere).count();
     let told = verdict.cases.iter().filter(|case| !is_elsewhere(case));
@@ -174,7 +174,7 @@ pub fn article_without_motion(source: &str, verdict: &Verdict) -> Article {
     }
 }
 
-/// How it moves: proofs, least and greatest values, limit positions, events and gaps.
+/// The motion: proofs, least and greatest values, limit positions, events and gaps.
 fn motion_section(checked: &Checked, shown: &Trajectory) -> Section {
     let Checked {
         scene,
@@ -252,7 +252,7 @@ fn motion_section(checked: &Checked, shown: &Trajectory) -> Section {
     section
 }
 
-/// The report's short heads in full.
+/// Headings in place of the report's abbreviations.
 fn long_head(head: &str) -> &str {
     match head {
         "samples" => "Samples",

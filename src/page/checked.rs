@@ -1,4 +1,4 @@
-//! What an article is about: a check with everything it was asked of.
+//! The subject of an article: a check with its scene and motion.
 
 use crate::clearance::check::ClearanceReport;
 use crate::kinematics::results::trajectory::Trajectory;
@@ -6,7 +6,7 @@ use crate::kinematics::structure::system::System;
 use crate::report::motion_check::MotionAnswer;
 use crate::scene::Scene;
 
-/// A check with everything it was about.
+/// A check with its scene and motion.
 #[derive(Clone, Copy)]
 pub struct Checked<'a> {
     /// Where the scene is from.

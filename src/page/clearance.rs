@@ -1,4 +1,4 @@
-//! Clearances on a page: the table of pairs with their worst moments, and the curve of the worst ones.
+//! Clearances on a page: the table of pairs with their worst moments, and the curves of the worst pairs.
 
 use super::curves::Curves;
 use super::frames::nearest_frame;
@@ -128,7 +128,7 @@ fn sure(is_certified: bool) -> &'static str {
     }
 }
 
-/// A clearance chart at the page's frames: distances between samples are read off the curves, which are straight there.
+/// A clearance chart at the page's frames: between samples distances are interpolated linearly, like the curves.
 pub(super) fn at_frames(chart: &Chart, shown: &Trajectory) -> Chart {
     let mut frames = chart.clone();
     for panel in &mut frames.panels {

@@ -1,4 +1,5 @@
-//! Two versions of a scene on one page: what a change of the file does to its answers, its curves, its clearances and its look.
+//! Two versions of a scene on one page: the effect of a change on the answers, the curves, the clearances and the
+//! pictures.
 
 use super::article::{Article, article_of, article_without_motion, frame_times};
 use super::checked::Checked;
@@ -21,7 +22,7 @@ use crate::report::rounded::not_below;
 use crate::report::verdict::{Case, Verdict};
 use serde_json::json;
 
-/// Rows of a table that is still read.
+/// Most rows of a table on a page.
 const MOST_ROWS: usize = 80;
 
 /// Pairs of bodies whose distances are drawn.
@@ -64,7 +65,7 @@ pub fn comparison_text(old: Version, new: Version) -> Result<String, RenderError
     Ok(linked_text(&articles, &sections))
 }
 
-/// A version's picture and verdict; what is below them is compared.
+/// A version's picture and verdict; the comparison follows below.
 fn drawn_version(version: Version, number: usize) -> Result<Article, RenderError> {
     let mut article = match version.checked {
         Some(checked) => article_of(checked, number)?,
@@ -81,7 +82,7 @@ fn shown_of(checked: &Checked) -> Trajectory {
     shown_trajectory(system, actuation, checked.trajectory, checked.clearances)
 }
 
-/// Both are looked at from where the new one is.
+/// Both are seen from the direction of the new one.
 fn look_alike(articles: &mut [Article; 2]) {
     let camera = articles[1].data["model"]["camera"].clone();
     if camera.is_object() && articles[0].data["model"].is_object() {
@@ -89,7 +90,7 @@ fn look_alike(articles: &mut [Article; 2]) {
     }
 }
 
-/// Every question whose answer or whose numbers are others.
+/// Every question whose answer or numbers have changed.
 fn answers_section(old: Version, new: Version) -> Section {
     let mut section = Section::new("What has changed");
     let mut table = Table::new(
@@ -216,7 +217,7 @@ fn curves_section(
             &solve_with_ends(checked.system, &checked.scene.actuation, &times, &|| false),
         )
     };
-    // Where the old motion stands at the frames of the new one, as far as it lasts.
+    // The old motion at the frames of the new one, as far as it lasts.
     let duration = old.scene.actuation.duration;
     let times: Vec<f64> = frame_times(shown)
         .into_iter()

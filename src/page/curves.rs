@@ -1,4 +1,4 @@
-//! Curves of a page: inline drawings whose playheads know where every frame stands.
+//! Curves of a page: inline drawings whose playheads know the position of every frame.
 
 use super::markup::{Section, escaped};
 use crate::charts::motion::{default_plot, lone_input, motion_chart};
@@ -15,10 +15,10 @@ use serde_json::{Value, json};
 /// Samples of a curve: every one and a half degrees of a turn.
 const SAMPLES: usize = 241;
 
-/// Width of a chart in pixels: its texts can be read where half of it is shown.
+/// Width of a chart in pixels: its texts are readable at half that size.
 const WIDTH: u32 = 720;
 
-/// More quantities against the input are a tangle.
+/// Most quantities in one chart; more would be a tangle.
 const MOST_TRANSFERS: usize = 6;
 
 /// The charts of one mechanism, as the page's script knows them.
@@ -60,7 +60,7 @@ impl<'a> Curves<'a> {
 
     /// A chart as an element of the page; `frames` is the same one at the page's frames.
     pub fn add(&mut self, mut chart: Chart, frames: &Chart) -> String {
-        // The article bears the title; readers who do not see the chart are told what it shows.
+        // The article shows the title; screen readers get a description.
         let title = std::mem::take(&mut chart.title);
         let [usual, height] = crate::plot::usual_size(&chart);
         let height = (f64::from(height) * f64::from(WIDTH) / f64::from(usual)) as u32;
@@ -77,7 +77,7 @@ impl<'a> Curves<'a> {
     }
 }
 
-/// Where every frame stands on the curves, in tenths of a pixel.
+/// The position of every frame on the curves, in tenths of a pixel.
 fn playhead_places(frames: &Chart, drawing: &Drawing) -> Vec<Value> {
     let tenth = |v: f64| (v * 10.0).round() / 10.0;
     let panels = frames.panels.iter().zip(&drawing.areas);
@@ -103,7 +103,7 @@ fn playhead_places(frames: &Chart, drawing: &Drawing) -> Vec<Value> {
         .collect()
 }
 
-/// The page's words for the colours of a light chart, so that its style can make it a dark one.
+/// The page's names for the colours of a light chart, so that its style can turn it into a dark one.
 fn colour_names() -> Vec<(Colour, String)> {
     let theme = ChartTheme::LIGHT;
     let named = [
@@ -124,7 +124,7 @@ fn colour_names() -> Vec<(Colour, String)> {
         .collect()
 }
 
-/// The scene's plots, or what is plotted of a scene that says nothing about it.
+/// The scene's plots, or default plots of a scene without any.
 pub(super) fn shown_plots(scene: &Scene) -> Vec<Plot> {
     match &*scene.plots {
         [] => vec![default_plot(&scene.mechanism, &scene.actuation)],
@@ -144,7 +144,7 @@ pub fn curves_section(curves: &mut Curves) -> Section {
     section
 }
 
-/// First derivatives of what the scene's own default plot shows, by the only input that moves.
+/// First derivatives of the quantities in the scene's default plot by the only input that moves.
 pub fn transfer_section(curves: &mut Curves) -> Section {
     let mut section = Section::new("Transfer functions");
     let (mechanism, actuation) = (&curves.scene.mechanism, &curves.scene.actuation);

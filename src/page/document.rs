@@ -10,17 +10,17 @@ use std::fmt::Write;
 /// How the page looks.
 const STYLE: &str = include_str!("web/report.css");
 
-/// The 3-D view, then what moves on the page; in this order, since the second uses the first.
+/// The 3-D view, then the controls of the page; in this order, since the second uses the first.
 const SCRIPTS: [&str; 2] = [include_str!("web/viewer.js"), include_str!("web/report.js")];
 
-/// What moves on a live page; after the others.
+/// The controls of a live page; after the others.
 const LIVE: &str = include_str!("web/live.js");
 
-/// What holds the engine; the page makes a worker of it.
+/// Contains the engine; the page creates a worker from it.
 const WORKER: &str = include_str!("web/worker.js");
 
-/// The whole file. `title` is that of the page where it is about several mechanisms; with an `engine` those that were
-/// enlivened can be moved.
+/// The whole file. `title` is used if the page contains several mechanisms; with an `engine`, live articles can be
+/// moved.
 pub fn page_text(title: &str, articles: &[Article], engine: Option<&PackedEngine>) -> String {
     let title = match articles {
         [only] => only.title.as_str(),
@@ -112,8 +112,8 @@ fn write_end(
     out.push_str("</body>\n</html>\n");
 }
 
-/// A policy that lets run and look only what is written here: nothing that a scene says can become script or style,
-/// and nothing is asked for from anywhere. A live page may also compile its engine, in a worker that it makes itself.
+/// A policy that allows only what is written here: no text of a scene can become script or style, and nothing is
+/// requested from any address. A live page may also compile its engine, in a worker that it creates itself.
 fn content_policy(scripts: &[&str], is_live: bool) -> String {
     let hash = |text: &str| format!("'sha256-{}'", BASE64_STANDARD.encode(Sha256::digest(text)));
     let mut allowed: Vec<String> = scripts.iter().map(|script| hash(script)).collect();
@@ -199,7 +199,7 @@ pub(super) fn sections_text(article: &Article, depth: usize) -> String {
     out
 }
 
-/// The picture, the canvas over it, and what leads them through time. All that needs the script is hidden until it runs.
+/// The picture, the canvas over it, and the time controls. Everything that needs the script is hidden until it runs.
 fn write_view(out: &mut String, article: &Article, still: &[u8]) {
     let title = escaped(&article.title);
     let canvas = match article.has_view() {

@@ -1,25 +1,25 @@
-//! The engine that a live page holds: a file built from `bindings/web`, packed into text.
+//! The engine of a live page: a file built from `bindings/web`, encoded as text.
 
 use base64::prelude::{BASE64_STANDARD, Engine as _};
 use flate2::{Compression, GzBuilder};
 use std::io::Write;
 
-/// Stands in an engine's file, so that the program knows a file of its own version.
+/// A mark in the engine's file by which the program recognises a file of its own version.
 pub const STAMP: &str = concat!("mechanim-web ", env!("CARGO_PKG_VERSION"), "\n");
 
-/// How every file of WebAssembly begins.
+/// The first bytes of every WebAssembly file.
 const MAGIC: &[u8] = b"\0asm";
 
-/// An engine as a page holds it.
+/// An engine, encoded for a page.
 #[derive(Clone, Debug)]
 pub struct PackedEngine {
     pub(super) text: String,
 }
 
 impl PackedEngine {
-    /// Of the contents of a file.
+    /// From the contents of a file.
     ///
-    /// Errors, in words: no WebAssembly, or not the engine of this version.
+    /// Errors, as text: not WebAssembly, or not the engine of this version.
     pub fn new(wasm: &[u8]) -> Result<Self, String> {
         if !wasm.starts_with(MAGIC) {
             return Err("it is not WebAssembly".to_owned());

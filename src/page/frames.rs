@@ -1,4 +1,4 @@
-//! Which poses a page shows: those of the check, thinned where they are too many, and the worst moments among them.
+//! The poses that a page shows: those of the check, thinned out if there are too many, and the worst moments.
 
 use crate::clearance::check::ClearanceReport;
 use crate::kinematics::motion::continuation::solve_motion;
@@ -6,16 +6,16 @@ use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 
-/// More frames say nothing to an eye, and make the file large.
+/// Most frames: more are invisible and make the file large.
 const MOST_FRAMES: usize = 241;
 
-/// Most placements of bodies: 37 characters of the file each.
+/// Most placements of bodies: each takes 37 characters of the file.
 const MOST_PLACEMENTS: usize = 6000;
 
-/// Pairs of bodies whose worst moments are shown exactly, between the samples.
+/// Most pairs of bodies whose worst moments are shown exactly, between the samples.
 const MOST_MOMENTS: usize = 12;
 
-/// Moments nearer to each other than this share of the motion are one.
+/// Moments nearer to each other than this fraction of the motion are merged.
 const SAME_MOMENT: f64 = 1e-6;
 
 /// The trajectory that a page shows: the samples with a pose, and the worst moments of pairs of bodies.
@@ -44,7 +44,7 @@ pub fn shown_trajectory(
         }
     }
     times.sort_by(f64::total_cmp);
-    // Samples between are solved, too: what is shown is the motion that was checked.
+    // The samples in between are solved too, so that the page shows the motion that was checked.
     let mut all: Vec<f64> = trajectory
         .samples
         .iter()

@@ -1,5 +1,5 @@
-//! Texts in markup: escaped, with characters spelt out that would act instead of being seen. Everything that a scene can
-//! say reaches the page through here.
+//! Texts in markup: escaped, with invisible and control characters spelled out. Every text of a scene reaches the page
+//! through this file.
 
 use crate::diag::shown_lines;
 use crate::report::verdict::Status;
@@ -21,7 +21,7 @@ pub fn escaped(text: &str) -> String {
     out
 }
 
-/// JSON inside of a script element: nothing in it can end the element or open a comment.
+/// JSON inside a script element: nothing in it can end the element or open a comment.
 pub fn script_json(value: &serde_json::Value) -> String {
     let text = value.to_string();
     text.replace('<', "\\u003c")
@@ -29,7 +29,7 @@ pub fn script_json(value: &serde_json::Value) -> String {
         .replace('&', "\\u0026")
 }
 
-/// Rows of a table that is shown at once, and of a longer one those that are seen before it is unfolded.
+/// Number of rows of a table that is shown at once, and of a longer one those shown before it is unfolded.
 const MOST_SEEN: usize = 12;
 const FIRST_SEEN: usize = 8;
 
@@ -69,7 +69,7 @@ impl Section {
         self.blocks.push(out);
     }
 
-    /// Adds a table, unless it is empty; of a long one the first rows are seen, and the others are folded away.
+    /// Adds a table, unless it is empty; the first rows of a long one are visible, the others are folded.
     pub fn table(&mut self, table: &Table) {
         if table.rows.is_empty() {
             return;
@@ -100,12 +100,12 @@ pub enum Cell {
     Text(String),
     /// A number, set to the right.
     Number(String),
-    /// An answer, coloured by what it is.
+    /// An answer, coloured by its status.
     State(Status, String),
     /// A value that follows the time slider: its number in the list of values.
     Live(usize),
-    /// A button that shows a frame, and in it a pair of points by its number in the list of marks. `about` says to
-    /// readers who do not see the row what is shown.
+    /// A button that shows a frame, and in it a pair of points by its index in the list of marks. `about` describes it
+    /// for screen readers.
     Show {
         /// The frame.
         frame: usize,
@@ -175,7 +175,7 @@ impl Table {
     }
 
     fn markup(&self) -> String {
-        // A scrolling box is reached by keys, too.
+        // A scrolling box must be accessible by keyboard.
         let caption = escaped(&self.caption);
         let mut out = format!(
             "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{caption}\"><table><caption>{caption}</caption><thead><tr>"

@@ -1,4 +1,4 @@
-//! What a mechanism consists of, in words: bodies, joints, loops, coordinates, freedoms.
+//! The parts of a mechanism, in words: bodies, joints, loops, coordinates, freedoms.
 
 use super::checked::Checked;
 use super::markup::Section;
@@ -6,7 +6,7 @@ use crate::model::joints::JointKind;
 use crate::model::mechanism::{Coordinate, Mechanism};
 use crate::report::sentences::{counted_things, with_unit};
 
-/// Names in a list that is still read.
+/// Most names in a list.
 const MOST_NAMES: usize = 24;
 
 /// The section about the mechanism itself.

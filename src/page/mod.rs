@@ -1,5 +1,5 @@
-//! A report as one HTML file that works offline: it fetches nothing and runs only its own script, whose digest is in its
-//! Content Security Policy. Takes values and returns text; solves only what the page shows in addition to a check.
+//! A report as one HTML file that works offline: it fetches nothing and runs only its own scripts, whose digests are in
+//! its Content Security Policy. Takes values and returns text; solves only what the page shows in addition to a check.
 
 mod article;
 mod checked;

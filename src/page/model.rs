@@ -13,7 +13,7 @@ use glam::{DMat3, DVec3};
 use serde_json::{Value, json};
 use std::collections::HashMap;
 
-/// More triangles make a file that is not sent around: 6 to 12 bytes each, and half as much for their corners.
+/// Most triangles of a file that can still be mailed: 6 to 12 bytes each, and half as much for their corners.
 const MOST_TRIANGLES: usize = 60_000;
 
 /// Levels of a coordinate within its mesh's box, and of a normal's entry.
@@ -55,7 +55,7 @@ pub fn viewer_model(
     Ok(value)
 }
 
-/// Where all bodies are at all frames, and the traced paths: what changes where a mechanism only moves otherwise.
+/// Placements of all bodies at all frames, and the traced paths: everything that changes when a mechanism only moves.
 pub(super) fn motion_value(mechanism: &Mechanism, shown: &Trajectory) -> Value {
     let bodies = mechanism.bodies.iter().enumerate();
     let poses = |index: usize| -> Vec<Pose> {
@@ -160,7 +160,7 @@ fn folded_normal(normal: DVec3) -> [u8; 2] {
     [x, y].map(|v| ((v * NORMAL_LEVELS).round() as i8).to_le_bytes()[0])
 }
 
-/// A body's quaternion and place for every frame; one frame for a body that stands still.
+/// A body's quaternion and position for every frame; one frame for a body that does not move.
 fn body_value(name: &str, poses: &[Pose]) -> Value {
     let first = poses.first();
     let stands = poses.iter().all(|pose| Some(pose) == first);
@@ -193,7 +193,7 @@ fn trace_value(trace: &ModelTrace) -> Value {
     })
 }
 
-/// The picture's camera with what it turns around: the point of its axis nearest to the middle of all that is shown.
+/// The picture's camera with its centre of rotation: the point of its axis nearest to the middle of everything shown.
 fn camera_value(scene: &Scene, model: &ExportModel, camera: &Camera, aspect: f64) -> Value {
     let [low, high] = extent_of(model);
     let (middle, extent) = (0.5 * (low + high), (high - low).length());

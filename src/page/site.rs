@@ -1,4 +1,4 @@
-//! The front page of a folder of pages: every mechanism with its picture, its result and the way to its page.
+//! The front page of a folder of pages: every mechanism with its picture, its result and a link to its page.
 
 use super::article::Article;
 use super::document::whole_text;
@@ -50,7 +50,7 @@ fn small_picture(png: &[u8]) -> Option<Vec<u8>> {
 pub fn site_text(title: &str, entries: &[Entry]) -> String {
     let mut body = format!("<h1>{}</h1>\n<ul class=\"gallery\">\n", escaped(title));
     for entry in entries {
-        // A picture beside its own title needs no words.
+        // A picture next to its title needs no description.
         let picture = entry.picture.as_ref().map_or_else(String::new, |png| {
             let [width, height] = SMALL;
             format!(

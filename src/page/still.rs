@@ -1,4 +1,4 @@
-//! The picture that a page shows where nothing moves: without scripts, without WebGL, on paper.
+//! The still picture of a page: used without scripts, without WebGL, and on paper.
 
 use crate::export::png::{Effort, encode_png};
 use crate::kinematics::results::trajectory::Trajectory;
@@ -71,7 +71,7 @@ fn camera_of(staging: &Staging) -> (Camera, f64) {
     (staging.frame(0).camera(&staging.stage), width / height)
 }
 
-/// Of 64 levels, black and white among them: half the file, and nothing that an eye sees.
+/// Reduced to 64 levels per channel, black and white among them: half the file size, without a visible difference.
 fn coarser_level(level: u8) -> u8 {
     let step = u32::from(level) >> 2;
     ((step * 255 + 31) / 63) as u8

@@ -12,7 +12,7 @@ pub struct BarChart {
     pub title: String,
     /// One sentence for readers who do not see the picture.
     pub description: String,
-    /// Blocks of rows below each other; their values are not compared with each other.
+    /// Blocks of rows below each other; the values of different blocks are not comparable.
     pub blocks: Vec<BarBlock>,
     /// Lines under the bars.
     pub notes: Vec<String>,
@@ -126,7 +126,7 @@ fn natural_size(chart: &BarChart, sizes: &Sizes, ruler: &Ruler) -> [f64; 2] {
     [wide + 4.0 * sizes.gap, high + 4.0 * sizes.gap]
 }
 
-/// What has been laid out so far.
+/// The primitives laid out so far.
 struct BarTable {
     sizes: Sizes,
     theme: ChartTheme,
@@ -135,7 +135,7 @@ struct BarTable {
     names: f64,
     /// Width of everything.
     width: f64,
-    /// Where the next thing begins.
+    /// Position of the next element.
     top: f64,
 }
 

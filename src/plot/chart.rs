@@ -1,4 +1,4 @@
-//! What a chart shows, as a value: panels, series, marks. All numbers are in the units of the axes; no pixels here.
+//! The content of a chart: panels, series, marks. All numbers are in the units of the axes; pixels are unknown here.
 
 use super::scale::ScaleKind;
 use super::theme::Colour;
@@ -12,7 +12,7 @@ pub struct Chart {
     pub description: String,
     /// The panels, in reading order.
     pub panels: Vec<Panel>,
-    /// Lines under the panels: what the reader must know besides.
+    /// Lines under the panels: further information for the reader.
     pub notes: Vec<String>,
 }
 
@@ -33,7 +33,7 @@ pub struct Panel {
     pub cloud: Vec<Vec<[f64; 2]>>,
     /// The curves.
     pub series: Vec<PlotSeries>,
-    /// Places on the horizontal axis with a word.
+    /// Positions on the horizontal axis with a word.
     pub events: Vec<EventMark>,
     /// Ranges of the horizontal axis without values.
     pub shades: Vec<Shade>,
@@ -43,9 +43,9 @@ pub struct Panel {
     pub lines: Vec<[[f64; 2]; 2]>,
     /// Words beside points.
     pub words: Vec<PointWord>,
-    /// A unit is as long on one axis as on the other.
+    /// Whether both axes have the same scale.
     pub equal: bool,
-    /// Place of every sample on the horizontal axis, also of those without a point: where the playhead stands.
+    /// Position of every sample on the horizontal axis, with or without a point: for the playhead.
     pub samples: Vec<f64>,
 }
 
@@ -58,7 +58,7 @@ pub struct Axis {
     pub unit: String,
     /// Linear or logarithmic.
     pub scale: ScaleKind,
-    /// The axis ends where the values end, without a margin.
+    /// Whether the axis ends where the values end, without a margin.
     pub tight: bool,
 }
 
@@ -70,7 +70,7 @@ pub enum SeriesStyle {
     Line,
     /// By a line with a dot at every point.
     Dots,
-    /// By a dashed line: what was before.
+    /// By a dashed line: the earlier state.
     Dashed,
 }
 
@@ -81,7 +81,7 @@ pub struct PlotSeries {
     pub name: String,
     /// Points in order; `None` interrupts the line.
     pub points: Vec<Option<[f64; 2]>>,
-    /// Indices of points that are not joined to the one before: an angle has jumped by a turn there.
+    /// Indices of points that are not joined to the previous one: an angle has jumped by a turn there.
     pub breaks: Vec<usize>,
     /// Joined how.
     pub style: SeriesStyle,

@@ -1,4 +1,4 @@
-//! What the colours of a map mean: a bar of them with numbers, at the right of a drawing.
+//! The legend of a map's colours: a colour bar with numbers, to the right of a drawing.
 
 use super::drawing::Drawing;
 use super::primitive::{DrawnPrimitive, Rect, TextAnchor};
@@ -6,7 +6,7 @@ use super::scale::{Scale, ScaleKind};
 use super::theme::Colour;
 use super::ticks::{power_of_ten, scale_ticks};
 
-/// A row of colours for equal stretches of values.
+/// A row of colours for equal ranges of values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ColourBar {
     /// What is coloured, with its unit.
@@ -23,7 +23,7 @@ pub struct ColourBar {
 const BAR: f64 = 1.8;
 const ROOM: f64 = 12.0;
 
-/// Pixels by which steps reach under each other.
+/// Pixels by which adjacent steps overlap.
 const SEAM: f64 = 0.5;
 
 /// Most numbers beside the bar.
@@ -59,7 +59,7 @@ impl ColourBar {
             rect: Rect {
                 left,
                 right: left + BAR * text,
-                // Under the next step, so that no seam is seen.
+                // Under the next step, so that no seam is visible.
                 top: (bottom - (k + 1) as f64 * step - SEAM).max(top),
                 bottom: bottom - k as f64 * step,
             },

@@ -1,4 +1,4 @@
-//! A chart beside or below an animation, with the playhead at the frame's sample. The chart is drawn once.
+//! A chart next to or below an animation, with the playhead at the sample of the frame. The chart is drawn once.
 
 use super::chart::Chart;
 use super::drawing::{Drawing, draw_chart};
@@ -8,14 +8,14 @@ use super::theme::ChartTheme;
 use image::RgbaImage;
 use image::imageops::replace;
 
-/// Pictures at least this much wider than high have the chart beside the animation, others below it.
+/// Pictures that are at least this much wider than high have the chart next to the animation, others below it.
 const BESIDE: f64 = 1.5;
 
 /// Share of the picture's width, or height, that the chart takes.
 const SHARE_BESIDE: f64 = 0.44;
 const SHARE_BELOW: f64 = 0.4;
 
-/// Fewest pixels in which a panel can be read.
+/// Smallest readable size of a panel in pixels.
 const LEAST_PANEL: [f64; 2] = [230.0, 120.0];
 
 /// A picture divided between an animation and a chart.
@@ -55,7 +55,7 @@ fn divide_picture([width, height]: [u32; 2]) -> [[u32; 2]; 3] {
 
 impl Companion {
     /// Draws `chart` into its part of a picture of `size` pixels, on `background`. `frames` is the same chart at the
-    /// samples of the animation: where the playhead stands.
+    /// samples of the animation, for the playhead.
     pub fn new(chart: &Chart, frames: Chart, size: [u32; 2], background: [u8; 3]) -> Self {
         let [animation, own, corner] = divide_picture(size);
         let chart = &reduce_chart(chart, own);
@@ -80,7 +80,8 @@ impl Companion {
         }
     }
 
-    /// Puts the animation's picture and the chart with its playhead at `sample` into `image`, which has the whole size.
+    /// Draws the picture of the animation and the chart with its playhead at `sample` into `image`, which has the full
+    /// size.
     pub fn compose_frame(
         &self,
         animation: &RgbaImage,

@@ -1,4 +1,4 @@
-//! Curves of a panel: their runs between gaps, as few points as show them, and dots.
+//! Curves of a panel: their parts between gaps, with as few points as possible, and dots.
 
 use super::area::PanelArea;
 use super::chart::{Panel, SeriesStyle};
@@ -34,7 +34,7 @@ pub(super) fn draw_curves(
         for points in unbroken_runs(&pixels, &series.breaks) {
             match points.as_slice() {
                 [] => {}
-                // A point without neighbours has no line, but is there.
+                // A point without neighbours has no line, but is drawn.
                 [alone] if series.style != SeriesStyle::Dots => list.push(dot(*alone)),
                 [_] => {}
                 _ => list.push(DrawnPrimitive::Line {
@@ -50,7 +50,7 @@ pub(super) fn draw_curves(
     }
 }
 
-/// The pieces of a curve between its gaps and breaks.
+/// The parts of a curve between its gaps and breaks.
 fn unbroken_runs(pixels: &[Option<[f64; 2]>], breaks: &[usize]) -> Vec<Vec<[f64; 2]>> {
     let mut runs = vec![Vec::new()];
     for (index, pixel) in pixels.iter().enumerate() {
@@ -64,14 +64,14 @@ fn unbroken_runs(pixels: &[Option<[f64; 2]>], breaks: &[usize]) -> Vec<Vec<[f64;
     runs
 }
 
-/// Leaves out points that lie on the straight line between those that are kept.
+/// Omits points on the straight line between those that are kept.
 fn thin_line(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut kept = vec![points[0]];
     let mut start = 0;
     for end in 2..points.len() {
         let (a, b) = (points[start], points[end]);
         let between = &points[start + 1..end];
-        // Long straight runs would cost the square of their length.
+        // Without a limit, the time for long straight parts would grow with the square of their length.
         let far = between.len() > 64 || between.iter().any(|p| chord_distance(*p, a, b) > FLATNESS);
         if far {
             kept.push(points[end - 1]);

@@ -1,6 +1,6 @@
-//! Decimals without digits that say nothing.
+//! Decimal numbers without superfluous digits.
 
-/// The value with at most so many decimals; no zeros at its end, and no minus before zero.
+/// The value with at most this many decimals; no trailing zeros, and no minus before zero.
 pub fn trimmed_decimal(value: f64, places: usize) -> String {
     let text = format!("{value:.places$}");
     let short = match text.contains('.') {

@@ -8,13 +8,13 @@ use super::layout::{ChartLayout, Ruler, Sizes};
 use super::primitive::{DrawnPrimitive, Rect, Stroke, TextAnchor};
 use super::theme::{ChartTheme, Dashes};
 
-/// Most pixels of a hatched range's lines from each other, in heights of the capitals.
+/// Largest distance of a hatching's lines from each other, in heights of the capitals.
 const HATCH: f64 = 1.4;
 
-/// Pixels by which tiles of a map reach under each other.
+/// Pixels by which adjacent tiles of a map overlap.
 const SEAM: f64 = 0.5;
 
-/// Opacity of a band and of a line of a cloud, of 255: several of them add up.
+/// Opacity of a band and of a line of a cloud, of 255: overlapping ones add up.
 const BAND_OPACITY: u8 = 46;
 const CLOUD_OPACITY: u8 = 40;
 
@@ -116,7 +116,7 @@ pub fn draw_chart(chart: &Chart, size: [u32; 2], theme: ChartTheme) -> Drawing {
     drawing
 }
 
-/// The words above an area: those of events, and those of ranges too narrow to hold them.
+/// The words above an area: those of events, and those of ranges too narrow for them.
 fn panel_words(panel: &Panel, width: f64, ruler: &Ruler, sizes: &Sizes) -> Vec<(f64, String)> {
     let values = panel.points().map(|p| p[0]);
     let ends = panel.shades.iter().flat_map(|s| [s.from, s.to]);
@@ -125,7 +125,7 @@ fn panel_words(panel: &Panel, width: f64, ruler: &Ruler, sizes: &Sizes) -> Vec<(
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
             (l.min(v), h.max(v))
         });
-    // Where nothing is drawn comes first: of the rest the lines tell something.
+    // Ranges without values come first: the others are also marked by lines.
     let mut words: Vec<(f64, String)> = Vec::new();
     for shade in &panel.shades {
         let share = (shade.to - shade.from).abs() / (high - low);
@@ -145,7 +145,7 @@ fn panel_words(panel: &Panel, width: f64, ruler: &Ruler, sizes: &Sizes) -> Vec<(
     words
 }
 
-/// The rectangles of a map; each reaches a little under the next, so that no seam is seen.
+/// The rectangles of a map; each extends a little under the next, so that no seam is visible.
 fn draw_tiles(panel: &Panel, area: &PanelArea, list: &mut Vec<DrawnPrimitive>) {
     for tile in &panel.tiles {
         let (Some([left, bottom]), Some([right, top])) =
@@ -178,7 +178,7 @@ fn draw_shades(
             continue;
         };
         let middle = 0.5 * (a + b);
-        // A single missing sample must be seen too.
+        // A single missing sample must be visible too.
         let half = (0.5 * (a - b).abs()).max(0.5 * sizes.curve);
         let rect = Rect {
             left: (middle - half).max(area.rect.left),

@@ -1,4 +1,4 @@
-//! Axes of one panel: their limits, where the area lies in its cell, grid, tick marks and numbers.
+//! Axes of one panel: their limits, the area within its cell, grid, tick marks and numbers.
 
 use super::chart::Panel;
 use super::headings::{Heading, Words};
@@ -14,13 +14,13 @@ const ROOM_Y: f64 = 2.8;
 /// Pixels a number of the horizontal axis takes at least, in heights of the capitals.
 const ROOM_X: f64 = 6.5;
 
-/// An area keeps this height before words are put above it, in heights of the capitals.
+/// The smallest height that an area keeps when words are placed above it, in heights of the capitals.
 const WORDLESS: f64 = 9.0;
 
-/// Smallest side of an area in pixels: a picture that is too small shows little, but never turns inside out.
+/// Smallest side of an area in pixels: in a picture that is too small, sizes must not become negative.
 const SMALLEST_AREA: f64 = 8.0;
 
-/// Everything about a panel that its size decides.
+/// The properties of a panel that depend on its size.
 pub struct AxesFrame {
     /// Where values are drawn.
     pub area: Rect,
@@ -84,7 +84,7 @@ impl AxesFrame {
         let mut y_ticks = scale_ticks(&y, most_y(&area, sizes), &panel.y.unit);
         y_ticks.list.retain(|t| y.holds_about(t.value));
         let x_ticks = x_ticks(panel, &x, &area, ruler, sizes);
-        // The heading was made with the factor of a slightly different height.
+        // The heading was made with the power of ten for a slightly different height.
         let heading = Heading::new(panel, panel.y.heading(y_ticks.factor), wide, ruler, sizes);
         Self {
             area,
@@ -209,7 +209,7 @@ fn most_y(area: &Rect, sizes: &Sizes) -> usize {
         .clamp(2.0, 12.0) as usize
 }
 
-/// As many numbers as stand side by side without touching.
+/// The largest number of labels that fit next to each other.
 fn x_ticks(panel: &Panel, x: &Scale, area: &Rect, ruler: &Ruler, sizes: &Sizes) -> Ticks {
     let mut most = (area.width() / (ROOM_X * sizes.text))
         .floor()

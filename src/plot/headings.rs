@@ -1,6 +1,6 @@
-//! What stands above a panel's area: its title, the label of the vertical axis with the legend, the words of events.
+//! The texts above a panel's area: its title, the label of the vertical axis with the legend, the words of events.
 //!
-//! Nothing of it lies over the curves.
+//! None of them covers the curves.
 
 use super::chart::{Panel, SeriesStyle};
 use super::layout::{Ruler, Sizes};
@@ -8,7 +8,7 @@ use super::primitive::{DrawnPrimitive, Rect, Stroke, TextAnchor};
 use super::scale::Scale;
 use super::theme::{ChartTheme, Dashes};
 
-/// Most rows of words above an area; what does not fit keeps its line and loses its word.
+/// Most rows of words above an area; further words are omitted, but their lines are drawn.
 const MOST_ROWS: usize = 3;
 
 /// Length of the sample of a line in the legend, in heights of the capitals.
@@ -145,8 +145,8 @@ pub struct Words {
 }
 
 impl Words {
-    /// Places each `(x, word)` above its place, in as few rows as hold them side by side, the first of the list first.
-    /// `room` pixels are there for them.
+    /// Places each `(x, word)` above its position, in as few rows as possible, in the order of the list. `room` pixels
+    /// are available.
     pub fn new(
         words: &[(f64, String)],
         scale: &Scale,

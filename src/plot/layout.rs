@@ -1,4 +1,4 @@
-//! Sizes of texts and gaps, the measuring of texts, and the cells in which panels stand.
+//! Sizes of texts and gaps, the measuring of texts, and the cells of panels.
 
 use super::chart::Chart;
 use super::primitive::Rect;
@@ -11,11 +11,11 @@ const USUAL_WIDTH: f64 = 800.0;
 const ROW_HEIGHT: f64 = 250.0;
 const EQUAL_ROW_HEIGHT: f64 = 470.0;
 
-/// Smallest and largest scale of texts: below no letter can be read.
+/// Smallest and largest scale of texts; below the smallest they are unreadable.
 const SMALLEST: f64 = 0.8;
 const LARGEST: f64 = 12.0;
 
-/// Width and height, as shares of the usual ones, below which texts shrink with the shorter side.
+/// Width and height, relative to the usual ones, below which texts shrink with the shorter side.
 const LEAST_SHARE: [f64; 2] = [0.6, 0.8];
 
 /// Panels from which on the usual size has two columns.
@@ -110,7 +110,7 @@ fn row_heights(chart: &Chart, columns: usize) -> Vec<f64> {
     .collect()
 }
 
-/// Columns that give the panels of a picture of these pixels the best shape.
+/// Number of columns that gives the panels of a picture of this size the best proportions.
 fn column_count(chart: &Chart, [width, height]: [f64; 2]) -> usize {
     let fault = |columns: usize| {
         let high: f64 = row_heights(chart, columns).iter().sum();
@@ -135,7 +135,7 @@ impl Ruler {
     }
 }
 
-/// Where everything outside the panels stands.
+/// The layout of everything outside the panels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChartLayout {
     /// One cell per panel; columns share their edges.

@@ -14,7 +14,7 @@ pub struct MatrixChart {
     pub description: String,
     /// Names of the rows, which are those of the columns.
     pub names: Vec<String>,
-    /// One cell a pair; pairs without one stay empty.
+    /// One cell per pair; pairs without one stay empty.
     pub cells: Vec<MatrixCell>,
     /// Colours and what they mean.
     pub legend: Vec<(Colour, String)>,
@@ -33,7 +33,7 @@ pub struct MatrixCell {
     pub text: String,
 }
 
-/// Edge of a cell in heights of the capitals, and up to how many names it is that large.
+/// Edge of a cell in heights of the capitals, and the number of names up to which it is that large.
 const EDGES: [(usize, f64); 3] = [(16, 6.0), (48, 2.4), (usize::MAX, 1.0)];
 
 /// Texts stand in cells of at least this edge.

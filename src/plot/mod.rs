@@ -1,7 +1,7 @@
-//! Charts: values to SVG text, PDF or pixels. Independent of mechanisms, files and 3-D pictures.
+//! Charts: from values to SVG, PDF or pixels. Independent of mechanisms, files and 3-D pictures.
 //!
-//! A [`Chart`] describes the content; [`draw_chart`] turns it into a [`Drawing`], a list of lines, areas and
-//! texts with positions in pixels; [`svg`], [`pdf`] and [`raster`] write that list.
+//! A [`Chart`] describes the content; [`draw_chart`] turns it into a [`Drawing`], a list of lines, areas and texts with
+//! positions in pixels; [`svg`], [`pdf`] and [`raster`] write that list.
 
 mod area;
 pub mod bars;

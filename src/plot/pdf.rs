@@ -1,4 +1,4 @@
-//! A drawing as a PDF of one page: lines as lines, texts as texts in the faces that every reader has (Helvetica, and
+//! Writes a drawing as a PDF of one page: lines as lines, texts in the standard fonts of every reader (Helvetica, and
 //! Symbol for Greek), so that nothing is embedded.
 
 use super::decimal::trimmed_decimal;
@@ -14,7 +14,7 @@ const POINT: f64 = 0.75;
 /// Height of Helvetica's capitals in sizes of the font.
 const CAPITALS_PER_EM: f64 = 0.718;
 
-/// Handle of a quarter circle's Bézier curve over its radius.
+/// Length of the control arm of a quarter circle's Bézier curve, relative to its radius.
 const QUARTER: f64 = 0.552_284_75;
 
 /// The drawing as a complete document. The same drawing gives the same bytes.
@@ -66,7 +66,7 @@ pub fn write_pdf(drawing: &Drawing) -> Vec<u8> {
     numbered_document(&objects)
 }
 
-/// Objects with the table of their places, which a reader starts from.
+/// Objects with the table of their offsets.
 fn numbered_document(objects: &[String]) -> Vec<u8> {
     let mut text = "%PDF-1.4\n".to_owned();
     let mut places = Vec::new();
@@ -142,7 +142,7 @@ impl Page {
         }
     }
 
-    /// Saves the state and sets colours, and what a line looks like.
+    /// Saves the state and sets colours and line style.
     fn begin_state(&mut self, [r, g, b, a]: Colour, stroke: Option<&Stroke>) {
         let [r, g, b] = [r, g, b].map(|code| point_number(f64::from(code) / 255.0));
         let operator = if stroke.is_some() { "RG" } else { "rg" };
@@ -243,7 +243,7 @@ fn utf16_hex(text: &str) -> String {
     codes.map(|code| format!("{code:04x}")).collect()
 }
 
-/// Thousandths are finer than any printer.
+/// Thousandths are finer than the resolution of any printer.
 fn point_number(value: f64) -> String {
     trimmed_decimal(value, 3)
 }

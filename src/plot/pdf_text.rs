@@ -1,6 +1,6 @@
-//! Texts in the faces that every PDF reader has: which codes they have there, and how wide they are.
+//! Texts in the standard PDF fonts: codes and widths of characters.
 
-/// Letters in a row of one face and size.
+/// A run of letters in one font and size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run {
     /// Name of the face in the document: `H` Helvetica, `S` Symbol.
@@ -11,7 +11,7 @@ pub struct Run {
     pub width: f64,
     /// Size over that of the text.
     pub scale: f64,
-    /// How far it stands below the baseline, in sizes of the text's font.
+    /// Depth below the baseline, in sizes of the text's font.
     pub drop: f64,
 }
 
@@ -111,7 +111,7 @@ pub fn text_width(text: &str) -> f64 {
     text_runs(text).iter().map(|run| run.width).sum()
 }
 
-/// Where a character is found; a question mark for one that neither face has.
+/// The code of a character; a question mark if neither font has it.
 fn find_letter(c: char) -> Letter {
     if let Some(digit) = u32::from(c).checked_sub(u32::from('₀')).filter(|d| *d < 10) {
         let code = b'0' + digit as u8;

@@ -1,4 +1,4 @@
-//! The moving marker: where on the curves of a drawing one sample stands. Redrawn for every frame of an animation.
+//! The playhead: marks the current sample on the curves of a drawing. Redrawn for every frame of an animation.
 
 use super::chart::Chart;
 use super::drawing::Drawing;
@@ -10,7 +10,7 @@ pub fn playhead_marks(chart: &Chart, drawing: &Drawing, sample: usize) -> Vec<Dr
     let mut list = Vec::new();
     for (panel, area) in chart.panels.iter().zip(&drawing.areas) {
         let place = panel.samples.get(sample).and_then(|x| area.x.pixel(*x));
-        // On a path in a plane a vertical line would say nothing.
+        // On a path in a plane a vertical line would be meaningless.
         if let Some(x) = place.filter(|_| !panel.equal) {
             list.push(DrawnPrimitive::Line {
                 points: vec![[x, area.rect.top], [x, area.rect.bottom]],

@@ -1,8 +1,8 @@
-//! What both writers can draw: areas, lines, circles, texts, at places in pixels from the top left corner.
+//! The primitives of all writers: areas, lines, circles, texts, at positions in pixels from the top left corner.
 
 use super::theme::{Colour, Dashes};
 
-/// Where a text hangs on its place.
+/// The anchor of a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TextAnchor {
     /// It begins there.

@@ -10,7 +10,7 @@ use tiny_skia::{
     Transform,
 };
 
-/// Draws on RGBA pixels; keeps the glyphs it has made.
+/// Draws on RGBA pixels; caches glyphs.
 #[derive(Default)]
 pub struct ChartPainter {
     face: Face,
@@ -57,7 +57,7 @@ impl ChartPainter {
             TextAnchor::Middle => 0.5 * setting.width,
             TextAnchor::End => setting.width,
         };
-        // Whole pixels: letters on a baseline between two rows are blurred.
+        // Whole pixels: letters on a baseline between two rows would be blurred.
         let (left, baseline) = ((at[0] - back).round() as i64, at[1].round() as i64);
         for glyph in &setting.glyphs {
             let mask = self.face.mask(glyph.id, size, [glyph.phase, 0]);

@@ -1,4 +1,4 @@
-//! The way from values to pixels along one axis, linear or logarithmic.
+//! The map from values to pixels along one axis, linear or logarithmic.
 
 /// Kind of a scale.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -6,7 +6,7 @@ pub enum ScaleKind {
     /// Equal steps for equal differences.
     #[default]
     Linear,
-    /// Equal steps for equal ratios; values of zero and below have no place.
+    /// Equal steps for equal ratios; values of zero and below are not shown.
     Log,
 }
 
@@ -16,8 +16,8 @@ const MARGIN: f64 = 0.05;
 /// The same in decades.
 const LOG_MARGIN: f64 = 0.08;
 
-/// Values that differ by less than this share of their size are the same but for rounding; their noise is not spread
-/// over the whole height.
+/// Values that differ by less than this fraction of their size differ by rounding only; their noise is not magnified to
+/// the whole height.
 const SAME: f64 = 1e-10;
 
 /// Maps values between `low` and `high` to pixels between `start` and `end` (which may be the smaller one).
@@ -36,7 +36,7 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// The place of `value`; `None` where it has none.
+    /// The pixel of `value`; `None` if it has none.
     pub fn pixel(&self, value: f64) -> Option<f64> {
         let share = (self.axis_coordinate(value)? - self.axis_coordinate(self.low)?)
             / (self.axis_coordinate(self.high)? - self.axis_coordinate(self.low)?);
@@ -80,7 +80,7 @@ pub fn value_limits(kind: ScaleKind, values: impl Iterator<Item = f64>, tight: b
     }
     match kind {
         ScaleKind::Log => {
-            // Whole decades; their lines are what a reader holds on to. Points do not lie on the frame.
+            // Whole decades, because readers orient themselves by their lines. Points do not lie on the frame.
             let margin = if tight { 0.0 } else { LOG_MARGIN };
             let first = libm::floor(libm::log10(low) - margin + SAME);
             let last = libm::ceil(libm::log10(high) + margin - SAME).max(first + 1.0);

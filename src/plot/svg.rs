@@ -6,10 +6,10 @@ use super::primitive::{DrawnPrimitive, Stroke, TextAnchor};
 use super::theme::Colour;
 use std::fmt::Write;
 
-/// Height of the capitals in sizes of the font, for the face that is asked for first.
+/// Height of the capitals in sizes of the font, for the preferred font.
 const CAPITALS_PER_EM: f64 = 0.714;
 
-/// Faces to use, the first that is there.
+/// Fonts in order of preference.
 const FAMILY: &str = "Noto Sans, Open Sans, DejaVu Sans, Helvetica, Arial, sans-serif";
 
 /// The drawing as a complete SVG document.
@@ -38,10 +38,10 @@ pub fn write_svg(drawing: &Drawing) -> String {
     text
 }
 
-/// The drawing as an element of a page, whose own style decides about the colours: `names` are the page's words for some
-/// of them. `id` is the element's, and begins those of its title and description.
+/// The drawing as an element of a page, whose style determines the colours: `names` are the page's names for some of
+/// them. `id` is the element's, and the prefix of those of its title and description.
 pub fn write_inline(drawing: &Drawing, id: &str, names: &[(Colour, String)]) -> String {
-    // Quotes are escaped in all texts of a scene: what stands in quotes below is an attribute.
+    // Quotes are escaped in all texts of a scene, because some texts become attributes.
     let mut text = write_svg(drawing)
         .replace("\"title desc\"", &format!("\"{id}-title {id}-desc\""))
         .replace("id=\"title\"", &format!("id=\"{id}-title\""))
@@ -170,7 +170,7 @@ fn short_number(value: f64) -> String {
     trimmed_decimal(value, 2)
 }
 
-/// Characters of a text that XML would read, and those it forbids.
+/// Escapes characters that XML would interpret, and removes those it forbids.
 fn escape_text(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for character in text.chars() {

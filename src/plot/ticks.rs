@@ -24,17 +24,18 @@ pub struct Ticks {
 /// Steps within a decade.
 const STEPS: [f64; 4] = [1.0, 2.0, 5.0, 10.0];
 
-/// Steps of an axis in degrees: parts of a turn.
+/// Steps of an axis in degrees: fractions of a turn.
 const DEGREES: [f64; 10] = [5.0, 10.0, 15.0, 30.0, 45.0, 60.0, 90.0, 180.0, 360.0, 720.0];
 
-/// Steps of an axis in radians, in twelfths of π, and the range from which on they are taken: below it they are too coarse.
+/// Steps of an axis in radians, in twelfths of π, and the range from which on they are used: in a smaller range they
+/// are too coarse.
 const TWELFTHS: [u32; 9] = [1, 2, 3, 4, 6, 12, 24, 48, 96];
 const WIDE: f64 = PI / 3.0;
 
-/// Part of a step that a range may be longer than its ticks, such as 6.2832 than 2π.
+/// Fraction of a step by which a range may exceed its ticks, as 6.2832 exceeds 2π.
 const OVERHANG: f64 = 1e-3;
 
-/// Numbers of this size and larger, or whose steps are smaller than the other, get a common power of ten.
+/// Numbers of this size and larger, or with steps smaller than the other, get a common power of ten.
 const LARGE: f64 = 1e5;
 const SMALL_STEP: f64 = 1e-4;
 
@@ -63,7 +64,7 @@ pub fn round_step(range: f64, most: usize, unit: &str) -> f64 {
     step.unwrap_or(10.0) * decade
 }
 
-/// Ticks of an axis in radians as parts of π; `None` for a range in which there are too few.
+/// Ticks of an axis in radians as fractions of π; `None` if the range contains too few.
 fn pi_ticks(low: f64, high: f64, most: usize) -> Option<Ticks> {
     let range = high - low;
     let most = most as f64 + OVERHANG;
@@ -80,7 +81,7 @@ fn pi_ticks(low: f64, high: f64, most: usize) -> Option<Ticks> {
     (list.len() > 1).then_some(Ticks { list, factor: 0 })
 }
 
-/// So many twelfths of π: `−3π/4`.
+/// This many twelfths of π: `−3π/4`.
 fn pi_text(twelfths: i64) -> String {
     let common = (1..=12)
         .rev()
@@ -130,13 +131,13 @@ fn linear_ticks(low: f64, high: f64, most: usize, unit: &str) -> Ticks {
     Ticks { list, factor }
 }
 
-/// The power of ten to take out, a multiple of three; zero for numbers that read well as they are.
+/// The power of ten to factor out, a multiple of three; zero for numbers that are readable as they are.
 fn common_factor(largest: f64, step: f64) -> i32 {
     if largest == 0.0 || (largest < LARGE && step >= SMALL_STEP) {
         return 0;
     }
     let power = libm::floor(libm::log10(largest) / 3.0) as i32 * 3;
-    // Many digits next to each other (1000.00001) are not mended by a factor.
+    // A power of ten does not help if numbers have many common digits (1000.00001).
     if largest < LARGE && power >= 0 {
         0
     } else {
@@ -144,7 +145,7 @@ fn common_factor(largest: f64, step: f64) -> i32 {
     }
 }
 
-/// Digits behind the point that tell multiples of `step` apart.
+/// Decimals needed to distinguish multiples of `step`.
 fn step_decimals(step: f64) -> usize {
     let digits = -libm::floor(libm::log10(step) + 1e-9);
     digits.clamp(0.0, 12.0) as usize

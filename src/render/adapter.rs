@@ -1,5 +1,5 @@
-//! Which graphics adapter is asked for, and what is known of the ones found. Plain data, also without the `gpu`
-//! feature, so that the command line is the same in every build.
+//! The requested graphics adapter, and the properties of the adapters found. Plain data, present without the `gpu`
+//! feature too, so that the command line is the same in every build.
 
 /// The adapter a GPU renderer is asked to use.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -7,11 +7,11 @@ pub enum AdapterChoice {
     /// A hardware adapter: discrete before integrated before virtual.
     #[default]
     Hardware,
-    /// A hardware adapter, or a software one where there is none.
+    /// A hardware adapter, or a software adapter if there is none.
     Any,
     /// A software adapter, for reproducible pictures on a machine with hardware.
     Software,
-    /// The first adapter whose description contains this text, in any case.
+    /// The first adapter whose description contains this text, ignoring case.
     Name(String),
 }
 
@@ -37,7 +37,7 @@ pub enum DeviceKind {
     Integrated,
     /// A share of hardware given to a virtual machine.
     Virtual,
-    /// Hardware whose kind the driver does not tell.
+    /// Hardware of a kind that the driver does not report.
     Unknown,
     /// A driver that computes on the processor.
     Software,
@@ -67,7 +67,7 @@ impl std::fmt::Display for AdapterInfo {
 }
 
 impl AdapterChoice {
-    /// Whether an adapter is one of those asked for.
+    /// Whether an adapter matches the request.
     pub fn accepts(&self, adapter: &AdapterInfo) -> bool {
         match self {
             Self::Hardware => adapter.device_type != DeviceKind::Software,
@@ -80,7 +80,7 @@ impl AdapterChoice {
         }
     }
 
-    /// What was asked for, for a message: `no <this> was found`.
+    /// The request in words, for a message: `no <this> was found`.
     pub fn wanted(&self) -> String {
         match self {
             Self::Hardware => "hardware adapter".to_owned(),

@@ -1,6 +1,6 @@
-//! Cameras that hold given points as tightly as they can, and the projection of points to pixels.
+//! Cameras that fit given points as tightly as possible, and the projection of points to pixels.
 //!
-//! Works in f64. Holds no pixels and no matrix of a graphics interface.
+//! Computes in f64, without pixels or matrices of a graphics interface.
 
 use super::depth_order::Eye;
 use super::{Camera, Projection};
@@ -10,12 +10,12 @@ use glam::{DMat3, DVec3};
 /// Clearance between the eye and the nearest point, as a share of the points' extent, when the frame
 /// itself would let the eye touch them (all points on one line of sight).
 const EYE_CLEARANCE: f64 = 0.05;
-/// Extent given to a set of points that has none, in the scene's unit: one point must still make a picture.
+/// Extent assumed for a single point, in the scene's unit, so that it can be shown.
 const POINT_EXTENT: f64 = 1.0;
-/// Points closer together than this share of their distance from the origin have no extent to f64.
+/// Points that are closer together than this fraction of their distance from the origin coincide in f64.
 const EXTENT_RESOLUTION: f64 = 1e-12;
-/// Room between the points and the near and far planes, as a share of the extent: what moves between
-/// the fitted points or rests below them is not cut.
+/// Margin between the points and the near and far planes, as a fraction of the extent, so that parts which move between
+/// the fitted points or lie below them are not clipped.
 const DEPTH_SLACK: f64 = 0.05;
 /// The near plane is never closer than this share of the far plane's distance: f32 depth keeps
 /// four digits at the far end.
@@ -23,7 +23,7 @@ const NEAR_SHARE: f64 = 1e-4;
 /// Largest share of the frame that a margin may take.
 const MAX_MARGIN: f64 = 0.9;
 
-/// From where a scene is looked at.
+/// The direction from which a scene is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ViewDirection {
     /// Angle of the eye about `up`, in radians. With z up, 0 is on the x axis and π/2 on the y axis.
@@ -49,12 +49,12 @@ impl ViewDirection {
     }
 }
 
-/// The tightest camera from a direction: every finite point is inside the frame less its margin, and at
-/// least two touch it.
+/// The tightest camera from a direction: every finite point is inside the frame minus its margin, and at least two
+/// touch it.
 ///
-/// `aspect` is width over height; `margin` the share of the frame's half width and half height kept free.
-/// The height of an orthographic `projection` is ignored. Closed form: each side of the frame is a plane
-/// that supports the points, and the eye is where opposite planes meet. No points: a unit around the origin.
+/// `aspect` is width over height; `margin` is the fraction of the frame's half width and half height that is kept free.
+/// The height of an orthographic `projection` is ignored. Closed form: each side of the frame is a plane that supports
+/// the points, and the eye is where opposite planes meet. Without points: a unit around the origin.
 pub fn fit_camera(
     points: impl Iterator<Item = DVec3> + Clone,
     view: &ViewDirection,
@@ -119,7 +119,7 @@ pub fn fit_within(
     }
 }
 
-/// Where the planes of a frame with given slopes touch the points; coordinates along the camera's axes.
+/// Contact of the points with the planes of a frame with given slopes, in coordinates along the camera's axes.
 struct Support {
     /// For x and y: greatest of `+c + slope z` and of `-c + slope z`.
     reach: [[f64; 2]; 2],
@@ -127,7 +127,7 @@ struct Support {
     back: f64,
     /// Least z.
     front: f64,
-    /// Largest edge of the bounding box, or the stand-in for a single point.
+    /// Largest edge of the bounding box, or the assumed extent of a single point.
     extent: f64,
 }
 
@@ -171,7 +171,7 @@ impl Support {
         self.eye_at(tight.max(self.back + clearance))
     }
 
-    /// The eye at depth `z`, the free room shared evenly between opposite sides.
+    /// The eye at depth `z`, with equal margins on opposite sides.
     fn eye_at(&self, z: f64) -> DVec3 {
         let [x, y] = [0, 1].map(|k| 0.5 * (self.reach[k][0] - self.reach[k][1]));
         DVec3::new(x, y, z)
@@ -212,7 +212,7 @@ impl Camera {
         }
     }
 
-    /// Where instances are looked at from, in a picture of `size` pixels.
+    /// The viewing geometry of instances, in a picture of `size` pixels.
     pub fn eye(&self, size: [u32; 2]) -> Eye {
         Eye {
             camera_from_world: self.world_from_camera.inverse(),
@@ -264,8 +264,8 @@ mod tests {
             raw in prop::collection::vec([-20.0..20.0f64, -20.0..20.0, -20.0..20.0], 0..40),
             azimuth in -4.0..4.0f64, elevation in -1.57..1.57f64, parallel: bool,
         ) {
-            // The cube keeps the frame binding: without it a needle along the line of sight would be held
-            // by the eye's clearance instead.
+            // The cube makes the frame the active constraint: without it a needle along the line of sight would be
+            // limited by the eye's clearance instead.
             let cube = (0..8).map(|k| DVec3::new(f64::from(k & 1), f64::from(k >> 1 & 1), f64::from(k >> 2)) * 40.0 - 20.0);
             let points: Vec<DVec3> = raw.into_iter().map(DVec3::from).chain(cube).collect();
             let projection = if parallel { PARALLEL } else { PERSPECTIVE };

@@ -1,6 +1,7 @@
-//! sRGB to linear light and back, to the bit the same on every machine, and the picture without a pose.
+//! Conversion of sRGB to linear light and back, with the same bits on every machine, and the greying of pictures
+//! without a pose.
 //!
-//! Transfer curve of IEC 61966-2-1. Powers are taken with `+ - * /` only. Holds no lights.
+//! Transfer curve of IEC 61966-2-1, computed with `+ - * /` only.
 
 use std::sync::LazyLock;
 
@@ -11,9 +12,9 @@ use image::RgbaImage;
 /// per 1/3295), so that no cell holds two thresholds and one comparison settles the code.
 const GUESS_CELLS: usize = 4096;
 
-/// Share of the colour that a picture without a pose loses, in 256ths.
+/// How much colour a picture without a pose loses, in 256ths.
 const NO_POSE_GREY: u32 = 208;
-/// Share of the way to the background that a picture without a pose goes, in 256ths.
+/// How far a picture without a pose is blended towards the background, in 256ths.
 const NO_POSE_FADE: u32 = 112;
 /// Tables of the sRGB transfer curve.
 pub struct ToneCurve {
@@ -43,7 +44,7 @@ impl ToneCurve {
         let mut guess = Box::new([0u8; 2 * GUESS_CELLS]);
         let mut code = 0;
         for (cell, entry) in guess.iter_mut().enumerate() {
-            // A cell is around its number, as values are rounded to the nearest.
+            // A cell surrounds its number, as values are rounded to the nearest.
             let start = (cell as f32 - 0.5) / GUESS_CELLS as f32;
             while code < 255 && thresholds[code] <= start {
                 code += 1;
@@ -93,7 +94,7 @@ fn decode_exact(code: f64) -> f64 {
 /// Fifth root of a number in 0..=1 by Newton's method from above, which converges monotonically.
 fn fifth_root(value: f64) -> f64 {
     let mut root = 1.0;
-    // From 1 down to the root of 0.001 takes 8 steps, of 1e-6 about 20; 40 leave no doubt.
+    // From 1 to the root of 0.001 it takes 8 steps, to that of 1e-6 about 20; 40 are certainly enough.
     for _ in 0..40 {
         let fourth = root * root * root * root;
         root = (4.0 * root + value / fourth) / 5.0;
@@ -101,10 +102,10 @@ fn fifth_root(value: f64) -> f64 {
     root
 }
 
-/// Greys a finished picture: there is no pose at this time.
+/// Greys a finished picture to show that there is no pose.
 ///
-/// Works on the sRGB codes with integers, so both renderers give the same bytes. Border and labels are laid
-/// over it later.
+/// Works on the sRGB codes with integers, so that both renderers give the same bytes. Border and labels are drawn over
+/// it later.
 pub fn mark_no_pose(image: &mut RgbaImage, background: [u8; 3]) {
     let weights = LUMINANCE.map(|w| (w * 256.0 + 0.5) as u32);
     for pixel in image.pixels_mut() {

@@ -1,7 +1,7 @@
-//! The soft shadow that bodies throw on the ground below them, as a small texture for both renderers.
+//! The soft shadow of bodies on the ground, as a small texture for both renderers.
 //!
-//! Computed on the CPU once a frame from the casting instances: the darkening near a contact, straight below a body and
-//! growing softer with its height, and the shadow of the key light, which falls aslant.
+//! It is computed on the CPU once per frame from the instances that cast shadows: the darkening below a body, which is
+//! softer the higher the body is, and the oblique shadow of the key light.
 
 use super::ground::ground_axes;
 use super::look::{KEY_DIRECTION, larger_of, smaller_of};
@@ -10,22 +10,22 @@ use crate::math::{Pose, narrow_pose};
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
 
-/// Texels along each side of the map. A texel is then 1/64 of the ground's radius, which the blur hides.
+/// Texels along each side of the map. A texel is 1/64 of the ground's radius, and the blur hides this.
 pub const SHADOW_SIZE: u32 = 128;
-/// Height above which a body darkens nothing, in radii: of the narrow shadow close to a contact, and of
-/// the wide one.
+/// Height above which a body causes no darkening, in radii: for the narrow shadow close to a contact, and for the wide
+/// one.
 const REACH: [f32; 2] = [0.12, 0.60];
 /// Darkness right at the ground.
 const DEPTH: [f32; 2] = [0.70, 0.50];
-/// What a translucent body's shadow has of an opaque one's darkness.
+/// Darkness of a translucent body's shadow relative to that of an opaque one.
 const PALE: f32 = 0.45;
-/// Half width of the averaging window in texels; it is passed twice along each axis.
+/// Half width of the averaging window in texels; it is applied twice along each axis.
 const BLUR: [usize; 2] = [1, 4];
-/// The same of the shadow of the key light: the height at which it is gone, its darkness and its averaging.
+/// The same for the shadow of the key light: maximum height, darkness and averaging.
 const KEY_REACH: f32 = 1.6;
 const KEY_DEPTH: f32 = 0.30;
 const KEY_BLUR: usize = 1;
-/// Sine of the key light's height above the ground below which it throws no shadow that would end on the map.
+/// Sine of the key light's elevation below which its shadow would not end on the map and is omitted.
 const LEAST_HEIGHT: f64 = 0.3;
 /// The largest of them.
 const MOST_BLUR: usize = 4;
@@ -37,11 +37,11 @@ pub struct ContactShadow {
     pub size: u32,
     /// `size * size` darknesses, 0 none to 255 full; row-major, first axis of the ground along a row.
     pub texels: Vec<u8>,
-    /// First and last texel column, then row, that is not all zero, for leaving out the rest.
+    /// First and last texel column, then row, that are not all zero, so that the rest can be skipped.
     pub dark: Option<[[u32; 2]; 2]>,
 }
 
-/// A place on the map found once and looked up in many frames.
+/// A position on the map, computed once and used in many frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TexelPlace {
     /// Index of the nearest texel to the upper left.
@@ -51,8 +51,7 @@ pub struct TexelPlace {
 }
 
 impl TexelPlace {
-    /// The place of a point of the ground in a map of [`SHADOW_SIZE`]; coordinates as of
-    /// [`ContactShadow::sample`].
+    /// The position of a point of the ground in a map of [`SHADOW_SIZE`]; coordinates as for [`ContactShadow::sample`].
     pub fn new(u: f32, v: f32) -> Self {
         let fixed = |c: f32| {
             let texel = (0.5 + 0.5 * c) * SHADOW_SIZE as f32 - 0.5;
@@ -130,11 +129,12 @@ pub struct ShadowCaster {
     ground: Ground,
     axes: DMat3,
     meshes: Arc<[StageMesh]>,
-    /// Of each mesh the triangles with an edge longer than a texel, which count as a whole; of others the corners do.
+    /// Triangles of each mesh with an edge longer than a texel, which are rasterised; of the others only the corners
+    /// count.
     coarse: Arc<[Vec<u32>]>,
-    /// Least height over each texel in radii, of opaque and of translucent bodies; infinite where nothing is above.
+    /// Smallest height over each texel in radii, for opaque and for translucent bodies; infinite if nothing is above.
     heights: [Vec<f32>; 2],
-    /// The same over the places that the key light throws them to.
+    /// The same for their shadows in the direction of the key light.
     thrown: [Vec<f32>; 2],
     layers: [Vec<f32>; 3],
     scratch: Vec<f32>,
@@ -171,7 +171,7 @@ impl ShadowCaster {
         })
     }
 
-    /// The shadow of a frame's casting instances; the key light stands as `camera` says.
+    /// The shadow of a frame's casting instances; `camera` determines the direction of the key light.
     pub fn cast(&mut self, frame: &Frame, camera: &Camera) -> &ContactShadow {
         let ground_from_world = Pose {
             rotation: self.axes,
@@ -211,8 +211,8 @@ impl ShadowCaster {
         &self.shadow
     }
 
-    /// How far the key light throws the shadow of a point for each unit of its height, along the ground's axes; `None`
-    /// for a light that is too low.
+    /// The horizontal displacement of a point's shadow per unit of its height, along the ground's axes; `None` if the
+    /// light is too low.
     fn shadow_slant(&self, camera: &Camera) -> Option<[f32; 2]> {
         let light = DVec3::from(KEY_DIRECTION.map(f64::from));
         let light = self.axes.transpose() * (camera.world_from_camera.rotation * light);
@@ -341,7 +341,7 @@ impl HeightMap<'_> {
     /// Lowers the texels whose centres are under a triangle.
     fn draw_triangle(&mut self, [a, b, c]: [[f32; 3]; 3]) {
         let area = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
-        // Upright triangles have no area from above; their corners and neighbours count.
+        // Triangles perpendicular to the ground have no area seen from above; their corners and neighbours suffice.
         if !(area.abs() > 1e-6 && area.abs() < 1e12) {
             return;
         }

@@ -1,19 +1,19 @@
-//! Which of two surfaces at one depth is seen: rounding must not tell, or both renderers and every frame would tell otherwise.
+//! The order of surfaces at equal depth. Rounding must not decide it, or renderers and frames would differ.
 //!
-//! Instances are drawn a little nearer to the eye the earlier they are listed, by far less than a pixel. Along lines of
-//! sight nothing else changes: what is scaled about the eye stays where it is on the screen.
+//! Instances are drawn a little nearer to the eye the earlier they are listed, by far less than a pixel. The picture
+//! does not change otherwise: scaling about the eye leaves every point at its place on the screen.
 
 use super::Instance;
 use crate::math::{Pose, narrow_pose};
 
 /// Step from one instance to the next, in pixels of depth. Corners are rounded to 1/256 of a pixel on the screen, which
-/// moves the depth of a surface by as much times its slope.
+/// changes the depth of a surface by as much times its slope.
 const STEP: f64 = 1.0 / 50.0;
 
-/// Least step as a share of the distance: depths in f32 are off by some 1e-7 of themselves.
+/// Smallest step as a fraction of the distance: depths in f32 have relative errors of about 1e-7.
 const LEAST_STEP: f64 = 1e-6;
 
-/// Instances after which the steps begin again, so that all of them together stay below a pixel.
+/// Number of instances after which the steps start again, so that their sum stays below a pixel.
 const LEVELS: usize = 50;
 
 /// Where instances are looked at from.
@@ -28,7 +28,7 @@ pub struct Eye {
 }
 
 impl Eye {
-    /// Rows of the map from an instance's mesh to the camera, `number` being its place in the frame.
+    /// Rows of the map from an instance's mesh to the camera; `number` is its index in the frame.
     pub fn camera_from_mesh(&self, instance: &Instance, number: usize) -> [[f32; 4]; 3] {
         let camera_from_mesh = self.camera_from_world * instance.world_from_mesh;
         let mut rows = narrow_pose(&camera_from_mesh);

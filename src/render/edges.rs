@@ -1,37 +1,37 @@
-//! Lines that part surfaces: silhouettes, creases and the borders between bodies. What both renderers share of them.
+//! Lines between surfaces: silhouettes, creases and borders between bodies; the part shared by both renderers.
 //!
-//! Every sample of a picture knows the surface it shows. A sample is on a line if another surface is nearer to it than
-//! half the line's width, or if the depth of its own surface jumps beside it. Lines are mixed in where samples are: in
-//! linear light, a share of each pixel.
+//! Every sample of a picture knows its surface. A sample is on a line if another surface is nearer to it than half the
+//! line's width, or if the depth of its own surface jumps next to it. Lines are mixed in at samples: in linear light,
+//! as a fraction of each pixel.
 
 use crate::weld::number_first;
 
 /// Width of a line in 480ths of the picture's height.
 const WIDTH: f64 = 1.15;
 
-/// Least half width in pixels by which samples of a pixel see their neighbours: 1, 2, 4 and more samples.
+/// Smallest half width in pixels with which samples of a pixel detect their neighbours: for 1, 2, 4 and more samples.
 const LEAST_HALF_WIDTH: [(u32, f64); 4] = [(1, 1.01), (2, 0.75), (4, 0.6), (u32::MAX, 0.5)];
 
 /// Greatest half width in pixels, which those of pictures of some 14 000 rows have.
 const MOST_HALF_WIDTH: f64 = 8.0;
 
-/// Share of a pixel's light that a line takes where it covers all of it.
+/// Fraction of a pixel's light that a line takes away where it covers all of it.
 pub const STRENGTH: f32 = 0.82;
 
 /// A step of one surface's depth within a line's half width is a silhouette from this many pixels on.
 pub const JUMP: f32 = 8.0;
 
-/// The surface of what draws no lines and takes none, such as a trace.
+/// The surface of everything without lines, such as a trace.
 pub const NO_LINES: u32 = 0;
 
-/// The surface of what is behind all bodies.
+/// The surface of the background.
 pub const BACKDROP: u32 = 1;
 
-/// The first surface of bodies; one number before it is for the renderers' own use.
+/// The first surface of bodies; the number before it is reserved for the renderers.
 pub const FIRST: u32 = 3;
 
-/// Set in translucent surfaces. Lines of what is opaque are drawn first and seen through them; over them only lines with
-/// a translucent side are drawn.
+/// Set in translucent surfaces. Lines of opaque surfaces are drawn first and are visible through them; over them only
+/// lines with a translucent side are drawn.
 pub const TRANSLUCENT: u32 = 1 << 31;
 
 /// The surface of the first patch of an instance of the body `outline`, and the step from patch to patch. With `creases`
@@ -64,8 +64,8 @@ impl Edges {
     }
 }
 
-/// The smooth patch that each of `count` vertices of a mesh belongs to, and their number: two triangles are of one patch if a chain of
-/// common vertices joins them. Where a mesh has a crease, its sides have vertices of their own.
+/// The smooth patch that each of `count` vertices of a mesh belongs to, and the number of patches: two triangles belong
+/// to one patch if a chain of common vertices connects them. At a crease, the two sides have separate vertices.
 pub fn patches(count: usize, triangles: &[[u32; 3]]) -> (Vec<u32>, u32) {
     let mut parent: Vec<u32> = (0..count as u32).collect();
     for triangle in triangles {
@@ -75,7 +75,7 @@ pub fn patches(count: usize, triangles: &[[u32; 3]]) -> (Vec<u32>, u32) {
             join_sets(&mut parent, b, c);
         }
     }
-    // A root stands before all that it leads: one pass finds it for each, and the roots are numbered in place.
+    // A root precedes all its members: one pass finds the root of each, and roots are numbered in place.
     for vertex in 0..count {
         parent[vertex] = parent[parent[vertex] as usize];
     }
@@ -85,7 +85,7 @@ pub fn patches(count: usize, triangles: &[[u32; 3]]) -> (Vec<u32>, u32) {
 
 fn find_root(parent: &mut [u32], mut vertex: usize) -> usize {
     while parent[vertex] as usize != vertex {
-        // Halving the way for those who come later.
+        // Path halving for later look-ups.
         parent[vertex] = parent[parent[vertex] as usize];
         vertex = parent[vertex] as usize;
     }

@@ -1,15 +1,14 @@
-//! The ground seen through a camera: which point of the plane a pixel shows, and how it looks without
-//! bodies. Holds no shadow and no pixels.
+//! The ground seen through a camera: the point of the plane that a pixel shows, and its appearance without bodies.
 
 use super::{Camera, Ground, look};
 use crate::math::Pose;
 use glam::{DMat3, DVec3};
 
-/// How far below its plane the ground is drawn: a face that rests exactly on the ground is in front of it,
-/// whatever the rounding. In radii, ten times the error of a vertex in f32 at a distance of two radii; in pixels,
-/// five times what a slanted face's depth errs when its corners are moved to the 1/256 pixel.
+/// How far below its plane the ground is drawn, so that a face that rests exactly on the ground is in front of it,
+/// whatever the rounding. In radii: ten times the error of a vertex in f32 at a distance of two radii. In pixels: five
+/// times the error of a slanted face's depth when its corners are rounded to 1/256 pixel.
 const SINK_RADII: f64 = 4e-6;
-/// See [`SINK_RADII`]; the sum of both is far below what is seen.
+/// See [`SINK_RADII`]; the sum of both is far too small to be visible.
 const SINK_PIXELS: f64 = 1.0 / 64.0;
 
 /// A plane through the pixels of one picture.
@@ -37,7 +36,7 @@ pub struct GroundView {
 pub struct GroundPoint {
     /// Coordinates along the ground's axes in units of its radius.
     pub at: [f32; 2],
-    /// Presence of the ground, 0 at the radius and beyond.
+    /// Opacity of the ground, 0 at the radius and beyond.
     pub fade: f32,
     /// Cover by grid lines.
     pub lines: f32,
@@ -63,7 +62,7 @@ fn form_value(form: &[f64; 3], x: f64, y: f64) -> f64 {
 }
 
 impl GroundView {
-    /// The ground through a camera; `None` when its upper side is not seen at all.
+    /// The ground through a camera; `None` if its upper side is not visible.
     pub fn new(ground: &Ground, camera: &Camera, size: [u32; 2]) -> Option<Self> {
         let axes = camera.world_from_camera.rotation.transpose() * ground_axes(ground);
         let center = camera

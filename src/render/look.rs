@@ -1,25 +1,25 @@
 //! The look of every picture: lights, materials, ground and colour, as constants and f32 formulas.
 //!
-//! Both renderers draw with exactly these numbers; the shader text repeats the formulas. Only `+ - * /`,
-//! comparisons and square roots are used, which IEEE 754 fixes to the bit, so a picture of the CPU
-//! renderer is the same on every machine. Directions are in camera space (x right, y up, z towards the
-//! viewer), so a mechanism is well lit from wherever it is seen. Holds no geometry and no pixels' order.
+//! Both renderers draw with exactly these numbers; the shader text repeats the formulas. Only `+ - * /`, comparisons
+//! and square roots are used, which IEEE 754 defines to the last bit, so that a picture of the CPU renderer is the same
+//! on every machine. Directions are in camera space (x right, y up, z towards the viewer), so that a mechanism is well
+//! lit from every direction.
 
 /// A colour in linear light, 1 is the white of the screen; or a direction in camera space.
 pub type Rgb = [f32; 3];
 
-/// What reaches a surface: shares of the key light and of the light around, 1 all of it.
+/// The light that reaches a surface: fractions of the key light and of the ambient light.
 pub type Open = [f32; 2];
 
-/// Nothing stands in the way.
+/// Unobstructed light.
 pub const ALL_OPEN: Open = [1.0; 2];
 
 /// Unit direction towards the key light: above, left of and behind the viewer. The components are ninths
 /// so that the length is 1 without rounding a table of digits.
 pub const KEY_DIRECTION: [f32; 3] = [-4.0 / 9.0, 7.0 / 9.0, 4.0 / 9.0];
-/// Unit direction across the key light's.
+/// Unit direction perpendicular to the key light's.
 pub const KEY_RIGHT: [f32; 3] = [8.0 / 9.0, 4.0 / 9.0, 1.0 / 9.0];
-/// Unit direction across both: right, up and the light's are right-handed.
+/// Unit direction perpendicular to both: right, up and the light's form a right-handed system.
 pub const KEY_UP: [f32; 3] = [-1.0 / 9.0, 4.0 / 9.0, -8.0 / 9.0];
 /// Irradiance of the key light, faintly warm.
 pub const KEY_COLOUR: Rgb = [0.92, 0.91, 0.885];
@@ -31,27 +31,27 @@ pub const FILL_DIRECTION: [f32; 3] = [6.0 / 7.0, 2.0 / 7.0, 3.0 / 7.0];
 pub const FILL_COLOUR: Rgb = [0.16, 0.17, 0.19];
 /// Irradiance on a surface that faces up.
 pub const SKY_COLOUR: Rgb = [0.34, 0.345, 0.36];
-/// Irradiance on a surface that faces down: light that the ground sends back.
+/// Irradiance on a surface that faces down: light reflected by the ground.
 pub const GROUND_COLOUR: Rgb = [0.155, 0.15, 0.143];
-/// How much of what the key light sends straight to a surface is lost in another body's shadow. What it sends around the
-/// terminator stays, so that no shadow begins where a surface turns away from the light.
+/// Fraction of the key light's direct part that is lost in another body's shadow. The part around the terminator stays,
+/// so that no shadow begins where a surface turns away from the light.
 pub const KEY_SHADE: f32 = 0.68;
-/// Cosine to the light up to which nothing of this is lost: a map of what the light sees has little to say there.
+/// Cosine to the light up to which nothing of this is lost: at grazing angles a shadow map is unreliable.
 pub const KEY_GRAZING: f32 = 0.05;
 /// Growth of the cosine over which the loss sets in.
 pub const KEY_SHADE_FACING: f32 = 0.2;
-/// How much of the key light is lost where nothing of the light around arrives.
+/// Fraction of the key light that is lost where no ambient light arrives.
 pub const SKY_SHADE: f32 = 0.6;
 /// Strength of the wide sheen, `(n·h)^8`.
 pub const SHEEN: f32 = 0.05;
 /// Strength of the small highlight, `(n·h)^64`.
 pub const HIGHLIGHT: f32 = 0.22;
-/// How much of a highlight takes the colour of its surface. White ones on flat faces, which flash as a whole while they
-/// turn, would wash their colour out.
+/// How much of a highlight takes the colour of its surface. White highlights on flat faces, which flash as a whole
+/// while they rotate, would wash out their colour.
 pub const GLOSS_TINT: f32 = 0.6;
-/// Factor on everything a lit surface sends.
+/// Factor on all light from a lit surface.
 pub const EXPOSURE: f32 = 1.02;
-/// How much of its missing opacity a translucent surface regains where it is seen edge-on.
+/// Fraction of its missing opacity that a translucent surface regains when seen edge-on.
 pub const EDGE_OPACITY: f32 = 0.65;
 
 /// Half the width of a grid line in pixels.
@@ -60,7 +60,7 @@ pub const GRID_HALF_WIDTH: f32 = 0.6;
 pub const GRID_MAX_FOOTPRINT: f32 = 0.25;
 /// Square of the share of the ground's radius within which it does not fade.
 pub const FADE_START_SQUARED: f32 = 0.20;
-/// How much the darkest contact shadow takes away, in linear light.
+/// Fraction of the light that the darkest contact shadow takes away, in linear light.
 pub const SHADOW_DARKNESS: f32 = 0.74;
 
 /// Weights of linear red, green and blue in luminance (ITU-R BT.709).
@@ -96,16 +96,16 @@ pub fn mix_values(a: f32, b: f32, t: f32) -> f32 {
     a + (b - a) * t
 }
 
-/// What is around a lit surface.
+/// The surroundings of a lit surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surroundings {
     /// The ground's normal in camera space, unit length.
     pub up: [f32; 3],
-    /// What a surface gains and loses where it turns away from the viewer.
+    /// The change of a surface's light where it turns away from the viewer.
     pub rim: Rim,
 }
 
-/// Light at silhouettes: they must stand out from the background and from a body of the same colour behind.
+/// Light silhouettes: they must stand out from the background and from a body of the same colour behind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rim {
     /// Strength of the light added, `(1 - n·v)^4`.
@@ -129,11 +129,10 @@ impl Rim {
 
 /// The colour that a lit surface sends to the viewer, in linear light, 0..=1.
 ///
-/// All directions are unit vectors in camera space: `normal` on the side that is seen, `to_viewer` from
-/// the surface to the eye (`[0, 0, 1]` for a parallel projection). `albedo` is
-/// linear; `flat` 1 gives the albedo itself. `open` says what reaches the surface of the key light and of the light
-/// around. The highlight is Blinn's, with
-/// `(n·h)² = (n·l + n·v)² / (2 + 2 l·v)` so that the half vector is never normalised.
+/// All directions are unit vectors in camera space: `normal` on the visible side, `to_viewer` from the surface to the
+/// eye (`[0, 0, 1]` for a parallel projection). `albedo` is linear; `flat` 1 gives the albedo itself. `open` contains
+/// the fractions of the key light and of the ambient light that reach the surface. The highlight is Blinn's, with
+/// `(n·h)² = (n·l + n·v)² / (2 + 2 l·v)` so that the half vector need not be normalised.
 #[inline(always)]
 pub fn shade_surface(
     normal: [f32; 3],

@@ -1,8 +1,8 @@
-//! Pictures without background, from the same picture before white and before black.
+//! Pictures without background, computed from the same picture on white and on black.
 //!
-//! What lets the background through differs between the two by the share it lets through. Codes are compared as they
-//! are, since viewers blend codes: laid over white or over black, the result is the picture that was drawn there. A
-//! shadow becomes translucent black. Both renderers and everything laid over pictures work unchanged.
+//! The two differ by the fraction of the background that is visible. Codes are compared as they are, since viewers
+//! blend codes: composited over white or black, the result is the picture that was drawn there. A shadow becomes
+//! translucent black. Both renderers and all overlays work unchanged.
 
 use image::RgbaImage;
 
@@ -11,7 +11,7 @@ pub const WHITE: [u8; 3] = [255; 3];
 /// See [`WHITE`].
 pub const BLACK: [u8; 3] = [0; 3];
 
-/// Writes into `on_white` the picture without background.
+/// Replaces `on_white` by the picture without background.
 pub fn extract_alpha(on_white: &mut RgbaImage, on_black: &RgbaImage) {
     for (white, black) in on_white.pixels_mut().zip(on_black.pixels()) {
         let through = (0..3)

@@ -31,11 +31,11 @@ pub use stage_mesh::StageMesh;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Bytes that a picture takes for each of its pixels while it is drawn and written: colours, depths, the picture, its coded
-/// form. Measured, and somewhat more.
+/// Bytes needed for each pixel while a picture is drawn and written: colours, depths, the picture, its encoded form.
+/// Measured, with a margin.
 pub const BYTES_OF_DRAWN_PIXEL: f64 = 34.0;
 
-/// What stays the same over all frames.
+/// Everything that is the same in all frames.
 #[derive(Clone, Debug)]
 pub struct Stage {
     /// Meshes that instances refer to by index.
@@ -73,7 +73,7 @@ pub enum Projection {
     },
 }
 
-/// A camera that looks along its own -z, with x to the right and y up.
+/// A camera that looks along its -z axis, with x to the right and y up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     /// Pose of the camera in the world.
@@ -86,7 +86,7 @@ pub struct Camera {
     pub far: f64,
 }
 
-/// A horizontal disc that fades out into the background and takes the contact shadow.
+/// A horizontal disc that fades into the background and receives the contact shadow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ground {
     /// A point of the ground, the middle of the disc.
@@ -124,7 +124,7 @@ pub struct Instance {
     pub triangles: Range<u32>,
     /// Whether it darkens the ground below it; palely if it is translucent.
     pub casts_shadow: bool,
-    /// The body that it belongs to, for lines between bodies; `None` draws no lines.
+    /// Its body, for lines between bodies; `None` draws no lines.
     pub outline: Option<u32>,
     /// 0 lit like matter, 1 its flat colour whatever the light (traces, markers).
     pub flat: f64,
@@ -135,10 +135,10 @@ pub struct Instance {
 pub enum Anchor {
     /// A point of the world, projected; the label is centred on it.
     World(DVec3),
-    /// A point of the world, projected; the label stands up and to the right of it, with a line to it.
+    /// A point of the world, projected; the label is above and to the right of it, with a leader to it.
     Beside(DVec3),
-    /// A point of the world, projected; the middle of the text stands `offset` pixels right of and below it, or as near
-    /// to that as the picture has room.
+    /// A point of the world, projected; the middle of the text is `offset` pixels right of and below it, or as close to
+    /// that as the picture allows.
     Placed {
         /// The point.
         point: DVec3,
@@ -188,14 +188,14 @@ pub struct Label {
     pub colour: [u8; 3],
     /// Draws a plate of the background's colour behind the text.
     pub plate: bool,
-    /// Left out where it would cover a label before it.
+    /// Omitted if it would cover an earlier label.
     pub yields: bool,
 }
 
-/// Everything that is particular to one frame.
+/// The contents of one frame.
 #[derive(Clone, Debug, Default)]
 pub struct Frame {
-    /// From where it is seen, if not through the stage's camera.
+    /// Its camera, if it differs from the stage's.
     pub camera: Option<Camera>,
     /// Meshes to draw.
     pub instances: Vec<Instance>,
@@ -233,8 +233,8 @@ pub enum RenderError {
     Limit(#[from] LimitExceeded),
 }
 
-/// Refuses a picture that is larger than the run may draw. Every renderer asks before it allocates one, and so does whoever
-/// puts one together.
+/// Rejects a picture that is larger than the run may draw. Called by every renderer before it allocates a picture, and
+/// by everything that composes one.
 pub fn allow_drawing(size: [u32; 2]) -> Result<(), RenderError> {
     Ok(allow_picture(size, BYTES_OF_DRAWN_PIXEL, "a picture")?)
 }

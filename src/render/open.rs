@@ -19,7 +19,7 @@ pub enum RendererChoice {
 }
 
 impl RendererChoice {
-    /// The adapter to ask for where none is named: `Auto` takes hardware only, `Gpu` also a software adapter.
+    /// The adapter to use if none is named: `Auto` takes hardware only, `Gpu` also a software adapter.
     pub fn default_adapter(self) -> AdapterChoice {
         match self {
             Self::Gpu => AdapterChoice::Any,
@@ -34,9 +34,9 @@ const FRAMES_IN_FLIGHT: usize = 3;
 
 /// Opens renderers of a stage: `workers` (at least one) of the built-in kind, or as many on an adapter, up to three.
 ///
-/// Errors: no adapter of the kind asked for; a device that fails; a picture that the renderer cannot draw. `Auto`
-/// with [`AdapterChoice::Hardware`] falls back to the built-in renderer instead; any other adapter was asked for by
-/// somebody, who is told.
+/// Errors: no adapter of the requested kind; a device that fails; a picture that the renderer cannot draw. `Auto` with
+/// [`AdapterChoice::Hardware`] falls back to the built-in renderer instead; any other adapter was requested explicitly,
+/// so its absence is an error.
 pub fn open_renderer(
     choice: RendererChoice,
     adapter: AdapterChoice,
@@ -66,7 +66,7 @@ pub fn list_adapters() -> Vec<AdapterInfo> {
 }
 
 fn open_cpu(stage: &Arc<Stage>, workers: usize) -> Result<Vec<Box<dyn Renderer>>, RenderError> {
-    // Preparing the stage (closed meshes, the bare ground) is work of one renderer; the others copy it.
+    // Preparing the stage (closed meshes, the ground) is done by one renderer; the others copy it.
     let first = CpuRenderer::new(Arc::clone(stage))?;
     let copies = (1..workers).map(|_| Box::new(first.clone()) as Box<dyn Renderer>);
     let mut renderers: Vec<Box<dyn Renderer>> = copies.collect();

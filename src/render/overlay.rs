@@ -1,8 +1,7 @@
-//! What is laid over a finished picture: labels, their plates, and the border of a picture without a pose.
+//! Drawings over a finished picture: labels, their plates, and the border of a picture without a pose.
 //!
-//! Works on the pixels of either renderer, so that both show the same text, and with table look-ups and
-//! correctly rounded arithmetic only, so that the bytes are the same on every machine. Draws nothing of the
-//! scene.
+//! Works on the pixels of either renderer, so that both show the same text, and uses only table look-ups and correctly
+//! rounded arithmetic, so that the bytes are the same on every machine.
 
 pub mod border;
 mod paint;
@@ -37,10 +36,11 @@ impl Overlay {
         }
     }
 
-    /// Draws the border (if the frame has no pose), the patches, the strokes and the labels of `frame` over `image`, in their order.
+    /// Draws the border (if the frame has no pose), the patches, the strokes and the labels of `frame` over `image`, in
+    /// their order.
     ///
-    /// Parts outside the picture are cut off. A label is left out where its anchor lies behind the camera or is
-    /// not a finite place, or where its size is not positive. Alpha is not touched.
+    /// Parts outside the picture are clipped. A label is omitted if its anchor lies behind the camera or is not finite,
+    /// or if its size is not positive. Alpha is not changed.
     pub fn draw(&mut self, frame: &Frame, camera: &Camera, image: &mut RgbaImage) {
         if frame.no_pose {
             border::draw_border(image);
@@ -95,7 +95,7 @@ impl Overlay {
         } = label.anchor
             && let Some([x, y, _]) = camera.project(point, size)
         {
-            // From the nearest point of the text, with some air.
+            // From the nearest point of the text, with a gap.
             let foot = [
                 x.clamp(own[0] - AIR, own[2] + AIR),
                 y.clamp(own[1] - AIR, own[3] + AIR),
@@ -108,7 +108,7 @@ impl Overlay {
         }
         let in_world = !matches!(label.anchor, Anchor::Screen(_));
         if in_world && !label.plate {
-            // A seam of the background's colour keeps the text readable in front of dark bodies.
+            // A halo in the background's colour keeps the text readable in front of dark bodies.
             for shift in SEAM {
                 let place = [left + shift[0], top + shift[1]];
                 self.draw_glyphs(&setting, place, self.plate_colour, &mut painter);
@@ -155,7 +155,7 @@ const BORDER: f64 = 3.0;
 /// How far right of and above its point a label with a line stands, in heights of its capitals.
 const BESIDE: [f64; 2] = [2.2, 2.2];
 
-/// Shifts in pixels that draw a seam around a text.
+/// Shifts in pixels that draw a halo around a text.
 const SEAM: [[f64; 2]; 8] = [
     [-1.0, -1.0],
     [0.0, -1.0],
@@ -183,7 +183,7 @@ fn place_label(
         Anchor::Beside(point) => {
             let [x, y, _] = camera.project(point, size)?;
             let away = BESIDE.map(|n| n * setting.size);
-            // Kept in the picture, so that the text can be read while its point is near the border.
+            // Kept inside the picture, so that the text can be read when its point is near the border.
             let left = (x + away[0]).min(picture[0] - setting.width - 2.0);
             [left, (y - away[1] - 0.5 * setting.height).max(2.0)]
         }
@@ -207,7 +207,7 @@ fn place_label(
             [x * picture[0] + inset, y * picture[1] + inset]
         }
     };
-    // Far outside is as good as nowhere, and keeps the conversion to i32 exact.
+    // Far outside it is invisible; this keeps the conversion to i32 exact.
     let reach = 4.0 * (picture[0] + picture[1] + setting.width + setting.height) + 1e4;
     let near = |c: f64| c.abs() <= reach.min(1e9);
     (near(corner[0]) && near(corner[1])).then_some(corner)

@@ -1,9 +1,10 @@
-//! The colours that one colour takes on under the lights: what a palette must hold of it.
+//! The shades of one colour under the lights, which a palette must contain.
 
 use super::colour::ToneCurve;
 use super::look::{self, ALL_OPEN, Rim, Surroundings};
 
-/// Colours of a ramp. Between neighbours the light changes by less than the eye tells apart in a small patch.
+/// Number of colours of a ramp. Between neighbours the light changes by less than the eye can distinguish in a small
+/// area.
 const STEPS: usize = 12;
 
 /// Greatest tilt of a surface's normal against the line of sight, towards the key light and away from it, in radians.

@@ -1,4 +1,4 @@
-//! Meshes as renderers read them: in single precision, checked once. The only copy that a picture needs.
+//! Meshes in the form that renderers read: in single precision, validated once. A picture needs no other copy.
 
 use super::edges;
 use crate::geometry::Mesh;
@@ -12,13 +12,13 @@ pub struct StageMesh {
     pub positions: Vec<[f32; 3]>,
     /// One for each vertex.
     pub normals: Vec<[f32; 3]>,
-    /// Indices are within the vertices; a triangle that was not is all zeros and has no area.
+    /// Indices are within the vertices; an invalid triangle is all zeros and has no area.
     pub triangles: Vec<[u32; 3]>,
     /// The smooth patch of each vertex.
     pub patches: Vec<u32>,
     /// How many patches there are.
     pub patch_count: u32,
-    /// Back faces of a closed mesh are never seen.
+    /// Back faces of a closed mesh are invisible.
     pub closed: bool,
     /// Least and greatest corner of the box around it; both zero without vertices.
     pub bounds: [DVec3; 2],
@@ -26,8 +26,8 @@ pub struct StageMesh {
 
 impl From<Mesh> for StageMesh {
     fn from(mesh: Mesh) -> Self {
-        // What asks for double precision first; then every list goes as soon as it is narrowed, since two of them fill the
-        // memory that a mesh of millions may take.
+        // Work that needs double precision comes first. Then every list is freed as soon as it is converted, since two
+        // of them can fill the memory allowed for a mesh of millions of triangles.
         let closed = mesh.hides_its_inside();
         let bounds = mesh.bounds().unwrap_or_default();
         let Mesh {
@@ -60,7 +60,7 @@ impl From<Mesh> for StageMesh {
 }
 
 fn narrowed_points(list: Vec<DVec3>, count: usize) -> Vec<[f32; 3]> {
-    // Not in place: `collect` would keep the memory of the wide list.
+    // Not in place: `collect` would keep the memory of the f64 list.
     let mut narrow = Vec::with_capacity(count);
     narrow.extend(list[..count].iter().map(|v| narrow_vector(*v)));
     narrow

@@ -1,4 +1,4 @@
-//! What a search for assemblies has found, in words.
+//! The result of a search for assemblies, in words.
 
 use super::sentences::counted_things;
 use crate::kinematics::assemblies::{Mode, Modes, StartKind, UNSEEN};
@@ -6,7 +6,7 @@ use crate::kinematics::structure::block::slot_names;
 use crate::kinematics::structure::system::System;
 use crate::model::mechanism::Mechanism;
 
-/// `40 placements of `plate``, and what of them is not isolated.
+/// `40 placements of `plate``, and which of them are not isolated.
 pub fn modes_headline(mechanism: &Mechanism, modes: &Modes) -> String {
     let placements = modes.placements();
     let what = match modes.bodies[..] {
@@ -46,7 +46,7 @@ fn assembly_count(count: usize, which: &str) -> String {
     }
 }
 
-/// What the rows mean, and what the count is worth.
+/// The meaning of the rows, and the reliability of the count.
 pub fn mode_remarks(system: &System, modes: &Modes) -> Vec<String> {
     let mut lines = vec![
         format!(
@@ -84,7 +84,7 @@ pub fn mode_remarks(system: &System, modes: &Modes) -> Vec<String> {
     lines
 }
 
-/// What the starts of every kind led to.
+/// The results of each kind of starts.
 fn mode_kinds(modes: &Modes) -> String {
     let made = modes.tallies.iter().filter(|(_, tally)| tally.starts > 0);
     let parts = made.map(|(kind, tally)| {
@@ -104,7 +104,7 @@ pub const fn kind_words(kind: StartKind) -> &'static str {
     }
 }
 
-/// How much may be left.
+/// An estimate of what is missing.
 fn search_worth(modes: &Modes) -> String {
     let chance = match modes.unseen {
         0.0 => "0".to_owned(),

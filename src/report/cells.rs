@@ -29,8 +29,8 @@ pub fn aligned_rows(rows: &[Vec<String>]) -> String {
     text
 }
 
-/// A text as a CSV cell: in quotes where it has to be, and with an apostrophe before what a spreadsheet would run as a
-/// formula. Signs alone, such as those of a branch, are quoted only: they run nothing.
+/// A text as a CSV cell: quoted if necessary, and with an apostrophe before anything that a spreadsheet would run as a
+/// formula. Sequences of signs, such as those of a branch, are only quoted: they run nothing.
 pub fn quoted_cell(text: &str) -> String {
     let is_formula = text.starts_with(['+', '-', '=', '@', '\t', '\r']);
     if text.parse::<f64>().is_ok() {

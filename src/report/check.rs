@@ -1,4 +1,4 @@
-//! The report on a whole motion as text and as JSON: what every part found, and the one verdict.
+//! The report on a whole motion as text and as JSON: the results of all parts, and the one verdict.
 
 use super::clearance;
 use super::clearance_json;
@@ -18,7 +18,7 @@ use crate::model::actuation::Actuation;
 use crate::model::mechanism::Mechanism;
 use serde_json::{Value, json};
 
-/// Everything that was found out about a motion.
+/// All results about a motion.
 pub struct MotionReport<'a> {
     mechanism: &'a Mechanism,
     actuation: &'a Actuation,
@@ -33,7 +33,7 @@ pub struct MotionReport<'a> {
 }
 
 impl<'a> MotionReport<'a> {
-    /// Sums up a motion that has poses.
+    /// Summarises a motion that has poses.
     pub fn new(
         (system, actuation): (&'a System, &'a Actuation),
         trajectory: &'a Trajectory,
@@ -83,7 +83,7 @@ impl<'a> MotionReport<'a> {
         }
     }
 
-    /// Smallest singular value of all poses; `None` where no unknown is solved for.
+    /// Smallest singular value of all poses; `None` if there are no unknowns.
     fn sigma(&self) -> Option<f64> {
         let poses = self.trajectory.poses().map(|p| p.sigma_min);
         let least = poses.fold(f64::INFINITY, f64::min);
@@ -104,7 +104,7 @@ impl<'a> MotionReport<'a> {
         list
     }
 
-    /// What is known of the motion and its proof, a line each with its head.
+    /// Results about the motion and its proof, one line each with its heading.
     pub fn motion_lines(&self) -> Vec<(&str, String)> {
         let (mechanism, trajectory) = (self.mechanism, self.trajectory);
         let samples = trajectory.samples.len();
@@ -129,12 +129,12 @@ impl<'a> MotionReport<'a> {
         lines
     }
 
-    /// What is known of the freedoms, likewise.
+    /// Results about the freedoms, one line each with its heading.
     pub fn freedoms_lines(&self) -> Vec<(&'static str, String)> {
         freedoms::freedoms_lines(self.mechanism, &self.mobility)
     }
 
-    /// Lines for people; the table of pairs has its `worst` ones.
+    /// Lines for people; the table shows the `worst` pairs.
     pub fn text(&self, verdict: &Verdict, worst: usize) -> String {
         let mechanism = self.mechanism;
         let mut lines = self.motion_lines();
@@ -192,7 +192,7 @@ impl<'a> MotionReport<'a> {
     }
 }
 
-/// The JSON document of a motion without any pose: there is nothing else to report.
+/// The JSON document of a motion without any pose.
 pub fn without_pose(mechanism: &Mechanism, trajectory: &Trajectory, verdict: &Verdict) -> Value {
     let events = trajectory.events.iter();
     json!({

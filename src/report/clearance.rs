@@ -1,4 +1,4 @@
-//! The clearance report as cases of a verdict, in sentences and as CSV. Nothing is computed here.
+//! The clearance report as cases of a verdict, in sentences and as CSV. All numbers are computed elsewhere.
 
 use super::cells::quoted_cell;
 use super::pieces::piece_cases;
@@ -9,13 +9,13 @@ use crate::diag::decimals_of;
 use crate::model::mechanism::Mechanism;
 use crate::model::shape::Solid;
 
-/// More times at which a pair is too near are counted in texts. JSON has all of them.
+/// Most intervals of violation listed in texts. JSON has all of them.
 const MOST_INTERVALS: usize = 4;
 
-/// More decimals of a second say nothing.
+/// Most decimals of a time in seconds.
 const MOST_DECIMALS: f64 = 15.0;
 
-/// Of bodies that were found apart, and of which no more is known.
+/// For bodies that are known to be apart, and nothing more.
 pub const NO_BOUND: &str = "no bound";
 
 /// The word of a judgement in reports.
@@ -57,7 +57,7 @@ pub(super) fn shape_names(mechanism: &Mechanism, pair: &PairReport) -> [String; 
     [0, 1].map(|k| shape_name(mechanism, pair.pair[k], pair.least.shapes[k]))
 }
 
-/// When a pair is too near, in words; `None` if nothing is known of that.
+/// The times of violation, in words; `None` if they are unknown.
 pub(super) fn violations_sentence(p: &PairReport, has_gaps: bool) -> Option<String> {
     let violations = p.violations.as_ref()?;
     let sure = match violations.is_certified {
@@ -84,7 +84,7 @@ pub(super) fn violations_sentence(p: &PairReport, has_gaps: bool) -> Option<Stri
     })
 }
 
-/// An interval of time that holds the given one, in as many decimals as a thousandth of it needs, at least six.
+/// An interval of time that encloses the given one, with as many decimals as a thousandth of it needs, at least six.
 fn violation_interval(v: &Violation) -> String {
     let needed = (3.0 - (v.to - v.from).log10()).ceil();
     let decimals = needed.clamp(6.0, MOST_DECIMALS) as usize;
@@ -92,7 +92,7 @@ fn violation_interval(v: &Violation) -> String {
     format!("{from} to {to} s")
 }
 
-/// One sentence on a pair.
+/// One sentence about a pair.
 pub fn pair_sentence(mechanism: &Mechanism, p: &PairReport) -> String {
     let unit = &mechanism.length_unit;
     let [first, second] = shape_names(mechanism, p);
@@ -112,7 +112,7 @@ pub fn pair_sentence(mechanism: &Mechanism, p: &PairReport) -> String {
     )
 }
 
-/// Why a pair is not judged: the joint, or the words of the scene.
+/// Why a pair is not judged: the joint, or the reason in the scene.
 pub fn judgement_reason(judgement: &Judgement) -> Option<&str> {
     match judgement {
         Judgement::Neighbours(joint) => Some(joint),
@@ -121,9 +121,8 @@ pub fn judgement_reason(judgement: &Judgement) -> Option<&str> {
     }
 }
 
-/// One case a pair, one for every stretch of time that was not checked and every mesh without an inside, and one
-/// if no pair was judged. An estimate is
-/// enough where no proof is asked for.
+/// One case per pair, one for every time interval that was not checked and every mesh without an inside, and one if no
+/// pair was judged. An estimate suffices if no proof is requested.
 pub fn clearance_cases(mechanism: &Mechanism, report: &ClearanceReport, asked: Asked) -> Vec<Case> {
     let pairs = report.judged.iter().chain(&report.excluded);
     let has_gaps = !report.gaps.is_empty();
@@ -161,7 +160,7 @@ pub fn clearance_cases(mechanism: &Mechanism, report: &ClearanceReport, asked: A
     list
 }
 
-/// What a judgement means for the check.
+/// The status of a judgement in the check.
 fn judgement_status(judgement: &Judgement, asked: Asked) -> Status {
     match judgement {
         Judgement::Passed => Status::Passed,
@@ -172,7 +171,7 @@ fn judgement_status(judgement: &Judgement, asked: Asked) -> Status {
     }
 }
 
-/// What is known of pairs that were not looked at one by one.
+/// Results about pairs that were not examined one by one.
 fn far_sentence(mechanism: &Mechanism, far: &FarPairs) -> String {
     let sure = match far.is_certified {
         true => "proved",
@@ -211,7 +210,7 @@ fn pair_case(mechanism: &Mechanism, p: &PairReport, asked: Asked, has_gaps: bool
     Case::new(CLEARANCE, &format!("{a} / {b}"), status, text)
 }
 
-/// The pairs of shapes that are left out around a joint: ` (capsule 1 / cylinder 2)`; nothing of other pairs.
+/// The pairs of shapes that are excluded around a joint: ` (capsule 1 / cylinder 2)`; empty for other pairs.
 fn left_out(mechanism: &Mechanism, p: &PairReport) -> String {
     let pairs = left_out_shapes(mechanism, p);
     let names: Vec<String> = pairs.iter().map(|pair| pair.join(" / ")).collect();
@@ -227,7 +226,7 @@ pub(super) fn left_out_shapes(mechanism: &Mechanism, p: &PairReport) -> Vec<[Str
     p.left_out.iter().map(name).collect()
 }
 
-/// What is known of a pair between the samples.
+/// Results about a pair between the samples.
 pub(super) fn bound_text(mechanism: &Mechanism, p: &PairReport, has_gaps: bool) -> String {
     let (least, unit) = (&p.least, &mechanism.length_unit);
     let sure = match least.is_certified {
@@ -253,13 +252,12 @@ pub(super) fn bound_text(mechanism: &Mechanism, p: &PairReport, has_gaps: bool) 
             format!("never below {} {unit}{when} ({sure})", not_below(bound, 6))
         }
         (None, None) if least.distance > 0.0 => NO_BOUND.to_owned(),
-        // It is only known that the bodies overlap.
+        // It is only known that the bodies overlap, not how deeply.
         (None, None) => "a depth has no bound".to_owned(),
     }
 }
 
-/// CSV: time, then one column of distances a judged pair, then one with what none of them falls below, empty where that is not
-/// known.
+/// CSV: time, then one column of distances per judged pair, then one with its lower bound, empty if unknown.
 pub fn to_csv(mechanism: &Mechanism, report: &ClearanceReport) -> String {
     let mut text = String::from("time");
     for p in &report.judged {

@@ -9,8 +9,8 @@ use crate::clearance::check::{ClearanceReport, Judgement, PairReport, Violation,
 use crate::model::mechanism::Mechanism;
 use serde_json::{Value, json};
 
-/// The report as the `clearance` object of `mechanim-check/1`; `result` is what its cases came to, and
-/// pairs within `band` of their minimum are near.
+/// The report as the `clearance` object of `mechanim-check/1`; `result` is the result of its cases, and pairs within
+/// `band` of their minimum are near.
 pub fn to_json(
     mechanism: &Mechanism,
     report: &ClearanceReport,
@@ -90,7 +90,7 @@ fn violations_json(violations: &Violations) -> Value {
     })
 }
 
-/// Excluded pairs of which only the number is told.
+/// Excluded pairs of which only the number is reported.
 fn counted_judgement((judgement, count): &(Judgement, usize)) -> Value {
     json!({
         "verdict": judgement_word(judgement),

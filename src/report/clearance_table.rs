@@ -1,4 +1,5 @@
-//! Clearances as a table of text: the worst pairs, all that are far apart, and what was left out, with its reasons.
+//! Clearances as a table of text: the worst pairs, the pairs that are far apart, and the excluded pairs with their
+//! reasons.
 
 use super::clearance::{
     NO_BOUND, body_names, bound_text, judgement_reason, judgement_word, violations_sentence,
@@ -9,7 +10,7 @@ use crate::clearance::check::{ClearanceReport, FarPairs, PairReport};
 use crate::diag::decimals_of;
 use crate::model::mechanism::Mechanism;
 
-/// More excluded pairs with one reason are one line of the table. JSON and JUnit have all of them.
+/// More excluded pairs with the same reason are merged into one line of the table. JSON and JUnit have all of them.
 const MOST_OF_ONE_REASON: usize = 3;
 
 /// The worst pairs, then what was left out.
@@ -70,13 +71,13 @@ pub fn clearance_table(mechanism: &Mechanism, found: &ClearanceReport, worst: us
     text
 }
 
-/// The slack of a pair that passes by it: its bound is below the minimum.
+/// The slack of a pair that passes because of it: its bound is below the minimum.
 fn slack_used(p: &PairReport) -> Option<f64> {
     let is_used = p.farthest.is_none() && p.judgement.is_kept() && p.least.bound < p.minimum;
     is_used.then_some(p.slack)
 }
 
-/// Excluded pairs with equal reasons, in the order in which these come first.
+/// Excluded pairs with equal reasons, in order of first appearance.
 fn by_reason(pairs: &[PairReport]) -> Vec<Vec<&PairReport>> {
     let mut groups: Vec<Vec<&PairReport>> = Vec::new();
     for p in pairs {
@@ -119,7 +120,7 @@ fn inside_word(p: &PairReport) -> &'static str {
     }
 }
 
-/// The line of all pairs that were not looked at one by one.
+/// The line of all pairs that were not examined one by one.
 fn far_line(far: &FarPairs) -> String {
     let bound = match far.is_certified {
         true => not_below(far.apart, 4),
@@ -139,7 +140,7 @@ fn pair_row(mechanism: &Mechanism, p: &PairReport) -> String {
         (Some(bound), true) => not_below(bound, 4),
         (Some(bound), false) => format!("~{}", not_below(bound, 4)),
         (None, _) if p.least.distance > 0.0 => NO_BOUND.to_owned(),
-        // A depth: it is only known that the bodies overlap.
+        // A depth: it is only known that the bodies overlap, not how deeply.
         (None, _) => "-".to_owned(),
     };
     format!(

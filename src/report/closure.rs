@@ -1,4 +1,4 @@
-//! The questions whether a motion closes, and whether an offered pose does.
+//! The questions whether a motion closes, and whether a given pose does.
 
 use super::sentences::gap_sentence;
 use super::verdict::{Case, MOTION, Status};
@@ -30,7 +30,7 @@ pub fn closing_case(mechanism: &Mechanism, trajectory: &Trajectory) -> Case {
     Case::new(MOTION, CLOSES, status, text.join("; "))
 }
 
-/// The same of a loop that no pose closes, for the reason that `why` says.
+/// The same for a loop that no pose closes, for the reason `why`.
 pub fn unclosed_case(why: &str) -> Case {
     Case::new(MOTION, CLOSES, Status::NotClosed, why)
 }
@@ -61,7 +61,7 @@ pub fn error_sentence(mechanism: &Mechanism, worst: f64, allowed: f64) -> String
     format!("{worst:.2e} (allowed {allowed:.0e}, relative to {measure})")
 }
 
-/// Whether a loop or an equation is closed at an offered pose.
+/// Whether a loop or an equation is closed at a given pose.
 pub fn offered_case(mechanism: &Mechanism, item: &Offered) -> Case {
     let status = match item.verdict {
         LoopVerdict::Closed => Status::Passed,
@@ -74,7 +74,7 @@ pub fn offered_case(mechanism: &Mechanism, item: &Offered) -> Case {
     Case::new(MOTION, &name, status, offered_sentence(mechanism, item))
 }
 
-/// The word of a verdict on an offered pose.
+/// The word of a verdict on a given pose.
 fn verdict_word(verdict: LoopVerdict) -> &'static str {
     match verdict {
         LoopVerdict::Closed => "closed",
@@ -83,7 +83,7 @@ fn verdict_word(verdict: LoopVerdict) -> &'static str {
     }
 }
 
-/// Loops and equations at an offered pose, for the JSON report.
+/// Loops and equations at a given pose, for the JSON report.
 pub fn offered_json(list: &[Offered]) -> [Vec<Value>; 2] {
     let (mut loops, mut equations) = (Vec::new(), Vec::new());
     for Offered { name, gap, verdict } in list {

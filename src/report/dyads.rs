@@ -1,4 +1,5 @@
-//! A linkage as a row of dyads: in words, as the table of its linear system (CSV, Markdown, LaTeX), and as a document.
+//! A linkage as a sequence of dyads: in words, as the table of its linear system (CSV, Markdown, LaTeX), and as a
+//! document.
 
 use super::cells::{aligned_rows, quoted_cell, six_digits};
 use crate::analysis::dyads::PlanarRow;
@@ -17,13 +18,13 @@ use std::f64::consts::PI;
 /// Version of the JSON document.
 const SCHEMA: u32 = 1;
 
-/// A row of dyads at a pose.
+/// A sequence of dyads at a pose.
 pub struct DyadReport<'a> {
     /// The mechanism.
     pub mechanism: &'a Mechanism,
     /// Its points and dyads.
     pub row: &'a PlanarRow,
-    /// Where that is, in words.
+    /// The pose, in words.
     pub place: String,
     /// Angles between the bars of a dyad for the ranges, radians.
     pub delta: Kaucher,
@@ -53,7 +54,7 @@ impl DyadReport<'_> {
         format!("{}-{}", self.row.names[a], self.row.names[b])
     }
 
-    /// How many there are of what.
+    /// The numbers of points, bars and dyads.
     pub fn headline(&self) -> String {
         let chain = &self.row.chain;
         format!(
@@ -177,7 +178,7 @@ impl DyadReport<'_> {
         names.join(" ")
     }
 
-    /// How far the conjugate system is off with these signs.
+    /// The error of the conjugate system with these signs.
     fn conjugate_error(&self, printed: bool) -> Option<f64> {
         let chain = &self.row.chain;
         let found = chain.conjugate_positions(printed)?;
@@ -245,7 +246,7 @@ impl DyadReport<'_> {
         format!("{head}\n{}", aligned_rows(&rows))
     }
 
-    /// The table with a head, its rows and the right side last.
+    /// The table with a header, its rows, and the right-hand side last.
     fn table_cells(&self) -> Vec<Vec<String>> {
         let Some(table) = self.velocity_table() else {
             return Vec::new();

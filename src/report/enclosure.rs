@@ -1,4 +1,5 @@
-//! Bands of a motion in words, CSV and JSON. Ends of bands are rounded outwards, so that what is read holds as well.
+//! Bands of a motion in words, CSV and JSON. Ends of bands are rounded outwards, so that the printed values are bounds
+//! as well.
 
 use super::cells::{aligned_rows, quoted_cell, six_digits};
 use crate::analysis::enclosure::{
@@ -12,7 +13,7 @@ use crate::numbers::rounding::GROW;
 use crate::numbers::scalar::Scalar;
 use serde_json::{Map, Value, json};
 
-/// The lower (-1) or upper (+1) end of a band as a decimal in the scene's unit that is not inside.
+/// The lower (-1) or upper (+1) end of a band as a decimal in the scene's unit, rounded outwards.
 pub fn rounded_end(value: f64, kind: Kind, mechanism: &Mechanism, side: f64) -> String {
     let unit = Interval::from_constant(mechanism.unit_of(kind));
     let exact = Interval::point(value) / unit;
@@ -32,7 +33,7 @@ pub fn outer_end(value: f64, kind: Kind, mechanism: &Mechanism, side: f64) -> St
     let reads: f64 = shown.parse().unwrap_or(exact);
     match side * (reads - exact) >= 0.0 {
         true => shown,
-        // One unit in the sixth digit farther out.
+        // One unit in the sixth digit farther outwards.
         false => six_digits(exact + side * exact.abs() * 1.1e-5),
     }
 }
@@ -47,7 +48,7 @@ pub fn enclosure_word(enclosed: &Enclosed) -> &'static str {
     }
 }
 
-/// Why a sample has no band, with the dimension and the time.
+/// Why a sample has no band, with the limiting dimension and the time.
 pub fn refusal_text(plan: &Plan, enclosed: &Enclosed) -> Option<String> {
     match &enclosed.bands {
         Ok(_) => None,
@@ -158,7 +159,7 @@ fn cell_number(value: f64, kind: Kind, mechanism: &Mechanism) -> String {
     }
 }
 
-/// An end; empty where nothing is known.
+/// An end; empty if unknown.
 pub(super) fn bounded_number(value: f64, kind: Kind, mechanism: &Mechanism, side: f64) -> String {
     if value.is_finite() {
         rounded_end(value, kind, mechanism, side)
@@ -218,7 +219,7 @@ pub fn enclosure_document(
     document
 }
 
-/// What a quantity does over the whole motion.
+/// The band of a quantity over the whole motion.
 struct BandSummary {
     below: f64,
     above: f64,
@@ -227,7 +228,7 @@ struct BandSummary {
     time: f64,
 }
 
-/// The summary: how far below and above the motion as drawn every quantity can be, and is found to be.
+/// The summary: how far every quantity can be below and above the nominal motion, and was found to be.
 pub fn enclosure_summary(plan: &Plan, motion: &[Enclosed], searched: bool) -> String {
     let mechanism = plan.family.mechanism();
     let done = motion.iter().filter(|e| e.bands.is_ok()).count();
@@ -259,7 +260,7 @@ pub fn enclosure_summary(plan: &Plan, motion: &[Enclosed], searched: bool) -> St
             } else {
                 "-".to_owned()
             };
-            // Nothing is searched of what has no bound.
+            // Quantities without a bound are not searched.
             let is_bounded = all.below.is_finite() || all.above.is_finite();
             let found = |value: f64| match is_bounded {
                 true => six_digits(value * unit),
@@ -331,7 +332,7 @@ fn of_band(band: &Band, time: f64) -> BandSummary {
     }
 }
 
-/// The measures: what no piece goes beyond, against their limits.
+/// The measures: proved bounds, compared with their limits.
 pub fn measure_lines(plan: &Plan, bands: &[MeasureBand]) -> String {
     let mechanism = plan.family.mechanism();
     let mut rows = vec![vec![

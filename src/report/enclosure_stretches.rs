@@ -1,4 +1,4 @@
-//! What is proved between the samples, in words and as objects of a document.
+//! Results proved between the samples, in words and as objects of a document.
 
 use super::cells::aligned_rows;
 use super::enclosure::{bounded_number, outer_end};
@@ -6,7 +6,7 @@ use crate::analysis::enclosure::{Plan, Stretch, shown_names};
 use crate::model::printed::shortest_decimal;
 use serde_json::{Map, Value, json};
 
-/// What no piece leaves over the whole motion, between the samples, too.
+/// Bounds for every piece over the whole motion, including the times between the samples.
 pub fn between_lines(plan: &Plan, stretches: &[Stretch]) -> String {
     let mechanism = plan.family.mechanism();
     let proved: Vec<&Vec<[f64; 2]>> = stretches

@@ -1,4 +1,4 @@
-//! Events and stretches without a pose as JSON, in the scene's units.
+//! Events and intervals without a pose as JSON, in the scene's units.
 
 use crate::kinematics::results::trajectory::{
     Ending, Event, EventKind, Gap, Instant, Lack, Trajectory,
@@ -6,7 +6,7 @@ use crate::kinematics::results::trajectory::{
 use crate::model::mechanism::Mechanism;
 use serde_json::{Map, Value, json};
 
-/// All events of a motion: kind, time, inputs, and what belongs to the kind.
+/// All events of a motion: kind, time, inputs, and further data of the kind.
 pub fn event_list(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<Value> {
     let events = trajectory.events.iter();
     events.map(|e| event_value(mechanism, e)).collect()
@@ -89,7 +89,7 @@ fn event_value(mechanism: &Mechanism, event: &Event) -> Value {
     object.into()
 }
 
-/// What a motion ends at, in a word, and how surely.
+/// The kind of a motion's end, in a word, and its certainty.
 fn ending_value(ending: &Ending) -> Value {
     let word = ending.word();
     match ending {
@@ -102,8 +102,8 @@ fn ending_value(ending: &Ending) -> Value {
     }
 }
 
-/// All stretches without a pose: where poses end, where they begin again, and how much is lacking in between; null
-/// where the drive begins or ends inside.
+/// All intervals without a pose: where poses end, where they begin again, and the closure error in between; null if the
+/// drive begins or ends inside.
 pub fn gap_list(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<Value> {
     let gaps = trajectory.gaps.iter();
     gaps.map(|g| gap_value(mechanism, g)).collect()

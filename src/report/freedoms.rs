@@ -14,7 +14,7 @@ const MAX_LOOPS: usize = 6;
 /// Most redundant equations that are listed one by one.
 const MAX_EQUATIONS: usize = 6;
 
-/// Lines of the report, each with its head; those without one go on.
+/// Lines of the report, each with its heading; lines without one continue the previous one.
 pub fn freedoms_lines(mechanism: &Mechanism, mobility: &Mobility) -> Vec<(&'static str, String)> {
     let mut lines = vec![("mobility", mobility_sentence(mobility))];
     let count = &mobility.count;

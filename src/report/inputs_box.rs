@@ -7,7 +7,7 @@ use crate::diag::decimals_of;
 use crate::model::mechanism::Mechanism;
 use serde_json::{Value, json};
 
-/// More open parts of the box are counted in texts. JSON has all of them.
+/// Most parts of the box that are listed in texts. JSON has all of them.
 const MOST_PARTS: usize = 3;
 
 /// A part of the box in words: `u 0 to 45 deg, v -10 to -5 mm`.
@@ -37,7 +37,7 @@ fn parts_in_words(mechanism: &Mechanism, sides: [Side; 2], parts: &[[[f64; 2]; 2
     format!("{}{more}", shown.join("; "))
 }
 
-/// One case a pair, one for what no motion leads to, and one if no pair was judged, unless that is allowed.
+/// One case per pair, one for parts that no motion reaches, and one if no pair was judged, unless that is allowed.
 pub fn cases(
     mechanism: &Mechanism,
     sides: [Side; 2],

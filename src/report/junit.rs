@@ -1,5 +1,5 @@
-//! A verdict as JUnit XML: one suite a scene, one case a question. What is wrong is a failure, what could not be
-//! decided an error, so that a green suite means an exit code of zero and nothing else does.
+//! A verdict as JUnit XML: one suite per scene, one case per question. A negative answer is a failure and an undecided
+//! one an error, so that a green suite means exit code zero, and nothing else does.
 
 use super::verdict::{Case, Judged, Status};
 
@@ -23,7 +23,7 @@ fn suite_element(one: &Judged) -> String {
     )
 }
 
-/// How many there are of each kind, and what they took.
+/// Their numbers and their total time.
 fn suite_totals(cases: &[&Case], seconds: f64) -> String {
     let count = |status: &[Status]| cases.iter().filter(|c| status.contains(&c.status)).count();
     format!(
@@ -70,7 +70,7 @@ fn escape_text(text: &str) -> String {
             '"' => out.push_str("&quot;"),
             '\'' => out.push_str("&apos;"),
             '\n' => out.push_str("&#10;"),
-            // XML 1.0 has no way to write other control characters, nor the two that end the basic plane.
+            // XML 1.0 cannot represent other control characters, nor the last two code points of the basic plane.
             c if c.is_control() => out.push(' '),
             '\u{fffe}' | '\u{ffff}' => out.push(char::REPLACEMENT_CHARACTER),
             c => out.push(c),

@@ -21,14 +21,14 @@ pub struct TakenMeasure<'m> {
     unit: &'m str,
     /// How many poses it was taken at.
     poses: usize,
-    /// What is known between the samples, too.
+    /// Bounds between the samples, if known.
     known: Option<Known>,
-    /// Where on a track that is: inputs with their values and units, as the file has them.
+    /// The place on a track: inputs with their values and units, as in the file.
     place: Vec<(&'m str, f64, &'m str)>,
 }
 
-/// Takes the measures of a motion that is to be judged, whose samples at `times` were asked for: least and greatest values are
-/// those of the whole motion or of the whole track, with a bound. Sums and means are over the samples that were asked for.
+/// Evaluates the measures of a motion to be judged, with samples at `times`: least and greatest values are those of the
+/// whole motion or of the whole track, with a bound. Sums and means are over the samples.
 pub fn take_whole<'s>(
     system: &System,
     scene: &'s Scene,
@@ -45,7 +45,7 @@ pub fn take_whole<'s>(
     let mut slots = inputs;
     for measured in &mut list {
         if let MeasureSource::Formula(formula) = &measured.measure.source {
-            // Of the earlier ones as they are now.
+            // With the present values of earlier measures.
             measured.value = formula_value(formula, &slots);
         } else if measured.value.is_some() && is_of_whole_motion(mechanism, measured.measure) {
             measured.look_closely(scene, covered, tolerance);
@@ -55,13 +55,13 @@ pub fn take_whole<'s>(
     list
 }
 
-/// Whether a measure of a scene is one of the whole motion, which takes certified poses.
+/// Whether a measure of a scene concerns the whole motion, which requires certified poses.
 pub fn needs_certified_poses(scene: &Scene) -> bool {
     let mut list = scene.measures.list.iter();
     list.any(|measure| is_of_whole_motion(&scene.mechanism, measure))
 }
 
-/// Takes the measures of a motion.
+/// Evaluates the measures of a motion.
 pub fn take_measures<'s>(
     system: &System,
     scene: &'s Scene,
@@ -113,7 +113,7 @@ impl<'m> TakenMeasure<'m> {
         let (motion, drives) = covered.along_track(track);
         let found = known(motion, self.measure, tolerance);
         self.value = found.map(|known| known.value);
-        // Its times are those of no drive in the scene: inputs say where it is.
+        // Its times do not belong to a drive of the scene, so the place is given by inputs.
         if let Some(time) = found.and_then(|known| known.time) {
             let mechanism = &scene.mechanism;
             let inputs = mechanism.inputs.iter().zip(drives.inputs_at(time));
@@ -138,7 +138,7 @@ impl<'m> TakenMeasure<'m> {
 }
 
 impl TakenMeasure<'_> {
-    /// Whether it has a value within its limits. A value without limits is just told.
+    /// Whether it has a value within its limits. A value without limits is only reported.
     fn status(&self, estimates: bool) -> Status {
         let is_limited = self.measure.min.is_some() || self.measure.max.is_some();
         match self.value {
@@ -157,7 +157,7 @@ impl TakenMeasure<'_> {
         below || self.measure.max.is_some_and(|max| value > max + slack)
     }
 
-    /// Whether it is beyond its limits, whatever is between its value and its bound.
+    /// Whether it violates its limits for every value between the found value and its bound.
     fn is_broken(&self) -> bool {
         match (self.value, self.known) {
             (Some(value), Some(known)) => {
@@ -168,8 +168,8 @@ impl TakenMeasure<'_> {
         }
     }
 
-    /// Whether everything between its value and its bound keeps the limits. The value is that of a pose, so that a limit on
-    /// its other side takes no proof; of measures of the samples nothing is to be proved.
+    /// Whether every value between the found value and its bound satisfies the limits. The found value is that of a
+    /// pose, so a limit on its other side needs no proof; measures of the samples need none either.
     fn is_proved(&self, estimates: bool) -> bool {
         self.known.is_none_or(|known| {
             let is_limited = match known.bound < known.value {
@@ -182,7 +182,7 @@ impl TakenMeasure<'_> {
         })
     }
 
-    /// At which poses a measure was taken: what lies between them is not looked at.
+    /// The poses at which a measure was evaluated; between them it is unknown.
     fn where_taken(&self) -> String {
         let is_limited = self.measure.min.is_some() || self.measure.max.is_some();
         match &self.measure.source {
@@ -203,7 +203,7 @@ impl TakenMeasure<'_> {
         }
     }
 
-    /// What is known of it over the whole motion.
+    /// Results over the whole motion.
     fn over(&self) -> String {
         let Some(known) = self.known else {
             return String::new();
@@ -247,7 +247,7 @@ impl TakenMeasure<'_> {
         &self.measure.name
     }
 
-    /// Value and unit, and what is wrong with it.
+    /// Value and unit, and the violation if any.
     pub fn sentence(&self) -> String {
         let Some(value) = self.value else {
             return "no value: a pose is missing on the way, or a formula has none".to_owned();

@@ -1,5 +1,5 @@
-//! The check of a whole motion, put together once: the program and the library ask it, each with its own words about
-//! progress and failure.
+//! The check of a whole motion, shared by the program and the library, which add their own messages about progress and
+//! failure.
 
 use super::check::{MotionReport, without_pose};
 use super::verdict::{Asked, Verdict};
@@ -14,7 +14,7 @@ use crate::limits::{LimitExceeded, Resource, current_limits};
 use crate::scene::Scene;
 use serde_json::Value;
 
-/// What is checked, and what is asked of it.
+/// The subject and the options of a check.
 pub struct MotionCheck<'a> {
     /// The scene.
     pub scene: &'a Scene,
@@ -22,11 +22,11 @@ pub struct MotionCheck<'a> {
     pub system: &'a System,
     /// Seconds at which the motion is sampled.
     pub times: &'a [f64],
-    /// What must be so, and what must be proved.
+    /// The requirements, and the requested proofs.
     pub asked: Asked,
-    /// How near bounds of distances must come to the distances.
+    /// Requested accuracy of the bounds of distances.
     pub closely: Closely,
-    /// What bodies sweep is asked for as well, which is made of tubes.
+    /// Whether swept volumes are requested as well, which need tubes.
     pub is_swept: bool,
     /// Rows of the table of pairs in the text.
     pub worst: usize,
@@ -40,14 +40,14 @@ pub struct MotionAnswer {
     pub document: Value,
     /// The one verdict.
     pub verdict: Verdict,
-    /// What is known of the motion and its proof, a line each with its head; none without a pose.
+    /// Results about the motion and its proof, one line each with its heading; none without a pose.
     pub motion: Vec<(String, String)>,
-    /// What is known of the freedoms, likewise.
+    /// Results about the freedoms, one line each with its heading.
     pub freedoms: Vec<(String, String)>,
 }
 
 impl<'a> MotionCheck<'a> {
-    /// Tubes, which clearances are bounded by, join certified poses: more may be proved than is asked for.
+    /// Tubes, which bound the clearances, connect certified poses: more may be proved than is requested.
     fn proofs(&self) -> Proofs {
         let needs_tubes = self.scene.clearance.is_some()
             || self.is_swept
@@ -106,7 +106,7 @@ impl<'a> MotionCheck<'a> {
         Ok(Some(found))
     }
 
-    /// Everything that was asked with its answer, of a motion that has poses and took `seconds` to solve.
+    /// All questions with their answers, for a motion that has poses and took `seconds` to solve.
     pub fn answer(
         &self,
         trajectory: &Trajectory,
@@ -129,7 +129,7 @@ impl<'a> MotionCheck<'a> {
         }
     }
 
-    /// The answer where no sample has a pose; `why` says more of it.
+    /// The answer if no sample has a pose; `why` gives details.
     pub fn without_pose(&self, trajectory: &Trajectory, why: Option<&str>) -> MotionAnswer {
         let mechanism = &self.scene.mechanism;
         let mut case = closure::closing_case(mechanism, trajectory);

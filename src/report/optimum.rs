@@ -12,7 +12,7 @@ use serde_json::{Map, Value, json};
 /// Version of the JSON documents.
 pub const SCHEMA: u32 = 1;
 
-/// A found optimum and what its proof says.
+/// An optimum and its verification.
 pub struct OptimumReport<'a> {
     /// What was studied.
     pub study: &'a LoadedStudy,
@@ -54,7 +54,7 @@ impl OptimumReport<'_> {
         text
     }
 
-    /// The objective before and after, and what the search did.
+    /// The objective before and after, and statistics of the search.
     fn summary_text(&self) -> String {
         let (study, optimum) = (self.study, &self.found.optimum);
         let (name, unit) = (study.objective_name(), study.objective_unit());
@@ -154,7 +154,7 @@ impl OptimumReport<'_> {
         )
     }
 
-    /// Name of the measure that breaks its limit most.
+    /// Name of the measure with the largest violation.
     fn worst_limit(&self, verified: &Verified) -> &str {
         let list = &self.study.family.measures.list;
         let measures = list.iter().zip(&verified.measures);
@@ -227,7 +227,7 @@ fn nearest_words(pair: &NearestPair, unit: &str) -> String {
     format!("{a} / {b}, {distance} {unit} (minimum {})", pair.minimum)
 }
 
-/// What the bodies do, as a line of the report.
+/// The clearances, as a line of the report.
 fn clearance_line(clearances: &Clearances, unit: &str) -> String {
     let verdict = match (clearances.kept, clearances.instead) {
         (true, None) => "Clearances are kept".to_owned(),

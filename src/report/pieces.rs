@@ -1,4 +1,5 @@
-//! Clearances of all pieces within their tolerances: as cases of a verdict, as a table and as JSON. Nothing is computed here.
+//! Clearances of all pieces within their tolerances: as cases of a verdict, as a table and as JSON. All numbers are
+//! computed elsewhere.
 
 use super::enclosure::reason_words;
 use super::rounded::not_below;
@@ -9,7 +10,7 @@ use crate::model::mechanism::Mechanism;
 use crate::model::printed::shortest_decimal;
 use serde_json::{Value, json};
 
-/// The one rule: a pair passes if its bound keeps the minimum.
+/// The rule: a pair passes if and only if its bound reaches the minimum.
 fn piece_status(pair: &PieceClearance) -> Status {
     match (pair.is_kept(), pair.is_broken()) {
         (true, _) => Status::Passed,
@@ -44,7 +45,7 @@ pub fn piece_cases<'r>(
     })
 }
 
-/// What is known of a pair.
+/// Results about a pair.
 fn piece_sentence(mechanism: &Mechanism, pair: &PieceClearance) -> String {
     let unit = &mechanism.length_unit;
     let known = match &pair.refusal {
@@ -78,7 +79,7 @@ fn refusal_words(refusal: &Refusal) -> String {
     )
 }
 
-/// The table of all pairs, those with least to spare first.
+/// The table of all pairs, those with the smallest margin first.
 pub fn piece_table(mechanism: &Mechanism, report: &PieceReport, worst: usize) -> String {
     let mut text = format!(
         "  every piece      {} within {}\n",

@@ -20,7 +20,7 @@ const HEADER: [&str; 11] = [
     "lost",
 ];
 
-/// The setting of a row: predictor order, closure tolerance, residual form; empty where they mean nothing.
+/// The setting of a row: predictor order, closure tolerance, residual form; empty if not applicable.
 fn row_setting(row: &PrecisionRow) -> [String; 3] {
     match row.route {
         Some(Route::Position {
@@ -199,7 +199,7 @@ fn row_json(row: &PrecisionRow) -> Value {
     })
 }
 
-/// A number that JSON cannot say is missing: the route came to no pose.
+/// A number that JSON cannot represent is omitted: the route found no pose.
 fn finite_number(value: f64) -> Value {
     if value.is_finite() {
         json!(value)

@@ -1,4 +1,4 @@
-//! What is proved of a motion: its poses and the intervals between them, summed up.
+//! A summary of what is proved about a motion: its poses and the intervals between them.
 
 use super::rounded::{at_least, at_most};
 use super::sentences;
@@ -14,7 +14,7 @@ use crate::model::actuation::Actuation;
 use crate::model::mechanism::Mechanism;
 use serde_json::{Value, json};
 
-/// What proofs of a mechanism rest on, one sentence each.
+/// The assumptions of a mechanism's proofs, one sentence each.
 pub fn proof_assumptions(system: &System) -> Vec<String> {
     let mut list = vec![
         "sine and cosine accurate to one unit in the last place".to_owned(),
@@ -29,7 +29,7 @@ pub fn proof_assumptions(system: &System) -> Vec<String> {
     list
 }
 
-/// The intervals of a motion, summed up.
+/// Summary of the intervals of a motion.
 pub struct MotionProof<'t> {
     trajectory: &'t Trajectory,
     certified: usize,
@@ -68,7 +68,7 @@ impl<'t> MotionProof<'t> {
         proof
     }
 
-    /// Whether every interval is certified or, as far as redundant equations allow, consistent.
+    /// Whether every interval is certified or, for redundant equations, consistent.
     pub fn is_whole(&self) -> bool {
         self.proved() == self.trajectory.intervals.len()
     }
@@ -122,7 +122,7 @@ impl<'t> MotionProof<'t> {
         text
     }
 
-    /// What the question whether the motion is proved between the samples comes to.
+    /// The answer to the question whether the motion is proved between the samples.
     fn status(&self) -> Status {
         match self.is_whole() {
             true => Status::Passed,
@@ -162,8 +162,8 @@ impl<'t> MotionProof<'t> {
     }
 }
 
-/// What a table of poses is worth. Rows that do not close fail it; the intervals between its rows want a proof where one was
-/// asked for. A pose that is closed and cannot be certified says so in its row.
+/// The verdict on a table of poses. Rows that do not close fail it; the intervals between its rows need a proof if one
+/// was requested. A pose that is closed but cannot be certified says so in its row.
 pub fn table_status(poses: &PoseProofs, motion: Option<&MotionProof>) -> Status {
     match motion.map(MotionProof::status) {
         _ if poses.open > 0 => Status::Failed,
@@ -180,10 +180,10 @@ fn within_radius(radius: f64, unit: &str) -> String {
     }
 }
 
-/// The certificates of a motion, summed up.
+/// Summary of the certificates of a motion.
 pub struct PoseProofs {
     poses: usize,
-    /// Something closes: else there is nothing to prove.
+    /// Whether there is anything to prove.
     is_closing: bool,
     /// Largest error bound of a certified pose.
     pub error_bound: f64,
@@ -199,12 +199,12 @@ pub struct PoseProofs {
     pub closes_to: f64,
     /// Poses that are proved not to close: a redundant equation does not hold.
     pub open: usize,
-    /// Words of all reasons for a refusal.
+    /// All reasons for a refusal, in words.
     pub reasons: Vec<&'static str>,
 }
 
 impl PoseProofs {
-    /// Of the certificates, if they were asked for: clearances may have needed more.
+    /// Whether certificates were requested: clearances may have needed more.
     pub fn of(structure: &Structure, trajectory: &Trajectory, is_asked: bool) -> Self {
         let mut proof = Self {
             poses: 0,
@@ -247,7 +247,7 @@ impl PoseProofs {
         proof
     }
 
-    /// Itself if any pose is certified; the bounds mean nothing otherwise.
+    /// Itself if any pose is certified; otherwise the bounds are meaningless.
     pub fn certified(&self) -> Option<&Self> {
         (self.is_closing && self.refused < self.poses).then_some(self)
     }

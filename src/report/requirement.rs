@@ -1,25 +1,25 @@
-//! A demand on found mechanisms, and the simplest one that meets it.
+//! A requirement on synthesised mechanisms, and the simplest one that meets it.
 
 use super::cells::six_digits;
 use super::synthesis::FoundMechanism;
 use serde_json::{Value, json};
 
-/// What a measure must keep: `deviation<=0.02`, in the file's unit.
+/// A limit of a measure: `deviation<=0.02`, in the file's unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Requirement {
     /// Name of the measure.
     pub measure: String,
-    /// Whether the bound is the most, else it is the least.
+    /// Whether the bound is an upper one.
     pub is_most: bool,
     /// The bound.
     pub bound: f64,
 }
 
 impl Requirement {
-    /// As the command line has it.
+    /// Parses the form of the command line.
     ///
     /// # Errors
-    /// What is expected instead.
+    /// The expected form.
     pub fn read(text: &str) -> Result<Self, String> {
         let wrong = || "write MEASURE<=NUMBER or MEASURE>=NUMBER".to_owned();
         let most = text.split_once("<=").map(|parts| (parts, true));
@@ -42,7 +42,7 @@ impl Requirement {
         format!("{} {sign} {}", self.measure, self.bound)
     }
 
-    /// The value that a found mechanism has; `None` where it has no such measure, or no value.
+    /// The value of a synthesised mechanism; `None` if it has no such measure, or no value.
     fn found_value(&self, found: &FoundMechanism) -> Option<f64> {
         let mut list = found.family.measures.list.iter().enumerate();
         let (index, measure) = list.find(|(_, m)| m.name == self.measure)?;
@@ -58,7 +58,7 @@ impl Requirement {
     }
 }
 
-/// Of the mechanisms that are proved and meet all demands, the one with the fewest variables.
+/// Of the mechanisms that are proved and meet all requirements, the one with the fewest variables.
 pub fn simplest_of<'f, 'a>(
     found: &'f [FoundMechanism<'a>],
     demands: &[Requirement],
@@ -68,7 +68,7 @@ pub fn simplest_of<'f, 'a>(
     found.iter().filter(meets).min_by_key(variables)
 }
 
-/// The answer to the demands, for people.
+/// The result for the requirements, for people.
 pub fn simplest_text(found: &[FoundMechanism], demands: &[Requirement]) -> String {
     let words: Vec<String> = demands.iter().map(Requirement::demand_words).collect();
     let asked = words.join(", ");

@@ -1,6 +1,6 @@
-//! Bounds in few digits: what is rounded on the way to the reader is rounded to the safe side.
+//! Bounds in few digits: printed bounds are rounded to the safe side.
 
-/// Tries until the decimal is on the safe side: one is enough but where f64 itself rounds.
+/// Tries until the decimal is on the safe side: one is enough unless f64 itself rounds.
 const TRIES: u32 = 4;
 
 /// An upper bound with two digits: `6.3e-14` of 6.21e-14.
@@ -43,7 +43,7 @@ pub fn not_above(value: f64, decimals: usize) -> String {
     safe_text(value, unit, |v| format!("{v:.decimals$}"))
 }
 
-/// What the second digit counts.
+/// The value of a unit in the second digit.
 fn last_digit(value: f64) -> f64 {
     match value.abs().log10().floor() {
         power if power.is_finite() => 10.0_f64.powi(power as i32 - 1),
@@ -51,7 +51,7 @@ fn last_digit(value: f64) -> f64 {
     }
 }
 
-/// The decimal that `text` makes of `value`, or of a number a half of `unit` farther on its side.
+/// The decimal number that `text` makes of `value`, or of a number half a `unit` farther on its side.
 fn safe_text(value: f64, unit: f64, text: impl Fn(f64) -> String) -> String {
     let is_safe = |text: &str| {
         let read = text.parse::<f64>().unwrap_or(value);

@@ -1,4 +1,4 @@
-//! What intervals make of the velocities and positions of a row of dyads: in words and as documents.
+//! Interval results for the velocities and positions of a sequence of dyads: in words and as documents.
 
 use super::cells::{aligned_rows, six_digits};
 use super::rounded::not_below;
@@ -179,7 +179,7 @@ impl FormalPair<'_> {
         })
     }
 
-    /// Whether anything is proved by one of them.
+    /// Whether one of them proves anything.
     pub fn proves(&self) -> bool {
         self.tolerable.1 || self.united.1
     }
@@ -220,7 +220,7 @@ pub struct PavedPoint {
     pub point: usize,
     /// With all others as drawn.
     pub section: Paving,
-    /// For some places of the others.
+    /// For some positions of the others.
     pub projection: Paving,
 }
 
@@ -241,7 +241,7 @@ pub struct TiedReport<'a> {
 }
 
 impl TiedReport<'_> {
-    /// The dyad whose bars are nearest to one line, and its angle.
+    /// The dyad whose bars are closest to collinear, and its angle.
     fn narrowest_dyad(&self) -> Option<(String, f64)> {
         let chain = &self.row.chain;
         let angle = |k: usize| {

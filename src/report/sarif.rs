@@ -1,10 +1,10 @@
-//! Verdicts as SARIF 2.1.0, which code-hosting services show beside the files of a change: one result for every question
-//! that was not answered with yes.
+//! Verdicts as SARIF 2.1.0, which code-hosting services show next to the files of a change: one result for every
+//! question that did not pass.
 
 use super::verdict::{CLEARANCE, Judged, MEASURES, MOTION, PROOF, Status};
 use serde_json::{Value, json};
 
-/// What the groups of questions are, for readers of a result.
+/// Explanations of the groups of questions, for readers of a result.
 const RULES: [(&str, &str); 5] = [
     (MOTION, "All loops close over the whole motion."),
     (PROOF, "Every requested proof succeeds."),
@@ -45,7 +45,7 @@ fn results_of(one: &Judged) -> Vec<Value> {
     })).collect()
 }
 
-/// A path as an address relative to where the program runs.
+/// A path as a URI relative to the working directory.
 fn relative_uri(path: &str) -> String {
     let mut out = String::new();
     for byte in path.replace('\\', "/").bytes() {

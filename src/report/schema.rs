@@ -1,4 +1,4 @@
-//! A JSON Schema (draft 2020-12) of what a table of keys allows, as editors understand it.
+//! A JSON Schema (draft 2020-12) of a table of keys, for editors.
 
 use crate::scene::keys::{Holds, Key, Keys};
 use serde_json::{Map, Value, json};
@@ -75,7 +75,7 @@ fn any_of(values: &[Holds], definitions: &mut Map<String, Value>) -> Value {
     }
 }
 
-/// A list of so many items; zero stands for any number.
+/// A list of this many items; zero means any number.
 fn list_schema(items: Value, count: usize) -> Value {
     match count {
         0 => json!({ "type": "array", "items": items }),
@@ -86,7 +86,7 @@ fn list_schema(items: Value, count: usize) -> Value {
 fn definition_reference(keys: &'static Keys, definitions: &mut Map<String, Value>) -> Value {
     let name = keys.name.replace(' ', "_");
     if !definitions.contains_key(&name) {
-        // Stands in while the table is walked, so that none is walked twice.
+        // A placeholder while the table is processed, so that none is processed twice.
         definitions.insert(name.clone(), Value::Null);
         let schema = of_table(keys, definitions);
         definitions.insert(name.clone(), schema);

@@ -14,7 +14,7 @@ pub struct SensitivityTable<'a> {
     gradients: &'a Gradients,
     /// Variables, the most important first.
     pub order: Vec<usize>,
-    /// A measure and the scatter that is allowed to it.
+    /// A measure and its allowed scatter.
     allowed: Option<(usize, f64)>,
 }
 
@@ -42,7 +42,7 @@ impl<'a> SensitivityTable<'a> {
         self.gradients.rows[measure][variable] * over / under
     }
 
-    /// The tolerance that lets every dimension contribute as much to the allowed scatter.
+    /// The tolerances with which all dimensions contribute equally to the allowed scatter.
     fn proposed_tolerance(&self, variable: usize) -> Option<f64> {
         let (measure, scatter) = self.allowed?;
         let row = &self.gradients.rows[measure];
@@ -77,7 +77,7 @@ impl<'a> SensitivityTable<'a> {
         row
     }
 
-    /// For people; `rank` is the measure that decided the order.
+    /// For people; `rank` is the measure that determines the order.
     pub fn text(&self, rank: usize) -> String {
         let list = &self.family.measures.list;
         let mut rows = vec![self.heads()];

@@ -4,10 +4,10 @@ use crate::diag::decimals_of;
 use crate::kinematics::results::trajectory::{Ending, Event, EventKind, Gap, Instant};
 use crate::model::mechanism::{Kind, Mechanism};
 
-/// Angles above this are no rounding of a zero.
+/// Angles above this are not rounding errors of zero.
 const SEEN_ANGLE: f64 = 5e-7;
 
-/// Angles this near to gimbal lock are called locked: what is left is rounding of the way there.
+/// Angles this close to gimbal lock count as locked: the rest is rounding.
 const LOCKED: f64 = 1e-9;
 
 /// A number of things: `1 mode`, `3 modes`.
@@ -15,7 +15,7 @@ pub fn counted_things(number: usize, thing: &str) -> String {
     format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
 }
 
-/// A stretch without a pose as a sentence: the feasible interval of the drive ends and begins at its ends.
+/// An interval without a pose as a sentence: the feasible interval of the drive ends and begins at its ends.
 pub fn gap_sentence(mechanism: &Mechanism, gap: &Gap) -> String {
     let at = |i: &Instant| {
         format!(
@@ -199,7 +199,7 @@ pub fn event_sentence(mechanism: &Mechanism, event: &Event) -> String {
     }
 }
 
-/// What is lacking at the start, at the best pose found: radians and distance.
+/// The remaining closure error at the best pose found: radians and distance.
 fn start_lack(mechanism: &Mechanism, at: &str, name: &str, [angle, distance]: [f64; 2]) -> String {
     let unit = &mechanism.length_unit;
     if mechanism.contacts.iter().any(|c| c == name) {
@@ -213,7 +213,7 @@ fn start_lack(mechanism: &Mechanism, at: &str, name: &str, [angle, distance]: [f
     }
     if let Some(bar) = mechanism.bars.iter().find(|b| b.name == name) {
         let left = shown_amount(distance);
-        // Of a length that changes the equation is one of squares.
+        // The equation of a variable length is one of squares.
         let unit = if bar.length.is_some() {
             unit.clone()
         } else {

@@ -1,9 +1,8 @@
-//! Verdicts as Markdown: the summary of a job of continuous integration, one line a scene and one for every question that
-//! was not answered with yes.
+//! Verdicts as Markdown: the summary of a CI job, with one line per scene and one for every question that did not pass.
 
 use super::verdict::{Judged, Status};
 
-/// Lines about one scene that are still read.
+/// Most lines about one scene.
 const MOST_LINES: usize = 20;
 
 /// The whole text.
@@ -49,7 +48,7 @@ pub fn to_markdown(judged: &[Judged]) -> String {
     text
 }
 
-/// A text that is no markup: what a scene says does not become a link, a picture or a column.
+/// A text without markup: a text of a scene cannot become a link, a picture or a column.
 fn plain_cell(text: &str) -> String {
     let mut out = String::new();
     for c in crate::diag::shown_text(text).chars() {

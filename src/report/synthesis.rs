@@ -1,4 +1,4 @@
-//! The report of a synthesis: every scene's starts, what was found and what proves it; several scenes as a ladder.
+//! The report of a synthesis: every scene's starts, its result and verification; several scenes as a ladder.
 
 use super::cells::{aligned_rows, six_digits};
 use super::rounded::at_most;
@@ -10,9 +10,9 @@ use crate::model::measure::Measure;
 /// Violation of a limit that is still called kept.
 const KEPT: f64 = 1e-6;
 
-/// What was found for a scene.
+/// The result for a scene.
 pub struct FoundMechanism<'a> {
-    /// As it was asked for.
+    /// As requested.
     pub name: String,
     /// The scene.
     pub family: &'a ParametricMechanism,
@@ -29,7 +29,7 @@ pub struct FoundMechanism<'a> {
 }
 
 impl FoundMechanism<'_> {
-    /// Everything is proved and all limits are kept between the samples, too.
+    /// Everything is proved, and all limits are kept between the samples, too.
     pub fn holds(&self) -> bool {
         self.proof
             .as_ref()
@@ -50,7 +50,7 @@ impl FoundMechanism<'_> {
         let printed = study.printed.iter().find(|(k, _)| *k == index);
         let is_objective = study.objective == Some(index);
         let found = match &self.proof {
-            // The objective is that of the study's own samples, as it was searched.
+            // The objective is evaluated at the study's own samples, as in the search.
             _ if is_objective => Some(self.synthesis.value),
             Ok(proof) => proof.measures[index],
             Err(_) => None,
@@ -250,7 +250,7 @@ fn common_lines(found: &[FoundMechanism]) -> Vec<String> {
         .collect()
 }
 
-/// Several scenes side by side: what simplifying costs.
+/// Several scenes side by side: the cost of simplification.
 pub fn restart_ladder(found: &[FoundMechanism]) -> String {
     let names = common_lines(found);
     let mut text = "Ladder\n".to_owned();

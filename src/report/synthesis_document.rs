@@ -1,4 +1,4 @@
-//! Found mechanisms for programs: rows of a table, and a JSON document.
+//! Synthesised mechanisms for programs: rows of a table, and a JSON document.
 
 use super::cells::quoted_cell;
 use super::requirement::{Requirement, simplest_document};
@@ -36,7 +36,7 @@ pub fn found_rows(found: &[FoundMechanism]) -> String {
     text
 }
 
-/// All scenes for programs, with the answer to what was demanded of them.
+/// All scenes for programs, with the result for the requirements.
 pub fn synthesis_document(found: &[FoundMechanism], demands: &[Requirement]) -> Value {
     let scenes: Vec<Value> = found.iter().map(scene_document).collect();
     let mut document =
@@ -103,7 +103,7 @@ fn scene_document(found: &FoundMechanism) -> Value {
         "variables": variables,
         "proof": proof,
         "holds": found.holds(),
-        // All that differs between equal runs.
+        // Everything that differs between identical runs.
         "timing": {
             "seconds": synthesis.seconds,
             "starts": synthesis.starts.iter().map(|start| start.seconds).collect::<Vec<_>>(),

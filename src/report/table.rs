@@ -1,4 +1,4 @@
-//! Trajectories as tables: CSV with a header row, or one JSON object. Numbers keep all their digits.
+//! Trajectories as tables: CSV with a header row, or one JSON object, with all digits.
 
 use super::cells::quoted_cell;
 use super::events::{event_list, gap_list};
@@ -13,7 +13,7 @@ use crate::model::printed::{printing_unit, push_shortest_decimal};
 use crate::numbers::rounding::GROW;
 use serde_json::{Map, Value, json};
 
-/// Which optional columns are wanted.
+/// The optional columns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Columns {
     /// Rates of the unknowns per second, named `d(NAME)/dt`.
@@ -22,7 +22,7 @@ pub struct Columns {
     pub derivatives: Option<RateColumns>,
     /// The proof of the motion up to the next sample.
     pub motion: bool,
-    /// What redundant equations close to.
+    /// Bounds on the closure errors of redundant equations.
     pub redundant: bool,
     /// Bounds of traced points and outputs, named `bound(NAME)`.
     pub bounds: bool,
@@ -86,7 +86,7 @@ pub fn write_json(
         "gaps": gap_list(mechanism, trajectory),
     });
     let text = format!("{document:#}\n");
-    // Row by row: a motion as one document takes many times the memory of the motion.
+    // Row by row: a whole motion as one document would take many times its memory.
     let Some((before, after)) = text.split_once(NO_SAMPLES) else {
         return output.emit(text.as_bytes());
     };
@@ -109,7 +109,7 @@ pub fn write_json(
     output.emit(format!("{line}{end}{after}").as_bytes())
 }
 
-/// Where the rows stand in the document: no text in it has an end of line.
+/// The position of the rows in the document, which contains no other line break.
 const NO_SAMPLES: &str = "\n  \"samples\": []";
 
 /// Names of the columns in their order.
@@ -161,7 +161,7 @@ fn table_header(mechanism: &Mechanism, columns: Columns) -> Vec<String> {
     names
 }
 
-/// Traced points and outputs: what is computed from a pose, and what it measures.
+/// Traced points and outputs: their formulas and kinds.
 fn shown_columns(mechanism: &Mechanism) -> Vec<(String, Kind)> {
     let places = |name: &str| ["x", "y", "z"].map(|axis| (format!("{name}.{axis}"), Kind::Length));
     let mut all: Vec<_> = mechanism
@@ -240,7 +240,7 @@ fn sample_cells(mechanism: &Mechanism, sample: &Sample, columns: Columns) -> Vec
     }
     if let Some(derivatives) = columns.derivatives {
         let headings = derivatives.headings(mechanism).into_iter().enumerate();
-        // A singular pose has none, a fold those that are finite.
+        // A singular pose has no rates, except that a fold has the finite ones.
         cells.extend(headings.map(|(k, (_, factor))| {
             let value = pose.derivatives.get(k).filter(|v| v.is_finite());
             value.map_or(TableCell::Empty, |v| TableCell::Number(v * factor))
@@ -273,7 +273,7 @@ fn sample_cells(mechanism: &Mechanism, sample: &Sample, columns: Columns) -> Vec
 /// Bound of the error, and radius of uniqueness, of the unknowns as the row prints them.
 fn printed_bounds(mechanism: &Mechanism, pose: &ClosedPose) -> Option<[f64; 2]> {
     let [error, unique] = pose.certificate.bounds()?;
-    // The turn that is left of three angles is no larger than the sum of theirs.
+    // The remaining rotation of three angles is at most the sum of their remainders.
     let angles = match pose.certificate {
         Certificate::Locked { .. } => 3.0,
         _ => 1.0,
@@ -290,7 +290,7 @@ fn printed_bounds(mechanism: &Mechanism, pose: &ClosedPose) -> Option<[f64; 2]> 
     Some([(error + rounded) * GROW, (unique - rounded).max(0.0)])
 }
 
-/// A pose in one word: one that is proved not to close is none, whatever its closure error.
+/// The status of a pose in one word: if it is proved not to close it is `open`, whatever its closure error.
 fn certificate_word(certificate: &Certificate) -> &'static str {
     match certificate {
         Certificate::Refused {
@@ -305,7 +305,7 @@ fn number_or_empty(value: Option<f64>) -> TableCell {
     value.map_or(TableCell::Empty, TableCell::Number)
 }
 
-/// What is proved of the motion from sample `index` to the next one; empty after the last.
+/// The certificate of the motion from sample `index` to the next one; empty after the last.
 fn motion_cells(trajectory: &Trajectory, index: usize, columns: Columns) -> Vec<TableCell> {
     if !columns.motion {
         return Vec::new();
@@ -340,7 +340,7 @@ fn push_csv_cell(line: &mut String, cell: &TableCell) {
     }
 }
 
-/// A value that does not exist is null, as it is an empty cell of the CSV.
+/// An undefined value is null, as it is an empty cell in CSV.
 fn json_cell(cell: TableCell) -> Value {
     match cell {
         TableCell::Number(value) => json!(value),

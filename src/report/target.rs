@@ -1,4 +1,4 @@
-//! What was found for a table of targets: text and JSON. Nothing is computed here.
+//! The result for a table of targets: text and JSON. All numbers are computed elsewhere.
 
 use super::cells::{aligned_rows, six_digits};
 use super::rounded::at_most;
@@ -12,20 +12,20 @@ use serde_json::{Value, json};
 pub struct FoundTarget<'a> {
     /// The scene with its variables.
     pub family: &'a ParametricMechanism,
-    /// What it is to do.
+    /// The targets.
     pub target: &'a Target,
     /// Where random numbers started.
     pub seed: u64,
     /// The search.
     pub synthesis: TargetSynthesis,
-    /// The rows, as an independent motion meets them.
+    /// The rows, as met by an independent motion.
     pub rows: VerifiedRows,
     /// The whole drive of the found mechanism.
     pub proof: Result<Proof, FamilyError>,
 }
 
 impl FoundTarget<'_> {
-    /// Sum of the squares of what the independent motion misses.
+    /// Sum of squared deviations of the independent motion.
     fn sum(&self) -> f64 {
         let pairs = self.rows.missed.iter().zip(&self.target.rows);
         pairs
@@ -37,7 +37,7 @@ impl FoundTarget<'_> {
         self.synthesis.starts.iter().map(|tried| tried.poses).sum()
     }
 
-    /// Line of the row that is missed most.
+    /// Line of the row with the largest deviation.
     fn worst_line(&self) -> usize {
         let missed = self.rows.missed.iter().map(|m| m.unwrap_or(f64::INFINITY));
         let pairs = missed.zip(&self.target.rows);
@@ -96,7 +96,7 @@ pub fn target_text(found: &FoundTarget) -> String {
     text + &aligned_rows(&rows)
 }
 
-/// What the independent motion says of the rows.
+/// The result of the independent motion for the rows.
 fn rows_sentence(found: &FoundTarget) -> String {
     let rows = &found.rows;
     let met = rows.missed.iter().flatten().count();

@@ -1,4 +1,4 @@
-//! What tolerances do to the measures of a study: in words, as CSV and as a JSON document.
+//! The effect of tolerances on the measures of a study: in words, as CSV and as a JSON document.
 
 use super::cells::{aligned_rows, quoted_cell, six_digits};
 use super::enclosure::{outer_end, rounded_end};
@@ -35,17 +35,17 @@ const HEADS: [&str; 15] = [
     "never above",
 ];
 
-/// What the columns of the table mean.
+/// The meaning of the table's columns.
 const LEGEND: &str = "
 RSS and linear sum: effect of the tolerances by the linear rule; pieces can exceed them. Deviation: that of the pieces, and what \
 the linear rule expects.
 Found: extremes of the pieces and of corners of the tolerances. Never beyond: proved for all pieces within their tolerances.
 ";
 
-/// What the ends of a quantile mean where pieces were counted.
+/// The meaning of a quantile's two ends if pieces were counted in bins.
 const COUNTED: &str = "Quantiles lie between two numbers: values were counted in bins, and the 64 most extreme ones on either side were kept.\n";
 
-/// A study with what its random pieces tell at [`SHARES`].
+/// A study with the statistics of its random pieces at [`SHARES`].
 pub struct ToleranceReport<'a> {
     /// The study.
     pub study: &'a ToleranceStudy<'a>,
@@ -53,7 +53,7 @@ pub struct ToleranceReport<'a> {
     pub pieces: &'a PieceSummary,
     /// Number of the first piece.
     pub first: u64,
-    /// What they took, if anybody wants to know.
+    /// Their time, if it is reported.
     pub seconds: Option<f64>,
 }
 
@@ -141,7 +141,7 @@ impl ToleranceReport<'_> {
         })
     }
 
-    /// The proved ends of a measure as numbers of the file's unit, rounded outwards; `None` where one is not bounded.
+    /// The proved bounds of a measure as numbers in the file's unit, rounded outwards; `None` if one is unbounded.
     pub fn proved_ends(&self, index: usize, kind: Kind) -> Option<[f64; 2]> {
         let mechanism = self.family().mechanism();
         let [lo, hi] = self.study.band(index);
@@ -198,10 +198,10 @@ impl ToleranceReport<'_> {
         })
     }
 
-    /// The measures of every one of `pieces`, a row each.
+    /// The measures of all `pieces`, one row each.
     ///
     /// # Errors
-    /// What cannot be written.
+    /// Errors of writing.
     pub fn write_csv(&self, pieces: &Pieces, target: &mut dyn Write) -> std::io::Result<()> {
         let family = self.family();
         let measures = &family.measures.list;

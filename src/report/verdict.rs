@@ -1,38 +1,38 @@
-//! What a check was asked, and how every question came out: the one value from which exit code, text, JSON and JUnit
-//! follow.
+//! The requirements of a check, and the answer to every question: the one value from which exit code, text, JSON and
+//! JUnit follow.
 
 use serde_json::{Value, json};
 
-/// What was asked of a motion beside its own limits.
+/// The requirements on a motion in addition to the scene's own limits.
 #[derive(Clone, Copy, Debug)]
 pub struct Asked {
     /// Largest closure error, relative to the mechanism's size.
     pub closure: f64,
-    /// Every pose is to be proved.
+    /// Whether every pose must be proved.
     pub poses: bool,
-    /// The motion between the samples, too.
+    /// Whether the motion between the samples must be proved, too.
     pub motion: bool,
-    /// Pairs of bodies whose bound is an estimate pass.
+    /// Whether pairs of bodies with an estimated bound pass.
     pub estimates: bool,
-    /// Scenes of which no pair is judged pass.
+    /// Whether scenes without a judged pair pass.
     pub empty: bool,
     /// Pairs within this length of their minimum are near.
     pub band: Option<f64>,
 }
 
 impl Asked {
-    /// Closure errors that pass where nothing else is asked: far above rounding, far below anything that can be built.
+    /// Default limit of closure errors: far above rounding, far below anything that can be built.
     pub const CLOSURE: f64 = 1e-9;
 }
 
-/// How a question came out, the worse the later.
+/// The answer to a question; worse ones are greater.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Status {
-    /// Not asked, or nothing to answer.
+    /// Not requested, or not applicable.
     Skipped,
     /// Yes.
     Passed,
-    /// Neither yes nor no: a proof that was asked for is missing, or there was nothing to look at.
+    /// Undecided: a requested proof is missing, or there was nothing to examine.
     NotProved,
     /// No.
     Failed,
@@ -58,13 +58,13 @@ impl Status {
 pub struct Case {
     /// What it is about: [`MOTION`], [`PROOF`], [`MEASURES`], [`CLEARANCE`].
     pub group: &'static str,
-    /// What was looked at: a measure, a pair of bodies.
+    /// The subject: a measure, a pair of bodies.
     pub name: String,
     /// The answer.
     pub status: Status,
     /// Values, limits, reasons.
     pub text: String,
-    /// Seconds that finding the answer took, where that was measured.
+    /// Time of the answer in seconds, if measured.
     pub seconds: Option<f64>,
 }
 
@@ -78,7 +78,7 @@ pub const MEASURES: &str = "measures";
 pub const CLEARANCE: &str = "clearance";
 
 impl Case {
-    /// An answer that was not timed.
+    /// An answer without a time.
     pub fn new(group: &'static str, name: &str, status: Status, text: impl Into<String>) -> Self {
         Self {
             group,
@@ -98,7 +98,7 @@ impl Case {
     }
 }
 
-/// More names of cases make the result of a report unreadable.
+/// Most names of cases in the result of a report.
 const MOST_NAMES: usize = 4;
 
 /// All questions of one check.
@@ -111,7 +111,7 @@ pub struct Verdict {
 }
 
 impl Verdict {
-    /// The worst answer; [`Status::Passed`] if nothing was asked.
+    /// The worst answer; [`Status::Passed`] without questions.
     pub fn result(&self) -> Status {
         worst_status(self.cases.iter())
     }
@@ -132,7 +132,7 @@ impl Verdict {
         }
     }
 
-    /// A bad answer with the names of all cases that have it.
+    /// A bad answer with the names of all its cases.
     fn names(&self, status: Status) -> Option<String> {
         let cases = self.cases.iter().filter(|case| case.status == status);
         let names: Vec<&str> = cases.map(|case| case.name.as_str()).collect();

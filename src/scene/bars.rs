@@ -1,4 +1,4 @@
-//! Bars as typed: two points and how far apart they stay.
+//! Bars as typed: two points and their distance.
 
 use super::reader::{Spanned, TableReader, required_value};
 use super::values::FormulaText;

@@ -1,4 +1,4 @@
-//! The `[clearance]` section: as typed.
+//! The `[clearance]` section as typed.
 
 use super::reader::{Spanned, TableReader, required_value};
 use super::values::FormulaText;
@@ -17,7 +17,7 @@ pub struct ClearanceFile {
     pub touching: Vec<PairFile>,
 }
 
-/// A pair that is left out, or a part of it.
+/// A pair that is excluded from the check, or some of its shapes.
 #[derive(Clone, Debug)]
 pub struct IgnoredFile {
     /// Which bodies.
@@ -33,7 +33,7 @@ pub struct IgnoredFile {
 /// Two names.
 #[derive(Clone, Debug)]
 pub struct PairFile {
-    /// The names as typed, two if they are right.
+    /// The names as typed; valid if there are two.
     pub names: Vec<Spanned<String>>,
     /// The entry.
     pub span: Span,

@@ -1,4 +1,4 @@
-//! Contacts of two surfaces as typed: which surfaces there are, and the keys each of them has.
+//! Contacts of two surfaces as typed: the kinds of surfaces and the keys of each.
 
 use super::reader::{Spanned, TableReader, required_value};
 use super::values::FormulaText;
@@ -22,7 +22,7 @@ pub struct SurfaceFile {
     pub frame: Option<FormulaText>,
 }
 
-/// A surface about the origin of its frame; axes and normals are along z. `T` is what its sizes are at this stage.
+/// A surface in its own frame, with axes and normals along z. `T` is the type of its sizes at this stage.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ContactSurface<T> {
     /// About the z axis: radius of the centre circle, radius of the tube (which may be the larger one).
@@ -37,12 +37,12 @@ pub enum ContactSurface<T> {
         /// `radius`
         radius: T,
     },
-    /// About the z axis, without ends.
+    /// About the z axis, infinitely long.
     Cylinder {
         /// `radius`
         radius: T,
     },
-    /// The xy plane, without borders; the other body is on the side of +z.
+    /// The xy plane, unbounded; the other body is on the side of +z.
     Plane,
 }
 
@@ -66,7 +66,7 @@ impl<T> ContactSurface<T> {
         }
     }
 
-    /// The same surface with its sizes translated; `None` if one of them cannot be.
+    /// The same surface with converted sizes; `None` if one of them cannot be converted.
     pub fn try_map<U>(&self, mut f: impl FnMut(&T) -> Option<U>) -> Option<ContactSurface<U>> {
         Some(match self {
             Self::Torus { ring, tube } => {

@@ -1,4 +1,4 @@
-//! The text of a scene with other values of parameters and start values; everything else stays as it was typed.
+//! Replaces parameters and start values in the text of a scene; the rest of the text stays as typed.
 
 use super::file;
 use super::reader::NamedFormula;
@@ -7,10 +7,10 @@ use crate::diag::{Diagnostics, Source};
 /// Header of the section of start values.
 const GUESS: &str = "[guess]";
 
-/// The text of `source` with other values of some parameters and start values, which are formulas of the file. Start
-/// values that it lacks are added.
+/// The text of `source` with new values, formulas of the file, for some parameters and start values. Missing start
+/// values are added.
 ///
-/// `None` if the text has mistakes or no such parameter.
+/// `None` if the text has errors or no such parameter.
 pub fn with_values(
     source: &Source,
     parameters: &[(String, String)],
@@ -40,7 +40,7 @@ pub fn with_values(
             None if file.guess.is_empty() => {
                 edits.push((end..end, format!("\n{GUESS}\n{added}")));
             }
-            // Written in another way, to which nothing can be added line by line.
+            // An inline table: no line can be added to it.
             None => return None,
         }
     }
@@ -52,7 +52,7 @@ pub fn with_values(
     (!diagnostics.has_errors()).then_some(text)
 }
 
-/// A number as it is, a formula in quotes.
+/// A plain number, or a formula in quotes.
 fn typed_value(value: &str) -> String {
     match value.parse::<f64>() {
         Ok(_) => value.to_owned(),
@@ -60,7 +60,7 @@ fn typed_value(value: &str) -> String {
     }
 }
 
-/// Where the line after a section's header begins.
+/// Start of the line after a section's header.
 fn after_header(text: &str, header: &str) -> Option<usize> {
     let mut start = 0;
     for line in text.split_inclusive('\n') {

@@ -1,5 +1,5 @@
-//! The scene file as typed: every section and key it may have but those of shapes and plots, with places, before
-//! anything is looked up.
+//! The scene file as typed: all sections and keys except those of shapes and plots, with their positions, before any
+//! name is looked up.
 
 use super::bars::{BarFile, BarParts, read_bar};
 use super::bodies::{BodyFile, LabelFile, TraceFile, read_body, read_label, read_trace};
@@ -70,7 +70,7 @@ pub struct SceneFile {
     pub view: ViewFile,
     /// `[study]`
     pub study: Option<StudyFile>,
-    /// Whole sections could not be read: what refers to them cannot be judged.
+    /// Whole sections could not be read, so references to them cannot be checked.
     pub lacks_sections: bool,
 }
 
@@ -99,7 +99,7 @@ const SECTIONS: [&str; 16] = [
 pub enum InputFile {
     /// A number or formula of `t`.
     Formula(FormulaText),
-    /// Could not be read, which has been reported; its name is kept.
+    /// Could not be read, which has been reported; the name is kept.
     Unread,
     /// `keys` and `ease`.
     Keys {
@@ -110,7 +110,7 @@ pub enum InputFile {
     },
 }
 
-/// Reads the text of a scene; mistakes go to `diagnostics`, and what could be read is returned.
+/// Reads the text of a scene. Errors go to `diagnostics`; everything that could be read is returned.
 pub fn read_scene(source: &Source, diagnostics: &mut Diagnostics) -> SceneFile {
     let Some(document) = parse_tables(&source.text, diagnostics) else {
         return SceneFile {

@@ -1,4 +1,4 @@
-//! A scene as it was loaded: its mechanism, and what it asks for.
+//! A scene after loading: its mechanism, its drives, and what it requests.
 
 use crate::diag::Diagnostics;
 use crate::model::actuation::Actuation;
@@ -13,14 +13,14 @@ use crate::model::view::View;
 use std::fmt;
 use std::sync::Arc;
 
-/// Where a scene keeps the file's value of a parameter that is varied.
+/// A place where a scene keeps the file's value of a parameter that a study varies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KeptIn {
     /// In the drive of an input.
     Drive,
     /// In the ends of a track.
     Track,
-    /// In a measure, by a parameter that is computed from it.
+    /// In a measure, through a parameter computed from it.
     Measure,
     /// In the axis of a rotation.
     Direction,
@@ -37,7 +37,7 @@ impl fmt::Display for KeptIn {
     }
 }
 
-/// A varied parameter whose file's value is kept somewhere.
+/// A varied parameter whose file value is still used somewhere.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Kept {
     /// The parameter.
@@ -46,35 +46,35 @@ pub struct Kept {
     pub place: KeptIn,
 }
 
-/// A scene ready to be solved and drawn. What a change of the drive leaves alone is shared between copies.
+/// A scene ready to be solved and drawn. Parts that do not depend on the drive are shared between copies.
 #[derive(Clone, Debug)]
 pub struct Scene {
     /// One line for lists.
     pub description: String,
     /// The mechanism.
     pub mechanism: Arc<Mechanism>,
-    /// What drives it, and where the search for a first pose starts.
+    /// Its drives, and the start values of the first pose.
     pub actuation: Actuation,
-    /// What is measured of its motion.
+    /// Its measures.
     pub measures: Arc<Measures>,
-    /// How it wants to be seen.
+    /// Its view.
     pub view: Arc<View>,
-    /// Which clearances it asks for, if any.
+    /// The clearances to check, if any.
     pub clearance: Option<Arc<ClearanceRules>>,
-    /// What of its motion it wants to be plotted.
+    /// The plots of its motion.
     pub plots: Arc<[Plot]>,
-    /// What may be varied in it, and what is asked of it.
+    /// What may be varied, and the objective and limits.
     pub study: Option<Arc<Study>>,
-    /// Lengths and angles that the file gives as numbers: what else could be varied.
+    /// Lengths and angles given as numbers in the file: further candidates for variation.
     pub dimensions: Arc<[String]>,
-    /// What every parameter measures, as far as known.
+    /// The kind of every parameter, if known.
     pub kinds: Arc<[(String, Kind)]>,
-    /// Varied parameters whose file's values are kept somewhere.
+    /// Varied parameters whose file values are still used somewhere.
     pub kept: Vec<Kept>,
-    /// Its chains as written, where they were asked for.
+    /// Its chains as written, on request.
     pub notation: Option<Notation>,
-    /// Its solids as they follow what is varied, if that was asked for.
+    /// Its solids as functions of the varied parameters, on request.
     pub carried: Vec<CarriedShape>,
-    /// What is odd but usable.
+    /// Warnings.
     pub warnings: Diagnostics,
 }

@@ -1,5 +1,5 @@
-//! Parts of machines as typed: eyes, forks, pins, bearings and turned parts. Each is written out as solids that the program
-//! knows, so that distances, studies and models need not know any part.
+//! Machine parts as typed: rods with eyes, forks, pins, bearings and turned parts. Each is expanded into solids, so
+//! that distances, studies and models do not need to know machine parts.
 
 use super::reader::{TableReader, required_value};
 use super::solids::SolidFile;
@@ -9,7 +9,8 @@ use crate::diag::Diagnostic;
 /// The names of the parts.
 pub const PARTS: &str = "rod, fork, pin, bearing, lathe";
 
-/// Reads the parts among the keys of a shape: for each its solids, `None` where it cannot be read, which is reported.
+/// Reads the machine parts among the keys of a shape: the solids of each, or `None` for one that cannot be read, which
+/// is reported.
 pub fn read_parts(r: &mut TableReader) -> Vec<Option<Vec<SolidFile>>> {
     let parts = [
         r.table("rod", read_eyed_rod),
@@ -74,7 +75,7 @@ fn read_fork(r: &mut TableReader) -> Option<Vec<SolidFile>> {
     Some(solids)
 }
 
-/// A pin along z with its middle in the origin, and a head beyond each end of its length.
+/// A pin along z, centred at the origin, with a head beyond each end of its length.
 fn read_pin(r: &mut TableReader) -> Option<Vec<SolidFile>> {
     let radius = required_value(r, "radius", |r, k| r.formula(k));
     let length = required_value(r, "length", |r, k| r.formula(k));
@@ -94,7 +95,7 @@ fn read_pin(r: &mut TableReader) -> Option<Vec<SolidFile>> {
     Some(std::iter::once(shank).chain(heads).collect())
 }
 
-/// A housing about z in the origin on a column, which stands on a bolted foot at −y.
+/// A housing about z at the origin, on a column with a bolted foot at −y.
 fn read_bearing(r: &mut TableReader) -> Option<Vec<SolidFile>> {
     let radius = required_value(r, "radius", |r, k| r.formula(k));
     let width = required_value(r, "width", |r, k| r.formula(k));
@@ -109,7 +110,7 @@ fn read_bearing(r: &mut TableReader) -> Option<Vec<SolidFile>> {
             radius: radius.clone(),
         },
         SolidFile::Box {
-            // Up into the housing, not as far as the shaft in it.
+            // The column ends within the housing and does not reach the shaft.
             center: Some([zero(), mixed(&[(&height, -0.5), (&radius, -0.375)]), zero()]),
             size: [
                 of_radius(1.2),
@@ -133,12 +134,12 @@ fn read_bearing(r: &mut TableReader) -> Option<Vec<SolidFile>> {
     Some(solids)
 }
 
-/// A turned part about z: its outline as places on the axis with radii.
+/// A turned part about z: its contour as positions along the axis with radii.
 fn read_lathe(r: &mut TableReader) -> Option<Vec<SolidFile>> {
     let profile = required_value(r, "profile", |r, k| r.rows::<2>(k))?;
     let pieces = profile.value.windows(2).filter_map(|pair| {
         let [[start, first], [end, last]] = [&pair[0], &pair[1]];
-        // A step of the outline: the pieces on both sides have their own ends.
+        // A step of the contour: the sections on both sides have separate ends.
         if start.text == end.text {
             return None;
         }
@@ -173,7 +174,7 @@ fn zero() -> FormulaText {
     FormulaText::outside("0")
 }
 
-/// A sum of formulas with factors. Messages about it stand at the first of them, whose names begin where they do in the file.
+/// A weighted sum of formulas. Messages point at the first formula, whose names keep their positions in the file.
 fn mixed(terms: &[(&FormulaText, f64)]) -> FormulaText {
     let texts = terms.iter();
     let texts = texts.map(|(formula, factor)| format!("({})*({factor})", formula.text));

@@ -1,4 +1,4 @@
-//! Tracks and measures as typed: poses beside the drive, and scalars of a whole motion.
+//! Tracks and measures as typed: poses apart from the drive, and scalars of a whole motion.
 
 use super::reader::{NamedFormula, Spanned, TableReader, required_value};
 use super::values::FormulaText;
@@ -10,7 +10,7 @@ pub struct TrackFile {
     pub name: Spanned<String>,
     /// `samples`
     pub samples: Option<FormulaText>,
-    /// `inputs`: each a value, or where it starts and ends.
+    /// `inputs`: a value for each, or its start and end.
     pub inputs: Vec<(Spanned<String>, [FormulaText; 2])>,
 }
 
@@ -19,7 +19,7 @@ pub struct TrackFile {
 pub struct MeasureFile {
     /// Its name.
     pub name: Spanned<String>,
-    /// What it is; `None` if it could not be read, which has been reported.
+    /// Its definition; `None` if it could not be read, which has been reported.
     pub source: Option<MeasureSourceFile>,
     /// `min` and `max`
     pub limits: [Option<FormulaText>; 2],
@@ -27,18 +27,18 @@ pub struct MeasureFile {
     pub why: Option<String>,
 }
 
-/// Where a measure comes from.
+/// The definition of a measure.
 #[derive(Clone, Debug)]
 pub enum MeasureSourceFile {
     /// A formula of earlier measures.
     Formula(FormulaText),
-    /// `of` taken over the poses of a track, or of the drive.
+    /// `of`, taken over the poses of a track or of the drive.
     Over {
         /// `track`
         track: Option<Spanned<String>>,
         /// `of`
         of: Vec<FormulaText>,
-        /// `per`: the input by which `of` is derived
+        /// `per`: the input that `of` is differentiated by
         per: Option<Spanned<String>>,
         /// `take`
         take: Spanned<String>,
@@ -48,7 +48,7 @@ pub enum MeasureSourceFile {
 }
 
 impl MeasureFile {
-    /// The formulas that it is made of.
+    /// The formulas it consists of.
     pub fn formulas(&self) -> &[FormulaText] {
         match &self.source {
             None => &[],

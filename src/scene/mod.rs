@@ -1,5 +1,5 @@
-//! From the text of a scene to a mechanism and its view. After this nothing is looked up by name.
-// A message is large, and made once for each mistake of a file: boxing it would save nothing.
+//! Translates the text of a scene into a mechanism and its view. Beyond this room, nothing is looked up by name.
+// An error is large, but there is only one per message: boxing it would save nothing.
 #![allow(clippy::result_large_err)]
 
 pub mod bars;
@@ -32,11 +32,11 @@ use crate::diag::{Diagnostics, SceneError, Source};
 pub use loaded::{Kept, KeptIn, Scene};
 pub use overrides::{OtherDrives, Overrides, PlotText};
 
-/// Reads and resolves `source`; all mistakes found are in the error.
+/// Reads and resolves `source`; the error contains all messages.
 pub fn load_scene(source: &Source, overrides: &Overrides) -> Result<Scene, SceneError> {
     let mut diagnostics = Diagnostics::default();
     let mut file = file::read_scene(source, &mut diagnostics);
-    // All other mistakes leave enough to go on with, so that one run names everything that is wrong.
+    // After any other error enough is left to continue, so that one run reports all errors.
     if file.lacks_sections {
         return Err(SceneError {
             source_text: source.clone(),

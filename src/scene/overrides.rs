@@ -1,4 +1,4 @@
-//! What the command line and studies put in place of the file's values.
+//! Values that the command line and studies substitute for those of the file.
 
 use super::file::{InputFile, SceneFile};
 use super::plots::PlotFile;
@@ -9,7 +9,7 @@ use crate::model::actuation::Actuation;
 use crate::model::drive::Drive;
 use std::path::PathBuf;
 
-/// Values given on the command line instead of the file's.
+/// Values from the command line that replace those of the file.
 #[derive(Clone, Debug, Default)]
 pub struct Overrides {
     /// `--param NAME=FORMULA`
@@ -18,29 +18,30 @@ pub struct Overrides {
     pub inputs: Vec<(String, String)>,
     /// `--guess NAME=FORMULA`
     pub guess: Vec<(String, String)>,
-    /// `plot --y …`: drawn in place of the scene's own plots.
+    /// `plot --y …`: replaces the scene's own plots.
     pub plot: Option<PlotText>,
-    /// Folder that relative file names in the scene start from.
+    /// Folder to which relative file names in the scene refer.
     pub folder: PathBuf,
-    /// Other folders that they may stand in.
+    /// Other folders from which files may be read.
     pub allowed_folders: Vec<PathBuf>,
-    /// Parameters that are to be inputs, behind the scene's own: what a study varies.
+    /// Parameters to be turned into inputs, after the scene's own: the variables of a study.
     pub vary: Vec<String>,
-    /// `--minimise`: the measure that a study makes small, in place of the file's.
+    /// `--minimise`: the measure to minimise instead of the file's.
     pub minimise: Option<String>,
-    /// Characteristic length in place of the mechanism's own: what a study compares with its scene keeps the scene's.
+    /// Characteristic length instead of the mechanism's own: variants that a study compares with its scene use the
+    /// scene's length.
     pub size: Option<f64>,
-    /// `--input-table`: other drives of the scene's own inputs.
+    /// `--input-table`: drives that replace those of the scene's inputs.
     pub drives: Option<OtherDrives>,
-    /// Whether the chains are kept as they are written, for drawings.
+    /// Whether to keep the chains as written, for drawings.
     pub notation: bool,
-    /// Whether a study derives the measures by what is varied.
+    /// Whether a study differentiates the measures by its variables.
     pub derives_measures: bool,
-    /// Whether solids follow what is varied, for enclosures of clearances.
+    /// Whether solids depend on the varied parameters, for enclosures of clearances.
     pub carries_shapes: bool,
 }
 
-/// Drives in place of those of the file.
+/// Drives that replace those of the file.
 #[derive(Clone, Debug)]
 pub struct OtherDrives {
     /// One for each of the scene's own inputs.
@@ -50,7 +51,7 @@ pub struct OtherDrives {
 }
 
 impl OtherDrives {
-    /// Puts them in place of a scene's own.
+    /// Substitutes them for the scene's own.
     pub fn replace_in(&self, actuation: &mut Actuation) {
         actuation.duration = self.duration;
         let own = actuation.drives.iter_mut().zip(&self.drives);
@@ -70,7 +71,7 @@ pub struct PlotText {
     pub equal: bool,
 }
 
-/// Puts the command line's values in place of the file's.
+/// Substitutes the values of the command line for those of the file.
 pub fn apply_overrides(overrides: &Overrides, file: &mut SceneFile, diagnostics: &mut Diagnostics) {
     let mut unknown = |what: &str, name: &str, known: Vec<&str>| {
         diagnostics.push(

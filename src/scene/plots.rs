@@ -9,7 +9,7 @@ use crate::diag::Diagnostic;
 pub struct PlotFile {
     /// `title`
     pub title: Option<String>,
-    /// `x`: `time`, which is also meant if absent, or a quantity.
+    /// `x`: a quantity or `time`, which is the default.
     pub x: Option<FormulaText>,
     /// `y`: quantities.
     pub y: Vec<FormulaText>,
@@ -17,7 +17,7 @@ pub struct PlotFile {
     pub equal: bool,
     /// `marks`: points.
     pub marks: Vec<[FormulaText; 2]>,
-    /// `lines`: begin and end of each.
+    /// `lines`: start and end of each.
     pub lines: Vec<[FormulaText; 4]>,
     /// `angle`: unit of angles in this plot.
     pub angle: Option<Spanned<String>>,

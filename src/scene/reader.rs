@@ -1,11 +1,11 @@
-//! Typed reading of TOML tables: every value with its place, every mistake noted, reading goes on.
+//! Typed reading of TOML tables: every value has its position, and reading continues after errors.
 
 use super::keys::Keys;
 use super::values::{FormulaText, formula_of, formulas_of, kind_of, parse_colour};
 use crate::diag::{Diagnostic, Diagnostics, Span, shown_lines, shown_text};
 use toml::de::{DeTable, DeValue};
 
-/// A value and its place in the file.
+/// A value and its position in the file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spanned<T> {
     /// The value.
@@ -17,20 +17,20 @@ pub struct Spanned<T> {
 /// A name and its formula.
 pub type NamedFormula = (Spanned<String>, FormulaText);
 
-/// One table being read; keys that it may not have are refused.
+/// A table being read; unknown keys are rejected.
 pub struct TableReader<'t, 'd> {
     table: &'t DeTable<'t>,
     text: &'t str,
     place: String,
     keys: &'static Keys,
-    /// Where mistakes go.
+    /// Receives the errors.
     pub diagnostics: &'d mut Diagnostics,
     /// The table's place.
     pub span: Span,
 }
 
 impl<'t, 'd> TableReader<'t, 'd> {
-    /// A key that is in no list of keys is absent: what is not documented cannot be read.
+    /// A key that is in no list of keys counts as absent, so that undocumented keys cannot be read.
     fn get(&mut self, key: &'static str) -> Option<(&'t DeValue<'t>, Span)> {
         self.keys.find(key)?;
         let (_, value) = self
@@ -46,7 +46,7 @@ impl<'t, 'd> TableReader<'t, 'd> {
             .push(Diagnostic::error(format!("`{key}` must be {wanted}, found {found}")).at(span));
     }
 
-    /// A text, in which what would act on a terminal or a reader is spelt out: it may be shown anywhere.
+    /// A text in which escape sequences and control characters are spelled out, so that it can be displayed anywhere.
     pub fn string(&mut self, key: &'static str) -> Option<Spanned<String>> {
         self.raw_string(key).map(|text| Spanned {
             value: shown_text(&text.value).into_owned(),
@@ -54,7 +54,7 @@ impl<'t, 'd> TableReader<'t, 'd> {
         })
     }
 
-    /// The same of a text that may have several lines.
+    /// The same for a text that may have several lines.
     pub fn lines(&mut self, key: &'static str) -> Option<Spanned<String>> {
         self.raw_string(key).map(|text| Spanned {
             value: shown_lines(&text.value).into_owned(),
@@ -62,7 +62,7 @@ impl<'t, 'd> TableReader<'t, 'd> {
         })
     }
 
-    /// A text as it stands: what is not shown as it is.
+    /// The raw text, which is not displayed as it is.
     pub fn raw_string(&mut self, key: &'static str) -> Option<Spanned<String>> {
         let (value, span) = self.get(key)?;
         match value {
@@ -126,7 +126,7 @@ impl<'t, 'd> TableReader<'t, 'd> {
         self.formula(key).map(|one| vec![one])
     }
 
-    /// A table of names to a number or formula, or to a list of two: where it starts and ends.
+    /// A table from names to a number or formula, or to a list of two: start and end.
     pub fn named_ranges(&mut self, key: &'static str) -> Vec<(Spanned<String>, [FormulaText; 2])> {
         let mut list = Vec::new();
         for (name, value, span) in self.named(key) {
@@ -251,13 +251,13 @@ impl<'t, 'd> TableReader<'t, 'd> {
         entries
     }
 
-    /// A table of names to formulas. A name with a dot, which TOML reads as a table, is put together again.
+    /// A table from names to formulas. A name with a dot, which TOML reads as a table, is joined again.
     pub fn named_formulas(&mut self, key: &'static str) -> Vec<(Spanned<String>, FormulaText)> {
         let entries = self.named(key);
         self.formulas_of(entries)
     }
 
-    /// The same of entries that were taken out already.
+    /// The same for entries that have already been removed from the table.
     pub fn formulas_of(
         &mut self,
         entries: Vec<TableEntry<'t>>,
@@ -269,7 +269,7 @@ impl<'t, 'd> TableReader<'t, 'd> {
                 None => {
                     let key = name.value.clone();
                     self.wrong_value(&key, "a number or a formula in quotes", value, span.clone());
-                    // The name is kept, so that its uses are not mistakes too.
+                    // The name is kept, so that its uses are not reported as well.
                     let unread = FormulaText {
                         text: String::new(),
                         offset: span.start,
@@ -329,7 +329,7 @@ impl<'t, 'd> TableReader<'t, 'd> {
         list
     }
 
-    /// Says that a key is missing.
+    /// Reports a missing key.
     pub fn missing(&mut self, key: &str) {
         let message = format!("{} needs `{key}`", self.place);
         let span = first_line(self.text, self.span.clone());
@@ -340,8 +340,8 @@ impl<'t, 'd> TableReader<'t, 'd> {
         });
     }
 
-    /// True when a section was misspelt or is no table: then every name in it is missing, and what refers to them
-    /// would be refused in its turn.
+    /// True if a section was misspelled or is not a table: its names are then unknown, and references to them must not
+    /// be reported as well.
     pub fn lacks_sections(&self, sections: &[&str]) -> bool {
         self.table.iter().any(|(key, value)| {
             let (key, value) = (key.get_ref().as_ref(), value.get_ref());
@@ -351,7 +351,7 @@ impl<'t, 'd> TableReader<'t, 'd> {
         })
     }
 
-    /// Refuses every key that the table may not have.
+    /// Reports keys that the table may not have.
     fn finish(self) {
         let known: Vec<&str> = self.keys.names().collect();
         for (key, _) in self.table.iter() {
@@ -368,7 +368,7 @@ impl<'t, 'd> TableReader<'t, 'd> {
     }
 }
 
-/// A table that is at hand, and where.
+/// A table being read, and where it is.
 pub struct FoundValue<'t> {
     /// The table.
     pub table: &'t DeTable<'t>,
@@ -378,7 +378,7 @@ pub struct FoundValue<'t> {
     pub span: Span,
 }
 
-/// Reads a table that may have these keys; `place` names it in messages.
+/// Reads a table with these keys; `place` names it in messages.
 pub fn read_table<'t, T>(
     found: FoundValue<'t>,
     keys: &'static Keys,
@@ -399,7 +399,7 @@ pub fn read_table<'t, T>(
     value
 }
 
-/// Reads a key, and says so if it is absent (not if it was there and wrong: that has been reported).
+/// Reads a required key and reports it if it is absent (not if it was present but wrong, which has been reported).
 pub fn required_value<'t, 'd, T>(
     r: &mut TableReader<'t, 'd>,
     key: &'static str,
@@ -415,7 +415,7 @@ pub fn required_value<'t, 'd, T>(
 
 type TableEntry<'t> = (Spanned<String>, &'t DeValue<'t>, Span);
 
-/// The entries of a dotted key; an entry that is no table stays as it is.
+/// The entries of a dotted key; an entry that is not a table is returned unchanged.
 fn undotted_entries((name, value, span): TableEntry) -> Vec<TableEntry> {
     let Some(table) = value.as_table().filter(|table| !table.is_empty()) else {
         return vec![(name, value, span)];

@@ -1,4 +1,4 @@
-//! The shapes of a body: each is read as one solid, or as those of a part of a machine.
+//! The shapes of a body: each is read as one solid, or as the solids of a machine part.
 
 use super::machine_parts;
 use super::reader::{TableReader, required_value};
@@ -9,7 +9,7 @@ use crate::diag::Diagnostic;
 /// The names of the solids, in the order in which they are tried.
 const SOLIDS: &str = "sphere, capsule, cylinder, cone, box, torus, tube, half_space, stl";
 
-/// Reads one entry of `shapes`: a solid, or the solids of a part.
+/// Reads one entry of `shapes`: a solid, or the solids of a machine part.
 pub fn read_shapes(r: &mut TableReader) -> Vec<ShapeFile> {
     let span = r.span.clone();
     let solids: Vec<Option<SolidFile>> = [

@@ -9,7 +9,7 @@ use crate::diag::Span;
 pub struct ShownDimensionFile {
     /// `from` and `to`; what could not be read is `None` and has been reported.
     pub ends: [Option<PlaceFile>; 2],
-    /// `at`: makes it an angle.
+    /// `at`: the vertex of an angle.
     pub at: Option<PlaceFile>,
     /// `axis` of an angle
     pub axis: Option<[FormulaText; 3]>,
@@ -27,7 +27,7 @@ pub struct ShownDimensionFile {
     pub span: Span,
 }
 
-/// A place: on a body, on a trace, or in the world.
+/// A point: on a body, on a trace, or in the world.
 #[derive(Clone, Debug)]
 pub struct PlaceFile {
     /// `body`

@@ -1,4 +1,4 @@
-//! Solids of a body as typed: which there are, and the formulas of each.
+//! Solids of a body as typed: their kinds, and the formulas of each.
 
 use super::reader::Spanned;
 use super::values::FormulaText;

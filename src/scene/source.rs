@@ -1,4 +1,4 @@
-//! The text of a scene: a built-in one by its name, a file by its path, or any reader.
+//! The text of a scene: a built-in one by name, a file by path, or any reader.
 
 use super::builtin;
 use crate::diag::{Source, nearest_name, shown_text};
@@ -11,13 +11,13 @@ use std::time::Duration;
 /// Largest scene that is read: a hundred times the largest hand-written one.
 pub const MAX_SCENE_BYTES: u64 = 4 << 20;
 
-/// Why there is no text.
+/// Why the text could not be read.
 #[derive(Debug, thiserror::Error)]
 #[error("{message}")]
 pub struct SourceError {
-    /// What is wrong.
+    /// The message.
     pub message: String,
-    /// How to mend it.
+    /// How to fix it.
     pub hints: Vec<String>,
 }
 
@@ -32,7 +32,7 @@ impl SourceError {
 
 /// The text of the built-in scene `name`, or of the file at that path.
 ///
-/// Errors: there is neither; a file that cannot be read, is too large, or is no UTF-8.
+/// Errors: neither exists; the file cannot be read, is too large, or is not UTF-8.
 pub fn find_source(name: &OsStr) -> Result<Source, SourceError> {
     match name.to_str().and_then(builtin::find_builtin) {
         Some(source) => Ok(source),
@@ -40,7 +40,7 @@ pub fn find_source(name: &OsStr) -> Result<Source, SourceError> {
     }
 }
 
-/// The text of a file. Errors: likewise.
+/// The text of a file. Errors: the file cannot be read, is too large, or is not UTF-8.
 pub fn open_source(path: &Path) -> Result<Source, SourceError> {
     let name = path.to_string_lossy();
     match open_input(path) {
@@ -49,9 +49,9 @@ pub fn open_source(path: &Path) -> Result<Source, SourceError> {
     }
 }
 
-/// The text that `reader` gives, called `name` in messages.
+/// The text from `reader`, called `name` in messages.
 ///
-/// Errors: a failed read, more than [`MAX_SCENE_BYTES`], no UTF-8.
+/// Errors: a failed read, more than [`MAX_SCENE_BYTES`], not UTF-8.
 pub fn read_source(reader: impl Read, name: &str) -> Result<Source, SourceError> {
     let mut bytes = Vec::new();
     reader
@@ -82,7 +82,7 @@ fn missing_source(name: &str, error: &std::io::Error) -> SourceError {
     error
 }
 
-/// That there is no built-in scene of that name, and which there are.
+/// The message that there is no built-in scene of that name, with a list of those that exist.
 pub fn no_builtin(name: &str) -> SourceError {
     let names = builtin::ALL.map(|scene| scene.name);
     let mut hints = Vec::new();
@@ -96,19 +96,19 @@ pub fn no_builtin(name: &str) -> SourceError {
     }
 }
 
-/// The folder that relative file names in a scene start from.
+/// The folder to which relative file names in a scene refer.
 pub fn folder_of(path: &Path) -> std::path::PathBuf {
     let parent = path.parent();
     parent.map(Path::to_path_buf).unwrap_or_default()
 }
 
-/// How long a pipe is waited for that nobody has opened to write into.
+/// How long to wait for a pipe that nobody has opened for writing.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// Opens a file that somebody has named. Of a pipe or a device that does not open the wait ends with an error.
+/// Opens a file that the user has named. If a pipe or a device does not open, waiting ends with an error.
 ///
 /// # Errors
-/// What the system says; [`ErrorKind::TimedOut`].
+/// The error of the system; [`ErrorKind::TimedOut`].
 pub fn open_input(path: &Path) -> std::io::Result<File> {
     let about = std::fs::metadata(path)?;
     if about.is_file() || about.is_dir() {
@@ -116,7 +116,7 @@ pub fn open_input(path: &Path) -> std::io::Result<File> {
     }
     let (sender, receiver) = std::sync::mpsc::channel();
     let place = path.to_owned();
-    // The thread stays behind where nothing comes; it holds nothing else.
+    // If no data arrive, the thread remains; it owns nothing else.
     let wait = std::thread::Builder::new();
     wait.spawn(move || drop(sender.send(File::open(place))))?;
     receiver.recv_timeout(PATIENCE).unwrap_or_else(|_| {
@@ -124,10 +124,10 @@ pub fn open_input(path: &Path) -> std::io::Result<File> {
         Err(std::io::Error::new(ErrorKind::TimedOut, message))
     })
 }
-/// Where a file that a text names really stands, if it may: below the folder of that text, called `whose`, or below one of
-/// `allowed`. What is elsewhere is not even said to exist.
+/// The real path of a file named in a text, if it is allowed: below the folder of that text, called `whose`, or below
+/// one of `allowed`. The message does not reveal whether a file exists elsewhere.
 ///
-/// Errors: where it may stand, in words.
+/// Errors: a text that says which folders are allowed.
 pub fn place_below(
     name: &str,
     (own, whose): (&Path, &str),
@@ -141,7 +141,7 @@ pub fn place_below(
     };
     let Ok(place) = own.join(name).canonicalize() else {
         let is_inside = |part| matches!(part, Component::Normal(_) | Component::CurDir);
-        // Reading it says why it cannot be read.
+        // Reading it reports why it cannot be read.
         return match Path::new(name).components().all(is_inside) {
             true => Ok(own.join(name)),
             false => Err(refused()),

@@ -1,4 +1,4 @@
-//! The `[study]` section as typed: variables, and the measure that is to be made small.
+//! The `[study]` section as typed: variables, objective, and limits.
 
 use super::keys::tables::{LIMIT, VARIABLE};
 use super::reader::{FoundValue, Spanned, TableReader, read_table};

@@ -1,18 +1,18 @@
-//! A TOML text as tables, with all of its mistakes or, where it is long, the first: a list of every mistake takes a
-//! thousand times the memory of the text.
+//! Parses a TOML text into tables, with all of its syntax errors or, for a long text, only the first: a list of all
+//! errors can take a thousand times the memory of the text.
 
 use crate::diag::{Diagnostic, Diagnostics};
 use crate::limits::allow_memory;
 use toml::de::{DeTable, Error};
 
-/// Texts up to so many bytes are read on behind a mistake; nobody writes longer ones by hand, and 256 KiB with a mistake a
-/// byte take a sixth of a second and 100 MB.
+/// Texts up to this many bytes are read on after an error. Nobody writes longer ones by hand, and 256 KiB with an error
+/// in every byte take a sixth of a second and 100 MB.
 const MOST_READ_ON: usize = 256 << 10;
 
-/// Bytes that the reader takes for each word and each mark of a text. Measured, and somewhat more.
+/// Bytes of memory that the parser needs for each word and each punctuation mark of a text: measured, with a margin.
 const BYTES_OF_TOKEN: f64 = 110.0;
 
-/// Reads the tables of a text; `None` if its mistakes, which go to `diagnostics`, or the limit of memory allow none.
+/// Parses the tables of a text; `None` if syntax errors, which go to `diagnostics`, or the limit of memory prevent it.
 pub fn parse_tables<'t>(
     text: &'t str,
     diagnostics: &mut Diagnostics,
@@ -42,7 +42,7 @@ fn mistake(text: &str, error: &Error) -> Diagnostic {
     Diagnostic::error(message).at(error.span().unwrap_or(text.len()..text.len()))
 }
 
-/// At least as many as the text has words and marks between them.
+/// An upper bound on the number of words and punctuation marks of a text.
 fn most_tokens(text: &str) -> usize {
     let is_word =
         |byte: &u8| byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'-') || !byte.is_ascii();

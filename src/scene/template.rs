@@ -1,12 +1,12 @@
-//! A scene of one's own from a built-in one: under another title, with what every section is for.
+//! A new scene from a built-in one: with another title, and a comment above every section.
 
 use super::keys::tables::SCENE;
 use crate::diag::shown_text;
 
-/// Keys of the built-in scenes that say where they are from, not what they are.
+/// Keys of the built-in scenes that state their origin, not their content.
 const LEFT_OUT: [&str; 2] = ["source", "description"];
 
-/// The text of a scene under another title. Above the first line of every section stands what it is for, in the words of
+/// The text of a scene with another title. A comment above the first line of every section explains it, in the words of
 /// the scene format.
 pub fn titled_template(text: &str, title: &str, head: &str) -> String {
     let mut out = String::new();
@@ -42,7 +42,7 @@ pub fn titled_template(text: &str, title: &str, head: &str) -> String {
     out
 }
 
-/// The section that a line heads: `[parameters]`, `[[bodies]]`.
+/// The section that a line opens: `[parameters]`, `[[bodies]]`.
 fn section_of(line: &str) -> Option<&str> {
     let inside = line.strip_prefix('[')?.split(']').next()?;
     Some(inside.trim_start_matches('['))

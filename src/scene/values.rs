@@ -1,9 +1,9 @@
-//! Single TOML values as formulas, colours and words for messages.
+//! Converts single TOML values to formulas, colours and descriptions for messages.
 
 use crate::diag::Span;
 use toml::de::DeValue;
 
-/// Offset given to formulas that are not in the file, so that their places are never shown.
+/// Offset of formulas that are not in the file, so that their positions are never shown.
 const OUTSIDE: usize = usize::MAX / 2;
 
 /// A number or formula as typed, to be parsed later.
@@ -11,7 +11,7 @@ const OUTSIDE: usize = usize::MAX / 2;
 pub struct FormulaText {
     /// The text without quotes.
     pub text: String,
-    /// Byte in the file where the text starts.
+    /// Byte in the file at which the text starts.
     pub offset: usize,
     /// The whole value with its quotes.
     pub span: Span,
@@ -30,7 +30,7 @@ impl FormulaText {
         }
     }
 
-    /// Whether it is in no file, so that it has no place to be shown.
+    /// Whether it comes from no file, so that it has no position to show.
     pub const fn is_outside(&self) -> bool {
         self.offset >= OUTSIDE
     }
@@ -45,11 +45,11 @@ pub fn formulas_of(value: &DeValue, text: &str) -> Option<Vec<FormulaText>> {
         .collect()
 }
 
-/// The text of a number or string value, with the place where it starts.
+/// The text of a number or string value, with the position at which it starts.
 pub fn formula_of(value: &DeValue, span: Span, text: &str) -> Option<FormulaText> {
     match value {
         DeValue::Integer(_) | DeValue::Float(_) => {
-            // Underscores are TOML's; signs and exponents are the same in both notations.
+            // Underscores are allowed in TOML only; signs and exponents have the same notation in both languages.
             let literal = text[span.clone()].replace('_', "");
             Some(FormulaText {
                 text: literal,
@@ -59,7 +59,7 @@ pub fn formula_of(value: &DeValue, span: Span, text: &str) -> Option<FormulaText
             })
         }
         DeValue::String(s) => {
-            // Escapes would shift the places; then every message points at the whole text.
+            // Escapes would shift the positions; in that case every message points at the whole text.
             let raw = &text[span.clone()];
             let offset = raw
                 .find(s.as_ref())
@@ -85,7 +85,7 @@ pub fn parse_colour(text: &str) -> Option<[u8; 3]> {
     Some([channel(0)?, channel(1)?, channel(2)?])
 }
 
-/// What a value is, in words.
+/// The type of a value, in words.
 pub fn kind_of(value: &DeValue) -> &'static str {
     match value {
         DeValue::String(_) => "a text",

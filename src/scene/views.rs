@@ -1,4 +1,4 @@
-//! `[view]` as typed: how a scene is seen, before names and units are resolved.
+//! `[view]` as typed, before names and units are resolved.
 
 use super::reader::{Spanned, TableReader};
 use super::values::FormulaText;

@@ -8,31 +8,31 @@ use crate::model::view::Decor;
 use crate::render::{Instance, StageMesh};
 use glam::DVec3;
 
-/// Length of the fastest arrow over the extent of the motion, where the scene gives no scale.
+/// Length of the fastest arrow as a fraction of the motion's extent, if the scene gives no scale.
 const LONGEST: f64 = 0.16;
 
-/// Lengths that arrows come in: the steps are about a pixel.
+/// Number of arrow lengths: they differ by about a pixel.
 const LEVELS: usize = 96;
 
 /// Radius of the shaft and length of the head, in pixels.
 const SHAFT_PIXELS: f64 = 1.5;
 const HEAD_PIXELS: f64 = 11.0;
 
-/// Arrows slower than this share of the fastest are left out: they have no direction to speak of.
+/// Arrows slower than this fraction of the fastest are omitted: their direction is not meaningful.
 const STILL: f64 = 0.01;
 
 /// Ready-made arrows.
 pub struct Arrows {
     /// Velocity of every trace at every sample, the scene's unit per second.
     velocities: Vec<Vec<DVec3>>,
-    /// Mesh of the shortest arrow; longer ones follow.
+    /// Mesh of the shortest arrow; those of longer ones follow.
     first: usize,
     fastest: f64,
     colours: Vec<[u8; 3]>,
 }
 
 impl Arrows {
-    /// Adds the meshes; `None` where arrows are not asked for or nothing moves.
+    /// Adds the meshes; `None` if arrows are not requested or nothing moves.
     pub fn new(
         traces: &[Trace],
         trajectory: &Trajectory,
@@ -91,7 +91,7 @@ impl Arrows {
     }
 }
 
-/// From the samples on both sides where they have poses, else from the one that has.
+/// From the samples on both sides if they have poses, otherwise from the one that has.
 fn trace_velocity(trajectory: &Trajectory, index: usize, trace: usize) -> DVec3 {
     let at = |k: usize| {
         let sample = trajectory.samples.get(k)?;

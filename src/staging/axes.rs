@@ -1,4 +1,4 @@
-//! Axes of the world and of the bodies: red x, green y, blue z, in tones that colour-blind eyes tell apart.
+//! Axes of the world and of the bodies: red x, green y, blue z, in shades that colour-blind people can distinguish.
 
 use super::solids::{arrow_solids, merged_mesh, sign_instance};
 use crate::kinematics::results::trajectory::ClosedPose;
@@ -17,7 +17,7 @@ const LENGTHS: [f64; 2] = [0.16, 0.08];
 const SHAFT: f64 = 0.022;
 const HEAD: f64 = 0.22;
 
-/// Where the letter stands, in lengths of the axis.
+/// Position of the letter, in lengths of the axis.
 const LETTER_AT: f64 = 1.13;
 
 /// Height of the letters as a fraction of the picture's.
@@ -30,7 +30,7 @@ pub struct AxisSigns {
     length: f64,
 }
 
-/// Length of the world's axes; the camera must hold them.
+/// Length of the world's axes, which the camera must include.
 pub fn world_length(axes: ShownAxes, extent: f64) -> Option<f64> {
     matches!(axes, ShownAxes::World | ShownAxes::All).then_some(LENGTHS[0] * extent)
 }

@@ -1,4 +1,4 @@
-//! Meshes of bodies and traces at the fineness the picture needs, and their instances.
+//! Meshes of bodies and traces, as fine as the picture needs, and their instances.
 
 use super::bounds;
 use crate::geometry::mesh_of;
@@ -44,13 +44,14 @@ impl StagedPart {
     }
 }
 
-/// Cameras of a moving one that are asked for the length of a pixel.
+/// Number of cameras along a path at which the size of a pixel is evaluated.
 const CAMERAS: usize = 32;
 
-/// Pictures of the motion's extent below which nothing gets finer: an eye inside a body asks for no end of facets.
+/// Meshes get no finer than for a picture whose height is this fraction of the motion's extent: with the eye inside a
+/// body there would be no limit.
 const CLOSEST: f64 = 16.0;
 
-/// Length of a pixel where the motion is nearest to any of the cameras, in the scene's unit.
+/// Size of a pixel where the motion is nearest to any of the cameras, in the scene's unit.
 pub fn pixel_size(cameras: &[Camera], size: [u32; 2], points: &[DVec3]) -> f64 {
     let stride = cameras.len().div_ceil(CAMERAS).max(1);
     let some = cameras.iter().step_by(stride);

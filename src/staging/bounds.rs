@@ -1,4 +1,4 @@
-//! The room a motion takes: points that the camera must hold.
+//! The space that a motion occupies: points that the camera must include.
 
 use super::link_symbols;
 use crate::geometry::coarse_mesh_of;
@@ -9,19 +9,20 @@ use glam::DVec3;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Samples looked at: more do not widen the bounds visibly.
+/// Number of samples examined: more do not widen the bounds visibly.
 const MAX_SAMPLES: usize = 64;
 
-/// Facet error of the bounding meshes over a solid's radius: a coarse hull is enough, the margin covers it.
+/// Facet error of the bounding meshes relative to a solid's radius: a coarse hull suffices, since the margin covers it.
 const COARSE: f64 = 0.02;
 
-/// Points of a mesh beyond which only outermost ones are looked at: at every sample of a motion all would fill the memory.
+/// Number of points of a mesh above which only the outermost ones are kept: all of them at every sample would fill the
+/// memory.
 const MANY: usize = 50_000;
 
-/// Points of all bodies and samples beyond which again only the outermost are kept: thousands of bodies over a motion.
+/// Number of points of all bodies and samples above which again only the outermost are kept.
 const MOST: usize = 2_000_000;
 
-/// Columns across a box along each of its axes; what stands out by less than one of them does not widen a picture.
+/// Number of columns across a box along each of its axes; a bulge smaller than one of them does not widen a picture.
 const COLUMNS: usize = 64;
 
 /// The first and last point of every column along each axis.
@@ -54,7 +55,7 @@ fn outermost_points(points: &[DVec3]) -> Vec<DVec3> {
 pub fn moving_points(scene: &Scene, trajectory: &Trajectory) -> Vec<DVec3> {
     let mechanism = &scene.mechanism;
     let shown = |body| scene.view.shown_shapes(mechanism, body);
-    // Of a file that many shapes are of the outermost points are looked for once.
+    // The outermost points of a file that many shapes use are computed once.
     let mut of_files: HashMap<*const TriangleSoup, Vec<DVec3>> = HashMap::new();
     let hulls: Vec<(usize, Vec<DVec3>)> = (0..mechanism.bodies.len())
         .flat_map(|body| shown(body).map(move |shape| (body, shape)))
@@ -94,8 +95,8 @@ pub fn moving_points(scene: &Scene, trajectory: &Trajectory) -> Vec<DVec3> {
     points
 }
 
-/// Of all points those that are outermost in one of `directions` evenly spread directions (Fibonacci's lattice on the
-/// sphere): enough to frame them.
+/// The points that are outermost in one of `directions` evenly distributed directions (Fibonacci lattice on the
+/// sphere): enough to frame all of them.
 pub fn point_outline(points: &[DVec3], directions: usize) -> Vec<DVec3> {
     if points.len() <= directions {
         return points.to_vec();

@@ -1,7 +1,7 @@
-//! Cameras of a motion: one that stands still and holds everything tightly, or one a frame along a path.
+//! Cameras of a motion: a fixed one that includes everything tightly, or one per frame along a path.
 //!
-//! A moving camera keeps its distance, so that nothing seems to grow or shrink unless a zoom is asked for: the
-//! distance is the least from which the whole motion is seen from everywhere on the path.
+//! A moving camera keeps its distance, so that nothing seems to grow or shrink unless a zoom is requested: the distance
+//! is the smallest from which the whole motion is visible from every point of the path.
 
 use super::bounds;
 use crate::math::{Pose, sin_cos};
@@ -10,22 +10,22 @@ use crate::render::camera::{ViewDirection, fit_within};
 use crate::render::{Camera, Projection};
 use glam::DVec3;
 
-/// Directions in which the outline of the motion is taken; the points in between miss less than a percent of it.
+/// Number of directions in which the outline of the motion is taken; between them less than a percent of it is missed.
 const OUTLINE: usize = 256;
 
-/// Places on the path from which the whole motion must be seen.
+/// Number of positions on the path from which the whole motion must be visible.
 const PLACES: usize = 256;
 
-/// Free room before the eye over the motion's half extent.
+/// Free space in front of the eye, relative to the motion's half extent.
 const EYE_CLEARANCE: f64 = 0.05;
 
 /// The near plane of a perspective is never closer than this share of the far plane's distance.
 const NEAR_SHARE: f64 = 1e-4;
 
-/// Share of the height that a line of captions takes with its distance from the border.
+/// Height of a line of captions plus its distance from the border, as a fraction of the height.
 const CAPTIONS: f64 = 0.08;
 
-/// Elevation beyond which nothing is gained, in radians: straight above and below.
+/// Largest elevation, in radians: straight above and below.
 const ZENITH: f64 = std::f64::consts::FRAC_PI_2;
 
 /// The cameras of a motion.
@@ -33,7 +33,7 @@ const ZENITH: f64 = std::f64::consts::FRAC_PI_2;
 pub struct Cameras {
     /// The camera of the first frame, or of all.
     pub first: Camera,
-    /// One a frame where the camera moves, else none.
+    /// One per frame if the camera moves, otherwise none.
     pub moving: Vec<Camera>,
 }
 
@@ -75,7 +75,7 @@ impl Cameras {
     }
 }
 
-/// The camera that stands where the view says and holds the points tightly; a path of the view is not looked at.
+/// The fixed camera in the direction of the view that includes the points tightly; a path of the view is ignored.
 pub fn still_camera(view: &View, up: DVec3, points: &[DVec3], aspect: f64) -> Camera {
     let direction = ViewDirection {
         azimuth: view.azimuth,
@@ -99,13 +99,13 @@ fn view_projection(view: &View) -> Projection {
     }
 }
 
-/// Free shares of the picture's width and height: title and values stand above and below the mechanism, not on it.
+/// Free fractions of the picture's width and height: title and values are above and below the mechanism, not on it.
 fn view_margins(view: &View) -> [f64; 2] {
     let captions = if view.captions { CAPTIONS } else { 0.0 };
     [view.margin, view.margin.max(captions)].map(|margin| 2.0 * margin)
 }
 
-/// A view with its path and what it must hold.
+/// A view with its path, and the points to include.
 struct CameraOrbit<'a> {
     view: &'a View,
     up: DVec3,
@@ -150,7 +150,7 @@ impl<'a> CameraOrbit<'a> {
         }
     }
 
-    /// Where the camera looks from and to at an instant.
+    /// Eye direction and target of the camera at an instant.
     fn direction(&self, time: f64) -> (ViewDirection, DVec3) {
         let now = self.view.camera_path.at(time);
         let turned = self.view.camera_path.orbit * time / self.duration;
@@ -163,7 +163,8 @@ impl<'a> CameraOrbit<'a> {
         (direction, now.target.unwrap_or(self.middle))
     }
 
-    /// Least distance, or least height of a parallel projection, with which the motion is seen from everywhere.
+    /// Smallest distance, or height of a parallel projection, from which the whole motion is visible from everywhere on
+    /// the path.
     fn reach(&self, times: &[f64]) -> f64 {
         let stride = times.len().div_ceil(PLACES).max(1);
         let places = times.iter().step_by(stride).chain(times.last());
@@ -223,7 +224,7 @@ fn half_tangent(angle: f64) -> f64 {
     sin / cos
 }
 
-/// Full vertical angle of the perspective that a distance in a parallel projection is meant for.
+/// Full vertical angle of the perspective that corresponds to a distance in a parallel projection.
 const DEFAULT_FOV: f64 = match ViewProjection::DEFAULT {
     ViewProjection::Perspective { fov_y } => fov_y,
     ViewProjection::Orthographic => 0.0,

@@ -1,4 +1,4 @@
-//! Texts of a frame: labels of the scene, title, values of the inputs, and why there is no pose.
+//! Texts of a frame: labels of the scene, title, values of the inputs, and the reason why there is no pose.
 
 use super::fitting::{self, Fitted, fit_pieces};
 use super::gauge::{self, Gauges};
@@ -20,7 +20,7 @@ const INSET: f64 = 0.02;
 /// The same where the border carries the hatching of a missing pose.
 const INSET_IN_HATCHING: f64 = 0.05;
 
-/// Smallest height in pixels at which captions can be read; smaller pictures go without.
+/// Smallest readable height in pixels; smaller pictures have no captions.
 const SMALLEST_READABLE: f64 = 7.0;
 
 /// Between the values of two inputs.
@@ -32,13 +32,13 @@ const LINE: f64 = 1.82;
 /// Room that lines of a caption take above and below their capitals, in heights of these.
 const AIR: f64 = 0.6;
 
-/// Title, values and gauges as they fit into the picture, the same over the whole motion.
+/// Title, values and gauges, fitted into the picture, the same over the whole motion.
 pub struct Captions {
     size: [f64; 2],
     title: Vec<String>,
     title_fit: Fitted,
     values_fit: Fitted,
-    /// The widest that the values get.
+    /// The widest values.
     widest: Vec<String>,
     gauges: Gauges,
 }
@@ -71,7 +71,7 @@ impl Captions {
         }
     }
 
-    /// The lower right corner, in pixels, of a free room that is `needed` pixels wide: above values that reach so far.
+    /// The lower right corner, in pixels, of a free area `needed` pixels wide: above the values if these extend so far.
     pub fn free_corner(&self, scene: &Scene, has_pose: bool, needed: f64) -> [f64; 2] {
         let [width, height] = self.size;
         let inset = border_inset(has_pose) * height;
@@ -144,7 +144,7 @@ fn border_inset(has_pose: bool) -> f64 {
     }
 }
 
-/// `p = −17.0 mm`, `φ = 0.200 rad`, a text an input.
+/// `p = −17.0 mm`, `φ = 0.200 rad`, one text per input.
 fn input_captions(mechanism: &Mechanism, inputs: &[f64]) -> Vec<String> {
     let inputs = mechanism.inputs.iter().zip(inputs);
     let texts = inputs.map(|(input, v)| {
@@ -154,8 +154,8 @@ fn input_captions(mechanism: &Mechanism, inputs: &[f64]) -> Vec<String> {
     texts.collect()
 }
 
-/// The traced point of the sample nearest to a label's time, where it stays. `None` for a label on a body, or where
-/// there is no pose at all.
+/// The traced point of the sample nearest to a label's time, at which the label stays. `None` for a label on a body, or
+/// if there is no pose at all.
 pub fn place_on_trace(label: &SceneLabel, trajectory: &Trajectory) -> Option<DVec3> {
     let LabelPlace::OnTrace { trace, time, .. } = label.place else {
         return None;

@@ -1,4 +1,4 @@
-//! What tells the size and the directions of a picture: a scale bar or the pitch of the grid, and a triad in the corner.
+//! Indications of scale and direction: a scale bar or the pitch of the grid, and a triad in the corner.
 
 use super::axes::COLOURS;
 use super::fitting;
@@ -8,7 +8,7 @@ use crate::model::theme::Theme;
 use crate::render::{Anchor, Camera, Frame, Ground, Label, Stroke};
 use glam::DVec3;
 
-/// Length of a scale bar over the picture's shorter side, about: it is a round length.
+/// Approximate length of a scale bar relative to the picture's shorter side; it is rounded.
 const BAR: f64 = 0.2;
 
 /// Length of an axis and distance of its letter from the middle, over the picture's height.
@@ -22,13 +22,14 @@ const HALF_END: f64 = 0.008;
 /// Room between bar, text and triad, over the picture's height.
 const GAP: f64 = 0.014;
 
-/// An axis whose picture is shorter than this share of its length points at the viewer, or away: it is left out.
+/// An axis whose projection is shorter than this fraction of its length points towards or away from the viewer and is
+/// omitted.
 const SHORTEST: f64 = 0.12;
 
-/// Numbers outside of these are written with their power of ten.
+/// Numbers outside this range are written with a power of ten.
 const PLAIN: [f64; 2] = [1e-4, 1e6];
 
-/// Which signs there are, and how they are written.
+/// Which of them are drawn, and how.
 #[derive(Clone, Debug)]
 pub struct ContextSigns {
     /// Scale bar or pitch of the grid.
@@ -53,7 +54,7 @@ pub struct ContextRoom {
 }
 
 impl ContextSigns {
-    /// Widest room that the signs take, over the picture's height.
+    /// Largest width of both, relative to the picture's height.
     pub const WIDEST: f64 = 0.35;
 
     /// Colours that appear as they are.
@@ -152,7 +153,7 @@ impl ContextSigns {
         let mut axes: Vec<(usize, DVec3)> = (0..3)
             .map(|k| (k, from_world.transform_vector(DVec3::AXES[k])))
             .collect();
-        // What points away is drawn first.
+        // Axes that point away are drawn first.
         axes.sort_by(|a, b| a.1.z.total_cmp(&b.1.z));
         for (k, axis) in axes {
             let on_screen = [axis.x, -axis.y];
@@ -166,7 +167,7 @@ impl ContextSigns {
                 half_widths: [(1.4 * HALF_LINE * tall).max(0.8); 2],
                 colour: COLOURS[k],
             });
-            // Beyond the end of the line, however short it is.
+            // Beyond the end of the line, however short the line is.
             let text = ["x", "y", "z"][k];
             let letter = at(AXIS + (LETTER - AXIS) / length);
             let extent = fitting::text_extent(text, size);

@@ -1,4 +1,4 @@
-//! What stands beside the bodies in a picture: trails, ghosts, arrows, axes and joint symbols.
+//! Additions to the bodies in a picture: trails, ghosts, arrows, axes and joint symbols.
 
 use super::arrows::Arrows;
 use super::axes::{self, AxisSigns};
@@ -15,7 +15,7 @@ use glam::DVec3;
 /// A scene and its motion.
 type MovingDecor<'a> = (&'a Scene, &'a Trajectory);
 
-/// Everything that is drawn beside the bodies; empty where the scene asks for none.
+/// Everything drawn in addition to the bodies; empty if the scene requests nothing.
 pub struct DecorParts {
     extent: f64,
     joints: JointSymbols,
@@ -27,7 +27,7 @@ pub struct DecorParts {
 }
 
 impl DecorParts {
-    /// What takes room in the picture; adds its points to `bounds`.
+    /// Additions that need space in the picture; adds their points to `bounds`.
     pub fn before_camera(
         (scene, trajectory): MovingDecor,
         (bounds, up): (&mut Vec<DVec3>, DVec3),
@@ -57,7 +57,7 @@ impl DecorParts {
         }
     }
 
-    /// What is as thick as some pixels; `pixel` is the length of one in a picture `height` pixels high.
+    /// Additions with a thickness in pixels; `pixel` is the size of one in a picture `height` pixels high.
     pub fn after_camera(
         &mut self,
         (scene, trajectory): MovingDecor,
@@ -88,7 +88,7 @@ impl DecorParts {
         self.axes.colours()
     }
 
-    /// What is drawn at sample `index`, which shows the pose `pose` of sample `shown`.
+    /// The additions at sample `index`, which shows the pose `pose` of sample `shown`.
     pub fn instances(
         &self,
         (scene, trajectory): MovingDecor,

@@ -1,5 +1,5 @@
 //! Dimensions in a picture: extension lines, dimension lines with arrow heads, arcs of angles, and their values. They
-//! lie over the bodies, as on a drawing, and follow the motion.
+//! are drawn over the bodies and follow the motion.
 
 use super::fitting;
 use super::value_text::{VALUE_SIZE, amount_text};
@@ -15,7 +15,7 @@ use std::f64::consts::TAU;
 /// Radius of an arc over the motion's extent, where the scene gives none.
 const RADIUS: f64 = 0.11;
 
-/// How far the sides of an angle reach, over the radius of its arc.
+/// Length of the sides of an angle relative to the radius of its arc.
 const SIDES: f64 = 1.18;
 
 /// Longest piece of an arc, in radians.
@@ -31,20 +31,21 @@ const OVERSHOOT: f64 = 0.010;
 /// Room between a line and its value, over the picture's height.
 const GAP: f64 = 0.010;
 
-/// Width of the seam in the background's colour that keeps lines apart from bodies behind them, over the picture's height.
+/// Width of the halo in the background's colour that separates lines from bodies behind them, relative to the picture's
+/// height.
 const SEAM: f64 = 0.0022;
 
-/// In a parallel view, a dimension that is shorter than this share of its true length, or whose extension lines or arc are
-/// so foreshortened, is left to the other views, as on a drawing.
+/// In a parallel view, a dimension is omitted if it, its extension lines or its arc are shorter than this fraction of
+/// their true length.
 const LEAST_TRUE: f64 = 0.5;
 
-/// Arrow heads stand outside of a line shorter than this many of them.
+/// A line shorter than this many arrow heads has them outside.
 const SHORT: f64 = 3.0;
 
 /// An angle this little below zero is a zero that was rounded, not a full turn: poses are exact to far less.
 const LEVEL: f64 = 1e-9;
 
-/// Poses at which room is made for dimensions.
+/// Number of poses for which space is reserved for dimensions.
 const LOOKS: usize = 48;
 
 /// How a picture shows dimensions.
@@ -148,7 +149,7 @@ impl Arc {
 }
 
 impl Measured {
-    /// `None` where it does not exist: an angle without sides.
+    /// `None` if it does not exist: an angle without sides.
     fn of(dimension: &ShownDimension, pose: &ClosedPose, extent: f64) -> Option<Self> {
         let ends = dimension.ends.map(|end| place(end, pose));
         let (at, axis, radius) = match dimension.kind {
@@ -221,7 +222,7 @@ fn place(end: DimensionEnd, pose: &ClosedPose) -> DVec3 {
     }
 }
 
-/// Where a value stands: a point of the line, and the direction off it.
+/// Position of a value: a point of the line, and the direction away from it.
 struct ValueFoot {
     world: DVec3,
     at: [f64; 2],
@@ -255,7 +256,7 @@ impl DimensionPen<'_> {
         });
     }
 
-    /// Lays the dimension over what is there, with a seam around it.
+    /// Draws the dimension, with a halo around it.
     fn finish(&mut self) {
         let seam = SEAM * self.tall();
         let seams = self.strokes.iter().map(|stroke| Stroke {
@@ -300,7 +301,7 @@ impl DimensionPen<'_> {
             self.head(b, along.map(|c| -c));
         }
         let at = between(a, b);
-        // Beside the line, on the side away from what is measured; else above it.
+        // Next to the line, on the side away from the measured part; otherwise above it.
         let side = [along[1], -along[0]];
         let off = direction(between(p, q), at).filter(|(_, far)| *far > 1.0);
         let wish = off.map_or([1e-3, -1.0], |(off, _)| off);
@@ -390,7 +391,7 @@ fn between(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     [0, 1].map(|c| 0.5 * (a[c] + b[c]))
 }
 
-/// Unit direction and distance from one place to another; `None` where they are one.
+/// Unit direction and distance from one point to another; `None` if they coincide.
 fn direction(from: [f64; 2], to: [f64; 2]) -> Option<([f64; 2], f64)> {
     let off = [to[0] - from[0], to[1] - from[1]];
     let far = (off[0] * off[0] + off[1] * off[1]).sqrt();

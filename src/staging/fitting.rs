@@ -1,15 +1,15 @@
-//! Texts fitted into the picture: made smaller, then broken into lines, never cut.
+//! Fits texts into the picture: first smaller, then in several lines, never truncated.
 
 use crate::render::text::{Face, set_text};
 use std::sync::LazyLock;
 
-/// How small a text may get before it is broken into lines, over its usual size.
+/// Smallest size of a text, relative to its usual size, before it is broken into lines.
 const SMALLEST: f64 = 0.8;
 
-/// Measures texts; what it rasterises nobody sees.
+/// Measures texts; the glyphs that it rasterises are not drawn.
 static FACE: LazyLock<Face> = LazyLock::new(Face::new);
 
-/// How pieces of text fit side by side.
+/// The arrangement of pieces of text.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fitted {
     /// Height of the capitals in pixels.
@@ -40,8 +40,8 @@ pub fn text_extent(text: &str, size: f64) -> [f64; 2] {
     [setting.width, setting.height]
 }
 
-/// `pieces` side by side with `gap` between them, in a room of `room` pixels: at `size` if they fit, smaller if that is
-/// enough, else in lines.
+/// `pieces` next to each other with `gap` between them, in a width of `room` pixels: at `size` if they fit, otherwise
+/// smaller, otherwise in several lines.
 pub fn fit_pieces(pieces: &[String], gap: &'static str, size: f64, room: f64) -> Fitted {
     let fitted = |size: f64, starts: Vec<usize>| Fitted { size, gap, starts };
     let width = text_extent(&pieces.join(gap), size)[0];

@@ -23,13 +23,13 @@ const GAP: f64 = 0.02;
 /// Colour of the filled part.
 const FILL: [u8; 3] = [0x2b, 0x74, 0xb8];
 
-/// How much of a bar's empty part is seen.
+/// Opacity of a bar's empty part.
 const EMPTY: f64 = 0.25;
 
 /// The greatest distance of the gauges from the border, as a share of the picture's height.
 const FARTHEST_INSET: f64 = 0.05;
 
-/// Texts go without their range before they get smaller than this share of their usual size.
+/// Texts lose their range before they become smaller than this fraction of their usual size.
 const READABLE: f64 = 0.8;
 
 /// Colours of the bars, if there are any.
@@ -135,8 +135,8 @@ impl Gauges {
     }
 }
 
-/// Instants of the drive that are looked at beside the samples, its ends and its keys: between them an input goes by less
-/// than what a gauge shows.
+/// Number of instants at which the drive is evaluated in addition to the samples, its ends and its keys: between them
+/// an input changes by less than a gauge can show.
 const LOOKS: usize = 1000;
 
 /// Least and greatest value of every input over the whole drive, whatever its samples are.

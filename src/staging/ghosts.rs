@@ -1,4 +1,4 @@
-//! Earlier poses that stay in the picture as translucent bodies.
+//! Other poses that stay in the picture as translucent bodies.
 
 use super::body_meshes::StagedPart;
 use crate::kinematics::results::trajectory::{ClosedPose, Trajectory};
@@ -6,13 +6,13 @@ use crate::math::Pose;
 use crate::model::view::Ghosts;
 use crate::render::{Instance, StageMesh};
 
-/// What is left of a body's opacity.
+/// Opacity of a ghost relative to its body.
 const OPACITY: f64 = 0.16;
 
-/// A body that moved less than this from a ghost, relative to its size of 1, stands still and has no ghost.
+/// A body that is nearer to its ghost than this, relative to its size of 1, has no ghost.
 const STILL: f64 = 1e-9;
 
-/// Samples whose poses stay, ascending.
+/// Samples of the ghosts, ascending.
 pub fn ghost_samples(ghosts: &Ghosts, trajectory: &Trajectory, duration: f64) -> Vec<usize> {
     let times = match ghosts {
         Ghosts::Count(count) => (0..*count)
@@ -36,7 +36,7 @@ pub fn ghost_samples(ghosts: &Ghosts, trajectory: &Trajectory, duration: f64) ->
     samples
 }
 
-/// The ghosts `samples` that lie before sample `index`, whose own pose is `now`.
+/// The ghosts before sample `index`, whose own pose is `now`.
 pub fn ghost_instances(
     parts: &[StagedPart],
     samples: &[usize],

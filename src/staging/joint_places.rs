@@ -1,4 +1,5 @@
-//! Where along its axis the sign of a joint stands: a chain fixes the axis only, the bodies say where it is borne.
+//! The position of a joint's symbol along its axis: a chain determines only the axis, the bodies show where the joint
+//! is.
 
 use super::joints::{CarriedFrame, PlacedJoint, PlacedLinks};
 use crate::geometry::coarse_mesh_of;
@@ -11,13 +12,13 @@ use glam::DVec3;
 /// Facet error of the meshes that are looked at over a solid's radius.
 const COARSE: f64 = 0.02;
 
-/// A body belongs to a frame if it moves in it by less than this share of the mechanism's size.
+/// A body belongs to a frame if it moves in it by less than this fraction of the mechanism's size.
 const AT_REST: f64 = 1e-6;
 
-/// Poses at which that is looked at.
+/// Number of poses at which this is examined.
 const POSES: usize = 7;
 
-/// Solids that surround an axis (sockets, hubs) count up to this many reaches from it.
+/// Solids around an axis (sockets, hubs) count up to this many reaches from it.
 const SOCKET: f64 = 8.0;
 
 /// How much farther from its line than from a pin's axis a slider's guide may be.
@@ -32,12 +33,12 @@ pub struct Outlines<'p> {
     size: f64,
 }
 
-/// Where a joint is borne.
+/// The position of a joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointPlace {
     /// Shift along the joint's first axis from its frames.
     pub shift: f64,
-    /// Whether a body that stands before the joint reaches it; the joint then needs no other ground.
+    /// Whether a body on the base side reaches the joint, so that it needs no ground symbol.
     pub held: bool,
 }
 
@@ -45,7 +46,7 @@ pub struct JointPlace {
 type AxisStretch = [f64; 2];
 
 impl<'p> Outlines<'p> {
-    /// Outlines of all bodies, which are looked at at some of the poses of the motion.
+    /// Outlines of all bodies, examined at some of the poses of the motion.
     pub fn new((mechanism, view): (&Mechanism, &View), all: &'p [PlacedLinks]) -> Self {
         let bodies = (0..mechanism.bodies.len()).map(|body| {
             let solids = view.shown_shapes(mechanism, body).map(|shape| {
@@ -69,9 +70,9 @@ impl<'p> Outlines<'p> {
         }
     }
 
-    /// The place of a joint; `reach` is how near to the axis a body must come to hold it.
+    /// The position of a joint; `reach` is the distance from the axis within which a body holds it.
     pub fn place(&self, joint: &PlacedJoint, reach: f64) -> JointPlace {
-        // What guides a slider is beside its line.
+        // The guide of a slider is next to its line.
         let reach = match joint.kind {
             JointKind::Prismatic | JointKind::Planar => GUIDE * reach,
             _ => reach,
@@ -95,7 +96,7 @@ impl<'p> Outlines<'p> {
         }
     }
 
-    /// Where the bodies that rest in a frame lie on its axis.
+    /// Extents along the axis of the bodies that are fixed to a frame.
     fn stretches(&self, frame: &CarriedFrame, axis: usize, reach: f64) -> Vec<AxisStretch> {
         let frames: Vec<Pose> = self
             .poses
@@ -119,7 +120,7 @@ impl<'p> Outlines<'p> {
     }
 }
 
-/// How far a point of a mechanism of this size is from where another pose puts it, at most.
+/// Largest displacement of a point of a mechanism of this size between two poses.
 fn pose_difference(pose: &Pose, other: &Pose, size: f64) -> f64 {
     let turned = (0..3).map(|k| (pose.rotation.col(k) - other.rotation.col(k)).length());
     (pose.translation - other.translation).length() + size * turned.fold(0.0, f64::max)
@@ -140,8 +141,8 @@ fn axis_stretch(points: &[DVec3], pose: &Pose, axis: usize, reach: f64) -> Optio
     (touches || around).then_some([low[axis], high[axis]])
 }
 
-/// Where solids before and behind a joint meet on its axis: in the middle of the gap or overlap of the nearest two; at
-/// the origin if they both cover it.
+/// The position where solids on both sides of a joint meet on its axis: in the middle of the gap or overlap of the
+/// nearest two; the origin if both cover it.
 fn stretch_shift(before: &[AxisStretch], after: &[AxisStretch]) -> f64 {
     let alone = |stretches: &[AxisStretch]| {
         let nearest = stretches.iter().map(|s| 0f64.clamp(s[0], s[1]));
@@ -193,7 +194,7 @@ mod tests {
         }
     }
 
-    /// The driver's bearing is high above the origin in which its chain begins; all joints of the frame are held by it.
+    /// The driver's bearing is high above the origin of its chain; all joints of the frame are held by it.
     #[test]
     fn signs_stand_on_the_bodies_that_the_joint_connects() {
         let source = builtin::find_builtin("rsrrr").unwrap();

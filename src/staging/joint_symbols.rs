@@ -1,5 +1,5 @@
-//! Signs of joints by kind: a pin, a ball in a ring, a block on its guide, a screw; and hatched ground under those
-//! that stand on the frame where no body does.
+//! Joint symbols by kind: a pin, a ball in a ring, a block on its guide, a screw; and hatched ground under joints of
+//! the frame without a body.
 
 use super::joint_places::Outlines;
 use super::joints::{self, CarriedFrame, PlacedJoint, PlacedLinks};
@@ -15,15 +15,15 @@ use crate::render::{Instance, StageMesh};
 use crate::scene::Scene;
 use glam::DVec3;
 
-/// Radius of a pin over the extent of the motion; all signs are made of it.
+/// Radius of a pin relative to the motion's extent; all symbols are proportional to it.
 const RADIUS: f64 = 0.008;
 
-/// Colours of the part before a joint, of the part behind it, and of the ground.
+/// Colours of the base side of a joint, of the moving side, and of the ground.
 const SEAT: [u8; 3] = [0x4c, 0x55, 0x62];
 const MOVER: [u8; 3] = [0xd9, 0xdd, 0xe3];
 const GROUND: [u8; 3] = [0x6e, 0x77, 0x85];
 
-/// How near to a joint's axis a body must come to hold it, in radii of a pin.
+/// Distance from a joint's axis within which a body holds it, in radii of a pin.
 const HOLD: f64 = 3.0;
 
 /// Radius of the rod that stands for a link without bodies, over that of a pin.
@@ -32,13 +32,13 @@ const ROD: f64 = 0.9;
 /// Facet error over the radius of a pin.
 const FACETS: f64 = 0.02;
 
-/// Signs are outlined like bodies; their numbers follow those of any bodies.
+/// Symbols are outlined like bodies, with numbers after those of the bodies.
 const FIRST_OUTLINE: u32 = 1 << 30;
 
 /// Samples looked at for the stroke of a slider.
 const MAX_SAMPLES: usize = 64;
 
-/// One mesh of a sign and what carries it.
+/// One mesh of a symbol and the link that carries it.
 struct SignPiece {
     mesh: usize,
     /// `None` stands still.
@@ -132,7 +132,7 @@ impl JointSymbols {
         self.pieces.is_empty()
     }
 
-    /// The signs at a pose.
+    /// The symbols at a pose.
     pub fn instances(&self, at: &PlacedLinks, meshes: &[StageMesh]) -> Vec<Instance> {
         let pieces = self.pieces.iter();
         pieces
@@ -157,7 +157,7 @@ fn shifted_frame(frame: &CarriedFrame, by: DVec3) -> CarriedFrame {
     frame.clone().then(&[shift])
 }
 
-/// Where everything is at some samples of the motion.
+/// Placements at some samples of the motion.
 fn placed_samples(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<PlacedLinks> {
     let samples = trajectory.samples.iter();
     let closed = samples.filter_map(|sample| Some((sample, sample.pose.as_ref()?)));
@@ -176,7 +176,7 @@ fn rod_solid(axis: DVec3, from: f64, to: f64, radius: f64) -> Solid {
     }
 }
 
-/// The parts in the frames before and behind a joint of pin radius `r`; a translation goes from `low` to `high`.
+/// The parts in the frames on both sides of a joint with pin radius `r`; a translation ranges from `low` to `high`.
 fn joint_solids(joint: &PlacedJoint, r: f64, [low, high]: [f64; 2]) -> (Vec<Solid>, Vec<Solid>) {
     let axis = DVec3::AXES[joint.axis];
     let guide = rod_solid(axis, low - 6.0 * r, high + 6.0 * r, 0.7 * r);
@@ -255,7 +255,7 @@ fn ground_sign(at: DVec3, up: DVec3, r: f64) -> Vec<Solid> {
             radius: 4.2 * r,
         },
     ];
-    // Strokes that lean the same way all around read as hatching from every side.
+    // Parallel strokes look like hatching from every side.
     let strokes = 10;
     for k in 0..strokes {
         let angle = std::f64::consts::TAU * f64::from(k) / f64::from(strokes);

@@ -1,4 +1,4 @@
-//! The joints of the mechanism's table as pictures need them, and where they are at a pose. Their signs are made in
+//! The joints of the mechanism's table and their placements at a pose, for pictures. Their symbols are made in
 //! `joint_symbols`.
 
 use crate::kinematics::results::trajectory::{ClosedPose, Sample};
@@ -8,7 +8,7 @@ use crate::model::joints::{Joint, JointKind, LinkFrame};
 use crate::model::mechanism::Mechanism;
 use crate::model::walk::walk_chain;
 
-/// A joint with its place in the world.
+/// A joint with its placement in the world.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlacedJoint {
     /// What it is.
@@ -21,11 +21,12 @@ pub struct PlacedJoint {
     pub axis: usize,
     /// Axis of its last rotation in the frame before that; its first axis if it does not turn.
     pub last_axis: usize,
-    /// It stands on the frame of the mechanism.
+    /// It belongs to the frame of the mechanism.
     pub grounded: bool,
 }
 
-/// A frame that a link carries, some steps from it: the ways of all links together are longer than the joints by far.
+/// A frame carried by a link, some steps from it. Storing the chains of all links in full would take far more memory
+/// than the joints.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CarriedFrame {
     link: usize,
@@ -64,7 +65,7 @@ impl CarriedFrame {
     }
 }
 
-/// Where everything is at a pose.
+/// All placements at a pose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlacedLinks {
     /// Values of all arguments.
@@ -86,14 +87,14 @@ impl PlacedLinks {
 }
 
 impl PlacedJoint {
-    /// How far it is drawn out, for a translation; 0 for a rotation.
+    /// The displacement of a translation; 0 for a rotation.
     pub fn stroke(&self, at: &PlacedLinks) -> f64 {
         let [before, after] = [&self.before, &self.after].map(|frame| frame.pose(at));
         (after.translation - before.translation).dot(before.rotation.col(self.axis))
     }
 }
 
-/// All joints but those at which nothing is joined.
+/// All joints except those that connect nothing.
 pub fn placed_joints(mechanism: &Mechanism) -> Vec<PlacedJoint> {
     let jointed = mechanism.joints.list.iter().filter(|j| !j.is_placed);
     jointed.filter_map(place_joint).collect()

@@ -1,9 +1,9 @@
-//! Where labels stand on the screen: beside their anchors and clear of each other, found once for a whole film.
+//! Places labels on the screen, next to their anchors and clear of each other, once for a whole film.
 //!
-//! Every label has some tens of candidate places round its anchor. One after the other takes the cheapest, and then
-//! each looks again at what the others have taken. Nothing here knows a mechanism.
+//! Every label has some tens of candidate positions around its anchor. Each label in turn takes the cheapest one, and
+//! then all are revised in view of the others. This code is independent of mechanisms.
 
-/// Least room between two labels, over the height of the lower one.
+/// Smallest gap between two labels, relative to the height of the lower one.
 const APART: f64 = 0.3;
 
 /// Room that is kept free along the border of the picture, in pixels.
@@ -15,11 +15,11 @@ const GAPS: [f64; 6] = [0.45, 0.8, 1.3, 2.0, 3.0, 4.5];
 /// Directions that are tried.
 const DIRECTIONS: usize = 16;
 
-/// How often all labels look again.
+/// Number of revisions.
 const ROUNDS: usize = 3;
 
-/// What is wrong with a place, in order of weight: out of the picture or over another label, over a caption, nearer to
-/// another label's anchor than to its own, over something drawn, off its wish, far from its anchor.
+/// Costs of a position, in order of weight: outside the picture or over another label, over a caption, nearer to
+/// another label's anchor than to its own, over something drawn, away from the preferred position, far from its anchor.
 const COLLIDES: f64 = 1000.0;
 const MISLEADS: f64 = 120.0;
 const COVERS: f64 = 12.0;
@@ -33,21 +33,21 @@ pub struct Lettering {
     pub anchors: Vec<Option<[f64; 2]>>,
     /// Width and height of the text in pixels.
     pub size: [f64; 2],
-    /// Where its middle would stand best, from the anchor in pixels.
+    /// The preferred position of its centre, relative to the anchor, in pixels.
     pub wish: [f64; 2],
 }
 
 /// Left, top, right and bottom.
 pub type Rectangle = [f64; 4];
 
-/// What labels must not cover.
+/// Areas that labels must avoid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Paper {
     /// Width and height of the picture in pixels.
     pub size: [f64; 2],
     /// Captions.
     pub taken: Vec<Rectangle>,
-    /// Where something is drawn in some frame.
+    /// Points where something is drawn in some frame.
     pub drawn: Crowd,
 }
 
@@ -78,7 +78,7 @@ impl Crowd {
         for row in 1..=rows {
             for column in 1..=columns {
                 let at = row * stride + column;
-                // Never negative in this order.
+                // In this order no difference is negative.
                 sums[at] = sums[at] + sums[at - 1] + sums[at - stride] - sums[at - stride - 1];
             }
         }
@@ -106,7 +106,7 @@ pub fn place_labels(labels: &[Lettering], paper: &Paper) -> Vec<[f64; 2]> {
                 let cost = offset_cost(labels, &offsets, index, offset, paper);
                 (cost, offset)
             });
-            // Of equally good ones the first, which is nearest to the wish.
+            // Of equally good ones the first, which is nearest to the preferred position.
             let best = costs.reduce(|best, other| if other.0 < best.0 { other } else { best });
             offsets[index] = best.map(|(_, offset)| offset);
         }
@@ -134,7 +134,7 @@ fn candidate_offsets(label: &Lettering) -> Vec<[f64; 2]> {
     all
 }
 
-/// What is wrong with label `index` at an offset, the mean over the frames.
+/// The cost of label `index` at an offset, averaged over the frames.
 fn offset_cost(
     labels: &[Lettering],
     offsets: &[Option<[f64; 2]>],
@@ -174,7 +174,7 @@ fn offset_cost(
                 continue;
             };
             if gap_to(&own, there) < 1.4 * away + 0.5 * height {
-                // Nearer to the other one is as bad as unreadable.
+                // A label nearer to another anchor is as bad as an unreadable one.
                 let is_nearer = gap_to(&own, there) <= away + 1.0;
                 sum += if is_nearer { COLLIDES } else { MISLEADS };
             }

@@ -1,4 +1,4 @@
-//! Links of a scene without bodies: rods between the places of their joints, and the room that these take.
+//! Links of a scene without bodies: rods between the positions of their joints, and the space they occupy.
 
 use super::joints;
 use crate::kinematics::results::trajectory::Trajectory;
@@ -6,7 +6,7 @@ use crate::model::mechanism::Mechanism;
 use crate::model::shape::Solid;
 use glam::DVec3;
 
-/// Colours of links, apart in lightness too (Okabe and Ito, Color Universal Design, 2008).
+/// Colours of links, distinguishable by lightness too (Okabe and Ito, Color Universal Design, 2008).
 const COLOURS: [[u8; 3]; 7] = [
     [0x00, 0x72, 0xb2],
     [0xe6, 0x9f, 0x00],
@@ -20,7 +20,7 @@ const COLOURS: [[u8; 3]; 7] = [
 /// Samples looked at for the room of the joints.
 const MAX_SAMPLES: usize = 64;
 
-/// Places nearer together than this share of a rod's radius are one.
+/// Positions nearer together than this fraction of a rod's radius count as one.
 const SAME: f64 = 1e-3;
 
 /// A link that is drawn: its number in the table of links, its solids in the link's frame, its colour.
@@ -33,7 +33,7 @@ pub struct DrawnLink {
     pub colour: [u8; 3],
 }
 
-/// All links with two joints or more but the frame, which is drawn as ground; rods have the radius `radius`.
+/// All links with two joints or more except the frame, which is drawn as ground; rods have the radius `radius`.
 pub fn drawn_links(mechanism: &Mechanism, radius: f64) -> Vec<DrawnLink> {
     let table = &mechanism.joints;
     let mut places: Vec<Vec<DVec3>> = vec![Vec::new(); table.links.len()];
@@ -47,7 +47,7 @@ pub fn drawn_links(mechanism: &Mechanism, radius: f64) -> Vec<DrawnLink> {
     let links = places.iter().enumerate().skip(1);
     let links = links.filter_map(|(link, places)| {
         let count = places.len();
-        // Three places or more make a closed polygon.
+        // Three or more positions make a closed polygon.
         let rods = if count > 2 {
             count
         } else {

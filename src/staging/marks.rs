@@ -1,4 +1,4 @@
-//! Bodies and distances that a picture points out. Holds no judgement of its own.
+//! Highlighted bodies and distances of a picture. What is highlighted is decided elsewhere.
 
 use super::solids::{merged_mesh, sign_instance};
 use crate::math::Pose;
@@ -18,10 +18,10 @@ const KEPT: [[u8; 3]; 2] = [[0x1b, 0x8f, 0x6a], [0x1f, 0x5f, 0xbf]];
 /// Colour of the line between them.
 const LINE: [u8; 3] = [0x11, 0x13, 0x18];
 
-/// What is left of the opacity of the other bodies.
+/// Opacity of the other bodies relative to their own.
 const FADED: f64 = 0.25;
 
-/// The pair itself is translucent, so that a line inside of it is seen.
+/// The pair itself is translucent, so that a line inside it is visible.
 const PAIR_OPACITY: f64 = 0.8;
 
 /// Radius of the line, and of the balls at its ends, in pixels.
@@ -31,7 +31,7 @@ const BALL_PIXELS: f64 = 3.6;
 /// Height of the label as a fraction of the picture's.
 const LABEL_SIZE: f64 = 0.035;
 
-/// Where the lines above the picture begin, below the title: parts of its width and height.
+/// Start of the lines at the top of the picture, below the title: fractions of its width and height.
 const CAPTION: [f64; 2] = [0.016, 0.08];
 
 /// From one of them to the next, in heights of a label.
@@ -55,7 +55,7 @@ pub struct DimensionMark {
 /// What pictures point out.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Marks {
-    /// For every sample the bodies that turn colour; may be shorter than the motion.
+    /// For every sample the bodies to be coloured; may be shorter than the motion.
     pub alarmed: Vec<Vec<usize>>,
     /// A distance between two bodies, the same in every frame.
     pub measure: Option<DimensionMark>,
@@ -72,7 +72,7 @@ impl Marks {
         }
     }
 
-    /// Changes how a part of `body` looks in sample `index`.
+    /// Changes the appearance of a part of `body` in sample `index`.
     pub fn colour(&self, index: usize, body: usize, instance: &mut Instance) {
         if let Some(measure) = &self.measure {
             match measure.bodies.iter().position(|b| *b == body) {

@@ -1,6 +1,6 @@
 //! From a solved scene to the input of a renderer: meshes, camera and ground once, then a draw list per sample.
 //!
-//! A frame is a function of the trajectory and the index of a sample only. Contains no pixels.
+//! A frame depends only on the trajectory and the index of a sample. No pixels are computed here.
 
 mod arrows;
 mod axes;
@@ -67,11 +67,11 @@ pub struct PictureOptions {
 
 /// Everything needed to list the contents of any frame.
 pub struct Staging<'a> {
-    /// What stays the same; shared by all renderers.
+    /// Everything that is the same in all frames; shared by all renderers.
     pub stage: Arc<Stage>,
     scene: &'a Scene,
     trajectory: &'a Trajectory,
-    /// One a sample where the camera moves, else none.
+    /// One per sample if the camera moves, otherwise none.
     cameras: Vec<Camera>,
     parts: Vec<StagedPart>,
     marks: Marks,
@@ -82,21 +82,21 @@ pub struct Staging<'a> {
     context: ContextSigns,
     /// Extent of the motion.
     extent: f64,
-    /// Size of the signs over the picture, over their usual one.
+    /// Size of the signs relative to their usual size.
     enlarged: f64,
     /// The scene's labels, one entry per label.
     letters: Vec<Letters>,
-    /// For every sample the sample whose pose is drawn: itself, or the nearest one that has a pose.
+    /// For every sample the sample whose pose is drawn: itself, or the nearest one with a pose.
     shown: Vec<Option<usize>>,
 }
 
-/// How far below the lowest point the ground lies, as a share of the motion's extent: nothing touches it.
+/// Distance of the ground below the lowest point, as a fraction of the motion's extent, so that nothing touches it.
 const GROUND_GAP: f64 = 0.01;
 
 /// Radius of the ground over half the extent of the motion.
 const GROUND_REACH: f64 = 1.9;
 
-/// What is left of the bodies' opacity where joints are shown, so that those inside of them are seen.
+/// Opacity of the bodies when joints are shown, so that the joints inside them are visible.
 const FADED_BY_JOINTS: f64 = 0.35;
 
 /// Grid lines across the extent of the motion, about.
@@ -108,7 +108,7 @@ impl<'a> Staging<'a> {
         Self::marked(scene, trajectory, options, Marks::default())
     }
 
-    /// The same with bodies and a distance pointed out.
+    /// The same with bodies and a distance highlighted.
     pub fn marked(
         scene: &'a Scene,
         trajectory: &'a Trajectory,
@@ -199,8 +199,8 @@ impl<'a> Staging<'a> {
         self.trajectory.samples.len()
     }
 
-    /// Colours that a palette must hold, in however few frames they appear: those that no light changes, and what the
-    /// light makes of those that point something out.
+    /// Colours that a palette must contain, in however few frames they appear: those unaffected by light, and the
+    /// shades of highlight colours.
     pub fn needed_colours(&self) -> Vec<[u8; 3]> {
         let theme = self.theme();
         let mut colours = vec![self.stage.background, theme.ink(), theme.faint_ink()];
@@ -220,7 +220,7 @@ impl<'a> Staging<'a> {
         colours
     }
 
-    /// The same stage in front of another background.
+    /// The same stage with another background.
     pub fn stage_on(&self, background: [u8; 3]) -> Arc<Stage> {
         Arc::new(Stage {
             background,
@@ -327,7 +327,7 @@ impl<'a> Staging<'a> {
             .collect()
     }
 
-    /// Whether a body stands before a label's point.
+    /// Whether a body hides a label's point.
     fn is_hidden(
         &self,
         label: &SceneLabel,
@@ -343,7 +343,7 @@ impl<'a> Staging<'a> {
     }
 }
 
-/// The sample drawn in place of each sample: the last one with a pose, or the first one before there is any.
+/// The sample drawn for each sample: the last one with a pose, or before it the first one with a pose.
 fn shown_samples(trajectory: &Trajectory) -> Vec<Option<usize>> {
     let first = trajectory.samples.iter().position(|s| s.pose.is_some());
     let mut last = first;
@@ -405,7 +405,7 @@ fn view_ground(view: &View, points: &[DVec3], up: DVec3) -> Option<Ground> {
         normal: up,
         radius,
         grid: round_step(extent / GRID_LINES),
-        // Without a background nothing can be made lighter than it.
+        // Without a background nothing can be lighter than it.
         shade: if view.theme == Theme::Dark && !view.transparent {
             Ground::LIGHTER
         } else {

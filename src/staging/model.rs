@@ -1,4 +1,4 @@
-//! From a solved scene to shapes in space with their motion, for 3-D files.
+//! From a solved scene to solids in space with their motion, for 3-D files.
 
 use super::bounds;
 use crate::export::model::{ExportModel, ModelBody, ModelCamera, ModelPart, ModelTrace};
@@ -13,16 +13,16 @@ use crate::scene::Scene;
 use glam::{DMat3, DVec3};
 use std::ops::Range;
 
-/// Largest distance between a round surface and its facets over the extent of what is drawn: a tenth of a millimetre
-/// for a machine of a metre, which neither a printer nor a viewer shows.
+/// Largest distance between a round surface and its facets, relative to the extent of the model: a tenth of a
+/// millimetre for a machine of a metre, invisible in a printer or viewer.
 const FACET_ERROR: f64 = 1e-4;
 
-/// The same over a solid's own radius, at least and at most: no part is an octagon beside a large one (36 segments
-/// around), and none is finer than a tool's mark (142).
+/// The same relative to a solid's own radius, smallest and largest: no part becomes an octagon next to a large one (36
+/// segments around), and none is finer than a tool mark (142).
 const FACET_ERROR_OF_RADIUS: [f64; 2] = [5e-4, 8e-3];
 
-/// The same where the shapes are only looked at, over the extent and over the radius: half a pixel of a picture 700 pixels
-/// wide; 13 segments around at least, since corners are seen that shading does not hide, and 41 at most.
+/// The same for models that are only viewed, relative to the extent and to the radius: half a pixel of a picture 700
+/// pixels wide; at least 13 segments around, since shading does not hide corners, and at most 41.
 const FACET_ERROR_OF_PICTURE: f64 = 7e-4;
 const PICTURE_ERROR_OF_RADIUS: [f64; 2] = [3e-3, 3e-2];
 
@@ -31,7 +31,7 @@ const PICTURE_ERROR_OF_RADIUS: [f64; 2] = [3e-3, 3e-2];
 pub enum Facets {
     /// For tools: what neither a printer nor a viewer shows.
     Tool,
-    /// For pictures: what no screen shows unless one comes close.
+    /// For pictures: invisible on a screen except in a close-up.
     Picture,
     /// No facet is farther from its surface than this length.
     Within(f64),
@@ -66,9 +66,9 @@ const METRES: [(&str, f64); 8] = [
     ("ft", 0.3048),
 ];
 
-/// The shapes of a scene at the given samples of its motion; `camera` and `aspect` are those of the pictures.
+/// The solids of a scene at the given samples of its motion; `camera` and `aspect` are those of the pictures.
 ///
-/// Where a sample has no pose the one before is held until the next: nothing is interpolated over a gap.
+/// At a sample without a pose the previous pose is held until the next: nothing is interpolated over a gap.
 pub fn of_motion(
     scene: &Scene,
     trajectory: &Trajectory,
@@ -129,7 +129,7 @@ pub fn of_mesh(scene: &Scene, name: &str, mesh: Mesh) -> ExportModel {
     }
 }
 
-/// Metres in a mechanism's unit of length; 1 where that is not known.
+/// Metres in a mechanism's unit of length; 1 if unknown.
 fn metres_per_unit(mechanism: &Mechanism) -> f64 {
     let mut units = METRES.iter();
     let unit = units.find(|(name, _)| *name == mechanism.length_unit);
@@ -143,7 +143,8 @@ struct PoseKey {
     sample: usize,
 }
 
-/// Keys at all samples; before the first after a gap one more, which holds the pose from before the gap.
+/// Keys at all samples; before the first one after a gap there is another key, which holds the pose from before the
+/// gap.
 fn pose_keys(trajectory: &Trajectory, samples: Range<usize>) -> Vec<PoseKey> {
     let shown = super::shown_samples(trajectory);
     let mut keys: Vec<PoseKey> = Vec::new();
@@ -165,7 +166,7 @@ fn pose_keys(trajectory: &Trajectory, samples: Range<usize>) -> Vec<PoseKey> {
     keys
 }
 
-/// Adds a key unless its time is that of the last in the file's 32 bits.
+/// Adds a key unless its time equals that of the last one in the 32 bits of the file.
 fn push_key(keys: &mut Vec<PoseKey>, key: PoseKey) {
     if keys
         .last()
@@ -222,7 +223,7 @@ pub fn model_traces(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<Model
         .collect()
 }
 
-/// The direction that is up in a scene.
+/// The up direction of a scene.
 pub fn up_vector(up: UpAxis) -> DVec3 {
     super::up_axis(up)
 }

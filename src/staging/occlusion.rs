@@ -1,11 +1,11 @@
-//! Whether a body stands between the eye and a point.
+//! Decides whether a body hides a point from the eye.
 
 use super::body_meshes::StagedPart;
 use crate::kinematics::results::trajectory::ClosedPose;
 use crate::render::{Camera, Instance, StageMesh};
 use glam::DVec3;
 
-/// A body counts as being in front only where it is nearer to the eye by this share of the distance.
+/// A body hides a point only if it is nearer to the eye by this fraction of the distance.
 const NEARER: f64 = 1e-3;
 
 /// Whether a part of a body other than `own` hides `point` from the camera.
@@ -28,7 +28,7 @@ pub fn is_hidden(
         .any(|instance| crosses_instance(&instance, &meshes[instance.mesh], point, to_eye))
 }
 
-/// Whether the way from `point` along `way` meets a triangle of the mesh.
+/// Whether the ray from `point` along `way` hits a triangle of the mesh.
 fn crosses_instance(instance: &Instance, mesh: &StageMesh, point: DVec3, way: DVec3) -> bool {
     let mesh_from_world = instance.world_from_mesh.inverse();
     let from = mesh_from_world.transform_point(point);
@@ -54,7 +54,7 @@ fn passes_box(mesh: &StageMesh, from: DVec3, way: DVec3) -> bool {
     enter <= leave
 }
 
-/// Möller and Trumbore's test of a way against a triangle given by a corner and two edges.
+/// Möller and Trumbore's test of a ray against a triangle given by a corner and two edges.
 fn meets_triangle(from: DVec3, way: DVec3, [corner, first, second]: [DVec3; 3]) -> bool {
     let normal = way.cross(second);
     let inverse = 1.0 / first.dot(normal);

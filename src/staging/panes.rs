@@ -9,17 +9,17 @@ use crate::render::{Anchor, Frame, Label, Patch, Projection, Stage};
 use crate::scene::Scene;
 use std::sync::Arc;
 
-/// A pane: its name, how it looks, and the shares of its height kept free above and below for the texts there.
+/// A pane: its name, its direction, and the fractions of its height kept free above and below for texts.
 struct Pane {
     name: &'static str,
     look: Option<NamedView>,
     free: [f64; 2],
-    /// The one that shows the scale of all parallel ones.
+    /// The pane that determines the scale of all parallel ones.
     scaled: bool,
 }
 
-/// Row by row; top stands above front, so that their x axes agree. The first has title and name in it, the third the
-/// values of the inputs.
+/// Row by row; top is above front, so that their x axes agree. The first has title and name in it, the third the values
+/// of the inputs.
 const PANES: [Pane; 4] = [
     Pane {
         name: "top",
@@ -53,7 +53,7 @@ const LABELS: f64 = 1.6;
 /// Height of the names as a share of the picture's.
 const NAME_SIZE: f64 = 0.026;
 
-/// The scene as each pane looks at it.
+/// The scene with the view of each pane.
 pub fn pane_scenes(scene: &Scene) -> Vec<Scene> {
     let panes = PANES.iter().map(
         |Pane {
@@ -122,7 +122,7 @@ pub fn pane_stagings<'a>(
         }
         let [width, height] = pane.stage.size.map(f64::from);
         pane.enlarged = LABELS;
-        // Where the texts over the panes stand.
+        // Positions of the texts over the panes.
         let above = [0.0, 0.0, width, free[0] * height];
         let below = [0.0, height - free[1] * height, width, height];
         pane.place_letters(&[above, below]);
@@ -137,7 +137,7 @@ fn height_of(stage: &Stage) -> Option<f64> {
     }
 }
 
-/// What stands over the panes at sample `index`: title, values, lines between them and their names. `whole` is the
+/// The overlay of the panes at sample `index`: title, values, lines between them and their names. `whole` is the
 /// staging of the whole picture.
 pub fn frame_over(scene: &Scene, whole: &Staging, index: usize) -> Frame {
     let mut frame = whole.captions(index);

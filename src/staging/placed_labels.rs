@@ -1,4 +1,4 @@
-//! The scene's labels with their places on the screen, which stay the same over a film.
+//! The scene's labels with their positions on the screen, which stay the same over a film.
 
 use super::label_placement::{Crowd, Lettering, Paper, Rectangle, place_labels};
 use super::{captions, fitting};
@@ -9,13 +9,13 @@ use crate::render::{Anchor, Camera, Frame, Label};
 use crate::scene::Scene;
 use glam::DVec3;
 
-/// Frames of a film that places are judged in.
+/// Number of frames of a film for which positions are evaluated.
 const LOOKS: usize = 24;
 
-/// Of the points of the bodies and paths so many at most.
+/// Largest number of points of the bodies and paths that are considered.
 const MOST_POINTS: usize = 6000;
 
-/// A gap above which a line leads to the anchor, in heights of the text.
+/// Gap from which on a leader connects the text with the anchor, in heights of the text.
 const NEEDS_LINE: f64 = 1.0;
 
 /// How far right of and above its point a label with a line stands, in heights of its capitals.
@@ -67,7 +67,7 @@ pub fn place_letters(
     let closed: Vec<_> = closed
         .filter_map(|(k, s)| Some((k, s.pose.as_ref()?)))
         .collect();
-    // At even times, so that a still between the frames has the labels where the film has them.
+    // At equal times, so that a still has its labels where the film has them.
     let looks = (0..LOOKS).filter_map(|k| {
         let time = scene.actuation.duration * k as f64 / LOOKS as f64;
         let off = |sample: usize| (trajectory.samples[sample].time - time).abs();
@@ -129,7 +129,7 @@ pub fn place_letters(
         .collect()
 }
 
-/// Where a label would stand best: as the scene shifts it, beside its point, or over it.
+/// The preferred position of a label: as shifted by the scene, next to its point, or over it.
 fn wished_offset(
     label: &SceneLabel,
     on_trace: Option<DVec3>,
@@ -148,7 +148,7 @@ fn wished_offset(
     let Some((from, to)) = shifted else {
         return [0.0; 2];
     };
-    // As near as it may stand, in the direction that the scene asks for.
+    // As close as possible, in the direction that the scene requests.
     let along = [to[0] - from[0], to[1] - from[1]];
     let length = (along[0] * along[0] + along[1] * along[1]).sqrt();
     if length < 1.0 {

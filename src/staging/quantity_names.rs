@@ -1,4 +1,4 @@
-//! Names of quantities as they are written by hand: Greek letters and subscripts.
+//! Names of quantities as in handwriting: Greek letters and subscripts.
 
 /// Names of the Greek letters.
 const GREEK: [(&str, char); 36] = [

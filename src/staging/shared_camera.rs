@@ -6,7 +6,7 @@ use crate::render::{Camera, Ground, Stage};
 use crate::scene::Scene;
 use std::sync::Arc;
 
-/// What stays the same when the mechanism changes.
+/// Everything that stays the same when the mechanism changes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SharedCamera {
     camera: Camera,
@@ -14,7 +14,7 @@ pub struct SharedCamera {
 }
 
 impl SharedCamera {
-    /// Holds all scenes over their motions; looked at as the first one wants to be. `None` without scenes.
+    /// Includes all scenes over their motions, seen as the first one requests. `None` without scenes.
     pub fn over<'a>(
         moving: impl Iterator<Item = (&'a Scene, &'a Trajectory)> + Clone,
         options: PictureOptions,
@@ -37,7 +37,7 @@ impl Staging<'_> {
             ground: outlook.ground,
             ..Stage::clone(&self.stage)
         });
-        // One camera for all stands still.
+        // One camera for all must be fixed.
         self.cameras.clear();
         self.place_letters(&[]);
         self

@@ -1,4 +1,4 @@
-//! Several solids as one mesh: signs that pictures add to a mechanism are drawn in one piece.
+//! Several solids as one mesh: symbols that pictures add to a mechanism are drawn as one instance.
 
 use crate::geometry::{Mesh, mesh_of};
 use crate::math::Pose;

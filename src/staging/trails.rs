@@ -1,4 +1,4 @@
-//! Traced paths: growing with the motion, or its last stretch fading into the background.
+//! Traced paths: growing with the motion, or with the last part fading into the background.
 
 use crate::geometry::trace::trace_mesh;
 use crate::kinematics::motion::sampling::is_cyclic;
@@ -18,13 +18,13 @@ pub const LEAST_RADIUS_PIXELS: f64 = 0.7;
 const AHEAD_RADIUS: f64 = 0.55;
 const AHEAD_SHADE: f64 = 0.45;
 
-/// Points of a trace nearer together than this, in pixels, are one: long runs of samples draw no hair's breadths.
+/// Points of a trace nearer together than this, in pixels, are merged: many samples must not make minute steps.
 const TRACE_STEP_PIXELS: f64 = 0.5;
 
 /// Sides of a trace's tube: it is a few pixels wide.
 const TRACE_SIDES: u32 = 6;
 
-/// Shades of a fading trail: few enough for a palette, too many to be told apart.
+/// Number of shades of a fading trail: few enough for a palette, enough to look continuous.
 const SHADES: usize = 12;
 
 /// Length of a fading trail over that of the motion where the scene gives none.

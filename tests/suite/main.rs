@@ -19,6 +19,7 @@ mod solids;
 // The tests.
 mod classical;
 mod clearance;
+mod documents;
 mod house;
 mod motion;
 mod pictures;

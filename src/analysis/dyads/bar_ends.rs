@@ -1,4 +1,4 @@
-//! Bars that the scene gives as bars: which coordinates do nothing but place their ends, and which links these are on.
+//! Bars given as bars in the scene: the coordinates that only place their ends, and the links of the ends.
 
 use super::not_dyads::NotDyads;
 use crate::model::chain::{Chain, ChainStep};
@@ -46,19 +46,19 @@ impl<'m> BarEnds<'m> {
             .collect()
     }
 
-    /// Whether a joint is no joint, but what places an end, or a body that is drawn where ends are.
+    /// Whether a joint only places an end, or a body drawn at ends, and is not a real joint.
     pub fn place_joint(&self, joint: &Joint) -> bool {
         self.place(joint.coordinates.iter().copied())
     }
 
-    /// Whether a link is only drawn where ends are.
+    /// Whether a link is only drawn at ends.
     pub fn place_link(&self, link: usize) -> bool {
         let chain = self.mechanism.joints.world_from_link(link);
         let arguments = chain.arguments().into_iter();
         self.place(arguments.flat_map(|a| self.mechanism.arguments[a].coordinates()))
     }
 
-    /// Whether coordinates of ends are among these, and but for inputs nothing else is.
+    /// Whether these are coordinates of ends and inputs only.
     fn place(&self, slots: impl Iterator<Item = usize> + Clone) -> bool {
         let is_end = |slot: usize| self.slots.contains(&slot);
         let is_input = |slot: usize| slot >= self.mechanism.unknowns.len();
@@ -78,10 +78,10 @@ impl<'m> BarEnds<'m> {
         })
     }
 
-    /// Unknowns that move a free end; two of them make it free in its plane.
+    /// Unknowns that move a free end; with two of them it is free in its plane.
     ///
     /// # Errors
-    /// One that is not.
+    /// An end that is not free in the plane.
     pub fn free_slots(&self, end: &BarEnd, name: &str) -> Result<BTreeSet<usize>, NotDyads> {
         let slots = self.unknowns_of(&end.point);
         match slots.len() {
@@ -91,7 +91,7 @@ impl<'m> BarEnds<'m> {
     }
 }
 
-/// The steps of a chain up to the last one that moves.
+/// The steps of a chain up to the last moving one.
 fn moving_steps(chain: &Chain) -> Vec<ChainStep> {
     let last = chain.steps.iter().rposition(|step| step.joint().is_some());
     chain.steps[..last.map_or(0, |last| last + 1)].to_vec()

@@ -1,4 +1,5 @@
-//! A planar linkage as a row of dyads: read from a solved mechanism, and what random directions of its bars lead to.
+//! A planar linkage as a sequence of dyads, read from a solved mechanism, and trials with random directions of its
+//! bars.
 
 mod bar_ends;
 mod not_dyads;

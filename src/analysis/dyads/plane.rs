@@ -1,17 +1,17 @@
-//! The plane that a planar linkage is seen in.
+//! The plane of a planar linkage.
 
-/// Axes are parallel, points are one, and three are in line, within this (radians, sizes of the mechanism): what folded constants are
-/// rounded by, far below what anybody draws.
+/// Within this tolerance (radians, sizes of the mechanism), axes count as parallel, points as equal and three points as
+/// collinear: the rounding of folded constants, far below any drawn difference.
 pub const SAME: f64 = 1e-9;
 
-/// The plane that everything is seen in.
+/// The plane of projection.
 pub struct SeenPlane {
     pub axes: [[f64; 3]; 2],
     pub names: [&'static str; 2],
 }
 
 impl SeenPlane {
-    /// With two axes of the world where the normal is the third one.
+    /// With two world axes if the normal is the third.
     pub fn square_to(normal: [f64; 3]) -> Self {
         let unit = |k: usize| [0, 1, 2].map(|i| if i == k { 1.0 } else { 0.0 });
         let along = (0..3).find(|k| normal[*k].abs() > 1.0 - SAME);
@@ -25,7 +25,7 @@ impl SeenPlane {
                 }
             }
             None => {
-                // The world's axis that is farthest from the normal, turned into the plane.
+                // The world axis that is farthest from the normal, projected onto the plane.
                 let far = (0..3).min_by(|a, b| normal[*a].abs().total_cmp(&normal[*b].abs()));
                 let start = unit(far.unwrap_or(0));
                 let part = dot_product(start, normal);

@@ -1,7 +1,8 @@
 //! The points and bars of a planar linkage, found from its joints, bars and traced points at a closed pose.
 //!
-//! A point is the axis of a revolute joint, an end of a bar, or a traced point of a link, seen along the axes. A link with two of them is
-//! a bar, one with more is held by bars: every further point by two to points before it that are not in line with it.
+//! A point is the axis of a revolute joint, an end of a bar, or a traced point of a link, projected along the axes. A
+//! link with two points is a bar. A link with more is replaced by bars: every further point is connected by two bars to
+//! earlier points that are not collinear with it.
 
 use super::bar_ends::BarEnds;
 use super::not_dyads::NotDyads;
@@ -18,12 +19,12 @@ use crate::model::walk::WalkFrame;
 use crate::numbers::hyper_dual::HyperDual;
 use std::collections::BTreeMap;
 
-/// A linkage as a row of dyads, with names.
+/// A linkage as a sequence of dyads, with names.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlanarRow {
-    /// Places, velocities and dyads, in the plane of the mechanism.
+    /// Positions, velocities and dyads in the plane of the mechanism.
     pub chain: DyadChain,
-    /// Names of the points: that of the traced point there, else a letter.
+    /// Names of the points: that of the traced point at the same place, otherwise a letter.
     pub names: Vec<String>,
     /// All bars.
     pub bars: Vec<[usize; 2]>,
@@ -31,7 +32,7 @@ pub struct PlanarRow {
     pub axes: [&'static str; 2],
 }
 
-/// A point that was found, with the links that carry it.
+/// A point, with the links that carry it.
 struct FoundPoint {
     name: Option<String>,
     /// None for the free end of a bar.
@@ -42,10 +43,11 @@ struct FoundPoint {
     velocity: [f64; 2],
 }
 
-/// The row of dyads at a closed pose (unknowns, then inputs), with the velocities for input number `moving` at unit rate.
+/// The sequence of dyads at a closed pose (unknowns, then inputs), with the velocities for a unit rate of input
+/// `moving`.
 ///
 /// # Errors
-/// What is no planar chain of hinges with one degree of freedom, or does not come apart into dyads.
+/// A linkage that is not planar with hinges and one degree of freedom, or cannot be decomposed into dyads.
 pub fn planar_row(system: &System, pose: &[f64], moving: usize) -> Result<PlanarRow, NotDyads> {
     let mechanism = system.mechanism();
     let mut rates = Vec::new();
@@ -108,7 +110,7 @@ fn frame_of(mechanism: &Mechanism, slots: &[HyperDual], chain: &Chain) -> WalkFr
     WalkFrame::at_end_of(&chain.steps, &values)
 }
 
-/// The frame in which a joint begins.
+/// The frame at the base of a joint.
 fn joint_frame(mechanism: &Mechanism, slots: &[HyperDual], joint: &Joint) -> WalkFrame<HyperDual> {
     frame_of(
         mechanism,
@@ -124,6 +126,7 @@ fn common_axis(
     ends: &BarEnds,
 ) -> Result<[f64; 3], NotDyads> {
     let mut common: Option<([f64; 3], String)> = None;
+    // All joints must be hinges, and their axes parallel.
     let real = mechanism.joints.list.iter();
     for joint in real.filter(|joint| !ends.place_joint(joint)) {
         let name = joint_name(mechanism, joint);
@@ -148,13 +151,14 @@ fn common_axis(
             }
         }
     }
+    // Without hinges the bars alone must determine the plane.
     match common {
         Some((axis, _)) => Ok(axis),
         None => bar_normal(mechanism, slots, ends).ok_or(NotDyads::NoHinges),
     }
 }
 
-/// The axis of the world along which no bar reaches and no end moves, the last if there are several.
+/// The world axis along which no bar extends and no end moves; the last if there are several.
 fn bar_normal(mechanism: &Mechanism, slots: &[HyperDual], ends: &BarEnds) -> Option<[f64; 3]> {
     let mut flat = [ends.bars().next().is_some(); 3];
     for bar in ends.bars() {
@@ -196,7 +200,7 @@ struct LinkageReader<'m> {
 }
 
 impl LinkageReader<'_> {
-    /// Traced points first, in their order, then hinges and ends of bars without one.
+    /// Traced points first, in their order, then hinges and ends of bars without a traced point.
     fn points(&self) -> Result<Vec<FoundPoint>, NotDyads> {
         let mechanism = self.mechanism;
         let mut hinges: Vec<FoundPoint> = Vec::new();
@@ -219,7 +223,7 @@ impl LinkageReader<'_> {
             let chain = &mechanism.bodies[trace.body].world_from_body;
             let frame = frame_of(mechanism, self.slots, chain);
             let link = mechanism.joints.of_body[trace.body];
-            // What is only drawn at the ends of bars names them.
+            // Bodies that are only drawn at the ends of bars provide their names.
             let is_drawn = self.ends.place_link(link);
             let links = if is_drawn { vec![] } else { vec![link] };
             let place = frame.point(trace.point.to_array());
@@ -231,7 +235,7 @@ impl LinkageReader<'_> {
             self.add_point(&mut points, Some(&trace.name), &links, place);
         }
         points.extend(hinges);
-        // A point that no bar can hold is not seen: a traced point of the frame alone.
+        // A traced point of the frame that no bar can reach is ignored.
         points.retain(|p| p.is_end || p.links != [0]);
         self.judge_free_ends(&points)?;
         Ok(points)
@@ -260,7 +264,7 @@ impl LinkageReader<'_> {
         Ok(())
     }
 
-    /// The point at that place that is on one of the links; of free ends, the one that moves alike.
+    /// The point at that position on one of the links; of free ends, the one that moves identically.
     fn find_point(
         &self,
         points: &[FoundPoint],
@@ -276,7 +280,7 @@ impl LinkageReader<'_> {
         })
     }
 
-    /// Adds a point, or its name and links to one that is there; its index.
+    /// Adds a point, or adds its name and links to an existing one; returns its index.
     fn add_point(
         &self,
         points: &mut Vec<FoundPoint>,
@@ -330,9 +334,10 @@ impl LinkageReader<'_> {
         libm::hypot(a[0] - b[0], a[1] - b[1]) <= SAME * self.mechanism.size
     }
 
-    /// Bars that hold the points of every moving link together, and those of the scene.
+    /// Bars that make every moving link rigid, and those of the scene.
     fn bars(&self, points: &[FoundPoint]) -> Result<Vec<[usize; 2]>, NotDyads> {
         let mut bars = Vec::new();
+        // Every moving link is made rigid: its second point by one bar, each further one by two.
         for link in 1..self.mechanism.joints.links.len() {
             let own: Vec<usize> = (0..points.len())
                 .filter(|k| points[*k].links.contains(&link))
@@ -355,6 +360,7 @@ impl LinkageReader<'_> {
                 held.push(point);
             }
         }
+        // Bars of the scene, unless a link has provided the same one.
         for ends in self.ends.bars() {
             let [a, b] = ends.each_ref().map(|end| {
                 let link = self.ends.link_of(end);
@@ -369,7 +375,7 @@ impl LinkageReader<'_> {
         Ok(bars)
     }
 
-    /// The two points from which a third is seen at the largest angle; `None` if all are in line.
+    /// The two points from which a third has the largest angle of sight; `None` if all are collinear.
     fn widest_pair(
         &self,
         points: &[FoundPoint],
@@ -395,8 +401,9 @@ impl LinkageReader<'_> {
     }
 }
 
-/// Names of points; numbers alone where all are one letter and a number, as p0 to p10.
+/// Names of points; only the numbers if all names are one letter and a number, such as p0 to p10.
 fn names_of(points: &[FoundPoint]) -> Vec<String> {
+    // Unnamed points get letters that no point has yet, then numbered ones.
     let taken = |letter: &char| {
         let mut names = points.iter().filter_map(|p| p.name.as_deref());
         names.any(|name| name == letter.to_string())
@@ -414,6 +421,7 @@ fn names_of(points: &[FoundPoint]) -> Vec<String> {
             }
         })
         .collect();
+    // If all names are one letter and a number, the number suffices.
     let number = |name: &String| {
         let mut rest = name.chars();
         let letter = rest.next()?;

@@ -1,7 +1,7 @@
-//! Statistical trials: directions of all bars drawn at random, the velocities and the conjugate positions solved for each.
+//! Statistical trials: all bars get random directions, and the velocities and conjugate positions are solved for each.
 //!
-//! The velocities have no largest value, since the determinant can be as small as one likes: quantiles settle, least and greatest do
-//! not. Trial n is the same on any number of threads.
+//! Velocities are unbounded, since the determinant can be arbitrarily small: quantiles converge, extreme values do not.
+//! Trial n is the same for any number of threads.
 
 use crate::analysis::random::Random;
 use crate::analysis::tolerance::sorted_quantile;
@@ -31,15 +31,15 @@ pub struct TrialsAsked {
 pub struct Trials {
     /// Trials with a solution.
     pub solved: usize,
-    /// Share whose determinant has the sign of the drawn pose.
+    /// Share of trials whose determinant has the sign of the drawn pose.
     pub same_sign: f64,
-    /// Of every unknown point its velocity components, each ascending over the trials.
+    /// For every unknown point its velocity components, each in ascending order.
     pub velocities: Vec<[Vec<f64>; 2]>,
-    /// The same of positions by the conjugate system.
+    /// The same for positions by the conjugate system.
     pub positions: Vec<[Vec<f64>; 2]>,
     /// The largest speed of a point in every trial, ascending.
     pub speeds: Vec<f64>,
-    /// |cos| of the angle between the lever and the velocity of its end, ascending: zero where the lever keeps its length.
+    /// |cos| of the angle between the lever and the velocity of its end, ascending: zero if the lever keeps its length.
     pub lever: Vec<f64>,
 }
 
@@ -49,16 +49,16 @@ impl Trials {
         self.speeds.partition_point(|v| *v <= speed) as f64 / self.solved.max(1) as f64
     }
 
-    /// The value below which `share` of an ascending list lie.
+    /// The value below which `share` of an ascending list lies.
     pub fn quantile(list: &[f64], share: f64) -> f64 {
         sorted_quantile(list, share)
     }
 }
 
-/// Trials that a worker takes at once.
+/// Trials per unit of work.
 const PORTION: usize = 1024;
 
-/// One trial: velocities and positions of all unknown points, and what is told of both.
+/// One trial: velocities and positions of all unknown points, and their statistics.
 #[derive(Clone, Debug, Default)]
 struct TrialRow {
     values: Vec<f64>,
@@ -67,7 +67,7 @@ struct TrialRow {
     lever: f64,
 }
 
-/// Runs the trials; `None` if the row needs more parameters than are solved for.
+/// Runs the trials; `None` if the system needs more parameters than are supported.
 pub fn run_trials(chain: &DyadChain, asked: &TrialsAsked) -> Option<Trials> {
     let sweep = RowSweep::new(chain)?;
     let trial = TrialRun::new(chain, &sweep, asked)?;
@@ -147,6 +147,7 @@ impl<'c> TrialRun<'c> {
             drawn,
             sign: 1.0,
         };
+        // The drawn pose itself is the first trial: it gives the sign with which determinants are compared.
         let mut scratch = Scratch::default();
         let own = run.drawn.clone();
         for pair in own {
@@ -170,7 +171,7 @@ impl<'c> TrialRun<'c> {
             reads: [c12, s12],
             moves: [s13 / cross, -c13 / cross],
         });
-        // Relative velocities are square to the bars.
+        // Relative velocities are perpendicular to the bars.
         scratch.across.push(Projector {
             reads: [-s12, c12],
             moves: [c13 / cross, s13 / cross],
@@ -201,7 +202,7 @@ impl<'c> TrialRun<'c> {
             velocities,
             positions,
         } = scratch;
-        // Velocities along the bars, conjugate positions across them: the same linear system.
+        // Velocities along the bars, conjugate positions across them: both from the same linear system.
         let solved = self.sweep.solve(along, &self.given, places, velocities)
             && self
                 .sweep

@@ -1,4 +1,4 @@
-//! The inverse question: how large tolerances may be for every piece to stay near the motion as drawn.
+//! The inverse problem: the largest tolerances for which every piece stays near the nominal motion.
 
 use super::measures::enclose_measures;
 use super::motion::{enclose_motion, shown_names};
@@ -9,23 +9,23 @@ use crate::model::mechanism::Kind;
 /// Tolerances that keep a limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Allowed {
-    /// Share of the plan's tolerances that is proved to be small enough; zero if none was found.
+    /// Factor on the plan's tolerances that is proved to be small enough; zero if none was found.
     pub factor: f64,
-    /// A share for which the bound does not keep the limit.
+    /// A factor for which the bound violates the limit.
     pub too_large: f64,
-    /// How far the bound leaves the motion as drawn at the first, in the file's unit.
+    /// Largest deviation from the nominal motion with the first factor, in the file's unit.
     pub reached: f64,
 }
 
-/// Halvings of the way between a share that is small enough and one that is too large, relative.
+/// Relative accuracy of the bisection between a factor that is small enough and one that is too large.
 const SHARPNESS: f64 = 1e-4;
 
-/// Shares that are tried lie between these.
+/// Factors that are tried lie between these.
 const SHARES: [f64; 2] = [1e-12, 1e6];
 
-/// The largest share of the plan's tolerances for which what is called `name` (an unknown, a traced point, one of its
-/// coordinates, an output, a measure) stays within `limit`, in the file's unit, of its own value with the file's dimensions;
-/// `None` if there is no such name.
+/// The largest factor on the plan's tolerances for which the quantity `name` (an unknown, a traced point, one of its
+/// coordinates, an output, a measure) stays within `limit`, in the file's unit, of its nominal value; `None` if there
+/// is no such quantity.
 ///
 /// # Errors
 /// A track that has no pose with the file's dimensions.
@@ -46,7 +46,7 @@ pub fn allowed_motion(
         .collect();
     let mut measures = plan.family.measures.list.iter();
     let measure = measures.position(|m| m.name == name);
-    // How far the output reaches with all tolerances times a factor.
+    // Largest deviation of the output with all tolerances multiplied by a factor.
     let reach: Box<dyn Fn(f64) -> f64> = if !wanted.is_empty() {
         Box::new(|factor| of_motion(&plan.scaled(factor), &wanted, times, threads))
     } else if let Some(index) = measure {
@@ -58,7 +58,7 @@ pub fn allowed_motion(
     Ok(Some(search_allowed(&reach, limit)))
 }
 
-/// The largest share whose reach keeps the limit.
+/// The largest factor that keeps the limit.
 fn search_allowed(reach: &dyn Fn(f64) -> f64, limit: f64) -> Allowed {
     let (mut low, mut at_low, mut high) = (0.0, 0.0, f64::INFINITY);
     let mut share = 1.0;
@@ -72,7 +72,7 @@ fn search_allowed(reach: &dyn Fn(f64) -> f64, limit: f64) -> Allowed {
         if high - low <= SHARPNESS * low || !(SHARES[0]..=SHARES[1]).contains(&share) {
             break;
         }
-        // The bound is nearly proportional: a step by its ratio, then halves.
+        // The bound is nearly proportional: first a step by the ratio, then bisection.
         share = match (low > 0.0, high.is_finite()) {
             (true, true) => 0.5 * (low + high),
             (true, false) => share * (limit / here.max(1e-300)).clamp(1.001, 100.0),
@@ -87,7 +87,7 @@ fn search_allowed(reach: &dyn Fn(f64) -> f64, limit: f64) -> Allowed {
     }
 }
 
-/// How far the bands leave the motion as drawn, in the file's unit; infinite where a sample has none.
+/// Largest deviation of the bands from the nominal motion, in the file's unit; infinite if a sample has no band.
 fn of_motion(plan: &Plan, wanted: &[(usize, Kind)], times: &[f64], threads: usize) -> f64 {
     let mechanism = plan.family.mechanism();
     let mut reach = 0.0_f64;
@@ -108,7 +108,7 @@ fn of_motion(plan: &Plan, wanted: &[(usize, Kind)], times: &[f64], threads: usiz
     reach
 }
 
-/// The same of a measure: half of what its band is wide, and what it lies beside its value.
+/// The same for a measure: half the width of its band plus the offset of its centre.
 fn of_measure(plan: &Plan, nominal: &Nominal, index: usize) -> f64 {
     let still = plan.scaled(0.0);
     let (Ok(bands), Ok(own)) = (

@@ -1,8 +1,8 @@
-//! Clearances of all pieces: a bound below the distance of every pair of bodies, over the whole motion, for dimensions
-//! anywhere in their intervals.
+//! Clearances of all pieces: a lower bound on the distance of every pair of bodies, over the whole motion, for
+//! dimensions anywhere in their intervals.
 //!
-//! The time between two samples is a box like those of the bands: inputs are dimensions over it. Where the bound of a pair is
-//! far below the nearest piece that was found, the stretch is halved.
+//! The time between two samples is an interval like those of the dimensions: the inputs are further dimensions over it.
+//! Where the bound of a pair is far below the nearest piece found, the time interval is halved.
 
 use super::motion::samples_at;
 use super::plan::{Plan, sized};
@@ -18,32 +18,34 @@ use crate::kinematics::motion::sampling::knot_times;
 use crate::kinematics::solve::newton::Pace;
 use crate::kinematics::solve::pose_solver::PoseSolver;
 
-/// How often a stretch is halved.
+/// Maximum number of halvings of a time interval.
 const MOST_HALVINGS: u32 = 7;
 
-/// Most stretches that are looked at; what is known by then stays.
+/// Maximum number of time intervals that are examined; later results are not refined.
 const MOST_STRETCHES: usize = 4000;
 
-/// A bound is near enough to the nearest piece found where it is this part of the way from there to the motion as drawn below it, ...
+/// A bound is close enough to the nearest piece found if it is below it by at most this fraction of the loss due to the
+/// tolerances.
 const NEAR: f64 = 0.02;
 
-/// ... and halves that gain less than this part of what is missing are not halved again: what is open is due to the tolerances.
+/// Halves that gain less than this fraction of the missing amount are not halved again: the rest is due to the
+/// tolerances.
 const STALLED: f64 = 0.1;
 
-/// A stretch of time, and the pairs that are open there.
+/// A time interval and the pairs that are undecided in it.
 #[derive(Clone, Debug)]
 struct Stretch {
     ends: [f64; 2],
-    /// A pose of the motion as drawn near its middle.
+    /// A nominal pose near its middle.
     near: Vec<f64>,
-    /// Which parts, and what is known of them.
+    /// The pairs, and what is known about them.
     open: Vec<(usize, f64)>,
 }
 
-/// What a look at a stretch found: of every open part a bound, and the nearest piece with its time.
+/// The result for one time interval: a bound for every undecided pair, and the nearest piece with its time.
 type Looks = Vec<(f64, Option<[f64; 2]>)>;
 
-/// What is asked of all stretches.
+/// The problem, for all time intervals.
 struct Search<'s> {
     plan: &'s Plan<'s>,
     encloser: Encloser<'s>,
@@ -52,8 +54,8 @@ struct Search<'s> {
     used: Vec<usize>,
 }
 
-/// The clearances of `parts` for every piece, over the times from the first to the last of `times`. `tolerance` says how near the bound
-/// is to come to the nearest piece, relative to the minimum or the distance.
+/// The clearances of `parts` for every piece, from the first to the last of `times`. `tolerance` is the requested
+/// distance of the bound from the nearest piece, relative to the minimum or the distance.
 pub fn enclose_clearances(
     plan: &Plan,
     parts: &[JudgedPart],
@@ -81,7 +83,7 @@ pub fn enclose_clearances(
     let mut looked = 0;
     for halvings in 0..=MOST_HALVINGS {
         looked += open.len();
-        // Of what nobody waits for any more nothing is proved.
+        // After a cancellation nothing more is proved.
         let is_last = halvings == MOST_HALVINGS
             || looked + 2 * open.len() > MOST_STRETCHES
             || plan.is_cancelled();
@@ -93,7 +95,7 @@ pub fn enclose_clearances(
     found
 }
 
-/// Of a part nothing is known yet but the motion as drawn.
+/// Initially only the nominal motion of a pair is known.
 fn unknown_clearance(part: &JudgedPart) -> PieceClearance {
     let [a, b] = part.bodies;
     PieceClearance {
@@ -108,7 +110,7 @@ fn unknown_clearance(part: &JudgedPart) -> PieceClearance {
     }
 }
 
-/// The stretches between the samples and the knots of the drives.
+/// The time intervals between the samples and the knots of the drives.
 fn first_stretches(
     plan: &Plan,
     parts: &[JudgedPart],
@@ -118,7 +120,7 @@ fn first_stretches(
     let all = knot_times(&plan.family.actuation, times);
     let mut ends: Vec<[f64; 2]> = all.windows(2).map(|pair| [pair[0], pair[1]]).collect();
     if ends.is_empty() {
-        // A motion of one instant.
+        // A motion without duration.
         ends.extend(all.first().map(|t| [*t, *t]));
     }
     let middles: Vec<f64> = ends.iter().map(|[a, b]| 0.5 * a + 0.5 * b).collect();
@@ -139,7 +141,7 @@ fn first_stretches(
     list
 }
 
-/// Notes that nothing is proved of a pair over a stretch.
+/// Records that nothing is proved about a pair over a time interval.
 fn refuse(pair: &mut PieceClearance, plan: &Plan, [from, until]: [f64; 2], obstacle: Obstacle) {
     pair.bound = f64::NEG_INFINITY;
     let (reason, dimension) = match obstacle {
@@ -156,7 +158,7 @@ fn refuse(pair: &mut PieceClearance, plan: &Plan, [from, until]: [f64; 2], obsta
 }
 
 impl Search<'_> {
-    /// Looks at all open stretches; what is to be halved.
+    /// Examines all open time intervals; returns those to be halved.
     fn round(
         &self,
         open: Vec<Stretch>,
@@ -170,7 +172,7 @@ impl Search<'_> {
         let work =
             |solver: &mut PoseSolver, index: usize| Some(self.look(solver, &open[index], &goals));
         let results = share_work(open.len(), threads, make, work);
-        // The nearest pieces of all stretches first: they say what is near enough.
+        // The nearest pieces of all intervals come first: they determine which bounds are close enough.
         for (index, result) in &results {
             for ((part, _), (_, piece)) in open[*index].open.iter().zip(result.iter().flatten()) {
                 if let Some([distance, time]) = piece
@@ -250,6 +252,7 @@ impl Search<'_> {
         let one = |(part, known): &(usize, f64)| {
             let (ways, goal) = (&self.ways[*part], goals[*part]);
             let look = ways.look(&view, goal);
+            // Where the bound is too low, the piece that determines it is solved, at both ends and in the middle.
             let place = look.place.filter(|_| look.lowest.max(*known) < goal);
             let nearest = place.and_then(|place| {
                 let [from, until] = stretch.ends;
@@ -266,7 +269,7 @@ impl Search<'_> {
         stretch.open.iter().map(one).collect()
     }
 
-    /// The pose at a time of the piece whose dimensions are at δ; `None` where it does not close in the box.
+    /// The pose at a time of the piece whose dimensions are at δ; `None` if it does not close within the box.
     fn piece<const N: usize>(
         &self,
         solver: &mut PoseSolver,
@@ -278,7 +281,7 @@ impl Search<'_> {
         let first = family.mechanism().unknowns.len();
         let inputs = family.actuation.inputs_at(time);
         let middle = enclosure.middle();
-        // The inputs at that time, and the dimensions of one of the pieces that are asked for.
+        // The inputs at that time, and the dimensions of one of the requested pieces.
         let value = |(k, tolerance): (usize, &Tolerance)| {
             let drawn = inputs[tolerance.slot - first];
             let by = self.plan.dimensions.get(k).map_or(0.0, |d| d.tolerance);
@@ -299,7 +302,7 @@ impl Search<'_> {
     }
 }
 
-/// The bound that is near enough to the nearest piece found.
+/// The bound that is close enough to the nearest piece found.
 fn wanted_bound(pair: &PieceClearance, tolerance: f64) -> f64 {
     let scale = pair.minimum.abs().max(pair.found.abs());
     pair.found - NEAR * (pair.nominal - pair.found) - tolerance * scale

@@ -1,6 +1,6 @@
-//! Measures for all pieces: what the poses show as functions of the dimensions, reduced along the tracks and put into
-//! the formulas of the measures. Where the derivatives show at which corner of the tolerances a measure is greatest, all poses of
-//! that piece are solved and proved.
+//! Measures of all pieces: the quantities of the poses as functions of the dimensions, reduced along the tracks and
+//! inserted into the formulas of the measures. If the derivatives show at which corner of the tolerances a measure has
+//! its extreme, all poses of that piece are solved and proved.
 
 use super::plan::{Plan, sized};
 use super::pose_bands::{Obstacle, PieceFinder, is_sharp};
@@ -17,7 +17,7 @@ use crate::numbers::affine_form::AffineForm;
 use crate::numbers::interval::Interval;
 use crate::numbers::scalar::{Ring, Scalar};
 
-/// The range of a measure over all pieces; nothing is known where it is not bounded.
+/// The range of a measure over all pieces; infinite if it is not bounded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeasureBand {
     /// No piece is lower.
@@ -43,7 +43,7 @@ struct Reached {
     found: [f64; 2],
 }
 
-/// Numbers of forms that stand for plain intervals: none moves.
+/// Numbers of the forms that represent plain intervals: none.
 const OF_ONE: usize = 4;
 
 fn measure_bands<const N: usize>(
@@ -58,7 +58,7 @@ fn measure_bands<const N: usize>(
         nominal,
         anchors: Vec::new(),
     };
-    // Poses that forms of first order do not enclose have those of second order at once.
+    // Poses that first-order forms cannot enclose are enclosed with second-order forms at once.
     let (mut plain, mut is_rough) = (Vec::new(), Vec::new());
     for (index, pose) in nominal.poses.iter().enumerate() {
         let (enclosure, rough) = match search.finder.enclosed_plainly::<N>(pose) {
@@ -101,12 +101,12 @@ struct Search<'p> {
     encloser: &'p Encloser<'p>,
     finder: PieceFinder<'p>,
     nominal: &'p Nominal,
-    /// Of every pose; made where the first pieces are looked for.
+    /// Solvers for every pose, created when the first pieces are needed.
     anchors: Vec<Option<Anchor>>,
 }
 
 impl Search<'_> {
-    /// Bands from the enclosures of all poses, and what the pieces at their ends take.
+    /// Bands from the enclosures of all poses, and the values of the pieces at their ends.
     fn reached<const N: usize>(&mut self, enclosures: &[PoseEnclosure<N>]) -> Vec<Reached> {
         let count = self.plan.dimensions.len();
         let inputs = plan_inputs::<N>(self.plan);
@@ -127,7 +127,7 @@ impl Search<'_> {
             })
             .collect();
         let mut places: Vec<&[f64]> = Vec::new();
-        // Where no derivative is known there is no corner to look at.
+        // Without derivatives there is no corner to examine.
         let bounded = |face: &&Face| face.beyond.is_finite();
         for face in faces.iter().flatten().filter(bounded) {
             for place in [&face.middle, &face.best] {
@@ -170,7 +170,7 @@ impl Search<'_> {
         numbers.iter().enumerate().map(one).collect()
     }
 
-    /// All measures of the pieces at δ; nothing of those that have a pose that is not proved.
+    /// All measures of the pieces at δ; none of a piece with a pose that is not proved.
     fn measured_pieces<const N: usize>(
         &mut self,
         enclosures: &[PoseEnclosure<N>],
@@ -238,6 +238,7 @@ fn measure_numbers<const N: usize>(
     for measure in &plan.family.measures.list {
         let number = match &measure.source {
             MeasureSource::Formula(formula) => of_formula(formula, &numbers),
+            // Derivatives by inputs and outputs with rates have no slopes by the dimensions.
             MeasureSource::Over { per: Some(_), .. } => Tracked::undefined(count),
             MeasureSource::Over { rates, .. } if !rates.is_empty() => Tracked::undefined(count),
             MeasureSource::Over {
@@ -273,7 +274,7 @@ fn of_formula<const N: usize>(formula: &Expression, numbers: &[Tracked<N>]) -> T
     number
 }
 
-/// The inputs at the start of the drive, the dimensions moving.
+/// The inputs at the start of the drive, as functions of the dimensions.
 fn plan_inputs<const N: usize>(plan: &Plan) -> Vec<Tracked<N>> {
     let family = plan.family;
     let unknowns = family.mechanism().unknowns.len();
@@ -294,7 +295,7 @@ fn plan_inputs<const N: usize>(plan: &Plan) -> Vec<Tracked<N>> {
     inputs
 }
 
-/// Of `rows`, the one whose poses a measure is taken over: its track, or the drive behind them.
+/// The member of `rows` over whose poses a measure is taken: its track, or the drive, which is last.
 fn row_of(measure: &Measure, rows: usize) -> Option<usize> {
     match &measure.source {
         MeasureSource::Formula(_) => None,

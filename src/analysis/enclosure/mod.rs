@@ -1,5 +1,5 @@
-//! What tolerances of the dimensions do to a motion and its measures, proved: bands that no piece leaves, beside the range
-//! that pieces were found to take.
+//! The effect of tolerances on a motion and its measures, with proof: bands that contain every piece, and the ranges
+//! that pieces were found to attain.
 
 mod allowed;
 mod clearances;

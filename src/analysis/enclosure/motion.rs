@@ -1,5 +1,5 @@
-//! Bands of a motion: at every sample a range of every unknown, traced point and output that no piece leaves, and the
-//! range that pieces take.
+//! Bands of a motion: at every sample, for every unknown, traced point and output, a range that contains every piece,
+//! and the range that pieces attain.
 
 use super::plan::{Plan, sized};
 use super::pose_bands::{Bands, Obstacle, PieceFinder};
@@ -16,7 +16,7 @@ pub struct Enclosed {
     pub time: f64,
     /// All inputs, the dimensions among them.
     pub inputs: Vec<f64>,
-    /// The bands, or why there are none.
+    /// The bands, or the reason why there are none.
     pub bands: Result<Bands, Obstacle>,
 }
 
@@ -27,11 +27,11 @@ pub struct Stretch {
     pub from: f64,
     /// Seconds.
     pub until: f64,
-    /// Least and greatest value of every number that has a band, over all its times, or why they are not known.
+    /// Least and greatest value of every quantity over the interval, or the reason why they are unknown.
     pub bands: Result<Vec<[f64; 2]>, Obstacle>,
 }
 
-/// Names and kinds of what has a band.
+/// Names and kinds of the quantities with bands.
 pub fn shown_names(mechanism: &Mechanism) -> Vec<(String, Kind)> {
     let unknowns = mechanism.unknowns.iter().map(|u| (u.name.clone(), u.kind));
     let traces = mechanism.traces.iter().flat_map(|trace| {
@@ -41,11 +41,12 @@ pub fn shown_names(mechanism: &Mechanism) -> Vec<(String, Kind)> {
     unknowns.chain(traces).chain(outputs).collect()
 }
 
-/// Bands at `times`. `search` asks for the range that pieces were found to take, too.
+/// Bands at `times`. `search` also finds the ranges that pieces attain.
 pub fn enclose_motion(plan: &Plan, times: &[f64], threads: usize, search: bool) -> Vec<Enclosed> {
     let family = plan.family;
     let samples = samples_at(plan, times);
     let encloser = Encloser::new(family.system());
+    // Each sample on its own: the bands at a pose do not depend on other samples.
     let work = |finder: &mut PieceFinder, index: usize| {
         let sample = &samples[index];
         let bands = match &sample.pose {
@@ -73,7 +74,7 @@ pub fn enclose_motion(plan: &Plan, times: &[f64], threads: usize, search: bool) 
     list.into_iter().map(|(_, enclosed)| enclosed).collect()
 }
 
-/// The samples at `times`, followed from the start of the drive, so that they are of its branch. Where nobody waits any more
+/// The samples at `times`, followed from the start of the drive, so that they are on its branch. After a cancellation
 /// they have no pose.
 pub(super) fn samples_at(plan: &Plan, times: &[f64]) -> Vec<Sample> {
     let begins = times.first().is_none_or(|t| *t == 0.0);

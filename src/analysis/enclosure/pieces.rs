@@ -6,25 +6,25 @@ use crate::diag::Source;
 use crate::model::mechanism::{Kind, Mechanism};
 use crate::scene::{Overrides, Scene};
 
-/// What has which tolerance, as somebody asks for it.
+/// The requested tolerances.
 #[derive(Clone, Copy, Debug)]
 pub struct AskedPieces<'a> {
     /// Names in place of the scene's own choice.
     pub vary: &'a [String],
-    /// Tolerances by name that go before the scene's own, in the dimension's unit.
+    /// Tolerances by name, in the dimension's unit; they replace the scene's.
     pub own: &'a [(String, f64)],
-    /// Of every dimension that has none of its own, in its unit.
+    /// The tolerance of every dimension that has none of its own, in its unit.
     pub tolerance: Option<f64>,
-    /// Times between samples are asked for, too.
+    /// Whether bands between samples are requested, too.
     pub between: bool,
 }
 
 impl AskedPieces<'_> {
-    /// The family of all pieces, and the tolerances by name in internal units. `drawn` is the scene as it is written.
+    /// The family of all pieces, and the tolerances by name in internal units. `drawn` is the scene as written.
     ///
     /// # Errors
-    /// Nothing with a tolerance, a dimension without one, too many of them; a dimension that stands where no tolerance is
-    /// followed; mistakes in the scene.
+    /// Nothing has a tolerance; a dimension has none; there are too many; a dimension appears where tolerances cannot
+    /// be followed; errors in the scene.
     pub fn family(
         &self,
         source: &Source,
@@ -38,15 +38,15 @@ impl AskedPieces<'_> {
             .filter(|name| !is_input(&drawn.mechanism, name))
             .collect();
         let mut family = ParametricMechanism::varying(source, overrides, &parameters)?;
-        // Drives and tracks keep the file's dimensions, and a computed one may stand in a measure: nothing would be true of
-        // other pieces there.
+        // Drives and tracks keep the file's dimensions, and measures may contain computed ones: results would be wrong
+        // for other pieces.
         match family.kept.pop() {
             Some(kept) => Err(FamilyError::Kept(kept)),
             None => Ok((family, tolerances)),
         }
     }
 
-    /// Names of what has a tolerance.
+    /// Names of the dimensions with a tolerance.
     fn names(&self, drawn: &Scene) -> Result<Vec<String>, FamilyError> {
         let of_study = drawn.study.iter().flat_map(|s| &s.variables);
         let mut of_study = of_study.filter(|v| v.tolerance.is_some()).peekable();
@@ -113,7 +113,7 @@ fn is_input(mechanism: &Mechanism, name: &str) -> bool {
     mechanism.inputs.iter().any(|input| input.name == name)
 }
 
-/// What a parameter or input measures.
+/// The kind of a parameter or input.
 fn kind_of(drawn: &Scene, name: &str) -> Kind {
     let inputs = drawn.mechanism.inputs.iter();
     let input = inputs.filter(|i| i.name == name).map(|i| i.kind).next();

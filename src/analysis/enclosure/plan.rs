@@ -7,10 +7,10 @@ use crate::model::printed::printing_unit;
 use crate::numbers::rounding::{DECIMAL, GROW};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Most dimensions that are enclosed together.
+/// Maximum number of dimensions that are enclosed together.
 pub const MOST_DIMENSIONS: usize = 128;
 
-/// Most numbers of forms that have room for more than the dimensions.
+/// Maximum size of forms that have room for more than the dimensions.
 const MOST_MARKED: usize = 48;
 
 /// A dimension with its tolerance.
@@ -22,7 +22,7 @@ pub struct Dimension {
     pub kind: Kind,
     /// Half the width of its interval, in internal units.
     pub tolerance: f64,
-    /// The coordinate that stands for it.
+    /// The coordinate that represents it.
     pub slot: usize,
 }
 
@@ -33,7 +33,7 @@ pub struct Plan<'f> {
     pub family: &'f ParametricMechanism,
     /// Those with a tolerance.
     pub dimensions: Vec<Dimension>,
-    /// Raised where nobody waits for the enclosure any more.
+    /// Raised to cancel the enclosure.
     cancel: Option<&'f AtomicBool>,
 }
 
@@ -59,7 +59,7 @@ impl<'f> Plan<'f> {
         }
     }
 
-    /// The same, enclosed only until `cancel` is raised.
+    /// The same, cancelled when `cancel` is raised.
     pub fn until(self, cancel: &'f AtomicBool) -> Self {
         Self {
             cancel: Some(cancel),
@@ -67,13 +67,13 @@ impl<'f> Plan<'f> {
         }
     }
 
-    /// Whether nobody waits for the enclosure any more.
+    /// Whether the enclosure has been cancelled.
     pub fn is_cancelled(&self) -> bool {
         self.cancel.is_some_and(|flag| flag.load(Ordering::Relaxed))
     }
 
-    /// How many numbers forms of so many dimensions have room for: the sides of the largest block's box beside them, where that is
-    /// not many.
+    /// The size of forms for this many dimensions: with room for the sides of the largest block's box, unless that is
+    /// too large.
     pub fn room_for(&self, dimensions: usize) -> usize {
         let blocks = self.family.system().blocks().iter();
         let largest = blocks.map(|block| block.unknowns.len()).max();
@@ -83,7 +83,7 @@ impl<'f> Plan<'f> {
         }
     }
 
-    /// The same with all tolerances `factor` times as large.
+    /// The same with all tolerances multiplied by `factor`.
     pub fn scaled(&self, factor: f64) -> Self {
         let mut plan = self.clone();
         for dimension in &mut plan.dimensions {
@@ -92,7 +92,7 @@ impl<'f> Plan<'f> {
         plan
     }
 
-    /// The intervals at a pose: a decimal that is meant lies within them, not only its nearest f64.
+    /// The intervals at a pose: they contain the decimal numbers as written, not only the nearest f64.
     pub fn tolerances(&self, pose: &[f64]) -> Vec<Tolerance> {
         let of = |dimension: &Dimension| Tolerance {
             slot: dimension.slot,
@@ -103,7 +103,7 @@ impl<'f> Plan<'f> {
         self.dimensions.iter().map(of).collect()
     }
 
-    /// How far the inputs may be meant from their f64: as a table prints them.
+    /// The distance of the inputs as written from their f64 values: the rounding of a printed table.
     pub fn input_open(&self, pose: &[f64]) -> Vec<f64> {
         let mechanism = self.family.mechanism();
         let values = &pose[mechanism.unknowns.len()..];
@@ -114,8 +114,8 @@ impl<'f> Plan<'f> {
     }
 }
 
-/// Runs `$call` with N the least size of affine forms that holds `$count` dimensions. Everything is compiled once a size: few of them
-/// keep the program small.
+/// Runs `$call` with N the smallest size of affine forms that holds `$count` dimensions. Everything is compiled once
+/// per size, so there are few sizes.
 macro_rules! sized {
     ($count:expr, $N:ident => $call:expr) => {
         match $count {

@@ -1,5 +1,5 @@
-//! The bands at a pose. Where the derivatives show at which corner of the tolerances a number is greatest, that piece is
-//! solved and proved: the band ends where a piece stands, whatever the enclosure of all others leaves open.
+//! The bands at a pose. If the derivatives show at which corner of the tolerances a quantity has its extreme, that
+//! piece is solved and proved, and the band ends there, however loose the enclosure of all other pieces is.
 
 use super::plan::Plan;
 use crate::kinematics::abreast::anchor::Anchor;
@@ -25,7 +25,7 @@ pub struct Band {
     pub lo: f64,
     /// No piece is higher.
     pub hi: f64,
-    /// The least and the greatest value of a piece that was found.
+    /// The least and the greatest value of the pieces found.
     pub found: [f64; 2],
 }
 
@@ -37,7 +37,7 @@ pub struct Bands {
 }
 
 impl Bands {
-    /// The same without what pieces were found to take.
+    /// The same without the values that pieces attain.
     pub(super) fn without_search(mut self) -> Self {
         for band in &mut self.list {
             band.found = [band.nominal; 2];
@@ -57,7 +57,7 @@ pub enum Obstacle {
     Test {
         /// In the words of certificates.
         reason: Reason,
-        /// The dimension that takes the mechanism farthest towards where it fails.
+        /// The dimension that brings the mechanism closest to the failure.
         dimension: Option<usize>,
     },
 }
@@ -71,13 +71,13 @@ impl From<Unbounded> for Obstacle {
     }
 }
 
-/// Bands that are wider than what pieces take by no more than this part of it are sharp enough.
+/// Bands whose width exceeds that of the pieces by at most this fraction are sharp enough.
 const SHARP: f64 = 1e-2;
 
-/// So are those that are no wider than this beside the number itself and the mechanism: numbers that hardly vary.
+/// So are bands that are narrower than this, relative to the value and the mechanism: quantities that hardly vary.
 const NARROW: f64 = 1e-9;
 
-/// The enclosure of all pieces beside a closed pose, with tolerances of one's own.
+/// The enclosure of all pieces near a closed pose, with individual tolerances.
 pub(super) fn pose_enclosure<const N: usize>(
     plan: &Plan,
     encloser: &Encloser,
@@ -96,13 +96,13 @@ pub(super) fn pose_enclosure<const N: usize>(
     })?)
 }
 
-/// Whether a band is hardly wider than what pieces take, so that nothing is to be gained by another enclosure. `size` is that of
-/// numbers beside which a width does not count.
+/// Whether a band is hardly wider than the values of the pieces, so that another enclosure would gain nothing. `size`
+/// is the scale below which a width is negligible.
 pub(super) fn is_sharp([lo, hi]: [f64; 2], found: [f64; 2], size: f64) -> bool {
     hi - lo <= (1.0 + SHARP) * (found[1] - found[0]) + NARROW * size
 }
 
-/// Finds pieces and their bands; one for each thread.
+/// Finds pieces and their bands; one per thread.
 pub(super) struct PieceFinder<'f> {
     plan: &'f Plan<'f>,
     encloser: &'f Encloser<'f>,
@@ -122,7 +122,7 @@ impl<'f> PieceFinder<'f> {
         }
     }
 
-    /// The enclosure of all pieces beside a closed pose.
+    /// The enclosure of all pieces near a closed pose.
     pub fn enclosed<const N: usize>(&mut self, pose: &[f64]) -> Result<PoseEnclosure<N>, Obstacle> {
         let tolerances = self.plan.tolerances(pose);
         pose_enclosure(
@@ -134,7 +134,7 @@ impl<'f> PieceFinder<'f> {
         )
     }
 
-    /// The same with forms of first order alone; whether those of second order would be looked at.
+    /// The same with first-order forms only; also returns whether second-order forms would be tried.
     pub fn enclosed_plainly<const N: usize>(
         &mut self,
         pose: &[f64],
@@ -150,7 +150,7 @@ impl<'f> PieceFinder<'f> {
         })?)
     }
 
-    /// The bands of all pieces beside a closed pose.
+    /// The bands of all pieces near a closed pose.
     pub fn bands<const N: usize>(&mut self, pose: &[f64]) -> Result<Bands, Obstacle> {
         let anchor = Anchor::new(self.plan.family.system(), pose);
         let anchor = anchor.as_ref();
@@ -248,7 +248,7 @@ impl<'f> PieceFinder<'f> {
         }
     }
 
-    /// Coordinates of the pieces at δ, eight at a time; nothing of those that do not close within the enclosure.
+    /// Coordinates of the pieces at δ, eight at a time; none for pieces that do not close within the enclosure.
     pub fn pieces<const N: usize>(
         &mut self,
         enclosure: &PoseEnclosure<N>,
@@ -259,12 +259,14 @@ impl<'f> PieceFinder<'f> {
         for eight in places.chunks(LANES) {
             let mut coordinates = self.predicted(enclosure, eight);
             let lanes = LaneMask::first(eight.len());
+            // Eight pieces at once, where an anchor exists.
             let closed = match anchor {
                 Some(anchor) => self.lanes.close(anchor, &mut coordinates, lanes).lanes,
                 None => LaneMask::NONE,
             };
             for (lane, place) in eight.iter().enumerate() {
                 let mut piece: Vec<f64> = coordinates.iter().map(|c| c.lane(lane)).collect();
+                // A lane that failed starts again from the enclosure's own prediction.
                 if !closed.has(lane) {
                     let inputs = piece.split_off(self.plan.family.mechanism().unknowns.len());
                     piece = enclosure.coordinates_at(place);
@@ -272,13 +274,14 @@ impl<'f> PieceFinder<'f> {
                     piece.extend(inputs);
                 }
                 let closes = closed.has(lane) || self.solver.closed(&mut piece, Pace::Brisk);
+                // A closed pose outside the enclosure is another assembly.
                 all.push((closes && enclosure.holds(&piece)).then_some(piece));
             }
         }
         all
     }
 
-    /// Where pieces are along the tangent; their dimensions are those of pieces asked for, to the last bit.
+    /// Predicted positions along the tangent; the dimensions are exactly those of the requested pieces.
     fn predicted<const N: usize>(
         &self,
         enclosure: &PoseEnclosure<N>,
@@ -291,6 +294,7 @@ impl<'f> PieceFinder<'f> {
         let along: Vec<Octet> = (0..self.plan.dimensions.len()).map(along).collect();
         let mechanism = self.plan.family.mechanism();
         let of = |slot: usize| {
+            // The linear part of the enclosure: the nominal value plus the slopes times δ.
             let start = Octet::splat(enclosure.form(slot).value);
             if slot >= mechanism.unknowns.len() {
                 return start;
@@ -308,7 +312,7 @@ impl<'f> PieceFinder<'f> {
 }
 
 impl Band {
-    /// What two bands of one number leave.
+    /// The intersection of two bands of one quantity.
     fn narrowed(&self, other: &Self) -> Self {
         Self {
             nominal: self.nominal,

@@ -1,5 +1,5 @@
-//! Bands between the samples: the inputs of a whole stretch of the drive are dimensions like the others, so that one box
-//! holds the poses of all pieces at all its times. Stretches that are too long are halved.
+//! Bands between the samples: over a time interval the inputs are dimensions like the others, so that one box contains
+//! the poses of all pieces at all times of the interval. Intervals that are too long are halved.
 
 use super::motion::{Stretch, samples_at};
 use super::plan::{Plan, sized};
@@ -12,10 +12,10 @@ use crate::kinematics::solve::pose_solver::PoseSolver;
 use crate::numbers::interval::Interval;
 use crate::numbers::rounding::GROW;
 
-/// How often a stretch is halved.
+/// Maximum number of halvings of a time interval.
 const MOST_HALVINGS: u32 = 6;
 
-/// Ends of the bands between neighbours of `times`, and of the times where an input has a key, a kink or a jump.
+/// Bands between adjacent `times`, and between the times at which an input has a key, a kink or a jump.
 pub fn enclose_stretches(plan: &Plan, times: &[f64], threads: usize) -> Vec<Stretch> {
     let family = plan.family;
     let all = knot_times(&family.actuation, times);
@@ -44,7 +44,7 @@ pub fn enclose_stretches(plan: &Plan, times: &[f64], threads: usize) -> Vec<Stre
     list.into_iter().map(|(_, stretch)| stretch).collect()
 }
 
-/// A pose in the middle of a stretch.
+/// A pose in the middle of an interval.
 struct Place<'p> {
     plan: &'p Plan<'p>,
     encloser: &'p Encloser<'p>,
@@ -52,7 +52,7 @@ struct Place<'p> {
 }
 
 impl Place<'_> {
-    /// Ends of all bands over a stretch, in halves if need be.
+    /// The bands over an interval, by halves if necessary.
     fn bands(
         &self,
         solver: &mut PoseSolver,
@@ -104,7 +104,7 @@ impl Place<'_> {
     }
 }
 
-/// The dimensions of a plan at the pose in the middle of a stretch, then the inputs that move over it.
+/// The dimensions of a plan at the pose in the middle of an interval, then the inputs that move during it.
 pub(super) fn stretch_tolerances(
     plan: &Plan,
     pose: &[f64],

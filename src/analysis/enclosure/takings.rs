@@ -1,4 +1,4 @@
-//! What measures make of values along a track, with derivatives.
+//! The reductions of measures (maximum, range, length …) along a track, with derivatives.
 
 use super::tracked::Tracked;
 use crate::model::measure::Taking;
@@ -44,7 +44,7 @@ pub(super) fn taken_number<const N: usize>(
             Tracked::through(sum.form * share, &[(share, &sum)])
         }
         Taking::Norm => power_norm(first, power),
-        // The share of a polyline above zero has a kink wherever a value is zero.
+        // The positive share of a polyline has a kink where a value is zero.
         Taking::Positive => unknown(),
         Taking::Chord => match second {
             Some(second) => {
@@ -59,7 +59,7 @@ pub(super) fn taken_number<const N: usize>(
     }
 }
 
-/// The greatest of functions: the one that is so at δ = 0, and what others can exceed it by.
+/// The maximum of functions: the one that is greatest at δ = 0, and by how much others can exceed it.
 fn greatest_of<const N: usize>(list: &[Tracked<N>]) -> Tracked<N> {
     let best = list
         .iter()
@@ -81,6 +81,7 @@ fn greatest_of<const N: usize>(list: &[Tracked<N>]) -> Tracked<N> {
 fn power_norm<const N: usize>(values: &[Tracked<N>], power: f64) -> Tracked<N> {
     let (p, less) = (AffineForm::number(power), AffineForm::number(power - 1.0));
     let raised = |v: &Tracked<N>| {
+        // |v| where the sign is known; otherwise the range of the magnitude, and a slope between 0 and 1.
         let (size, sign) = match v.form.is_below_zero() {
             Some(true) => (-v.form, AffineForm::number(-1.0)),
             Some(false) => (v.form, AffineForm::number(1.0)),
@@ -98,6 +99,7 @@ fn power_norm<const N: usize>(values: &[Tracked<N>], power: f64) -> Tracked<N> {
         rates: vec![AffineForm::ZERO; count],
     };
     let sum = values.iter().fold(zero, |sum, v| sum.plus(&raised(v)));
+    // The root of the sum, with its slope by the chain rule.
     let root = match power == 2.0 {
         true => sum.form.sqrt(),
         false => sum.form.real_power(1.0 / power),
@@ -120,7 +122,7 @@ fn chord_deviation<const N: usize>(
     }
 }
 
-/// Signed distance from the chord of the point that is farthest from it.
+/// Signed distance from the chord to the point farthest from it.
 fn bow_height<const N: usize>(x: &[Tracked<N>], y: &[Tracked<N>]) -> Option<Tracked<N>> {
     let (length, [a, b]) = chord_deviation(x, y)?;
     let distance = |k: usize| {
@@ -134,7 +136,7 @@ fn bow_height<const N: usize>(x: &[Tracked<N>], y: &[Tracked<N>]) -> Option<Trac
     }
     let size = |number: &Tracked<N>| number.form.value.abs();
     let nominal = all.iter().max_by(|p, q| size(p).total_cmp(&size(q)))?;
-    // Those that may be the farthest of some piece.
+    // The points that may be the farthest for some piece.
     let least = |number: &Tracked<N>| (size(number) - number.form.deviation()).max(0.0);
     let needed = all.iter().map(least).fold(0.0, f64::max);
     let rivals = || {
@@ -144,7 +146,7 @@ fn bow_height<const N: usize>(x: &[Tracked<N>], y: &[Tracked<N>]) -> Option<Trac
     let apart = rivals().map(|number| (number.form - nominal.form).magnitude());
     let apart = apart.fold(0.0, f64::max);
     let form = nominal.form + AffineForm::within(0.0, apart);
-    // On one side of the chord the farthest is the greatest of them; from one side to the other it jumps.
+    // If all are on one side of the chord, the maximum is continuous; from one side to the other it jumps.
     let side = nominal.form.is_below_zero();
     let on_one_side = side.is_some() && rivals().all(|rival| rival.form.is_below_zero() == side);
     Some(match on_one_side {

@@ -1,10 +1,10 @@
-//! Numbers with their derivatives by the dimensions: what measures are made of.
+//! Numbers with their derivatives by the dimensions, from which measures are computed.
 
 use crate::numbers::affine_form::AffineForm;
 use crate::numbers::interval::Interval;
 use crate::numbers::scalar::Scalar;
 
-/// A function of the dimensions. Without derivatives it is a number of one piece.
+/// A function of the dimensions. Without derivatives it is the number of one piece.
 #[derive(Clone, Debug)]
 pub(super) struct Tracked<const N: usize> {
     /// Its values.
@@ -27,7 +27,7 @@ impl<const N: usize> Tracked<N> {
         Self::without_rates(AffineForm::undefined(), count)
     }
 
-    /// A value that changes with others as slopes say.
+    /// A value that depends on others with the given slopes.
     pub fn through(form: AffineForm<N>, parts: &[(AffineForm<N>, &Self)]) -> Self {
         let count = parts.iter().map(|(_, part)| part.rates.len()).max();
         let mut rates = vec![AffineForm::ZERO; count.unwrap_or(0)];
@@ -79,7 +79,7 @@ impl<const N: usize> Tracked<N> {
         Self::through(length, &parts)
     }
 
-    /// `form` has the derivatives of this one, or of whichever of the rivals takes its place, or any between them.
+    /// `form` has the derivatives of this one, or of any rival that may replace it, or anything in between.
     pub fn rivalled<'t>(
         &self,
         form: AffineForm<N>,
@@ -116,7 +116,7 @@ mod tests {
         }
     }
 
-    /// Derivatives of every operation hold the differences of plain numbers at places all over the box.
+    /// Derivatives of every operation enclose the difference quotients of plain numbers throughout the box.
     #[test]
     fn derivatives_are_enclosed() {
         type Two<T> = fn(&T, &T) -> T;

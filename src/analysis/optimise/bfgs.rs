@@ -1,18 +1,19 @@
-//! The quasi-Newton method of Broyden, Fletcher, Goldfarb and Shanno with exact gradients (Nocedal and Wright, Numerical
-//! Optimization, 2nd ed., chapter 6), within bounds: variables that press against a bound rest there.
+//! The quasi-Newton method of Broyden, Fletcher, Goldfarb and Shanno with exact gradients (Nocedal and Wright,
+//! Numerical Optimization, 2nd ed., chapter 6), within bounds: variables are held at a bound if the gradient points
+//! outwards.
 
 use super::{Ended, Minimum, Objective, VariableBounds};
 
-/// A step must gain this share of what the gradient promises (Armijo).
+/// A step must achieve this fraction of the decrease predicted by the gradient (Armijo).
 const SUFFICIENT_GAIN: f64 = 1e-4;
 
-/// A step is long enough when the slope along it has fallen to this share (Wolfe).
+/// A step is long enough if the slope along it has fallen to this fraction (Wolfe).
 const SLOPE_SHARE: f64 = 0.9;
 
-/// A direction that promises less than this share of the value gains nothing that rounding leaves of it.
+/// A direction whose predicted decrease is below this fraction of the value gains nothing above rounding.
 const LEAST_PROMISE: f64 = 4.0 * f64::EPSILON;
 
-/// Most trials along one direction.
+/// Maximum number of trials along one direction.
 const MOST_TRIALS: usize = 40;
 
 /// When the search is over.
@@ -81,7 +82,7 @@ pub fn minimise_bfgs(
             break Ended::Converged;
         }
         if is_fresh && length > 0.0 {
-            // The gradient says where to go but not how far.
+            // The gradient gives the direction, but no step length.
             direction
                 .iter_mut()
                 .for_each(|d| *d *= limits.first_step / length);
@@ -147,7 +148,7 @@ impl BfgsSearch<'_> {
         })
     }
 
-    /// Variables that do not press against a bound.
+    /// Variables that are not held at a bound.
     fn free(&self, here: &BfgsPoint) -> Vec<bool> {
         let bound = |k: usize, list: &[f64]| list[k] / self.scales[k];
         (0..here.x.len())
@@ -159,7 +160,7 @@ impl BfgsSearch<'_> {
             .collect()
     }
 
-    /// A point along `direction` that gains enough and is far enough; `None` if there is none.
+    /// A point along `direction` that satisfies both conditions; `None` if there is none.
     fn line(&mut self, here: &BfgsPoint, direction: &[f64]) -> Option<BfgsPoint> {
         let (mut low, mut high, mut share) = (0.0, f64::INFINITY, 1.0);
         let mut best: Option<BfgsPoint> = None;
@@ -172,7 +173,7 @@ impl BfgsSearch<'_> {
                 .collect();
             let place = self.unscaled(&scaled);
             let trial = self.at(&place);
-            // Armijo: enough of what the slope promises. Wolfe below: the slope must have flattened.
+            // Armijo: sufficient decrease. Wolfe, below: the slope must have flattened.
             let gained = trial.as_ref().is_some_and(|t| {
                 let promised: f64 = (0..here.x.len())
                     .map(|k| here.gradient[k] * (t.x[k] - here.x[k]))
@@ -195,7 +196,7 @@ impl BfgsSearch<'_> {
                 }
                 _ => high = share,
             }
-            // Doubled until it is too far, then halved.
+            // Doubled until it is too long, then bisected.
             share = if high.is_finite() {
                 0.5 * (low + high)
             } else {

@@ -1,11 +1,11 @@
 //! Inequality constraints by the augmented Lagrangian (Nocedal and Wright, Numerical Optimization, 2nd ed., chapter
-//! 17): a few searches of a penalised function whose multipliers learn, so that weights stay moderate.
+//! 17): a few minimisations of a penalised function with updated multipliers, so that the weights stay moderate.
 
 use super::{Ended, Minimum, Objective};
 
-/// A function and what must not be positive.
+/// An objective and functions that must not be positive.
 pub trait Constrained {
-    /// The value, then every constraint; `None` where `x` is refused.
+    /// The value, then every constraint; `None` if `x` is rejected.
     fn values(&mut self, x: &[f64]) -> Option<Vec<f64>>;
 
     /// The same with a gradient each.
@@ -21,7 +21,7 @@ const ROUNDS: usize = 12;
 /// First weight of a squared violation, relative to the first value of the function and the constraints' scale.
 const FIRST_WEIGHT: f64 = 10.0;
 
-/// Factor of the weight after a round that did not lessen the violation enough.
+/// Factor on the weight after a round that did not reduce the violation enough.
 const HEAVIER: f64 = 8.0;
 
 /// What counts as enough.
@@ -83,9 +83,9 @@ impl Objective for Penalised<'_> {
     }
 }
 
-/// Minimises under constraints by repeated searches `run` of a function without any.
+/// Minimises under constraints by repeated calls of `run`, which minimises without constraints.
 ///
-/// `tolerance` is the violation that is let pass, in the constraints' own `scales`. The minimum's value is that of the
+/// `tolerance` is the accepted violation, in the constraints' own `scales`. The value of the minimum is that of the
 /// function without penalties.
 pub fn minimise_constrained(
     inner: &mut dyn Constrained,
@@ -94,7 +94,7 @@ pub fn minimise_constrained(
     tolerance: f64,
     run: &mut dyn FnMut(&mut dyn Objective, &[f64]) -> Minimum,
 ) -> Minimum {
-    // The penalty begins as heavy as the objective is large.
+    // The initial penalty is as large as the objective.
     let first = inner.values(start).map_or(1.0, |v| v[0].abs());
     let mut penalised = Penalised {
         inner,
@@ -131,7 +131,7 @@ pub fn minimise_constrained(
         if violation <= tolerance && settled {
             break;
         }
-        // A violation that does not shrink needs a heavier penalty.
+        // A violation that does not decrease needs a larger weight.
         if violation > LESSENED * worst {
             penalised.weight *= HEAVIER;
         }

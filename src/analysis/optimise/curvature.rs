@@ -1,12 +1,12 @@
-//! What steps and gradients have shown of second derivatives: BFGS, damped as Powell does so that it stays convex (Nocedal
-//! and Wright, Numerical Optimization, 2nd ed., procedure 18.2).
+//! Second derivatives learnt from steps and gradients: BFGS with Powell's damping, which keeps them convex (Nocedal and
+//! Wright, Numerical Optimization, 2nd ed., procedure 18.2).
 
 use nalgebra::{DMatrix, DVector};
 
-/// Least share of the known curvature that an update leaves along its step (Powell).
+/// Smallest fraction of the known curvature that an update keeps along its step (Powell).
 const DAMPED: f64 = 0.2;
 
-/// Second derivatives of the Lagrangian in scaled variables, as far as the steps have shown them.
+/// Second derivatives of the Lagrangian in scaled variables, as learnt from the steps.
 pub(super) struct Curvature {
     /// Symmetric and positive semidefinite; zero before anything is known.
     pub matrix: DMatrix<f64>,
@@ -14,7 +14,7 @@ pub(super) struct Curvature {
 }
 
 impl Curvature {
-    /// Nothing known of so many variables.
+    /// No curvature in this many variables.
     pub fn none(count: usize) -> Self {
         Self {
             matrix: DMatrix::zeros(count, count),

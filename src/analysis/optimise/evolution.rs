@@ -1,10 +1,10 @@
-//! Differential evolution (Storn and Price, J. Global Optimization 11, 1997) within a box: finds the right valley
-//! where there are many. Random numbers depend on the seed, the generation and the member only.
+//! Differential evolution (Storn and Price, J. Global Optimization 11, 1997) within a box: finds the best of several
+//! valleys. Random numbers depend only on the seed, the generation and the member.
 
 use super::{Ended, Minimum, Objective, VariableBounds};
 use crate::analysis::random::Random;
 
-/// Share of a difference that is added, drawn anew for every trial between these.
+/// Factor on an added difference, drawn for every trial between these.
 const DIFFERENCE: [f64; 2] = [0.4, 0.95];
 
 /// Share of the coordinates taken from the new point.
@@ -19,7 +19,7 @@ pub struct EvolutionLimits {
     pub generations: usize,
     /// Where random numbers start.
     pub seed: u64,
-    /// The search is over when the values of all members agree to this share.
+    /// The search ends when the values of all members agree to this fraction.
     pub value_tolerance: f64,
 }
 
@@ -54,7 +54,7 @@ pub fn minimise_by_evolution(
     }
     let mut ended = Ended::OutOfBudget;
     let mut made = 0;
-    // Each member meets one trial point; the better one stays.
+    // Each member is compared with one trial point, and the better one stays.
     for generation in 1..=limits.generations {
         made = generation;
         let best = best_of(&population);
@@ -71,7 +71,7 @@ pub fn minimise_by_evolution(
             ended = Ended::Stopped;
             break;
         }
-        // Converged where all members are equally good.
+        // Converged when all members are equally good.
         let worst = population
             .iter()
             .fold(f64::NEG_INFINITY, |m, (_, v)| m.max(*v));
@@ -124,7 +124,7 @@ fn trial_point(
             let (low, high) = (bounds.lower[k], bounds.upper[k]);
             let difference = population[b].0[k] - population[c].0[k];
             let moved = population[base].0[k] + factor * difference;
-            // Beyond the box: between the old value and the edge, so that edges do not collect members.
+            // Outside the box: between the old value and the bound, so that members do not collect at the bounds.
             *x = if moved < low {
                 low + random.unit() * (*x - low)
             } else if moved > high {

@@ -1,15 +1,16 @@
-//! Sums of squares made small by the method of Levenberg and Marquardt (Moré, Lecture Notes in Mathematics 630, 1978), within
-//! bounds: variables that press against a bound rest there. What is evaluated may depend on where it was evaluated before.
+//! Minimises sums of squares by the method of Levenberg and Marquardt (Moré, Lecture Notes in Mathematics 630, 1978),
+//! within bounds: variables are held at a bound if the gradient points outwards. An evaluation may depend on the point
+//! from which it starts.
 
 use super::{Ended, VariableBounds};
 use nalgebra::{DMatrix, DVector};
 
 /// Numbers whose squares are summed.
 pub trait Residuals {
-    /// A point with all that is known there.
+    /// A point with everything known there.
     type Place;
 
-    /// The point at `x`, reached from another one; `None` where it is refused.
+    /// The point at `x`, reached from another one; `None` if it is rejected.
     fn at(&mut self, from: &Self::Place, x: &[f64]) -> Option<Self::Place>;
 
     /// The variables of a point.
@@ -40,22 +41,22 @@ pub struct LeastSquares<P> {
     pub ended: Ended,
 }
 
-/// First damping, as a share of the squared columns.
+/// First damping, as a fraction of the squared columns.
 const FIRST_DAMPING: f64 = 1e-3;
 
-/// Damping by which a step is too short to matter.
+/// Damping above which a step is negligibly short.
 const MOST_DAMPING: f64 = 1e16;
 
-/// Damping below which steps are those of Gauss and Newton.
+/// Damping below which steps are Gauss-Newton steps.
 const LEAST_DAMPING: f64 = 1e-18;
 
-/// A step that promises less than this share of the sum gains nothing that rounding leaves of it.
+/// A step whose predicted decrease is below this fraction of the sum gains nothing above rounding.
 const LEAST_PROMISE: f64 = 1e-14;
 
-/// Sums below this, in the squares of the first one, are rounding.
+/// Sums below this, relative to the first one, are rounding.
 const NOTHING: f64 = 1e-30;
 
-/// Searches from a point; at most so many steps are tried.
+/// Searches from a point, with at most this many steps.
 pub fn minimise_squares<R: Residuals>(
     problem: &mut R,
     start: R::Place,
@@ -90,7 +91,7 @@ pub fn minimise_squares<R: Residuals>(
         let promise = step.as_ref().map(|step| linear.promise(&step.moves));
         let worth = promise.is_some_and(|promise| promise > LEAST_PROMISE * sum);
         let (Some(step), Some(promise), true) = (&step, promise, worth) else {
-            // A step that bounds have cut short may promise nothing where a shorter one does.
+            // A step shortened by bounds may predict no decrease where an even shorter one does.
             if step.as_ref().is_some_and(|step| !step.is_cut) {
                 break Ended::Converged;
             }
@@ -109,7 +110,7 @@ pub fn minimise_squares<R: Residuals>(
         let next = next.map(|place| (squares(problem.values(&place)), place));
         match next {
             Some((lower, place)) if lower < sum => {
-                // Nielsen's rule: the damping follows how much of the promise was kept.
+                // Nielsen's rule: the damping depends on the ratio of actual to predicted decrease.
                 let kept = (sum - lower) / promise;
                 let share = 1.0 - (2.0 * kept - 1.0).powi(3);
                 damping = (damping * share.clamp(1.0 / 9.0, 2.0)).max(LEAST_DAMPING);
@@ -134,7 +135,7 @@ pub fn minimise_squares<R: Residuals>(
     }
 }
 
-/// Σ v²; infinite where one is no number.
+/// Σ v²; infinite if an entry is not a number.
 fn squares(values: &[f64]) -> f64 {
     let sum: f64 = values.iter().map(|v| v * v).sum();
     if sum.is_nan() { f64::INFINITY } else { sum }
@@ -165,7 +166,7 @@ impl Linearised {
         let x = problem.x(place);
         let jacobian = DMatrix::from_row_slice(values.len(), x.len(), &rates);
         let slope = jacobian.transpose() * &values;
-        // Variables at a bound that they push against are held.
+        // Variables at a bound are held if the gradient points outwards.
         let free = x.iter().enumerate().map(|(k, x)| {
             let pushes_down = *x <= bounds.lower[k] && slope[k] > 0.0;
             let pushes_up = *x >= bounds.upper[k] && slope[k] < 0.0;
@@ -180,8 +181,8 @@ impl Linearised {
         })
     }
 
-    /// The damped step within the bounds: what would leave them goes to them, and the others make the best of that. `None` where there is
-    /// none.
+    /// The damped step within the bounds: variables that would leave them stop there, and the others are solved again.
+    /// `None` if there is no step.
     fn step(&self, damping: f64, x: &[f64], bounds: &VariableBounds) -> Option<Step> {
         let mut fixed: Vec<Option<f64>> = self.free.iter().map(|f| (!f).then_some(0.0)).collect();
         let mut is_cut = false;
@@ -202,7 +203,8 @@ impl Linearised {
         }
     }
 
-    /// The damped step in which some variables move as given, by the orthogonal factors of the numbers and the damping below them.
+    /// The damped step in which some variables move as given, by an orthogonal factorisation of the derivatives with
+    /// the damping appended.
     fn unbounded_step(&self, damping: f64, fixed: &[Option<f64>]) -> Option<Vec<f64>> {
         let (rows, count) = self.jacobian.shape();
         let columns = self.jacobian.column_iter();
@@ -218,7 +220,7 @@ impl Linearised {
             if fixed[k].is_some() {
                 matrix.column_mut(k).fill(0.0);
             }
-            // Columns that do hardly anything are damped like small ones.
+            // Columns with hardly any effect are damped like small ones.
             let size = sizes[k].max(LEAST_PROMISE * largest);
             matrix[(rows + k, k)] = (damping * size).sqrt();
         }
@@ -232,7 +234,7 @@ impl Linearised {
         moves.iter().all(|s| s.is_finite()).then_some(moves)
     }
 
-    /// By how much a step lowers the sum to the first order of the numbers.
+    /// Predicted decrease of the sum, to first order.
     fn promise(&self, step: &[f64]) -> f64 {
         let after = &self.values + &self.jacobian * DVector::from_column_slice(step);
         self.values.norm_squared() - after.norm_squared()
@@ -287,7 +289,8 @@ mod tests {
         assert!(found.steps < 40, "{found:?}");
     }
 
-    /// A step to the bounds that promises nothing ends nothing: x + y is to be 3 and x - 9 y is to be 0, with y at most 0.1.
+    /// A step to the bounds without predicted decrease does not end the search: x + y = 3 and x - 9 y = 0, with y at
+    /// most 0.1.
     #[test]
     fn steps_that_bounds_cut_short_go_on() {
         let mut problem = Plain(
@@ -316,7 +319,7 @@ mod tests {
         };
         let start = problem.at(&[vec![], vec![]], &[0.5, 2.0]).unwrap();
         let found = minimise_squares(&mut problem, start, &bounds, 200);
-        // The least place of the edge is x = 0.5, y = 0.25.
+        // The minimum on the edge is x = 0.5, y = 0.25.
         assert!((found.place[0][1] - 0.25).abs() < 1e-9, "{found:?}");
         assert!((found.sum - 0.25).abs() < 1e-12);
         let start = problem.at(&[vec![], vec![]], &[-2.0, 2.0]).unwrap();
@@ -324,7 +327,7 @@ mod tests {
         assert!(found.sum < 1e-20, "{found:?}");
     }
 
-    /// Two lines that never meet: what is left is their distance.
+    /// Two lines that do not intersect: the residual is their distance.
     #[test]
     fn what_cannot_vanish_is_least() {
         let mut problem = Plain(

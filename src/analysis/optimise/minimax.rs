@@ -1,7 +1,8 @@
-//! The least largest of many smooth functions under smooth limits: quadratic programmes of the linearised functions within
-//! a trust region, bent by what the gradients of the last steps say of the curvature (Madsen and Schjær-Jacobsen, Math.
-//! Programming 14, 1978, without curvature; Powell's damped BFGS of the Lagrangian; limits by an elastic variable and
-//! second-order correction as in Fletcher, Practical Methods of Optimization, 2nd ed., chapters 12 and 14).
+//! Minimises the largest of many smooth functions under smooth constraints: quadratic programmes of the linearised
+//! functions within a trust region, with curvature learnt from the gradients of the last steps (Madsen and
+//! Schjær-Jacobsen, Math. Programming 14, 1978, without curvature; Powell's damped BFGS of the Lagrangian; constraints
+//! by an elastic variable and second-order correction as in Fletcher, Practical Methods of Optimization, 2nd ed.,
+//! chapters 12 and 14).
 
 use super::curvature::Curvature;
 use super::quadratic::Programme;
@@ -12,9 +13,9 @@ use std::collections::VecDeque;
 /// Values at a point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PeakValues {
-    /// The largest of these is to be small.
+    /// The functions whose maximum is minimised.
     pub peaks: Vec<f64>,
-    /// None of these is to be positive.
+    /// The constraints: none may be positive.
     pub limits: Vec<f64>,
 }
 
@@ -29,18 +30,18 @@ pub struct PeakGradients {
 
 /// Many functions at once.
 pub trait MinimaxProblem {
-    /// Values at `x`; `None` where `x` is refused.
+    /// Values at `x`; `None` if `x` is rejected.
     fn heights(&mut self, x: &[f64]) -> Option<PeakValues>;
 
-    /// Values and derivatives at `x`; `None` where `x` is refused.
+    /// Values and derivatives at `x`; `None` if `x` is rejected.
     fn slopes(&mut self, x: &[f64]) -> Option<(PeakValues, PeakGradients)>;
 
-    /// A limit that refused `x`, if it is one that has a value and slopes beyond its edge only.
+    /// The constraint that rejected `x`, if it has a value and slopes only outside the feasible region.
     fn edge(&mut self, _x: &[f64]) -> Option<TrustEdge> {
         None
     }
 
-    /// Asked before every step and every evaluation: whether the search is to end with what it has.
+    /// Called before every step and every evaluation: whether to end the search with the best point so far.
     fn is_stopped(&self) -> bool {
         false
     }
@@ -51,7 +52,7 @@ pub trait MinimaxProblem {
     }
 }
 
-/// A refused point: how far beyond a limit it is, and how that changes.
+/// A rejected point: the violation of a constraint, and its gradient.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrustEdge {
     /// The point.
@@ -63,7 +64,7 @@ pub struct TrustEdge {
 }
 
 impl TrustEdge {
-    /// What the edge allows at `x`, seen from the refused point; a point that was accepted keeps it.
+    /// The linearised constraint at `x`, seen from the rejected point; an accepted point satisfies it.
     fn at(&self, x: &[f64]) -> f64 {
         let moves = x.iter().zip(&self.x).zip(&self.slope);
         let value: f64 = moves.map(|((to, from), d)| (to - from) * d).sum();
@@ -71,26 +72,26 @@ impl TrustEdge {
     }
 }
 
-/// When the search is over.
+/// The stopping criteria.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MinimaxSearch {
     /// First radius of the trust region, in scales of the variables.
     pub radius: f64,
-    /// The search is over below this radius.
+    /// The search ends below this radius.
     pub smallest_radius: f64,
-    /// The search is over when a step promises less than this share of the value.
+    /// The search ends when the predicted decrease is below this fraction of the value.
     pub tolerance: f64,
     /// Most steps, accepted or not.
     pub iterations: usize,
 }
 
-/// Weight of the worst limit beside the largest peak, in first values of the peaks.
+/// Weight of the worst constraint relative to the largest peak, in first values of the peaks.
 const WEIGHT: f64 = 100.0;
 
-/// A step is taken when it gains this share of what was promised.
+/// A step is accepted if it achieves this fraction of the predicted decrease.
 const TAKEN: f64 = 0.01;
 
-/// Above this share the region grows, below the second it shrinks.
+/// Above the first fraction the region grows, below the second it shrinks.
 const GOOD: f64 = 0.75;
 const POOR: f64 = 0.25;
 
@@ -98,8 +99,8 @@ const POOR: f64 = 0.25;
 const GROW: f64 = 2.0;
 const SHRINK: f64 = 0.4;
 
-/// Curvature given to directions without any, as a share of what would matter within the region: it keeps programmes
-/// solvable and decides nothing.
+/// Curvature added in directions without any, relative to what would matter within the region: it keeps the programmes
+/// solvable and has no other effect.
 const STIFFNESS: f64 = 1e-9;
 
 /// Edges that are remembered.
@@ -129,7 +130,7 @@ pub fn minimise_largest(
     let Some((mut heights, mut slopes)) = landscape.slopes(&x) else {
         return result;
     };
-    // The exact penalty: limits weigh so much that breaking one cannot pay.
+    // Exact penalty: the weight of the constraints is so large that violating one never pays.
     let weight = WEIGHT * trust_unit(merit_value(&heights, 0.0), &slopes, scales, search.radius);
     let mut curvature = Curvature::none(x.len());
     let mut radius = search.radius;
@@ -146,7 +147,7 @@ pub fn minimise_largest(
             break Ended::Stopped;
         }
         result.iterations += 1;
-        // The model: linear peaks and limits, the learnt curvature, and the edges found so far.
+        // The model: linear peaks and constraints, the learnt curvature, and the edges found so far.
         let place = MinimaxPoint {
             x: &x,
             edges: &edges,
@@ -162,7 +163,7 @@ pub fn minimise_largest(
             radius *= SHRINK;
             continue;
         };
-        // What the model foresees; with less than the tolerance of it nothing is left to gain.
+        // The predicted decrease; below the tolerance nothing is left to gain.
         let promise = here - step.merit;
         if promise <= search.tolerance * here.abs() {
             break Ended::Converged;
@@ -173,7 +174,7 @@ pub fn minimise_largest(
             None => f64::NEG_INFINITY,
         };
         let there = landscape.heights(&step.x);
-        // Second-order correction: where the step disappoints, the constraints are taken as they bend there.
+        // Second-order correction: if the step disappoints, the curvature of the constraints is taken into account.
         let (mut next, mut gained) = (step.x.clone(), gain(&there));
         if landscape.is_stopped() {
             break Ended::Stopped;
@@ -190,7 +191,8 @@ pub fn minimise_largest(
         if gained > TAKEN {
             result.gradients += 1;
             let Some((new_heights, new_slopes)) = landscape.slopes(&next) else {
-                // No gradient there: an edge of the region where the mechanism assembles. It is remembered as a cut.
+                // No gradient there: the edge of the region in which the mechanism can be assembled. It is kept as a
+                // cut.
                 edges.extend(landscape.edge(&next));
                 if edges.len() > MOST_EDGES {
                     edges.pop_front();
@@ -210,7 +212,7 @@ pub fn minimise_largest(
                 break Ended::Stopped;
             }
         }
-        // Trust region: wider where the model is right, narrower where it is not.
+        // Trust region: larger if the model is accurate, smaller if not.
         if gained > GOOD {
             radius *= GROW;
         } else if gained < POOR {
@@ -230,7 +232,7 @@ fn merit_value(heights: &PeakValues, weight: f64) -> f64 {
     largest_value(&heights.peaks) + weight * largest_value(&heights.limits).max(0.0)
 }
 
-/// What a programme's values are measured in: the merit, but no less than a part of what can change within the region.
+/// The unit of a programme's values: the merit, but at least a fraction of the largest change within the region.
 fn trust_unit(merit: f64, slopes: &PeakGradients, scales: &[f64], radius: f64) -> f64 {
     let reaches = slopes
         .peaks
@@ -259,16 +261,16 @@ struct MinimaxPoint<'a> {
     scales: &'a [f64],
     bounds: &'a VariableBounds,
     weight: f64,
-    /// Merit of the point: programmes are in shares of it.
+    /// Merit of the point, the unit of the programmes.
     unit: f64,
 }
 
 /// The best point of a programme.
 struct MinimaxStep {
     x: Vec<f64>,
-    /// What the programme says of its merit.
+    /// Its merit as predicted by the programme.
     merit: f64,
-    /// How much each peak and limit holds it there, as (index, multiplier).
+    /// The multiplier of each active peak and constraint, as (index, multiplier).
     peaks: Vec<(usize, f64)>,
     limits: Vec<(usize, f64)>,
 }
@@ -291,8 +293,8 @@ impl MinimaxStep {
 }
 
 impl MinimaxPoint<'_> {
-    /// Values at `there` less what the slopes say of the way to it: what the linearised functions should start from to be
-    /// right at `there` (second-order correction).
+    /// Values at `there` minus the first-order prediction: added to the linearised functions, they make them exact at
+    /// `there` (second-order correction).
     fn bent(&self, next: &[f64], there: &PeakValues) -> PeakValues {
         let less = |values: &[f64], slopes: &[Vec<f64>]| -> Vec<f64> {
             let pairs = values.iter().zip(slopes);
@@ -309,14 +311,14 @@ impl MinimaxPoint<'_> {
         moves.map(|((to, from), d)| (to - from) * d).sum()
     }
 
-    /// Rows that can matter within the region: peaks that can become the largest, limits that can be missed.
+    /// Rows that can be active within the region: peaks that can become the largest, constraints that can be violated.
     fn relevant_rows(&self, heights: &PeakValues, radius: f64) -> [Vec<usize>; 2] {
         let lowest =
             |k: usize| heights.peaks[k] - row_reach(&self.slopes.peaks[k], self.scales, radius);
         let floor = (0..heights.peaks.len())
             .map(lowest)
             .fold(f64::NEG_INFINITY, f64::max);
-        // By first-order reach: what cannot come up to the level within the region is left out.
+        // By first-order change: rows that cannot reach the level within the region are omitted.
         let can_reach = |values: &[f64], rows: &[Vec<f64>], level: f64| -> Vec<usize> {
             (0..values.len())
                 .filter(|k| values[*k] + row_reach(&rows[*k], self.scales, radius) >= level)
@@ -328,10 +330,10 @@ impl MinimaxPoint<'_> {
         ]
     }
 
-    /// The best point within the region of the functions with these values here, linearised and bent.
+    /// The best point within the region for the functions with these values, linearised and with the learnt curvature.
     ///
-    /// The programme's variables are the moves in radii, the largest peak in units, and the worst missed limit in units of
-    /// its cost.
+    /// The programme's variables are the steps in radii, the largest peak in units, and the worst violated constraint
+    /// in units of its cost.
     fn step(&self, heights: &PeakValues, radius: f64) -> Option<MinimaxStep> {
         let n = self.x.len();
         let [peaks, limits] = self.relevant_rows(heights, radius);
@@ -356,7 +358,7 @@ impl MinimaxPoint<'_> {
         let edges = self.edges.iter();
         let listed =
             listed.chain(edges.map(|edge| (edge.at(self.x), &edge.slope, limit_unit, excess)));
-        // A row for every peak and limit: linearised, it stays below its top.
+        // A row for every peak and constraint: the linearised value stays below its maximum.
         for (value, slope, unit, under) in listed {
             for k in 0..n {
                 rows[(row, k)] = slope[k] * self.scales[k] * radius / unit;
@@ -386,7 +388,7 @@ impl MinimaxPoint<'_> {
         }
         let mut cost = DVector::zeros(n + 2);
         (cost[top], cost[excess]) = (1.0, 1.0);
-        // A point that satisfies every row strictly, to start from.
+        // A strictly feasible starting point.
         let mut start = DVector::zeros(n + 2);
         start[top] = largest_value(&heights.peaks) / self.unit + 0.1;
         start[excess] = largest_value(&heights.limits).max(0.0) / limit_unit + 0.1;

@@ -1,5 +1,5 @@
-//! Minimisers of functions of a few variables: values may be refused, gradients may be asked for. They know nothing
-//! of mechanisms.
+//! Minimisers of functions of a few variables: values may be rejected, and gradients may be requested. They do not
+//! depend on mechanisms.
 
 pub mod bfgs;
 pub mod constraints;
@@ -12,10 +12,10 @@ pub mod quadratic;
 
 /// A function to be made small.
 pub trait Objective {
-    /// The value at `x`; infinite where `x` is refused.
+    /// The value at `x`; infinite if `x` is rejected.
     fn value(&mut self, x: &[f64]) -> f64;
 
-    /// The value and gradient at `x`; `None` where `x` is refused.
+    /// The value and gradient at `x`; `None` if `x` is rejected.
     fn gradient(&mut self, x: &[f64]) -> Option<(f64, Vec<f64>)>;
 
     /// Called after every iteration with the best point so far; `false` ends the search.
@@ -24,7 +24,7 @@ pub trait Objective {
     }
 }
 
-/// A box that the variables stay in.
+/// A box for the variables.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VariableBounds {
     /// Smallest values.
@@ -55,7 +55,7 @@ impl VariableBounds {
 pub enum Ended {
     /// The tolerances are met.
     Converged,
-    /// No step makes the value smaller any more: rounding, a kink, or a refused neighbourhood.
+    /// No step decreases the value any more: rounding, a kink, or rejected points all around.
     Stalled,
     /// The allowed number of evaluations or iterations is used up.
     OutOfBudget,

@@ -14,7 +14,7 @@ const FIRST_STEP: f64 = 0.05;
 /// First change of a coordinate that is zero.
 const FIRST_STEP_FROM_ZERO: f64 = 0.00025;
 
-/// When the search is over.
+/// The stopping criteria.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NelderMeadLimits {
     /// Largest distance of a corner from the best one, along any coordinate.
@@ -103,7 +103,7 @@ impl SimplexSearch<'_> {
             } else {
                 FIRST_STEP * x[k]
             };
-            // A corner on the edge of the box would flatten the simplex: step inwards instead.
+            // A vertex on the edge of the box would flatten the simplex: step inwards instead.
             let outside = x[k] + step > self.bounds.upper[k] || x[k] + step < self.bounds.lower[k];
             x[k] += if outside { -step } else { step };
             simplex.push(self.corner(x));
@@ -115,7 +115,7 @@ impl SimplexSearch<'_> {
     fn improve_simplex(&mut self, simplex: &mut [SimplexCorner]) {
         let last = simplex.len() - 1;
         let count = last as f64;
-        // The centre of all corners but the worst.
+        // The centroid of all vertices but the worst.
         let centre: Vec<f64> = (0..last)
             .map(|k| simplex[..last].iter().map(|(x, _)| x[k]).sum::<f64>() / count)
             .collect();
@@ -124,7 +124,7 @@ impl SimplexSearch<'_> {
             let pairs = centre.iter().zip(&worst.0);
             pairs.map(|(c, w)| c + share * (c - w)).collect()
         };
-        // Reflect the worst one, and expand where that is the best of all.
+        // Reflect the worst vertex, and expand if the result is the best of all.
         let reflected = self.corner(along(REFLECTION));
         if reflected.1 < simplex[0].1 {
             let expanded = self.corner(along(REFLECTION * EXPANSION));
@@ -152,7 +152,7 @@ impl SimplexSearch<'_> {
             simplex[last] = contracted;
             return;
         }
-        // Nothing helped: shrink towards the best corner.
+        // No success: shrink towards the best vertex.
         let best = simplex[0].0.clone();
         for corner in &mut simplex[1..] {
             let pairs = best.iter().zip(&corner.0);

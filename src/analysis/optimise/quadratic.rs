@@ -11,7 +11,7 @@ pub struct Programme {
     pub bend: DMatrix<f64>,
     /// c
     pub cost: DVector<f64>,
-    /// G; every variable must be bounded by its rows where Q does not bend.
+    /// G; every variable must be bounded by its rows in directions without curvature.
     pub rows: DMatrix<f64>,
     /// g
     pub ends: DVector<f64>,
@@ -30,12 +30,12 @@ pub struct QuadraticStep {
 const GAP: f64 = 1e-11;
 const RESIDUAL: f64 = 1e-9;
 
-/// What a programme that got stuck may be off and still be used.
+/// Residual up to which a stalled programme can still be used.
 const USABLE: f64 = 1e-5;
 
 const MOST_ITERATIONS: usize = 60;
 
-/// Share of the way to the boundary.
+/// Fraction of the distance to the boundary.
 const INSIDE: f64 = 0.995;
 
 /// A point with its slacks and multipliers.
@@ -45,14 +45,14 @@ struct InteriorPoint {
     multipliers: DVector<f64>,
 }
 
-/// Right sides of the Newton system: of the gradient, of the rows, of the products.
+/// Right-hand sides of the Newton system: of the gradient, of the rows, of the products.
 struct Residuals {
     dual: DVector<f64>,
     primal: DVector<f64>,
 }
 
 impl Programme {
-    /// Solves from the point `start`; `None` where the numbers run away.
+    /// Solves from the point `start`; `None` if the iterates diverge.
     pub fn solve(&self, start: DVector<f64>) -> Option<QuadraticStep> {
         let rows = self.ends.len();
         let gap = &self.ends - &self.rows * &start;
@@ -141,7 +141,7 @@ impl Residuals {
     }
 }
 
-/// How far along `change` all `values` stay positive; what makes a whole step at most.
+/// Longest step along `change` for which all `values` stay positive; at most a full step.
 fn step_room(values: &DVector<f64>, change: &DVector<f64>) -> f64 {
     let pairs = values.iter().zip(change.iter());
     let limits = pairs.filter(|(_, d)| **d < 0.0).map(|(v, d)| -v / d);

@@ -1,5 +1,6 @@
-//! Designs posed and measured eight at a time, beside the poses of a known stand. What does not go smoothly is left to the
-//! [`Evaluator`], one by one.
+//! Poses and measures designs eight at a time, starting from the poses of a known
+//! [`TrackPoses`](super::track_poses::TrackPoses). Designs that fail any test are left to the [`Evaluator`], one by
+//! one.
 
 use super::measure::Measured;
 use super::track_poses::{Evaluator, Rejection, TrackPoses};
@@ -12,11 +13,11 @@ use crate::model::measure::{Measure, MeasureSource};
 use crate::model::mechanism::OutputSource;
 use crate::numbers::octet::{LANES, LaneMask, Octet};
 
-/// The anchors of a stand whose designs are posed side by side; made once, shared by all threads.
+/// Known poses from which designs are posed side by side; created once, shared by all threads.
 #[derive(Clone, Debug)]
 pub struct StandAnchors<'t> {
     stand: &'t TrackPoses,
-    /// `None` where some pose cannot be an anchor: every design is then posed by itself.
+    /// `None` if some pose cannot be used: every design is then posed individually.
     anchors: Option<Vec<Anchor>>,
     /// Whether measures are formulas of coordinates, traces and outputs, none a derivative or a distance of bodies.
     are_formulas: bool,
@@ -40,7 +41,7 @@ impl<'t> StandAnchors<'t> {
     }
 }
 
-/// Poses and measures designs eight at a time; one for each thread.
+/// Poses and measures designs eight at a time; one per thread.
 pub struct LaneEvaluator<'f> {
     plain: Evaluator<'f>,
     solver: LaneSolver<'f>,
@@ -48,7 +49,7 @@ pub struct LaneEvaluator<'f> {
     /// Coordinates of the designs, pose after pose.
     poses: Vec<Vec<Octet>>,
     scratch: Vec<Octet>,
-    /// Designs that were posed by themselves.
+    /// Designs that were posed individually.
     pub alone: usize,
 }
 
@@ -78,14 +79,14 @@ impl<'f> LaneEvaluator<'f> {
             .collect()
     }
 
-    /// A design posed by itself.
+    /// A design posed individually.
     fn alone(&mut self, values: &[f64]) -> Result<Measured, Rejection> {
         self.alone += 1;
         let stand = self.plain.approach(self.anchors.stand, values)?;
         self.plain.measure(&stand)
     }
 
-    /// Poses the designs; the lanes that are closed at all poses by one trusted step from the stand.
+    /// Poses the designs; returns the lanes that are closed at all poses by one trusted step from the known poses.
     fn posed(&mut self, designs: &[Vec<f64>]) -> LaneMask {
         let stand = self.anchors.stand;
         let mut lanes = LaneMask::first(designs.len());
@@ -127,7 +128,7 @@ impl<'f> LaneEvaluator<'f> {
         lanes
     }
 
-    /// The measures of `lanes`; nothing where one has no value, or is to be found otherwise.
+    /// The measures of `lanes`; none if one has no value or must be computed individually.
     fn measured(&mut self, lanes: LaneMask, designs: &[Vec<f64>]) -> Vec<Option<Vec<f64>>> {
         if !self.anchors.are_formulas || !lanes.any() {
             let one = |lane: usize| {
@@ -155,7 +156,7 @@ impl<'f> LaneEvaluator<'f> {
         (0..designs.len()).map(one).collect()
     }
 
-    /// The values of a measure's formulas at its poses; none of a formula of other measures.
+    /// The values of a measure's formulas at its poses; none for a formula of other measures.
     fn rows_of(&mut self, measure: &Measure, slots: &[Vec<Octet>]) -> Vec<Vec<Octet>> {
         let MeasureSource::Over { track, of, .. } = &measure.source else {
             return Vec::new();
@@ -189,7 +190,7 @@ impl<'f> LaneEvaluator<'f> {
         numbers.split_off(family.mechanism().inputs.len())
     }
 
-    /// The measures of a lane's poses, by what measures poses of one design.
+    /// The measures of a lane's poses, by the code for single designs.
     fn measured_plainly(&self, lane: usize, designs: &[Vec<f64>]) -> Option<Vec<f64>> {
         let pose = |pose: &Vec<Octet>| pose.iter().map(|c| c.lane(lane)).collect();
         let poses = self.poses.iter().map(pose).collect();

@@ -1,5 +1,5 @@
-//! Whether neighbouring poses of a track still belong to one motion. Each pose follows the variables by itself; where a
-//! singular pose passes between two samples of a track, they end up on different branches, and no sample shows it.
+//! Checks that adjacent poses of a track belong to one motion. Each pose follows the variables individually; if a
+//! singular pose passes between two samples of a track, they end up on different branches, although no sample shows it.
 
 use super::track_poses::{Evaluator, Rejection, TrackPoses};
 use crate::analysis::observer::{largest_distance, marked_positions};
@@ -7,10 +7,11 @@ use crate::kinematics::motion::continuation::solve_whole;
 use crate::kinematics::results::trajectory::EventKind;
 use crate::model::actuation::Actuation;
 
-/// Numbers of equal parts in which the way from a pose to the next is tried with nothing but Newton steps.
+/// Numbers of equal parts into which the motion from a pose to the next is divided when it is tried with Newton steps
+/// only.
 const PARTS: [usize; 2] = [1, 4];
 
-/// A pose that was followed to is the next one within this, in scaled unknowns, or in mechanism sizes.
+/// A followed pose equals the next one if they agree to this, in scaled unknowns, or in mechanism sizes.
 const SAME: f64 = 1e-7;
 
 impl Evaluator<'_> {
@@ -35,7 +36,7 @@ impl Evaluator<'_> {
         ends.is_some_and(|end| self.solver.apart(&end, to) < SAME) || self.moves_to(from, to)
     }
 
-    /// The same by a motion with all its care: through locked joints, past change points.
+    /// The same by a full motion: through locked joints and past change points.
     fn moves_to(&self, from: &[f64], to: &[f64]) -> bool {
         let mechanism = self.family.mechanism();
         let n = mechanism.unknowns.len();
@@ -51,7 +52,7 @@ impl Evaluator<'_> {
             return false;
         };
         let end = [end.unknowns.as_slice(), &to[n..]].concat();
-        // The same pose if every marked point of the bodies is where it should be.
+        // The poses are equal if every marked point of the bodies agrees.
         let off = largest_distance(
             &marked_positions(mechanism, &end),
             &marked_positions(mechanism, to),
@@ -59,7 +60,7 @@ impl Evaluator<'_> {
         off < SAME * mechanism.size
     }
 
-    /// Where the motion from one pose is at the inputs of another; `None` where so many parts are too few.
+    /// The motion from one pose to the inputs of another; `None` if this many parts are too few.
     fn follow(&mut self, from: &[f64], to: &[f64], parts: usize) -> Option<Vec<f64>> {
         let n = self.family.mechanism().unknowns.len();
         let mut pose = from.to_vec();

@@ -19,29 +19,29 @@ use crate::scene::{Kept, Overrides, load_scene};
 use glam::DVec3;
 use std::sync::Arc;
 
-/// Poses at which measures along the drive itself are taken in a study.
+/// Number of poses along the drive at which a study evaluates measures.
 pub const DRIVE_SAMPLES: usize = 180;
 
 /// A mechanism whose last inputs are the variables of its study.
 #[derive(Clone, Debug)]
 pub struct ParametricMechanism {
-    /// Traced points have frames of their own in its mechanism, bodies are as in the file.
+    /// In its mechanism traced points have frames of their own; bodies are as in the file.
     system: Arc<System>,
     /// The scene's drives; the variables rest.
     pub actuation: Actuation,
     /// What is measured.
     pub measures: Measures,
-    /// What is varied and asked.
+    /// The variables, objective and limits.
     pub study: Study,
-    /// Variables whose file's values are kept somewhere.
+    /// Variables whose file values are still used somewhere.
     pub kept: Vec<Kept>,
-    /// Solids as they follow the variables, if the overrides ask for that.
+    /// Solids as functions of the variables, if the overrides request them.
     pub carried: Vec<CarriedShape>,
-    /// Number of poses of every track, and of the drive behind them if a measure looks along it.
+    /// Number of poses of every track, and last of the drive if a measure refers to it.
     counts: Vec<usize>,
 }
 
-/// The poses of a study with the file's values, and what is proved of them.
+/// The poses of a study with the file's values, and their proofs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Nominal {
     /// Unknowns, then inputs, of every pose, track after track.
@@ -80,7 +80,7 @@ pub enum FamilyError {
     /// Dimensions without a tolerance.
     #[error("there is no tolerance for {0}")]
     NoTolerance(String),
-    /// A dimension that stands where the file's value is kept.
+    /// A dimension in a place that keeps the file's value.
     #[error("`{}` appears {}, where its tolerance would be ignored", .0.name, .0.place)]
     Kept(Kept),
     /// A measure that the scene does not have.
@@ -115,6 +115,7 @@ impl ParametricMechanism {
             derives_measures: true,
             ..overrides.clone()
         };
+        // A first reading gives the names of the variables and the size; a second one makes them inputs.
         let nominal = load_scene(source, overrides).map_err(Box::new)?;
         let own = nominal.study.iter().flat_map(|s| &s.variables);
         let names: Vec<String> = if vary.is_empty() {
@@ -157,7 +158,7 @@ impl ParametricMechanism {
         let plain = overrides.clone();
         let overrides = Overrides {
             vary: names,
-            // Fixed offsets become joints of this mechanism; its residuals keep their scale.
+            // Fixed offsets become joints of this mechanism; the scale of its residuals is kept.
             size: Some(size),
             ..overrides.clone()
         };
@@ -226,7 +227,7 @@ impl ParametricMechanism {
         value * self.units(measure.kind)
     }
 
-    /// The measure that is to be made small.
+    /// The objective.
     pub fn objective(&self) -> Option<&Measure> {
         self.measures.list.get(self.study.objective?)
     }
@@ -250,7 +251,8 @@ impl ParametricMechanism {
         family
     }
 
-    /// Frees every variable within this share of its value, in place of its own range; one that is zero keeps its own.
+    /// Frees every variable within this fraction of its value, replacing its range; one with value zero keeps its
+    /// range.
     pub fn free_within(&mut self, share: f64) {
         for variable in &mut self.study.variables {
             let half = share * variable.start.abs();
@@ -260,7 +262,7 @@ impl ParametricMechanism {
         }
     }
 
-    /// The same family with so many steps on its tracks for each of its own.
+    /// The same family with its tracks divided this many times as finely.
     pub fn with_finer_tracks(&self, times: usize) -> Self {
         let mut family = self.clone();
         let tracks = family.measures.tracks.iter_mut();
@@ -297,7 +299,7 @@ impl ParametricMechanism {
         Some(self)
     }
 
-    /// The poses of [`nominal`](Self::nominal) without certificates; `None` as soon as a motion has a gap.
+    /// The poses of [`nominal`](Self::nominal) without certificates; `None` at the first gap of a motion.
     pub fn whole_motion(&self) -> Option<Vec<Vec<f64>>> {
         let mut poses = Vec::new();
         for row in 0..self.counts.len() {
@@ -341,7 +343,7 @@ impl ParametricMechanism {
         Ok(())
     }
 
-    /// Every track with its poses among all, and the drive behind them if a measure looks along it.
+    /// The range of poses of every track, and last of the drive if a measure refers to it.
     pub fn rows(&self) -> Vec<(String, std::ops::Range<usize>)> {
         let mut start = 0;
         let rows = self.counts.iter().enumerate().map(|(row, count)| {
@@ -351,7 +353,7 @@ impl ParametricMechanism {
         rows.collect()
     }
 
-    /// Where traced point `trace` is in the world at `poses`.
+    /// The positions of traced point `trace` at `poses`, in world coordinates.
     pub fn path(&self, poses: &[Vec<f64>], trace: usize) -> Vec<DVec3> {
         let trace = &self.mechanism().traces[trace];
         let chain = &self.mechanism().bodies[trace.body].world_from_body;
@@ -362,13 +364,13 @@ impl ParametricMechanism {
         poses.iter().map(place).collect()
     }
 
-    /// Name of a track, or of the drive behind them.
+    /// Name of a track, or of the drive, which is last.
     fn row_name(&self, row: usize) -> String {
         let track = self.measures.tracks.get(row);
         track.map_or_else(|| "the drive".to_owned(), |t| t.name.clone())
     }
 
-    /// Which of all poses belong to a track, or to the drive.
+    /// The range of poses of a track or of the drive.
     pub(super) fn poses_of(&self, track: Option<usize>) -> std::ops::Range<usize> {
         let row = track.unwrap_or(self.measures.tracks.len());
         let start: usize = self.counts[..row].iter().sum();

@@ -1,5 +1,5 @@
-//! Exact derivatives of measures by the variables: rates of the poses, then the chain rule. Where a measure derives by
-//! an input the mixed second derivative is needed, which Taylor series through the loops give.
+//! Exact derivatives of measures by the variables: rates of the poses, then the chain rule. A measure that contains a
+//! derivative by an input needs the mixed second derivative, from Taylor series through the loops.
 
 use super::measure::ShownMeasure;
 use super::slopes::MeasureSlopes;
@@ -10,10 +10,10 @@ use crate::model::expression::Expression;
 use crate::model::measure::MeasureSource;
 use crate::numbers::series::TaylorSeries;
 
-/// Poses with mixed derivatives for which a thread of its own pays.
+/// Number of poses with mixed derivatives from which on another thread pays.
 const LEAST_PORTION: usize = 32;
 
-/// Measures of a stand and their derivatives.
+/// Measures at given poses and their derivatives.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gradients {
     /// Every measure of the mechanism.
@@ -22,16 +22,16 @@ pub struct Gradients {
     pub rows: Vec<Vec<f64>>,
 }
 
-/// How what a pose shows changes with the variables.
+/// Derivatives of a pose's quantities by the variables.
 pub(super) struct Changes {
     slopes: MeasureSlopes,
-    /// Along every variable to the second order, where a measure derives by an input.
+    /// Series along every variable to second order, for measures with derivatives by an input.
     variables: Vec<Vec<TaylorSeries>>,
-    /// Along an input by which measures derive, and along it and every variable together.
+    /// Series along an input by which measures are differentiated, alone and together with every variable.
     mixed: Vec<Mixed>,
 }
 
-/// Series to the second order.
+/// Series to second order.
 struct Mixed {
     input: usize,
     alone: Vec<TaylorSeries>,
@@ -49,7 +49,7 @@ impl Changes {
         row: &mut [f64],
     ) {
         if let Some(mixed) = per.and_then(|k| self.mixed.iter().find(|m| m.input == k)) {
-            // The mixed second derivative is the second coefficient of both moving less those of each alone.
+            // The mixed second derivative: the second coefficient of both moving minus those of each moving alone.
             let second = |series: &[TaylorSeries]| formula.value(series).coefficients()[2];
             let alone = second(&mixed.alone);
             let pairs = mixed.together.iter().zip(&self.variables);
@@ -78,7 +78,7 @@ impl Changes {
 impl Evaluator<'_> {
     /// Measures and their exact gradients.
     ///
-    /// Where a maximum, minimum or bow changes its pose the gradient is that of one side.
+    /// Where a maximum, minimum or bow passes from one pose to another, the gradient is one-sided.
     ///
     /// # Errors
     /// A measure without a value or derivative (names it), or a singular pose.
@@ -122,7 +122,7 @@ impl Evaluator<'_> {
         Ok(Gradients { measures, rows })
     }
 
-    /// How every pose of a stand, which shows `shown`, changes with the variables.
+    /// Derivatives of the quantities `shown` of every pose by the variables.
     pub(super) fn changes(
         &self,
         stand: &TrackPoses,
@@ -147,7 +147,7 @@ impl Evaluator<'_> {
             self.changes_at(index, &stand.poses[index], slopes)
         };
         let poses = stand.poses.len();
-        // Only series through the loops are worth a thread.
+        // Only series through the loops are worth another thread.
         let threads = match self.derives_by_inputs() {
             true => jobs::core_count().min(poses.div_ceil(LEAST_PORTION)),
             false => 1,
@@ -180,7 +180,7 @@ impl Evaluator<'_> {
         }
         let series = |moving: &[usize]| values_along(family.system(), pose, moving, 2);
         let variables: Option<Vec<_>> = (0..count).map(|k| series(&[first + k])).collect();
-        // Mixed derivatives by an input and a variable, for measures that derive by that input.
+        // Mixed derivatives by an input and a variable, for measures that contain derivatives by that input.
         let mixed: Option<Vec<Mixed>> = inputs
             .into_iter()
             .map(|input| {

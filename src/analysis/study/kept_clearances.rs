@@ -1,4 +1,4 @@
-//! Whether a found mechanism keeps the clearances that its scene asks for; if not, the last candidate that does.
+//! Checks whether an optimised mechanism keeps the clearances of its scene; if not, finds the last candidate that does.
 
 use super::family::FamilyError;
 use super::loaded::LoadedStudy;
@@ -11,13 +11,13 @@ use crate::kinematics::motion::sampling::{frame_times, knot_times};
 use crate::kinematics::structure::system::System;
 use std::sync::Arc;
 
-/// Nearness of the bound where the instants between the samples count only roughly.
+/// Accuracy of the bound if the times between the samples matter only roughly.
 const COARSE: f64 = 1.0;
 
-/// Halvings of the way from the last candidate that keeps the clearances to the next.
+/// Bisection steps between the last candidate that keeps the clearances and the next.
 const HALVINGS: usize = 6;
 
-/// Two bodies, how near they come, and how near they may.
+/// Two bodies, their distance, and their minimum.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NearestPair {
     /// Names of the bodies.
@@ -28,14 +28,14 @@ pub struct NearestPair {
     pub minimum: f64,
 }
 
-/// What the bodies do over the drive.
+/// The clearances over the drive.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Clearances {
     /// All pairs keep their minimum.
     pub kept: bool,
     /// The worst pair.
     pub worst: NearestPair,
-    /// The candidate that was taken in place of the optimum, which comes too near: its iteration.
+    /// The iteration of the candidate that replaced the optimum, which violates a minimum.
     pub instead: Option<usize>,
 }
 
@@ -44,7 +44,7 @@ fn judge_clearances(
     study: &LoadedStudy,
     values: &[f64],
 ) -> Result<Option<Clearances>, FamilyError> {
-    // The scene is read anew, since bodies have the shapes of these values.
+    // The scene is read again, since the shapes of the bodies depend on these values.
     let scene = study.scene_at(values)?;
     let Some(rules) = &scene.clearance else {
         return Ok(None);
@@ -52,7 +52,7 @@ fn judge_clearances(
     let (mechanism, actuation) = (&scene.mechanism, &scene.actuation);
     let system = System::new(Arc::clone(mechanism), actuation)?;
     let times = frame_times(mechanism, actuation, scene.view.fps);
-    // At the frames and the keys of the drive; the bounds cover what lies between.
+    // At the frames and the keys of the drive; the bounds cover the times between them.
     let trajectory = solve_motion(&system, actuation, &knot_times(actuation, &times));
     let report = check_clearance(
         &system,
@@ -76,8 +76,8 @@ fn judge_clearances(
     }))
 }
 
-/// Judges a minimum. Where it comes too near, the last point found on the way that does not takes its place; if there is
-/// none it stays, as one that does not keep them.
+/// Judges an optimum. If it violates a minimum, it is replaced by the last point of the search that does not; if there
+/// is none it stays and counts as a violation.
 pub fn settle_clearances(
     study: &LoadedStudy,
     minimum: &mut Minimum,
@@ -89,7 +89,7 @@ pub fn settle_clearances(
     if found.kept {
         return Ok(Some(found));
     }
-    // Halving: as a rule clearances are lost once on the way.
+    // Bisection: usually clearances are lost once on the way.
     let (mut low, mut high) = (0, improvements.len());
     let mut best = None;
     while low < high {
@@ -119,8 +119,8 @@ pub fn settle_clearances(
     Ok(Some(clearances))
 }
 
-/// How far one can go from a candidate that keeps the clearances towards the next, which does not: the values there,
-/// their objective, and what the bodies do. `None` if that is no gain.
+/// The last point that keeps the clearances between a candidate that does and the next, which does not: its values, its
+/// objective, and its clearances. `None` if it is no improvement.
 fn search_further(
     study: &LoadedStudy,
     from: &Improvement,
@@ -132,7 +132,7 @@ fn search_further(
         let share = 0.5 * (low + high);
         let ends = from.values.iter().zip(to);
         let values: Vec<f64> = ends.map(|(a, b)| a + share * (b - a)).collect();
-        // Bisection: the bodies are judged in the middle of what is open.
+        // Bisection: the bodies are judged in the middle of the remaining interval.
         match judge_clearances(study, &values)? {
             Some(clearances) if clearances.kept => {
                 best = Some((values, clearances));

@@ -1,4 +1,4 @@
-//! A study as it was asked for: the text of a scene, what is changed in it, and the mechanism with its variables as inputs.
+//! A study as requested: the text of a scene, the changes to it, and the mechanism with its variables as inputs.
 
 use super::family::{FamilyError, Nominal, ParametricMechanism};
 use super::gradient::Gradients;
@@ -11,7 +11,7 @@ use crate::scene::{Overrides, Scene, load_scene};
 pub struct LoadedStudy {
     /// Its text.
     pub source: Source,
-    /// What is changed in it.
+    /// The changes to it.
     pub overrides: Overrides,
     /// With its variables as inputs.
     pub family: ParametricMechanism,
@@ -21,7 +21,7 @@ pub struct LoadedStudy {
 pub struct NominalStudy {
     /// The poses and what is proved of them.
     pub drawn: Nominal,
-    /// The same poses, as pieces near them are reached from.
+    /// The same poses, as the start for nearby pieces.
     pub poses: TrackPoses,
     /// Measures and their derivatives.
     pub gradients: Gradients,
@@ -30,7 +30,7 @@ pub struct NominalStudy {
 /// Stands for every dimension.
 const ALL: &str = "all";
 
-/// The parameters that `vary` names; `all` stands for the scene's `dimensions`, and so does nothing if `all_by_default`.
+/// The parameters named in `vary`; `all`, or nothing if `all_by_default`, stands for the scene's `dimensions`.
 ///
 /// # Errors
 /// A parameter that is named twice.
@@ -41,7 +41,7 @@ pub fn varied_names(
 ) -> Result<Vec<String>, FamilyError> {
     let all = vary.iter().any(|v| v == ALL) || (vary.is_empty() && all_by_default);
     let mut names = if all { dimensions.to_vec() } else { Vec::new() };
-    // What stands beside `all` may be one of them.
+    // Names given together with `all` may be among them.
     let named = vary.iter().filter(|name| *name != ALL);
     let more: Vec<_> = named.filter(|n| !(all && names.contains(n))).collect();
     names.extend(more.into_iter().cloned());
@@ -133,7 +133,7 @@ impl LoadedStudy {
         }
     }
 
-    /// Values of the variables as formulas of the file, with what was replaced before them.
+    /// Values of the variables as formulas of the file, after the replacements made before.
     pub fn parameters(&self, values: &[f64]) -> Vec<(String, String)> {
         let mut list = self.overrides.parameters.clone();
         for (variable, value) in self.family.study.variables.iter().zip(values) {

@@ -1,4 +1,5 @@
-//! Measures of a stand: what every pose shows, reduced along the tracks, put into the measures' formulas.
+//! Measures at given poses: the quantities of every pose, reduced along the tracks, inserted into the measures'
+//! formulas.
 
 use super::family::FamilyError;
 use super::track_poses::{Evaluator, Rejection, TrackPoses};
@@ -9,14 +10,15 @@ use crate::model::measure::{Measure, MeasureSource};
 use crate::model::mechanism::Mechanism;
 use crate::numbers::series::TaylorSeries;
 
-/// The numbers of a stand.
+/// The values of all measures and quantities at given poses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measured {
     /// Every measure of the mechanism.
     pub measures: Vec<f64>,
 }
 
-/// What a pose shows: coordinates, traces, outputs, and their series along the inputs by which measures derive.
+/// The quantities of a pose: coordinates, traces, outputs, and their series along the inputs by which measures are
+/// differentiated.
 pub(super) struct ShownMeasure {
     pub slots: Vec<f64>,
     along: Vec<(usize, Option<Vec<TaylorSeries>>)>,
@@ -74,7 +76,7 @@ impl Evaluator<'_> {
         }
     }
 
-    /// Inputs by which measures derive at pose `index`.
+    /// Inputs by which measures are differentiated at pose `index`.
     pub(super) fn derived_by(&self, index: usize) -> Vec<usize> {
         let mut inputs = Vec::new();
         for measure in &self.family.measures.list {
@@ -92,7 +94,7 @@ impl Evaluator<'_> {
         inputs
     }
 
-    /// Whether any measure derives by an input.
+    /// Whether any measure contains a derivative by an input.
     pub(super) fn derives_by_inputs(&self) -> bool {
         let measures = self.family.measures.list.iter();
         let derives = |m: &Measure| matches!(m.source, MeasureSource::Over { per: Some(_), .. });
@@ -125,7 +127,7 @@ impl Evaluator<'_> {
         FamilyError::Lacks(format!("at the file's own values: {rejection}{why}"))
     }
 
-    /// Why the measure called `name` has no value at a stand: which operation, at which pose.
+    /// Why the measure called `name` has no value: which operation fails, at which pose.
     fn why(&self, stand: &TrackPoses, name: &str) -> String {
         let (measures, shown) = (&self.family.measures.list, self.shown(stand));
         let (numbers, _) = self.numbers(stand, &shown);
@@ -145,7 +147,7 @@ impl Evaluator<'_> {
         fault.map_or_else(String::new, |fault| format!(": {fault}"))
     }
 
-    /// Inputs and measures, the slots of the measures' formulas; and how those over tracks came about.
+    /// Inputs and measures, the slots of the measures' formulas; and how those over tracks were computed.
     pub(super) fn numbers(
         &self,
         stand: &TrackPoses,

@@ -1,5 +1,5 @@
-//! A mechanism with variables, posed along the tracks of its study, and the measures of that: values and exact
-//! gradients. Optimisers, sensitivities and tolerances are loops around this.
+//! A mechanism with variables, posed along the tracks of its study, and its measures: values and exact gradients.
+//! Optimisers, sensitivities and tolerances are loops around this.
 
 mod abreast;
 mod branch_breaks;

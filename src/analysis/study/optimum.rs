@@ -1,4 +1,4 @@
-//! Searching a study's optimum by a chosen method, and proving afterwards what was found.
+//! Searches the optimum of a study by the chosen method, and verifies it afterwards.
 
 use super::family::{FamilyError, ParametricMechanism};
 use super::peaks::Peaks;
@@ -12,19 +12,19 @@ use crate::diag::Source;
 use crate::scene::{Overrides, load_scene};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// A violation of a constraint that is let pass, as a share of its bound.
+/// Accepted violation of a constraint, as a fraction of its bound.
 const LET_PASS: f64 = 1e-7;
 
 /// Length of the first step of a gradient search, as a share of the variables.
 const FIRST_STEP: f64 = 0.02;
 
-/// Radius of a trust region, as a share of the variables, below which nothing is gained.
+/// Radius of a trust region, as a fraction of the variables, below which nothing is gained.
 const SMALLEST_RADIUS: f64 = 1e-12;
 
 /// Members of a generation for each variable.
 const MEMBERS_PER_VARIABLE: usize = 8;
 
-/// How the minimum is searched.
+/// The search method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Method {
     /// Simplex; tolerance of variables and values as they are.
@@ -37,14 +37,14 @@ pub enum Method {
         /// Of the scaled gradient, relative to the first value.
         tolerance: f64,
     },
-    /// Linear programmes on every pose, for an objective that is the largest of many values.
+    /// Quadratic programmes over every pose, for an objective that is the largest of many values.
     Minimax {
-        /// Of the promised gain, relative.
+        /// Of the predicted decrease, relative.
         tolerance: f64,
     },
     /// Differential evolution, then quasi-Newton.
     Evolution {
-        /// Of the generation's values, relative.
+        /// Of the spread of the generation, relative.
         tolerance: f64,
         /// Where random numbers start.
         seed: u64,
@@ -59,18 +59,18 @@ pub enum SearchMethod {
     /// Quasi-Newton method with exact gradients.
     #[default]
     Bfgs,
-    /// Linear programmes on every pose: for an objective that is the largest of many values.
+    /// Quadratic programmes over every pose: for an objective that is the largest of many values.
     Minimax,
     /// Differential evolution over the whole ranges, then quasi-Newton from its best.
     Evolution,
 }
 
-/// Tolerances where none is asked for: what the common simplex search takes, and what rounding allows.
+/// Default tolerances: that of the usual simplex search, and the limits set by rounding.
 const SIMPLEX_TOLERANCE: f64 = 1e-4;
 const GRADIENT_TOLERANCE: f64 = 1e-9;
 
 impl SearchMethod {
-    /// The method with a tolerance of its own where none is asked for; `seed` is where random numbers start.
+    /// The method with `tolerance` or its default; `seed` is for its random numbers.
     pub(crate) fn with_tolerance(self, tolerance: Option<f64>, seed: u64) -> Method {
         let simplex = tolerance.unwrap_or(SIMPLEX_TOLERANCE);
         let tolerance = tolerance.unwrap_or(GRADIENT_TOLERANCE);
@@ -83,7 +83,7 @@ impl SearchMethod {
     }
 }
 
-/// A better point that a search came to.
+/// An improvement found by a search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Improvement {
     /// Iteration; zero for the start.
@@ -105,8 +105,8 @@ pub struct Optimum {
     pub refusals: Refusals,
 }
 
-/// Minimises the study's objective within bounds and constraints; ended with the best so far as soon as `cancel` is raised.
-/// The value is infinite where that comes before the first pose.
+/// Minimises the study's objective within bounds and constraints; ends with the best point so far when `cancel` is
+/// raised. The value is infinite if that happens before the first pose.
 ///
 /// # Errors
 /// No objective, no poses at the start, or no bounds where the method needs them.
@@ -201,7 +201,7 @@ fn search_optimum(
     } else {
         constraints::minimise_constrained(&mut search, &start, &limits, LET_PASS, &mut run)
     };
-    // A line search that is told to end goes through its trials without a look at any.
+    // A cancelled line search passes through its remaining trials without evaluating them.
     minimum.evaluations = minimum.evaluations.min(search.looks());
     Ok(Optimum {
         minimum,
@@ -217,6 +217,7 @@ fn least_largest(
     watch: Box<Watch<'_>>,
     cancel: &AtomicBool,
 ) -> Result<Optimum, FamilyError> {
+    // A search without iterations gives bounds, scales and the first value.
     let quiet = StudySearch::new(family, Box::new(|_, _, _| true))?;
     let (bounds, scales, first_value) = (quiet.bounds(), quiet.scales(), quiet.value());
     let mut evaluator = Evaluator::new(family).until(cancel);
@@ -236,7 +237,7 @@ fn least_largest(
     })
 }
 
-/// What an independent motion along the tracks says of found values.
+/// The result of an independent motion along the tracks with the optimised values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Verified {
     /// Every measure.
@@ -253,10 +254,11 @@ pub struct Verified {
     pub whole: Vec<WholeLimit>,
 }
 
-/// Reads the scene again with the values as its parameters, follows the tracks from the start of the drive, and measures.
+/// Reads the scene again with the values as its parameters, follows the tracks from the start of the drive, and
+/// measures.
 ///
 /// # Errors
-/// What is wrong with the values: they cannot be assembled, or not on the way from the start values.
+/// The values cannot be assembled, or not along the way from the start values.
 pub fn verify_optimum(
     source: &Source,
     overrides: &Overrides,
@@ -267,7 +269,7 @@ pub fn verify_optimum(
         parameters,
         ..overrides.clone()
     };
-    // Nothing of the search is used: neither its poses nor its branch.
+    // Nothing of the search is reused: neither its poses nor its branch.
     let family = ParametricMechanism::load(source, &overrides, vary)?;
     let nominal = family.nominal()?;
     let (error_bound, unproved, poses) =

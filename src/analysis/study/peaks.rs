@@ -1,5 +1,5 @@
-//! A study as a minimax search works on it: pose by pose where the objective is the largest value along a track, and as one peak
-//! where it is any other number.
+//! A study as a minimax problem: one function per pose if the objective is the largest value along a track, otherwise a
+//! single function.
 
 use super::family::{FamilyError, ParametricMechanism};
 use super::row_reader::{list_rows, row_nearness};
@@ -9,11 +9,11 @@ use super::track_poses::{Evaluator, Rejection, TrackPoses};
 use crate::analysis::optimise::VariableBounds;
 use crate::analysis::optimise::minimax::{MinimaxProblem, PeakGradients, PeakValues, TrustEdge};
 
-/// Found poses may be nearer to a singular one than those of the file's values, but not nearer than this share: a search
-/// that is let go farther ends where its mechanism is about to fall apart.
+/// An optimum may be nearer to a singular pose than the file's values, but not nearer than this fraction: otherwise the
+/// search ends at a mechanism that is about to fall apart.
 const SHARE_OF_SIGMA: f64 = 0.1;
 
-/// Where the smallest singular value is beyond this many times the least, a step need not look at it.
+/// If the smallest singular value exceeds this multiple of the allowed minimum, a step does not need its derivative.
 const SLOPES_BELOW: f64 = 4.0;
 
 /// What is made small.
@@ -21,43 +21,43 @@ const SLOPES_BELOW: f64 = 4.0;
 enum Objective {
     /// The largest of the first rows.
     Largest,
-    /// One number made of the first rows.
+    /// One number computed from the first rows.
     Reduced(Reduction),
     /// A measure of another kind.
     Number(usize),
 }
 
-/// A family with its objective, pose by pose as far as that is possible.
+/// A family with its objective, pose by pose if possible.
 pub struct Peaks<'f, 'w> {
     evaluator: Evaluator<'f>,
     base: TrackPoses,
     base_merit: f64,
     excess: f64,
-    /// Poses with a smaller singular value are refused.
+    /// Poses with a smaller singular value are rejected.
     least_sigma: f64,
     objective: Objective,
-    /// Those of the objective if it has any, then those of the limits that are asked pose by pose.
+    /// Those of the objective if it has any, then those of the limits that apply pose by pose.
     rows: Vec<StudyRows<'f>>,
-    /// Limits of measures that are one number, as (measure, factor, shift).
+    /// Limits of measures that are single numbers, as (measure, factor, shift).
     singles: Vec<(usize, f64, f64)>,
     /// Candidates that were refused.
     pub refusals: Refusals,
-    /// Candidates that were refused by the guard.
+    /// Candidates rejected by the guard.
     pub guarded: usize,
     watch: Box<Watch<'w>>,
     guard: Option<Box<Guard<'w>>>,
     goes_on: Option<&'w dyn Fn() -> bool>,
 }
 
-/// Called with a stand that a search is about to build on: how far it is beyond what is allowed, as a number of order one;
-/// zero or less lets it pass.
+/// Called with the poses on which a search is about to build: by how much they exceed what is allowed, as a number of
+/// order one; zero or less accepts them.
 pub type Guard<'w> = dyn FnMut(&TrackPoses) -> f64 + 'w;
 
-/// Step of the differences that show how a guard's answer changes, as a share of the variables' ranges.
+/// Step of the difference quotients of a guard's answer, as a fraction of the variables' ranges.
 const GUARD_STEP: f64 = 1e-7;
 
 impl<'f, 'w> Peaks<'f, 'w> {
-    /// Prepares the search from the `start` stand of `evaluator`.
+    /// Prepares the search from the poses `start` of `evaluator`.
     ///
     /// # Errors
     /// No objective.
@@ -86,14 +86,14 @@ impl<'f, 'w> Peaks<'f, 'w> {
                 let Some(bound) = bound else { continue };
                 let size = if bound == 0.0 { 1.0 } else { bound.abs() };
                 let shift = -sign * bound / size;
-                // Only the side that the extreme is on can be asked pose by pose.
+                // Only the side of the extreme can be imposed pose by pose.
                 match StudyRows::of(family, measure).filter(|rows| rows.signs[0] == sign) {
                     Some(own) => rows.push(own.scaled(1.0 / size, shift)),
                     None => singles.push((index, sign / size, shift)),
                 }
             }
         }
-        // Regularity at the start says how near to singular poses the search may go.
+        // The regularity at the start determines how near to singular poses the search may go.
         let base = evaluator.settled(start);
         let here = row_nearness(&evaluator, &base.poses, 1.0, 0.0)
             .values
@@ -116,7 +116,7 @@ impl<'f, 'w> Peaks<'f, 'w> {
         })
     }
 
-    /// The same, ended with what it has as soon as `goes_on` says no.
+    /// The same, ended with the best point so far when `goes_on` returns false.
     pub fn while_it(self, goes_on: &'w dyn Fn() -> bool) -> Self {
         Self {
             goes_on: Some(goes_on),
@@ -149,12 +149,13 @@ impl<'f, 'w> Peaks<'f, 'w> {
         }
     }
 
-    /// The largest missed limit, as a share of it, at the point that slopes were asked for last; zero if none is missed.
+    /// The largest violation of a limit, as a fraction of it, at the point whose slopes were requested last; zero if
+    /// there is none.
     pub fn excess(&self) -> f64 {
         self.excess
     }
 
-    /// Unknowns at the start of the drive at that point, where a track has this pose.
+    /// Unknowns at the start of the drive at that point, if a track has this pose.
     pub fn unknowns_at_start(&self) -> Option<Vec<f64>> {
         let family = self.evaluator.family();
         let (n, own) = (family.mechanism().unknowns.len(), family.own_inputs());
@@ -164,7 +165,7 @@ impl<'f, 'w> Peaks<'f, 'w> {
         Some(pose[..n].to_vec())
     }
 
-    /// The smallest singular value that is let pass.
+    /// The smallest accepted singular value.
     pub fn least_sigma(&self) -> f64 {
         self.least_sigma
     }
@@ -179,7 +180,7 @@ impl<'f, 'w> Peaks<'f, 'w> {
         x: &[f64],
         with_slopes: bool,
     ) -> Result<Option<(PeakValues, PeakGradients)>, Rejection> {
-        // All poses of the tracks with these dimensions, from the nearest set that is known.
+        // All poses of the tracks with these dimensions, from the nearest known ones.
         let stand = if with_slopes {
             self.evaluator.reach(&self.base, x)?
         } else {
@@ -211,7 +212,7 @@ impl<'f, 'w> Peaks<'f, 'w> {
             peaks: slopes,
             limits: Vec::new(),
         };
-        // Regularity is a limit as well: no pose may come near a singular one.
+        // Regularity is also a constraint: no pose may come near a singular one.
         let near = if with_slopes { SLOPES_BELOW } else { 0.0 };
         let regular = row_nearness(&self.evaluator, &stand.poses, self.least_sigma, near);
         for mut list in lists.chain([regular]) {
@@ -226,7 +227,7 @@ impl<'f, 'w> Peaks<'f, 'w> {
             return Err(Rejection::NoValue("the objective".to_owned()));
         }
         let largest = |list: &[f64]| list.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        // Slopes are asked for at accepted points only; those are what candidates come from.
+        // Slopes are requested at accepted points only, from which further candidates are reached.
         let excess = largest(&heights.limits).max(0.0);
         if with_slopes {
             self.excess = excess;
@@ -283,7 +284,7 @@ impl MinimaxProblem for Peaks<'_, '_> {
         self.look(x, true)
     }
 
-    /// By differences: a guard knows no derivatives, and none at all on the side that it lets pass.
+    /// By difference quotients: a guard has no derivatives, and none at all where it accepts.
     fn edge(&mut self, x: &[f64]) -> Option<TrustEdge> {
         let stand = self.evaluator.reach(&self.base, x).ok()?;
         let guard = self.guard.as_mut()?;
@@ -297,7 +298,7 @@ impl MinimaxProblem for Peaks<'_, '_> {
             .map(|v| GUARD_STEP * (v.upper - v.lower))
             .collect();
         for (k, step) in steps.into_iter().enumerate() {
-            // Towards the side where there still is something to see.
+            // Towards the side on which the guard still has a value.
             let there = [step, -step].map(|h| {
                 let mut moved = x.to_vec();
                 moved[k] += h;

@@ -1,5 +1,5 @@
-//! Solids whose shapes depend on what a study varies: the scene is read again with other values, so that distances of bodies
-//! follow their dimensions as well as their places.
+//! Solids whose shapes depend on the variables of a study: the scene is read again with other values, so that distances
+//! of bodies follow their shapes as well as their placements.
 
 use crate::diag::Source;
 use crate::distance::solids::Rigid;
@@ -11,10 +11,10 @@ use crate::scene::{Overrides, load_scene};
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// A value is changed by this part of itself, or of one, to see whether a shape depends on it.
+/// A value is changed by this fraction of itself, or of one, to find out whether a shape depends on it.
 const LOOK: f64 = 1e-4;
 
-/// Shapes that are kept; a gradient needs two a variable.
+/// Number of shapes that are cached; a gradient needs two per variable.
 const KEPT: usize = 64;
 
 /// The scene of a study, as it is read with other values.
@@ -25,7 +25,7 @@ pub(super) struct Reading {
     pub(super) overrides: Overrides,
     /// What is varied, and from internal values to the file's.
     pub(super) variables: Vec<(Variable, f64)>,
-    /// The coordinate of the first of them; the others follow.
+    /// The coordinate of the first variable; the others follow.
     pub(super) first: usize,
 }
 
@@ -64,7 +64,7 @@ pub(super) fn follow(mechanism: &mut Mechanism, reading: &Reading) {
             continue;
         };
         for gap in &mut distance.gaps {
-            // What cannot be read there may depend on it.
+            // A shape that cannot be read then may depend on the variable.
             let depends = |other: &Option<Vec<Body>>| {
                 let differs = |all: &Vec<Body>, k: usize| all[k].shapes != bodies[k].shapes;
                 other
@@ -88,7 +88,7 @@ pub(super) fn follow(mechanism: &mut Mechanism, reading: &Reading) {
     }
 }
 
-/// Values, and the solids with them; none where the scene cannot be read.
+/// Values, and the solids with them; none if the scene cannot be read.
 type Known = (Vec<f64>, Option<Arc<Rigid>>);
 
 /// Two bodies whose shapes follow the variables.

@@ -1,5 +1,5 @@
-//! Evaluates rows of formulas at the poses of a stand, and how their values change with the variables. The poses are shared
-//! among threads; the numbers do not depend on how many there are.
+//! Evaluates rows of formulas at given poses, with their derivatives by the variables. The poses are distributed among
+//! threads; the numbers do not depend on how many there are.
 
 use super::family::ParametricMechanism;
 use super::rows::{Listed, StudyRows};
@@ -8,10 +8,10 @@ use crate::jobs::{core_count, share_work};
 use crate::kinematics::rates::variation::Variation;
 use crate::numbers::hyper_dual::HyperDual;
 
-/// Poses for which a thread of its own pays.
+/// Number of poses from which on another thread pays.
 const LEAST_PORTION: usize = 64;
 
-/// What is asked at a pose.
+/// What is evaluated at a pose.
 #[derive(Clone, Copy)]
 enum Question<'a> {
     Formula(&'a StudyRows<'a>),
@@ -49,7 +49,7 @@ impl<'f> Reader<'f> {
         }
     }
 
-    /// The value of what is asked, and its derivatives if asked for.
+    /// The value, and its derivatives on request.
     fn answer(
         &mut self,
         question: Question,
@@ -143,7 +143,7 @@ impl<'f> Reader<'f> {
         if rows.reach <= pose.len() {
             return;
         }
-        // Traces are left at zero: nothing that counts uses them.
+        // Traces are left at zero: no relevant formula uses them.
         let base = pose.len() + 3 * mechanism.traces.len();
         self.numbers.resize(base, 0.0);
         for output in mechanism.outputs.iter().take(rows.reach - base) {
@@ -174,7 +174,7 @@ impl<'f> Reader<'f> {
     }
 }
 
-/// Values of all rows at the poses of a stand, list by list; less of them where the evaluator is cancelled.
+/// Values of all rows at the given poses, list by list; fewer after a cancellation.
 pub(super) fn list_rows(
     evaluator: &Evaluator,
     rows: &[StudyRows],
@@ -195,8 +195,8 @@ pub(super) fn list_rows(
         .collect()
 }
 
-/// How near to singular poses the poses of a stand are, as `1 - σ/least`: not positive where the smallest singular value
-/// is at least `least`. Slopes only where it is below `slopes_below` times that, else zeros.
+/// The distance of the given poses from singular ones, as `1 - σ/least`: not positive if the smallest singular value is
+/// at least `least`. Slopes are given only below `slopes_below` times that, otherwise zeros.
 pub(super) fn row_nearness(
     evaluator: &Evaluator,
     poses: &[Vec<f64>],
@@ -236,7 +236,7 @@ fn row_answers(
     found.into_iter().map(|(_, answer)| answer).collect()
 }
 
-/// Every sign's side of the values of some rows.
+/// The values of some rows for every sign.
 fn one_sided(rows: &StudyRows, found: Vec<(f64, Vec<f64>)>) -> Listed {
     let mut listed = Listed::default();
     for sign in rows.signs {

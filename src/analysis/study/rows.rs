@@ -1,5 +1,5 @@
-//! A formula pose by pose: its values along a track, or its derivatives by an input; which poses, which sides of it, and what
-//! is made of the values.
+//! A formula pose by pose: its values along a track, or its derivatives by an input; at which poses, with which signs,
+//! and how the values are reduced to a number.
 
 use super::family::ParametricMechanism;
 use crate::kinematics::measures::reduce::reduce_values;
@@ -12,11 +12,11 @@ pub(super) struct StudyRows<'a> {
     pub formula: &'a Expression,
     pub per: Option<usize>,
     pub poses: Range<usize>,
-    /// Which sides of the formula are looked at.
+    /// The signs to be considered.
     pub signs: &'static [f64],
     pub factor: f64,
     pub shift: f64,
-    /// How many slots a pose must have for the formula.
+    /// Number of slots that a pose must have for the formula.
     pub reach: usize,
     /// The formula depends on coordinates and outputs of coordinates only.
     pub is_free_of_traces: bool,
@@ -44,7 +44,7 @@ impl Listed {
 }
 
 impl<'f> StudyRows<'f> {
-    /// The rows of a measure that is the largest or smallest value of a row of poses.
+    /// The rows of a measure that is the largest or smallest value over poses.
     pub fn of(family: &'f ParametricMechanism, measure: &'f Measure) -> Option<Self> {
         let MeasureSource::Over {
             track,
@@ -65,7 +65,7 @@ impl<'f> StudyRows<'f> {
         Some(Self::rows_along(family, *track, &of[0], *per, signs))
     }
 
-    /// The rows of a measure that is one number made of one value a pose, and what makes it.
+    /// The rows of a measure that is reduced to one number from one value per pose, and the reduction.
     pub fn reduced(
         family: &'f ParametricMechanism,
         measure: &'f Measure,
@@ -122,7 +122,7 @@ impl<'f> StudyRows<'f> {
     }
 }
 
-/// What makes one number of a row of values.
+/// The reduction of a list of values to one number.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reduction {
     taking: Taking,
@@ -130,7 +130,7 @@ pub(super) struct Reduction {
 }
 
 impl Reduction {
-    /// The one number, and its slope where those of the values are known.
+    /// The one number, and its slope if those of the values are known.
     pub fn of(self, listed: Listed) -> Listed {
         let Listed { values, slopes } = listed;
         let rows = [values];
@@ -157,7 +157,7 @@ impl Reduction {
     }
 }
 
-/// The number of slots that must be known for a formula, and whether no trace is among those that count.
+/// The number of slots needed for a formula, and whether no trace is among the relevant ones.
 fn needed_rows(family: &ParametricMechanism, formula: &Expression) -> (usize, bool) {
     let mechanism = family.mechanism();
     let coordinates = mechanism.coordinate_count();
@@ -166,7 +166,7 @@ fn needed_rows(family: &ParametricMechanism, formula: &Expression) -> (usize, bo
     let reach = slots.last().map_or(0, |last| last + 1);
     let mut free = true;
     while let Some(slot) = slots.pop() {
-        // An output stands for all that it is made of.
+        // An output depends on everything that its formula uses.
         if slot >= base {
             slots.extend(mechanism.outputs[slot - base].slots(mechanism));
         } else if slot >= coordinates {

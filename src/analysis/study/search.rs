@@ -1,4 +1,5 @@
-//! A study as a function for the minimisers: poses from the best stand so far, refused candidates counted by cause.
+//! A study as a function for the minimisers: poses are reached from the best ones so far, rejected candidates are
+//! counted by cause.
 
 use super::family::{FamilyError, ParametricMechanism};
 use super::track_poses::{Evaluator, Rejection, TrackPoses};
@@ -6,19 +7,19 @@ use crate::analysis::optimise::constraints::Constrained;
 use crate::analysis::optimise::{Objective, VariableBounds};
 use std::sync::atomic::AtomicBool;
 
-/// How many candidates were refused, and why.
+/// Numbers of rejected candidates, by cause.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Refusals {
     /// A pose could not be reached: no assembly, or a singular pose on the way.
     pub not_reached: usize,
-    /// A singular pose had passed between two samples.
+    /// A singular pose passed between two samples.
     pub torn: usize,
     /// A measure had no value.
     pub no_value: usize,
 }
 
 impl Refusals {
-    /// What a candidate gave. A refusal is counted by its cause, unless the search was stopped meanwhile.
+    /// The result for a candidate. A rejection is counted by its cause, unless the search was cancelled meanwhile.
     pub(super) fn keep<T>(&mut self, found: Result<T, Rejection>, is_stopped: bool) -> Option<T> {
         match found {
             Ok(found) => return Some(found),
@@ -47,9 +48,9 @@ pub struct StudySearch<'f, 'w> {
     objective: usize,
     /// Candidates that were refused.
     pub refusals: Refusals,
-    /// The point of the last iteration, then those looked at since.
+    /// The point of the last iteration, then those evaluated since.
     looked_at: Vec<LookedAt>,
-    /// Points that were looked at in earnest.
+    /// Number of points that were actually evaluated.
     looks: usize,
     watch: Box<Watch<'w>>,
 }
@@ -71,7 +72,7 @@ impl LookedAt {
     }
 }
 
-/// Points nearer than this are one: minimisers count in scaled variables and back.
+/// Points nearer than this are equal: minimisers convert to scaled variables and back.
 const SAME_POINT: f64 = 1e-12;
 
 impl<'f, 'w> StudySearch<'f, 'w> {
@@ -104,7 +105,8 @@ impl<'f, 'w> StudySearch<'f, 'w> {
         })
     }
 
-    /// The same, which refuses all new points as soon as `cancel` is raised, so that a search ends with what it has.
+    /// The same, which rejects all new points when `cancel` is raised, so that a search ends with the best point so
+    /// far.
     pub fn until(self, cancel: &'f AtomicBool) -> Self {
         Self {
             evaluator: self.evaluator.until(cancel),
@@ -117,7 +119,7 @@ impl<'f, 'w> StudySearch<'f, 'w> {
         self.base_value
     }
 
-    /// Number of points that were looked at, those not counted that were refused because the search is to end.
+    /// Number of points evaluated, without those rejected because the search was cancelled.
     pub fn looks(&self) -> usize {
         self.looks
     }
@@ -181,7 +183,7 @@ impl<'f, 'w> StudySearch<'f, 'w> {
         } else {
             (self.evaluator.measure(&stand)?.measures, Vec::new())
         };
-        // The next candidates are mostly near the best one: it is the stand to start from.
+        // The next candidates are mostly near the best one, so they start from it.
         if measures[self.objective] < self.base_value {
             self.base_value = measures[self.objective];
             self.base = self.evaluator.settled(stand);

@@ -1,4 +1,4 @@
-//! A study's optimum from the search to the proof, put together once: the program and the library ask it.
+//! The optimisation of a study from the search to the verification, shared by the program and the library.
 
 use super::family::FamilyError;
 use super::kept_clearances::{Clearances, settle_clearances};
@@ -7,23 +7,24 @@ use super::optimum::{Improvement, Method, Optimum, Verified, find_optimum, verif
 use super::whole_limits::{KEPT, WholeLimit};
 use std::sync::atomic::AtomicBool;
 
-/// How far an objective that is measured again may be off, as a share of it (or of this share of the first value).
+/// Accepted difference of an objective that is measured again, as a fraction of it (or of this fraction of the first
+/// value).
 const SAME: f64 = 1e-6;
 
-/// What became of a study's objective.
+/// The result of an optimisation.
 #[derive(Clone)]
 pub struct FoundOptimum {
     /// The best values, and how they were found.
     pub optimum: Optimum,
-    /// The points that the search came to, from the start on.
+    /// The points visited by the search, from the start on.
     pub improvements: Vec<Improvement>,
-    /// What the bodies do with these values; `None` if nothing is asked of them.
+    /// The clearances with these values; `None` if none are requested.
     pub clearances: Option<Clearances>,
 }
 
 impl LoadedStudy {
-    /// Searches the optimum and keeps the points that the search came to. `heard` is told of every iteration with the best
-    /// objective so far; the search ends with that as soon as `cancel` is raised.
+    /// Searches the optimum and records the visited points. `heard` is called after every iteration with the best
+    /// objective so far; the search ends when `cancel` is raised.
     ///
     /// # Errors
     /// Those of [`find_optimum`].
@@ -41,6 +42,7 @@ impl LoadedStudy {
             true
         };
         let optimum = find_optimum(&self.family, method, iterations, Box::new(watch), cancel)?;
+        // From the start over all improvements to the minimum.
         let mut improvements = vec![Improvement {
             iteration: 0,
             values: self.family.start(),
@@ -56,7 +58,7 @@ impl LoadedStudy {
         })
     }
 
-    /// Looks whether the found values keep the clearances that the scene asks for, and goes back to those that do.
+    /// Checks whether the optimum keeps the clearances of the scene, and otherwise returns to a point that does.
     ///
     /// # Errors
     /// Values that the scene does not allow.
@@ -82,7 +84,7 @@ impl LoadedStudy {
     }
 }
 
-/// A point that is not the one before it.
+/// A point that differs from the previous one.
 fn add_improvement(list: &mut Vec<Improvement>, iteration: usize, values: &[f64], objective: f64) {
     if list.last().is_none_or(|last| last.values != values) {
         list.push(Improvement {
@@ -99,7 +101,7 @@ impl FoundOptimum {
         self.improvements.len() < 2 && self.optimum.minimum.iterations == 0
     }
 
-    /// Whether the motion that was followed again is the one that was optimised.
+    /// Whether the verifying motion has the optimised objective.
     pub fn agrees(&self, study: &LoadedStudy, verified: &Verified) -> bool {
         let objective = study.family.study.objective;
         let again = objective.map(|index| verified.measures[index]);
@@ -108,8 +110,8 @@ impl FoundOptimum {
         again.is_some_and(|again| (again - value).abs() <= SAME * scale)
     }
 
-    /// Whether the independent motion has the same objective and all limits, proved for the whole motion, and clearances are
-    /// kept.
+    /// Whether the independent motion has the same objective, all limits are proved for the whole motion, and
+    /// clearances are kept.
     pub fn holds(&self, study: &LoadedStudy, verified: &Result<Verified, FamilyError>) -> bool {
         let is_clear = self.clearances.as_ref().is_none_or(|c| c.kept);
         let is_verified = |v: &Verified| {

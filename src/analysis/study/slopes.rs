@@ -1,5 +1,5 @@
-//! How what a pose shows changes with each variable, to the first order: coordinates from the factorised loops, traced
-//! points from the twists of their chains, outputs by the chain rule.
+//! First derivatives of a pose's quantities by each variable: coordinates from the factorised loops, traced points from
+//! the twists of their chains, outputs by the chain rule.
 
 use crate::math::Pose;
 use crate::model::chain::{Argument, ArgumentValue, Chain, ElementaryMotion};
@@ -15,7 +15,7 @@ pub struct MeasureSlopes {
 }
 
 impl MeasureSlopes {
-    /// The slopes at a pose that shows `slots` by the last `count` inputs. `sensitivity` holds
+    /// The slopes of the quantities `slots` of a pose by the last `count` inputs. `sensitivity` contains
     /// d(unknown)/d(variable), variable after variable.
     pub fn new(mechanism: &Mechanism, count: usize, slots: &[f64], sensitivity: &[f64]) -> Self {
         let (unknowns, coordinates) = (mechanism.unknowns.len(), mechanism.coordinate_count());
@@ -104,7 +104,7 @@ impl ArgumentShares {
     }
 }
 
-/// The derivative of a chain's end point by every argument on the way, joint after joint.
+/// The derivative of a chain's end point by every argument of the chain, joint after joint.
 fn point_by_arguments(
     chain: &Chain,
     arguments: &[ArgumentValue],

@@ -1,5 +1,5 @@
-//! Posing the mechanism with other values of its variables: from a known stand along the straight way to the new
-//! values, with the branch checks of any motion.
+//! Poses the mechanism with other values of its variables: from known poses along a straight line to the new values,
+//! with the branch checks of any motion.
 
 use super::family::ParametricMechanism;
 use crate::kinematics::motion::tracker::steps::Steps;
@@ -8,14 +8,14 @@ use crate::kinematics::solve::pose_solver::{PoseSolver, follows_prediction};
 use crate::kinematics::solve::predictor::Prediction;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Smallest share of the way that is tried before a candidate is given up.
+/// Smallest fraction of the way that is tried before a candidate is given up.
 const SMALLEST_SHARE: f64 = 1.0 / 256.0;
 
-/// A pose whose smallest singular value is below this share of the first one's is next to a singular pose, where the
-/// motion could go on on either side: nothing may be built on it.
+/// A pose whose smallest singular value is below this fraction of the first one's is next to a singular pose, where the
+/// motion could continue on either side: nothing may be built on it.
 const LEAST_SIGMA: f64 = 1e-5;
 
-/// All poses of all tracks with one set of values, and how they change with the values.
+/// All poses of all tracks with one set of values, and their derivatives by the values.
 #[derive(Clone, Debug)]
 pub struct TrackPoses {
     /// Values of the variables.
@@ -30,13 +30,13 @@ pub struct TrackPoses {
 }
 
 impl TrackPoses {
-    /// d(unknowns)/d(variable) of every pose, variable after variable; none if the stand was only approached.
+    /// d(unknowns)/d(variable) of every pose, variable after variable; empty if the poses were only reached.
     pub(super) fn sensitivities(&self) -> Option<&[Vec<f64>]> {
         let known = self.sensitivities.len() == self.poses.len();
         known.then_some(&self.sensitivities[..])
     }
 
-    /// A stand at other values whose poses are on the same side of all singular ones; without sensitivities.
+    /// Poses at other values, on the same side of all singular ones; without sensitivities.
     pub(super) fn approached(&self, values: Vec<f64>, poses: Vec<Vec<f64>>) -> Self {
         Self {
             values,
@@ -47,13 +47,13 @@ impl TrackPoses {
         }
     }
 
-    /// Whether pose `index` is a singular one, where sensitivities mean nothing.
+    /// Whether pose `index` is singular, so that sensitivities are meaningless.
     pub(super) fn is_singular(&self, index: usize) -> bool {
         self.signs[index].contains(&0)
     }
 }
 
-/// Why values of the variables are refused.
+/// Why values of the variables are rejected.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Rejection {
     /// A pose does not exist, or cannot be reached without crossing a singular one.
@@ -64,7 +64,7 @@ pub enum Rejection {
         /// Number of the pose, from 1.
         pose: usize,
     },
-    /// A singular pose has passed between two samples: they are on different branches.
+    /// A singular pose passed between two samples: they are on different branches.
     #[error("pose {pose} of track `{track}` is no longer on the branch of the one before it")]
     Torn {
         /// Name of the track.
@@ -95,7 +95,7 @@ impl<'f> Evaluator<'f> {
         }
     }
 
-    /// The same, which refuses whatever it is asked as soon as `cancel` is raised.
+    /// The same, which rejects everything when `cancel` is raised.
     pub fn until(self, cancel: &'f AtomicBool) -> Self {
         Self {
             cancel: Some(cancel),
@@ -103,7 +103,7 @@ impl<'f> Evaluator<'f> {
         }
     }
 
-    /// Whether it was told to end; what it says from then on is no finding.
+    /// Whether it was cancelled; its answers are meaningless from then on.
     pub fn is_cancelled(&self) -> bool {
         self.cancel.is_some_and(|c| c.load(Ordering::Relaxed))
     }
@@ -113,7 +113,7 @@ impl<'f> Evaluator<'f> {
         self.family
     }
 
-    /// The stand at the file's own values, from their `poses`.
+    /// The poses at the file's own values.
     pub fn nominal(&mut self, poses: Vec<Vec<f64>>) -> TrackPoses {
         let states = poses.iter().map(|pose| self.side(pose));
         let (signs, sigmas) = states.unzip();
@@ -126,7 +126,7 @@ impl<'f> Evaluator<'f> {
         })
     }
 
-    /// On which side of its singular poses a pose is, and how far from them.
+    /// The side of its singular poses on which a pose is, and its distance from them.
     fn side(&mut self, pose: &[f64]) -> (Vec<i8>, f64) {
         let state = self.solver.observe(pose);
         (state.signs.into_vec(), state.sigma_min)
@@ -148,7 +148,7 @@ impl<'f> Evaluator<'f> {
         all
     }
 
-    /// The stand at other values, reached from `stand` by as many steps as it takes.
+    /// The poses at other values, reached from `stand` in as many steps as necessary.
     ///
     /// # Errors
     /// The pose at which the way ends.
@@ -156,7 +156,7 @@ impl<'f> Evaluator<'f> {
         self.go(stand, values, true)
     }
 
-    /// An approached stand with the sensitivities that gradients and further steps need.
+    /// Adds the sensitivities that gradients and further steps need.
     pub fn settled(&mut self, mut stand: TrackPoses) -> TrackPoses {
         if stand.sensitivities().is_none() {
             let poses = stand.poses.iter();
@@ -183,14 +183,14 @@ impl<'f> Evaluator<'f> {
         values: &[f64],
         settle: bool,
     ) -> Result<TrackPoses, Rejection> {
-        // As a rule one step does.
+        // Usually one step is enough.
         let first = match self.step(stand, values, settle) {
             Ok(reached) => return Ok(reached),
             Err(pose) => pose,
         };
         let (mut here, mut stuck) = (stand.clone(), first);
         let mut steps = Steps::new(0.0, 1.0, 0.5, SMALLEST_SHARE);
-        // Else the way is halved until a step is trusted, and doubled again behind it.
+        // Otherwise the step is halved until it is trusted, and doubled again afterwards.
         while !steps.is_done() {
             if steps.is_stuck() {
                 let (track, pose) = self.family.place_of(stuck);
@@ -214,7 +214,7 @@ impl<'f> Evaluator<'f> {
         Ok(here)
     }
 
-    /// One step; the number of the pose that could not be trusted otherwise.
+    /// One step; on failure the number of the pose that could not be trusted.
     fn step(
         &mut self,
         stand: &TrackPoses,
@@ -235,7 +235,7 @@ impl<'f> Evaluator<'f> {
             }
             let pose = self.pose(stand, index, &change, values).ok_or(index)?;
             if settle {
-                // The correction has just factored the loops at this pose.
+                // The correction has just factorised the loops at this pose.
                 sensitivities.push(self.sensitivity(&pose));
             }
             poses.push(pose);

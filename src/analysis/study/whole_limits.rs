@@ -1,5 +1,5 @@
-//! Whether values keep the limits of the measures over the whole motion, and not only at the poses that a search looks at: with
-//! the bounds of a check.
+//! Checks whether values keep the limits of the measures over the whole motion, not only at the poses used by a search:
+//! with the bounds of `check`.
 
 use super::family::FamilyError;
 use crate::clearance::measured::{Known, is_of_whole_motion, known};
@@ -11,27 +11,27 @@ use crate::model::measure::Measure;
 use crate::scene::Scene;
 use std::sync::Arc;
 
-/// Violation of a constraint that is still called kept: searches let a ten-millionth pass.
+/// Violation of a constraint that counts as kept: searches accept a ten-millionth.
 pub const KEPT: f64 = 1e-6;
 
-/// How near bounds of distances come, as a part of them.
+/// Accuracy of the bounds of distances, as a fraction of them.
 const NEAR: f64 = 1e-3;
 
 /// A limited measure of the drive over the whole motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WholeLimit {
-    /// Its place among the measures.
+    /// Its index among the measures.
     pub measure: usize,
     /// As found, in internal units; `None` where it has no value.
     pub value: Option<f64>,
-    /// By how much it may miss its limits, as a share of them: zero or less if it keeps them.
+    /// Largest violation of its limits, as a fraction of them: zero or less if it keeps them.
     pub missed: f64,
-    /// That it misses them by no more is proved.
+    /// Whether it is proved that the violation is not larger.
     pub is_proved: bool,
 }
 
 impl WholeLimit {
-    /// Whether it is proved that the limits are kept as far as searches keep them.
+    /// Whether it is proved that the limits are kept to the accuracy of searches.
     pub fn is_kept(&self) -> bool {
         self.is_proved && self.missed <= KEPT
     }
@@ -46,7 +46,7 @@ pub fn whole_limits(scene: &Scene) -> Result<Vec<WholeLimit>, FamilyError> {
     let list = scene.measures.list.iter().enumerate();
     let limited = list.filter(|(_, measure)| {
         let is_limited = measure.min.is_some() || measure.max.is_some();
-        // What is limited along a track has other poses of its own.
+        // A measure along a track has poses of its own and is not affected.
         is_limited && measure.source.track().is_none() && is_of_whole_motion(mechanism, measure)
     });
     let limited: Vec<(usize, &Measure)> = limited.collect();
@@ -70,7 +70,7 @@ pub fn whole_limits(scene: &Scene) -> Result<Vec<WholeLimit>, FamilyError> {
     Ok(judged.collect())
 }
 
-/// By how much limits are missed at most, and whether that is proved.
+/// The largest violation of limits, and whether it is proved.
 fn missed(measure: &Measure, found: &Known) -> (f64, bool) {
     if found.is_enclosed {
         return (f64::INFINITY, true);

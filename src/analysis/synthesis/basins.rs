@@ -1,24 +1,24 @@
-//! Which minima are worth starting near: distinct ones, the best first, and those more that were tried less. Holds no
+//! Which minima are worth starting near: distinct ones, the best first, preferring those tried less often. Contains no
 //! search.
 
 use super::found::Start;
 use super::starts::Origin;
 
-/// Basins that are kept in mind.
+/// Number of basins that are remembered.
 const MOST: usize = 6;
 
-/// Minima are of one basin where no variable differs by more than this share of its size, ...
+/// Minima belong to one basin if no variable differs by more than this fraction of its size, ...
 const SAME_PLACE: f64 = 0.1;
 
-/// ... or where their values differ by less than this share: mirror images, and valleys without an end.
+/// ... or if their values differ by less than this fraction: mirror images, and endless valleys.
 const SAME_VALUE: f64 = 0.02;
 
-/// By how many tries a basin is put behind the next better one.
+/// After this many tries a basin ranks behind the next better one.
 const TRIES_A_RANK: usize = 2;
 
 /// Distinct minima, the best first.
 pub struct Basins {
-    /// Starts that found them, with how many starts were made near each.
+    /// Starts that found them, and how many starts were made near each.
     list: Vec<(usize, usize)>,
 }
 
@@ -30,7 +30,7 @@ impl Basins {
             .collect();
         order.sort_by(|a, b| starts[*a].value().total_cmp(&starts[*b].value()));
         let mut list: Vec<(usize, usize)> = Vec::new();
-        // The basin of every start: the best one that it cannot be told from.
+        // The basin of every start: the best one that it is equivalent to.
         let mut basin_of = vec![None; starts.len()];
         for start in order {
             let same = list
@@ -52,7 +52,7 @@ impl Basins {
         Self { list }
     }
 
-    /// The start near whose minimum another one is to begin, which counts as a try.
+    /// The start near whose minimum the next one begins, which counts as a try.
     pub fn next(&mut self) -> Option<usize> {
         let ranked = self.list.iter_mut().enumerate();
         let (_, (start, tries)) =
@@ -107,10 +107,10 @@ mod tests {
         };
         let starts = [
             basin_start(Origin::Scene, 5.0, [0.0, 0.0]),
-            // Its mirror image: elsewhere, of the same value.
+            // Its mirror image: at another place, with the same value.
             basin_start(Origin::Random, 5.01, [-40.0, 0.0]),
             basin_start(Origin::Random, 3.0, [10.0, 0.0]),
-            // On the way to that one, not there yet.
+            // On the way there, but not converged yet.
             basin_start(Origin::Random, 4.0, [10.4, 0.0]),
             Start::none(Origin::Random),
             broken,
@@ -130,7 +130,7 @@ mod tests {
         for _ in 0..12 {
             let base = Basins::new(&starts, &[10.0, 10.0]).next().unwrap();
             tried.push(base);
-            // Every try falls back to the minimum that it began near.
+            // Every try returns to the minimum near which it began.
             let minimum = starts[base].minimum.clone();
             starts.push(Start {
                 minimum,

@@ -1,32 +1,32 @@
-//! What a synthesis found.
+//! The results of a synthesis.
 
 use super::starts::{Origin, Rejected};
 use crate::analysis::optimise::{Ended, Minimum};
 use crate::analysis::study::Refusals;
 
-/// Violation of a limit, as a share of it, with which a minimum still counts.
+/// Accepted violation of a limit, as a fraction of it.
 const KEPT: f64 = 1e-6;
 
-/// What became of one start.
+/// The result of one start.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Start {
     /// Where it was.
     pub origin: Origin,
-    /// The objective there; NaN where no draw moved.
+    /// The objective at the start; NaN if no draw can move.
     pub first: f64,
-    /// The minimum; `None` where no draw moved.
+    /// The minimum; `None` if no draw can move.
     pub minimum: Option<Minimum>,
     /// Draws that were rejected before it.
     pub rejected: Rejected,
-    /// Candidates that were refused: not reached or without a value, and interpenetrating.
+    /// Rejected candidates: not reached or without a value, and interpenetrating.
     pub refusals: Refusals,
     /// The second kind.
     pub interpenetrating: usize,
     /// Wall time.
     pub seconds: f64,
-    /// The largest missed limit, as a share of it.
+    /// The largest violation of a limit, as a fraction of it.
     pub excess: f64,
-    /// Unknowns at the start of the drive, where a track begins there.
+    /// Unknowns at the start of the drive, if a track begins there.
     pub(super) unknowns: Option<Vec<f64>>,
 }
 
@@ -46,7 +46,7 @@ impl Start {
         }
     }
 
-    /// The objective found; infinite where there is none, or where limits are not kept.
+    /// The objective found; infinite if there is none, or limits are violated.
     pub fn value(&self) -> f64 {
         let kept = self.minimum.as_ref().filter(|_| self.excess <= KEPT);
         kept.map_or(f64::INFINITY, |m| m.value)
@@ -56,24 +56,24 @@ impl Start {
 /// What a synthesis found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Synthesis {
-    /// All starts, then the polishings of the best ones.
+    /// All starts, then the polished best ones.
     pub starts: Vec<Start>,
-    /// How many of them are no polishing.
+    /// Number of starts without polishing.
     pub searched: usize,
     /// Values of the variables, in internal units.
     pub best: Vec<f64>,
-    /// Unknowns at the start of the drive with them, where known: start values that choose this assembly.
+    /// Unknowns at the start of the drive with them, if known: start values that select this assembly.
     pub unknowns: Option<Vec<f64>>,
     /// The objective.
     pub value: f64,
-    /// It was told to stop, or out of time.
+    /// Whether it was cancelled, or ran out of time.
     pub stopped: bool,
     /// Wall time.
     pub seconds: f64,
 }
 
 impl Synthesis {
-    /// Poses of all tracks that were asked for, over all starts: evaluations and gradients.
+    /// Number of poses evaluated over all starts, including gradients.
     pub fn evaluations(&self) -> usize {
         let minima = self.starts.iter().filter_map(|s| s.minimum.as_ref());
         minima.map(|m| m.evaluations + m.gradients).sum()

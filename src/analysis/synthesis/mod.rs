@@ -1,5 +1,5 @@
-//! Synthesis: a study's objective made small from many starts by the minimax search, the best polished, and the result
-//! proved by an independent motion. The order of its stages.
+//! Synthesis: a study's objective is minimised from many starts by the minimax search, the best minima are polished,
+//! and the result is verified by an independent motion. This file determines the order of the stages.
 
 mod basins;
 mod found;
@@ -22,7 +22,7 @@ use touching::Touching;
 /// Searches the study of `family` from many starts.
 ///
 /// # Errors
-/// A study that is not of the form minimax searches, without bounds, or that does not move with the file's own values.
+/// A study that minimax cannot minimise, or without bounds, or that cannot move with the file's own values.
 pub fn synthesise_path(
     family: &ParametricMechanism,
     touching: Touching,
@@ -58,7 +58,7 @@ pub fn synthesise_path(
         let found = run.batch(&starts, plan.starts - starts.len());
         starts.extend(found);
     }
-    // The best of them are searched on to the end.
+    // The best of them are polished.
     let searched = starts.len();
     let stopped = !run.goes_on(Phase::Searching);
     let best = polishing::finish_polishing(&run, &mut starts);

@@ -1,8 +1,8 @@
-//! What is asked of a synthesis.
+//! The options of a synthesis.
 
 use super::found::Start;
 
-/// Steps of a finer track for each of the study's.
+/// Factor by which finer tracks divide those of the study.
 pub const FINER: usize = 4;
 
 /// Where searches may start.
@@ -25,7 +25,7 @@ pub struct SearchPlan {
     pub seed: u64,
     /// Iterations of the search from one start.
     pub iterations: usize,
-    /// Seconds: after most of them no start is begun, and after it searches end.
+    /// Seconds: most of them for new starts, the rest for ending the searches.
     pub limit: Option<f64>,
     /// Where searches may start.
     pub from: From,
@@ -33,9 +33,9 @@ pub struct SearchPlan {
     pub threads: usize,
 }
 
-/// What is told while it goes on; `false` from `goes_on` ends it with the best so far.
+/// Receives the progress; `false` from `goes_on` ends the synthesis with the best result so far.
 pub struct Listener<'l> {
-    /// A start is done: its number and what it found.
+    /// A start is finished: its number and result.
     pub done: &'l (dyn Fn(usize, &Start) + Sync),
     /// Whether to go on.
     pub goes_on: &'l (dyn Fn() -> bool + Sync),

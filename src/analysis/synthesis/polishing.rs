@@ -1,5 +1,5 @@
-//! The end of a synthesis: the best few minima are searched on with more patience, and limits that the best misses between
-//! the samples are drawn in.
+//! The end of a synthesis: the best minima are searched further, and limits that are violated between the samples are
+//! tightened.
 
 use super::basins::Basins;
 use super::found::Start;
@@ -9,30 +9,30 @@ use super::starts::Begun;
 use crate::analysis::study::{Evaluator, ParametricMechanism};
 use std::time::Instant;
 
-/// Basins whose best minimum is polished.
+/// Number of basins whose best minimum is polished.
 const FINALISTS: usize = 4;
 
-/// A finalist is searched on with this many times the iterations of a start.
+/// Polishing uses this many times the iterations of a start.
 const PATIENCE: usize = 40;
 
-/// Drawing a limit in moves a minimum a little, and is waited for: that takes no more than this many times.
+/// Tightening a limit moves a minimum only a little; it may take this many times as long.
 const PATIENCE_DRAWING_IN: usize = 4;
 
-/// How often limits that are missed between the samples are drawn in.
+/// Maximum number of times that limits violated between the samples are tightened.
 const ROUNDS: usize = 4;
 
-/// By how many times of what it is missed by a limit is drawn in.
+/// A limit is tightened by this multiple of its violation.
 const DRAWN_IN: f64 = 1.5;
 
-/// Polishes the best of `starts` and appends what it finds; the best of all that keeps its limits between the samples,
-/// or, where none does, at them.
+/// Polishes the best of `starts` and appends the results; returns the best one that keeps its limits between the
+/// samples or, if none does, at them.
 pub fn finish_polishing(run: &SynthesisRun, starts: &mut Vec<Start>) -> Option<Start> {
     let mut finalists: Vec<Start> = Basins::new(starts, &run.sizes)
         .best(FINALISTS)
         .map(|k| starts[k].clone())
         .collect();
     if finalists.is_empty() {
-        // None keeps its limits yet: patience may bring the nearest one there.
+        // No minimum keeps its limits yet: further iterations may.
         let moving = starts.iter().filter(|start| start.minimum.is_some());
         let nearest = moving.min_by(|a, b| a.excess.total_cmp(&b.excess));
         finalists.extend(nearest.cloned());
@@ -55,11 +55,11 @@ pub fn finish_polishing(run: &SynthesisRun, starts: &mut Vec<Start>) -> Option<S
         .or_else(|| starts.iter().find(|s| s.minimum.is_some()).cloned())
 }
 
-/// The start with its limits kept between the samples; `None` where that cannot be reached.
+/// The start with its limits kept between the samples; `None` if that fails.
 fn drawn_in(run: &SynthesisRun, start: &Start, starts: &mut Vec<Start>) -> Option<Start> {
     let (mut family, mut best) = (run.family.clone(), start.clone());
     for _ in 0..ROUNDS {
-        // Measuring finer tracks takes its time, too.
+        // Measuring finer tracks also takes time.
         if !run.goes_on(Phase::DrawingIn) {
             return None;
         }
@@ -74,7 +74,7 @@ fn drawn_in(run: &SynthesisRun, start: &Start, starts: &mut Vec<Start>) -> Optio
         .then_some(best)
 }
 
-/// A start's search taken up again with more iterations, under the limits of `family`.
+/// Continues the search of a start with more iterations, under the limits of `family`.
 fn polish_start(
     run: &SynthesisRun,
     family: &ParametricMechanism,
@@ -82,6 +82,7 @@ fn polish_start(
     phase: Phase,
 ) -> Start {
     let clock = Instant::now();
+    // Nothing to polish: no time, no assembly, or a gap in a track.
     let family = standing_family(family, start).filter(|_| run.goes_on(phase));
     let Some(family) = family else {
         return start.clone();
@@ -101,7 +102,8 @@ fn polish_start(
     polished
 }
 
-/// The family at found values; the scene's start values choose the assembly, but those of the found one do better.
+/// The family at the values found. The assembly is selected by the scene's start values, but more reliably by those
+/// found.
 fn standing_family(family: &ParametricMechanism, found: &Start) -> Option<ParametricMechanism> {
     let mut family = family.with_start(&found.minimum.as_ref()?.x);
     if let Some(unknowns) = &found.unknowns {
@@ -110,19 +112,21 @@ fn standing_family(family: &ParametricMechanism, found: &Start) -> Option<Parame
     Some(family)
 }
 
-/// Draws the limits of `family` that a found mechanism misses between the samples in, by what it misses those of
-/// `asked`; whether there were any. `None` where that cannot be said.
+/// Tightens the limits of `family` that a found mechanism violates between the samples, by its violation of those of
+/// `asked`; returns whether there were any, `None` if unknown.
 fn tighten_bounds(
     family: &mut ParametricMechanism,
     asked: &ParametricMechanism,
     found: &Start,
 ) -> Option<bool> {
+    // Measured on finer tracks: the violations between the samples of the study.
     let fine = standing_family(asked, found)?.with_finer_tracks(FINER);
     let mut evaluator = Evaluator::new(&fine);
     let stand = evaluator.nominal(fine.nominal().ok()?.poses);
     let measures = evaluator.measure(&stand).ok()?.measures;
     let limits = &asked.study.limits;
     let mut missed = false;
+    // Each violated limit is tightened by a multiple of its violation.
     for (index, [min, max]) in limits {
         let (value, measure) = (measures[*index], &mut family.measures.list[*index]);
         if let (Some(max), Some(present)) = (max, &mut measure.max)

@@ -1,4 +1,5 @@
-//! Searches from many starts, in batches of a fixed size: what a start finds does not depend on the number of threads.
+//! Searches from many starts, in batches of a fixed size: the result of a start does not depend on the number of
+//! threads.
 
 use super::basins::Basins;
 use super::found::Start;
@@ -10,29 +11,29 @@ use crate::analysis::study::{Evaluator, ParametricMechanism, Peaks, TrackPoses};
 use crate::jobs::share_work;
 use std::time::Instant;
 
-/// Starts that are searched without knowing of each other.
+/// Number of starts that are searched independently of each other.
 const BATCH: usize = 4;
 
-/// First radius of the trust region, as a share of the variables: with 0.02 narrow valleys take many steps more.
+/// First radius of the trust region, as a fraction of the variables: with 0.02 narrow valleys take many more steps.
 const RADIUS: f64 = 0.1;
 
 /// Radius at which a search is over.
 const SMALLEST_RADIUS: f64 = 1e-8;
 
-/// A search is over when a step promises less than this share.
+/// A search ends when the predicted decrease is below this fraction.
 const PROMISE: f64 = 1e-9;
 
-/// Share of the time that is for searching; the rest is for polishing.
+/// Share of the time for searching; the rest is for polishing.
 const SEARCHING: f64 = 0.75;
 
-/// What a search is for.
+/// The purpose of a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
     /// One start among many.
     Searching,
     /// More patience with one of the best.
     Polishing,
-    /// Limits kept between the samples, too: short, and needed for any result.
+    /// Keeping limits between the samples: short, and needed for any result.
     DrawingIn,
 }
 
@@ -48,7 +49,7 @@ pub struct SynthesisRun<'r> {
 }
 
 impl SynthesisRun<'_> {
-    /// Whether a phase has time, and nobody told it to stop.
+    /// Whether a phase has time left and was not cancelled.
     pub fn goes_on(&self, phase: Phase) -> bool {
         let share = match phase {
             Phase::Searching => SEARCHING,
@@ -59,7 +60,7 @@ impl SynthesisRun<'_> {
         self.begun.elapsed().as_secs_f64() < share * limit && (self.listener.goes_on)()
     }
 
-    /// The next starts, `most` of them at most; all of them know of the starts `before` them only.
+    /// The next starts, at most `most`; each uses only the results of the starts `before` them.
     pub fn batch(&self, before: &[Start], most: usize) -> Vec<Start> {
         let first = before.len();
         let mut basins = Basins::new(before, &self.sizes);
@@ -71,7 +72,7 @@ impl SynthesisRun<'_> {
         })
     }
 
-    /// Where start `index` is to begin; `None` where that has to wait for a minimum.
+    /// Where start `index` begins; `None` if it must wait for a minimum.
     fn origin(&self, index: usize, basins: &mut Basins) -> Option<Origin> {
         let from = self.plan.from;
         if index == 0 && from != From::Random {
@@ -133,7 +134,7 @@ impl SynthesisRun<'_> {
         start
     }
 
-    /// The minimum that is reached from where `begun` stands.
+    /// The minimum reached from the start `begun`.
     pub fn descend(
         &self,
         origin: Origin,
@@ -154,7 +155,7 @@ impl SynthesisRun<'_> {
         let Ok(peaks) = Peaks::new(family, evaluator, begun.stand, Box::new(watch)) else {
             return blank;
         };
-        // Bodies that must not touch keep a point from being accepted.
+        // A point is rejected if bodies penetrate that may only touch.
         let guard = |stand: &TrackPoses| self.touching.depth(family, &stand.values, &stand.poses);
         let mut peaks = peaks
             .with_least_sigma(self.least_sigma)

@@ -1,5 +1,6 @@
-//! Where searches start: the scene's own values, random ones of the whole box, random ones near a minimum. Random
-//! numbers depend on seed, start and draw only. What does not assemble, does not turn or interpenetrates is drawn anew.
+//! Where searches start: the scene's own values, random ones in the whole box, random ones near a minimum. Random
+//! numbers depend only on seed, start and draw. A draw that cannot be assembled, cannot move or interpenetrates is
+//! replaced.
 
 use super::touching::Touching;
 use crate::analysis::random::Random;
@@ -8,11 +9,11 @@ use crate::analysis::study::{Evaluator, ParametricMechanism, TrackPoses};
 /// Most draws for one start.
 const MOST_DRAWS: usize = 400;
 
-/// A random start is the best of so many draws that move: looking costs little beside searching.
+/// A random start is the best of this many draws that can move: drawing costs little compared with searching.
 const CANDIDATES: usize = 8;
 
-/// How far a start near a minimum lies from it, as a share of the variables' sizes: drawn between these, every order of
-/// magnitude as often, because nobody knows beforehand how wide a basin is.
+/// Distance of a start from the minimum near it, as a fraction of the variables' sizes: drawn log-uniformly between
+/// these, because the width of a basin is unknown.
 const NEAREST: f64 = 0.03;
 const FARTHEST: f64 = 0.5;
 
@@ -63,7 +64,7 @@ impl Rejected {
     }
 }
 
-/// A start that moves: its family, and where that stands.
+/// A start that can move: its family and poses.
 pub struct Begun {
     /// The family with the start's values as its own.
     pub family: ParametricMechanism,
@@ -81,8 +82,8 @@ impl Begun {
     }
 }
 
-/// Draws a start until one moves, of random ones until several do; `near` is the minimum that it is near to, `sizes` are
-/// typical sizes of the variables. `ended` is asked before every draw but the first.
+/// Draws a start until one can move, or several if they are random; `near` is the minimum near which it begins, `sizes`
+/// are typical sizes of the variables. `ended` is called before every draw but the first.
 pub fn begin_starts(
     family: &ParametricMechanism,
     touching: Touching,
@@ -99,7 +100,7 @@ pub fn begin_starts(
         Origin::Random => (CANDIDATES, MOST_DRAWS),
     };
     for draw in 0..draws {
-        // Something to begin with is looked at in any case.
+        // The first draw is evaluated in any case.
         if wanted == 0 || (draw > 0 && ended()) {
             break;
         }

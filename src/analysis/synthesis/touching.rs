@@ -1,5 +1,5 @@
-//! Whether bodies that a scene says touch do no more than that: the guard of a search, which would otherwise go on to
-//! mechanisms whose surfaces cut each other beside the point of contact.
+//! Checks that bodies which are meant to touch do not penetrate: the guard of a search, which would otherwise continue
+//! to mechanisms whose surfaces intersect near the contact point.
 
 use crate::analysis::study::ParametricMechanism;
 use crate::diag::Source;
@@ -8,31 +8,32 @@ use crate::kinematics::loops::forward;
 use crate::model::mechanism::Mechanism;
 use crate::scene::{Overrides, load_scene};
 
-/// Every so many poses are looked at; where a search ends all are.
+/// Every how many poses are examined; at the end of a search all are.
 const STRIDE: usize = 3;
 
-/// Depth that is rounding, in mechanism sizes: less than the check of clearances lets pass.
+/// Depth that counts as rounding, in mechanism sizes: less than `check` accepts.
 const ROUNDING: f64 = 5e-11;
 
 /// Parameters as the scene file has them for values of the variables.
 pub type Parameters<'a> = dyn Fn(&[f64]) -> Vec<(String, String)> + Sync + 'a;
 
-/// Looks at the touching pairs of a scene with other parameters.
+/// Examines the touching pairs of a scene with other parameters.
 #[derive(Clone, Copy)]
 pub struct Touching<'a> {
     /// The scene.
     pub source: &'a Source,
-    /// What is changed in it besides the variables.
+    /// Changes to it other than the variables.
     pub overrides: &'a Overrides,
     /// The variables as parameters.
     pub parameters: &'a Parameters<'a>,
 }
 
 impl Touching<'_> {
-    /// How deep a touching pair cuts into each other at the worst of the poses (unknowns, then inputs) of `family` with
-    /// these values, in mechanism sizes beyond rounding. Zero or less where the scene names no such pair; infinite where it
-    /// cannot have these values.
+    /// The largest penetration of a touching pair over the poses (unknowns, then inputs) of `family` with these values,
+    /// in mechanism sizes beyond rounding. Zero or less if the scene has no such pair; infinite if it cannot have these
+    /// values.
     pub fn depth(&self, family: &ParametricMechanism, values: &[f64], poses: &[Vec<f64>]) -> f64 {
+        // The scene with these values: its shapes depend on them.
         let overrides = Overrides {
             parameters: (self.parameters)(values),
             vary: Vec::new(),
@@ -48,6 +49,7 @@ impl Touching<'_> {
         let Some(order) = order_of(family, mechanism) else {
             return f64::INFINITY;
         };
+        // The deepest overlap of the touching pairs, at some of the poses.
         let hulls: Vec<Option<Hull>> = Hull::of_bodies(&mechanism.bodies);
         let mut deepest = f64::NEG_INFINITY;
         for pose in poses.iter().step_by(STRIDE) {
@@ -66,7 +68,7 @@ impl Touching<'_> {
     }
 }
 
-/// Where the coordinates of the scene stand among those of the family, whose further inputs are its variables.
+/// Indices of the scene's coordinates among those of the family, whose further inputs are its variables.
 fn order_of(family: &ParametricMechanism, mechanism: &Mechanism) -> Option<Vec<usize>> {
     let theirs = family.mechanism();
     let all: Vec<&str> = theirs

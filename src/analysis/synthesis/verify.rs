@@ -1,6 +1,6 @@
-//! Proof of a synthesis: the scene is read again with the found values, and its whole drive is followed in fine steps by
-//! the motion solver, which knows nothing of the search. Poses are certified, the tracks are measured four times as finely,
-//! the drive must close, and the bodies are checked against each other.
+//! Verification of a synthesis: the scene is read again with the values found, and the motion solver, independently of
+//! the search, follows its whole drive in fine steps. Poses are certified, the tracks are measured four times as
+//! finely, the drive must close, and the bodies are checked against each other.
 
 use super::plan::FINER;
 use crate::analysis::observer::{largest_distance, marked_positions};
@@ -24,13 +24,13 @@ const CLEARANCE_SAMPLES: usize = 361;
 /// Relative nearness of a distance and its bound.
 const CLEARANCE_TOLERANCE: f64 = 1e-3;
 
-/// A cyclic drive has closed when everything is back within this, in mechanism sizes.
+/// A cyclic drive has closed if everything returns to within this, in mechanism sizes.
 const CLOSED: f64 = 1e-9;
 
 /// What was found out.
 #[derive(Clone, Debug)]
 pub struct Proof {
-    /// Poses that were followed, and how many of them are missing.
+    /// Number of poses, including missing ones.
     pub poses: usize,
     /// Poses that do not exist.
     pub missing: usize,
@@ -38,19 +38,19 @@ pub struct Proof {
     pub unproved: usize,
     /// Largest certified error of a coordinate.
     pub error_bound: f64,
-    /// Determinant signs along the way are the same everywhere.
+    /// Whether determinant signs are the same throughout.
     pub one_branch: bool,
-    /// How far bodies and traces are from where they began after a cyclic drive, in the scene's unit.
+    /// Distance of bodies and traces from their first positions after a cyclic drive, in the scene's unit.
     pub open: Option<f64>,
     /// Whether that is rounding.
     pub closed: bool,
     /// Measures of the finer tracks; `None` where one has no value.
     pub measures: Vec<Option<f64>>,
-    /// Bodies that are meant to touch and do more or less than that, by name.
+    /// Bodies that are meant to touch but separate or penetrate, by name.
     pub cutting: Vec<[String; 2]>,
-    /// Other bodies that meet: the drawing does not fit the found dimensions.
+    /// Other bodies that penetrate: the shapes do not fit the dimensions found.
     pub meeting: Vec<[String; 2]>,
-    /// Pairs that were looked at.
+    /// Number of pairs examined.
     pub pairs: usize,
 }
 
@@ -67,7 +67,7 @@ impl Proof {
 /// # Errors
 /// A scene that cannot be read with these values, or has no motion.
 pub fn prove_found(source: &Source, overrides: &Overrides) -> Result<Proof, FamilyError> {
-    // Solved anew on a finer grid than the search looked at.
+    // Solved again on a finer grid than that of the search.
     let mut scene = load_scene(source, overrides).map_err(Box::new)?;
     for track in &mut Arc::make_mut(&mut scene.measures).tracks {
         track.samples = FINER * (track.samples - 1) + 1;
@@ -135,7 +135,7 @@ pub fn prove_found(source: &Source, overrides: &Overrides) -> Result<Proof, Fami
     Ok(proof)
 }
 
-/// Where bodies and traces are, and the unknowns' directions.
+/// Positions of bodies and traces, and directions of the unknowns.
 fn pivot_places(mechanism: &Mechanism, unknowns: &[f64], inputs: &[f64]) -> Vec<f64> {
     marked_positions(mechanism, &[unknowns, inputs].concat())
 }

@@ -39,8 +39,8 @@ pub struct DrawArgs {
     /// Height of the viewer above the horizon, in degrees, -90 to 90.
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = elevation_angle)]
     pub elevation: Option<f64>,
-    /// Show this beside links and joints, in place of bodies,dimensions,loops,names,angles: any of frames, bodies,
-    /// dimensions, loops, names, vectors, angles, values; `none` for links and joints alone.
+    /// Parts shown in addition to links and joints: any of frames, bodies, dimensions, loops, names, vectors, angles,
+    /// values; `none` for links and joints alone. If absent, bodies,dimensions,loops,names,angles.
     #[arg(long, value_name = "WHAT,WHAT,…", value_parser = shown_words)]
     pub show: Option<DiagramParts>,
     /// Width in pixels; the height follows from the mechanism.
@@ -66,7 +66,7 @@ pub struct ShowArgs {
     )]
     pub at: f64,
     /// A chain of `[chains]`, or a loop. May be repeated; all loops if none is named.
-    #[arg(long = "chain", alias = "loop", value_name = "NAME")]
+    #[arg(long = "chain", value_name = "NAME")]
     pub chains: Vec<String>,
     /// Format, where the file name does not tell: text if absent.
     #[arg(long, value_enum)]

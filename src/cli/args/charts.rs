@@ -21,7 +21,7 @@ pub struct PlotArgs {
     /// Curves in place of the scene's plots: names or formulas as in outputs, or d(NAME, INPUT, ORDER). May be repeated.
     #[arg(long, value_name = "NAME,NAME,…", allow_hyphen_values = true)]
     pub y: Vec<String>,
-    /// What they are drawn against: a name or formula; time if absent.
+    /// Quantity on the horizontal axis: a name or formula; time if absent.
     #[arg(long, value_name = "NAME", requires = "y")]
     pub x: Option<String>,
     /// The same scale on both axes, for paths in a plane.
@@ -33,7 +33,7 @@ pub struct PlotArgs {
     /// Rates with respect to this input instead of time, the others constant: transfer functions.
     #[arg(long, value_name = "INPUT", requires = "order")]
     pub per: Option<String>,
-    /// Only the plot of the scene with this title.
+    /// Draw only the plot with this title.
     #[arg(long, value_name = "TITLE", conflicts_with = "y")]
     pub only: Option<String>,
     /// Number of samples, spread evenly over the motion; 361 if absent.

@@ -57,7 +57,7 @@ pub struct IntervalsArgs {
     /// The row.
     #[command(flatten)]
     pub row: RowArgs,
-    /// How it is done: what is computed from the interval system.
+    /// Method of computation: what is derived from the interval system.
     #[arg(long, value_enum)]
     pub method: IntervalMethod,
     /// Keep the direction of each bar within this many degrees of its own, instead of all that --delta allows.

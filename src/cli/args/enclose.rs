@@ -50,7 +50,7 @@ pub struct EncloseArgs {
     /// Draw a chart (.svg or .png): the bands over time, relative to the nominal motion.
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
-    /// Only these are drawn, separated by commas; outputs and traced points if absent.
+    /// Draw only these, separated by commas; outputs and traced points if absent.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', requires = "plot")]
     pub only: Vec<String>,
     /// Light or dark: colours of background, text and lines.

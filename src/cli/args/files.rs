@@ -44,7 +44,7 @@ pub struct NewArgs {
     /// Name of the scene and its file: `wiper` makes wiper.toml. An existing file is never replaced.
     #[arg(value_name = "NAME")]
     pub name: PathBuf,
-    /// Where to begin: a built-in scene.
+    /// Built-in scene that is copied.
     #[arg(long, value_name = "SCENE")]
     pub from: String,
 }
@@ -77,12 +77,7 @@ pub struct DiffArgs {
     /// The actual one, of the same kind.
     pub b: PathBuf,
     /// Largest difference of a colour channel that is ignored, 0 to 255.
-    #[arg(
-        long = "levels",
-        alias = "tolerance",
-        value_name = "N",
-        default_value_t = 0
-    )]
+    #[arg(long = "levels", value_name = "N", default_value_t = 0)]
     pub tolerance: u8,
     /// Most pixels of a picture that may differ by more.
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -104,11 +99,11 @@ pub struct SnapshotArgs {
     /// or all of them. Refused where the variable CI is set.
     #[arg(long, value_enum, num_args = 0..=1, require_equals = true, default_missing_value = "failing")]
     pub update: Option<UpdateArg>,
-    /// Only pictures whose file name contains this text. May be repeated.
+    /// Draw only pictures whose file name contains this text. May be repeated.
     #[arg(long = "only", value_name = "TEXT")]
     pub only: Vec<String>,
-    /// Also let the list name scenes in this folder, and scenes read mesh files from it; by default only from the folder of the
-    /// list and below. May be repeated.
+    /// Also allow files in or below this folder: scenes and their mesh files, which otherwise must be in or below the folder of
+    /// the list. May be repeated.
     #[arg(long = "allow-files", value_name = "DIR")]
     pub allowed: Vec<PathBuf>,
     /// Write the report as JSON to this file (`-` for standard output).

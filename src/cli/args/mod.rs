@@ -36,8 +36,8 @@ pub struct Cli {
     #[command(subcommand)]
     pub command: Command,
     /// When to colour messages; NO_COLOR is respected.
-    #[arg(long, global = true, value_enum, default_value_t = ColourChoice::Auto)]
-    pub color: ColourChoice,
+    #[arg(long, alias = "color", global = true, value_enum, default_value_t = ColourChoice::Auto)]
+    pub colour: ColourChoice,
     /// Limits on what the run may use, such as time=10s,memory=512M,samples=1M,pairs=10k,triangles=1M,pixels=8M,film=1G,message=64K;
     /// they can only be tighter than those of the variable MECHANIM_LIMITS.
     #[arg(long, global = true, value_name = "NAME=AMOUNT,…", value_parser = Limits::parse)]
@@ -75,7 +75,7 @@ pub enum Command {
     Site(SiteArgs),
     /// List the assemblies that close at the same inputs, searched from many starts.
     Modes(ModesArgs),
-    /// Plot outputs, coordinates and their derivatives against input or time (SVG or PNG).
+    /// Plot outputs, coordinates and their derivatives against input or time (SVG, PDF or PNG).
     Plot(PlotArgs),
     /// Draw the kinematic diagram: links, joint symbols, dimensions, angles, loops (SVG, PDF or PNG).
     Draw(DrawArgs),

@@ -37,7 +37,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", conflicts_with = "at")]
     pub frame: Option<usize>,
     /// Samples per pixel: 1, 2, 4, 8 or 16 (a graphics adapter takes the nearest that it supports).
-    #[arg(long = "supersample", alias = "samples", value_name = "N", default_value_t = 4, value_parser = sample_count)]
+    #[arg(long = "supersample", value_name = "N", default_value_t = 4, value_parser = sample_count)]
     pub samples: u32,
     /// Renderer: a hardware adapter if there is one, else the built-in renderer (auto); gpu also accepts software
     /// adapters.
@@ -51,7 +51,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = parse_facets)]
     pub resolution: Option<Facets>,
     /// Colour red, in every frame, the bodies that come closer to each other than the scene's `[clearance]` allows.
-    #[arg(long, alias = "show", value_enum, value_name = "WHAT")]
+    #[arg(long, value_enum, value_name = "WHAT")]
     pub highlight: Option<HighlightArg>,
     /// Print the time that each stage took.
     #[arg(long)]
@@ -103,7 +103,7 @@ pub struct SolveArgs {
     /// Add columns bound(NAME) with proved error bounds of traced points and outputs, rounding of the print included.
     #[arg(long, conflicts_with = "trace_iterations")]
     pub bounds: bool,
-    /// Also locate limit positions, where an unknown or output turns back while the drive goes on; printed, and written
+    /// Also locate limit positions, where an unknown or output reverses while the drive continues; printed, and written
     /// to JSON.
     #[arg(long)]
     pub events: bool,
@@ -145,7 +145,7 @@ pub struct AskedArgs {
     pub worst: usize,
     /// How close the proved bound must come to the least distance found, as a fraction of the pair's minimum (of that
     /// distance where the minimum is 0).
-    #[arg(long = "bound-tolerance", alias = "tolerance", value_name = "E", default_value_t = Closely::TOLERANCE, value_parser = proper_share)]
+    #[arg(long = "bound-tolerance", value_name = "E", default_value_t = Closely::TOLERANCE, value_parser = proper_share)]
     pub tolerance: f64,
 }
 

@@ -24,7 +24,8 @@ pub struct SceneArgs {
     /// seconds.
     #[arg(long = "input-table", alias = "inputs", value_name = "TABLE.csv")]
     pub table: Option<PathBuf>,
-    /// Also let the scene read mesh files below this folder, not just below its own. May be repeated.
+    /// Also allow files in or below this folder: mesh files, which otherwise must be in or below the scene's own folder.
+    /// May be repeated.
     #[arg(long = "allow-files", value_name = "DIR")]
     pub allowed: Vec<PathBuf>,
     /// Start from assembly K in the list of `mechanim modes` at the start of the drive, or from the one with this branch

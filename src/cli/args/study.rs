@@ -66,7 +66,7 @@ pub struct ToleranceArgs {
     #[command(flatten)]
     pub scatter: ScatterArgs,
     /// Number of random pieces.
-    #[arg(long = "pieces", alias = "samples", value_name = "N", default_value_t = 10_000, value_parser = piece_count)]
+    #[arg(long = "pieces", value_name = "N", default_value_t = 10_000, value_parser = piece_count)]
     pub samples: usize,
     /// Leave out this many pieces at the beginning, so that several machines can share the work.
     #[arg(long = "skip", alias = "first", value_name = "N", default_value_t = 0)]
@@ -112,7 +112,7 @@ pub struct OptimiseArgs {
     /// Make this measure small, in place of the study's objective.
     #[arg(long, value_name = "MEASURE")]
     pub minimise: Option<String>,
-    /// How it is done: which search for the minimum.
+    /// Method of computation: how the minimum is searched for.
     #[arg(long, value_enum, default_value_t = MethodArg::Bfgs)]
     pub method: MethodArg,
     /// Let every variable move by this share of its value (0.2 or 20%), instead of within the study's ranges.
@@ -120,7 +120,7 @@ pub struct OptimiseArgs {
     pub within: Option<f64>,
     /// Relative tolerance at which the search stops: on the gradient (bfgs), on values and variables (nelder-mead), on
     /// the spread of the generation (evolution).
-    #[arg(long = "convergence", alias = "tolerance", value_name = "VALUE", value_parser = relative_share)]
+    #[arg(long = "convergence", value_name = "VALUE", value_parser = relative_share)]
     pub tolerance: Option<f64>,
     /// Most iterations.
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = iteration_count)]
@@ -227,9 +227,9 @@ pub struct SynthesiseArgs {
     /// Stop the search of each scene after this many seconds and keep the best so far.
     #[arg(long, value_name = "SECONDS", value_parser = positive_number)]
     pub time: Option<f64>,
-    /// Where searches start, besides near the minima found: everywhere, from the scene's own values only, or from random
+    /// Where searches start, apart from near the minima found: everywhere, from the scene's own values only, or from random
     /// values only.
-    #[arg(long, value_name = "WHERE", value_enum, default_value_t = StartsFrom::Everywhere)]
+    #[arg(long = "start-from", value_name = "WHERE", value_enum, default_value_t = StartsFrom::Everywhere)]
     pub from: StartsFrom,
     /// Name the simplest mechanism found that meets this: MEASURE<=NUMBER or MEASURE>=NUMBER, in the file's units. May be
     /// repeated.

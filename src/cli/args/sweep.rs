@@ -20,10 +20,10 @@ pub struct SweepAsked {
     /// lhs:N,A=0..10), or a table TABLE.csv with a column for every parameter.
     #[arg(long, value_name = "DESIGN")]
     pub design: String,
-    /// Rows hold the scene's measures; this is the default.
+    /// Rows contain the scene's measures; this is the default.
     #[arg(long, conflicts_with_all = ["outputs", "check"])]
     pub measures: bool,
-    /// Rows hold these, separated by commas, at the instants of --samples or --at: inputs, unknowns, traced points as
+    /// Rows contain these, separated by commas, at the instants of --samples or --at: inputs, unknowns, traced points as
     /// NAME.x, outputs.
     #[arg(
         long,
@@ -36,7 +36,7 @@ pub struct SweepAsked {
     /// branch by the same tests, but nothing is proved.
     #[arg(long, requires = "outputs", conflicts_with = "check")]
     pub unproved: bool,
-    /// Rows hold the result of `mechanim check`: whether it passes, and the smallest margin of a clearance, as found and as
+    /// Rows contain the result of `mechanim check`: whether it passes, and the smallest margin of a clearance, as found and as
     /// proved for all times.
     #[arg(long)]
     pub check: bool,
@@ -66,7 +66,7 @@ pub struct RowsArgs {
     /// Draw a chart (.svg or .png): a curve over one parameter, or a map over two, with the feasible region.
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
-    /// Only this value is drawn; if absent, the study's objective, otherwise the first value.
+    /// Draw only this value; if absent, the study's objective, otherwise the first value.
     #[arg(long, value_name = "NAME", requires = "plot")]
     pub only: Option<String>,
     /// Light or dark: colours of background, text and lines.
@@ -136,8 +136,8 @@ pub enum StudyCommand {
 }
 
 const RUN_EXAMPLES: &str = "Examples:
-  mechanim study run DIR                  # all missing units
-  mechanim study run DIR --only 0..8      # units 0 to 7
+  mechanim study run DIR                     # all missing units
+  mechanim study run DIR --unit-range 0..8   # units 0 to 7
   mechanim study run DIR --worker 3/64 --threads 1 --until 2h";
 
 /// Verbs that a study can do.
@@ -167,7 +167,7 @@ pub struct PlanToleranceArgs {
     #[command(flatten)]
     pub scatter: ScatterArgs,
     /// Number of random pieces, such as 1e8.
-    #[arg(long, alias = "samples", value_name = "N", default_value = "10000", value_parser = read_count)]
+    #[arg(long, value_name = "N", default_value = "10000", value_parser = read_count)]
     pub pieces: u64,
     /// How it is cut.
     #[command(flatten)]
@@ -190,8 +190,8 @@ pub struct CutArgs {
 pub struct RunArgs {
     /// The folder of the study.
     pub folder: PathBuf,
-    /// Only these units, counted from 0: FIRST..END.
-    #[arg(long = "only", alias = "units", value_name = "A..B", value_parser = unit_range)]
+    /// Work on these units only, counted from 0: FIRST..END.
+    #[arg(long = "unit-range", value_name = "FIRST..END", value_parser = unit_range)]
     pub units: Option<[u64; 2]>,
     /// Worker I of N, counted from 1: each worker begins with a different unit and continues with whatever is missing.
     #[arg(long, value_name = "I/N", value_parser = worker_of, conflicts_with = "units")]
@@ -229,7 +229,7 @@ pub struct SubmitArgs {
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = worker_total)]
     pub workers: usize,
     /// Cores of a worker.
-    #[arg(long = "cores", alias = "threads", value_name = "N", default_value_t = 1, value_parser = thread_count)]
+    #[arg(long = "cores", value_name = "N", default_value_t = 1, value_parser = thread_count)]
     pub threads: usize,
     /// Container image with the program (kubernetes).
     #[arg(long, value_name = "IMAGE", default_value = "mechanim:latest")]

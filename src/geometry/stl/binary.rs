@@ -24,7 +24,7 @@ pub(super) fn of_binary(bytes: &[u8]) -> TriangleCorners {
     [0, 3, 6].map(|k| [number(k), number(k + 1), number(k + 2)])
 }
 
-/// How many triangles the header of a binary file announces.
+/// The number of triangles announced by the header of a binary file.
 pub(super) fn announced_triangles(bytes: &[u8]) -> Option<usize> {
     let count = bytes.get(BINARY_HEADER - 4..BINARY_HEADER)?;
     Some(u32::from_le_bytes(count.try_into().ok()?) as usize)

@@ -1,8 +1,8 @@
-//! Why an STL file cannot be used, and how much of one is read.
+//! Reasons why an STL file cannot be used, and limits on its size.
 
-/// Most triangles read from one file: more cannot be told apart in a picture and would fill the memory.
+/// Most triangles read from one file: a picture could not resolve more, and they would fill the memory.
 pub const MAX_STL_TRIANGLES: usize = 2_000_000;
-/// Largest coordinate: pictures count in single precision, and squares of lengths must fit there.
+/// Largest coordinate: pictures are computed in single precision, and squares of lengths must be representable.
 pub(super) const LARGEST: f64 = 1e18;
 
 /// Why an STL file could not be used.

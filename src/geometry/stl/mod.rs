@@ -1,4 +1,4 @@
-//! Reading STL files, binary and text, with clear refusals. Holds no meshes and no scaling of units.
+//! Reads STL files, binary and text. Units are not scaled here.
 
 mod binary;
 mod error;
@@ -21,13 +21,13 @@ use text::StlText;
 
 /// Most bytes read from one file: the triangle limit in the text form at its usual 270 bytes each.
 const MAX_STL_BYTES: u64 = 540_000_000;
-/// What some editors put before a text.
+/// The byte order mark that some editors write before a text.
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
-/// Reads the triangles of an STL file, equal corners made one; coordinates as they stand in the file.
+/// Reads the triangles of an STL file and merges equal corners; coordinates are those of the file.
 ///
-/// The form is recognised by the size that a binary file must have, then by the word `solid`, so that a
-/// binary file whose title begins with that word is read rightly. Errors: see [`StlError`].
+/// The form is recognised by the size that a binary file must have, then by the word `solid`, so that a binary file
+/// whose title begins with that word is read correctly. Errors: see [`StlError`].
 pub fn read_stl(path: &Path) -> Result<TriangleSoup, StlError> {
     let name = shown_text(&path.display().to_string()).into_owned();
     let read_error = |source| StlError::Read {
@@ -86,7 +86,7 @@ fn collect_triangles(
         if corners.len() == 3 * MAX_STL_TRIANGLES {
             return Err(StlError::TooLarge { path });
         }
-        // Not a number is not smaller.
+        // NaN is not smaller.
         if !triangle.iter().flatten().all(|c| c.abs() <= LARGEST) {
             let triangle = corners.len() / 3 + 1;
             return Err(StlError::NotFinite { path, triangle });

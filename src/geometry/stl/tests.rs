@@ -70,7 +70,7 @@ fn what_cannot_be_used_is_refused_by_kind() {
         read(b"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0"),
         Err(StlError::Syntax { .. })
     ));
-    // A count of four thousand million must not be believed.
+    // A count of four thousand million must not be trusted.
     assert!(matches!(
         read(&binary(b"", u32::MAX, &[ONE])),
         Err(StlError::Truncated { .. })
@@ -94,7 +94,7 @@ fn what_cannot_be_used_is_refused_by_kind() {
     ));
 }
 
-/// A path may lead to any file of its reader: nothing of it is told.
+/// A path may point to any file of the user: nothing of its content is shown.
 #[test]
 fn no_content_stands_in_a_message() {
     let secret = "topsecret";

@@ -7,11 +7,11 @@ use std::ops::Range;
 /// Longest line.
 const LONGEST_LINE: u64 = 1 << 20;
 
-/// The triangles of the text form. What stands in the file is not repeated in messages: it may be another file than an
-/// STL, and none of the reader's business.
+/// The triangles of the text form. Messages do not repeat the content of the file, which may be a private file and not
+/// an STL at all.
 pub(super) struct StlText<R> {
     file: R,
-    /// The line that is read, and where its next word is looked for.
+    /// The current line, and the position of its next word.
     bytes: Vec<u8>,
     at: usize,
     line: usize,
@@ -27,7 +27,7 @@ impl<R: BufRead> StlText<R> {
         }
     }
 
-    /// The next word; the titles of solids are left out. `None` at the end.
+    /// The next word, without the titles of solids. `None` at the end.
     fn word(&mut self) -> Result<Option<Range<usize>>, String> {
         loop {
             let rest = &self.bytes[self.at..];

@@ -1,8 +1,8 @@
-//! Another description of a mechanism's ball joints, which is never gimbal-locked.
+//! A second description of a mechanism's ball joints, which is never gimbal-locked.
 //!
-//! Each joint is its rotation at a pose, which the chart is based on, times three small rotations about x, y and z, in
-//! the same unknowns. The angles of the base are inputs of the chart, so that its chains hold no rounded rotation and can
-//! be proved. What solves the mechanism solves the chart; the scene's angles are then read from the rotation.
+//! Each joint is its rotation at a base pose times three small rotations about x, y and z, in the same unknowns. The
+//! angles of the base pose are inputs of the chart, so that its chains contain no rounded rotation and can be proved.
+//! The usual solver solves the chart; the scene's angles are then computed from the rotation.
 
 use super::joint::Ball;
 use crate::kinematics::structure::block::block_of;
@@ -19,23 +19,23 @@ use std::sync::Arc;
 /// The mechanism of a system with its ball joints described from a pose on.
 #[derive(Clone, Copy, Debug)]
 pub struct BallChart<'s> {
-    /// Loops and coordinates only; the unknowns of ball joints are small rotations about x, y, z, and after the scene's
-    /// inputs stand those angles of every ball joint that the chart is based on.
+    /// Loops and coordinates only. The unknowns of ball joints are small rotations about x, y, z; the scene's inputs
+    /// are followed by the base angles of every ball joint.
     pub system: &'s System,
-    /// The ball joints, none of which is held.
+    /// The ball joints; none of their angles is held.
     pub balls: &'s [Ball],
     /// Coordinates of the scene.
     count: usize,
 }
 
-/// The system that a chart solves: the scene's order of solution for loops in which `balls` are small rotations.
+/// The system of a chart: the scene's blocks for loops in which `balls` are small rotations.
 pub(crate) fn chart_system(system: &System, balls: &[Ball]) -> System {
     let mechanism = system.mechanism();
     let mut charted = Mechanism {
         bodies: Vec::new(),
         traces: Vec::new(),
         outputs: Vec::new(),
-        // The scene's table says nothing of the chart's chains, and nobody asks for theirs.
+        // The scene's table of joints does not apply to the chart's chains, and theirs is not needed.
         joints: Joints::default(),
         ..mechanism.clone()
     };
@@ -84,7 +84,7 @@ impl<'s> BallChart<'s> {
         self.balls.iter().any(|b| b.is_nearly_locked(coordinates))
     }
 
-    /// The chart's coordinates of the pose at the scene's `coordinates`, which it is based on.
+    /// The chart's coordinates of the pose at the scene's `coordinates`, which becomes its base.
     pub fn base(&self, coordinates: &[f64]) -> Vec<f64> {
         let mut own = coordinates.to_vec();
         for ball in self.balls {
@@ -94,7 +94,7 @@ impl<'s> BallChart<'s> {
         own
     }
 
-    /// The angles of ball `index` that the chart's coordinates `own` are based on, in their places among the scene's.
+    /// The base angles of ball `index` in the chart's coordinates `own`, at their positions in the scene's.
     fn angles_of_base(&self, index: usize, own: &[f64]) -> Vec<f64> {
         let first = self.count + 3 * index;
         let mut coordinates = own[..self.count].to_vec();
@@ -104,7 +104,7 @@ impl<'s> BallChart<'s> {
         coordinates
     }
 
-    /// The scene's coordinates for the chart's: of all names of the pose the one nearest to `near`.
+    /// The scene's coordinates for the chart's: of all equivalent angles those nearest to `near`.
     pub fn scene(&self, own: &[f64], near: &[f64]) -> Vec<f64> {
         let mut coordinates = own[..self.count].to_vec();
         for (index, ball) in self.balls.iter().enumerate() {
@@ -120,7 +120,7 @@ impl<'s> BallChart<'s> {
         coordinates
     }
 
-    /// Gives the joints of a pose in the scene's `coordinates` the names nearest to `near`, without moving them.
+    /// Replaces the angles of a pose's joints in the scene's `coordinates` by the equivalent ones nearest to `near`.
     pub fn rename(&self, coordinates: &mut [f64], near: &[f64]) {
         for ball in self.balls {
             let rotation = ball.rotation(coordinates);
@@ -131,8 +131,8 @@ impl<'s> BallChart<'s> {
         }
     }
 
-    /// Rates of the scene's unknowns for rates at the pose `coordinates` that the chart was based on: those of a joint's
-    /// first and last angle are NaN where they are locked.
+    /// Rates of the scene's unknowns for rates at the base pose `coordinates`: those of a joint's first and last angle
+    /// are NaN where they are locked.
     pub fn scene_rates(&self, coordinates: &[f64], rates: &mut [f64]) {
         for ball in self.balls {
             let base = ball.rotation(coordinates);
@@ -144,17 +144,17 @@ impl<'s> BallChart<'s> {
     }
 }
 
-/// Has a joint's value made of coordinate `slot` in place of its own one.
+/// Makes a joint depend on coordinate `slot` instead of its own.
 fn rebase_argument(argument: &mut Argument, slot: usize) {
     if let Argument::Affine(affine) = argument {
         affine.terms.iter_mut().for_each(|term| term.0 = slot);
     }
 }
 
-/// Puts small rotations behind every ball joint of a chain (before it, where it stands inverted), about the point in
-/// which its axes meet. Their arguments begin at `small`, for every ball.
+/// Inserts small rotations after every ball joint of a chain (before it if it is inverted), about the point where its
+/// axes meet. Their arguments begin at `small`, for every ball.
 fn rewrite_chain(chain: &mut Chain, passages: &[Passage], balls: &[Ball], small: &[usize]) {
-    // From the last to the first, so that the steps before keep their numbers.
+    // From the last to the first, so that the numbers of earlier steps remain valid.
     for passage in passages.iter().rev() {
         let mut pairs = balls.iter().zip(small);
         let Some((ball, first)) = pairs.find(|(ball, _)| ball.joint == passage.joint) else {

@@ -27,8 +27,8 @@ use std::f64::consts::{PI, TAU};
 /// Distance from a locked pose, in half turns, at which |cos(b + mu)| is 0.2.
 const NEAR: f64 = 0.064_094_216_849;
 
-/// Below this |cos(b + mu)| the last angle is kept and not read: the first then carries an error of this size in
-/// radians at most, no more than rounding of a long chain.
+/// Below this |cos(b + mu)| the last angle is kept instead of computed: the first then has an error of at most this
+/// size in radians, no more than the rounding of a long chain.
 const UNREADABLE: f64 = 4e-15;
 
 /// A ball joint.
@@ -40,19 +40,19 @@ pub struct Ball {
     pub block: usize,
     /// Index into the table of joints.
     pub(crate) joint: usize,
-    /// The table has it the other way round.
+    /// Whether the table contains its inverse.
     is_reversed: bool,
     run: RotationRun,
     /// Radians by unknown.
     factors: [f64; 3],
-    /// Added before they are angles.
+    /// Added to the unknowns to give the angles.
     offsets: [f64; 3],
     /// C above.
     frame: DMat3,
     /// M above.
     constant: DMat3,
     mu: f64,
-    /// From the frame behind the joint to the point in which the axes meet.
+    /// From the frame after the joint to the point where the axes meet.
     pub(crate) centre: DVec3,
 }
 
@@ -70,7 +70,7 @@ impl Ball {
         self.run.arguments()
     }
 
-    /// Whether a passage of the joint takes it inverted.
+    /// Whether a passage of the joint is inverted.
     pub(crate) fn is_inverse(&self, passage: &Passage) -> bool {
         self.is_reversed != passage.is_inverse
     }
@@ -81,14 +81,14 @@ impl Ball {
         DVec2::new(s.x_axis.x, s.y_axis.x)
     }
 
-    /// Whether |cos(b + mu)| is below 0.2: the angles then lose a digit of the rotation, and soon more. Needs no cosine,
-    /// since it is asked at every step.
+    /// Whether |cos(b + mu)| is below 0.2: the angles then lose a digit of the rotation, and soon more. Without a
+    /// cosine, since it is called at every step.
     pub fn is_nearly_locked(&self, coordinates: &[f64]) -> bool {
         let part = self.half_turns(coordinates);
         (part - part.round()).abs() < NEAR
     }
 
-    /// Whether the locked pose lies between two poses, or one of them is near it.
+    /// Whether the locked pose lies between two poses, or near one of them.
     pub fn may_have_locked(&self, a: &[f64], b: &[f64]) -> bool {
         self.half_turns(a).floor() != self.half_turns(b).floor()
             || self.is_nearly_locked(a)
@@ -126,8 +126,8 @@ impl Ball {
         self.frame.transpose() * *rotation * self.constant.transpose() * self.frame * back
     }
 
-    /// Writes the unknowns that give `rotation` into `coordinates`: of all triples the one nearest to those that
-    /// stand there.
+    /// Writes the unknowns that give `rotation` into `coordinates`: of all triples the one nearest to the present
+    /// values.
     pub(crate) fn read(&self, rotation: &DMat3, coordinates: &mut [f64]) {
         let s = self.canonical_rotation(rotation);
         let before = self.joint_angles(coordinates);
@@ -160,8 +160,8 @@ impl Ball {
         self.write(nearest, coordinates);
     }
 
-    /// Writes the other unknowns that give the same rotation into `coordinates`:
-    /// every rotation has two triples of angles.
+    /// Writes the other unknowns that give the same rotation into `coordinates`: every rotation has two triples of
+    /// angles.
     pub(crate) fn rename(&self, coordinates: &mut [f64]) {
         let [a, b, c] = self.joint_angles(coordinates);
         self.write([a + PI, PI - b - 2.0 * self.mu, c + PI], coordinates);
@@ -209,7 +209,7 @@ pub fn ball_joints(mechanism: &Mechanism, structure: &Structure) -> Vec<Ball> {
     list
 }
 
-/// The ball that is `run` as a loop's `passage` has it.
+/// The ball joint of `run` as it appears in a loop's `passage`.
 fn ball_of(
     mechanism: &Mechanism,
     structure: &Structure,
@@ -253,8 +253,8 @@ fn ball_of(
     (is_whole && is_spelled_alike(mechanism, &ball, size)).then_some(ball)
 }
 
-/// Whether all loops have the joint with the same constants between its rotations: small rotations that stand behind it
-/// in one loop can then stand behind it in all.
+/// Whether all loops have the joint with the same constants between its rotations: small rotations after it in one loop
+/// can then be used in all.
 fn is_spelled_alike(mechanism: &Mechanism, ball: &Ball, size: f64) -> bool {
     let loops = mechanism.loops.iter().zip(&mechanism.joints.along_loops);
     let mut own = loops.flat_map(|(item, passages)| {

@@ -5,7 +5,7 @@ use crate::model::chain::{ChainStep, ElementaryMotion};
 use crate::model::joints::EXACT;
 use glam::{DMat3, DVec3};
 
-/// Three rotations in a row with the constant poses between them.
+/// Three successive rotations with the constant poses between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RotationRun {
     /// Axis, argument and sign.
@@ -14,7 +14,7 @@ pub(super) struct RotationRun {
 }
 
 impl RotationRun {
-    /// The run that these steps are, from its first rotation to its last.
+    /// The run of these steps, from its first rotation to its last.
     pub fn of(steps: &[ChainStep]) -> Option<Self> {
         let mut turns = Vec::with_capacity(3);
         let mut between = [Pose::IDENTITY; 2];
@@ -27,7 +27,7 @@ impl RotationRun {
                     sign,
                 } => turns.push((axis, argument, sign)),
                 ChainStep::Fixed(pose) => {
-                    // Fixed poses before the first rotation belong to the link, as does what comes behind the third.
+                    // Fixed poses before the first rotation and after the third belong to the links.
                     let gap = turns.len().checked_sub(1)?;
                     let before = between.get_mut(gap)?;
                     *before = *before * pose;
@@ -80,7 +80,7 @@ pub(super) fn axes_of(run: &RotationRun) -> Option<BallAxes> {
     if u1.dot(u2).abs() > EXACT || u2.dot(u3).abs() > EXACT {
         return None;
     }
-    // With the first two axes at right angles, the third lies in the plane square to the second.
+    // With the first two axes at right angles, the third lies in the plane perpendicular to the second.
     let third = u1.cross(u2);
     Some(BallAxes {
         frame: DMat3::from_cols(u1, u2, third),
@@ -88,9 +88,9 @@ pub(super) fn axes_of(run: &RotationRun) -> Option<BallAxes> {
     })
 }
 
-/// The point in which the three axes meet, from the frame behind the last; `None` if they do not.
+/// The point where the three axes meet, from the frame after the last; `None` if they do not.
 ///
-/// What a constant shifts along the axis before it or behind it moves no axis off the point.
+/// A constant translation along the axis before it or after it does not move an axis off the point.
 pub(super) fn ball_centre(run: &RotationRun, size: f64) -> Option<DVec3> {
     let own = run.turns.map(|(axis, _, _)| DVec3::AXES[axis]);
     let [first, second] = run.between;
@@ -100,7 +100,7 @@ pub(super) fn ball_centre(run: &RotationRun, size: f64) -> Option<DVec3> {
         first.translation.dot(second_axis),
     );
     let off_first = first.translation - own[0] * along - second_axis * back;
-    // The point of the second axis in which it meets the first, in the frame behind the second rotation.
+    // The point of the second axis where it meets the first, in the frame after the second rotation.
     let meets = own[1] * -back;
     let last_axis = second.rotation * own[2];
     let way = meets - second.translation;

@@ -1,11 +1,11 @@
-//! Whether a loop is open for all values of its coordinates at once.
+//! Proves that a loop is open for all values of its coordinates.
 
 use crate::model::chain::ArgumentValue;
 use crate::model::mechanism::{Closes, Loop};
 use crate::model::walk::WalkFrame;
 use crate::numbers::interval::Interval;
 
-/// Whether the loop is proved to be open wherever in these intervals its arguments are.
+/// Whether the loop is proved to be open for all values of its arguments in these intervals.
 pub fn is_open_throughout(item: &Loop, arguments: &[ArgumentValue<Interval>]) -> bool {
     let end = WalkFrame::at_end_of(&item.chain.steps, arguments);
     // Closed means the identity: nine entries of the rotation and the origin.

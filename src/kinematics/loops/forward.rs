@@ -1,7 +1,7 @@
-//! Poses of bodies, traced points and outputs from coordinates, and the closure as a plain product.
+//! Poses of bodies, traced points and outputs from coordinates, and the closure error as a plain product.
 //!
-//! The closure here is the proof beside every pose: it shares no code with the residual that Newton drives to
-//! zero but the elementary steps themselves.
+//! This closure error is an independent check of every pose: it shares only the elementary steps with the residual that
+//! Newton's method reduces to zero.
 
 use crate::math::{Pose, rotation_log};
 use crate::model::chain::{ArgumentValue, ChainStep};
@@ -10,7 +10,7 @@ use crate::numbers::rounding::largest_or_nan;
 use glam::DVec3;
 
 /// Rotation angle (radians) and distance (scene's unit) by which a loop's product differs from the identity; a loop
-/// that closes in a point may turn.
+/// that closes in a point has no rotation.
 pub fn loop_gap(item: &Loop, arguments: &[ArgumentValue]) -> (f64, f64) {
     let product = item.chain.pose(arguments);
     let angle = match item.closes {
@@ -20,7 +20,8 @@ pub fn loop_gap(item: &Loop, arguments: &[ArgumentValue]) -> (f64, f64) {
     (angle, product.translation.length())
 }
 
-/// The largest gap over all loops and equations, relative to the loop's size; NaN if anything is not a number.
+/// The largest closure error over all loops and equations, relative to the loop's size; NaN if anything is not a
+/// number.
 pub fn closure_error(mechanism: &Mechanism, coordinates: &[f64]) -> f64 {
     gap_of_all(
         mechanism,
@@ -42,7 +43,7 @@ fn gap_of_all(mechanism: &Mechanism, coordinates: &[f64], arguments: &[ArgumentV
     largest_or_nan(loops.chain(equations))
 }
 
-/// Values of the arguments that stand in loops; the others stay zero.
+/// Values of the arguments of loops; the others stay zero.
 fn loop_arguments(mechanism: &Mechanism, coordinates: &[f64]) -> Vec<ArgumentValue> {
     let (mut values, mut scratch) = (Vec::new(), Vec::new());
     values.resize(mechanism.arguments.len(), None);
@@ -76,7 +77,7 @@ pub fn trace_points(mechanism: &Mechanism, poses: &[Pose]) -> Vec<DVec3> {
         .collect()
 }
 
-/// What is seen of a mechanism at one pose.
+/// The positions and outputs of a mechanism at one pose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Observation {
     /// `world_from_body` of every body.
@@ -104,7 +105,7 @@ impl Observation {
     }
 }
 
-/// Values of the outputs that are no rates: each may use those before it.
+/// Values of the outputs except rates: each may use earlier ones.
 fn output_values(mechanism: &Mechanism, coordinates: &[f64], traces: &[DVec3]) -> Vec<f64> {
     if mechanism.outputs.is_empty() {
         return Vec::new();

@@ -1,6 +1,6 @@
-//! Vectors and twists of four joints at once, and the frame that a walk along a loop has reached.
+//! Vectors and twists of four joints at once, and the present frame of a traversal of a loop.
 //!
-//! Lane by lane plain f64 arithmetic in a fixed order. Holds no layout of loops (`plan`) and no residual (`closure`).
+//! Plain f64 arithmetic lane by lane in a fixed order.
 
 use crate::kinematics::structure::layout::{LayoutJoint, PlannedGroup};
 use crate::linalg::lanes::{Lanes, lane_sum};
@@ -118,7 +118,7 @@ impl Twists {
         self.linear += a.angular.cross(&b.linear) + a.linear.cross(&b.angular);
     }
 
-    /// Each screw times its factor.
+    /// Each screw multiplied by its factor.
     #[inline(always)]
     pub fn scaled(&self, factors: f64x4) -> Self {
         Self {
@@ -127,7 +127,7 @@ impl Twists {
         }
     }
 
-    /// Replaces the screws by the sums of those before them, `link` among these, and adds all to `link`.
+    /// Replaces the screws by the sums of those before them, including `link`, and adds all to `link`.
     #[inline(always)]
     pub fn sums_before(&self, link: &mut [f64; 6]) -> Self {
         let mut before = *self;
@@ -166,8 +166,8 @@ impl JointGroup {
         }
     }
 
-    /// The joints' columns: how the rotation vector and the translation over the size change of a loop whose product has the
-    /// given `translation`. `log_from_spin` maps a turn to the rate of the rotation vector.
+    /// The joints' columns: the change of the rotation vector and of the scaled translation of a loop whose product has
+    /// the given `translation`. `log_from_spin` maps a spin to the rate of the rotation vector.
     #[inline(always)]
     pub fn columns(
         &self,
@@ -178,7 +178,7 @@ impl JointGroup {
     ) -> [Lanes; 6] {
         let (axis, origin) = (Vectors::of(&self.axis), Vectors::of(&self.origin));
         let (turns, slides) = (f64x4::new(planned.turns), f64x4::new(planned.slides));
-        // A rotation moves the loop's end across its arm; a translation along its axis.
+        // A rotation moves the loop's end perpendicular to its arm; a translation along its axis.
         let arms = Vectors::splat(translation) - origin;
         let turn = axis.mapped(log_from_spin) * turns;
         let shift = (axis.cross(&arms) * turns + axis * slides) * f64x4::splat(per_size);
@@ -215,7 +215,7 @@ impl LaneFrame {
         f64x4::new(self.0[column & 3])
     }
 
-    /// Takes the fixed pose before a joint; returns the joint's axis, with its sign, and its place.
+    /// Applies the fixed pose before a joint; returns the joint's axis, with its sign, and its position.
     #[inline(always)]
     pub fn reach(&mut self, joint: &LayoutJoint) -> (Lanes, Lanes) {
         if let Some(shift) = joint.shift {
@@ -228,7 +228,7 @@ impl LaneFrame {
         (axis.to_array(), self.0[3])
     }
 
-    /// Makes the joint's own motion.
+    /// Applies the joint's own motion.
     #[inline(always)]
     pub fn pass(&mut self, joint: &LayoutJoint, value: &ArgumentValue) {
         match joint.motion {

@@ -1,11 +1,11 @@
-//! What a table shows of a pose, in any arithmetic: unknowns, traced points, outputs.
+//! The quantities of a pose that a table shows, in any arithmetic: unknowns, traced points, outputs.
 
 use crate::model::mechanism::Mechanism;
 use crate::model::outputs::output_arguments;
 use crate::model::walk::WalkFrame;
 use crate::numbers::scalar::Scalar;
 
-/// Everything a table shows besides the inputs: unknowns, x, y, z of every trace, outputs.
+/// All quantities of a table except the inputs: unknowns, x, y, z of every trace, outputs.
 pub fn observed_values<S: Scalar>(mechanism: &Mechanism, coordinates: &[S]) -> Vec<S> {
     let mut slots = observed_slots(mechanism, coordinates);
     let after = slots.split_off(mechanism.coordinate_count());

@@ -22,9 +22,10 @@ pub struct BlockWorkspace {
     pub residual: Vec<f64>,
     /// Jacobian with respect to the block's unknowns in their scaled form, column-major.
     pub jacobian: Vec<f64>,
-    /// Rate of the residual along a direction of the other coordinates, in whole groups.
+    /// Rate of the residual along a direction of the other coordinates, in whole groups of lanes.
     pub drift: Vec<Lanes>,
-    /// Derivative by the coordinates from outside, as the plan lists them, column-major in whole groups and not scaled.
+    /// Derivative by coordinates of other blocks, in the order of the layout, column-major in whole groups of lanes and
+    /// not scaled.
     outer: Vec<Lanes>,
     /// Rates of those coordinates.
     outer_rates: Vec<f64>,
@@ -45,8 +46,7 @@ pub enum Want<'a> {
     Residual,
     /// Residual and Jacobian.
     Jacobian,
-    /// Residual, Jacobian, and the drift along the given rates of all coordinates (those of the block's own
-    /// unknowns are left out).
+    /// Residual, Jacobian, and the drift along the given rates of all coordinates except the block's own unknowns.
     Drift(&'a [f64]),
 }
 
@@ -71,7 +71,7 @@ impl BlockWorkspace {
         })
     }
 
-    /// Joints of all loops of the block at the last evaluation, as the plan groups them.
+    /// Joints of all loops of the block at the last evaluation, grouped as in the layout.
     pub(crate) fn joints(&self) -> &[JointGroup] {
         &self.joints
     }
@@ -155,14 +155,14 @@ impl BlockWorkspace {
         }
     }
 
-    /// Multiplies the loop's steps, noting every joint's axis and origin.
+    /// Multiplies the loop's steps, recording every joint's axis and origin.
     fn walk(&mut self, plan: &BlockPlan, item: &PlannedLoop) -> Pose {
         let mut frame = LaneFrame::IDENTITY;
         let fours = plan.joints[item.joints.clone()].chunks(4);
         let noted = &mut self.joints[item.groups.clone()];
         for (joints, group) in fours.zip(noted) {
             for (lane, joint) in joints.iter().enumerate() {
-                // Axis and origin are those that the joint meets, before its own motion.
+                // Axis and origin are those before the joint's own motion.
                 let (axis, origin) = frame.reach(joint);
                 for k in 0..3 {
                     group.axis[k][lane & 3] = axis[k];
@@ -285,7 +285,7 @@ fn add_whole(matrix: &mut [f64], entries: &[LayoutEntry], columns: &[[Lanes; 6]]
     }
 }
 
-/// The same where only some of the six rows are kept.
+/// The same if only some of the six rows are kept.
 fn add_parts(matrix: &mut [f64], entries: &[LayoutEntry], columns: &[[Lanes; 6]], parts: &[usize]) {
     for entry in entries {
         let column = &columns[entry.joint / 4];
@@ -306,7 +306,7 @@ fn column_at<'a>(
     let start = column * rows;
     match start.checked_sub(jacobian.len()) {
         None => &mut jacobian[start..start + rows],
-        // Columns of no rows are nowhere read.
+        // Columns without rows are not used.
         Some(after) => {
             let start = after / rows.max(1) * lane_groups(rows);
             &mut outer[start..start + lane_groups(rows)].as_flattened_mut()[..rows]

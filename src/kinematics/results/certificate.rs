@@ -5,30 +5,30 @@
 pub enum Certificate {
     /// An exact closed pose exists.
     Certified {
-        /// No unknown differs from it by more: lengths and plain numbers as they are; angles as radians times the
+        /// Bound on the difference of every unknown: lengths and plain numbers as they are; angles as radians times the
         /// mechanism's size.
         error_bound: f64,
-        /// It is the only one within this distance, measured likewise.
+        /// It is the only one within this distance, measured in the same way.
         unique_radius: f64,
     },
-    /// An exact pose of as many independent equations as there are unknowns exists. The redundant ones hold there as far
-    /// as rounding and the digits of the dimensions let anyone see: that they do is no theorem.
+    /// An exact pose of as many independent equations as there are unknowns exists. The redundant equations hold there
+    /// as far as rounding and the digits of the dimensions allow to judge; this is not a theorem.
     Consistent {
         /// As above.
         error_bound: f64,
         /// As above.
         unique_radius: f64,
-        /// Proved: none of the redundant equations is open by more, measured likewise.
+        /// Proved bound on the closure errors of the redundant equations, measured in the same way.
         closes_to: f64,
     },
     /// An exact closed pose exists, but angles of a ball joint are locked, so that only its rotation is proved.
     Locked {
-        /// As above, where the three angles of every ball joint are replaced by the rotation vector that leads to the
-        /// exact pose, in the frame behind the joint.
+        /// As above, with the three angles of every ball joint replaced by the rotation vector that leads to the exact
+        /// pose, in the frame after the joint.
         error_bound: f64,
-        /// It is the only one within this distance, measured likewise.
+        /// It is the only one within this distance, measured in the same way.
         unique_radius: f64,
-        /// As above, where there are redundant equations.
+        /// As above, if there are redundant equations.
         closes_to: Option<f64>,
     },
     /// Nothing was proved.
@@ -68,7 +68,7 @@ impl Certificate {
         }
     }
 
-    /// By how much redundant equations may be open, where they are bounded and not proved.
+    /// Bound on the closure errors of redundant equations, if they are bounded and not proved.
     ///
     /// ```
     /// # use mechanim::{Samples, Scene};
@@ -95,11 +95,11 @@ pub enum Reason {
     Singular,
     /// The angles of a ball joint are locked, and its rotation has no proof either.
     GimbalLock,
-    /// A loop is turned by more than a right angle: the skew part cannot tell closed from turned by π.
+    /// A loop is rotated by more than a right angle: the skew part cannot distinguish closed from rotated by π.
     HalfTurn,
-    /// An angle so large that its last digit is worth a part of a turn.
+    /// An angle so large that its last digit is a noticeable part of a turn.
     Precision,
-    /// A redundant equation does not hold: what it is open by is more than rounding and the digits of the dimensions
+    /// A redundant equation does not hold: its closure error is more than rounding and the digits of the dimensions
     /// explain.
     Open,
     /// Nobody wanted one.
@@ -128,15 +128,15 @@ impl Reason {
 /// What could be proved about the motion between two samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IntervalCertificate {
-    /// Stretches that were proved, from the start of the interval on.
+    /// Number of time intervals that were proved, from the start on.
     pub tubes: usize,
-    /// The motion is nowhere farther from the proved path (measured like the error bound of a pose).
+    /// The motion stays within this distance of the proved path (measured like the error bound of a pose).
     pub radius: f64,
-    /// It is the only one within this distance of the path, measured likewise.
+    /// It is the only one within this distance of the path, measured in the same way.
     pub unique_radius: f64,
-    /// The redundant equations are nowhere open by more; `None` where there are none, or nothing was proved.
+    /// Bound on the closure errors of the redundant equations; `None` if there are none, or nothing was proved.
     pub closes_to: Option<f64>,
-    /// Where and why the proof ended before the interval did.
+    /// Where and why the proof ended early.
     pub refused: Option<Refusal>,
 }
 
@@ -151,24 +151,24 @@ impl IntervalCertificate {
     }
 }
 
-/// The word for what is proved but for its redundant equations, which are only bounded.
+/// The word for a proof in which the redundant equations are only bounded.
 pub const CONSISTENT: &str = "consistent";
 
 /// The end of a proof.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Refusal {
-    /// Seconds: what lies right after it is not proved.
+    /// Seconds: the motion immediately after it is not proved.
     pub time: f64,
     /// Why.
     pub obstacle: Obstacle,
 }
 
-/// Why a stretch is not proved.
+/// Why a time interval is not proved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Obstacle {
     /// A sample has no pose: the motion ends, or resumes, somewhere in between.
     NoPose,
-    /// The drive jumps, or its formula has a kink or no value.
+    /// The drive jumps, or its formula has a kink or is undefined.
     Drive,
     /// There is a motion, but not one that joins the two samples.
     NotJoined,

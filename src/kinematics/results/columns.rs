@@ -3,7 +3,7 @@
 use super::trajectory::{ClosedPose, Sample};
 use crate::model::mechanism::{Kind, Mechanism};
 
-/// Where a named value stands in a sample.
+/// The source of a named value in a sample.
 #[derive(Clone, Copy, Debug)]
 pub enum Column {
     /// An input.
@@ -20,7 +20,7 @@ pub enum Column {
 const AXES: [&str; 3] = [".x", ".y", ".z"];
 
 impl Column {
-    /// The column of that name; else the names that there are.
+    /// The column of that name; otherwise all names that exist.
     pub fn find(mechanism: &Mechanism, name: &str) -> Result<Self, Vec<String>> {
         let all = columns(mechanism);
         match all.iter().find(|(other, _, _)| other == name) {
@@ -29,7 +29,7 @@ impl Column {
         }
     }
 
-    /// Where it stands among the slots that formulas of a pose may use.
+    /// Its index among the slots that formulas of a pose may use.
     pub fn slot(self, mechanism: &Mechanism) -> usize {
         let unknowns = mechanism.unknowns.len();
         let coordinates = unknowns + mechanism.inputs.len();
@@ -63,7 +63,7 @@ impl Column {
     }
 }
 
-/// All named values of a sample with what they measure, in the order of a table's columns.
+/// All named values of a sample with their kinds, in the order of a table's columns.
 pub fn columns(mechanism: &Mechanism) -> Vec<(String, Column, Kind)> {
     let inputs = mechanism.inputs.iter().enumerate();
     let inputs = inputs.map(|(k, c)| (c.name.clone(), Column::Input(k)));

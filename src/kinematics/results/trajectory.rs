@@ -14,23 +14,23 @@ pub struct ClosedPose {
     pub bodies: Vec<Pose>,
     /// World positions of the traced points.
     pub traces: Vec<DVec3>,
-    /// Values of the outputs; an output may be infinite or NaN where its own formula has no value.
+    /// Values of the outputs; infinite or NaN if an output's formula is undefined.
     pub outputs: Vec<f64>,
     /// Rates of the unknowns per second, from the drive's rates; NaN for angles that are gimbal-locked.
     pub rates: Vec<f64>,
     /// Rates of higher order, as [`RateColumns`](crate::kinematics::rates::columns::RateColumns) names them; empty unless asked for.
     pub derivatives: Vec<f64>,
-    /// Largest gap of any loop relative to the mechanism's size, from an independent product.
+    /// Largest closure error of any loop relative to the mechanism's size, from an independent product.
     pub closure_error: f64,
     /// Smallest singular value over the blocks of the Jacobian; unknowns and residuals scaled by the size.
     pub sigma_min: f64,
     /// Largest ratio of singular values of a block.
     pub condition: f64,
-    /// Rank of the Jacobian; equal to the number of unknowns at a regular pose.
+    /// Rank of the Jacobian; the number of unknowns at a regular pose.
     pub rank: usize,
     /// One sign per block: the side of the singular poses on which the assembly is.
     pub branch: String,
-    /// How near the exact pose provably is, or why nothing was proved.
+    /// The proved distance of the exact pose, or why nothing was proved.
     pub certificate: Certificate,
     /// Newton iterations since the sample before.
     pub iterations: u32,
@@ -43,7 +43,7 @@ pub struct Sample {
     pub time: f64,
     /// Inputs: radians, or the scene's length unit.
     pub inputs: Vec<f64>,
-    /// The pose, or `None` where the mechanism cannot be closed.
+    /// The pose, or `None` if the mechanism cannot be closed.
     pub pose: Option<ClosedPose>,
 }
 
@@ -61,16 +61,16 @@ pub struct Event {
 /// Kinds of events.
 #[derive(Clone, Debug, PartialEq)]
 pub enum EventKind {
-    /// The motion is followed no farther.
+    /// The motion is not followed any farther.
     MotionEnds(Ending),
-    /// The drive has come into the feasible range (again); the pose was assembled anew.
+    /// The drive has entered the feasible range (again); the pose was assembled anew.
     MotionResumes {
         /// The branch is the one before the gap, or there was none before.
         same_branch: bool,
     },
     /// The pose is singular; the motion was continued straight through it.
     SingularPosePassed,
-    /// The pose of a sample is singular, and the drive turns back there: the motion returned on the branch on which it
+    /// The pose of a sample is singular, and the drive reverses there: the motion returned on the branch on which it
     /// came, though another one begins there.
     SingularPoseMet,
     /// The first and last axis of a ball joint that is written as three rotations are parallel, or nearly: only the
@@ -78,10 +78,10 @@ pub enum EventKind {
     GimbalLock {
         /// The three unknowns.
         names: [String; 3],
-        /// Cosine of the middle angle, measured from where the axes are square to each other: zero at a locked pose.
+        /// Cosine of the middle angle, measured from the pose with perpendicular axes: zero at a locked pose.
         distance: f64,
     },
-    /// A coordinate or an output turns back while the drive goes on: a dead point. Only where it was asked for.
+    /// A coordinate or an output reverses while the drive continues: a dead point. Only on request.
     LimitPosition {
         /// Name of the unknown or output.
         name: String,
@@ -92,9 +92,9 @@ pub enum EventKind {
         /// The value is larger than those around it, not smaller.
         is_largest: bool,
     },
-    /// An input has no value (division by zero in its formula, say).
+    /// An input has no value, for example after a division by zero in its formula.
     InputUndefined {
-        /// Its formula has none; else numbers do not reach as far.
+        /// Whether its formula is undefined; otherwise its value exceeds the range of f64.
         proved: bool,
         /// Name of the input.
         name: String,
@@ -103,14 +103,14 @@ pub enum EventKind {
     StartNotClosed {
         /// None exists, in any assembly.
         proved: bool,
-        /// Loop with the largest gap.
+        /// Loop with the largest closure error.
         name: String,
         /// Smallest remaining rotation, radians.
         angle: f64,
         /// Smallest remaining distance.
         distance: f64,
     },
-    /// The first pose is singular: several assemblies may meet there, and which is followed is not determined.
+    /// The first pose is singular: several assemblies may meet there, and which one is followed is not determined.
     StartSingular,
     /// Which of the branches that meet at a singular first pose the motion took.
     BranchChosen {
@@ -119,14 +119,15 @@ pub enum EventKind {
         /// Signatures of the others that were found.
         others: Vec<String>,
     },
-    /// Two cylinders in contact have parallel axes at the start: they touch along a line, and where is not determined.
+    /// Two cylinders in contact have parallel axes at the start: they touch along a line, and the contact point is not
+    /// determined.
     AxesParallel {
         /// Name of the contact.
         contact: String,
     },
-    /// The first pose is far from a start value that the scene names, and another assembly is nearer.
+    /// The first pose is far from a named start value, and another assembly is nearer.
     StartMoved {
-        /// Name of the unknown that is farthest off.
+        /// Name of the unknown with the largest difference.
         name: String,
         /// What it is.
         measure: Kind,
@@ -143,38 +144,39 @@ pub enum EventKind {
     OtherStart,
 }
 
-/// Why a motion is followed no farther.
+/// Why a motion is not followed any farther.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Ending {
-    /// A fold: the path goes on in arc length, but the drive turns back along it. Beyond it this assembly has no pose.
+    /// A fold: the path continues in arc length, but the drive reverses along it. Beyond it this assembly has no pose.
     Fold {
-        /// Tubes in arc length prove that it turns back; else its place was computed.
+        /// Whether tubes in arc length prove the reversal; otherwise its place was computed.
         proved: bool,
         /// Proofs were asked for.
         asked: bool,
     },
-    /// An equation has no value beyond: the end of a formula's range.
+    /// An equation is undefined beyond: the end of a formula's domain.
     NoValue {
         /// The equation.
         name: String,
-        /// It has none a little farther, with all that the unknowns before it can be there; else with those of the last pose.
+        /// Whether it is undefined beyond for all possible values of the unknowns there; otherwise for those of the
+        /// last pose.
         proved: bool,
         /// Proofs were asked for.
         asked: bool,
     },
-    /// No step could be trusted, and no fold was found: whether the motion goes on is not known.
+    /// No step could be trusted, and no fold was found: it is unknown whether the motion continues.
     GivenUp {
         /// Smallest singular value at the last pose.
         sigma_min: f64,
     },
     /// Angles are so large that their own rounding leaves the loops open.
     AngleTooLarge,
-    /// No motion was found that could end: the start values led to no pose, and that none exists is not proved.
+    /// There is no motion that could end: the start values led to no pose, and it is not proved that none exists.
     NotFound,
 }
 
 impl Ending {
-    /// Whether the motion may go on all the same.
+    /// Whether the motion may nevertheless continue.
     pub const fn is_undecided(&self) -> bool {
         matches!(
             self,
@@ -214,38 +216,38 @@ pub struct Instant {
     pub inputs: Vec<f64>,
 }
 
-/// How far a mechanism stays from closing where it cannot.
+/// The closure error that remains where a mechanism cannot be closed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lack {
     /// The sample.
     pub at: Instant,
-    /// Loop or equation with the largest remaining gap.
+    /// Loop or equation with the largest remaining closure error.
     pub name: String,
-    /// Remaining rotation, radians; not zero only where rotations alone cannot close.
+    /// Remaining rotation, radians; nonzero only if the rotations alone cannot be closed.
     pub angle: f64,
     /// Remaining distance in the scene's unit, or value of the equation.
     pub distance: f64,
-    /// No assembly has a pose there; otherwise none was found, or nobody asked for proofs.
+    /// Whether it is proved that no assembly has a pose there; otherwise none was found, or no proof was requested.
     pub proved: bool,
 }
 
-/// A stretch of the drive in which no pose was found.
+/// An interval of the drive in which no pose was found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gap {
     /// The last place with a pose; `None` if the drive begins inside.
     pub from: Option<Instant>,
     /// The first place with a pose again; `None` if the drive ends inside.
     pub until: Option<Instant>,
-    /// What the motion ends at before it.
+    /// Why the motion before it ends.
     pub ending: Option<Ending>,
-    /// What the motion behind it ends at, followed backwards.
+    /// Why the motion after it ends, followed backwards.
     pub beginning: Option<Ending>,
-    /// The sample at which most is lacking, of those inside.
+    /// The sample inside with the largest closure error.
     pub widest: Option<Lack>,
 }
 
 impl Gap {
-    /// Whether nothing tells that the motion ends: it may go on inside.
+    /// Whether it is unknown that the motion ends: it may continue inside.
     pub fn is_undecided(&self) -> bool {
         let is_proved = self.widest.as_ref().is_some_and(|lack| lack.proved);
         let mut ends = [&self.ending, &self.beginning].into_iter().flatten();
@@ -260,17 +262,17 @@ pub struct Trajectory {
     pub samples: Vec<Sample>,
     /// Events in the order of time.
     pub events: Vec<Event>,
-    /// Stretches in which no pose was found, in the order of time.
+    /// Intervals in which no pose was found, in the order of time.
     pub gaps: Vec<Gap>,
     /// Proofs of the motion after each sample, up to the next one or to the end of a cyclic drive; empty unless
-    /// asked for.
+    /// requested.
     pub intervals: Vec<IntervalCertificate>,
-    /// How many of the samples nobody asked for: those where the motion ends and resumes.
+    /// Number of samples added where the motion ends and resumes.
     pub added: usize,
 }
 
 impl Trajectory {
-    /// Number of samples that were asked for.
+    /// Number of samples that were requested.
     pub fn asked(&self) -> usize {
         self.samples.len() - self.added
     }
@@ -285,7 +287,7 @@ impl Trajectory {
         self.missing() == 0 && self.gaps.is_empty()
     }
 
-    /// Whether poses are missing and nothing tells that the motion ends, or that an instant has none.
+    /// Whether poses are missing without a known end of the motion or a proof that an instant has none.
     pub fn is_undecided(&self) -> bool {
         let is_proved = |event: &Event| {
             matches!(
@@ -317,7 +319,7 @@ impl Trajectory {
         self.poses().map(|p| p.closure_error).fold(0.0, f64::max)
     }
 
-    /// The samples of one motion: behind its first end there are no poses, even where the drive is feasible again.
+    /// The samples of one motion: after its first end there are no poses, even where the drive is feasible again.
     pub fn of_one_motion(mut self) -> Vec<Sample> {
         let mut ends = self.events.iter();
         if let Some(end) = ends.find(|e| matches!(e.kind, EventKind::MotionEnds(_))) {

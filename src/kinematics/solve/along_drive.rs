@@ -1,4 +1,4 @@
-//! One block's equations with time as an unknown more: residual, Jacobian, and the derivative along the drive.
+//! One block's equations with time as an additional unknown: residual, Jacobian, and the derivative along the drive.
 
 use super::linearisation::REFINEMENTS;
 use super::newton::Corrector;
@@ -11,13 +11,13 @@ pub struct AlongDrive<'c> {
     pub residual: &'c [f64],
     /// By the block's scaled unknowns, column-major.
     pub jacobian: &'c [f64],
-    /// Rate of the residual while the block's own unknowns stand still: one entry a row, then padding.
+    /// Rate of the residual with the block's own unknowns fixed: one entry per row, then padding.
     pub drift: &'c [f64],
 }
 
 impl Corrector {
-    /// Linearises block `index` at `coordinates`, at which the blocks before it are closed. `rates` are those of all
-    /// coordinates: the inputs' are given, those of the blocks before are filled in.
+    /// Linearises block `index` at `coordinates`, at which the earlier blocks are closed. `rates` contains the rates of
+    /// all coordinates: those of the inputs are given, those of the earlier blocks are filled in.
     pub fn along_drive(
         &mut self,
         system: &System,

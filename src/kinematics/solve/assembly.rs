@@ -1,4 +1,4 @@
-//! Finding a first closed pose from start values that may be far off: Levenberg-Marquardt, then Newton.
+//! Finds a first closed pose from start values that may be far off: Levenberg-Marquardt, then Newton.
 
 use super::closure::CLOSURE_TOLERANCE;
 use super::descent::Descent;
@@ -9,40 +9,41 @@ use crate::kinematics::structure::system::System;
 use crate::model::mechanism::{Kind, Mechanism};
 use std::f64::consts::{PI, TAU};
 
-/// Most iterations per block and weight for a remaining gap: far from closing, the linear model sees one part of the
-/// curvature only, and convergence is linear.
+/// Most iterations per block and weight for a remaining closure error: far from closing, the linear model represents
+/// only part of the curvature, and convergence is linear.
 const GAP_ITERATIONS: u32 = 3000;
 
-/// Weights of rotations against distances over the size when the remaining distance is measured: what is left of the
-/// compromise is one over the last one's square. The valley is too narrow to be followed at once.
+/// Weights of rotations relative to distances over the size when the remaining distance is measured: the remaining
+/// rotation is about the inverse square of the last weight. The valley is too narrow to be followed with the last
+/// weight at once.
 const TURNS_FIRST: [f64; 4] = [1e1, 1e2, 1e3, 1e4];
 
-/// Fewest of them where they are dear.
+/// Smallest number of them, for expensive systems.
 const FEWEST_GAP_ITERATIONS: u32 = 30;
 
-/// Perturbed starts that are tried after the given one, with growing amplitude.
+/// Number of perturbed starts after the given one, with growing amplitude.
 const EXTRA_STARTS: usize = 24;
 
-/// What they may cost, in steps of a small mechanism: of a net of five hundred unknowns two are tried.
+/// Their maximum cost, in steps of a small mechanism: for a net of five hundred unknowns two are tried.
 const COST_OF_STARTS: usize = 8192;
 
-/// A pose could not be found.
+/// No pose was found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NotClosed {
-    /// Name of the loop or equation with the largest remaining gap.
+    /// Name of the loop or equation with the largest remaining closure error.
     pub name: String,
     /// Smallest remaining rotation found, radians (zero for an equation).
     pub angle: f64,
     /// Smallest remaining distance found, in the scene's unit (or the value of an equation).
     pub distance: f64,
-    /// What the distance is measured in: the loop's own size.
+    /// Unit of the distance: the loop's own size.
     pub unit: f64,
     /// Unknowns, then inputs, of the best pose found.
     pub coordinates: Vec<f64>,
 }
 
 impl NotClosed {
-    /// How far from closing, in radians and sizes.
+    /// The closure error, in radians and sizes.
     pub fn amount(&self) -> f64 {
         self.angle.max(self.distance / self.unit)
     }
@@ -59,7 +60,7 @@ pub struct Assembled {
     pub start: usize,
 }
 
-/// Closes all loops from the unknowns in `start` (unknowns, then inputs), trying perturbed starts if `persist`.
+/// Closes all loops from the unknowns in `start` (unknowns, then inputs), with perturbed starts if `persist`.
 pub fn assemble_pose(
     system: &System,
     corrector: &mut Corrector,
@@ -73,7 +74,7 @@ pub fn assemble_pose(
     for attempt in 0..=if persist { most } else { 0 } {
         let mut coordinates = start.to_vec();
         perturb_start(mechanism, attempt, &mut coordinates);
-        // What is held is held at its start value, wherever the others start.
+        // Held unknowns keep their start value, wherever the others start.
         for held in &system.structure().held {
             coordinates[held.unknown] = start[held.unknown];
         }
@@ -101,8 +102,8 @@ pub fn assemble_pose(
     }))
 }
 
-/// How much is lacking where a mechanism cannot be closed: from the best pose found, rotations are closed first,
-/// then the distance is made small. A plain least-squares pose trades one for the other.
+/// The remaining closure error of a mechanism that cannot be closed: from the best pose found, rotations are closed
+/// first, then the distance is minimised. A plain least-squares pose would trade one for the other.
 pub fn smallest_gap(system: &System, best: NotClosed) -> NotClosed {
     let mechanism = system.mechanism();
     let structure = system.structure();
@@ -112,7 +113,7 @@ pub fn smallest_gap(system: &System, best: NotClosed) -> NotClosed {
     let mut coordinates = best.coordinates.clone();
     for block in &structure.blocks {
         let mut left = f64::INFINITY;
-        // Continuation in the weight of the rotations: turns first, then distances.
+        // Continuation in the weight of the rotations: first rotations, then distances.
         for weight in TURNS_FIRST {
             descent.turn_weight = weight;
             left = descent.minimise(mechanism, block, &mut coordinates).1;
@@ -149,10 +150,10 @@ pub fn shake_start(mechanism: &Mechanism, attempt: usize, amplitude: f64, coordi
     }
 }
 
-/// Closes all blocks from where the coordinates are; counts the iterations.
+/// Closes all blocks from the present coordinates; counts the iterations.
 ///
 /// # Errors
-/// What the first block that does not close lacks.
+/// The closure error of the first block that does not close.
 pub fn close_block(
     system: &System,
     corrector: &mut Corrector,
@@ -173,7 +174,7 @@ pub fn close_block(
             correction.converged
         };
         let mut is_closed = correct(coordinates);
-        // Angles of many turns cannot be closed as well as those that are left of them.
+        // Angles of many turns cannot be closed as accurately as their remainders.
         if is_closed && wrap_angles(mechanism, block, &mut turns, coordinates) {
             is_closed = correct(coordinates);
         }
@@ -189,10 +190,10 @@ pub fn close_block(
 /// Angles up to this (radians) close to the tolerance whatever their rounding.
 const LOOSE_ANGLE: f64 = 1e3;
 
-/// A block's angles from a long search may have made whole turns; they are brought to -π..π where nothing but plain
-/// rotations by whole multiples uses them.
+/// A long search may have added whole turns to a block's angles; they are reduced to -π..π if they are used only in
+/// plain rotations by whole multiples.
 ///
-/// Whether any was so large that its rounding may have loosened the closure.
+/// Returns whether any was so large that its rounding may have affected the closure.
 fn wrap_angles(
     mechanism: &Mechanism,
     block: &Block,
@@ -206,7 +207,7 @@ fn wrap_angles(
             continue;
         }
         let turns = turns.get_or_insert_with(|| WholeTurns::of(mechanism));
-        // A whole turn less is the same pose; a large angle lost digits before it was wrapped.
+        // A whole turn less is the same pose; a large angle had lost digits.
         if !turns.matter(slot) {
             any |= value.abs() > LOOSE_ANGLE;
             *value -= TAU * (*value / TAU).round();
@@ -215,7 +216,7 @@ fn wrap_angles(
     any
 }
 
-/// The loop or equation of `block` that is farthest from closing.
+/// The loop or equation of `block` with the largest closure error.
 fn closure_gap(mechanism: &Mechanism, block: &Block, coordinates: &[f64]) -> NotClosed {
     let values = mechanism.argument_values(coordinates);
     let mut worst = NotClosed {
@@ -226,7 +227,7 @@ fn closure_gap(mechanism: &Mechanism, block: &Block, coordinates: &[f64]) -> Not
         coordinates: coordinates.to_vec(),
     };
     let mut largest = -1.0;
-    // The loop that is open the widest, by angle or by its own length.
+    // The loop with the largest closure error, by angle or by its own length.
     for part in &block.loops {
         let item = &mechanism.loops[part.index];
         let (angle, distance) = crate::kinematics::loops::forward::loop_gap(item, &values);

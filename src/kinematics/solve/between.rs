@@ -1,9 +1,9 @@
-//! Whether the Jacobian stays regular from one closed pose to the next. Two determinants of one sign do not say so: a drive
-//! may take two singular values through zero at once, and the branch is then another one behind.
+//! Tests whether the Jacobian stays regular from one closed pose to the next. Determinants of equal sign do not show
+//! this: a drive may take two singular values through zero at once, and the branch is then another one afterwards.
 //!
-//! On the straight line from one Jacobian A to the other, B, no matrix is singular while ‖B − A‖ is less than the sum of
-//! their smallest singular values (Weyl), nor while the eigenvalues of E = 1 − B⁻¹A are small. Steps that pass neither test
-//! are halved; the Jacobians between two poses then lie near that line. It is a check of steps, no proof: tubes prove.
+//! On the straight line from one Jacobian A to the other, B, no matrix is singular if ‖B − A‖ is less than the sum of
+//! their smallest singular values (Weyl), or if the eigenvalues of E = 1 − B⁻¹A are small. Steps that pass neither test
+//! are halved; the Jacobians between two poses then lie near that line. This is a check, not a proof; proofs use tubes.
 
 use super::newton::Corrector;
 use crate::kinematics::structure::system::System;
@@ -11,23 +11,24 @@ use crate::linalg::lanes::{
     LaneMatrix, Lanes, combine_rows, dot_lanes, lane_groups, square_of_difference,
 };
 
-/// Largest change of a Jacobian, as a share of the sum of the smallest singular values: what is left bounds how far the
-/// Jacobians between two poses may lie from the line.
+/// Largest change of a Jacobian, as a fraction of the sum of the smallest singular values: the rest allows for the
+/// distance of the Jacobians between two poses from the line.
 const SHARE_OF_SIGMAS: f64 = 0.5;
 
-/// Largest eigenvalue of E, likewise.
+/// Largest eigenvalue of E, with the same margin.
 pub const MOST_CHANGE: f64 = 0.8;
 
-/// Times that E is squared: the norm of a power bounds the eigenvalues better than that of E.
+/// Number of times that E is squared: the norm of a power bounds the eigenvalues better than that of E.
 const SQUARINGS: i32 = 3;
 
-/// From so many unknowns on a product of matrices costs more than the pose, and the largest eigenvalue is iterated.
+/// Number of unknowns from which on a product of matrices costs more than the pose, and the largest eigenvalue is
+/// iterated instead.
 const LARGE: usize = 48;
 
 /// Iterations of the largest eigenvalue.
 const ITERATIONS: usize = 8;
 
-/// The Jacobians of the last pose on a path, with which those of the next one are compared.
+/// The Jacobians of the last pose on a path, for comparison with those of the next one.
 #[derive(Clone, Debug, Default)]
 pub struct KeptJacobians {
     at: Vec<f64>,
@@ -69,7 +70,7 @@ impl KeptJacobians {
         })
     }
 
-    /// The second test. A pose without an inverse is known to be singular, and no step is to be judged by it.
+    /// The second test. A pose without an inverse is known to be singular, and no step is judged by it.
     fn changes_little(&mut self, index: usize, corrector: &Corrector) -> bool {
         let Some(inverse) = corrector.inverse(index) else {
             return true;
@@ -142,9 +143,9 @@ fn subtract_from_unit(column: &mut [Lanes], index: usize) {
     }
 }
 
-/// Largest eigenvalue of E, by what its powers make of a vector without a pattern.
+/// Largest eigenvalue of E, from the effect of its powers on a pseudo-random vector.
 fn power_iteration(inverse: &LaneMatrix, before: &[f64], rows: usize, columns: usize) -> f64 {
-    // Power iteration on I - A J, from a vector that no symmetry favours.
+    // Power iteration on I - A J, from a vector without symmetry.
     let mut vector: Vec<f64> = (1..=columns).map(|k| (k as f64 * 2.4).sin()).collect();
     let mut image = vec![[0.0; 4]; inverse.stride()];
     let mut grown = 0.0;

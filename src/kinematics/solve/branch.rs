@@ -13,7 +13,7 @@ use smallvec::SmallVec;
 #[derive(Clone, Debug, Default)]
 pub struct BranchWatch {
     rows: Vec<Vec<usize>>,
-    /// By block: turns signs of the present row basis into those of the first.
+    /// By block: converts signs of the present row basis into those of the first.
     turned: Vec<i8>,
     qr: PivotedQr,
     square: Vec<f64>,
@@ -55,7 +55,7 @@ impl BranchState {
 }
 
 impl BranchWatch {
-    /// Rows of every block that the signs are taken of; empty before the first observation.
+    /// Rows of every block that determine its sign; empty before the first observation.
     pub fn bases(&self) -> &[Vec<usize>] {
         &self.rows
     }
@@ -121,8 +121,8 @@ impl BranchWatch {
 }
 
 impl BranchWatch {
-    /// Chooses other rows for over-determined blocks where the present ones are about to depend on each other though
-    /// the block as a whole is regular. Signs go on as they were, so the pose must lie on the motion.
+    /// Chooses other rows for over-determined blocks whose present rows are nearly dependent though the block as a
+    /// whole is regular. Signs stay comparable, so the pose must lie on the motion.
     pub fn renew_rows(&mut self, system: &System, corrector: &mut Corrector, coordinates: &[f64]) {
         let structure = system.structure();
         if structure
@@ -150,7 +150,7 @@ impl BranchWatch {
                 }
                 let basis = row_basis(jacobian, rows, columns, qr);
                 let new = branch_sign(jacobian, rows, columns, &basis, square, qr);
-                // The pose is on the motion, so both determinants stand for one assembly: their product joins the
+                // The pose is on the motion, so both determinants belong to one assembly: their product relates the
                 // signs.
                 if new != 0 {
                     turned[index] *= old * new;

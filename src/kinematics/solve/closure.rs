@@ -1,20 +1,22 @@
-//! How well loops can be closed: what angles after many turns leave open by their own rounding.
+//! How well loops can be closed: the effect of the rounding of angles after many turns.
 
 use crate::kinematics::structure::block::Block;
 use crate::model::mechanism::{Kind, Mechanism};
 
-/// Largest residual of a returned pose, relative to the mechanism's size. Rounding leaves about 1e-15; what is
-/// above this has not converged.
+/// Largest residual of a returned pose, relative to the mechanism's size. Rounding leaves about 1e-15; anything above
+/// this has not converged.
 pub const CLOSURE_TOLERANCE: f64 = 1e-11;
 
-/// What angles leave open at most, lest a pose means little: reached after some million turns.
+/// Largest accepted effect of the rounding of angles; above it a pose means little. It is reached after some million
+/// turns.
 const COARSEST: f64 = 1e-8;
 
 /// Half a spacing of f64 for an angle's own rounding, as much for that of the joint's value, and links that reach a few
 /// sizes.
 const SPACINGS: f64 = 4.0;
 
-/// What the angles of a block leave open by their rounding: beyond 131 072 rad f64 are farther apart than the tolerance.
+/// The effect of the rounding of a block's angles: beyond 131 072 rad adjacent f64 are farther apart than the
+/// tolerance.
 pub fn angle_rounding(mechanism: &Mechanism, block: &Block, coordinates: &[f64]) -> f64 {
     let slots = block.unknowns.iter().chain(&block.plan.outer);
     let all = mechanism.unknowns.iter().chain(&mechanism.inputs);
@@ -24,7 +26,7 @@ pub fn angle_rounding(mechanism: &Mechanism, block: &Block, coordinates: &[f64])
     SPACINGS * f64::EPSILON * sum
 }
 
-/// Whether a block with this residual is closed as well as its angles can close it.
+/// Whether a block with this residual is closed as well as its angles permit.
 pub(super) fn is_closed(
     mechanism: &Mechanism,
     block: &Block,
@@ -35,7 +37,7 @@ pub(super) fn is_closed(
         || residual <= angle_rounding(mechanism, block, coordinates).min(COARSEST)
 }
 
-/// Whether the angles of some block leave more open by their rounding than a pose may.
+/// Whether the angles of some block leave a larger closure error by their rounding than a pose may have.
 pub fn are_angles_too_large(mechanism: &Mechanism, blocks: &[Block], coordinates: &[f64]) -> bool {
     let mut open = blocks
         .iter()

@@ -1,4 +1,4 @@
-//! Levenberg-Marquardt on one block: from far off to where Newton can take over.
+//! Levenberg-Marquardt on one block: from far away to where Newton's method converges.
 
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::structure::block::Block;
@@ -12,30 +12,29 @@ use crate::model::mechanism::Mechanism;
 /// Most iterations per block and start.
 const MAX_ITERATIONS: u32 = 200;
 
-/// Longest step in scaled unknowns (radians, or mechanism sizes): beyond it the linear model says nothing.
+/// Longest step in scaled unknowns (radians, or mechanism sizes): beyond it the linear model is meaningless.
 const MAX_STEP: f64 = 0.5;
 
 /// Newton takes over below this residual.
 const HAND_OVER: f64 = 1e-7;
 
-/// Damping starts small, so that a good start converges like Newton from the first step on.
+/// Damping starts small, so that a good start converges like Newton's method from the first step.
 const FIRST_DAMPING: f64 = 1e-3;
 
-/// Damping at which no step can reduce the residual any more: a local minimum.
+/// Damping at which no step reduces the residual any more: a local minimum.
 const LAST_DAMPING: f64 = 1e10;
 
-/// Damping below which Newton's step is tried first: it is reached after two steps that helped, and what stands far
-/// from closing is damped more.
+/// Damping below which Newton's step is tried first: it is reached after two successful steps.
 const SMALL_DAMPING: f64 = 2e-5;
 
-/// Share of a step that damping may change and be left out: far below what the curvature changes.
+/// Accepted relative difference between the damped and Newton's step: far below the effect of curvature.
 const NEGLIGIBLE: f64 = 1e-2;
 
 /// Largest sum of squares of an inverse that counts as regular, a smallest singular value of about 0.01. Near a singular pose
 /// the damped steps choose between the branches that meet.
 const REGULAR: f64 = 1e4;
 
-/// Buffers and choices of a descent.
+/// Buffers and options of a descent.
 pub struct Descent {
     most: u32,
     /// It ends when no entry of the residual is larger.
@@ -49,7 +48,7 @@ pub struct Descent {
     sparse: SparseLu,
     elimination: Elimination,
     inverse: LaneMatrix,
-    /// The weighted Jacobian, a column a row.
+    /// The weighted Jacobian, column-major.
     columns: LaneMatrix,
     matrix: Vec<f64>,
     right_side: Vec<f64>,
@@ -90,8 +89,8 @@ impl Descent {
         }
     }
 
-    /// Levenberg-Marquardt on one block until Newton can take over, or nothing helps. Returns the iterations and the
-    /// largest entry of the residual.
+    /// Levenberg-Marquardt on one block until Newton's method can take over, or nothing helps. Returns the iterations
+    /// and the largest entry of the residual.
     pub fn minimise(
         &mut self,
         mechanism: &Mechanism,
@@ -116,7 +115,7 @@ impl Descent {
                 .evaluate(mechanism, block, coordinates, Want::Jacobian);
             let trial_value = self.norm(&self.trial.residual);
             if trial_value < value {
-                // Accepted: nearer to Gauss-Newton. Refused: back, and nearer to steepest descent.
+                // Accepted: closer to Gauss-Newton. Rejected: back, and closer to steepest descent.
                 std::mem::swap(&mut self.workspace, &mut self.trial);
                 value = trial_value;
                 damping = (damping * 0.1).max(1e-15);
@@ -157,15 +156,15 @@ impl Descent {
         if !done {
             self.dense_step(rows, columns, damping);
         }
-        // Trust region in scaled unknowns: no angle moves by more than the model is good for.
+        // Trust region in scaled unknowns: no angle moves by more than the validity of the model.
         let longest = self.step.iter().fold(0.0, |m: f64, s| m.max(s.abs()));
         if longest > MAX_STEP {
             self.step.iter_mut().for_each(|s| *s *= MAX_STEP / longest);
         }
     }
 
-    /// Newton's step of a square block, at a quarter of the price; false where damping would change it. The damped
-    /// step is (1 + λ (JᵀJ)⁻¹)⁻¹ times Newton's: they differ by at most λ |J⁻¹|² of it.
+    /// Newton's step of a square block, at a quarter of the cost; false if damping would change it. The damped step is
+    /// (1 + λ (JᵀJ)⁻¹)⁻¹ times Newton's: they differ by at most λ |J⁻¹|² of it.
     fn undamped_step(&mut self, n: usize, damping: f64) -> bool {
         if damping > SMALL_DAMPING || self.turn_weight != 1.0 {
             return false;
@@ -215,7 +214,7 @@ impl Descent {
         self.step.iter().all(|v| v.is_finite())
     }
 
-    /// By the normal equations, at a tenth of the price; false where the damping is too weak for them.
+    /// By the normal equations, at a tenth of the cost; false if the damping is too weak for them.
     fn well_damped_step(&mut self, rows: usize, columns: usize, damping: f64) -> bool {
         self.columns
             .copy_rows(&self.workspace.jacobian, columns, rows);
@@ -227,7 +226,7 @@ impl Descent {
         damped_solution(&self.columns, &self.right_side, damping, &mut self.step)
     }
 
-    /// The weighted residual with its sign turned.
+    /// The negated weighted residual.
     fn set_right_side(&mut self) {
         let residual = self.workspace.residual.iter().zip(&self.weights);
         self.right_side.clear();
@@ -254,7 +253,7 @@ impl Descent {
         self.qr.solve(&mut self.right_side, &mut self.step);
     }
 
-    /// Takes the step, and keeps where the block's unknowns were.
+    /// Applies the step, and stores the previous values of the block's unknowns.
     fn advance_block(&mut self, mechanism: &Mechanism, block: &Block, coordinates: &mut [f64]) {
         self.before.clear();
         for (slot, step) in block.unknowns.iter().zip(&self.step) {

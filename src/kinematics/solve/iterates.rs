@@ -1,5 +1,5 @@
-//! Newton's method made visible: the iterates from the start values, with residuals, corrections and the opened polygon
-//! of every loop. Plain Newton on every block in its order, without the safeguards of the solver.
+//! Records Newton's method: the iterates from the start values, with residuals, corrections and the opened polygon of
+//! every loop. Plain Newton on every block in order, without the safeguards of the solver.
 
 use super::closure::CLOSURE_TOLERANCE;
 use crate::kinematics::loops::forward::Observation;
@@ -13,7 +13,8 @@ use crate::math::{Pose, rotation_log};
 use crate::model::mechanism::{Closes, Mechanism};
 use glam::DVec3;
 
-/// Iterations after which Newton is taken to wander: from a usable start it needs fewer than ten.
+/// Number of iterations after which Newton's method is considered divergent: from a usable start it needs fewer than
+/// ten.
 const MOST_ITERATIONS: usize = 50;
 
 /// One iterate.
@@ -27,7 +28,7 @@ pub struct Iterate {
     pub unknowns: Vec<f64>,
     /// What is added to them next; zero outside the block.
     pub corrections: Vec<f64>,
-    /// How every loop is open.
+    /// The closure error of every loop.
     pub loops: Vec<OpenLoop>,
     /// Values of the scalar equations.
     pub equations: Vec<f64>,
@@ -36,15 +37,15 @@ pub struct Iterate {
 /// A loop at an iterate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OpenLoop {
-    /// From the start of its chain to the end: zero where it is closed.
+    /// From the start of its chain to the end: zero if it is closed.
     pub gap: DVec3,
-    /// Rotation of the end against the start, radians; zero where the loop may turn.
+    /// Rotation of the end relative to the start, radians; zero if the loop closes in a point.
     pub turn: f64,
-    /// Corners of the chain from its start on; the first is the origin, the last would be, too.
+    /// Vertices of the chain from its start on; the first is the origin, and so is the last of a closed loop.
     pub polygon: Vec<DVec3>,
 }
 
-/// The iterates as a row of open poses, one a second, for pictures: nothing is proved of them but the last.
+/// The iterates as a sequence of open poses, one per second, for pictures: only the last can be proved.
 pub fn iterate_film(mechanism: &Mechanism, inputs: &[f64], list: &[Iterate]) -> Trajectory {
     let frame = |(second, iterate): (usize, &Iterate)| {
         let coordinates = [iterate.unknowns.as_slice(), inputs].concat();

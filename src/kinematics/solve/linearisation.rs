@@ -1,4 +1,4 @@
-//! Residual, Jacobian, factors and inverse of one block at a pose, kept for all who ask there.
+//! Residual, Jacobian, factors and inverse of one block at a pose, shared by everything that needs them there.
 
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::structure::block::Block;
@@ -12,26 +12,27 @@ use crate::linalg::sparse_lu::SparseLu;
 use crate::linalg::svd::{Conditioning, RANK_TOLERANCE, jacobian_conditioning};
 use crate::model::mechanism::Mechanism;
 
-/// Least ratio of singular values that are iterated from an inverse: half of its digits are then right, enough for
-/// the accuracy promised. Below it, and wherever a rank may be lost, the Jacobian is decomposed.
+/// Smallest ratio of singular values that are iterated from an inverse: half of its digits are then correct, enough for
+/// the documented accuracy. Below it, and wherever the rank may drop, the Jacobian is decomposed.
 const ITERATED_RATIO: f64 = 1e-7;
 
-/// An inverse serves a pose beside its own while the change of the Jacobian times the inverse, both in the Frobenius norm,
-/// is at most this: singular values then differ by no more than this part of themselves, and no determinant changes its sign.
+/// An inverse is reused at a neighbouring pose while the change of the Jacobian times the inverse, both in the
+/// Frobenius norm, is at most this: singular values then differ by no more than this fraction of themselves, and no
+/// determinant changes its sign.
 const SAME_INVERSE: f64 = 5e-7;
 
-/// Refinements after which a solution by such an inverse is right to rounding.
+/// Number of refinements after which a solution by such an inverse is accurate to rounding.
 pub(crate) const REFINEMENTS: usize = 2;
 
-/// How far the linearisation of a block has come.
+/// The state of the linearisation of a block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 enum LinearStage {
-    /// Nothing, or at another pose.
+    /// Nothing, or a linearisation at another pose.
     #[default]
     Stale,
-    /// Residual and Jacobian stand in the workspace.
+    /// Residual and Jacobian are in the workspace.
     Evaluated,
-    /// The Jacobian, or one beside it, is factored, and inverted where it can be.
+    /// The Jacobian, or that of a neighbouring pose, is factorised, and inverted if possible.
     Factored,
 }
 
@@ -45,14 +46,14 @@ pub(crate) struct Linearisation {
     stage: LinearStage,
     /// Values of the block's unknowns, then of the coordinates from outside, at the linearisation.
     at: Vec<f64>,
-    /// Inverse (of a tall matrix the pseudo-inverse) with one row an equation, so that a solution is a sum of rows.
+    /// Inverse (of a tall matrix the pseudo-inverse) with one row per equation, so that a solution is a sum of rows.
     inverse: LaneMatrix,
     has_inverse: bool,
     /// The factorisation belongs to a neighbouring pose and is reused.
     beside: bool,
     /// The inverse comes from an elimination.
     eliminated: bool,
-    /// The Jacobian that was factored.
+    /// The Jacobian that was factorised.
     factored: Vec<f64>,
     /// Smallest pivot.
     pivot: f64,
@@ -62,7 +63,7 @@ pub(crate) struct Linearisation {
     extremes: Extremes,
     right_side: Vec<f64>,
     solution: Vec<f64>,
-    /// Step of the block's unknowns, in whole groups.
+    /// Step of the block's unknowns, in whole groups of lanes.
     step: Vec<Lanes>,
     rough: Vec<Lanes>,
 }
@@ -76,7 +77,7 @@ fn are_at(slots: &[usize], coordinates: &[f64], at: &[f64]) -> bool {
 }
 
 impl Linearisation {
-    /// Residual and Jacobian at `coordinates`, unless they stand there already.
+    /// Residual and Jacobian at `coordinates`, unless they are there already.
     pub(crate) fn evaluate(&mut self, mechanism: &Mechanism, block: &Block, coordinates: &[f64]) {
         let (own, outer) = (&block.unknowns, &block.plan.outer);
         // The block depends on its own unknowns and on those of earlier blocks; nothing else can have changed it.
@@ -94,7 +95,7 @@ impl Linearisation {
         }
     }
 
-    /// Evaluates and factors at `coordinates`, unless that is done or the factors serve from a pose right beside it.
+    /// Evaluates and factorises at `coordinates`, unless that is done or the factors of a neighbouring pose suffice.
     pub(crate) fn linearise(&mut self, mechanism: &Mechanism, block: &Block, coordinates: &[f64]) {
         self.evaluate(mechanism, block, coordinates);
         if self.stage < LinearStage::Factored && self.inverse_serves() {
@@ -104,7 +105,7 @@ impl Linearisation {
         self.factor(block);
     }
 
-    /// Whether the inverse that stands is near enough to that of the Jacobian in the workspace.
+    /// Whether the present inverse is close enough to that of the Jacobian in the workspace.
     fn inverse_serves(&self) -> bool {
         let jacobian = &self.workspace.jacobian;
         if !self.has_inverse || self.factored.len() != jacobian.len() {
@@ -115,7 +116,7 @@ impl Linearisation {
         change * size <= SAME_INVERSE * SAME_INVERSE
     }
 
-    /// Factors the Jacobian in the workspace, unless that is done.
+    /// Factorises the Jacobian in the workspace, unless that is done.
     fn factor(&mut self, block: &Block) {
         if self.stage == LinearStage::Factored {
             return;
@@ -181,7 +182,7 @@ impl Linearisation {
         self.right_side.clear();
         self.right_side.extend_from_slice(&self.workspace.residual);
         self.solve(self.eliminated);
-        // Convergence is judged by the maximum norm; a step that is no number is infinitely long.
+        // Convergence is judged by the maximum norm; a step with NaN counts as infinitely long.
         let size = self.step.as_flattened().iter().fold(0.0, |m: f64, s| {
             if s.is_nan() {
                 f64::INFINITY
@@ -229,7 +230,7 @@ impl Linearisation {
         self.solve(self.has_inverse);
     }
 
-    /// Refines the last solution for the drift where the inverse is of a pose beside.
+    /// Refines the last solution for the drift if the inverse is that of a neighbouring pose.
     pub(crate) fn refine(&mut self, times: usize) {
         if !self.beside {
             return;
@@ -240,8 +241,7 @@ impl Linearisation {
             self.right_side
                 .extend_from_slice(&self.workspace.drift.as_flattened()[..rows]);
             let columns = self.workspace.jacobian.chunks_exact(rows.max(1));
-            // Iterative refinement: the residual of the linear system, with the exact Jacobian, is solved for once
-            // more.
+            // Iterative refinement: the residual of the linear system, with the exact Jacobian, is solved for again.
             for (column, step) in columns.zip(self.step.as_flattened()) {
                 for (left, entry) in self.right_side.iter_mut().zip(column) {
                     *left += step * entry;
@@ -253,7 +253,7 @@ impl Linearisation {
         }
     }
 
-    /// Solves J step = -right side, by the inverse or by the factors.
+    /// Solves J step = -right-hand side, by the inverse or by the factors.
     fn solve(&mut self, by_inverse: bool) {
         if by_inverse {
             self.step.resize(self.inverse.stride(), [0.0; 4]);

@@ -1,7 +1,7 @@
 //! Newton's method block by block, with the tangent of the motion from the same factorisation.
 //!
 //! A correction ends with an evaluation of the pose that it returns. That linearisation is kept, with its factors and
-//! its inverse once somebody asks for them, so that tangent, prediction, rank and branch sign of the pose share it.
+//! its inverse once they are needed, so that tangent, prediction, rank and branch sign of the pose share it.
 
 use super::closure::is_closed;
 use super::linearisation::{Linearisation, REFINEMENTS};
@@ -9,24 +9,24 @@ use crate::kinematics::structure::system::System;
 use crate::linalg::lanes::LaneMatrix;
 use crate::linalg::svd::Conditioning;
 
-/// Most iterations of one correction. From a predicted pose three suffice; a slow one means a bad prediction.
+/// Most iterations of one correction. From a predicted pose three suffice; a slow one shows a bad prediction.
 const MAX_ITERATIONS: u32 = 12;
 
-/// A correction that shrinks less than this from one iteration to the next is not converging quadratically.
+/// A correction that decreases by less than this factor per iteration does not converge quadratically.
 pub const CONTRACTION: f64 = 0.5;
 
-/// Most iterations of a patient correction: next to a singular pose every step only halves the error.
+/// Most iterations of a patient correction: close to a singular pose every step only halves the error.
 const PATIENT_ITERATIONS: u32 = 80;
 
-/// Slowest shrinking of a patient correction.
+/// Slowest decrease of a patient correction.
 const PATIENT_CONTRACTION: f64 = 0.9;
 
-/// How long a correction may take.
+/// The permitted speed of convergence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pace {
-    /// Quadratic convergence or nothing: what a good prediction deserves.
+    /// Quadratic convergence only: for a good prediction.
     Brisk,
-    /// Linear convergence is accepted: singular poses are reached no faster.
+    /// Linear convergence is accepted: singular poses are not reached faster.
     Patient,
 }
 
@@ -111,18 +111,18 @@ impl Corrector {
             buffers.evaluate(mechanism, block, coordinates);
             let left = buffers.workspace.residual_norm();
             let at_floor = left <= ROUNDING_FLOOR;
-            // Where two poses almost meet, what the floor hides is worth its square root: a patient correction goes on
-            // as long as the residual falls.
+            // Where two poses almost meet, an error of the residual means an error of its square root: a patient
+            // correction continues as long as the residual decreases.
             let falls = pace == Pace::Patient && left <= 0.5 * last_residual;
-            // The floor itself is noise, and would let the count of iterations depend on it: a brisk correction ends by its
-            // last step alone.
+            // The residual at rounding level is noise, and would influence the count of iterations: a brisk correction
+            // ends by its last step alone.
             let rests = pace == Pace::Patient && at_floor && !falls && iterations > 0;
             if done || rests {
                 break;
             }
             last_residual = left;
             if iterations == most && pace == Pace::Patient && at_floor {
-                // Closed to rounding, though the unknowns still creep: towards a zero of higher order.
+                // Closed to rounding, though the unknowns still move slowly: towards a zero of higher order.
                 break;
             }
             if iterations == most {
@@ -138,7 +138,7 @@ impl Corrector {
                 return Correction::failed(iterations, first_step);
             }
             buffers.take_step(block, coordinates);
-            // Quadratic convergence: what is left after this step is about step²/σ.
+            // Quadratic convergence: the error after this step is about step²/σ.
             done = (at_floor && !falls) || size * size <= ROUNDING_FLOOR * pivot;
             last_step = size;
         }
@@ -159,7 +159,7 @@ impl Corrector {
         let structure = system.structure();
         for (block, buffers) in structure.blocks.iter().zip(&mut self.blocks) {
             buffers.linearise(mechanism, block, coordinates);
-            // Right side: what the inputs and earlier blocks do to this block's equations.
+            // Right-hand side: the effect of the inputs and earlier blocks on this block's equations.
             buffers.workspace.drift_along(&block.plan, rates);
             buffers.solve_drift();
             buffers.refine(REFINEMENTS);
@@ -169,7 +169,7 @@ impl Corrector {
         }
     }
 
-    /// Linearises every block at `coordinates`, unless that is done: what shares the linearisation can rely on it.
+    /// Linearises every block at `coordinates`, unless that is done; users of the linearisation rely on it.
     pub fn prepare(&mut self, system: &System, coordinates: &[f64]) {
         let mechanism = system.mechanism();
         let structure = system.structure();
@@ -178,7 +178,8 @@ impl Corrector {
         }
     }
 
-    /// The inverse of a block's Jacobian at the last linearisation, or right beside it, if it has one; a row an equation.
+    /// The inverse of a block's Jacobian at the last linearisation, or at a neighbouring pose, if it has one; one row
+    /// per equation.
     pub fn inverse(&self, block: usize) -> Option<&LaneMatrix> {
         self.blocks.get(block)?.inverse()
     }

@@ -1,21 +1,22 @@
-//! Judging a pose that somebody offers: closed, open, or one of the false closures by its name.
+//! Judges a pose given by the user: closed, open, or one of the known false closures.
 
 use crate::kinematics::loops::forward::loop_gap;
 use crate::model::mechanism::Mechanism;
 use std::f64::consts::PI;
 
-/// What a loop's product is at the offered pose.
+/// The product of a loop at the given pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LoopVerdict {
-    /// The identity within the asked tolerance.
+    /// The identity within the requested tolerance.
     Closed,
-    /// Ends meet, but turned by π: what three off-diagonal entries, or the skew part alone, take for closed.
+    /// The ends meet, but rotated by π, which residuals of three off-diagonal entries, or of the skew part alone,
+    /// accept as closed.
     HalfTurn,
     /// Ends do not meet.
     Open,
 }
 
-/// One loop at the offered pose, or one equation.
+/// One loop at the given pose, or one equation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Offered {
     /// Name of the loop or equation.
@@ -26,7 +27,7 @@ pub struct Offered {
     pub verdict: LoopVerdict,
 }
 
-/// What is left open at the offered pose.
+/// The closure error at the given pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum OfferedGap {
     /// Of a loop.
@@ -40,7 +41,7 @@ pub enum OfferedGap {
     Equation(f64),
 }
 
-/// Poses in print have four or five digits; a half-turn is recognised within this (radians, sizes).
+/// Printed poses have four or five digits; a half-turn is recognised within this (radians, sizes).
 const PRINTED_DIGITS: f64 = 5e-3;
 
 /// Judges every loop and every equation at `coordinates` (unknowns, then inputs); `tolerance` is relative to the
@@ -50,7 +51,7 @@ pub fn judge_pose(mechanism: &Mechanism, coordinates: &[f64], tolerance: f64) ->
     let loops = mechanism.loops.iter().map(|item| {
         let (angle, distance) = loop_gap(item, &arguments);
         let relative = distance / item.size;
-        // A half-turn is told by printed digits: offered poses come from books.
+        // A half-turn is recognised at the accuracy of printed digits, since given poses come from books.
         let verdict = if angle <= tolerance && relative <= tolerance {
             LoopVerdict::Closed
         } else if (PI - angle).abs() <= PRINTED_DIGITS && relative <= PRINTED_DIGITS {

@@ -1,8 +1,8 @@
-//! Closed poses beside known ones: predicted, corrected, observed. Whatever follows a motion, varies dimensions or looks
-//! between two samples does it here, with one rule for what may be trusted.
+//! Closed poses near known ones: predicted, corrected, observed. Everything that follows a motion, varies dimensions or
+//! examines the times between two samples uses it, with one rule for the steps that may be trusted.
 //!
-//! Next to a pose where a ball joint is in gimbal lock everything is solved in a [`BallChart`]; the scene's angles are
-//! read from the result.
+//! Near a pose where a ball joint is in gimbal lock everything is solved in a [`BallChart`]; the scene's angles are
+//! computed from the result.
 
 use super::along_drive::AlongDrive;
 use super::assembly::{Assembled, NotClosed, assemble_pose};
@@ -17,17 +17,17 @@ use crate::kinematics::structure::system::System;
 /// Largest correction of a prediction, in scaled unknowns. A larger one could have reached another branch.
 pub const MAX_CORRECTION: f64 = 0.05;
 
-/// A correction may be this fraction of the predicted step (plus a floor for tiny steps): the tangent is
-/// then a good picture of the path.
+/// A correction may be this fraction of the predicted step (plus a floor for tiny steps): the tangent is then a good
+/// approximation of the path.
 const CORRECTION_OF_STEP: f64 = 0.25;
 
 /// Floor of the above: corrections of this size are rounding at a badly conditioned pose.
 const CORRECTION_FLOOR: f64 = 1e-9;
 
-/// A way is followed by steps no shorter than this part of it.
+/// Shortest step along a way, as a fraction of it.
 const SHORTEST_PART: f64 = 1.0 / 1024.0;
 
-/// Solves poses of one system; one for each thread.
+/// Solves poses of one system; one per thread.
 #[derive(Clone, Debug)]
 pub struct PoseSolver<'s> {
     system: &'s System,
@@ -37,20 +37,20 @@ pub struct PoseSolver<'s> {
     predictor: Predictor,
     watch: BranchWatch,
     kept: KeptJacobians,
-    /// The rows that the last pose is to be proved on, where a block leaves a choice.
+    /// The rows with which the last pose is to be proved, if a block has a choice.
     chosen: Option<Vec<Vec<usize>>>,
     /// Newton iterations so far.
     pub iterations: u32,
 }
 
-/// Whether a corrected prediction lies where the tangent of the path says: the correction and what the prediction departs
-/// from the tangent by are small against the step.
+/// Whether a corrected prediction is consistent with the tangent of the path: the correction and the deviation of the
+/// prediction from the tangent are small compared with the step.
 pub fn follows_prediction(correction: &Correction, prediction: &Prediction) -> bool {
     let off = correction.first_step + prediction.bend;
     correction.converged && off <= largest_correction(prediction.length)
 }
 
-/// The largest correction of a prediction that lies so far along the tangent, in scaled unknowns.
+/// The largest accepted correction of a prediction this far along the tangent, in scaled unknowns.
 pub fn largest_correction(length: f64) -> f64 {
     (CORRECTION_OF_STEP * length + CORRECTION_FLOOR).min(MAX_CORRECTION)
 }
@@ -80,16 +80,16 @@ impl<'s> PoseSolver<'s> {
         self.chart
     }
 
-    /// The chart, where the scene's angles are bad coordinates.
+    /// The chart, if the scene's angles are bad coordinates.
     fn chart_at(&self, coordinates: &[f64]) -> Option<BallChart<'s>> {
         self.chart.filter(|c| c.is_needed(coordinates))
     }
 
-    /// Assembles from the scene's angles, and where they fail in the chart. With the unknowns that are `named` given, as
-    /// they are meant and from perturbed starts, too.
+    /// Assembles from the scene's angles and, if that fails, in the chart. If unknowns are `named`, their start values
+    /// are tried exactly and from perturbed starts, too.
     ///
     /// # Errors
-    /// The pose that comes nearest to closing.
+    /// The pose with the smallest closure error.
     pub fn assembled(
         &mut self,
         start: &[f64],
@@ -116,7 +116,7 @@ impl<'s> PoseSolver<'s> {
                 }
             }
         };
-        // Angles that run into a locked pose get there with half of the digits.
+        // Angles that converge to a locked pose lose half of their digits.
         if chart.is_needed(&found.coordinates) {
             let correction = self.correct(&mut found.coordinates, Pace::Patient);
             found.iterations += correction.iterations;
@@ -160,14 +160,16 @@ impl<'s> PoseSolver<'s> {
         (coordinates, prediction)
     }
 
-    /// One step to new inputs: predicted, corrected, and refused where the correction is not small against the step.
+    /// One step to new inputs: predicted, corrected, and rejected if the correction is not small compared with the
+    /// step.
     pub fn step(&mut self, from: &[f64], inputs: &[f64], order: usize) -> Option<Vec<f64>> {
         let (mut coordinates, prediction) = self.predict(from, inputs, order);
         let correction = self.correct(&mut coordinates, Pace::Brisk);
         follows_prediction(&correction, &prediction).then_some(coordinates)
     }
 
-    /// The closed pose at `inputs` that is corrected from the straight line between two others, at `share` of the way.
+    /// The closed pose at `inputs` that is corrected from the straight line between two others, at the fraction
+    /// `share`.
     pub fn between(
         &mut self,
         [a, b]: [&[f64]; 2],
@@ -182,8 +184,8 @@ impl<'s> PoseSolver<'s> {
         self.closed(&mut coordinates, pace).then_some(coordinates)
     }
 
-    /// Follows the motion from a closed pose by steps that are halved where they cannot be trusted, along `inputs` at the
-    /// parts 0 to 1 of a way.
+    /// Follows the motion from a closed pose in steps that are halved where they cannot be trusted, along `inputs` as a
+    /// function of the fraction 0 to 1.
     pub fn followed(
         &mut self,
         unknowns: &[f64],
@@ -223,7 +225,7 @@ impl<'s> PoseSolver<'s> {
         correction
     }
 
-    /// Linearises one block along the drive, whose inputs have the rates that stand in the tail of `rates`.
+    /// Linearises one block along the drive, with the rates of the inputs in the tail of `rates`.
     pub fn along_drive(
         &mut self,
         coordinates: &[f64],
@@ -234,23 +236,22 @@ impl<'s> PoseSolver<'s> {
             .along_drive(self.system, block, coordinates, rates)
     }
 
-    /// Rates of the unknowns for the rates of the inputs that stand in the tail of `rates`. Those of gimbal-locked angles
-    /// are NaN.
+    /// Rates of the unknowns for the rates of the inputs in the tail of `rates`. Those of gimbal-locked angles are NaN.
     pub fn tangent(&mut self, coordinates: &[f64], rates: &mut [f64]) {
         let Some(chart) = self.chart_at(coordinates) else {
             return self.corrector.tangent(self.system, coordinates, rates);
         };
         let own = chart.base(coordinates);
         let mut own_rates = rates.to_vec();
-        // What the chart is based on stands still.
+        // The base pose of the chart is constant.
         own_rates.resize(own.len(), 0.0);
         Corrector::new(chart.system).tangent(chart.system, &own, &mut own_rates);
         rates.copy_from_slice(&own_rates[..rates.len()]);
         chart.scene_rates(coordinates, rates);
     }
 
-    /// Singular values and signs, with ball joints as rotations: no angle's sign enters, and next to locked poses no
-    /// angle's singularity.
+    /// Singular values and signs with ball joints as rotations: signs of angles do not matter, nor do singularities of
+    /// angles near locked poses.
     pub fn observe(&mut self, coordinates: &[f64]) -> BranchState {
         if let Some(chart) = self.chart_at(coordinates) {
             let own = chart.base(coordinates);
@@ -271,7 +272,7 @@ impl<'s> PoseSolver<'s> {
         self.watch.observe(self.system, corrector, coordinates)
     }
 
-    /// Keeps the Jacobians of a closed pose for [`stays_regular`](Self::stays_regular) on the next step.
+    /// Stores the Jacobians of a closed pose for [`stays_regular`](Self::stays_regular) on the next step.
     pub fn keep_jacobians(&mut self, coordinates: &[f64]) {
         if self.chart_at(coordinates).is_none() {
             self.kept

@@ -1,6 +1,6 @@
 //! Blocks of loops that share unknowns, in the order in which they are solved.
 //!
-//! Plain values. They depend on the mechanism only, not on a pose, and are made once, in
+//! Plain values. They depend on the mechanism only, not on a pose, and are created once, in
 //! [`analysis`](crate::kinematics::freedoms::analysis).
 
 use super::columns::Columns;
@@ -19,7 +19,7 @@ pub struct Block {
     pub equations: Vec<usize>,
     /// Unknowns it determines.
     pub unknowns: Vec<usize>,
-    /// Where its unknowns stand in its Jacobian.
+    /// The columns of its unknowns in its Jacobian.
     pub columns: Columns,
     /// Arguments that its loops use.
     pub arguments: Vec<usize>,
@@ -45,7 +45,7 @@ pub struct Held {
     pub unknown: usize,
     /// All unknowns that take part in the motion, ascending.
     pub moving: Vec<usize>,
-    /// Loop of the link that turns; `None` if the motion only exchanges angles of one joint.
+    /// Loop of the spinning link; `None` if the motion only exchanges angles of one joint.
     pub turning: Option<usize>,
 }
 
@@ -56,16 +56,16 @@ pub struct Structure {
     pub blocks: Vec<Block>,
     /// Equations that hold at every pose, as (loop, component).
     pub empty_equations: Vec<(usize, usize)>,
-    /// Those of them that hold by numbers only: no reason for it is known.
+    /// Those that hold numerically only, for no known reason.
     pub unproved_equations: Vec<(usize, usize)>,
-    /// Unknowns that keep their start value, because nothing but the idle spin of a link depends on them.
+    /// Unknowns that keep their start value, because they only affect the idle spin of a link.
     pub held: Vec<Held>,
 }
 
-/// A mechanism that no pose can solve, or that is not determined.
+/// A mechanism that has no pose at all, or is not determined.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum StructureError {
-    /// A loop has the same gap at every pose.
+    /// A loop has the same closure error at every pose.
     #[error("loop `{name}` cannot close at any pose: {what} always differs by {} {unit}", decimals_of(*gap, 6))]
     Impossible {
         /// Name of the loop.
@@ -74,7 +74,7 @@ pub enum StructureError {
         what: String,
         /// Its constant value.
         gap: f64,
-        /// Unit of the gap: radians or the scene's length unit.
+        /// Unit of the closure error: radians or the scene's length unit.
         unit: String,
     },
     /// More unknowns than independent equations.
@@ -82,7 +82,7 @@ pub enum StructureError {
     UnderDetermined {
         /// How many.
         freedoms: usize,
-        /// Unknowns that can move while the inputs stand still.
+        /// Unknowns that can move while the inputs are fixed.
         names: Vec<String>,
     },
     /// Unknowns that change no equation.
@@ -91,7 +91,7 @@ pub enum StructureError {
         /// Their names.
         names: Vec<String>,
     },
-    /// Equations that have to be solved together need more memory than the run may use.
+    /// Equations that must be solved together need more memory than the run may use.
     #[error(transparent)]
     Limit(#[from] LimitExceeded),
 }

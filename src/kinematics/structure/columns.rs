@@ -1,6 +1,6 @@
-//! Which coordinates are columns of a matrix, and which ones.
+//! Assigns columns of a matrix to coordinates.
 
-/// Columns by coordinate. Holds no more than the block does, so that many blocks take no more than their sum.
+/// Columns by coordinate. Its size is that of the block, so that many blocks take no more memory than their sum.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Columns(Vec<(usize, usize)>);
 

@@ -1,13 +1,13 @@
-//! Equations of loops that hold at every random pose: which of them hold by construction.
+//! Equations of loops that hold at every random pose: finds those that hold by construction.
 //!
-//! By the axes of the chain, or because its angles cancel whatever they are. The others may hold at random poses to the last
+//! By the axes of the chain, or because its angles cancel identically. The others may hold at random poses to the last
 //! digit and nowhere exactly.
 
 use crate::model::chain::{Chain, ChainStep, ElementaryMotion};
 use crate::model::mechanism::Mechanism;
 use crate::numbers::constant::Constant;
 
-/// Of empty equations, as (loop, component), those that nothing in the chain explains.
+/// Of the empty equations, given as (loop, component), those without an explanation in the chain.
 pub fn unproved_of(mechanism: &Mechanism, empty: &[(usize, usize)]) -> Vec<(usize, usize)> {
     let is_unproved = |(index, component): &&(usize, usize)| {
         let chain = &mechanism.loops[*index].chain;
@@ -16,9 +16,9 @@ pub fn unproved_of(mechanism: &Mechanism, empty: &[(usize, usize)]) -> Vec<(usiz
     empty.iter().filter(is_unproved).copied().collect()
 }
 
-/// Whether a chain turns about axis `component` only, by angles whose sum is zero whatever the coordinates are.
+/// Whether a chain rotates about axis `component` only, by angles whose sum is identically zero.
 fn angles_cancel(mechanism: &Mechanism, chain: &Chain, component: usize) -> bool {
-    // Coefficients by coordinate; the constants stand under none.
+    // Coefficients by coordinate; the constants have no coordinate.
     let mut sums: Vec<(Option<usize>, Vec<Constant>)> = Vec::new();
     let mut add = |slot: Option<usize>, c: Constant| match sums.iter_mut().find(|s| s.0 == slot) {
         Some((_, list)) => list.push(c),

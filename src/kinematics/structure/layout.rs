@@ -1,5 +1,6 @@
-//! A block laid out for the walk along its loops: joints in order with the fixed pose before each, and for every
-//! argument the columns that its rate goes into. Made once with the block; holds no values of a pose.
+//! The layout of a block for the traversal of its loops: joints in order with the fixed pose before each, and for every
+//! argument the columns that its rate contributes to. It is created once with the block and contains no values of a
+//! pose.
 
 use crate::math::Pose;
 use crate::model::chain::{Argument, ChainStep, ElementaryMotion};
@@ -12,17 +13,17 @@ use super::loop_part::LoopPart;
 use super::planned_quadratic::PlannedQuadratic;
 use crate::linalg::lanes::{Lanes, lane_groups};
 
-/// Where a part of a rate goes.
+/// The target of a part of a rate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Share {
     /// The coordinate.
     pub slot: usize,
-    /// Its column: below the number of the block's unknowns a column of the Jacobian, else, after those, of the
-    /// derivative by the coordinates from outside.
+    /// Its column: below the number of the block's unknowns a column of the Jacobian, above it one of the derivative by
+    /// coordinates of other blocks.
     pub column: usize,
-    /// Scale of the unknown; one for coordinates from outside.
+    /// Scale of the unknown; one for coordinates of other blocks.
     pub scale: f64,
-    /// Rate of the argument by the coordinate; of no meaning for formulas.
+    /// Rate of the argument by the coordinate; unused for formulas.
     pub coefficient: f64,
 }
 
@@ -31,15 +32,15 @@ pub struct Share {
 pub struct PlannedArgument {
     /// Index into the mechanism's arguments.
     pub index: usize,
-    /// Value with all coordinates at zero; of no meaning for formulas.
+    /// Value with all coordinates at zero; unused for formulas.
     pub constant: f64,
     /// Its entries of [`BlockPlan::shares`].
     pub shares: Range<usize>,
     /// Not affine.
     pub is_formula: bool,
-    /// It is the angle of a rotation; of lengths no sine and cosine are needed.
+    /// Whether it is the angle of a rotation; lengths need no sine and cosine.
     pub turns: bool,
-    /// It depends on unknowns of the block: the others stand still while the block is closed.
+    /// Whether it depends on unknowns of the block: the others are constant while the block is closed.
     pub moves: bool,
 }
 
@@ -60,7 +61,7 @@ pub struct LayoutJoint {
     pub sign: f64,
 }
 
-/// Four neighbours among a loop's joints; the last group is filled up with joints that do not move anything.
+/// Four adjacent joints of a loop; the last group is filled up with joints that do nothing.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct PlannedGroup {
     /// One for rotations.
@@ -82,12 +83,12 @@ pub struct LayoutTerm {
     pub coefficient: f64,
 }
 
-/// Where a multiple of a joint's column is added.
+/// The target of a multiple of a joint's column.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LayoutEntry {
     /// The joint's place among those of its loop.
     pub joint: usize,
-    /// Index of the first row in the column-major Jacobian, or in the padded derivative by coordinates from outside.
+    /// Index of the first row in the column-major Jacobian, or in the padded derivative by coordinates of other blocks.
     pub start: usize,
     /// What the column is multiplied by.
     pub factor: f64,
@@ -102,7 +103,7 @@ pub struct PlannedLoop {
     pub groups: Range<usize>,
     /// Its affine entries of the Jacobian.
     pub own: Vec<LayoutEntry>,
-    /// Its affine entries of the derivative by coordinates from outside.
+    /// Its affine entries of the derivative by coordinates of other blocks.
     pub outside: Vec<LayoutEntry>,
     /// Places of the joints whose arguments are formulas.
     pub formulas: Vec<usize>,
@@ -112,7 +113,7 @@ pub struct PlannedLoop {
     pub components: Vec<usize>,
     /// Row of the first of them.
     pub row: usize,
-    /// What its translation is measured in.
+    /// Unit of its translation.
     pub size: f64,
 }
 
@@ -150,7 +151,7 @@ pub struct BlockPlan {
     pub loops: Vec<PlannedLoop>,
     /// Equations, after the loops.
     pub equations: Vec<PlannedEquation>,
-    /// Coordinates from outside that the block depends on, in the order of their columns.
+    /// Coordinates of other blocks that the block depends on, in the order of their columns.
     pub outer: Vec<usize>,
     /// All arguments are affine and no equation is of more than second degree, so that series of the unknowns follow from the
     /// joints and from products.
@@ -261,7 +262,7 @@ impl BlockPlan {
         let start = self.shares.len();
         for &(slot, coefficient) in terms {
             let own = column_of.of(slot);
-            // Own unknowns are scaled columns of the Jacobian; coordinates from outside come behind them, unscaled.
+            // The block's own unknowns are scaled columns of the Jacobian; other coordinates follow, unscaled.
             let (column, scale) = match own {
                 Some(column) => (column, mechanism.scale_of(slot)),
                 None => (columns + self.outer_column(slot), 1.0),
@@ -340,7 +341,7 @@ impl BlockPlan {
                 item.formulas.push(joint);
                 continue;
             }
-            // Where column and factor of every joint go is known before any pose.
+            // Column and factor of every joint are known before any pose.
             for share in &self.shares[argument.shares.clone()] {
                 let (list, start) = match share.column.checked_sub(columns) {
                     None => (&mut item.own, share.column * rows),
@@ -370,7 +371,7 @@ impl PlannedGroup {
     }
 }
 
-/// Translation and rotation of a fixed pose, where they move anything.
+/// Translation and rotation of a fixed pose, unless they are the identity.
 fn parts_of(pose: &Pose) -> (Option<DVec3>, Option<DMat3>) {
     (
         (pose.translation != DVec3::ZERO).then_some(pose.translation),

@@ -1,4 +1,4 @@
-//! The equations of a loop: their numbers, their names, and the part of them that a block solves.
+//! The equations of a loop: their numbers, their names, and the part that a block solves.
 
 use crate::model::mechanism::{Closes, Mechanism};
 use std::ops::Range;
@@ -12,7 +12,7 @@ pub struct LoopPart {
     pub components: Vec<usize>,
 }
 
-/// The equations of a loop: all six, or the translations where a point closes it.
+/// The equations of a loop: all six, or the translations if it closes in a point.
 pub fn components_of(mechanism: &Mechanism, index: usize) -> Range<usize> {
     match mechanism.loops[index].closes {
         Closes::Frame => 0..6,

@@ -1,8 +1,8 @@
-//! In which order loops can be solved: groups of loops and equations, each with as many equations as new unknowns.
+//! The order in which loops are solved: groups of loops and equations, each with as many equations as new unknowns.
 //!
-//! Loops that need nothing but what is known are taken one by one. What is left is matched, every unknown to a loop
-//! with a free equation, and loops that need each other's unknowns are one group: strongly connected components.
-//! The work grows with the number of places where unknowns stand, not with its square.
+//! Loops whose other coordinates are known are taken one by one. In the rest every unknown is matched to a loop with a
+//! free equation, and loops that need each other's unknowns form a group: strongly connected components. The work grows
+//! with the number of occurrences of unknowns, not with its square.
 
 use super::block::{Block, block_of};
 use super::loop_part::LoopPart;
@@ -10,8 +10,8 @@ use crate::limits::{LimitExceeded, allow_memory};
 use crate::model::mechanism::Mechanism;
 use std::collections::{BTreeSet, VecDeque};
 
-/// Matrices of a block that are held at once, as measured: seven to solve it (Jacobians at this pose and the last one,
-/// factors, inverses, a trial), fifteen to prove its poses.
+/// Number of matrices of a block in memory at once, as measured: seven to solve it (Jacobians at this pose and the last
+/// one, factors, inverses, a trial), fifteen to prove its poses.
 const MATRICES: f64 = 22.0;
 
 /// A loop part or an equation, before grouping.
@@ -23,7 +23,7 @@ pub enum Member {
     Equation(usize),
 }
 
-/// Loops and equations, and which unknowns each uses.
+/// Loops and equations, and the unknowns that each uses.
 #[derive(Clone, Debug)]
 pub struct Incidence {
     /// All loops, then all equations.
@@ -71,7 +71,7 @@ impl Incidence {
         }
     }
 
-    /// Groups in the order of their solution. Unknowns in `held` are taken as known.
+    /// Groups in the order of their solution. Unknowns in `held` are treated as known.
     pub fn groups(&self, held: &[usize]) -> Vec<BlockGroup> {
         let mut known = vec![false; self.users.len()];
         held.iter().for_each(|u| known[*u] = true);
@@ -87,7 +87,7 @@ impl Incidence {
         groups
     }
 
-    /// The groups, if the matrices of the largest have room.
+    /// The groups, if the matrices of the largest fit into memory.
     pub fn allowed(&self, groups: Vec<BlockGroup>) -> Result<Vec<BlockGroup>, LimitExceeded> {
         let size = |group: &BlockGroup| {
             let rows: usize = group.members.iter().map(|m| self.rows[*m]).sum();
@@ -126,7 +126,7 @@ impl Incidence {
         Some(self.sorted_nodes(others))
     }
 
-    /// Everything in as few groups as there are connected parts.
+    /// Everything, as one group per connected part.
     pub fn merged(&self, held: &[usize]) -> Vec<BlockGroup> {
         let mut known = vec![false; self.users.len()];
         held.iter().for_each(|u| known[*u] = true);
@@ -135,7 +135,7 @@ impl Incidence {
         parts.into_iter().map(|p| self.whole(p, &known)).collect()
     }
 
-    /// Members one by one whose unknowns are known but for as many as they have equations.
+    /// Members one by one that have as many equations as unknown coordinates.
     fn peel(&self, known: &mut [bool], done: &mut [bool]) -> Vec<BlockGroup> {
         let mut open: Vec<usize> = self
             .uses
@@ -173,7 +173,7 @@ impl Incidence {
         BlockGroup { members, unknowns }
     }
 
-    /// Members that are not done, parted into those that share open unknowns.
+    /// Members that are not done, divided into those that share open unknowns.
     fn components(&self, known: &[bool], done: &[bool]) -> Vec<Vec<usize>> {
         let mut seen = done.to_vec();
         let mut list = Vec::new();
@@ -199,7 +199,7 @@ impl Incidence {
         list
     }
 
-    /// Gives every open unknown of `rest` to a member with a free equation, if that is possible: one group a member.
+    /// Assigns every open unknown of `rest` to a member with a free equation, if possible: one group per member.
     fn matched_groups(&self, rest: &[usize], known: &[bool]) -> Option<Vec<BlockGroup>> {
         let whole = self.whole(rest.to_vec(), known);
         let mut owned = vec![Vec::new(); self.members.len()];
@@ -217,9 +217,9 @@ impl Incidence {
         Some(rest.iter().map(group).collect())
     }
 
-    /// Finds an owner for `unknown`, moving others from member to member along a shortest path.
+    /// Finds an owner for `unknown`, reassigning others along a shortest path.
     fn augmenting_path(&self, unknown: usize, owned: &mut [Vec<usize>]) -> Option<()> {
-        // From which unknown each member was reached.
+        // The unknown from which each member was reached.
         let mut reached: Vec<Option<usize>> = vec![None; self.members.len()];
         let mut owner_of: Vec<Option<usize>> = vec![None; self.users.len()];
         let mut queue = VecDeque::from([unknown]);
@@ -241,7 +241,7 @@ impl Incidence {
         None
     }
 
-    /// Hands unknowns on along the path that ends at `member`.
+    /// Reassigns unknowns along the path that ends at `member`.
     fn shift(
         &self,
         mut member: usize,
@@ -260,8 +260,8 @@ impl Incidence {
         }
     }
 
-    /// Joins groups that need each other's unknowns, and puts the rest in an order in which each needs earlier ones
-    /// only: Tarjan's strongly connected components (SIAM J. Comput. 1, 1972), without recursion.
+    /// Merges groups that need each other's unknowns, and sorts the rest so that each needs earlier ones only: Tarjan's
+    /// strongly connected components (SIAM J. Comput. 1, 1972), without recursion.
     fn sorted_nodes(&self, nodes: Vec<BlockGroup>) -> Vec<BlockGroup> {
         let mut owner = vec![usize::MAX; self.users.len()];
         for (k, node) in nodes.iter().enumerate() {
@@ -305,7 +305,7 @@ fn strong_components(needs: &[Vec<usize>]) -> Vec<Vec<usize>> {
         if index[root] == UNSEEN {
             path.push((root, 0));
         }
-        // Tarjan's algorithm with a stack of its own: `low` is the earliest node that can be reached back.
+        // Tarjan's algorithm with an explicit stack: `low` is the earliest node that can be reached back.
         while let Some((node, child)) = path.pop() {
             if child == 0 {
                 (index[node], low[node]) = (count, count);

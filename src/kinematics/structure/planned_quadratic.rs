@@ -1,10 +1,10 @@
-//! An equation of second degree laid out for evaluation: the affine forms that it multiplies as short sums of plain numbers.
+//! The layout of an equation of second degree: its affine factors as short sums of plain numbers.
 
 use crate::model::expression::Affine;
 use crate::model::expression::quadratic::Quadratic;
 use crate::numbers::scalar::Ring;
 
-/// Highest order of the coefficients that products are asked for.
+/// Highest order of the coefficients of products.
 pub const HIGHEST_ORDER: usize = 4;
 
 /// A coordinate's part of an affine form.
@@ -88,7 +88,7 @@ impl PlannedQuadratic {
         let sum = products.fold(S::number(0.0), |sum, (factor, [a, b])| {
             sum + (values[*a] * values[*b]).scale(*factor)
         });
-        // What is constant comes last, as in the formula: where the rest cancels it, it does so to zero.
+        // The constant comes last, as in the formula: where it cancels the rest, the result is exactly zero.
         sum + self.rest.value(coordinates)
     }
 
@@ -107,8 +107,8 @@ impl PlannedQuadratic {
         }
     }
 
-    /// What the coefficients of the coordinates below that order contribute to coefficient `order` of the value, where
-    /// `coefficients` holds those of all `count` coordinates from the first order on, one order after the other. The order is 2 to
+    /// The contribution of the coefficients of lower order to coefficient `order` of the value; `coefficients` contains
+    /// those of all `count` coordinates from the first order on, one order after the other. The order is 2 to
     /// [`HIGHEST_ORDER`].
     pub fn bend(&self, coefficients: &[f64], count: usize, order: usize) -> f64 {
         let along = |factor: usize| {

@@ -1,4 +1,4 @@
-//! A loop laid out for its proof: what is passed between its joints, and by how much it may differ from what is meant.
+//! The layout of a loop for its proof: its joints, and error bounds of the constants between them.
 
 use crate::math::Pose;
 use crate::model::chain::{ChainStep, ElementaryMotion};
@@ -7,7 +7,7 @@ use crate::numbers::double_double::DoubleDouble;
 use crate::numbers::sin_cos::SinCosFactor;
 use glam::DMat3;
 
-/// A joint as it is passed on the way, and the fixed pose before it.
+/// A joint on the way along the loop, and the fixed pose before it.
 #[derive(Clone, Debug)]
 pub struct PlannedJoint {
     /// Translation before the joint, axis by axis.
@@ -20,9 +20,9 @@ pub struct PlannedJoint {
     pub axis: usize,
     /// Place of its argument.
     pub argument: usize,
-    /// The argument counts so many times.
+    /// Factor on the argument.
     pub sign: f64,
-    /// Rotation and translation by which the fixed poses behind the joint may differ from those meant.
+    /// Error bounds of the fixed poses after the joint: rotation and translation.
     pub open_behind: [f64; 2],
     /// The length of their translation.
     pub length_behind: f64,
@@ -30,14 +30,14 @@ pub struct PlannedJoint {
     pub angle_behind: f64,
 }
 
-/// A loop laid out for the walk.
+/// A loop laid out for the traversal.
 #[derive(Clone, Debug, Default)]
 pub struct LoopPlan {
     /// In the order of the chain.
     pub joints: Vec<PlannedJoint>,
     /// The fixed pose at the end, as a joint that does not move.
     pub end: Option<PlannedJoint>,
-    /// Rotation and translation by which the fixed pose before the first joint may differ from that meant.
+    /// Error bounds of the fixed pose before the first joint: rotation and translation.
     pub open_before: [f64; 2],
     /// The length of its translation.
     pub length_before: f64,
@@ -84,7 +84,7 @@ impl LoopPlan {
         self.joints.iter().map(|joint| joint.argument)
     }
 
-    /// A joint after a fixed pose, which counts as behind the joint before.
+    /// A joint after a fixed pose, which is attributed to the joint before.
     fn after(&mut self, fixed: Option<FixedPose>) -> PlannedJoint {
         let pose = fixed.unwrap_or(FixedPose::exact(Pose::IDENTITY));
         let open = [pose.error.rotation, pose.error.translation];

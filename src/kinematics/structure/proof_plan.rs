@@ -1,8 +1,7 @@
-//! What is proved of a mechanism's blocks, laid out once: which equations stand in which rows, and which unknowns and
-//! forms enter them.
+//! The layout of the proof of a mechanism's blocks: the rows of the equations, and the unknowns and forms in each.
 //!
-//! First the rows of the block. Then those that the structure found empty at random poses and knows no reason for: they
-//! are bounded at every pose, like every row beyond the number of unknowns.
+//! First the rows of the block. Then those that were found empty at random poses without a known reason: they are
+//! bounded at every pose, like every row beyond the number of unknowns.
 
 use super::block::{Block, Structure};
 use super::proof_chain::LoopPlan;
@@ -15,7 +14,7 @@ use std::ops::Range;
 /// The rows of a block's loops.
 #[derive(Clone, Debug, Default)]
 pub struct ProofRows {
-    /// Of every loop: its equations (0 to 2 rotation, 3 to 5 translation) and the rows they stand in.
+    /// For every loop: its equations (0 to 2 rotation, 3 to 5 translation) and their rows.
     pub loops: Vec<Vec<(usize, usize)>>,
     /// The first row of the block's scalar equations.
     pub first_equation: usize,
@@ -56,7 +55,7 @@ pub struct FormUse {
     pub own_rate: f64,
     /// Largest change by all unknowns.
     pub rate: f64,
-    /// Rows outside which nothing depends on it.
+    /// The only rows that depend on it.
     pub rows: Range<usize>,
 }
 
@@ -72,7 +71,7 @@ impl FormUse {
 /// An equation of the block.
 #[derive(Clone, Debug)]
 pub struct EquationRow {
-    /// The place of the first of its forms: what is affine in it, then its factors.
+    /// The index of the first of its forms: its affine part, then its factors.
     pub first_form: usize,
     /// Its formula.
     pub formula: Quadratic,
@@ -92,13 +91,13 @@ impl EquationRow {
 pub struct LoopRows {
     /// Its chain.
     pub plan: LoopPlan,
-    /// Its equations and the rows they stand in, those of the block first.
+    /// Its equations and their rows, those of the block first.
     pub rows: Vec<(usize, usize)>,
     /// How many of them are the block's.
     of_block: usize,
-    /// A point closes it, so that it may be turned by anything.
+    /// Whether it closes in a point, so that its rotation is arbitrary.
     pub may_turn: bool,
-    /// What its translation is measured in.
+    /// Unit of its translation.
     pub size: f64,
 }
 
@@ -128,9 +127,9 @@ pub struct ProofBlock {
 /// An argument as the loops use it.
 #[derive(Clone, Debug, Default)]
 pub struct ProofArgument {
-    /// Its value; of no meaning for formulas.
+    /// Its value; unused for formulas.
     pub form: Affine,
-    /// A loop has a joint that it moves. Arguments of bodies only are no part of a proof.
+    /// Whether it moves a joint of a loop. Arguments of bodies only are not part of a proof.
     pub is_used: bool,
     /// One of these joints is a rotation.
     pub turns: bool,
@@ -143,7 +142,7 @@ pub struct ProofPlan {
     pub arguments: Vec<ProofArgument>,
     /// In the order of their solution.
     pub blocks: Vec<ProofBlock>,
-    /// Number of equations beyond the unknowns that no proof can take: they are only bounded.
+    /// Number of equations beyond the unknowns that cannot be proved: they are only bounded.
     pub redundant_rows: usize,
 }
 
@@ -235,7 +234,7 @@ impl ProofBlock {
         laid_out
     }
 
-    /// Notes which rows of the block depend on each form.
+    /// Records which rows of the block depend on each form.
     fn note_rows(&mut self) {
         let mut row = 0;
         for item in &self.loops {

@@ -1,5 +1,5 @@
-//! A mechanism ready to be solved: its chains, the blocks in which they are solved, its ball joints. Made once, never
-//! changed, and passed as one thing to everything that solves, proves or counts.
+//! A mechanism ready to be solved: its chains, its blocks, its ball joints. It is created once, never changed, and
+//! passed to everything that solves, proves or counts.
 
 use super::block::{Block, Structure};
 use super::proof_plan::ProofPlan;
@@ -7,12 +7,12 @@ use crate::kinematics::ball::joint::{Ball, ball_joints};
 use crate::model::mechanism::Mechanism;
 use std::sync::{Arc, OnceLock};
 
-/// A step of blocks up to this size is what a step costs; of larger ones it costs more, as elimination does, with the cube.
+/// Up to this size of blocks a step has unit cost; elimination in larger ones costs more, with the cube of the size.
 const CHEAP_BLOCK: usize = 32;
 
-/// A resolved mechanism and how it is solved.
+/// A resolved mechanism and its blocks.
 ///
-/// What a verb may change (drives, duration, start values) is no part of it: see
+/// Drives, duration and start values, which a verb may change, are separate: see
 /// [`Actuation`](crate::model::actuation::Actuation).
 #[derive(Clone, Debug)]
 pub struct System {
@@ -20,19 +20,19 @@ pub struct System {
     structure: Structure,
     balls: Vec<Ball>,
     chart: Option<Box<System>>,
-    /// How its poses are proved; made when the first one is.
+    /// The layout of its proofs; created when the first pose is proved.
     proof_plan: OnceLock<ProofPlan>,
 }
 
 impl System {
-    /// What a step of the solution costs, in steps of a small mechanism.
+    /// The cost of a step of the solution, in steps of a small mechanism.
     pub fn step_cost(&self) -> usize {
         let blocks = self.structure.blocks.iter();
         let costs = blocks.map(|b| (b.unknowns.len() / CHEAP_BLOCK).pow(3));
         costs.sum::<usize>().max(1)
     }
 
-    /// A system of known structure whose ball joints nobody asks for: a trial while ranks are being found, or a chart.
+    /// A system of known structure without ball joints: a trial while ranks are being determined, or a chart.
     pub(crate) fn bare(mechanism: Arc<Mechanism>, structure: Structure) -> Self {
         Self {
             mechanism,
@@ -43,7 +43,7 @@ impl System {
         }
     }
 
-    /// The same with its ball joints, and with the system that `describe` makes of it where there are any.
+    /// The same with its ball joints, and with the chart that `describe` makes of it if there are any.
     pub(crate) fn with_ball_joints(self, describe: impl Fn(&Self, &[Ball]) -> Self) -> Self {
         let balls = ball_joints(&self.mechanism, &self.structure);
         let chart = (!balls.is_empty()).then(|| Box::new(describe(&self, &balls)));
@@ -80,12 +80,13 @@ impl System {
         self.proof_plan.get_or_init(make)
     }
 
-    /// Number of equations beyond the unknowns that no proof can take: they are only bounded.
+    /// Number of equations beyond the unknowns that cannot be proved: they are only bounded.
     pub fn redundant_rows(&self) -> usize {
         self.proof_plan().redundant_rows
     }
 
-    /// The same mechanism with every ball joint described by a small rotation from a pose on; `None` if it has none.
+    /// The same mechanism with every ball joint described by a small rotation relative to a pose; `None` if it has
+    /// none.
     pub fn chart(&self) -> Option<&System> {
         self.chart.as_deref()
     }

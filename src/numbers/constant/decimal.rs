@@ -1,19 +1,19 @@
-//! Decimals as typed, to all digits that the sum of two f64 can hold.
+//! Decimal numbers as typed, to all digits that the sum of two f64 can represent.
 
 use super::Constant;
 use crate::numbers::double_double::DoubleDouble;
 use crate::numbers::rounding::{LONG_OPERATION, SMALLEST, of_decimal};
 
-/// Digits that are read one by one; later ones are part of the error.
+/// Digits that are read individually; later ones become part of the error.
 const MOST_DIGITS: usize = 31;
 
 /// Powers of ten that f64 has.
 const LARGEST_POWER: u32 = 22;
 
-/// Where decimals reach beyond this, the second part of the sum is lost or overflows.
+/// For decimals beyond this, the second part of the sum would underflow or overflow.
 const LONG_RANGE: std::ops::Range<f64> = 1e-270..1e270;
 
-/// The digits of a decimal: a whole number, the power of ten that it is multiplied with, and whether digits are left out.
+/// The digits of a decimal: a whole number, its power of ten, and whether digits were omitted.
 struct Digits {
     whole: u128,
     power: i32,
@@ -21,7 +21,7 @@ struct Digits {
 }
 
 impl Digits {
-    /// `None` if `text` is no decimal of digits, one point and a power of ten.
+    /// `None` if `text` is not a decimal of digits, one point and a power of ten.
     fn read(text: &str) -> Option<Self> {
         let (mantissa, power) = match text.split_once(['e', 'E']) {
             Some((mantissa, power)) => (mantissa, power.parse::<i32>().ok()?),
@@ -43,7 +43,7 @@ impl Digits {
                 return None;
             }
             let value = u128::from(digit - b'0');
-            // Digits up to the point raise the number; digits behind it lower the power of ten.
+            // Digits before the point extend the number; digits after it also lower the power of ten.
             if count < MOST_DIGITS {
                 digits.whole = digits.whole * 10 + value;
                 count += usize::from(digits.whole > 0);
@@ -58,7 +58,7 @@ impl Digits {
 }
 
 impl Constant {
-    /// The decimal in `text`, without a sign; `None` if it is none, or beyond f64.
+    /// The unsigned decimal in `text`; `None` if it is not one, or out of the range of f64.
     pub fn decimal(text: &str) -> Option<Self> {
         let number = text.parse::<f64>().ok().filter(|v| v.is_finite())?;
         let read = Digits::read(text)?;
@@ -88,7 +88,7 @@ impl Constant {
             };
             left -= step;
         }
-        // The reader of f64 decides which is the nearest.
+        // The parser of f64 determines the nearest f64.
         let rest = value.value - DoubleDouble::from(number);
         Some(Self {
             value: DoubleDouble::ordered(number, rest.hi),

@@ -1,4 +1,4 @@
-//! Functions of constants, to 28 digits: a first value of `libm`, which needs to be right to half of its digits only, and
+//! Functions of constants, to 28 digits: a first value from `libm`, of which only half the digits must be right, and
 //! one step of Newton's method or a series.
 
 use super::Constant;
@@ -17,7 +17,8 @@ const LN_TWO: DoubleDouble = DoubleDouble {
 /// Terms of the exponential series up to half of ln 2: the next is below 1e-33.
 const EXPONENTIAL_TERMS: usize = 27;
 
-/// A point that is known to `e` of its distance from the centre is seen under an angle known to asin e, at most π/2 times e.
+/// The direction to a point that is known to a fraction `e` of its distance has an error of asin e, at most π/2 times
+/// e.
 const ARC: f64 = 1.6;
 
 /// Whole exponents up to this are products of squares.
@@ -30,7 +31,7 @@ impl Constant {
         self.value.hi == 0.0 && self.error == 0.0
     }
 
-    /// exp of a number whose error does not count.
+    /// exp of a number whose error is negligible.
     fn exponential(x: DoubleDouble) -> DoubleDouble {
         // Argument reduction: exp x = 2^k exp(x - k ln 2).
         let twos = (x.hi / LN_2).round();
@@ -112,14 +113,14 @@ impl Scalar for Constant {
             return Self::UNDEFINED;
         }
         let first = DoubleDouble::from(libm::log(self.value.hi));
-        // ln a = y + ln(1 + t), and t² / 2 is what the third digit group needs.
+        // ln a = y + ln(1 + t); the term t² / 2 is needed for the last digits.
         let t = self.value * Self::exponential(-first) - DoubleDouble::from(1.0);
         let value = first + t - t * t * 0.5;
         let error = self.error / least + LONG_FUNCTION * (1.0 + first.hi.abs());
         Self::with_error(value, error)
     }
 
-    /// A square that may be zero has a root up to the root of its error.
+    /// The root of a square that may be zero has an error up to the root of the square's error.
     fn sqrt(self) -> Self {
         let (a, e) = (self.value.hi, self.error);
         if self.is_zero() {
@@ -181,7 +182,7 @@ impl Scalar for Constant {
         Self::with_error(value, ARC * open / size + LONG_FUNCTION * 4.0 + jump)
     }
 
-    /// Where a whole number is as near as the error, it may be that one or the one below.
+    /// If a whole number is within the error, the result may be this one or the one below.
     fn floor(self) -> Self {
         let near = self.value.hi.round();
         let off = (self.value.hi - near) + self.value.lo;

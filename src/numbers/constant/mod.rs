@@ -1,8 +1,8 @@
-//! Constants of a scene: about 31 digits, and how far these may be from the number that was meant.
+//! Constants of a scene: about 31 digits, and a bound on their difference from the number as written.
 //!
-//! `1000.3 - 960.2` is 40.1 to 31 digits here, where f64 has 40.09999999999991. What is computed with is the nearest
-//! f64; proofs add how far that is from the number meant ([`Constant::open`]). Decimals are read digit by digit, so that a
-//! number is exact only if f64, or the sum of two, has all of its digits.
+//! `1000.3 - 960.2` is 40.1 to 31 digits here, while f64 gives 40.09999999999991. Computations use the nearest f64;
+//! proofs add its difference from the number as written ([`Constant::open`]). Decimals are read digit by digit, so that
+//! a number is exact only if f64, or the sum of two, can represent it.
 
 mod decimal;
 mod functions;
@@ -36,8 +36,8 @@ impl Constant {
         }
     }
 
-    /// A number that was rounded to f64 before anybody could look at its digits: whole numbers are exact, others are known
-    /// to one unit in the last place.
+    /// A number that was rounded to f64 before its digits could be read: whole numbers are exact, others are known to
+    /// one unit in the last place.
     pub const fn rounded(value: f64) -> Self {
         Self {
             value: DoubleDouble { hi: value, lo: 0.0 },
@@ -45,13 +45,12 @@ impl Constant {
         }
     }
 
-    /// A number that is no farther from `value` than `error`.
+    /// A number that differs from `value` by at most `error`.
     pub fn within(value: f64, error: f64) -> Self {
         Self::near(DoubleDouble::from(value), error)
     }
 
-    /// The same of a sum of two. Where the second part of the sum overflows, the first is all that
-    /// is kept.
+    /// The same for a sum of two. If the second part of the sum overflows, only the first is kept.
     fn near(value: DoubleDouble, error: f64) -> Self {
         if value.lo.is_finite() {
             return Self { value, error };
@@ -63,7 +62,7 @@ impl Constant {
         }
     }
 
-    /// The nearest f64, which is computed with.
+    /// The nearest f64, used in computations.
     #[inline]
     pub const fn number(self) -> f64 {
         self.value.hi
@@ -75,19 +74,19 @@ impl Constant {
         self.value
     }
 
-    /// How far the digits may be from the number meant.
+    /// Bound on the difference between the digits and the number as written.
     #[inline]
     pub const fn error(self) -> f64 {
         self.error
     }
 
-    /// How far [`number`](Self::number) may be from the number meant.
+    /// Bound on the difference between [`number`](Self::number) and the number as written.
     #[inline]
     pub fn open(self) -> f64 {
         (self.value.lo.abs() + self.error) * GROW
     }
 
-    /// Whether f64 has the number meant.
+    /// Whether f64 represents the number as written.
     pub fn is_exact(self) -> bool {
         self.value.lo == 0.0 && self.error == 0.0
     }
@@ -103,12 +102,12 @@ impl Constant {
         (is_whole && off.error() < 1e-18).then_some(whole as i64)
     }
 
-    /// Its size at most, with its error.
+    /// Bound on its magnitude, including its error.
     pub fn largest(self) -> f64 {
         (self.value.hi.abs() + self.error) * GROW
     }
 
-    /// A bound of errors, grown by what the sum itself rounds; exact operations keep their zero.
+    /// A bound of errors, increased by its own rounding; exact operations keep their zero.
     fn with_error(value: DoubleDouble, error: f64) -> Self {
         Self::near(value, error * GROW)
     }
@@ -144,10 +143,10 @@ impl Sub for Constant {
     }
 }
 
-/// The error is what the product, or quotient, of two f64 in `value` may round: nothing if both are short and the digits far
-/// from those that f64 cannot have.
+/// The error is the rounding of a product, or quotient, of two f64 in `value`: none if both are short and far from
+/// underflow.
 fn rounding_of(value: DoubleDouble, is_short: bool) -> f64 {
-    /// Products above keep all digits of their second part.
+    /// Products above this keep all digits of their second part.
     const FAR_FROM_SMALLEST: f64 = 1e-280;
     let size = value.hi.abs();
     if is_short && size > FAR_FROM_SMALLEST {

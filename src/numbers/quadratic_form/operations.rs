@@ -1,4 +1,4 @@
-//! What formulas and chains do with forms of second order.
+//! Operations of formulas and chains on second-order forms.
 
 use super::QuadraticForm;
 use crate::numbers::affine_form::AffineForm;
@@ -120,7 +120,7 @@ impl<const N: usize> Add for QuadraticForm<'_, N> {
         let room = self.room.or(b.room);
         let line = self.line + b.line;
         if self.bends.is_empty() || b.bends.is_empty() {
-            // What is added to nothing is not rounded, and stays where it is.
+            // Adding to nothing causes no rounding and no copy.
             let (bends, bend) = match self.bends.is_empty() {
                 true => (b.bends, b.bend),
                 false => (self.bends, self.bend),

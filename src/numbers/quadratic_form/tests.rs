@@ -59,7 +59,7 @@ fn forms_hold_what_they_enclose() {
         holds(sum, p - 0.3 * r);
         let more = Form::sum_of_products([(&Form::number(1.0), &sum), (&c, &b)].into_iter());
         holds(more, p - 0.3 * r + r * q);
-        // Without room nothing is lost but sharpness.
+        // Without storage only sharpness is lost.
         let (lone, other) = (Form::from(a.line), Form::from(b.line));
         holds(lone * other, r);
         holds((lone * other).sin(), libm::sin(r));

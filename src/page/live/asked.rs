@@ -1,4 +1,4 @@
-//! What is asked of every motion of a live page: what the command line asked of the first one.
+//! The options for every motion of a live page: those of the command line.
 
 use crate::clearance::check::Closely;
 use crate::kinematics::motion::sampling::{even_times, frame_times};
@@ -8,19 +8,19 @@ use crate::report::verdict::Asked;
 use crate::scene::Scene;
 use serde_json::{Value, json};
 
-/// What is asked of a motion.
+/// The options for a motion.
 #[derive(Clone, Copy, Debug)]
 pub struct LiveAsked {
     /// What must be so.
     pub asked: Asked,
-    /// How near bounds of distances must come.
+    /// Requested accuracy of the bounds of distances.
     pub closely: Closely,
     /// Samples, spread evenly; the scene's frames if absent.
     pub samples: Option<usize>,
 }
 
 impl LiveAsked {
-    /// As the page keeps it.
+    /// As stored in the page.
     pub fn json(&self) -> Value {
         let Asked {
             closure,
@@ -36,7 +36,7 @@ impl LiveAsked {
         })
     }
 
-    /// From what a page kept; what it lacks is as `check` has it.
+    /// From the data stored in a page; missing ones have the defaults of `check`.
     pub(super) fn read(kept: &Value) -> Self {
         let is = |name: &str, usual: bool| kept[name].as_bool().unwrap_or(usual);
         let number = |name: &str| kept[name].as_f64();

@@ -1,4 +1,4 @@
-//! Where a live page's questions arrive, as JSON, and are answered: one scene for each mechanism of the page.
+//! Receives the requests of a live page as JSON and answers them: one scene for each mechanism of the page.
 
 use super::asked::LiveAsked;
 use super::following::Way;
@@ -19,14 +19,14 @@ pub struct Desk {
     scenes: HashMap<usize, LiveScene>,
 }
 
-/// What a question is answered with.
+/// An answer.
 enum LiveAnswer {
     Text(Value),
     Bytes(Vec<u8>),
 }
 
 impl Desk {
-    /// The answer to a question, `{"ask": WHAT, "number": SCENE, …}`: a JSON object, or `=` and the bytes of a file.
+    /// The answer to a request, `{"ask": WHAT, "number": SCENE, …}`: a JSON object, or `=` and the bytes of a file.
     pub fn answer(&mut self, question: &str) -> Vec<u8> {
         let answer = match serde_json::from_str::<Value>(question) {
             Ok(question) => self.answer_to(&question),
@@ -110,7 +110,7 @@ fn open_scene(number: usize, question: &Value) -> Result<LiveScene, LiveError> {
     )
 }
 
-/// The state after a move, and where the way ended if it did not lead there.
+/// The state after a move, and where the motion ended if it did not reach the target.
 fn moved_state(scene: &mut LiveScene, stopped: Option<&Way>) -> Value {
     let shapes = match scene.is_reshaped() {
         true => Shapes::Changed,

@@ -1,4 +1,4 @@
-//! Pictures and tables of a live scene as the program writes them, byte by byte.
+//! Pictures and tables of a live scene, byte by byte as the program writes them.
 
 use super::session::{LiveError, LiveScene, Opened};
 use crate::export::film::{Destination, FilmSettings};
@@ -26,7 +26,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// Samples a pixel, as `render` takes them.
 const SMOOTHNESS: u32 = 4;
 
-/// The renderer whose pictures are the same bytes everywhere.
+/// The renderer whose pictures have the same bytes on every machine.
 const DRAWN_BY: DrawnBy = DrawnBy {
     renderer: RendererChoice::Cpu,
     adapter: AdapterChoice::Software,
@@ -38,7 +38,7 @@ fn in_words(error: impl Display) -> LiveError {
 }
 
 impl LiveScene {
-    /// Frames as `render` draws them; a pose held by hand is a film of one frame.
+    /// Frames as `render` draws them; a pose moved by hand is a film of one frame.
     fn film(&self) -> Trajectory {
         let Opened { scene, system, .. } = &self.now;
         self.held().unwrap_or_else(|| {
@@ -125,7 +125,7 @@ impl LiveScene {
     pub fn csv(&self) -> Vec<u8> {
         let Opened { scene, system, .. } = &self.now;
         let motion = self.held().unwrap_or_else(|| {
-            // Of what stands still one row is enough.
+            // One row suffices for a mechanism that does not move.
             let moves = scene.actuation.drives.iter().any(|d| !d.is_constant());
             let times = match moves {
                 true => frame_times(&scene.mechanism, &scene.actuation, scene.view.fps),

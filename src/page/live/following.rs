@@ -1,5 +1,5 @@
-//! From a pose at one value of a parameter to the pose at another one: the mechanism with that parameter as an input is followed,
-//! so that what is reached is the same assembly, or the place where it ends is known.
+//! Follows a mechanism from a pose at one value of a parameter to another value: the parameter becomes an input, so
+//! that the assembly is kept, or the place where the motion ends is known.
 
 use crate::analysis::study::{FamilyError, ParametricMechanism};
 use crate::diag::Source;
@@ -20,7 +20,7 @@ pub(super) type NamedPose = Vec<(String, f64)>;
 pub(super) enum Way {
     /// To the value asked for, in the same assembly.
     Reached(NamedPose),
-    /// No farther than this value, and why.
+    /// Only up to this value, with the reason.
     Stopped {
         /// In the file's unit.
         at: f64,
@@ -32,7 +32,7 @@ pub(super) enum Way {
 /// A mechanism with one of its parameters as an input, kept while the same slider is moved.
 pub(super) struct Follower {
     name: String,
-    /// Values put in place of those of other parameters.
+    /// Replaced values of other parameters.
     others: Vec<(String, String)>,
     family: ParametricMechanism,
 }
@@ -50,18 +50,18 @@ impl Follower {
         })
     }
 
-    /// Whether it is of this parameter, with the others as they are.
+    /// Whether it is for this parameter, with the other parameters unchanged.
     pub fn fits(&self, overrides: &Overrides, name: &str) -> bool {
         self.name == name && self.others == other_overrides(overrides, name)
     }
 
-    /// What one of the file's units is inside.
+    /// Conversion factor from the file's unit.
     pub fn unit(&self) -> f64 {
         self.kind()
             .map_or(1.0, |kind| 1.0 / self.family.units(kind))
     }
 
-    /// The parameter's value where nothing is put in its place, in radians for angles.
+    /// The parameter's own value, in radians for angles.
     pub fn start(&self) -> Option<f64> {
         self.family.study.variables.first().map(|v| v.start)
     }
@@ -124,13 +124,14 @@ pub(super) fn by_name(mechanism: &Mechanism, pose: &NamedPose) -> Vec<f64> {
     mechanism.unknowns.iter().map(|c| value(&c.name)).collect()
 }
 
-/// A way of one second, with its ends proved where they can be.
+/// A motion of one second, with its ends proved if possible.
 pub(super) fn follow(system: &System, way: &Actuation) -> Trajectory {
     let reading = Some(InputReading::Numbers);
     solve_until(system, way, &[0.0, 1.0], reading, &|| false)
 }
 
-/// Where a way of one second is left, as a share of it, and why; `None` if it leads to its end in one assembly.
+/// Where a motion of one second ends or changes its assembly, as a fraction of it, and why; `None` if it reaches its
+/// end.
 pub(super) fn stop_of(motion: &Trajectory) -> Option<(f64, &'static str)> {
     let why = |kind: &EventKind| match kind {
         EventKind::MotionEnds(ending) if ending.is_undecided() => {

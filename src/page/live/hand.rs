@@ -1,4 +1,4 @@
-//! A mechanism moved by hand: one pose whose inputs are led by sliders instead of the drive.
+//! A mechanism moved by hand: one pose whose inputs are set by sliders instead of the drive.
 
 use super::following::{Way, follow, stop_of};
 use super::session::{LiveError, LiveScene};
@@ -6,10 +6,10 @@ use crate::kinematics::results::trajectory::{ClosedPose, Sample};
 use crate::model::actuation::Actuation;
 
 impl LiveScene {
-    /// Leads the inputs from where they stand, or from a time of the motion, to values in the file's units; others stay.
-    /// Where the way ends before, the pose stays, and the place is returned as a share of the way.
+    /// Moves the inputs from their present values, or from a time of the motion, to values in the file's units; others
+    /// stay. If the motion ends before, the pose stays, and the place is returned as a fraction of the way.
     ///
-    /// Errors: no such input; no pose to begin at.
+    /// Errors: no such input; no pose to start from.
     pub fn drive(&mut self, time: f64, wanted: &[(String, f64)]) -> Result<Option<Way>, LiveError> {
         let (start, pose) = self.standing_pose(time)?;
         let mut inputs = start.inputs.clone();
@@ -30,7 +30,7 @@ impl LiveScene {
         Ok(None)
     }
 
-    /// Where the mechanism stands: as it is held, or at the sample nearest to a time.
+    /// The present pose: the one set by hand, or that of the sample nearest to a time.
     fn standing_pose(&self, time: f64) -> Result<(Sample, ClosedPose), LiveError> {
         let held = self.hand.as_ref();
         let off = |s: &&Sample| (s.time - time).abs();

@@ -1,5 +1,6 @@
-//! What a live page asks while its reader moves sliders and edits the text: a scene that is changed and followed from where it
-//! is, questions and answers as JSON. Compiled to WebAssembly by `bindings/web`; nothing here knows of a browser.
+//! The requests of a live page while its reader moves sliders and edits the text: a scene that is changed and followed
+//! from its present pose, with requests and answers as JSON. Compiled to WebAssembly by `bindings/web`, but independent
+//! of browsers.
 
 mod asked;
 mod desk;

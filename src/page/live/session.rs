@@ -1,4 +1,4 @@
-//! A scene on a live page: its text, what was put in place of its values, and the motion that follows.
+//! A scene on a live page: its text, replaced values, and the resulting motion.
 
 use super::asked::LiveAsked;
 use super::following::{Follower, NamedPose, Way, by_name, named_pose};
@@ -15,7 +15,7 @@ use crate::scene::{Overrides, Scene, load_scene};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// Two first poses are one if no unknown differs by more than this: radians, or shares of the mechanism's size.
+/// Two first poses are equal if no unknown differs by more than this: radians, or fractions of the mechanism's size.
 const SAME_POSE: f64 = 1e-6;
 
 /// Why a scene cannot be shown.
@@ -30,7 +30,7 @@ pub enum LiveError {
     /// It is too large.
     #[error(transparent)]
     Limit(#[from] LimitExceeded),
-    /// Something asked for is not there, in words.
+    /// A missing item, with an explanation.
     #[error("{0}")]
     Asked(String),
 }
@@ -44,18 +44,18 @@ pub(super) struct Opened {
 
 /// A scene, what is changed in it, and its motion.
 pub struct LiveScene {
-    /// Its place on the page.
+    /// Its index on the page.
     pub(super) number: usize,
     pub(super) source: Source,
     pub(super) overrides: Overrides,
-    /// Start values that the page was made with; those that following adds come and go.
+    /// Start values that the page was created with; those added by following change.
     own_guess: Vec<(String, String)>,
     pub(super) asked: LiveAsked,
     pub(super) now: Opened,
-    /// A pose held by hand, in place of the motion.
+    /// A pose set by hand, which replaces the motion.
     pub(super) hand: Option<Sample>,
     follower: Option<Follower>,
-    /// The mechanism whose shapes the page knows.
+    /// The mechanism whose shapes the page has received.
     told: Arc<Mechanism>,
 }
 
@@ -96,7 +96,7 @@ impl LiveScene {
         })
     }
 
-    /// Whether bodies have other shapes than when this was asked before.
+    /// Whether the bodies' shapes have changed since the last call.
     pub(super) fn is_reshaped(&mut self) -> bool {
         let now = Arc::clone(&self.now.scene.mechanism);
         let told = std::mem::replace(&mut self.told, now);
@@ -114,10 +114,10 @@ impl LiveScene {
         }
     }
 
-    /// Follows the mechanism to another value of a parameter. Where the way ends before, everything stays as it is, and
+    /// Follows the mechanism to another value of a parameter. If the motion ends before, everything stays as it is, and
     /// the place is returned.
     ///
-    /// Errors: a text that is no number; values that the scene does not allow.
+    /// Errors: a text that is not a number; values that the scene does not allow.
     pub fn move_to(&mut self, name: &str, text: &str) -> Result<Option<Way>, LiveError> {
         let is_number = |v: &f64| v.is_finite();
         let wanted = text.trim().parse().ok().filter(is_number);
@@ -130,7 +130,7 @@ impl LiveScene {
             .push((name.to_owned(), text.trim().to_owned()));
         changed.guess = self.own_guess.clone();
         let Some(pose) = self.first_pose() else {
-            // Nothing can be followed from where there is no pose.
+            // Without a pose there is nothing to follow.
             self.take(changed)?;
             return Ok(None);
         };
@@ -150,7 +150,8 @@ impl LiveScene {
         }
     }
 
-    /// Takes over values with which the motion begins at `pose`: the scene's own start values lead there, or its values do.
+    /// Adopts values with which the motion begins at `pose`: from the scene's own start values if they lead there,
+    /// otherwise from those of the pose.
     fn take_at(
         &mut self,
         mut changed: Overrides,
@@ -173,7 +174,7 @@ impl LiveScene {
         Ok(None)
     }
 
-    /// Assembles anew from the scene's own start values, with the parameters as they are or with one more changed.
+    /// Assembles the mechanism from the scene's own start values, with the present parameters or with one more changed.
     ///
     /// Errors: values that the scene does not allow.
     pub fn assemble(&mut self, change: Option<(&str, &str)>) -> Result<(), LiveError> {
@@ -198,7 +199,7 @@ impl LiveScene {
         Some(named_pose(self.mechanism(), pose))
     }
 
-    /// The text with the values as they are now; `None` where it is written in a way that cannot be edited.
+    /// The text with the present values; `None` if the text is written in a form that cannot be edited.
     pub fn text(&self) -> Option<String> {
         let Overrides {
             parameters, guess, ..
@@ -230,7 +231,7 @@ fn solved_scene(scene: Scene, asked: &LiveAsked) -> Result<Opened, LiveError> {
     })
 }
 
-/// Whether a motion begins at a pose, as far as the scene's unknowns tell.
+/// Whether a motion begins at a pose, compared by the scene's unknowns.
 fn begins_at(now: &Opened, pose: &NamedPose) -> bool {
     let mechanism = &now.scene.mechanism;
     let wanted = by_name(mechanism, pose);
@@ -249,7 +250,7 @@ fn begins_at(now: &Opened, pose: &NamedPose) -> bool {
     })
 }
 
-/// An angle without whole turns, as a size.
+/// The magnitude of an angle without whole turns.
 fn turn_between(angle: f64) -> f64 {
     let turn = angle.rem_euclid(TAU);
     turn.min(TAU - turn)

@@ -1,4 +1,4 @@
-//! What can be moved: the dimensions of a scene with their ranges, and its inputs.
+//! The sliders: the dimensions of a scene with their ranges, and its inputs.
 
 use crate::diag::Source;
 use crate::kinematics::results::trajectory::Trajectory;
@@ -7,17 +7,17 @@ use crate::model::study::Variable;
 use crate::scene::{Overrides, Scene, load_scene};
 use serde_json::{Value, json};
 
-/// A dimension without a range of its own is moved within this share of its value.
+/// Range of a dimension without one of its own, as a fraction of its value.
 const SHARE: f64 = 0.3;
 
-/// One that is zero is moved within this share of the mechanism's size, or within this angle.
+/// Range of a dimension with value zero, as a fraction of the mechanism's size, or as an angle.
 const SHARE_OF_SIZE: f64 = 0.1;
 const ANGLE: f64 = 0.35;
 
-/// Inputs are moved beyond what the motion takes of them, by this share of it.
+/// Inputs can be moved beyond their range in the motion by this fraction of it.
 const BEYOND: f64 = 0.5;
 
-/// The dimensions of a scene: what it gives as numbers, its study's variables first; none where they cannot be varied.
+/// The dimensions that a scene gives as numbers, the variables of its study first; none if they cannot be varied.
 pub(super) fn dimensions(source: &Source, overrides: &Overrides, scene: &Scene) -> Vec<Value> {
     let own = scene.study.iter().flat_map(|s| &s.variables);
     let mut names: Vec<String> = own.map(|v| v.name.clone()).collect();
@@ -72,7 +72,7 @@ fn half_range(mechanism: &Mechanism, kind: Kind, value: f64) -> f64 {
     }
 }
 
-/// The inputs with the range that a motion takes of them, and more.
+/// The inputs with their ranges in the motion, extended.
 pub(super) fn inputs(mechanism: &Mechanism, motion: &Trajectory) -> Vec<Value> {
     let inputs = mechanism.inputs.iter().enumerate();
     inputs
@@ -110,7 +110,7 @@ fn slider(
     })
 }
 
-/// A number as somebody would type it: the conversion of units is not seen in its last digits.
+/// A number as a person would type it, without rounding errors of unit conversions.
 pub(super) fn typed(value: f64) -> f64 {
     format!("{value:.13e}").parse().unwrap_or(value)
 }

@@ -1,4 +1,4 @@
-//! What a live page begins with: the text of its scene and what was put in place of its values.
+//! The initial data of a live page: the text of its scene and the replaced values.
 
 use super::asked::LiveAsked;
 use crate::diag::Source;
@@ -10,17 +10,17 @@ use serde_json::json;
 pub struct LiveStart<'a> {
     /// Its text.
     pub source: &'a Source,
-    /// What is put in place of its values: parameters and start values only.
+    /// Replaced values: parameters and start values only.
     pub overrides: &'a Overrides,
-    /// What is asked of its motion.
+    /// The options for its motion.
     pub asked: LiveAsked,
     /// Name of the files that a reader saves, without an ending.
     pub file: &'a str,
 }
 
 impl Article {
-    /// Lets the article be moved by its reader, if there is a motion. Its bodies are then what the engine makes of the text:
-    /// the page does not hold them twice.
+    /// Makes the article live, if there is a motion. Its bodies are then made by the engine from the text: the page
+    /// does not store them twice.
     pub fn enliven(&mut self, start: &LiveStart) {
         if self.still.is_none() {
             return;

@@ -1,4 +1,5 @@
-//! Answers to a live page: its motion while a slider moves, the whole article once it rests, mistakes with their places.
+//! Answers to a live page: its motion while a slider moves, the whole article once it rests, errors with their
+//! positions.
 
 use super::session::{LiveError, LiveScene, Opened};
 use super::sliders;
@@ -20,22 +21,22 @@ use crate::report::sentences::{counted_things, event_sentence, gap_sentence};
 use crate::report::verdict::{CLEARANCE, Status};
 use serde_json::{Value, json};
 
-/// Sentences about what happens on the way: more are not read while a slider moves.
+/// Most sentences about events on the way: more cannot be read while a slider moves.
 const MOST_EVENTS: usize = 3;
 
-/// What a page learns of the bodies' shapes beside where they are.
+/// What a page receives about the bodies' shapes in addition to their placements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Shapes {
     /// It knows them.
     Known,
     /// They have changed.
     Changed,
-    /// They are all new, and so is where they are looked at from.
+    /// All shapes are new, and so is the camera.
     InView,
 }
 
 impl LiveScene {
-    /// What a page shows at once: poses, values and their proof; also the shapes where they are others than before.
+    /// What a page shows immediately: poses, values and their proof; also the shapes if they have changed.
     pub(super) fn state(&self, shapes: Shapes) -> Value {
         let Opened {
             scene,
@@ -65,7 +66,7 @@ impl LiveScene {
         })
     }
 
-    /// The sliders, and what they are about.
+    /// The sliders and their targets.
     pub(super) fn sliders(&self) -> Value {
         let Opened { scene, motion, .. } = &self.now;
         json!({
@@ -76,7 +77,7 @@ impl LiveScene {
         })
     }
 
-    /// What is known of poses, as one line with its class, and what happens on the way.
+    /// The state of the poses as one line with its class, and the events on the way.
     fn proof(&self, motion: &Trajectory) -> Value {
         let Opened { scene, system, .. } = &self.now;
         let mechanism = &scene.mechanism;
@@ -137,7 +138,7 @@ impl LiveScene {
         Ok((article_in_view(&checked, self.number), told))
     }
 
-    /// The article as the page takes it over. `depth` is that of its headings.
+    /// The article in the form that the page inserts. `depth` is that of its headings.
     ///
     /// Errors: more than a run may use.
     pub(super) fn settled(&self, depth: usize) -> Result<Value, LiveError> {
@@ -152,7 +153,7 @@ impl LiveScene {
     }
 }
 
-/// How many poses there are, and how well they close.
+/// The number of poses, and their closure error.
 fn closing_line(motion: &Trajectory) -> String {
     let all = motion.samples.len();
     let posed = all - motion.missing();
@@ -192,7 +193,7 @@ fn proof_line(motion: &Trajectory, sentence: &str) -> String {
 }
 
 impl LiveError {
-    /// As the page shows it: mistakes with their places in the text, or one sentence.
+    /// As the page shows it: errors with their positions in the text, or one sentence.
     pub(super) fn json(&self) -> Value {
         match self {
             Self::Scene(error) => json!({ "mistakes": listed_mistakes(error) }),
@@ -205,7 +206,7 @@ fn listed_mistakes(error: &SceneError) -> Vec<Value> {
     let source = &error.source_text;
     let place = |diagnostic: &Diagnostic| {
         let span = diagnostic.span.as_ref();
-        // What was put in place of the file's own values has no place in the text.
+        // A replaced value has no position in the text.
         let span = span.filter(|span| span.start < source.text.len());
         span.map(|span| {
             let [line, column] = source.line_and_column(span.start);

@@ -55,7 +55,7 @@ fn caster() -> (ShadowCaster, Pose) {
 
 /// The shadow of one mesh with its origin at a point over the ground.
 fn shadow_of(mesh: usize, at: DVec3) -> ContactShadow {
-    // Seen from below: the key light is under the ground and throws nothing on it.
+    // Seen from below, the key light is under the ground and casts no shadow on it.
     lit_shadow_of(mesh, at, DMat3::from_rotation_x(std::f64::consts::PI))
 }
 
@@ -88,7 +88,7 @@ fn lit_shadow_of(mesh: usize, at: DVec3, camera: DMat3) -> ContactShadow {
     caster.cast(&frame, &camera).clone()
 }
 
-/// The light comes from the upper left of who looks along the ground: the shadow lies behind to the right.
+/// The light comes from the upper left of the viewer, so the shadow lies behind and to the right.
 #[test]
 fn the_key_light_throws_shadows_aslant() {
     let level = DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::NEG_Y);

@@ -12,13 +12,13 @@ use crate::render::{Frame, Instance, Stage, StageMesh};
 /// Set in [`Facet::instance`] when the back of the triangle is seen.
 const BACK: u32 = 1 << 31;
 
-/// A triangle that is seen, its corners counter-clockwise on the screen.
+/// A visible triangle, its corners counter-clockwise on the screen.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Facet {
     /// Indices into [`TriangleAssembly::vertices`].
     pub(super) corners: [u32; 3],
     instance: u32,
-    /// What lines part from others.
+    /// The attributes that separate surfaces for lines.
     surface: u32,
 }
 
@@ -28,14 +28,14 @@ impl Facet {
         (self.instance & !BACK) as usize
     }
 
-    /// The sign of normals on the side that is seen.
+    /// The sign of normals on the visible side.
     #[inline(always)]
     pub(super) fn side(&self) -> f32 {
         if self.instance & BACK == 0 { 1.0 } else { -1.0 }
     }
 }
 
-/// What shading needs to know of an instance.
+/// The properties of an instance needed for shading.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Paint {
     pub(super) albedo: Rgb,
@@ -59,10 +59,10 @@ pub(super) struct TriangleAssembly {
     pub(super) bins: Vec<TileBin>,
     columns: usize,
     size: [i32; 2],
-    /// Pixels from tile to tile, and those around one that its lines depend on.
+    /// Size of a tile in pixels, and the width of the apron that its lines depend on.
     pitch: i32,
     apron: i32,
-    /// Lines stand at creases, too.
+    /// Whether lines are drawn at creases, too.
     creases: bool,
     first_vertex: Vec<u32>,
     /// The first surface of each instance, and the step from patch to patch.
@@ -70,7 +70,7 @@ pub(super) struct TriangleAssembly {
     surfaces: u32,
 }
 
-/// Which faces of an instance a sweep takes.
+/// The faces of an instance that a sweep processes.
 #[derive(Clone, Copy, PartialEq)]
 enum FacesDrawn {
     Front,
@@ -127,7 +127,7 @@ impl TriangleAssembly {
         }
     }
 
-    /// The surface of a facet, or what is behind all of them.
+    /// The surface of a facet, or the background.
     #[inline(always)]
     pub(super) fn surface(&self, facet: i32) -> u32 {
         let facet = self.facets.get(facet as usize);
@@ -151,7 +151,7 @@ impl TriangleAssembly {
                 continue;
             };
             if instance.opacity >= 1.0 {
-                // A part of a closed mesh is open.
+                // Part of a closed mesh is an open surface.
                 let whole = instance.triangles.start == 0
                     && instance.triangles.end as usize >= solid.triangles.len();
                 let faces = if solid.closed && whole {
@@ -241,8 +241,7 @@ impl TriangleAssembly {
         first + step * solid.patches[vertex as usize]
     }
 
-    /// Adds a triangle whose corners are all on the screen's plane, if its side is asked for and it can
-    /// hold a sample.
+    /// Adds a triangle whose corners can all be projected, if its side is requested and it can contain a sample.
     #[inline(always)]
     fn facet<const G: usize>(
         &mut self,

@@ -1,6 +1,6 @@
-//! What is seen where no body is: background, ground, grid and contact shadow.
+//! The picture behind all bodies: background, ground, grid and contact shadow.
 //!
-//! All but the shadow is the same in every frame and made once.
+//! Everything except the shadow is the same in every frame and computed once.
 
 use super::window::pitch;
 use crate::render::colour::ToneCurve;
@@ -14,7 +14,7 @@ use crate::render::{Camera, Stage};
 struct ShadowSpot {
     /// Factor on the background without shadow.
     factor: f32,
-    /// How much the darkest shadow would take away; 0 where there is no ground.
+    /// How much the darkest shadow would take away; 0 off the ground.
     shadow: f32,
     /// Where the shadow is looked up.
     place: TexelPlace,
@@ -57,7 +57,7 @@ impl Backdrop {
         backdrop
     }
 
-    /// Makes everything anew for another camera.
+    /// Recomputes everything for another camera.
     pub(super) fn see(&mut self, stage: &Stage, camera: &Camera) {
         let [width, height] = self.size;
         self.codes.clear();

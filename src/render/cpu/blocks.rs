@@ -1,6 +1,6 @@
-//! Triangles too large to be visited cell by cell: block by block, and row by row within a block.
+//! Triangles that are too large for a test of every cell: block by block, and row by row within a block.
 //!
-//! Exact as the rest: what an edge leaves out is decided in 64 bits.
+//! As exact as for small triangles: the sign of an edge function is decided in 64 bits.
 
 use super::lens::LensVertex;
 use super::raster::{EdgeSide, Edges, Plane, RasterCells, Visit, scan_triangle};
@@ -15,8 +15,8 @@ const BLOCK_REACH: i64 = 1 << 31;
 /// Guard in cells around a computed range, against the rounding of f32.
 const RANGE_GUARD: f32 = 0.01;
 
-/// A triangle of any size: blocks that an edge leaves out are skipped, and only edges that cross a block
-/// are looked at in it.
+/// A triangle of any size: blocks outside an edge are skipped, and within a block only the edges that cross it are
+/// tested.
 pub(super) fn by_blocks<const G: usize>(
     corners: [&LensVertex; 3],
     window: &Window,
@@ -88,7 +88,7 @@ fn in_block<const G: usize>(
             return;
         }
         if side.start + (side.x.min(0) + side.y.min(0)) * span >= 0 {
-            // The whole block is on the inner side: zero everywhere counts as inside.
+            // The whole block is on the inner side: a constant zero counts as inside.
             continue;
         }
         if (side.x.abs() + side.y.abs()) * span >= BLOCK_REACH {
@@ -124,7 +124,7 @@ fn in_block<const G: usize>(
                 range[1] = -2.0;
             }
         }
-        // Cutting off the fraction leaves at most one cell too many in front, which is found bare.
+        // Truncation adds at most one cell in front, which is found to be uncovered.
         let (from, to) = (range[0] as i32, range[1] as i32);
         if range[0] > range[1] {
             continue;

@@ -2,7 +2,7 @@
 
 use super::samples::LANES;
 
-/// No facet: the backdrop is seen.
+/// No facet: the backdrop is visible.
 pub(super) const NOTHING: i32 = -1;
 
 /// The samples of one cell, `G` vectors.

@@ -1,4 +1,4 @@
-//! Cutting triangles that reach behind the eye or far beyond the screen.
+//! Clips triangles that reach behind the eye or far beyond the screen.
 
 /// A corner in camera space.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -7,7 +7,7 @@ pub(super) struct ClipCorner {
     pub(super) normal: [f32; 3],
 }
 
-/// Most corners after a triangle has met five planes.
+/// Most corners of a triangle after clipping by five planes.
 const CORNERS: usize = 8;
 
 /// A convex polygon.
@@ -58,7 +58,7 @@ fn cut_polygon(polygon: &Polygon, plane: &[f32; 4]) -> Polygon {
             kept.push(*corner);
         }
         if (here >= 0.0) != (there >= 0.0) {
-            // From the inner corner always, so that neighbours sharing the edge cut it at the same point.
+            // Always from the inner corner, so that neighbours that share the edge cut it at the same point.
             let (inner, outer, share) = if here >= 0.0 {
                 (corner, next, here / (here - there))
             } else {

@@ -1,13 +1,13 @@
-//! From camera space to screen units, and from pixels to the directions they look in.
+//! Projection from camera space to screen units, and from pixels to directions.
 
 use super::samples::SUBPIXELS;
 use crate::render::Camera;
 use crate::render::depth_order::Eye;
 
-/// Screen coordinates beyond this many units are clipped: the rounding below holds to 2^22, and some room
-/// is left for the rounding of the clipped corners themselves.
+/// Screen coordinates beyond this many units are clipped: the rounding below holds up to 2^22, with a margin for the
+/// rounding of the clipped corners themselves.
 pub(super) const GUARD: f32 = 4_100_000.0;
-/// Adding this to a number of less than 2^22 leaves its nearest integer in the low bits.
+/// Adding this to a number below 2^22 leaves its nearest integer in the low bits.
 const ROUNDING: f32 = 12_582_912.0;
 /// Marks a vertex that needs clipping.
 pub(super) const OUTSIDE: i32 = i32::MIN;
@@ -71,7 +71,7 @@ impl Lens {
         let y = self.center[1] * SUBPIXELS as f32 - scale * point[1];
         // Not a number fails every comparison.
         let inside = distance >= self.near && x > -GUARD && x < GUARD && y > -GUARD && y < GUARD;
-        // What is outside may be anything, and is not looked at.
+        // Values outside may be anything, and are not used.
         let round = |v: f32| (v + ROUNDING).to_bits().wrapping_sub(ROUNDING.to_bits()) as i32;
         LensVertex {
             x: if inside { round(x) } else { OUTSIDE },
@@ -105,7 +105,7 @@ impl Lens {
         [near, sides[0], sides[1], sides[2], sides[3]]
     }
 
-    /// What a pixel shows at a nearness, in camera space.
+    /// The point that a pixel shows at a nearness, in camera space.
     #[inline(always)]
     pub(super) fn place(&self, x: f32, y: f32, nearness: f32) -> [f32; 3] {
         let distance = if self.perspective {
@@ -121,7 +121,7 @@ impl Lens {
         ]
     }
 
-    /// Direction from what a pixel shows to the eye, in camera space, not normalised.
+    /// Direction from the point that a pixel shows to the eye, in camera space, not normalised.
     #[inline(always)]
     pub(super) fn viewer_from(&self, x: f32, y: f32) -> [f32; 3] {
         if self.perspective {

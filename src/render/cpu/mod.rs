@@ -1,9 +1,9 @@
 //! The built-in renderer: no driver, no window, the same bytes on every machine.
 //!
-//! A frame goes through three steps. TriangleAssembly transforms the vertices, leaves out what cannot be seen and
-//! sorts the rest into tiles that fit the cache. Each tile then finds the nearest facet of every sample,
-//! lights each facet once in each pixel, and encodes the mean of a pixel's samples. One renderer works on
-//! one thread; frames are shared out by giving each thread a renderer of its own.
+//! A frame is drawn in three steps. TriangleAssembly transforms the vertices, removes invisible triangles and sorts the
+//! rest into tiles that fit the cache. Each tile then finds the nearest facet of every sample, lights each facet once
+//! per pixel, and encodes the mean of a pixel's samples. A renderer works on one thread; frames are distributed by
+//! giving each thread its own renderer.
 
 mod assembly;
 mod backdrop;
@@ -54,7 +54,7 @@ pub struct CpuRenderer {
     tile: AnyTile,
     caster: Option<ShadowCaster>,
     shade: Option<MutualShade>,
-    /// What lights are relative to.
+    /// The frame of reference of the lights.
     around: Surroundings,
 }
 
@@ -100,7 +100,7 @@ impl CpuRenderer {
         })
     }
 
-    /// Makes `camera` the one that the next frame is seen through.
+    /// Makes `camera` the one of the next frame.
     fn look_through(&mut self, camera: Camera) {
         if camera != self.camera {
             self.camera = camera;
@@ -186,7 +186,7 @@ impl Renderer for CpuRenderer {
     }
 }
 
-/// One frame with all it is drawn from.
+/// Everything from which one frame is drawn.
 struct DrawnScene<'a> {
     frame: &'a Frame,
     solids: &'a [StageMesh],

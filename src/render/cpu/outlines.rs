@@ -1,4 +1,4 @@
-//! Lines between the surfaces of one tile: which samples lie on one, and the colours mixed with the ink.
+//! Lines between the surfaces of one tile: finds the samples on a line, and mixes their colours with that of the line.
 
 use super::assembly::TriangleAssembly;
 use super::cell::{NOTHING, PixelCell};
@@ -22,7 +22,7 @@ type Neighbour = (i32, i32, usize);
 #[derive(Clone, Debug)]
 pub(super) struct Outlines {
     samples: usize,
-    /// Pixels that a line reaches into beside the border that it follows.
+    /// Pixels that a line covers on each side of the border that it follows.
     reach: i32,
     ink: Rgb,
     /// For each sample of a pixel all others within half a line's width.
@@ -83,7 +83,7 @@ impl Outlines {
         })
     }
 
-    /// Takes over what the opaque samples of a tile show.
+    /// Reads the surfaces of the opaque samples of a tile.
     pub(super) fn read<const G: usize>(
         &mut self,
         assembly: &TriangleAssembly,
@@ -103,7 +103,7 @@ impl Outlines {
         }
     }
 
-    /// Takes over what is nearest of the translucent layers.
+    /// Reads the nearest surfaces of the translucent layers.
     pub(super) fn read_over(&mut self, assembly: &TriangleAssembly, layers: &Layers) {
         for pixel in (0..AREA).filter(|pixel| layers.touch(*pixel)) {
             for sample in pixel * self.samples..(pixel + 1) * self.samples {
@@ -115,7 +115,7 @@ impl Outlines {
         }
     }
 
-    /// A colour in a pixel with the share of ink that is on it.
+    /// The colour of a pixel with this share covered by a line.
     #[inline(always)]
     pub(super) fn with_ink(&self, pixel: usize, rgb: Rgb) -> Rgb {
         let share = self.marks[pixel].count_ones() as f32 / self.samples as f32;
@@ -149,7 +149,7 @@ impl Outlines {
         }
     }
 
-    /// Whether no line can come into a row: it and the rows that a line could come from show one surface below `least`.
+    /// Whether no line can cross a row: it and all rows within reach of a line show one surface below `least`.
     fn is_bare(&self, window: Window, y: i32, least: u32) -> bool {
         let first = (y - self.reach).max(window.y[0]) - window.y[0];
         let last = (y + self.reach).min(window.y[1]) - window.y[0];
@@ -179,7 +179,7 @@ impl Outlines {
             }
             let steady = &mut self.steady[pixels];
             self.rows[row] = whole[0];
-            // A run of one surface is steady but for its ends, where these are not the picture's.
+            // Within a run of one surface only the ends can change, unless they are those of the picture.
             let mut start = 0;
             while start < columns {
                 let own = whole[start];
@@ -236,7 +236,7 @@ impl Outlines {
         marks
     }
 
-    /// What [`Self::jumps`] finds in a pixel around which all is one surface.
+    /// The result of [`Self::jumps`] in a pixel that is surrounded by one surface.
     #[inline(always)]
     fn steps(
         &self,
@@ -295,7 +295,8 @@ impl Outlines {
         marks
     }
 
-    /// Samples before which their own surface falls back: the part of the nearness that is not affine over the screen.
+    /// Samples at which their own surface jumps back in depth: the part of the nearness that is not affine over the
+    /// screen.
     fn jumps(
         &self,
         lens: &Lens,

@@ -1,18 +1,18 @@
-//! Which samples of a tile a triangle covers, and how deep: integer edge functions with the top-left rule.
+//! Finds the samples of a tile that a triangle covers, and their depths: integer edge functions with the top-left rule.
 //!
-//! A sample on an edge that two triangles share belongs to exactly one of them. Holds no colours.
+//! A sample on an edge shared by two triangles belongs to exactly one of them.
 
 use super::lens::LensVertex;
 use super::samples::{SUBPIXEL_BITS, SUBPIXELS, SamplePattern};
 use super::window::{TILE, Window};
 use wide::{f32x4, i32x4};
 
-/// What a triangle does in one vector of a cell: index of the cell in its tile, number of the vector, all
-/// ones in the lanes that are covered, depths of all lanes.
+/// The coverage of one vector of a cell: index of the cell in its tile, number of the vector, all ones in the covered
+/// lanes, depths of all lanes.
 pub(super) trait Visit: FnMut(usize, usize, f32x4, f32x4) {}
 impl<F: FnMut(usize, usize, f32x4, f32x4)> Visit for F {}
 
-/// Depth over the screen: at a point, and its growth a screen unit to the right and down.
+/// Depth as a function on the screen: value at a point, and its increase per screen unit to the right and down.
 #[derive(Clone, Copy)]
 pub(super) struct Plane {
     from: [i32; 2],
@@ -95,7 +95,7 @@ impl RasterCells {
 }
 
 /// Visits the cells, knowing the edge functions and the depth at the first one.
-// One index through several arrays of vectors.
+// One index for several arrays of vectors.
 #[allow(clippy::needless_range_loop)]
 #[inline(always)]
 pub(super) fn scan_triangle<const G: usize>(
@@ -158,7 +158,7 @@ pub(super) fn shade_direct<const G: usize>(
     let origin = cells.origin(window, pattern);
     let side = |from: &LensVertex, to: &LensVertex| {
         let (x, y) = (to.y - from.y, from.x - to.x);
-        // Without short cuts: a branch here would be a coin toss for the processor.
+        // Without branches: the processor could not predict them.
         let belongs = (x > 0) | ((x == 0) & (y > 0));
         let (dx, dy) = (
             (origin[0] << SUBPIXEL_BITS) - from.x,
@@ -175,7 +175,7 @@ pub(super) fn shade_direct<const G: usize>(
     let double = sides[0].x * (c.x - a.x) + sides[0].y * (c.y - a.y);
     let slope = |s: &EdgeSide<i32>| [s.x as f32, s.y as f32];
     let plane = Plane::new(corners, slope(&sides[0]), slope(&sides[2]), double as f32);
-    // A place times a step is below 2^24, where f32 is exact and its vector product is one instruction.
+    // A coordinate times a step is below 2^24, where f32 is exact and its vector product is one instruction.
     let lanes = |side: &EdgeSide<i32>| -> [i32x4; G] {
         std::array::from_fn(|g| {
             let offset = pattern.places_x[g] * f32x4::splat(side.x as f32)

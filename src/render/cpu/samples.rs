@@ -1,11 +1,11 @@
-//! Where the samples of a pixel are: the standard patterns of Vulkan and Direct3D.
+//! Positions of the samples of a pixel: the standard patterns of Vulkan and Direct3D.
 //!
-//! The same places as a GPU's, so that both renderers' edges fall on the same pixels.
+//! They are those of a GPU, so that edges fall on the same pixels in both renderers.
 
 use crate::render::RenderError;
 use wide::f32x4;
 
-/// Bits of a pixel's fraction in screen coordinates, as graphics interfaces ask for.
+/// Fractional bits of screen coordinates, as required by graphics interfaces.
 pub(super) const SUBPIXEL_BITS: u32 = 8;
 /// Screen units in a pixel.
 pub(super) const SUBPIXELS: i32 = 1 << SUBPIXEL_BITS;

@@ -1,4 +1,4 @@
-//! Light on covered pixels, many at a time: one item for each facet that is seen in a pixel.
+//! Lighting of covered pixels, many at a time: one item for each facet visible in a pixel.
 
 use super::assembly::{Facet, TriangleAssembly};
 use super::lens::Lens;
@@ -8,7 +8,7 @@ use crate::render::look::{self, Open, Rgb, Surroundings};
 /// Items shaded together; the loop over them is what the compiler turns into vector code.
 pub(super) const BATCH: usize = 128;
 
-/// Items waiting for light, one array a quantity.
+/// Items waiting to be lit, one array per quantity.
 #[derive(Clone, Debug)]
 pub(super) struct ShadingBatch {
     count: usize,
@@ -68,7 +68,7 @@ impl ShadingBatch {
     }
 
     /// Lights all items, adds them to their pixels by weight and empties the batch.
-    // One index through many arrays is what becomes vector code.
+    // One index for many arrays allows vectorisation.
     #[allow(clippy::needless_range_loop)]
     pub(super) fn flush(&mut self, around: &Surroundings, pixels: &mut [[f32; 3]]) {
         let mut colour = [[0.0; BATCH]; 3];
@@ -124,10 +124,10 @@ pub(super) fn unit_vector(v: [f32; 3]) -> [f32; 3] {
     [v[0] * scale, v[1] * scale, v[2] * scale]
 }
 
-/// The interpolated normal in the middle of a pixel, on the side that is seen, not normalised, and the nearness there.
+/// The interpolated normal at the centre of a pixel, on the visible side, not normalised, and the nearness there.
 ///
-/// Where the facet covers the pixel but not its middle, the normal is that of an edge; the nearness is that of the
-/// facet's plane, not beyond its corners'.
+/// If the facet covers part of the pixel but not its centre, the normal is that of an edge, and the nearness is that of
+/// the facet's plane, limited to the range of its corners.
 #[inline(always)]
 pub(super) fn normal_at(
     assembly: &TriangleAssembly,

@@ -14,7 +14,7 @@ use crate::render::colour::ToneCurve;
 use crate::render::look::ALL_OPEN;
 use wide::{f32x4, i32x4};
 
-/// Marks the colour of a pixel in which no facet is seen.
+/// Marks a pixel without any facet.
 const BARE: [f32; 3] = [-1.0; 3];
 /// Most samples of a pixel.
 const MOST_SAMPLES: usize = 16;
@@ -59,8 +59,8 @@ impl Seen {
         seen
     }
 
-    /// Makes facets of one smooth surface into one, the one with most samples: the light on either is the
-    /// same but for the curvature within a pixel.
+    /// Merges facets of one smooth surface into the one with most samples: their light differs only by the curvature
+    /// within a pixel.
     #[inline(always)]
     fn merge(&mut self, assembly: &TriangleAssembly) {
         let mut i = 0;
@@ -96,7 +96,7 @@ fn is_smooth(assembly: &TriangleAssembly, first: i32, second: i32) -> bool {
     shared(a) | shared(b) | shared(c)
 }
 
-/// Whether all samples of a pixel show facets that are the first one or smooth with it.
+/// Whether all samples of a pixel show the first facet or one that is smoothly connected to it.
 #[inline(always)]
 fn one_surface<const S: usize>(assembly: &TriangleAssembly, samples: &[i32; S]) -> bool {
     let first = samples[0];
@@ -167,7 +167,7 @@ impl<const G: usize> Tile<G> {
         }
     }
 
-    /// Blends the translucent layers over what is opaque, and finds the lines of what is nearest of both.
+    /// Blends the translucent layers over the opaque samples, and finds the lines of the nearest surfaces of both.
     fn blend_layers(&mut self, view: &RasterView, parts: (Window, Window)) {
         self.lay_under(parts);
         let lines = self.outlines.as_ref();
@@ -240,9 +240,9 @@ impl<const G: usize> Tile<G> {
         }
     }
 
-    /// Lights each smooth surface once in each pixel where it is seen, weighted by its samples.
+    /// Lights each smooth surface once per pixel in which it is visible, weighted by its samples.
     ///
-    /// Where something translucent is seen the layers do it, if they are there.
+    /// If something translucent is visible, the layers do this.
     fn light(&mut self, view: &RasterView, parts: (Window, Window), layers: bool) {
         match self.pattern.samples {
             1 => self.light_samples::<1>(view, parts, layers),
@@ -382,7 +382,7 @@ fn bare_pixel(view: &RasterView, x: usize, y: usize) -> [u8; 4] {
     view.backdrop.codes(x, y, 1)[0]
 }
 
-/// A tile that no facet touches.
+/// A tile without facets.
 fn fill_background(view: &RasterView, window: Window, bytes: &mut [u8], stride: usize) {
     for y in window.y[0]..=window.y[1] {
         let (first, count) = (

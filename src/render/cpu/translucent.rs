@@ -1,7 +1,8 @@
-//! Translucent facets over an opaque tile: every sample keeps those that it sees and blends them by its own depths.
+//! Translucent facets over an opaque tile: every sample stores the facets in front of it and blends them by its own
+//! depths.
 //!
-//! What stands before what is decided sample by sample, so bodies may cross and reach around each other, and the order
-//! of the instances does not count.
+//! The order is determined sample by sample, so bodies may intersect or enclose each other, and the order of the
+//! instances does not matter.
 
 use super::assembly::TileBin;
 use super::cell::{NOTHING, PixelCell};
@@ -20,7 +21,7 @@ const NONE: u32 = u32::MAX;
 #[derive(Clone, Copy, Debug)]
 struct Fragment {
     depth: f32,
-    /// What is seen, an index into the surfaces.
+    /// The surface, an index into the surfaces.
     surface: u32,
     /// The next nearer one.
     next: u32,
@@ -67,7 +68,7 @@ impl Layers {
         found
     }
 
-    /// Finds the fragments of a bin's translucent facets that stand before the opaque samples of `cells`.
+    /// Finds the fragments of a bin's translucent facets in front of the opaque samples of `cells`.
     pub(super) fn collect<const G: usize>(
         &mut self,
         view: &RasterView,
@@ -116,7 +117,7 @@ impl Layers {
         self.surfaces.len() as u32 - 1
     }
 
-    /// Puts a fragment before all that are farther; of equally far ones the later is in front.
+    /// Inserts a fragment in front of all farther ones; of equally distant ones the later is in front.
     fn insert(&mut self, sample: usize, depth: f32, surface: u32) {
         let new = self.fragments.len() as u32;
         let (mut before, mut next) = (NONE, self.farthest[sample]);
@@ -136,7 +137,7 @@ impl Layers {
         }
     }
 
-    /// Adds what is opaque behind the fragments; `facets` are those of a pixel's samples.
+    /// Appends the opaque surfaces behind the fragments; `facets` are those of a pixel's samples.
     pub(super) fn lay_under<const S: usize>(
         &mut self,
         (window, inner): (Window, Window),
@@ -153,8 +154,8 @@ impl Layers {
         });
     }
 
-    /// Lights all surfaces and blends the samples of the touched pixels, far to near, into `pixels`; `inked` lays
-    /// the lines of what is opaque over a colour in a pixel.
+    /// Lights all surfaces and blends the samples of the touched pixels, far to near, into `pixels`; `inked` draws the
+    /// lines of the opaque surfaces over a colour in a pixel.
     pub(super) fn blend(
         &mut self,
         view: &RasterView,
@@ -191,7 +192,7 @@ impl Layers {
         rgb
     }
 
-    /// Colours of all surfaces, and more opacity for those that are seen edge-on.
+    /// Colours of all surfaces, with higher opacity for those seen edge-on.
     fn light(&mut self, view: &RasterView, window: Window, batch: &mut ShadingBatch) {
         self.colours.clear();
         self.colours.resize(self.surfaces.len(), [0.0; 3]);

@@ -1,4 +1,4 @@
-//! What all tiles of a frame are drawn from.
+//! The data shared by all tiles of a frame.
 
 use super::assembly::TriangleAssembly;
 use super::backdrop::Backdrop;

@@ -1,4 +1,4 @@
-//! Tiles, and the part of one that lies in the picture.
+//! Tiles, and the part of a tile inside the picture.
 
 use crate::render::Stage;
 use crate::render::edges::Edges;

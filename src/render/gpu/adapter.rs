@@ -23,8 +23,8 @@ pub fn choose_adapter(choice: &AdapterChoice) -> Result<(wgpu::Adapter, AdapterI
     best.ok_or_else(|| RenderError::NoAdapter(explain_choice(choice, &known, &backend_names())))
 }
 
-/// False only where a look at the device files tells that there is no graphics hardware, which spares the start of
-/// all drivers: the greater part of a tenth of a second on each run of a machine without any.
+/// False only if the device files show that there is no graphics hardware. This avoids starting all drivers, which
+/// takes most of a tenth of a second on a machine without any.
 fn may_have_hardware() -> bool {
     if !cfg!(target_os = "linux") {
         return true;
@@ -47,7 +47,7 @@ fn may_have_hardware() -> bool {
 fn found_adapters() -> Vec<wgpu::Adapter> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
     let mut adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
-    // Hardware before software; stable: among equals the driver's own order stays.
+    // Hardware before software; the sort is stable and keeps the driver's order.
     adapters.sort_by_key(|adapter| describe_adapter(adapter).device_type);
     adapters.retain(|adapter| {
         describe_adapter(adapter).device_type != DeviceKind::Software || trusts_software_vulkan()
@@ -94,7 +94,7 @@ fn backend_names() -> Vec<String> {
         .collect()
 }
 
-/// What was tried, what was found, and what helps.
+/// What was tried, what was found, and how to fix it.
 fn explain_choice(choice: &AdapterChoice, known: &[AdapterInfo], tried: &[String]) -> String {
     let found = if known.is_empty() {
         "none were found".to_owned()

@@ -4,8 +4,8 @@ use crate::render::RenderError;
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::time::Duration;
 
-/// Longest time one picture may take. A software adapter needs a tenth of a second for a large one; a device
-/// that is silent this long is lost.
+/// Longest time for one picture. A software adapter needs a tenth of a second for a large one; a device that does not
+/// answer for this long is lost.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// An open device; clones are the same one.
@@ -20,7 +20,7 @@ pub struct Device {
     fault: Fault,
 }
 
-/// The first failure reported from outside a call.
+/// The first failure reported asynchronously.
 #[derive(Clone, Default)]
 struct Fault(Arc<Mutex<Option<String>>>);
 
@@ -39,7 +39,7 @@ impl Fault {
 }
 
 impl Device {
-    /// Opens a device with no more than the weakest limits, but the adapter's own for sizes.
+    /// Opens a device with the weakest limits, except for sizes.
     pub fn open(adapter: &wgpu::Adapter) -> Result<Self, RenderError> {
         let own = adapter.limits();
         // Without this feature every adapter has 1 and 4 samples.
@@ -107,7 +107,7 @@ impl Device {
     ) -> Result<(), RenderError> {
         let (sender, receiver) = mpsc::channel();
         buffer.map_async(wgpu::MapMode::Read, .., move |outcome| {
-            // The receiver is gone only when this call has already failed.
+            // The receiver is gone only if this call has already failed.
             let _ = sender.send(outcome);
         });
         self.wait(submission)?;

@@ -1,4 +1,4 @@
-//! A frame as a list of draws: which instances, in which order, through which pipeline. Touches no device.
+//! A frame as a list of draws: the instances, their order, and their pipelines. Does not use a device.
 
 use super::layout::{InstanceData, instance_data};
 use crate::render::depth_order::Eye;
@@ -11,7 +11,7 @@ pub struct MeshSpan {
     pub first_index: u32,
     /// Triangles.
     pub triangles: u32,
-    /// Whether the outside hides the inside completely.
+    /// Whether the outside completely hides the inside.
     pub closed: bool,
     /// Smooth patches.
     pub patches: u32,
@@ -28,7 +28,7 @@ pub struct Draw {
     pub first_instance: u32,
     /// Number of instances.
     pub instances: u32,
-    /// Whether back faces may be left out.
+    /// Whether back faces may be culled.
     pub closed: bool,
 }
 

@@ -26,7 +26,7 @@ pub struct GpuVertex {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct InstanceData {
-    /// Rows of `camera_from_mesh`; multiplied in f64 so that far from the origin no digits are lost.
+    /// Rows of `camera_from_mesh`; multiplied in f64 so that no digits are lost far from the origin.
     pub camera_from_mesh: [[f32; 4]; 3],
     /// Linear colour and opacity.
     pub colour: [f32; 4],
@@ -64,8 +64,8 @@ pub struct Globals {
     pub lines: [f32; 4],
     /// Rows of the map from camera space to what the key light sees: texels and height.
     pub key: [[f32; 4]; 3],
-    /// Side of a cell of the sky's map in pixels, one over the distance at which cells have nothing in common, and 1 if
-    /// bodies shade each other.
+    /// Side of a cell of the sky map in pixels, one over the distance at which cells no longer influence each other,
+    /// and 1 if bodies shade each other.
     pub sky: [f32; 4],
 }
 
@@ -138,7 +138,7 @@ impl Globals {
 }
 
 impl Globals {
-    /// Takes over where the maps of a frame lie.
+    /// Stores the maps of a frame.
     pub fn look_up(&mut self, shade: &MutualShade) {
         self.key = shade.key.rows;
         self.sky = [shade.sky.cell, shade.sky.likeness, 1.0, 0.0];

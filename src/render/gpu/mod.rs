@@ -1,8 +1,8 @@
-//! The renderer on a graphics adapter: wgpu over Vulkan, Metal or DX12, off-screen.
+//! The renderer on a graphics adapter: wgpu with Vulkan, Metal or DX12, off-screen.
 //!
-//! GL is left out: wgpu reads no textures of several samples there, which lines and translucent layers need.
-//! Opaque bodies and the ground, lines, translucent bodies layer by layer, lines again. The only room with
-//! wgpu. The look is `look`'s: constants are generated from it, formulas are in `shaders/look.wgsl`.
+//! GL is not used: there wgpu cannot read multisampled textures, which lines and translucent layers need. The order is:
+//! opaque bodies and the ground, lines, translucent bodies layer by layer, lines again. This is the only room that uses
+//! wgpu. The look comes from `look`: constants are generated from it, formulas are in `shaders/look.wgsl`.
 
 pub mod adapter;
 mod buffers;
@@ -75,8 +75,8 @@ impl GpuRenderer {
         Self::on(device, stage, info, (samples, pipelines, meshes))
     }
 
-    /// A second renderer of the same stage on the same device: while one's picture is drawn and read back, the next is
-    /// prepared and the one before is encoded.
+    /// A second renderer of the same stage on the same device: while one picture is drawn and read back, the next is
+    /// prepared and the previous one is encoded.
     ///
     /// Errors: the device refuses.
     pub fn sibling(&self) -> Result<Self, RenderError> {
@@ -86,7 +86,7 @@ impl GpuRenderer {
         Self::on(self.device.clone(), stage, self.info.clone(), shared)
     }
 
-    /// Adds to what renderers share what each has of its own.
+    /// Combines what renderers share with what each has of its own.
     fn on(
         device: Device,
         stage: Arc<Stage>,
@@ -151,7 +151,7 @@ impl GpuRenderer {
         &self.info
     }
 
-    /// Makes `camera` the one that the next frame is seen through.
+    /// Makes `camera` the one of the next frame.
     fn look_through(&mut self, camera: Camera) {
         if camera == self.camera {
             return;
@@ -162,7 +162,7 @@ impl GpuRenderer {
         queue.write_buffer(&self.globals_buffer, 0, bytes_of(&self.globals));
     }
 
-    /// Casts the frame's shadow and brings it to the device.
+    /// Computes the frame's shadow and uploads it.
     fn cast_shadow(&mut self, frame: &Frame) {
         let Some(caster) = self.caster.as_mut().filter(|_| self.ground_seen) else {
             return;
@@ -181,7 +181,7 @@ impl GpuRenderer {
         self.shadow.write(&self.device, &shadow.texels);
     }
 
-    /// Makes the maps of how the frame's bodies shade each other and brings them to the device.
+    /// Computes the maps of the shades between the frame's bodies and uploads them.
     fn cast_shade(&mut self, frame: &Frame) {
         let Some(shade) = &mut self.shade else {
             return;
@@ -230,7 +230,7 @@ impl GpuRenderer {
         encoder
     }
 
-    /// Draws what is translucent, layer by layer.
+    /// Draws the translucent bodies, layer by layer.
     fn draw_translucent(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -240,7 +240,7 @@ impl GpuRenderer {
         let (peel, layers) = (&self.pipelines.peel, &self.layers);
         for layer in 0..peel::layers_of(&plan.translucent) {
             let own = &layers.depths[layer % 2];
-            // Behind the first layer is what is opaque.
+            // The opaque surfaces are behind the first layer.
             let behind = &layers.behind[if layer == 0 { 0 } else { 1 + (layer + 1) % 2 }];
             let mut pass = self.target.begin_layer(encoder, own);
             self.bind_bodies(&mut pass, instances);
@@ -281,7 +281,7 @@ impl GpuRenderer {
     }
 }
 
-/// The globals of a stage seen through `camera`, and whether its ground is seen.
+/// The globals of a stage seen through `camera`, and whether its ground is visible.
 fn globals_of(stage: &Stage, camera: &Camera, samples: u32) -> (Globals, bool) {
     let ground = stage.ground.as_ref();
     let ground = ground.and_then(|ground| GroundView::new(ground, camera, stage.size));

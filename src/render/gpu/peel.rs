@@ -1,8 +1,8 @@
 //! Translucent bodies layer by layer, from the farthest to the nearest of every sample (depth peeling: Everitt,
-//! Interactive Order-Independent Transparency, 2001, here from behind): bodies may cross.
+//! Interactive Order-Independent Transparency, 2001, here from behind), so that bodies may intersect.
 //!
-//! A layer takes two passes: its depths, found against those of the layer behind it, and its colours, blended where the
-//! depth is just that.
+//! A layer takes two passes: its depths, found by comparison with those of the layer behind it, and its colours,
+//! blended where the depth is equal.
 
 use super::device::Device;
 use super::formats::DEPTH_FORMAT;
@@ -10,7 +10,7 @@ use super::frame::Draw;
 use super::recipe::{BODY, Recipe, body_buffers, render_pipeline};
 use super::target::DrawTarget;
 
-/// Layers of a convex body are two, of a torus four; a body that has more loses its nearest ones.
+/// A convex body has two layers, a torus four; the nearest layers of a body with more are lost.
 const LAYERS_OF_BODY: usize = 4;
 
 /// Most layers of a picture.
@@ -63,7 +63,7 @@ impl Peel {
         }
     }
 
-    /// The depths of two layers and what the next one is found against.
+    /// The depths of two layers, and those with which the next one is compared.
     pub fn layers(&self, device: &Device, target: &DrawTarget) -> PeeledLayers {
         let depths = [0, 1].map(|_| target.depths(device));
         let group = |view: &wgpu::TextureView| {
@@ -83,11 +83,11 @@ impl Peel {
     }
 }
 
-/// Depths of layers in turn.
+/// Depths of the layers, alternating.
 pub struct PeeledLayers {
-    /// Of the present layer and the one behind it, which change places.
+    /// Of the present layer and the one behind it, which are swapped.
     pub depths: [wgpu::TextureView; 2],
-    /// The depths of what is opaque and of the two.
+    /// The depths of the opaque surfaces and of the two layers.
     pub behind: [wgpu::BindGroup; 3],
 }
 

@@ -1,4 +1,4 @@
-//! The ways of drawing: bodies with and without their back faces, translucent layers, the ground, and lines over all.
+//! The pipelines: bodies with and without their back faces, translucent layers, the ground, and lines.
 
 use super::device::Device;
 use super::formats::COLOUR_FORMAT;

@@ -1,10 +1,10 @@
-//! What tells the pipelines of bodies from each other, and how one is made.
+//! The parameters of the pipelines of bodies, and their creation.
 
 use super::formats::{COLOUR_FORMAT, DEPTH_FORMAT, SURFACE_FORMAT};
 use super::layout::{GpuVertex, InstanceData};
 use wgpu::Face;
 
-/// What tells one pipeline from another.
+/// The parameters of a pipeline.
 pub(super) struct Recipe {
     pub(super) label: &'static str,
     pub(super) vertex: &'static str,
@@ -96,8 +96,8 @@ pub(super) fn render_pipeline(
     })
 }
 
-/// A target of colours or surfaces. What is blended leaves the picture's opacity alone: it is opaque from the start, and
-/// eight bits of a blended one need not add up to that.
+/// A target for colours or surfaces. Blending does not change the picture's opacity: it is opaque from the start, and
+/// blending eight bits need not preserve this.
 pub(super) fn colour_target(
     format: wgpu::TextureFormat,
     blend: Option<wgpu::BlendState>,

@@ -164,7 +164,7 @@ mod tests {
         }
     }
 
-    /// Every constant of the look is known to the shaders, and read by them: none is forgotten.
+    /// Every constant of the look is defined in the shaders and used by them.
     #[test]
     fn no_constant_of_the_look_is_missing() {
         let constants = shader_constants();

@@ -1,4 +1,4 @@
-//! What is made on the processor for every frame, as textures: the contact shadow and how bodies shade each other.
+//! Textures computed on the CPU for every frame: the contact shadow and the shades between bodies.
 
 use super::device::Device;
 use crate::render::mutual_shade::{KEY_MAP_SIDE, MutualShade};

@@ -73,8 +73,8 @@ impl DrawTarget {
         self.sample_count
     }
 
-    /// Begins a pass that draws bodies: the first, cleared to `background` (linear), or one over what is there. They are
-    /// compared with `depths`.
+    /// Begins a pass that draws bodies: the first, cleared to `background` (linear), or one over the existing picture.
+    /// Depths are compared with `depths`.
     pub fn begin<'e>(
         &self,
         encoder: &'e mut wgpu::CommandEncoder,
@@ -139,7 +139,7 @@ impl DrawTarget {
         })
     }
 
-    /// Begins a pass over the colours alone; the `last` one brings them into the picture.
+    /// Begins a pass over the colours alone; the `last` one resolves them into the picture.
     pub fn begin_lines<'e>(
         &self,
         encoder: &'e mut wgpu::CommandEncoder,

@@ -1,4 +1,4 @@
-//! A body as the maps take it.
+//! A body that casts shadows on others.
 
 use crate::render::depth_order::Eye;
 use crate::render::{Instance, StageMesh};
@@ -8,14 +8,14 @@ pub(super) struct Caster<'a> {
     pub(super) mesh: &'a StageMesh,
     /// What is drawn of it.
     pub(super) triangles: &'a [[u32; 3]],
-    /// Whether the backs of these are never seen.
+    /// Whether their back faces are invisible.
     pub(super) closed: bool,
     /// The map from the mesh to the camera.
     pub(super) rows: [[f32; 4]; 3],
 }
 
 impl<'a> Caster<'a> {
-    /// Instance `number` of a frame; `None` if it shades nothing: only what is opaque does, and no traces or marks.
+    /// Instance `number` of a frame; `None` if it casts no shadow: only opaque bodies do, not traces or markers.
     pub(super) fn new(
         instance: &Instance,
         number: usize,

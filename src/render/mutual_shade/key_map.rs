@@ -1,8 +1,8 @@
-//! The shadow of the key light on bodies: a map of what the light sees, looked up through a smooth kernel.
+//! The shadow of the key light on bodies: a map of the surfaces nearest to the light, sampled with a smooth kernel.
 //!
-//! Texels are squares across the light; heights towards it are in texels, too. A surface is compared with the plane
-//! that touches it, lifted by [`LIFT`] along its normal, at each texel of the kernel: a flat face lies below its own
-//! plane everywhere, and a convex one does so the more.
+//! Texels are squares perpendicular to the light; heights towards it are in texels, too. At each texel of the kernel a
+//! surface is compared with its tangent plane, lifted by [`LIFT`] along its normal: a flat or convex face lies nowhere
+//! above its own tangent plane.
 
 use super::caster::{Caster, row_value};
 use super::scan::scan_rows;
@@ -13,20 +13,20 @@ use wide::f32x4;
 
 /// Texels along each side of the map.
 pub const KEY_MAP_SIDE: usize = 320;
-/// Texels around the room that no body lies on, for the kernel.
+/// Empty texels around the scene, for the kernel.
 const BORDER: usize = 4;
-/// How far above a surface something must be, along its normal and in texels, before it shades it. More than facets
-/// are off from what they stand for, which is a fifth of a pixel.
+/// How far above a surface something must be to shade it, along its normal and in texels: more than the deviation of
+/// facets from their true surface, which is a fifth of a pixel.
 pub const LIFT: f32 = 1.0;
 /// Height in texels over which a shadow sets in.
 pub const RAMP: f32 = 1.5;
-/// Height of what is empty.
+/// Height of empty texels.
 const EMPTY: f32 = -1e30;
 /// Side of the blocks whose greatest heights are known.
 const BLOCK: usize = 4;
 const BLOCKS: usize = KEY_MAP_SIDE / BLOCK;
 
-/// Heights of what the key light sees.
+/// Heights of the surfaces nearest to the key light.
 #[derive(Clone, Debug)]
 pub struct KeyMap {
     /// Row by row, [`KEY_MAP_SIDE`] each.
@@ -48,7 +48,7 @@ impl KeyMap {
         }
     }
 
-    /// Lays an empty map across the light, over all of the room.
+    /// Places an empty map perpendicular to the light, over the whole scene.
     pub(super) fn lay_map(&mut self, [low, high]: [DVec3; 2], camera: &Camera) {
         let axes = [KEY_RIGHT, KEY_UP, KEY_DIRECTION].map(|a| DVec3::from(a.map(f64::from)));
         let to_camera = camera.world_from_camera.inverse();
@@ -130,7 +130,7 @@ impl KeyMap {
                         .fold(*block, |most, height| larger_of(most, *height));
                 }
             }
-            // What the kernel reads beside a block belongs to its neighbours.
+            // Texels that the kernel reads next to a block belong to its neighbours.
             let mut before = EMPTY;
             for k in 0..BLOCKS {
                 let after = own.get(k + 1).copied().unwrap_or(EMPTY);
@@ -167,7 +167,7 @@ impl KeyMap {
     #[inline(never)]
     fn kernel(&self, at: [f32; 2], slope: [f32; 2], plane: f32) -> f32 {
         let [column, row] = at.map(|c| (c - 0.5) as usize - 1);
-        // From the middle of the first texel to the place.
+        // From the centre of the first texel to the position.
         let [x, y] = [at[0] - (column as f32 + 0.5), at[1] - (row as f32 + 0.5)];
         let (wx, wy) = (spline_weights(x - 1.0), spline_weights(y - 1.0));
         let steps = f32x4::from([0.0, 1.0, 2.0, 3.0]) - f32x4::splat(x);
@@ -190,7 +190,7 @@ impl KeyMap {
     }
 }
 
-/// Weights of a uniform cubic B-spline for four texels, `t` of the way from the second to the third.
+/// Weights of a uniform cubic B-spline for four texels, at a fraction `t` between the second and the third.
 fn spline_weights(t: f32) -> [f32; 4] {
     let s = 1.0 - t;
     let (t2, t3) = (t * t, t * t * t);

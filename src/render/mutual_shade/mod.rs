@@ -1,8 +1,8 @@
-//! How bodies shade each other: the key light's shadow, and what they hide of the light around them.
+//! Shades between bodies: the shadow of the key light, and the ambient light that bodies hide from each other.
 //!
-//! Two small maps, made once a frame on the processor and read by both renderers. [`KeyMap`] holds what the key light
-//! sees, [`SkyMap`] how open the nearest surface is. Places and normals are in camera space. Nothing is random: where
-//! nothing moves, nothing changes.
+//! Two small maps are computed on the CPU once per frame and read by both renderers: [`KeyMap`] contains the surfaces
+//! nearest to the key light, [`SkyMap`] the openness of the visible surfaces. Positions and normals are in camera
+//! space. Nothing is random: static parts do not change.
 
 mod caster;
 mod key_map;
@@ -66,8 +66,8 @@ impl MutualShade {
         self.sky.finish(&rays);
     }
 
-    /// What reaches a surface at `place`, which pixel coordinates `at` show; `normal` is on the side that is seen,
-    /// its length near 1.
+    /// The light that reaches a surface at `place`, shown at pixel coordinates `at`; `normal` is on the visible side,
+    /// with a length near 1.
     #[inline(always)]
     pub fn on(&self, at: [f32; 2], place: [f32; 3], normal: [f32; 3]) -> Open {
         [self.key.lit(place, normal), self.sky.open(at, -place[2])]

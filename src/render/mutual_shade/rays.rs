@@ -1,4 +1,4 @@
-//! Places in camera space of what pixels show, in single precision.
+//! Positions in camera space of the points that pixels show, in single precision.
 
 use crate::render::Camera;
 

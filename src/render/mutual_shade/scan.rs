@@ -2,7 +2,7 @@
 
 use crate::render::look::{larger_of, smaller_of};
 
-/// Texels by which a triangle is wider than it is, so that neighbours leave no texel between them open.
+/// Texels by which a triangle is enlarged, so that neighbours leave no gaps.
 const GUARD: f32 = 1e-3;
 /// Coordinates beyond this have too few digits left to be of use.
 const FARTHEST: f32 = 1e6;
@@ -64,7 +64,7 @@ pub(super) fn scan_rows(
         let y = row as f32 + 0.5;
         let (mut first, mut last) = (right, left);
         for (from, upper, lower, slope) in &sides {
-            // A level side has no slope, and its ends are those of the others.
+            // A horizontal side has no slope, and its ends are those of the other sides.
             if *upper <= y && y <= *lower && upper < lower {
                 let x = from[0] + (y - from[1]) * slope;
                 (first, last) = (smaller_of(first, x), larger_of(last, x));

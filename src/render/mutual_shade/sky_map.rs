@@ -1,8 +1,9 @@
-//! How much of the light around reaches the nearest surfaces: ambient occlusion from a small picture of distances.
+//! The fraction of ambient light that reaches the visible surfaces: ambient occlusion from a small picture of
+//! distances.
 //!
-//! Cells of two pixels or more. Every cell looks at the same places around it, so that there is no noise to be
-//! smoothed away; what stands above its surface there, and within reach, hides a part of the light around. Cells are
-//! smoothed along rows and columns with those of like distance, and read between four cells in the same way.
+//! Cells have two pixels or more. Every cell is compared with the same pattern of cells around it, so that there is no
+//! noise to smooth; surfaces within reach that rise above its own hide part of the ambient light. Cells are smoothed
+//! along rows and columns with cells of similar distance, and interpolated between four cells in the same way.
 
 use super::caster::{Caster, row_value};
 use super::rays::Rays;
@@ -14,19 +15,19 @@ use crate::render::look::{clamp_unit, dot_product, larger_of, smaller_of};
 const MOST_ROWS: u32 = 540;
 /// Least side of a cell in pixels.
 const LEAST_CELL: u32 = 2;
-/// How far away bodies still hide light, as a share of the extent of the motion.
+/// Distance up to which bodies hide light, as a fraction of the extent of the motion.
 const REACH: f64 = 0.07;
-/// The same in cells at most: beyond it the places that are looked at stand too far apart.
+/// The same in cells, at most: beyond it the pattern would be too sparse.
 const MOST_CELLS: f32 = 32.0;
-/// Places that a cell looks at.
+/// Number of cells in the pattern.
 const TAPS: usize = 12;
-/// Sine of the height above a surface from which on light is hidden: facets stand up by less.
+/// Sine of the elevation above a surface from which on light is hidden: facets rise by less.
 const LEAST_SINE: f32 = 0.12;
-/// What all places would hide together if each stood upright beside the surface.
+/// What the whole pattern would hide if every cell rose vertically next to the surface.
 const STRENGTH: f32 = 6.0;
-/// Cells at a distance that differs by this share of the reach have nothing in common.
+/// Cells whose distances differ by this fraction of the reach do not influence each other.
 const LIKENESS: f64 = 0.5;
-/// Weight of cells of which nothing is known, which are open.
+/// Weight of cells without information, which count as open.
 pub const UNKNOWN: f32 = 0.02;
 /// Cells to either side that are smoothed together.
 const SMOOTHED: usize = 2;
@@ -47,12 +48,12 @@ pub struct SkyMap {
     share: f32,
     /// Distance along the camera's axis and openness 0..=1 of each cell, row by row.
     pub cells: Vec<[f32; 2]>,
-    /// One over the difference of distances at which cells have nothing in common.
+    /// One over the difference of distances at which cells no longer influence each other.
     pub likeness: f32,
     reach: f32,
     taps: [[f32; 2]; TAPS],
     nearness: Vec<f32>,
-    /// What each cell shows, in camera space.
+    /// The point that each cell shows, in camera space.
     places: Vec<[f32; 3]>,
     /// The facet in each cell.
     facet: Vec<u32>,
@@ -61,7 +62,7 @@ pub struct SkyMap {
     /// Corners of facets: their place in the grid with nearness, and their normals.
     corners: Vec<[f32; 3]>,
     normals: Vec<[f32; 3]>,
-    /// First and last column, then row, in which something was found.
+    /// First and last column, then row, that are not empty.
     used: Option<[[usize; 2]; 2]>,
 }
 
@@ -235,7 +236,7 @@ impl SkyMap {
             let other = self.places[(y * width + x) as usize];
             let way = [0, 1, 2].map(|k| other[k] - place[k]);
             let (squared, above) = (dot_product(way, way), dot_product(way, normal));
-            // Most of what is near lies below.
+            // Most of the surroundings lie below.
             let is_low = above <= 0.0 || above * above <= LEAST_SINE * LEAST_SINE * squared;
             if !is_low && squared < farthest {
                 let near = 1.0 - squared / farthest;
@@ -276,7 +277,7 @@ impl SkyMap {
         sum / weights
     }
 
-    /// What two distances have in common, 1 to 0.
+    /// The mutual influence of two distances, from 1 to 0.
     #[inline(always)]
     fn likeness(&self, one: f32, other: f32) -> f32 {
         larger_of(1.0 - (one - other).abs() * self.likeness, 0.0)

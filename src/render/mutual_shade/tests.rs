@@ -1,4 +1,4 @@
-//! What the maps say of surfaces in the open, beneath others and in corners.
+//! The maps for surfaces in the open, beneath others and in corners.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use super::caster::row_value;

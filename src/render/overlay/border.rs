@@ -1,4 +1,4 @@
-//! The hatched border of a picture that shows no pose, so that nobody takes it for one.
+//! The hatched border that marks a picture without a pose.
 
 use super::paint::OverlayPainter;
 use image::RgbaImage;

@@ -1,4 +1,4 @@
-//! Plain rectangles and the lines of labels that stand beside their point.
+//! Plain rectangles and the leaders of labels.
 
 use super::paint::OverlayPainter;
 use crate::render::Patch;

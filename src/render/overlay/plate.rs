@@ -9,7 +9,7 @@ const PADDING: f64 = 0.6;
 /// Radius of the corners in heights of the capitals.
 const CORNER: f64 = 0.45;
 
-/// Share of the plate in what is seen: text stays readable over anything, and the scene shows through.
+/// Opacity of the plate: text stays readable over anything, and the scene remains visible.
 const OPACITY: f32 = 0.82;
 
 /// Room in pixels between a plate's edge and the text of capitals `size` pixels high.

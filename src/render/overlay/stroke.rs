@@ -3,7 +3,7 @@
 use super::paint::OverlayPainter;
 use crate::render::Stroke;
 
-/// Longer strokes, in pixels, lead nowhere that could be seen.
+/// Longer strokes, in pixels, cannot be visible as a whole.
 const FARTHEST: f64 = 1e6;
 
 /// Draws a stroke; its ends are cut square to it.
@@ -30,7 +30,7 @@ pub fn draw_stroke(painter: &mut OverlayPainter<'_>, stroke: &Stroke) {
             let share = (at / length).clamp(0.0, 1.0);
             let [first, last] = stroke.half_widths;
             let half = first + (last - first) * share;
-            // Of a line narrower than a pixel no more than its width.
+            // The coverage of a line narrower than a pixel is at most its width.
             let covered = (half + 0.5 - across).clamp(0.0, (2.0 * half).min(1.0));
             let before_ends = (at + 0.5).min(length - at + 0.5).clamp(0.0, 1.0);
             painter.blend(x, y, stroke.colour, (covered * before_ends) as f32);

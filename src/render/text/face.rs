@@ -13,12 +13,12 @@ const CAPITALS_PER_EM: f64 = 0.714;
 /// Advance and width of the box that stands for a character the face lacks, in heights of the capitals.
 const MISSING_ADVANCE: f64 = 0.86;
 
-/// Positions between two pixels at which a glyph is rasterised. A quarter of a pixel is below what an eye sees
-/// in the rhythm of the letters, and keeps the cache small.
+/// Subpixel positions at which a glyph is rasterised. A quarter of a pixel is invisible in the spacing of the letters,
+/// and keeps the cache small.
 pub const PHASES: u32 = 4;
 
-/// Masks kept before the cache starts anew; far more than one animation's labels need, so that a caller who
-/// draws ever new sizes does not grow without end.
+/// Number of masks kept before the cache is cleared; far more than the labels of one animation need. It bounds the
+/// memory of a caller who draws ever new sizes.
 const CACHE_MASKS: usize = 4096;
 
 /// Which mask: glyph, height of capitals in bits, phase in x.
@@ -34,7 +34,7 @@ struct GlyphKey {
 
 /// The face and the masks made of it so far.
 pub struct Face {
-    /// `None` only if the embedded file were damaged: then every character is a box, which is seen at once.
+    /// `None` only if the embedded file is damaged: then every character is a box.
     font: Option<FontRef<'static>>,
     masks: HashMap<GlyphKey, Mask>,
 }

@@ -1,8 +1,8 @@
-//! Glyphs of the embedded face as coverage masks, and how a text is set in lines of them.
+//! Glyphs of the embedded face as coverage masks, and the layout of texts in lines.
 //!
-//! Holds no colours and no picture: blending is the overlay's work. The face is Noto Sans, cut down to the
-//! characters that labels of mechanisms use (Latin with the Central European letters, Greek, arrows and
-//! mathematical signs); its licence lies beside it in `OFL.txt`.
+//! Blending is done by the overlay. The face is Noto Sans, reduced to the characters that labels of mechanisms use
+//! (Latin with the Central European letters, Greek, arrows and mathematical signs); its licence is in `OFL.txt` in the
+//! same folder.
 
 mod face;
 mod layout;

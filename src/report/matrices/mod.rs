@@ -1,5 +1,5 @@
-//! Matrices of chains as a lecture writes them on the board: the product of elementary transforms, its sixteen entries
-//! with symbols, and their numbers at a pose.
+//! Matrices of chains as in a lecture: the product of elementary transforms, its sixteen entries with symbols, and
+//! their numbers at a pose.
 
 pub mod product;
 mod style;
@@ -15,7 +15,7 @@ use style::MatrixStyle;
 /// Name of the document.
 const SCHEMA: &str = "mechanim-matrices/1";
 
-/// A matrix in a grid is no wider than this; else its entries stand below each other.
+/// Largest width of a matrix as a grid; the entries of a wider one are listed.
 const GRID: usize = 100;
 
 /// A chain and its product.
@@ -23,7 +23,7 @@ const GRID: usize = 100;
 pub struct ShownChain<'a> {
     /// As written.
     pub chain: &'a WrittenChain,
-    /// The product with symbols, unless it is too long to be read.
+    /// The product with symbols, unless it is too long to read.
     pub symbolic: Option<SymbolMatrix>,
     /// The product at the pose.
     pub numeric: Pose,
@@ -107,7 +107,7 @@ impl<'a> ShownChains<'a> {
         out
     }
 
-    /// A page that needs nothing else.
+    /// A self-contained page.
     pub fn html(&self) -> String {
         let title = escaped_text(&self.mechanism.title);
         let mut out = format!(
@@ -135,7 +135,7 @@ impl<'a> ShownChains<'a> {
         out
     }
 
-    /// For programs. Rows of matrices; angles in radians.
+    /// For programs: rows of matrices; angles in radians.
     pub fn json(&self) -> Value {
         let chains = self.chains.iter().map(|shown| {
             let factors = shown.chain.factors.iter().zip(&shown.factors);
@@ -243,7 +243,7 @@ fn matrix_rows(pose: &Pose) -> [[f64; 4]; 4] {
     [row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0]]
 }
 
-/// Entries in columns, or below each other where they are too wide.
+/// Entries in columns, or listed if they are too wide.
 fn entry_grid(entries: &[Vec<String>]) -> String {
     let width = |k: usize| {
         entries

@@ -1,5 +1,5 @@
-//! The product of a chain with symbols in place of its names. Turns about one axis in a row are one turn by the sum of their
-//! angles, whatever is shifted in between, so that planar chains stay as short as on a board.
+//! The product of a chain with symbols for its names. Successive rotations about one axis are combined to the sum of
+//! their angles, whatever translations are in between, so that planar chains stay as short as on a board.
 
 use super::symbol::{AngleSum, SignedName, SymbolSum};
 use crate::model::chain::ElementaryMotion;
@@ -8,14 +8,14 @@ use crate::model::notation::{WrittenChain, WrittenFactor};
 /// Entries with more products than this are not written out.
 const MOST_TERMS: usize = 48;
 
-/// Rows of a product: rotation, and the shift in the last column; the fourth row is 0 0 0 1.
+/// Rows of a product: rotation, and translation in the last column; the fourth row is 0 0 0 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SymbolMatrix {
     /// `entries[row][column]`
     pub entries: [[SymbolSum; 4]; 3],
 }
 
-/// The product of the chain; `None` where an entry would be too long to be read.
+/// The product of the chain; `None` if an entry would be too long to read.
 pub fn symbolic_product(chain: &WrittenChain) -> Option<SymbolMatrix> {
     let mut product = GrowingProduct::new();
     for factor in &chain.factors {
@@ -32,7 +32,7 @@ pub fn symbolic_product(chain: &WrittenChain) -> Option<SymbolMatrix> {
 
 struct GrowingProduct {
     entries: [[SymbolSum; 4]; 3],
-    /// A turn about an axis that is not multiplied out yet.
+    /// A rotation about an axis that is not multiplied out yet.
     pending: Option<(usize, AngleSum)>,
 }
 
@@ -69,12 +69,12 @@ impl GrowingProduct {
                 signed_names(factor).for_each(|name| angle.add(name));
             }
             Some((ElementaryMotion::Translation, axis)) => self.shift_by(axis, &length_of(factor)),
-            // A turn by a number, or to the direction of an axis.
+            // A rotation by a number, or to the direction of an axis.
             _ => self.turn_by_numbers(factor),
         }
     }
 
-    /// Columns of the turn that is pending, in terms of those of the product.
+    /// Columns of the pending rotation, in terms of those of the product.
     fn turned_columns(&self) -> [[SymbolSum; 3]; 3] {
         let column = |k: usize| [0, 1, 2].map(|row| self.entries[row][k].clone());
         let mut columns = [0, 1, 2].map(column);
@@ -92,7 +92,7 @@ impl GrowingProduct {
         columns
     }
 
-    /// Multiplies the pending turn out.
+    /// Multiplies out the pending rotation.
     fn settle_turn(&mut self) {
         let columns = self.turned_columns();
         self.pending = None;

@@ -1,4 +1,4 @@
-//! How symbols are written: as plain text, in LaTeX, in MathML.
+//! The notation of symbols: plain text, LaTeX, MathML.
 
 use super::symbol::{AngleSum, Symbol, SymbolSum};
 use crate::model::notation::WrittenTerm;

@@ -1,4 +1,4 @@
-//! Sums of products of sines, cosines and lengths, as they stand in the entries of a product of transforms.
+//! Sums of products of sines, cosines and lengths: the entries of a product of transforms.
 
 use std::collections::BTreeMap;
 
@@ -18,7 +18,7 @@ pub struct SignedName {
 pub struct AngleSum(pub Vec<SignedName>);
 
 impl AngleSum {
-    /// Adds a name, which may leave the sum again.
+    /// Adds a name; the sum may cancel it.
     pub fn add(&mut self, name: SignedName) {
         match self.0.iter_mut().find(|known| known.text == name.text) {
             Some(known) => known.count += name.count,

@@ -13,7 +13,7 @@ pub enum Item {
     Transform {
         /// Which one.
         transform: Transform,
-        /// As many as it takes.
+        /// Its arguments, as many as the transform has.
         arguments: Vec<FormulaNode>,
         /// Where.
         span: Span,
@@ -74,7 +74,7 @@ impl Transform {
     }
 }
 
-/// Parses a chain that starts at byte `offset` of the file. Factors stand side by side or with `*` between.
+/// Parses a chain that starts at byte `offset` of the file. Factors are separated by spaces or `*`.
 pub fn parse_chain(text: &str, offset: usize) -> Result<Vec<Item>, Diagnostic> {
     let tokens = tokenize_text(text, offset)?;
     let mut parser = Parser::new(&tokens);

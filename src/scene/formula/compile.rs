@@ -1,4 +1,4 @@
-//! Trees of names to operations over slots.
+//! Compiles expression trees with names to operations on numbered slots.
 
 use super::node::{FormulaNode, NodeKind};
 use crate::diag::{Diagnostic, Span};
@@ -6,7 +6,7 @@ use crate::model::expression::{Expression, Op};
 use crate::numbers::constant::Constant;
 use crate::numbers::scalar::Scalar;
 
-/// What a name stands for.
+/// The meaning of a name.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CompiledValue {
     /// A number known now.
@@ -17,10 +17,10 @@ pub enum CompiledValue {
     Formula(Expression),
 }
 
-/// What an empty formula is.
+/// The error message for an empty formula.
 const ZERO: Op = Op::Constant(Constant::exact(0.0));
 
-/// Compiles `node`, asking `lookup` for every name.
+/// Compiles `node`; `lookup` resolves names.
 pub fn compile_formula(
     node: &FormulaNode,
     lookup: &dyn Fn(&str, &Span) -> Result<CompiledValue, Diagnostic>,
@@ -66,7 +66,7 @@ fn emit_node(
                 .hint("derivatives stand in [outputs], in `of` of measures and in plots, and in no other derivative"));
         }
         NodeKind::Call(function, args) => {
-            // min and max of many are a row of calls of two.
+            // min and max of many arguments become nested calls of two.
             let mut value = emit_node(&args[0], lookup, ops)?;
             let mut last = Op::Call(*function, value, value);
             for (k, arg) in args.iter().enumerate().skip(1) {
@@ -82,8 +82,8 @@ fn emit_node(
     append_op(op, start, node, ops)
 }
 
-/// Appends the last operation of `node`, whose operations begin at `start`. Constants are computed now: an infinite
-/// one is refused wherever it stands, and the solver need not compute the others again.
+/// Appends the last operation of `node`, whose operations begin at `start`. Constants are folded here: an infinite
+/// constant is rejected in any position, and the solver does not compute constants again.
 fn append_op(
     op: Op,
     start: usize,
@@ -107,7 +107,7 @@ fn append_op(
     Ok(ops.len() - 1)
 }
 
-/// The value of an operation on constants only, with all digits and as f64 has it.
+/// The value of an operation on constants, in extended precision and as f64.
 fn constant_value(op: Op, ops: &[Op]) -> Option<(Constant, f64)> {
     let known = |index: usize| match ops[index] {
         Op::Constant(value) => Some(value),
@@ -138,7 +138,7 @@ fn constant_value(op: Op, ops: &[Op]) -> Option<(Constant, f64)> {
     Some((expression.value(&[]), expression.value(&[])))
 }
 
-/// The value of a constant expression with all digits; it is finite.
+/// The value of a constant expression in extended precision; it is finite.
 pub fn exact_constant(
     node: &FormulaNode,
     lookup: &dyn Fn(&str, &Span) -> Result<CompiledValue, Diagnostic>,
@@ -146,7 +146,7 @@ pub fn exact_constant(
     Ok(compile_formula(node, lookup)?.value(&[]))
 }
 
-/// The same as the nearest f64.
+/// The same, rounded to f64.
 pub fn constant_node(
     node: &FormulaNode,
     lookup: &dyn Fn(&str, &Span) -> Result<CompiledValue, Diagnostic>,

@@ -1,4 +1,4 @@
-//! Chains written out: references and inverses expanded to elementary motions.
+//! Expands chains: references and inverses become elementary motions.
 
 use super::chain::{Item, Transform};
 use super::node::FormulaNode;
@@ -12,12 +12,12 @@ use std::collections::HashSet;
 pub enum Factor {
     /// About or along a coordinate axis.
     Elementary(ElementaryMotion, usize, FormulaNode),
-    /// Turns z to the constant direction (or back): the frame of a general axis.
+    /// Rotates z to the constant direction (or back): the frame of a general axis.
     Direction([FormulaNode; 3], bool),
 }
 
 impl Factor {
-    /// The motion backwards.
+    /// The inverse motion.
     pub fn inverse(self) -> Self {
         match self {
             Self::Elementary(motion, axis, node) => Self::Elementary(motion, axis, node.negated()),
@@ -25,7 +25,7 @@ impl Factor {
         }
     }
 
-    /// Where its value, or its direction, stands in the file.
+    /// The position of its argument, or of its direction, in the file.
     pub fn place(&self) -> Span {
         match self {
             Self::Elementary(_, _, node) => node.span.clone(),
@@ -33,7 +33,7 @@ impl Factor {
         }
     }
 
-    /// Whether the same is written, wherever it stands.
+    /// Whether both are written alike, wherever they are written.
     pub fn is_alike(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Elementary(motion, axis, node), Self::Elementary(m, a, n)) => {
@@ -46,16 +46,16 @@ impl Factor {
         }
     }
 
-    /// Whether the factors cancel side by side.
+    /// Whether two adjacent factors cancel.
     pub fn undoes_factor(&self, other: &Self) -> bool {
         self.clone().inverse().is_alike(other) || self.is_alike(&other.clone().inverse())
     }
 }
 
-/// Longest chain after expansion; references that multiply each other would otherwise fill the memory.
+/// Longest chain after expansion; without a limit, references to references could fill the memory.
 pub const MAX_FACTORS: usize = 20_000;
 
-/// Most chains of which each refers to the next: every one takes half a kilobyte of the stack.
+/// Longest sequence of chains that refer to each other: each level takes half a kilobyte of the stack.
 const MAX_REFERENCES: usize = 1000;
 
 /// Expands references and inverses. `find` gives the items of a named chain.
@@ -78,9 +78,9 @@ pub fn expand_chain<'a>(
 struct Expansion<'a, 'b> {
     find: &'b dyn Fn(&str) -> Option<&'a [Item]>,
     names: &'b [&'b str],
-    /// Names being expanded, each with the place of the reference to it.
+    /// Names being expanded, each with the position of the reference to it.
     open: Vec<(&'a str, Span)>,
-    /// The same names, found without a walk.
+    /// The same names as a set, for fast lookup.
     is_open: HashSet<&'a str>,
     factors: Vec<Factor>,
 }
@@ -152,8 +152,8 @@ impl<'a> Expansion<'a, '_> {
 }
 
 impl Expansion<'_, '_> {
-    /// The message about a circle of references from the open chain `first` on, closed at `span`. It starts at the
-    /// chain that is defined first, so that the circle gives one message wherever it is entered.
+    /// The message about a cycle of references from the open chain `first`, closed at `span`. It starts at the chain
+    /// that is defined first, so that every cycle is reported once, wherever it is entered.
     fn circular_reference(&self, first: usize, span: &Span) -> Diagnostic {
         let mut circle = self.open[first..].to_vec();
         circle[0].1 = span.clone();

@@ -1,4 +1,4 @@
-//! The parser of formulas: from tokens to trees.
+//! The parser of formulas: from tokens to expression trees.
 
 use super::lexer::{Token, TokenKind, tokenize_text};
 use super::node::{DerivativeNode, FormulaNode, NodeKind};
@@ -20,8 +20,8 @@ pub fn parse_expression(text: &str, offset: usize) -> Result<FormulaNode, Diagno
 /// Deepest nesting of parentheses and signs; keeps hostile input off the call stack.
 const MAX_DEPTH: usize = 100;
 
-/// Most operations in one expression. A long sum leans to the left as deep as it is long, and the walks over
-/// the tree are recursive.
+/// Most operations in one expression. The tree of a long sum is as deep as the sum is long, and tree traversals are
+/// recursive.
 const MAX_OPERATIONS: usize = 2000;
 
 /// Reads tokens one after the other; shared with the chain parser.
@@ -33,7 +33,7 @@ pub struct Parser<'a> {
 }
 
 impl<'a> Parser<'a> {
-    /// Starts at the first of `tokens`, which end with `End`.
+    /// Starts at the first of `tokens`; the last token is `End`.
     pub fn new(tokens: &'a [Token]) -> Self {
         Self {
             tokens,
@@ -43,26 +43,26 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// The token to be read next.
+    /// The next token.
     pub fn peek(&self) -> &'a Token {
         &self.tokens[self.next.min(self.tokens.len() - 1)]
     }
 
-    /// Reads one token.
+    /// Consumes one token.
     pub fn take(&mut self) -> &'a Token {
         let token = self.peek();
         self.next += 1;
         token
     }
 
-    /// Reads `sign` if it comes next.
+    /// Consumes `sign` if it is next.
     pub fn take_sign(&mut self, sign: char) -> bool {
         let found = self.peek().kind == TokenKind::Sign(sign);
         self.next += found as usize;
         found
     }
 
-    /// Reads `sign` or says that it is missing.
+    /// Consumes `sign`, or reports that it is missing.
     pub fn expect_sign(&mut self, sign: char) -> Result<(), Diagnostic> {
         if self.take_sign(sign) {
             Ok(())
@@ -71,7 +71,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Says so if anything is left.
+    /// Reports tokens that are left over.
     pub fn expect_end(&self) -> Result<(), Diagnostic> {
         if self.peek().kind == TokenKind::End {
             Ok(())
@@ -80,7 +80,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// The message that something else than `wanted` came.
+    /// The message that something other than `wanted` was found.
     pub fn unexpected_token(&self, wanted: &str) -> Diagnostic {
         let token = self.peek();
         let found = match &token.kind {
@@ -109,7 +109,7 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
-    /// Starts a new expression's count of operations; a chain holds many short ones.
+    /// Resets the count of operations for a new expression; a chain contains many short ones.
     pub fn restart_count(&mut self) {
         self.operations = 0;
     }
@@ -185,7 +185,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// `30deg` and `0.5rad`: the unit belongs to the number when it follows at once.
+    /// `30deg` and `0.5rad`: a unit that directly follows a number belongs to it.
     fn with_unit(&mut self, value: Constant, span: Span) -> FormulaNode {
         let unit = self.peek();
         let factor = match &unit.kind {
@@ -204,7 +204,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// The parts of `d(…)` behind its parenthesis.
+    /// The parts of `d(…)` after its opening parenthesis.
     fn parse_derivative(&mut self, token: &Token) -> Result<FormulaNode, Diagnostic> {
         let start = token.span.start;
         let of = self.expression()?;
@@ -285,7 +285,7 @@ impl<'a> Parser<'a> {
     }
 }
 
-/// `d(…)` with parts that are no derivative's.
+/// The message about a `d(…)` that is not a derivative.
 fn misread_derivative(span: Span) -> Diagnostic {
     Diagnostic::error("a derivative is written `d(quantity, input)`")
         .at(span)
@@ -293,7 +293,7 @@ fn misread_derivative(span: Span) -> Diagnostic {
 }
 
 fn named_constant(name: &str, token: &Token) -> Result<FormulaNode, Diagnostic> {
-    // TOML has these as numbers, so they reach a formula although nobody wrote one.
+    // TOML reads these words as numbers, so they can appear in a formula.
     if ["nan", "inf"].contains(&name) {
         let message = format!("`{name}` is not a finite number");
         return Err(Diagnostic::error(message).at(token.span.clone()));

@@ -1,7 +1,8 @@
-//! What a formula's parts measure, and the conversion of its numbers from the file's angle unit to radians.
+//! Infers the kinds (length, angle, number) of the parts of a formula, and converts its numbers from the file's angle
+//! unit to radians.
 //!
-//! Rule: a part of a formula that stands where an angle is wanted and holds no angle itself (`Ry(180)`,
-//! `beta + 30`) is in the file's angle unit. In a file in radians nothing is converted.
+//! Rule: in a position where an angle is expected, a part that contains no angle itself (`Ry(180)`, `beta + 30`) is in
+//! the file's angle unit. In a file in radians nothing is converted.
 
 use super::node::{FormulaNode, NodeKind};
 use crate::diag::Span;
@@ -9,7 +10,7 @@ use crate::model::expression::Function;
 use crate::model::mechanism::Kind;
 use crate::numbers::constant::Constant;
 
-/// Tells `note` the kind that each name below `node` must have, if the place wants `wanted`.
+/// Reports to `note` the kind of each name in `node`, if the position requires the kind `wanted`.
 pub fn infer_kind(
     node: &FormulaNode,
     wanted: Option<Kind>,
@@ -29,7 +30,7 @@ pub fn infer_kind(
             infer_kind(b, wanted, note);
         }
         NodeKind::Binary(sign, a, b) => {
-            // A literal factor keeps the kind of the other side; any other product tells nothing.
+            // A literal factor leaves the kind to the other factor; any other product determines nothing.
             let keeps_a = is_literal(b) && *sign != '^';
             let keeps_b = is_literal(a) && *sign == '*';
             infer_kind(a, wanted.filter(|_| keeps_a), note);
@@ -43,7 +44,7 @@ pub fn infer_kind(
     }
 }
 
-/// What a function wants of its arguments when its own place wants `wanted`.
+/// The kinds of a function's arguments if its own position requires `wanted`.
 fn argument_kind(function: Function, wanted: Option<Kind>) -> Option<Kind> {
     match function {
         Function::Sin | Function::Cos | Function::Tan => Some(Kind::Angle),
@@ -61,7 +62,8 @@ fn is_literal(node: &FormulaNode) -> bool {
     }
 }
 
-/// Replaces file-unit angles by radians: `radians` is the size of one file unit, `is_angle` knows the names.
+/// Converts angles from the file's unit to radians: `radians` is the size of one unit, `is_angle` recognises names of
+/// angles.
 pub fn to_radians(
     node: FormulaNode,
     wanted: Option<Kind>,
@@ -115,7 +117,7 @@ fn convert_kind(
     FormulaNode { kind, span }
 }
 
-/// Forms whose parts all have the kind of the whole.
+/// Operations whose operands all have the kind of the result.
 fn is_sum(kind: &NodeKind) -> bool {
     match kind {
         NodeKind::Negate(_) | NodeKind::Binary('+' | '-', ..) => true,
@@ -149,7 +151,7 @@ mod tests {
     use super::super::expression::parse_expression;
     use super::*;
 
-    /// Value of `text` in an angle place of a file in degrees, where `a` is an angle of 1 rad and `n` is 3.
+    /// Value of `text` in the position of an angle, in a file in degrees, where `a` is an angle of 1 rad and `n` is 3.
     fn in_degrees(text: &str) -> f64 {
         let node = to_radians(
             parse_expression(text, 0).unwrap(),

@@ -1,4 +1,4 @@
-//! Splits formula text into tokens with their places. Knows no names and no meaning.
+//! Splits the text of a formula into tokens with their positions, without regard to their meaning.
 
 use crate::diag::{Diagnostic, Span};
 use crate::numbers::constant::Constant;
@@ -16,7 +16,7 @@ pub enum TokenKind {
     End,
 }
 
-/// A token and its place in the file.
+/// A token and its position in the file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Token {
     /// What it is.
@@ -25,7 +25,7 @@ pub struct Token {
     pub span: Span,
 }
 
-/// Longest formula accepted, in bytes: beyond any hand-written one, and bounds the work of the parser.
+/// Longest formula accepted, in bytes: longer than any hand-written one, and a bound on the parser's work.
 const MAX_FORMULA_BYTES: usize = 100_000;
 
 /// Tokens of `text`, which starts at byte `offset` of the file; the last one is `End`.
@@ -59,7 +59,7 @@ pub fn tokenize_text(text: &str, offset: usize) -> Result<Vec<Token>, Diagnostic
     }
 }
 
-/// The token at the start of `rest` and its length in bytes, or a message and the length it is about.
+/// The token at the start of `rest` and its length in bytes, or a message and the length of the invalid text.
 fn read_token(first: char, rest: &str) -> Result<(TokenKind, usize), (String, usize)> {
     match first {
         '0'..='9' | '.' => read_number(rest),

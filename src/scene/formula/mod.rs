@@ -1,7 +1,7 @@
 //! The formula language of scene files: tokens, expressions, and products of transforms.
 //!
-//! Own rather than a crate's, because chains and arguments are one language, every name needs its place in the
-//! file for the messages, and the engine wants affine arguments and exact derivatives out of the same tree.
+//! It is our own because chains and arguments are one language, messages need the position of every name in the file,
+//! and the engine needs affine arguments and exact derivatives of the same tree.
 
 pub mod chain;
 pub mod compile;

@@ -1,10 +1,10 @@
-//! Expression trees as typed: numbers, names, operations, calls. No values and no kinds yet.
+//! Expression trees as typed: numbers, names, operations, calls. They have neither values nor kinds yet.
 
 use crate::diag::Span;
 use crate::model::expression::Function;
 use crate::numbers::constant::Constant;
 
-/// A node and its place in the file.
+/// A node and its position in the file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FormulaNode {
     /// What it is.
@@ -13,14 +13,14 @@ pub struct FormulaNode {
     pub span: Span,
 }
 
-/// The forms of a node.
+/// The kinds of nodes.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NodeKind {
     /// A literal.
     Number(Constant),
     /// A literal with an explicit angle unit, already in radians.
     Radians(Constant),
-    /// A part that stands where an angle is wanted, whatever stands around it.
+    /// A part that is an angle, whatever surrounds it.
     Angle(Box<FormulaNode>),
     /// A name, to be looked up.
     Name(String),
@@ -39,16 +39,16 @@ pub enum NodeKind {
 pub struct DerivativeNode {
     /// What is derived.
     pub of: FormulaNode,
-    /// By what: an input, or the time.
+    /// The variable: an input, or the time.
     pub by: String,
     /// Where that stands.
     pub by_span: Span,
-    /// How often, one or more.
+    /// The order, one or more.
     pub order: usize,
 }
 
 impl FormulaNode {
-    /// A literal without a place of its own.
+    /// A literal without a position of its own.
     pub fn number(value: Constant, span: Span) -> Self {
         Self {
             kind: NodeKind::Number(value),
@@ -75,7 +75,7 @@ impl FormulaNode {
         }
     }
 
-    /// Whether the same is written, wherever it stands.
+    /// Whether both are written alike, wherever they are written.
     pub fn is_alike(&self, other: &Self) -> bool {
         use NodeKind::{Angle, Binary, Call, Derivative, Name, Negate, Number, Radians};
         match (&self.kind, &other.kind) {

@@ -1,10 +1,10 @@
-//! Formulas back as text: as short as they can be read again.
+//! Writes formulas as text, as short as possible.
 
 use super::node::{FormulaNode, NodeKind};
 use crate::numbers::constant::Constant;
 use std::f64::consts::PI;
 
-/// How tightly an operation holds its operands together.
+/// The precedence of an operation.
 #[derive(Clone, Copy, PartialEq, PartialOrd)]
 enum Hold {
     Sum,
@@ -70,7 +70,7 @@ fn written_operation(sign: char, a: &FormulaNode, b: &FormulaNode) -> (String, H
     }
 }
 
-/// In parentheses where the place needs a tighter hold.
+/// In parentheses if the position requires a higher precedence.
 fn held_in(node: &FormulaNode, place: Hold) -> String {
     let (text, hold) = written_node(node);
     match hold < place {
@@ -84,7 +84,7 @@ fn written_number(value: f64) -> (String, Hold) {
     (format!("{value}"), hold)
 }
 
-/// An angle with its unit: in degrees where these are a short number.
+/// An angle with its unit: in degrees if that is a short number.
 fn written_angle(value: Constant) -> (String, Hold) {
     let radians = value.number();
     if radians == PI {

@@ -1,4 +1,4 @@
-//! The keys of the parts of machines.
+//! The keys of machine parts.
 
 use super::Holds::{Formula, Formulas, Rows};
 use super::{Holds, Key, Keys};

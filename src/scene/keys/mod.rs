@@ -1,5 +1,5 @@
-//! Which keys a table of a file may have, and what each of them holds: the one list that the reader, its "did you mean",
-//! the schema for editors and the documents share.
+//! The keys of every table in a file and the values they take: one list, shared by the reader, its "did you mean", the
+//! schema for editors and the documents.
 
 mod machine_parts;
 mod shapes;
@@ -11,9 +11,9 @@ pub mod view;
 pub struct Keys {
     /// What the table is called in messages and in the schema.
     pub name: &'static str,
-    /// In the order of the documents.
+    /// In the order in which the documents list them.
     pub list: &'static [Key],
-    /// Keys of which a table has exactly one; empty if it may have any.
+    /// Keys of which a table must have exactly one; empty if any may appear.
     pub one_of: &'static [&'static str],
 }
 
@@ -24,7 +24,7 @@ pub struct Key {
     pub name: &'static str,
     /// What it holds.
     pub holds: Holds,
-    /// The table is no good without it.
+    /// A required key.
     pub is_required: bool,
     /// What it means, in a few words.
     pub says: &'static str,
@@ -43,9 +43,9 @@ pub enum Holds {
     Flag,
     /// A number, or a formula in quotes.
     Formula,
-    /// A list of so many of them; zero stands for any number.
+    /// A list of this many of them; zero means any number.
     Formulas(usize),
-    /// A list of lists of so many.
+    /// A list of lists of this length.
     Rows(usize),
     /// `#rrggbb`.
     Colour,
@@ -60,7 +60,7 @@ pub enum Holds {
 }
 
 impl Key {
-    /// A key that may be absent.
+    /// An optional key.
     pub const fn new(name: &'static str, holds: Holds, says: &'static str) -> Self {
         Self {
             name,
@@ -70,7 +70,7 @@ impl Key {
         }
     }
 
-    /// The same, without which the table is no good.
+    /// A required key.
     pub const fn required(self) -> Self {
         Self {
             is_required: true,
@@ -108,7 +108,7 @@ impl Keys {
         self.list.iter().map(|key| key.name)
     }
 
-    /// The keys of the table, or of each table of the list, that `name` holds; none if it holds something else.
+    /// The keys of the table, or of each table of the list, at `name`; none if it is anything else.
     pub fn inner(&self, name: &str) -> &'static Keys {
         match self.find(name).map(|key| key.holds) {
             Some(Holds::Table(keys) | Holds::Tables(keys)) => keys,
@@ -117,7 +117,7 @@ impl Keys {
     }
 }
 
-/// The names in a list of names with what they stand for.
+/// The names in a list of pairs of names and values.
 const fn words<T: Copy, const N: usize>(named: &[(&'static str, T); N]) -> [&'static str; N] {
     let mut words = [""; N];
     let mut k = 0;

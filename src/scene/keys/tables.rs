@@ -105,7 +105,7 @@ static UNITS: Keys = Keys::new(
     ],
 );
 
-/// An input that is no plain formula.
+/// An input that is not a plain formula.
 pub static INPUT: Keys = Keys::new(
     "input",
     &[
@@ -208,8 +208,7 @@ pub static TRACK: Keys = Keys::new(
     ],
 );
 
-/// A measure that is no plain formula.
-/// An output that is no formula.
+/// A measure that is not a plain formula. An output that is not a formula.
 pub static DISTANCE: Keys = Keys::new(
     "output",
     &[

@@ -1,4 +1,4 @@
-//! The keys of `[view]`, in scenes and, those that a list of pictures may replace, there.
+//! The keys of `[view]` in scenes, and those of them that a list of pictures may replace.
 
 use super::Holds::{Colour, Flag, Formula, Formulas, Tables, Word};
 use super::{Key, Keys, words};

@@ -178,7 +178,7 @@ pub fn body_index(
     found
 }
 
-/// The index of the trace of that name, or a message unless it is declared and could not be read.
+/// The index of the trace of that name, or a message unless it is declared and only unreadable.
 pub fn trace_index(
     trace: &Spanned<String>,
     names: &Names,

@@ -6,7 +6,7 @@ use crate::diag::{Diagnostic, Diagnostics, shown_number};
 use crate::model::camera_path::{CameraKey, CameraPath};
 use crate::scene::values::FormulaText;
 
-/// Most degrees that an orbit turns.
+/// Largest orbit in degrees.
 pub const MOST_ORBIT: f64 = 36_000.0;
 
 /// Largest azimuth of a key in degrees: a hundred turns.
@@ -15,7 +15,7 @@ const MOST_AZIMUTH: f64 = 36_000.0;
 /// Least and greatest zoom.
 const ZOOMS: [f64; 2] = [0.01, 100.0];
 
-/// Resolves them; mistakes are reported and left out.
+/// Resolves them; errors are reported and skipped.
 pub fn resolve_camera(
     view: &ViewFile,
     constants: &BodyConstants,
@@ -57,6 +57,7 @@ fn camera_key(
 ) -> Option<CameraKey> {
     let all = [-f64::MAX, f64::MAX];
     let time = within_range("t", &file.t, all, constants, diagnostics);
+    // A single key needs no time: the camera stays there.
     if file.t.is_none() && !alone {
         let message = "a camera key needs `t`, its time in seconds";
         diagnostics.push(Diagnostic::error(message).at(file.span.clone()));
@@ -73,6 +74,7 @@ fn camera_key(
     );
     let zoom = within_range("zoom", &file.zoom, ZOOMS, constants, diagnostics);
     let distance = file.distance.as_ref();
+    // Both determine the distance of the eye.
     if let (Some(_), Some(distance)) = (&file.zoom, distance) {
         let message = "a camera key has a `zoom` or a `distance`, not both";
         diagnostics.push(Diagnostic::error(message).at(distance.span.clone()));
@@ -90,7 +92,7 @@ fn camera_key(
     })
 }
 
-/// The number under `what`, if it is there and in its range.
+/// The number at `what`, if it is present and in its range.
 fn within_range(
     what: &str,
     text: &Option<FormulaText>,

@@ -1,5 +1,5 @@
-//! Solids whose places follow what a study varies: chains to the points that they are made of, and their sizes, so that
-//! an enclosure of all pieces knows where their surfaces are.
+//! Solids that depend on the variables of a study: chains to their defining points, and their sizes, so that an
+//! enclosure of all pieces knows their surfaces.
 
 use super::super::file::SceneFile;
 use super::super::formula::expansion::Factor;
@@ -17,7 +17,7 @@ use crate::scene::values::FormulaText;
 /// The formulas of a solid.
 #[derive(Default)]
 struct Typed<'f> {
-    /// Points that it is made of.
+    /// Its defining points.
     points: Vec<&'f [FormulaText; 3]>,
     /// Radii and edges.
     sizes: Vec<&'f FormulaText>,
@@ -30,6 +30,7 @@ impl<'f> Typed<'f> {
         let typed = Self::default();
         let at = |center: &'f Option<[FormulaText; 3]>| center.iter().collect();
         let along = |axis: &'f Option<[FormulaText; 3]>| axis.iter().flatten().collect();
+        // Points are followed by chains, sizes by lengths; directions and scales cannot be followed.
         match solid {
             SolidFile::Sphere { center, radius } => Self {
                 points: at(center),
@@ -86,7 +87,7 @@ impl<'f> Typed<'f> {
     }
 }
 
-/// The solids of all bodies, with chains that follow the `dependents`.
+/// The solids of all bodies, with chains that depend on the `dependents`.
 pub fn carry_shapes(
     (file, parsed): (&SceneFile, &Parsed),
     dependents: &Dependents,
@@ -97,6 +98,7 @@ pub fn carry_shapes(
     for (body, typed_body) in file.bodies.iter().enumerate() {
         for (shape, typed_shape) in typed_body.shapes.iter().enumerate() {
             let typed = Typed::new(&typed_shape.solid);
+            // The frame of the shape: that of its body, then its own.
             let mut frame = parsed.frames[body].clone();
             let own = typed_shape.frame.as_ref();
             let own = own.and_then(|text| parsed.factors(text, diagnostics));
@@ -104,12 +106,13 @@ pub fn carry_shapes(
                 dependents.expand_factor(&mut factor);
                 factor
             }));
+            // Parameters computed from the variables are written out in every formula.
             let node = |text: &FormulaText, diagnostics: &mut Diagnostics| {
                 let mut node = parsed_expression(text, diagnostics)?;
                 dependents.expand(&mut node);
                 Some(node)
             };
-            // Chains from the world to the points; without points of its own the shape's frame is one.
+            // Chains from the world to the points; a shape without points uses the origin of its frame.
             let mut ways: Vec<Vec<Factor>> = Vec::new();
             for point in &typed.points {
                 let mut way = frame.clone();
@@ -121,10 +124,12 @@ pub fn carry_shapes(
             if ways.is_empty() {
                 ways.push(frame);
             }
+            // A size is the length of a chain with a single translation.
             let lengths = typed.sizes.iter();
             let lengths = lengths
                 .filter_map(|text| Some(vec![translation_along(0, node(text, diagnostics)?)]));
             let lengths: Vec<Vec<Factor>> = lengths.collect();
+            // A direction or scale that depends on a variable is named, so that it can be refused.
             let fixed = typed.fixed.iter();
             let stiff = fixed.filter_map(|text| dependents.used_in(&node(text, diagnostics)?));
             let stiff = stiff.collect::<Vec<String>>().into_iter().next();

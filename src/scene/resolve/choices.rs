@@ -1,13 +1,13 @@
-//! Words that stand for one of a few values, looked up.
+//! Looks up words that stand for one of a few values.
 
 use super::super::reader::Spanned;
 use crate::diag::{Diagnostic, Diagnostics};
 
-/// Most ghosts: more of them hide what they are to show.
+/// Most ghosts: more of them would hide what they show.
 pub const MOST_GHOSTS: usize = 60;
 
-/// Most labels: each is placed where it hides no other one, so that time grows faster than their number, and more
-/// hide the picture.
+/// Most labels: each must avoid all others, so the time grows faster than their number, and more would hide the
+/// picture.
 pub const MOST_LABELS: usize = 200;
 
 /// One of the named values; the first is the default.

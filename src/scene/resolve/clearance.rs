@@ -36,7 +36,7 @@ pub fn resolve_clearance(
                 is_one_of_many: pairs.is_pattern,
             }));
     }
-    // What is asked of a pair by its names goes before what is asked of many.
+    // A minimum given for a named pair precedes one given for a pattern.
     rules.pairs.sort_by_key(|p| p.is_one_of_many);
     for ignored in &file.ignored {
         resolve_ignored(
@@ -47,7 +47,7 @@ pub fn resolve_clearance(
             diagnostics,
         );
     }
-    // Likewise.
+    // The same precedence as for minima.
     rules.ignored.sort_by_key(|i| i.is_one_of_many);
     for pair in &file.touching {
         rules
@@ -65,7 +65,7 @@ struct Pairs {
     is_pattern: bool,
 }
 
-/// All pairs of a pattern, or the pair that is named, which must not stand twice.
+/// All pairs of a pattern, or the named pair, which must not be listed twice.
 fn resolve_pairs(
     pair: &PairFile,
     bodies: &[Body],
@@ -130,7 +130,7 @@ fn resolve_ignored(
     }
 }
 
-/// The distance that an output asks for; `None` with what is wrong.
+/// The distance requested by an output; `None` after an error.
 pub fn asked_distance(
     file: &DistanceFile,
     constants: &BodyConstants,
@@ -149,7 +149,7 @@ pub fn asked_distance(
                 shapes: only,
                 solids: Arc::new(solids),
             }),
-            // Of many bodies some may have no shapes.
+            // In a group of bodies, some may have no shapes.
             None if pairs.is_pattern => {}
             None => {
                 let message = format!("`{}` and `{}` have no shapes", named[0].name, named[1].name);
@@ -204,7 +204,7 @@ fn named_shapes(
     list
 }
 
-/// A depth as a distance: not above zero.
+/// A depth as a distance: not positive.
 fn ignored_depth(
     text: &FormulaText,
     constants: &BodyConstants,
@@ -247,7 +247,8 @@ fn minimum_distance(
     None
 }
 
-/// All pairs of a pattern: a name that ends in `*` stands for all bodies that begin so. `None` if neither does.
+/// All pairs of a pattern: a name that ends in `*` stands for all bodies that begin with it. `None` if neither name
+/// does.
 fn all_bodies(
     pair: &PairFile,
     bodies: &[Body],
@@ -274,6 +275,7 @@ fn all_bodies(
         found
     };
     let (first, second) = (of(first), of(second));
+    // Every pair once, whichever pattern its bodies match; no body with itself.
     let both = first
         .iter()
         .flat_map(|a| second.iter().map(|b| [*a.min(b), *a.max(b)]));
@@ -283,7 +285,7 @@ fn all_bodies(
     Some(pairs)
 }
 
-/// Ascending indices of a pair that stands in the section only once.
+/// Indices, in ascending order, of a pair that the section lists only once.
 fn pairs_once(
     pair: &PairFile,
     bodies: &[Body],

@@ -13,7 +13,7 @@ use crate::model::drive::{Drive, Ease};
 use crate::model::mechanism::{AngleUnit, Kind};
 use std::collections::HashMap;
 
-/// What moves and from where.
+/// The drives and the start of the motion.
 pub struct Coordinates {
     pub guess: Vec<f64>,
     /// Which unknowns have a start value.
@@ -22,10 +22,10 @@ pub struct Coordinates {
     pub duration: f64,
 }
 
-/// Longest motion accepted, in seconds: a year is certainly a slip.
+/// Longest motion accepted, in seconds: more than a year is certainly an error.
 const MAX_DURATION: f64 = 3.2e7;
 
-/// Shortest motion accepted, in seconds: parts of much shorter ones are no different numbers any more.
+/// Shortest motion accepted, in seconds: fractions of shorter ones could not be told apart.
 const MIN_DURATION: f64 = 1e-100;
 
 /// Resolves inputs, guesses and duration.
@@ -42,6 +42,7 @@ pub fn resolve_coordinates(
         .iter()
         .map(|(name, input)| (name.value.as_str(), input));
     let read: HashMap<&str, &ParsedInput> = read.collect();
+    // Inputs of the file only: the variables of a study have no drive of their own.
     for (index, coordinate) in names.inputs[..file.inputs.len()].iter().enumerate() {
         let Some(input) = read.get(coordinate.name.as_str()) else {
             continue;
@@ -75,6 +76,7 @@ fn resolve_drive(
         |node: &FormulaNode| to_radians(node.clone(), wanted, unit.radians, &|n| names.is_angle(n));
     match (input, file) {
         (ParsedInput::Keys(keys), InputFile::Keys { keys: place, ease }) => {
+            // Keys: an easing, and times that ascend.
             let ease = match ease {
                 None => Ease::Smooth,
                 Some(word) => {
@@ -112,6 +114,7 @@ fn resolve_drive(
                 ease,
             })
         }
+        // A formula of time and constants.
         (ParsedInput::Formula(node), _) => {
             let lookup = |name: &str, span: &_| match name {
                 TIME => Ok(CompiledValue::Slot(0)),
@@ -133,9 +136,11 @@ fn resolve_guess(
     let mut named = vec![false; guess.len()];
     for (name, node) in &parsed.guess {
         let Some(Meaning::Unknown(index)) = names.meaning(&name.value) else {
+            // If loops are unreadable, the name may be one of their unknowns.
             if !names.is_complete() {
                 continue;
             }
+            // Parallel cylinders turn some unknowns of their contact into constants.
             if names.is_settled(&name.value, parsed) {
                 let message = format!("the start value of `{}` is not used", name.value);
                 let hint = "the axes of the two cylinders are parallel, so that it is constant";
@@ -155,6 +160,7 @@ fn resolve_guess(
             diagnostics.push(names.suggest(diagnostic, &name.value, unknowns));
             continue;
         };
+        // Start values are constants in the file's units.
         let wanted = Some(names.unknowns[index].kind);
         let node = to_radians(node.clone(), wanted, unit.radians, &|n| names.is_angle(n));
         match constant_node(&node, &|n, s| names.constant(n, s)) {
@@ -173,6 +179,7 @@ fn resolve_duration(
     diagnostics: &mut Diagnostics,
 ) -> Option<f64> {
     let Some(text) = &file.duration else {
+        // Without the key, the last keyframe ends the motion; formulas have no end of their own.
         let drives = drives?;
         let last = drives
             .iter()
@@ -189,6 +196,7 @@ fn resolve_duration(
         }
         return Some(if last > 0.0 { last } else { 1.0 });
     };
+    // With the key: a constant number of seconds in the accepted range.
     let node = parsed_expression(text, diagnostics)?;
     match constant_node(&node, &|n, s| names.constant(n, s)) {
         Ok(value) if (MIN_DURATION..=MAX_DURATION).contains(&value) => Some(value),

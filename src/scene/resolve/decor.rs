@@ -1,4 +1,4 @@
-//! The keys of `[view]` that say what is shown beside the bodies.
+//! The keys of `[view]` for everything drawn in addition to the bodies.
 
 use super::super::views::ViewFile;
 use super::body_constants::BodyConstants;
@@ -7,7 +7,7 @@ use crate::diag::{Diagnostic, Diagnostics, shown_number};
 use crate::model::view::{Decor, Ghosts, ShownAxes, Trails};
 use crate::scene::values::FormulaText;
 
-/// Resolves them; mistakes are reported and left out.
+/// Resolves them; errors are reported and skipped.
 pub fn resolve_decor(
     view: &ViewFile,
     constants: &BodyConstants,

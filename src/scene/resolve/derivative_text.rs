@@ -1,12 +1,12 @@
-//! The texts of curves: parts of them with their places, and how derivatives are called on an axis.
+//! The texts of curves: substrings with their positions, and the labels of derivatives on an axis.
 
 use super::rates::TIME;
 use crate::scene::values::FormulaText;
 use std::ops::Range;
 
-/// A part of a text, with its place.
+/// A substring with its position.
 pub(super) fn text_part(text: &FormulaText, range: Range<usize>) -> FormulaText {
-    // A text with escapes has no byte-for-byte place, and keeps that of the whole.
+    // A text with escapes has no byte-for-byte positions; the position of the whole is used.
     let has_places = text.offset != text.span.start && !text.is_outside();
     let skipped = text.text[range.clone()].len() - text.text[range.clone()].trim_start().len();
     let offset = if has_places {

@@ -1,4 +1,4 @@
-//! Chains of factors to chains of steps: constants folded to poses, arguments shared.
+//! Translates chains of factors into chains of steps: constants are folded to poses, equal arguments are shared.
 
 use super::super::formula::compile::{compile_formula, exact_constant};
 use super::super::formula::expansion::Factor;
@@ -20,8 +20,8 @@ use glam::DVec3;
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-/// Most motions of a chain that are not fixed: each of them makes a link, whose place is a chain of all before it, so that
-/// time and memory grow with the square of their number.
+/// Most motions of a chain that are not fixed: each is followed by a link whose placement is the chain of all motions
+/// before it, so that time and memory grow with the square of their number.
 const MOST_MOTIONS: usize = 1000;
 
 /// Compiles chains and keeps the list of their arguments.
@@ -30,7 +30,7 @@ pub struct FoldedJoints<'a> {
     unit: &'a AngleUnit,
     /// Every different argument once.
     pub arguments: Vec<Argument>,
-    /// Those with equal marks, by number.
+    /// Those with the same hash, by number.
     alike: HashMap<u64, Vec<usize>>,
 }
 
@@ -53,8 +53,8 @@ impl<'a> FoldedJoints<'a> {
         parsed.loops.iter().filter_map(&mut resolve).collect()
     }
 
-    /// The loop of that name. P X P⁻¹ = E where X = E, so what begins a product and is undone at its end is no part of
-    /// it; but only a moving P is worth a change of the frame in which the loop is written.
+    /// The loop of that name. Since P X P⁻¹ = E is equivalent to X = E, factors at the beginning that are undone at the
+    /// end can be removed. Only a moving P is worth changing the frame of the loop.
     pub fn closing(
         &mut self,
         name: &str,
@@ -73,12 +73,12 @@ impl<'a> FoldedJoints<'a> {
         })
     }
 
-    /// The factors, with a step each, that carry a loop around, and those that are the loop.
+    /// The factors, one step each, of the conjugation and of the loop itself.
     pub fn parted(factors: &[Factor], steps: &[ChainStep], closes: Closes) -> [Vec<usize>; 2] {
         let kept = without_pairs(factors);
         let around = match closes {
             Closes::Frame => kept_around(factors, &kept),
-            // P X P⁻¹ moves another point than X does.
+            // For a loop that closes in a point, P X P⁻¹ moves another point than X does.
             Closes::Point => 0,
         };
         let (base, rest) = kept.split_at(around);
@@ -89,7 +89,7 @@ impl<'a> FoldedJoints<'a> {
         }
     }
 
-    /// The factors of a chain that are left when neighbours that undo each other are taken out.
+    /// The factors of a chain that remain when adjacent inverse factors are cancelled.
     pub fn kept(factors: &[Factor]) -> Vec<usize> {
         without_pairs(factors)
     }
@@ -114,7 +114,7 @@ impl<'a> FoldedJoints<'a> {
         equations
     }
 
-    /// Power of length in the dimension of a formula, as far as the kinds of its names tell.
+    /// The dimension of a formula as a power of length, if the kinds of its names are known.
     fn length_exponent(&self, node: &FormulaNode) -> f64 {
         match &node.kind {
             NodeKind::Number(_)
@@ -123,6 +123,7 @@ impl<'a> FoldedJoints<'a> {
             | NodeKind::Derivative(_) => 0.0,
             NodeKind::Name(name) => f64::from(self.names.kind(name) == Some(Kind::Length)),
             NodeKind::Negate(inner) => self.length_exponent(inner),
+            // Products and quotients add exponents; terms of a sum should agree, so the largest is taken.
             NodeKind::Binary(sign, a, b) => {
                 let (x, y) = (self.length_exponent(a), self.length_exponent(b));
                 match (sign, &b.kind) {
@@ -150,7 +151,7 @@ impl<'a> FoldedJoints<'a> {
         }
     }
 
-    /// Compiles one chain; `None` if something in it is wrong (and said).
+    /// Compiles one chain; `None` after an error, which has been reported.
     pub fn chain(&mut self, factors: &[Factor], diagnostics: &mut Diagnostics) -> Option<Chain> {
         let steps = self.steps(factors, diagnostics)?;
         let kept = without_pairs(factors).into_iter();
@@ -184,7 +185,7 @@ impl<'a> FoldedJoints<'a> {
         is_sound.then_some(steps)
     }
 
-    /// A chain that may hold parameters only, as a pose.
+    /// A chain that may contain only parameters, as a pose.
     pub fn constant_pose(
         &mut self,
         factors: &[Factor],
@@ -193,7 +194,7 @@ impl<'a> FoldedJoints<'a> {
     ) -> Option<Pose> {
         let before = self.arguments.len();
         let chain = self.chain(factors, diagnostics)?;
-        // Shapes keep the file's values of what a study varies.
+        // Shapes keep the file's values of the variables of a study.
         let resting = self.names.resting_coordinates();
         let rests = |a: &usize| {
             let mut slots = self.arguments[*a].coordinates().into_iter();
@@ -240,7 +241,7 @@ impl<'a> FoldedJoints<'a> {
         Ok(if back { pose.inverse() } else { pose })
     }
 
-    /// The argument of a motion, which is not added to the list.
+    /// The argument of a motion, without adding it to the list.
     pub fn argument(
         &self,
         motion: ElementaryMotion,
@@ -292,7 +293,7 @@ impl<'a> FoldedJoints<'a> {
         }
     }
 
-    /// Takes a leading minus out of the argument, so that a motion and its inverse share sine and cosine.
+    /// Factors a leading minus out of the argument, so that a motion and its inverse share sine and cosine.
     fn joint(&mut self, motion: ElementaryMotion, axis: usize, mut affine: Affine) -> ChainStep {
         let is_negative = affine.terms[0].1.number() < 0.0;
         let sign = if is_negative { -1.0 } else { 1.0 };
@@ -311,7 +312,7 @@ impl<'a> FoldedJoints<'a> {
 
     fn shared_argument(&mut self, argument: Argument) -> usize {
         let alike = self.alike.entry(argument_mark(&argument)).or_default();
-        // Some may have been taken back since.
+        // Later ones may have been removed again.
         let known = alike
             .iter()
             .find(|k| self.arguments.get(**k) == Some(&argument));
@@ -324,7 +325,7 @@ impl<'a> FoldedJoints<'a> {
     }
 }
 
-/// The same for equal arguments, and for few others.
+/// The same hash for equal arguments; other arguments rarely share it.
 fn argument_mark(argument: &Argument) -> u64 {
     let mut mark = DefaultHasher::new();
     // Adding zero makes -0 into 0.
@@ -341,7 +342,7 @@ fn argument_mark(argument: &Argument) -> u64 {
     mark.finish()
 }
 
-/// Indices of the factors that are left when neighbours that undo each other are taken out, as often as there are any.
+/// Indices of the factors that remain when adjacent inverse factors are cancelled repeatedly.
 fn without_pairs(factors: &[Factor]) -> Vec<usize> {
     let mut kept: Vec<usize> = Vec::new();
     for (k, factor) in factors.iter().enumerate() {
@@ -353,7 +354,7 @@ fn without_pairs(factors: &[Factor]) -> Vec<usize> {
     kept
 }
 
-/// How many of the factors `kept` begin the product and are undone at its end.
+/// The number of factors in `kept` that begin the product and are undone at its end.
 fn kept_around(factors: &[Factor], kept: &[usize]) -> usize {
     let ends = kept.iter().zip(kept.iter().rev());
     let ends = ends.take(kept.len() / 2);
@@ -362,7 +363,7 @@ fn kept_around(factors: &[Factor], kept: &[usize]) -> usize {
     ends.take_while(undone).count()
 }
 
-/// A chain in which constant poses side by side are one.
+/// Merges adjacent constant poses of a chain.
 fn folded_chain(steps: impl Iterator<Item = ChainStep>) -> Chain {
     let mut chain = Chain::default();
     for step in steps {

@@ -1,4 +1,4 @@
-//! What every name of a scene measures, a length, an angle or a number: found from where it stands.
+//! Infers the kind of every name of a scene (length, angle or number) from its uses.
 
 use super::super::formula::expansion::Factor;
 use super::super::formula::kinds::infer_kind;
@@ -11,9 +11,10 @@ use crate::model::chain::ElementaryMotion;
 use crate::model::mechanism::Kind;
 
 impl Names {
-    /// Finds what every name measures from where it stands; a contradiction is an error.
+    /// Infers the kind of every name from its uses; a contradiction is an error.
     pub fn infer_kinds(&mut self, parsed: &Parsed, diagnostics: &mut Diagnostics) {
         let mut sites: Vec<(&FormulaNode, Option<Kind>)> = Vec::new();
+        // Uses that determine a kind: coordinates of rotations are angles, those of translations lengths.
         for factor in parsed
             .loops
             .iter()
@@ -26,6 +27,7 @@ impl Names {
                 sites.push((node, Some(kind_of_motion(*motion))));
             }
         }
+        // Equations and outputs require no kind of their own, but relate the kinds of their terms.
         sites.extend(
             parsed
                 .equations
@@ -33,7 +35,7 @@ impl Names {
                 .chain(&parsed.outputs)
                 .map(|(_, node)| (node, None)),
         );
-        // The radii of two spheres stand in no chain.
+        // The radii of two spheres appear in no chain.
         let pairs = parsed.contacts.iter().filter(|c| c.is_of_spheres());
         let radii = pairs.flat_map(|c| c.sides.iter().flat_map(|side| side.surface.sizes()));
         sites.extend(radii.map(|(_, node)| (node, Some(Kind::Length))));
@@ -43,6 +45,7 @@ impl Names {
         for (node, wanted) in sites {
             self.note(node, wanted, diagnostics);
         }
+        // Drives, start values and parameters take the kind of their name.
         for (name, input) in &parsed.inputs {
             let wanted = self.kind(&name.value);
             match input {
@@ -55,7 +58,7 @@ impl Names {
         for (name, node) in &parsed.guess {
             self.note(node, self.kind(&name.value), diagnostics);
         }
-        // A parameter is used only below its definition, so the way up meets every use before the definition.
+        // A parameter is used only after its definition, so going backwards every use is met before the definition.
         for (name, node) in parsed.parameters.iter().rev() {
             self.note(node, self.kind(&name.value), diagnostics);
         }
@@ -68,7 +71,7 @@ impl Names {
             node,
             wanted,
             &mut |name, kind, span| match kinds.get(name) {
-                // The time of a drive is a number of seconds wherever it stands.
+                // The time of a drive is a number of seconds in every position.
                 _ if name == TIME => {}
                 None => {
                     kinds.insert(name.to_owned(), (kind, span.clone()));

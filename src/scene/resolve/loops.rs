@@ -1,4 +1,4 @@
-//! Loops that are odd but usable: written twice, or without anything that closing them could determine.
+//! Suspicious but usable loops: duplicates, and loops without unknowns.
 
 use super::parsed::Parsed;
 use crate::diag::{Diagnostic, Diagnostics, Span};
@@ -6,10 +6,10 @@ use crate::math::Pose;
 use crate::model::chain::{Chain, ChainStep};
 use crate::model::mechanism::Mechanism;
 
-/// Fixed poses that agree within this are the same; it is rounding of the folded constants, relative to the size.
+/// Fixed poses that agree to this accuracy are equal: the rounding error of folded constants, relative to the size.
 const SAME: f64 = 1e-12;
 
-/// Warns of loops that repeat another one, and of loops without unknowns.
+/// Warns about loops that repeat another one and about loops without unknowns.
 pub fn warn_of_loops(mechanism: &Mechanism, parsed: &Parsed, diagnostics: &mut Diagnostics) {
     let place = |name: &str| -> Span {
         let mut loops = parsed.loops.iter();
@@ -18,6 +18,7 @@ pub fn warn_of_loops(mechanism: &Mechanism, parsed: &Parsed, diagnostics: &mut D
     };
     for (k, item) in mechanism.loops.iter().enumerate() {
         let span = place(&item.name);
+        // A loop and its inverse have the same equations.
         let same = |other: &Chain| is_same(&item.chain, other, mechanism.size);
         let earlier = &mechanism.loops[..k];
         let first = earlier
@@ -33,6 +34,7 @@ pub fn warn_of_loops(mechanism: &Mechanism, parsed: &Parsed, diagnostics: &mut D
             );
             continue;
         }
+        // A loop that no unknown can change is either always closed or never.
         let used = item.chain.arguments();
         let slots = used
             .iter()

@@ -1,20 +1,21 @@
-//! How large the plain numbers of a scene without chains are: nothing else says whether its bars are metres or
-//! micrometres long.
+//! The magnitudes of unknowns in a scene without chains: nothing else shows whether its bars are metres or micrometres
+//! long.
 //!
-//! A coordinate amounts to the change that moves one of its equations as far as the equation's own terms reach at the
-//! start values; an equation to what such changes do to it.
+//! The magnitude of a coordinate is the change that alters one of its equations by as much as the largest term of the
+//! equation at the start values; that of an equation is its response to such changes.
 
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::{Equation, Kind, Mechanism};
 
-/// Instants of the drive at which equations are looked at, as shares of its duration.
+/// Instants of the drive at which equations are evaluated, as fractions of its duration.
 pub const INSTANTS: [f64; 5] = [0.0, 0.21, 0.47, 0.73, 1.0];
 
-/// Powers of two that are tried as changes.
+/// Exponents of the powers of two that are tried as changes.
 const POWERS: std::ops::Range<i32> = -100..100;
 
-/// Fills in the magnitudes of unknowns and equations where there is no chain to take a size from.
+/// Fills in the magnitudes of unknowns and equations that no chain determines.
 pub fn estimate_magnitudes(mechanism: &mut Mechanism, actuation: &Actuation) {
+    // With any length in a chain the scales are known already.
     let is_number = mechanism.unknowns.iter().any(|u| u.kind == Kind::Number);
     if !mechanism.loops.is_empty() || !mechanism.contacts.is_empty() || !is_number {
         return;
@@ -23,6 +24,7 @@ pub fn estimate_magnitudes(mechanism: &mut Mechanism, actuation: &Actuation) {
         .iter()
         .map(|share| actuation.start_at(share * actuation.duration))
         .collect();
+    // The equations that each coordinate appears in.
     let mut using = vec![Vec::new(); mechanism.coordinate_count()];
     for equation in &mechanism.equations {
         let slots = equation.expression.slots();
@@ -37,6 +39,7 @@ pub fn estimate_magnitudes(mechanism: &mut Mechanism, actuation: &Actuation) {
     for (slot, magnitude) in found {
         mechanism.scales[slot] = magnitude;
     }
+    // Equations come after the unknowns, whose scales their terms need.
     let scales = &mechanism.scales[..mechanism.unknowns.len()];
     let unit = mechanism.size;
     for equation in &mut mechanism.equations {
@@ -50,7 +53,7 @@ fn sound_magnitude(value: f64) -> Option<f64> {
     (value.is_normal() && value > 0.0).then_some(value)
 }
 
-/// What a number amounts to: its start value, or the least change that the equations `using` it feel.
+/// The magnitude of a number: its start value, or the smallest change that the equations `using` it respond to.
 fn unknown_magnitude(using: &[&Equation], poses: &mut [Vec<f64>], slot: usize) -> f64 {
     let mut least = f64::INFINITY;
     for equation in using {
@@ -66,13 +69,13 @@ fn unknown_magnitude(using: &[&Equation], poses: &mut [Vec<f64>], slot: usize) -
             }
         }
     }
-    // Every pose begins with the start values.
+    // Every pose starts from the start values.
     let given = poses[0][slot].abs();
     let least = if least.is_finite() { least } else { 0.0 };
     sound_magnitude(least.max(given)).unwrap_or(1.0)
 }
 
-/// How far the terms of an equation reach: its value, or what would be missing without one of its coordinates.
+/// The magnitude of an equation's terms: its value, or the change when one of its coordinates is set to zero.
 pub fn equation_terms(equation: &Equation, pose: &mut [f64]) -> f64 {
     let mut reach = finite_or_zero(equation.expression.value(pose));
     for slot in equation.expression.slots() {
@@ -81,7 +84,7 @@ pub fn equation_terms(equation: &Equation, pose: &mut [f64]) -> f64 {
     reach
 }
 
-/// Change of an equation's value when one coordinate changes; the pose is as before afterwards.
+/// Change of an equation's value when one coordinate changes; the pose is restored afterwards.
 pub fn moved_equation(equation: &Equation, pose: &mut [f64], slot: usize, by: f64) -> f64 {
     let (before, here) = (pose[slot], equation.expression.value(pose));
     pose[slot] += by;

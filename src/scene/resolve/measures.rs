@@ -1,4 +1,4 @@
-//! Tracks and measures: names to indices, formulas over poses and over earlier measures.
+//! Resolves tracks and measures: names become indices, formulas refer to poses and earlier measures.
 
 use super::super::file::SceneFile;
 use super::super::formula::compile::{CompiledValue, compile_formula, constant_node};
@@ -18,13 +18,14 @@ use crate::model::mechanism::Kind;
 use crate::scene::reader::Spanned;
 use crate::scene::values::FormulaText;
 
-/// Most poses of a track: each is solved whenever the measures are asked for.
+/// Most poses of a track: all are solved whenever measures are evaluated.
 const MOST_SAMPLES: f64 = 10_000.0;
 
-/// Power of a norm that names none.
+/// Power of a norm without `power`.
 const DEFAULT_POWER: f64 = 2.0;
 
-/// Resolves the tracks; `start` are the inputs at the start of the drive, which a track keeps where it says nothing.
+/// Resolves the tracks; `start` are the inputs at the start of the drive, which apply to inputs that a track does not
+/// mention.
 pub fn resolve_tracks(
     file: &SceneFile,
     scope: &Scope,
@@ -55,6 +56,7 @@ fn resolve_track(
         diagnostics.push(Diagnostic::error(message).at(text.span.clone()));
         return None;
     }
+    // Inputs that the track does not mention stay at the start of the drive.
     let (mut from, mut to) = (start.to_vec(), start.to_vec());
     for (name, ends) in &track.inputs {
         let Some(k) = names
@@ -101,7 +103,7 @@ fn fixed_point(
         .ok()
 }
 
-/// Resolves the measures in the order of the file; in a study they are derived by parameters.
+/// Resolves the measures in the order of the file; in a study they are differentiated by its variables.
 pub fn resolve_measures(
     file: &SceneFile,
     scope: &Scope,
@@ -164,17 +166,21 @@ fn resolve_over(
     else {
         return None;
     };
+    // Which poses: those of a track, or of the drive.
     let track = match track {
         None => None,
         Some(name) => Some(track_index(name, file, tracks, diagnostics)?),
     };
+    // How the values are reduced, and of which formulas.
     let taking = resolve_taking(take, of.len(), diagnostics)?;
     let nodes = of.iter().map(|text| parsed_expression(text, diagnostics));
     let mut nodes: Vec<FormulaNode> = nodes.collect::<Option<_>>()?;
+    // Derivatives by a single input are written as `per`, whether or not the file does so.
     let per = match per {
         None => derived_by_all(&mut nodes, scope.names),
         Some(name) => Some(input_index(name, scope.names, diagnostics)?),
     };
+    // The formulas, with the rates they contain; some positions do not allow rates.
     let mut kind = Kind::Number;
     let (mut formulas, mut rates) = (Vec::new(), FoundRates::default());
     for node in &nodes {
@@ -192,6 +198,7 @@ fn resolve_over(
         kind = dimension.kind();
         formulas.push(formula);
     }
+    // Length by length, or angle by angle, is a plain number.
     if let Some(input) = per
         && scope.names.inputs[input].kind != Kind::Number
     {
@@ -211,8 +218,8 @@ fn resolve_over(
     Some((source, kind))
 }
 
-/// The input by which all formulas are derived once, which then are what is derived: `of = "d(h, phi)"` is `of = "h"` with `per`, of which
-/// studies know more.
+/// If all formulas are first derivatives by the same input, the input and the formulas themselves: `of = "d(h, phi)"`
+/// is equivalent to `of = "h"` with `per`, which studies support better.
 fn derived_by_all(nodes: &mut [FormulaNode], names: &Names) -> Option<usize> {
     let by = |node: &FormulaNode| match &node.kind {
         NodeKind::Derivative(parts) if parts.order == 1 => {
@@ -222,7 +229,7 @@ fn derived_by_all(nodes: &mut [FormulaNode], names: &Names) -> Option<usize> {
         _ => None,
     };
     let first = by(nodes.first()?)?;
-    // What holds a derivative itself is refused as it is written.
+    // A formula with a derivative inside is rejected as written.
     let is_plain = |node: &FormulaNode| match &node.kind {
         NodeKind::Derivative(parts) => find_derivative(&parts.of, &|_| true).is_none(),
         _ => false,
@@ -233,6 +240,7 @@ fn derived_by_all(nodes: &mut [FormulaNode], names: &Names) -> Option<usize> {
     {
         return None;
     }
+    // The derivative is taken off each formula; the caller takes it of all of them.
     for node in nodes {
         if let NodeKind::Derivative(parts) = &node.kind {
             *node = parts.of.clone();
@@ -241,7 +249,7 @@ fn derived_by_all(nodes: &mut [FormulaNode], names: &Names) -> Option<usize> {
     Some(first)
 }
 
-/// Where a measure's formula stands, which tells the rates it may not hold.
+/// The position of a measure's formula, which determines the rates it may contain.
 struct RatePlace {
     is_track: bool,
     is_derived: bool,
@@ -255,6 +263,7 @@ impl RatePlace {
         formula: &Expression,
         scope: &Scope,
     ) -> Result<(), Diagnostic> {
+        // Rates may be written in the formula itself or be hidden in an output that it uses.
         let slots = formula.slots();
         let own = find_derivative(node, &|_| true);
         let timed = find_derivative(node, &|parts| {
@@ -264,11 +273,13 @@ impl RatePlace {
         let uses_timed = slots.iter().any(|slot| scope.is_timed(*slot));
         let holds = own.is_some() || slots.iter().any(|slot| scope.is_rated(*slot));
         let at = |found: Option<&FormulaNode>| found.unwrap_or(node).span.clone();
+        // A track has no time, so that rates by time do not exist there.
         if self.is_track && (timed.is_some() || uses_timed) {
             return Err(Diagnostic::error("a track has no time to derive by")
                 .at(at(timed))
                 .hint("derive by an input, or measure along the drive: without `track`"));
         }
+        // A derivative of a derivative would have to be of higher order.
         if self.is_derived && holds {
             return Err(
                 Diagnostic::error("`per` derives what holds a derivative itself")
@@ -276,6 +287,7 @@ impl RatePlace {
                     .hint("a derivative of higher order is written `d(quantity, input, order)`"),
             );
         }
+        // The derivatives of rates by parameters are not implemented.
         if self.is_studied && holds {
             return Err(Diagnostic::error(
                 "studies cannot derive by parameters what holds a derivative",
@@ -287,12 +299,13 @@ impl RatePlace {
     }
 }
 
-/// What is taken of the values, for a measure of so many formulas.
+/// What a measure of this many formulas takes of the values.
 fn resolve_taking(
     take: &Spanned<String>,
     found: usize,
     diagnostics: &mut Diagnostics,
 ) -> Option<Taking> {
+    // The word must be known, and fit the number of formulas.
     let known = Taking::NAMES.iter().find(|(name, _)| *name == take.value);
     let Some((_, taking)) = known else {
         let names = Taking::NAMES.map(|(name, _)| name);

@@ -1,4 +1,4 @@
-//! The mesh files of a scene: where they may stand, each read once, their triangles counted together.
+//! The mesh files of a scene: checked for their location, read once each, their triangles counted together.
 
 use super::range::LARGEST;
 use crate::geometry::stl::read_stl;
@@ -9,20 +9,20 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// What decides whether two shapes share their triangles: file, scale, whether it is a surface.
+/// Two shapes share their triangles if these agree: file, scale, and whether it is a surface.
 type MeshKey = (PathBuf, u64, bool);
 
 /// Reads mesh files for one scene.
 pub struct MeshFiles<'f> {
     folder: &'f Path,
-    /// Folders beside the scene's own that files may stand in.
+    /// Further folders from which files may be read.
     allowed: &'f [PathBuf],
     known: HashMap<MeshKey, Arc<TriangleSoup>>,
     triangles: usize,
 }
 
 impl<'f> MeshFiles<'f> {
-    /// For a scene in `folder`, which may read below it and below `allowed`.
+    /// For a scene in `folder`, which may read files in or below it and the `allowed` folders.
     pub fn new(folder: &'f Path, allowed: &'f [PathBuf]) -> Self {
         Self {
             folder,
@@ -32,7 +32,9 @@ impl<'f> MeshFiles<'f> {
         }
     }
 
-    /// The triangles of a file, scaled. Errors in words: what [`read_stl`] refuses, a file elsewhere, too many triangles.
+    /// The triangles of a file, scaled.
+    ///
+    /// Errors, as text: those of [`read_stl`], a file outside the folders, too many triangles.
     pub fn read(
         &mut self,
         name: &str,
@@ -41,11 +43,13 @@ impl<'f> MeshFiles<'f> {
     ) -> Result<Arc<TriangleSoup>, String> {
         let path = self.folder.join(name);
         let place = place_below(name, (self.folder, "scene's"), self.allowed)?;
+        // The same file may be used at several scales, as a surface and as a solid.
         let key = (place, scale.to_bits(), is_surface);
         if let Some(known) = self.known.get(&key) {
             return Ok(Arc::clone(known));
         }
         let mut soup = read_stl(&path).map_err(|e| e.to_string())?;
+        // The limit applies to all meshes of a scene together.
         self.triangles += soup.triangles.len();
         let all = current_limits().allow(
             Resource::Triangles,

@@ -1,4 +1,4 @@
-//! From the file as typed to the mechanism: names to indices, units to radians, formulas to operations.
+//! Resolves a file as typed into a mechanism: names become indices, units radians, formulas operations.
 
 mod bars;
 pub mod bodies;
@@ -52,8 +52,8 @@ use outputs::Scope;
 use parsed::Parsed;
 use std::sync::Arc;
 
-/// Resolves everything; `None` when mistakes make the rest meaningless. Relative files start from the folder of
-/// `overrides`, whose parameters that vary become inputs that rest.
+/// Resolves everything; `None` if errors leave nothing meaningful. Relative file names refer to the folder of
+/// `overrides`; its varied parameters become constant inputs.
 pub fn resolve_scene(
     file: &SceneFile,
     overrides: &Overrides,
@@ -62,13 +62,16 @@ pub fn resolve_scene(
     let varied = overrides.vary.as_slice();
     let mut meshes = MeshFiles::new(&overrides.folder, &overrides.allowed_folders);
     let angle_unit = angle_unit(file, diagnostics);
+    // Names: parse everything, then find out what each name is and what it measures.
     let mut parsed = Parsed::new(file, diagnostics);
     let mut names = Names::collect(file, &parsed, diagnostics);
     names.infer_kinds(&parsed, diagnostics);
     names.evaluate_parameters(&parsed, &angle_unit, diagnostics);
+    // Variables of a study become constant inputs, with parameters computed from them written out.
     let kept = varied::kept_parameters(&parsed, varied);
     varied::expand_dependents(&mut parsed, varied, diagnostics);
     let varied_values = names.promote_parameters(varied);
+    // Equations: the file's loops and equations, then those of bars and contacts.
     contacts::parallel::settle_parallel(&parsed, &mut names, &angle_unit);
     let mut joints = joints::FoldedJoints::new(&names, &angle_unit);
     let mut loops = joints.loops(&parsed, diagnostics);
@@ -80,6 +83,7 @@ pub fn resolve_scene(
     let mut contacts = Contacts::resolve(&parsed.contacts, &names, &mut joints, diagnostics);
     loops.append(&mut contacts.loops);
     equations.append(&mut contacts.equations);
+    // Bodies and traced points; in a study their chains follow the variables.
     let mut bodies =
         bodies::resolve_bodies(file, &parsed, &names, &mut joints, &mut meshes, diagnostics);
     let mut traces = bodies::body_traces(file, &names, &bodies, diagnostics);
@@ -92,6 +96,7 @@ pub fn resolve_scene(
         let dependents = varied::Dependents::new(&parsed, varied);
         carried = carried::carry_shapes((file, &parsed), &dependents, &mut joints, diagnostics);
     }
+    // Outputs come last of the formulas on poses, since they may use contacts and traced points.
     let scope = Scope::resolve(
         (file, &parsed),
         &bodies,
@@ -101,12 +106,14 @@ pub fn resolve_scene(
         &angle_unit,
         diagnostics,
     );
+    // Drives and start values; the variables of a study are constant drives.
     let mut coordinates =
         coordinates::resolve_coordinates(file, &parsed, &names, &angle_unit, diagnostics);
     if let Some(coordinates) = &mut coordinates {
         let resting = varied_values.into_iter().map(Drive::constant);
         coordinates.drives.extend(resting);
     }
+    // Everything that refers to the finished mechanism by name: plots, view, clearance, tracks, measures, study.
     let plots = plots::resolve_plots(file, &scope, diagnostics);
     let view = view::resolve_view(file, &names, &bodies, &traces, diagnostics);
     let constants = body_constants::BodyConstants { names: &names };
@@ -116,7 +123,7 @@ pub fn resolve_scene(
         .map(|section| clearance::resolve_clearance(section, &constants, &bodies, diagnostics));
     let start = coordinates.iter().flat_map(|c| &c.drives);
     let start: Vec<f64> = start.map(|drive| drive.value(0.0)).collect();
-    // Without drives, which has been reported, no track can be.
+    // Without drives, whose errors have been reported, tracks cannot be resolved.
     let tracks = match start.len() == names.inputs.len() {
         true => measures::resolve_tracks(file, &scope, &start, diagnostics),
         false => Vec::new(),
@@ -139,6 +146,7 @@ pub fn resolve_scene(
     let asked = (varied, overrides.minimise.as_deref());
     let study = study::resolve_study(file, &names, &angle_unit, &measures, asked, diagnostics);
     let coordinates = coordinates?;
+    // All errors have been collected; from here on nothing can fail.
     if diagnostics.has_errors() {
         return None;
     }
@@ -175,15 +183,18 @@ pub fn resolve_scene(
         guess: coordinates.guess,
         named: coordinates.named,
     };
+    // Keys and jumps of several drives whose times differ by rounding only become one instant.
     actuation.join_instants();
     for pin in &parsed.bars.pins {
         pin.start(&mechanism, &mut actuation);
     }
+    // Sizes, units of the loops, and magnitudes: they need the drives and the start values.
     mechanism.size = overrides
         .size
         .unwrap_or_else(|| mechanism_size(&mechanism, &actuation, &names));
     scales::estimate_scales(&mut mechanism, &actuation);
     magnitudes::estimate_magnitudes(&mut mechanism, &actuation);
+    // The table of joints and links is built once, from the finished chains.
     mechanism.joints = Joints::new(&mechanism);
     loops::warn_of_loops(&mechanism, &parsed, diagnostics);
     let notation = overrides
@@ -228,13 +239,14 @@ fn angle_unit(file: &SceneFile, diagnostics: &mut Diagnostics) -> AngleUnit {
     })
 }
 
-/// Shares of the drive at which driven lengths are looked at.
+/// Fractions of the drive at which driven lengths are evaluated.
 const INSTANTS: [f64; 5] = [0.0, 0.21, 0.47, 0.73, 1.0];
 
-/// The mechanism's own length: the longest bar or fixed offset between two joints of its loops, else its longest length
-/// parameter, driven length or constant of a chain, else the largest lead of a screw, else one.
+/// The characteristic length: the longest bar or fixed offset between two joints of its loops; otherwise the largest
+/// length parameter, driven length or constant of a chain; otherwise the largest lead of a screw; otherwise one.
 fn mechanism_size(mechanism: &Mechanism, actuation: &Actuation, names: &Names) -> f64 {
     use crate::model::chain::ChainStep;
+    // Fixed offsets and bars are the most reliable lengths: they do not depend on a pose.
     let fixed = mechanism
         .loops
         .iter()
@@ -248,6 +260,7 @@ fn mechanism_size(mechanism: &Mechanism, actuation: &Actuation, names: &Names) -
     if longest > 0.0 {
         return longest;
     }
+    // Without them: length parameters, driven lengths, and constants in chains.
     let parameters = names
         .parameters
         .iter()
@@ -263,11 +276,12 @@ fn mechanism_size(mechanism: &Mechanism, actuation: &Actuation, names: &Names) -
     if longest > 0.0 {
         return longest;
     }
+    // A mechanism of screws alone has no length but its leads.
     let longest = screw_leads(mechanism).fold(0.0, f64::max);
     if longest > 0.0 { longest } else { 1.0 }
 }
 
-/// Lengths that stand in chains as numbers: fixed offsets of bodies, and what is added to a moving one.
+/// Lengths written as numbers in chains: fixed offsets of bodies, and constants added to variable ones.
 fn chain_constants(mechanism: &Mechanism) -> impl Iterator<Item = f64> {
     use crate::model::chain::{Argument, ChainStep, ElementaryMotion};
     let loops = mechanism.loops.iter().map(|l| &l.chain);
@@ -317,7 +331,7 @@ mod tests {
     use crate::diag::Source;
     use crate::scene::{Overrides, load_scene};
 
-    /// Tolerances are relative to the size: it must not depend on how a length is written.
+    /// Tolerances are relative to the size, so it must not depend on how a length is written.
     #[test]
     fn the_size_is_known_however_lengths_are_written() {
         let drive = "duration = 1\n[inputs]\nx = \"0.001*t\"\n";

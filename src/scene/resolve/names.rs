@@ -1,4 +1,4 @@
-//! What every name of a scene stands for, what it measures, and the values of the parameters.
+//! The meaning and kind of every name of a scene, and the values of the parameters.
 
 use super::super::file::SceneFile;
 use super::super::formula::compile::{CompiledValue, exact_constant};
@@ -12,7 +12,7 @@ use crate::numbers::constant::Constant;
 use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
-/// A parameter, its kind as far as known, and its value (radians for angles).
+/// A parameter, its kind if known, and its value (radians for angles).
 pub struct Parameter {
     pub name: String,
     pub kind: Option<Kind>,
@@ -24,26 +24,27 @@ pub struct Names {
     pub parameters: Vec<Parameter>,
     pub inputs: Vec<Coordinate>,
     pub unknowns: Vec<Coordinate>,
-    /// Where each unknown stands first.
+    /// The first position of each unknown.
     pub unknown_places: Vec<Span>,
     pub(super) kinds: BTreeMap<String, (Kind, Span)>,
-    /// Parameters and outputs whose own formula is faulty: what uses them is not judged.
+    /// Parameters and outputs whose own formula has errors: formulas that use them are not checked.
     broken: BTreeSet<String>,
     /// All loops could be read, so that every unknown is known.
     is_complete: bool,
     traces: BTreeSet<String>,
-    /// What each name means; of equal names the first one counts.
+    /// The meaning of each name; of equal names the first one counts.
     meanings: HashMap<String, Meaning>,
-    /// How many more names that nobody defines are compared with all others.
+    /// How many more undefined names are compared with all others.
     suggestions: Cell<usize>,
     /// Parameters that are inputs in a study, as (parameter, input).
     pub varied: Vec<(usize, usize)>,
 }
 
-/// Unknown names for which a similar one is looked for: more than are shown, few enough for a file of nothing else.
+/// Most undefined names for which a similar one is sought: more than are shown, and few enough for a file of nothing
+/// else.
 const MOST_SUGGESTIONS: usize = 100;
 
-/// What a name in a formula of coordinates refers to.
+/// The meaning of a name in a formula of coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Meaning {
     Parameter(usize),
@@ -52,7 +53,7 @@ pub enum Meaning {
 }
 
 impl Names {
-    /// Finds all names: parameters and inputs are defined, everything else in a loop is an unknown.
+    /// Collects all names: parameters and inputs are defined; every other name in a loop is an unknown.
     pub fn collect(file: &SceneFile, parsed: &Parsed, diagnostics: &mut Diagnostics) -> Self {
         refuse_double_and_reserved(file, diagnostics);
         let coordinate = |name: &str| Coordinate {
@@ -84,6 +85,7 @@ impl Names {
             suggestions: Cell::new(MOST_SUGGESTIONS),
             varied: Vec::new(),
         };
+        // Unknowns: every undefined name in an equation, in the order of first appearance.
         names.index();
         let mut found: Vec<(String, Span)> = Vec::new();
         let mut known: HashSet<String> = HashSet::new();
@@ -92,6 +94,7 @@ impl Names {
                 found.push((name.to_owned(), span.clone()));
             }
         };
+        // Loops, contacts, equations and bars can all introduce unknowns.
         parsed
             .loops
             .iter()
@@ -110,6 +113,7 @@ impl Names {
         bars.lengths()
             .for_each(|node| node.visit_names(&mut gather));
         bars.factors().for_each(|f| visit_factor(f, &mut gather));
+        // Names must be indexed again, since the unknowns are part of the list now.
         names.unknowns = found.iter().map(|(name, _)| coordinate(name)).collect();
         names.unknown_places = found.into_iter().map(|(_, span)| span).collect();
         names.index();
@@ -130,7 +134,7 @@ impl Names {
         }
     }
 
-    /// A name in a body's frame that no loop determines is most likely a misspelling.
+    /// A name in a body's frame that no loop determines is probably misspelled.
     fn refuse_undefined_in_frames(&self, parsed: &Parsed, diagnostics: &mut Diagnostics) {
         for factor in parsed.frames.iter().flatten() {
             visit_factor(factor, &mut |name, span| {
@@ -141,12 +145,12 @@ impl Names {
         }
     }
 
-    /// What `name` refers to in a formula of coordinates.
+    /// The meaning of `name` in a formula of coordinates.
     pub fn meaning(&self, name: &str) -> Option<Meaning> {
         self.meanings.get(name).copied()
     }
 
-    /// Notes what every name means; to be called when one is added or taken away.
+    /// Updates the meaning of every name; to be called after one is added or removed.
     fn index(&mut self) {
         let names = |list: &[Coordinate]| list.iter().map(|c| c.name.clone()).collect::<Vec<_>>();
         let parameters = self.parameters.iter().map(|p| p.name.clone());
@@ -178,7 +182,7 @@ impl Names {
             .chain(coordinates)
     }
 
-    /// The message that `name` is defined nowhere.
+    /// The message about an undefined `name`.
     pub fn undefined(&self, name: &str, span: &Span) -> Diagnostic {
         let diagnostic = Diagnostic::error(format!("`{name}` is not defined"))
             .at(span.clone())
@@ -186,7 +190,7 @@ impl Names {
         self.suggest(diagnostic, name, self.all())
     }
 
-    /// Adds "did you mean" to the first few messages about names that nobody defines.
+    /// Adds "did you mean" to the first few messages about undefined names.
     pub fn suggest<'a>(
         &self,
         diagnostic: Diagnostic,
@@ -201,12 +205,12 @@ impl Names {
         }
     }
 
-    /// Whether all unknowns are known; else a name that nobody defines may be one.
+    /// Whether all unknowns are known; otherwise an undefined name may be one.
     pub fn is_complete(&self) -> bool {
         self.is_complete
     }
 
-    /// Whether the file has a trace of that name, be it usable or not.
+    /// Whether the file has a trace of that name, even an invalid one.
     pub fn declares_trace(&self, name: &str) -> bool {
         self.traces.contains(name)
     }
@@ -248,12 +252,12 @@ impl Names {
         self.kind(name) == Some(Kind::Angle)
     }
 
-    /// The kind of `name` as far as known.
+    /// The kind of `name`, if known.
     pub fn kind(&self, name: &str) -> Option<Kind> {
         self.kinds.get(name).map(|(kind, _)| *kind)
     }
 
-    /// Makes a constant of an unknown that turns out to be one.
+    /// Turns an unknown into a constant.
     pub fn settle(&mut self, name: &str, value: Constant) {
         let Some(Meaning::Unknown(index)) = self.meaning(name) else {
             return;
@@ -268,13 +272,13 @@ impl Names {
         self.index();
     }
 
-    /// Whether a name is that of an unknown that turned out to be constant.
+    /// Whether a name is that of an unknown that was turned into a constant.
     pub fn is_settled(&self, name: &str, parsed: &Parsed) -> bool {
         let is_own = parsed.parameters.iter().any(|(own, _)| own.value == name);
         !is_own && matches!(self.meaning(name), Some(Meaning::Parameter(_)))
     }
 
-    /// Computes the parameters from the top down.
+    /// Evaluates the parameters in order.
     pub fn evaluate_parameters(
         &mut self,
         parsed: &Parsed,
@@ -285,6 +289,7 @@ impl Names {
             let Some(Meaning::Parameter(own)) = self.meaning(&name.value) else {
                 continue;
             };
+            // A parameter may use earlier parameters only; each wrong use has its own message.
             let node = to_radians(
                 node.clone(),
                 self.parameters[own].kind,
@@ -313,6 +318,7 @@ impl Names {
                     Err(self.suggest(Diagnostic::error(message).at(span.clone()), used, earlier))
                 }
             };
+            // Errors are not repeated for parameters that use an invalid one.
             match exact_constant(&node, &lookup) {
                 Ok(value) => self.parameters[own].value = value,
                 Err(diagnostic) => {

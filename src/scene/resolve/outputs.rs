@@ -16,7 +16,7 @@ use crate::model::mechanism::{AngleUnit, Body, Kind, MechanismOutput, OutputSour
 use crate::model::rate::{Per, Rate, RatedFormula};
 use std::collections::HashMap;
 
-/// What formulas of poses may use.
+/// The names that formulas of poses may use.
 pub struct Scope<'a> {
     pub names: &'a Names,
     pub traces: &'a [Trace],
@@ -24,15 +24,15 @@ pub struct Scope<'a> {
     pub unit: &'a AngleUnit,
     /// Outputs so far.
     pub outputs: Vec<MechanismOutput>,
-    /// Their places by name; none for a faulty one.
+    /// Their slots by name; none for an invalid output.
     places: HashMap<String, Option<usize>>,
     /// What they measure.
     dimensions: HashMap<String, Dimension>,
-    /// Slots of those that hold rates, by however many others, and whether one of these is by the time.
+    /// Slots of outputs that contain rates, with the order of the rates, and whether one is by time.
     rated: HashMap<usize, bool>,
 }
 
-/// A number beside those of a pose that a formula may use.
+/// A further number that a formula may use in addition to those of a pose.
 pub struct ExtraSlot {
     pub name: String,
     pub slot: usize,
@@ -61,6 +61,7 @@ impl<'a> Scope<'a> {
             rated: HashMap::new(),
         };
         let constants = BodyConstants { names };
+        // Distances first: formulas may use them.
         for item in &file.distances {
             let distance = asked_distance(item, &constants, bodies, diagnostics);
             scope.note(&item.name.value, distance.is_some());
@@ -72,6 +73,7 @@ impl<'a> Scope<'a> {
                     kind: Kind::Length,
                 }));
         }
+        // Formulas in order: each may use the outputs before it.
         for (name, node) in &parsed.outputs {
             let name = &name.value;
             let compiled = scope.compile_rated(node);
@@ -95,14 +97,14 @@ impl<'a> Scope<'a> {
         scope
     }
 
-    /// Notes the place of the next output, if it is one that can be used; of equal names the first one counts.
+    /// Registers the next output, if it is valid; of equal names the first one counts.
     fn note(&mut self, name: &str, is_usable: bool) {
         let place = is_usable.then_some(self.outputs.len());
         let earlier = self.places.entry(name.to_owned()).or_insert(place);
         *earlier = earlier.or(place);
     }
 
-    /// Notes whether the next output holds rates.
+    /// Records whether the next output contains rates.
     fn note_rates(&mut self, formula: &RatedFormula) {
         let is_timed = |(_, rate): &(Expression, Rate)| rate.per == Per::Time;
         let own = formula.rates.iter().map(is_timed);
@@ -113,22 +115,22 @@ impl<'a> Scope<'a> {
         }
     }
 
-    /// Whether a slot is an output that holds rates.
+    /// Whether a slot is an output that contains rates.
     pub fn is_rated(&self, slot: usize) -> bool {
         self.rated.contains_key(&slot)
     }
 
-    /// Whether a slot is an output that holds rates by the time.
+    /// Whether a slot is an output that contains rates by time.
     pub fn is_timed(&self, slot: usize) -> bool {
         self.rated.get(&slot) == Some(&true)
     }
 
-    /// A formula over coordinates, traced points and the outputs so far, and what it measures.
+    /// A formula of coordinates, traced points and earlier outputs, and its kind.
     pub fn compile(&self, node: &FormulaNode) -> Result<(Expression, Dimension), Diagnostic> {
         self.compile_with(node, &[])
     }
 
-    /// The same with more names.
+    /// The same with additional names.
     pub fn compile_with(
         &self,
         node: &FormulaNode,
@@ -163,7 +165,7 @@ impl<'a> Scope<'a> {
         Ok((formula, dimension))
     }
 
-    /// Number of slots that formulas of poses have, with the outputs so far.
+    /// Number of slots that formulas of poses have, including the outputs so far.
     pub fn slot_count(&self) -> usize {
         let coordinates = self.names.unknowns.len() + self.names.inputs.len();
         coordinates + 3 * self.traces.len() + self.outputs.len()
@@ -218,7 +220,7 @@ fn trace_slot(name: &str, traces: &[Trace]) -> Option<usize> {
     Some(3 * index + component)
 }
 
-/// What a formula measures, from the bottom up.
+/// The kind of a formula, from the leaves to the root.
 pub fn dimension_of(
     node: &FormulaNode,
     names: &Names,
@@ -235,9 +237,11 @@ pub fn dimension_of(
             found.unwrap_or_default()
         }
         NodeKind::Negate(inner) => of(inner),
+        // Sums have the dimension of their first term that has one; products add dimensions.
         NodeKind::Binary('+' | '-', a, b) => first_measured([of(a), of(b)]),
         NodeKind::Binary('*', a, b) => of(a) + of(b),
         NodeKind::Binary('/', a, b) => of(a) - of(b),
+        // Only whole powers have a dimension.
         NodeKind::Binary(_, base, power) => match power.kind {
             NodeKind::Number(power) if power.number().fract() == 0.0 => {
                 of(base) * power.number().clamp(-99.0, 99.0) as i32
@@ -257,7 +261,7 @@ pub fn dimension_of(
     }
 }
 
-/// Of parts that are added or compared, the first that is not a plain number: `x + 3`.
+/// Among terms that are added or compared, the first that is not a plain number, as in `x + 3`.
 fn first_measured(parts: impl IntoIterator<Item = Dimension>) -> Dimension {
     let mut measured = parts.into_iter().filter(|part| *part != Dimension::NUMBER);
     measured.next().unwrap_or_default()

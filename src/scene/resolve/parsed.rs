@@ -23,16 +23,16 @@ pub struct Parsed {
     pub bars: ParsedBars,
     /// Surface contacts.
     pub contacts: Vec<ParsedContact>,
-    /// One per body of the file; empty for a body that stands in the world.
+    /// One per body of the file; empty for a body that is fixed to the world.
     pub frames: Vec<Vec<Factor>>,
     /// Coordinates of the traced points.
     pub points: Vec<FormulaNode>,
-    /// What says which poses are looked at beside the drive, and what of them: ends of tracks, and measures.
+    /// The formulas that define further poses and their measures: ends of tracks, and measures.
     pub tracks: Vec<FormulaNode>,
     pub measures: Vec<FormulaNode>,
     /// Named chains, for placing shapes.
     pub chains: NamedChains,
-    /// Every loop and equation could be read: only then is it known which names are unknowns.
+    /// Every loop and equation could be read; only then are the unknowns known.
     pub is_complete: bool,
 }
 
@@ -43,8 +43,9 @@ pub enum ParsedInput {
 }
 
 impl Parsed {
-    /// Parses everything; what fails is reported and left out.
+    /// Parses everything; invalid parts are reported and skipped.
     pub fn new(file: &SceneFile, diagnostics: &mut Diagnostics) -> Self {
+        // Chains first: everything else may refer to them. An unreadable one keeps its name.
         let mut chains: Vec<Named<Vec<Item>>> = file
             .chains
             .iter()
@@ -58,6 +59,7 @@ impl Parsed {
             .iter()
             .filter_map(|contact| ContactItems::parse(contact, diagnostics))
             .collect();
+        // The frame of a contact is a chain that others may use.
         for contact in &contacts {
             chains.extend(contact.frame().map(|items| (contact.name.clone(), items)));
         }
@@ -66,6 +68,7 @@ impl Parsed {
             .into_iter()
             .filter_map(|contact| contact.expand(&chains, diagnostics))
             .collect();
+        // Loops and frames with all references expanded.
         let loops: Vec<Named<Vec<Factor>>> = file
             .loops
             .iter()
@@ -83,6 +86,7 @@ impl Parsed {
                     .unwrap_or_default()
             })
             .collect();
+        // Sections that map names to formulas.
         let mut named = |list: &[(Spanned<String>, FormulaText)]| -> Vec<Named<FormulaNode>> {
             list.iter()
                 .filter_map(|(name, text)| {
@@ -93,6 +97,7 @@ impl Parsed {
         let (parameters, equations) = (named(&file.parameters), named(&file.equations));
         let (guess, outputs) = (named(&file.guess), named(&file.outputs));
         let bars = ParsedBars::parse(file, &chains, diagnostics);
+        // Only if every loop and equation was read is an undefined name certainly an error.
         let is_complete = loops.len() == file.loops.len()
             && equations.len() == file.equations.len()
             && bars.list.len() == file.bars.len()
@@ -102,6 +107,7 @@ impl Parsed {
             .iter()
             .filter_map(|(name, input)| Some((name.clone(), parse_input(input, diagnostics)?)))
             .collect();
+        // Chains that nothing refers to have not been checked yet.
         chains.judge_all(diagnostics);
         let points = file.traces.iter().flat_map(|trace| trace.point.iter());
         let ends = file.tracks.iter().flat_map(|track| &track.inputs);
@@ -123,7 +129,7 @@ impl Parsed {
         }
     }
 
-    /// Parses and expands a chain that stands outside the `[chains]` section.
+    /// Parses and expands a chain outside the `[chains]` section.
     pub fn factors(
         &self,
         text: &FormulaText,
@@ -133,7 +139,7 @@ impl Parsed {
     }
 }
 
-/// Formulas whose mistakes are reported where they are resolved.
+/// Formulas whose errors are reported where they are resolved.
 fn unreported_nodes<'t>(texts: impl Iterator<Item = &'t FormulaText>) -> Vec<FormulaNode> {
     let mut silent = Diagnostics::default();
     texts

@@ -1,4 +1,4 @@
-//! Single formulas and chains parsed; what is wrong with them is noted at its place in the file.
+//! Parses single formulas and chains; errors are reported with their positions in the file.
 
 use super::super::formula::chain::Item;
 use super::super::formula::expansion::{Factor, expand_chain};
@@ -10,28 +10,28 @@ use crate::diag::{Diagnostic, Diagnostics};
 use std::cell::Cell;
 use std::collections::{HashMap, HashSet};
 
-/// A name and what was parsed for it.
+/// A name and its parsed value.
 pub type Named<T> = (Spanned<String>, T);
 
-/// Parses an expression, noting what is wrong with it.
+/// Parses an expression and reports errors.
 pub fn parsed_expression(text: &FormulaText, diagnostics: &mut Diagnostics) -> Option<FormulaNode> {
     note_diagnostic(parse_expression, text, diagnostics)
 }
 
-/// Transforms of all chains of a scene together, as often as they are referred to: more than a text of the largest size
-/// holds, fewer than fill the memory.
+/// Most transforms of all chains of a scene together, counted as often as they are referred to: more than a text of the
+/// largest size contains, fewer than would fill the memory.
 const ALL_FACTORS: usize = 1_000_000;
 
-/// The chains that others may refer to.
+/// The chains that can be referred to.
 pub struct NamedChains {
     list: Vec<Named<Vec<Item>>>,
     places: HashMap<String, usize>,
-    /// How many transforms may still be made of them.
+    /// How many more transforms may be created.
     left: Cell<usize>,
 }
 
 impl NamedChains {
-    /// Of two chains with one name the first is found.
+    /// Of two chains with the same name the first is used.
     pub fn new(list: Vec<Named<Vec<Item>>>) -> Self {
         let mut places = HashMap::new();
         for (place, (name, _)) in list.iter().enumerate() {
@@ -54,7 +54,7 @@ impl NamedChains {
         Some(&self.list[*place].1)
     }
 
-    /// The factors of a chain, in which references are followed.
+    /// The factors of a chain, with references expanded.
     pub fn expand(&self, items: &[Item], diagnostics: &mut Diagnostics) -> Option<Vec<Factor>> {
         let factors = note_error(self.expanded(items), diagnostics)?;
         match self.left.get().checked_sub(factors.len()) {
@@ -74,7 +74,7 @@ impl NamedChains {
         expand_chain(items, &|name| self.find(name), &names)
     }
 
-    /// Notes what is wrong with chains that nothing refers to. What a sound chain is made of is sound.
+    /// Reports errors of chains that nothing refers to. The parts of a valid chain are valid.
     pub fn judge_all(&self, diagnostics: &mut Diagnostics) {
         let mut is_sound = vec![false; self.list.len()];
         let referred: HashSet<usize> = (0..self.list.len())
@@ -93,7 +93,7 @@ impl NamedChains {
         }
     }
 
-    /// Marks a chain and all that it refers to.
+    /// Marks a chain and all chains that it refers to.
     fn mark(&self, place: usize, is_sound: &mut [bool]) {
         let mut open = vec![place];
         while let Some(place) = open.pop() {
@@ -103,7 +103,7 @@ impl NamedChains {
         }
     }
 
-    /// The chains that one refers to itself.
+    /// The chains that a chain refers to directly.
     fn referred_by(&self, place: usize) -> Vec<usize> {
         let mut names = Vec::new();
         self.list[place]
@@ -121,7 +121,7 @@ fn note_error<T>(result: Result<T, Diagnostic>, diagnostics: &mut Diagnostics) -
         .ok()
 }
 
-/// Parses a text: its value, or the message with its place inside the file.
+/// Parses a text: its value, or a message with its position in the file.
 pub fn note_diagnostic<T>(
     parse: impl Fn(&str, usize) -> Result<T, Diagnostic>,
     text: &FormulaText,
@@ -133,7 +133,7 @@ pub fn note_diagnostic<T>(
     match parse(&text.text, text.offset) {
         Ok(value) => Some(value),
         Err(mut diagnostic) => {
-            // A text with escapes has no byte-for-byte place; the message then covers the whole value.
+            // A text with escapes has no byte-for-byte positions; the message then covers the whole value.
             if text.offset == text.span.start
                 && !text.is_outside()
                 && text.span.len() != text.text.len()

@@ -15,7 +15,7 @@ use crate::model::plot::{Abscissa, Plot, PlotCurve, rate_unit};
 use crate::model::rate::Per;
 use crate::scene::values::FormulaText;
 
-/// What the plots of a scene are resolved with.
+/// The context in which the plots of a scene are resolved.
 struct TextSite<'a> {
     scope: &'a Scope<'a>,
     length_unit: &'a str,
@@ -51,7 +51,7 @@ fn angle_unit(plot: &PlotFile, scene: &AngleUnit, diagnostics: &mut Diagnostics)
 }
 
 impl TextSite<'_> {
-    /// `None` where anything of it is wrong, which is reported then.
+    /// `None` after an error, which has been reported.
     fn plot(&self, file: &PlotFile, diagnostics: &mut Diagnostics) -> Option<Plot> {
         let before = diagnostics.count();
         let x = self.resolve_abscissa(file, diagnostics);
@@ -85,7 +85,7 @@ impl TextSite<'_> {
         })
     }
 
-    /// The horizontal axis; the time by default.
+    /// The horizontal axis; time by default.
     fn resolve_abscissa(&self, file: &PlotFile, diagnostics: &mut Diagnostics) -> Option<Abscissa> {
         match &file.x {
             None => Some(Abscissa::Time),
@@ -136,7 +136,7 @@ impl TextSite<'_> {
         Some(curve)
     }
 
-    /// A formula that may hold derivatives.
+    /// A formula that may contain derivatives.
     fn formula_curve(
         &self,
         node: &FormulaNode,
@@ -168,7 +168,7 @@ impl TextSite<'_> {
             per @ Per::Input(_) => self.unit(self.scope.dimension_of_per(per)),
         };
         let (unit, factor) = rate_unit((&of.0, of.1), (&below.0, below.1), rate.order);
-        // Places are counted from the start of the text.
+        // Positions are counted from the start of the text.
         let of = &parts.of.span;
         let quantity = body.text.get(of.start - body.offset..of.end - body.offset);
         Ok(PlotCurve {

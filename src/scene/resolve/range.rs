@@ -1,12 +1,12 @@
-//! How large the numbers of a mechanism and of its bodies may be.
+//! Limits on the numbers of a mechanism and of its bodies.
 
 use crate::diag::{Diagnostic, Span, shown_number};
 
-/// Largest fixed length or angle of a chain, and largest number of a body. Lengths are squared, and the squares multiplied; a
-/// fourth power must stay finite, with room for sums.
+/// Largest fixed length or angle of a chain, and largest number of a body. Squares of lengths are multiplied, so a
+/// fourth power must be finite, with room for sums.
 pub const LARGEST: f64 = 1e60;
 
-/// Refuses a number beyond [`LARGEST`].
+/// Rejects a number greater than [`LARGEST`].
 ///
 /// # Errors
 /// The message for the text at `span`.

@@ -1,5 +1,5 @@
-//! Derivatives in formulas of poses: each becomes a slot behind those of the pose, with the formula and the rate that it stands
-//! for.
+//! Derivatives in formulas of poses: each becomes a slot after those of the pose, with its formula and order of
+//! differentiation.
 
 use super::super::formula::node::{DerivativeNode, FormulaNode, NodeKind};
 use super::outputs::{ExtraSlot, Scope};
@@ -8,10 +8,10 @@ use crate::model::dimension::Dimension;
 use crate::model::expression::Expression;
 use crate::model::rate::{Per, Rate, RatedFormula};
 
-/// Names of the time by which rates are taken, and of that on an axis.
+/// Names of time as a variable of differentiation, and on an axis.
 pub const TIME: [&str; 2] = ["time", "t"];
 
-/// Rates that formulas hold, with what they measure.
+/// The rates that formulas contain, with their kinds.
 #[derive(Default)]
 pub struct FoundRates {
     /// Formulas and which of their rates.
@@ -20,7 +20,7 @@ pub struct FoundRates {
 }
 
 impl Scope<'_> {
-    /// A formula that may hold derivatives, and what it measures.
+    /// A formula that may contain derivatives, and its kind.
     pub fn compile_rated(
         &self,
         node: &FormulaNode,
@@ -35,7 +35,7 @@ impl Scope<'_> {
         Ok((formula, dimension))
     }
 
-    /// The same of one of several formulas that share their rates.
+    /// The same for one of several formulas that share their rates.
     pub fn compile_beside(
         &self,
         node: &FormulaNode,
@@ -46,7 +46,7 @@ impl Scope<'_> {
         self.compile_with(&node, &found.extra)
     }
 
-    /// What a derivative is made of: the formula, which of its rates, and what the formula measures.
+    /// The parts of a derivative: the formula, the requested rate, and the formula's kind.
     pub fn rate(
         &self,
         parts: &DerivativeNode,
@@ -65,7 +65,7 @@ impl Scope<'_> {
         Ok((formula, rate, dimension))
     }
 
-    /// What a rate is taken by measures.
+    /// The kind of the variable of differentiation.
     pub fn dimension_of_per(&self, per: Per) -> Dimension {
         match per {
             Per::Time => Dimension::TIME,
@@ -73,7 +73,7 @@ impl Scope<'_> {
         }
     }
 
-    /// Puts the name of a slot in the place of every derivative.
+    /// Replaces every derivative by the name of its slot.
     fn take_rates(&self, node: &mut FormulaNode, found: &mut FoundRates) -> Result<(), Diagnostic> {
         match &mut node.kind {
             NodeKind::Number(_) | NodeKind::Radians(_) | NodeKind::Name(_) => {}
@@ -90,7 +90,7 @@ impl Scope<'_> {
             NodeKind::Derivative(parts) => {
                 let (formula, rate, whole) = self.rate(parts)?;
                 let below = self.dimension_of_per(rate.per) * rate.order as i32;
-                // No name of a scene has a parenthesis.
+                // Names in scenes contain no parentheses, so this one is unique.
                 let name = format!("d({})", found.list.len());
                 found.extra.push(ExtraSlot {
                     name: name.clone(),
@@ -104,7 +104,7 @@ impl Scope<'_> {
         Ok(())
     }
 
-    /// What a derivative is taken by.
+    /// The variable of a derivative.
     fn per(&self, name: &str, span: &Span) -> Result<Per, Diagnostic> {
         let inputs = &self.names.inputs;
         if let Some(index) = inputs.iter().position(|c| c.name == name) {
@@ -121,7 +121,7 @@ impl Scope<'_> {
     }
 }
 
-/// The first derivative of a formula that `wanted` picks.
+/// The first derivative in a formula that satisfies `wanted`.
 pub fn find_derivative<'n>(
     node: &'n FormulaNode,
     wanted: &dyn Fn(&DerivativeNode) -> bool,

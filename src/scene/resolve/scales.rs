@@ -1,7 +1,7 @@
-//! Units of length: every loop is measured by its own, so that a tiny one beside a huge one is solved and judged as if it
-//! stood alone.
+//! Units of length: every loop has its own, so that a tiny loop next to a huge one is solved and judged as if it were
+//! alone.
 //!
-//! Loops and equations that share a length are measured alike, since what one of them adds up stands in the other.
+//! Loops and equations that share a length have the same unit, since the sums of one enter the other.
 
 use super::magnitudes::{INSTANTS, equation_terms, finite_or_zero, moved_equation};
 use crate::model::actuation::Actuation;
@@ -9,19 +9,20 @@ use crate::model::chain::{ChainStep, ElementaryMotion};
 use crate::model::mechanism::{Equation, Kind, Loop, Mechanism};
 use std::f64::consts::TAU;
 
-/// Units are the size of the mechanism, this part of it, and so on: loops of like size share one, so that their singular
-/// values can be compared, and a small change of a dimension changes none.
+/// Units are the size of the mechanism divided by powers of this factor: loops of similar size share a unit, so that
+/// their singular values can be compared, and a small change of a dimension changes no unit.
 const STEP: f64 = 1.0 / 1024.0;
 
-/// An offset that is not this many times its own error is rounding of folded constants.
+/// An offset smaller than this multiple of its own error is the rounding error of folded constants.
 const CLEAR: f64 = 1e3;
 
-/// Gives every loop, coordinate and equation of `mechanism`, whose size is known, its unit.
+/// Assigns a unit to every loop, coordinate and equation of `mechanism`, whose size is known.
 pub fn estimate_scales(mechanism: &mut Mechanism, actuation: &Actuation) {
     let mut poses: Vec<Vec<f64>> = INSTANTS
         .iter()
         .map(|share| actuation.start_at(share * actuation.duration))
         .collect();
+    // The length of every loop and equation, with the coordinates that it shares with others.
     let of_loops = mechanism.loops.iter();
     let of_loops =
         of_loops.map(|item| (of_loop(mechanism, item, &poses), slots_of(mechanism, item)));
@@ -33,6 +34,7 @@ pub fn estimate_scales(mechanism: &mut Mechanism, actuation: &Actuation) {
     for (_, slots) in &mut members {
         slots.retain(|slot| mechanism.kind_of(*slot) == Kind::Length);
     }
+    // Members with a common length get a common unit; coordinates without any keep the size.
     share_scales(&mut members, mechanism.coordinate_count());
     let size = mechanism.size;
     let units: Vec<f64> = members
@@ -50,6 +52,7 @@ pub fn estimate_scales(mechanism: &mut Mechanism, actuation: &Actuation) {
             .iter()
             .for_each(|slot| mechanism.scales[*slot] = *unit);
     }
+    // Residuals are measured in the units of their own loop or equation.
     let (of_loops, of_equations) = units.split_at(mechanism.loops.len());
     for (item, unit) in mechanism.loops.iter_mut().zip(of_loops) {
         item.size = *unit;
@@ -59,10 +62,10 @@ pub fn estimate_scales(mechanism: &mut Mechanism, actuation: &Actuation) {
     }
 }
 
-/// Members that share a length get the largest of their reaches.
+/// Members that share a length all get the largest of their lengths.
 fn share_scales(members: &mut [(f64, Vec<usize>)], coordinates: usize) {
     let mut longest = vec![0.0_f64; coordinates];
-    // Every pass carries the largest reach at least one member further.
+    // Every pass propagates the largest length by at least one member.
     let mut changed = true;
     while changed {
         changed = false;
@@ -75,7 +78,7 @@ fn share_scales(members: &mut [(f64, Vec<usize>)], coordinates: usize) {
     }
 }
 
-/// The least unit that is no smaller than `reach`; the size where nothing is known.
+/// The smallest unit that is not below `reach`; the size if nothing is known.
 fn scale_unit(size: f64, reach: f64) -> f64 {
     let mut unit = size;
     while reach > 0.0 && unit * STEP >= reach {
@@ -91,7 +94,7 @@ fn slots_of(mechanism: &Mechanism, item: &Loop) -> Vec<usize> {
         .collect()
 }
 
-/// The longest offset of a loop: fixed ones, and translations at the start values and by a turn of their angles.
+/// The longest offset of a loop: fixed ones, and translations at the start values and for one turn of their angles.
 fn of_loop(mechanism: &Mechanism, item: &Loop, poses: &[Vec<f64>]) -> f64 {
     let mut scratch = Vec::new();
     let mut longest = 0.0_f64;
@@ -109,6 +112,7 @@ fn of_loop(mechanism: &Mechanism, item: &Loop, poses: &[Vec<f64>]) -> f64 {
                 ..
             } => {
                 let argument = &mechanism.arguments[*argument];
+                // A translation at the start values and along the drive, and the advance of a screw per turn.
                 for pose in poses {
                     longest = longest.max(finite_or_zero(argument.value(pose, &mut scratch)));
                     for (slot, rate) in argument.gradient(pose) {
@@ -124,7 +128,7 @@ fn of_loop(mechanism: &Mechanism, item: &Loop, poses: &[Vec<f64>]) -> f64 {
     longest
 }
 
-/// The length that the terms of an equation amount to.
+/// The magnitude of an equation's terms as a length.
 fn of_equation(mechanism: &Mechanism, equation: &Equation, poses: &mut [Vec<f64>]) -> f64 {
     if equation.length_exponent <= 0.0 {
         return 0.0;

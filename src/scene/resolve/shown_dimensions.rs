@@ -1,4 +1,4 @@
-//! Dimensions in pictures: their places by index, their numbers as values.
+//! Dimensions in pictures: names of bodies become indices, formulas values.
 
 use super::super::shown_dimensions::{PlaceFile, ShownDimensionFile};
 use super::bodies::{body_index, trace_index};
@@ -10,10 +10,10 @@ use crate::model::shown_dimension::{DimensionEnd, DimensionKind, PlaceOf, ShownD
 use crate::scene::values::FormulaText;
 use glam::DVec3;
 
-/// More digits than these say nothing in a picture.
+/// More digits are meaningless in a picture.
 const MOST_DIGITS: f64 = 9.0;
 
-/// Resolves all of them; mistakes are reported and left out.
+/// Resolves all of them; errors are reported and skipped.
 pub fn resolve_dimensions(
     list: &[ShownDimensionFile],
     constants: &BodyConstants,

@@ -1,4 +1,4 @@
-//! Solids of bodies: the numbers of each kind, and what of them cannot be drawn or measured.
+//! Solids of bodies: their numbers, and checks whether they can be drawn and measured.
 
 use super::super::solids::SolidFile;
 use super::body_constants::BodyConstants;
@@ -12,7 +12,7 @@ use glam::DVec3;
 /// Three formulas of a scene.
 type VectorText = [FormulaText; 3];
 
-/// A solid with its numbers; `None` where one of them is no good, which is reported.
+/// A solid with its numbers; `None` if one of them is invalid, which is reported.
 pub fn resolve_solid(
     solid: &SolidFile,
     span: &Span,
@@ -25,6 +25,7 @@ pub fn resolve_solid(
         constants,
         diagnostics,
     };
+    // Every kind has its own method, which reads all numbers before it rejects any.
     match solid {
         SolidFile::Sphere { center, radius } => site.sphere(center, radius),
         SolidFile::Capsule { from, to, radius } => site.capsule([from, to], radius),
@@ -60,8 +61,8 @@ pub fn resolve_solid(
     }
 }
 
-/// A solid in the file, and what its numbers are read with. Every number is looked at before one that is missing ends it, so
-/// that all mistakes are reported.
+/// A solid in the file, and the context in which its numbers are read. All numbers are read before a missing one ends
+/// it, so that all errors are reported.
 struct SolidSite<'a, 'n> {
     span: &'a Span,
     constants: &'a BodyConstants<'n>,
@@ -227,7 +228,7 @@ impl SolidSite<'_, '_> {
         }
     }
 
-    /// Reports a mistake of the whole solid.
+    /// Reports an error of the whole solid.
     fn refuse<T>(&mut self, message: &str) -> Option<T> {
         let diagnostic = Diagnostic::error(message).at(self.span.clone());
         self.diagnostics.push(diagnostic);

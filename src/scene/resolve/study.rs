@@ -13,11 +13,11 @@ use crate::model::study::{Study, Variable};
 use crate::scene::reader::Spanned;
 use crate::scene::values::FormulaText;
 
-/// Half the default range of a variable, as a share of its value.
+/// Half the default range of a variable, as a fraction of its value.
 const DEFAULT_RANGE: f64 = 0.2;
 
-/// Resolves the study; the parameters called `varied` are its variables, else those the file names, and likewise with what is
-/// `minimised`.
+/// Resolves the study; its variables are the parameters named in `varied`, otherwise those of the file, and its
+/// objective is `minimised` or that of the file.
 pub fn resolve_study(
     file: &SceneFile,
     names: &Names,
@@ -37,6 +37,7 @@ pub fn resolve_study(
         unit,
         diagnostics,
     };
+    // Options of the command line take precedence over the file.
     let variables = resolver.study_variables(study, varied);
     let objective = match minimised {
         Some(name) => resolver.other_objective(name, measures),
@@ -149,7 +150,7 @@ impl Resolver<'_, '_> {
             let index = match self.names.meaning(name) {
                 Some(Meaning::Parameter(index)) => index,
                 _ => {
-                    // What the command line asks for in vain is reported where it is made an input.
+                    // Unknown names from the command line are reported where they are turned into inputs.
                     if let Some((name, _)) = typed {
                         self.no_parameter(name);
                     }

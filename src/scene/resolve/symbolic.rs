@@ -1,7 +1,8 @@
-//! The frame of a chain as formulas of the coordinates: for distances and directions that are no joint's.
+//! The frame at the end of a chain as formulas of the coordinates, for distances and directions that no joint
+//! represents.
 //!
-//! A [`SymbolicTerm`] is a kind of number: what is computed with it is written down as operations of one shared list. Zeros and
-//! ones are left out as they arise.
+//! A [`SymbolicTerm`] is a number type: computing with it appends operations to a shared list. Zeros and ones are
+//! simplified immediately.
 
 use crate::model::chain::{
     Argument, ArgumentValue, Chain, ChainJoint, ChainStep, ElementaryMotion,
@@ -29,7 +30,7 @@ pub enum SymbolicTerm<'l> {
     Op(&'l Formulas, usize),
 }
 
-/// A joint met on the way along a chain, in the chain's base frame.
+/// A joint on the way along a chain, in the base frame of the chain.
 pub struct Drafted<'l> {
     pub motion: ElementaryMotion,
     pub axis: Triple<SymbolicTerm<'l>>,
@@ -39,7 +40,7 @@ pub struct Drafted<'l> {
 }
 
 impl Formulas {
-    /// The frame at the end of `chain`, whose joints refer to `arguments`, and the joints on the way.
+    /// The frame at the end of `chain`, whose joints refer to `arguments`, and the joints on the way to it.
     pub fn walk(
         &self,
         chain: &Chain,
@@ -82,6 +83,7 @@ impl Formulas {
                 value.value = self.argument_term(&arguments[argument]);
                 is_known[argument] = true;
             }
+            // Sine and cosine once for all rotations with the same argument.
             if motion == ElementaryMotion::Rotation && !turns[argument] {
                 value.cos = self.call_term(Function::Cos, value.value);
                 value.sin = self.call_term(Function::Sin, value.value);
@@ -142,7 +144,7 @@ impl Formulas {
         self.push(Op::Call(function, a, a))
     }
 
-    /// Where a term stands in the list.
+    /// The index of a term in the list.
     fn place(&self, term: SymbolicTerm) -> usize {
         match term {
             SymbolicTerm::Op(_, place) => place,
@@ -186,7 +188,7 @@ pub fn cross_product<'l>(
 }
 
 impl<'l> SymbolicTerm<'l> {
-    /// The operation on both terms, or `known` of two numbers.
+    /// The operation on two terms, or `known` of two numbers.
     fn with(
         self,
         other: Self,

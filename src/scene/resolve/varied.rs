@@ -1,6 +1,6 @@
-//! Parameters that a study varies: they become inputs of the mechanism, so that everything that is known about
-//! inputs (sensitivities through the loops above all) holds for them. Shapes and the view keep the file's values; distances of bodies
-//! read them anew (`analysis/study/reshaped`), and enclosures follow them by chains (`carried`).
+//! Parameters varied by a study become inputs of the mechanism, so that everything that holds for inputs, above all
+//! sensitivities through the loops, holds for them. Shapes and the view keep the file's values; distances of bodies
+//! read them again (`analysis/study/reshaped`), and enclosures follow them by chains (`carried`).
 
 use super::super::file::SceneFile;
 use super::super::formula::expansion::Factor;
@@ -21,7 +21,7 @@ impl Names {
         self.varied.iter().any(|(_, k)| Some(*k) == input)
     }
 
-    /// Coordinates with the file's values of the varied parameters, and zeros.
+    /// Coordinates with the file's values of the varied parameters, otherwise zero.
     pub fn resting_coordinates(&self) -> Vec<f64> {
         let mut coordinates = vec![0.0; self.unknowns.len() + self.inputs.len()];
         for (parameter, input) in &self.varied {
@@ -30,7 +30,7 @@ impl Names {
         coordinates
     }
 
-    /// The input that stands for a varied parameter.
+    /// The input that represents a varied parameter.
     pub fn varied_input(&self, name: &str) -> Option<usize> {
         let Some(Meaning::Parameter(index)) = self.meaning(name) else {
             return None;
@@ -39,7 +39,7 @@ impl Names {
         varied.map(|(_, input)| *input)
     }
 
-    /// Makes inputs of the parameters called `varied`, behind the file's own; returns their values.
+    /// Turns the parameters named in `varied` into inputs, after the file's own; returns their values.
     pub fn promote_parameters(&mut self, varied: &[String]) -> Vec<f64> {
         let mut values = Vec::new();
         for name in varied {
@@ -57,7 +57,7 @@ impl Names {
         values
     }
 
-    /// What every parameter measures, as far as known.
+    /// The kind of every parameter, if known.
     pub fn parameter_kinds(&self) -> Vec<(String, Kind)> {
         let list = self.parameters.iter();
         list.filter_map(|p| Some((p.name.clone(), p.kind?)))
@@ -89,7 +89,7 @@ pub struct Dependents {
 }
 
 impl Dependents {
-    /// Of the parameters called `varied`.
+    /// The names in `varied`.
     pub fn new(parsed: &Parsed, varied: &[String]) -> Self {
         Self {
             varied: varied.to_vec(),
@@ -122,12 +122,13 @@ impl Dependents {
     }
 }
 
-/// Deepest row of parameters defined by parameters that is followed.
+/// Deepest nesting of parameters defined by parameters that is followed.
 const MAX_DEPTH: usize = 100;
 
-/// Replaces every parameter that depends on one of `varied` by its formula, wherever coordinates may stand; what
-/// is left of it after that is one of `varied` itself or a constant.
+/// Replaces every parameter that depends on one of `varied` by its formula, wherever coordinates may appear; the names
+/// that remain are those in `varied` and constants.
 pub fn expand_dependents(parsed: &mut Parsed, varied: &[String], diagnostics: &mut Diagnostics) {
+    // Every name on the list must be a parameter of the file.
     for name in varied {
         if !parsed.parameters.iter().any(|(n, _)| n.value == *name) {
             let known: Vec<&str> = parsed
@@ -139,6 +140,7 @@ pub fn expand_dependents(parsed: &mut Parsed, varied: &[String], diagnostics: &m
             diagnostics.push(Diagnostic::error(message).suggest(name, known));
         }
     }
+    // Loops, frames, bars, contacts, equations and outputs follow the variables.
     let dependents = Dependents::new(parsed, varied);
     if dependents.list.is_empty() {
         return;
@@ -157,11 +159,12 @@ pub fn expand_dependents(parsed: &mut Parsed, varied: &[String], diagnostics: &m
     formulas.for_each(|(_, node)| expand(node));
 }
 
-/// Varied parameters whose file's values are kept somewhere: in drives, ends of tracks and axes of rotations, and where a measure
-/// uses a parameter that is computed from them. What is said of a motion or a measure holds for those values only.
+/// Varied parameters whose file values are still used somewhere: in drives, ends of tracks and axes of rotations, and
+/// in measures that use a parameter computed from them. Results for a motion or a measure hold for these values only.
 pub fn kept_parameters(parsed: &Parsed, varied: &[String]) -> Vec<Kept> {
     let dependents = dependent_parameters(&parsed.parameters, varied);
     let mut kept: Vec<Kept> = Vec::new();
+    // Records which variables a formula uses, directly or through a computed parameter.
     let mut note = |node: &FormulaNode, place: KeptIn, directly: bool| {
         let mut node = node.clone();
         let mut used: Vec<String> = Vec::new();
@@ -175,6 +178,7 @@ pub fn kept_parameters(parsed: &Parsed, varied: &[String]) -> Vec<Kept> {
         if used.is_empty() {
             return;
         }
+        // The parameters computed from variables are written out to find the variables themselves.
         substitute_names(&mut node, &dependents, MAX_DEPTH);
         node.visit_names(&mut |name, _| {
             let item = Kept {
@@ -186,6 +190,7 @@ pub fn kept_parameters(parsed: &Parsed, varied: &[String]) -> Vec<Kept> {
             }
         });
     };
+    // Drives, tracks and axes keep the file's values whatever way a variable enters.
     for (_, input) in &parsed.inputs {
         match input {
             ParsedInput::Formula(node) => note(node, KeptIn::Drive, true),
@@ -200,6 +205,7 @@ pub fn kept_parameters(parsed: &Parsed, varied: &[String]) -> Vec<Kept> {
         .iter()
         .for_each(|node| note(node, KeptIn::Track, true));
     parsed
+        // Measures follow variables, but not parameters computed from them.
         .measures
         .iter()
         .for_each(|node| note(node, KeptIn::Measure, false));
@@ -215,7 +221,7 @@ pub fn kept_parameters(parsed: &Parsed, varied: &[String]) -> Vec<Kept> {
     kept
 }
 
-/// Parameters, not varied themselves, whose formulas use a varied one.
+/// Parameters that are not varied themselves but use a varied one in their formulas.
 fn dependent_parameters(
     parameters: &[Named<FormulaNode>],
     varied: &[String],
@@ -260,7 +266,7 @@ fn substitute_names(node: &mut FormulaNode, formulas: &[(String, FormulaNode)], 
     }
 }
 
-/// Gives every traced point a frame of its own, whose chain ends with the point: its place may then vary too.
+/// Gives every traced point a frame of its own, whose chain ends at the point, so that its position may vary too.
 pub fn carry_points(
     file: &SceneFile,
     parsed: &Parsed,
@@ -273,6 +279,7 @@ pub fn carry_points(
     for (trace, typed) in traces.iter_mut().zip(&file.traces) {
         let Some(point) = &typed.point else { continue };
         let mut factors = parsed.frames[trace.body].clone();
+        // The chain of the point: that of its body, then its coordinates in the body's frame.
         for (axis, text) in point.iter().enumerate() {
             let Some(mut node) = parsed_expression(text, diagnostics) else {
                 return;
@@ -287,6 +294,7 @@ pub fn carry_points(
         let Some(chain) = joints.chain(&factors, diagnostics) else {
             return;
         };
+        // A body without shapes carries the point, which is its origin.
         bodies.push(Body {
             name: trace.name.clone(),
             world_from_body: chain,

@@ -67,7 +67,7 @@ pub fn resolve_view(
     resolved
 }
 
-/// The keys of `[view]`, and what they are read with.
+/// The keys of `[view]`, and the context in which they are read.
 struct ViewReader<'a, 'n> {
     view: &'a ViewFile,
     constants: &'a BodyConstants<'n>,
@@ -117,7 +117,7 @@ impl ViewReader<'_, '_> {
         }
     }
 
-    /// A number of the view; the default by default, or what is said is refused.
+    /// A number of the view or its default; a number outside its range is rejected.
     fn number(
         &mut self,
         text: &Option<FormulaText>,
@@ -162,7 +162,7 @@ impl ViewReader<'_, '_> {
         }
     }
 
-    /// Applies the direction that is named with `from`; what the scene says of its own goes before the name.
+    /// Applies the named direction of `from`; explicit angles of the scene take precedence.
     fn look_from_name(&mut self, resolved: &mut View) {
         let view = self.view;
         if view.from.is_none() {

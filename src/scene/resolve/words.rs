@@ -1,4 +1,4 @@
-//! Which words can be names: each once, and none that the formula language reads otherwise.
+//! Checks names: each must be unique and not a word of the formula language.
 
 use super::super::file::SceneFile;
 use crate::diag::{Diagnostic, Diagnostics, Span};
@@ -11,9 +11,10 @@ pub const TIME: &str = "t";
 /// Words of the formula language besides its functions.
 const RESERVED: [&str; 7] = [TIME, "pi", "π", "E", "inv", "nan", "inf"];
 
-/// Refuses names that are given twice, and words that formulas read otherwise.
+/// Rejects names that are given twice and words of the formula language.
 pub fn refuse_double_and_reserved(file: &SceneFile, diagnostics: &mut Diagnostics) {
     let mut seen: BTreeMap<&str, (&str, Span)> = BTreeMap::new();
+    // All sections whose names can appear in the same formula.
     let sections = [
         (
             "parameter",
@@ -42,6 +43,7 @@ pub fn refuse_double_and_reserved(file: &SceneFile, diagnostics: &mut Diagnostic
                 continue;
             }
             seen.insert(word, (section, name.span.clone()));
+            // A name must be readable as a name wherever it may be used.
             let reserved = RESERVED.contains(&word) || Function::from_name(word).is_some();
             if reserved || !is_identifier(word) {
                 let (why, hint) = if reserved {

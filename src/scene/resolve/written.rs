@@ -1,4 +1,4 @@
-//! The chains of a scene as they are written, for drawings and for matrices on a board.
+//! The chains of a scene as written, for drawings and matrices.
 
 use super::super::file::SceneFile;
 use super::super::formula::compile::constant_node;
@@ -17,7 +17,7 @@ use crate::model::notation::{
     Notation, WrittenChain, WrittenContact, WrittenFactor, WrittenSurface, WrittenTerm,
 };
 
-/// Everything a scene writes as a chain; mistakes were reported where the mechanism was resolved.
+/// Everything in a scene that is written as a chain; errors were reported when the mechanism was resolved.
 pub fn resolve_notation(
     file: &SceneFile,
     parsed: &Parsed,
@@ -29,6 +29,7 @@ pub fn resolve_notation(
         names,
         terms: TermList::default(),
     };
+    // Loops: those of the file, the closing chains of contacts, and the pins of bars.
     let loops = mechanism.loops.iter().map(|item| {
         let own = parsed
             .loops
@@ -57,6 +58,7 @@ pub fn resolve_notation(
         chain
     });
     let loops = loops.collect();
+    // Bodies: their frames, with factors related to the steps of the mechanism's chains.
     let bodies = mechanism.bodies.iter().map(|body| {
         let own = file.bodies.iter().position(|b| b.name.value == body.name);
         let factors = own.map_or(&[][..], |k| parsed.frames[k].as_slice());
@@ -68,6 +70,7 @@ pub fn resolve_notation(
         chain
     });
     let bodies = bodies.collect();
+    // Named chains, as they are; their errors have been reported.
     let chains = file.chains.iter().filter_map(|(name, text)| {
         let factors = parsed.factors(text, &mut Diagnostics::default())?;
         let mut chain = writer.written_chain(&name.value, &factors);
@@ -75,6 +78,7 @@ pub fn resolve_notation(
         Some(chain)
     });
     let chains = chains.collect();
+    // Traced points: translations along the axes of the body's frame.
     let points = mechanism.traces.iter().map(|trace| {
         let own = file.traces.iter().find(|t| t.name.value == trace.name);
         let texts = own.and_then(|t| t.point.as_ref());
@@ -95,6 +99,7 @@ pub fn resolve_notation(
         writer.written_chain(&trace.name, &factors)
     });
     let points = points.collect();
+    // Contacts: a chain for each surface.
     let contacts = parsed.contacts.iter().map(|contact| WrittenContact {
         name: contact.name.value.clone(),
         sides: contact.sides.each_ref().map(|side| writer.surface(side)),
@@ -134,12 +139,12 @@ struct ChainWriter<'a> {
     terms: TermList,
 }
 
-/// The parts of all sums, each once.
+/// The terms of all sums, without repetition.
 #[derive(Default)]
 struct TermList(Vec<Argument>);
 
 impl TermList {
-    /// The parts of an argument.
+    /// The terms of an argument.
     fn of(
         &mut self,
         joints: &FoldedJoints,
@@ -164,7 +169,7 @@ impl TermList {
     }
 }
 
-/// The parts of a sum, and whether each is taken off.
+/// The terms of a sum, and whether each is subtracted.
 fn signed_parts<'n>(
     node: &'n FormulaNode,
     is_negative: bool,
@@ -210,7 +215,7 @@ impl ChainWriter<'_> {
         }
     }
 
-    /// Which factors became which steps of the mechanism's loop.
+    /// The steps of the mechanism's loop that each factor became.
     fn place_loop(&self, chain: &mut WrittenChain, factors: &[Factor], closes: Closes) {
         let steps: Vec<ChainStep> = chain.factors.iter().map(|f| f.step).collect();
         if steps.len() != factors.len() {
@@ -255,7 +260,7 @@ fn has_name(factor: &Factor) -> bool {
     found
 }
 
-/// Numbers the moving factors of `kept` by the steps that they become when constants side by side are folded.
+/// Numbers the moving factors of `kept` by their steps after adjacent constants are merged.
 fn place_steps(chain: &mut WrittenChain, kept: &[usize]) {
     let (mut next, mut was_fixed) = (0, false);
     for k in kept {

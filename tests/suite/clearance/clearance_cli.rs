@@ -151,7 +151,8 @@ fn reports_of_clearances_need_a_section() {
         run.exits(2).says(&["the scene has no section [clearance]"]);
     }
     w.run(&["check", "plain.toml", "--junit", "x.xml"]).exits(0);
-    w.run(&["check", "plain.toml", "--tolerance", "0"]).exits(2);
+    w.run(&["check", "plain.toml", "--bound-tolerance", "0"])
+        .exits(2);
     w.write("bad.toml", swing(30.0));
     w.run(&["check", "bad.toml", "--render", "x.gif"])
         .exits(2)

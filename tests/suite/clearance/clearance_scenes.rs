@@ -33,7 +33,7 @@ fn every_built_in_scene_passes_its_check() {
     assert!(names.len() >= 20, "{names:?}");
     for name in names {
         let output = Command::new(env!("CARGO_BIN_EXE_mechanim"))
-            .args(["check", &name, "--tolerance", "0.01"])
+            .args(["check", &name, "--bound-tolerance", "0.01"])
             .output()
             .unwrap();
         let text = String::from_utf8_lossy(&output.stdout).into_owned();

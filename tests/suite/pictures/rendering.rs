@@ -365,11 +365,11 @@ fn diff_answers_by_its_exit_code() {
         .exits(0);
     w.run(&["diff", "f0.png", "f1.png", "--max-pixels", "9"])
         .exits(1);
-    w.run(&["diff", "f0.png", "f1.png", "--tolerance", "255"])
+    w.run(&["diff", "f0.png", "f1.png", "--levels", "255"])
         .exits(0);
     RgbaImage::new(24, 15).save(w.path("small.png")).unwrap();
     let run = w
-        .run(&["diff", "f0.png", "small.png", "--tolerance", "255"])
+        .run(&["diff", "f0.png", "small.png", "--levels", "255"])
         .exits(1);
     assert!(run.text().contains("24x16 expected, 24x15 found"));
     for (a, b, says) in [
@@ -389,7 +389,7 @@ fn diff_answers_by_its_exit_code() {
     w.run(&["diff", "f0.png", "f1.png", "--out", "f1.png"])
         .exits(2)
         .says(&["is an input"]);
-    w.run(&["diff", "f0.png", "f1.png", "--tolerance", "256"])
+    w.run(&["diff", "f0.png", "f1.png", "--levels", "256"])
         .exits(2);
     std::fs::create_dir(w.path("empty")).unwrap();
     w.run(&["diff", "empty", "empty"])

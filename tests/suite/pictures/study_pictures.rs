@@ -96,7 +96,7 @@ fn clouds_of_paths_are_drawn_and_do_not_depend_on_threads() {
             "crank.toml",
             "--vary",
             "r,L",
-            "--samples",
+            "--pieces",
             "300",
         ];
         w.run(&[&base[..], more].concat()).exits(0);
@@ -129,7 +129,7 @@ fn clouds_of_paths_are_drawn_and_do_not_depend_on_threads() {
         "bare.toml",
         "--vary",
         "r,L",
-        "--samples",
+        "--pieces",
         "9",
         "--plot",
         "c.svg",
@@ -246,7 +246,7 @@ fn ctrl_c_keeps_the_best_so_far() {
         "gearshift",
         "--tolerance",
         "0.5",
-        "--samples",
+        "--pieces",
         "60000",
     ];
     let run = interrupted(&w, &[&pieces[..], &plain].concat()).exits(130);

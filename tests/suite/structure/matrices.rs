@@ -72,7 +72,7 @@ fn entries_with_symbols_have_the_values_of_the_product() {
 #[test]
 fn planar_chains_are_as_short_as_on_a_board() {
     let workspace = crate::program::Workspace::new();
-    let run = workspace.run(&["show", "slider-crank", "--loop", "A"]);
+    let run = workspace.run(&["show", "slider-crank", "--chain", "A"]);
     let text = run.exits(0).text();
     for part in [
         "A = T12 T23 T34 T41",

@@ -110,13 +110,13 @@ fn random_pieces_do_not_depend_on_threads_or_on_how_they_are_shared() {
         let base = ["tolerance", "limited.toml", "--vary", "r", "--json", "-"];
         json(&w, &[&base[..], more].concat())
     };
-    let one = run(&["--samples", "1000", "--threads", "1"]);
-    let two = run(&["--samples", "1000", "--threads", "2"]);
+    let one = run(&["--pieces", "1000", "--threads", "1"]);
+    let two = run(&["--pieces", "1000", "--threads", "2"]);
     assert_eq!(one, two);
     let digest = |v: &Value| u64::from_str_radix(v["digest"].as_str().unwrap(), 16).unwrap();
     let (a, b) = (
-        run(&["--samples", "300"]),
-        run(&["--samples", "700", "--skip", "300"]),
+        run(&["--pieces", "300"]),
+        run(&["--pieces", "700", "--skip", "300"]),
     );
     assert_eq!(digest(&a).wrapping_add(digest(&b)), digest(&one));
     assert_eq!(
@@ -131,7 +131,7 @@ fn random_pieces_do_not_depend_on_threads_or_on_how_they_are_shared() {
     assert!((stroke["linear_deviation"].as_f64().unwrap() - deviation).abs() < 1e-12);
     assert!((stroke["deviation"].as_f64().unwrap() - deviation).abs() < 0.006);
     assert!((stroke["linear_sum"].as_f64().unwrap() - 0.2).abs() < 1e-12);
-    let other = run(&["--samples", "1000", "--seed", "2"]);
+    let other = run(&["--pieces", "1000", "--seed", "2"]);
     assert_ne!(digest(&other), digest(&one));
 }
 
@@ -405,11 +405,11 @@ fn mistakes_of_a_study_are_said_with_their_place() {
         ),
         (&["tolerance", "crank.toml"], "there is no tolerance for L"),
         (
-            &["tolerance", "crank.toml", "--samples", "0"],
+            &["tolerance", "crank.toml", "--pieces", "0"],
             "whole number",
         ),
         (
-            &["tolerance", "crank.toml", "--samples", "1000000000000"],
+            &["tolerance", "crank.toml", "--pieces", "1000000000000"],
             "whole number",
         ),
         (&["optimise", "crank.toml", "--vary", "r,r"], "varied twice"),

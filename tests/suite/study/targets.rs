@@ -112,7 +112,7 @@ fn the_path_of_the_dyads_is_recovered_from_five_millimetres_away() {
         "moved.toml",
         "--target",
         "path.csv",
-        "--from",
+        "--start-from",
         "scene",
         "--starts",
         "1",

@@ -115,7 +115,7 @@ fn parts_of_sums_that_are_missing_broken_or_doubled_are_named() {
     let line = PIECES.replace("--seed 3", "--seed 4");
     let line = format!("study plan tolerance {line} --units 7 --out study");
     run(&foreign, &line).exits(0);
-    run(&foreign, "study run study --units 2..3").exits(0);
+    run(&foreign, "study run study --unit-range 2..3").exits(0);
     space.write(&other, foreign.read(&other));
     let merge = run(&space, "study merge study").exits(1);
     merge.says(&["is a part of another study"]);

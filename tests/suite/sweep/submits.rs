@@ -8,7 +8,7 @@ fn script(engine: &str, name: &str) -> (Workspace, String) {
     let space = Workspace::new();
     let plan = "study plan sweep four-bar --design grid:crank=30..35:6 --outputs K.x --units 3";
     run(&space, &format!("{plan} --out it's")).exits(0);
-    let line = format!("study submit it's --to {engine} --workers 4 --threads 2 --dry-run");
+    let line = format!("study submit it's --to {engine} --workers 4 --cores 2 --dry-run");
     let printed = run(&space, &line).exits(0).text();
     let written = String::from_utf8(space.read(&format!("it's/{name}"))).unwrap();
     assert_eq!(printed, written);

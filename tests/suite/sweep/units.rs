@@ -76,8 +76,8 @@ fn what_is_missing_is_named() {
         &format!("study plan sweep {SWEEP} --units 7 --out study"),
     )
     .exits(0);
-    run(&space, "study run study --units 0..2").exits(0);
-    run(&space, "study run study --units 4..5").exits(0);
+    run(&space, "study run study --unit-range 0..2").exits(0);
+    run(&space, "study run study --unit-range 4..5").exits(0);
     assert_eq!(
         run(&space, "study merge study --missing").text(),
         "2-3,5-6\n"
@@ -97,7 +97,7 @@ fn what_is_missing_is_named() {
         (&3.into(), &7.into())
     );
     run(&space, "study run study --until 1s").exits(0);
-    run(&space, "study run study --units 3..9")
+    run(&space, "study run study --unit-range 3..9")
         .exits(2)
         .says(&["7 units"]);
 }
@@ -136,7 +136,7 @@ fn a_part_of_another_study_is_named() {
         &format!("study plan sweep {line} --units 7 --out study"),
     )
     .exits(0);
-    run(&other, "study run study --units 3..4").exits(0);
+    run(&other, "study run study --unit-range 3..4").exits(0);
     let foreign = &parts(&other)[0];
     std::fs::copy(foreign, space.path("study/parts/strange.part")).unwrap();
     run(&space, "study merge study")

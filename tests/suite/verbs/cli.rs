@@ -275,7 +275,7 @@ fn numbers_out_of_range_are_refused_with_the_range() {
         (["--frames", "1e9"], "between 1 and 1000000"),
         (["--fps", "0"], "between 0.01 and 1000"),
         (["--fps", "nan"], "between 0.01 and 1000"),
-        (["--samples", "3"], "1, 2, 4, 8 or 16"),
+        (["--supersample", "3"], "1, 2, 4, 8 or 16"),
         (["--threads", "0"], "between 1 and 256"),
         (["--quality", "0"], "between 1 and 100"),
         (["--quality", "101"], "between 1 and 100"),
@@ -637,7 +637,7 @@ fn colour_quiet_and_progress_do_as_they_are_told() {
     let escape = "\x1b[";
     let plain = w.run(&["check", "none.toml"]).exits(2);
     assert!(!plain.stderr.contains(escape));
-    w.run(&["check", "none.toml", "--color", "always"])
+    w.run(&["check", "none.toml", "--colour", "always"])
         .exits(2)
         .says(&[escape]);
     let mut command = w.command(&["check", "none.toml"]);
@@ -670,7 +670,7 @@ fn quiet_verbs_print_no_report() {
             "gearshift",
             "--tolerance",
             "0.5",
-            "--samples",
+            "--pieces",
             "10",
         ],
     ] {

@@ -94,7 +94,7 @@ fn tolerances_of_library_and_program_agree() {
     let study = Scene::builtin("gearshift").unwrap().study();
     let own = study.vary(&["L4", "L7"]).tolerance(&options).unwrap();
     let asked =
-        "tolerance gearshift --vary L4,L7 --tolerance 0.02 --samples 100 --seed 7 --json - -q";
+        "tolerance gearshift --vary L4,L7 --tolerance 0.02 --pieces 100 --seed 7 --json - -q";
     let (theirs, _) = program(&asked.split(' ').collect::<Vec<_>>());
     assert_eq!(parsed(own.to_json()), theirs);
     for measure in own.measures() {

@@ -172,7 +172,7 @@ fn options_have_ends() {
         ),
         (&["tolerance", "gearshift", "--enlarge", "1e300"], "at most"),
         (
-            &["optimise", "gearshift", "--tolerance", "1e300"],
+            &["optimise", "gearshift", "--convergence", "1e300"],
             "at most 1",
         ),
         (

@@ -1,14 +1,11 @@
-//! The program as a stranger meets it: commands, messages, documents, hostile files.
+//! The program as a stranger meets it: commands, messages, hostile files.
 
 mod bad_scenes;
 mod bombs;
 mod cli;
 mod compared_pages;
-mod document_commands;
-mod documents;
 mod dyad_verbs;
 mod face;
-mod flags;
 mod interlaced;
 mod large_texts;
 mod live_pages;
@@ -20,7 +17,6 @@ mod replaced_files;
 mod report_pages;
 mod report_schema;
 mod schema;
-mod sources_page;
 mod strangers;
 mod third_party;
 mod verdicts;

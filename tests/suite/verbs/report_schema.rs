@@ -143,7 +143,7 @@ fn reports_are_as_the_schema_says() {
                     &scene,
                     "--json",
                     "r.json",
-                    "--tolerance",
+                    "--bound-tolerance",
                     "0.1",
                     "-q",
                 ],

@@ -469,7 +469,7 @@ fn odd_names_stay_readable() {
 fn built_in_scenes_agree_with_themselves() {
     let w = Workspace::new();
     for scene in builtin::ALL.map(|s| s.name) {
-        check(&w, scene, scene, &["--tolerance", "0.01"]);
+        check(&w, scene, scene, &["--bound-tolerance", "0.01"]);
     }
 }
 

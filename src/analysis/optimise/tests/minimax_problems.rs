@@ -2,7 +2,8 @@
 
 use super::*;
 
-/// The best straight line to eˣ on 0 to 1 under the largest error, whose slope is e - 1; once with its value at 0 limited.
+/// The best linear approximation of eˣ on 0 to 1 in the maximum norm, whose slope is e - 1; once with its value at 0
+/// constrained.
 struct Line {
     limit: Option<f64>,
 }
@@ -106,8 +107,8 @@ impl<F: Fn(&[f64]) -> Vec<f64>> minimax::MinimaxProblem for Few<F> {
     }
 }
 
-/// Problems of Charalambous and Conn, and of Rosen and Suzuki, with their published optima; two of them have fewer
-/// functions at the top than variables, so that only curvature leads to the end.
+/// Problems of Charalambous and Conn, and of Rosen and Suzuki, with their published optima. In two of them fewer
+/// functions are active than there are variables, so that only curvature determines the solution.
 #[test]
 fn minimax_solves_the_standard_problems() {
     type Functions = fn(&[f64]) -> Vec<f64>;
@@ -157,8 +158,8 @@ fn minimax_solves_the_standard_problems() {
     }
 }
 
-/// What makes a point the minimum of a convex programme: it keeps the rows, and its gradient is what the rows that hold
-/// it push against.
+/// The optimality conditions of a convex programme: the point satisfies all rows, and its gradient is balanced by those
+/// of the active rows.
 #[test]
 fn quadratic_programmes_meet_the_conditions_of_their_minimum() {
     use crate::analysis::random::Random;

@@ -1,4 +1,4 @@
-//! What a mechanism is to do: quantities with targets, row by row.
+//! The targets of a mechanism: quantities with target values, row by row.
 
 use crate::model::mechanism::Mechanism;
 
@@ -7,9 +7,9 @@ use crate::model::mechanism::Mechanism;
 pub struct TargetColumn {
     /// As in the table.
     pub name: String,
-    /// Among coordinates, x, y, z of every trace and outputs.
+    /// Its index among coordinates, x, y, z of every trace, and outputs.
     pub slot: usize,
-    /// An angle counts as the way of a point at this distance, and only to full turns; 1 for lengths.
+    /// An angle counts as the path of a point at this distance, modulo full turns; 1 for lengths.
     pub reach: f64,
     /// Whether it is an angle.
     pub is_angle: bool,
@@ -18,24 +18,24 @@ pub struct TargetColumn {
 /// One row of the table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TargetRow {
-    /// Where it stands, for messages.
+    /// Its line in the table, for messages.
     pub line: usize,
-    /// The scene's own inputs; none where they are to be found.
+    /// The scene's own inputs; empty if they are to be found.
     pub inputs: Option<Vec<f64>>,
     /// A value a column.
     pub values: Vec<f64>,
-    /// How much its squares count.
+    /// The weight of its squares.
     pub weight: f64,
 }
 
-/// What a mechanism is to do.
+/// The targets of a mechanism.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Target {
     /// What has targets.
     pub columns: Vec<TargetColumn>,
-    /// The rows, in the order in which they are met.
+    /// The rows, in the order in which they must be met.
     pub rows: Vec<TargetRow>,
-    /// The input that is free in every row, of rows without inputs.
+    /// The input that is free in every row, if the table has no inputs.
     pub free_input: Option<FreeInput>,
 }
 
@@ -44,7 +44,7 @@ pub struct Target {
 pub struct FreeInput {
     /// Index among the inputs.
     pub input: usize,
-    /// Its least and greatest value; of one that goes round, a turn.
+    /// Its least and greatest value; a full turn for an input that goes round.
     pub range: [f64; 2],
     /// It goes round.
     pub is_cyclic: bool,

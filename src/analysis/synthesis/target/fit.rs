@@ -1,4 +1,5 @@
-//! A mechanism beside its targets: poses at all rows, what they miss, and how that changes with dimensions and free inputs.
+//! A mechanism compared with its targets: poses at all rows, deviations, and their derivatives by dimensions and free
+//! inputs.
 
 use super::asked::Target;
 use crate::analysis::optimise::least_squares::Residuals;
@@ -18,7 +19,7 @@ pub struct Fit {
     pub x: Vec<f64>,
     /// The pose of every row: unknowns, then inputs.
     pub poses: Vec<Vec<f64>>,
-    /// What is missed, row after row, weighted.
+    /// Deviations, row after row, weighted.
     pub missed: Vec<f64>,
 }
 
@@ -68,7 +69,7 @@ impl<'f> Fitting<'f> {
         inputs
     }
 
-    /// A closed pose at other inputs that is joined to one, by steps that can be trusted.
+    /// A closed pose at other inputs, connected to a known one by steps that can be trusted.
     pub fn follow(&mut self, pose: &[f64], inputs: &[f64]) -> Option<Vec<f64>> {
         self.poses += 1;
         let unknowns = self.family.mechanism().unknowns.len();
@@ -80,7 +81,7 @@ impl<'f> Fitting<'f> {
             Some(next) => next,
             None => self.far(pose, inputs)?,
         };
-        // Another sign of a determinant is another assembly.
+        // Another sign of a determinant means another assembly.
         (self.solver.observe(&next).signs == signs).then_some(next)
     }
 
@@ -99,7 +100,7 @@ impl<'f> Fitting<'f> {
         self.solver.followed(&pose[..unknowns], between)
     }
 
-    /// What a pose misses of a row, weighted.
+    /// The weighted deviations of a pose from a row.
     pub fn missed(&self, pose: &[f64], row: usize) -> Vec<f64> {
         let slots = observed_slots(self.family.mechanism(), pose);
         let row = &self.target.rows[row];

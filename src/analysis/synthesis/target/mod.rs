@@ -1,4 +1,4 @@
-//! Synthesis from a table of targets: paths and motions, with their times or without, made the mechanism's own from many
+//! Synthesis from a table of targets: dimensions for paths and motions, with or without prescribed timing, from many
 //! starts.
 
 mod asked;

@@ -1,7 +1,7 @@
-//! Which pose of a path is nearest to which row of a table, in the table's order.
+//! Assigns poses of a path to the rows of a table, in the table's order, such that the distances are least.
 
-/// For every row a pose, `costs[row][pose]`, such that poses ascend or descend with the rows and the sum of the costs is least. A
-/// path that goes round ends where it began, and may be begun anywhere. `None` without poses.
+/// A pose for every row, such that poses ascend or descend with the rows and the sum of `costs[row][pose]` is least. A
+/// closed path may be started anywhere. `None` without poses.
 pub fn ordered_phases(costs: &[Vec<f64>], goes_round: bool) -> Option<Vec<usize>> {
     let count = costs.first()?.len();
     if count == 0 {
@@ -12,7 +12,7 @@ pub fn ordered_phases(costs: &[Vec<f64>], goes_round: bool) -> Option<Vec<usize>
     let mut best: Option<(f64, Vec<usize>)> = None;
     for backwards in [false, true] {
         for turn in 0..turns {
-            // Place j of the path as it is walked from this turn on.
+            // Position j of the path when it is started here.
             let place = |j: usize| match (backwards, goes_round) {
                 (false, true) => (turn + j) % period,
                 (true, true) => (turn + 2 * period - j) % period,
@@ -28,7 +28,7 @@ pub fn ordered_phases(costs: &[Vec<f64>], goes_round: bool) -> Option<Vec<usize>
     best.map(|(_, chosen)| chosen)
 }
 
-/// The least sum of costs with places that do not descend, row by row (dynamic programming).
+/// The least sum of costs with non-descending positions, row by row (dynamic programming).
 fn ascending(
     costs: &[Vec<f64>],
     count: usize,
@@ -37,7 +37,7 @@ fn ascending(
     let mut sums = vec![0.0; count];
     let mut from: Vec<Vec<usize>> = Vec::with_capacity(costs.len());
     for row in costs {
-        // The best place up to each one, in the row before.
+        // The best position up to each one, in the previous row.
         let mut least = 0;
         let mut before = Vec::with_capacity(count);
         for j in 0..count {
@@ -67,7 +67,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
 
-    /// Points of a circle met in order, from anywhere, in either direction.
+    /// Points of a circle met in order, from any start, in either direction.
     #[test]
     fn rows_are_met_in_their_order() {
         let path = |k: usize| (std::f64::consts::TAU * k as f64 / 36.0).sin_cos();

@@ -1,5 +1,5 @@
-//! Fits from many starts: the scene's own values, random ones, random ones near the best so far. Random numbers depend on seed,
-//! start and draw only.
+//! Fits from many starts: the scene's own values, random ones, random ones near the best so far. Random numbers depend
+//! only on seed, start and draw.
 
 use super::asked::{FreeInput, Target};
 use super::fit::{Fit, Fitting};
@@ -16,26 +16,27 @@ use crate::model::actuation::Actuation;
 use crate::model::drive::{Drive, Ease};
 use std::time::Instant;
 
-/// Starts that are searched without knowing of each other.
+/// Number of starts that are searched independently of each other.
 const BATCH: usize = 8;
 
 /// Most draws for one start.
 const MOST_DRAWS: usize = 200;
 
-/// A random start is the best of so many draws that move.
+/// A random start is the best of this many draws that can move.
 const CANDIDATES: usize = 8;
 
-/// How far a start near the best lies from it, as a share of the ranges: drawn between these, every order of magnitude as often.
+/// Distance of a start from the best one, as a fraction of the ranges: drawn log-uniformly between these.
 const NEAREST: f64 = 0.003;
 const FARTHEST: f64 = 0.3;
 
-/// A fit that misses less than this share of the targets' spread, at every row, is the last one that is looked for: it is rounding.
+/// The search ends at a fit that deviates by less than this fraction of the targets' spread at every row: that is
+/// rounding.
 const ENOUGH: f64 = 1e-13;
 
-/// Poses that differ by less, in the sizes of their coordinates, are one.
+/// Poses that differ by less, in the sizes of their coordinates, are equal.
 const SAME: f64 = 1e-6;
 
-/// Poses along the drive from which free inputs are first chosen.
+/// Number of poses along the drive from which free inputs are first chosen.
 const LOOKS: usize = 144;
 
 /// What is searched.
@@ -52,12 +53,12 @@ pub struct TargetSearch<'f> {
     pub done: &'f (dyn Fn(usize, &Tried) + Sync),
 }
 
-/// What became of one start.
+/// The result of one start.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tried {
     /// Where it was.
     pub origin: Origin,
-    /// Sum of the squares there; NaN where no start can be followed through all rows.
+    /// Sum of the squares at the start; NaN if no draw can be followed through all rows.
     pub first: f64,
     /// The same at the end.
     pub sum: f64,
@@ -76,21 +77,22 @@ pub struct TargetSynthesis {
     pub fit: Fit,
     /// Sum of its weighted squares.
     pub sum: f64,
-    /// Unknowns at the start of the drive with it, where it leads there.
+    /// Unknowns at the start of the drive with it, if it leads there.
     pub unknowns: Option<Vec<f64>>,
     /// All starts.
     pub starts: Vec<Tried>,
-    /// It was told to stop, or out of time.
+    /// Whether it was cancelled, or ran out of time.
     pub stopped: bool,
     /// Wall time.
     pub seconds: f64,
 }
 
-/// Searches the study's variables for the mechanism that misses the targets least, by the sum of the squares.
+/// Searches values of the study's variables that minimise the sum of squared deviations from the targets.
 ///
 /// # Errors
 /// Variables without a range; no start that moves through all rows.
 pub fn fit_target(search: &TargetSearch) -> Result<TargetSynthesis, FamilyError> {
+    // Random starts are drawn from a box, so every variable needs a range.
     let variables = &search.family.study.variables;
     if let Some(v) = variables.iter().find(|v| !(v.upper - v.lower).is_finite()) {
         let message = format!("synthesis searches a box: give `{}` a range", v.name);
@@ -102,6 +104,7 @@ pub fn fit_target(search: &TargetSearch) -> Result<TargetSynthesis, FamilyError>
     let enough = ENOUGH * search.target.spread();
     let mut starts: Vec<Tried> = Vec::new();
     let mut best: Option<(f64, Fit)> = None;
+    // Batches have a fixed size, so that the result does not depend on the number of threads.
     while starts.len() < search.plan.starts && (starts.is_empty() || goes_on()) {
         let first = starts.len();
         let count = (search.plan.starts - first).min(BATCH);
@@ -122,6 +125,7 @@ pub fn fit_target(search: &TargetSearch) -> Result<TargetSynthesis, FamilyError>
             }
             starts.push(tried);
         }
+        // A fit with only rounding errors cannot be improved.
         let rows = search.target.rows.len() as f64;
         if best
             .as_ref()
@@ -145,7 +149,7 @@ pub fn fit_target(search: &TargetSearch) -> Result<TargetSynthesis, FamilyError>
 }
 
 impl TargetSearch<'_> {
-    /// Where start `index` begins; near the best where there is one, every other time.
+    /// Where start `index` begins; every other time near the best one, if there is one.
     fn origin(&self, index: usize, near: Option<&[f64]>) -> Origin {
         match (self.plan.from, near) {
             (From::Everywhere | From::Scene, _) if index == 0 => Origin::Scene,
@@ -213,7 +217,7 @@ impl TargetSearch<'_> {
         };
         let bounds = self.bounds();
         let found = minimise_squares(&mut fitting, fit, &bounds, self.plan.iterations);
-        // Rows on either side of a gap that steps have jumped over are no motion.
+        // Rows on both sides of a gap that steps have jumped over do not belong to one motion.
         let is_joined = self.is_joined(&mut fitting, &found.place);
         let tried = Tried {
             origin,
@@ -226,10 +230,11 @@ impl TargetSearch<'_> {
         (tried, is_joined.then_some(found.place))
     }
 
-    /// Whether the tracker, which looks between its steps, comes through all rows along the fit's poses.
+    /// Whether the tracker, which also checks between its steps, passes through all rows along the fit's poses.
     fn is_joined(&self, fitting: &mut Fitting, fit: &Fit) -> bool {
         let mechanism = self.family.mechanism();
         let unknowns = mechanism.unknowns.len();
+        // The rows become a drive, one second apart, which the tracker follows.
         let times: Vec<f64> = (0..fit.poses.len()).map(|k| k as f64).collect();
         let drive = |slot: usize| Drive::Keys {
             times: times.clone(),
@@ -276,7 +281,7 @@ impl TargetSearch<'_> {
         }
     }
 
-    /// The mechanism with these dimensions at all rows, followed from the start of its drive; `None` where that does not lead there.
+    /// The mechanism with these dimensions at all rows, followed from the start of its drive; `None` if that fails.
     fn begin(&self, fitting: &mut Fitting, values: Vec<f64>) -> Option<Fit> {
         let family = self.family.with_start(&values).assembled()?;
         let start = [
@@ -294,7 +299,7 @@ impl TargetSearch<'_> {
             }
             return Some(fitting.fit(values, poses));
         };
-        // Free inputs: first those of poses along the drive that miss least, in the order of the table.
+        // Free inputs: first those of poses along the drive that deviate least, in the order of the table.
         let path = drive_path(fitting, &start, free);
         let costs: Vec<Vec<f64>> = (0..self.target.rows.len())
             .map(|row| {
@@ -327,12 +332,13 @@ impl TargetSearch<'_> {
     }
 }
 
-/// Poses along the range of an input, from a pose on; of one that goes round a whole turn, if it gets round.
+/// Poses along the range of an input, from a pose on; for an input that goes round, a full turn if possible.
 fn drive_path(fitting: &mut Fitting, start: &[f64], free: FreeInput) -> Vec<Vec<f64>> {
     let slot = fitting.family.mechanism().unknowns.len() + free.input;
     let unknowns = fitting.family.mechanism().unknowns.len();
     let [low, high] = free.range;
     let step = (high - low) / LOOKS as f64;
+    // From the start, steps of equal size until the end of the range or of the motion.
     let mut walk = |until: f64, by: f64| {
         let mut list = vec![start.to_vec()];
         let count = ((until - start[slot]) / by).round().max(0.0) as usize;
@@ -347,6 +353,7 @@ fn drive_path(fitting: &mut Fitting, start: &[f64], free: FreeInput) -> Vec<Vec<
         }
         list
     };
+    // A crank: a full turn forwards, or, if that is blocked, both ways as far as possible.
     if free.is_cyclic {
         let forth = walk(start[slot] + (high - low), step);
         if forth.len() > LOOKS {
@@ -364,7 +371,7 @@ fn drive_path(fitting: &mut Fitting, start: &[f64], free: FreeInput) -> Vec<Vec<
 }
 
 impl Target {
-    /// How far the targets lie from their means: the root of the mean square, weighted.
+    /// Spread of the targets about their means: the root of the weighted mean square.
     pub fn spread(&self) -> f64 {
         let count = self.rows.len().max(1) as f64;
         let mut sum = 0.0;

@@ -1,5 +1,5 @@
-//! A fit looked at by somebody who knows nothing of it: the scene is read again with the found values, and the motion solver follows
-//! it from the start of its drive through all rows of the table.
+//! Independent verification of a fit: the scene is read again with the values found, and the motion solver follows it
+//! from the start of its drive through all rows of the table.
 
 use super::asked::{Target, slot_of};
 use super::fit::Fit;
@@ -17,7 +17,7 @@ use std::sync::Arc;
 /// What was found out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VerifiedRows {
-    /// How far each row is missed, without weights: the root of the sum over its columns.
+    /// Deviation at each row, without weights: the root of the sum of squares over its columns.
     pub missed: Vec<Option<f64>>,
     /// Poses without a certificate.
     pub unproved: usize,
@@ -42,8 +42,8 @@ impl VerifiedRows {
     }
 }
 
-/// Follows the scene with the found values in `overrides` through the rows. `begins` says that these lead to the start of the drive;
-/// else the motion begins with the first row.
+/// Follows the scene with the values in `overrides` through the rows. `begins` states that these lead to the start of
+/// the drive; otherwise the motion begins with the first row.
 ///
 /// # Errors
 /// A scene that cannot be read with these values.
@@ -57,7 +57,7 @@ pub fn verify_target(
     let mechanism = &scene.mechanism;
     let own = mechanism.inputs.len();
     let unknowns = mechanism.unknowns.len();
-    // One key a row, behind the start of the drive.
+    // One key per row, after the start of the drive.
     let rows = fit
         .poses
         .iter()
@@ -114,7 +114,7 @@ pub fn verify_target(
     Ok(found)
 }
 
-/// Whether free inputs ascend or descend with the rows; inputs of the table do what the table says.
+/// Whether free inputs ascend or descend with the rows; inputs of the table follow the table.
 fn in_order(target: &Target, fit: &Fit) -> bool {
     if target.free_input.is_none() {
         return true;

@@ -1,4 +1,4 @@
-//! Where the ends of bars are: as chains, and as sums of what shifts them.
+//! The ends of bars: as chains, and as sums of displacements.
 
 use super::super::super::bars::{END_HINT, EndFile};
 use super::super::super::file::SceneFile;
@@ -11,7 +11,7 @@ use crate::diag::{Diagnostic, Diagnostics, Span};
 use crate::model::chain::ElementaryMotion;
 use crate::numbers::constant::Constant;
 
-/// The place of an end in the file.
+/// The position of an end in the file.
 pub fn end_span(end: &EndFile) -> Span {
     match end {
         EndFile::Point(_, span) => span.clone(),
@@ -30,6 +30,7 @@ pub fn end_factors(
         EndFile::Point(coordinates, _) => shift_factors(coordinates, diagnostics),
         EndFile::Chain(text) => {
             let items = note_diagnostic(parse_chain, text, diagnostics)?;
+            // A chain that is a single name may also be that of a traced point.
             let [Item::Reference(name, span)] = &items[..] else {
                 return chains.expand(&items, diagnostics);
             };
@@ -48,9 +49,10 @@ pub fn end_factors(
                 );
                 return None;
             };
-            // A body that is not there is reported with the trace.
+            // An unknown body is reported with the trace.
             let mut bodies = file.bodies.iter();
             let body = bodies.find(|b| b.name.value == trace.body.value)?;
+            // The trace as a chain: the frame of its body, then its coordinates. Errors in both are reported elsewhere.
             let mut factors = match &body.frame {
                 None => Vec::new(),
                 Some(text) => {
@@ -79,7 +81,7 @@ fn shift_factors(
     factors.into_iter().collect()
 }
 
-/// A point stays where it is when something turns about it.
+/// A rotation about a point leaves the point where it is.
 pub fn trimmed_factors(mut factors: Vec<Factor>) -> Vec<Factor> {
     while factors.last().is_some_and(|factor| !is_shift(factor)) {
         factors.pop();
@@ -94,13 +96,13 @@ fn is_shift(factor: &Factor) -> bool {
     )
 }
 
-/// Whether the same is written.
+/// Whether both are written alike.
 pub fn are_alike(a: &[Factor], b: &[Factor]) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.is_alike(b))
 }
 
-/// Which coordinates of a chain's end are sums of what shifts it along their axes: all where nothing turns, and the one along
-/// the axis of all rotations.
+/// The coordinates of a chain's end that are sums of displacements along their axes: all of them if nothing rotates,
+/// otherwise the one along the axis of all rotations.
 pub fn plain_axes(factors: &[Factor]) -> [bool; 3] {
     let mut plain = [true; 3];
     for factor in factors.iter().filter(|factor| !is_shift(factor)) {
@@ -113,7 +115,7 @@ pub fn plain_axes(factors: &[Factor]) -> [bool; 3] {
     plain
 }
 
-/// The sum of what shifts a point along an axis.
+/// The sum of the displacements along an axis.
 pub fn shift_along(factors: &[Factor], axis: usize, span: &Span) -> FormulaNode {
     let shifts = factors.iter().filter_map(|factor| match factor {
         Factor::Elementary(ElementaryMotion::Translation, along, node) if *along == axis => {

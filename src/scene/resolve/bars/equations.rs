@@ -1,4 +1,4 @@
-//! Parsed bars as equations, and pins as loops.
+//! Translates parsed bars into equations, and pins into loops.
 
 use super::super::super::formula::compile::{compile_formula, constant_node};
 use super::super::super::formula::expansion::Factor;
@@ -12,7 +12,7 @@ use crate::model::chain::ElementaryMotion;
 use crate::model::mechanism::{AngleUnit, Bar, BarEnd, Closes, Equation, Kind, Loop};
 use crate::numbers::constant::Constant;
 
-/// What bars add to the mechanism.
+/// The contribution of bars to the mechanism.
 #[derive(Default)]
 pub struct ResolvedBars {
     pub loops: Vec<Loop>,
@@ -20,7 +20,7 @@ pub struct ResolvedBars {
     pub list: Vec<Bar>,
 }
 
-/// Equations and loops of the bars that are sound.
+/// Equations and loops of the valid bars.
 pub fn resolve_bars(
     parsed: &ParsedBars,
     (names, unit): (&Names, &AngleUnit),
@@ -44,7 +44,7 @@ pub fn resolve_bars(
     resolved
 }
 
-/// The equation of a sound bar.
+/// The equation of a valid bar.
 fn resolve_bar(
     bar: &ParsedBar,
     (names, unit): (&Names, &AngleUnit),
@@ -57,6 +57,7 @@ fn resolve_bar(
         diagnostics.push(message.hint(hint));
     };
     let [from, to] = &bar.ends;
+    // Fixed: the formula contains only parameters, no coordinate.
     let is_fixed = |node: &FormulaNode| {
         let mut fixed = true;
         node.visit_names(&mut |name, _| {
@@ -64,12 +65,14 @@ fn resolve_bar(
         });
         fixed
     };
+    // An end is fixed if nothing that carries it moves.
     let stands = |end: &ParsedEnd| {
         end.carrier.iter().all(|factor| match factor {
             Factor::Elementary(_, _, node) => is_fixed(node),
             Factor::Direction(..) => true,
         })
     };
+    // A bar must connect two different points, at least one of which can move.
     let pairs = from.place.iter().zip(&to.place);
     let mut is_sound = true;
     if pairs.into_iter().all(|(a, b)| a.is_alike(b)) {
@@ -82,6 +85,7 @@ fn resolve_bar(
         refuse(message, &bar.name.span, hint);
         is_sound = false;
     }
+    // A constant length becomes the divisor of the equation, so it must be positive.
     let mut length = None;
     let length_node = to_radians(bar.length.clone(), Some(Kind::Length), unit.radians, &|n| {
         names.is_angle(n)
@@ -102,6 +106,7 @@ fn resolve_bar(
             }
         }
     }
+    // The ends as chains, for drawings and dyads: a carrier, then the coordinates in its frame.
     let mut end = |end: &ParsedEnd| {
         let motion = ElementaryMotion::Translation;
         let coordinates = end.place.iter().cloned().enumerate();
@@ -117,6 +122,7 @@ fn resolve_bar(
     if !is_sound {
         return None;
     }
+    // The equation itself; without a divisor its value is a squared length.
     let gap = to_radians(bar_gap(bar, length), None, unit.radians, &|n| {
         names.is_angle(n)
     });
@@ -138,7 +144,8 @@ fn resolve_bar(
     }
 }
 
-/// (d² - L²) / 2 L: by how much the points are too far apart, to the first order. A length that changes divides nothing.
+/// (d² - L²) / 2 L: to first order, the amount by which the points are too far apart. A variable length is not used as
+/// a divisor.
 fn bar_gap(bar: &ParsedBar, length: Option<f64>) -> FormulaNode {
     let span = &bar.name.span;
     let binary = |sign: char, a: FormulaNode, b: FormulaNode| FormulaNode {

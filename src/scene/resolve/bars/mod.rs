@@ -1,8 +1,8 @@
-//! Bars to equations: the square of the distance of two points, less that of the length.
+//! Translates bars into equations: the squared distance of two points minus the squared length.
 //!
-//! An end that chains only shift has coordinates that are sums of what shifts it. Where rotations carry it around, its
-//! coordinates become unknowns of their own, called `BAR.from.x` and so on, and a loop that closes in a point (a pin) says where
-//! they are. So the equation of a bar is of second degree in its coordinates, whatever carries its ends.
+//! If a chain only translates an end, its coordinates are sums of displacements. If rotations carry it, its coordinates
+//! become unknowns, called `BAR.from.x` and so on, which are determined by a loop that closes in a point (a pin). The
+//! equation of a bar is therefore quadratic in its coordinates, whatever carries its ends.
 
 mod ends;
 pub mod equations;

@@ -1,4 +1,4 @@
-//! Bars, parsed: their ends, and pins where rotations carry them. No names are looked up here.
+//! Parsed bars: their ends, and pins for ends that rotations carry. No names are looked up here.
 
 use super::super::super::bars::{BarFile, EndFile};
 use super::super::super::file::SceneFile;
@@ -19,7 +19,7 @@ pub struct ParsedBar {
 
 /// An end of a bar.
 pub struct ParsedEnd {
-    /// From the world to the point, without what turns about it.
+    /// From the world to the point, without rotations about it.
     pub carrier: Vec<Factor>,
     pub place: [FormulaNode; 3],
     pub span: Span,
@@ -33,7 +33,7 @@ pub struct ParsedBars {
 }
 
 impl ParsedBars {
-    /// Parses all bars of `file`; what fails is reported and left out.
+    /// Parses all bars of `file`; invalid ones are reported and skipped.
     pub fn parse(file: &SceneFile, chains: &NamedChains, diagnostics: &mut Diagnostics) -> Self {
         let mut bars = Self::default();
         for bar in &file.bars {
@@ -71,7 +71,7 @@ impl ParsedBars {
         })
     }
 
-    /// The end of that name, with a pin where its coordinates are no sums of what stands in its chain.
+    /// The end of that name, with a pin if its coordinates are not sums of displacements.
     fn end(&mut self, name: String, (carrier, span): (Vec<Factor>, Span)) -> ParsedEnd {
         let known = self
             .pins
@@ -94,12 +94,12 @@ impl ParsedBars {
         }
     }
 
-    /// Every factor in which unknowns may stand.
+    /// Every factor that may contain unknowns.
     pub fn factors(&self) -> impl Iterator<Item = &Factor> {
         self.pins.iter().flat_map(|pin| &pin.closing)
     }
 
-    /// Every length in which unknowns may stand.
+    /// Every length that may contain unknowns.
     pub fn lengths(&self) -> impl Iterator<Item = &FormulaNode> {
         self.list.iter().flat_map(|bar| {
             let places = bar.ends.iter().flat_map(|end| &end.place);
@@ -107,7 +107,7 @@ impl ParsedBars {
         })
     }
 
-    /// Changes every factor and every formula.
+    /// Transforms every factor and every formula.
     pub fn change(&mut self, factor: &dyn Fn(&mut Factor), length: &dyn Fn(&mut FormulaNode)) {
         for bar in &mut self.list {
             for end in &mut bar.ends {

@@ -1,4 +1,4 @@
-//! Points that rotations carry around: their coordinates as unknowns, and what says where they are.
+//! Points carried by rotations: their coordinates become unknowns, determined by loops.
 
 use super::super::super::formula::expansion::Factor;
 use super::super::super::formula::node::{FormulaNode, NodeKind};
@@ -8,24 +8,24 @@ use crate::model::actuation::Actuation;
 use crate::model::chain::ElementaryMotion;
 use crate::model::mechanism::Mechanism;
 
-/// Unknown coordinates of a point that rotations carry around.
+/// The unknown coordinates of a point that rotations carry.
 pub struct ParsedPin {
     /// Of its loop.
     pub name: String,
     /// Axes and names.
     pub unknowns: Vec<(usize, String)>,
-    /// From the world to the point by its coordinates.
+    /// From the world to the point, by its coordinates.
     pub base: Vec<Factor>,
-    /// From there to the same point by its chain.
+    /// From there back to the point, by its chain.
     pub closing: Vec<Factor>,
-    /// As the bars write it.
+    /// As written in the bars.
     pub carrier: Vec<Factor>,
     /// Its coordinates.
     pub place: [FormulaNode; 3],
 }
 
 impl ParsedPin {
-    /// `plain` tells which coordinates are sums of what shifts the point along their axes.
+    /// `plain` marks the coordinates that are sums of displacements along their axes.
     pub fn new(name: String, carrier: &[Factor], plain: [bool; 3], span: &Span) -> Self {
         let mut unknowns = Vec::new();
         let place = [0, 1, 2].map(|axis| {
@@ -43,7 +43,7 @@ impl ParsedPin {
             |(axis, _): &(usize, String)| Factor::Elementary(motion, *axis, place[*axis].clone());
         let base: Vec<Factor> = unknowns.iter().map(shift).collect();
         let back = base.iter().rev().cloned().map(Factor::inverse);
-        // What shifts the point along the axis of all rotations says nothing about its other coordinates.
+        // Displacements along the axis of all rotations do not affect the other coordinates.
         let across = carrier.iter().filter(|factor| match factor {
             Factor::Elementary(ElementaryMotion::Translation, axis, _) => !plain[*axis],
             _ => true,
@@ -58,7 +58,7 @@ impl ParsedPin {
         }
     }
 
-    /// Gives its coordinates without start values those of its chain at the start values of all others.
+    /// Fills in missing start values of its coordinates from its chain at the start values of all other unknowns.
     pub fn start(&self, mechanism: &Mechanism, actuation: &mut Actuation) {
         let place = |name: &str| mechanism.unknowns.iter().position(|u| u.name == name);
         let slots = self.unknowns.iter();
@@ -67,7 +67,7 @@ impl ParsedPin {
         let Some(item) = mechanism.loops.iter().find(|item| item.name == self.name) else {
             return;
         };
-        // With the coordinates at zero the loop is open by just what they have to be.
+        // With zero coordinates the closure error of the loop is exactly their values.
         let mut start = actuation.start_at(0.0);
         free.iter().for_each(|(_, slot)| start[*slot] = 0.0);
         let open = item

@@ -1,11 +1,11 @@
-//! A contact as the chain of lower pairs that moves like it, with generated names for the unknowns. Nothing is looked
-//! up here.
+//! Translates a contact into its equivalent chain of lower pairs, with generated names for the unknowns. No names are
+//! looked up here.
 //!
-//! Each surface is a chain from its frame to a frame in the contact point whose x axis is the outward normal: for a
-//! torus a turn about its axis, the ring's radius, a turn about the tube's centre line, the tube's radius. Two such
-//! frames meet with opposite normals, turned about them by `spin`. What a sphere leaves arbitrary is no unknown: its
-//! centre lies at its radius from the other surface, which says nothing about directions. A cylinder touches a plane
-//! along a line, and has no place along it.
+//! Each surface is a chain from its frame to a frame at the contact point whose x axis is the outward normal. For a
+//! torus: rotation about its axis, radius of the ring, rotation about the centre line of the tube, radius of the tube.
+//! The two contact frames meet with opposite normals, rotated about them by `spin`. The arbitrary orientation of a
+//! sphere is not an unknown: its centre keeps its radius as distance from the other surface. A cylinder touches a plane
+//! along a line, so it has no coordinate along that line.
 
 use super::super::super::contacts::{ContactFile, ContactSurface, SurfaceFile};
 use super::super::super::formula::chain::{Item, Transform, parse_chain};
@@ -76,11 +76,11 @@ pub struct ContactSide {
 
 /// What must hold.
 pub enum Closure {
-    /// The product is the identity.
+    /// The product must be the identity.
     Frame(Vec<Factor>),
-    /// The product does not shift its origin.
+    /// The product must map the origin to itself.
     Point(Vec<Factor>),
-    /// The origins of the two frames are as far apart as the radii are long.
+    /// The distance of the two origins is the sum of the radii.
     Distance,
 }
 
@@ -125,7 +125,7 @@ impl ContactItems {
         Some(items)
     }
 
-    /// Expands the contact by the named chains.
+    /// Expands the contact with the named chains.
     pub fn expand(
         self,
         chains: &NamedChains,
@@ -151,14 +151,14 @@ impl ContactItems {
         })
     }
 
-    /// Whether the product must be the identity, and its items; none for two spheres.
+    /// Whether the product must be the identity, and its factors; none for two spheres.
     fn closing_items(&self) -> (bool, Option<Vec<Item>>) {
         use ContactSurface::{Plane, Sphere};
         let [(first, first_frame), (second, second_frame)] = &self.surfaces;
         let inverse = |items: Vec<Item>| Item::Inverse(items);
         match (first, second) {
             (Sphere { .. }, Sphere { .. }) => (false, None),
-            // From the point at the sphere's radius off the other surface to the sphere's centre.
+            // From the point at a distance of the sphere's radius from the other surface to the sphere's centre.
             (_, Sphere { radius }) => {
                 let mut items = vec![inverse(self.to_point(0, Some(radius)))];
                 items.extend(second_frame.iter().cloned());
@@ -187,11 +187,12 @@ impl ContactItems {
         }
     }
 
-    /// From the world to the contact point of one side, and `further` off it, x along the outward normal.
+    /// From the world to the contact point on one side, and `further` along the outward normal, which is the x axis.
     fn to_point(&self, side: usize, further: Option<&FormulaNode>) -> Vec<Item> {
         let (surface, frame) = &self.surfaces[side];
         let (other, _) = &self.surfaces[1 - side];
         let number = side + 1;
+        // The last step along the normal: to the surface, or beyond it by a sphere's radius.
         let out = |size: &FormulaNode| match further {
             None => self.along_by(0, size.clone()),
             Some(more) => {
@@ -208,6 +209,7 @@ impl ContactItems {
                 self.rotation_about(1, &format!("phi{number}")),
                 out(tube),
             ]),
+            // Along a line of contact with a plane, the position has no effect and is omitted.
             ContactSurface::Cylinder { radius } => {
                 items.push(self.rotation_about(2, &format!("theta{number}")));
                 if !matches!(other, ContactSurface::Plane) {
@@ -215,6 +217,7 @@ impl ContactItems {
                 }
                 items.push(out(radius));
             }
+            // The plane's normal is z; a quarter turn makes it the x axis of the contact frame.
             ContactSurface::Plane => {
                 items.extend(self.slides(side));
                 items.push(self.turn(1, -(Constant::PI / Constant::exact(2.0))));

@@ -1,5 +1,5 @@
-//! Parsed contacts as parts of the mechanism: loops and equations that close them, and the scalars that formulas of
-//! outputs may use: `c.point.x`, `c.normal.x`, `c.pressure_angle`.
+//! Translates parsed contacts into loops and equations, and into the scalars that formulas of outputs may use:
+//! `c.point.x`, `c.normal.x`, `c.pressure_angle`.
 
 use super::super::super::contacts::ContactSurface;
 use super::super::super::formula::compile::{compile_formula, constant_node, exact_constant};
@@ -20,14 +20,14 @@ use crate::model::walk::{Triple, add_vectors};
 use crate::numbers::constant::Constant;
 use crate::numbers::scalar::Ring;
 
-/// What contacts add to the mechanism.
+/// The contribution of contacts to the mechanism.
 #[derive(Default)]
 pub struct Contacts {
     pub loops: Vec<Loop>,
     pub equations: Vec<Equation>,
     /// Cylinders that may cross at any angle.
     pub crossings: Vec<AxisCrossing>,
-    /// Full names of the scalars, with their formulas over the coordinates, or why there is none.
+    /// Full names of the scalars, with their formulas in the coordinates, or the reason why there is none.
     pub scalars: Vec<(String, Kind, Result<Expression, String>)>,
 }
 
@@ -46,6 +46,7 @@ impl Contacts {
     ) -> Self {
         let mut all = Self::default();
         for contact in contacts {
+            // Both the sizes and the frames are checked, so that all errors are reported.
             let sound = is_sound(contact, names, diagnostics);
             let chains = contact
                 .sides
@@ -57,6 +58,7 @@ impl Contacts {
             if !sound {
                 continue;
             }
+            // A contact of two fixed surfaces determines nothing.
             let moves = |chain: &Chain| {
                 chain
                     .steps
@@ -72,7 +74,9 @@ impl Contacts {
                 );
                 continue;
             }
+            // The equation or loop that keeps the surfaces in contact.
             all.close(contact, names, joints, [&first, &second], diagnostics);
+            // Crossing cylinders: their axes may become parallel, where the contact point is not determined.
             let is_free = |what| names.meaning(&format!("{}.{what}", contact.name.value));
             if let (Some(factors), Some(Meaning::Unknown(_))) =
                 (factors_across(contact), is_free("w2"))
@@ -82,6 +86,7 @@ impl Contacts {
                 let crossing = across.map(|across| AxisCrossing { contact, across });
                 all.crossings.extend(crossing);
             }
+            // The scalars that outputs may use.
             let frame = contact.frame.as_ref();
             let frame = frame.and_then(|f| joints.chain(f, diagnostics));
             all.describe(
@@ -107,6 +112,7 @@ impl Contacts {
         let (factors, closes) = match &contact.closure {
             Closure::Frame(factors) => (factors, Closes::Frame),
             Closure::Point(factors) => (factors, Closes::Point),
+            // Two spheres: one equation for the distance of their centres, which may be points of loops of their own.
             Closure::Distance => {
                 let formulas = Formulas::default();
                 let own = closed_chains(contact, joints);
@@ -173,12 +179,12 @@ impl Contacts {
     }
 }
 
-/// The frames of a contact's surfaces as seen from the last frame that carries both, if anything moves that.
+/// The frames of a contact's surfaces relative to the last frame that carries both, if that frame can move.
 fn closed_chains(contact: &ParsedContact, joints: &mut FoldedJoints) -> Option<[Chain; 2]> {
     let [first, second] = contact.sides.each_ref().map(|side| &side.frame);
     let pairs = first.iter().zip(second);
     let shared = pairs.take_while(|(a, b)| a.is_alike(b)).count();
-    // What is wrong with the frames has been reported.
+    // Errors in the frames have been reported.
     let mut chain = |factors: &[Factor]| joints.chain(factors, &mut Diagnostics::default());
     let base = chain(&first[..shared])?;
     let moves = base.steps.iter().any(|step| step.joint().is_some());
@@ -186,8 +192,8 @@ fn closed_chains(contact: &ParsedContact, joints: &mut FoldedJoints) -> Option<[
     moves.then_some([a, b])
 }
 
-/// The angle between the normal and the velocity that the contact point has as a point of the second body, in 0..90
-/// degrees. The velocity's direction is known where one joint alone moves that body.
+/// The angle between the normal and the velocity of the contact point as a point of the second body, in 0..90 degrees.
+/// The direction of the velocity is known if a single joint moves that body.
 fn pressure_angle<'l>(
     formulas: &'l Formulas,
     names: &Names,
@@ -208,7 +214,7 @@ fn pressure_angle<'l>(
         let Argument::Affine(affine) = &arguments[argument] else {
             return Err("a formula drives the second body".to_owned());
         };
-        // What a study varies rests along the motion.
+        // A variable of a study is constant along the motion.
         let moving = affine.terms.iter().filter(|(slot, _)| !names.rests(*slot));
         for (slot, coefficient) in moving.copied().collect::<Vec<_>>() {
             slots.push(slot);
@@ -231,11 +237,12 @@ fn pressure_angle<'l>(
     Ok(formulas.angle_of(across, dot_product(normal, velocity)))
 }
 
-/// Sizes must be constants, positive but for the radius of a sphere, which may be zero.
+/// Sizes must be constant and positive; the radius of a sphere may be zero.
 fn is_sound(contact: &ParsedContact, names: &Names, diagnostics: &mut Diagnostics) -> bool {
     let mut sound = true;
     for side in &contact.sides {
         let surface = &side.surface;
+        // Only a sphere may have radius zero: it is a point.
         let may_vanish = matches!(surface, ContactSurface::Sphere { .. });
         for (what, node) in surface.sizes() {
             let message = match constant_node(node, &|n, s| names.constant(n, s)) {
@@ -264,6 +271,7 @@ fn is_sound(contact: &ParsedContact, names: &Names, diagnostics: &mut Diagnostic
             sound = false;
         }
     }
+    // The distance of two points of radius zero is a square root at zero, which has no derivative.
     if sound && contact.is_of_spheres() && radius_sum(contact, names) == 0.0 {
         let message = "two points cannot touch in one equation: one of the spheres needs a radius";
         diagnostics.push(Diagnostic::error(message).at(contact.name.span.clone()));
@@ -279,7 +287,7 @@ fn radius_sum(contact: &ParsedContact, names: &Names) -> f64 {
         .sum()
 }
 
-/// The same as a formula: a study may vary them.
+/// The same as a formula, since a study may vary the radii.
 fn sum_of_radii<'l>(
     formulas: &'l Formulas,
     contact: &ParsedContact,
@@ -298,7 +306,7 @@ fn sizes_of(contact: &ParsedContact) -> impl Iterator<Item = &FormulaNode> {
     sizes.map(|(_, node)| node)
 }
 
-/// A size that is known to be sound, as a formula.
+/// A valid size as a formula.
 fn formula_size<'l>(formulas: &'l Formulas, node: &FormulaNode, names: &Names) -> SymbolicTerm<'l> {
     match compile_formula(node, &|n, s| names.coordinate(n, s)) {
         Ok(expression) => formulas.inline(&expression),
@@ -306,7 +314,7 @@ fn formula_size<'l>(formulas: &'l Formulas, node: &FormulaNode, names: &Names) -
     }
 }
 
-/// A size that is known to be sound.
+/// A valid size.
 fn constant_value(node: &FormulaNode, names: &Names) -> Constant {
     exact_constant(node, &|n, s| names.constant(n, s)).unwrap_or_default()
 }

@@ -1,5 +1,5 @@
-//! Contacts of two surfaces: as chains of lower pairs (`chains`), then as loops, equations and named scalars of the
-//! mechanism (`closure`).
+//! Contacts of two surfaces: translated into chains of lower pairs (`chains`), then into loops, equations and named
+//! scalars of the mechanism (`closure`).
 
 pub mod chains;
 pub mod closure;

@@ -1,9 +1,9 @@
-//! Two cylinders in contact whose axes are parallel in every pose: the cam and its roller.
+//! Two cylinders in contact whose axes are parallel in every pose, such as a cam and its roller.
 //!
-//! They touch along a line. In general position the contact point has a place along each axis (`w1`, `w2`) and the
-//! cylinders cross at an angle (`spin`); here the angle is known, and the point may lie anywhere along the line. It is put
-//! where the second surface's frame stands: `w2` is zero. If nothing shifts the frames along the axes, `w1` is known too,
-//! and what is left is a planar loop.
+//! They touch along a line. In general position the contact point has a coordinate along each axis (`w1`, `w2`) and the
+//! cylinders cross at an angle (`spin`). Here the angle is known, and the point may lie anywhere on the line. It is
+//! fixed at the origin of the second surface's frame: `w2` is zero. If nothing translates the frames along the axes,
+//! `w1` is known too, and a planar loop remains.
 
 use super::super::super::contacts::ContactSurface;
 use super::super::super::formula::expansion::Factor;
@@ -20,15 +20,15 @@ use crate::model::mechanism::AngleUnit;
 use crate::numbers::constant::Constant;
 use glam::DVec3;
 
-/// How two parallel axes lie to each other.
+/// The relative position of two parallel axes.
 struct Arrangement {
     /// The z axes of both frames point the same way.
     is_same_way: bool,
-    /// Place of the second frame along the first axis; `None` if it changes.
+    /// Position of the second frame along the first axis; `None` if it is not constant.
     along: Option<Constant>,
 }
 
-/// Makes constants of those unknowns of contacts that parallel axes leave no choice.
+/// Makes constants of the unknowns of contacts that parallel axes determine.
 pub fn settle_parallel(parsed: &Parsed, names: &mut Names, unit: &AngleUnit) {
     let mut settled: Vec<(String, Constant)> = Vec::new();
     for contact in &parsed.contacts {
@@ -72,11 +72,11 @@ fn axis_arrangement(
     names: &Names,
     unit: &AngleUnit,
 ) -> Option<Arrangement> {
-    // What is wrong with a chain is reported where it is resolved.
+    // Errors in a chain are reported where it is resolved.
     let mut joints = FoldedJoints::new(names, unit);
     let chain = joints.chain(&factors_across(contact)?, &mut Diagnostics::default())?;
-    // Rotations about the axis change neither its direction nor those of the other rotations' axes along it, so one pose
-    // shows whether all are along it: that at which nothing is turned or shifted.
+    // Rotations about the axis change neither its direction nor the axes of other rotations that are parallel to it.
+    // One pose, with all coordinates zero, therefore shows whether all axes are parallel.
     let mut frame = FixedPose::exact(Pose::IDENTITY);
     let (mut is_parallel, mut is_shifted) = (true, false);
     for step in &chain.steps {

@@ -1,7 +1,7 @@
 //! `docs/sources.md`: every figure of "ours" is in the output of the command beside it, to all its digits, or the test that is
 //! named there exists.
 
-use super::document_commands::words;
+use super::text::words;
 use crate::program::Workspace;
 use std::collections::HashMap;
 use std::path::Path;
@@ -41,7 +41,7 @@ fn rows(page: &str) -> Vec<Row> {
 }
 
 /// The numbers of a text as they are written, without what stands in backticks.
-fn numbers(text: &str) -> Vec<String> {
+pub fn numbers(text: &str) -> Vec<String> {
     let outside: String = text.split('`').step_by(2).collect::<Vec<_>>().join(" ");
     let is_part = |c: char| c.is_ascii_digit() || matches!(c, '.' | '-' | 'e');
     let words = outside.split(|c| !is_part(c));
@@ -51,9 +51,11 @@ fn numbers(text: &str) -> Vec<String> {
 }
 
 /// Whether a number that was printed is `figure`, rounded to its digits.
-fn is_rounded_to(printed: f64, figure: &str) -> bool {
-    let digits = figure.split_once('.').map_or(0, |(_, after)| after.len());
-    let half = 0.5 * 10_f64.powi(-i32::try_from(digits).unwrap());
+pub fn is_rounded_to(printed: f64, figure: &str) -> bool {
+    let (mantissa, exponent) = figure.split_once('e').unwrap_or((figure, "0"));
+    let digits = mantissa.split_once('.').map_or(0, |(_, after)| after.len());
+    let exponent: i32 = exponent.parse().unwrap_or(0);
+    let half = 0.5 * 10_f64.powi(exponent - i32::try_from(digits).unwrap());
     figure
         .parse::<f64>()
         .is_ok_and(|value| (printed - value).abs() <= half * (1.0 + 1e-6))
@@ -71,7 +73,7 @@ fn missing(row: &Row, output: &str) -> Vec<String> {
     quoted.chain(figures).collect()
 }
 
-fn sources_of_tests(folder: &Path, text: &mut String) {
+pub fn sources_of_tests(folder: &Path, text: &mut String) {
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         if path.is_dir() {

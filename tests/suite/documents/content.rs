@@ -69,6 +69,35 @@ fn the_scene_of_the_readme_works() {
     assert_eq!(trajectory.missing(), 0);
 }
 
+/// What a block may be called: what is run, what is printed, files, other languages, and what is neither.
+const LABELS: [&str; 8] = [
+    "sh",
+    "console",
+    "toml",
+    "text",
+    "yaml",
+    "rust,no_run",
+    "python",
+    "json",
+];
+
+#[test]
+fn every_block_has_a_label() {
+    let mut count = 0;
+    for document in super::text::all_documents() {
+        for block in document.blocks() {
+            count += 1;
+            let place = format!("{}:{}", document.name, block.line);
+            assert!(
+                LABELS.contains(&block.language.as_str()),
+                "{place}: `{}`",
+                block.language
+            );
+        }
+    }
+    assert!(count > 60, "{count}");
+}
+
 #[test]
 fn links_in_the_documents_lead_somewhere() {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
