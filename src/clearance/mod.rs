@@ -16,6 +16,7 @@ mod found;
 mod gap;
 pub mod inputs_box;
 mod joint_region;
+mod line_turn;
 mod look;
 pub mod measured;
 pub mod meeting;

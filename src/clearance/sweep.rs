@@ -12,18 +12,18 @@ use crate::math::Pose;
 use glam::DVec3;
 
 /// No point of a body is farther from its exact place than this for rounding, in lengths of the chain that leads to it from
-/// the other body: a hundred factors are good to 1e-13.
-pub const POSE_SLACK: f64 = 1e-10;
+/// the other body: a hundred factors are good to 1e-13. The bound is lowered by as much.
+pub const POSE_SLACK: f64 = 1e-12;
 
-/// A pair passes where the bound is no farther below the minimum than this, in the same lengths: bodies that keep exactly
-/// their minimum cannot be proved to more.
+/// A search along a circle finds its nearest point to this, in its radii and in lengths of what it is searched along.
+const SEARCHED: f64 = 2e-11;
+
+/// A pair passes where the bound is no farther below the minimum than this, in radii of the smaller body's ball: bodies that
+/// keep exactly their minimum cannot be proved to more. How far they are from their origins, or from each other, is of no
+/// account: what that costs is taken off the bound.
 pub const JUDGED: f64 = 1e-9;
 
-/// But by no more than this part of the radius of the smaller body's ball, however far the two come from each other: a cut that
-/// can be seen is none of rounding.
-const MOST_JUDGED: f64 = 1e-3;
-
-/// A minimum, in lengths of the pair, below which the bound need not be finer than its share.
+/// A minimum, in radii of the smaller body's ball, below which the bound need not be finer than its share.
 const SMALLEST_SCALE: f64 = 1e-4;
 
 /// The least distance of two bodies over the motion.
@@ -62,6 +62,8 @@ pub struct PairSweep<'a> {
     least_scale: f64,
     /// Length of the chain between the bodies, with their own.
     pub(super) extent: f64,
+    /// What the search for a distance may miss.
+    searched: f64,
     /// Pairs of elements that do not count.
     pub(super) left_out: LeftOut,
     is_swapped: bool,
@@ -80,6 +82,25 @@ pub(super) struct Best {
 pub(super) fn slack_of_poses(motion: &ProvedMotion, chain: &RelativeChain, extent: f64) -> f64 {
     let sizes = (extent / motion.system.mechanism().size).max(1.0);
     POSE_SLACK * extent + motion.pose_error * sizes * chain.joints() as f64
+}
+
+/// The radius of the smaller ball around two bodies, zero if both have no end.
+fn smaller_radius(hulls: [&Hull; 2]) -> f64 {
+    let radius = hulls[0].ball.1.min(hulls[1].ball.1);
+    if radius.is_finite() { radius } else { 0.0 }
+}
+
+/// The longest curve of two hulls along which a distance is searched: circles, and what is compared with them.
+fn searched_length(hulls: [&Hull; 2]) -> f64 {
+    let all = || hulls.into_iter().flat_map(|hull| &hull.elements);
+    let has_ring = all().any(|e| e.core.circle().is_some());
+    let length = |e: &Element| match &e.core {
+        Primitive::Circle(circle) => circle.radius,
+        Primitive::Frustum(f) => f.radii[0].max(f.radii[1]),
+        Primitive::Segment([a, b]) if has_ring => a.distance(*b),
+        _ => 0.0,
+    };
+    all().map(length).fold(0.0, f64::max)
 }
 
 impl<'a> PairSweep<'a> {
@@ -112,8 +133,9 @@ impl<'a> PairSweep<'a> {
             back: back.then(|| RelativeChain::new(chain(1), chain(0))),
             tolerance,
             minimum,
-            least_scale: SMALLEST_SCALE * extent,
+            least_scale: SMALLEST_SCALE * smaller_radius(hulls),
             extent,
+            searched: SEARCHED * searched_length(hulls),
             left_out: LeftOut::default(),
             is_swapped: swap,
         }
@@ -151,8 +173,7 @@ impl<'a> PairSweep<'a> {
 
     /// By how much a bound may stay below the minimum of a pair that passes.
     pub fn slack(&self) -> f64 {
-        let smaller = self.hulls[0].ball.1.min(self.hulls[1].ball.1);
-        (JUDGED * self.extent).min(MOST_JUDGED * smaller)
+        JUDGED * smaller_radius(self.hulls).max(self.minimum.abs())
     }
 
     /// The least distance that passes, to within rounding: exactly the minimum cannot be proved.
@@ -193,7 +214,7 @@ impl<'a> PairSweep<'a> {
 
     /// No point of a sampled pose is farther from its exact place, as seen from the other body.
     pub(super) fn pose_slack(&self, motion: &ProvedMotion) -> f64 {
-        slack_of_poses(motion, &self.chain, self.extent)
+        slack_of_poses(motion, &self.chain, self.extent) + self.searched
     }
 
     /// What the bound must reach to be as near to the least distance as was asked.
