@@ -5,7 +5,7 @@ use crate::numbers::constant::Constant;
 
 /// Instants that are known to this part of themselves, or of a second, and do not differ by more than what is unknown of
 /// them are one: numbers as they are written differ by far more.
-const KNOWN: f64 = 1e-24;
+pub(super) const KNOWN: f64 = 1e-24;
 
 /// A `floor` or `mod` that jumps.
 #[derive(Clone, Debug)]

@@ -27,7 +27,7 @@ const MOST_PARTS: usize = 10_000;
 
 /// What a function is on a piece.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum KinkSide {
+pub(super) enum KinkSide {
     /// As it is written.
     Plain,
     /// One of its operands, negated or not, and some number of an interval.
@@ -37,7 +37,7 @@ enum KinkSide {
 }
 
 impl KinkSide {
-    fn whole(self) -> Option<f64> {
+    pub(super) fn whole(self) -> Option<f64> {
         match self {
             Self::Whole(whole) => Some(whole),
             _ => None,
@@ -48,7 +48,7 @@ impl KinkSide {
 /// A formula of time over a stretch without jumps inside.
 #[derive(Clone, Debug)]
 pub struct TimePiece {
-    sides: Vec<KinkSide>,
+    pub(super) sides: Vec<KinkSide>,
     /// What jumps at the start, and at the end.
     pub jumps: [Option<Jump>; 2],
 }
@@ -372,7 +372,7 @@ fn on_side<const N: usize>(
 }
 
 /// All values that an operation may have, and all its rates: about a kink those of both sides.
-fn within<const N: usize>(
+pub(super) fn within<const N: usize>(
     op: Op,
     side: KinkSide,
     values: &[Series<Interval, N>],
