@@ -53,6 +53,7 @@ fn shifts_of(core: &Primitive, point: DVec3, n: DVec3) -> Shifts {
                 _ => [None; 3],
             }
         }
+        // The ring's own point follows the direction around.
         Primitive::Circle(circle) => [rolled(circle, circle.radius, n), None, None],
         Primitive::Frustum(f) => {
             let height = (point - f.from).dot(f.axis);
@@ -64,6 +65,7 @@ fn shifts_of(core: &Primitive, point: DVec3, n: DVec3) -> Shifts {
                 axis: f.axis,
                 radius,
             };
+            // On the side, at a rim, or on a lid.
             let is_side = share > WITHIN && share < 1.0 - WITHIN;
             if is_side {
                 let along = f.axis * f.length + rim.outward(out) * (f.radii[1] - f.radii[0]);
@@ -116,8 +118,10 @@ impl Meeting<'_> {
         let [from, to] = self.core_points();
         let x = n.any_orthonormal_vector();
         let y = n.cross(x);
+        // Coordinates across the line.
         let flat = |v: DVec3| DVec2::new(v.dot(x), v.dot(y));
         let sizes = apart + self.a.core.bounds().1.min(self.b.core.bounds().1);
+        // By how much the nearest point of a core shifts for a turn of the line.
         let bend = |core: &Primitive, point: DVec3, n: DVec3| {
             let all = shifts_of(core, point, n).into_iter().flatten();
             all.fold(DMat2::ZERO, |sum, (along, by)| {
@@ -129,6 +133,7 @@ impl Meeting<'_> {
         let mine = bend(&self.a.core, from, n);
         let theirs = bend(&self.b.core, to, -n);
         let all = DMat2::from_diagonal(DVec2::splat(apart)) + mine + theirs;
+        // How fast one point leaves the other across the line.
         let rate = flat(self.moved.rate(to)) + theirs * flat(self.moved.spin.cross(n));
         let turn = all.inverse() * rate;
         turn.is_finite().then(|| x * turn.x + y * turn.y)

@@ -273,10 +273,6 @@ impl<T: Scalar, const N: usize> Scalar for Series<T, N> {
     fn atan2(self, x: Self) -> Self {
         let square = x.square() + self.square();
         let angle = self.coefficients[0].atan2(x.coefficients[0]);
-        // Its rates are smooth across the cut, but it is not.
-        if !angle.is_finite() {
-            return Self::undefined();
-        }
         let from_y = self.integrated_product(&(x / square), angle);
         let from_x = x.integrated_product(&(self / square), T::number(0.0));
         from_y - from_x
