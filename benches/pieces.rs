@@ -2,7 +2,7 @@
 //!
 //! `cargo bench --bench pieces [-- SCENE TOLERANCE PIECES]`. The pieces and their numbers are those of `mechanim tolerance`.
 
-use mechanim::analysis::study::{AT_A_TIME, Evaluator, LaneEvaluator, LoadedStudy, StandAnchors};
+use mechanim::analysis::study::{AT_A_TIME, Evaluator, LaneEvaluator, LoadedStudy, PoseAnchors};
 use mechanim::analysis::tolerance::{Distribution, SampleBatch, values_of};
 use mechanim::scene::{Overrides, builtin, load_scene};
 use std::time::Instant;
@@ -57,7 +57,7 @@ fn measure(name: &str, tolerance: f64, count: usize) -> Option<()> {
         };
         designs.iter().map(one).collect::<Vec<_>>()
     });
-    let anchors = StandAnchors::new(&Evaluator::new(&loaded.family), &stand);
+    let anchors = PoseAnchors::new(&Evaluator::new(&loaded.family), &stand);
     let mut lanes = LaneEvaluator::new(Evaluator::new(&loaded.family), &anchors);
     let (together, side_by_side) = timed(count, || {
         let groups = designs.chunks(AT_A_TIME);

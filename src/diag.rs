@@ -13,7 +13,7 @@ pub type Span = Range<usize>;
 pub enum Severity {
     /// The scene cannot be used.
     Error,
-    /// The scene can be used, but probably does not say what was meant.
+    /// The scene can be used, but probably differs from what was intended.
     Warning,
 }
 
@@ -22,9 +22,9 @@ pub enum Severity {
 pub struct Diagnostic {
     /// How bad.
     pub severity: Severity,
-    /// What is wrong, in one line.
+    /// The message, in one line.
     pub message: String,
-    /// Where, if it has a place in the text.
+    /// Its position, if it has one in the text.
     pub span: Option<Span>,
     /// A few words under the caret.
     pub label: String,
@@ -32,7 +32,7 @@ pub struct Diagnostic {
     pub related: Vec<(Span, String)>,
     /// How to mend it.
     pub hints: Vec<String>,
-    /// Only follows from another mistake, which is reported: never kept.
+    /// A consequence of another error, which is reported: never stored.
     pub inherited: bool,
 }
 
@@ -50,7 +50,7 @@ impl Diagnostic {
         }
     }
 
-    /// Stands for a mistake that only follows from another one. It stops what cannot go on, and is not shown.
+    /// A placeholder for an error that is a consequence of another one. It stops the caller, and is not shown.
     pub fn inherited() -> Self {
         Self {
             inherited: true,
@@ -78,7 +78,7 @@ impl Diagnostic {
         self
     }
 
-    /// Adds another place that explains it.
+    /// Adds another position that explains it.
     pub fn with_related(mut self, span: Span, label: impl Into<String>) -> Self {
         self.related.push((span, label.into()));
         self
@@ -124,7 +124,7 @@ pub fn nearest_name<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) ->
         .map(|(_, name)| name)
 }
 
-/// A number as messages show it: in full while that is short.
+/// A number as messages show it: in full if it is short.
 pub fn shown_number(value: f64) -> String {
     let size = value.abs();
     if size == 0.0 || !size.is_finite() || (1e-6..1e9).contains(&size) {
@@ -156,8 +156,8 @@ pub const MOST_QUOTED: usize = 120;
 /// The same of a whole message.
 const MOST_SAID: usize = 4000;
 
-/// Whether a character acts on who shows it, instead of being seen: controls and escapes, marks that turn the direction
-/// of writing, line and paragraph ends of Unicode, tags.
+/// Whether a character has an effect instead of being visible: controls and escapes, marks that change the writing
+/// direction, line and paragraph separators of Unicode, tags.
 fn is_unseen(character: char) -> bool {
     character.is_control()
         || matches!(character,
@@ -165,7 +165,7 @@ fn is_unseen(character: char) -> bool {
             | '\u{feff}' | '\u{fff9}'..='\u{fffb}' | '\u{e0000}'..='\u{e007f}')
 }
 
-/// A character as it may be shown: one that would act on a terminal or a reader is spelt out, as `\u{1b}`.
+/// A character as it may be shown: one that would have an effect is spelled out, as `\u{1b}`.
 pub fn shown_char(character: char) -> String {
     match is_unseen(character) {
         true => character.escape_default().to_string(),
@@ -202,8 +202,8 @@ fn shown_but(text: &str, stays: impl Fn(char) -> bool) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// Whether whoever keeps the log of a CI run would take what follows for a command: `::error::` where a line begins,
-/// `##[error]`, `##vso[…]`, `##teamcity[…]` anywhere.
+/// Whether a CI service would interpret the following text in a log as a command: `::error::` at the beginning of a
+/// line, `##[error]`, `##vso[…]`, `##teamcity[…]` anywhere.
 fn begins_command(rest: &str, is_line: bool) -> bool {
     let word = |rest: &str| {
         rest.trim_start_matches(|c: char| c.is_ascii_alphabetic())
@@ -227,7 +227,7 @@ pub fn shorten_text(text: &str) -> Cow<'_, str> {
     Cow::Owned(cut_text(&parts.join("`"), MOST_SAID).into_owned())
 }
 
-/// The beginning of what is longer than so many characters.
+/// The beginning of a text that is longer than this many characters.
 pub fn cut_text(text: &str, most: usize) -> Cow<'_, str> {
     match text.char_indices().nth(most) {
         Some((end, _)) => Cow::Owned(format!("{}…", &text[..end])),
@@ -239,7 +239,7 @@ pub fn cut_text(text: &str, most: usize) -> Cow<'_, str> {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Diagnostics {
     items: Vec<Diagnostic>,
-    /// Hashes of what is said and where: a faulty text is met once for each reference to it.
+    /// Hashes of messages with their positions: a faulty text is found once for each reference to it.
     known: HashSet<u64>,
 }
 
@@ -263,7 +263,7 @@ impl Diagnostics {
         self.items.iter().any(|d| d.severity == Severity::Error)
     }
 
-    /// All of them, ordered by place, those without a place last.
+    /// All of them, ordered by position, those without a position last.
     pub fn sorted(&self) -> Vec<&Diagnostic> {
         let mut all: Vec<_> = self.items.iter().collect();
         all.sort_by_key(|d| d.span.as_ref().map_or(usize::MAX, |s| s.start));

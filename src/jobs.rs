@@ -5,7 +5,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-/// How often somebody who watches is told: work that is done sooner is not held up by it.
+/// How often the progress is reported; work that is finished sooner is not delayed by it.
 const WATCH: Duration = Duration::from_millis(5);
 
 /// Tells how long something takes; zero where the platform has no clock, as in a web page.
@@ -29,10 +29,10 @@ pub fn core_count() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
-/// Jobs with the numbers below `count`, done by up to `threads` threads, each with a tool of its own from `make`. A thread
-/// whose `work` returns `None` does no more of them. The results with their numbers, ascending.
+/// Jobs with the numbers below `count`, done by up to `threads` threads, each with its own tool from `make`. A thread
+/// whose `work` returns `None` stops. Returns the results with their numbers, ascending.
 ///
-/// Where the system starts fewer threads than were asked for, those do all the work; the calling one always takes part.
+/// If the system starts fewer threads than requested, those do all the work; the calling one always takes part.
 pub fn share_work<W, T: Send>(
     count: usize,
     threads: usize,
@@ -52,7 +52,7 @@ pub fn share_work<W, T: Send>(
     jobs.results()
 }
 
-/// The same while the calling thread tells `watch` how many jobs are done.
+/// The same, while the calling thread reports the number of finished jobs to `watch`.
 pub fn share_watched<W, T: Send>(
     count: usize,
     threads: usize,

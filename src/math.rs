@@ -18,7 +18,7 @@ pub fn sin_cos(angle: f64) -> (f64, f64) {
 /// then the square of its part across is less than this.
 const ALONG: f64 = 1e-12;
 
-/// The unit vector square to `axis` that is nearest to `v`; zero along the axis.
+/// The unit vector perpendicular to `axis` that is nearest to `v`; zero along the axis.
 pub fn square_to(axis: DVec3, v: DVec3) -> DVec3 {
     // Twice: next to the axis the first remainder is mostly rounding.
     let across = (v - axis * v.dot(axis)).normalize_or_zero();
@@ -198,8 +198,8 @@ pub fn skew_matrix(v: DVec3) -> DMat3 {
     )
 }
 
-/// The unit quaternions of rotation matrices, each with the sign nearest to the one before it: interpolating between
-/// neighbours then takes the short way.
+/// The unit quaternions of rotation matrices, each with the sign nearest to the previous one, so that interpolation
+/// takes the shorter way.
 pub fn rotation_quaternions(matrices: &[DMat3]) -> Vec<DQuat> {
     let mut list: Vec<DQuat> = Vec::with_capacity(matrices.len());
     for matrix in matrices {
@@ -210,7 +210,7 @@ pub fn rotation_quaternions(matrices: &[DMat3]) -> Vec<DQuat> {
     list
 }
 
-/// The f64 to f32 door: what the renderers receive. Nothing else in the crate narrows a coordinate.
+/// The only conversion from f64 to f32, for the renderers.
 #[inline]
 pub fn narrow_vector(v: DVec3) -> [f32; 3] {
     [v.x as f32, v.y as f32, v.z as f32]

@@ -3,7 +3,7 @@
 
 use super::random::Random;
 use super::study::{
-    AT_A_TIME, Evaluator, Gradients, LaneEvaluator, ParametricMechanism, StandAnchors, TrackPoses,
+    AT_A_TIME, Evaluator, Gradients, LaneEvaluator, ParametricMechanism, PoseAnchors, TrackPoses,
 };
 use crate::jobs::share_watched;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -119,7 +119,7 @@ pub fn sample_pieces(
     watch: &dyn Fn(usize),
 ) -> Pieces {
     let measures = family.measures.list.len();
-    let anchors = StandAnchors::new(&Evaluator::new(family), nominal);
+    let anchors = PoseAnchors::new(&Evaluator::new(family), nominal);
     let portion = |evaluator: &mut LaneEvaluator, index: usize| {
         if cancel.load(Ordering::Relaxed) {
             return None;

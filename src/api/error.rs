@@ -177,7 +177,7 @@ impl From<PipelineError<RenderError>> for Error {
 
 /// A message with its position, `file:line:column: message`.
 pub(super) fn line(source: &Source, diagnostic: &Diagnostic) -> String {
-    // What was put in place of the file's own values has no place in the text.
+    // A replaced value has no position in the text.
     let inside = |span: &&Span| span.start < source.text.len();
     let place = diagnostic.span.as_ref().filter(inside).map(|span| {
         let [line, column] = source.line_and_column(span.start);

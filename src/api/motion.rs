@@ -228,7 +228,7 @@ impl Motion {
         let mechanism = &self.loaded.scene.mechanism;
         let gaps = self.trajectory.gaps.iter();
         let gaps = gaps.map(|gap| gap_sentence(mechanism, gap));
-        // What a gap says is not said again as an event.
+        // Events that a gap already reports are omitted.
         let ends = |kind: &EventKind| {
             matches!(
                 kind,

@@ -2,7 +2,7 @@
 //! says so.
 
 use super::gaps::{gap_shades, leave_out_outliers, short_number};
-use crate::kinematics::rates::columns::{By, slot_series};
+use crate::kinematics::rates::columns::{RateVariable, slot_series};
 use crate::kinematics::results::trajectory::{Event, EventKind, Sample, Trajectory};
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
@@ -287,7 +287,7 @@ impl ChartedMotion<'_> {
             return &self.series[known].1;
         }
         let system = self.system;
-        let by = By::from(rate.per);
+        let by = RateVariable::from(rate.per);
         let of = |sample: &Sample| {
             let pose = sample.pose.as_ref()?;
             let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();

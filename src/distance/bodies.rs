@@ -108,7 +108,8 @@ pub fn ball_separation(
     enough: f64,
 ) -> f64 {
     let mut lowest = p.distance(q) - r - s;
-    // Long elements are far larger than they are thick: one's ball from the other itself says more.
+    // Long elements are far larger than they are thick: the distance of the element itself from the other's sphere is
+    // sharper.
     for (element, center, radius) in [(a, q, s), (b, p, r)] {
         if lowest >= enough {
             break;
@@ -121,8 +122,8 @@ pub fn ball_separation(
     lowest
 }
 
-/// Lower bound of the signed distance of two elements in one frame: of what parts them along `n`, unit, from the first to
-/// the second. No depth is larger than the way that parts two elements, in whatever direction.
+/// Lower bound of the signed distance of two elements in one frame: their separation along the unit vector `n`, from
+/// the first to the second. No depth exceeds the translation that separates two elements, in any direction.
 pub fn separation_along(a: &Element, b: &Element, n: DVec3) -> f64 {
     match (a.core.support(n), b.core.support(-n)) {
         (Some(reach), Some(back)) => -(reach + back) - a.radius - b.radius,
@@ -130,7 +131,7 @@ pub fn separation_along(a: &Element, b: &Element, n: DVec3) -> f64 {
     }
 }
 
-/// Pairs of elements that are left out.
+/// Pairs of elements that are excluded.
 pub type LeftOut = BTreeSet<[usize; 2]>;
 
 /// The nearest elements of two hulls, but for some pairs.

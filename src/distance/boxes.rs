@@ -1,8 +1,8 @@
-//! Oriented boxes around triangles: they lie along what they hold, so that they are as thin as a surface is curved.
+//! Oriented boxes around triangles, aligned with their content, so that they are as thin as a surface is curved.
 
 use glam::{DMat3, DVec3};
 
-/// A box in any direction, and the ball around what it holds.
+/// A box in any orientation, and the sphere around its content.
 #[derive(Clone, Copy, Debug)]
 pub struct OrientedBox {
     /// Its centre, that of the ball too.
@@ -18,7 +18,7 @@ pub struct OrientedBox {
 /// Squarings of the matrix whose largest eigenvector is looked for: its 64th power.
 const SQUARINGS: usize = 6;
 
-/// Triangles that tell which way a box should lie.
+/// Number of triangles that determine the orientation of a box.
 const SAMPLED: usize = 128;
 
 impl OrientedBox {
@@ -77,7 +77,8 @@ impl OrientedBox {
     }
 }
 
-/// Three unit vectors: across the triangles as far as they have a common plane, and along their longer extent in it.
+/// Three unit vectors: perpendicular to the triangles as far as they have a common plane, and along their longer extent
+/// in it.
 fn principal_frame(triangles: &[[DVec3; 3]]) -> DMat3 {
     let mut spread = DMat3::ZERO;
     let mut middle = DVec3::ZERO;

@@ -1,23 +1,23 @@
-//! How far the distance from a core may bend down along a segment or a circle: what bounds it between two places of it.
+//! Bounds on the downward curvature of the distance from a core along a segment or a circle, between two places.
 //!
-//! A circle bends away from any plane by its radius for each radian squared. The signed distance from a convex core adds
-//! nothing to that, since planes support it; that from another circle bends down only where ρ, the distance from its axis, is
-//! less than its radius R, by no more than 1/ρ for each length squared. There the distance is no less than R - ρ.
+//! A circle curves away from any plane by its radius per squared radian. The signed distance from a convex core adds
+//! nothing to that, because planes support it. The distance from another circle curves downwards only where ρ, the
+//! distance from its axis, is less than its radius R, by at most 1/ρ per squared length; there it is at least R - ρ.
 
 use super::primitive::Circle;
 use super::search::{CurveSpot, lowest_of_bent, lowest_of_steep};
 use glam::DVec3;
 
-/// What a search along a curve may miss, in its speeds and in lengths of where it is: far less than poses are off, and more
-/// than rounding.
+/// What a search along a curve may miss, in its speeds and in lengths of its position: far less than the error of
+/// poses, and more than rounding.
 const MISSED: [f64; 2] = [1e-11, 1e-15];
 
 /// Bounds of the distance from a core along a curve.
 #[derive(Clone, Copy, Debug)]
 pub struct CurveBend {
-    /// How fast the curve goes, for each unit of its variable, ...
+    /// The speed of the curve, per unit of its variable, ...
     speed: f64,
-    /// ... and how it bends itself.
+    /// ... and its own curvature.
     own: f64,
     /// R; nothing for convex cores, and for circles that no point of the curve is inside of.
     ring: Option<f64>,
@@ -50,7 +50,7 @@ impl CurveBend {
         }
     }
 
-    /// Along the same curve wherever an affine map takes it that makes nothing longer than this many times.
+    /// Along the same curve after any affine map that makes nothing longer than this many times.
     pub fn elsewhere(ring: Option<&Circle>, curve: &Self, stretched: f64) -> Self {
         Self {
             speed: curve.speed * stretched,
@@ -65,7 +65,7 @@ impl CurveBend {
         MISSED[0] * self.speed + MISSED[1] * center.length()
     }
 
-    /// The second derivative is nowhere between two spots below minus this; `None` if that is not known.
+    /// Bound on the downward second derivative between two places; `None` if unknown.
     pub fn between(&self, a: &CurveSpot, b: &CurveSpot) -> Option<f64> {
         let Some(ring) = self.ring else {
             return Some(self.own);
@@ -82,7 +82,7 @@ impl CurveBend {
         bent.map_or(steep, |bends| steep.max(lowest_of_bent(bends, a, b)))
     }
 
-    /// The distance is nowhere between two spots higher: it stays below its chord but for what it bends down.
+    /// Between two places the distance is below its chord plus the effect of downward curvature.
     pub fn highest_between(&self, a: &CurveSpot, b: &CurveSpot) -> f64 {
         let wide = b.at - a.at;
         let steep = 0.5 * (a.value + b.value + self.speed * wide);

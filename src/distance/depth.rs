@@ -1,10 +1,11 @@
-//! How deep two convex cores overlap: the shortest translation that parts them.
+//! The depth of overlap of two convex cores: the shortest translation that separates them.
 //!
-//! For a direction n the translation that parts them along n is known from the support functions; the depth is the least
-//! of these. It is taken at the flat faces of the Minkowski difference (normals of faces, cross products of edges), or
-//! where one solid's edge or the straight side of a cylinder or cone meets a rim or corner of the other: then n runs along
-//! a circle of directions, which is searched as a whole. Only two rims are left, which meet on a surface that is curved
-//! both ways: its point nearest to the origin is a least distance of the two circles, and all of these are tried.
+//! For a direction n the separating translation is known from the support functions; the depth is the least of these.
+//! It is attained at the flat faces of the Minkowski difference (normals of faces, cross products of edges), or where
+//! an edge of one solid, or the straight side of a cylinder or cone, meets a rim or corner of the other: then n varies
+//! on a circle of directions, which is searched as a whole. The remaining case is two rims, which meet on a surface
+//! that is curved in both directions: its point nearest to the origin is a minimum of the distance of the two circles,
+//! and all of these are tried.
 
 use super::point::to_circle;
 use super::primitive::{Circle, Frustum, Primitive};
@@ -14,7 +15,7 @@ use super::search::{CurveSpot, least_on_circle, lowest_of_bent, minima_on_circle
 use crate::math::{Pose, sin_cos};
 use glam::DVec3;
 
-/// Cores as far apart as this, in their size, are apart in spite of rounding.
+/// Cores farther apart than this, relative to their size, are apart in spite of rounding.
 const SEEN_APART: f64 = 1e-10;
 
 /// A shorter way out may be missed if it is shorter by no more than this part of the extent: rounding.
@@ -151,8 +152,8 @@ pub fn overlap_depth(a: &Primitive, b: &Primitive, near: CorePair) -> CorePair {
     }
 }
 
-/// Where two cores would touch that are parted by the translation `way` along `n`, seen from where they are: the second
-/// one is taken as far again along `n`, which changes nothing about which points are nearest.
+/// The contact of two cores after the separating translation `way` along `n`, in the original position: the second core
+/// is moved twice as far along `n`, which does not change the nearest points.
 fn touching_points(a: &Primitive, b: &Primitive, way: DVec3, n: DVec3) -> Option<[DVec3; 2]> {
     let least = SEEN_APART * a.bounds().1.max(b.bounds().1);
     let farther = way + n * way.length().max(least);

@@ -1,8 +1,8 @@
-//! Flaps: flat pieces of a mesh that hang on a closed shell, stand in it or lie beside it, and enclose nothing.
+//! Flaps: flat pieces of a mesh that are attached to a closed shell or lie inside or beside it, and enclose nothing.
 //!
-//! A stray triangle on a closed shell makes an edge with three sides, and takes nothing from what the shell encloses.
-//! A mesh with a hole has such edges too, so that only flat pieces count, and only those that lie alone: several of
-//! them side by side may be what is left of a shell.
+//! A stray triangle on a closed shell creates an edge with three sides, but does not change what the shell encloses. A
+//! mesh with a hole has such edges too, so that only flat, isolated pieces count: several adjacent ones may be the
+//! remains of a shell.
 
 use super::surface_edges::{SurfaceEdges, triangle_edges};
 use glam::DVec3;
@@ -46,7 +46,7 @@ pub(crate) fn find_flaps(
     is_flap
 }
 
-/// Tells of every set of triangles that hang together by edges with two sides.
+/// Reports every set of triangles that are connected by edges with two sides.
 fn each_sheet(triangles: &[[u32; 3]], edges: &SurfaceEdges, mut tell: impl FnMut(&[usize])) {
     let mut is_done = vec![false; triangles.len()];
     let mut sheet = Vec::new();

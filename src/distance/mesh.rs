@@ -1,9 +1,8 @@
-//! Distances of triangle meshes: both trees are walked towards the nearest triangles.
+//! Distances of triangle meshes: both trees are traversed towards the nearest triangles.
 //!
-//! What parts two boxes along any direction is a lower bound of their distance. Along the line between the nearest points
-//! known so far what parts all that two nodes hold is known, too: of parts that bulge towards each other it proves that
-//! they are nowhere nearer, and where it does not, what reaches farthest is the next pair to try. The other directions tell
-//! what lies elsewhere.
+//! The separation of two boxes along any direction is a lower bound of their distance. Along the line between the
+//! nearest points known so far, the separation of the contents of two nodes is known, too: for surfaces that bulge
+//! towards each other it proves that nothing is nearer, and otherwise the farthest points are the next pair to try.
 //!
 //! A mesh is a surface. It has distances and a test for points inside, but no depth.
 
@@ -17,7 +16,7 @@ use super::triangles;
 use crate::math::Pose;
 use glam::DVec3;
 
-/// What is as near as this share of the least distance is no nearer: rounding.
+/// Anything as near as this fraction of the least distance is not nearer: rounding.
 const SAME: f64 = 1.0 - 4.0 * f64::EPSILON;
 
 /// How often the triangles that reach farthest are tried before a pair of nodes is split.

@@ -60,7 +60,7 @@ fn in_order(a: &Element, b: &Element) -> Proximity {
         }
         (first, second) => signed_cores(first, second),
     };
-    // Radii grow the cores; a mesh that is met has no depth.
+    // Radii inflate the cores; overlapping meshes have no depth.
     let distance = cores.distance - (a.radius + b.radius);
     let is_mesh = |e: &Element| matches!(e.core, Primitive::Mesh(..));
     let is_flat = |e: &Element| matches!(e.core, Primitive::HalfSpace(_));
@@ -94,7 +94,7 @@ fn signed_cores(a: &Primitive, b: &Primitive) -> CorePair {
     cores
 }
 
-/// Whether `a` lies wholly inside `b`. Meshes, and solids in a torus, are never said to.
+/// Whether `a` lies completely inside `b`. Never reported for meshes, and for solids in a torus.
 pub fn is_inside(a: &Element, b: &Element) -> bool {
     if let Primitive::HalfSpace(half) = &b.core {
         return half_space::encloses_core(half, &a.core, a.radius);

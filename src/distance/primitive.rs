@@ -64,7 +64,7 @@ pub struct HalfSpace {
     pub normal: DVec3,
 }
 
-/// What an element is grown from.
+/// The core that an element inflates.
 #[derive(Clone, Debug)]
 pub enum Primitive {
     /// A point.
@@ -263,7 +263,7 @@ impl Primitive {
 }
 
 impl Primitive {
-    /// Which of two cores comes first: an order without meaning, so that a pair can be taken the same way round always.
+    /// The order of two cores: arbitrary, so that a pair is always processed in the same order.
     pub fn order(&self, other: &Self) -> Ordering {
         let by_kind = self.kind().cmp(&other.kind());
         by_kind.then_with(|| {

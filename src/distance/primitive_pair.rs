@@ -1,4 +1,4 @@
-//! What is known of two cores: how near they are, and where.
+//! The result for two cores: their distance and nearest points.
 
 use super::point::PointHit;
 use glam::DVec3;

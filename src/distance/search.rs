@@ -42,7 +42,7 @@ const MOST_SPOTS: usize = 256;
 /// Parts of a turn of which sine and cosine are known.
 const FINEST: usize = 128;
 
-/// How often a piece is halved in which a minimum is looked for that is not the least.
+/// Number of halvings of an interval in which a minimum other than the least is sought.
 const HALVINGS: usize = 7;
 
 /// Least spot of a convex function on [low, high].
@@ -93,7 +93,7 @@ pub fn least_near(
     Some(here)
 }
 
-/// Looks at a curve that bend bounds: what was found, and a bound of all that was not.
+/// Samples a curve with bounded curvature: returns what was found, and a bound of everything else.
 #[derive(Clone, Copy, Debug)]
 pub struct LeastFound {
     /// The least spot found.
@@ -119,9 +119,9 @@ pub fn lowest_of_steep(steepest: f64, a: &CurveSpot, b: &CurveSpot) -> f64 {
     0.5 * (a.value + b.value - steepest * (b.at - a.at))
 }
 
-/// Between two spots a function cannot fall below this that is convex with half of `bends` times the square of the variable
-/// added: the tangents of that sum are least at an end, or where they cross. Slopes are those of any planes that support the
-/// sum.
+/// Lower bound, between two places, of a function that becomes convex when half of `bends` times the square of the
+/// variable is added: the tangents of that sum are least at an end, or where they intersect. Slopes are those of any
+/// supporting planes.
 pub fn lowest_of_bent(bends: f64, a: &CurveSpot, b: &CurveSpot) -> f64 {
     let wide = b.at - a.at;
     let steepens = b.slope - a.slope + bends * wide;

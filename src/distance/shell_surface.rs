@@ -1,5 +1,4 @@
-//! The triangles of a mesh by corners that are one where they belong together: which edges stay open, what hangs together,
-//! how they are turned alike.
+//! The triangles of a mesh with merged corners: open edges, connected parts, consistent orientation.
 
 use super::flaps::find_flaps;
 use super::surface_edges::{SurfaceEdges, triangle_edges};
@@ -59,7 +58,7 @@ impl Parts {
 }
 
 impl ShellSurface {
-    /// Corners at exactly the same place are one.
+    /// Corners at exactly the same place are merged.
     pub(crate) fn new(soup: &TriangleSoup) -> Self {
         let own = first_equal(soup.vertices.len(), |k| point_bits(soup.vertices[k]));
         let index = |k: u32| own.get(k as usize).copied().unwrap_or_default();
@@ -154,8 +153,8 @@ impl ShellSurface {
         }
     }
 
-    /// The same triangles, turned so that neighbours run along their common edge in opposite directions, where that can be;
-    /// of those that hang together the smaller part is turned.
+    /// The same triangles, oriented so that neighbours run along their common edge in opposite directions, if possible;
+    /// in each connected part the minority is reversed.
     fn agreed(&self) -> Self {
         let mut triangles = self.triangles.clone();
         let edges = self.edges();

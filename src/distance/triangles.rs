@@ -10,7 +10,7 @@ use glam::DVec3;
 /// A triangle.
 type TriangleCorners = [DVec3; 3];
 
-/// Lines with a smaller sine between them are taken as parallel, too: then the ends are tried besides the crossing.
+/// Lines with a smaller sine between them are treated as parallel: the ends are tried in addition to the crossing.
 const PARALLEL: f64 = 1e-6;
 
 /// A way this short against where its ends are is rounding, and its direction tells nothing.

@@ -17,7 +17,7 @@ pub struct AuxiliaryPlan {
 
 /// The result of a plan.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Tried {
+pub struct AuxiliaryResult {
     /// The plan.
     pub plan: AuxiliaryPlan,
     /// The formal solution of its system for the set asked for.
@@ -33,7 +33,7 @@ pub fn auxiliary_solutions(
     kind: &SolutionSet,
     plans: &[AuxiliaryPlan],
     tau: f64,
-) -> Vec<Tried> {
+) -> Vec<AuxiliaryResult> {
     let of_plan = |plan: &AuxiliaryPlan| {
         let changed = IntervalSystem {
             a: (system.a.iter())
@@ -55,7 +55,7 @@ pub fn auxiliary_solutions(
             Formal::Solved { x, improper, .. } if improper.is_empty() => system.holds_box(x, kind),
             _ => Answer::Open,
         };
-        Tried {
+        AuxiliaryResult {
             plan: *plan,
             formal,
             holds,

@@ -1,9 +1,9 @@
-//! What control groups of Linux allow a process: the least limit on the way from its group up, in both versions of them.
+//! The memory limits of Linux control groups for a process: the lowest limit from its group upwards, in both versions.
 
 use std::path::{Component, Path, PathBuf};
 
-/// Bytes that the process may have by its groups; infinite where none limits them. The files of the system stand below
-/// `root`, which is `/` but in tests.
+/// Bytes allowed by the groups of the process; infinite without limits. The files of the system are below `root`, which
+/// is `/` except in tests.
 pub(super) fn group_memory(root: &Path) -> f64 {
     let read = |name: &str| std::fs::read_to_string(root.join(name)).unwrap_or_default();
     let groups = read("proc/self/cgroup");

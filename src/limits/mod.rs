@@ -14,9 +14,9 @@ pub enum Resource {
     Time,
     /// Bytes of memory.
     Memory,
-    /// Numbers of a motion: samples times what is kept of each.
+    /// Numbers stored for a motion: samples times the numbers per sample.
     Samples,
-    /// Pairs of bodies whose clearance is asked for.
+    /// Pairs of bodies whose clearance is checked.
     Pairs,
     /// Triangles of all mesh files of a scene.
     Triangles,
@@ -71,7 +71,7 @@ impl Resource {
         }
     }
 
-    /// What is allowed by default: more than any example needs, less than fills a usual machine.
+    /// Default limits: more than any example needs, less than would fill a usual machine.
     const fn usual(self) -> f64 {
         match self {
             Self::Time | Self::Memory => f64::INFINITY,
@@ -108,7 +108,7 @@ impl Resource {
     }
 }
 
-/// More was asked for than is allowed.
+/// More was requested than is allowed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("the limit `{}` is {}, and {who} {needs} {} (--limits {}=…)",
     .resource.name(), .resource.shown(*.most), .resource.shown(*.wanted), .resource.name())]
@@ -136,9 +136,9 @@ impl Default for Limits {
 }
 
 impl Limits {
-    /// Those of a text such as `time=10s,memory=512M`; what it does not name stays as usual.
+    /// The limits of a text such as `time=10s,memory=512M`; others keep their defaults.
     ///
-    /// Errors: a name or an amount that is none, in words.
+    /// Errors, as text: an invalid name or amount.
     pub fn parse(text: &str) -> Result<Self, String> {
         let mut limits = Self::default();
         for part in text.split(',').filter(|part| !part.trim().is_empty()) {
@@ -156,7 +156,7 @@ impl Limits {
         Ok(limits)
     }
 
-    /// The smaller of both, one by one: whoever runs others' scenes says the most, they may say less.
+    /// The smaller of both, one by one: options can only tighten the limits of the environment.
     pub fn and(self, other: Self) -> Self {
         Self(Resource::ALL.map(|r| self.most(r).min(other.most(r))))
     }
@@ -166,7 +166,7 @@ impl Limits {
         self.0[resource as usize]
     }
 
-    /// Refuses what would need more than is allowed.
+    /// Rejects a request for more than is allowed.
     pub fn allow(
         &self,
         resource: Resource,
@@ -221,7 +221,7 @@ pub fn current_limits() -> Limits {
     OF_PROCESS.get().copied().unwrap_or_default()
 }
 
-/// Share of what the system allows that a run takes at most: the rest is for what cannot be foreseen.
+/// Fraction of the memory allowed by the system that a run may use: the rest is a reserve.
 const SHARE: f64 = 0.9;
 
 /// What the process uses, and what the system allows, as far as Linux says it.

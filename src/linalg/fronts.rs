@@ -1,9 +1,9 @@
 //! Ranks of large sparse matrices whose columns come in groups: dense factors of one group at a time.
 //!
-//! Every group has a front: the rows that begin in it. A pivoted QR on the group's own columns takes as many pivots as there
-//! are independent ones; the rows that are left say something of later groups only, and go on to the front of the first
-//! of them (Davis, Algorithm 915: SuiteSparseQR, ACM TOMS 38, 2011). The pivots' rows are kept in echelon form, so
-//! that further rows can be reduced by them.
+//! Every group has a front: the rows that begin in it. A pivoted QR on the group's own columns takes as many pivots as
+//! there are independent ones; the remaining rows concern later groups only, and pass on to the front of the first of
+//! them (Davis, Algorithm 915: SuiteSparseQR, ACM TOMS 38, 2011). The pivots' rows are kept in echelon form, so that
+//! further rows can be reduced by them.
 
 use super::pivoted_qr::PivotedQr;
 use std::collections::BTreeMap;
@@ -38,7 +38,7 @@ struct DenseFront {
 
 impl Fronts {
     /// The space of `rows`, whose columns belong to the fronts `front_of`. Pivots are at least `tolerance` times the
-    /// longest row. Rows that hold a value that is no number say nothing.
+    /// longest row. Rows with NaN are ignored.
     pub fn new(rows: Vec<SparseRow>, front_of: Vec<usize>, tolerance: f64) -> Self {
         let known = |row: &SparseRow| row.iter().all(|(_, v)| v.is_finite());
         let rows: Vec<SparseRow> = rows.into_iter().filter(known).collect();
@@ -53,7 +53,7 @@ impl Fronts {
         };
         let mut waiting = vec![Vec::new(); count];
         fronts.distribute_rows(rows, &mut waiting);
-        // Multifrontal elimination: what a front cannot eliminate goes on to a later one.
+        // Multifrontal elimination: the rows that a front cannot eliminate pass on to a later one.
         for front in 0..count {
             let rows = std::mem::take(&mut waiting[front]);
             let left = fronts.eliminate_front(front, &rows);

@@ -1,5 +1,5 @@
-//! Gauss-Jordan inverses of regular square matrices, at half the price of a QR. What is nearly singular is refused and
-//! left to the factorisation that sees ranks.
+//! Gauss-Jordan inverses of regular square matrices, at half the cost of a QR. A nearly singular matrix is rejected and
+//! left to the factorisation that determines ranks.
 
 use super::lanes::{LaneMatrix, Lanes, clear_column, scale_lanes};
 use wide::f64x4;
@@ -7,7 +7,7 @@ use wide::f64x4;
 /// Pivots whose ratio is below this call for the factorisation that sees ranks: six of sixteen digits would be lost.
 pub const SMALLEST_RATIO: f64 = 1e-6;
 
-/// What an elimination tells besides the inverse.
+/// Results of an elimination in addition to the inverse.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pivots {
     /// Sign of the determinant.

@@ -7,7 +7,7 @@ use wide::f64x4;
 /// Four neighbours of a row.
 pub type Lanes = [f64; 4];
 
-/// Groups that a row of `length` numbers takes.
+/// Number of groups in a row of `length` numbers.
 #[inline]
 pub fn lane_groups(length: usize) -> usize {
     length.div_ceil(4)
@@ -124,13 +124,13 @@ impl LaneMatrix {
         self.entries.resize(rows * self.stride, [0.0; 4]);
     }
 
-    /// Gives it that shape; what stands in it has no meaning.
+    /// Sets its shape; its content is then undefined.
     pub fn reshape(&mut self, rows: usize, columns: usize) {
         self.stride = lane_groups(columns);
         self.entries.resize(rows * self.stride, [0.0; 4]);
     }
 
-    /// Takes over the transpose of the first `rows` × `columns` entries of a matrix.
+    /// Copies the transpose of the first `rows` × `columns` entries of a matrix.
     pub fn copy_transposed(&mut self, a: &Self, rows: usize, columns: usize) {
         self.reset(columns, rows);
         for i in 0..rows {
@@ -140,7 +140,7 @@ impl LaneMatrix {
         }
     }
 
-    /// Takes over another matrix without new storage.
+    /// Copies another matrix without new storage.
     pub fn copy(&mut self, other: &Self) {
         self.stride = other.stride;
         self.entries.clear();

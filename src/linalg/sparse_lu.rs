@@ -1,7 +1,9 @@
-//! Elimination of large sparse matrices: Gauss with rows and columns taken in the order that fills in least.
+//! Elimination of large sparse matrices: Gaussian elimination with the order of rows and columns that causes least
+//! fill-in.
 //!
-//! Markowitz' choice, column first: the column with the fewest entries, and of its entries that are not much smaller than
-//! its largest the one in the shortest row (Duff, Erisman and Reid, Direct Methods for Sparse Matrices, chapter 7).
+//! Markowitz' choice, column first: the column with the fewest entries, and among its entries that are not much smaller
+//! than its largest the one in the shortest row (Duff, Erisman and Reid, Direct Methods for Sparse Matrices, chapter
+//! 7).
 
 use super::gauss_jordan::{Pivots, SMALLEST_RATIO};
 use super::lanes::LaneMatrix;
@@ -21,7 +23,7 @@ const DONE: usize = usize::MAX;
 /// Factors of a square matrix, in buffers that are used again.
 #[derive(Clone, Debug, Default)]
 pub struct SparseLu {
-    /// What is left of every row, by column; of a done row its row of U without the pivot.
+    /// The remaining row, by column; for a finished row its row of U without the pivot.
     rows: Vec<Vec<(usize, f64)>>,
     /// Rows not done yet with an entry in each column.
     columns: Vec<Vec<usize>>,

@@ -1,6 +1,6 @@
-//! What drives a mechanism: the motion of every input over time, and where the search for a first pose starts.
+//! The actuation of a mechanism: the motion of every input over time, and the start values of the first pose.
 //!
-//! It is no part of the mechanism. One mechanism is solved along many of these: the scene's own drives, a table of
+//! It is not part of the mechanism. One mechanism is solved with many of these: the scene's own drives, a table of
 //! inputs, the tracks of its measures, a sweep.
 
 use super::drive::{Drive, Ease};
@@ -14,12 +14,12 @@ pub struct Actuation {
     pub duration: f64,
     /// Start values of the unknowns: radians, or the scene's length unit.
     pub guess: Vec<f64>,
-    /// Which of these the scene names: wishes for the first pose; the others are free. Missing ones are free.
+    /// Which of these the scene names: preferences for the first pose. The others, and missing ones, are free.
     pub named: Vec<bool>,
 }
 
 impl Actuation {
-    /// All inputs go straight `from` one set of values `to` another within a second; the unknowns start at `guess`.
+    /// All inputs move linearly `from` one set of values `to` another within a second; the unknowns start at `guess`.
     pub fn straight(from: &[f64], to: &[f64], guess: Vec<f64>) -> Self {
         let pairs = from.iter().zip(to);
         let drives = pairs.map(|(from, to)| Drive::Keys {
@@ -35,15 +35,16 @@ impl Actuation {
         }
     }
 
-    /// Makes one of instants at which drives have keys and jumps that differ by a rounding only: 0.3 s, and what another drive has as
-    /// 0.1 s + 0.2 s. Between them one drive would have jumped and the other not.
+    /// Merges instants of keys and jumps of different drives that differ by rounding only, such as 0.3 s and 0.1 s +
+    /// 0.2 s. Between them one drive would have jumped and the other not.
     pub fn join_instants(&mut self) {
         let keys = self.drives.iter().flat_map(Drive::keys);
         let mut all: Vec<f64> = keys.copied().collect();
         all.sort_by(f64::total_cmp);
         all.dedup();
         let jumping = |time: f64| self.drives.iter().any(|drive| drive.jumps_at(time));
-        // For each key what it is joined to: what a formula has, since its numbers are known to more digits, else the first one.
+        // The instant that each key is moved to: that of a formula, whose numbers have more digits, otherwise the first
+        // one.
         let mut joined: Vec<[f64; 2]> = Vec::new();
         for time in all {
             let first = joined.last().filter(|[last, _]| last.next_up() == time);
@@ -64,7 +65,7 @@ impl Actuation {
         for keys in self.drives.iter_mut().map(Drive::keys_mut) {
             for k in 0..keys.len() {
                 let known = to(keys[k]);
-                // Times of one drive stay apart.
+                // Times of one drive stay separate.
                 let beside = [k.checked_sub(1), Some(k + 1)].into_iter().flatten();
                 if !beside
                     .filter_map(|k| keys.get(k))
@@ -76,7 +77,7 @@ impl Actuation {
         }
     }
 
-    /// Values of the inputs at `time`; not finite where a drive has no value.
+    /// Values of the inputs at `time`; not finite if a drive is undefined.
     pub fn inputs_at(&self, time: f64) -> Vec<f64> {
         self.values_at(time).collect()
     }

@@ -1,20 +1,21 @@
-//! How the camera moves during a motion: keys over time and a turn about the up axis. Plain data and its
-//! interpolation; what the camera then holds is decided in `staging`.
+//! The motion of the camera: keys over time and a rotation about the up axis. Plain data and their interpolation;
+//! `staging` decides what the camera includes.
 
 use glam::DVec3;
 
-/// A moment of a camera's path; what is `None` is interpolated between the keys that say it.
+/// A key of a camera's path; `None` is interpolated between the keys that have a value.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CameraKey {
     /// Seconds.
     pub time: f64,
-    /// Radians, as of [`View::azimuth`](super::view::View::azimuth); more than a turn apart means turning that far.
+    /// Radians, as for [`View::azimuth`](super::view::View::azimuth); values more than a turn apart mean a rotation by
+    /// that angle.
     pub azimuth: Option<f64>,
     /// Radians, as of [`View::elevation`](super::view::View::elevation).
     pub elevation: Option<f64>,
-    /// Size of the mechanism in the picture; 1 where the whole motion just fits.
+    /// Size of the mechanism in the picture; at 1 the whole motion just fits.
     pub zoom: Option<f64>,
-    /// Distance of the eye from the target in the scene's unit; goes before `zoom`.
+    /// Distance of the eye from the target in the scene's unit; takes precedence over `zoom`.
     pub distance: Option<f64>,
     /// The point in the middle of the picture.
     pub target: Option<DVec3>,
@@ -25,11 +26,11 @@ pub struct CameraKey {
 pub struct CameraPath {
     /// In ascending order of time.
     pub keys: Vec<CameraKey>,
-    /// Radians that the camera turns about the up axis during the motion, beside the keys.
+    /// Radians that the camera rotates about the up axis during the motion, in addition to the keys.
     pub orbit: f64,
 }
 
-/// A camera path at an instant; `None` where no key says anything.
+/// A camera path at an instant; `None` if no key has a value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(missing_docs)]
 pub struct CameraInstant {
@@ -41,12 +42,12 @@ pub struct CameraInstant {
 }
 
 impl CameraPath {
-    /// Whether the camera stands where the view says.
+    /// Whether the camera keeps the view's direction.
     pub fn is_empty(&self) -> bool {
         self.keys.is_empty() && self.orbit == 0.0
     }
 
-    /// The path without its azimuths, or without its elevations: somebody else says them.
+    /// The path without its azimuths, or without its elevations, which are given elsewhere.
     pub fn forget(&mut self, azimuth: bool, elevation: bool) {
         for key in &mut self.keys {
             key.azimuth = key.azimuth.filter(|_| !azimuth);
@@ -54,7 +55,7 @@ impl CameraPath {
         }
     }
 
-    /// Where the keys put the camera at `time`; the orbit is not in it.
+    /// The camera at `time` by the keys, without the orbit.
     pub fn at(&self, time: f64) -> CameraInstant {
         let along = |pick: &dyn Fn(&CameraKey) -> Option<f64>| {
             let said = self
@@ -78,12 +79,11 @@ impl CameraPath {
     }
 }
 
-/// The value at `time` of a curve through points in ascending order of time; before the first and after the last it
-/// stands still. `None` without points.
+/// The value at `time` of a curve through points in ascending order of time, constant before the first and after the
+/// last. `None` without points.
 ///
-/// A cubic between neighbours whose slopes are those of Fritsch and Carlson (SIAM J. Numer. Anal. 17, 1980) in the
-/// harmonic form of Fritsch and Butland: the speed has no jumps, and the curve does not leave the range of two
-/// neighbouring points. It rests at both ends.
+/// A piecewise cubic with the slopes of Fritsch and Carlson (SIAM J. Numer. Anal. 17, 1980) in the harmonic form of
+/// Fritsch and Butland: the speed has no jumps, and the curve stays between neighbouring points. It rests at both ends.
 fn interpolate_points(points: &[(f64, f64)], time: f64) -> Option<f64> {
     let next = points.partition_point(|point| point.0 <= time);
     if next == 0 {
@@ -106,7 +106,7 @@ fn interpolate_points(points: &[(f64, f64)], time: f64) -> Option<f64> {
     )
 }
 
-/// Speed of the curve in point `k`; 0 at the ends and where the curve turns back.
+/// Speed of the curve at point `k`; 0 at the ends and where the curve reverses.
 fn point_slope(points: &[(f64, f64)], k: usize) -> f64 {
     if k == 0 || k + 1 == points.len() {
         return 0.0;

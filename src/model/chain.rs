@@ -1,7 +1,7 @@
-//! Products of elementary motions as the engine sees them: fixed poses and joints, in order.
+//! Products of elementary motions as the engine uses them: fixed poses and joints, in order.
 //!
-//! A joint refers to an argument by index, so that a motion which stands in several chains, or inverted, is
-//! evaluated once.
+//! A joint refers to an argument by index, so that a motion that appears in several chains, or inverted, is evaluated
+//! once.
 
 use super::expression::{Affine, Expression};
 use super::fixed::FixedPose;
@@ -60,7 +60,7 @@ pub struct Chain {
 /// Slots are coordinates: unknowns first, then inputs.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Argument {
-    /// Nearly always: a coordinate, perhaps scaled and shifted.
+    /// Usually a single coordinate, perhaps scaled and shifted.
     Affine(Affine),
     /// Anything else.
     Formula(Expression),
@@ -124,7 +124,7 @@ impl<S: Scalar> ArgumentValue<S> {
 }
 
 impl ArgumentValue {
-    /// Takes a value; its sine and cosine only if it `turns` something, and unless they stand here already.
+    /// Sets a value; its sine and cosine only if it `turns` something, and unless they are known already.
     #[inline]
     pub fn renew(&mut self, value: f64, turns: bool) {
         // Both are zero where they were not computed.
@@ -139,7 +139,7 @@ impl ArgumentValue {
 }
 
 impl ChainStep {
-    /// The step that undoes this one.
+    /// The inverse step.
     pub fn inverse(&self) -> Self {
         match *self {
             Self::Fixed(pose) => Self::Fixed(pose.inverse()),
@@ -186,7 +186,7 @@ impl Chain {
         used
     }
 
-    /// What is zero in the product whatever the joints do.
+    /// The entries of the product that are zero whatever the values of the joints.
     pub fn pattern(&self) -> RowPattern {
         let factors = self.steps.iter().map(|step| match step {
             ChainStep::Fixed(pose) => pose.pattern,

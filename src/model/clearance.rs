@@ -1,21 +1,21 @@
-//! What a scene asks of the clearances of its bodies.
+//! The clearances requested by a scene.
 
-/// A pair that is left out of the check.
+/// A pair that is excluded from the check.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ignored {
     /// Indices of the bodies, ascending.
     pub pair: [usize; 2],
     /// Why, in the scene's words.
     pub reason: String,
-    /// Shapes of the first and the second body that are left out; all if there are none.
+    /// Excluded shapes of the first and the second body; all if there are none.
     pub shapes: Vec<[usize; 2]>,
-    /// Least distance that is let pass all the same, negative; any depth if absent.
+    /// Least accepted distance, negative; any depth if absent.
     pub down_to: Option<f64>,
-    /// One of several pairs of a pattern: that this one is not needed is no mistake.
+    /// Whether it is one of several pairs of a pattern: then it may be unnecessary.
     pub is_one_of_many: bool,
 }
 
-/// A pair with a clearance of its own.
+/// A pair with its own minimum.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PairMinimum {
     /// Indices of the bodies, ascending.
@@ -31,7 +31,7 @@ pub struct PairMinimum {
 pub struct ClearanceRules {
     /// Least distance that passes, in the scene's unit; not negative.
     pub minimum: f64,
-    /// Pairs that have their own; those of patterns last.
+    /// Pairs with their own minima; those of patterns last.
     pub pairs: Vec<PairMinimum>,
     /// Pairs that may touch.
     pub ignored: Vec<Ignored>,
@@ -46,7 +46,7 @@ impl ClearanceRules {
         own.map_or(self.minimum, |p| p.minimum)
     }
 
-    /// Whether the scene asks for a minimum of this very pair, which is then judged whatever joins it.
+    /// Whether the scene gives a minimum for this very pair, which is then judged whatever joint connects it.
     pub fn has_own_minimum(&self, pair: [usize; 2]) -> bool {
         let mut own = self.pairs.iter().filter(|p| !p.is_one_of_many);
         own.any(|p| p.pair == pair)

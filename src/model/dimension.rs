@@ -1,4 +1,4 @@
-//! What a formula measures: powers of length, angle and time, and the unit that stands on an axis for them.
+//! The dimension of a formula: powers of length, angle and time, and the corresponding unit on an axis.
 
 use super::mechanism::Kind;
 use std::ops::{Add, Mul, Sub};
@@ -39,7 +39,7 @@ impl Dimension {
         }
     }
 
-    /// What it is among coordinates; a number if it is neither length nor angle.
+    /// The kind of a coordinate with this dimension; a number if it is neither a length nor an angle.
     pub fn kind(self) -> Kind {
         match self.shown_powers() {
             shown if shown == Self::of(Kind::Length) => Kind::Length,
@@ -61,7 +61,7 @@ impl Dimension {
         }
     }
 
-    /// Beside a length an angle is a number of radians: the arc of a radius.
+    /// Together with a length an angle is a number of radians: the arc on a radius.
     fn shown_powers(self) -> Self {
         match self.length != 0 && self.angle > 0 {
             true => Self { angle: 0, ..self },

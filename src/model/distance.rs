@@ -1,26 +1,26 @@
 //! The distance of two bodies, or of groups of them, as a named scalar of every pose.
 //!
-//! How solids are measured is not known here: only what is asked of them.
+//! The measuring of solids is an interface here.
 
 use crate::math::Pose;
 use glam::DVec3;
 use std::fmt::Debug;
 use std::sync::Arc;
 
-/// Where two solids are nearest, or deepest in each other.
+/// The nearest points of two solids, or those of deepest penetration.
 #[derive(Clone, Copy, Debug)]
 pub struct Nearest {
     /// Signed distance in the scene's unit.
     pub distance: f64,
     /// The point of each solid in the first one's frame.
     pub points: [DVec3; 2],
-    /// Unit vector from the first to the second, in the first one's frame; zero where it is not known.
+    /// Unit vector from the first to the second, in the first one's frame; zero if unknown.
     pub normal: DVec3,
 }
 
 /// The solids of two bodies.
 pub trait Solids: Debug + Send + Sync {
-    /// Where they are nearest, the second placed as seen from the first. Coordinates that shape them are looked up.
+    /// Their nearest points, with the second placed relative to the first. Coordinates that shape them are passed.
     fn nearest(&self, coordinates: &[f64], first_from_second: &Pose) -> Option<Nearest>;
 
     /// Coordinates that their shapes depend on.

@@ -9,7 +9,7 @@ use crate::numbers::interval::Interval;
 use crate::numbers::scalar::Scalar;
 use crate::numbers::series::{Series, TaylorSeries};
 
-/// How a keyframe's value turns into the next one's.
+/// The interpolation from a keyframe's value to the next one's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ease {
     /// Constant speed.
@@ -73,7 +73,7 @@ impl Drive {
         }
     }
 
-    /// Whether it is not proved that it has no value at `time`, read as a number or as a table prints it.
+    /// Whether it is not proved to be undefined at `time`, read as a number or as a table prints it.
     pub fn may_have_value(&self, time: f64) -> bool {
         let printed = Interval::sum_of(time, printing_error(time, Constant::exact(1.0)));
         match self {
@@ -85,7 +85,7 @@ impl Drive {
         }
     }
 
-    /// The value at a time of any kind, between the keys that are next to `place`: a key belongs to what follows.
+    /// The value at a time of any number type, between the keys next to `place`: a key belongs to the piece after it.
     pub fn value_beside<S: Scalar>(&self, time: S, place: f64) -> S {
         match self {
             Self::Formula(expression) => expression.value(&[time]),
@@ -116,7 +116,7 @@ impl Drive {
             .derivative(1)
     }
 
-    /// The value at a clock of any kind, by the piece that [`series`](Self::series) is of at `time`.
+    /// The value at a time of any number type, by the same piece as [`series`](Self::series) at `time`.
     fn behind<S: Scalar>(&self, time: f64, clock: S) -> S {
         match self {
             Self::Keys {
@@ -131,7 +131,8 @@ impl Drive {
         }
     }
 
-    /// Times strictly between `from` and `to` where it is not smooth, ascending: its keys, kinks and jumps of its formula.
+    /// Times strictly between `from` and `to` at which it is not smooth, ascending: its keys, kinks and jumps of its
+    /// formula.
     pub fn breaks(&self, from: f64, to: f64) -> Vec<f64> {
         match self {
             Self::Keys { times, .. } => {
@@ -186,7 +187,7 @@ impl Drive {
         }
     }
 
-    /// The same, to be moved.
+    /// The same, mutable.
     pub fn keys_mut(&mut self) -> &mut [f64] {
         match self {
             Self::Keys { times, .. } => times,
@@ -194,7 +195,7 @@ impl Drive {
         }
     }
 
-    /// Its keys among these times, at which it may change its course.
+    /// Those of its keys among these times at which it may change its rate.
     pub fn keys_in(&self, these: Interval) -> impl Iterator<Item = f64> + '_ {
         let times = match self {
             Self::Keys { times, .. } if !self.is_constant() => times.as_slice(),

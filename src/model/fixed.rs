@@ -1,8 +1,8 @@
-//! Constant poses of chains, and how far each is from the one that was meant.
+//! Constant poses of chains, and bounds of their errors.
 //!
-//! A run of constant factors is folded to one pose while a scene is resolved, in plain f64. No constant bounds the error of
-//! that, since a run may have thousands of factors. So every pose carries its own bound: what its numbers leave open,
-//! and what each product rounded, which is measured with two f64 a number.
+//! While a scene is resolved, adjacent constant factors are multiplied in plain f64. No constant bounds the error,
+//! since there may be thousands of factors. Every pose therefore carries its own bound: the uncertainty of its numbers,
+//! and the rounding of each product, measured with two f64 per number.
 
 use super::pattern::RowPattern;
 use crate::math::Pose;
@@ -14,10 +14,10 @@ use glam::{DMat3, DVec3};
 use std::f64::consts::SQRT_2;
 use std::ops::{Deref, Mul};
 
-/// Bounds of the difference between a stored pose and the one meant.
+/// Bounds of the difference between a stored pose and the exact one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PoseError {
-    /// Of the rotation: the root of the sum of the squares of its nine entries. It turns nothing by a larger angle.
+    /// Of the rotation: the Frobenius norm. No vector is rotated by a larger angle.
     pub rotation: f64,
     /// Of the translation: length.
     pub translation: f64,
@@ -26,16 +26,16 @@ pub struct PoseError {
 /// A constant pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FixedPose {
-    /// As it is computed with.
+    /// The pose used in computations.
     pub pose: Pose,
-    /// How far it may be from the one meant.
+    /// Its error bound.
     pub error: PoseError,
-    /// What is zero in the pose meant, by the motions that it is made of.
+    /// The entries of the exact pose that are zero, derived from its motions.
     pub pattern: RowPattern,
 }
 
 impl FixedPose {
-    /// A pose that is exactly the one meant.
+    /// A pose that is exact.
     pub fn exact(pose: Pose) -> Self {
         Self {
             pose,
@@ -59,8 +59,8 @@ impl FixedPose {
 
     /// About a coordinate axis by an angle in radians.
     ///
-    /// Turning by d more changes the matrix by 2√2 sin(d/2) ≤ √2 d. Its four entries are compared with a sine and a cosine
-    /// of 20 digits.
+    /// An error of d in the angle changes the matrix by 2√2 sin(d/2) ≤ √2 d. Its four entries are compared with a sine
+    /// and a cosine of 20 digits.
     pub fn rotation(axis: usize, angle: Constant) -> Self {
         if let Some(quarters) = angle.quarter_turns() {
             return Self::quarter_turns(axis, quarters);
@@ -76,7 +76,7 @@ impl FixedPose {
             let rounded = SQRT_2 * (off[0].hypot(off[1]) + 2.0 * SIN_COS);
             rotation = (SQRT_2 * angle.error() + rounded) * GROW;
         }
-        // Angles too large to be reduced are known by no digit.
+        // An angle too large to be reduced has no known digit.
         let rotation = if rotation.is_nan() {
             2.0 * SQRT_2
         } else {
@@ -93,7 +93,7 @@ impl FixedPose {
         }
     }
 
-    /// About a coordinate axis by whole quarter turns: its entries are whole, too, and exact.
+    /// About a coordinate axis by whole quarter turns: its entries are whole and exact.
     fn quarter_turns(axis: usize, quarters: i64) -> Self {
         let (sin, cos) = match quarters.rem_euclid(4) {
             0 => (0.0, 1.0),
@@ -105,11 +105,11 @@ impl FixedPose {
         Self::exact(pose)
     }
 
-    /// The rotation that takes the z axis to a direction of the scene, not zero. Which one is free, so that the stored
-    /// matrix M is compared with the nearest that has the exact direction.
+    /// A rotation that takes the z axis to a direction of the scene, not zero. It is not unique, so that the stored
+    /// matrix M is compared with the nearest one that has the exact direction.
     ///
-    /// The nearest rotation Q is within g = |MᵀM - I| of M, and so is its axis, which is within a of the direction by M's
-    /// own; turning Q by g + a makes it exact.
+    /// The nearest rotation Q is within g = |MᵀM - I| of M, and so is its axis, which is within a of the direction by
+    /// M's own; rotating Q by g + a makes it exact.
     pub fn z_axis(meant: [Constant; 3]) -> Self {
         let direction = DVec3::from(meant.map(Constant::number));
         let pose = Pose::from_z_axis(direction);
@@ -127,7 +127,7 @@ impl FixedPose {
             }
         }
         let defect = squares.sqrt();
-        // What the components leave open turns the direction by no more than its share.
+        // Uncertain components change the direction by no more than their share.
         let (z, u) = (m.z_axis, direction / direction.abs().max_element());
         let off = [(1, 2), (2, 0), (0, 1)].map(|(i, j)| {
             let product = DoubleDouble::product(z[i], u[j]) - DoubleDouble::product(z[j], u[i]);
@@ -167,7 +167,7 @@ impl FixedPose {
     }
 }
 
-/// The pattern of a motion; one by zero, which is exact, is none.
+/// The pattern of a motion; a motion by exactly zero has none.
 fn unless_zero(by: Constant, pattern: RowPattern) -> RowPattern {
     if by == Constant::exact(0.0) {
         RowPattern::IDENTITY
@@ -182,7 +182,7 @@ fn exact_dot(a: DVec3, b: DVec3) -> DoubleDouble {
     x + y + z
 }
 
-/// By how much `stored` differs from `matrix v + shift`.
+/// The difference between `stored` and `matrix v + shift`.
 fn rounding_error(matrix: &DMat3, v: DVec3, shift: DVec3, stored: DVec3) -> f64 {
     let rows = matrix.transpose();
     let off = [0, 1, 2].map(|k| {
@@ -192,7 +192,7 @@ fn rounding_error(matrix: &DMat3, v: DVec3, shift: DVec3, stored: DVec3) -> f64 
     DVec3::from_array(off).length()
 }
 
-/// The product: |AB - A*B*| ≤ |A - A*| |B| + |A*| |B - B*| where |A*| = 1, and what is rounded comes to it.
+/// The product: |AB - A*B*| ≤ |A - A*| |B| + |A*| |B - B*| with |A*| = 1, plus rounding.
 impl Mul for FixedPose {
     type Output = Self;
     fn mul(self, right: Self) -> Self {

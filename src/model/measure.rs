@@ -1,10 +1,10 @@
-//! Scalars of a whole motion: tracks of poses beside the drive, and what is measured over them.
+//! Scalars of a whole motion: tracks of poses apart from the drive, and what is measured over them.
 
 use super::expression::Expression;
 use super::mechanism::Kind;
 use super::rate::Rate;
 
-/// Poses beside the drive: the inputs go from one set of values to another in equal steps.
+/// Poses apart from the drive: the inputs move from one set of values to another in equal steps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasuredTrack {
     /// Name in the scene.
@@ -26,7 +26,7 @@ pub struct Measures {
     pub list: Vec<Measure>,
 }
 
-/// How one number is made of a row of values.
+/// The reduction of a sequence of values to one number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Taking {
     /// The first.
@@ -49,11 +49,11 @@ pub enum Taking {
     Mean,
     /// The sum of the absolute values' powers, to the inverse of the power.
     Norm,
-    /// The share of the way on which the values are positive, straight lines between the poses.
+    /// The fraction of the way on which the values are positive, with linear interpolation between the poses.
     Positive,
     /// Distance from the first to the last point of a path in the plane.
     Chord,
-    /// Signed distance from the chord of that point of a path which is farthest from it, positive to the left of the way.
+    /// Signed distance from the chord of the farthest point of a path, positive to the left of its direction.
     Bow,
 }
 
@@ -89,7 +89,7 @@ impl Taking {
     }
 }
 
-/// Where a measure comes from.
+/// The definition of a measure.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MeasureSource {
     /// A formula whose slots are the mechanism's inputs at the start of the drive (parameters that a study varies are
@@ -113,7 +113,7 @@ pub enum MeasureSource {
 }
 
 impl MeasureSource {
-    /// Index of the track that is looked along.
+    /// Index of its track.
     pub fn track(&self) -> Option<usize> {
         match self {
             Self::Formula(_) => None,
@@ -135,12 +135,12 @@ pub struct Measure {
     pub min: Option<f64>,
     /// Largest allowed value.
     pub max: Option<f64>,
-    /// What a broken limit means, in the words of the scene.
+    /// The meaning of a violated limit, in the words of the scene.
     pub why: Option<String>,
 }
 
 impl Measure {
-    /// How far `value` is beyond the limits, as a share of the limit; zero or less inside. NaN if the value is none.
+    /// By how much `value` violates the limits, as a fraction of the limit; zero or less inside. NaN propagates.
     pub fn violation(&self, value: f64) -> f64 {
         let share = |over: f64, limit: f64| over / if limit == 0.0 { 1.0 } else { limit.abs() };
         let above = self.max.map(|limit| share(value - limit, limit));

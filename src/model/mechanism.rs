@@ -1,4 +1,4 @@
-//! The whole mechanism as resolved: coordinates, loops, bodies, outputs. Immutable; names only for people.
+//! The whole mechanism as resolved: coordinates, loops, bodies, outputs. Immutable; names are for people only.
 
 use super::chain::{Argument, ArgumentValue, Chain};
 use super::distance::Distance;
@@ -10,7 +10,7 @@ use super::shape::Shape;
 use crate::numbers::constant::Constant;
 use glam::DVec3;
 
-/// What a coordinate or an output measures.
+/// The kind of a coordinate or an output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// In the scene's length unit.
@@ -41,12 +41,12 @@ pub struct Coordinate {
     pub kind: Kind,
 }
 
-/// What a loop's product must be.
+/// The condition on a loop's product.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Closes {
     /// The identity: six equations.
     Frame,
-    /// Any rotation about its origin: three equations, as where a sphere's centre is all that counts.
+    /// Any rotation about its origin: three equations, as for a sphere, of which only the centre matters.
     Point,
 }
 
@@ -55,18 +55,18 @@ pub enum Closes {
 pub struct Loop {
     /// Name in the scene.
     pub name: String,
-    /// From the world to where the loop begins: motions that both its sides begin with, and that closing it says
-    /// nothing about (the slewing house of an excavator). Without steps if there are none.
+    /// From the world to the start of the loop: motions common to both its sides, which closing it does not determine
+    /// (the slewing house of an excavator). Without steps if there are none.
     pub base: Chain,
     /// The product.
     pub chain: Chain,
     /// What it must be.
     pub closes: Closes,
-    /// Its own unit of length: what its translation is measured in.
+    /// Its own unit of length, used for its translation.
     pub size: f64,
 }
 
-/// Two cylinders in contact that may cross at any angle, but touch in a point only where they do cross.
+/// Two cylinders in contact that may cross at any angle; only if they cross do they touch in a point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxisCrossing {
     /// Name of the contact.
@@ -84,7 +84,7 @@ pub struct Equation {
     pub expression: Expression,
     /// Power of length in its dimension: its natural scale is `size` to this power.
     pub length_exponent: f64,
-    /// What its terms amount to beside that power of the size: one, but where no length is known.
+    /// The magnitude of its terms relative to that power of the size: one, unless no length is known.
     pub magnitude: f64,
 }
 
@@ -95,7 +95,7 @@ pub struct Bar {
     pub name: String,
     /// The points.
     pub ends: [BarEnd; 2],
-    /// How far apart they are, if that does not change.
+    /// Its length, if it is constant.
     pub length: Option<f64>,
 }
 
@@ -104,11 +104,11 @@ pub struct Bar {
 pub struct BarEnd {
     /// Its coordinates, as translations along the axes of the world.
     pub point: Chain,
-    /// What carries it, from the world.
+    /// The chain that carries it, from the world.
     pub carrier: Chain,
 }
 
-/// A link: where its frame is and what it looks like.
+/// A link: its frame and its appearance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Body {
     /// Name in the scene.
@@ -130,7 +130,7 @@ pub struct Trace {
     pub point: DVec3,
     /// sRGB colour of its path.
     pub colour: [u8; 3],
-    /// Radius of the path as drawn, in the scene's unit; `None` lets the picture decide; zero hides it.
+    /// Radius of the path as drawn, in the scene's unit; `None` for a default; zero hides it.
     pub radius: Option<f64>,
 }
 
@@ -145,14 +145,14 @@ pub struct MechanismOutput {
     pub kind: Kind,
 }
 
-/// Where an output comes from.
+/// The definition of an output.
 #[derive(Clone, Debug, PartialEq)]
 pub enum OutputSource {
     /// Slots: coordinates, then x, y, z of every trace, then earlier outputs.
     Formula(Expression),
-    /// How far bodies are from each other.
+    /// The distance of bodies.
     Distance(Distance),
-    /// A formula that holds rates: it has a value where the motion is known, and in no other arithmetic than that of numbers.
+    /// A formula that contains rates: it is defined only along a motion, and only in plain numbers.
     Rated(RatedFormula),
 }
 
@@ -199,9 +199,9 @@ pub struct Mechanism {
     pub equations: Vec<Equation>,
     /// Those equations that are bars.
     pub bars: Vec<Bar>,
-    /// Names of those loops and equations that are contacts of surfaces.
+    /// Names of the loops and equations that are contacts of surfaces.
     pub contacts: Vec<String>,
-    /// Cylinders among them that may cross at any angle.
+    /// Contacts of cylinders that may cross at any angle.
     pub crossings: Vec<AxisCrossing>,
     /// Links.
     pub bodies: Vec<Body>,
@@ -209,16 +209,16 @@ pub struct Mechanism {
     pub traces: Vec<Trace>,
     /// Named scalars.
     pub outputs: Vec<MechanismOutput>,
-    /// What its chains are as joints and links.
+    /// Its chains as joints and links.
     pub joints: Joints,
     /// Characteristic length of the whole: no loop's own is larger.
     pub size: f64,
-    /// What a coordinate amounts to: a length the unit of the loops it stands in, a number its magnitude, an angle one.
+    /// The scale of a coordinate: for a length the unit of its loops, for a number its magnitude, for an angle one.
     pub scales: Vec<f64>,
 }
 
 impl Mechanism {
-    /// Whether a formula of slots uses outputs that hold rates, by however many others.
+    /// Whether a formula of slots uses outputs that contain rates, directly or through other outputs.
     pub fn uses_rates(&self, formula: &Expression) -> bool {
         let first = self.coordinate_count() + 3 * self.traces.len();
         let mut held: Vec<bool> = Vec::with_capacity(self.outputs.len());
@@ -264,8 +264,8 @@ impl Mechanism {
         known.map_or(Kind::Number, |c| c.kind)
     }
 
-    /// Least and largest scale of an unknown, an angle's being the size: what a distance of poses in scaled unknowns is
-    /// at least, and at most, as a difference of unknowns.
+    /// Least and largest scale of an unknown, with the size for an angle: bounds of the distance of two poses in scaled
+    /// unknowns relative to the difference of an unknown.
     pub fn distance_units(&self) -> [f64; 2] {
         let unit = |index: usize| match self.unknowns[index].kind {
             Kind::Angle => self.size,
@@ -293,7 +293,7 @@ impl Mechanism {
         }
     }
 
-    /// What one of the file's units is inside the program for a coordinate or output of `kind`.
+    /// Factor from the file's unit to internal values for a coordinate or output of `kind`.
     pub fn unit_of(&self, kind: Kind) -> Constant {
         match kind {
             Kind::Angle => self.angle_unit.radians,
@@ -301,13 +301,13 @@ impl Mechanism {
         }
     }
 
-    /// Factor from internal values to the file's unit, likewise.
+    /// Factor from internal values to the file's unit for a coordinate or output of `kind`.
     pub fn file_units(&self, kind: Kind) -> f64 {
         1.0 / self.unit_of(kind).number()
     }
 
-    /// By how much the inputs, as a table prints them, differ from `coordinates`: one entry for every coordinate, zero for
-    /// the unknowns.
+    /// The differences between the inputs as a table prints them and `coordinates`: one entry for every coordinate,
+    /// zero for the unknowns.
     pub fn printed_rests(&self, coordinates: &[f64]) -> Vec<f64> {
         let mut rests = vec![0.0; coordinates.len()];
         let first = self.unknowns.len();
@@ -319,7 +319,7 @@ impl Mechanism {
     }
 }
 
-/// Whether a formula uses one of the outputs, from slot `first` on, that are told.
+/// Whether a formula uses one of the outputs, from slot `first` on, that are marked.
 fn uses_any(formula: &Expression, first: usize, told: &[bool]) -> bool {
     let outputs = formula.slots().into_iter();
     let mut outputs = outputs.filter_map(|slot| slot.checked_sub(first));

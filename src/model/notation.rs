@@ -1,5 +1,5 @@
-//! Chains as the scene writes them: every factor with its text, before constants are folded into poses and what undoes
-//! itself is taken out. For drawings and for what stands on a board; nothing is computed with them but poses.
+//! Chains as the scene writes them: every factor with its text, before constants are folded into poses and inverse
+//! factors are cancelled. For drawings and written matrices; only poses are computed with them.
 
 use super::chain::{Argument, ArgumentValue, ChainStep, ElementaryMotion};
 use crate::math::Pose;
@@ -7,7 +7,7 @@ use crate::math::Pose;
 /// One factor of a written chain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WrittenFactor {
-    /// Motion and axis (0 x, 1 y, 2 z); `None` for the turn to the direction of a general axis.
+    /// Motion and axis (0 x, 1 y, 2 z); `None` for the rotation to the direction of a general axis.
     pub motion: Option<(ElementaryMotion, usize)>,
     /// Its argument as typed, with its sign.
     pub text: String,
@@ -15,18 +15,18 @@ pub struct WrittenFactor {
     pub step: ChainStep,
     /// Its argument as a sum; empty for the direction of an axis.
     pub terms: Vec<WrittenTerm>,
-    /// A constant whose argument holds a name.
+    /// A constant whose argument contains a name.
     pub is_dimension: bool,
-    /// The step of the mechanism's chain that it became; `None` for constants and for what was cancelled.
+    /// The step of the mechanism's chain that it became; `None` for constants and cancelled factors.
     pub place: Option<usize>,
 }
 
-/// A part of a sum.
+/// A term of a sum.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WrittenTerm {
     /// As typed, without sign.
     pub text: String,
-    /// Whether it is taken off.
+    /// Whether it is subtracted.
     pub is_negative: bool,
     /// Its value, among the terms of the [`Notation`].
     pub argument: usize,
@@ -37,11 +37,11 @@ pub struct WrittenTerm {
 pub struct WrittenChain {
     /// Name in the scene.
     pub name: String,
-    /// The chain as typed; names of other chains stand in it.
+    /// The chain as typed, with the names of other chains.
     pub text: String,
     /// All factors, from left to right.
     pub factors: Vec<WrittenFactor>,
-    /// How many of them lead to where the mechanism's loop begins.
+    /// How many of them precede the start of the mechanism's loop.
     pub before: usize,
 }
 
@@ -70,11 +70,11 @@ pub struct WrittenContact {
 pub struct Notation {
     /// Arguments of the moving factors. Slots: unknowns, then inputs.
     pub arguments: Vec<Argument>,
-    /// Values of the parts of sums. Slots likewise.
+    /// Values of the terms of sums, with the same slots.
     pub terms: Vec<Argument>,
     /// One for each loop of the mechanism, in its order.
     pub loops: Vec<WrittenChain>,
-    /// One for each body of the mechanism, in its order; empty for one that stands in the world.
+    /// One for each body of the mechanism, in its order; empty for a body fixed to the world.
     pub bodies: Vec<WrittenChain>,
     /// The named chains.
     pub chains: Vec<WrittenChain>,
@@ -94,7 +94,7 @@ impl Notation {
             .collect()
     }
 
-    /// Values of the parts of sums at the given coordinates.
+    /// Values of the terms of sums at the given coordinates.
     pub fn term_values(&self, coordinates: &[f64]) -> Vec<f64> {
         let mut scratch = Vec::new();
         let terms = self.terms.iter();
@@ -137,7 +137,7 @@ impl WrittenFactor {
         self.step.joint().is_none() && !self.is_dimension
     }
 
-    /// As it stands in a chain: `Tx(L4)`.
+    /// In the notation of a chain: `Tx(L4)`.
     pub fn written(&self) -> String {
         match self.motion {
             Some((motion, axis)) => {
@@ -163,7 +163,7 @@ impl WrittenChain {
     }
 }
 
-/// A text without the sign in front, where that belongs to the whole.
+/// A text without its leading sign, if that belongs to the whole.
 pub fn unsigned_text(text: &str) -> &str {
     let Some(rest) = text.strip_prefix('-') else {
         return text;

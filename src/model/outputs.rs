@@ -1,6 +1,6 @@
 //! Values of outputs, in any arithmetic.
 //!
-//! To the first order the distance of two bodies changes as their nearest points move along the line between them, whatever
+//! To first order the distance of two bodies changes as their nearest points move along the line between them, whatever
 //! else the bodies do.
 
 use super::chain::ArgumentValue;
@@ -13,8 +13,8 @@ use crate::numbers::scalar::Scalar;
 use glam::DVec3;
 
 impl MechanismOutput {
-    /// The value, of coordinates, x, y, z of every trace and earlier outputs. Outputs that hold rates have none here: those are of a
-    /// motion, not of a pose.
+    /// The value, from coordinates, x, y, z of every trace and earlier outputs. Outputs that contain rates are
+    /// undefined here: they belong to a motion, not to a pose.
     pub fn value_with<S: Scalar>(
         &self,
         mechanism: &Mechanism,
@@ -61,7 +61,8 @@ impl MechanismOutput {
     }
 }
 
-/// Step for the derivative of a shape, as a part of the coordinate that shapes it, or of one: the third root of rounding.
+/// Step for the derivative of a shape, as a fraction of the coordinate that shapes it, or of one: the cube root of the
+/// rounding error.
 const SHAPE_STEP: f64 = 1e-5;
 
 /// The nearest pair at a pose.
@@ -91,8 +92,8 @@ impl Distance {
         found.min_by(|p, q| p.nearest.distance.total_cmp(&q.nearest.distance))
     }
 
-    /// The value at coordinates of any kind: numbers and first derivatives. Higher ones, and enclosures, are undefined: they
-    /// depend on how the surfaces bend.
+    /// The value at coordinates of any number type: numbers and first derivatives. Higher derivatives and enclosures
+    /// are undefined: they depend on the curvature of the surfaces.
     pub fn value<S: Scalar>(&self, mechanism: &Mechanism, coordinates: &[S]) -> S {
         let numbers: Vec<f64> = coordinates.iter().map(|c| c.nominal()).collect();
         match self.find(mechanism, &numbers) {
@@ -144,7 +145,7 @@ impl Distance {
 }
 
 impl Found<'_> {
-    /// The distance as its nearest points move, and as the solids change their shapes.
+    /// The change of the distance as its nearest points move, and as the solids change their shapes.
     fn follow<S: Scalar>(&self, mechanism: &Mechanism, numbers: &[f64], coordinates: &[S]) -> S {
         let Nearest {
             distance,
@@ -172,7 +173,7 @@ impl Found<'_> {
         change.first_order(distance)
     }
 
-    /// The derivative by a coordinate through the shapes alone: the bodies stand still.
+    /// The derivative by a coordinate through the shapes alone, with fixed bodies.
     fn by_shape(&self, numbers: &[f64], slot: usize) -> f64 {
         let step = SHAPE_STEP * numbers[slot].abs().max(1.0);
         let mut moved = numbers.to_vec();

@@ -1,4 +1,4 @@
-//! Colours of bodies that name none, chosen so that they can be told apart, also without full colour vision.
+//! Default colours of bodies, chosen so that they can be distinguished, also without full colour vision.
 
 /// sRGB, in the order in which they are given out.
 pub const BODIES: [[u8; 3]; 8] = [
@@ -81,14 +81,14 @@ mod tests {
         )
     }
 
-    /// Distance of two sRGB colours as an eye sees them.
+    /// Perceived distance of two sRGB colours.
     fn distance(eye: &[[f64; 3]; 3], a: [u8; 3], b: [u8; 3]) -> f64 {
         let seen = |c: [u8; 3]| oklab(times(eye, ToneCurve::shared().decode_rgb(c).map(f64::from)));
         let (a, b) = (seen(a), seen(b));
         (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
     }
 
-    /// The two nearest different colours for the eye that tells them apart least.
+    /// The two nearest different colours for the eye that distinguishes them least.
     fn nearest(colours: &[[u8; 3]]) -> (f64, String) {
         let mut least = (f64::INFINITY, String::new());
         for (name, eye) in &EYES {

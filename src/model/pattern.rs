@@ -1,12 +1,13 @@
-//! What is zero in a pose whatever its numbers are: a motion about z has no part of it out of the plane.
+//! The entries of a pose that are zero whatever its numbers are: a rotation about z, for example, has no part outside
+//! the plane.
 //!
-//! The pattern of a product follows from those of its factors, so that an equation of a loop which vanishes identically is
-//! known to do so: by the axes that stand in the chain, not by numbers at some poses.
+//! The pattern of a product follows from those of its factors. An equation of a loop that vanishes identically is thus
+//! recognised by the axes of the chain, not by numbers at some poses.
 
 use crate::math::Pose;
 use std::ops::Mul;
 
-/// What is known of a number.
+/// What is known about a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum PatternEntry {
     Zero,
@@ -42,7 +43,7 @@ impl PatternEntry {
     }
 }
 
-/// What is known of the entries of a pose.
+/// What is known about the entries of a pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RowPattern {
     /// Column by column.
@@ -51,7 +52,7 @@ pub struct RowPattern {
 }
 
 impl RowPattern {
-    /// Of the pose that moves nothing.
+    /// Of the identity.
     pub const IDENTITY: Self = Self {
         rotation: [
             [PatternEntry::One, PatternEntry::Zero, PatternEntry::Zero],
@@ -87,7 +88,7 @@ impl RowPattern {
         }
     }
 
-    /// Of a pose whose numbers are exactly those meant.
+    /// Of a pose whose numbers are exact.
     pub fn of_exact(pose: &Pose) -> Self {
         let entries = |column: glam::DVec3| column.to_array().map(PatternEntry::of);
         Self {
@@ -146,7 +147,8 @@ impl Mul for RowPattern {
 mod tests {
     use super::*;
 
-    /// Planar chains leave their plane in no equation, spherical ones their point, and one motion out of the plane is seen.
+    /// Planar chains leave their plane in no equation, spherical ones their point, and a single motion out of the plane
+    /// is detected.
     #[test]
     fn equations_that_always_hold_are_those_of_the_axes() {
         let [t, r] = [RowPattern::of_shift, RowPattern::of_turn];

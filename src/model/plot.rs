@@ -5,16 +5,16 @@ use super::expression::Expression;
 use super::mechanism::Kind;
 use super::rate::Rate;
 
-/// A plot of the motion; curves of different units stand in panels of their own.
+/// A plot of the motion; curves of different units are in separate panels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plot {
     /// Its title; may be empty.
     pub title: String,
-    /// What the curves are drawn against.
+    /// The quantity on the horizontal axis.
     pub x: Abscissa,
     /// The curves.
     pub y: Vec<PlotCurve>,
-    /// A unit is as long on both axes: for paths in a plane.
+    /// Whether both axes have the same scale: for paths in a plane.
     pub equal: bool,
     /// Reference points, in the units of the axes.
     pub marks: Vec<[f64; 2]>,
@@ -42,15 +42,15 @@ pub struct PlotCurve {
     pub factor: f64,
     /// Slots: coordinates, then x, y, z of every trace, outputs, and `rates`.
     pub expression: Expression,
-    /// What the expression itself measures.
+    /// The kind of the expression.
     pub kind: Kind,
-    /// Its rate is drawn in place of itself.
+    /// Whether its rate is drawn instead of itself.
     pub rate: Option<Rate>,
-    /// Rates that it is made of, of formulas with the same slots.
+    /// The rates it uses, of formulas with the same slots.
     pub rates: Vec<(Expression, Rate)>,
 }
 
-/// Unit and factor of a rate from those of the quantity and of what it is taken by.
+/// Unit and factor of a rate from those of the quantity and of its variable.
 pub fn rate_unit(
     (unit, factor): (&str, f64),
     (per, per_factor): (&str, f64),

@@ -1,23 +1,23 @@
 //! Numbers as tables print them: in the scene's unit, as the shortest decimal that reads back as the same f64.
 //!
-//! A table's `40` degrees is not the f64 that was computed with. Bounds that stand beside printed numbers count the
-//! difference: of an input all its digits ([`printing_error`]), of everything else a bound ([`printing_unit`]).
+//! A table's `40` degrees is not the f64 used in computations. Bounds next to printed numbers include the difference:
+//! for an input all its digits ([`printing_error`]), for everything else a bound ([`printing_unit`]).
 
 use crate::numbers::constant::Constant;
 use crate::numbers::double_double::DoubleDouble;
 use crate::numbers::rounding::{GROW, SMALLEST, U};
 use std::fmt::Write;
 
-/// How the inputs of a sample are read where its pose is proved.
+/// The meaning of a sample's inputs when its pose is proved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InputReading {
-    /// As the f64 they are, in radians: for those who compute with them.
+    /// The f64 themselves, in radians: for those who compute with them.
     Numbers,
-    /// As the decimals that a table prints: for those who read it.
+    /// The decimals that a table prints: for those who read it.
     Decimals,
 }
 
-/// The f64 in a table: `unit` is what one of the scene's units is inside the program.
+/// The f64 of a table; `unit` is the factor from the scene's unit to internal values.
 pub fn in_unit(value: f64, unit: Constant) -> f64 {
     value * (1.0 / unit.number())
 }
@@ -29,7 +29,7 @@ pub fn shortest_decimal(value: f64) -> String {
     text
 }
 
-/// The same at the end of a text: of a row of numbers, none needs room of its own.
+/// The same, appended to a text, so that a row of numbers needs no further allocations.
 pub fn push_shortest_decimal(text: &mut String, value: f64) {
     let magnitude = value.abs();
     let is_far = magnitude != 0.0 && !(1e-4..1e15).contains(&magnitude) && value.is_finite();
@@ -56,7 +56,7 @@ fn push_decimal_plainly(text: &mut String, value: f64, is_far: bool) {
 /// Sign, point, exponent, and seventeen digits.
 const LONGEST_DECIMAL: usize = 24;
 
-/// What the printed decimal says less `value`; zero for what is no number.
+/// The printed decimal minus `value`; zero for NaN and infinities.
 pub fn printing_error(value: f64, unit: Constant) -> f64 {
     let printed = in_unit(value, unit);
     let Some(size) = Constant::decimal(&shortest_decimal(printed.abs())) else {
@@ -66,8 +66,8 @@ pub fn printing_error(value: f64, unit: Constant) -> f64 {
     (meant - Constant::exact(value)).number()
 }
 
-/// The printed decimal is no farther from `value`: what the conversion loses, and half a unit in the last place of the
-/// decimal.
+/// Bound on the difference between the printed decimal and `value`: the error of the conversion, and half a unit in the
+/// last place of the decimal.
 pub fn printing_unit(value: f64, unit: Constant) -> f64 {
     let converted = unit.value() * in_unit(value, unit) - DoubleDouble::from(value);
     (converted.hi.abs() + U * value.abs() + SMALLEST) * GROW

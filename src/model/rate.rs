@@ -1,12 +1,12 @@
-//! Rates of quantities as they stand in formulas: `d(h, phi)`, `d(h, t, 2)`.
+//! Rates of quantities as written in formulas: `d(h, phi)`, `d(h, t, 2)`.
 
 use super::expression::Expression;
 use crate::numbers::series::HIGHEST_ORDER;
 
-/// Highest order of a derivative that is offered; the cost grows with the third power.
+/// Highest order of a derivative that is supported; the cost grows with the third power.
 pub const MAX_ORDER: usize = HIGHEST_ORDER;
 
-/// Which rate of a quantity.
+/// The order and variable of a rate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rate {
     /// By what.
@@ -15,28 +15,28 @@ pub struct Rate {
     pub order: usize,
 }
 
-/// What a rate is taken by.
+/// The variable of a rate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Per {
     /// Seconds of the drive.
     Time,
-    /// An input, the others standing still.
+    /// An input, with the others constant.
     Input(usize),
 }
 
-/// A formula that holds rates.
+/// A formula that contains rates.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RatedFormula {
     /// Its slots: coordinates, then x, y, z of every trace, the outputs that are known to it, and its rates.
     pub expression: Expression,
     /// The slot of the first rate.
     pub first: usize,
-    /// Formulas of the slots before, of which it holds the rates.
+    /// Formulas of the earlier slots whose rates it contains.
     pub rates: Vec<(Expression, Rate)>,
 }
 
 impl RatedFormula {
-    /// Slots that it uses or that it holds rates of, ascending.
+    /// Slots that it uses directly or in rates, ascending.
     pub fn slots(&self) -> Vec<usize> {
         let own = self.expression.slots().into_iter();
         let own = own.filter(|slot| *slot < self.first);

@@ -109,11 +109,11 @@ pub struct TriangleSoup {
     pub vertices: Vec<DVec3>,
     /// Corner indices, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
-    /// The scene says that they are a surface, which has no inside.
+    /// Whether the scene declares them as a surface without an inside.
     pub is_surface: bool,
 }
 
-/// A solid, where it sits in its body, and how it looks.
+/// A solid, its position in its body, and its appearance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shape {
     /// The solid in its own frame.

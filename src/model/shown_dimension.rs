@@ -1,8 +1,8 @@
-//! Dimensions drawn into pictures: a length or an angle between places that move, with its value.
+//! Dimensions drawn into pictures: a length or an angle between moving points, with its value.
 
 use glam::DVec3;
 
-/// What a place belongs to.
+/// The carrier of a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PlaceOf {
     /// A body, with which it moves.
@@ -13,7 +13,7 @@ pub enum PlaceOf {
     World,
 }
 
-/// A place in a picture.
+/// A point in a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DimensionEnd {
     /// What it belongs to.
@@ -48,15 +48,15 @@ pub struct ShownDimension {
     pub kind: DimensionKind,
     /// From where to where.
     pub ends: [DimensionEnd; 2],
-    /// What it says, with `{}` for the value; the value alone if `None`.
+    /// Its text, with `{}` for the value; the value alone if `None`.
     pub text: Option<String>,
-    /// Digits behind the point; as for inputs if `None`.
+    /// Decimals; as for inputs if `None`.
     pub digits: Option<usize>,
     /// sRGB colour; the theme's ink if `None`.
     pub colour: Option<[u8; 3]>,
 }
 
 impl ShownDimension {
-    /// Where the value stands in the text.
+    /// The position of the value in the text.
     pub const VALUE: &'static str = "{}";
 }

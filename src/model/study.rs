@@ -1,4 +1,4 @@
-//! What a study varies and what it makes small; measures and their limits are the mechanism's own.
+//! The variables and the objective of a study; measures and their limits belong to the mechanism.
 
 use super::mechanism::Kind;
 
@@ -26,9 +26,9 @@ pub struct Study {
     pub variables: Vec<Variable>,
     /// Index of the measure that is to be made small.
     pub objective: Option<usize>,
-    /// What the study asks of measures beside their own limits: index, smallest and largest value.
+    /// Further limits of measures from the study: index, smallest and largest value.
     pub limits: Vec<(usize, [Option<f64>; 2])>,
-    /// What a source prints of measures, by their indices, in internal units.
+    /// Values of measures printed in a source, by their indices, in internal units.
     pub printed: Vec<(usize, f64)>,
     /// One line about what is studied.
     pub note: Option<String>,

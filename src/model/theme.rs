@@ -1,4 +1,4 @@
-//! Colours of paper and ink: what a picture has where neither bodies nor traces say otherwise.
+//! Colours of background and text: the defaults for everything except bodies and traces.
 
 /// Light paper for documents, dark paper for slides.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -29,7 +29,7 @@ impl Theme {
         }
     }
 
-    /// sRGB colour of values and scales, which stand back.
+    /// sRGB colour of values and scales, which are less prominent.
     pub const fn faint_ink(self) -> [u8; 3] {
         match self {
             Self::Light => [0x5a, 0x62, 0x6e],

@@ -1,4 +1,4 @@
-//! How a scene wants to be seen: camera direction, ground, labels. Plain data, no pixels.
+//! How a scene is shown: camera direction, ground, labels. Plain data, without pixels.
 
 use super::camera_path::CameraPath;
 use super::mechanism::Mechanism;
@@ -37,7 +37,7 @@ impl ViewProjection {
     /// Names in files and options, and whether the rays are parallel.
     pub const NAMES: [(&'static str, bool); 2] = [("perspective", false), ("orthographic", true)];
 
-    /// A perspective of 24 degrees: that of a long lens, which bends little.
+    /// A perspective of 24 degrees, like that of a telephoto lens, with little distortion.
     pub const DEFAULT: Self = Self::Perspective {
         fov_y: 24.0 * std::f64::consts::PI / 180.0,
     };
@@ -72,7 +72,7 @@ impl NamedView {
 /// Earlier poses that stay as translucent bodies.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Ghosts {
-    /// So many, evenly spread over the motion.
+    /// This many, evenly spaced over the motion.
     Count(usize),
     /// At these times in seconds.
     Times(Vec<f64>),
@@ -81,18 +81,18 @@ pub enum Ghosts {
 /// How traced paths are drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Trails {
-    /// The whole path, thin and pale, and over it what has been travelled.
+    /// The whole path, thin and pale, and over it the part travelled so far.
     Whole,
-    /// What has been travelled since the start of the motion.
+    /// The path travelled since the start of the motion.
     Grow,
-    /// The last stretch only, fading into the background; its length in seconds, a quarter of the motion if `None`.
+    /// The last part only, fading into the background; its length in seconds, a quarter of the motion if `None`.
     Fading(Option<f64>),
     /// Not at all.
     None,
 }
 
 impl Trails {
-    /// Names in files and options; how long a fading one is stands elsewhere.
+    /// Names in files and options; the length of a fading one is a separate key.
     pub const NAMES: [(&'static str, Self); 4] = [
         ("whole", Self::Whole),
         ("grow", Self::Grow),
@@ -144,7 +144,7 @@ impl ShownAxes {
     ];
 }
 
-/// What a picture shows beside the bodies.
+/// What a picture shows in addition to the bodies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Decor {
     /// Earlier poses.
@@ -192,9 +192,9 @@ pub struct SceneLabel {
     pub place: LabelPlace,
     /// sRGB colour; the theme's ink if `None`.
     pub colour: Option<[u8; 3]>,
-    /// Stands beside its point, with a line to it.
+    /// Placed next to its point, with a leader.
     pub leader: bool,
-    /// Not drawn while a body stands before its point.
+    /// Not drawn while a body hides its point.
     pub hides: bool,
     /// Not drawn where it would cover an earlier label.
     pub yields: bool,
@@ -212,7 +212,7 @@ pub enum LabelPlace {
         /// The point in its frame.
         point: DVec3,
     },
-    /// Where a trace is at the given time; stays there.
+    /// The position of a trace at the given time; it stays there.
     OnTrace {
         /// Index of the trace.
         trace: usize,
@@ -223,21 +223,21 @@ pub enum LabelPlace {
     },
 }
 
-/// How a film runs from its first picture to the next round.
+/// The playback of a film from its first picture to the next round.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Playback {
     /// Forwards, then backwards.
     pub bounce: bool,
-    /// Seconds that its first and its last pose are shown for, beside the time of their own picture.
+    /// Seconds for which its first and its last pose are shown, in addition to the time of their own picture.
     pub pause: f64,
 }
 
 impl Playback {
-    /// Longer pauses, in seconds, are taken for a mistake.
+    /// Longest pause in seconds; anything longer is an error.
     pub const LONGEST_PAUSE: f64 = 60.0;
 }
 
-/// Shadows, and the light that bodies near to each other keep from each other.
+/// Shadows, and the ambient light that neighbouring bodies hide from each other.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Shadows {
     /// On the ground only.
@@ -271,9 +271,9 @@ pub struct View {
     pub projection: ViewProjection,
     /// Free border around the motion as a fraction of the picture.
     pub margin: f64,
-    /// Top, front and side views stand around the view described here.
+    /// Whether top, front and side views surround the view described here.
     pub four: bool,
-    /// Colours of what is not part of the mechanism.
+    /// Colours of everything that is not part of the mechanism.
     pub theme: Theme,
     /// No background: for formats that have alpha.
     pub transparent: bool,
@@ -285,7 +285,7 @@ pub struct View {
     pub shadows: Shadows,
     /// Height of the ground along the up axis; `Auto` puts it below the motion.
     pub ground: GroundPlace,
-    /// Frames a second unless asked otherwise.
+    /// Default number of frames per second.
     pub fps: f64,
     /// How a film runs.
     pub playback: Playback,
@@ -295,15 +295,15 @@ pub struct View {
     pub labels: Vec<SceneLabel>,
     /// Lengths and angles with their values.
     pub dimensions: Vec<ShownDimension>,
-    /// What is shown beside the bodies.
+    /// Additions to the bodies.
     pub decor: Decor,
     /// How the camera moves.
     pub camera_path: CameraPath,
-    /// Solids that are left out of pictures.
+    /// Solids that pictures omit.
     pub hidden: Vec<HiddenSolids>,
 }
 
-/// Solids of a body that pictures leave out; they move and are measured like the others.
+/// Solids of a body that pictures omit; they move and are measured like the others.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct HiddenSolids {
     /// Index of the body.
@@ -327,7 +327,7 @@ impl View {
         })
     }
 
-    /// Looks from a named direction. `Four` leaves the direction as it is, which one of the four views shows.
+    /// Sets a named direction. `Four` keeps the direction, which one of the four views shows.
     pub fn look_from(&mut self, named: NamedView) {
         let iso = std::f64::consts::FRAC_1_SQRT_2.atan();
         let quarter = std::f64::consts::FRAC_PI_2;

@@ -1,4 +1,4 @@
-//! What a command line or a list of pictures changes in the view of a scene.
+//! Changes to the view of a scene from the command line or a list of pictures.
 
 use super::camera_path::CameraPath;
 use super::theme::Theme;
@@ -6,10 +6,10 @@ use super::view::{
     EdgeLines, Ghosts, GroundPlace, NamedView, Shadows, ShownAxes, Trails, View, ViewProjection,
 };
 
-/// Changes; what is `None` stays as the scene says.
+/// Changes; `None` keeps the scene's value.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ViewChange {
-    /// A named direction, before everything else.
+    /// A named direction, applied before everything else.
     pub from: Option<NamedView>,
     /// Radians.
     pub azimuth: Option<f64>,

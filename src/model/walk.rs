@@ -1,8 +1,8 @@
 //! The product of a chain, step by step, in any arithmetic: poses, series, derivatives, formulas, enclosures.
 //!
-//! Three products are written out apart from this one, because they are hot or exact: the joints of a loop with its
-//! derivatives (`kinematics/loops`), eight poses at once (`kinematics/abreast`), and two f64 a number
-//! (`kinematics/certificate/pose`). Tests hold the first and the last against this one; lanes are held against the first.
+//! Three products are separate, because they are performance-critical or exact: the joints of a loop with its
+//! derivatives (`kinematics/loops`), eight poses at once (`kinematics/abreast`), and two f64 per number
+//! (`kinematics/certificate/pose`). Tests compare the first and the last with this one, and lanes with the first.
 
 use super::chain::{ArgumentValue, Chain, ChainJoint, ChainStep, ElementaryMotion};
 use super::fixed::{FixedPose, PoseError};
@@ -12,22 +12,22 @@ use crate::numbers::rounding::DECIMAL;
 use crate::numbers::scalar::Ring;
 use glam::{DMat3, DVec3};
 
-/// What is carried along a chain: a frame, in some arithmetic, that every step moves by its own axes.
+/// The state carried along a chain: a frame, in some arithmetic, that every step moves along its own axes.
 pub trait Carried {
     /// Value of a joint in this arithmetic.
     type Argument;
 
-    /// Moves the frame by a constant pose.
+    /// Applies a constant pose.
     fn fix(&mut self, fixed: &FixedPose);
 
     /// Moves the frame along its own axis.
     fn shift(&mut self, axis: usize, sign: f64, by: &Self::Argument);
 
-    /// Turns the frame about its own axis.
+    /// Rotates the frame about its own axis.
     fn turn(&mut self, axis: usize, sign: f64, by: &Self::Argument);
 }
 
-/// Carries `frame` along the steps. `meet` sees every joint before it moves the frame, and the frame there.
+/// Carries `frame` along the steps. `meet` is called for every joint with the frame before its motion.
 #[inline]
 pub fn walk_chain<F: Carried>(
     steps: &[ChainStep],
@@ -44,7 +44,7 @@ pub fn walk_chain<F: Carried>(
 }
 
 impl ChainStep {
-    /// Moves the frame by this step.
+    /// Applies this step to the frame.
     #[inline]
     pub fn advance<F: Carried>(&self, frame: &mut F, arguments: &[F::Argument]) {
         match *self {
@@ -127,7 +127,7 @@ impl<S: Ring> WalkFrame<S> {
         frame
     }
 
-    /// The frame of one part of every number.
+    /// One part of every number of the frame.
     pub fn map<T>(self, part: impl Fn(S) -> T + Copy) -> WalkFrame<T> {
         WalkFrame {
             axes: self.axes.map(|axis| axis.map(part)),
@@ -145,7 +145,7 @@ impl<S: Ring> WalkFrame<S> {
         [0, 1, 2].map(|k| x[k].scale_by(v[0]) + y[k].scale_by(v[1]) + z[k].scale_by(v[2]))
     }
 
-    /// A point of the frame in the base frame. Its coordinates were rounded to f64: enclosures hold what was meant.
+    /// A point of the frame in the base frame. Its coordinates were rounded to f64: enclosures include the error.
     pub fn point(&self, v: [f64; 3]) -> Triple<S> {
         let meant = v.map(|c| Constant::within(c, DECIMAL * c.abs()));
         add_vectors(self.combination(meant), self.origin)
@@ -228,7 +228,7 @@ mod tests {
                 assert!((product.translation - pose.translation).length() < 1e-15);
                 let off = (product.rotation - pose.rotation).to_cols_array();
                 assert!(off.iter().all(|v| v.abs() < 1e-15));
-                // Plain numbers take the same operations, whether they lie in lists or in vectors.
+                // Plain numbers undergo the same operations, whether they are in lists or in vectors.
                 let frame = WalkFrame::at_end_of(&steps, &[value]);
                 assert_eq!(frame.axes, pose.rotation.to_cols_array_2d());
                 assert_eq!(frame.origin, pose.translation.to_array());

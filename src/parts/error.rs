@@ -1,4 +1,4 @@
-//! What can be wrong with a study's folder.
+//! Errors of a study's folder.
 
 use crate::export::ExportError;
 use std::io;

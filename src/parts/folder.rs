@@ -25,9 +25,9 @@ pub struct Folder {
 }
 
 impl Folder {
-    /// Makes the folder of a study that is `plan`, with further files beside it.
+    /// Creates the folder of the study `plan`, with further files in it.
     ///
-    /// Errors: there is something of that name already, or it cannot be made.
+    /// Errors: something of that name exists already, or it cannot be created.
     pub fn create(path: &Path, plan: Plan, files: &[(&str, &[u8])]) -> Result<Self, PartsError> {
         match fs::create_dir(path) {
             Err(e) if e.kind() == ErrorKind::AlreadyExists => {
@@ -96,7 +96,7 @@ impl Folder {
             .collect()
     }
 
-    /// Units that somebody works on, or worked on when he was stopped.
+    /// Units that a worker is processing, or was processing when it stopped.
     pub fn leased_units(&self) -> Vec<u64> {
         let units = 0..self.plan.units();
         units.filter(|unit| self.lease(*unit).is_file()).collect()
@@ -121,7 +121,7 @@ impl Folder {
             let is_hidden = path
                 .file_name()
                 .is_some_and(|name| name.to_string_lossy().starts_with('.'));
-            // What begins with a point is a part that is being written.
+            // A name that begins with a point is a part that is being written.
             if is_hidden || path.extension().is_none_or(|e| e != PART) {
                 continue;
             }

@@ -1,5 +1,5 @@
-//! Leases: a file says that somebody works on a unit. Who holds one touches it; whoever sees one that is not touched any
-//! more takes it over. Two workers on one unit lose time and nothing else: their parts are the same.
+//! Leases: a file states that a worker is processing a unit. Its holder touches it; a worker that finds a lease no
+//! longer touched takes it over. Two workers on one unit only lose time: their parts are the same.
 
 use super::error::PartsError;
 use std::collections::HashMap;
@@ -13,7 +13,7 @@ use std::time::{Duration, Instant, SystemTime};
 /// How often the holder of a lease touches it.
 const TOUCH: Duration = Duration::from_secs(5);
 
-/// A lease that has not been touched for so long belongs to nobody: six touches, for disks that are slow to tell.
+/// A lease that has not been touched for this long is stale: six touches, for slow disks.
 const STALE: Duration = Duration::from_secs(30);
 
 /// How often the keeper of a lease looks whether it is done.

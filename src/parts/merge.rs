@@ -3,7 +3,7 @@
 use super::error::PartsError;
 use super::folder::Folder;
 use super::part::Part;
-use super::plan::Keeps;
+use super::plan::PartContent;
 use std::ops::Range;
 
 /// Takes an item and its numbers.
@@ -34,8 +34,8 @@ impl Merge {
         };
         for part in &parts {
             said(next..part.items.start, "missing");
-            if folder.plan.keeps == Keeps::Sums {
-                // What is added up cannot be held against each other item by item.
+            if folder.plan.keeps == PartContent::Sums {
+                // Sums cannot be compared item by item.
                 let common = part.items.start..next.min(part.items.end);
                 said(common, "in two parts, of sums");
             }
@@ -112,7 +112,7 @@ impl Merge {
     }
 }
 
-/// A part that is broken keeps a study from being put together, as one that is missing does.
+/// A damaged part prevents merging, like a missing one.
 fn as_fault(error: PartsError) -> PartsError {
     match error {
         PartsError::Foreign { .. } => PartsError::Faulty(vec![error.to_string()]),

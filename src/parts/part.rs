@@ -1,8 +1,8 @@
-//! A part: the numbers of consecutive items in one file, with the identity of their study before them and a digest of
-//! everything behind.
+//! A part: the numbers of consecutive items in one file, preceded by the identity of their study and followed by a
+//! digest.
 //!
-//! Line of JSON, then eight bytes a number, the least first, item after item (or those of all items together), then 32 bytes of
-//! SHA-256.
+//! A line of JSON, then eight bytes per number, little-endian, item after item (or those of all items together), then
+//! 32 bytes of SHA-256.
 
 use super::error::PartsError;
 use super::identity::digest;

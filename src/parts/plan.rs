@@ -1,4 +1,4 @@
-//! The plan of a study: what is done, to how many items, and how the work is cut.
+//! The plan of a study: the work, the number of items, and their division.
 
 use super::error::PartsError;
 use serde_json::{Value, json};
@@ -13,14 +13,14 @@ pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// What a part keeps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Keeps {
+pub enum PartContent {
     /// The numbers of every item.
     Items,
-    /// The numbers of all its items together, which are put together by whoever knows what they mean.
+    /// The combined numbers of all its items, whose meaning is defined elsewhere.
     Sums,
 }
 
-impl Keeps {
+impl PartContent {
     const WORDS: [(Self, &'static str); 2] = [(Self::Items, "items"), (Self::Sums, "sums")];
 
     fn word(self) -> &'static str {
@@ -34,7 +34,7 @@ impl Keeps {
 pub struct Plan {
     /// The verb.
     pub verb: String,
-    /// Its arguments without the scene, as they are read again by whoever runs a unit.
+    /// Its arguments without the scene, which are parsed again when a unit is run.
     pub arguments: Vec<String>,
     /// What messages call the scene, whose text lies beside the plan.
     pub scene: String,
@@ -49,7 +49,7 @@ pub struct Plan {
     /// Items of a unit; the last one may have fewer.
     pub unit: u64,
     /// What its parts keep.
-    pub keeps: Keeps,
+    pub keeps: PartContent,
     /// Numbers of an item, or of a part that keeps sums.
     pub width: u64,
 }
@@ -69,8 +69,8 @@ impl Plan {
     /// Numbers of a part with so many items.
     pub fn numbers(&self, items: u64) -> u64 {
         match self.keeps {
-            Keeps::Items => items * self.width,
-            Keeps::Sums => self.width,
+            PartContent::Items => items * self.width,
+            PartContent::Sums => self.width,
         }
     }
 
@@ -140,8 +140,8 @@ impl Plan {
     }
 }
 
-fn kept_items(document: &Value) -> Option<Keeps> {
+fn kept_items(document: &Value) -> Option<PartContent> {
     let word = document["keeps"].as_str()?;
-    let known = Keeps::WORDS.iter().find(|(_, other)| *other == word);
+    let known = PartContent::WORDS.iter().find(|(_, other)| *other == word);
     known.map(|(keeps, _)| *keeps)
 }

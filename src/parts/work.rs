@@ -1,4 +1,4 @@
-//! Working on a study: unit after unit that is not done and that nobody else works on.
+//! Processes a study: unit after unit that is missing and not being processed by another worker.
 
 use super::error::PartsError;
 use super::folder::Folder;
@@ -7,7 +7,7 @@ use super::part::write_part;
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
-/// How often somebody who waits for others looks what they have done.
+/// How often a waiting worker checks the progress of the others.
 const WAIT: Duration = Duration::from_millis(500);
 
 /// Which units a worker does, and for how long.
@@ -15,7 +15,7 @@ const WAIT: Duration = Duration::from_millis(500);
 pub struct Share {
     /// Units that it may do.
     pub units: Range<u64>,
-    /// The one with which it begins; it goes on from there, and from the first one behind the last.
+    /// The unit with which it begins; it continues from there, and after the last one from the first.
     pub begin: u64,
     /// No unit is begun after this.
     pub until: Option<Instant>,
@@ -62,7 +62,7 @@ pub fn work_on(
                 held.push(unit);
                 continue;
             };
-            // Whoever held it before may have ended well in between.
+            // The previous holder may have finished in between.
             if folder.has(unit) {
                 continue;
             }

@@ -4,7 +4,7 @@ use super::sentences::gap_sentence;
 use super::verdict::{Case, MOTION, Status};
 use crate::diag::decimals_of;
 use crate::kinematics::results::trajectory::Trajectory;
-use crate::kinematics::solve::pose_check::{LoopVerdict, Offered, OfferedGap};
+use crate::kinematics::solve::pose_check::{ClosureCheck, ClosureGap, LoopVerdict};
 use crate::model::mechanism::Mechanism;
 use serde_json::{Value, json};
 
@@ -62,14 +62,14 @@ pub fn error_sentence(mechanism: &Mechanism, worst: f64, allowed: f64) -> String
 }
 
 /// Whether a loop or an equation is closed at a given pose.
-pub fn offered_case(mechanism: &Mechanism, item: &Offered) -> Case {
+pub fn offered_case(mechanism: &Mechanism, item: &ClosureCheck) -> Case {
     let status = match item.verdict {
         LoopVerdict::Closed => Status::Passed,
         LoopVerdict::HalfTurn | LoopVerdict::Open => Status::Failed,
     };
     let name = match item.gap {
-        OfferedGap::Loop { .. } => format!("loop {}", item.name),
-        OfferedGap::Equation(_) => format!("equation {}", item.name),
+        ClosureGap::Loop { .. } => format!("loop {}", item.name),
+        ClosureGap::Equation(_) => format!("equation {}", item.name),
     };
     Case::new(MOTION, &name, status, offered_sentence(mechanism, item))
 }
@@ -84,15 +84,15 @@ fn verdict_word(verdict: LoopVerdict) -> &'static str {
 }
 
 /// Loops and equations at a given pose, for the JSON report.
-pub fn offered_json(list: &[Offered]) -> [Vec<Value>; 2] {
+pub fn offered_json(list: &[ClosureCheck]) -> [Vec<Value>; 2] {
     let (mut loops, mut equations) = (Vec::new(), Vec::new());
-    for Offered { name, gap, verdict } in list {
+    for ClosureCheck { name, gap, verdict } in list {
         let verdict = verdict_word(*verdict);
         match gap {
-            OfferedGap::Loop { angle, distance } => loops.push(json!({
+            ClosureGap::Loop { angle, distance } => loops.push(json!({
                 "loop": name, "angle": angle, "distance": distance, "verdict": verdict
             })),
-            OfferedGap::Equation(value) => equations.push(json!({
+            ClosureGap::Equation(value) => equations.push(json!({
                 "equation": name, "value": value, "verdict": verdict
             })),
         }
@@ -100,11 +100,11 @@ pub fn offered_json(list: &[Offered]) -> [Vec<Value>; 2] {
     [loops, equations]
 }
 
-fn offered_sentence(mechanism: &Mechanism, item: &Offered) -> String {
+fn offered_sentence(mechanism: &Mechanism, item: &ClosureCheck) -> String {
     let unit = &mechanism.length_unit;
     let (angle, distance) = match item.gap {
-        OfferedGap::Loop { angle, distance } => (angle, distance),
-        OfferedGap::Equation(value) => {
+        ClosureGap::Loop { angle, distance } => (angle, distance),
+        ClosureGap::Equation(value) => {
             return format!("{} (off by {value:.1e})", verdict_word(item.verdict));
         }
     };

@@ -1,7 +1,7 @@
 //! Events and intervals without a pose as JSON, in the scene's units.
 
 use crate::kinematics::results::trajectory::{
-    Ending, Event, EventKind, Gap, Instant, Lack, Trajectory,
+    Ending, Event, EventKind, Gap, Instant, RemainingGap, Trajectory,
 };
 use crate::model::mechanism::Mechanism;
 use serde_json::{Map, Value, json};
@@ -124,7 +124,7 @@ fn instant_value(mechanism: &Mechanism, at: &Instant) -> Value {
 }
 
 /// The angle is in radians, like all angles of proofs.
-fn lack_value(mechanism: &Mechanism, lack: &Lack) -> Value {
+fn lack_value(mechanism: &Mechanism, lack: &RemainingGap) -> Value {
     json!({
         "time": lack.at.time,
         "inputs": input_values(mechanism, &lack.at.inputs),

@@ -9,7 +9,7 @@ pub mod clearance_table;
 pub mod closure;
 pub mod dyads;
 pub mod enclosure;
-pub mod enclosure_stretches;
+pub mod enclosure_between;
 pub mod events;
 pub mod freedoms;
 pub mod inputs_box;

@@ -4,7 +4,7 @@ use super::cells::{aligned_rows, six_digits};
 use super::rounded::at_most;
 use crate::analysis::study::{FamilyError, ParametricMechanism};
 use crate::analysis::synthesis::ending_word;
-use crate::analysis::synthesis::target::{Target, TargetSynthesis, Tried, VerifiedRows};
+use crate::analysis::synthesis::target::{StartResult, Target, TargetSynthesis, VerifiedRows};
 use crate::analysis::synthesis::verify::Proof;
 use serde_json::{Value, json};
 
@@ -156,7 +156,7 @@ pub fn target_document(found: &FoundTarget) -> Value {
             "missed": found.rows.missed.get(k).copied().flatten(),
         })
     };
-    let start = |tried: &Tried| {
+    let start = |tried: &StartResult| {
         json!({
             "from": tried.origin.words(),
             "first": tried.first,

@@ -43,7 +43,7 @@ pub struct JointPlace {
 }
 
 /// Extents of a solid along the axis of a joint.
-type AxisStretch = [f64; 2];
+type AxisExtent = [f64; 2];
 
 impl<'p> Outlines<'p> {
     /// Outlines of all bodies, examined at some of the poses of the motion.
@@ -97,7 +97,7 @@ impl<'p> Outlines<'p> {
     }
 
     /// Extents along the axis of the bodies that are fixed to a frame.
-    fn stretches(&self, frame: &CarriedFrame, axis: usize, reach: f64) -> Vec<AxisStretch> {
+    fn stretches(&self, frame: &CarriedFrame, axis: usize, reach: f64) -> Vec<AxisExtent> {
         let frames: Vec<Pose> = self
             .poses
             .iter()
@@ -127,7 +127,7 @@ fn pose_difference(pose: &Pose, other: &Pose, size: f64) -> f64 {
 }
 
 /// Extent along the axis of a solid that touches it or surrounds it closely.
-fn axis_stretch(points: &[DVec3], pose: &Pose, axis: usize, reach: f64) -> Option<AxisStretch> {
+fn axis_stretch(points: &[DVec3], pose: &Pose, axis: usize, reach: f64) -> Option<AxisExtent> {
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
     let local: Vec<DVec3> = points.iter().map(|p| pose.transform_point(*p)).collect();
     let first = *local.first()?;
@@ -143,12 +143,12 @@ fn axis_stretch(points: &[DVec3], pose: &Pose, axis: usize, reach: f64) -> Optio
 
 /// The position where solids on both sides of a joint meet on its axis: in the middle of the gap or overlap of the
 /// nearest two; the origin if both cover it.
-fn stretch_shift(before: &[AxisStretch], after: &[AxisStretch]) -> f64 {
-    let alone = |stretches: &[AxisStretch]| {
+fn stretch_shift(before: &[AxisExtent], after: &[AxisExtent]) -> f64 {
+    let alone = |stretches: &[AxisExtent]| {
         let nearest = stretches.iter().map(|s| 0f64.clamp(s[0], s[1]));
         nearest.min_by(|a, b| a.abs().total_cmp(&b.abs()))
     };
-    let meeting = |a: &AxisStretch, b: &AxisStretch| {
+    let meeting = |a: &AxisExtent, b: &AxisExtent| {
         let (start, end) = (a[0].max(b[0]), a[1].min(b[1]));
         let place = if start <= 0.0 && end >= 0.0 {
             0.0
@@ -181,7 +181,7 @@ mod tests {
 
     #[test]
     fn a_sign_stands_where_two_solids_meet() {
-        let cases: [(&[AxisStretch], &[AxisStretch], f64); 6] = [
+        let cases: [(&[AxisExtent], &[AxisExtent], f64); 6] = [
             (&[[1.0, 3.0]], &[[2.0, 5.0]], 2.5),
             (&[[1.0, 3.0]], &[[4.0, 5.0]], 3.5),
             (&[[-1.0, 3.0]], &[[-4.0, 5.0]], 0.0),

@@ -1,5 +1,5 @@
-//! Rows of eight designs at once, without certificates: the way from the file's values to the designs, then along the drive,
-//! by steps that are trusted as any step is. A design of which one is not is left to the ordinary way.
+//! Rows of eight designs at once, without certificates: from the file's values to the designs, then along the drive, in
+//! steps that are trusted under the usual conditions. A design that violates them is solved in the ordinary way.
 
 use super::row::{Row, RowStatus};
 use super::swept_scene::{Asked, Sweep};

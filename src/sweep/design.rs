@@ -1,4 +1,4 @@
-//! Which designs a sweep looks at: any of them from its number alone, so that work can be cut anywhere.
+//! The designs of a sweep: each is determined by its number alone, so that work can be divided anywhere.
 
 use super::permutation::Permutation;
 use super::sobol;
@@ -28,14 +28,14 @@ pub struct DesignAxis {
 pub enum Spread {
     /// Every combination of equally spaced values; the last parameter changes fastest.
     Grid,
-    /// As many equal stretches of every range as designs, one design in each of them.
+    /// As many equal intervals of every range as designs, one design in each of them.
     LatinHypercube {
         /// Where random numbers start.
         seed: u64,
     },
     /// Points of Sobol's sequence, from its first on.
     Sobol,
-    /// Row after row of a table, as many numbers each as there are axes.
+    /// Row after row of a table, with one number per axis.
     Table(Vec<f64>),
 }
 

@@ -1,4 +1,4 @@
-//! A random order of numbers that is never written down: the place of any item is computed from its number alone.
+//! A random order of numbers that is never stored: the position of any item is computed from its number alone.
 
 use crate::analysis::random::mix_bits;
 
@@ -8,8 +8,8 @@ const ROUNDS: u64 = 4;
 
 /// An order of the numbers below a count.
 ///
-/// A balanced Feistel network permutes the numbers of an even number of bits; whoever lands beyond the count goes on from
-/// there until it is below (Black and Rogaway, CT-RSA 2002).
+/// A balanced Feistel network permutes the numbers of an even number of bits; a result beyond the count is permuted
+/// again until it is below (Black and Rogaway, CT-RSA 2002).
 #[derive(Clone, Copy, Debug)]
 pub struct Permutation {
     count: u64,

@@ -1,5 +1,5 @@
-//! How a design is posed: the mechanism with its parameters as inputs is followed from the file's own values to those of
-//! the design, so that a row is of the same assembly or says that it is not.
+//! Poses a design: the mechanism with its parameters as inputs is followed from the file's own values to those of the
+//! design, so that a row belongs to the same assembly or states that it does not.
 
 use super::row::RowStatus;
 use crate::analysis::study::{FamilyError, ParametricMechanism};
@@ -63,7 +63,7 @@ impl Origin {
                 status: RowStatus::Ok,
             });
         }
-        // Beyond a place without poses there may be poses again: of which assembly only its signs tell.
+        // Beyond a place without poses there may be poses again; only the signs indicate their assembly.
         let assembled = Actuation::straight(inputs, inputs, self.unknowns.clone());
         let motion = solve_motion(family.system(), &assembled, &[0.0]);
         let Some(pose) = motion.poses().next() else {

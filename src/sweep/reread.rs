@@ -85,7 +85,7 @@ fn checked_row(sweep: &Sweep, scene: &Scene, system: &System, start: RowStatus) 
         is_swept: false,
         worst: 0,
     };
-    // What is too large to be checked is no finding about the design.
+    // A design that is too large to be checked is not a finding about it.
     let Ok(motion) = check.solve(&|| false) else {
         return sweep.empty_row(RowStatus::Refused);
     };

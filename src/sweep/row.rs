@@ -1,4 +1,4 @@
-//! A row of a sweep as numbers: how its design went, what was asked for, and what is proved of it.
+//! A row of a sweep as numbers: the status of its design, its values, and what is proved about them.
 
 /// How the motion of a design went.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,9 +12,9 @@ pub enum RowStatus {
     /// The straight way from the file's values does not lead there; the poses were assembled anew, and have the signs of
     /// the file's assembly.
     NotReached,
-    /// The scene cannot be read with these values, or something that is asked for has no value.
+    /// The scene cannot be read with these values, or a requested value does not exist.
     Refused,
-    /// Poses are missing, and nothing proves that there are none.
+    /// Poses are missing, and it is not proved that there are none.
     Undecided,
 }
 
@@ -100,7 +100,7 @@ impl Row {
         record
     }
 
-    /// The row of such numbers; `None` if they are none.
+    /// The row from such numbers; `None` if they are invalid.
     pub fn of_record(record: &[f64]) -> Option<Self> {
         let (beside, values) = record.split_at_checked(BESIDE)?;
         Some(Self {

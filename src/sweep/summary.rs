@@ -1,4 +1,4 @@
-//! What a sweep found, for people: how many rows went how, and between which values.
+//! The summary of a sweep for people: numbers of rows by status, and ranges of the values.
 
 use super::row::{Row, RowStatus};
 use super::swept_scene::Sweep;

@@ -1,4 +1,4 @@
-//! A scene whose parameters are swept: what is asked of every design, and the answer once a design is posed.
+//! A scene whose parameters are swept: the values requested for every design, and their computation for a posed design.
 
 use super::design::Design;
 use super::posing::{Origin, Proved};
@@ -16,7 +16,7 @@ use crate::model::measure::{Measure, MeasureSource, Measures};
 use crate::model::mechanism::Mechanism;
 use crate::scene::Overrides;
 
-/// What is asked of every design.
+/// The values requested for every design.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Asked {
     /// The measures of the scene, along the drive with so many samples.
@@ -123,8 +123,8 @@ impl Sweep {
         Row::width(self.columns.len())
     }
 
-    /// Whether every row reads the scene anew: a check does, whose bodies follow the design, and so do parameters that
-    /// stand in drives, tracks, or measures by another parameter.
+    /// Whether every row reads the scene again: with a check, whose bodies follow the design, and if parameters appear
+    /// in drives, in tracks, or in measures through another parameter.
     pub fn reads_anew(&self) -> bool {
         self.asked == Asked::Check || !self.family.kept.is_empty()
     }

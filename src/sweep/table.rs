@@ -1,4 +1,4 @@
-//! Rows as CSV or JSON lines: the design's number, how it went, its parameters, its values, and what is proved of them.
+//! Rows as CSV or JSON lines: the design's number, status, parameters, values, and what is proved about them.
 
 use super::row::Row;
 use super::swept_scene::Sweep;
@@ -9,9 +9,9 @@ use serde_json::{Map, Value, json};
 /// How rows are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TableFormat {
-    /// A header, then a line a row; what has no value is an empty cell.
+    /// A header, then one line per row; undefined values are empty cells.
     Csv,
-    /// A JSON object a line; what has no value is null.
+    /// One JSON object per line; undefined values are null.
     JsonLines,
 }
 

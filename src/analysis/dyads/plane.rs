@@ -5,12 +5,12 @@
 pub const SAME: f64 = 1e-9;
 
 /// The plane of projection.
-pub struct SeenPlane {
+pub struct ProjectionPlane {
     pub axes: [[f64; 3]; 2],
     pub names: [&'static str; 2],
 }
 
-impl SeenPlane {
+impl ProjectionPlane {
     /// With two world axes if the normal is the third.
     pub fn square_to(normal: [f64; 3]) -> Self {
         let unit = |k: usize| [0, 1, 2].map(|i| if i == k { 1.0 } else { 0.0 });

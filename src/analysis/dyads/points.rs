@@ -6,7 +6,7 @@
 
 use super::bar_ends::BarEnds;
 use super::not_dyads::NotDyads;
-use super::plane::{SAME, SeenPlane, cross_product, dot_product};
+use super::plane::{ProjectionPlane, SAME, cross_product, dot_product};
 use crate::intervals::chain::DyadChain;
 use crate::intervals::peeling::peel_dyads;
 use crate::kinematics::rates::variation::Variation;
@@ -64,7 +64,7 @@ pub fn planar_row(system: &System, pose: &[f64], moving: usize) -> Result<Planar
         mechanism,
         slots: &slots,
         ends,
-        plane: SeenPlane::square_to(normal),
+        plane: ProjectionPlane::square_to(normal),
     };
     let mut points = reader.points()?;
     let bars = reader.bars(&points)?;
@@ -196,7 +196,7 @@ struct LinkageReader<'m> {
     mechanism: &'m Mechanism,
     slots: &'m [HyperDual],
     ends: BarEnds<'m>,
-    plane: SeenPlane,
+    plane: ProjectionPlane,
 }
 
 impl LinkageReader<'_> {

@@ -4,10 +4,10 @@
 //! The time between two samples is an interval like those of the dimensions: the inputs are further dimensions over it.
 //! Where the bound of a pair is far below the nearest piece found, the time interval is halved.
 
+use super::between::stretch_tolerances;
 use super::motion::samples_at;
 use super::plan::{Plan, sized};
 use super::pose_bands::{Obstacle, pose_enclosure};
-use super::stretches::stretch_tolerances;
 use crate::clearance::part::{JudgedPart, PieceClearance, Refusal};
 use crate::clearance::piece_gap::{PartWays, PieceView};
 use crate::jobs::share_work;
@@ -34,7 +34,7 @@ const STALLED: f64 = 0.1;
 
 /// A time interval and the pairs that are undecided in it.
 #[derive(Clone, Debug)]
-struct Stretch {
+struct TimeSpan {
     ends: [f64; 2],
     /// A nominal pose near its middle.
     near: Vec<f64>,
@@ -43,7 +43,7 @@ struct Stretch {
 }
 
 /// The result for one time interval: a bound for every undecided pair, and the nearest piece with its time.
-type Looks = Vec<(f64, Option<[f64; 2]>)>;
+type PartBounds = Vec<(f64, Option<[f64; 2]>)>;
 
 /// The problem, for all time intervals.
 struct Search<'s> {
@@ -116,7 +116,7 @@ fn first_stretches(
     parts: &[JudgedPart],
     times: &[f64],
     found: &mut [PieceClearance],
-) -> Vec<Stretch> {
+) -> Vec<TimeSpan> {
     let all = knot_times(&plan.family.actuation, times);
     let mut ends: Vec<[f64; 2]> = all.windows(2).map(|pair| [pair[0], pair[1]]).collect();
     if ends.is_empty() {
@@ -128,7 +128,7 @@ fn first_stretches(
     let mut list = Vec::new();
     for (ends, sample) in ends.into_iter().zip(samples) {
         match &sample.pose {
-            Some(pose) => list.push(Stretch {
+            Some(pose) => list.push(TimeSpan {
                 ends,
                 near: [pose.unknowns.as_slice(), &sample.inputs].concat(),
                 open: (0..parts.len()).map(|k| (k, f64::NEG_INFINITY)).collect(),
@@ -161,16 +161,17 @@ impl Search<'_> {
     /// Examines all open time intervals; returns those to be halved.
     fn round(
         &self,
-        open: Vec<Stretch>,
+        open: Vec<TimeSpan>,
         found: &mut [PieceClearance],
         tolerance: f64,
         threads: usize,
         is_last: bool,
-    ) -> Vec<Stretch> {
+    ) -> Vec<TimeSpan> {
         let goals: Vec<f64> = found.iter().map(|pair| pair.found).collect();
         let make = || PoseSolver::new(self.plan.family.system());
-        let work =
-            |solver: &mut PoseSolver, index: usize| Some(self.look(solver, &open[index], &goals));
+        let work = |solver: &mut PoseSolver, index: usize| {
+            Some(self.examine(solver, &open[index], &goals))
+        };
         let results = share_work(open.len(), threads, make, work);
         // The nearest pieces of all intervals come first: they determine which bounds are close enough.
         for (index, result) in &results {
@@ -209,7 +210,7 @@ impl Search<'_> {
             if !rest.is_empty() {
                 let [from, until] = stretch.ends;
                 let middle = 0.5 * from + 0.5 * until;
-                halves.extend([[from, middle], [middle, until]].map(|ends| Stretch {
+                halves.extend([[from, middle], [middle, until]].map(|ends| TimeSpan {
                     ends,
                     near: stretch.near.clone(),
                     open: rest.clone(),
@@ -219,12 +220,12 @@ impl Search<'_> {
         halves
     }
 
-    fn look(
+    fn examine(
         &self,
         solver: &mut PoseSolver,
-        stretch: &Stretch,
+        stretch: &TimeSpan,
         goals: &[f64],
-    ) -> Result<Looks, Obstacle> {
+    ) -> Result<PartBounds, Obstacle> {
         let [from, until] = stretch.ends;
         let actuation = &self.plan.family.actuation;
         let inputs = actuation.inputs_at(0.5 * from + 0.5 * until);
@@ -234,18 +235,18 @@ impl Search<'_> {
         let tolerances = stretch_tolerances(self.plan, &pose, stretch.ends);
         sized!(self.plan.room_for(tolerances.len()), N => {
             let enclosure = pose_enclosure::<N>(self.plan, &self.encloser, solver, &pose, &tolerances)?;
-            Ok(self.look_at_parts(solver, stretch, goals, &enclosure, &tolerances))
+            Ok(self.examine_parts(solver, stretch, goals, &enclosure, &tolerances))
         })
     }
 
-    fn look_at_parts<const N: usize>(
+    fn examine_parts<const N: usize>(
         &self,
         solver: &mut PoseSolver,
-        stretch: &Stretch,
+        stretch: &TimeSpan,
         goals: &[f64],
         enclosure: &PoseEnclosure<N>,
         tolerances: &[Tolerance],
-    ) -> Looks {
+    ) -> PartBounds {
         let mechanism = self.plan.family.mechanism();
         let observer = Observer::new(enclosure, mechanism, &self.used);
         let view = PieceView::new(observer, mechanism, &self.used);

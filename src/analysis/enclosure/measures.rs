@@ -4,7 +4,7 @@
 
 use super::plan::{Plan, sized};
 use super::pose_bands::{Obstacle, PieceFinder, is_sharp};
-use super::takings::taken_number;
+use super::reductions::taken_number;
 use super::tracked::Tracked;
 use crate::analysis::study::Nominal;
 use crate::kinematics::abreast::anchor::Anchor;

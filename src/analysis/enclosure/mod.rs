@@ -2,21 +2,21 @@
 //! that pieces were found to attain.
 
 mod allowed;
+mod between;
 mod clearances;
 mod measures;
 mod motion;
 mod pieces;
 mod plan;
 mod pose_bands;
-mod stretches;
-mod takings;
+mod reductions;
 mod tracked;
 
 pub use allowed::{Allowed, allowed_motion};
+pub use between::enclose_between;
 pub use clearances::enclose_clearances;
 pub use measures::{MeasureBand, enclose_measures};
-pub use motion::{Enclosed, Stretch, enclose_motion, shown_names};
+pub use motion::{Enclosed, SpanBands, enclose_motion, shown_names};
 pub use pieces::AskedPieces;
 pub use plan::{Dimension, MOST_DIMENSIONS, Plan};
 pub use pose_bands::{Band, Bands, Obstacle};
-pub use stretches::enclose_stretches;

@@ -22,7 +22,7 @@ pub struct Enclosed {
 
 /// The time between two samples.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Stretch {
+pub struct SpanBands {
     /// Seconds.
     pub from: f64,
     /// Seconds.

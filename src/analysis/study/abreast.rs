@@ -15,7 +15,7 @@ use crate::numbers::octet::{LANES, LaneMask, Octet};
 
 /// Known poses from which designs are posed side by side; created once, shared by all threads.
 #[derive(Clone, Debug)]
-pub struct StandAnchors<'t> {
+pub struct PoseAnchors<'t> {
     stand: &'t TrackPoses,
     /// `None` if some pose cannot be used: every design is then posed individually.
     anchors: Option<Vec<Anchor>>,
@@ -23,7 +23,7 @@ pub struct StandAnchors<'t> {
     are_formulas: bool,
 }
 
-impl<'t> StandAnchors<'t> {
+impl<'t> PoseAnchors<'t> {
     /// Those of a stand with sensitivities.
     pub fn new(evaluator: &Evaluator, stand: &'t TrackPoses) -> Self {
         let system = evaluator.family().system();
@@ -45,7 +45,7 @@ impl<'t> StandAnchors<'t> {
 pub struct LaneEvaluator<'f> {
     plain: Evaluator<'f>,
     solver: LaneSolver<'f>,
-    anchors: &'f StandAnchors<'f>,
+    anchors: &'f PoseAnchors<'f>,
     /// Coordinates of the designs, pose after pose.
     poses: Vec<Vec<Octet>>,
     scratch: Vec<Octet>,
@@ -55,7 +55,7 @@ pub struct LaneEvaluator<'f> {
 
 impl<'f> LaneEvaluator<'f> {
     /// Buffers for one thread.
-    pub fn new(plain: Evaluator<'f>, anchors: &'f StandAnchors<'f>) -> Self {
+    pub fn new(plain: Evaluator<'f>, anchors: &'f PoseAnchors<'f>) -> Self {
         Self {
             solver: LaneSolver::new(plain.family().system()),
             poses: vec![Vec::new(); anchors.stand.poses.len()],

@@ -19,7 +19,7 @@ mod slopes;
 mod track_poses;
 pub mod whole_limits;
 
-pub use abreast::{AT_A_TIME, LaneEvaluator, StandAnchors};
+pub use abreast::{AT_A_TIME, LaneEvaluator, PoseAnchors};
 pub use family::{DRIVE_SAMPLES, FamilyError, Nominal, ParametricMechanism};
 pub use gradient::Gradients;
 pub use loaded::{LoadedStudy, NominalStudy, varied_names};

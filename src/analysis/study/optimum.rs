@@ -202,7 +202,7 @@ fn search_optimum(
         constraints::minimise_constrained(&mut search, &start, &limits, LET_PASS, &mut run)
     };
     // A cancelled line search passes through its remaining trials without evaluating them.
-    minimum.evaluations = minimum.evaluations.min(search.looks());
+    minimum.evaluations = minimum.evaluations.min(search.evaluations());
     Ok(Optimum {
         minimum,
         first_value,

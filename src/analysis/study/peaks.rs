@@ -170,12 +170,12 @@ impl<'f, 'w> Peaks<'f, 'w> {
         self.least_sigma
     }
 
-    fn look(&mut self, x: &[f64], with_slopes: bool) -> Option<(PeakValues, PeakGradients)> {
-        let found = self.look_or_refuse(x, with_slopes);
+    fn evaluate(&mut self, x: &[f64], with_slopes: bool) -> Option<(PeakValues, PeakGradients)> {
+        let found = self.evaluate_or_refuse(x, with_slopes);
         self.refusals.keep(found, self.evaluator.is_cancelled())?
     }
 
-    fn look_or_refuse(
+    fn evaluate_or_refuse(
         &mut self,
         x: &[f64],
         with_slopes: bool,
@@ -277,11 +277,11 @@ impl<'f, 'w> Peaks<'f, 'w> {
 
 impl MinimaxProblem for Peaks<'_, '_> {
     fn heights(&mut self, x: &[f64]) -> Option<PeakValues> {
-        Some(self.look(x, false)?.0)
+        Some(self.evaluate(x, false)?.0)
     }
 
     fn slopes(&mut self, x: &[f64]) -> Option<(PeakValues, PeakGradients)> {
-        self.look(x, true)
+        self.evaluate(x, true)
     }
 
     /// By difference quotients: a guard has no derivatives, and none at all where it accepts.

@@ -49,19 +49,19 @@ pub struct StudySearch<'f, 'w> {
     /// Candidates that were refused.
     pub refusals: Refusals,
     /// The point of the last iteration, then those evaluated since.
-    looked_at: Vec<LookedAt>,
+    looked_at: Vec<EvaluatedPoint>,
     /// Number of points that were actually evaluated.
     looks: usize,
     watch: Box<Watch<'w>>,
 }
 
 /// A point with the objective and the constraints there.
-struct LookedAt {
+struct EvaluatedPoint {
     x: Vec<f64>,
     values: Vec<f64>,
 }
 
-impl LookedAt {
+impl EvaluatedPoint {
     /// The largest difference of a variable, as a share of it.
     fn distance(&self, x: &[f64]) -> f64 {
         let shares = self.x.iter().zip(x).map(|(a, b)| {
@@ -120,7 +120,7 @@ impl<'f, 'w> StudySearch<'f, 'w> {
     }
 
     /// Number of points evaluated, without those rejected because the search was cancelled.
-    pub fn looks(&self) -> usize {
+    pub fn evaluations(&self) -> usize {
         self.looks
     }
 
@@ -162,13 +162,13 @@ impl<'f, 'w> StudySearch<'f, 'w> {
     }
 
     /// All measures at `x`, and their gradients if `with_gradients`.
-    fn look(&mut self, x: &[f64], with_gradients: bool) -> Option<(Vec<f64>, Vec<Vec<f64>>)> {
+    fn evaluate(&mut self, x: &[f64], with_gradients: bool) -> Option<(Vec<f64>, Vec<Vec<f64>>)> {
         self.looks += usize::from(!self.evaluator.is_cancelled());
-        let found = self.look_or_refuse(x, with_gradients);
+        let found = self.evaluate_or_refuse(x, with_gradients);
         self.refusals.keep(found, self.evaluator.is_cancelled())
     }
 
-    fn look_or_refuse(
+    fn evaluate_or_refuse(
         &mut self,
         x: &[f64],
         with_gradients: bool,
@@ -192,7 +192,7 @@ impl<'f, 'w> StudySearch<'f, 'w> {
     }
 
     fn remember(&mut self, x: &[f64], values: &[f64]) {
-        self.looked_at.push(LookedAt {
+        self.looked_at.push(EvaluatedPoint {
             x: x.to_vec(),
             values: values.to_vec(),
         });
@@ -205,7 +205,7 @@ impl Constrained for StudySearch<'_, '_> {
             let known = self.looked_at.iter().find(|p| p.distance(x) <= SAME_POINT);
             return known.map(|point| point.values.clone());
         }
-        let (measures, _) = self.look(x, false)?;
+        let (measures, _) = self.evaluate(x, false)?;
         let mut values = vec![measures[self.objective]];
         for (measure, value) in self.evaluator.family().measures.list.iter().zip(&measures) {
             values.extend(measure.max.map(|high| value - high));
@@ -216,7 +216,7 @@ impl Constrained for StudySearch<'_, '_> {
     }
 
     fn gradients(&mut self, x: &[f64]) -> Option<(Vec<f64>, Vec<Vec<f64>>)> {
-        let (measures, rows) = self.look(x, true)?;
+        let (measures, rows) = self.evaluate(x, true)?;
         let mut values = vec![measures[self.objective]];
         let mut gradients = vec![rows[self.objective].clone()];
         let list = self.evaluator.family().measures.list.iter();
@@ -243,12 +243,12 @@ impl Constrained for StudySearch<'_, '_> {
 
 impl Objective for StudySearch<'_, '_> {
     fn value(&mut self, x: &[f64]) -> f64 {
-        self.look(x, false)
+        self.evaluate(x, false)
             .map_or(f64::INFINITY, |(measures, _)| measures[self.objective])
     }
 
     fn gradient(&mut self, x: &[f64]) -> Option<(f64, Vec<f64>)> {
-        let (measures, mut rows) = self.look(x, true)?;
+        let (measures, mut rows) = self.evaluate(x, true)?;
         Some((measures[self.objective], rows.swap_remove(self.objective)))
     }
 

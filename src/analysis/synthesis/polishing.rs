@@ -5,7 +5,7 @@ use super::basins::Basins;
 use super::found::Start;
 use super::plan::FINER;
 use super::searches::{Phase, SynthesisRun};
-use super::starts::Begun;
+use super::starts::MovingStart;
 use crate::analysis::study::{Evaluator, ParametricMechanism};
 use std::time::Instant;
 
@@ -91,7 +91,7 @@ fn polish_start(
         return start.clone();
     };
     let stand = Evaluator::new(&family).nominal(nominal.poses);
-    let begun = Begun { family, stand };
+    let begun = MovingStart { family, stand };
     let patience = match phase {
         Phase::DrawingIn => PATIENCE_DRAWING_IN,
         Phase::Searching | Phase::Polishing => PATIENCE,

@@ -4,7 +4,7 @@
 use super::basins::Basins;
 use super::found::Start;
 use super::plan::{From, Listener, SearchPlan};
-use super::starts::{Begun, Origin, begin_starts};
+use super::starts::{MovingStart, Origin, begin_starts};
 use super::touching::Touching;
 use crate::analysis::optimise::minimax;
 use crate::analysis::study::{Evaluator, ParametricMechanism, Peaks, TrackPoses};
@@ -138,7 +138,7 @@ impl SynthesisRun<'_> {
     pub fn descend(
         &self,
         origin: Origin,
-        begun: Begun,
+        begun: MovingStart,
         (phase, iterations): (Phase, usize),
     ) -> Start {
         let family = &begun.family;

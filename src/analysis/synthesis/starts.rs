@@ -65,14 +65,14 @@ impl Rejected {
 }
 
 /// A start that can move: its family and poses.
-pub struct Begun {
+pub struct MovingStart {
     /// The family with the start's values as its own.
     pub family: ParametricMechanism,
     /// All its poses.
     pub stand: TrackPoses,
 }
 
-impl Begun {
+impl MovingStart {
     /// The objective there; infinite where it has no value.
     fn value(&self) -> f64 {
         let measured = Evaluator::new(&self.family).measure(&self.stand).ok();
@@ -91,9 +91,9 @@ pub fn begin_starts(
     near: &[f64],
     sizes: &[f64],
     ended: &dyn Fn() -> bool,
-) -> (Option<Begun>, Rejected) {
+) -> (Option<MovingStart>, Rejected) {
     let mut rejected = Rejected::default();
-    let mut best: Option<(f64, Begun)> = None;
+    let mut best: Option<(f64, MovingStart)> = None;
     let (mut wanted, draws) = match origin {
         Origin::Scene => (1, 1),
         Origin::Near(_) => (1, MOST_DRAWS),
@@ -143,7 +143,7 @@ fn assemble_start(
     touching: Touching,
     values: &[f64],
     rejected: &mut Rejected,
-) -> Option<Begun> {
+) -> Option<MovingStart> {
     let Some(family) = family.with_start(values).assembled() else {
         rejected.not_assembled += 1;
         return None;
@@ -157,5 +157,5 @@ fn assemble_start(
         return None;
     }
     let stand = Evaluator::new(&family).nominal(poses);
-    Some(Begun { family, stand })
+    Some(MovingStart { family, stand })
 }

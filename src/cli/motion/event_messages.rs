@@ -5,7 +5,7 @@ use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::kinematics::motion::feasible::feasible_inputs;
 use crate::kinematics::results::trajectory::{Event, EventKind, Trajectory};
-use crate::kinematics::solve::wishes::Wishes;
+use crate::kinematics::solve::wishes::StartPreferences;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::Coordinate;
@@ -78,7 +78,7 @@ pub fn note_moved_start(
         return Ok(());
     };
     let start = actuation.start_at(first.time);
-    let wishes = Wishes::new(mechanism, &start, &actuation.named);
+    let wishes = StartPreferences::new(mechanism, &start, &actuation.named);
     if !wishes.are_missed(&pose.unknowns) {
         return Ok(());
     }

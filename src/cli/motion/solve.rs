@@ -12,7 +12,7 @@ use crate::diag::shown_number;
 use crate::export::Output;
 use crate::kinematics::motion::limits::add_limits;
 use crate::kinematics::motion::sampling::{even_times, frame_times};
-use crate::kinematics::rates::columns::{By, RateColumns, add_derivatives};
+use crate::kinematics::rates::columns::{RateColumns, RateVariable, add_derivatives};
 use crate::kinematics::solve::iterates::record_iterates;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
@@ -96,7 +96,7 @@ pub fn run_solve(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
 
 /// Says that rates by an angle in degrees are per degree: the columns are named by quantities, not by units.
 fn tell_unit(columns: RateColumns, mechanism: &Mechanism, term: &Term) {
-    let By::Input(index) = columns.by else {
+    let RateVariable::Input(index) = columns.by else {
         return;
     };
     let input = &mechanism.inputs[index];
@@ -167,7 +167,7 @@ fn rate_columns(args: &SolveArgs, mechanism: &Mechanism) -> Result<Option<RateCo
         return Ok(None);
     };
     let Some(name) = &args.per else {
-        let by = By::Time;
+        let by = RateVariable::Time;
         return Ok(Some(RateColumns { order, by }));
     };
     let inputs = mechanism.inputs.iter();
@@ -178,7 +178,7 @@ fn rate_columns(args: &SolveArgs, mechanism: &Mechanism) -> Result<Option<RateCo
             vec![format!("inputs: {}", names.join(", "))],
         ));
     };
-    let by = By::Input(index);
+    let by = RateVariable::Input(index);
     Ok(Some(RateColumns { order, by }))
 }
 

@@ -4,7 +4,7 @@ use crate::cli::args::scene::ModeChoice;
 use crate::cli::interrupt::{CANCEL, refuse_interrupted};
 use crate::cli::term::outcome::Failure;
 use crate::kinematics::assemblies::{DEFAULT_STARTS, Mode, Modes, find_modes};
-use crate::kinematics::solve::wishes::Wishes;
+use crate::kinematics::solve::wishes::StartPreferences;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::report::sentences::counted_things;
@@ -17,7 +17,7 @@ const FEW_STARTS: usize = 100;
 const BESIDE_START: f64 = 1e-3;
 
 /// An assembly nearer to the start values than the one that was taken.
-pub struct Nearer {
+pub struct NearerAssembly {
     /// Its signature, or its number where others have the same.
     pub mode: String,
     /// The unknown that it keeps better by most.
@@ -109,9 +109,9 @@ fn only_mode<'m>(modes: &'m Modes, signature: &str) -> Result<Option<&'m Mode>, 
 pub fn nearer_mode(
     system: &System,
     actuation: &Actuation,
-    wishes: &Wishes,
+    wishes: &StartPreferences,
     pose: &[f64],
-) -> Result<Option<Nearer>, Failure> {
+) -> Result<Option<NearerAssembly>, Failure> {
     let nearest = |modes: &Modes| {
         let list = modes.list.iter().enumerate();
         let far = list.map(|(k, mode)| (wishes.distance(&mode.coordinates), k));
@@ -131,7 +131,7 @@ pub fn nearer_mode(
         Ok(Some(_)) => mode.branch.clone(),
         _ => (index + 1).to_string(),
     };
-    Ok(Some(Nearer {
+    Ok(Some(NearerAssembly {
         mode: name,
         unknown,
         value: mode.coordinates[unknown],

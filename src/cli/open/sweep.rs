@@ -14,7 +14,7 @@ use crate::diag::Source;
 use crate::kinematics::motion::sampling::allow_samples;
 use crate::model::study::Variable;
 use crate::parts::identity::identity;
-use crate::parts::plan::{Keeps, Plan, VERSION};
+use crate::parts::plan::{PartContent, Plan, VERSION};
 use crate::scene::source::open_input;
 use crate::scene::{Overrides, Scene};
 use crate::sweep::design::Design;
@@ -113,7 +113,7 @@ fn open_source_of(
         version: VERSION.to_owned(),
         items: sweep.design.count(),
         unit: sweep.design.count(),
-        keeps: Keeps::Items,
+        keeps: PartContent::Items,
         width: sweep.width() as u64,
     };
     Ok(OpenSweep { sweep, plan, files })

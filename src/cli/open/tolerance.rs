@@ -13,7 +13,7 @@ use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
 use crate::diag::Source;
 use crate::parts::identity::identity;
-use crate::parts::plan::{Keeps, Plan, VERSION};
+use crate::parts::plan::{PartContent, Plan, VERSION};
 use crate::scene::Overrides;
 use std::path::Path;
 
@@ -104,7 +104,7 @@ fn open(
         version: VERSION.to_owned(),
         items: pieces,
         unit: pieces,
-        keeps: Keeps::Sums,
+        keeps: PartContent::Sums,
         width: PieceSums::width(loaded.family.measures.list.len()) as u64,
     };
     Ok(OpenTolerance {

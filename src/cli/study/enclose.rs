@@ -1,8 +1,8 @@
 //! `mechanim enclose`: bands of the motion and its measures that no piece within its tolerances leaves.
 
 use crate::analysis::enclosure::{
-    AskedPieces, Enclosed, MeasureBand, Plan, Stretch, allowed_motion, enclose_measures,
-    enclose_motion, enclose_stretches, shown_names,
+    AskedPieces, Enclosed, MeasureBand, Plan, SpanBands, allowed_motion, enclose_between,
+    enclose_measures, enclose_motion, shown_names,
 };
 use crate::analysis::study::{Nominal, ParametricMechanism};
 use crate::charts::bands;
@@ -18,7 +18,7 @@ use crate::jobs::core_count;
 use crate::kinematics::motion::sampling;
 use crate::model::mechanism::Mechanism;
 use crate::report::enclosure as report;
-use crate::report::enclosure_stretches::{between_lines, stretch_objects};
+use crate::report::enclosure_between::{between_lines, between_objects};
 use std::path::Path;
 
 /// Refusals that are told one by one.
@@ -51,7 +51,7 @@ pub fn run_enclose(args: &EncloseArgs, term: &Term) -> Result<Outcome, Failure> 
     }
     let motion = enclose_motion(&plan, &times, threads, !args.no_search);
     let stretches = match args.between {
-        true => enclose_stretches(&plan, &times, threads),
+        true => enclose_between(&plan, &times, threads),
         false => Vec::new(),
     };
     let measures = measures_of(&plan)?;
@@ -165,7 +165,7 @@ fn write_out(
     plan: &Plan,
     motion: &[Enclosed],
     measures: Option<&[MeasureBand]>,
-    stretches: &[Stretch],
+    stretches: &[SpanBands],
 ) -> Result<(), Failure> {
     let searched = !args.no_search;
     let is_json = path
@@ -180,7 +180,7 @@ fn write_out(
     }
     let mut document = report::enclosure_document(plan, motion, measures, searched);
     if args.between {
-        document["stretches"] = stretch_objects(plan, stretches);
+        document["stretches"] = between_objects(plan, stretches);
     }
     io::write_json(&args.scene, path, &document)
 }

@@ -2,7 +2,7 @@
 
 use crate::analysis::study::ParametricMechanism;
 use crate::analysis::synthesis::target::{
-    TargetSearch, TargetSynthesis, Tried, fit_target, verify_target,
+    StartResult, TargetSearch, TargetSynthesis, fit_target, verify_target,
 };
 use crate::analysis::synthesis::verify::prove_found;
 use crate::analysis::synthesis::{From, SearchPlan};
@@ -56,7 +56,7 @@ pub fn run_target(
     }
     let driven = (family.mechanism(), &family.actuation);
     let target = read_target(table, driven, family.own_inputs())?;
-    let done = |index: usize, tried: &Tried| {
+    let done = |index: usize, tried: &StartResult| {
         save_results(true);
         let [first, last] = [tried.first, tried.sum].map(six_digits);
         let from = tried.origin.words();

@@ -1,12 +1,12 @@
-//! A known closed pose beside which eight designs are solved, and when a pose beside it is regular and on its side of all
-//! singular poses.
+//! A known closed pose near which eight designs are solved, and the test whether a nearby pose is regular and on the
+//! same side of all singular poses.
 
 use super::factors::{LARGEST_BLOCK, PivotOrder};
 use crate::kinematics::solve::newton::Corrector;
 use crate::kinematics::structure::system::System;
 use crate::numbers::octet::{LaneMask, Octet};
 
-/// How far a Jacobian may be from the anchor's, as a part of what would reach a singular one.
+/// Largest distance of a Jacobian from the anchor's, as a fraction of the distance to a singular one.
 const MOST_CHANGE: f64 = 0.9;
 
 /// A closed, regular pose.
@@ -17,7 +17,7 @@ pub struct Anchor {
     pub(super) blocks: Vec<BlockAnchor>,
 }
 
-/// What the designs beside it take from a block of an anchor.
+/// Data of one block of an anchor, for the designs near it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct BlockAnchor {
     pub order: PivotOrder,
@@ -30,8 +30,8 @@ pub(super) struct BlockAnchor {
 }
 
 impl Anchor {
-    /// An anchor at a closed pose; `None` where a block is singular, has more equations than unknowns, or is large, and next to
-    /// a locked ball joint.
+    /// An anchor at a closed pose; `None` if a block is singular, over-determined or large, and near a locked ball
+    /// joint.
     pub fn new(system: &System, coordinates: &[f64]) -> Option<Self> {
         if system
             .balls()
@@ -55,7 +55,7 @@ impl Anchor {
             let (jacobian, sigma) = part?;
             let n = system.blocks()[index].unknowns.len();
             let inverse = corrector.inverse(index)?;
-            // Column-major, like the Jacobians that are held against it.
+            // Column-major, like the Jacobians with which they are compared.
             let entry = |k: usize| inverse.at(k % n, k / n);
             Some(BlockAnchor {
                 order: PivotOrder::of(&jacobian, n)?,
@@ -72,9 +72,9 @@ impl Anchor {
 }
 
 impl BlockAnchor {
-    /// Those of `lanes` whose Jacobian is regular, its determinant of the anchor's sign, its smallest singular value at least a
-    /// tenth of the anchor's: no matrix on the line from the one to the other is singular while their difference is less than
-    /// the smallest singular value (Weyl), or its product with the inverse less than one.
+    /// The members of `lanes` whose Jacobian is regular, with the sign of the anchor's determinant and a smallest
+    /// singular value of at least a tenth of the anchor's: no matrix on the line between the two is singular if their
+    /// difference is below the smallest singular value (Weyl), or its product with the inverse below one.
     pub fn beside(&self, jacobian: &[Octet], lanes: LaneMask) -> LaneMask {
         let n = self.order.len();
         let pairs = jacobian.iter().zip(&self.jacobian);

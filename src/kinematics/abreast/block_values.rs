@@ -20,7 +20,7 @@ struct AxisLine {
     origin: Triple<Octet>,
 }
 
-/// What the chain rule needs of plain numbers, lane after lane.
+/// Plain numbers needed for the chain rule, lane after lane.
 #[derive(Clone, Debug, Default)]
 struct Plain {
     coordinates: Vec<f64>,
@@ -36,7 +36,7 @@ pub(super) struct BlockValues {
     pub residual: Vec<Octet>,
     /// By the block's scaled unknowns, column-major.
     pub jacobian: Vec<Octet>,
-    /// By the coordinates from outside, as the plan lists them and pads their columns; only if it is asked for.
+    /// By coordinates of other blocks, in the order of the layout, with its padding; only on request.
     outer: Vec<Octet>,
     arguments: Vec<ArgumentValue<Octet>>,
     lines: Vec<AxisLine>,
@@ -51,7 +51,7 @@ pub(super) struct BlockValues {
 pub(super) struct LaneBlock<'s> {
     pub mechanism: &'s Mechanism,
     pub block: &'s Block,
-    /// Whether derivatives by coordinates from outside are wanted, too.
+    /// Whether derivatives by coordinates of other blocks are requested, too.
     with_outside: bool,
 }
 
@@ -64,7 +64,7 @@ impl<'s> LaneBlock<'s> {
         }
     }
 
-    /// The same with derivatives by coordinates from outside.
+    /// The same with derivatives by coordinates of other blocks.
     pub fn with_outside(self) -> Self {
         Self {
             with_outside: true,
@@ -74,7 +74,7 @@ impl<'s> LaneBlock<'s> {
 }
 
 impl BlockValues {
-    /// Evaluates a block at `coordinates`; `again` if nothing but its unknowns has changed since it was evaluated last.
+    /// Evaluates a block at `coordinates`; `again` if only its unknowns have changed since the last evaluation.
     pub fn evaluate(&mut self, lanes: &LaneBlock, coordinates: &[Octet], again: bool) {
         let block = lanes.block;
         let (plan, rows) = (&block.plan, block.rows());
@@ -101,8 +101,8 @@ impl BlockValues {
         }
     }
 
-    /// The rate of the residual where coordinates have these `rates` and the block's unknowns stand still, after an evaluation
-    /// with derivatives by coordinates from outside.
+    /// The rate of the residual for these `rates` of the coordinates, with the block's unknowns fixed, after an
+    /// evaluation with derivatives by coordinates of other blocks.
     pub fn drift(&self, lanes: &LaneBlock, rates: &[Octet], drift: &mut Vec<Octet>) {
         let rows = lanes.block.rows();
         drift.clear();
@@ -120,7 +120,7 @@ impl BlockValues {
         let still = ArgumentValue::default();
         self.arguments.resize(plan.arguments.len(), still);
         for (k, argument) in plan.arguments.iter().enumerate() {
-            // Arguments that no unknown of the block moves are evaluated once a pose.
+            // Arguments that do not depend on the block's unknowns are evaluated once per pose.
             if again && !argument.moves {
                 continue;
             }
@@ -147,7 +147,7 @@ impl BlockValues {
         }
     }
 
-    /// Multiplies the loop's steps, noting every joint's line.
+    /// Multiplies the loop's steps, recording the line of every joint.
     fn walk(&mut self, plan: &BlockPlan, item: &PlannedLoop) -> WalkFrame<Octet> {
         let mut frame = WalkFrame::identity();
         let joints = &plan.joints[item.joints.clone()];
@@ -194,7 +194,7 @@ impl BlockValues {
     }
 
     fn note_residual(&mut self, item: &PlannedLoop, turn: &Triple<Octet>, shift: &Triple<Octet>) {
-        // What a residual's translation is measured in stands in one place.
+        // The unit of a residual's translation is defined in one place.
         let [.., per_size] = residual_of(DVec3::ZERO, DVec3::Z, item.size);
         for (k, component) in item.components.iter().enumerate() {
             self.residual[item.row + k] = match component / 3 {
@@ -320,12 +320,12 @@ impl BlockValues {
     }
 }
 
-/// Numbers between columns from outside: whole groups of four, as the plan counts them.
+/// Distance between columns of other coordinates: whole groups of four, as in the layout.
 fn outer_stride(rows: usize) -> usize {
     4 * lane_groups(rows)
 }
 
-/// What a function of plain coordinates gives in every lane.
+/// Applies a function of plain coordinates in every lane.
 fn by_lanes(
     plain: &mut Plain,
     coordinates: &[Octet],
@@ -368,7 +368,7 @@ fn add_entries(
 ) {
     for entry in entries {
         let column = &columns[entry.joint];
-        // Six rows at a time where nothing is left out: the loop unrolls.
+        // All six rows at once if none is omitted: the loop is unrolled.
         if let ([_, _, _, _, _, _], Some(target)) =
             (components, matrix[entry.start..].first_chunk_mut::<6>())
         {

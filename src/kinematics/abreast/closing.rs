@@ -1,5 +1,5 @@
-//! Newton's method in eight lanes, block by block, as `solve/newton` has it: a lane rests once it is closed, and leaves where
-//! its steps do not shrink.
+//! Newton's method in eight lanes, block by block, as in `solve/newton`: a lane stops when it is closed, and leaves if
+//! its steps do not decrease.
 
 use super::anchor::Anchor;
 use super::block_values::{BlockValues, LaneBlock};
@@ -9,10 +9,10 @@ use crate::kinematics::solve::newton::{CONTRACTION, ROUNDING_FLOOR};
 use crate::kinematics::structure::system::System;
 use crate::numbers::octet::{LANES, LaneMask, Octet};
 
-/// Most iterations: three close what is predicted well; a lane that needs more holds up its neighbours.
+/// Most iterations: three suffice for good predictions; a lane that needs more delays its neighbours.
 const MOST_ITERATIONS: usize = 6;
 
-/// Closes poses of one system in eight lanes; one for each thread.
+/// Closes poses of one system in eight lanes; one per thread.
 #[derive(Clone, Debug)]
 pub struct LaneSolver<'s> {
     system: &'s System,
@@ -22,10 +22,10 @@ pub struct LaneSolver<'s> {
     pose: Vec<f64>,
 }
 
-/// What became of eight corrections.
+/// The result of eight corrections.
 #[derive(Clone, Copy, Debug)]
 pub struct ClosedLanes {
-    /// Those that are closed and beside their anchor; of the others nothing is known.
+    /// Lanes that are closed and near their anchor; nothing is known of the others.
     pub lanes: LaneMask,
     /// Largest first step of a block in scaled unknowns: the error of the prediction.
     pub first_step: Octet,
@@ -45,7 +45,7 @@ impl<'s> LaneSolver<'s> {
         }
     }
 
-    /// Corrects the unknowns of `lanes` beside `anchor` until all loops close; the inputs stay.
+    /// Corrects the unknowns of `lanes` near `anchor` until all loops close; the inputs stay.
     pub fn close(
         &mut self,
         anchor: &Anchor,
@@ -64,7 +64,7 @@ impl<'s> LaneSolver<'s> {
             let lane_block = &self.blocks[index];
             let values = &mut self.values;
             let part = close_block(lane_block, values, elimination, coordinates, closed.lanes);
-            // A lane counts as closed only while its Jacobian stays beside the anchor's.
+            // A lane counts as closed only while its Jacobian stays near the anchor's.
             closed.lanes = block.beside(&self.values.jacobian, part.lanes);
             closed.first_step = closed.first_step.larger_magnitude(part.first_step);
             if !closed.lanes.any() {
@@ -75,7 +75,7 @@ impl<'s> LaneSolver<'s> {
         closed
     }
 
-    /// Those of `lanes` in which no ball joint is near a pose where its angles are locked, nor beyond one.
+    /// The members of `lanes` in which no ball joint is near a pose with locked angles, or beyond one.
     fn unlocked(
         &mut self,
         anchor: &Anchor,
@@ -120,7 +120,7 @@ pub(super) fn close_block(
             lanes = lanes.and(done);
             break;
         }
-        // What is at the floor is closed to rounding; one step more does not harm it.
+        // At the rounding level a lane is closed; another step does no harm.
         let at_floor = largest(&values.residual).at_most(floor);
         let (is_good, pivot) = elimination.factor(&values.jacobian);
         elimination.solve(&values.residual);
@@ -128,17 +128,17 @@ pub(super) fn close_block(
         if iteration == 0 {
             first_step = size;
         }
-        // A lane leaves where its steps do not shrink as Newton's do, or a pivot is too small.
+        // A lane leaves if its steps do not decrease as in Newton's method, or a pivot is too small.
         let shrinks = size.at_most(last * CONTRACTION).or(at_floor);
         lanes = lanes.and(done.or(is_good.and(shrinks)));
         let open = lanes.without(done);
-        // Lanes that rest keep their bits.
+        // Lanes that have stopped keep their bits.
         let scaled = plan.scales.iter().zip(elimination.step());
         for (unknown, (scale, step)) in lane_block.block.unknowns.iter().zip(scaled) {
             let before = coordinates[*unknown];
             coordinates[*unknown] = open.choose(before + *step * *scale, before);
         }
-        // Quadratic convergence: what is left after this step is about step²/σ.
+        // Quadratic convergence: the error after this step is about step²/σ.
         done = done
             .or(at_floor)
             .or((size * size).at_most(pivot * ROUNDING_FLOOR));

@@ -1,26 +1,26 @@
-//! Triangular factors of eight matrices at once, their rows taken in one order that is known beforehand.
+//! Triangular factors of eight matrices at once, with a common order of rows that is known beforehand.
 
 use crate::numbers::octet::{LaneMask, Octet};
 
-/// Largest block that is solved side by side: larger ones are sparse, or fill the cache eight times over.
+/// Largest block that is solved side by side: larger ones are sparse, or overflow the cache.
 pub(super) const LARGEST_BLOCK: usize = 32;
 
-/// The order of the rows, and what a pivot must be at least.
+/// The order of the rows, and the smallest acceptable pivots.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct PivotOrder {
     /// The row of every pivot.
     rows: Vec<usize>,
-    /// Magnitudes below which a pivot is not trusted.
+    /// Magnitudes below which a pivot is rejected.
     least: Vec<f64>,
 }
 
-/// A pivot may be this part of the one that a neighbouring matrix has in its place: another order would be better then, and
-/// factors of the elimination may be as many times larger.
+/// A pivot may be this fraction of the corresponding one of the neighbouring matrix: below it another order would be
+/// better, and multipliers of the elimination may grow as much.
 const LEAST_PART: f64 = 0.1;
 
 /// An elimination of eight matrices.
 pub(super) trait Elimination {
-    /// Factors column-major matrices: where the pivots are large enough, and the smallest one.
+    /// Factorises column-major matrices: returns the lanes whose pivots are large enough, and the smallest pivot.
     fn factor(&mut self, matrix: &[Octet]) -> (LaneMask, Octet);
 
     /// Solves matrix · step = -`right`.
@@ -30,7 +30,7 @@ pub(super) trait Elimination {
     fn step(&self) -> &[Octet];
 }
 
-/// An elimination in an order that is known.
+/// An elimination in a known order.
 pub(super) struct Ordered<'f> {
     pub factors: &'f mut Factors,
     pub order: &'f PivotOrder,
@@ -62,14 +62,14 @@ pub(super) struct Factors {
 }
 
 impl PivotOrder {
-    /// The order of partial pivoting for a column-major matrix; `None` if a pivot is no number but zero.
+    /// The order of partial pivoting for a column-major matrix; `None` if a pivot is zero or NaN.
     pub fn of(matrix: &[f64], n: usize) -> Option<Self> {
         let mut rest = matrix.to_vec();
         let mut rows: Vec<usize> = (0..n).collect();
         let mut least = Vec::with_capacity(n);
         for k in 0..n {
             let size = |row: &usize| rest[k * n + rows[*row]].abs();
-            // The largest entry of what is left of the column.
+            // The largest remaining entry of the column.
             let best = (k..n).max_by(|a, b| size(a).total_cmp(&size(b)))?;
             rows.swap(k, best);
             let pivot = rest[k * n + rows[k]];
@@ -94,7 +94,7 @@ impl PivotOrder {
 }
 
 impl Factors {
-    /// Factors column-major matrices: where all pivots are large enough, and the smallest one.
+    /// Factorises column-major matrices: returns the lanes whose pivots are all large enough, and the smallest pivot.
     pub fn factor(&mut self, matrix: &[Octet], order: &PivotOrder) -> (LaneMask, Octet) {
         let n = order.rows.len();
         self.entries.clear();
@@ -125,8 +125,8 @@ impl Factors {
     }
 }
 
-/// Turns a right side, its rows in the order of the pivots, into the solution: forwards by the factors below the diagonal, backwards
-/// by the pivots.
+/// Solves for a right-hand side with rows in the order of the pivots: forward substitution below the diagonal, then
+/// backward.
 pub(super) fn substitute(entries: &[Octet], reciprocals: &[Octet], right: &mut [Octet]) {
     let n = right.len();
     for k in 0..n {
@@ -144,8 +144,8 @@ pub(super) fn substitute(entries: &[Octet], reciprocals: &[Octet], right: &mut [
     }
 }
 
-/// Eliminates with the pivot in row `k` of a column: what is below it becomes factors, and the columns behind are freed of it.
-/// The pivot's reciprocal.
+/// Eliminates with the pivot in row `k` of a column: entries below become multipliers, and later columns are updated.
+/// Returns the reciprocal of the pivot.
 #[inline]
 pub(super) fn clear_below(column: &mut [Octet], behind: &mut [Octet], k: usize) -> Octet {
     let n = column.len();
@@ -167,7 +167,7 @@ mod tests {
     use super::*;
     use crate::numbers::octet::LANES;
 
-    /// Matrices beside a common one, each solved in its lane; one whose pivot vanishes is told, and its neighbours keep
+    /// Matrices near a common one, each solved in its lane; a vanishing pivot is reported, and its neighbours keep
     /// their bits.
     #[test]
     fn every_lane_solves_its_own_matrix() {

@@ -1,7 +1,8 @@
-//! Eight motions followed side by side from closed poses, each with poses and Jacobians of its own.
+//! Eight motions followed side by side from closed poses, each with its own poses and Jacobians.
 //!
-//! One step is a prediction along the tangents, bent as they turned on the step before, and a correction. It is trusted as any step is: the correction is small against
-//! it, and the Jacobians at its ends are alike. A lane in which it is not leaves for good.
+//! A step consists of a prediction along the tangents, corrected for their change during the previous step, and a
+//! correction. It is trusted under the usual conditions: the correction is small compared with it, and the Jacobians at
+//! its ends are similar. A lane that violates them leaves for good.
 
 use super::block_values::{BlockValues, LaneBlock};
 use super::closing::{close_block, largest};
@@ -16,10 +17,11 @@ use crate::model::outputs::output_arguments;
 use crate::model::walk::WalkFrame;
 use crate::numbers::octet::{LANES, LaneMask, Octet};
 
-/// Two changes of the inputs have one direction if what is across is below this part of the longer one, squared.
+/// Two changes of the inputs have the same direction if the perpendicular part is below this fraction of the longer
+/// one, squared.
 const ACROSS: f64 = 1e-12;
 
-/// Follows motions of one system; one for each thread.
+/// Follows motions of one system; one per thread.
 #[derive(Clone, Debug)]
 pub struct LaneFollower<'s> {
     system: &'s System,
@@ -38,7 +40,7 @@ pub struct LaneFollower<'s> {
 }
 
 impl<'s> LaneFollower<'s> {
-    /// Buffers for `system`; `None` if it has blocks that are not followed side by side.
+    /// Buffers for `system`; `None` if it has blocks that cannot be followed side by side.
     pub fn new(system: &'s System) -> Option<Self> {
         let blocks = system.blocks();
         let is_small = blocks
@@ -61,7 +63,7 @@ impl<'s> LaneFollower<'s> {
         })
     }
 
-    /// Begins at closed poses; those of `lanes` that are regular.
+    /// Starts at closed poses; returns those of `lanes` that are regular.
     pub fn begin(&mut self, coordinates: &[Octet], mut lanes: LaneMask) -> LaneMask {
         self.rates.clear();
         let parts = self.values.iter_mut().zip(&mut self.factors);
@@ -72,7 +74,7 @@ impl<'s> LaneFollower<'s> {
         lanes
     }
 
-    /// One step to other inputs; those of `lanes` in which it is trusted.
+    /// One step to other inputs; returns those of `lanes` in which it is trusted.
     pub fn step(
         &mut self,
         coordinates: &mut [Octet],
@@ -84,7 +86,7 @@ impl<'s> LaneFollower<'s> {
         let length = self.predict(coordinates, inputs);
         let bend = self.bend(coordinates);
         let mut first_step = Octet::ZERO;
-        // Corrected block by block; the Jacobian before is kept to be held against the new one.
+        // Corrected block by block; the previous Jacobian is kept for comparison with the new one.
         for index in 0..self.blocks.len() {
             let (block, values) = (&self.blocks[index], &mut self.values[index]);
             let factors = &mut self.factors[index];
@@ -111,7 +113,7 @@ impl<'s> LaneFollower<'s> {
         self.rates.extend(own.map(|(new, old)| *new - *old));
         coordinates[n..].copy_from_slice(inputs);
         let mut length = Octet::ZERO;
-        // J q' = -∂r/∂u u', block by block: the tangents of one are rates for those behind it.
+        // J q' = -∂r/∂u u', block by block: the tangents of one are rates for the later ones.
         let parts = self.values.iter().zip(&mut self.factors);
         for (lane_block, (values, factors)) in self.blocks.iter().zip(parts) {
             values.drift(lane_block, &self.rates, &mut self.drift);
@@ -127,8 +129,8 @@ impl<'s> LaneFollower<'s> {
         length
     }
 
-    /// Bends the prediction as the tangents have turned since the step before, where the inputs went in the same direction (the
-    /// method of Adams and Bashforth); the largest change of a scaled unknown by it.
+    /// Corrects the prediction for the change of the tangents since the previous step, if the inputs continue in the
+    /// same direction (Adams-Bashforth); returns the largest resulting change of a scaled unknown.
     fn bend(&mut self, coordinates: &mut [Octet]) -> Octet {
         let n = self.system.mechanism().unknowns.len();
         let mut largest = Octet::ZERO;
@@ -141,11 +143,11 @@ impl<'s> LaneFollower<'s> {
             pairs.fold(Octet::ZERO, |sum, (a, b)| sum + *a * *b)
         };
         let (square, last_square) = (dot(own, own), dot(last, last));
-        // What the inputs did on the step before, stretched to this one, and what is left across it.
+        // The input step before, scaled to this one, and its perpendicular part.
         let ratio = dot(own, last) / last_square;
         let across = square - ratio * ratio * last_square;
         let is_along = across.at_most(square * ACROSS);
-        // Half of what the tangents turned is the second order of the path.
+        // Half the change of the tangents is the second-order term of the path.
         for block in self.system.blocks() {
             for (unknown, scale) in block.unknowns.iter().zip(&block.plan.scales) {
                 let turned = self.rates[*unknown] - self.last[*unknown] * ratio;
@@ -157,7 +159,7 @@ impl<'s> LaneFollower<'s> {
         largest
     }
 
-    /// Where the Jacobian of a block has changed by little since the poses before.
+    /// The lanes in which the Jacobian of a block has changed little since the previous poses.
     fn stays_regular(&mut self, index: usize) -> LaneMask {
         let (values, factors) = (&self.values[index], &mut self.factors[index]);
         let rows = self.blocks[index].block.rows().max(1);
@@ -179,7 +181,7 @@ impl<'s> LaneFollower<'s> {
         square.at_most(Octet::splat(MOST_CHANGE * MOST_CHANGE))
     }
 
-    /// Those of `lanes` in which no ball joint comes near a pose where its angles are locked.
+    /// The members of `lanes` in which no ball joint comes near a pose with locked angles.
     fn unlocked(&mut self, coordinates: &[Octet], mut lanes: LaneMask) -> LaneMask {
         let balls = self.system.balls();
         for lane in (0..LANES).filter(|_| !balls.is_empty()) {
@@ -195,8 +197,8 @@ impl<'s> LaneFollower<'s> {
         lanes
     }
 
-    /// The largest gap over all loops and equations of every lane, relative to the loop's size, by plain products; NaN where a
-    /// loop is turned by more than a little.
+    /// The largest closure error over all loops and equations of every lane, relative to the loop's size, by plain
+    /// products; NaN if a loop is rotated by more than a little.
     pub fn closure_error(&self, coordinates: &[Octet]) -> Octet {
         let mechanism = self.system.mechanism();
         let mut largest = Octet::ZERO;
@@ -204,7 +206,7 @@ impl<'s> LaneFollower<'s> {
             let arguments = output_arguments(mechanism, &item.chain.arguments(), coordinates);
             let end = WalkFrame::at_end_of(&item.chain.steps, &arguments);
             let length = |v: [Octet; 3]| (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).root();
-            // Loops through a sphere close in a point only.
+            // Loops through a sphere close in a point, without rotation.
             if item.closes == Closes::Frame {
                 largest = largest.larger_magnitude(length(turn_of(&end.axes)));
             }

@@ -1,14 +1,14 @@
-//! Frames in eight lanes: fixed steps of a walk, and what is made of a loop's end that is turned by little.
+//! Frames in eight lanes: fixed steps of a chain, and the residual of a slightly rotated loop.
 
 use crate::model::walk::{Triple, WalkFrame};
 use crate::numbers::octet::Octet;
 use glam::{DMat3, DVec3};
 
-/// Largest square of the sine of a loop's turn whose rotation vector is taken from a short series: 0.05 rad, as far as a
-/// correction may lead. Beyond it a lane has no residual.
+/// Largest squared sine of a loop's rotation for which the rotation vector is computed by a short series: 0.05 rad, the
+/// largest correction. Beyond it a lane has no residual.
 const LARGEST_SQUARE: f64 = 2.5e-3;
 
-/// asin(s)/s by powers of s²; what is left out is below 1e-17.
+/// asin(s)/s by powers of s²; the truncation error is below 1e-17.
 const ASIN: [f64; 6] = [
     1.0,
     1.0 / 6.0,
@@ -18,7 +18,7 @@ const ASIN: [f64; 6] = [
     63.0 / 2816.0,
 ];
 
-/// The factor of P² in the inverse left Jacobian by powers of the angle's square, likewise.
+/// The factor of P² in the inverse left Jacobian by powers of the squared angle, with the same error.
 const LEFT: [f64; 4] = [1.0 / 12.0, 1.0 / 720.0, 1.0 / 30_240.0, 1.0 / 1_209_600.0];
 
 /// Moves a frame by a fixed vector; most have one entry that is not zero.
@@ -50,14 +50,14 @@ pub(super) fn turn_frame(frame: &mut WalkFrame<Octet>, by: &DMat3) {
     }
 }
 
-/// The rotation vector of a frame that is turned by little; NaN where it is turned by more.
+/// The rotation vector of a slightly rotated frame; NaN for larger rotations.
 #[inline(always)]
 pub(super) fn turn_of(axes: &[Triple<Octet>; 3]) -> Triple<Octet> {
     let [x, y, z] = axes;
     let mut skew = [y[2] - z[1], z[0] - x[2], x[1] - y[0]];
     skew.iter_mut().for_each(|s| *s = *s * 0.5);
     let square = dot_product(&skew, &skew);
-    // The cosine tells a small turn from one beyond a right angle.
+    // The cosine distinguishes a small rotation from one beyond a right angle.
     let cos = x[0] + y[1] + z[2] - Octet::splat(1.0);
     let is_small = square.at_most(Octet::splat(LARGEST_SQUARE));
     let is_small = is_small.and(Octet::ZERO.at_most(cos));
@@ -79,7 +79,7 @@ pub(super) fn left_jacobian_inverse(turn: &Triple<Octet>) -> [Triple<Octet>; 3] 
             *entry = c * (turn[i] * turn[j]);
         }
         row[i] += rest;
-        // -P/2 has the halves of the two others beside the diagonal, with either sign.
+        // The off-diagonal entries of -P/2 are half the other two components, with either sign.
         row[(i + 1) % 3] += turn[(i + 2) % 3] * 0.5;
         row[(i + 2) % 3] -= turn[(i + 1) % 3] * 0.5;
     }

@@ -1,4 +1,4 @@
-//! Triangular factors of eight matrices at once, each with the order of rows that partial pivoting gives it.
+//! Triangular factors of eight matrices at once, each with its own order of rows from partial pivoting.
 
 use super::factors::{Elimination, clear_below, substitute};
 use crate::linalg::gauss_jordan::SMALLEST_RATIO;
@@ -12,7 +12,7 @@ pub(super) struct PivotedFactors {
     entries: Vec<Octet>,
     /// Of the pivots.
     reciprocals: Vec<Octet>,
-    /// In which lanes a row was exchanged with each one below it, pivot after pivot.
+    /// The lanes in which a row was exchanged with each one below it, pivot after pivot.
     exchanged: Vec<LaneMask>,
     step: Vec<Octet>,
 }
@@ -67,7 +67,7 @@ impl Elimination for PivotedFactors {
         let (n, step) = (self.n, &mut self.step);
         step.clear();
         step.extend(right.iter().map(|r| -*r));
-        // The right side takes the same exchanges as the rows.
+        // The right-hand side is permuted like the rows.
         let mut exchanged = self.exchanged.iter();
         for k in 0..n {
             for (i, lanes) in (k + 1..n).zip(&mut exchanged) {

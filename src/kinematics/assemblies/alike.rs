@@ -1,7 +1,7 @@
-//! What tells assemblies apart: where links and bodies stand.
+//! Compares assemblies by the placements of links and bodies.
 //!
-//! A link with an idle spin (a rod between two ball joints) stands where its line does: of all its poses about that line
-//! the mean is compared.
+//! For a link with an idle spin (a rod between two ball joints) the mean over all its poses about the axis of the spin
+//! is compared.
 
 use crate::kinematics::freedoms::idle::Spins;
 use crate::kinematics::freedoms::twists::Line;
@@ -11,16 +11,16 @@ use crate::math::{Pose, sin_cos};
 use crate::model::chain::Chain;
 use crate::model::mechanism::{Kind, Mechanism};
 
-/// Link poses (rotation entries, translations over the size) that agree within this are the same: above what
-/// rounding leaves at a nearly singular pose, below the distance of assemblies that can be told apart.
+/// Link placements (rotation entries, translations over the size) that agree within this are equal: above the rounding
+/// at a nearly singular pose, below the difference of assemblies that can be distinguished.
 pub const SAME: f64 = 1e-6;
 
-/// Where everything is at a pose.
+/// All placements at a pose.
 #[derive(Clone, Debug)]
 pub struct PlacedPoint {
-    /// Links, and unknowns that move none: what makes a mode.
+    /// Of the links, and unknowns that move none: they define a mode.
     pub links: Vec<f64>,
-    /// Bodies: what makes a placement. Without bodies the links that have no idle spin.
+    /// Of the bodies: they define a placement. Without bodies, of the links without idle spin.
     pub bodies: Vec<f64>,
 }
 
@@ -34,7 +34,7 @@ pub struct Alike<'s> {
 }
 
 impl<'s> Alike<'s> {
-    /// What is compared in a system.
+    /// The quantities compared in a system.
     pub fn new(system: &'s System) -> Self {
         let mechanism = system.mechanism();
         let moves = |body: &usize| {
@@ -50,7 +50,7 @@ impl<'s> Alike<'s> {
         }
     }
 
-    /// Bodies that are compared; without any it is the links.
+    /// Bodies that are compared; if there are none, links.
     pub fn bodies(&self) -> &[usize] {
         &self.bodies
     }
@@ -60,7 +60,7 @@ impl<'s> Alike<'s> {
         let mechanism = self.mechanism;
         let arguments = mechanism.argument_values(coordinates);
         let lines = self.spins.lines(mechanism, coordinates);
-        // Poses of the links, less the angle of those that spin about a line of their own.
+        // Placements of the links, without the angle of those that spin.
         let mut links = Vec::new();
         let mut still = Vec::new();
         let poses = mechanism.joints.link_poses(&arguments);
@@ -86,7 +86,7 @@ impl<'s> Alike<'s> {
         PlacedPoint { links, bodies }
     }
 
-    /// Unknowns that stand in formulas only.
+    /// Unknowns that appear in formulas only.
     fn outside(&self, coordinates: &[f64]) -> Vec<f64> {
         let number = |slot: &usize| match self.mechanism.unknowns[*slot].kind {
             Kind::Angle => {
@@ -102,8 +102,8 @@ impl<'s> Alike<'s> {
     }
 }
 
-/// Adds the numbers of a pose; of one that spins about a line those of the mean over a turn, and how far its origin is
-/// from the line. The line's sense does not enter.
+/// Appends the numbers of a placement; for a spinning link the means over a turn, and the distance of its origin from
+/// the axis. The direction of the axis does not matter.
 fn note_pose(numbers: &mut Vec<f64>, pose: &Pose, line: Option<&Line>, size: f64) {
     let origin = pose.translation / size;
     let Some((direction, moment)) = line else {
@@ -115,7 +115,7 @@ fn note_pose(numbers: &mut Vec<f64>, pose: &Pose, line: Option<&Line>, size: f64
         let along = *direction * direction.dot(pose.rotation.col(k));
         numbers.extend(along.to_array());
     }
-    // The mean over a turn about the line: components along it, and the foot on it.
+    // The mean over a turn about the axis: components along it, and the foot on it.
     let foot = direction.cross(*moment);
     let mean = foot + *direction * direction.dot(origin - foot);
     numbers.extend(mean.to_array());
@@ -132,7 +132,7 @@ fn chain_coordinates<'m>(
         .flat_map(|argument| mechanism.arguments[argument].coordinates())
 }
 
-/// Unknowns that stand in formulas only.
+/// Unknowns that appear in formulas only.
 fn outside_chains(mechanism: &Mechanism) -> Vec<usize> {
     let mut used = vec![false; mechanism.coordinate_count()];
     for slot in mechanism
@@ -148,7 +148,7 @@ fn outside_chains(mechanism: &Mechanism) -> Vec<usize> {
 
 /// Whether two lists of numbers agree.
 pub fn same_numbers(a: &[f64], b: &[f64]) -> bool {
-    // Lists differ in length where a link is idle in one of them only.
+    // Lists differ in length if a link is idle in one of them only.
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= SAME)
 }
 

@@ -14,5 +14,5 @@ mod search;
 mod sets;
 mod walk;
 
-pub use names::{Mode, Modes, StartKind, Tally};
+pub use names::{Mode, Modes, StartKind, StartResults};
 pub use search::{DEFAULT_STARTS, UNSEEN, find_modes};

@@ -1,4 +1,4 @@
-//! Modes as values: the coordinates that name a pose best, branch signature, singular value, and their order.
+//! Modes as values: the preferred coordinates of a pose, branch signature, singular value, and their order.
 
 use super::alike::SAME;
 use super::sets::SINGULAR;
@@ -16,40 +16,41 @@ use std::f64::consts::{PI, TAU};
 /// Coordinates that agree within this count as equal when modes are ordered and angles are wrapped.
 const EQUAL: f64 = 1e-9;
 
-/// One way in which the links stand.
+/// One assembly: a set of placements of the links.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mode {
-    /// Unknowns, then inputs, radians or the scene's unit; of all names for the pose the one with the smallest angles.
+    /// Unknowns, then inputs, radians or the scene's unit; of all equivalent coordinates those with the smallest
+    /// angles.
     pub coordinates: Vec<f64>,
     /// One sign per block, comparable between the modes of one search.
     pub branch: String,
     /// Smallest singular value of the scaled Jacobian.
     pub sigma_min: f64,
-    /// Assemblies meet here, or it is a point of a continuous set.
+    /// Whether assemblies meet here, or it belongs to a continuous set.
     pub is_singular: bool,
-    /// Largest gap of any loop relative to the size, by a plain product.
+    /// Largest closure error of any loop relative to the size, by a plain product.
     pub closure_error: f64,
-    /// Starts that led to it, or to any point of its continuous set.
+    /// Number of starts that led to it, or to any point of its continuous set.
     pub met: usize,
-    /// The start values of the scene lead to it.
+    /// Whether the start values of the scene lead to it.
     pub is_scene: bool,
     /// Number of the placement, from 1 in the order of the list.
     pub placement: usize,
-    /// Dimensions of the continuous set of which it is a point; zero if it is isolated.
+    /// Dimension of its continuous set; zero if it is isolated.
     pub dimension: usize,
-    /// Ball joints whose second set of Euler angles names the same pose.
+    /// Ball joints whose second set of Euler angles gives the same pose.
     pub renamed_balls: Vec<usize>,
 }
 
 impl Mode {
-    /// Names of the pose: triples of Euler angles in all combinations.
+    /// Equivalent coordinates of the pose: sets of Euler angles in all combinations.
     pub fn names(&self) -> u64 {
         let balls = u32::try_from(self.renamed_balls.len()).unwrap_or(u32::MAX);
         2_u64.saturating_pow(balls)
     }
 }
 
-/// Where a start comes from.
+/// The kinds of starts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StartKind {
     /// The start values of the scene.
@@ -62,18 +63,18 @@ pub enum StartKind {
     Continued,
 }
 
-/// What the starts of a kind led to.
+/// The results of one kind of starts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Tally {
+pub struct StartResults {
     /// Starts.
     pub starts: usize,
     /// Those that led to a closed pose.
     pub closed: usize,
-    /// Placements that were new then.
+    /// Number of new placements among them.
     pub new: usize,
 }
 
-/// What a search has found.
+/// The result of a search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Modes {
     /// The modes, by placement, then signature, then coordinates; a continuous set is represented by one.
@@ -81,14 +82,14 @@ pub struct Modes {
     /// Bodies whose placements are counted; without any it is the links.
     pub bodies: Vec<usize>,
     /// What the starts of every kind led to.
-    pub tallies: Vec<(StartKind, Tally)>,
-    /// Good and Turing's estimate: how likely one more random start is to lead to a new placement.
+    pub tallies: Vec<(StartKind, StartResults)>,
+    /// Good and Turing's estimate of the probability that one more random start leads to a new placement.
     pub unseen: f64,
     /// Placements that no random start led to.
     pub unlikely: usize,
-    /// The search has ended since hardly anything seems to be left, not since the starts were spent.
+    /// Whether the search ended because hardly anything seems to be missing, not because the starts were used up.
     pub is_exhausted: bool,
-    /// Most random starts lead to new placements: there are too many to be listed.
+    /// Whether most random starts lead to new placements: there are too many to list.
     pub is_hopeless: bool,
 }
 
@@ -138,7 +139,7 @@ impl Modes {
     }
 }
 
-/// A pose that was met.
+/// A pose that was found.
 pub struct ModeGroup {
     /// Unknowns, then inputs.
     pub coordinates: Vec<f64>,
@@ -153,7 +154,7 @@ pub struct ModeGroup {
 }
 
 impl ModeGroup {
-    /// Another closure of the same mode: its coordinates are kept if its angles are smaller.
+    /// Another closure of the same mode: its coordinates are kept if their angles are smaller.
     pub fn meet(&mut self, mechanism: &Mechanism, coordinates: Vec<f64>) {
         self.met += 1;
         if angle_sum(mechanism, &coordinates) < angle_sum(mechanism, &self.coordinates) - EQUAL {
@@ -161,8 +162,8 @@ impl ModeGroup {
         }
     }
 
-    /// Replaces second Euler angles by first ones where that makes the angles smaller and moves no link; the ball joints
-    /// that have second ones.
+    /// Replaces second Euler angles by first ones if that makes the angles smaller and moves no link; returns the ball
+    /// joints that have second ones.
     fn rename(
         &mut self,
         mechanism: &Mechanism,
@@ -178,7 +179,7 @@ impl ModeGroup {
                 continue;
             }
             renamed.push(index);
-            // Of the two names of a rotation the one with smaller angles stays.
+            // Of the two sets of Euler angles of a rotation the smaller one is kept.
             if angle_sum(mechanism, &other) < angle_sum(mechanism, &self.coordinates) - EQUAL {
                 self.coordinates = other;
             }
@@ -188,7 +189,7 @@ impl ModeGroup {
     }
 }
 
-/// Sum of the angles' magnitudes: of several names for a pose the one with the smallest sum is shown.
+/// Sum of the angles' magnitudes: of equivalent coordinates those with the smallest sum are shown.
 fn angle_sum(mechanism: &Mechanism, coordinates: &[f64]) -> f64 {
     let pairs = mechanism.unknowns.iter().zip(coordinates);
     pairs
@@ -210,7 +211,7 @@ fn wrap_angles(mechanism: &Mechanism, coordinates: &mut [f64]) {
     }
 }
 
-/// Best names, signatures and singular values, and the order of the table.
+/// Preferred coordinates, signatures and singular values, and the order of the table.
 pub fn describe_mode(
     system: &System,
     groups: Vec<ModeGroup>,
@@ -226,7 +227,7 @@ pub fn describe_mode(
         let coordinates = &group.coordinates;
         // Signs and singular values tell which branch this assembly is on.
         let state = match &chart {
-            // Next to gimbal-locked angles signs and singular values are those of the rotations.
+            // Near gimbal lock signs and singular values are those of the rotations.
             Some(chart) if chart.is_needed(coordinates) => {
                 let (own, mut corrector) = (chart.base(coordinates), Corrector::new(chart.system));
                 watch.observe(chart.system, &mut corrector, &own)
@@ -255,9 +256,10 @@ pub fn describe_mode(
     order_modes(mechanism, list)
 }
 
-/// By signature and coordinates; modes of one placement stand together, and placements are numbered as they come.
+/// By signature and coordinates; modes of one placement are adjacent, and placements are numbered in order of
+/// appearance.
 fn order_modes(mechanism: &Mechanism, mut list: Vec<Mode>) -> Vec<Mode> {
-    // Rounded, so that coordinates that differ by rounding only do not decide.
+    // Rounded, so that differences due to rounding do not affect the order.
     let key = |mode: &Mode| -> Vec<i64> {
         let unknowns = 0..mechanism.unknowns.len();
         unknowns

@@ -1,7 +1,7 @@
-//! The search: rounds of starts of several kinds, until an estimate says that nothing is left.
+//! The search: rounds of starts of several kinds, until an estimate says that nothing is missing.
 
 use super::alike::{Alike, PlacedPoint, same_numbers};
-use super::names::{ModeGroup, Modes, StartKind, Tally, describe_mode};
+use super::names::{ModeGroup, Modes, StartKind, StartResults, describe_mode};
 use super::sets::{Continuum, lost_rank};
 use super::walk::{WIDEST, branch_neighbours};
 use crate::jobs::{core_count, share_work};
@@ -14,28 +14,28 @@ use crate::kinematics::structure::system::System;
 use crate::model::mechanism::Kind;
 use std::collections::VecDeque;
 
-/// Most starts beside the scene's own, unless asked otherwise. Dietmaier's platform with its forty placements needs
+/// Default for the most starts in addition to the scene's own. Dietmaier's platform with its forty placements needs
 /// several thousand random ones.
 pub const DEFAULT_STARTS: usize = 10_000;
 
-/// The search ends when a random start is less likely than this to lead to a new placement.
+/// The search ends when the probability that a random start leads to a new placement is below this.
 pub const UNSEEN: f64 = 1e-3;
 
-/// Random starts that are made at least: an estimate from fewer is worth little. The rarest assembly of the known
-/// 6R arm is met by one in 25, that of the gearshift with its 18 unknowns by one in 120.
+/// Least number of random starts: an estimate from fewer is worth little. The rarest assembly of the known 6R arm is
+/// found by one in 25, that of the gearshift with its 18 unknowns by one in 120.
 const LEAST_RANDOM: usize = 500;
 
-/// Where this many random starts lead to something new in at least every other case, the placements are too many to be
-/// listed: those of independent loops multiply.
+/// If this many random starts lead to something new at least every second time, there are too many placements to list:
+/// those of independent loops multiply.
 const HOPELESS_AFTER: usize = 1000;
 
-/// The estimate of the unseen that is hopeless then.
+/// The estimate of missing placements above which the search is then given up.
 const HOPELESS: f64 = 0.5;
 
-/// No more starts are derived while so many wait.
+/// No more starts are derived while this many are waiting.
 const MOST_WAITING: usize = 1000;
 
-/// Random starts of a round, and most others.
+/// Number of random starts in a round, and largest number of others.
 const ROUND: usize = 100;
 
 /// One start.
@@ -84,7 +84,7 @@ pub fn find_modes(
     }];
     let (mut left, mut random) = (limit, 0);
     loop {
-        // What earlier rounds suggest comes first, then random starts.
+        // Starts derived in earlier rounds come first, then random ones.
         search.search_round(first, jobs, cancelled);
         if search.is_hopeless() {
             return search.finished(false);
@@ -92,7 +92,7 @@ pub fn find_modes(
         let others = search.derived.len().min(ROUND).min(left);
         left -= others;
         jobs = search.derived.drain(..others).collect();
-        // Good and Turing: the share of unseen assemblies, from those that were met once.
+        // Good and Turing: the share of unseen assemblies, from those found once.
         let is_exhausted = random >= LEAST_RANDOM && search.unseen_chance() < UNSEEN;
         if cancelled() || is_exhausted && jobs.is_empty() || left == 0 && jobs.is_empty() {
             return search.finished(is_exhausted);
@@ -106,16 +106,16 @@ pub fn find_modes(
     }
 }
 
-/// What has been found so far.
+/// The results so far.
 struct ModeSearch<'s> {
     system: &'s System,
     alike: Alike<'s>,
     groups: Vec<ModeGroup>,
     places: Vec<PlacedPoint>,
-    /// Of every placement where its bodies stand (nothing if it is a continuous set), and the random starts that met it.
+    /// For every placement its bodies' positions (nothing for a continuous set), and the random starts that led to it.
     placements: Vec<(Vec<f64>, usize)>,
     sets: Vec<(Continuum, usize)>,
-    tallies: [(StartKind, Tally); 4],
+    tallies: [(StartKind, StartResults); 4],
     /// Starts that follow from what was found.
     derived: VecDeque<Job>,
 }
@@ -135,12 +135,12 @@ impl<'s> ModeSearch<'s> {
             places: Vec::new(),
             placements: Vec::new(),
             sets: Vec::new(),
-            tallies: kinds.map(|kind| (kind, Tally::default())),
+            tallies: kinds.map(|kind| (kind, StartResults::default())),
             derived: VecDeque::new(),
         }
     }
 
-    /// Makes some starts and sorts what they led to, in their order.
+    /// Performs some starts and sorts their results, in order.
     fn search_round(
         &mut self,
         first: &[f64],
@@ -153,7 +153,7 @@ impl<'s> ModeSearch<'s> {
             is_on.then(|| search_closures(system, first, &jobs[index], cancelled))
         };
         let found = share_work(jobs.len(), core_count(), || (), work);
-        // In the order of the starts, whatever thread was first.
+        // In the order of the starts, regardless of the threads.
         for (index, closures) in found {
             let kind = jobs[index].kind();
             let tally = self.tally_of(kind);
@@ -167,11 +167,11 @@ impl<'s> ModeSearch<'s> {
         }
     }
 
-    fn tally_of(&mut self, kind: StartKind) -> &mut Tally {
+    fn tally_of(&mut self, kind: StartKind) -> &mut StartResults {
         &mut self.tallies[kind as usize].1
     }
 
-    /// Adds a closed pose to its group, whose number it returns.
+    /// Adds a closed pose to its group, and returns its number.
     fn sort_pose(&mut self, pose: Vec<f64>, kind: StartKind) -> usize {
         let place = self.alike.place(&pose);
         let mut known = self.places.iter();
@@ -221,7 +221,7 @@ impl<'s> ModeSearch<'s> {
             if set.is_none() && self.derived.len() < MOST_WAITING {
                 self.derive_starts(&pose);
             }
-            // Nothing else is the same as a set.
+            // Only a set can be equal to a set.
             let bodies = match set {
                 Some(_) => vec![f64::NAN],
                 None => place.bodies.clone(),
@@ -270,8 +270,8 @@ impl<'s> ModeSearch<'s> {
         }
     }
 
-    /// Good and Turing's estimate of how likely one more random start is to lead to a new placement: the share of starts
-    /// whose placement was met once. That a start does not close is an outcome like any other.
+    /// Good and Turing's estimate of the probability that one more random start leads to a new placement: the share of
+    /// starts whose placement was found once. A start that does not close counts like any other outcome.
     fn unseen_chance(&self) -> f64 {
         let once = self.placements.iter().filter(|(_, met)| *met == 1).count();
         let random = self.tallies[StartKind::Random as usize].1.starts;
@@ -314,7 +314,7 @@ fn search_closures(
 ) -> Vec<Vec<f64>> {
     let mechanism = system.mechanism();
     let starts = match job {
-        // Where the named values are not kept, the start leads to an assembly of its own.
+        // If the named values are not kept, the start leads to an assembly of its own.
         Job::Scene { .. } => vec![first.to_vec()],
         Job::Random(number) => vec![start_values(mechanism, first, *number)],
         Job::Mirrored(values) => vec![values.clone()],
@@ -330,7 +330,7 @@ fn search_closures(
         for held in &system.structure().held {
             values[held.unknown] = first[held.unknown];
         }
-        // Buffers of its own: what another start has left in them must not show in the last digits.
+        // Separate buffers: the last digits must not depend on previous starts.
         let mut corrector = Corrector::new(system);
         let pose = assemble_pose(system, &mut corrector, &values, false).ok()?;
         Some(pose.coordinates)

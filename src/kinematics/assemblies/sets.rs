@@ -1,7 +1,7 @@
-//! Continuous sets of solutions: a singular closure that can be moved on without opening a loop is one of their points.
+//! Continuous sets of solutions: a singular closure that can be moved without opening a loop belongs to one.
 //!
-//! A curve is followed both ways, once, and all other closures that lie on it are the same set. Sets of more dimensions are
-//! told apart by their number of dimensions only.
+//! A curve is followed once in both directions, and all other closures on it belong to the same set. Sets of higher
+//! dimension are distinguished by their dimension only.
 
 use super::alike::{Alike, largest_difference};
 use super::walk::BranchPath;
@@ -11,7 +11,7 @@ use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::system::System;
 use crate::linalg::svd::{jacobian_conditioning, null_space};
 
-/// Below this smallest singular value a mode is called singular: a double solution is met to half its digits only.
+/// Below this smallest singular value a mode is called singular: a double solution is found to half its digits only.
 pub const SINGULAR: f64 = 1e-6;
 
 /// Length of a step along a set in scaled unknowns.
@@ -20,21 +20,21 @@ const STEP: f64 = 0.05;
 /// Steps in either direction: about thirty turns of a joint.
 const MOST_STEPS: usize = 4000;
 
-/// A singular closure that can be moved by so many steps is no isolated one: beside a double solution of 1e-6 the residual
-/// of a step is a thousand times what a point of the curve may have.
+/// A singular closure that can be moved by this many steps is not isolated: near a double solution of 1e-6 the residual
+/// of a step is a thousand times that allowed for a point of the curve.
 const FIRST_STEPS: usize = 3;
 
-/// Points of a curve are no farther from its followed points than this many of their distances.
+/// A point belongs to a curve if it is within this multiple of the distance of the followed points.
 const BESIDE: f64 = 1.5;
 
-/// A step moves some link by at least this part of it, in radians or sizes; less is a change of names.
+/// A step moves some link by at least this, in radians or sizes; less is only a change of coordinates.
 const SEEN: f64 = 1e-3;
 
 /// A continuous set of solutions.
 pub struct Continuum {
     /// Dimensions, one as a rule.
     pub dimension: usize,
-    /// Where the links stand along it.
+    /// Placements of the links along it.
     points: Vec<Vec<f64>>,
     /// How far apart neighbouring points are at most.
     spacing: f64,
@@ -51,7 +51,8 @@ impl Continuum {
         })
     }
 
-    /// Whether a pose whose links stand at `links` is one of its points; it is known to be singular in `dimension` ways.
+    /// Whether a pose with the link placements `links` belongs to it; the pose is known to have `dimension` free
+    /// directions.
     pub fn holds(&self, links: &[f64], dimension: usize) -> bool {
         let near = |point: &Vec<f64>| {
             point.len() == links.len() && largest_difference(point, links) <= BESIDE * self.spacing
@@ -60,7 +61,7 @@ impl Continuum {
     }
 }
 
-/// In how many ways all blocks together are singular at a closed pose.
+/// Number of free directions of all blocks together at a closed pose.
 pub fn lost_rank(system: &System, pose: &[f64]) -> usize {
     let blocks = system.blocks().iter();
     blocks
@@ -80,7 +81,7 @@ fn null_tangents(system: &System, block: &Block, pose: &[f64]) -> Vec<Vec<f64>> 
     if conditioning.sigma_min >= SINGULAR {
         return Vec::new();
     }
-    // At a singular pose at least one direction is free, whatever the tolerance of the rank says.
+    // At a singular pose at least one direction is free, regardless of the tolerance of the rank.
     let rank = conditioning.rank.min(columns - 1);
     null_space(&workspace.jacobian, rows, columns, rank)
 }
@@ -137,7 +138,7 @@ fn follow_set(
 
 /// Closes all blocks beside a pose that is closed in the followed one.
 fn closes_again(system: &System, corrector: &mut Corrector, coordinates: &mut [f64]) -> bool {
-    // Singular blocks converge as far as their rank goes, and stay where they are.
+    // Singular blocks converge within their rank, and otherwise keep their coordinates.
     corrector
         .correct(system, coordinates, Pace::Patient)
         .converged

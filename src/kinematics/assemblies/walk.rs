@@ -1,8 +1,8 @@
 //! Continuation from a closed pose: Euler-Newton steps of equal length along a curve of one block's solutions.
 //!
-//! Released is a direction v of the equations: F(u) = s v is a curve through the pose, and every return of s to zero is
-//! another assembly, whatever folds lie between (a Newton homotopy through known solutions). With nothing released a curve
-//! exists only where the solutions themselves are one.
+//! A direction v of the equations is released: F(u) = s v defines a curve through the pose, and wherever s returns to
+//! zero there is another assembly, whatever folds lie between (a Newton homotopy through known solutions). Without a
+//! released direction a curve exists only if the solutions themselves form one.
 
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::solve::random_starts::random_unit;
@@ -23,26 +23,27 @@ const MOST_STEPS: usize = 600;
 /// Newton iterations of a step.
 const ITERATIONS: usize = 6;
 
-/// Residual of a point of the curve. What it leads to is closed to rounding afterwards; a point of a continuous set
-/// must not be a near miss.
+/// Residual of a point of the curve. Solutions are closed to rounding afterwards; a point of a continuous set must not
+/// be a near miss.
 const ON_CURVE: f64 = 1e-10;
 
-/// A corrector that moves farther than this part of the step has gone elsewhere.
+/// A corrector that moves farther than this fraction of the step has reached another curve.
 const STRAY: f64 = 0.5;
 
-/// The walk is lost when the released residual (radians, sizes) is larger.
+/// The walk is abandoned when the released residual (radians, sizes) is larger.
 const LOST: f64 = 4.0;
 
-/// A walk whose residual vanishes this near to its start (scaled unknowns) is back: a chord misses an arc of one step by less.
+/// A walk whose residual vanishes within this distance of its start (scaled unknowns) has returned: a chord differs
+/// from an arc of one step by less.
 const BACK: f64 = 0.02;
 
-/// Columns of the largest block that is walked: a step costs the cube.
+/// Largest number of columns of a block that is walked: a step costs the cube.
 pub const WIDEST: usize = 64;
 
 /// Below this share of the first pivot a column depends on the others.
 const DEPENDENT: f64 = 1e-9;
 
-/// A point of a curve with what leads on from it.
+/// A point of a curve with the data for the next step.
 pub struct BranchPath<'a> {
     mechanism: &'a Mechanism,
     block: &'a Block,
@@ -107,7 +108,7 @@ impl<'a> BranchPath<'a> {
         self.block.unknowns.len() + usize::from(!self.released.is_empty())
     }
 
-    /// Factors [J -v; T] here.
+    /// Factorises [J -v; T] here.
     fn linearise(&mut self) {
         let (rows, columns) = (self.block.rows(), self.block.unknowns.len());
         self.workspace.evaluate(
@@ -131,7 +132,7 @@ impl<'a> BranchPath<'a> {
         self.qr.factor(&self.matrix, height, width, DEPENDENT);
     }
 
-    /// The direction of the curve here, in the sense of the one before; false where there is none.
+    /// The direction of the curve here, with the orientation of the previous one; false if there is none.
     fn turn(&mut self) -> bool {
         let (rows, width) = (self.block.rows(), self.width());
         if self.qr.rank() < width {
@@ -158,7 +159,7 @@ impl<'a> BranchPath<'a> {
         }
     }
 
-    /// Newton's method at right angles to the tangents; false if it does not reach the curve nearby.
+    /// Newton's method perpendicular to the tangents; false if it does not reach the curve nearby.
     fn correct(&mut self, near: f64) -> bool {
         let mut moved = 0.0;
         for _ in 0..ITERATIONS {
@@ -179,7 +180,7 @@ impl<'a> BranchPath<'a> {
             moved += step.iter().map(|x| x * x).sum::<f64>().sqrt();
             self.advance(&step, 1.0);
             self.solution = step;
-            // A correction that leads far away is to another curve.
+            // A large correction leads to another curve.
             if !(moved <= near && self.qr.rank() == self.width()) {
                 return false;
             }
@@ -187,7 +188,7 @@ impl<'a> BranchPath<'a> {
         false
     }
 
-    /// One step of the given length; false, and everything as before, where the curve cannot be followed.
+    /// One step of the given length; false, with everything unchanged, if the curve cannot be followed.
     pub fn step(&mut self, length: f64) -> bool {
         let before = (
             self.coordinates.clone(),
@@ -216,7 +217,7 @@ impl<'a> BranchPath<'a> {
         false
     }
 
-    /// Where it comes back to zero on the way, nearly closed, and whether the curve is closed.
+    /// Where it returns to zero on the way, nearly closed, and whether the curve is closed.
     fn closed_crossings(
         &mut self,
         start: &[f64],
@@ -272,7 +273,7 @@ pub fn branch_neighbours(
         };
         let (zeros, is_closed) = path.closed_crossings(pose, cancelled);
         starts.extend(zeros);
-        // A closed curve has been walked all around: the other sense meets the same poses.
+        // A closed curve has been followed completely: the other direction finds the same poses.
         if is_closed {
             break;
         }

@@ -17,14 +17,14 @@ use crate::numbers::interval::Interval;
 use crate::numbers::scalar::Scalar;
 use std::f64::consts::PI;
 
-/// Pieces of the cube that are looked at: some tenths of a second for a loop.
+/// Number of boxes examined: some tenths of a second for a loop.
 const MOST_PIECES: usize = 20_000;
 
-/// Angles of a block that are halved: with four the pieces are too many.
+/// Largest number of angles that are bisected: with four there are too many boxes.
 const MOST_ANGLES: usize = 3;
 
-/// Whether it is proved that no pose exists with these inputs (radians, lengths), read as numbers or as the decimals that a
-/// table prints. `false` says nothing.
+/// Whether it is proved that no pose exists with these inputs (radians, lengths), read as numbers or as the decimals of
+/// a table. `false` proves nothing.
 pub fn has_no_pose(system: &System, inputs: &[f64]) -> bool {
     let mechanism = system.mechanism();
     let coordinates = enclosed_inputs(mechanism, inputs);
@@ -33,7 +33,7 @@ pub fn has_no_pose(system: &System, inputs: &[f64]) -> bool {
     if too_long.any(|is| is) {
         return true;
     }
-    // Then the cube of all angles of each block, halved.
+    // Otherwise bisection of the box of all angles of each block.
     let turns = WholeTurns::of(mechanism);
     let blocks = system.blocks().iter();
     let mut halvings = blocks.map(|block| Halving::new(mechanism, block, &turns));
@@ -53,7 +53,7 @@ pub fn enclosed_inputs(mechanism: &Mechanism, inputs: &[f64]) -> Vec<Interval> {
     free.chain(given).collect()
 }
 
-/// Rigid parts of a loop between the joints that turn freely.
+/// Rigid parts of a loop between freely rotating joints.
 struct PolygonSide {
     frame: WalkFrame<Interval>,
     slides: Vec<Triple<Interval>>,
@@ -84,7 +84,7 @@ fn has_too_long_a_side(mechanism: &Mechanism, item: &Loop, coordinates: &[Interv
         .iter()
         .map(PolygonSide::length)
         .collect();
-    // Sums are rounded upwards: the test only says so if it is true.
+    // Sums are rounded upwards, so that a positive answer is proved.
     let together = |skipped: usize| {
         let others = lengths.iter().enumerate().filter(|(k, _)| *k != skipped);
         others.fold(0.0, |sum: f64, (_, l)| (sum + l.hi).next_up())
@@ -92,7 +92,7 @@ fn has_too_long_a_side(mechanism: &Mechanism, item: &Loop, coordinates: &[Interv
     lengths.iter().enumerate().any(|(k, l)| l.lo > together(k))
 }
 
-/// A closed frame has no first side: what stands before its first free turn goes on with what stands behind the last.
+/// A closed chain has no first side: the part before its first free rotation continues that after the last.
 fn polygon_sides(
     mechanism: &Mechanism,
     item: &Loop,
@@ -105,7 +105,7 @@ fn polygon_sides(
     };
     let turns_freely = |step: &ChainStep| matches!(step, ChainStep::Joint { motion: ElementaryMotion::Rotation, argument, .. } if is_free(*argument));
     let steps = &item.chain.steps;
-    // A closed chain may be read from any joint on; beginning with a turn no side is cut in two.
+    // A closed chain may be started at any joint; starting with a rotation cuts no side in two.
     let first = match item.closes {
         Closes::Frame => steps.iter().position(turns_freely).unwrap_or(0),
         Closes::Point => 0,
@@ -144,11 +144,11 @@ fn vector_norm(v: Triple<Interval>) -> Interval {
     (x + y + z).sqrt()
 }
 
-/// The cube of a block's angles, halved until nothing is left of it.
+/// The box of a block's angles, bisected until nothing remains.
 struct Halving<'m> {
     mechanism: &'m Mechanism,
     block: &'m Block,
-    /// Unknowns whose values are all in a turn.
+    /// Unknowns with a range of one turn.
     angles: Vec<usize>,
 }
 
@@ -179,7 +179,7 @@ impl<'m> Halving<'m> {
             let Some(piece) = pieces.pop() else {
                 return true;
             };
-            // Branch and bound without a bound: what cannot be excluded is halved.
+            // Boxes that cannot be excluded are bisected.
             if !self.is_excluded(&piece) {
                 match self.halves(piece) {
                     Some(halves) => pieces.extend(halves),
@@ -206,7 +206,7 @@ impl<'m> Halving<'m> {
         Some(halves)
     }
 
-    /// Some equation has no zero here, or a formula no value.
+    /// Some equation has no zero here, or a formula is undefined.
     fn is_excluded(&self, piece: &[Interval]) -> bool {
         let Mechanism {
             loops, equations, ..

@@ -1,29 +1,29 @@
-//! The Newton-Kantorovich test itself, of a pose and of a stretch of motion alike.
+//! The Newton-Kantorovich test, for a pose and for a tube alike.
 
 use crate::numbers::rounding::{GROW, U};
 
-/// What the discriminant loses to rounding, relative to (1 - q)²: nine operations at most, eta's last sum among them.
+/// Rounding of the discriminant, relative to (1 - q)²: nine operations at most, including eta's last sum.
 const DISCRIMINANT: f64 = 16.0 * U;
 
-/// What is proved where the test holds, radians and sizes.
+/// The results if the test succeeds, radians and sizes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Root {
     /// A root is no farther away than this.
     pub error: f64,
-    /// Within this distance it is the only one.
+    /// Within this distance the root is the only one.
     pub unique: f64,
 }
 
-/// The test: `eta` bounds |R F|, `q` |I - R J| at the centre, and `k` |R F''| within `ball` of it. A root exists if
-/// eta + q r + K r²/2 ≤ r for some r in the ball; the smallest such r is the error. `None` if there is none, or if a bound is
-/// not a number.
+/// The test: `eta` bounds |R F|, `q` |I - R J| at the centre, and `k` |R F''| within `ball` of it. A root exists if eta
+/// + q r + K r²/2 ≤ r for some r in the ball; the smallest such r is the error. `None` if there is none, or if a bound
+/// is NaN.
 pub fn root_within(ball: f64, [eta, q, k]: [f64; 3]) -> Option<Root> {
     let slope = 1.0 - q;
     let discriminant = slope * slope * (1.0 - DISCRIMINANT) - 2.0 * k * eta;
     if !(q < 1.0 && discriminant > 0.0) {
         return None;
     }
-    // The smaller root of K r²/2 - (1 - q) r + eta = 0, written so that nothing cancels.
+    // The smaller root of K r²/2 - (1 - q) r + eta = 0, written without cancellation.
     let error = 2.0 * eta / (slope + discriminant.sqrt()) * GROW;
     // The map contracts up to the vertex of the parabola.
     let unique = (slope / k).min(ball) / GROW;

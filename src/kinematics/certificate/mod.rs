@@ -45,13 +45,12 @@ use crate::numbers::rounding::U;
 use pose::prover::PoseProver;
 use tube::Standing;
 
-/// Proves poses of one mechanism. Laid out once; proving allocates nothing unless formulas are
-/// involved.
+/// Proves poses of one mechanism. Its layout is computed once; proofs allocate memory only for formulas.
 #[derive(Clone, Debug)]
 pub struct Certifier<'m> {
     system: &'m System,
     prover: PoseProver<'m>,
-    /// The proof where there are formulas, once it is needed.
+    /// The prover for formulas, created when needed.
     standing: Option<Standing<'m>>,
 }
 
@@ -103,7 +102,7 @@ impl<'m> Certifier<'m> {
             Err(Reason::Formula) => return self.certify_formulas([coordinates, rests], bases),
             Err(reason) => return Certificate::Refused { reason },
         };
-        // One Newton step from the proof; what rounding it leaves is added to the bound.
+        // One Newton step from the proof; its rounding is added to the bound.
         let (mut error, mut moved) = (0.0_f64, 0.0_f64);
         for block in &self.prover.blocks {
             for &slot in &block.of.unknowns {
@@ -115,7 +114,7 @@ impl<'m> Certifier<'m> {
                 let old = coordinates[slot];
                 let new = old - scale * step;
                 let made = DoubleDouble::sum(old, -new).hi / scale;
-                // The difference of neighbours is exact or rounded once, as is the quotient.
+                // The difference of neighbouring numbers is exact or rounded once, as is the quotient.
                 let rounding = 4.0 * U * (made.abs() + step.abs());
                 error = error.max((made - step).abs() + rounding + rest);
                 moved = moved.max(made.abs() + rounding);
@@ -125,7 +124,7 @@ impl<'m> Certifier<'m> {
         self.certificate(error, radius - moved, self.prover.earlier.closes_to)
     }
 
-    /// The proof where arguments or equations are no affine forms.
+    /// The proof if arguments or equations are not affine.
     fn certify_formulas(&mut self, place: [&[f64]; 2], bases: &[Vec<usize>]) -> Certificate {
         let system = self.system;
         let standing = self.standing.get_or_insert_with(|| Standing::new(system));
@@ -135,7 +134,7 @@ impl<'m> Certifier<'m> {
         }
     }
 
-    /// From radians and sizes, so that both hold for every unknown in its own unit.
+    /// Converts from radians and sizes, so that both hold for every unknown in its own unit.
     fn certificate(&self, error: f64, radius: f64, closes_to: f64) -> Certificate {
         let [least, largest] = self.system.mechanism().distance_units();
         let error_bound = error * largest * (1.0 + 1e-12);

@@ -1,7 +1,7 @@
-//! How far what a row prints beside the unknowns, traced points and outputs, may be from that of the exact pose.
+//! Bounds on the printed traced points and outputs relative to those of the exact pose.
 //!
-//! The exact pose is within the error bound of the unknowns: every one of them is a number of 31 digits with a radius, and so
-//! is what is computed from them, by one walk of the chains and formulas.
+//! The exact pose is within the error bound of the unknowns: each of them is a number of 31 digits with a radius, and
+//! so is everything computed from them by one traversal of the chains and formulas.
 
 use crate::kinematics::loops::observed::observed_values;
 use crate::kinematics::results::certificate::Certificate;
@@ -12,8 +12,8 @@ use crate::numbers::constant::Constant;
 use crate::numbers::double_double::DoubleDouble;
 use crate::numbers::rounding::{DECIMAL, GROW};
 
-/// Bounds of the printed x, y, z of every trace and of every output: lengths in the scene's unit, angles in radians. `None`
-/// where nothing was proved of the angles, or a formula has no value in reach.
+/// Bounds of the printed x, y, z of every trace and of every output: lengths in the scene's unit, angles in radians.
+/// `None` if nothing was proved about the angles, or a formula may be undefined.
 pub fn printed_bounds(mechanism: &Mechanism, sample: &Sample) -> Vec<Option<f64>> {
     let count = 3 * mechanism.traces.len() + mechanism.outputs.len();
     let Some((pose, error)) = sample.pose.as_ref().and_then(proved_pose) else {
@@ -34,7 +34,7 @@ pub fn printed_bounds(mechanism: &Mechanism, sample: &Sample) -> Vec<Option<f64>
     shown.zip(enclosures).map(bound).collect()
 }
 
-/// A pose whose unknowns are proved one by one, and its error bound; of locked angles only their rotation is.
+/// A pose whose unknowns are proved individually, and its error bound; for locked angles only their rotation is proved.
 fn proved_pose(pose: &ClosedPose) -> Option<(&ClosedPose, f64)> {
     match pose.certificate {
         Certificate::Certified { error_bound, .. }
@@ -43,7 +43,7 @@ fn proved_pose(pose: &ClosedPose) -> Option<(&ClosedPose, f64)> {
     }
 }
 
-/// The coordinates of the exact pose; inputs are the decimals that are printed.
+/// The coordinates of the exact pose; inputs are the printed decimals.
 fn enclose_observed(
     mechanism: &Mechanism,
     sample: &Sample,

@@ -27,28 +27,28 @@ use crate::kinematics::results::certificate::Reason;
 use crate::model::mechanism::Mechanism;
 use crate::numbers::rounding::GROW;
 
-/// The first box, as a multiple of what is mapped into itself where the Jacobian varies as it does along the tangent.
+/// The first box, as a multiple of its image if the Jacobian varied as along the tangent.
 const FIRST_SHARE: f64 = 1.2;
 
-/// No box is narrower, in scaled unknowns: rounding of the residual takes as much.
+/// Narrowest box, in scaled unknowns: about the rounding of the residual.
 const NARROWEST: f64 = 1e-13;
 
-/// By how much a box that fails is widened beyond what it was mapped to.
+/// Factor by which a box that fails is widened beyond its image.
 const WIDENED: f64 = 1.5;
 
-/// By how much a box that passes may be narrowed, beyond what it was mapped to.
+/// Factor by which a box that passes is narrowed, but not below its image.
 const NARROWED: f64 = 1.1;
 
 /// Boxes that are tried.
 const ATTEMPTS: usize = 10;
 
-/// A box that was mapped to more than this share of itself is good enough.
+/// A box whose image takes more than this share of it is tight enough.
 const SHARP: f64 = 0.6;
 
-/// How often the maps are taken again over what is known of the unknowns to the second order, ...
+/// How often the maps are repeated with the unknowns known to second order, ...
 const POLISHING: usize = 2;
 
-/// ... and where it was known to the first order only: once more.
+/// ... and with the unknowns known to first order only: once more.
 const REFINING: usize = 3;
 
 /// Why there is no box.
@@ -56,7 +56,7 @@ const REFINING: usize = 3;
 pub struct Unbounded {
     /// In the words of certificates.
     pub reason: Reason,
-    /// The dimension that takes the Jacobian farthest away.
+    /// The dimension that changes the Jacobian most.
     pub dimension: Option<usize>,
 }
 
@@ -69,8 +69,8 @@ impl From<Reason> for Unbounded {
     }
 }
 
-/// Encloses the block's unknowns in `region`, where what the block depends on is enclosed already. The rows of `basis` are
-/// as many as the unknowns. Says which share of the unknowns' way is left open, at most.
+/// Encloses the block's unknowns in `region`, which contains the enclosures of everything the block depends on. `basis`
+/// has as many rows as unknowns. Returns the largest share of the unknowns' range that remains open.
 pub fn enclose_block<F: DimensionForm>(
     mechanism: &Mechanism,
     layout: &Layout,
@@ -95,7 +95,7 @@ pub fn enclose_block<F: DimensionForm>(
     Ok(roughness)
 }
 
-/// Encloses the block's unknowns once more, where all slots are known already: to the second order if the first left much open.
+/// Encloses the block's unknowns again, with all slots known: to second order if the first left much open.
 pub fn refine_block<F: DimensionForm>(layout: &Layout, known: &BlockBox, region: &mut Region<F>) {
     let open = region.open.clone();
     let centre = Centre::of_box(layout, known, region);
@@ -105,8 +105,8 @@ pub fn refine_block<F: DimensionForm>(layout: &Layout, known: &BlockBox, region:
 }
 
 impl Centre {
-    /// What is known of the unknowns is of higher order than the box: the same maps over it are narrower. Whether anything was
-    /// gained.
+    /// The present bounds on the unknowns are of higher order than the box, so that the same maps over them are
+    /// tighter. Returns whether anything was gained.
     fn polish<F: DimensionForm>(
         &self,
         layout: &Layout,
@@ -156,13 +156,13 @@ impl Centre {
         let (n, m) = (self.n, region.count);
         let mut farthest = self.farthest(layout, mechanism, m);
         let refused = |reason: Reason, dimension| Unbounded { reason, dimension };
-        // Along x + S δ itself: what the box adds to it is in |A| w.
+        // Along x + S δ itself: the effect of the box is in |A| w.
         self.place(layout, region, &vec![0.0; n]);
         let along = self.varying(layout, basis, region);
         let along = along.map_err(|reason| refused(reason, farthest))?;
         let along = self.map(layout, basis, region, along);
         let eta = along.eta;
-        // A first box from what the rows are off along the tangent.
+        // A first box from the residual along the tangent.
         let mut box_of = (0..SWEEPS).fold(eta.clone(), |w, _| along.a.image(&eta, &w));
         for (side, slot) in box_of.iter_mut().zip(&layout.block.unknowns) {
             *side = FIRST_SHARE * *side + NARROWEST * mechanism.scale_of(*slot);
@@ -186,7 +186,7 @@ impl Centre {
                 if !share.is_finite() {
                     break;
                 }
-                // Sides that hold stay: if all grew, those that do not hold would be run after for ever.
+                // Sides that pass are kept: if all grew, the others might never be reached.
                 let wider = image.iter().zip(&box_of);
                 box_of = wider
                     .map(|(y, w)| if y < w { *w } else { WIDENED * y })
@@ -206,7 +206,7 @@ impl Centre {
         Ok((Mapped { eta, ..mapped }, box_of))
     }
 
-    /// How much of the way that unknowns go is neither of first nor of second order, at most.
+    /// Largest share of the unknowns' range that is neither of first nor of second order.
     fn roughness<F: DimensionForm>(&self, layout: &Layout, region: &Region<F>) -> f64 {
         let share = |slot: &usize| {
             let rates = region.rates_of(*slot).iter();
@@ -236,8 +236,8 @@ impl Centre {
         all
     }
 
-    /// z = dx/dδ - S = -G + A G - A A z as forms, unknown after unknown: with the product A G where forms have a second order, else
-    /// with bounds.
+    /// z = dx/dδ - S = -G + A G - A A z as forms, unknown after unknown: with the product A G if forms have a second
+    /// order, otherwise with bounds.
     fn rate_bends<F: DimensionForm>(
         &self,
         room: F::Room,
@@ -274,7 +274,7 @@ impl Centre {
         all
     }
 
-    /// Puts the block's unknowns where they are to be looked for.
+    /// Sets the region in which the block's unknowns are sought.
     fn place<F: DimensionForm>(&self, layout: &Layout, region: &mut Region<F>, box_of: &[f64]) {
         let m = region.count;
         for (i, slot) in layout.block.unknowns.iter().enumerate() {
@@ -305,7 +305,7 @@ impl Centre {
             region.open[*slot] = open[i];
             let value = region.slots[*slot].nominal();
             let mut form = F::integral(region.room, value, open[i], region.rates_of(*slot));
-            // Of first order forms the plain tangent with the box may be tighter than the mean value form.
+            // For first-order forms the plain tangent with the box may be tighter than the mean value form.
             if !F::BENT && form.beyond() > narrowed[i] {
                 form = F::linear(region.room, value, tangent, narrowed[i]);
             }

@@ -1,4 +1,4 @@
-//! What a proved block leaves behind for single pieces: the box that holds one pose of each, and what it is mapped by.
+//! The result of a proved block for single pieces: the box that contains one pose of each, and its preconditioner.
 
 use super::mapped::Contraction;
 
@@ -9,9 +9,9 @@ pub struct BlockBox {
     pub inverse: Vec<f64>,
     /// S, unknown after unknown.
     pub rates: Vec<f64>,
-    /// Points that the loops are seen about.
+    /// Points about which the loops are expressed.
     pub about: Vec<[f64; 3]>,
-    /// Rows that it is proved on.
+    /// Rows on which it is proved.
     pub basis: Vec<usize>,
     /// |A| over the box.
     pub contraction: Contraction,

@@ -1,4 +1,4 @@
-//! A block at δ = 0, and what its box is mapped by: A, G and η.
+//! A block at δ = 0, and the quantities of its test: A, G and η.
 
 use super::block_box::BlockBox;
 use super::form::DimensionForm;
@@ -22,11 +22,11 @@ pub struct Centre {
     pub newton: Vec<f64>,
     /// S, unknown after unknown.
     pub rates: Vec<f64>,
-    /// Points that the loops are seen about.
+    /// Points about which the loops are expressed.
     pub about: Vec<[f64; 3]>,
 }
 
-/// The Jacobian where the unknowns are looked for.
+/// The Jacobian where the unknowns are sought.
 pub struct Varying<F> {
     rows: Rows<F>,
     /// A, row after row.
@@ -36,7 +36,7 @@ pub struct Varying<F> {
 }
 
 impl<F: DimensionForm> Varying<F> {
-    /// The dimension that takes A farthest from zero.
+    /// The dimension that changes A most.
     pub fn farthest(&self, m: usize) -> Option<usize> {
         let mut moved = vec![0.0; m];
         for entry in &self.entries {
@@ -97,14 +97,14 @@ impl Centre {
         })
     }
 
-    /// That of a box that is proved already.
+    /// Those of a box that is proved already.
     pub fn of_box<F: DimensionForm>(
         layout: &Layout,
         known: &BlockBox,
         region: &mut Region<F>,
     ) -> Self {
         for slot in &layout.block.unknowns {
-            // The box is about this pose exactly.
+            // The centre of the box is exactly this pose.
             region.open[*slot] = 0.0;
         }
         let residual = layout.residuals(&region.centre(), &known.about);

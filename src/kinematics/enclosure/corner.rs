@@ -1,5 +1,5 @@
-//! One piece within the tolerances, to rounding: the box that holds one pose of every piece says how far a pose that nearly closes
-//! can be from the one that does.
+//! One piece within the tolerances, to rounding accuracy: the box that contains one pose of every piece bounds the
+//! distance between a nearly closed pose and the closed one.
 
 use super::pose::{Encloser, PoseEnclosure};
 use crate::numbers::interval::Interval;
@@ -7,9 +7,10 @@ use crate::numbers::rounding::{GROW, SUMS};
 use crate::numbers::scalar::Ring;
 
 impl Encloser<'_> {
-    /// All coordinates of the piece at δ, of which `coordinates` are nearly those; `None` where that is not proved.
+    /// All coordinates of the piece at δ, which are nearly `coordinates`; `None` if that is not proved.
     ///
-    /// From R F(x̃) = R J(ξ) (x̃ - x) = (1 + A) (x̃ - x), with ξ between two poses of the box: |x̃ - x| ≤ |R F(x̃)| + |A| |x̃ - x|.
+    /// From R F(x̃) = R J(ξ) (x̃ - x) = (1 + A) (x̃ - x), with ξ between two poses of the box: |x̃ - x| ≤ |R F(x̃)| +
+    /// |A| |x̃ - x|.
     pub fn piece<const N: usize>(
         &self,
         enclosure: &PoseEnclosure<N>,

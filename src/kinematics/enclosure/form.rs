@@ -6,15 +6,15 @@ use crate::numbers::quadratic_form::QuadraticForm;
 use crate::numbers::rounding::{GROW, OPERATION};
 use crate::numbers::scalar::{Ring, Scalar};
 
-/// What enclosures are computed with.
+/// The number type of enclosures.
 pub trait DimensionForm: Scalar {
     /// Whether it has a second order.
     const BENT: bool;
 
-    /// Where its coefficients are put.
+    /// The storage of its coefficients.
     type Room: Copy;
 
-    /// A number that stays within `error` of `value`, and moves with the dimensions as `slopes` say.
+    /// A number within `error` of `value`, with the given slopes by the dimensions.
     fn linear(room: Self::Room, value: f64, slopes: &[f64], error: f64) -> Self;
 
     /// A function whose value at δ = 0 is within `open` of `value` and whose derivatives by every δ are `rates`.
@@ -52,16 +52,16 @@ pub trait DimensionForm: Scalar {
     /// Change along each δ.
     fn slopes(&self) -> &[f64];
 
-    /// Bound of what it is beside its value and its slopes.
+    /// Bound of everything except its value and its slopes.
     fn beyond(&self) -> f64;
 
-    /// The same with its value taken out and its error wider.
+    /// The same with another value and a wider error.
     fn opened(self, by: f64) -> Self;
 
-    /// The same with its error as the change along a number of its own, `index`, where there is room for it.
+    /// The same with its error as the change along a number of its own, `index`, if there is space for it.
     fn marked(self, index: usize) -> Self;
 
-    /// The same with all that changes with numbers from `first` on in the error.
+    /// The same with everything that depends on numbers from `first` on moved into the error.
     fn folded(self, first: usize) -> Self;
 
     /// Bound of the linear part.
@@ -91,7 +91,7 @@ impl<const N: usize> DimensionForm for AffineForm<N> {
         form
     }
 
-    /// ∫ of the derivatives along the way: half of what they change by is beyond the tangent.
+    /// ∫ of the derivatives: half of their change is beyond the tangent.
     fn integral(_: (), value: f64, open: f64, rates: &[Self]) -> Self {
         let bend = rates.iter().map(|rate| 0.5 * rate.radius() + rate.error);
         let mut form = Self::within(value, (open + bend.sum::<f64>() * GROW) * GROW);
@@ -151,7 +151,7 @@ impl<'r, const N: usize> DimensionForm for QuadraticForm<'r, N> {
         Self::within(AffineForm::linear((), value, slopes, error), room)
     }
 
-    /// Half of the slopes are bends; of the bends a third is left.
+    /// Half of the slopes are second-order coefficients; of those a third remains.
     fn integral(room: &'r FormRoom, value: f64, open: f64, rates: &[Self]) -> Self {
         let rest = rates.iter().map(|rate| rate.line.error + rate.bend() / 3.0);
         let mut line = AffineForm::number(value);

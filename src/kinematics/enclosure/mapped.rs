@@ -1,11 +1,11 @@
-//! The map of a block's box: what it is mapped by, and bounds that follow where it is mapped into itself.
+//! The map of a block's box, and bounds that follow if the box is mapped into itself.
 
 use crate::numbers::rounding::GROW;
 
-/// How often bounds are put through the contraction that they follow from.
+/// How often bounds are improved by the contraction.
 pub const SWEEPS: usize = 6;
 
-/// What the box is mapped by.
+/// The map of the box.
 pub struct Mapped<F> {
     /// G, unknown after unknown.
     pub g: Vec<F>,
@@ -17,7 +17,7 @@ pub struct Mapped<F> {
     pub eta: Vec<f64>,
 }
 
-/// |A|, row after row: what a difference of two poses in the box is mapped by.
+/// |A|, row after row: bounds the image of the difference of two poses in the box.
 #[derive(Clone, Debug)]
 pub struct Contraction(pub Vec<f64>);
 
@@ -42,7 +42,7 @@ impl Contraction {
             .collect()
     }
 
-    /// A bound of all y ≥ 0 with y ≤ from + |A| y, where the box is mapped into itself.
+    /// A bound of all y ≥ 0 with y ≤ from + |A| y, if the box is mapped into itself.
     pub fn solved(&self, from: &[f64], box_of: &[f64]) -> Vec<f64> {
         let contraction = image_ratio(&self.times(box_of), box_of);
         let share = image_ratio(from, box_of) / (1.0 - contraction) * GROW;

@@ -1,5 +1,5 @@
-//! Points that chains carry, at all poses of an enclosure at once: how far they are along a direction, as functions of the
-//! dimensions.
+//! Points carried by chains, at all poses of an enclosure at once: their components along a direction, as functions of
+//! the dimensions.
 
 use super::pose::PoseEnclosure;
 use super::quadratic::Quadratic;
@@ -15,13 +15,13 @@ use crate::numbers::scalar::{Ring, Scalar};
 /// Looks at the poses of an enclosure.
 pub struct Observer<'e, const N: usize> {
     enclosure: &'e PoseEnclosure<N>,
-    /// All arguments that are looked at, and where they are at δ = 0.
+    /// All arguments in use, and their values at δ = 0.
     forms: Vec<ArgumentValue<AffineForm<N>>>,
     centre: Vec<ArgumentValue<Interval>>,
     rates: Rates<AffineForm<N>>,
 }
 
-/// A sum of lengths along directions, each of a point that a chain carries.
+/// A sum of components along directions, each of a point that a chain carries.
 #[derive(Clone, Debug)]
 pub struct Directed<const N: usize> {
     centre: Interval,
@@ -51,13 +51,13 @@ impl<'e, const N: usize> Observer<'e, N> {
         }
     }
 
-    /// Value of an argument at δ = 0, and how far it may be from that.
+    /// Value of an argument at δ = 0, and its uncertainty.
     pub fn spread(&self, argument: usize) -> [f64; 2] {
         let form = &self.forms[argument].value;
         [form.value, form.deviation()]
     }
 
-    /// Adds how far a point at the end of a chain is along `direction` from where the chain begins.
+    /// Adds the component along `direction` of a point at the end of a chain, relative to its start.
     pub fn add_along(
         &self,
         steps: &[ChainStep],
@@ -85,7 +85,7 @@ impl<'e, const N: usize> Observer<'e, N> {
         });
     }
 
-    /// A sum as a function of the dimensions; `None` where it is not bounded.
+    /// A sum as a function of the dimensions; `None` if it is not bounded.
     pub fn function(&self, sum: &Directed<N>) -> Option<Quadratic<N>> {
         let value = sum.centre.middle();
         let rates = self.enclosure.region.chain(&sum.gradient);

@@ -17,7 +17,7 @@ use crate::numbers::interval::Interval;
 use crate::numbers::quadratic_form::QuadraticForm;
 use crate::numbers::scalar::Scalar;
 
-/// Poses whose boxes leave more than this share of the unknowns' way open are looked at to the second order.
+/// Poses whose boxes leave more than this share of the unknowns' range open are enclosed to second order.
 const ROUGH: f64 = 1e-3;
 
 /// Most dimensions of forms of second order: a form takes four times the square of it in bytes.
@@ -28,15 +28,15 @@ const MOST_BENT: usize = 36;
 pub struct Sought<'p> {
     /// A closed pose: unknowns, then inputs.
     pub pose: &'p [f64],
-    /// How far the inputs may be meant from their values.
+    /// Uncertainty of the inputs as written.
     pub input_open: &'p [f64],
     /// What varies.
     pub tolerances: &'p [Tolerance],
-    /// The rows that each block is proved on.
+    /// The rows on which each block is proved.
     pub bases: &'p [Vec<usize>],
 }
 
-/// Encloses poses of one system. Laid out once.
+/// Encloses poses of one system. Its layout is computed once.
 #[derive(Clone, Debug)]
 pub struct Encloser<'s> {
     pub(super) system: &'s System,
@@ -61,7 +61,7 @@ impl<'s> Encloser<'s> {
         }
     }
 
-    /// Encloses the poses beside a closed one.
+    /// Encloses the poses near a closed one.
     ///
     /// # Errors
     /// No box is proved.
@@ -71,7 +71,7 @@ impl<'s> Encloser<'s> {
             return Err(Reason::Formula.into());
         }
         let region = match self.region::<AffineForm<N>>((), sought) {
-            // Where the Jacobian's second order is what makes boxes wide, it is kept.
+            // If the second order of the Jacobian makes the boxes wide, it is kept.
             Ok((region, roughness)) if Self::is_rough::<N>(roughness) => {
                 self.refined_region(&region)
             }
@@ -91,7 +91,7 @@ impl<'s> Encloser<'s> {
         roughness > ROUGH && N <= MOST_BENT
     }
 
-    /// The same with forms of first order alone; whether those of second order would be looked at.
+    /// The same with first-order forms only; also returns whether second-order forms would be tried.
     ///
     /// # Errors
     /// No box is proved.
@@ -110,7 +110,7 @@ impl<'s> Encloser<'s> {
         Ok((enclosure, Self::is_rough::<N>(roughness)))
     }
 
-    /// An enclosure of first order, with what is of second order kept.
+    /// A first-order enclosure that keeps terms of second order.
     pub fn refined<const N: usize>(&self, plain: &PoseEnclosure<N>) -> PoseEnclosure<N> {
         PoseEnclosure {
             region: self.refined_region(&plain.region),
@@ -148,7 +148,7 @@ impl<'s> Encloser<'s> {
         plain_region(region)
     }
 
-    /// Room for forms of so many dimensions and of the sides of a block's box.
+    /// Storage for forms of this many dimensions and of the sides of a block's box.
     fn form_room<const N: usize>(&self, dimensions: usize) -> FormRoom {
         let largest = self.layouts.iter().map(Layout::own).max();
         FormRoom::new((dimensions + largest.unwrap_or(0)).min(N))
@@ -161,7 +161,7 @@ impl<'s> Encloser<'s> {
         Some(plain_region(region))
     }
 
-    /// Enclosures of all slots, and which share of the unknowns' way is left open, at most.
+    /// Enclosures of all slots, and the largest share of the unknowns' range that remains open.
     fn region<F: DimensionForm>(
         &self,
         room: F::Room,
@@ -207,7 +207,7 @@ fn show_all<F: DimensionForm>(mechanism: &Mechanism, region: &mut Region<F>) {
             OutputSource::Formula(formula) => {
                 region.chain(&expression_gradient(formula, &region.slots))
             }
-            // Nothing bounds a distance or a rate here: its own value is unbounded.
+            // A distance or a rate is not bounded here.
             OutputSource::Distance(_) | OutputSource::Rated(_) => region.chain(&[]),
         };
         region.push(centre[place], rates);
@@ -314,7 +314,7 @@ impl<const N: usize> PoseEnclosure<N> {
         (0..self.coordinates).map(of).collect()
     }
 
-    /// Whether coordinates lie in the box, in which there is one pose for every δ.
+    /// Whether coordinates lie in the box, which contains one pose for every δ.
     pub fn holds(&self, coordinates: &[f64]) -> bool {
         let pairs = coordinates.iter().zip(&self.region.slots);
         pairs

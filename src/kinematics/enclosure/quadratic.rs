@@ -1,7 +1,7 @@
-//! A function of the dimensions to the second order with a bound of the rest, and its range over their intervals.
+//! A function of the dimensions to second order with a bound of the rest, and its range over their intervals.
 //!
-//! Where a derivative has one sign on the whole box the extremes lie on a face of it, which is looked at in turn. What
-//! is left open after that is bounded term by term.
+//! If a derivative has one sign on the whole box, the extremes lie on a face of it, which is examined in turn. The rest
+//! is bounded term by term.
 
 use crate::numbers::affine_form::AffineForm;
 use crate::numbers::rounding::{GROW, SUMS};
@@ -17,7 +17,7 @@ pub struct Quadratic<const N: usize> {
     pub rates: Vec<AffineForm<N>>,
 }
 
-/// A range, and where its ends are about.
+/// A range, and approximate positions of its ends.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Range {
     /// No value is lower.
@@ -30,18 +30,18 @@ pub struct Range {
     pub highest: Vec<f64>,
 }
 
-/// The part of the box on which a function is greatest: dimensions along which it is monotone stand at their ends.
+/// The face of the box on which a function has its maximum: dimensions along which it is monotone are at their ends.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Face {
-    /// Its middle: the others are as drawn.
+    /// Its middle: the other dimensions are nominal.
     pub middle: Vec<f64>,
     /// δ near which the greatest value lies.
     pub best: Vec<f64>,
-    /// No value is farther beyond that of the middle.
+    /// Bound of the function relative to its value in the middle.
     pub beyond: f64,
 }
 
-/// Times that all dimensions are looked at for a better place.
+/// Number of passes over all dimensions that improve the position.
 const ROUNDS: usize = 6;
 
 impl<const N: usize> Quadratic<N> {
@@ -80,7 +80,7 @@ impl<const N: usize> Quadratic<N> {
         }
     }
 
-    /// How far `sign` times the function can be beyond its value in the middle of a face: the mean of its derivatives on the way
+    /// Bound of `sign` times the function relative to its value in the middle of a face: the mean of its derivatives
     /// from there.
     fn beyond(&self, sign: f64, fixed: &[Option<f64>], middle: &[f64]) -> f64 {
         let (mut sum, mut rest, mut size) = (0.0, 0.0, 0.0);
@@ -96,7 +96,7 @@ impl<const N: usize> Quadratic<N> {
         (sum + rest + SUMS * size) * GROW
     }
 
-    /// A bound of `sign` times the function, and where that is greatest about.
+    /// A bound of `sign` times the function, and its approximate position.
     fn greatest(&self, sign: f64) -> (f64, Vec<f64>) {
         let mut fixed = self.monotone_ends(sign);
         let bound = self.bound(sign, &fixed);
@@ -105,7 +105,7 @@ impl<const N: usize> Quadratic<N> {
         (bound, place.collect())
     }
 
-    /// Ends at which dimensions must stand where the function is greatest; `None` where that is open.
+    /// Ends at which dimensions must be where the function is greatest; `None` if undecided.
     fn monotone_ends(&self, sign: f64) -> Vec<Option<f64>> {
         let slack = |rate: &AffineForm<N>| SUMS * (rate.value.abs() + rate.radius());
         // Most derivatives have one sign on the whole box.
@@ -137,7 +137,7 @@ impl<const N: usize> Quadratic<N> {
         }
     }
 
-    /// Bounds `sign` times the function on the face where the fixed dimensions stand.
+    /// Bounds `sign` times the function on a face given by the fixed dimensions.
     fn bound(&self, sign: f64, fixed: &[Option<f64>]) -> f64 {
         let (mut sum, mut size) = (sign * self.value, self.value.abs());
         let mut rest = self.open;
@@ -174,7 +174,7 @@ impl<const N: usize> Quadratic<N> {
         sign * slope
     }
 
-    /// Moves the open dimensions one after the other to where the function is greatest, the rest left out.
+    /// Moves the open dimensions one after the other to the maximum of the function without the rest.
     fn climb(&self, sign: f64, at: &mut [Option<f64>]) {
         let open: Vec<usize> = (0..at.len()).filter(|k| at[*k].is_none()).collect();
         for _ in 0..ROUNDS {

@@ -1,11 +1,11 @@
-//! Where the coordinates are for all values of some dimensions, and how they change with them.
+//! The ranges of the coordinates for all values of some dimensions, and their dependence on them.
 
 use super::block_box::BlockBox;
 use super::form::DimensionForm;
 use crate::numbers::interval::Interval;
 use crate::numbers::scalar::Scalar;
 
-/// A coordinate that lies within `half_width` of its value.
+/// A coordinate with an interval around its value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance {
     /// Coordinate: an input of the mechanism.
@@ -18,9 +18,9 @@ pub struct Tolerance {
 /// δₖ times its half width.
 #[derive(Clone, Debug)]
 pub struct Region<F: DimensionForm> {
-    /// Where forms put their coefficients.
+    /// The storage of the forms' coefficients.
     pub room: F::Room,
-    /// Number of dimensions, at most what a form has room for.
+    /// Number of dimensions.
     pub count: usize,
     /// Every slot.
     pub slots: Vec<F>,
@@ -28,13 +28,13 @@ pub struct Region<F: DimensionForm> {
     pub open: Vec<f64>,
     /// Derivatives of every slot by every δ, slot after slot.
     pub rates: Vec<F>,
-    /// What is known of the blocks that are enclosed.
+    /// Results of the blocks that are enclosed.
     pub boxes: Vec<BlockBox>,
 }
 
 impl<F: DimensionForm> Region<F> {
-    /// Inputs of a pose with their tolerances; the unknowns are not enclosed yet. Input k is meant within `input_open[k]` of
-    /// its value.
+    /// Inputs of a pose with their tolerances; the unknowns are not enclosed yet. Input k as written is within
+    /// `input_open[k]` of its value.
     pub fn new(
         room: F::Room,
         pose: &[f64],
@@ -81,7 +81,7 @@ impl<F: DimensionForm> Region<F> {
             .collect()
     }
 
-    /// Derivatives by every δ of what changes with slots as `gradient` says.
+    /// Derivatives by every δ of a function of slots with this `gradient`.
     pub fn chain(&self, gradient: &[(usize, F)]) -> Vec<F> {
         let along = |k: usize| {
             let terms = gradient.iter();

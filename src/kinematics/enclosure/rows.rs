@@ -12,7 +12,7 @@ use crate::model::walk::add_vectors;
 use crate::numbers::constant::Constant;
 use crate::numbers::scalar::Scalar;
 
-/// A block laid out: which coordinates it depends on.
+/// The layout of a block: the coordinates it depends on.
 #[derive(Clone, Debug)]
 pub struct Layout<'m> {
     mechanism: &'m Mechanism,
@@ -44,7 +44,7 @@ impl<'m> Layout<'m> {
         let mut others: Vec<usize> = of_arguments.chain(of_equations).collect();
         others.sort_unstable();
         others.dedup();
-        // Unknowns of the block first, then what comes from outside.
+        // Unknowns of the block first, then coordinates of other blocks.
         others.retain(|slot| block.columns.of(*slot).is_none());
         let slots = [block.unknowns.clone(), others].concat();
         let loops = block.loops.iter();
@@ -63,8 +63,8 @@ impl<'m> Layout<'m> {
         self.block.unknowns.len()
     }
 
-    /// Points that the block's loops are seen about: the middles of their hinges at a pose. Residuals about different points are
-    /// other equations for the same closed poses, as long as all of them are solved.
+    /// Points about which the block's loops are expressed: the middles of their hinges at a pose. Residuals about
+    /// different points are different equations for the same closed poses, as long as all of them are solved.
     pub fn middles(&self, coordinates: &[f64]) -> Vec<[f64; 3]> {
         let loops = &self.block.loops;
         if self.block.rows() > self.own() {
@@ -74,7 +74,7 @@ impl<'m> Layout<'m> {
         let middle = |part: &LoopPart| {
             let item = &self.mechanism.loops[part.index];
             if item.closes == Closes::Point {
-                // Nothing is known of its rotation, so that it closes about its own origin only.
+                // Its rotation is unknown, so that it closes about its own origin only.
                 return [0.0; 3];
             }
             let twists = Twists::new(&item.chain.steps, &values, [0.0; 3]);
@@ -89,7 +89,7 @@ impl<'m> Layout<'m> {
         loops.iter().map(middle).collect()
     }
 
-    /// Evaluates all rows at coordinates (unknowns, then inputs), the loops seen `about` a point each.
+    /// Evaluates all rows at coordinates (unknowns, then inputs), with the loops expressed about the points `about`.
     pub fn rows<S: Scalar>(&self, coordinates: &[S], about: &[[f64; 3]]) -> Rows<S> {
         let (count, columns) = (self.block.rows(), self.slots.len());
         let zero = S::number(0.0);
@@ -204,7 +204,7 @@ pub enum Rate<S> {
 }
 
 impl<S: Scalar> Rate<S> {
-    /// The product with what changes as the argument does.
+    /// The product with a quantity that changes like the argument.
     pub fn times(&self, by_argument: S) -> S {
         match self {
             Self::Constant(constant) => by_argument.scale_by(*constant),

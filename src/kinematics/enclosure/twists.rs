@@ -1,7 +1,8 @@
-//! The derivatives of a chain's product by its joints, in any arithmetic: every joint's axis and origin are noted on the way.
+//! The derivatives of a chain's product by its joints, in any arithmetic: every joint's axis and origin are recorded.
 //!
-//! Translations between two rotations are summed up before they are turned, and lengths are those from a base point near the joints:
-//! where a chain goes a long way out and back, an enclosure of its rotation would be multiplied by the way, not by what is left of it.
+//! Translations between two rotations are summed before they are rotated, and positions are relative to a base point
+//! near the joints: otherwise, in a chain that goes a long way out and back, an enclosure of its rotation would be
+//! multiplied by the whole distance.
 
 use crate::model::chain::{ArgumentValue, ChainJoint, ChainStep, ElementaryMotion};
 use crate::model::fixed::FixedPose;
@@ -25,7 +26,7 @@ struct Gathered<S> {
 }
 
 impl<S: Scalar> Gathered<S> {
-    /// Where a chain begins that is seen about a point.
+    /// The start of a chain that is expressed about a point.
     fn from_point(about: [f64; 3]) -> Self {
         Self {
             frame: WalkFrame::identity(),
@@ -47,7 +48,7 @@ impl<S: Scalar> Gathered<S> {
         along.into_iter().fold(self.frame.origin, add_vectors)
     }
 
-    /// Turns the translations, before the frame turns itself.
+    /// Rotates the accumulated translations before the frame itself.
     fn gather_shifts(&mut self) {
         self.frame.origin = self.place();
         self.shift = [S::number(0.0); 3];
@@ -81,7 +82,7 @@ impl<S: Scalar> Carried for Gathered<S> {
     }
 }
 
-/// A chain at a pose: where it ends and what its joints do there.
+/// A chain at a pose: its end frame and the twists of its joints there.
 #[derive(Clone, Debug)]
 pub struct Twists<S> {
     /// The frame at the end.
@@ -92,8 +93,8 @@ pub struct Twists<S> {
 }
 
 impl<S: Scalar> Twists<S> {
-    /// Walks along a chain; arguments are those of the whole mechanism. What is seen `about` a point is the chain between a translation
-    /// from there and one back: it closes where the chain itself does.
+    /// Traverses a chain; arguments are those of the whole mechanism. A chain expressed `about` a point lies between a
+    /// translation to that point and one back: it closes if the chain itself does.
     pub fn new(steps: &[ChainStep], arguments: &[ArgumentValue<S>], about: [f64; 3]) -> Self {
         let mut way = Gathered::from_point(about);
         let mut joints = Vec::with_capacity(steps.len());
@@ -101,7 +102,7 @@ impl<S: Scalar> Twists<S> {
             joints.push(Noted {
                 joint,
                 axis: way.frame.axes[joint.axis].map(|c| c.scale(joint.sign)),
-                // Where a translation begins is asked by nobody.
+                // The origin of a translation is irrelevant.
                 origin: match joint.motion {
                     ElementaryMotion::Rotation => way.place(),
                     ElementaryMotion::Translation => way.frame.origin,
@@ -127,7 +128,7 @@ impl<S: Scalar> Twists<S> {
             origin,
         } in &self.joints
         {
-            // A translation moves the end along its axis; a rotation turns it and moves it across the arm.
+            // A translation moves the end along its axis; a rotation rotates it and moves it perpendicular to the arm.
             let [turn, shift] = match joint.motion {
                 ElementaryMotion::Translation => [[zero; 3], axis.map(|c| c.scale(per_size))],
                 ElementaryMotion::Rotation => {
@@ -148,7 +149,7 @@ impl<S: Scalar> Twists<S> {
         self.joints.iter().filter(turns).map(|noted| noted.origin)
     }
 
-    /// Calls `take` with the argument of every joint and the velocity of a point, which the chain's end carries.
+    /// Calls `take` with the argument of every joint and the velocity of a point carried by the chain's end.
     pub fn velocities(&self, point: Triple<S>, mut take: impl FnMut(usize, Triple<S>)) {
         for noted in &self.joints {
             let velocity = match noted.joint.motion {
@@ -161,7 +162,8 @@ impl<S: Scalar> Twists<S> {
         }
     }
 
-    /// Rate of the skew part ½ Σ eⱼ × (a × rⱼ) = ½ (tr R a - R a) of a rotation R with columns r that turns about a.
+    /// Rate of the skew part ½ Σ eⱼ × (a × rⱼ) = ½ (tr R a - R a) of a rotation matrix R with columns r, for a rotation
+    /// about a.
     fn skew_rate(&self, a: Triple<S>) -> Triple<S> {
         let axes = &self.end.axes;
         [0, 1, 2].map(|k| {
@@ -180,7 +182,7 @@ pub fn residual_component<S: Scalar>(end: &WalkFrame<S>, component: usize, per_s
     (end.axes[i][j] - end.axes[j][i]).scale(0.5)
 }
 
-/// Where a chain seen `about` a point ends.
+/// The end of a chain expressed `about` a point.
 pub fn frame_about<S: Scalar>(
     steps: &[ChainStep],
     arguments: &[ArgumentValue<S>],

@@ -1,8 +1,8 @@
-//! From a mechanism to a [`System`]: which equations say something, and in which order they can be solved.
+//! From a mechanism to a [`System`]: which equations are effective, and in which order they can be solved.
 //!
-//! Everything here depends on the mechanism only, not on a pose. The order itself is found in
-//! [`ordering`](crate::kinematics::structure::ordering), the poses that decide on ranks in [`generic_rank`](super::generic_rank),
-//! idle freedoms in [`idle`].
+//! Everything here depends on the mechanism only, not on a pose. The order is found in
+//! [`ordering`](crate::kinematics::structure::ordering), the poses at which ranks are determined in
+//! [`generic_rank`](super::generic_rank), idle freedoms in [`idle`].
 
 use super::generic_rank::{EMPTY, Ranks, closed_poses, poses_around, random_poses};
 use super::idle;
@@ -26,18 +26,18 @@ use crate::numbers::interval::Interval;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// Lengths above this are none of a mechanism; products of two are still numbers.
+/// Largest length of a mechanism; products of two are still finite.
 const LONGEST: f64 = 1e150;
 
 impl System {
-    /// Analyses `mechanism` and lays it out for solving.
+    /// Analyses `mechanism` and prepares it for solving.
     ///
-    /// Ranks are taken at random poses. Loops with more equations than unknowns, those that seem to lack
-    /// equations, and mechanisms that start at a singular pose are judged at closed poses on `actuation`, too: an
-    /// over-constrained loop has its true rank only there, and only there it shows whether a freedom is idle.
+    /// Ranks are determined at random poses. Loops with more equations than unknowns, those that seem to lack
+    /// equations, and mechanisms that start at a singular pose are also judged at closed poses on `actuation`: only
+    /// there an over-constrained loop has its true rank, and an idle freedom can be recognised.
     ///
     /// # Errors
-    /// A loop that closes nowhere, unknowns that nothing determines, more coupled equations than there is memory for.
+    /// A loop that closes nowhere, undetermined unknowns, more coupled equations than memory allows.
     pub fn new(mechanism: Arc<Mechanism>, actuation: &Actuation) -> Result<Self, StructureError> {
         Ok(analyse_system(mechanism, actuation)?.with_ball_joints(chart_system))
     }
@@ -71,10 +71,11 @@ fn analyse_system(
     if is_square && !starts_singular(&system, actuation) {
         return Ok(system);
     }
-    // Closed poses by blocks, else with everything in one.
+    // Closed poses by blocks, otherwise with everything in one block.
     let mut poses = closed_poses(&system, actuation);
     if is_square && let Some(pose) = poses.first() {
-        // Regular at random poses and singular at this closed one: a singular pose, or a freedom that only closed poses have.
+        // Regular at random poses and singular at this closed one: a singular pose, or a freedom that exists at closed
+        // poses only.
         poses.extend(poses_around(&system, &pose.clone()));
     }
     if poses.is_empty() && system.blocks().len() > 1 {
@@ -83,7 +84,8 @@ fn analyse_system(
         poses = closed_poses(&trial(merged.collect(), Vec::new()), actuation);
     }
     if poses.is_empty() {
-        // Nothing closes: solving will say so, unless the mechanism is not determined anyway. A spin is idle in open loops, too.
+        // Nothing closes: the solver will report it, unless the mechanism is not determined anyway. A spin is idle in
+        // open loops, too.
         return with_spins_held(system, &incidence, &generic, trial);
     }
     let closed = Ranks::new(&mechanism, &poses);
@@ -119,7 +121,7 @@ fn starts_singular(system: &System, actuation: &Actuation) -> bool {
         return false;
     }
     let mut corrector = Corrector::new(system);
-    // Ranks mean something at a closed pose only.
+    // Only at a closed pose are ranks meaningful.
     let Ok(found) = assemble_pose(system, &mut corrector, &start, false) else {
         return false;
     };
@@ -128,8 +130,8 @@ fn starts_singular(system: &System, actuation: &Actuation) -> bool {
     system.blocks().iter().any(|b| ranks.lacks(b))
 }
 
-/// An unknown that changes no equation at any pose stands in the formulas only in vain, unless it turns links of a loop: a
-/// freedom of joints, which may be idle.
+/// An unknown that changes no equation at any pose has no effect in formulas, unless it rotates links of a loop: then
+/// it is a freedom of joints, which may be idle.
 fn refuse_unheld(
     mechanism: &Mechanism,
     incidence: &Incidence,
@@ -193,17 +195,17 @@ fn is_open_everywhere(mechanism: &Mechanism, index: usize) -> bool {
 
 type LiveEquations = (Vec<LoopPart>, Vec<(usize, usize)>);
 
-/// Splits every loop's six equations into those that say something and those that always hold.
+/// Splits every loop's six equations into effective ones and those that always hold.
 fn live_equations(
     mechanism: &Mechanism,
     probes: &[Vec<f64>],
 ) -> Result<LiveEquations, StructureError> {
     let (mut parts, mut empty) = (Vec::new(), Vec::new());
     let mut workspace = BlockWorkspace::default();
-    // Inputs move too: a row that only they change is live, though no unknown can repair it.
+    // Inputs move too: a row that only they change is effective, although no unknown can satisfy it.
     let mut rates = vec![0.0; mechanism.coordinate_count()];
     let inputs = rates[mechanism.unknowns.len()..].iter_mut();
-    // Each at a rate of its own, so that they do not cancel.
+    // Each at a different rate, so that they do not cancel.
     inputs
         .zip(1..)
         .for_each(|(rate, k)| *rate = f64::from(k).sqrt());
@@ -226,7 +228,7 @@ fn live_equations(
             constant.copy_from_slice(&workspace.residual);
         }
         let wanted = components_of(mechanism, index);
-        // What differs at the poses looked at, and is not proved to differ at all others, has to be solved.
+        // Equations that differ at the examined poses, without proof that they differ at all others, must be solved.
         if wanted
             .clone()
             .any(|k| !live[k] && constant[k].abs() > EMPTY)

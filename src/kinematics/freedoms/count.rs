@@ -1,10 +1,10 @@
-//! The count of freedoms by Grübler and Kutzbach: of joints between links, whatever coordinates they are written in.
+//! The mobility count of Grübler and Kutzbach: of joints between links, whatever coordinates describe them.
 //!
-//! Joint freedoms, and coordinates that stand in equations only; less the dimension of every loop's group of motions (6;
-//! 3 for planar and spherical loops, wherever their plane or centre lies); less the equations; less the joints that share
-//! coordinates with others. Some sharing is no cost: the angles of bars to the frame are shared by the joints at both their
-//! ends, and just so the rotations of the loop close by themselves. So what is shared, less what closes by itself,
-//! is counted.
+//! Joint freedoms, plus coordinates that appear in equations only; minus the dimension of every loop's group of motions
+//! (6; 3 for planar and spherical loops, wherever their plane or centre lies); minus the equations; minus the joints
+//! that share coordinates with others. Some sharing costs nothing: the angles of bars relative to the frame are shared
+//! by the joints at both their ends, so that the rotations of the loop close by themselves. The count therefore uses
+//! the shared coordinates minus those that close by themselves.
 
 use super::generic_rank::{RANK, random_poses, rank_of_rows};
 use crate::math::Pose;
@@ -15,33 +15,34 @@ use crate::model::walk::walk_chain;
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The motions that a loop's joints can make together.
+/// The motions that a loop's joints can perform together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoopSpace {
     /// Name of the loop.
     pub name: String,
-    /// What closing it costs at most: the dimension of the span of all its joints' twists over all poses. None if the
-    /// loops before it close it already.
+    /// Largest number of conditions for closing it: the dimension of the span of all its joints' twists over all poses.
+    /// None if the loops before it close it already.
     pub dimension: usize,
-    /// All rotations are about one direction, and all translations across it.
+    /// All rotations are about one direction, and all translations perpendicular to it.
     pub is_planar: bool,
 }
 
 /// The terms of the count.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointCount {
-    /// Freedoms of the joints: those of loops, and those of bodies that move by a coordinate of their own.
+    /// Freedoms of the joints: those of loops, and those of bodies that move by coordinates of their own.
     pub joints: usize,
-    /// Freedoms of the coordinates in equations that the joints do not have: coordinates that stand in equations only, and of a
-    /// sum that moves a joint all but one.
+    /// Freedoms of coordinates in equations that no joint has: coordinates that appear in equations only, and all but
+    /// one of a sum that moves a joint.
     pub free: usize,
     /// Every loop.
     pub loops: Vec<LoopSpace>,
     /// Scalar equations.
     pub equations: usize,
-    /// Joints that others move along with, by coordinates that they share.
+    /// Joints coupled to others by shared coordinates.
     pub shared: usize,
-    /// Counted by coordinates, not by joints: some coordinates are shared in more than one way at once.
+    /// Whether it was counted by coordinates instead of joints, because some coordinates are shared in more than one
+    /// way at once.
     pub is_by_coordinates: bool,
 }
 
@@ -82,15 +83,15 @@ impl JointCount {
         }
     }
 
-    /// The freedoms: less than there are where loops are over-constrained.
+    /// The freedoms: fewer than the true ones if loops are over-constrained.
     pub fn freedoms(&self) -> i64 {
         let loops: usize = self.loops.iter().map(|l| l.dimension).sum();
         let cost = loops + self.equations + self.shared;
         (self.joints + self.free) as i64 - cost as i64
     }
 
-    /// Dependent coordinates of a planar mechanism written as vector loops with angles to the frame: two equations
-    /// a loop and one an equation, d = 2k + s1. `None` if it is not planar.
+    /// Dependent coordinates of a planar mechanism written as vector loops with angles relative to the frame: two
+    /// equations per loop and one per equation, d = 2k + s1. `None` if it is not planar.
     pub fn planar_dependents(&self) -> Option<usize> {
         let mut closing = self.closing().peekable();
         closing.peek()?;
@@ -99,14 +100,14 @@ impl JointCount {
         is_planar.then_some(2 * loops + self.equations)
     }
 
-    /// Loops that close something that the loops before them have left open.
+    /// Loops that are not closed by the loops before them.
     pub fn closing(&self) -> impl Iterator<Item = &LoopSpace> {
         self.loops.iter().filter(|l| l.dimension > 0)
     }
 }
 
-/// Joints that loops pass, and of the others those that add a freedom: one whose coordinates other joints know already (a
-/// gear, a stage of a telescope) adds none. With them what they change.
+/// The joints of loops, and those of the others that add a freedom: a joint whose coordinates belong to other joints
+/// already (a gear, a stage of a telescope) adds none. Returned with the coordinates they change.
 fn counted_joints(mechanism: &Mechanism) -> (Vec<usize>, TwistSpan) {
     let Joints {
         list, along_loops, ..
@@ -114,8 +115,8 @@ fn counted_joints(mechanism: &Mechanism) -> (Vec<usize>, TwistSpan) {
     let mut counted: Vec<usize> = along_loops.iter().flatten().map(|p| p.joint).collect();
     counted.sort_unstable();
     counted.dedup();
-    // Everything else is judged by what its arguments add: sums and differences of coordinates that are known one by
-    // one add nothing, those of coordinates that only stand in other sums do.
+    // All others are judged by the arguments: sums and differences of known coordinates add nothing, new combinations
+    // of coordinates do.
     let mut span = TwistSpan::default();
     let poses = random_poses(mechanism);
     let Some(pose) = telling_pose(mechanism, &poses) else {
@@ -134,7 +135,7 @@ fn counted_joints(mechanism: &Mechanism) -> (Vec<usize>, TwistSpan) {
     (counted, span)
 }
 
-/// The pose at which the fewest arguments have no value: an arc sine may have none at a random one.
+/// The pose with the fewest undefined arguments: an arc sine may be undefined at a random one.
 fn telling_pose<'p>(mechanism: &Mechanism, poses: &'p [Vec<f64>]) -> Option<&'p [f64]> {
     let unknown = |pose: &&Vec<f64>| {
         let arguments = mechanism.arguments.iter();
@@ -144,14 +145,14 @@ fn telling_pose<'p>(mechanism: &Mechanism, poses: &'p [Vec<f64>]) -> Option<&'p 
     poses.iter().min_by_key(unknown).map(Vec::as_slice)
 }
 
-/// Whether the motions of a joint change something that those in `span` do not; they are in it from then on.
+/// Whether a joint's motions are independent of `span`; they are added to it.
 fn adds_freedom(mechanism: &Mechanism, span: &mut TwistSpan, joint: &Joint, pose: &[f64]) -> bool {
     let arguments = joint.arguments();
     let added = arguments.filter(|a| span.add(&gradient_of(mechanism, *a, pose)));
     added.count() > 0
 }
 
-/// Rates of an argument by the coordinates in their units, the largest being one.
+/// Rates of an argument by the coordinates in their units, normalised to a largest rate of one.
 fn gradient_of(mechanism: &Mechanism, argument: usize, pose: &[f64]) -> Vec<(usize, f64)> {
     let rates = mechanism.arguments[argument].gradient(pose).into_iter();
     let rates: Vec<(usize, f64)> = rates
@@ -172,7 +173,7 @@ struct TwistSpan {
 }
 
 impl TwistSpan {
-    /// Takes a row in; whether it is independent of those before it.
+    /// Adds a row; returns whether it is independent of the earlier ones.
     fn add(&mut self, row: &[(usize, f64)]) -> bool {
         let mut row: BTreeMap<usize, f64> = row.iter().copied().filter(|e| e.1 != 0.0).collect();
         // Every row of the span begins at its pivot: one pass from left to right leaves none of them.
@@ -198,8 +199,8 @@ impl TwistSpan {
     }
 }
 
-/// How many coordinates of equations change something that the joints do not, each beside those before it: a joint that is
-/// moved by a sum of two has one freedom, and the equations know both.
+/// Number of coordinates of equations that change something the joints do not, each in addition to those before it: a
+/// joint moved by a sum of two has one freedom, while the equations contain both.
 fn beside_joints(mechanism: &Mechanism, mut span: TwistSpan) -> usize {
     let equations = mechanism.equations.iter();
     let slots: BTreeSet<usize> = equations.flat_map(|e| e.expression.slots()).collect();
@@ -216,9 +217,9 @@ fn independent_arguments(mechanism: &Mechanism, arguments: &[usize], pose: &[f64
 
 /// Dimensions of a loop's motions.
 struct Space {
-    /// As its joints would make them, each by itself.
+    /// Generated by its joints, each moving independently.
     joints: usize,
-    /// As its coordinates make them: less where some equations of the loop always hold.
+    /// Generated by its coordinates: less if some equations of the loop always hold.
     coordinates: usize,
     is_planar: bool,
 }
@@ -260,7 +261,8 @@ fn loop_spaces(mechanism: &Mechanism, poses: &[Vec<f64>]) -> Vec<Space> {
 }
 
 /// Calls `each` with every motion's argument, its unit (radian, size) and its twist for a rate of one unit: angular
-/// velocity, and velocity at the origin over the loop's size; where a point closes the loop, the velocity of that point alone.
+/// velocity, and velocity at the origin over the loop's size; for a loop that closes in a point, only the velocity of
+/// that point.
 fn each_twist(
     item: &Loop,
     arguments: &[ArgumentValue],

@@ -1,4 +1,4 @@
-//! Poses at which a mechanism is probed, random ones and closed ones, and ranks of blocks there.
+//! Random and closed poses at which a mechanism is examined, and ranks of blocks there.
 
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::solve::assembly::{assemble_pose, shake_start};
@@ -14,16 +14,17 @@ use crate::model::actuation::Actuation;
 use crate::model::mechanism::{Kind, Mechanism};
 use std::collections::BTreeSet;
 
-/// Poses at which equations are probed: random ones, so that nothing vanishes by accident.
+/// Number of random poses at which equations are evaluated, so that nothing vanishes by accident.
 const PROBES: usize = 6;
 
 /// Rank tolerance at random and at closed poses, relative to the largest pivot: ranks are clear-cut there.
 pub const RANK: f64 = 1e-9;
 
-/// Entries (rotations in radians, lengths over the size) below this are rounding of a long chain; real ones are far above.
+/// Entries (rotations in radians, lengths over the size) below this are rounding of a long chain; true entries are far
+/// larger.
 pub const EMPTY: f64 = 1e-12;
 
-/// Rank of rows of numbers, one after the other; a row without a value says nothing.
+/// Rank of rows of numbers; a row with undefined entries is ignored.
 pub fn rank_of_rows(entries: &[f64], columns: usize) -> usize {
     if columns == 0 {
         return 0;
@@ -59,14 +60,14 @@ pub fn random_poses(mechanism: &Mechanism) -> Vec<Vec<f64>> {
     (0..PROBES).map(&mut pose).collect()
 }
 
-/// Places on the drive where closed poses are looked for, as parts of its duration, and how far the inputs are shifted
-/// there (radians, sizes): a drive at rest, or one that starts at a singular pose, must not decide on ranks.
+/// Places on the drive, as fractions of its duration, where closed poses are sought, and shifts of the inputs there
+/// (radians, sizes): a constant drive, or one that starts at a singular pose, must not determine ranks.
 const PLACES: [(f64, f64); 4] = [(0.0, 0.0), (0.0, 1e-2), (0.37, -7e-3), (0.73, 5e-3)];
 
-/// How often the way to a place is quartered: nets of many cells follow their inputs by small steps only.
+/// How often the way to a place is quartered: nets of many cells follow their inputs in small steps only.
 const SHORTER: usize = 8;
 
-/// Closed poses (unknowns, then inputs) here and there on the drive, the start of the drive first if it has one.
+/// Closed poses (unknowns, then inputs) at some places on the drive, the start first if it has one.
 pub fn closed_poses(system: &System, actuation: &Actuation) -> Vec<Vec<f64>> {
     let mechanism = system.mechanism();
     let mut corrector = Corrector::new(system);
@@ -84,7 +85,7 @@ pub fn closed_poses(system: &System, actuation: &Actuation) -> Vec<Vec<f64>> {
         if !start.iter().all(|v| v.is_finite()) {
             continue;
         }
-        // A search is worth its time once.
+        // A search is only worth its time once.
         let search = part == 0.0 && shift == 0.0;
         let found = match poses.first() {
             _ if search => {
@@ -102,11 +103,12 @@ pub fn closed_poses(system: &System, actuation: &Actuation) -> Vec<Vec<f64>> {
     poses
 }
 
-/// How many closed poses are looked for around a singular one, and how far from it they start at most, in scaled unknowns.
+/// Number of closed poses sought around a singular one, and largest distance of their starts from it, in scaled
+/// unknowns.
 const AROUND: (usize, f64) = (4, 0.1);
 
-/// Closed poses around `pose` at the same inputs. Of a pose that stands alone they are that pose again, to the square
-/// root of rounding, which is enough for the rank that it would have beside it; of a freedom they are others of its poses.
+/// Closed poses around `pose` at the same inputs. For an isolated pose they are that pose again, to the square root of
+/// rounding, which suffices for the rank next to it; for a freedom they are others of its poses.
 pub fn poses_around(system: &System, pose: &[f64]) -> Vec<Vec<f64>> {
     let mut corrector = Corrector::new(system);
     let (count, far) = AROUND;
@@ -119,7 +121,7 @@ pub fn poses_around(system: &System, pose: &[f64]) -> Vec<Vec<f64>> {
     closed.collect()
 }
 
-/// The closed pose as far as Newton's method leads at once from a closed one to other inputs.
+/// The closed pose that Newton's method reaches directly from a closed one at other inputs.
 fn step_towards(
     system: &System,
     corrector: &mut Corrector,
@@ -132,7 +134,7 @@ fn step_towards(
         let mut pose = first.to_vec();
         let inputs = pose.iter_mut().zip(goal).skip(unknowns);
         inputs.for_each(|(from, to)| *from += share * (to - *from));
-        // Newton does not reach: a quarter of the way.
+        // Newton's method fails: a quarter of the way.
         share *= 0.25;
         let found = corrector.correct(system, &mut pose, Pace::Brisk);
         found.converged.then_some(pose)
@@ -149,7 +151,7 @@ struct Gauge {
 impl Gauge {
     /// Rank of a column-major matrix, and its smallest pivot.
     fn measure(&mut self, a: &[f64], rows: usize, columns: usize) -> (usize, f64) {
-        // What the sparse elimination takes is far from singular.
+        // Sparse elimination accepts only matrices far from singular.
         let regular = match rows == columns {
             true => self.sparse.factor_columns(a, rows),
             false => self.sparse.factor_tall(a, [rows, columns]),
@@ -216,16 +218,16 @@ impl<'a> Ranks<'a> {
         self.of(block) < block.unknowns.len()
     }
 
-    /// Blocks of the groups. A group that is square by counting but not by rank needs the equations of others.
+    /// Blocks of the groups. A group that is square by counting but not by rank needs equations of others.
     ///
-    /// Errors: some have to be solved together and need more memory than there is.
+    /// Errors: some must be solved together and need more memory than there is.
     pub fn blocks(
         &self,
         incidence: &Incidence,
         groups: Vec<BlockGroup>,
     ) -> Result<Vec<Block>, LimitExceeded> {
         let mut groups = incidence.allowed(groups)?;
-        // Groups that stay as they are: each is measured once, however often others are joined.
+        // Each unchanged group is evaluated only once, however often others are merged.
         let mut settled: BTreeSet<Vec<usize>> = BTreeSet::new();
         let mut k = 0;
         while k < groups.len() {

@@ -19,10 +19,10 @@ use crate::linalg::svd::null_space;
 use crate::model::mechanism::{Kind, Mechanism};
 use crate::numbers::series::TaylorSeries;
 
-/// Preference for an unknown that turns about the line itself over one that does so only now.
+/// Preference for an unknown that always rotates about the line itself over one that does so only at this pose.
 const IMPURE: f64 = 0.05;
 
-/// The idle freedoms of all blocks; the mechanism is refused if some freedom is not idle.
+/// The idle freedoms of all blocks; a mechanism with other freedoms is rejected.
 pub fn find_idle(system: &System, closed: &Ranks) -> Result<Vec<Held>, StructureError> {
     let mechanism = system.mechanism();
     let structure = system.structure();
@@ -61,7 +61,7 @@ impl<'a> FreedomSite<'a> {
     }
 }
 
-/// The line about which links turn, for every loop of a block in which some do, in the frame where the loop begins.
+/// The line about which links rotate, for every loop of a block in which some do, in the base frame of the loop.
 type AxisLines = Vec<Option<Line>>;
 
 fn of_block(
@@ -81,7 +81,7 @@ fn of_block(
         block,
         pose,
     };
-    // An idle motion turns every body about a fixed line; others are freedoms that want a drive.
+    // An idle motion rotates every body about a fixed line; any other freedom needs a drive.
     let lines: Vec<Option<AxisLines>> = null.iter().map(|r| site.with(r).idle_lines()).collect();
     let driven = lines.iter().zip(&null).filter(|(lines, _)| lines.is_none());
     refuse_freedom(mechanism, block, driven.map(|(_, rates)| rates.as_slice()))?;
@@ -92,14 +92,14 @@ fn of_block(
         site.with(&rates).turns_about(&lines)
     };
     let pure: Vec<bool> = (0..columns).map(is_pure).collect();
-    // Pivots: the unknowns to hold, rather those that turn about the line alone.
+    // Pivots: the unknowns to hold, preferring those that rotate about the line itself.
     let weight = |j: usize| {
-        // Of equals the last one: a joint is thought of as made by its first angles.
+        // Of equals the last one: the first angles of a joint are considered its main ones.
         let last = 1.0 + 1e-3 * (j as f64 / columns as f64);
         if pure[j] { last } else { IMPURE * last }
     };
     let pivots = eliminate_vectors(&mut null, weight);
-    // The same unknowns must release nothing else at the other poses.
+    // At the other poses the same unknowns must release nothing else.
     for pose in poses.into_iter().skip(1) {
         let others: Vec<Vec<f64>> = released_slots(mechanism, block, pose, &pivots);
         let site = FreedomSite { pose, ..site };
@@ -163,8 +163,8 @@ fn null_vectors(
     null_space(&workspace.jacobian, rows, columns, columns - freedoms)
 }
 
-/// Makes each vector one at a pivot of its own and zero at those of the others; entries are weighed for the choice.
-/// Returns the pivots.
+/// Makes each vector one at its own pivot and zero at those of the others; entries are weighted for the choice. Returns
+/// the pivots.
 fn eliminate_vectors(vectors: &mut [Vec<f64>], weight: impl Fn(usize) -> f64) -> Vec<usize> {
     let mut pivots: Vec<usize> = Vec::new();
     for k in 0..vectors.len() {
@@ -195,7 +195,7 @@ fn eliminate_vectors(vectors: &mut [Vec<f64>], weight: impl Fn(usize) -> f64) ->
     pivots
 }
 
-/// The motions at a pose when one of the held columns `pivots` after the other is released.
+/// The motions at a pose when the held columns `pivots` are released one after the other.
 fn released_slots(
     mechanism: &Mechanism,
     block: &Block,
@@ -274,7 +274,7 @@ impl Spins {
 }
 
 impl FreeMotion<'_> {
-    /// `None` if it is not idle, else the lines about which links turn.
+    /// `None` if it is not idle, otherwise the lines about which links rotate.
     fn idle_lines(&self) -> Option<AxisLines> {
         let walk = Walk::new(
             self.mechanism,
@@ -292,7 +292,7 @@ impl FreeMotion<'_> {
         let lines = lines?;
         let bodies = self.mechanism.bodies.iter();
         let of_bodies = common(bodies.map(|b| walk.whole(&b.world_from_body)).collect())?;
-        // A body that moves though no link of a loop does is no idle spin of a link.
+        // A body that moves without any link of a loop is not an idle spin of a link.
         let is_seen = of_bodies.is_some() && lines.iter().all(Option::is_none);
         (!is_seen && self.leaves_equations() && self.is_unseen()).then_some(lines)
     }
@@ -329,12 +329,12 @@ impl FreeMotion<'_> {
             let is_length = output.is_none_or(|o| o.kind == Kind::Length);
             let scale = if is_length { self.size() } else { 1.0 };
             let rate = series.derivative(1).abs() / scale;
-            // An output without a value shows nothing.
+            // An output without a value is ignored.
             rate.is_nan() || rate <= STILL
         })
     }
 
-    /// What lengths of the block are measured in: what moves by a part of it moves, however large other loops are.
+    /// The unit of lengths of the block: motion relative to it counts, however large other loops are.
     fn size(&self) -> f64 {
         let loops = self.block.loops.iter();
         let sizes = loops.map(|part| self.mechanism.loops[part.index].size);
@@ -351,7 +351,7 @@ impl FreeMotion<'_> {
         rates
     }
 
-    /// Whether every joint that takes part turns about a line of one of the motions.
+    /// Whether every joint that takes part rotates about a line of one of the motions.
     fn turns_about(&self, motions: &[AxisLines]) -> bool {
         let walk = Walk::new(
             self.mechanism,

@@ -1,8 +1,8 @@
-//! How many freedoms a mechanism has: by counting joints and loops, and by the rank at closed poses; which equations
-//! are redundant and which freedoms are idle. Values only; the words are the command line's.
+//! The mobility of a mechanism: by counting joints and loops, and by the rank at closed poses; its redundant equations
+//! and idle freedoms. Plain values, which the reports put into words.
 //!
-//! The [count](super::count) is wrong for over-constrained mechanisms, whose equations depend on each other at closed poses:
-//! there the numeric one holds.
+//! The [count](super::count) is wrong for over-constrained mechanisms, whose equations depend on each other at closed
+//! poses: there the numeric mobility is correct.
 
 use super::count::JointCount;
 use super::generic_rank::{EMPTY, RANK, closed_poses};
@@ -32,34 +32,33 @@ pub struct Numeric {
 /// The freedoms of a mechanism.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mobility {
-    /// Joints, loops and equations, counted.
+    /// The count of joints, loops and equations.
     pub count: JointCount,
     /// Coordinates (unknowns and inputs) that a loop, an equation or a body uses.
     pub coordinates: usize,
     /// Of these the inputs.
     pub inputs: usize,
-    /// Where the drive starts; `None` if there is no pose.
+    /// The start of the drive; `None` if there is no pose.
     pub at_start: Option<Numeric>,
     /// At the most regular of a few closed poses.
     pub generic: Option<Numeric>,
     /// Equations that the others imply at the first closed pose, as (loop, component): 0 to 2 rotation, 3 to 5
     /// translation. They are checked, but neither solved nor proved.
     pub redundant: Vec<(usize, usize)>,
-    /// Loops and equations that the inputs alone must satisfy, by name: closed only where the inputs fit.
+    /// Names of loops and equations that the inputs alone must satisfy: closed only if the inputs are consistent.
     pub conditions: Vec<String>,
     /// Freedoms that move nothing but the spin of a link.
     pub idle: Vec<Held>,
 }
 
 impl Mobility {
-    /// Counts the freedoms of `mechanism`, whose order of solution is `structure`.
+    /// Determines the freedoms of `mechanism` with the blocks `structure`.
     pub fn new(system: &System, actuation: &Actuation) -> Self {
         let mechanism = system.mechanism();
         let structure = system.structure();
         let whole = Whole::new(system);
         let poses = closed_poses(system, actuation);
-        // The rank at closed poses: what dimensions really allow, beside the count of Chebyshev, Grübler and
-        // Kutzbach.
+        // The rank at closed poses: the true mobility, in addition to the count of Chebyshev, Grübler and Kutzbach.
         let numeric: Vec<Numeric> = poses.iter().map(|pose| whole.numeric_count(pose)).collect();
         let used = whole.used.iter();
         let mut mobility = Self {
@@ -78,7 +77,7 @@ impl Mobility {
         mobility
     }
 
-    /// Sorts the equations that are not solved: implied by others, or conditions on the inputs.
+    /// Classifies the equations that are not solved: implied by others, or conditions on the inputs.
     fn left_out(&mut self, system: &System, whole: &Whole, pose: &[f64]) {
         let mechanism = system.mechanism();
         let structure = system.structure();
@@ -143,14 +142,14 @@ fn row_names(block: &Block) -> impl Iterator<Item = RowName> + '_ {
     loops.chain(block.equations.iter().map(|e| RowName::Equation(*e)))
 }
 
-/// All equations, each by the coordinates that it uses, the inputs being unknowns, too.
+/// All equations, each by the coordinates that it uses, with the inputs as unknowns.
 struct Whole {
     mechanism: Mechanism,
     /// Every loop with all its equations, then every scalar equation.
     members: Vec<Block>,
     /// Coordinates that are used, by bodies too, ascending.
     used: Vec<usize>,
-    /// Front of every coordinate: blocks in the reverse order of their solution, then all that no block solves.
+    /// Front of every coordinate: blocks in the reverse order of their solution, then everything outside blocks.
     front_of: Vec<usize>,
 }
 
@@ -219,7 +218,7 @@ impl Whole {
     }
 }
 
-/// One row of the block's Jacobian, without what is rounding.
+/// One row of the block's Jacobian, without rounding errors.
 fn sparse_row(block: &Block, workspace: &BlockWorkspace, row: usize) -> SparseRow {
     let column = |j: usize| workspace.jacobian[j * block.rows() + row];
     let entries = block.unknowns.iter().copied().zip((0..).map(column));
@@ -228,7 +227,7 @@ fn sparse_row(block: &Block, workspace: &BlockWorkspace, row: usize) -> SparseRo
         .collect()
 }
 
-/// Coordinates that stand in a chain or in an equation, ascending.
+/// Coordinates that appear in a chain or in an equation, ascending.
 fn used_coordinates(mechanism: &Mechanism) -> Vec<usize> {
     let mut is_used = vec![false; mechanism.coordinate_count()];
     let mut arguments: Vec<usize> = mechanism.chains().flat_map(Chain::arguments).collect();

@@ -1,4 +1,4 @@
-//! How links move along chains for given rates of the coordinates: twists, and the lines of pure rotations.
+//! Twists of links along chains for given rates of the coordinates, and the lines of pure rotations.
 
 use crate::math::Pose;
 use crate::model::chain::{Argument, ArgumentValue, Chain, ElementaryMotion};
@@ -6,8 +6,8 @@ use crate::model::mechanism::Mechanism;
 use crate::model::walk::walk_chain;
 use glam::DVec3;
 
-/// Below this share of the fastest coordinate (radians, sizes) a rate counts as none. Null vectors at closed poses
-/// are right to about ten digits, and so are the twists that follow.
+/// Below this fraction of the fastest coordinate (radians, sizes) a rate counts as zero. Null vectors at closed poses
+/// are accurate to about ten digits, and so are the twists computed from them.
 pub const STILL: f64 = 1e-6;
 
 /// A line in space: direction and moment about the origin over the size.
@@ -16,7 +16,7 @@ pub type Line = (DVec3, DVec3);
 /// Angular velocity, and velocity at the origin over the size.
 pub type Twist = (DVec3, DVec3);
 
-/// Adds a link's twist to the line found so far: `None` if it fits neither rest nor that line.
+/// Combines a link's twist with the line found so far: `None` if it is neither zero nor a rotation about that line.
 pub fn common_axis(found: Option<Line>, twist: Twist) -> Option<Option<Line>> {
     if twist.0.length() <= STILL && twist.1.length() <= STILL {
         return Some(found);
@@ -33,7 +33,7 @@ pub fn line_of((turn, speed): Twist) -> Option<Line> {
     is_pure.then(|| (turn / rate, speed / rate))
 }
 
-/// Whether two lines are the same, whichever way they point.
+/// Whether two lines are the same, regardless of their direction.
 pub fn same_line(a: &Line, b: &Line) -> bool {
     let sign = a.0.dot(b.0).signum();
     (a.0 - b.0 * sign).length() <= STILL && (a.1 - b.1 * sign).length() <= STILL
@@ -75,7 +75,7 @@ impl Walk {
         twists
     }
 
-    /// Twists of the links behind the joints of a loop.
+    /// Twists of the links after the joints of a loop.
     pub fn links(&self, mechanism: &Mechanism, index: usize) -> Vec<Twist> {
         let chain = &mechanism.loops[index].chain;
         let passages = mechanism.joints.along_loops[index].iter();

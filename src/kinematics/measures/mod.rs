@@ -17,8 +17,8 @@ use crate::numbers::series::TaylorSeries;
 use reduce::reduce_values;
 use std::collections::HashMap;
 
-/// Values of all measures in internal units, in the order of the list; `None` where a pose is missing on the way
-/// or a formula has no value. `trajectory` is the motion along `actuation`.
+/// Values of all measures in internal units, in the order of the list; `None` if a pose on the way is missing or a
+/// formula is undefined. `trajectory` is the motion along `actuation`.
 pub fn measure_motion(
     system: &System,
     actuation: &Actuation,
@@ -34,7 +34,8 @@ pub fn measure_motion(
     )
 }
 
-/// The same from the samples along the drive; `seen` is shown the motion along every track, with the way to its first pose.
+/// The same from the samples along the drive; `seen` is called with the motion along every track, including the way to
+/// its first pose.
 pub fn measure_watched(
     system: &System,
     actuation: &Actuation,
@@ -44,7 +45,7 @@ pub fn measure_watched(
 ) -> Vec<Option<f64>> {
     let mut over = measure_over((system, actuation), measures, None, samples);
     for (k, track) in measures.tracks.iter().enumerate() {
-        // The poses of one track at a time: together they would fill the memory.
+        // The poses of one track at a time: together they could fill the memory.
         let motion = motion_along(system, actuation, track);
         seen(&motion);
         let poses = poses_along(motion);
@@ -55,7 +56,7 @@ pub fn measure_watched(
     for (index, measure) in measures.list.iter().enumerate() {
         let value = match &measure.source {
             MeasureSource::Formula(formula) => {
-                // A slot that has no value spoils what uses it.
+                // An undefined slot makes everything that uses it undefined.
                 let earlier = values.iter().map(|v| v.unwrap_or(f64::NAN));
                 let slots: Vec<f64> = inputs.iter().copied().chain(earlier).collect();
                 formula_value(formula, &slots)
@@ -72,7 +73,7 @@ pub fn formula_value(formula: &Expression, slots: &[f64]) -> Option<f64> {
     Some(formula.value(slots)).filter(|value| value.is_finite())
 }
 
-/// The values of the measures that look along one track, or along the drive, by their index.
+/// The values of the measures over one track, or over the drive, by their index.
 fn measure_over(
     driven: (&System, &Actuation),
     measures: &Measures,
@@ -125,7 +126,7 @@ fn value_at(
     Some(formula.value(&series).coefficients()[1])
 }
 
-/// What formulas of a pose may use: coordinates, x, y, z of the traces, outputs.
+/// The slots of formulas of a pose: coordinates, x, y, z of the traces, outputs.
 fn pose_slots(pose: &ClosedPose, inputs: &[f64]) -> Vec<f64> {
     let mut slots = [pose.unknowns.as_slice(), inputs].concat();
     slots.extend(pose.traces.iter().flat_map(|p| p.to_array()));
@@ -153,8 +154,8 @@ pub fn values_along(
     Some(observed_slots(mechanism, &all))
 }
 
-/// The poses of a track. The motion goes there from the start of the drive, so that it stays on the branch; samples that it
-/// does not lead to have no pose.
+/// The poses of a track. The motion goes there from the start of the drive, so that it stays on the branch; samples
+/// that are not reached have no pose.
 pub fn poses_of(system: &System, actuation: &Actuation, track: &MeasuredTrack) -> Vec<Sample> {
     poses_along(motion_along(system, actuation, track))
 }
@@ -165,15 +166,15 @@ fn motion_along(system: &System, actuation: &Actuation, track: &MeasuredTrack) -
     solve_motion(system, &moved, &times)
 }
 
-/// The poses of the track that a motion leads along.
+/// The poses of the track along a motion.
 fn poses_along(motion: Trajectory) -> Vec<Sample> {
     let mut samples = motion.of_one_motion();
     samples.remove(0);
     samples
 }
 
-/// Drives that lead from where those of `actuation` begin to the start of a track and along it, and the times: that of the
-/// beginning, then those of the track's samples.
+/// Drives from the start of `actuation` to the start of a track and along it, and the times: that of the start, then
+/// those of the track's samples.
 pub fn driven_along(actuation: &Actuation, track: &MeasuredTrack) -> (Actuation, Vec<f64>) {
     let start = actuation.inputs_at(0.0);
     let count = track.samples;

@@ -1,16 +1,16 @@
-//! Values of a row of poses to one number, with the weights of its derivative.
+//! Reduces the values over a sequence of poses to one number, with the weights of its derivative.
 
 use crate::model::measure::Taking;
 
 /// The number, and for every formula and pose d(number)/d(value).
 pub struct Reduced {
-    /// The number; NaN if a value it depends on is none.
+    /// The number; NaN if any value it depends on is NaN.
     pub value: f64,
     /// As many rows as formulas, one entry per pose.
     pub weights: Vec<Vec<f64>>,
 }
 
-/// Takes one number of `values[formula][pose]`; `None` without poses. `power` is that of a norm.
+/// Reduces `values[formula][pose]` to one number; `None` without poses. `power` is that of a norm.
 pub fn reduce_values(taking: Taking, power: f64, values: &[Vec<f64>]) -> Option<Reduced> {
     let first = values.first()?;
     let last = first.len().checked_sub(1)?;
@@ -91,8 +91,8 @@ fn power_norm(values: &[f64], power: f64) -> Reduced {
     }
 }
 
-/// The share of the way on which the values are above zero. Where two in a row have opposite signs the way is parted where the
-/// cubic through four of them is zero: to the fourth power of the step where the values are smooth.
+/// The fraction of the way on which the values are positive. Between two values of opposite sign the zero is that of
+/// the cubic through four values: the error is of fourth order in the step for smooth values.
 fn positive_part(values: &[f64]) -> Reduced {
     let mut weights = vec![0.0; values.len()];
     let share = 1.0 / (values.len().max(2) - 1) as f64;
@@ -120,22 +120,22 @@ fn positive_part(values: &[f64]) -> Reduced {
     }
 }
 
-/// Halvings that bring a crossing to the last digit.
+/// Halvings that locate a crossing to the last digit.
 const HALVINGS: u32 = 60;
 
-/// Where values that are given at whole numbers cross zero.
+/// A zero crossing of values given at whole numbers.
 struct Crossing {
-    /// Behind the value before it, 0 to 1.
+    /// Position after the previous value, 0 to 1.
     at: f64,
     /// The first of the values that it depends on, ...
     first: usize,
-    /// ... and how it moves with each of them.
+    /// ... and its derivatives by them.
     slopes: Vec<f64>,
 }
 
 impl Crossing {
-    /// Between values `k` and `k` + 1, which have opposite signs: a zero of the polynomial through the four values around, or
-    /// through all where there are fewer.
+    /// Between values `k` and `k` + 1, which have opposite signs: a zero of the polynomial through the four values
+    /// around, or through all if there are fewer.
     fn new(values: &[f64], k: usize) -> Self {
         let count = values.len().min(4);
         let first = k.saturating_sub(1).min(values.len() - count);

@@ -1,8 +1,8 @@
-//! Which values of an input admit a pose: what to say when the given one does not.
+//! Values of an input for which poses exist, for the message that the given ones have none.
 //!
-//! One input at a time is swept through a turn, or through a few sizes of the mechanism, the others standing still as
-//! at the start of the drive. The ends are located like the ends of any motion; stretches narrower than the steps of
-//! the sweep can be missed, and so can assemblies that the start values do not lead to.
+//! One input at a time is swept through a turn, or through a few sizes of the mechanism, with the others fixed at the
+//! start of the drive. The ends are located like the ends of any motion. Intervals narrower than the steps of the sweep
+//! can be missed, and so can assemblies that the start values do not lead to.
 
 use super::continuation::solve_motion;
 use crate::kinematics::results::trajectory::Trajectory;
@@ -14,7 +14,7 @@ use std::f64::consts::PI;
 /// Steps of a sweep: two degrees each.
 const STEPS: usize = 180;
 
-/// A mechanism of many unknowns or inputs is swept in longer steps, so that a hint takes no minutes.
+/// A mechanism of many unknowns or inputs is swept in longer steps, so that a hint does not take minutes.
 const FEWEST_STEPS: usize = 24;
 
 /// Unknowns times inputs up to which no step is longer.
@@ -26,20 +26,20 @@ const REACH: f64 = 3.0;
 /// Ends that agree within this share of the largest value are the same.
 const TOUCHING: f64 = 1e-9;
 
-/// Values of one input with a pose.
+/// Values of one input for which poses exist.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Feasible {
     /// Index of the input.
     pub input: usize,
-    /// Ascending stretches: radians, or the scene's length unit. An end of the sweep counts as an end.
+    /// Ascending intervals: radians, or the scene's length unit. An end of the sweep counts as an end.
     pub stretches: Vec<[f64; 2]>,
 }
 
-/// The feasible stretches of every input by itself; inputs without any are left out.
+/// The feasible intervals of every input on its own; inputs without any are omitted.
 pub fn feasible_inputs(system: &System, actuation: &Actuation) -> Vec<Feasible> {
     let given = actuation.inputs_at(0.0);
     let inputs = (0..given.len()).filter_map(|input| {
-        // A value far out says nothing about where the mechanism is: then around zero.
+        // A value far out is no indication of the mechanism's position: then around zero.
         let middles = [given[input], 0.0];
         let found = middles.iter().find_map(|middle| {
             let stretches = sweep_input(system, actuation, input, *middle);
@@ -65,14 +65,14 @@ fn sweep_input(system: &System, actuation: &Actuation, input: usize, middle: f64
     let mut from = actuation.inputs_at(0.0);
     let mut to = from.clone();
     (from[input], to[input]) = (middle - reach, middle + reach);
-    // The other inputs rest while this one sweeps its whole range.
+    // The other inputs are fixed while this one sweeps its whole range.
     let swept = Actuation::straight(&from, &to, actuation.guess.clone());
     let steps = sweep_steps(mechanism);
     let times: Vec<f64> = (0..=steps).map(|k| k as f64 / steps as f64).collect();
     feasible_stretches(&solve_motion(system, &swept, &times), input)
 }
 
-/// What the gaps of a motion leave.
+/// The complement of the gaps of a motion.
 fn feasible_stretches(trajectory: &Trajectory, input: usize) -> Vec<[f64; 2]> {
     let Some((first, last)) = trajectory.samples.first().zip(trajectory.samples.last()) else {
         return Vec::new();
@@ -89,7 +89,7 @@ fn feasible_stretches(trajectory: &Trajectory, input: usize) -> Vec<[f64; 2]> {
     merge_stretches(list)
 }
 
-/// Stretches that touch are one; single values beside stretches are where the sweep came in.
+/// Adjacent intervals are merged; single values next to intervals are resumptions of the sweep.
 fn merge_stretches(list: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     let reach = list.iter().flatten().fold(0.0, |m: f64, v| m.max(v.abs()));
     let mut joined: Vec<[f64; 2]> = Vec::new();
@@ -99,7 +99,7 @@ fn merge_stretches(list: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
             _ => joined.push([from, to]),
         }
     }
-    // A single value is where a sweep came in, unless nothing else was found.
+    // A single value is a resumption of the sweep, unless nothing else was found.
     let is_wide = |s: &[f64; 2]| s[1] - s[0] > TOUCHING * reach;
     if joined.iter().any(is_wide) {
         joined.retain(is_wide);

@@ -1,13 +1,13 @@
-//! Limit positions: where a coordinate or an output turns back while the drive goes on, such as the dead points of a
+//! Limit positions: where a coordinate or an output reverses while the drive continues, such as the dead points of a
 //! crank's slider. They are found between samples of a refined motion, and located where the exact rate vanishes.
 //!
-//! Where the drive itself turns back or rests, everything does; that is no limit position. Two reversals of one
+//! Where the drive itself reverses or rests, everything does; that is not a limit position. Two reversals of one
 //! quantity within one refined interval are missed.
 
 use super::continuation::solve_motion;
 use super::sampling::is_cyclic;
 use crate::kinematics::loops::forward::Observation;
-use crate::kinematics::rates::columns::{By, RateColumns};
+use crate::kinematics::rates::columns::{RateColumns, RateVariable};
 use crate::kinematics::rates::rated::fill_rated_outputs;
 use crate::kinematics::results::trajectory::{Event, EventKind, Sample, Trajectory};
 use crate::kinematics::solve::newton::Pace;
@@ -19,13 +19,13 @@ use crate::model::mechanism::Mechanism;
 /// Fewest intervals over the motion that are searched: half a degree of a turn each.
 const INTERVALS: usize = 720;
 
-/// A rate below this share of its largest value is zero: a reversal that falls on a sample.
+/// A rate below this fraction of its largest value is zero: a reversal on a sample.
 const ZERO: f64 = 1e-9;
 
-/// A quantity stands still if its largest rate is below this share of the largest of all rates.
+/// A quantity is constant if its largest rate is below this fraction of the largest of all rates.
 const STILL: f64 = 1e-10;
 
-/// Inputs slower than this share of their largest rate are at rest.
+/// Inputs slower than this fraction of their largest rate are at rest.
 const RESTING: f64 = 1e-6;
 
 /// Most steps of the search for a zero; every third one halves the bracket.
@@ -37,7 +37,7 @@ const WIDTH: f64 = 1e-15;
 /// First derivatives by time.
 const FIRST: RateColumns = RateColumns {
     order: 1,
-    by: By::Time,
+    by: RateVariable::Time,
 };
 
 /// Adds an event for every limit position of an unknown or output to those of a solved motion.
@@ -52,7 +52,7 @@ pub fn add_limits(system: &System, actuation: &Actuation, trajectory: &mut Traje
     trajectory.events.sort_by(|a, b| a.time.total_cmp(&b.time));
 }
 
-/// The samples' times and as many between them as it takes. The last sample of a cyclic drive is one before its end.
+/// The samples' times and as many between them as necessary. The last sample of a cyclic drive is one before its end.
 fn refine_limit(mechanism: &Mechanism, actuation: &Actuation, samples: &[Sample]) -> Vec<f64> {
     let mut ends: Vec<f64> = samples.iter().map(|s| s.time).collect();
     if let [.., before, last] = ends[..]
@@ -78,7 +78,7 @@ struct LimitSearch<'m> {
     samples: &'m [Sample],
     /// Rates of all quantities at every sample that has them.
     rates: Vec<Option<Vec<f64>>>,
-    /// Name and place among the rates of each quantity.
+    /// Name and index of each quantity among the rates.
     names: Vec<(String, usize)>,
     fastest_input: f64,
     fastest: f64,
@@ -128,7 +128,7 @@ impl<'m> LimitSearch<'m> {
         if largest <= STILL * self.fastest {
             return;
         }
-        // The last sample that moves, or the beginning of a stretch at a zero rate.
+        // The last sample that moves, or the beginning of an interval with zero rate.
         let mut last: Option<(usize, f64)> = None;
         for (k, rate) in rates.iter().enumerate() {
             let Some(rate) = *rate else {
@@ -147,7 +147,7 @@ impl<'m> LimitSearch<'m> {
             }
             last = Some((k, rate));
         }
-        // A motion that is no cycle has its ends as limits, too.
+        // For a motion that is not a cycle, its ends are limits too.
         let end = rates.len().saturating_sub(1);
         if let Some((k, rate)) = last
             && k + 1 == end
@@ -167,7 +167,7 @@ impl<'m> LimitSearch<'m> {
         }
     }
 
-    /// Locates the reversal between two samples with rates of opposite signs: regula falsi and bisection in turns.
+    /// Locates the reversal between two samples with rates of opposite signs: regula falsi alternating with bisection.
     fn between(&mut self, quantity: usize, low: (usize, f64), high: (usize, f64)) {
         let (first, last) = (self.samples[low.0].time, self.samples[high.0].time);
         let (mut a, mut fa, mut b, mut fb) = (first, low.1, last, high.1);

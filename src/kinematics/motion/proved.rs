@@ -1,4 +1,4 @@
-//! The motion with as much proof as is asked for.
+//! The motion with the requested proofs.
 
 use super::continuation::solve_until;
 use super::sampling::is_cyclic;
@@ -8,7 +8,7 @@ use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::printed::InputReading;
 
-/// What is to be proved.
+/// The requested proofs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Proofs {
     /// Nothing.
@@ -41,7 +41,7 @@ pub fn solve_proved(
         wanted.push(actuation.duration);
     }
     let mut trajectory = solve_until(system, actuation, &wanted, reading, cancelled);
-    // Tubes join the samples; what lies beyond the last time asked for is dropped afterwards.
+    // Tubes connect the samples; those beyond the last requested time are dropped afterwards.
     if proofs == Proofs::Motion && !cancelled() {
         trajectory.intervals = certify_motion(system, actuation, &trajectory);
     }

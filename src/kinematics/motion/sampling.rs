@@ -1,4 +1,4 @@
-//! At which times a drive is sampled. Times are computed from their index, never summed up.
+//! The sampling times of a drive. Times are computed from their index, never summed up.
 
 use crate::kinematics::results::trajectory::{Sample, Trajectory};
 use crate::limits::{LimitExceeded, Resource, allow_memory, current_limits};
@@ -10,13 +10,13 @@ use std::f64::consts::TAU;
 /// Most samples in one run: ten thousand seconds at 100 frames a second.
 pub const MAX_SAMPLES: usize = 1_000_000;
 
-/// Numbers that are kept of every sample beside those of its mechanism: time, proof, condition, names.
+/// Numbers stored per sample in addition to those of its mechanism: time, proof, condition, names.
 const NUMBERS_OF_SAMPLE: usize = 60;
 
 /// Numbers of the pose of a body.
 const NUMBERS_OF_BODY: usize = 12;
 
-/// Refuses a motion of so many samples where it would take more than the run may use.
+/// Rejects a motion with so many samples that it would exceed the limits of the run.
 pub fn allow_samples(mechanism: &Mechanism, count: usize) -> Result<(), LimitExceeded> {
     let coordinates = 2 * mechanism.unknowns.len() + mechanism.inputs.len();
     let observed = NUMBERS_OF_BODY * mechanism.bodies.len()
@@ -35,7 +35,7 @@ const SAME_INPUT: f64 = 1e-9;
 /// Times nearer than this (relative to the duration) are one.
 const SAME_TIME: f64 = 1e-12;
 
-/// Whether the drive ends where it began, angles up to whole turns: a loop of frames then needs no end frame.
+/// Whether the drive ends where it began, angles up to whole turns: a cyclic animation then needs no last frame.
 pub fn is_cyclic(mechanism: &Mechanism, actuation: &Actuation) -> bool {
     let (start, end) = (
         actuation.inputs_at(0.0),
@@ -83,8 +83,8 @@ pub fn even_times(mechanism: &Mechanism, actuation: &Actuation, count: usize) ->
         .collect()
 }
 
-/// The given times with both ends of the drive and every time where an input has a key, a kink or a jump, ascending: what has
-/// to be solved for a statement about the whole motion.
+/// The given times with both ends of the drive and every time at which an input has a key, a kink or a jump, ascending:
+/// the samples needed for a statement about the whole motion.
 pub fn knot_times(actuation: &Actuation, times: &[f64]) -> Vec<f64> {
     let last = actuation.duration;
     let breaks = |drive: &Drive| drive.breaks(0.0, last);
@@ -92,7 +92,7 @@ pub fn knot_times(actuation: &Actuation, times: &[f64]) -> Vec<f64> {
     let own = own.chain([0.0, last]).map(|t| (t, true));
     let mut all: Vec<(f64, bool)> = own.chain(times.iter().map(|t| (*t, false))).collect();
     all.sort_by(|(p, _), (q, _)| p.total_cmp(q));
-    // The pieces of a drive part at its own times and nowhere beside.
+    // Different pieces of a drive meet only at these times.
     all.dedup_by(|(b, is_own), (a, was_own)| {
         let is_same = *b - *a <= SAME_TIME * last;
         if is_same && *is_own && !*was_own {
@@ -103,7 +103,7 @@ pub fn knot_times(actuation: &Actuation, times: &[f64]) -> Vec<f64> {
     all.into_iter().map(|(time, _)| time).collect()
 }
 
-/// The samples of a trajectory at the given times, ascending: what was solved beside them left out again.
+/// The samples of a trajectory at the given times, ascending, without additional ones.
 pub fn only_times(actuation: &Actuation, trajectory: &Trajectory, times: &[f64]) -> Trajectory {
     let slack = SAME_TIME * actuation.duration;
     let is_given = |sample: &&Sample| {

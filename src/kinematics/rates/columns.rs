@@ -1,4 +1,4 @@
-//! Rates as tables show them: what they are taken by, their names and units, and their values at a pose.
+//! Rates as shown in tables: their variable, names and units, and their values at a pose.
 
 use super::fold::series_beside_fold;
 use super::higher_order::higher_rates;
@@ -10,16 +10,16 @@ use crate::model::mechanism::{Coordinate, Kind, Mechanism};
 use crate::model::rate::Per;
 use crate::numbers::series::{HIGHEST_ORDER, TaylorSeries};
 
-/// What rates are taken by.
+/// The variable of differentiation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum By {
+pub enum RateVariable {
     /// Seconds of the drive.
     Time,
-    /// One input, the others standing still: transfer functions.
+    /// One input, the others constant: transfer functions.
     Input(usize),
 }
 
-impl From<Per> for By {
+impl From<Per> for RateVariable {
     fn from(per: Per) -> Self {
         match per {
             Per::Time => Self::Time,
@@ -28,8 +28,8 @@ impl From<Per> for By {
     }
 }
 
-impl By {
-    /// Series of the inputs, whose values are `given`, along it.
+impl RateVariable {
+    /// Series of the inputs along it, with the `given` values.
     pub fn inputs(
         self,
         actuation: &Actuation,
@@ -52,7 +52,7 @@ impl By {
         }
     }
 
-    /// How far it goes during the motion.
+    /// Its range during the motion.
     fn way(self, mechanism: &Mechanism, actuation: &Actuation, given: &[f64]) -> f64 {
         match self {
             Self::Time => actuation.duration,
@@ -67,15 +67,16 @@ impl By {
     }
 }
 
-/// Shares of the duration at which it is looked how far an input goes.
+/// Fractions of the duration at which the range of an input is evaluated.
 const LOOKS: [f64; 5] = [0.0, 0.21, 0.47, 0.73, 1.0];
 
-/// Series of all slots that formulas may use, along what rates are taken by: of a motion that is driven by `actuation`, at a pose
-/// at `time`. At a fold they are one-sided, and coefficients that are infinite are NaN; `None` at other singular poses.
+/// Series of all slots that formulas may use, along the variable of differentiation: for a motion driven by
+/// `actuation`, at a pose at `time`. At a fold they are one-sided, with NaN for infinite coefficients; `None` at other
+/// singular poses.
 pub fn slot_series(
     system: &System,
     coordinates: &[f64],
-    by: By,
+    by: RateVariable,
     (actuation, time): (&Actuation, f64),
     order: usize,
 ) -> Option<Vec<TaylorSeries>> {
@@ -90,13 +91,13 @@ pub fn slot_series(
     series_beside_fold(system, coordinates, &inputs, way, order)
 }
 
-/// Which rates a table shows.
+/// The rates that a table shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RateColumns {
     /// Highest order, at least one.
     pub order: usize,
-    /// What they are taken by.
-    pub by: By,
+    /// Their variable.
+    pub by: RateVariable,
 }
 
 impl RateColumns {
@@ -104,8 +105,8 @@ impl RateColumns {
     /// all orders of one quantity, then the next.
     pub fn headings(&self, mechanism: &Mechanism) -> Vec<(String, f64)> {
         let (below, unit) = match self.by {
-            By::Time => ("t".to_owned(), 1.0),
-            By::Input(k) => {
+            RateVariable::Time => ("t".to_owned(), 1.0),
+            RateVariable::Input(k) => {
                 let input = &mechanism.inputs[k];
                 (
                     format!("({})", input.name),
@@ -123,8 +124,8 @@ impl RateColumns {
     /// Units of the same columns: `mm/deg^2`; empty where there is none.
     pub fn units(&self, mechanism: &Mechanism) -> Vec<String> {
         let below = match self.by {
-            By::Time => "s",
-            By::Input(k) => mechanism.unit_name(mechanism.inputs[k].kind),
+            RateVariable::Time => "s",
+            RateVariable::Input(k) => mechanism.unit_name(mechanism.inputs[k].kind),
         };
         self.of_orders(mechanism, |_, kind, k| {
             let above = mechanism.unit_name(kind);
@@ -137,7 +138,7 @@ impl RateColumns {
         })
     }
 
-    /// What `of` makes of every column: of the name and the kind of a quantity and the order.
+    /// Applies `of` to every column: to the name and kind of a quantity and the order.
     fn of_orders<T>(&self, mechanism: &Mechanism, of: impl Fn(&str, Kind, usize) -> T) -> Vec<T> {
         let mut quantities: Vec<(String, Kind)> = Vec::new();
         let named = |c: &Coordinate| (c.name.clone(), c.kind);
@@ -155,7 +156,7 @@ impl RateColumns {
         list
     }
 
-    /// Values of the columns at a pose, in internal units; `None` where there are none.
+    /// Values of the columns at a pose, in internal units; `None` if they do not exist.
     pub fn values(
         &self,
         system: &System,
@@ -176,7 +177,7 @@ impl RateColumns {
     }
 }
 
-/// Fills the derivatives of every pose of a trajectory; those that are infinite or not determined stay empty.
+/// Fills the derivatives of every pose of a trajectory; infinite or undetermined ones stay empty.
 pub fn add_derivatives(
     system: &System,
     actuation: &Actuation,

@@ -1,10 +1,10 @@
-//! One-sided rates at a fold, where the variable turns back: unknowns go with its root there, so that most rates are
-//! infinite, but not all.
+//! One-sided rates at a fold, where the variable reverses: unknowns depend on the square root of its change, so that
+//! most rates are infinite, but not all.
 //!
-//! Beside a simple fold everything is a power series in the path's own parameter d, the variable too, whose series begins with
-//! d². The block that folds gets one more unknown, the variable, and one more row, which says that d is measured along the
-//! block's null vector; with that its matrix is regular, and every order is one more right side, as at other poses. A rate is
-//! then the quotient of two series, finite where the numerator vanishes with the denominator.
+//! Near a simple fold everything is a power series in the parameter d of the path, including the variable, whose series
+//! begins with d². The block that folds gets one more unknown, the variable, and one more row, which states that d is
+//! measured along the block's null vector. Its matrix is then regular, and every order is one more right-hand side, as
+//! at other poses. A rate is the quotient of two series, finite if the numerator vanishes with the denominator.
 
 use super::coefficients::residual_coefficient;
 use super::regular::is_regular;
@@ -18,36 +18,38 @@ use crate::model::mechanism::Mechanism;
 use crate::numbers::scalar::Scalar;
 use crate::numbers::series::{HIGHEST_ORDER, TaylorSeries};
 
-/// Pivots below this share of the largest one have no direction to divide by: a fold is found to the square root of rounding.
+/// Pivots below this fraction of the largest one cannot be divided by: a fold is located to the square root of
+/// rounding.
 const FOLD_TOLERANCE: f64 = 6e-8;
 
-/// A pose is closed to about 1e-16, so a known fold is off by its root along the path.
+/// A pose is closed to about 1e-16, so a fold is located along the path to the square root of that.
 const FARTHEST: f64 = 1e-6;
 
-/// Another turning point within this way along the path spoils the digits: folds of higher order are such pairs.
+/// Another turning point within this distance along the path destroys the digits: folds of higher order are such pairs.
 const LONELY: f64 = 1e-4;
 
-/// The variable moves the block that folds where, over all of its way, it moves the residual by more than this. Less is what
-/// is left by rounding of a drive at rest, or where branches cross, and tells nothing of the path.
+/// The variable moves the block that folds if, over its whole range, it changes the residual by more than this. Less is
+/// rounding of a constant drive, or occurs where branches cross, and does not determine the path.
 const FELT: f64 = 1e-7;
 
-/// A turning point is known to this part of the path's unit: so much of the next coefficient may stand in the one that vanishes.
+/// A turning point is known to this fraction of the path's unit: a vanishing coefficient may contain this fraction of
+/// the next one.
 const FLAT: f64 = 1e-9;
 
-/// Where a formula's terms cancel, a coefficient that vanishes is rounding beside the next but one, which the same terms make. The
-/// later ones tell nothing: those of a fast oscillation grow without bound.
+/// If a formula's terms cancel, a vanishing coefficient contains rounding relative to the next but one, which comes
+/// from the same terms. Later coefficients are useless: those of a fast oscillation grow without bound.
 const CANCELLED: f64 = 1e-12;
 
-/// Rounding of a coefficient, as a share of what it was added up from.
+/// Rounding of a coefficient, relative to its terms.
 const ROUNDING: f64 = 1e-11;
 
-/// Steps of Newton's method to the fold; each doubles the digits.
+/// Newton steps to the fold; each doubles the digits.
 const STEPS: usize = 4;
 
-/// Series of all slots that formulas may use along a variable, of which `inputs` are the series and which goes as far as `way`, at
-/// a fold: those of the side on which there are poses. Coefficients that are infinite are NaN, and so are all behind them.
+/// Series of all slots that formulas may use along a variable, with the series `inputs` and the range `way`, at a fold:
+/// for the side on which there are poses. Infinite coefficients and all after them are NaN.
 ///
-/// `None` where the pose is no simple fold.
+/// `None` if the pose is not a simple fold.
 pub fn series_beside_fold(
     system: &System,
     coordinates: &[f64],
@@ -78,7 +80,7 @@ pub fn series_beside_fold(
     Some(slots.iter().map(rates).collect())
 }
 
-/// Whether a variable, whose derivative divided by d is `slope`, has no other turning point close by.
+/// Whether a variable, whose derivative divided by d is `slope`, has no other turning point nearby.
 fn turns_once(slope: &[f64]) -> bool {
     let mut higher = slope.iter().enumerate().skip(1);
     slope[0] != 0.0 && higher.all(|(k, c)| slope[0].abs() > c.abs() * LONELY.powi(k as i32))
@@ -89,13 +91,13 @@ struct FoldedPath<'s> {
     mechanism: &'s Mechanism,
     blocks: &'s [Block],
     factors: Vec<PivotedQr>,
-    /// Which block folds, its Jacobian and null vector.
+    /// The block that folds, its Jacobian and null vector.
     folded: usize,
     jacobian: Vec<f64>,
     along: Vec<f64>,
     /// Series of the inputs in the variable.
     inputs: &'s [TaylorSeries],
-    /// How far the variable goes.
+    /// The range of the variable.
     way: f64,
     /// Series of the coordinates in the path's parameter.
     series: Vec<TaylorSeries>,
@@ -144,7 +146,7 @@ impl<'s> FoldedPath<'s> {
         })
     }
 
-    /// All orders, one after the other. `None` where the block stays singular: no simple fold.
+    /// All orders, one after the other. `None` if the block stays singular: not a simple fold.
     fn expand(&mut self) -> Option<()> {
         for k in 1..=HIGHEST_ORDER {
             // The residual is linear in the variable's coefficient: two values tell its column.
@@ -201,7 +203,7 @@ impl<'s> FoldedPath<'s> {
         }
     }
 
-    /// Coefficient k of the unknowns of the block that folds, put in place, and of the variable: given.
+    /// Coefficient k of the unknowns of the block that folds, which is stored, and of the variable, which is returned.
     fn fold_step(&mut self, k: usize, column: &[f64], residual: &[f64]) -> Option<f64> {
         let blocks = self.blocks;
         let block = &blocks[self.folded];
@@ -210,8 +212,8 @@ impl<'s> FoldedPath<'s> {
         if !(size(column) * self.way > FELT && size(column).is_finite()) {
             return None;
         }
-        // The column and the rows are made as large as the null vector, whatever the variable and the block are measured in. One
-        // unknown alone hardly moves its equation at a fold.
+        // The column and the rows are scaled like the null vector, whatever the units of the variable and the block. A
+        // single unknown hardly moves its equation at a fold.
         let of_unknowns = if columns > 1 { 0.0 } else { size(column) };
         let of_rows = size(&self.jacobian).max(of_unknowns);
         let unit = size(column) / of_rows;
@@ -274,7 +276,7 @@ fn derivative(coefficients: &[f64]) -> Vec<f64> {
     terms.map(|(k, c)| k as f64 * c).collect()
 }
 
-/// A coefficient and what it was added up from, which tells its rounding.
+/// A coefficient and the magnitude of its terms, which determines its rounding.
 #[derive(Clone, Copy)]
 struct Summed {
     value: f64,
@@ -304,7 +306,7 @@ fn one_sided_series(slot: &TaylorSeries, slope: &[f64], order: usize) -> TaylorS
     series
 }
 
-/// Whether the first coefficient is zero but for rounding and the place of the turning point.
+/// Whether the first coefficient is zero up to rounding and the error of the turning point.
 fn vanishes(series: &[Summed]) -> bool {
     let misplaced = series.iter().enumerate().skip(1);
     let misplaced = misplaced.map(|(k, c)| c.value.abs() * FLAT.powi(k as i32));
@@ -312,7 +314,7 @@ fn vanishes(series: &[Summed]) -> bool {
     series[0].value.abs() <= misplaced.sum::<f64>() + cancelled + rounding_of(&series[0])
 }
 
-/// What a coefficient may be off by: nothing where it was not added up.
+/// The error of a coefficient: none without a sum.
 fn rounding_of(coefficient: &Summed) -> f64 {
     match coefficient.size > coefficient.value.abs() {
         true => ROUNDING * coefficient.size,

@@ -1,8 +1,8 @@
 //! Rates of any order at a closed pose: the Taylor series of the unknowns along given series of the inputs.
 //!
-//! Block by block and order by order: with all lower coefficients in place, and the k-th one zero, the k-th
-//! coefficient of the residual is what the k-th coefficient of the unknowns must cancel, and it enters linearly with
-//! the Jacobian of the pose. One factorisation serves all orders; nothing is differenced.
+//! Block by block and order by order: with all lower coefficients in place, and the k-th one zero, the k-th coefficient
+//! of the residual must be cancelled by the k-th coefficient of the unknowns, which enters linearly with the Jacobian
+//! of the pose. One factorisation serves all orders, without finite differences.
 
 use super::coefficients::residual_coefficient;
 use super::regular::is_regular;

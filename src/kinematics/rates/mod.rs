@@ -11,7 +11,7 @@ pub mod variation;
 use crate::kinematics::loops::residual::residual_of;
 use crate::model::walk::WalkFrame;
 
-/// A derivative of a loop's residual, from that of its product: where all lower ones vanish it is skew, and its three
+/// A derivative of a loop's residual, from that of its product: if all lower ones vanish it is skew, and its three
 /// entries are the derivative of the rotation vector.
 fn residual_part(end: WalkFrame<f64>, size: f64) -> [f64; 6] {
     let [x, y, z] = end.axes;

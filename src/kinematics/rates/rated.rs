@@ -1,6 +1,6 @@
-//! Values of formulas that hold rates, at the poses of a motion.
+//! Values of formulas that contain rates, at the poses of a motion.
 
-use super::columns::{By, slot_series};
+use super::columns::{RateVariable, slot_series};
 use crate::kinematics::loops::forward::Observation;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
@@ -9,7 +9,8 @@ use crate::model::mechanism::OutputSource;
 use crate::model::rate::Rate;
 use crate::numbers::series::TaylorSeries;
 
-/// Rates of formulas at a pose of the motion that is driven so, at its time; NaN where they are infinite or not determined.
+/// Rates of formulas at a pose of the motion with this actuation, at its time; NaN if they are infinite or
+/// undetermined.
 pub fn rate_values(
     system: &System,
     driven: (&Actuation, f64),
@@ -21,7 +22,7 @@ pub fn rate_values(
     let value = |(formula, rate): &(Expression, Rate)| {
         let place = known.iter().position(|(r, _)| r == rate);
         let place = place.unwrap_or_else(|| {
-            let by = By::from(rate.per);
+            let by = RateVariable::from(rate.per);
             let series = slot_series(system, coordinates, by, driven, rate.order);
             known.push((*rate, series));
             known.len() - 1
@@ -32,7 +33,7 @@ pub fn rate_values(
     rates.iter().map(value).collect()
 }
 
-/// Fills in the outputs of a pose that hold rates, and with them those that use them.
+/// Fills in the outputs of a pose that contain rates, and those that use them.
 pub fn fill_rated_outputs(
     system: &System,
     driven: (&Actuation, f64),

@@ -1,9 +1,9 @@
-//! Whether a closed pose is regular as far as rounding can tell.
+//! Decides whether a closed pose is regular, as far as rounding permits.
 //!
-//! A small pivot says nothing by itself: what is small depends on units, and a block of one unknown has no other pivot to
-//! compare it with. What counts is how far the block's residual would have to move for the pose to become singular, and that
-//! is the radius of convergence of the unknowns as series of the residual. Rounding moves the residual too; where it could
-//! take the pose to the singular one, rates are noise. Folds of any order are judged by the same comparison.
+//! A small pivot alone is inconclusive: its size depends on units, and a block of one unknown has no other pivot for
+//! comparison. The criterion is how far the block's residual would have to change for the pose to become singular,
+//! which is the radius of convergence of the unknowns as series of the residual. Rounding changes the residual too; if
+//! it could make the pose singular, rates are noise. Folds of any order are judged by the same comparison.
 
 use super::coefficients::residual_coefficient;
 use crate::kinematics::loops::residual::BlockWorkspace;
@@ -14,19 +14,19 @@ use crate::model::mechanism::Mechanism;
 use crate::numbers::interval::Interval;
 use crate::numbers::series::TaylorSeries;
 
-/// Pivots above this share of the largest are those of regular poses, whatever the units: blocks are measured by their size,
-/// and nothing bends a thousand times as much as it moves.
+/// Pivots above this fraction of the largest are those of regular poses, whatever the units: blocks are scaled by their
+/// size, and no curvature exceeds the slopes a thousandfold.
 const SOUND_PIVOT: f64 = 1e-3;
 
 /// Highest order of the series whose radius is estimated: folds of the second to the fourth order show in it.
 const WATCHED_ORDER: usize = 4;
 
-/// A pose counts as singular within so many times its rounding: at sixteen times it the rates of a fold have two digits.
-/// The estimate of the radius is up to four times too large.
+/// A pose counts as singular within this many times its rounding: at sixteen times the rounding, the rates of a fold
+/// have two digits. The estimate of the radius is up to four times too large.
 const MARGIN: f64 = 64.0;
 
-/// Whether a block, evaluated with its Jacobian at a closed pose, is regular there. `qr` then holds its factors; otherwise they have at
-/// least the rank that is certain.
+/// Whether a block, evaluated with its Jacobian at a closed pose, is regular there. `qr` then contains its factors;
+/// otherwise they have at least the rank that is certain.
 pub(super) fn is_regular(
     mechanism: &Mechanism,
     block: &Block,
@@ -51,7 +51,7 @@ pub(super) fn is_regular(
     radius > MARGIN * off
 }
 
-/// The change of the residual that moves the unknowns most, with a largest entry of one.
+/// The change of the residual that moves the unknowns most, normalised to a largest entry of one.
 fn weakest_direction(jacobian: &[f64], rows: usize, columns: usize) -> Vec<f64> {
     let along = null_space(jacobian, rows, columns, columns - 1)
         .pop()
@@ -66,7 +66,8 @@ fn weakest_direction(jacobian: &[f64], rows: usize, columns: usize) -> Vec<f64> 
     direction
 }
 
-/// How far the residual can go along `direction` with the unknowns as series of the way; NaN where a formula has no value.
+/// Largest change of the residual along `direction` for which the unknowns are series of it; NaN if a formula is
+/// undefined.
 fn radius_of_regularity(
     mechanism: &Mechanism,
     block: &Block,
@@ -102,8 +103,8 @@ fn radius_of_regularity(
     radius
 }
 
-/// How far rounding moves the residual of a block: the factors of its loops one by one, its equations by what intervals make
-/// of them.
+/// Effect of rounding on the residual of a block: the factors of its loops one by one, its equations by interval
+/// arithmetic.
 fn rounding(mechanism: &Mechanism, block: &Block, coordinates: &[f64]) -> f64 {
     let loops = block.loops.iter();
     let factors = loops.map(|part| mechanism.loops[part.index].chain.steps.len());

@@ -1,8 +1,8 @@
-//! How the rates of a closed pose change when further inputs change: first derivatives along inputs, and mixed second
-//! derivatives along two of them, by the factors that every linearisation of the pose shares.
+//! Changes of a closed pose's rates when further inputs change: first derivatives along inputs, and mixed second
+//! derivatives along two of them, with the factors shared by all linearisations of the pose.
 //!
 //! Along two tangents of the motion the loop's product is I + st C to the mixed order, and C is skew: its three entries
-//! are the mixed derivative of the rotation vector, which the unknowns' own mixed derivative must cancel.
+//! are the mixed derivative of the rotation vector, which the mixed derivative of the unknowns must cancel.
 
 use super::residual_part;
 use crate::kinematics::solve::linearisation::REFINEMENTS;
@@ -14,7 +14,7 @@ use crate::model::chain::ArgumentValue;
 use crate::model::walk::WalkFrame;
 use crate::numbers::hyper_dual::HyperDual;
 
-/// Derivatives at closed poses of a mechanism; one for each thread.
+/// Derivatives at closed poses of a mechanism; one per thread.
 #[derive(Clone, Debug)]
 pub struct Variation<'m> {
     system: &'m System,
@@ -23,22 +23,22 @@ pub struct Variation<'m> {
     turns: Vec<ArgumentValue<HyperDual>>,
     scratch: Vec<HyperDual>,
     bend: Vec<f64>,
-    weakest: Weakest,
+    weakest: SmallestSingular,
 }
 
 /// The smallest singular value of the worst block with its singular vectors.
 #[derive(Clone, Debug, Default)]
-struct Weakest {
+struct SmallestSingular {
     sigma: f64,
     block: usize,
     left: Vec<f64>,
     right: Vec<f64>,
 }
 
-/// The iteration for the smallest singular value ends when it changes by less than this share.
+/// The iteration for the smallest singular value ends when it changes by less than this fraction.
 const SETTLED: f64 = 1e-9;
 
-/// Most iterations; where two singular values are nearly equal any vector between theirs will do.
+/// Most iterations; if two singular values are nearly equal, any combination of their vectors is acceptable.
 const MAX_TURNS: usize = 40;
 
 impl<'m> Variation<'m> {
@@ -52,11 +52,11 @@ impl<'m> Variation<'m> {
             turns: vec![ArgumentValue::default(); mechanism.arguments.len()],
             scratch: Vec::new(),
             bend: Vec::new(),
-            weakest: Weakest::default(),
+            weakest: SmallestSingular::default(),
         }
     }
 
-    /// Rates of all coordinates at a closed pose where input `moving` changes at unit rate and the others rest.
+    /// Rates of all coordinates at a closed pose with input `moving` at unit rate and the others constant.
     pub fn tangent(&mut self, pose: &[f64], moving: usize, rates: &mut Vec<f64>) {
         rates.clear();
         rates.resize(pose.len(), 0.0);
@@ -86,7 +86,7 @@ impl<'m> Variation<'m> {
                 mixed: 0.0,
             }));
         for (index, block) in structure.blocks.iter().enumerate() {
-            // Second derivatives block by block: J q'' = -(what first derivatives add up to).
+            // Second derivatives block by block: J q'' = -(the terms of the first derivatives).
             self.corrector.blocks[index].linearise(mechanism, block, pose);
             self.solve_block(index, block);
         }
@@ -115,8 +115,8 @@ impl<'m> Variation<'m> {
         }
     }
 
-    /// The mixed derivative of a block's residual with the slots as they are. One of the directions must be a tangent
-    /// of the motion.
+    /// The mixed derivative of a block's residual with the present slots. One of the directions must be a tangent of
+    /// the motion.
     fn fill_bend(&mut self, block: &Block) {
         let mechanism = self.system.mechanism();
         self.fill_turns(&block.arguments);
@@ -137,15 +137,15 @@ impl<'m> Variation<'m> {
         self.bend = bend;
     }
 
-    /// The smallest singular value of all blocks at a closed pose: how far from a singular pose it is. Zero where a
-    /// block has no inverse.
+    /// The smallest singular value of all blocks at a closed pose: its distance from a singular pose. Zero if a block
+    /// has no inverse.
     pub fn regularity(&mut self, pose: &[f64]) -> f64 {
         let system = self.system;
         let mechanism = system.mechanism();
         let structure = system.structure();
-        let mut weakest = Weakest {
+        let mut weakest = SmallestSingular {
             sigma: f64::INFINITY,
-            ..Weakest::default()
+            ..SmallestSingular::default()
         };
         for (index, block) in structure.blocks.iter().enumerate() {
             if block.unknowns.is_empty() {
@@ -162,11 +162,11 @@ impl<'m> Variation<'m> {
     }
 
     /// Power iteration with the inverse.
-    fn weakest_of(&self, index: usize, block: &Block) -> Weakest {
+    fn weakest_of(&self, index: usize, block: &Block) -> SmallestSingular {
         let (rows, columns) = (block.rows(), block.unknowns.len());
-        let mut found = Weakest {
+        let mut found = SmallestSingular {
             block: index,
-            ..Weakest::default()
+            ..SmallestSingular::default()
         };
         let Some(inverse) = self.corrector.inverse(index) else {
             return found;
@@ -202,7 +202,7 @@ impl<'m> Variation<'m> {
         found
     }
 
-    /// Rate of the [`regularity`](Self::regularity) that was asked for last, at the same pose, along a tangent.
+    /// Rate of the last [`regularity`](Self::regularity), at the same pose, along a tangent.
     pub fn regularity_rate(&mut self, pose: &[f64], tangent: &[f64]) -> f64 {
         let (mechanism, index) = (self.system.mechanism(), self.weakest.block);
         let block = &self.system.structure().blocks[index];

@@ -218,7 +218,7 @@ pub struct Instant {
 
 /// The closure error that remains where a mechanism cannot be closed.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Lack {
+pub struct RemainingGap {
     /// The sample.
     pub at: Instant,
     /// Loop or equation with the largest remaining closure error.
@@ -243,7 +243,7 @@ pub struct Gap {
     /// Why the motion after it ends, followed backwards.
     pub beginning: Option<Ending>,
     /// The sample inside with the largest closure error.
-    pub widest: Option<Lack>,
+    pub widest: Option<RemainingGap>,
 }
 
 impl Gap {

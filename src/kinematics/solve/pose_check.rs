@@ -18,18 +18,18 @@ pub enum LoopVerdict {
 
 /// One loop at the given pose, or one equation.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Offered {
+pub struct ClosureCheck {
     /// Name of the loop or equation.
     pub name: String,
     /// What is left.
-    pub gap: OfferedGap,
+    pub gap: ClosureGap,
     /// The judgement.
     pub verdict: LoopVerdict,
 }
 
 /// The closure error at the given pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum OfferedGap {
+pub enum ClosureGap {
     /// Of a loop.
     Loop {
         /// Rotation of the product, radians.
@@ -46,7 +46,7 @@ const PRINTED_DIGITS: f64 = 5e-3;
 
 /// Judges every loop and every equation at `coordinates` (unknowns, then inputs); `tolerance` is relative to the
 /// loop's size.
-pub fn judge_pose(mechanism: &Mechanism, coordinates: &[f64], tolerance: f64) -> Vec<Offered> {
+pub fn judge_pose(mechanism: &Mechanism, coordinates: &[f64], tolerance: f64) -> Vec<ClosureCheck> {
     let arguments = mechanism.argument_values(coordinates);
     let loops = mechanism.loops.iter().map(|item| {
         let (angle, distance) = loop_gap(item, &arguments);
@@ -59,9 +59,9 @@ pub fn judge_pose(mechanism: &Mechanism, coordinates: &[f64], tolerance: f64) ->
         } else {
             LoopVerdict::Open
         };
-        Offered {
+        ClosureCheck {
             name: item.name.clone(),
-            gap: OfferedGap::Loop { angle, distance },
+            gap: ClosureGap::Loop { angle, distance },
             verdict,
         }
     });
@@ -69,9 +69,9 @@ pub fn judge_pose(mechanism: &Mechanism, coordinates: &[f64], tolerance: f64) ->
     let equations = equations.map(|(index, item)| {
         let value = item.expression.value(coordinates);
         let is_closed = (value * mechanism.weight_of(index)).abs() <= tolerance;
-        Offered {
+        ClosureCheck {
             name: item.name.clone(),
-            gap: OfferedGap::Equation(value),
+            gap: ClosureGap::Equation(value),
             verdict: match is_closed {
                 true => LoopVerdict::Closed,
                 false => LoopVerdict::Open,

@@ -31,13 +31,13 @@ const STARTS: usize = 32;
 const NEARER: f64 = 1e-6;
 
 /// The start values that a scene names.
-pub struct Wishes {
+pub struct StartPreferences {
     /// By unknown, ascending.
-    list: Vec<StartWish>,
+    list: Vec<StartPreference>,
 }
 
 /// One of them.
-struct StartWish {
+struct StartPreference {
     unknown: usize,
     value: f64,
     /// How far is far.
@@ -46,13 +46,13 @@ struct StartWish {
     period: f64,
 }
 
-impl Wishes {
+impl StartPreferences {
     /// Those unknowns of `start` that are `named`.
     pub fn new(mechanism: &Mechanism, start: &[f64], named: &[bool]) -> Self {
         let turns = WholeTurns::of(mechanism);
         let wish = |unknown: usize| {
             let is_turn = mechanism.unknowns[unknown].kind == Kind::Angle;
-            StartWish {
+            StartPreference {
                 unknown,
                 value: start[unknown],
                 far: match is_turn {
@@ -121,7 +121,7 @@ pub fn assemble_as_meant(
     named: &[bool],
 ) -> Result<Assembled, NotClosed> {
     let mut best = assemble_pose(system, corrector, start, true)?;
-    let wishes = Wishes::new(system.mechanism(), start, named);
+    let wishes = StartPreferences::new(system.mechanism(), start, named);
     if !wishes.are_missed(&best.coordinates) {
         return Ok(best);
     }
@@ -150,7 +150,7 @@ pub fn assemble_as_meant(
 }
 
 /// The blocks without the named unknowns.
-fn with_wishes_held(system: &System, wishes: &Wishes) -> Vec<Block> {
+fn with_wishes_held(system: &System, wishes: &StartPreferences) -> Vec<Block> {
     let free = |whole: &Block| {
         let unknowns = whole.unknowns.iter().copied();
         let free = unknowns.filter(|unknown| !wishes.is_named(*unknown));
@@ -161,7 +161,12 @@ fn with_wishes_held(system: &System, wishes: &Wishes) -> Vec<Block> {
 }
 
 /// Start number 0 is the scene's own, the others are random where nothing is named.
-fn free_start(system: &System, start: &[f64], wishes: &Wishes, attempt: usize) -> Vec<f64> {
+fn free_start(
+    system: &System,
+    start: &[f64],
+    wishes: &StartPreferences,
+    attempt: usize,
+) -> Vec<f64> {
     let mut values = start_values(system.mechanism(), start, attempt);
     for wish in &wishes.list {
         values[wish.unknown] = wish.value;

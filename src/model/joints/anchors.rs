@@ -1,4 +1,4 @@
-//! Where loops lie in the graph of links: a loop may begin on any link, and its motions say on which.
+//! Places loops in the graph of links: a loop may begin on any link, and its motions determine which.
 
 use super::joint::LinkFrame;
 use super::links::{LinkGraph, Stride};
@@ -14,15 +14,15 @@ struct JointAnchor {
 }
 
 impl LinkGraph {
-    /// Lays the loops where their motions stand already: those that meet most of what is known come first, and one
-    /// that meets nothing begins in the world.
+    /// Places loops where their motions are already: those that match most known motions come first, and one that
+    /// matches none begins at the world.
     pub fn add_loops(&mut self, loops: &[Loop]) {
         self.paths.bases = vec![Vec::new(); loops.len()];
         self.paths.loops = vec![Vec::new(); loops.len()];
         self.closes = vec![false; loops.len()];
         self.loop_starts = vec![LinkFrame::WORLD; loops.len()];
         let mut left: BTreeSet<usize> = (0..loops.len()).collect();
-        // Those that have a place or meet anything, and by motion those that wait for it.
+        // Loops that are placed or match anything, and by motion those that wait for it.
         let mut known: BTreeSet<usize> = BTreeSet::new();
         let mut waiting: BTreeMap<MotionKey, Vec<usize>> = BTreeMap::new();
         for (index, item) in loops.iter().enumerate() {
@@ -91,7 +91,7 @@ impl LinkGraph {
         };
     }
 
-    /// Where a loop meets the most of what is known; `None` if it meets nothing.
+    /// The anchor with the most matching motions; `None` if there is none.
     fn loop_anchor(&self, item: &Loop) -> Option<JointAnchor> {
         let steps = &item.chain.steps;
         let world = JointAnchor {
@@ -106,8 +106,8 @@ impl LinkGraph {
             let alike = self.alike.get(&met.motion_key()).into_iter().flatten();
             for &index in alike.filter(|index| self.merged_edges[**index].is_none()) {
                 let edge = &self.edges[index];
-                // One motion alone fits both ways round. A loop that passes it backwards then lies upright, and not
-                // forwards upside down.
+                // A single motion matches in both directions. A loop that passes it backwards is then placed upright,
+                // not forwards and upside down.
                 for is_inverse in [met.is_reversed, !met.is_reversed] {
                     let [from, _] = self.ends(edge, is_inverse);
                     let here = from.moved(met.to_axis.inverse());
@@ -122,7 +122,7 @@ impl LinkGraph {
         (best.0 > 0).then_some(best.1)
     }
 
-    /// How many motions of a loop are known if it lies at an anchor: in a row to both sides of it.
+    /// How many successive motions of a loop, on both sides of an anchor, are known.
     fn known_steps(&self, item: &Loop, anchor: &JointAnchor) -> usize {
         let (before, behind) = item.chain.steps.split_at(anchor.step);
         let is_closed = item.closes == Closes::Frame;
@@ -141,7 +141,7 @@ impl LinkGraph {
                 .0
     }
 
-    /// How many motions are known from a position on, and whether all are.
+    /// How many motions from a position on are known, and whether all are.
     fn known_in_a_row(
         &self,
         here: LinkFrame,

@@ -1,16 +1,16 @@
-//! Joints, links and where chains pass them, as values.
+//! Joints, links and the passages of chains through them, as values.
 
 use crate::math::Pose;
 use crate::model::chain::{ArgumentValue, Chain, ChainStep};
 use crate::model::walk::walk_chain;
 use std::ops::Range;
 
-/// Axes meet, or are parallel, or frames agree, if they miss it by no more than this (radians, sizes): the rounding of
-/// a few folded constants. Anything that was meant to be apart is farther apart than that, and a ball joint whose axes
-/// miss each other by more cannot be solved as a rotation to the last digits.
+/// Axes intersect or are parallel, and frames agree, if they do so within this (radians, sizes): the rounding of a few
+/// folded constants. Anything that is meant to be apart is farther apart, and a ball joint whose axes miss each other
+/// by more cannot be solved as a rotation to the last digits.
 pub const EXACT: f64 = 1e-12;
 
-/// What a joint lets move: the lower pairs, and the universal joint.
+/// The kinds of joints: the lower pairs, and the universal joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum JointKind {
     /// One rotation.
@@ -58,8 +58,8 @@ impl JointKind {
 pub struct Joint {
     /// What it lets move.
     pub kind: JointKind,
-    /// From the frame before it to the frame behind it: its motions with their axes and arguments, and the constant
-    /// poses between them, as the first chain that passes it spells them.
+    /// From the frame before it to the frame after it: its motions with their axes and arguments, and the constant
+    /// poses between them, as written in the first chain that passes it.
     pub steps: Vec<ChainStep>,
     /// Coordinates that move it, ascending.
     pub coordinates: Vec<usize>,
@@ -67,8 +67,8 @@ pub struct Joint {
     pub before: LinkFrame,
     /// Where they end.
     pub after: LinkFrame,
-    /// No loop passes it, and a formula with kinks moves it: a piece of a rope on its drum stands where its formula places it, and
-    /// nothing joins it there.
+    /// No loop passes it, and a formula with kinks moves it: a piece of rope on its drum, for example, is only placed
+    /// by its formula, and nothing is joined there.
     pub is_placed: bool,
 }
 
@@ -102,27 +102,27 @@ pub struct LinkFrame {
 pub struct Link {
     /// Bodies that belong to it.
     pub bodies: Vec<usize>,
-    /// The last part of a way to it, by the chains and closed loops.
+    /// The last part of a path to it, along the chains and closed loops.
     pub(super) route: usize,
 }
 
-/// A part of the way to links: kept once, however many links it leads to.
+/// A part of the paths to links: stored once, however many links it leads to.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RoutePart {
-    /// The part before it; number 0 is the frame of the mechanism, and leads nowhere.
+    /// The part before it; number 0 is the frame of the mechanism.
     pub(super) before: usize,
     /// From there on.
     pub(super) steps: Vec<ChainStep>,
 }
 
-/// Where a chain passes a joint.
+/// The passage of a chain through a joint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Passage {
     /// Index of the joint.
     pub joint: usize,
     /// Steps of the chain, from the joint's first motion to its last.
     pub steps: Range<usize>,
-    /// From the link behind the joint to the link before it.
+    /// Whether the chain goes from the link after the joint to the link before it.
     pub is_inverse: bool,
 }
 
@@ -133,7 +133,7 @@ pub struct Joints {
     pub list: Vec<Joint>,
     /// The frame first.
     pub links: Vec<Link>,
-    /// Parts of the ways to the links.
+    /// Parts of the paths to the links.
     pub(super) routes: Vec<RoutePart>,
     /// Link of every body.
     pub of_body: Vec<usize>,
@@ -141,19 +141,19 @@ pub struct Joints {
     pub along_bodies: Vec<Vec<Passage>>,
     /// Passages of every loop, in its order.
     pub along_loops: Vec<Vec<Passage>>,
-    /// Where every loop begins, on the link that it begins on.
+    /// The start of every loop, relative to its first link.
     pub loop_starts: Vec<LinkFrame>,
-    /// Whether a loop closes anything that the loops before it have left open.
+    /// Whether a loop adds a condition to the loops before it.
     pub closes: Vec<bool>,
 }
 
 impl Joints {
-    /// World from every link. Each part of the ways is walked once: of links far out on each other, each chain by itself is as
-    /// long as there are links.
+    /// World from every link. Each part of the paths is evaluated once: in a long chain of links, individual chains
+    /// would have as many steps as there are links.
     pub fn link_poses(&self, arguments: &[ArgumentValue]) -> Vec<Pose> {
         let mut ends: Vec<Pose> = Vec::with_capacity(self.routes.len());
         for part in &self.routes {
-            // Parts come behind those that they go on from; the first one is the frame.
+            // Parts come after those they continue; the first one is the frame.
             let mut here = ends.get(part.before).copied().unwrap_or(Pose::IDENTITY);
             walk_chain(&part.steps, &mut here, arguments, |_, _| {});
             ends.push(here);
@@ -194,7 +194,7 @@ impl Joints {
         self.of_body[a] == self.of_body[b]
     }
 
-    /// The joint that connects two bodies with nothing between.
+    /// The joint that directly connects two bodies.
     pub fn between(&self, a: usize, b: usize) -> Option<&Joint> {
         let [a, b] = [a, b].map(|body| self.of_body[body]);
         self.list.iter().find(|joint| joint.connects_links(a, b))

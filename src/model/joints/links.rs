@@ -1,16 +1,16 @@
-//! Which positions of chains lie on one link: chains as paths in a graph of links, folded.
+//! Finds the positions of chains that lie on one link: chains as paths in a graph of links, folded.
 //!
-//! Links are the nodes, elementary motions the edges. A chain is a path: constant poses stay on a link, a motion leads to the
-//! next. Two motions by the same coordinates about the same axis that start from the same link are the same motion, and lead to
-//! the same link (Stallings' folding, with a pose beside every node); a closed loop is a path that comes back to where it
-//! began. So links are found through chains and loops alike, however they are written.
+//! Links are the nodes, elementary motions the edges. A chain is a path: constant poses stay on a link, a motion leads
+//! to the next. Two motions with the same coordinates about the same axis that start from the same link are the same
+//! motion, and lead to the same link (Stallings' folding, with a pose for every node); a closed loop is a path that
+//! returns to its start. Links are thus found from chains and loops alike, however they are written.
 //!
-//! The two frames of an edge have its axis as z: the motion is `before · M(value) · after⁻¹`. Frames that differ by what
-//! commutes with the motion (a turn about the axis; of a rotation a shift along it; of a translation any shift) are frames of
-//! the same motion.
+//! The two frames of an edge have its axis as z: the motion is `before · M(value) · after⁻¹`. Frames that differ by a
+//! factor that commutes with the motion (a rotation about the axis; for a rotation a translation along it; for a
+//! translation any translation) are frames of the same motion.
 
 use super::joint::{EXACT, LinkFrame, RoutePart};
-use super::motions::{FLIP, Met, MotionKey, Motions};
+use super::motions::{ChainMotion, FLIP, MotionKey, Motions};
 use crate::math::Pose;
 use crate::model::chain::{Chain, ChainStep, ElementaryMotion};
 use crate::model::mechanism::Mechanism;
@@ -18,7 +18,7 @@ use glam::{DMat3, DVec3};
 use std::collections::{BTreeMap, BTreeSet};
 
 impl LinkEdge {
-    /// What tells its motion from others.
+    /// The identity of its motion.
     pub fn motion_key(&self) -> MotionKey {
         (self.label, self.motion == ElementaryMotion::Rotation)
     }
@@ -42,7 +42,7 @@ impl LinkFrame {
 #[derive(Clone, Debug)]
 pub struct LinkEdge {
     pub motion: ElementaryMotion,
-    /// Which combination of coordinates moves it.
+    /// The combination of coordinates that moves it.
     pub label: usize,
     /// One of the arguments that are this combination, with its coordinates.
     pub argument: usize,
@@ -58,7 +58,7 @@ pub struct LoopCrossing {
 }
 
 impl LoopCrossing {
-    /// The same the other way.
+    /// The same in the other direction.
     pub fn inverse(self) -> Self {
         Self {
             is_inverse: !self.is_inverse,
@@ -71,12 +71,12 @@ impl LoopCrossing {
 #[derive(Clone, Copy, Debug)]
 pub struct Stride {
     pub crossing: LoopCrossing,
-    /// The chain's frame before and behind the step.
+    /// The chain's frame before and after the step.
     pub from: LinkFrame,
     pub to: LinkFrame,
 }
 
-/// A chain's steps; constant poses cross nothing.
+/// A chain's steps; constant poses pass no edge.
 pub type LinkPath = Vec<Option<Stride>>;
 
 /// The chains as paths.
@@ -90,17 +90,17 @@ pub struct Paths {
 
 /// The graph while it grows.
 pub struct LinkGraph {
-    /// What lengths of the chain that is followed are measured in.
+    /// The unit of lengths of the chain being followed.
     pub(super) size: f64,
     pub(super) motions: Motions,
-    /// To every link from the one that it was reached from.
+    /// To every link from the one from which it was reached.
     routes: Vec<RoutePart>,
-    /// Where a link went that was found to be part of another.
+    /// The link with which a link was merged.
     merged_links: Vec<Option<LinkFrame>>,
     pub(super) edges: Vec<LinkEdge>,
-    /// The edge that an edge was found to be.
+    /// The edge with which an edge was merged.
     pub(super) merged_edges: Vec<Option<LoopCrossing>>,
-    /// Edges by what moves them, in their order.
+    /// Edges by their motion, in order.
     pub(super) alike: BTreeMap<MotionKey, Vec<usize>>,
     /// Links and edges that were merged into others.
     merged: [i64; 2],
@@ -115,14 +115,14 @@ pub struct LinkGraph {
     pub(super) closes: Vec<bool>,
 }
 
-/// The graph when all is folded: links that were merged have no edges.
+/// The folded graph: merged links have no edges.
 pub struct Finished {
-    /// All edges; those that were merged into others are `None`.
+    /// All edges; merged ones are `None`.
     pub edges: Vec<Option<LinkEdge>>,
     /// Edges at every link.
     pub at: Vec<Vec<usize>>,
     pub paths: Paths,
-    /// To every link from the one that it was reached from.
+    /// To every link from the one from which it was reached.
     pub routes: Vec<RoutePart>,
     /// Link of every body.
     pub of_body: Vec<usize>,
@@ -130,7 +130,7 @@ pub struct Finished {
     pub loop_ends: Vec<usize>,
     /// Where every loop begins.
     pub loop_starts: Vec<LinkFrame>,
-    /// Whether every loop closed something new.
+    /// Whether every loop added a condition.
     pub closes: Vec<bool>,
 }
 
@@ -162,7 +162,7 @@ impl LinkGraph {
         self.paths.bodies.push(path);
     }
 
-    /// The graph with all positions on the links that remain.
+    /// The graph with all positions on the remaining links.
     pub fn finished(mut self) -> Finished {
         // In place: paths fill most of the memory of long chains.
         let mut paths = std::mem::take(&mut self.paths);
@@ -219,7 +219,7 @@ impl LinkGraph {
         crossing
     }
 
-    /// Walks along steps from a position, on known edges where there are some.
+    /// Follows steps from a position, on known edges if there are any.
     pub(super) fn follow(
         &mut self,
         start: LinkFrame,
@@ -248,8 +248,12 @@ impl LinkGraph {
         (here, path)
     }
 
-    /// A known edge that the motion is, and where it leads.
-    pub(super) fn known(&self, here: LinkFrame, met: &Met) -> Option<(LinkFrame, LoopCrossing)> {
+    /// A known edge with this motion, and where it leads.
+    pub(super) fn known(
+        &self,
+        here: LinkFrame,
+        met: &ChainMotion,
+    ) -> Option<(LinkFrame, LoopCrossing)> {
         let here = self.resolved(here);
         let axis = here.link_from_here * met.to_axis;
         self.at[here.link].iter().find_map(|index| {
@@ -271,7 +275,7 @@ impl LinkGraph {
         })
     }
 
-    /// Frames of an edge as passed forwards or backwards: both flipped, the motion is along z again.
+    /// Frames of an edge as passed forwards or backwards: if both are flipped, the motion is along z again.
     pub(super) fn ends(&self, edge: &LinkEdge, is_inverse: bool) -> [LinkFrame; 2] {
         let [before, after] = edge.ends.map(|end| self.resolved(end));
         if is_inverse {
@@ -281,8 +285,13 @@ impl LinkGraph {
         }
     }
 
-    /// A new edge to a new link, whose frame is the one behind the step.
-    fn grow(&mut self, here: LinkFrame, met: &Met, step: &ChainStep) -> (LinkFrame, LoopCrossing) {
+    /// A new edge to a new link, whose frame is the one after the step.
+    fn grow(
+        &mut self,
+        here: LinkFrame,
+        met: &ChainMotion,
+        step: &ChainStep,
+    ) -> (LinkFrame, LoopCrossing) {
         let here = self.resolved(here);
         let (link, edge) = (self.at.len(), self.edges.len());
         let behind = LinkFrame {
@@ -317,8 +326,8 @@ impl LinkGraph {
         (behind, crossing)
     }
 
-    /// Whether one of an edge's frames on a link may have the axis of a frame, either way round: of the many edges that may
-    /// meet at a link most do not.
+    /// Whether one of an edge's frames on a link may have the axis of a frame, in either direction: a quick test that
+    /// excludes most of the edges that meet at a link.
     fn may_commute(&self, edge: &LinkEdge, link: usize, axis: &Pose) -> bool {
         edge.ends.iter().map(|end| self.resolved(*end)).any(|end| {
             let (own, z) = (&end.link_from_here, axis.rotation.z_axis);
@@ -333,7 +342,7 @@ impl LinkGraph {
         })
     }
 
-    /// Whether a pose between two frames of an axis along z leaves the motion as it is.
+    /// Whether a pose between two frames of an axis along z does not affect the motion.
     fn commutes_with(&self, motion: ElementaryMotion, apart: &Pose) -> bool {
         let tilted = (apart.rotation.z_axis - DVec3::Z).length();
         let aside = match motion {
@@ -349,12 +358,13 @@ impl LinkGraph {
         turned.iter().fold(moved, |m, v| m.max(v.abs())) <= EXACT
     }
 
-    /// Makes two positions one frame, and folds what follows from it.
+    /// Identifies two positions, and folds the consequences.
     pub(super) fn join(&mut self, a: LinkFrame, b: LinkFrame) {
         let mut same = vec![[a, b]];
         while let Some([a, b]) = same.pop() {
             let [a, b] = [self.resolved(a), self.resolved(b)];
-            // Frames on one link either agree already, or the loops contradict each other, which solving will say.
+            // Frames on one link either agree already, or the loops contradict each other, which the solver will
+            // report.
             if a.link == b.link {
                 continue;
             }
@@ -370,8 +380,8 @@ impl LinkGraph {
         }
     }
 
-    /// Merges edges at a link that are the same motion; what they lead to is the same. Only those that are `new` at the link
-    /// can be the same as others.
+    /// Merges edges at a link that are the same motion, and the links they lead to. Only `new` edges at the link can
+    /// equal others.
     fn fold(&mut self, link: usize, new: &BTreeSet<usize>, same: &mut Vec<[LinkFrame; 2]>) {
         let (mut k, mut is_new_before) = (0, false);
         while k < self.at[link].len() {
@@ -401,8 +411,8 @@ impl LinkGraph {
         }
     }
 
-    /// Edge `other` as a passage of edge `known`, which is moved alike, if it is the same motion from the link, and two
-    /// positions that are the same frame behind it.
+    /// Edge `other` as a passage of edge `known`, which has the same combination of coordinates, if it is the same
+    /// motion from the link; and two positions that are the same frame after it.
     fn twin(
         &self,
         link: usize,

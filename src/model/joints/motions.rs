@@ -1,11 +1,12 @@
-//! The motions of chains in a form in which equal ones are seen to be equal: along z, by a combination of coordinates.
+//! The motions of chains in a normal form in which equal ones can be recognised: along z, by a combination of
+//! coordinates.
 
 use crate::math::Pose;
 use crate::model::chain::{Argument, ChainStep, ElementaryMotion};
 use glam::{DMat3, DVec3};
 use std::collections::BTreeMap;
 
-/// Half a turn about x: reverses a motion along z, and undoes itself.
+/// Half a turn about x: reverses a motion along z, and is its own inverse.
 pub const FLIP: Pose = Pose {
     rotation: DMat3::from_cols(DVec3::X, DVec3::NEG_Y, DVec3::NEG_Z),
     translation: DVec3::ZERO,
@@ -14,33 +15,33 @@ pub const FLIP: Pose = Pose {
 /// An argument as a multiple ±1 of its label, and a constant.
 #[derive(Clone, Copy)]
 struct ArgumentKind {
-    /// `None` if it never changes.
+    /// `None` if it is constant.
     label: Option<usize>,
     sign: f64,
     constant: f64,
 }
 
-/// What the arguments of a mechanism are.
+/// The normal forms of a mechanism's arguments.
 pub struct Motions(Vec<ArgumentKind>);
 
-/// A motion as met in a chain: how it is numbered, and where its axis is.
-pub struct Met {
+/// A motion of a chain: its label, and the position of its axis.
+pub struct ChainMotion {
     pub motion: ElementaryMotion,
-    /// Which combination of coordinates moves it.
+    /// The combination of coordinates that moves it.
     pub label: usize,
     pub argument: usize,
-    /// It follows the combination backwards.
+    /// Whether it is reversed relative to the combination.
     pub is_reversed: bool,
-    /// From the frame before the step to the frame whose z is the axis, and the way back behind it.
+    /// From the frame before the step to the frame whose z is the axis, and back after it.
     pub to_axis: Pose,
     pub from_axis: Pose,
 }
 
-/// Which combination of coordinates moves something, and whether it turns it: motions that differ in it are not the same.
+/// The combination of coordinates, and whether it is a rotation: motions that differ in it are not the same.
 pub type MotionKey = (usize, bool);
 
-impl Met {
-    /// What tells it from others.
+impl ChainMotion {
+    /// Its identity.
     pub fn motion_key(&self) -> MotionKey {
         (self.label, self.motion == ElementaryMotion::Rotation)
     }
@@ -52,8 +53,8 @@ impl Motions {
         Self(argument_values(arguments))
     }
 
-    /// How a step moves; the pose instead if it never changes.
-    pub fn met(&self, step: &ChainStep) -> Result<Met, Pose> {
+    /// The motion of a step; its pose if it is constant.
+    pub fn met(&self, step: &ChainStep) -> Result<ChainMotion, Pose> {
         let (motion, axis, argument, sign) = match *step {
             ChainStep::Fixed(fixed) => return Err(fixed.pose),
             ChainStep::Joint {
@@ -71,7 +72,7 @@ impl Motions {
         };
         let is_reversed = sign * value.sign < 0.0;
         let flip = if is_reversed { FLIP } else { Pose::IDENTITY };
-        Ok(Met {
+        Ok(ChainMotion {
             motion,
             label,
             argument,
@@ -87,7 +88,7 @@ fn argument_values(arguments: &[Argument]) -> Vec<ArgumentKind> {
     let mut labels: BTreeMap<Vec<(usize, u64)>, usize> = BTreeMap::new();
     let constants = arguments.iter().enumerate().map(|(index, argument)| {
         let Argument::Affine(affine) = argument else {
-            // A formula is itself only.
+            // A formula equals only itself.
             return ArgumentKind {
                 label: Some(usize::MAX - index),
                 sign: 1.0,

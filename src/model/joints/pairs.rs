@@ -1,4 +1,4 @@
-//! From elementary motions between links to joints: which motions in a row are one joint.
+//! Combines elementary motions between links into joints.
 
 use super::joint::{EXACT, JointKind, LinkFrame};
 use super::links::{Finished, LinkEdge, LoopCrossing};
@@ -6,34 +6,34 @@ use crate::model::chain::{Argument, ElementaryMotion};
 use crate::model::mechanism::Mechanism;
 use glam::DVec3;
 
-/// Below this sine two axes that meet are one axis: no angle of a real joint is as small.
+/// Below this sine two intersecting axes are the same axis: no angle of a real joint is as small.
 const PARALLEL: f64 = 1e-6;
 
-/// Motions in a row that are one joint.
+/// Successive motions that form one joint.
 pub struct MotionRun {
     pub kind: JointKind,
     /// Passed in this direction.
     pub crossings: Vec<LoopCrossing>,
 }
 
-/// What decides whether motions are one joint.
+/// The data from which joints are determined.
 pub struct PairRows<'a> {
     graph: &'a Finished,
-    /// What lengths at every edge are measured in: the largest of its loops' units.
+    /// The unit of lengths at every edge: the largest of its loops' units.
     sizes: Vec<f64>,
-    /// Whether a link may lie within a joint.
+    /// Whether a link may be inside a joint.
     is_inner: Vec<bool>,
     /// Coordinates of every edge.
     coordinates: Vec<Vec<usize>>,
     /// Whether its argument is a coordinate scaled and shifted, or a sum of such.
     is_affine: Vec<bool>,
-    /// Edges and equations that every coordinate stands in.
+    /// The edges and equations in which every coordinate appears.
     uses: Vec<usize>,
     /// Coordinates from this one on are inputs.
     first_input: usize,
 }
 
-/// For every edge the largest unit of the loops that pass it; the mechanism's where none does.
+/// For every edge the largest unit of the loops that pass it; the mechanism's if there is none.
 fn link_sizes(mechanism: &Mechanism, graph: &Finished) -> Vec<f64> {
     let mut sizes = vec![0.0_f64; graph.edges.len()];
     for (item, path) in mechanism.loops.iter().zip(&graph.paths.loops) {
@@ -94,7 +94,7 @@ impl<'a> PairRows<'a> {
         runs
     }
 
-    /// All motions in a row with this one, with inner links between them.
+    /// All successive motions around this one, with inner links between them.
     fn row(&self, edge: usize) -> Vec<LoopCrossing> {
         let forward = LoopCrossing {
             edge,
@@ -110,7 +110,7 @@ impl<'a> PairRows<'a> {
         row
     }
 
-    /// What follows a motion over inner links, up to where it began.
+    /// The motions that follow over inner links, up to the first one again.
     fn onward(&self, mut last: LoopCrossing, first: usize) -> Vec<LoopCrossing> {
         let mut list = Vec::new();
         while let Some(next) = self.next(last).filter(|next| next.edge != first) {
@@ -120,7 +120,7 @@ impl<'a> PairRows<'a> {
         list
     }
 
-    /// The one motion behind the inner link that a motion leads to.
+    /// The only motion after the inner link that a motion leads to.
     fn next(&self, last: LoopCrossing) -> Option<LoopCrossing> {
         let link = self.ends(last)?[1].link;
         if !self.is_inner[link] {
@@ -157,8 +157,8 @@ impl<'a> PairRows<'a> {
         is_within
     }
 
-    /// Parts a row into joints: three unknown angles about axes at right angles first (they reach every rotation), then
-    /// any three motions, two, one.
+    /// Divides successive motions into joints: first three unknown angles about perpendicular axes (they reach every
+    /// rotation), then any three motions, two, one.
     fn parted(&self, row: &[LoopCrossing]) -> Vec<MotionRun> {
         let is_full = |part: &[LoopCrossing]| {
             let mut slots = part.iter().flat_map(|c| &self.coordinates[c.edge]);
@@ -189,7 +189,7 @@ impl<'a> PairRows<'a> {
         runs
     }
 
-    /// What motions in a row are; `None` if they are no joint.
+    /// The kind of joint of successive motions; `None` if they are not one joint.
     fn kind(&self, crossings: &[LoopCrossing]) -> Option<JointKind> {
         use ElementaryMotion::{Rotation, Translation};
         let motions: Vec<ElementaryMotion> = crossings
@@ -201,7 +201,7 @@ impl<'a> PairRows<'a> {
             [Translation] => return Some(JointKind::Prismatic),
             _ => {}
         }
-        // A lead is the same at every angle; a formula of an angle is a cam.
+        // The lead of a screw is the same at every angle; a formula of an angle is a cam.
         let is_coupled = crossings.windows(2).all(|pair| {
             let [a, b] = [&pair[0], &pair[1]].map(|c| &self.coordinates[c.edge]);
             a == b && a.len() == 1 && pair.iter().all(|c| self.is_affine[c.edge])
@@ -238,8 +238,8 @@ impl<'a> PairRows<'a> {
         }
     }
 
-    /// Whether the coordinates of motions in a row stand nowhere else, and each in one of the motions only (all in all of
-    /// them if they are coupled).
+    /// Whether the coordinates of successive motions appear nowhere else, and each in only one of them (for coupled
+    /// motions all in all).
     fn are_alone(&self, crossings: &[LoopCrossing], is_coupled: bool) -> bool {
         let own = if is_coupled { crossings.len() } else { 1 };
         let mut slots = crossings.iter().flat_map(|c| &self.coordinates[c.edge]);
@@ -254,7 +254,7 @@ impl<'a> PairRows<'a> {
         slots
     }
 
-    /// How the axes of two motions lie to each other on the link between them.
+    /// The relative position of the axes of two motions on the link between them.
     fn corner(&self, pair: &[LoopCrossing]) -> Option<PairCorner> {
         let before = self.ends(*pair.first()?)?[1].link_from_here;
         let behind = self.ends(*pair.last()?)?[0].link_from_here;
@@ -281,7 +281,7 @@ impl<'a> PairRows<'a> {
 
 /// Two axes on a link.
 struct PairCorner {
-    /// What lengths here are measured in.
+    /// The unit of lengths.
     size: f64,
     sine: f64,
     cosine: f64,

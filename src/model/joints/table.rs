@@ -1,4 +1,4 @@
-//! The table of joints from the folded graph and the runs of motions that are one joint.
+//! The table of joints, from the folded graph and the groups of motions that form a joint.
 
 use super::joint::{Joint, Joints, Link, LinkFrame, Passage};
 use super::links::{Finished, LinkGraph, LinkPath, Paths};
@@ -8,7 +8,7 @@ use crate::model::mechanism::Mechanism;
 use std::collections::{BTreeMap, BTreeSet};
 
 impl Joints {
-    /// The joints of `mechanism`, whose own table is not looked at.
+    /// The joints of `mechanism`; its own table is not used.
     pub fn new(mechanism: &Mechanism) -> Self {
         let mut graph = LinkGraph::new(mechanism);
         for body in &mechanism.bodies {
@@ -94,7 +94,7 @@ fn has_kinks(mechanism: &Mechanism, steps: &[ChainStep]) -> bool {
     arguments.any(|a| matches!(a, Argument::Formula(formula) if formula.has_pieces()))
 }
 
-/// The links that joints connect, numbered anew: those within a joint are none.
+/// The links that joints connect, renumbered without those inside joints.
 struct JointNumbers {
     of: Vec<Option<usize>>,
     count: usize,
@@ -102,7 +102,7 @@ struct JointNumbers {
 
 impl JointNumbers {
     fn new(graph: &Finished, is_within: &[bool]) -> Self {
-        // The frame is there even if nothing is joined to it.
+        // The frame exists even if nothing is joined to it.
         let (mut of, mut count) = (vec![Some(0)], 1);
         for (edges, is_within) in graph.at.iter().zip(is_within).skip(1) {
             let number = (!edges.is_empty() && !is_within).then_some(count);
@@ -175,8 +175,7 @@ impl<'a> Chains<'a> {
         Self { first }
     }
 
-    /// The steps of a joint, forwards, as the first chain that passes it has them, and the frames before and
-    /// behind them.
+    /// The steps of a joint, forwards, as in the first chain that passes it, and the frames before and after them.
     fn spelled_steps(&self, joint: usize) -> Option<(Vec<ChainStep>, [LinkFrame; 2])> {
         let (chain, path, passage) = self.first.get(&joint)?;
         let steps = &chain.steps[passage.steps.clone()];

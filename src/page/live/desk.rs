@@ -1,9 +1,9 @@
 //! Receives the requests of a live page as JSON and answers them: one scene for each mechanism of the page.
 
+use super::answers::Shapes;
 use super::asked::LiveAsked;
 use super::following::Way;
 use super::session::{LiveError, LiveScene};
-use super::told::Shapes;
 use crate::diag::Source;
 use crate::scene::Overrides;
 use serde_json::{Value, json};

@@ -2,6 +2,7 @@
 //! from its present pose, with requests and answers as JSON. Compiled to WebAssembly by `bindings/web`, but independent
 //! of browsers.
 
+mod answers;
 mod asked;
 mod desk;
 mod films;
@@ -10,7 +11,6 @@ mod hand;
 mod session;
 mod sliders;
 mod start;
-mod told;
 
 pub use crate::page::engine::STAMP;
 pub use asked::LiveAsked;

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 /// The precedence of an operation.
 #[derive(Clone, Copy, PartialEq, PartialOrd)]
-enum Hold {
+enum Precedence {
     Sum,
     Product,
     Sign,
@@ -19,13 +19,16 @@ pub fn written_formula(node: &FormulaNode) -> String {
     written_node(node).0
 }
 
-fn written_node(node: &FormulaNode) -> (String, Hold) {
+fn written_node(node: &FormulaNode) -> (String, Precedence) {
     match &node.kind {
         NodeKind::Number(value) => written_number(value.number()),
         NodeKind::Radians(value) => written_angle(*value),
-        NodeKind::Name(name) => (name.clone(), Hold::Atom),
+        NodeKind::Name(name) => (name.clone(), Precedence::Atom),
         NodeKind::Angle(inner) => written_node(inner),
-        NodeKind::Negate(inner) => (format!("-{}", held_in(inner, Hold::Sign)), Hold::Sign),
+        NodeKind::Negate(inner) => (
+            format!("-{}", held_in(inner, Precedence::Sign)),
+            Precedence::Sign,
+        ),
         NodeKind::Binary(sign, a, b) => written_operation(*sign, a, b),
         NodeKind::Derivative(parts) => {
             let of = written_formula(&parts.of);
@@ -33,45 +36,57 @@ fn written_node(node: &FormulaNode) -> (String, Hold) {
                 1 => format!("d({of}, {})", parts.by),
                 order => format!("d({of}, {}, {order})", parts.by),
             };
-            (text, Hold::Atom)
+            (text, Precedence::Atom)
         }
         NodeKind::Call(function, args) => {
             let args: Vec<String> = args.iter().map(written_formula).collect();
             (
                 format!("{}({})", function.name(), args.join(", ")),
-                Hold::Atom,
+                Precedence::Atom,
             )
         }
     }
 }
 
-fn written_operation(sign: char, a: &FormulaNode, b: &FormulaNode) -> (String, Hold) {
+fn written_operation(sign: char, a: &FormulaNode, b: &FormulaNode) -> (String, Precedence) {
     match sign {
         '+' => (
-            format!("{} + {}", held_in(a, Hold::Sum), held_in(b, Hold::Product)),
-            Hold::Sum,
+            format!(
+                "{} + {}",
+                held_in(a, Precedence::Sum),
+                held_in(b, Precedence::Product)
+            ),
+            Precedence::Sum,
         ),
         '-' => (
-            format!("{} - {}", held_in(a, Hold::Sum), held_in(b, Hold::Product)),
-            Hold::Sum,
+            format!(
+                "{} - {}",
+                held_in(a, Precedence::Sum),
+                held_in(b, Precedence::Product)
+            ),
+            Precedence::Sum,
         ),
         '^' => (
-            format!("{}^{}", held_in(a, Hold::Atom), held_in(b, Hold::Power)),
-            Hold::Power,
+            format!(
+                "{}^{}",
+                held_in(a, Precedence::Atom),
+                held_in(b, Precedence::Power)
+            ),
+            Precedence::Power,
         ),
         _ => {
             let text = format!(
                 "{}{sign}{}",
-                held_in(a, Hold::Product),
-                held_in(b, Hold::Sign)
+                held_in(a, Precedence::Product),
+                held_in(b, Precedence::Sign)
             );
-            (text, Hold::Product)
+            (text, Precedence::Product)
         }
     }
 }
 
 /// In parentheses if the position requires a higher precedence.
-fn held_in(node: &FormulaNode, place: Hold) -> String {
+fn held_in(node: &FormulaNode, place: Precedence) -> String {
     let (text, hold) = written_node(node);
     match hold < place {
         true => format!("({text})"),
@@ -79,16 +94,20 @@ fn held_in(node: &FormulaNode, place: Hold) -> String {
     }
 }
 
-fn written_number(value: f64) -> (String, Hold) {
-    let hold = if value < 0.0 { Hold::Sign } else { Hold::Atom };
+fn written_number(value: f64) -> (String, Precedence) {
+    let hold = if value < 0.0 {
+        Precedence::Sign
+    } else {
+        Precedence::Atom
+    };
     (format!("{value}"), hold)
 }
 
 /// An angle with its unit: in degrees if that is a short number.
-fn written_angle(value: Constant) -> (String, Hold) {
+fn written_angle(value: Constant) -> (String, Precedence) {
     let radians = value.number();
     if radians == PI {
-        return ("pi".to_owned(), Hold::Atom);
+        return ("pi".to_owned(), Precedence::Atom);
     }
     let degrees = radians.to_degrees();
     let round = (degrees * 1e6).round() / 1e6;
@@ -99,9 +118,9 @@ fn written_angle(value: Constant) -> (String, Hold) {
     (
         text,
         if radians < 0.0 {
-            Hold::Sign
+            Precedence::Sign
         } else {
-            Hold::Atom
+            Precedence::Atom
         },
     )
 }

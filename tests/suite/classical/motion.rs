@@ -5,7 +5,7 @@ use crate::driven::{
 };
 use mechanim::diag::Source;
 use mechanim::kinematics::assemblies::{DEFAULT_STARTS, Mode, Modes, find_modes};
-use mechanim::kinematics::rates::columns::{By, RateColumns};
+use mechanim::kinematics::rates::columns::{RateColumns, RateVariable};
 use mechanim::kinematics::results::trajectory::{ClosedPose, EventKind, Trajectory};
 use mechanim::scene::{Overrides, load_scene};
 
@@ -80,7 +80,7 @@ impl Motion {
             .unwrap_or_else(|e| panic!("{}: {e}", row.name));
         let columns = RateColumns {
             order: 2,
-            by: By::Input(0),
+            by: RateVariable::Input(0),
         };
         add_derivatives(&model, &mut trajectory, columns);
         Self { model, trajectory }

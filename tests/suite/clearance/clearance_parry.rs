@@ -55,7 +55,7 @@ fn solid(random: &mut Random, kind: usize) -> Solid {
 
 /// What was found of a pair of kinds.
 #[derive(Default, Debug)]
-struct Tally {
+struct StartResults {
     pairs: usize,
     overlapping: usize,
     /// Pairs for which parry finds nothing.
@@ -66,7 +66,7 @@ struct Tally {
     farthest: f64,
 }
 
-fn compare(tally: &mut Tally, random: &mut Random, [i, j]: [usize; 2]) {
+fn compare(tally: &mut StartResults, random: &mut Random, [i, j]: [usize; 2]) {
     let solids = [solid(random, i), solid(random, j)];
     let reach = if random.unit() < 0.5 { 1.0 } else { 4.0 };
     let poses = [Pose::IDENTITY, random.pose(reach)];
@@ -98,7 +98,7 @@ fn parry_agrees_or_is_off_itself() {
         .flat_map(|i| (i..6).map(move |j| [i, j]))
         .filter(|pair| *pair != [5, 5])
         .collect();
-    let mut tallies: BTreeMap<[usize; 2], Tally> = BTreeMap::new();
+    let mut tallies: BTreeMap<[usize; 2], StartResults> = BTreeMap::new();
     for k in 0..count {
         let pair = kinds[k % kinds.len()];
         compare(
@@ -113,7 +113,7 @@ fn parry_agrees_or_is_off_itself() {
             KINDS[*i], KINDS[*j], t.pairs, t.overlapping, t.farthest, t.judged, t.silent
         );
     }
-    let sum = |of: fn(&Tally) -> usize| tallies.values().map(of).sum::<usize>();
+    let sum = |of: fn(&StartResults) -> usize| tallies.values().map(of).sum::<usize>();
     assert_eq!(sum(|t| t.pairs), count);
     assert!(sum(|t| t.overlapping) > count / 5, "{tallies:?}");
     assert!(

@@ -108,7 +108,7 @@ const PAIRS: usize = 100_000;
 
 /// What was looked at.
 #[derive(Default, Clone, Debug)]
-struct Tally {
+struct StartResults {
     count: usize,
     /// Pairs that overlap.
     deep: usize,
@@ -131,8 +131,8 @@ fn off_surfaces(elements: [&Element; 2], found: &Proximity) -> f64 {
 }
 
 /// The pairs of some numbers against the reference.
-fn compare(numbers: impl Iterator<Item = usize>) -> Tally {
-    let mut tally = Tally::default();
+fn compare(numbers: impl Iterator<Item = usize>) -> StartResults {
+    let mut tally = StartResults::default();
     for k in numbers {
         let ([i, j], make, a, b) = pair(k);
         let (found, back) = (signed_distance(&a, &b), signed_distance(&b, &a));
@@ -170,13 +170,13 @@ fn compare(numbers: impl Iterator<Item = usize>) -> Tally {
 #[test]
 fn a_hundred_thousand_pairs_agree_with_the_slow_reference() {
     let threads = thread::available_parallelism().map_or(2, usize::from);
-    let tallies: Vec<Tally> = thread::scope(|scope| {
+    let tallies: Vec<StartResults> = thread::scope(|scope| {
         let parts: Vec<_> = (0..threads)
             .map(|part| scope.spawn(move || compare((part..PAIRS).step_by(threads))))
             .collect();
         parts.into_iter().map(|part| part.join().unwrap()).collect()
     });
-    let sum = |of: fn(&Tally) -> usize| tallies.iter().map(of).sum::<usize>();
+    let sum = |of: fn(&StartResults) -> usize| tallies.iter().map(of).sum::<usize>();
     assert_eq!(sum(|t| t.count), PAIRS);
     assert!(sum(|t| t.deep) > PAIRS / 4, "{tallies:?}");
     assert!(sum(|t| t.open) < PAIRS / 40, "{tallies:?}");

@@ -348,7 +348,7 @@ impl Case {
 }
 
 #[derive(Default, Debug)]
-struct Tally {
+struct StartResults {
     kept: usize,
     broken: usize,
     undecided: usize,
@@ -356,7 +356,7 @@ struct Tally {
     close: usize,
 }
 
-fn judge(number: u64, tally: &mut Tally) {
+fn judge(number: u64, tally: &mut StartResults) {
     let case = case(number);
     let (time, truth) = case.least();
     case.is_known_at(time);
@@ -398,7 +398,7 @@ fn judge(number: u64, tally: &mut Tally) {
 #[test]
 fn bodies_in_each_other_are_judged_rightly() {
     let (count, seed) = (asked("MECHANIM_SCENES", SCENES), asked("MECHANIM_SEED", 0));
-    let mut tally = Tally::default();
+    let mut tally = StartResults::default();
     for number in seed..seed + count {
         judge(number, &mut tally);
     }

@@ -298,7 +298,7 @@ impl Case {
 }
 
 #[derive(Default, Debug)]
-struct Tally {
+struct StartResults {
     passed: usize,
     failed: usize,
     undecided: usize,
@@ -306,7 +306,7 @@ struct Tally {
 }
 
 /// Judges one scene; panics with its text where anything is false.
-fn judge(number: u64, folder: &Path, tally: &mut Tally) {
+fn judge(number: u64, folder: &Path, tally: &mut StartResults) {
     let mut case = case(number, folder);
     let truth = case.least();
     if !case.is_contact {
@@ -392,7 +392,7 @@ fn judge(number: u64, folder: &Path, tally: &mut Tally) {
 fn random_scenes_are_judged_rightly() {
     let (count, seed) = (asked("MECHANIM_SCENES", SCENES), asked("MECHANIM_SEED", 0));
     let folder = tempfile::tempdir().unwrap();
-    let mut tally = Tally::default();
+    let mut tally = StartResults::default();
     for number in seed..seed + count {
         judge(number, folder.path(), &mut tally);
     }

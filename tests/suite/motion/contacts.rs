@@ -11,7 +11,7 @@ use mechanim::kinematics::results::trajectory::EventKind;
 use mechanim::kinematics::freedoms::mobility::Mobility;
 
 use mechanim::kinematics::assemblies::{DEFAULT_STARTS, Mode, find_modes};
-use mechanim::kinematics::rates::columns::{By, RateColumns};
+use mechanim::kinematics::rates::columns::{RateColumns, RateVariable};
 
 use crate::reference::Table;
 use crate::reference::scenes::{scene, turned, value, whole, written};
@@ -186,7 +186,7 @@ fn higher_pairs_and_their_lower_pair_twins_turn_alike() {
         let mut trajectory = solve(&mechanism, &times).unwrap();
         let columns = RateColumns {
             order: 1,
-            by: By::Input(0),
+            by: RateVariable::Input(0),
         };
         add_derivatives(&mechanism, &mut trajectory, columns);
         let ratio = columns
@@ -226,7 +226,7 @@ fn figures(mechanism: &Model, start: usize) -> [f64; 3] {
     let mut trajectory = solve(mechanism, &times).unwrap();
     let columns = RateColumns {
         order: 1,
-        by: By::Input(0),
+        by: RateVariable::Input(0),
     };
     add_derivatives(mechanism, &mut trajectory, columns);
     let place = columns

@@ -6,7 +6,7 @@
 use crate::driven::{Driven, Model, add_derivatives, solve};
 use crate::reference::mechanism;
 use mechanim::diag::Source;
-use mechanim::kinematics::rates::columns::{By, RateColumns};
+use mechanim::kinematics::rates::columns::{RateColumns, RateVariable};
 
 /// The k-th derivative by s at s.
 type Exact = Box<dyn Fn(usize, f64) -> f64>;
@@ -49,7 +49,7 @@ fn checked(case: &Case) -> usize {
     let model: Model = mechanism(&source, &[]);
     let columns = RateColumns {
         order: ORDER,
-        by: By::Time,
+        by: RateVariable::Time,
     };
     let mut times: Vec<f64> = WAYS.map(|s| (s - case.origin) / case.sign).to_vec();
     times.sort_by(f64::total_cmp);

@@ -5,7 +5,7 @@
 use crate::driven::{Driven, Model, add_derivatives, even_times, solve};
 use mechanim::diag::Source;
 
-use mechanim::kinematics::rates::columns::{By, RateColumns};
+use mechanim::kinematics::rates::columns::{RateColumns, RateVariable};
 use mechanim::kinematics::rates::higher_order::higher_rates;
 use mechanim::kinematics::results::trajectory::ClosedPose;
 use mechanim::kinematics::solve::branch::BranchWatch;
@@ -225,7 +225,7 @@ fn the_gearshift_agrees_with_differences_of_its_motion() {
     let (time, h) = (0.5, 2e-3);
     let times: Vec<f64> = (-2..=2).map(|k| time + f64::from(k) * h).collect();
     let mut trajectory = solve(&mechanism, &[&[0.0], &times[..]].concat()).unwrap();
-    let (order, by) = (2, By::Time);
+    let (order, by) = (2, RateVariable::Time);
     let columns = RateColumns { order, by };
     add_derivatives(&mechanism, &mut trajectory, columns);
     let headings = columns.headings(&mechanism);
@@ -264,7 +264,7 @@ fn six_orders_of_the_gearshift_agree_with_high_order_differences() {
     let (time, h) = (0.5, 8e-3);
     let times: Vec<f64> = (-4..=4).map(|k| time + f64::from(k) * h).collect();
     let mut trajectory = solve(&mechanism, &[&[0.0], &times[..]].concat()).unwrap();
-    let (order, by) = (6, By::Time);
+    let (order, by) = (6, RateVariable::Time);
     let columns = RateColumns { order, by };
     add_derivatives(&mechanism, &mut trajectory, columns);
     let poses: Vec<&ClosedPose> = trajectory.poses().skip(1).collect();
@@ -350,7 +350,7 @@ fn rates_by_time_follow_the_drive() {
     assert!(matches!(mechanism.actuation.drives[0], Drive::Formula(_)));
     mechanism.actuation.duration = 1.0;
     let mut trajectory = solve(&mechanism, &[0.0, 0.6]).unwrap();
-    let (order, by) = (3, By::Time);
+    let (order, by) = (3, RateVariable::Time);
     add_derivatives(&mechanism, &mut trajectory, RateColumns { order, by });
     let pose = trajectory.poses().last().unwrap();
     let (k, d) = (slot(&mechanism, "h"), stroke_derivatives(0.5 + 0.36, 3));
@@ -446,7 +446,7 @@ fn tangents_signs_and_singular_values_by_a_shared_inverse_are_those_of_the_pose(
 fn rates_at_start(mechanism: &Model, order: usize) -> Vec<(String, f64)> {
     let columns = RateColumns {
         order,
-        by: By::Time,
+        by: RateVariable::Time,
     };
     let mut trajectory = solve(mechanism, &[0.0]).unwrap();
     add_derivatives(mechanism, &mut trajectory, columns);

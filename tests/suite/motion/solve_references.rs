@@ -6,7 +6,7 @@
 
 use crate::driven::{Driven, Model, solve};
 use mechanim::kinematics::results::trajectory::{ClosedPose, Trajectory};
-use mechanim::kinematics::solve::pose_check::{LoopVerdict, OfferedGap, judge_pose};
+use mechanim::kinematics::solve::pose_check::{ClosureGap, LoopVerdict, judge_pose};
 
 use crate::reference::{Table, drive_by_rows};
 use mechanim::model::mechanism::Mechanism;
@@ -199,7 +199,7 @@ fn printed_root_of_the_lecture_is_named_a_half_turn() {
     let scene = scene_with("slider-crank", |o| o.inputs = pairs(&[("phi", "0.5")]));
     let printed = judge_pose(&scene.mechanism, &[2.8837, -0.2421, 42.5642, 0.5], 1e-9);
     assert_eq!(printed[0].verdict, LoopVerdict::HalfTurn);
-    let OfferedGap::Loop { angle, .. } = printed[0].gap else {
+    let ClosureGap::Loop { angle, .. } = printed[0].gap else {
         panic!("{printed:?}")
     };
     assert!((angle - PI).abs() < 1e-3);

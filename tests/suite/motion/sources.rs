@@ -8,7 +8,7 @@
 use crate::driven::{Driven, Model, add_derivatives, measures, solve};
 use crate::reference::scenes::{scene, turned, value, whole, written};
 use crate::reference::{Table, drive_by_rows};
-use mechanim::kinematics::rates::columns::{By, RateColumns};
+use mechanim::kinematics::rates::columns::{RateColumns, RateVariable};
 use mechanim::kinematics::results::trajectory::{ClosedPose, EventKind};
 use mechanim::kinematics::solve::iterates::record_iterates;
 use mechanim::model::mechanism::Kind;
@@ -224,7 +224,7 @@ fn feeder_has_the_derivatives_of_its_closed_form() {
     let mut trajectory = solve(&mechanism, &times).unwrap();
     let columns = RateColumns {
         order: 2,
-        by: By::Input(0),
+        by: RateVariable::Input(0),
     };
     add_derivatives(&mechanism, &mut trajectory, columns);
     let headings = columns.headings(&mechanism);
@@ -252,7 +252,7 @@ fn rope_turns_the_drum_as_the_closed_form_says_and_its_start_is_named_singular()
     let mut trajectory = solve(&mechanism, &table.column("t")).unwrap();
     let columns = RateColumns {
         order: 2,
-        by: By::Time,
+        by: RateVariable::Time,
     };
     add_derivatives(&mechanism, &mut trajectory, columns);
     let headings = columns.headings(&mechanism);

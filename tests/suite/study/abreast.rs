@@ -3,7 +3,7 @@
 
 use mechanim::analysis::random::Random;
 use mechanim::analysis::study::{
-    AT_A_TIME, Evaluator, LaneEvaluator, Measured, ParametricMechanism, Rejection, StandAnchors,
+    AT_A_TIME, Evaluator, LaneEvaluator, Measured, ParametricMechanism, PoseAnchors, Rejection,
     TrackPoses,
 };
 use mechanim::analysis::tolerance::{Distribution, SampleBatch, sample_pieces, values_of};
@@ -66,7 +66,7 @@ fn in_company(
     designs: &[Vec<f64>],
     together: usize,
 ) -> (Vec<Found>, usize) {
-    let anchors = StandAnchors::new(&Evaluator::new(family), stand);
+    let anchors = PoseAnchors::new(&Evaluator::new(family), stand);
     let mut lanes = LaneEvaluator::new(Evaluator::new(family), &anchors);
     let groups = designs.chunks(together);
     let found = groups.flat_map(|group| lanes.measure(group)).collect();

@@ -9,5 +9,5 @@ mod verify;
 
 pub use asked::{FreeInput, Target, TargetColumn, TargetRow, slot_of};
 pub use fit::Fit;
-pub use search::{TargetSearch, TargetSynthesis, Tried, fit_target};
+pub use search::{StartResult, TargetSearch, TargetSynthesis, fit_target};
 pub use verify::{VerifiedRows, verify_target};

@@ -50,12 +50,12 @@ pub struct TargetSearch<'f> {
     /// Whether to go on.
     pub goes_on: &'f (dyn Fn() -> bool + Sync),
     /// A start is done: its number and what it found.
-    pub done: &'f (dyn Fn(usize, &Tried) + Sync),
+    pub done: &'f (dyn Fn(usize, &StartResult) + Sync),
 }
 
 /// The result of one start.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Tried {
+pub struct StartResult {
     /// Where it was.
     pub origin: Origin,
     /// Sum of the squares at the start; NaN if no draw can be followed through all rows.
@@ -80,7 +80,7 @@ pub struct TargetSynthesis {
     /// Unknowns at the start of the drive with it, if it leads there.
     pub unknowns: Option<Vec<f64>>,
     /// All starts.
-    pub starts: Vec<Tried>,
+    pub starts: Vec<StartResult>,
     /// Whether it was cancelled, or ran out of time.
     pub stopped: bool,
     /// Wall time.
@@ -102,7 +102,7 @@ pub fn fit_target(search: &TargetSearch) -> Result<TargetSynthesis, FamilyError>
     let limit = search.plan.limit.unwrap_or(f64::INFINITY);
     let goes_on = || begun.elapsed().as_secs_f64() < limit && (search.goes_on)();
     let enough = ENOUGH * search.target.spread();
-    let mut starts: Vec<Tried> = Vec::new();
+    let mut starts: Vec<StartResult> = Vec::new();
     let mut best: Option<(f64, Fit)> = None;
     // Batches have a fixed size, so that the result does not depend on the number of threads.
     while starts.len() < search.plan.starts && (starts.is_empty() || goes_on()) {
@@ -180,7 +180,7 @@ impl TargetSearch<'_> {
         index: usize,
         near: Option<&[f64]>,
         goes_on: &(dyn Fn() -> bool + Sync),
-    ) -> (Tried, Option<Fit>) {
+    ) -> (StartResult, Option<Fit>) {
         let origin = self.origin(index, near);
         let mut fitting = Fitting::new(self.family, self.target, goes_on);
         let (mut wanted, draws) = match origin {
@@ -205,7 +205,7 @@ impl TargetSearch<'_> {
             }
         }
         let Some((first, fit)) = best else {
-            let none = Tried {
+            let none = StartResult {
                 origin,
                 first: f64::NAN,
                 sum: f64::INFINITY,
@@ -219,7 +219,7 @@ impl TargetSearch<'_> {
         let found = minimise_squares(&mut fitting, fit, &bounds, self.plan.iterations);
         // Rows on both sides of a gap that steps have jumped over do not belong to one motion.
         let is_joined = self.is_joined(&mut fitting, &found.place);
-        let tried = Tried {
+        let tried = StartResult {
             origin,
             first,
             sum: if is_joined { found.sum } else { f64::INFINITY },

@@ -29,7 +29,7 @@ pub struct ProvedRow {
     pub second_all: f64,
     /// Error of the row of the Jacobian, summed over all unknowns.
     pub column_error: f64,
-    /// Change where all numbers of the scene are off by a unit in their last place; only where rows are redundant.
+    /// Change if all numbers of the scene differ by a unit in their last place; only with redundant rows.
     pub last_units: f64,
 }
 
@@ -42,7 +42,7 @@ pub struct BlockRows<'m> {
     pub rows: Vec<ProvedRow>,
     /// Derivative of every row by every form, one form after the other.
     pub columns: LaneMatrix,
-    /// How far each form is open, as what it is used for.
+    /// Uncertainty of each form, in the sense of its use.
     pub open: Vec<f64>,
     at_pose: Vec<LoopAtPose>,
     equation: EquationAtPose,
@@ -85,7 +85,7 @@ impl<'m> BlockRows<'m> {
         Ok(())
     }
 
-    /// By how much every row changes where the numbers of the scene are off by a unit in their last place.
+    /// Change of every row if the numbers of the scene differ by a unit in their last place.
     fn weigh_last_units(&mut self, coordinates: &[f64]) {
         for (item, at_pose) in self.of.loops.iter().zip(&self.at_pose) {
             let units = at_pose.last_units(&item.plan, &self.arguments);
@@ -112,14 +112,14 @@ impl<'m> BlockRows<'m> {
         let item = &mut self.at_pose[index];
         // The chain with every product's rounding, in double-double.
         item.evaluate(plan, &self.arguments, |a| forms[a].rate * BALL, *size);
-        // Sine and cosine have no value there.
+        // Sine and cosine are undefined there.
         if item.trace.is_nan() {
             return Err(Reason::Precision);
         }
         if !may_turn && item.trace <= LEAST_TRACE {
             return Err(Reason::HalfTurn);
         }
-        // An argument is open by what its own formula rounds.
+        // The uncertainty of an argument is the rounding of its own formula.
         for joint in &item.joints {
             let argument = &self.arguments[joint.argument];
             let open = match joint.motion {
@@ -137,7 +137,7 @@ impl<'m> BlockRows<'m> {
         for &(component, row) in rows {
             let kind = component / 3;
             let farthest = if kind == 0 { 1.0 } else { reach };
-            // The columns carry rounding, and belong to arguments that are open by `open`.
+            // The columns carry rounding, and belong to arguments with the uncertainty `open`.
             let slack = COLUMN_ROUNDING + open[0];
             self.rows[row] = ProvedRow {
                 residual: item.residual[component],
@@ -190,7 +190,7 @@ impl<'m> BlockRows<'m> {
         }
     }
 
-    /// Whether a loop may be turned by π once the unknowns move by `distance`.
+    /// Whether a loop may be rotated by π once the unknowns move by `distance`.
     pub fn may_be_half_turned(&self, distance: f64) -> bool {
         let loops = self.of.loops.iter().zip(&self.at_pose);
         let mut fixed = loops.filter(|(rows, _)| !rows.may_turn);

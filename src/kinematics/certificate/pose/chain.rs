@@ -13,7 +13,7 @@ use crate::numbers::rounding::{DECIMAL, LONG_STEP, SIN_COS, U};
 use crate::numbers::sin_cos::{SinCosFactor, sin_cos};
 use glam::{DMat3, DVec3};
 
-/// An argument's value and how far the numbers it was made from leave it open.
+/// An argument's value and the uncertainty of its constants.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ArgumentDouble {
     value: SinCosFactor,
@@ -26,20 +26,20 @@ pub struct ArgumentDouble {
 }
 
 impl ArgumentDouble {
-    /// Evaluates an affine form at `coordinates + rests`, where rests that are not there are zero.
+    /// Evaluates an affine form at `coordinates + rests`; missing rests are zero.
     pub fn new(form: &Affine, coordinates: &[f64], rests: &[f64]) -> Self {
         let (value, open) = affine_value(form, coordinates, rests);
         let (sin, cos) = sin_cos(value);
         Self {
             sin,
             cos,
-            // An error of either function turns and stretches the pair by as much; twice that covers both.
+            // An error of either function rotates and stretches the pair by as much; twice that covers both.
             open_angle: open + 2.0 * SIN_COS,
             ..Self::length(value, open)
         }
     }
 
-    /// What the loops need of an argument: nothing of those that stand in none, no sine and cosine of a length.
+    /// Values needed for the loops: none of arguments outside loops, no sine and cosine of a length.
     pub fn of(argument: &ProofArgument, coordinates: &[f64], rests: &[f64]) -> Self {
         match argument {
             ProofArgument { is_used: false, .. } => Self::default(),
@@ -62,7 +62,7 @@ impl ArgumentDouble {
     }
 }
 
-/// The value with 31 digits, and what the errors of its constants leave open.
+/// The value with 31 digits, and the uncertainty from the errors of its constants.
 pub fn affine_value(form: &Affine, coordinates: &[f64], rests: &[f64]) -> (DoubleDouble, f64) {
     let mut open = form.constant.error();
     let mut value = form.constant.value();
@@ -85,7 +85,7 @@ pub struct PoseJoint {
     pub argument: usize,
     axis: DVec3,
     origin: DVec3,
-    /// No pose in the ball has the loop's end farther from the joint (sizes).
+    /// For every pose in the ball, the distance of the loop's end from the joint is at most this (sizes).
     pub reach: f64,
 }
 
@@ -94,7 +94,7 @@ pub struct PoseJoint {
 pub struct LoopAtPose {
     /// Skew part, then translation over the size.
     pub residual: [f64; 6],
-    /// How far rounding and rounded dimensions leave rotation and translation rows open.
+    /// Uncertainty of rotation and translation rows from rounding and dimensions.
     pub open: [f64; 2],
     /// Trace of the rotation.
     pub trace: f64,
@@ -105,7 +105,7 @@ pub struct LoopAtPose {
     size: f64,
 }
 
-/// Takes the fixed pose before a joint.
+/// Applies the fixed pose before a joint.
 fn pass_fixed(product: &mut Product, joint: &PlannedJoint) {
     for (axis, shift) in joint.shift.iter().enumerate() {
         if let Some(shift) = shift {
@@ -118,7 +118,7 @@ fn pass_fixed(product: &mut Product, joint: &PlannedJoint) {
 }
 
 impl LoopAtPose {
-    /// Evaluates a loop. `play` is by how much an argument can change in the ball.
+    /// Evaluates a loop. `play` bounds the change of an argument in the ball.
     pub fn evaluate(
         &mut self,
         plan: &LoopPlan,
@@ -186,7 +186,8 @@ impl LoopAtPose {
         product
     }
 
-    /// Fills the joints' reaches from the end of the chain; returns what fixed poses leave open, and the whole length.
+    /// Fills the joints' reaches from the end of the chain; returns the uncertainty of fixed poses, and the whole
+    /// length.
     fn reaches(
         &mut self,
         plan: &LoopPlan,
@@ -213,8 +214,8 @@ impl LoopAtPose {
         (open, reach + plan.length_before / size)
     }
 
-    /// By how much rotation and translation rows change at most where every number of the loop that f64 has not is
-    /// off by a unit in its last place.
+    /// Largest change of rotation and translation rows if every number of the loop that f64 cannot represent differs by
+    /// a unit in its last place.
     pub fn last_units(&self, plan: &LoopPlan, arguments: &[ArgumentDouble]) -> [f64; 2] {
         let unit = |is_open: bool, size: f64| if is_open { DECIMAL * size } else { 0.0 };
         let mut sums = [0.0; 2];
@@ -277,8 +278,8 @@ impl LoopAtPose {
         [turned * turned, translation]
     }
 
-    /// Bounds of the first derivative of rotation and translation rows, likewise; by how much the rotation can turn
-    /// is the first.
+    /// Bounds of the first derivative of rotation and translation rows in the same way; the first bounds the rotation
+    /// itself.
     pub fn first_derivatives(&self, rate: impl Fn(usize) -> f64) -> [f64; 2] {
         let mut bounds = [0.0; 2];
         for joint in &self.joints {

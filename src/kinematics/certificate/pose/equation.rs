@@ -1,4 +1,4 @@
-//! An equation of second degree at a pose: its value with 31 digits, and its derivatives by the forms that it is made of.
+//! An equation of second degree at a pose: its value with 31 digits, and its derivatives by its forms.
 
 use super::chain::affine_value;
 use crate::model::expression::Affine;
@@ -15,14 +15,14 @@ const SLOPE_ROUNDING: f64 = 16.0 * U;
 /// Buffers of one equation.
 #[derive(Clone, Debug, Default)]
 pub struct EquationAtPose {
-    /// Value of every factor, how far it is open, and the sum of its terms' sizes.
+    /// Value of every factor, its uncertainty, and the sum of its terms' magnitudes.
     factors: Vec<(DoubleDouble, [f64; 2])>,
-    /// Derivatives by what is affine, then by every factor, and how far they are open.
+    /// Derivatives by the affine part, then by every factor, and their uncertainties.
     pub slopes: Vec<[f64; 2]>,
 }
 
 impl EquationAtPose {
-    /// The value at coordinates and their rests, and how far rounding and rounded constants leave it open.
+    /// The value at coordinates and their rests, and its uncertainty from rounding and constants.
     pub fn evaluate(
         &mut self,
         formula: &Quadratic,
@@ -53,7 +53,7 @@ impl EquationAtPose {
             for (by, other, open_other) in [(a, y, open_y), (b, x, open_x)] {
                 let [sum, open] = &mut self.slopes[1 + by];
                 *sum += slope * other.hi;
-                // Beside what is open: second parts that are left out, and the rounding of a short sum.
+                // In addition to the uncertainty: omitted second parts, and the rounding of a short sum.
                 *open += largest * (open_other + SLOPE_ROUNDING * other.hi.abs());
             }
         }
@@ -61,8 +61,8 @@ impl EquationAtPose {
         (value, open + count * LONG_OPERATION * size)
     }
 
-    /// By how much the value changes at most where every constant that f64 has not is off by a unit in its last place; after
-    /// an evaluation.
+    /// Largest change of the value if every constant that f64 cannot represent differs by a unit in its last place;
+    /// after an evaluation.
     pub fn last_units(&self, formula: &Quadratic, coordinates: &[f64]) -> f64 {
         let units = |form: &Affine| {
             let terms = form.terms.iter();

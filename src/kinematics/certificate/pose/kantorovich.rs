@@ -12,16 +12,16 @@ use crate::linalg::sparse_lu::{LEAST, SparseLu};
 use crate::numbers::rounding::{GROW, U, largest_or_nan};
 use wide::f64x4;
 
-/// What is proved of the unknowns of earlier blocks, in radians and sizes.
+/// Proved bounds on the unknowns of earlier blocks, in radians and sizes.
 #[derive(Clone, Debug, Default)]
 pub struct EarlierPose {
-    /// Newton step: the exact unknown is nearer to the pose less this step than to the pose itself.
+    /// Newton step: the exact unknown is nearer to the pose minus this step than to the pose itself.
     pub step: Vec<f64>,
     /// How near.
     pub rest: Vec<f64>,
     /// Largest distance of any such unknown from the pose.
     pub largest: f64,
-    /// No redundant equation is open by more.
+    /// Proved bound on the closure errors of redundant equations.
     pub closes_to: f64,
 }
 
@@ -36,7 +36,7 @@ impl EarlierPose {
         self.closes_to = 0.0;
     }
 
-    /// Notes what is proved of an unknown.
+    /// Records the bounds of an unknown.
     fn note(&mut self, unknown: usize, step: f64, rest: f64) {
         self.step[unknown] = step;
         self.rest[unknown] = rest;
@@ -47,7 +47,7 @@ impl EarlierPose {
 /// Numbers of all unknowns and redundant rows, or of all rows, in whole groups.
 #[derive(Clone, Debug, Default)]
 struct PoseConstants {
-    /// The Newton step; of rows the residual at the earlier blocks' Newton steps.
+    /// The Newton step; for rows the residual at the earlier blocks' Newton steps.
     newton: Vec<Lanes>,
     /// The part of eta that is not the step.
     rest: Vec<Lanes>,
@@ -64,18 +64,18 @@ impl PoseConstants {
     }
 }
 
-/// What a form changes by.
+/// The change of a form.
 #[derive(Clone, Copy, Debug)]
 struct JacobianChange {
     /// Less the Newton steps of earlier blocks.
     step: f64,
-    /// Largest change within what is known of it.
+    /// Largest change within the bounds of its coordinates.
     drift: f64,
     /// Largest rate by the block's unknowns.
     own_rate: f64,
 }
 
-/// Runs a step that is compiled for one to four groups at a time, so that sums stay in registers, over all groups.
+/// Calls a step that is compiled for one to four groups at a time, so that sums stay in registers, over all groups.
 macro_rules! in_blocks {
     ($groups:expr, |$count:ident, $first:ident| $step:expr) => {{
         let (mut $first, groups) = (0, $groups);
@@ -101,11 +101,11 @@ macro_rules! in_blocks {
 #[derive(Clone, Debug, Default)]
 pub struct Kantorovich {
     matrix: LaneMatrix,
-    /// R with one row an equation: any matrix serves the proof; how good it is is measured.
+    /// R with one row per equation: any matrix serves the proof; its quality is measured.
     inverse: LaneMatrix,
     elimination: Elimination,
     sparse: SparseLu,
-    /// The rows as they are taken: those of the basis, then the redundant ones.
+    /// The rows in order: those of the basis, then the redundant ones.
     order: Vec<usize>,
     widened: LaneMatrix,
     /// Derivatives of these rows, one form after the other.
@@ -123,11 +123,11 @@ pub struct Kantorovich {
 }
 
 impl Kantorovich {
-    /// Proves a block on its rows `basis` and notes its bounds; returns its radius of uniqueness and its error bound,
-    /// in radians and sizes. The inverse has one row an equation.
+    /// Proves a block on its rows `basis` and records its bounds; returns its radius of uniqueness and its error bound,
+    /// in radians and sizes. The inverse has one row per equation.
     ///
-    /// A row G that the basis leaves out is carried along like an unknown, with L = G' R in place of a row of R and L F - G
-    /// in place of R F. The exact pose of the basis has F = 0, so that G is there within the bounds of L F - G.
+    /// A row G outside the basis is treated like an unknown, with L = G' R in place of a row of R and L F - G in place
+    /// of R F. The exact pose of the basis has F = 0, so that G is there within the bounds of L F - G.
     pub fn prove(
         &mut self,
         block: &BlockRows,
@@ -165,13 +165,13 @@ impl Kantorovich {
             let (q, k) = (q[i] * GROW, k[i] * GROW);
             (rest[i] * GROW + q * error + 0.5 * k * error * error) * GROW
         };
-        // What the next blocks inherit: the step, and what is left of every unknown after it.
+        // Data for the later blocks: the step, and the remaining error of every unknown after it.
         for (i, unknown) in block.of.unknowns.iter().enumerate() {
             earlier.note(*unknown, newton[i], rest(i));
         }
         // Redundant rows: each must be explained by the errors of the others.
         for (i, gap) in newton.iter().enumerate().skip(n) {
-            // What the last digits of the dimensions do to the row at the exact pose of the others.
+            // Effect of the last digits of the dimensions on the row at the exact pose of the others.
             let digits = self.order.iter().enumerate();
             let digits =
                 digits.map(|(r, row)| self.inverse.at(r, i).abs() * block.rows[*row].last_units);
@@ -215,8 +215,8 @@ impl Kantorovich {
         }
     }
 
-    /// Appends the rows that the basis leaves out, and to R what carries them: L = G' R for the rows of the basis, -1 for
-    /// their own.
+    /// Appends the rows outside the basis, and to R their multipliers: L = G' R for the rows of the basis, -1 for their
+    /// own.
     fn take_redundant_rows(&mut self, block: &BlockRows) {
         let (n, all) = (self.order.len(), block.rows.len());
         for row in 0..all {
@@ -303,7 +303,7 @@ impl Kantorovich {
         }
     }
 
-    /// What the forms change in `G` groups of rows: residuals, sums over sizes by drifts and by own rates.
+    /// The effect of the forms on `G` groups of rows: residuals, sums of magnitudes by drifts and by own rates.
     #[inline(always)]
     fn sum_forms<const G: usize>(&mut self, first: usize) {
         let mut sums = [[f64x4::ZERO; G]; 3];
@@ -392,7 +392,7 @@ impl Kantorovich {
                 add_part(self.before.row_mut(*place), first, &product, *rate);
             }
         }
-        // Errors of blocks before this one, weighed by their columns.
+        // Errors of earlier blocks, weighted by their columns.
         for (rates, slot) in self.before.rows().zip(&block.of.before) {
             add_sizes(&mut rest, &row_part::<G>(rates, first), earlier.rest[*slot]);
         }

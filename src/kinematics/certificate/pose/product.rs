@@ -143,7 +143,7 @@ impl Product {
         self.rotation[c] = ProductColumn::new(y_cos.0 - x_sin.0, y_cos.1 - x_sin.1);
     }
 
-    /// Turns by a fixed rotation.
+    /// Rotates by a fixed rotation.
     pub fn turn(&mut self, by: &DMat3) {
         let old = self.rotation;
         let factor = |v: f64| Splat::of(&SinCosFactor::on_grid(DoubleDouble::from(v)));
@@ -191,7 +191,7 @@ mod tests {
         for (j, column) in product.rotation.iter().enumerate() {
             for (i, entry) in column.entries().into_iter().enumerate() {
                 let rest = (entry - DoubleDouble::from(f64::from(i == j))).hi.abs();
-                // Sines and cosines are right to 4e-21: sin² + cos² departs from one by as much.
+                // Sines and cosines are accurate to 4e-21: sin² + cos² differs from one by as much.
                 assert!(rest < 120.0 * (1e-22 + 2.0 * 4e-21), "{i} {j}: {rest:e}");
             }
         }

@@ -15,7 +15,7 @@ pub struct PoseProver<'m> {
     pub blocks: Vec<BlockRows<'m>>,
     kantorovich: Kantorovich,
     arguments: Vec<ArgumentDouble>,
-    /// What is proved of the unknowns at the last pose.
+    /// Proved bounds on the unknowns at the last pose.
     pub earlier: EarlierPose,
 }
 

@@ -1,9 +1,9 @@
-//! A loop over a stretch of motion: its residual, the columns of its Jacobian, and bounds of second derivatives.
+//! A loop over a time interval: its residual, the columns of its Jacobian, and bounds of second derivatives.
 //!
-//! The residual is that of the certificate of a pose, the skew part of the rotation and the translation over the size,
-//! and so are the formulas; see [`chain`](crate::kinematics::certificate::pose::chain). What is a number there is a polynomial in s here, with one
-//! bound for the whole rotation (Frobenius norm) and one for the translation: an elementary rotation is orthogonal,
-//! so that such a bound is handed on from joint to joint and does not grow.
+//! Residual and formulas are those of the certificate of a pose, the skew part of the rotation and the translation over
+//! the size; see [`chain`](crate::kinematics::certificate::pose::chain). Instead of numbers there are polynomials in s,
+//! with one bound for the whole rotation (Frobenius norm) and one for the translation: an elementary rotation is
+//! orthogonal, so that such a bound is passed on from joint to joint and does not grow.
 
 use super::form::FormChange;
 use super::taylor_model::{
@@ -18,17 +18,17 @@ use wide::f64x4;
 /// A vector as a polynomial in s; the fourth lane is zero.
 type TubeVector = [f64x4; TERMS];
 
-/// Roundings of a sum of all products that meet in one coefficient.
+/// Roundings of a sum of all products that contribute to one coefficient.
 const PRODUCTS: f64 = (2 * TERMS + 4) as f64 * OPERATION;
 
-/// Norm of what the columns of two rotations may differ by, over the largest of their entries' pairs.
+/// Norm of the difference of the columns of two rotations, over the largest difference of their entries.
 const PAIR: f64 = 1.5;
 
-/// The derivative of the skew part is the axis itself where the loop is closed; the norm of what it misses over the
-/// norm of what the rotation misses.
+/// For a closed loop the derivative of the skew part is the axis itself; ratio of its error to the error of the
+/// rotation.
 const OPEN_SKEW: f64 = 1.5;
 
-/// An argument of a joint over the stretch.
+/// An argument of a joint over the interval.
 #[derive(Clone, Copy, Debug)]
 pub struct ArgumentModel {
     value: TaylorModel,
@@ -50,7 +50,7 @@ pub struct TubeJoint {
     pub argument: usize,
     axis: TubeVector,
     origin: TubeVector,
-    /// Bounds of what axis and origin leave out.
+    /// Error bounds of axis and origin.
     rests: [f64; 2],
 }
 
@@ -59,7 +59,7 @@ pub struct TubeJoint {
 pub struct LoopModel {
     rotation: [TubeVector; 3],
     translation: TubeVector,
-    /// Bounds of what rotation and translation leave out.
+    /// Error bounds of rotation and translation.
     rests: [f64; 2],
     /// Joints in order.
     pub joints: Vec<TubeJoint>,
@@ -99,7 +99,7 @@ fn vector_entry(v: &TubeVector, k: usize) -> Polynomial {
 }
 
 impl LoopModel {
-    /// Multiplies the steps. Joints whose argument does not move (`moves`) are left out of `joints`.
+    /// Multiplies the steps. Joints whose argument is constant are omitted from `joints`; see `moves`.
     pub fn new(
         steps: &[ChainStep],
         arguments: &[Option<ArgumentModel>],
@@ -146,7 +146,8 @@ impl LoopModel {
         }
     }
 
-    /// By how much the loop is open over the stretch: norm of the rotation less the identity, length of the translation.
+    /// The closure error of the loop over the interval: norm of the rotation minus the identity, length of the
+    /// translation.
     pub fn open(&self) -> [f64; 2] {
         let mut turned: Polynomial = [0.0; TERMS];
         for (k, turned) in turned.iter_mut().enumerate() {
@@ -213,12 +214,12 @@ impl LoopModel {
                 moved[2],
             ];
         }
-        // A turn: the axis for the rotation, axis × arm for the translation.
+        // A rotation: the axis for the rotation rows, axis × arm for the translation.
         let turned = axis.map(|c| TaylorModel {
             c,
             rest: (axis_rest + OPEN_SKEW * open[0]) * GROW,
         });
-        // The arm from the joint to the loop's end, which is at the origin but for what the loop is open.
+        // The arm from the joint to the loop's end, which is at the origin except for the closure error.
         let origin = [0, 1, 2].map(|k| vector_entry(&joint.origin, k));
         let (axes, origins) = (squared_lengths(&joint.axis), squared_lengths(&joint.origin));
         let (whole, tails) = (polynomial_size(&axes), tail_sums(&origins));
@@ -227,7 +228,7 @@ impl LoopModel {
             + open[1]
             + truncated_part(&axes, &tails)
             + 2.0 * PRODUCTS * whole * tails[0];
-        // The cross product of two polynomials, cut at the highest power; what is cut is in `rest`.
+        // The cross product of two polynomials, truncated at the highest power; the truncation error is in `rest`.
         let arm = [0, 1, 2].map(|k| {
             let (b, c) = ((k + 1) % 3, (k + 2) % 3);
             let mut sum = [0.0; TERMS];
@@ -244,7 +245,7 @@ impl LoopModel {
 }
 
 impl Carried for LoopModel {
-    /// None where nothing is known of it.
+    /// `None` if nothing is known about it.
     type Argument = Option<ArgumentModel>;
 
     fn shift(&mut self, axis: usize, sign: f64, by: &Self::Argument) {
@@ -259,7 +260,8 @@ impl Carried for LoopModel {
         let (whole, tails) = (polynomial_size(&lengths), tail_sums(&sizes));
         let rounding = PRODUCTS
             * (whole * tails[0] + polynomial_size(&self::squared_lengths(&self.translation)));
-        // What the rotation misses times the way, the way's own rest, and the terms cut off behind degree seven.
+        // The error of the rotation times the distance, the distance's own error, and the truncation after degree
+        // seven.
         self.rests[1] += (self.rests[0] * tails[0] + by.rest + truncated_part(&lengths, &tails))
             * GROW
             + rounding;
@@ -283,7 +285,7 @@ impl Carried for LoopModel {
         self.rotation[c] = second;
         let pairs: Polynomial =
             std::array::from_fn(|k| (squared_norm(x[k]) + squared_norm(y[k])).sqrt());
-        // Orthogonal: the rest so far stays, and only what this joint cuts off is added.
+        // Orthogonal: the earlier error is unchanged, and only the truncation at this joint is added.
         let tails = tail_sums(&by.sizes);
         let moving = polynomial_size(&pairs) * tails[0] - pairs[0];
         let rounding = 4.0 * OPERATION + PRODUCTS * moving.max(0.0);
@@ -326,7 +328,7 @@ impl Carried for LoopModel {
     }
 }
 
-/// How far loops can reach and bend: bounds that hold for every value of the revolute joints.
+/// The reach and curvature of loops: bounds that hold for every value of the revolute joints.
 pub struct Reaches {
     joints: Vec<(ElementaryMotion, usize, f64)>,
     size: f64,
@@ -374,7 +376,7 @@ impl Reaches {
         [turned * turned + bent, translation]
     }
 
-    /// By how much the rotation can turn along a direction.
+    /// Bound of the rotation along a direction.
     pub fn turn(&self, rate: impl Fn(usize) -> f64) -> f64 {
         let turning = self
             .joints

@@ -1,11 +1,11 @@
-//! The constants of the Newton-Kantorovich test over a stretch.
+//! The constants of the Newton-Kantorovich test over a time interval.
 
 use super::rows::TubeLayout;
 use crate::kinematics::certificate::majorant::{Root, root_within};
 use crate::kinematics::results::certificate::Reason;
 use crate::numbers::rounding::{GROW, largest_or_nan};
 
-/// What is proved of the unknowns of earlier blocks.
+/// Proved bounds on the unknowns of earlier blocks.
 #[derive(Clone, Debug)]
 pub struct EarlierTube {
     /// Distance from the path, per unknown of the mechanism, in radians and sizes.
@@ -14,20 +14,20 @@ pub struct EarlierTube {
     pub largest: f64,
     /// Distance within which the motion is the only one.
     pub unique: f64,
-    /// No redundant row is open by more.
+    /// Proved bound on the closure errors of redundant rows.
     pub closes_to: f64,
 }
 
 /// Bounds for one unknown, or for one redundant row.
 #[derive(Clone, Copy, Debug)]
 pub struct TubeConstants {
-    /// Of R F: what its polynomial says.
+    /// Of R F: from its polynomial.
     pub residual: f64,
-    /// Of R F: what rounding, digits, cutting off and earlier blocks leave open.
+    /// Of R F: from rounding, digits, truncation and earlier blocks.
     pub rest: f64,
     /// Of R J: how far it is from the identity.
     pub q: f64,
-    /// Of R F'': how much the equations bend.
+    /// Of R F'': from the curvature of the equations.
     pub k: f64,
 }
 
@@ -36,13 +36,13 @@ impl TubeConstants {
         self.residual + self.rest
     }
 
-    /// What is left beside the residual where no unknown is farther from the path than `error`.
+    /// The test's value in addition to the residual if no unknown is farther from the path than `error`.
     pub fn explained(&self, error: f64) -> f64 {
         (self.rest + self.q * error + 0.5 * self.k * error * error) * GROW
     }
 }
 
-/// The test of a block; what it proves is noted for the later ones. Returns the error.
+/// The test of a block; its result is recorded for the later ones. Returns the error.
 pub fn accept_constants(
     layout: &TubeLayout,
     constants: &[TubeConstants],
@@ -52,7 +52,7 @@ pub fn accept_constants(
     let worst = |f: fn(&TubeConstants) -> f64| largest_or_nan(constants.iter().map(f));
     let bounds = [worst(TubeConstants::eta), worst(|c| c.q), worst(|c| c.k)];
     let Root { error, unique } = root_within(ball, bounds).ok_or(Reason::Singular)?;
-    // What this block leaves open is an uncertain input of the later ones.
+    // The uncertainty of this block is an uncertain input of the later ones.
     for (slot, c) in layout.block.unknowns.iter().zip(constants) {
         let rest = (c.residual + c.explained(error)) * GROW;
         earlier.rest[*slot] = rest;

@@ -1,4 +1,4 @@
-//! The inputs over a stretch of time as series.
+//! The inputs over a time interval as series.
 
 use super::taylor_model::{TERMS, TaylorEnclosure};
 use crate::model::drive::Drive;
@@ -7,9 +7,9 @@ use crate::model::expression::jumps::Jump;
 use crate::model::expression::pieces::around_instant;
 use crate::numbers::interval::Interval;
 
-/// A stretch of time, from -1 to 1 in `s`.
+/// A time interval, mapped to -1 to 1 in `s`.
 #[derive(Clone, Copy, Debug)]
-pub struct DriveStretch {
+pub struct DriveInterval {
     /// Time at s = 0, seconds.
     pub middle: f64,
     /// Half the length, rounded up so that both ends are inside.
@@ -19,7 +19,7 @@ pub struct DriveStretch {
     ends: [f64; 2],
 }
 
-impl DriveStretch {
+impl DriveInterval {
     /// From `start` to `end`.
     pub fn new(start: f64, end: f64) -> Self {
         let middle = 0.5 * start + 0.5 * end;
@@ -32,13 +32,13 @@ impl DriveStretch {
         }
     }
 
-    /// Where a time lies in it.
+    /// The position of a time in it.
     pub fn place(&self, time: f64) -> Interval {
         (Interval::point(time) - Interval::point(self.middle)) / Interval::point(self.half)
     }
 
-    /// The same with a little more where a drive jumps at its ends: a tube goes on beyond the jump as far as its time is
-    /// unknown. `None` where it is open which of two drives jumps first.
+    /// The same, extended a little if a drive jumps at its ends: a tube continues beyond the jump as far as its time is
+    /// uncertain. `None` if the order of two jumping drives is undecided.
     pub fn over_jumps(self, drives: &[Drive]) -> Option<Self> {
         let ends = self.ends;
         let mut jumping: [Option<Jump>; 2] = [None, None];
@@ -80,7 +80,7 @@ impl DriveStretch {
         })
     }
 
-    /// An input over the stretch, which holds no break inside, as a series about s = 0, and about every place at once.
+    /// An input over an interval without breaks inside, as a series about s = 0, and about every place at once.
     pub fn input(&self, drive: &Drive) -> [TaylorEnclosure; 2] {
         let clock = |start| TaylorEnclosure::linear(start, Interval::point(self.half), TERMS - 1);
         let clocks = [Interval::point(self.middle), self.all].map(clock);
@@ -94,7 +94,7 @@ impl DriveStretch {
     }
 }
 
-/// Times strictly between two others where a drive has no single series, ascending: not those that are the same but for
+/// Times strictly between two others at which a drive has no single series, ascending, without duplicates up to
 /// rounding.
 pub fn keys_between(drives: &[Drive], start: f64, end: f64) -> Vec<f64> {
     let breaks = |drive: &Drive| drive.breaks(start, end);
@@ -183,7 +183,7 @@ mod tests {
     #[test]
     fn enclosures_hold_what_f64_finds_at_every_place() {
         for drive in drives() {
-            let stretch = DriveStretch::new(0.62, 0.64);
+            let stretch = DriveInterval::new(0.62, 0.64);
             let [middle, everywhere] = stretch.input(&drive);
             for share in [-1.0, -0.4, 0.0, 0.3, 1.0] {
                 let time = (stretch.middle + share * stretch.half).clamp(0.62, 0.64);

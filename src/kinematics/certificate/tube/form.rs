@@ -1,4 +1,4 @@
-//! Arguments and equations over a stretch: dot products where they are affine, general formulas elsewhere.
+//! Arguments and equations over a time interval: dot products if they are affine, otherwise general formulas.
 
 use super::path::TubePath;
 use super::taylor_model::TaylorModel;
@@ -24,7 +24,7 @@ pub enum Form {
     Formula(Sparse),
 }
 
-/// A formula of the few coordinates that stand in it: what it costs does not grow with the mechanism.
+/// A formula of its few coordinates: its cost does not grow with the mechanism.
 #[derive(Clone, Debug)]
 pub struct Sparse {
     /// Of `slots`, in their order.
@@ -46,7 +46,7 @@ impl Sparse {
         }
     }
 
-    /// What stands in it, of all coordinates.
+    /// Its coordinates.
     fn own<S: Scalar>(&self, all: &[S]) -> Vec<S> {
         self.slots.iter().map(|slot| all[*slot]).collect()
     }
@@ -142,7 +142,7 @@ impl Form {
         }
     }
 
-    /// How it changes along directions whose entries are at most `rates`, anywhere in `place`, which affine forms do not
+    /// Its change along directions whose entries are at most `rates`, anywhere in `place`, which affine forms do not
     /// need.
     pub fn change(&self, place: &[Interval], rates: &[f64]) -> FormChange {
         match self {

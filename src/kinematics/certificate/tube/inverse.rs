@@ -13,7 +13,7 @@ impl Workspace {
             row[..n].copy_from_slice(&self.inverse.row(i).as_flattened()[..n]);
         }
         if self.terms == 1 {
-            // What does not move has one inverse.
+            // A constant matrix has one inverse.
             self.factors = factors;
             return;
         }

@@ -1,13 +1,15 @@
-//! A proof between samples: around the path from one sample to the next there is one motion, and it joins the two
-//! certified poses. No jump to another assembly can hide there.
+//! Proofs between samples: around the path from one sample to the next there is exactly one motion, and it connects the
+//! two certified poses, so that no jump to another assembly can be hidden.
 //!
-//! The path over a stretch of time is a curve of polynomials in the unknowns; the drive is enclosed as it is. All poses of the
-//! stretch take the Newton-Kantorovich test at once, which gives two radii: within the smaller one around the path there is
-//! a solution at every instant, within the larger one it is the only one. So tubes are joined, and the samples' own
-//! certified poses are joined to them, wherever one solution lies within the larger radius of the other. A stretch that fails is halved, down to [`FLOOR`] of the interval; keyframes always part stretches.
+//! The path over a time interval is given by polynomials in the unknowns; the drive is enclosed exactly. All poses of
+//! the interval are subjected to the Newton-Kantorovich test at once, which gives two radii: within the smaller one
+//! around the path there is a solution at every instant, within the larger one it is the only one. Tubes are connected
+//! to each other, and to the certified poses of the samples, where one solution lies within the larger radius of the
+//! other. A time interval that fails is halved, down to [`FLOOR`] of the sampling interval; keyframes always separate
+//! tubes.
 //!
-//! Of an over-determined block the rows that are proved are chosen anew for every stretch. The others are bounded over the
-//! whole of it, as in the certificate of a pose.
+//! For an over-determined block the rows to be proved are chosen for every tube. The others are bounded over the whole
+//! of it, as in the certificate of a pose.
 
 mod blocks;
 mod chain;
@@ -35,7 +37,7 @@ pub use prover::{FLOOR, Prover};
 pub use stretches::Tube;
 pub use taylor_model::{Polynomial, TaylorCentre, TaylorModel};
 
-/// Proves every interval between consecutive samples; one entry less than there are samples.
+/// Proves every interval between consecutive samples; one result less than there are samples.
 pub fn certify_motion(
     system: &System,
     actuation: &Actuation,
@@ -46,7 +48,7 @@ pub fn certify_motion(
     pairs.map(|pair| prover.interval(pair).0).collect()
 }
 
-/// Proves single poses whose formulas have no affine form; laid out once.
+/// Proves single poses with general formulas; the layout is computed once.
 #[derive(Clone, Debug)]
 pub(crate) struct Standing<'m> {
     blocks: Blocks<'m>,
@@ -59,8 +61,8 @@ impl<'m> Standing<'m> {
         }
     }
 
-    /// Proves the pose at coordinates and what comes to the inputs: error bound, radius of uniqueness and what
-    /// redundant rows may be open by, in radians and sizes.
+    /// Proves the pose at coordinates with given rests of the inputs: error bound, radius of uniqueness and closure
+    /// error of redundant rows, in radians and sizes.
     pub(crate) fn prove(
         &mut self,
         [coordinates, rests]: [&[f64]; 2],

@@ -1,24 +1,25 @@
-//! The poses at which stretches part: at the breaks of the drive, right before and behind its jumps, and where a stretch is
-//! halved.
+//! The poses at which tubes meet: at the breaks of the drive, immediately before and after its jumps, and where a time
+//! interval is halved.
 
-use super::drive::{DriveStretch, keys_between};
+use super::drive::{DriveInterval, keys_between};
 use super::path::InputPath;
 use super::prover::Prover;
 use super::stretches::Station;
 use crate::kinematics::results::certificate::{Obstacle, Refusal};
 use crate::kinematics::solve::newton::Pace;
 
-/// Steps in which the motion is followed to the pose right before a jump.
+/// Number of steps in which the motion is followed to the pose just before a jump.
 const STEPS_TO_JUMP: u32 = 8;
 
-/// What the drive is right before a jump is what it is over this part of the way there, ...
+/// The drive just before a jump is evaluated over this fraction of the distance to it, ...
 const AT_JUMP: f64 = 1.0 / 65_536.0;
 
-/// ... but no less than this part of the time, or of a second: the jump itself is known a hundred times as well.
+/// ... but no less than this fraction of the time, or of a second: the jump itself is known a hundred times as
+/// accurately.
 const LEAST_AT_JUMP: f64 = 1e-10;
 
 impl Prover<'_> {
-    /// The interval's end and the breaks of the drive before it, the first one last.
+    /// The end of the interval and the breaks of the drive before it, the first one last.
     pub(super) fn by_keyframes(
         &mut self,
         start: &Station,
@@ -53,12 +54,12 @@ impl Prover<'_> {
 
     /// The limit of the motion at a jump to or from `at`, on the side of `from`: followed from the pose on that side.
     fn beside_a_jump(&mut self, at: Station, there: &Station, from: f64) -> Station {
-        // Enclosed over a short time only: what is quick farther away does not count.
+        // Enclosed over a short time only, so that fast changes farther away do not matter.
         let way = (from - at.time).abs();
         let least = LEAST_AT_JUMP * at.time.abs().max(1.0);
         let beside = at.time + (from - at.time).signum() * way.min(least.max(AT_JUMP * way));
         let ends = [beside.min(at.time), beside.max(at.time)];
-        let inputs = InputPath::new(&self.actuation, DriveStretch::new(ends[0], ends[1]));
+        let inputs = InputPath::new(&self.actuation, DriveInterval::new(ends[0], ends[1]));
         let limit = |k: usize| inputs.at(k, at.time).middle();
         let mut coordinates = there.unknowns.clone();
         for step in 1..=STEPS_TO_JUMP {
@@ -82,8 +83,8 @@ impl Prover<'_> {
         }
     }
 
-    /// A closed pose at `time`, corrected from the straight line between two others; where that line leads to none, the
-    /// motion is followed from the first one. Which assembly it is of is found out by the proof.
+    /// A closed pose at `time`, corrected from the straight line between two others; if that fails, the motion is
+    /// followed from the first one. The proof determines its assembly.
     pub(super) fn pose_between(&mut self, a: &Station, b: &Station, time: f64) -> Option<Station> {
         let share = (time - a.time) / (b.time - a.time);
         let actuation = &self.actuation;

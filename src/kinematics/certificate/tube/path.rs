@@ -1,36 +1,36 @@
-//! The curve that a tube is laid around: polynomials in the unknowns, the drive itself in the inputs.
+//! The path at the centre of a tube: polynomials in the unknowns, the drive itself in the inputs.
 
-use super::drive::DriveStretch;
+use super::drive::DriveInterval;
 use super::taylor_model::{Polynomial, TaylorEnclosure, TaylorModel};
 use crate::model::actuation::Actuation;
 use crate::numbers::interval::Interval;
 use crate::numbers::scalar::Scalar;
 use std::cell::OnceCell;
 
-/// Coordinates (unknowns, then inputs) over a stretch of time.
+/// Coordinates (unknowns, then inputs) over a time interval.
 #[derive(Clone, Debug)]
 pub struct TubePath {
-    stretch: DriveStretch,
+    stretch: DriveInterval,
     /// The unknowns' are polynomials and nothing else.
     pub coordinates: Vec<TaylorModel>,
     /// The inputs about the middle and about every place at once, as intervals.
     inputs: [Vec<TaylorEnclosure>; 2],
     /// The same of all coordinates, once a formula asks for it.
     series: OnceCell<[Vec<TaylorEnclosure>; 2]>,
-    /// All coordinates of a pose that stands still; none along a motion.
+    /// All coordinates of a constant pose; none for a motion.
     still: Vec<Interval>,
 }
 
 /// The inputs of a mechanism over a stretch.
 pub struct InputPath {
-    stretch: DriveStretch,
+    stretch: DriveInterval,
     /// About the middle, about every place at once.
     inputs: [Vec<TaylorEnclosure>; 2],
 }
 
 impl InputPath {
     /// The drives over a stretch without breaks inside.
-    pub fn new(actuation: &Actuation, stretch: DriveStretch) -> Self {
+    pub fn new(actuation: &Actuation, stretch: DriveInterval) -> Self {
         let over = stretch.over_jumps(&actuation.drives);
         let input = |drive| match &over {
             Some(over) => over.input(drive),
@@ -52,7 +52,7 @@ impl InputPath {
             .all(|series| series.is_finite())
     }
 
-    /// With every input as far as its play from its drive; as they are if there is none.
+    /// With the play added to every input; unchanged if there is none.
     pub fn widened(mut self, play: &[f64]) -> Self {
         for (k, play) in play.iter().enumerate() {
             let play = Interval::around_zero(*play);
@@ -63,7 +63,7 @@ impl InputPath {
         self
     }
 
-    /// Widens input `k` until its value at `time` holds all that are no farther from `value` than `open`; returns by how much.
+    /// Widens input `k` until its value at `time` contains all numbers within `open` of `value`; returns the widening.
     pub fn admit(&mut self, k: usize, time: f64, value: f64, open: f64) -> f64 {
         let here = self.at(k, time);
         let below = (here.lo - value).max(0.0);
@@ -99,7 +99,7 @@ impl InputPath {
 }
 
 impl TubePath {
-    /// A pose that stands still, whose inputs are `coordinates + rests`.
+    /// A constant pose with the inputs `coordinates + rests`.
     pub fn standing(unknowns: usize, coordinates: &[f64], rests: &[f64]) -> Self {
         let rest = |k: usize| rests.get(k).copied().unwrap_or(0.0);
         let slots = coordinates.iter().enumerate();
@@ -116,7 +116,7 @@ impl TubePath {
             ..TaylorModel::constant(*q)
         });
         Self {
-            stretch: DriveStretch::new(0.0, 0.0),
+            stretch: DriveInterval::new(0.0, 0.0),
             coordinates: models.collect(),
             inputs: [inputs.clone(), inputs],
             series: OnceCell::new(),
@@ -125,11 +125,11 @@ impl TubePath {
     }
 
     /// The stretch.
-    pub fn stretch(&self) -> &DriveStretch {
+    pub fn stretch(&self) -> &DriveInterval {
         &self.stretch
     }
 
-    /// All coordinates, if this is a pose that stands still: nothing of higher order than zero is then asked for.
+    /// All coordinates of a constant pose: nothing of higher order than zero is then needed.
     pub fn still(&self) -> Option<&[Interval]> {
         (!self.still.is_empty()).then_some(&self.still)
     }

@@ -23,22 +23,22 @@ use crate::numbers::rounding::{GROW, OPERATION};
 /// A trace below this could belong to a half-turn (trace -1) as well as to the identity (trace 3).
 const LEAST_TRACE: f64 = 1e-6;
 
-/// Coefficients of R where anything moves.
+/// Coefficients of R if anything moves.
 const INVERSE_TERMS: usize = 3;
 
-/// Most corrections of a path. From a straight line two or three leave what the polynomials cannot follow.
+/// Most corrections of a path. From a straight line two or three suffice up to the truncation error of the polynomials.
 const CORRECTIONS: usize = 6;
 
-/// A correction below this part of what the polynomials leave out changes no bound.
+/// A correction below this fraction of the truncation error changes no bound.
 const SMALL_CORRECTION: f64 = 0.3;
 
-/// A path that is corrected by more radians or sizes leads elsewhere.
+/// A path corrected by more radians or sizes leads elsewhere.
 const LARGEST_CORRECTION: f64 = 0.5;
 
 /// Factor between the balls that are tried where a formula has no bounds in the largest.
 const BALL_STEP: f64 = 16.0;
 
-/// No smaller ball is tried: a motion so close to a kink is as good as on it.
+/// Smallest ball that is tried: closer to a kink there is no proof.
 const SMALLEST_BALL: f64 = 1e-6;
 
 /// Buffers of the test.
@@ -52,11 +52,11 @@ pub struct Workspace {
     pub(super) factors: Vec<f64>,
     /// The coefficients of J on the rows of the basis, the highest on top.
     stacked: Vec<Lanes>,
-    /// What J leaves out and what its products round.
+    /// Truncation error of J and rounding of its products.
     slack: Vec<Lanes>,
     /// Coefficients of F on the rows of the basis.
     residuals: Vec<Lanes>,
-    /// What F leaves out and what its products round.
+    /// Truncation error of F and rounding of its products.
     open: Vec<f64>,
     pub(super) n: usize,
     /// Coefficients of J that are not all zero, the constant one among them.
@@ -70,7 +70,7 @@ pub struct Workspace {
 /// Groups that the coefficients of a polynomial take.
 const POLYNOMIAL: usize = TERMS.div_ceil(4);
 
-/// What a row of factors times J should be.
+/// The target of a row of factors times J.
 #[derive(Clone, Copy)]
 enum Aim {
     /// The identity's row of an unknown.
@@ -79,8 +79,7 @@ enum Aim {
     Row(usize),
 }
 
-/// Adds what is proved of a block to what is proved of the earlier ones. `may_move`: the path is first brought to the
-/// motion.
+/// Adds the bounds of a block to those of the earlier ones. `may_move`: the path is first corrected onto the motion.
 pub fn prove_tube(
     layout: &TubeLayout,
     forms: &[Form],
@@ -148,7 +147,7 @@ fn path_bends(layout: &TubeLayout, forms: &[Form], path: &TubePath) -> Result<Be
 }
 
 impl Workspace {
-    /// Takes the rows of the basis.
+    /// Selects the rows of the basis.
     fn lay_out(&mut self, basis: &[usize], width: usize) {
         let products = self.products();
         self.stride = lane_groups(width);
@@ -208,8 +207,8 @@ impl Workspace {
         sign.map(|_| ()).ok_or(Reason::Singular)
     }
 
-    /// One step of Newton's method for all coefficients, order by order. `true`: the path stays as it is, since a step
-    /// would be too small to matter.
+    /// One Newton step for all coefficients, order by order. Returns `true` if the path stays, because a step would be
+    /// too small to matter.
     fn correct(
         &self,
         layout: &TubeLayout,
@@ -236,7 +235,7 @@ impl Workspace {
                 steps[k * self.stride + i / 4][i % 4] = dot_lanes(self.inverse.row(i), &right);
             }
         }
-        // How large the correction is, against what the residuals leave open.
+        // The size of the correction, compared with the uncertainty of the residuals.
         let (mut largest, mut blur) = (0.0_f64, 0.0_f64);
         let step = |i: usize, k: usize| steps[k * self.stride + i / 4][i % 4];
         for i in 0..n {
@@ -277,7 +276,7 @@ impl Workspace {
             .collect()
     }
 
-    /// Bounds for a row that the basis leaves out: its factors are those of G' R.
+    /// Bounds for a row outside the basis: its factors are those of G' R.
     fn of_redundant_row(
         &self,
         row: usize,
@@ -301,7 +300,7 @@ impl Workspace {
         self.bound(&factors, Aim::Row(row), layout, basis, bends, earlier)
     }
 
-    /// Bounds of a row of factors times F and J, less what it aims at.
+    /// Bounds of a row of factors times F and J, minus its target.
     fn bound(
         &self,
         factors: &[f64],
@@ -313,7 +312,7 @@ impl Workspace {
     ) -> TubeConstants {
         let (n, width) = (self.n, layout.columns.len());
         let drift = earlier.largest;
-        // Row sums of |A|: what an error of the rows does to an unknown.
+        // Row sums of |A|: the effect of an error of the rows on an unknown.
         let sizes: Vec<f64> = (0..n)
             .map(|r| {
                 let sizes = (0..self.inverse_terms).map(|m| factors[m * n + r].abs());
@@ -324,7 +323,7 @@ impl Workspace {
             let pairs = sizes.iter().zip(basis);
             pairs.map(|(s, row)| s * bounds[*row]).sum()
         };
-        // A J as a polynomial of s, coefficient by coefficient; what is open in J comes first.
+        // A J as a polynomial of s, coefficient by coefficient; the uncertainty of J comes first.
         let mut product = vec![[0.0; 4]; self.stride];
         combine_rows(&mut product, &sizes, &self.slack);
         let mut whole = product.clone();
@@ -340,7 +339,7 @@ impl Workspace {
             let count = (most - least + 1) * n;
             let factors = &factors[least * n..least * n + count];
             combine_rows(&mut product, factors, &rows[..count * self.stride]);
-            // Less the identity, or less the row that is judged: what is left is the contraction.
+            // Minus the identity, or minus the row that is judged: the rest is the contraction.
             match aim {
                 Aim::Unknown(i) if k == 0 => product[i / 4][i % 4] -= 1.0,
                 Aim::Row(row) if k < self.rows.jacobian().len() => {
@@ -365,7 +364,7 @@ impl Workspace {
             bend += bends.all[row];
             own_bend += bends.own[row];
         }
-        // Unknowns of blocks before this one carry their errors in.
+        // Unknowns of earlier blocks contribute their errors.
         let whole = &whole.as_flattened()[..width];
         let carried = whole[n..].iter().zip(&layout.columns[n..]);
         let carried: f64 = carried.map(|(c, slot)| c * earlier.rest[*slot]).sum();
@@ -377,7 +376,7 @@ impl Workspace {
         }
     }
 
-    /// Bound of the polynomial that a row of factors makes of F, less what it aims at.
+    /// Bound of a row of factors times F as a polynomial, minus its target.
     fn residual(&self, factors: &[f64], aim: Aim) -> f64 {
         let mut all = [0.0; TERMS + INVERSE_TERMS];
         let mut part = [[0.0; 4]; POLYNOMIAL];

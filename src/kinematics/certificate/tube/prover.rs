@@ -1,7 +1,7 @@
-//! From sample to sample: where stretches part, and how tubes are joined to each other and to the samples.
+//! From sample to sample: where tubes begin and end, and how they are connected to each other and to the samples.
 
 use super::blocks::Blocks;
-use super::drive::{DriveStretch, jumps_between};
+use super::drive::{DriveInterval, jumps_between};
 use super::form::Form;
 use super::path::{InputPath, TubePath};
 use super::stretches::{Bases, Station, Tube, largest_value};
@@ -22,15 +22,15 @@ use crate::model::printed;
 use crate::numbers::interval::Interval;
 use std::sync::Arc;
 
-/// Shortest stretch, as a fraction of the interval between two samples: near a singular pose tubes get as short
-/// as they are far from it, and there is no end to that.
+/// Shortest time interval, as a fraction of the interval between two samples: near a singular pose tubes are as short
+/// as its distance, without end.
 pub const FLOOR: f64 = 1.0 / 65_536.0;
 
 /// An input of a sample may differ from the enclosed drive by rounding: this much of a radian or of the size.
 const SAME_INPUT: f64 = 1e-9;
 
-/// Where in a stretch the rows of over-determined blocks are chosen, as parts of it: in the middle, and where that choice
-/// fails at either end.
+/// Positions in a time interval at which the rows of over-determined blocks are chosen: the middle, and if that choice
+/// fails either end.
 const CHOICES: [f64; 3] = [0.5, 0.0, 1.0];
 
 /// Proves intervals of one mechanism.
@@ -42,11 +42,11 @@ pub struct Prover<'m> {
     pub(super) solver: PoseSolver<'m>,
     /// All rows of every block; `None` if a block has more of them than unknowns.
     all_rows: Option<Bases>,
-    /// Looks at redundant rows with more digits than tubes have; `None` without such rows.
+    /// Examines redundant rows with more digits than tubes have; `None` without such rows.
     digits: Option<PoseProver<'m>>,
-    /// An interval may end where the drive jumps; it is then proved up to the jump.
+    /// Whether an interval may end where the drive jumps; it is then proved up to the jump.
     may_jump: bool,
-    /// How far every input may be from its drive; not at all if there is none.
+    /// Distance of every input from its drive; none by default.
     play: Vec<f64>,
 }
 
@@ -69,20 +69,21 @@ impl<'m> Prover<'m> {
         }
     }
 
-    /// Lets every input be as far as its play from its drive at every instant: what is proved holds for all of them.
+    /// Allows every input to deviate from its drive by its play at every instant: results hold for all such motions.
     pub fn with_play(mut self, play: Vec<f64>) -> Self {
         self.play = play;
         self
     }
 
-    /// Lets intervals begin and end where the drive jumps: they are proved up to there, and the sample beyond it is not joined.
+    /// Allows intervals to begin and end where the drive jumps: they are proved up to there, and the sample beyond is
+    /// not connected.
     pub fn up_to_jumps(mut self) -> Self {
         self.may_jump = self.actuation.drives.iter().any(Drive::may_jump);
         self
     }
 
-    /// Whether a sample's inputs are the tube's at that time: those of a sample at which the drive jumps are not. Tubes begin and
-    /// end with the exact poses of the samples that have their inputs.
+    /// Whether a sample's inputs are those of the tube at that time, which fails at a jump of the drive. Tubes begin
+    /// and end with the exact poses of samples with their inputs.
     pub fn has_inputs(&self, tube: &Tube, sample: &Sample) -> bool {
         let jumps = jumps_between(&self.actuation.drives, tube.start, tube.end);
         if (jumps.at_start && sample.time == tube.start)
@@ -116,7 +117,7 @@ impl<'m> Prover<'m> {
         (certificate, tubes)
     }
 
-    /// The tubes of an interval, from its start up to its end or a refusal. No stretch is shorter than `floor` of the
+    /// The tubes of an interval, from its start up to its end or a failure. None is shorter than `floor` of the
     /// interval.
     pub fn tubes(&mut self, pair: &[Sample], floor: f64) -> (Vec<Tube>, Option<Refusal>) {
         let mut tubes = Vec::new();
@@ -127,12 +128,12 @@ impl<'m> Prover<'m> {
         (tubes, refused)
     }
 
-    /// The same motion in two tubes, each thinner; `None` where they cannot be proved.
+    /// The same motion in two thinner tubes; `None` if they cannot be proved.
     pub fn halves(&mut self, tube: &Tube) -> Option<[Tube; 2]> {
         let middle = 0.5 * tube.start + 0.5 * tube.end;
         let mut part = |start: f64, end: f64| {
             let inputs =
-                InputPath::new(&self.actuation, DriveStretch::new(start, end)).widened(&self.play);
+                InputPath::new(&self.actuation, DriveInterval::new(start, end)).widened(&self.play);
             let path = inputs.with(tube.path.part(
                 self.system.mechanism().unknowns.len(),
                 start,
@@ -145,7 +146,7 @@ impl<'m> Prover<'m> {
         Some([part(tube.start, middle)?, part(middle, tube.end)?])
     }
 
-    /// The arguments of all joints over a tube's stretch.
+    /// The arguments of all joints over a tube.
     pub fn arguments(&self, tube: &Tube) -> Vec<TaylorModel> {
         let coordinates = tube.coordinates(self.system.mechanism());
         let count = self.system.mechanism().arguments.len();
@@ -233,7 +234,7 @@ impl<'m> Prover<'m> {
         let error = match pose.certificate {
             Certificate::Certified { error_bound, .. }
             | Certificate::Consistent { error_bound, .. } => error_bound,
-            // Tubes are about angles, which have no bound here.
+            // Tubes describe angles, which have no bound here.
             Certificate::Locked { .. } => return Err(Obstacle::Test(Reason::GimbalLock)),
             Certificate::Refused { reason } => return Err(Obstacle::Test(reason)),
         };
@@ -257,14 +258,14 @@ impl<'m> Prover<'m> {
         }
     }
 
-    /// Proves the stretch from `here` to `next` and joins it to what is at its ends.
+    /// Proves the tube from `here` to `next` and connects it to its neighbours.
     fn tube(
         &mut self,
         here: &Station,
         next: &Station,
         before: Option<&Tube>,
     ) -> Result<Tube, Obstacle> {
-        let mut inputs = InputPath::new(&self.actuation, DriveStretch::new(here.time, next.time));
+        let mut inputs = InputPath::new(&self.actuation, DriveInterval::new(here.time, next.time));
         inputs = inputs.widened(&self.play);
         if !inputs.is_finite() {
             return Err(Obstacle::Drive);
@@ -283,8 +284,8 @@ impl<'m> Prover<'m> {
         joined.then_some(tube).ok_or(Obstacle::NotJoined)
     }
 
-    /// Proves the stretch on the rows that suit it: an over-determined block leaves a choice, and what is good at one
-    /// pose may depend on each other at another.
+    /// Proves the tube on suitable rows: an over-determined block leaves a choice, and rows that are good at one pose
+    /// may be dependent at another.
     fn prove_on_some_rows(
         &mut self,
         here: &Station,
@@ -339,7 +340,8 @@ impl<'m> Prover<'m> {
         })
     }
 
-    /// Whether a redundant row is proved not to hold at a time: what it is open by may be too small for a tube to see.
+    /// Whether it is proved that a redundant row does not hold at a time: its closure error may be too small for a
+    /// tube.
     fn is_open_at(&mut self, time: f64, path: &TubePath, bases: &Bases) -> bool {
         let Some(digits) = &mut self.digits else {
             return false;
@@ -357,7 +359,7 @@ impl<'m> Prover<'m> {
         reason == Some(Reason::Open)
     }
 
-    /// Cubic curves of the unknowns through both ends, with the rates there as far as they are known.
+    /// Cubic curves of the unknowns through both ends, with the rates there if they are known.
     fn first_guess(&self, here: &Station, next: &Station, past: Option<&Tube>) -> Vec<Polynomial> {
         let half = 0.5 * (next.time - here.time);
         let rate = |place: &Station, k: usize| {
@@ -391,7 +393,7 @@ impl<'m> Prover<'m> {
         };
         let mechanism = self.system.mechanism();
         for (k, value) in values.iter().enumerate() {
-            // The pose may have been proved at the input as a table prints it.
+            // The pose may have been proved at the input as printed in a table.
             let unit = mechanism.unit_of(mechanism.inputs[k].kind);
             let open = printed::printing_unit(*value, unit);
             let off = inputs.admit(k, place.time, *value, open);
@@ -402,7 +404,7 @@ impl<'m> Prover<'m> {
         Ok(())
     }
 
-    /// Whether the exact pose of a sample is the one that the tube has there.
+    /// Whether the exact pose of a sample is that of the tube there.
     fn holds(&self, tube: &Tube, place: &Station) -> bool {
         let Some((_, error)) = &place.sample else {
             return true;

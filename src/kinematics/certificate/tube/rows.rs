@@ -1,4 +1,5 @@
-//! The equations of one block over a stretch, with bounds of their second derivatives in the ball around the path.
+//! The equations of one block over a time interval, with bounds of their second derivatives in the ball around the
+//! path.
 
 use super::chain::{ArgumentModel, LoopModel, Reaches};
 use super::form::{Form, FormChange};
@@ -14,8 +15,8 @@ use crate::model::mechanism::{Closes, Mechanism};
 use crate::numbers::interval::Interval;
 use crate::numbers::rounding::{GROW, OPERATION};
 
-/// Coefficients of the Jacobian that are kept: the inverse follows it as far, and what is of higher order is small
-/// enough in the bound.
+/// Number of coefficients of the Jacobian that are kept: the inverse follows it to the same order, and higher orders
+/// are small enough in the bound.
 pub const JACOBIAN_TERMS: usize = 4;
 
 /// A block and what its unknowns are called by; laid out once.
@@ -35,8 +36,8 @@ pub struct TubeLayout<'m> {
     moves: Vec<Vec<(usize, f64)>>,
     /// For every unknown, its scale if it is one of the columns, and if it is one of the own.
     rates: [Vec<f64>; 2],
-    /// Changes, by the own unknowns and by all, of forms that change alike everywhere: affine ones, and equations of second
-    /// degree, which are only asked how they bend.
+    /// Changes, by the own unknowns and by all, of forms whose change is the same everywhere: affine ones, and
+    /// equations of second degree, of which only the curvature is needed.
     changes: [Vec<FormChange>; 2],
     /// Forms whose changes depend on the place.
     bent: Vec<usize>,
@@ -49,11 +50,11 @@ pub struct TubeRows {
     pub residual: Vec<TaylorModel>,
     /// Derivatives by the columns: one matrix a coefficient.
     jacobian: [LaneMatrix; JACOBIAN_TERMS],
-    /// As many of them are in use: of what stands still only the first.
+    /// Number of them in use: for a constant pose only the first.
     terms: usize,
     /// What they leave out.
     pub rest: LaneMatrix,
-    /// Of every loop that must not be turned by π: the trace of its rotation.
+    /// For every loop that must not be rotated by π: the trace of its rotation.
     pub traces: Vec<TaylorModel>,
 }
 
@@ -73,7 +74,8 @@ impl TubeRows {
         self.traces.clear();
     }
 
-    /// Appends what a row of the Jacobian leaves out and what its products round: `products` of every entry.
+    /// Appends the truncation error of a row of the Jacobian and the rounding of its products: `products` of every
+    /// entry.
     pub fn add_slack(&self, row: usize, products: f64, slack: &mut Vec<Lanes>) {
         let first = slack.len();
         slack.extend_from_slice(self.rest.row(row));
@@ -85,7 +87,7 @@ impl TubeRows {
         }
     }
 
-    /// What a residual leaves out and what its products round.
+    /// Truncation error of a residual and rounding of its products.
     pub fn open_of(&self, row: usize, products: f64) -> f64 {
         let residual = &self.residual[row];
         residual.rest + products * polynomial_size(&residual.c)
@@ -99,7 +101,7 @@ pub struct Bends {
     pub own: Vec<f64>,
     /// The same along those of earlier blocks too.
     pub all: Vec<f64>,
-    /// Of every loop that must not be turned by π: by how much it can turn along all unknowns.
+    /// For every loop that must not be rotated by π: bound of its rotation along all unknowns.
     pub turns: Vec<f64>,
     /// Radius of the ball, in radians and sizes.
     pub ball: f64,
@@ -138,7 +140,7 @@ impl<'m> TubeLayout<'m> {
             }
             rates
         });
-        // What changes alike everywhere, once and for all.
+        // Changes that are the same everywhere are computed once.
         let mut changes = [(); 2].map(|()| vec![FormChange::default(); forms.len()]);
         let mut bent = Vec::new();
         for &form in &used {
@@ -173,7 +175,7 @@ impl<'m> TubeLayout<'m> {
         }
     }
 
-    /// Whether a loop could be closed but for a turn by π; one that closes in a point may turn.
+    /// Whether a loop could be closed up to a rotation by π; one that closes in a point may rotate.
     fn must_not_turn(&self, part: &LoopPart) -> bool {
         self.mechanism.loops[part.index].closes == Closes::Frame
     }

@@ -1,4 +1,4 @@
-//! What formulas of a pose (coordinates, traced points, outputs) show over a tube, as Taylor models.
+//! Formulas of a pose (coordinates, traced points, outputs) over a tube, as Taylor models.
 
 use super::shown_value::{Line, ShownValue};
 use super::stretches::Tube;

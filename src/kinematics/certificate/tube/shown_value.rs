@@ -1,9 +1,9 @@
-//! A number of a formula over a tube, which knows its own range: kinks and jumps can be passed.
+//! A number of a formula over a tube, with its range, so that kinks and jumps can be passed.
 //!
-//! Where the operand of `abs`, `min` or `max` may be on either side of its kink, one of the sides is taken and what that is
-//! off at most. A `floor` that may have jumped is any number between the whole ones. Either is a formula with an unknown
-//! number of an interval in it, which may be another one at every instant and every place beside the path: enclosures of
-//! all such formulas enclose this one.
+//! If the operand of `abs`, `min` or `max` may be on either side of its kink, one side is used, plus a bound of its
+//! error. A `floor` that may have jumped is any number between the whole ones. Either is a formula that contains an
+//! unknown number from an interval, which may differ at every instant and every place near the path: an enclosure of
+//! all such formulas encloses this one.
 
 use super::taylor_model::{TaylorEnclosure, TaylorModel};
 use crate::numbers::constant::Constant;
@@ -22,13 +22,13 @@ pub struct ShownValue {
     pub middle: TaylorEnclosure,
     /// About every place of it at once.
     pub everywhere: TaylorEnclosure,
-    /// Anywhere between path and motion, along any way from one to the other.
+    /// Anywhere between path and motion, along any line from one to the other.
     pub beside: Line,
 }
 
 impl ShownValue {
-    /// Over the stretch. By the mean value theorem a value on the motion is no farther from that on the path than its
-    /// derivative on the way from one to the other.
+    /// Over the interval. By the mean value theorem a value on the motion differs from that on the path by at most its
+    /// derivative between them.
     pub fn model(&self) -> TaylorModel {
         let [_, change] = *self.beside.coefficients();
         let mut model = TaylorModel::of(self.middle, &self.everywhere);
@@ -86,7 +86,7 @@ impl ShownValue {
             return Self::undefined();
         }
         let (below, above) = ((-ahead.lo).max(0.0), ahead.hi.max(0.0));
-        // The side that is ahead, plus what the other may be ahead of it.
+        // The greater side, plus the largest possible excess of the other.
         let (side, off) = match above >= below {
             true => (self, below),
             false => (other, above),

@@ -1,4 +1,4 @@
-//! What is proved of a stretch, and the poses at its ends.
+//! The result for a tube, and the poses at its ends.
 
 use super::path::TubePath;
 use super::taylor_model::TaylorModel;
@@ -15,13 +15,13 @@ pub struct Tube {
     pub start: f64,
     /// Seconds.
     pub end: f64,
-    /// Distance of the motion from the path at most, in radians and sizes.
+    /// Bound on the distance of the motion from the path, in radians and sizes.
     pub radius: f64,
-    /// Distance from the path within which it is the only one, likewise.
+    /// Distance from the path within which it is the only one, in the same units.
     pub unique: f64,
-    /// No redundant row is open by more, likewise.
+    /// Bound on the closure errors of redundant rows, in the same units.
     pub(super) closes_to: f64,
-    /// Distance of every unknown from the path, likewise.
+    /// Bound on the distance of every unknown from the path, in the same units.
     pub(super) rest: Vec<f64>,
     pub(super) path: TubePath,
     /// The rows that it is proved on.
@@ -34,7 +34,7 @@ impl Tube {
         self.path.at(k, time).middle()
     }
 
-    /// All coordinates of the motion, wherever it is beside the path.
+    /// All coordinates of the motion, wherever it is near the path.
     pub(super) fn coordinates(&self, mechanism: &Mechanism) -> Vec<TaylorModel> {
         let mut coordinates = self.path.coordinates.clone();
         for (k, rest) in self.rest.iter().enumerate() {
@@ -50,7 +50,7 @@ impl Tube {
         slope / self.path.stretch().half
     }
 
-    /// Whether the enclosed drive goes on where this tube meets the one before.
+    /// Whether the enclosed drive continues where this tube meets the previous one.
     pub(super) fn has_inputs_of(&self, before: &Self, mechanism: &Mechanism) -> bool {
         let mut slots = mechanism.unknowns.len()..mechanism.coordinate_count();
         slots.all(|k| {
@@ -59,7 +59,7 @@ impl Tube {
         })
     }
 
-    /// Whether it has the pose of the tube before where they meet.
+    /// Whether it has the pose of the previous tube where they meet.
     pub(super) fn has_motion_of(&self, before: &Self, mechanism: &Mechanism) -> bool {
         let gap = (0..mechanism.unknowns.len()).map(|k| {
             let (a, b) = (before.path.at(k, self.start), self.path.at(k, self.start));
@@ -77,9 +77,9 @@ pub struct Station {
     pub time: f64,
     /// Values of the unknowns.
     pub unknowns: Vec<f64>,
-    /// Rates of the unknowns, where they are known: only the first guess of a path needs them.
+    /// Rates of the unknowns, if they are known: used only for the first guess of a path.
     pub rates: Option<Vec<f64>>,
-    /// Of a sample: its inputs, and how far the exact pose is, in radians and sizes.
+    /// For a sample: its inputs, and the distance of the exact pose, in radians and sizes.
     pub sample: Option<(Vec<f64>, f64)>,
 }
 

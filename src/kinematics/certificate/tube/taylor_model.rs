@@ -1,7 +1,7 @@
-//! Taylor models: a polynomial in s with plain numbers, and a bound of what it leaves out for -1 ≤ s ≤ 1.
+//! Taylor models: a polynomial in s with plain numbers, and a bound of the truncation error for -1 ≤ s ≤ 1.
 //!
-//! Sums and products act on the polynomials; what they round or truncate is added to the bound. Coefficients are numbers,
-//! not intervals, so that a product costs its multiplications only.
+//! Sums and products act on the polynomials; their rounding and truncation errors are added to the bound. Coefficients
+//! are numbers, not intervals, so that a product costs only its multiplications.
 
 use crate::model::expression::Affine;
 use crate::numbers::interval::Interval;
@@ -32,16 +32,16 @@ type CoefficientBounds = Series<f64, TERMS>;
 pub struct TaylorModel {
     /// Coefficients.
     pub c: Polynomial,
-    /// The function is nowhere farther from the polynomial.
+    /// Bound on the distance of the function from the polynomial.
     pub rest: f64,
 }
 
-/// A function around a place: value + way u + bend u², for -1 ≤ u ≤ 1, to within `off`.
+/// A function near a place: value + way u + bend u², for -1 ≤ u ≤ 1, with an error of at most `off`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TaylorCentre {
     /// At the place.
     pub value: f64,
-    /// Linear change to the end of the surroundings.
+    /// Linear change to the end of the neighbourhood.
     pub way: f64,
     /// Change with the square.
     pub bend: f64,
@@ -49,7 +49,7 @@ pub struct TaylorCentre {
     pub off: f64,
 }
 
-/// Σ |cₖ|: the polynomial is nowhere larger.
+/// Σ |cₖ|: a bound on the polynomial.
 pub fn polynomial_size(c: &Polynomial) -> f64 {
     c.iter().map(|c| c.abs()).sum()
 }
@@ -63,7 +63,7 @@ pub fn tail_sums(sizes: &Polynomial) -> [f64; TERMS + 1] {
     tails
 }
 
-/// What a product of polynomials loses that are cut off after [`TERMS`] coefficients of these sizes.
+/// Truncation error of a product of polynomials with coefficients of these sizes, after [`TERMS`] coefficients.
 pub fn truncated_part(a: &Polynomial, tails: &[f64; TERMS + 1]) -> f64 {
     (1..TERMS).map(|j| a[j] * tails[TERMS - j]).sum()
 }
@@ -86,20 +86,20 @@ impl TaylorModel {
         rest: 0.0,
     };
 
-    /// A number that does not change.
+    /// A constant number.
     pub fn constant(value: f64) -> Self {
         let mut model = Self::ZERO;
         model.c[0] = value;
         model
     }
 
-    /// The number that it is everywhere, if it is one.
+    /// Its number, if it is constant.
     pub fn as_number(&self) -> Option<f64> {
         let is_number = self.c[1..] == [0.0; TERMS - 1] && self.rest == 0.0;
         is_number.then_some(self.c[0])
     }
 
-    /// A number in an interval, which does not change.
+    /// A constant number from an interval.
     pub fn standing(value: Interval) -> Self {
         let middle = value.middle();
         Self {
@@ -148,7 +148,7 @@ impl TaylorModel {
         (polynomial_size(&self.c) + self.rest) * GROW
     }
 
-    /// Nowhere farther from the constant coefficient than this.
+    /// Bound on the distance from the constant coefficient.
     pub fn size_of_change(&self) -> f64 {
         (self.c[1..].iter().map(|c| c.abs()).sum::<f64>() + self.rest) * GROW
     }
@@ -187,7 +187,7 @@ impl TaylorModel {
         }
     }
 
-    /// The same function with the last coefficients moved into the bound, so that `terms` of them stay.
+    /// The same function with its last coefficients moved into the bound, so that `terms` of them remain.
     pub fn shortened(mut self, terms: usize) -> Self {
         let lost = self.c.iter_mut().skip(terms);
         self.rest += lost.map(|c| std::mem::take(c).abs()).sum::<f64>() * GROW;
@@ -216,7 +216,7 @@ impl TaylorModel {
         c
     }
 
-    /// How the function moves around the place `s`, no farther than `half` from it.
+    /// The function near the place `s`, within a distance of `half`.
     pub fn around(&self, s: f64, half: f64) -> TaylorCentre {
         let c = self.about(s, half);
         let rest: f64 = c[3..].iter().map(|c| c.abs()).sum();
@@ -238,7 +238,7 @@ impl TaylorModel {
     }
 }
 
-/// A rotation by an angle that changes: its sine and cosine as one pair.
+/// A rotation by a variable angle: its sine and cosine as one pair.
 #[derive(Clone, Copy, Debug)]
 pub struct Turn {
     /// Coefficients.
@@ -247,7 +247,7 @@ pub struct Turn {
     pub cos: Polynomial,
     /// Bounds of the coefficients of the pair.
     pub sizes: Polynomial,
-    /// The pair is nowhere farther from the true one.
+    /// Bound on the distance of the pair from the true one.
     pub rest: f64,
 }
 

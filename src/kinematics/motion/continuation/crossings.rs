@@ -1,5 +1,5 @@
-//! Where exactly a singular pose was passed: the smallest singular value, with the determinant's sign, goes through
-//! zero there as a smooth function of time. It is read off at some distance, where poses still have their digits.
+//! Locates a singular pose that was passed: the smallest singular value, with the determinant's sign, is a smooth
+//! function of time with a zero there. It is evaluated at some distance, where poses still have their digits.
 
 use crate::kinematics::motion::tracker::path_tracker::{PathPoint, PathTracker};
 use crate::kinematics::solve::newton::Pace;
@@ -11,17 +11,17 @@ const SIDE: usize = 3;
 /// The nodes come closer by this factor from one round to the next.
 const CLOSER: f64 = 0.125;
 
-/// Rounds end when the nearest node's singular value falls below this share of the best one: at a share s a pose is
-/// known to about u / s, and what the interpolation leaves out is of the order of s to the power 2 SIDE.
+/// Rounds end when the nearest node's singular value falls below this fraction of the best one: at a fraction s a pose
+/// is known to about u / s, and the error of the interpolation is of the order of s to the power 2 SIDE.
 const NEAR_ENOUGH: f64 = 3e-3;
 
 /// Most rounds; each takes three binary digits off the distance.
 const ROUNDS: usize = 12;
 
-/// A crossing that waits for a pose behind it.
+/// A crossing that waits for a pose after it.
 #[derive(Clone, Debug)]
 pub(crate) struct SignChange {
-    /// The event that says so.
+    /// The event that reports it.
     pub event: usize,
     /// A regular pose before it.
     pub before: PathPoint,
@@ -35,8 +35,8 @@ struct CrossingNode {
     value: f64,
 }
 
-/// Time at which the determinant of a block vanishes between two poses; `None` where none changes its sign, or
-/// where poses between them cannot be found.
+/// Time at which the determinant of a block vanishes between two poses; `None` if none changes its sign, or if poses
+/// between them cannot be found.
 pub(crate) fn zero_between(
     tracker: &mut PathTracker,
     before: PathPoint,
@@ -65,8 +65,8 @@ pub(crate) fn zero_between(
         let nearest = values.fold(f64::INFINITY, f64::min);
         let on_side = |side: f64| nodes.iter().any(|n| n.value * side > 0.0);
         let is_around = on_side(low.value) && on_side(high.value);
-        // Signs keep the zero between two poses, whatever the interpolation says: in a drive that comes to rest there time
-        // is no smooth function of the value.
+        // Signs keep the zero between two poses: in a drive that comes to rest there, time is not a smooth function of
+        // the value, and the interpolation may fail.
         for node in nodes {
             let is_between = (low.point.time..high.point.time).contains(&node.point.time);
             match node.value * low.value > 0.0 {
@@ -94,7 +94,7 @@ pub(crate) fn zero_between(
 }
 
 fn crossing_node(tracker: &mut PathTracker, point: PathPoint, block: usize) -> CrossingNode {
-    // What is iterated at every pose is right to a millionth, which would be seen in the place.
+    // The iterated value at every pose is accurate to a millionth, which would affect the location.
     let exact = tracker.solver.exact_sigma(&point.coordinates, block);
     let sigma = exact.unwrap_or(point.branch.sigma_min);
     CrossingNode {

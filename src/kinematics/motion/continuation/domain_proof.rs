@@ -1,7 +1,7 @@
-//! Proof that an equation has no value beyond the end of a motion.
+//! Proof that an equation is undefined beyond the end of a motion.
 //!
-//! With the inputs of a place beyond, and with nothing known of the unknowns, its formula is enclosed. Where that says
-//! nothing, the blocks that are solved before its own are followed to that place by tubes, and what they are there is put in.
+//! Its formula is enclosed with the inputs of a place beyond, and with arbitrary unknowns. If that is inconclusive, the
+//! blocks solved before its own are followed to that place by tubes, and their values are inserted.
 
 use super::proved_stretch::{bare_mechanism, proved_samples, proved_value};
 use crate::kinematics::certificate::absence::enclosed_inputs;
@@ -13,10 +13,10 @@ use crate::numbers::constant::Constant;
 use crate::numbers::interval::Interval;
 use std::sync::Arc;
 
-/// Of larger mechanisms the blocks before an equation are not followed once more.
+/// Largest mechanism whose earlier blocks are followed again.
 const MOST_UNKNOWNS: usize = 60;
 
-/// Whether equation `index` is proved to have no value with these inputs, beyond the last pose `end`.
+/// Whether equation `index` is proved to be undefined with these inputs, beyond the last pose `end`.
 pub(super) fn is_proved(system: &System, inputs: &[f64], end: &PathPoint, index: usize) -> bool {
     let mechanism = system.mechanism();
     let formula = &mechanism.equations[index].expression;
@@ -51,7 +51,7 @@ fn values_before(
         return None;
     }
     let mut mechanism = bare_mechanism(system.mechanism());
-    // What is not followed has no closure error: it may have no value there.
+    // A block that is not followed has no closure error: it may be undefined there.
     let is_kept = |equation: usize| before.iter().any(|b| b.equations.contains(&equation));
     for (k, equation) in mechanism.equations.iter_mut().enumerate() {
         if !is_kept(k) {

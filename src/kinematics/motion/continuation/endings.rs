@@ -1,27 +1,27 @@
-//! Where steps in time end: the way on, if there is one, else what the motion ends at.
+//! The end of steps in time: the continuation, if there is one, otherwise the kind of the motion's end.
 
 use super::domain_proof;
 use super::fold_proof;
-use super::recorder::{MOST_WAYS_ON, Recorder, WayOn};
+use super::recorder::{MOST_WAYS_ON, PathContinuation, Recorder};
 use crate::kinematics::motion::tracker::arc_length::Onward;
 use crate::kinematics::motion::tracker::path_tracker::{PathPoint, Unwatched};
 use crate::kinematics::motion::tracker::singular::SingularTarget;
 use crate::kinematics::results::trajectory::Ending;
 use crate::kinematics::solve::closure::are_angles_too_large;
 
-/// Shares of the interval between two samples at which a formula is tried beyond the end of a motion.
+/// Fractions of the sampling interval at which a formula is evaluated beyond the end of a motion.
 const BEYOND: [f64; 3] = [1e-11, 1e-9, 1e-7];
 
 impl Recorder<'_> {
-    /// A pose beyond the end of the steps: behind a jump of the drive, on a singular pose, or through it. Else what the
-    /// motion ends at, and where.
+    /// A pose beyond the end of the steps: after a jump of the drive, on a singular pose, or through it. Otherwise the
+    /// kind and place of the end.
     pub(super) fn way_on(
         &mut self,
         end: &PathPoint,
         time: f64,
-    ) -> Result<WayOn, (PathPoint, Ending)> {
+    ) -> Result<PathContinuation, (PathPoint, Ending)> {
         let tracker = &mut self.tracker;
-        // Steps also end at kinks of formulas, where the Jacobian is regular: nothing singular is passed there.
+        // Steps also end at kinks of formulas, where the Jacobian is regular: no singular pose is passed there.
         let is_singular = !tracker.is_trusted(&end.branch);
         let beside = tracker
             .leap(end, time)
@@ -36,7 +36,7 @@ impl Recorder<'_> {
                 },
             },
         };
-        Ok(WayOn { to, is_passed })
+        Ok(PathContinuation { to, is_passed })
     }
 
     /// The pose to which the path leads in arc length.
@@ -45,7 +45,7 @@ impl Recorder<'_> {
             Onward::Passed(to) => Ok(to),
             Onward::Fold(fold) => {
                 let asked = self.is_proof_wanted();
-                // The sense in which time goes on, forwards or backwards.
+                // The direction in which time continues along the path.
                 let sense = (time - end.time).signum();
                 let (system, actuation) = (self.tracker.system(), self.tracker.actuation());
                 let proved = asked && fold_proof::is_proved(system, actuation, &fold, sense);
@@ -55,12 +55,12 @@ impl Recorder<'_> {
         }
     }
 
-    /// A proof is worth its time where poses are proved, and somebody asks what comes behind.
+    /// A proof is worth its time if poses are proved, and the motion after the gap matters.
     fn is_proof_wanted(&self) -> bool {
         self.proof.is_some() && !self.ends_at_gap && !self.tracker.is_cancelled()
     }
 
-    /// What stops a motion that does not end at a fold.
+    /// The cause of an end that is not a fold.
     fn ending_at(&self, end: &PathPoint, time: f64) -> Ending {
         if self.is_angle_too_large(&end.coordinates) {
             return Ending::AngleTooLarge;
@@ -70,7 +70,7 @@ impl Recorder<'_> {
         })
     }
 
-    /// The equation that has no value beyond `end`, if one is found.
+    /// The equation that is undefined beyond `end`, if one is found.
     fn formula_ending(&self, end: &PathPoint, time: f64) -> Option<Ending> {
         let away = (time - end.time).signum() * self.tracker.interval;
         let times = BEYOND.map(|share| end.time + share * away);
@@ -79,7 +79,7 @@ impl Recorder<'_> {
         let has_none = |equation: usize, time: f64| {
             asked && domain_proof::is_proved(system, &actuation.inputs_at(time), end, equation)
         };
-        // With the unknowns of the last pose; else what a loop before it determines may have moved out of its range.
+        // With the unknowns of the last pose; otherwise an earlier loop may have moved them out of the domain.
         let mut undefined = times.iter().map(|time| self.undefined_equation(end, *time));
         let (equation, proved) = match undefined.find_map(|equation| equation) {
             Some(first) => (first, times.iter().any(|time| has_none(first, *time))),
@@ -95,13 +95,13 @@ impl Recorder<'_> {
         })
     }
 
-    /// Whether the angles leave loops open by their own rounding.
+    /// Whether the rounding of the angles alone opens loops.
     pub(super) fn is_angle_too_large(&self, coordinates: &[f64]) -> bool {
         let system = self.tracker.system();
         are_angles_too_large(system.mechanism(), system.blocks(), coordinates)
     }
 
-    /// An equation that has no value with the unknowns of `point` and the inputs of `time`.
+    /// An equation that is undefined with the unknowns of `point` and the inputs of `time`.
     fn undefined_equation(&self, point: &PathPoint, time: f64) -> Option<usize> {
         let mechanism = self.tracker.system().mechanism();
         let n = self.tracker.unknowns();
@@ -111,8 +111,8 @@ impl Recorder<'_> {
         equations.position(|e| !e.expression.value(&coordinates).is_finite())
     }
 
-    /// Where the motion to `found` begins, and what at; `None` if it can be followed back to where the gap began, or to the
-    /// first sample.
+    /// Where the motion to `found` begins, and why; `None` if it can be followed back to the start of the gap, or to
+    /// the first sample.
     pub(super) fn walk_back(
         &mut self,
         found: &PathPoint,

@@ -1,5 +1,5 @@
-//! What happens between samples: singular poses that are passed or met, and locked ball joints. They are told by the
-//! tracker while it goes along.
+//! Events between samples: singular poses that are passed or met, and locked ball joints. The tracker reports them on
+//! the way.
 
 use super::crossings::{SignChange, zero_between};
 use crate::kinematics::motion::tracker::path_tracker::{PathPoint, PathTracker, PathWatcher};
@@ -23,7 +23,7 @@ impl Events {
         self.list.push(Event { time, inputs, kind });
     }
 
-    /// A singular pose near `time` has been passed.
+    /// A singular pose near `time` was passed.
     pub fn passed_at(&mut self, tracker: &PathTracker, time: f64) {
         self.singular_sample = None;
         self.add(tracker.actuation(), time, EventKind::SingularPosePassed);
@@ -33,7 +33,7 @@ impl Events {
         });
     }
 
-    /// Locates the last crossing, now that there is a regular pose behind it.
+    /// Locates the last crossing, now that there is a regular pose after it.
     pub(crate) fn locate_crossing(&mut self, tracker: &mut PathTracker, after: &PathPoint) {
         let Some(crossing) = self.crossing.take() else {
             return;

@@ -1,7 +1,7 @@
-//! Proof that a fold is one: the motion driven by one of its unknowns instead of its input.
+//! Proof of a fold: the motion driven by one of its unknowns instead of its input.
 //!
-//! With the two exchanged the mechanism is regular at the fold, and tubes lead along the path from before the fold to
-//! behind it. If the input at the fold is beyond its values at both ends, by more than the error bounds, then it has an
+//! With the two exchanged, the mechanism is regular at the fold, and tubes follow the path from before the fold to
+//! after it. If the input at the fold is beyond its values at both ends, by more than the error bounds, it has an
 //! extremum on that path.
 
 use super::proved_stretch::{bare_mechanism, proved_samples, proved_value};
@@ -18,19 +18,18 @@ use std::sync::Arc;
 /// Most unknowns: all blocks are proved as one.
 const MOST_UNKNOWNS: usize = 60;
 
-/// How far from the fold the tubes begin and end, in scaled unknowns: far enough for the input to change visibly, near
+/// Distance of the tubes' ends from the fold, in scaled unknowns: large enough for the input to change visibly, small
 /// enough for the tubes.
 const REACHES: [f64; 4] = [1e-2, 1e-3, 1e-4, 1e-5];
 
-/// A mechanism in which an unknown and an input have changed places.
+/// A mechanism in which an unknown and an input have been exchanged.
 struct Exchanged {
     system: System,
     unknown: usize,
     input: usize,
 }
 
-/// Whether the only input that moves turns back at the fold, where it was rising or falling as time went by in the
-/// direction of `sense`, 1 or -1.
+/// Whether the only moving input reverses at the fold; `sense` is 1 if it was rising in time and -1 if it was falling.
 pub(super) fn is_proved(system: &System, actuation: &Actuation, fold: &Fold, sense: f64) -> bool {
     let mechanism = system.mechanism();
     let mut moving = actuation.drives.iter().enumerate();
@@ -65,7 +64,7 @@ impl Exchanged {
         let old = system.mechanism();
         let slots = [unknown, old.unknowns.len() + input];
         let mut mechanism = bare_mechanism(old);
-        // Unknown and input change places, in the chains and in the equations.
+        // Unknown and input are exchanged, in the chains and in the equations.
         std::mem::swap(
             &mut mechanism.unknowns[unknown],
             &mut mechanism.inputs[input],
@@ -98,7 +97,8 @@ impl Exchanged {
         }
     }
 
-    /// Whether the input is proved to be beyond its values `reach` before and behind the fold; `None` where the proof fails.
+    /// Whether the input is proved to be beyond its values `reach` before and after the fold; `None` if the proof
+    /// fails.
     fn turns_back(&self, fold: &Fold, reach: f64, sense: f64) -> Option<bool> {
         let mechanism = self.system.mechanism();
         let n = mechanism.unknowns.len();
@@ -114,7 +114,7 @@ impl Exchanged {
         to[self.input] += reach * scale;
         let actuation = Actuation::straight(&from, &to, guess);
         let samples = proved_samples(&self.system, &actuation, &[0.0, 0.5, 1.0])?;
-        // The input that has become an unknown.
+        // The input that became an unknown.
         let known = |sample: &Sample| proved_value(mechanism, sample, self.unknown);
         let known: Option<Vec<[f64; 2]>> = samples.iter().map(known).collect();
         let [[before, e0], [at, e1], [behind, e2]] = known?[..] else {
@@ -152,7 +152,7 @@ mod tests {
     use crate::kinematics::solve::branch::BranchState;
     use crate::scene::{Overrides, load_scene};
 
-    /// Whether the place x of an equation in x and phi is proved to be a fold, where phi would be largest or smallest.
+    /// Whether the point x of an equation in x and phi is proved to be a fold, with the largest or smallest phi.
     fn is_fold(equation: &str, x: f64, phi: f64, sense: f64) -> bool {
         let text = format!(
             "duration = 1\n[inputs]\nphi = \"{phi} + t\"\n[equations]\ne = \"{equation}\"\n[guess]\nx = {x}\n"

@@ -1,8 +1,8 @@
-//! Stretches of the drive without a pose, and how far the mechanism stays from closing there.
+//! Intervals of the drive without a pose, and the remaining closure error there.
 
 use crate::kinematics::certificate::absence::has_no_pose;
 use crate::kinematics::motion::tracker::path_tracker::{PathPoint, PathTracker, Unwatched};
-use crate::kinematics::results::trajectory::{Ending, Gap, Instant, Lack};
+use crate::kinematics::results::trajectory::{Ending, Gap, Instant, RemainingGap};
 use crate::kinematics::solve::assembly::{NotClosed, smallest_gap};
 
 /// Poses (scaled unknowns) that agree within this are the same pose.
@@ -13,7 +13,7 @@ const SAME_POSE: f64 = 1e-6;
 pub(crate) struct Gaps {
     /// In the order of time; the last one may be open.
     pub list: Vec<Gap>,
-    /// Of the samples of the present gap the one that is farthest from closing.
+    /// The sample of the present gap with the largest closure error.
     widest: Option<(f64, NotClosed)>,
     /// After the end of a motion: a pose of another assembly at the last sample, which the motion cannot reach.
     pub(super) elsewhere: Option<PathPoint>,
@@ -27,7 +27,7 @@ pub(super) fn gap_instant(tracker: &PathTracker, time: f64) -> Instant {
 }
 
 impl Gaps {
-    /// A stretch without a pose begins.
+    /// An interval without a pose begins.
     pub fn open(&mut self, tracker: &PathTracker, from: Option<(f64, Ending)>) {
         self.elsewhere = None;
         self.widest = None;
@@ -41,7 +41,7 @@ impl Gaps {
         });
     }
 
-    /// Poses may exist in the present gap; that a motion surely ended before stays said.
+    /// Poses may exist in the present gap; a certain end of the motion before it is kept.
     pub fn give_up(&mut self, ending: Ending) {
         let undecided = |gap: &&mut Gap| gap.ending.as_ref().is_none_or(Ending::is_undecided);
         if let Some(gap) = self.list.last_mut().filter(undecided) {
@@ -49,7 +49,7 @@ impl Gaps {
         }
     }
 
-    /// Keeps the sample of a gap at which most is lacking.
+    /// Keeps the sample of a gap with the largest closure error.
     pub fn note_lack(&mut self, tracker: &PathTracker, time: f64, best: NotClosed) {
         if self.list.last().is_none_or(|g| g.until.is_some()) {
             self.open(tracker, None);
@@ -60,8 +60,8 @@ impl Gaps {
         }
     }
 
-    /// Measures what is lacking at the sample kept: worth its time once a gap. With a `proof` that no assembly closes there,
-    /// if there is one.
+    /// Computes the closure error at that sample, once per gap. With a `proof` that no assembly closes there, if there
+    /// is one.
     pub fn measure(&mut self, tracker: &PathTracker, proof: bool) {
         let Some((time, best)) = self.widest.take() else {
             return;
@@ -70,7 +70,7 @@ impl Gaps {
         let proved = proof && has_no_pose(tracker.system(), &at.inputs);
         let lack = smallest_gap(tracker.system(), best);
         if let Some(gap) = self.list.last_mut() {
-            gap.widest = Some(Lack {
+            gap.widest = Some(RemainingGap {
                 at,
                 name: lack.name,
                 angle: lack.angle,
@@ -80,7 +80,7 @@ impl Gaps {
         }
     }
 
-    /// Whether `found` belongs to the assembly that was refused at the sample before.
+    /// Whether `found` belongs to the assembly that was rejected at the previous sample.
     pub fn is_known_elsewhere(&mut self, tracker: &mut PathTracker, found: &PathPoint) -> bool {
         let Some(before) = self.elsewhere.clone() else {
             return false;

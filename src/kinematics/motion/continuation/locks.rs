@@ -1,4 +1,4 @@
-//! Where a ball joint is in gimbal lock though the mechanism is not.
+//! Gimbal lock of a ball joint in a regular mechanism.
 
 use super::events::Events;
 use crate::kinematics::ball::joint::Ball;
@@ -7,24 +7,24 @@ use crate::kinematics::results::trajectory::EventKind;
 use crate::kinematics::solve::newton::Pace;
 use glam::DVec2;
 
-/// Closest approach to a locked pose that is reported, as the cosine between the first and the last axis' plane and
-/// the middle angle: the angles then turn a thousand times faster than the joint.
+/// Largest distance from a locked pose that is reported, as the cosine of the middle angle measured from perpendicular
+/// axes: the angles then change a thousand times faster than the joint.
 const NEAR_LOCK: f64 = 1e-3;
 
-/// A ball joint this near to its lock is locked: what is left is rounding.
+/// A ball joint this near to its lock is locked: the rest is rounding.
 const LOCKED: f64 = 1e-12;
 
-/// Approach of the straight line between two poses that is looked at more closely.
+/// Distance of the straight line between two poses below which it is examined.
 const WORTH_A_LOOK: f64 = 0.05;
 
-/// Closest approaches of one joint within this share of the motion are the same: a start beside a lock, and the lock.
+/// Closest approaches of one joint within this fraction of the motion are merged.
 const SAME_LOCK: f64 = 1e-6;
 
 /// Iterations that locate the closest approach: it is a linear problem but for the curvature of the path.
 const LOCATING: usize = 12;
 
 impl Events {
-    /// Reports ball joints whose angles were locked, or nearly, since the pose before.
+    /// Reports ball joints whose angles were locked, or nearly so, since the previous pose.
     pub(crate) fn watch_locks(&mut self, tracker: &mut PathTracker, point: &PathPoint) {
         let before = tracker.recent[0].clone();
         for ball in tracker.system().balls() {
@@ -41,7 +41,7 @@ impl Events {
             };
             let then = ball.lock(&before.coordinates);
             let (part, distance) = closest_approach(then, now);
-            // On the way to a lock the closest pose is yet to come; having left one, it has been said.
+            // On the way to a lock the closest pose is still to come; after it, it has been reported.
             let still_coming = part >= 1.0 && now.length() > LOCKED;
             if distance > WORTH_A_LOOK || part <= 0.0 || still_coming || then.length() <= LOCKED {
                 continue;
@@ -82,7 +82,7 @@ struct Between<'t, 's> {
 }
 
 impl Between<'_, '_> {
-    /// The two numbers that vanish where the angles are locked, at part `s` of the way.
+    /// The two numbers that vanish where the angles are locked, at the fraction `s` of the way.
     fn lock_at(&mut self, s: f64) -> Option<DVec2> {
         let near = |x: &&(f64, Vec<f64>), y: &&(f64, Vec<f64>)| {
             (x.0 - s).abs().total_cmp(&(y.0 - s).abs())
@@ -103,7 +103,7 @@ impl Between<'_, '_> {
     }
 }
 
-/// Time and size of the closest approach between two poses, from the part of the way that the straight line says.
+/// Time and size of the closest approach between two poses, starting from the estimate of the straight line.
 fn locate_lock(
     tracker: &mut PathTracker,
     ball: &Ball,
@@ -140,12 +140,12 @@ fn locate_lock(
         s = (s + change).clamp(0.0, 1.0);
         step = change.abs().clamp(1e-9, 1e-3);
     }
-    // The proof of the pose shares what was observed last.
+    // The proof of the pose shares the last observation.
     let _ = tracker.solver.observe(&b.coordinates);
     (a.time + best.0 * span, best.1)
 }
 
-/// Where the straight line from a to b comes closest to the origin, as a part of the way, and how close.
+/// Where the straight line from a to b comes closest to the origin, as a fraction of it, and its distance.
 fn closest_approach(a: DVec2, b: DVec2) -> (f64, f64) {
     let way = b - a;
     let part = (-a.dot(way) / way.length_squared()).clamp(0.0, 1.0);

@@ -1,5 +1,5 @@
-//! The motion along a drive as samples and events: the tracker is asked from sample to sample, and what happens between
-//! them is located and told.
+//! The motion along a drive as samples and events: the tracker goes from sample to sample, and events between them are
+//! located and reported.
 
 mod crossings;
 mod domain_proof;
@@ -32,8 +32,8 @@ pub fn solve_motion(system: &System, actuation: &Actuation, times: &[f64]) -> Tr
     )
 }
 
-/// The same with certificates for the inputs as they are `read`, or without, which then say that nobody asked for them. Stops early, with the samples it
-/// has, when `cancelled` says so.
+/// The same with certificates for the inputs as they are `read`, or without certificates. Stops early, with the samples
+/// so far, when `cancelled` says so.
 pub fn solve_until(
     system: &System,
     actuation: &Actuation,
@@ -48,7 +48,7 @@ pub fn solve_until(
     }
 }
 
-/// [`solve_until`] with samples more where the motion ends and resumes: what a curve needs.
+/// [`solve_until`] with additional samples where the motion ends and resumes, as curves need.
 pub fn solve_with_ends(
     system: &System,
     actuation: &Actuation,

@@ -1,4 +1,4 @@
-//! What is kept of an accepted pose: bodies, traces, outputs, rates, and the proof beside them.
+//! The data stored for an accepted pose: bodies, traces, outputs, rates, and its proof.
 
 use super::recorder::Recorder;
 use crate::kinematics::certificate::Certifier;
@@ -26,7 +26,7 @@ impl Recorder<'_> {
         self.samples.push(sample);
     }
 
-    /// Keeps a pose at which the motion ends or resumes, if somebody asks for it.
+    /// Stores a pose at which the motion ends or resumes, on request.
     pub(super) fn keep_edge(&mut self, point: &PathPoint) {
         if self.edges.is_some() {
             let sample = self.sample(point);
@@ -44,7 +44,7 @@ impl Recorder<'_> {
         }
     }
 
-    /// Everything that is kept of a pose; `None` if any body's place is not a number.
+    /// All data of a pose; `None` if any body's position is not a number.
     pub(crate) fn closed_pose(&mut self, point: &PathPoint) -> Option<ClosedPose> {
         let system = self.tracker.system();
         let mechanism = system.mechanism();
@@ -68,7 +68,7 @@ impl Recorder<'_> {
             closure_error: seen.closure_error,
             sigma_min: point.branch.sigma_min,
             condition: point.branch.condition,
-            // Holding an idle freedom is an equation more.
+            // Holding an idle freedom adds an equation.
             rank: point.branch.rank + system.structure().held.len(),
             branch: point.branch.signature(),
             certificate,
@@ -76,8 +76,8 @@ impl Recorder<'_> {
         })
     }
 
-    /// The certificate of a pose, which it may move within its error; what fails for the angles alone is called by its
-    /// name.
+    /// The certificate of a pose, which may move it within its error; failures due to locked angles alone have their
+    /// own name.
     fn certified(&mut self, coordinates: &mut [f64]) -> Certificate {
         let Some((certifier, reading)) = &mut self.proof else {
             return Certificate::Refused {

@@ -1,4 +1,4 @@
-//! A short motion with all of its proofs: what proofs of endings are made of.
+//! A short motion with all its proofs, for proofs of endings.
 
 use super::recorder::Recorder;
 use crate::kinematics::certificate::tube::certify_motion;
@@ -10,19 +10,19 @@ use crate::model::joints::Joints;
 use crate::model::mechanism::{Kind, Mechanism};
 use crate::model::printed::InputReading;
 
-/// The mechanism without what nobody asks such a motion for.
+/// The mechanism without the parts that such a motion does not need.
 pub(super) fn bare_mechanism(mechanism: &Mechanism) -> Mechanism {
     Mechanism {
         bodies: Vec::new(),
         traces: Vec::new(),
         outputs: Vec::new(),
-        // The scene's table of joints may say nothing of these arguments.
+        // The scene's table of joints may not apply to these arguments.
         joints: Joints::default(),
         ..mechanism.clone()
     }
 }
 
-/// The samples of a motion on which nothing happens and whose tubes are proved; else `None`.
+/// The samples of a motion without events whose tubes are proved; otherwise `None`.
 pub(super) fn proved_samples(
     system: &System,
     actuation: &Actuation,
@@ -41,7 +41,7 @@ pub(super) fn proved_samples(
     is_proved.then_some(motion.samples)
 }
 
-/// An unknown of a proved pose, and the error that its proof leaves.
+/// An unknown of a proved pose, and its error bound.
 pub(super) fn proved_value(
     mechanism: &Mechanism,
     sample: &Sample,

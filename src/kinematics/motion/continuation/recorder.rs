@@ -1,4 +1,4 @@
-//! From one sample to the next: where the motion starts, goes on, ends, and resumes.
+//! From one sample to the next: start, continuation, end and resumption of the motion.
 
 use super::events::Events;
 use super::gaps::Gaps;
@@ -21,27 +21,27 @@ pub(crate) const SINGULAR_START: f64 = 1e7;
 /// Axes at a smaller angle (radians) count as parallel: a pose at which they are is double, and found to half its digits.
 const PARALLEL: f64 = 1e-6;
 
-/// Most singular poses that a motion is followed back through.
+/// Most singular poses through which a motion is followed back.
 pub(super) const MOST_WAYS_ON: usize = 10_000;
 
 /// A pose beyond the end of the steps.
-pub(super) struct WayOn {
+pub(super) struct PathContinuation {
     /// The pose.
     pub to: PathPoint,
-    /// A singular pose lies between, though no sign may tell.
+    /// A singular pose lies between, even if no sign shows it.
     pub is_passed: bool,
 }
 
-/// Follows a motion and keeps its samples.
+/// Follows a motion and stores its samples.
 pub(crate) struct Recorder<'s> {
     pub(crate) tracker: PathTracker<'s>,
     pub(crate) events: Events,
     pub(crate) gaps: Gaps,
     pub(crate) samples: Vec<Sample>,
     pub(crate) proof: Option<(Certifier<'s>, InputReading)>,
-    /// Nobody asks what comes behind a gap.
+    /// Whether the motion after a gap is not needed.
     pub(super) ends_at_gap: bool,
-    /// The poses at which the motion ends and resumes, where somebody asks for them.
+    /// The poses at which the motion ends and resumes, on request.
     pub(super) edges: Option<Vec<Sample>>,
 }
 
@@ -68,19 +68,19 @@ impl<'s> Recorder<'s> {
         self
     }
 
-    /// With samples where the motion ends and resumes, beside those at the times asked for.
+    /// With additional samples where the motion ends and resumes.
     pub fn with_edges(mut self) -> Self {
         self.edges = Some(Vec::new());
         self
     }
 
-    /// Without what comes behind the first gap.
+    /// Without the motion after the first gap.
     pub fn up_to_gaps(mut self) -> Self {
         self.ends_at_gap = true;
         self
     }
 
-    /// By how many radians an input turns from one sample to the next, at most.
+    /// Largest rotation of an input from one sample to the next, in radians.
     fn turned(&self, before: Option<f64>, time: f64) -> f64 {
         let actuation = self.tracker.actuation();
         let Some(before) = before else {
@@ -182,14 +182,14 @@ impl<'s> Recorder<'s> {
                 if persist && is_singular_start(&point.branch) {
                     self.event(time, EventKind::StartSingular);
                 }
-                // From here on the branch watch compares with this point.
+                // From here on branches are compared with this point.
                 let point = self.tracker.keep(point, &mut self.events);
                 if self.samples.is_empty() {
                     return Ok(point);
                 }
                 self.enter(point)
             }
-            // No pose: is none there (proved), or was none found?
+            // No pose: is it proved that there is none, or was none found?
             Err(best) => {
                 self.gaps.note_lack(&self.tracker, time, best.clone());
                 if persist && self.is_angle_too_large(&best.coordinates) {
@@ -215,7 +215,7 @@ impl<'s> Recorder<'s> {
         }
     }
 
-    /// Says which cylinders touch along a line though they were meant to cross.
+    /// Reports cylinders that touch along a line although their axes were meant to cross.
     fn note_parallel_axes(&mut self, time: f64, pose: &[f64]) {
         let mechanism = self.tracker.system().mechanism();
         if mechanism.crossings.is_empty() {
@@ -243,7 +243,7 @@ impl<'s> Recorder<'s> {
         }
     }
 
-    /// From the last sample to `time`, by as many steps as it takes.
+    /// From the last sample to `time`, in as many steps as necessary.
     fn advance(&mut self, last: PathPoint, time: f64) -> Result<PathPoint, Option<PathPoint>> {
         let mut here = last;
         let given = here.coordinates[self.tracker.unknowns()..].iter().copied();
@@ -253,7 +253,7 @@ impl<'s> Recorder<'s> {
         if let Some(beyond) = self.leave_singular_start(&here, time) {
             here = beyond;
         }
-        // Steps end at singular poses: on the other side the motion goes on, or it ends here.
+        // Steps end at singular poses: beyond them the motion continues, or it ends here.
         for _ in 0..MOST_WAYS_ON {
             match self.tracker.follow(here, time, &mut self.events) {
                 Ok(point) => return Ok(point),
@@ -266,13 +266,13 @@ impl<'s> Recorder<'s> {
                     return self.end(end.clone(), (end, Ending::GivenUp { sigma_min }), time);
                 }
                 Err(Stop::Ends(end)) => match self.way_on(&end, time) {
-                    Ok(WayOn { to, .. })
+                    Ok(PathContinuation { to, .. })
                         if to.time == time && !self.tracker.is_usable(&to.branch) =>
                     {
                         self.events.singular_sample = Some(time);
                         return Ok(to);
                     }
-                    Ok(WayOn { to, is_passed }) => {
+                    Ok(PathContinuation { to, is_passed }) => {
                         let is_other_side = to.branch.signs != end.branch.signs;
                         if (is_other_side || is_passed) && self.tracker.jump_after(&end).is_none() {
                             self.events.passed_at(&self.tracker, end.time);

@@ -1,8 +1,8 @@
-//! Where poses begin again after a gap.
+//! Resumption after a gap.
 //!
-//! The motion is followed backwards from the pose that is found until it ends: the gap's end is located as its beginning
-//! is. What can be followed back past the beginning of the gap is another assembly, which the motion cannot reach; taking
-//! it up would be a jump.
+//! The motion is followed backwards from the pose that was found until it ends: the gap's end is located like its
+//! beginning. A pose from which the motion can be followed back past the beginning of the gap belongs to another
+//! assembly, which the motion cannot reach; continuing there would be a jump.
 
 use super::gaps::gap_instant;
 use super::recorder::Recorder;
@@ -11,14 +11,15 @@ use crate::kinematics::motion::tracker::singular::SingularTarget;
 use crate::kinematics::results::trajectory::{Ending, EventKind};
 use crate::kinematics::solve::assembly::{Assembled, NotClosed, shake_start};
 
-/// How far start values are moved aside, in scaled unknowns, where those of the last pose lead to none.
+/// Displacement of start values, in scaled unknowns, if those of the last pose lead to no pose.
 const ASIDE: f64 = 0.3;
 
-/// Steps that a search at one sample behind the end of a motion may cost: two descents.
+/// Steps that a search at one sample after the end of a motion may cost: two descents.
 const STEPS_OF_SEARCH: usize = 400;
 
 impl Recorder<'_> {
-    /// Assembles from `start`, and from beside it where that fails: from links in line no correction leaves the line.
+    /// Assembles from `start`, and from displaced values if that fails: no correction leaves the line of collinear
+    /// links.
     pub(crate) fn assembled_from_beside(&mut self, start: &[f64]) -> Result<Assembled, NotClosed> {
         let solver = &mut self.tracker.solver;
         let attempt = self.samples.len();
@@ -76,7 +77,7 @@ impl Recorder<'_> {
         Ok(self.restart(found))
     }
 
-    /// Takes the motion up again at `found`, on the branch of `last` if it can.
+    /// Resumes the motion at `found`, on the branch of `last` if possible.
     fn re_enter(
         &mut self,
         last: &PathPoint,
@@ -88,7 +89,7 @@ impl Recorder<'_> {
             (Some(time), _) => SingularTarget::Gap(time),
             (None, first) => SingularTarget::Time(first.map_or(found.time, |s| s.time)),
         };
-        // Back in time to where the motion begins again.
+        // Back in time to where the motion begins.
         let Some((first, beginning)) = self.walk_back(&found, target) else {
             self.gaps.elsewhere = Some(found);
             return Err(None);
@@ -122,7 +123,7 @@ impl Recorder<'_> {
         self.event(time, EventKind::MotionResumes { same_branch });
     }
 
-    /// Lost samples behind the end of a gap have poses after all: the search from before the gap has missed them.
+    /// Lost samples after the end of a gap have poses after all: the search from before the gap missed them.
     fn fill_back(&mut self, found: &PathPoint, time: f64) {
         let mut here = found.clone();
         for index in (0..self.samples.len()).rev() {
@@ -142,7 +143,7 @@ impl Recorder<'_> {
         }
     }
 
-    /// The motion goes on from `point`; what was met before is no anchor any more.
+    /// The motion continues from `point`; earlier poses no longer serve for comparison.
     fn restart(&mut self, point: PathPoint) -> PathPoint {
         self.tracker.anchor = None;
         self.events.crossing = None;

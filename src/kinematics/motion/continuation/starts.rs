@@ -1,4 +1,4 @@
-//! Motions that start on a singular pose: the tangent gives no way on there, though poses exist.
+//! Motions that start on a singular pose, where the tangent is undetermined although poses exist.
 
 use super::recorder::{Recorder, is_singular_start};
 use crate::kinematics::motion::tracker::path_tracker::PathPoint;
@@ -8,20 +8,20 @@ use crate::kinematics::solve::turns::WholeTurns;
 use crate::model::mechanism::{Kind, Mechanism};
 use std::f64::consts::TAU;
 
-/// Beyond a singular start poses are looked for after this share of the interval between two samples: far enough for
-/// the branches to have parted.
+/// After a singular start poses are sought at this fraction of the sampling interval: late enough for the branches to
+/// have separated.
 const BESIDE_START: f64 = 0.1;
 
-/// Starts around the singular pose that are tried, and how far from it they lie at most, in scaled unknowns.
+/// Number of starts around the singular pose that are tried, and their largest distance from it, in scaled unknowns.
 const STARTS: usize = 16;
 const AROUND: f64 = 0.2;
 
-/// Farther from the singular pose is another assembly, in scaled unknowns.
+/// Beyond this distance from the singular pose, in scaled unknowns, there is another assembly.
 const OTHER_ASSEMBLY: f64 = 0.6;
 
 impl Recorder<'_> {
-    /// A motion that starts at a fold has no tangent to leave it by: the next pose is assembled from the start values,
-    /// which say on which of the branches that meet there the motion goes on.
+    /// A motion that starts at a fold has no tangent there: the next pose is assembled from the start values, which
+    /// select one of the branches that meet there.
     pub(crate) fn leave_start(&mut self, end: &PathPoint, time: f64) -> Option<PathPoint> {
         let is_start = self.samples.len() == 1;
         if !is_start || end.time > self.samples[0].time {
@@ -36,8 +36,8 @@ impl Recorder<'_> {
         Some(self.tracker.keep(beyond, &mut self.events))
     }
 
-    /// A motion that starts where branches meet has several ways on. Poses right beyond are found from many starts
-    /// around; the one nearest to the start values is taken, which then say on which branch the motion goes.
+    /// A motion that starts where branches meet can continue in several ways. Poses just beyond are found from many
+    /// starts around; the one nearest to the start values is taken.
     pub(crate) fn leave_singular_start(
         &mut self,
         from: &PathPoint,
@@ -78,7 +78,8 @@ impl Recorder<'_> {
         Some(beyond)
     }
 
-    /// A pose at the given time and inputs beside the singular pose `from`, assembled from start number `attempt` around it.
+    /// A pose at the given time and inputs near the singular pose `from`, assembled from start number `attempt` around
+    /// it.
     fn branch_beyond(
         &mut self,
         from: &PathPoint,
@@ -99,7 +100,7 @@ impl Recorder<'_> {
     }
 }
 
-/// Takes whole turns out of angles that only differ by them from those of `near`.
+/// Removes whole turns from angles that differ from those of `near` only by them.
 fn unwind_turns(mechanism: &Mechanism, near: &[f64], coordinates: &mut [f64]) {
     let whole = WholeTurns::of(mechanism);
     for (slot, unknown) in mechanism.unknowns.iter().enumerate() {

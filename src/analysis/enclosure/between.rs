@@ -1,7 +1,7 @@
 //! Bands between the samples: over a time interval the inputs are dimensions like the others, so that one box contains
 //! the poses of all pieces at all times of the interval. Intervals that are too long are halved.
 
-use super::motion::{Stretch, samples_at};
+use super::motion::{SpanBands, samples_at};
 use super::plan::{Plan, sized};
 use super::pose_bands::{Obstacle, pose_enclosure};
 use crate::jobs::share_work;
@@ -16,7 +16,7 @@ use crate::numbers::rounding::GROW;
 const MOST_HALVINGS: u32 = 6;
 
 /// Bands between adjacent `times`, and between the times at which an input has a key, a kink or a jump.
-pub fn enclose_stretches(plan: &Plan, times: &[f64], threads: usize) -> Vec<Stretch> {
+pub fn enclose_between(plan: &Plan, times: &[f64], threads: usize) -> Vec<SpanBands> {
     let family = plan.family;
     let all = knot_times(&family.actuation, times);
     let ends: Vec<[f64; 2]> = all.windows(2).map(|pair| [pair[0], pair[1]]).collect();
@@ -37,7 +37,7 @@ pub fn enclose_stretches(plan: &Plan, times: &[f64], threads: usize) -> Vec<Stre
                 place.bands(solver, [from, until], MOST_HALVINGS)
             }
         };
-        Some(Stretch { from, until, bands })
+        Some(SpanBands { from, until, bands })
     };
     let make = || PoseSolver::new(family.system());
     let list = share_work(ends.len(), threads, make, work);

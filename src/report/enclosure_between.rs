@@ -2,12 +2,12 @@
 
 use super::cells::aligned_rows;
 use super::enclosure::{bounded_number, outer_end};
-use crate::analysis::enclosure::{Plan, Stretch, shown_names};
+use crate::analysis::enclosure::{Plan, SpanBands, shown_names};
 use crate::model::printed::shortest_decimal;
 use serde_json::{Map, Value, json};
 
 /// Bounds for every piece over the whole motion, including the times between the samples.
-pub fn between_lines(plan: &Plan, stretches: &[Stretch]) -> String {
+pub fn between_lines(plan: &Plan, stretches: &[SpanBands]) -> String {
     let mechanism = plan.family.mechanism();
     let proved: Vec<&Vec<[f64; 2]>> = stretches
         .iter()
@@ -47,10 +47,10 @@ pub fn between_lines(plan: &Plan, stretches: &[Stretch]) -> String {
 }
 
 /// The same as objects of a document.
-pub fn stretch_objects(plan: &Plan, list: &[Stretch]) -> Value {
+pub fn between_objects(plan: &Plan, list: &[SpanBands]) -> Value {
     let mechanism = plan.family.mechanism();
     let names = shown_names(mechanism);
-    let object = |stretch: &Stretch| {
+    let object = |stretch: &SpanBands| {
         let mut row = Map::new();
         row.insert("from".to_owned(), json!(stretch.from));
         row.insert("until".to_owned(), json!(stretch.until));
