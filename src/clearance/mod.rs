@@ -25,6 +25,7 @@ mod mesh_faults;
 mod mesh_meeting;
 pub mod motion;
 pub mod neighbours;
+mod one_joint;
 pub mod part;
 mod piece_corners;
 pub mod piece_gap;
