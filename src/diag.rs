@@ -92,12 +92,19 @@ impl Diagnostic {
 
     /// Adds "did you mean" if one of `known` is close to `word`.
     pub fn suggest<'a>(self, word: &str, known: impl IntoIterator<Item = &'a str>) -> Self {
-        match nearest_name(word, known) {
+        let known: Vec<&str> = known.into_iter().collect();
+        match nearest_name(word, known.iter().copied()) {
             Some(name) => self.hint(format!("did you mean `{name}`?")),
+            None if (1..=MOST_LISTED).contains(&known.len()) => {
+                self.hint(format!("known are `{}`", known.join("`, `")))
+            }
             None => self,
         }
     }
 }
+
+/// So many names, none of which is like the one that is unknown, are listed in a hint.
+const MOST_LISTED: usize = 6;
 
 /// Smallest similarity (Jaro-Winkler, 0 to 1) at which another name is worth offering.
 const SIMILAR: f64 = 0.75;

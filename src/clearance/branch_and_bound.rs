@@ -54,7 +54,7 @@ impl PairSweep<'_> {
             memory: self.look_memory(),
         };
         for goal in [Goal::Minimum, Goal::Tolerance] {
-            let value = self.value_of(motion, goal, &best);
+            let value = self.value_of(goal, &best);
             search.reopen(motion, value);
             self.settle(motion, &mut search, goal, &mut best);
         }
@@ -71,7 +71,7 @@ impl PairSweep<'_> {
         // A depth is a measure, not a distance: what is proved then is that the bodies overlap.
         let is_certified = is_proved && near >= -self.slack() && motion.gaps.is_empty();
         let is_refined = bound >= self.target(&best);
-        let bound = self.told(bound - self.pose_slack(motion));
+        let bound = self.told(bound - self.pose_slack());
         Some(self.least(motion, &best, bound, [is_certified, is_refined]))
     }
 
@@ -98,10 +98,10 @@ impl PairSweep<'_> {
     }
 
     /// What the bound of a piece must reach.
-    fn value_of(&self, motion: &ProvedMotion, goal: Goal, best: &Best) -> f64 {
+    fn value_of(&self, goal: Goal, best: &Best) -> f64 {
         match goal {
             Goal::Minimum if best.found.proximity.distance >= self.enough() => {
-                self.enough() + self.pose_slack(motion)
+                self.enough() + self.pose_slack()
             }
             _ => self.target(best),
         }
@@ -136,10 +136,14 @@ impl PairSweep<'_> {
         best: &mut Best,
     ) {
         while let Some(piece) = search.open.pop() {
+            if motion.is_late() {
+                search.cut_off(piece);
+                return;
+            }
             // Depth first; what a piece cannot fall below is compared with what is asked now.
             search.looks += 1;
             // A whole stretch is looked at once, for both goals.
-            let [asked, target] = [self.value_of(motion, goal, best), self.target(best)];
+            let [asked, target] = [self.value_of(goal, best), self.target(best)];
             let goals = match piece.half == 1.0 {
                 true => [asked.max(target), target],
                 false => [asked, target],
@@ -154,7 +158,7 @@ impl PairSweep<'_> {
                 true => LOOKS_WITHOUT_PROOF,
                 false => MAX_LOOKS,
             };
-            let is_open = look.lowest < self.value_of(motion, goal, best)
+            let is_open = look.lowest < self.value_of(goal, best)
                 && look.lowest > f64::NEG_INFINITY
                 && search.looks < most;
             // Halved while the halves may be bounded better.
@@ -199,6 +203,16 @@ impl PairSweep<'_> {
 }
 
 impl SegmentSearch {
+    /// Ends with what is known of this piece and of all that are open.
+    fn cut_off(&mut self, piece: Segment) {
+        let rest = std::iter::once(piece).chain(self.open.drain(..));
+        let unlooked = rest.map(|piece| {
+            let look = BoundGoal::known_of(&piece);
+            (piece, look)
+        });
+        self.settled.extend(unlooked);
+    }
+
     /// Opens what is settled below the goal: a look goes no farther than what was asked of it. Where that was as much, the halves
     /// tell more.
     fn reopen(&mut self, motion: &mut ProvedMotion, goal: f64) {

@@ -13,8 +13,10 @@ use crate::distance::bodies::Hull;
 use crate::jobs::Stopwatch;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
+use crate::limits::Deadline;
 use crate::model::actuation::Actuation;
 use crate::model::clearance::{ClearanceRules, Ignored};
+use crate::model::mechanism::Mechanism;
 use std::collections::{HashMap, HashSet};
 
 /// How closely a check looks.
@@ -31,6 +33,9 @@ pub struct Closely {
 impl Closely {
     /// Fewer pairs are looked at one by one: a report of more is not read line by line.
     pub const PAIRS: usize = 200;
+
+    /// What a search for one pair takes at most, seconds: it ends with what is proved until then.
+    pub const SECONDS: f64 = 20.0;
 
     /// How near a bound comes to its distance where nothing else is asked: three digits are what a report shows.
     pub const TOLERANCE: f64 = 1e-3;
@@ -89,6 +94,7 @@ pub fn check_over(
         pieces: None,
     };
     let (all, poses) = (selection.pairs.len(), motion.instants.len());
+    let (until, mut cut_off) = (motion.until, CutOff::default());
     for (done, &[a, b]) in selection.pairs.iter().enumerate() {
         progress(done, all);
         let (Some(first), Some(second)) = (&hulls[a], &hulls[b]) else {
@@ -103,7 +109,10 @@ pub fn check_over(
             tolerance: closely.tolerance,
             with_times: closely.times,
         };
+        motion.until = until.or(Deadline::after(Closely::SECONDS));
         let found = asked.look(motion);
+        motion.until = until;
+        cut_off.note(motion, [a, b]);
         motion.forget(poses);
         let timed = |pair: PairReport| PairReport {
             seconds: begun.seconds(),
@@ -117,6 +126,7 @@ pub fn check_over(
         report.parts.extend(found.parts);
     }
     progress(all, all);
+    report.warnings.extend(cut_off.warnings(mechanism));
     report.warnings.extend(report.nothing_judged());
     let is_judged = |body: usize| report.judged.iter().any(|p| p.pair.contains(&body));
     report.without_inside = without_inside(mechanism, &hulls, is_judged);
@@ -124,6 +134,47 @@ pub fn check_over(
     report.warnings.extend(reasons);
     sort_report(&mut report);
     report
+}
+
+/// Which searches ended before they had proved what was asked.
+#[derive(Default)]
+struct CutOff {
+    /// By their own time.
+    pairs: Vec<[usize; 2]>,
+    /// By that of the run.
+    by_run: usize,
+}
+
+impl CutOff {
+    /// Notes a pair whose search was cut off.
+    fn note(&mut self, motion: &mut ProvedMotion, pair: [usize; 2]) {
+        if !std::mem::take(&mut motion.is_cut_off) {
+            return;
+        }
+        match motion.until.is_over() {
+            true => self.by_run += 1,
+            false => self.pairs.push(pair),
+        }
+    }
+
+    fn warnings(&self, mechanism: &Mechanism) -> Vec<String> {
+        let name = |k: usize| &mechanism.bodies[k].name;
+        let own = self.pairs.iter().map(|[a, b]| {
+            format!(
+                "the search for `{}` and `{}` was cut off after {} s: the report has what was proved by then",
+                name(*a),
+                name(*b),
+                Closely::SECONDS
+            )
+        });
+        let by_run = (self.by_run > 0).then(|| {
+            format!(
+                "the limit `time` cut off the search for {} pairs: the report has what was proved by then",
+                self.by_run
+            )
+        });
+        own.chain(by_run).collect()
+    }
 }
 
 /// The worst first, and what the scene excludes before what joints do.

@@ -4,7 +4,7 @@ use super::branch_and_bound::split_piece;
 use super::look::{BoundGoal, NearElements, Segment};
 use super::meeting::Meeting;
 use super::motion::ProvedMotion;
-use super::relative::{RelativeChain, RelativeMove};
+use super::relative::RelativeMove;
 use super::sweep::PairSweep;
 use crate::distance::bodies::sphere_separation;
 
@@ -75,17 +75,14 @@ impl PairSweep<'_> {
     /// far apart or how deep they can come until the next. Pieces of time are halved until that is near enough.
     pub fn contact_over(&self, motion: &mut ProvedMotion) -> Contact {
         let size = motion.system.mechanism().size;
-        let (allowed, slack) = (BETWEEN_SAMPLES * size, self.pose_slack(motion));
+        let (allowed, slack) = (BETWEEN_SAMPLES * size, self.pose_slack());
         let mut contact = Contact {
             low: f64::INFINITY,
             high: f64::NEG_INFINITY,
             is_certified: motion.gaps.is_empty() && motion.roots > 0,
             broken: None,
         };
-        let [a, b] = self
-            .bodies
-            .map(|k| &motion.system.mechanism().bodies[k].world_from_body);
-        let back = RelativeChain::new(b, a);
+        let back = self.chain.back();
         let half = 1.0 / f64::from(PIECES);
         let mut looks = 0;
         for root in 0..motion.roots {
@@ -96,6 +93,7 @@ impl PairSweep<'_> {
             let mut open: Vec<(Segment, u32)> = first.collect();
             while let Some((piece, depth)) = open.pop() {
                 looks += 1;
+                let is_late = motion.is_late();
                 let arguments = &motion.stretches[piece.stretch].arguments;
                 let moved = self.chain.around(arguments, piece.middle, piece.half);
                 let back = || back.around(arguments, piece.middle, piece.half);
@@ -111,7 +109,7 @@ impl PairSweep<'_> {
                     HALVINGS
                 };
                 // Within what was asked, or halved often enough.
-                let ends = looks >= MOST_LOOKS || contact.broken.is_some();
+                let ends = looks >= MOST_LOOKS || contact.broken.is_some() || is_late;
                 let is_settled = is_within(allowed) || depth >= most + longer || ends;
                 let look = BoundGoal {
                     asked: low,

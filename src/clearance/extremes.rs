@@ -175,6 +175,9 @@ impl Search<'_, '_> {
             self.push(stretch, -1.0, 1.0);
         }
         for _ in 0..MOST_PARTS {
+            if self.motion.is_late() {
+                break;
+            }
             let Some(top) = self.parts.pop() else {
                 return Some(self.stuck);
             };

@@ -36,23 +36,27 @@ impl Meeting<'_> {
         lowest
     }
 
-    /// The plane between the elements stands still, or turns as the line between the nearest points does.
-    pub(super) fn slabs(&self) -> [Option<Slab>; 2] {
+    /// The plane between the elements stands still, turns as the line between the nearest points does, or with the element that
+    /// moves.
+    pub(super) fn slabs(&self) -> [Option<Slab>; 3] {
         let (moved, n) = (self.moved, self.found.normal);
         if n == DVec3::ZERO {
-            return [None, None];
+            return [None, None, None];
         }
         let ball = self.mine.bounds();
-        let off = moved.deviation(ball);
-        let apart = self.found.distance + self.radii();
-        let turning = (apart > 0.0).then(|| {
-            let rate = moved.rate(self.core_points()[1]);
-            let turn = (rate - n * n.dot(rate)) / apart;
-            let third = turn.length() * moved.bending(ball);
+        let (off, bending) = (moved.deviation(ball), moved.bending(ball));
+        let turned = |turn: DVec3| {
             let length = (1.0 + turn.length_squared()).sqrt();
-            self.slab(turn, third + length * off)
-        });
-        [Some(self.slab(DVec3::ZERO, off)), turning]
+            self.slab(turn, turn.length() * bending + length * off)
+        };
+        let (line, carried) = (self.line_turn(), moved.spin.cross(n));
+        // What the line does most of the time need not be tried twice.
+        let is_other = carried != DVec3::ZERO && line.is_none_or(|line| line != carried);
+        [
+            Some(self.slab(DVec3::ZERO, off)),
+            line.map(turned),
+            is_other.then(|| turned(carried)),
+        ]
     }
 
     fn slab(&self, t: DVec3, lost: f64) -> Slab {

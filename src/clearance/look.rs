@@ -3,8 +3,10 @@
 use super::curved::in_parts;
 use super::meeting::Meeting;
 use super::motion::ProvedMotion;
+use super::one_joint::{ProvedRanges, RoundPair, round_pairs};
 use super::sweep::PairSweep;
 use crate::distance::bodies::{ball_separation, separation_along};
+use crate::distance::pair::signed_distance;
 use crate::distance::primitive::{Element, Primitive};
 use glam::DVec3;
 use std::rc::Rc;
@@ -75,6 +77,19 @@ pub(super) struct BoundGoal {
     pub(super) near: NearElements,
 }
 
+impl BoundGoal {
+    /// Of a piece that is not looked at.
+    pub(super) fn known_of(piece: &Segment) -> Self {
+        Self {
+            asked: f64::NEG_INFINITY,
+            lowest: piece.known,
+            middle: f64::INFINITY,
+            is_blurred: false,
+            near: piece.near.clone(),
+        }
+    }
+}
+
 /// What looks at the pieces of one pair share.
 pub(super) struct LookMemory {
     columns: usize,
@@ -85,6 +100,10 @@ pub(super) struct LookMemory {
     balls: [Vec<(DVec3, f64)>; 2],
     /// Elements of the second body in the middle of the piece.
     placed: Vec<Option<PlacedElement>>,
+    /// What is proved of one joint that places the bodies.
+    ranges: Option<ProvedRanges>,
+    /// Elements that keep their distance, whatever that joint does.
+    round: Vec<Option<RoundPair>>,
 }
 
 /// An element of the second body as the first one sees it, its ball, and how far it moves from there.
@@ -106,6 +125,8 @@ impl PairSweep<'_> {
             normals: vec![DVec3::ZERO; rows * columns],
             balls,
             placed: (0..columns).map(|_| None).collect(),
+            ranges: ProvedRanges::of(&self.chain, self.extent),
+            round: round_pairs(&self.chain, self.hulls),
         }
     }
 
@@ -120,6 +141,17 @@ impl PairSweep<'_> {
         let stretch = &motion.stretches[piece.stretch];
         // The pose in the middle, with what the bodies can move within the piece.
         let (arguments, s, half) = (&stretch.arguments, piece.middle, piece.half);
+        // Where the one joint between them has been before, that is known.
+        let before = memory.ranges.as_ref().filter(|_| stretch.is_certified);
+        if let Some(lowest) = before.and_then(|r| r.known(arguments, [s, half], goal)) {
+            return BoundGoal {
+                asked: goal,
+                lowest,
+                middle: f64::INFINITY,
+                is_blurred: false,
+                near: piece.near.clone(),
+            };
+        }
         let moved = self.chain.around(arguments, s, half);
         let ball = self.hulls[1].ball;
         let fastest = moved.distance(ball);
@@ -147,6 +179,8 @@ impl PairSweep<'_> {
             normals,
             balls,
             placed,
+            ranges,
+            round,
         } = memory;
         placed.iter_mut().for_each(|placed| *placed = None);
         let mut visit = |[i, j]: [usize; 2]| {
@@ -167,12 +201,26 @@ impl PairSweep<'_> {
                     way: moved.distance(balls[1][j]),
                 }
             });
+            let place = i * *columns + j;
+            if let Some(Some(pair)) = round.get_mut(place) {
+                let known = pair.distance;
+                let distance = known.unwrap_or_else(|| signed_distance(first, second).distance);
+                pair.distance = Some(distance);
+                let low = distance - pair.wobble;
+                nearest = nearest.min(distance);
+                lowest = lowest.min(low);
+                match low < last {
+                    true => left.push([i, j]),
+                    false => others = others.min(low),
+                }
+                return;
+            }
             let way = match (&back, &mine.core) {
                 (Some(back), Primitive::HalfSpace(_)) => back.distance(balls[0][i]),
                 _ => *way,
             };
             // What is cheap comes first: the balls, the plane that parted them before, one's ball from the other.
-            let normal = &mut normals[i * *columns + j];
+            let normal = &mut normals[place];
             let (center, radius) = balls[0][i];
             let mut far = center.distance(ball.0) - radius - ball.1 - way;
             if far < goal && *normal != DVec3::ZERO {
@@ -221,6 +269,10 @@ impl PairSweep<'_> {
                     (0..self.hulls[1].elements.len()).for_each(|j| visit([i, j]));
                 }
             }
+        }
+        let is_proved = lowest >= goal && stretch.is_certified;
+        if let Some(ranges) = ranges.as_mut().filter(|_| is_proved) {
+            ranges.prove(arguments, [s, half], lowest);
         }
         let blur = self.chain.blur(arguments, s, ball);
         BoundGoal {

@@ -119,7 +119,7 @@ fn part_cores<'e>(
 
 struct MeetingSearch<'e> {
     meeting: &'e Meeting<'e>,
-    slabs: [Option<Slab>; 2],
+    slabs: [Option<Slab>; 3],
     goals: [f64; 2],
     lowest: f64,
     splits: usize,

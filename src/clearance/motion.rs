@@ -10,6 +10,7 @@ use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::solve::newton::Pace;
 use crate::kinematics::solve::pose_solver::PoseSolver;
 use crate::kinematics::structure::system::System;
+use crate::limits::Deadline;
 use crate::math::Pose;
 use crate::model::actuation::Actuation;
 use crate::model::chain::ArgumentValue;
@@ -107,6 +108,10 @@ pub struct ProvedMotion<'m> {
     anew: HashSet<usize>,
     /// The pose that says what is together at a joint, where it is not the first sample.
     assembled: Option<usize>,
+    /// Searches end then, with what is proved.
+    pub(super) until: Deadline,
+    /// Some search has ended so.
+    pub(super) is_cut_off: bool,
 }
 
 impl<'m> ProvedMotion<'m> {
@@ -150,6 +155,8 @@ impl<'m> ProvedMotion<'m> {
             pose_error: pose_error(mechanism.size, trajectory),
             anew: HashSet::new(),
             assembled: None,
+            until: Deadline::of_run(),
+            is_cut_off: false,
         };
         // Samples with poses in a row are joined by proved stretches; anything else begins anew.
         let of_loops = trajectory.gaps.iter();
@@ -171,8 +178,13 @@ impl<'m> ProvedMotion<'m> {
                 (Some(_), Some(_)) => {
                     let place = motion.samples.len();
                     motion.samples.extend(here);
-                    let is_joined =
-                        motion.cover(&trajectory.samples[k - 1..=k], [place - 1, place], &lacking);
+                    let pair = &trajectory.samples[k - 1..=k];
+                    let is_joined = if motion.is_late() {
+                        motion.leave_out(pair[0].time, pair[1].time);
+                        false
+                    } else {
+                        motion.cover(pair, [place - 1, place], &lacking)
+                    };
                     motion.anew.extend(here.filter(|_| !is_joined));
                 }
                 _ => {
@@ -233,6 +245,13 @@ impl<'m> ProvedMotion<'m> {
         if self.stretches.iter().all(|s| s.is_certified) {
             self.instants.truncate(from);
         }
+    }
+
+    /// Whether a search has to end with what it has proved; that it had to is kept.
+    pub(super) fn is_late(&mut self) -> bool {
+        let is_late = self.until.is_over();
+        self.is_cut_off |= is_late;
+        is_late
     }
 
     /// Whether all of it is proved.

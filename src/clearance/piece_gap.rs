@@ -8,7 +8,6 @@
 use super::part::JudgedPart;
 use super::piece_corners::{Corner, carried_corner, carried_element, rim_corners};
 use super::relative::RelativeChain;
-use super::sweep::POSE_SLACK;
 use crate::distance::bodies::sphere_separation;
 use crate::distance::pair::{Proximity, signed_distance};
 use crate::distance::primitive::{Element, Primitive};
@@ -19,6 +18,10 @@ use crate::model::carried::CarriedShape;
 use crate::model::chain::{ArgumentValue, Chain};
 use crate::model::mechanism::Mechanism;
 use glam::DVec3;
+
+/// No point of a body is farther from its exact place than this for rounding, in lengths of the chain that leads to it from the
+/// other body.
+const POSE_SLACK: f64 = 1e-12;
 
 /// Two bodies with the ways to the points of their solids, as the first one sees them.
 pub struct PartWays<'p> {

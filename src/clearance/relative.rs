@@ -166,6 +166,22 @@ impl RelativeChain {
         }
     }
 
+    /// By the joint that connects two links of a table, from a frame of the one to a frame of the other.
+    pub fn of_joint(steps: &[ChainStep], [before, after]: [Pose; 2]) -> Self {
+        let ends = [before, after].map(|pose| ChainStep::Fixed(pose.into()));
+        let mut list = vec![ends[0]];
+        list.extend(steps);
+        list.push(ends[1]);
+        Self { steps: list }
+    }
+
+    /// The chain the other way round.
+    pub fn back(&self) -> Self {
+        Self {
+            steps: self.steps.iter().rev().map(ChainStep::inverse).collect(),
+        }
+    }
+
     /// How many joints stand between the bodies.
     pub fn joints(&self) -> usize {
         self.steps.iter().filter(|s| s.joint().is_some()).count()

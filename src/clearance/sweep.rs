@@ -9,21 +9,25 @@ use crate::distance::mesh;
 use crate::distance::pair::is_inside;
 use crate::distance::primitive::{Element, Primitive};
 use crate::math::Pose;
+use crate::model::joints::EXACT;
 use glam::DVec3;
 
-/// No point of a body is farther from its exact place than this for rounding, in lengths of the chain that leads to it from
-/// the other body: a hundred factors are good to 1e-13.
-pub const POSE_SLACK: f64 = 1e-10;
+/// What one factor of a chain, or one step of a distance, rounds at most, in lengths of the chain that leads from the one body
+/// to the other.
+const ROUNDING: f64 = 1e-15;
 
-/// A pair passes where the bound is no farther below the minimum than this, in the same lengths: bodies that keep exactly
-/// their minimum cannot be proved to more.
+/// How many steps a distance and its bound take behind the chain.
+const STEPS: usize = 16;
+
+/// A search along a circle finds its nearest point to this, in its radii and in lengths of what it is searched along.
+const SEARCHED: f64 = 2e-11;
+
+/// A pair passes where the bound is no farther below the minimum than this, in radii of the smaller body's ball: bodies that
+/// keep exactly their minimum cannot be proved to more. How far they are from their origins, or from each other, is of no
+/// account: what that costs is taken off the bound.
 pub const JUDGED: f64 = 1e-9;
 
-/// But by no more than this part of the radius of the smaller body's ball, however far the two come from each other: a cut that
-/// can be seen is none of rounding.
-const MOST_JUDGED: f64 = 1e-3;
-
-/// A minimum, in lengths of the pair, below which the bound need not be finer than its share.
+/// A minimum, in radii of the smaller body's ball, below which the bound need not be finer than its share.
 const SMALLEST_SCALE: f64 = 1e-4;
 
 /// The least distance of two bodies over the motion.
@@ -60,8 +64,10 @@ pub struct PairSweep<'a> {
     minimum: f64,
     /// No bound need be finer than this share of it.
     least_scale: f64,
-    /// Length of the chain between the bodies, with their own.
+    /// Length of the chain between the bodies by their frames, with their own.
     pub(super) extent: f64,
+    /// What poses and the search for a distance may be off.
+    off: f64,
     /// Pairs of elements that do not count.
     pub(super) left_out: LeftOut,
     is_swapped: bool,
@@ -75,11 +81,50 @@ pub(super) struct Best {
     pub(super) is_enclosed: bool,
 }
 
-/// No point that a chain of this length carries is farther from its exact place at a sampled time: for rounding, and for what
-/// the unknowns are off.
+/// No point that a chain of this length carries is farther from its exact place at a sampled time: for rounding, and for what the
+/// unknowns are off.
 pub(super) fn slack_of_poses(motion: &ProvedMotion, chain: &RelativeChain, extent: f64) -> f64 {
     let sizes = (extent / motion.system.mechanism().size).max(1.0);
-    POSE_SLACK * extent + motion.pose_error * sizes * chain.joints() as f64
+    let rounding = ROUNDING * (STEPS + chain.steps().len()) as f64 * extent;
+    rounding + motion.pose_error * sizes * chain.joints() as f64
+}
+
+/// The chain by the one joint between two bodies that a loop closes: what only carries both of them along has no part in how
+/// they move as seen from each other.
+fn by_joint(motion: &ProvedMotion, [a, b]: [usize; 2]) -> Option<RelativeChain> {
+    let joints = &motion.system.mechanism().joints;
+    let joint = joints.between(a, b)?;
+    let first = *motion.samples.first()?;
+    let arguments = &motion.instants[first].arguments;
+    let is_inverse = joints.of_body[a] != joint.before.link;
+    let [from, to] = if is_inverse { [b, a] } else { [a, b] };
+    let link_from = |body: usize| {
+        let world_from_link = joints.world_from_link(joints.of_body[body]).pose(arguments);
+        world_from_link.inverse() * motion.body_pose(first, body)
+    };
+    let before = link_from(from).inverse() * joint.before.link_from_here;
+    let after = joint.after.link_from_here.inverse() * link_from(to);
+    let chain = RelativeChain::of_joint(&joint.steps, [before, after]);
+    Some(if is_inverse { chain.back() } else { chain })
+}
+
+/// The radius of the smaller ball around two bodies, zero if both have no end.
+fn smaller_radius(hulls: [&Hull; 2]) -> f64 {
+    let radius = hulls[0].ball.1.min(hulls[1].ball.1);
+    if radius.is_finite() { radius } else { 0.0 }
+}
+
+/// The longest curve of two hulls along which a distance is searched: circles, and what is compared with them.
+fn searched_length(hulls: [&Hull; 2]) -> f64 {
+    let all = || hulls.into_iter().flat_map(|hull| &hull.elements);
+    let has_ring = all().any(|e| e.core.circle().is_some());
+    let length = |e: &Element| match &e.core {
+        Primitive::Circle(circle) => circle.radius,
+        Primitive::Frustum(f) => f.radii[0].max(f.radii[1]),
+        Primitive::Segment([a, b]) if has_ring => a.distance(*b),
+        _ => 0.0,
+    };
+    all().map(length).fold(0.0, f64::max)
 }
 
 impl<'a> PairSweep<'a> {
@@ -105,15 +150,25 @@ impl<'a> PairSweep<'a> {
         let reaches = hulls.map(|hull| reach(hull.ball));
         let finite = reaches.into_iter().filter(|reach| reach.is_finite());
         let extent = own.longest(motion.poses()) + finite.sum::<f64>();
+        let mut off = slack_of_poses(motion, &own, extent) + SEARCHED * searched_length(hulls);
+        let joints = own.joints();
+        let shorter = (joints > 1).then(|| by_joint(motion, bodies)).flatten();
+        let shorter = shorter.filter(|c| c.joints() < joints);
+        if shorter.is_some() {
+            // Frames of one link agree to this.
+            off += 2.0 * EXACT * motion.system.mechanism().size;
+        }
+        let own = shorter.unwrap_or(own);
         Self {
             bodies,
             hulls,
+            back: back.then(|| own.back()),
             chain: own,
-            back: back.then(|| RelativeChain::new(chain(1), chain(0))),
             tolerance,
             minimum,
-            least_scale: SMALLEST_SCALE * extent,
+            least_scale: SMALLEST_SCALE * smaller_radius(hulls),
             extent,
+            off,
             left_out: LeftOut::default(),
             is_swapped: swap,
         }
@@ -151,8 +206,7 @@ impl<'a> PairSweep<'a> {
 
     /// By how much a bound may stay below the minimum of a pair that passes.
     pub fn slack(&self) -> f64 {
-        let smaller = self.hulls[0].ball.1.min(self.hulls[1].ball.1);
-        (JUDGED * self.extent).min(MOST_JUDGED * smaller)
+        JUDGED * smaller_radius(self.hulls).max(self.minimum.abs())
     }
 
     /// The least distance that passes, to within rounding: exactly the minimum cannot be proved.
@@ -192,8 +246,8 @@ impl<'a> PairSweep<'a> {
     }
 
     /// No point of a sampled pose is farther from its exact place, as seen from the other body.
-    pub(super) fn pose_slack(&self, motion: &ProvedMotion) -> f64 {
-        slack_of_poses(motion, &self.chain, self.extent)
+    pub(super) const fn pose_slack(&self) -> f64 {
+        self.off
     }
 
     /// What the bound must reach to be as near to the least distance as was asked.
@@ -236,7 +290,7 @@ impl<'a> PairSweep<'a> {
         for &instant in instants {
             let least = best.as_ref().map(|b| b.found.proximity.distance);
             let limit = match (&distances, least) {
-                (None, Some(least)) => least - self.pose_slack(motion),
+                (None, Some(least)) => least - self.pose_slack(),
                 _ => f64::INFINITY,
             };
             let Some(found) = track.at(&self.relative(motion, instant), limit) else {

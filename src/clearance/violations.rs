@@ -56,7 +56,7 @@ impl PairSweep<'_> {
             return Violations::default();
         }
         let is_certified = motion.is_certified() && motion.roots > 0;
-        let goal = self.enough() + self.pose_slack(motion);
+        let goal = self.enough() + self.pose_slack();
         let mut found = self.low_pieces(motion, goal);
         found.extend(self.low_samples(motion, goal));
         found.sort_by(|p, q| p.violation.from.total_cmp(&q.violation.from));
@@ -92,6 +92,10 @@ impl PairSweep<'_> {
         let shortest = SHORTEST * (end - start) / motion.roots.max(1) as f64;
         while let Some(piece) = open.pop() {
             looks += 1;
+            if motion.is_late() {
+                low.push(Low::new(motion, piece, f64::INFINITY));
+                continue;
+            }
             let look = self.look(motion, &piece, [goal; 2], &mut memory);
             if look.lowest >= goal {
                 continue;
@@ -171,7 +175,7 @@ impl PairSweep<'_> {
                 (violation.distance, violation.time) = (distance, motion.instants[instant].time);
             }
         }
-        violation.is_seen = violation.distance < goal - self.pose_slack(motion);
+        violation.is_seen = violation.distance < goal - self.pose_slack();
     }
 }
 

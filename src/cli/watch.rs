@@ -2,7 +2,9 @@
 
 use super::term::outcome::{BAD_USAGE, Failure};
 use crate::diag::shown_text;
-use crate::limits::{LimitExceeded, Limits, Resource, current_limits, memory_exceeded, set_limits};
+use crate::limits::{
+    LimitExceeded, Limits, Resource, current_limits, memory_exceeded, run_began, set_limits,
+};
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
@@ -37,6 +39,7 @@ pub fn begin_watch(asked: Option<Limits>) -> Result<(), Failure> {
         all = all.and(given);
     }
     set_limits(all);
+    run_began(began);
     let Some(end) = END.get() else { return Ok(()) };
     let watch = std::thread::Builder::new().stack_size(STACK_BYTES);
     // Where the system has no thread for it, what is foreseen is refused all the same.

@@ -13,8 +13,20 @@ const WELD: f64 = 1e-6;
 /// ... but no farther than this part of the mesh's extent: a small mesh far from its origin stays what it is.
 const LARGEST_WELD: f64 = 1e-4;
 
+/// Edge of the cells in which corners are looked for, over the distance at which they are joined: wide enough that most
+/// corners have partners in one cell only, narrow enough that few fit into one.
+const CELL: f64 = 8.0;
+
 /// No other corner.
 const NONE: u32 = u32::MAX;
+
+/// All cells from one to another, corner to corner.
+fn cells_between(low: DVec3, high: DVec3) -> impl Iterator<Item = DVec3> {
+    let [nx, ny, nz] = (high - low).to_array().map(|n| n.min(1.0) as u32 + 1);
+    let index =
+        (0..nz).flat_map(move |z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z])));
+    index.map(move |offset| low + DVec3::from(offset.map(f64::from)))
+}
 
 /// Triangles by corners that are one where they belong together.
 pub(crate) struct ShellSurface {
@@ -104,8 +116,7 @@ impl ShellSurface {
         corners.sort_unstable();
         corners.dedup();
         let place = |item: usize| vertices[corners[item] as usize];
-        // Cells as large as what is joined: partners lie in neighbouring ones.
-        let cell = |p: DVec3| (p / near).floor();
+        let cell = |p: DVec3| (p / (near * CELL)).floor();
         let key = |item: usize| point_bits(cell(place(item)));
         let mut cells = FlatTable::with_room(corners.len());
         // Those of one cell follow each other; few, since those that are near became one.
@@ -122,11 +133,10 @@ impl ShellSurface {
             let own = place(item);
             let here = cell(own);
             let is_near = |other: usize| place(other).distance(own) <= near;
-            let mut around = (0..27).map(|n| {
-                let offset = DVec3::new(f64::from(n % 3), f64::from(n / 3 % 3), f64::from(n / 9));
-                point_bits(here + offset - DVec3::ONE)
-            });
-            let known = around.find_map(|c| chain(cells.get(&c, key), &next, &is_near));
+            // The cells that a box of twice the distance about the corner meets: mostly its own alone.
+            let [low, high] = [own - near, own + near].map(cell);
+            let known = cells_between(low, high)
+                .find_map(|c| chain(cells.get(&point_bits(c), key), &next, &is_near));
             if let Some(other) = known {
                 first[corners[item] as usize] = corners[other];
                 continue;

@@ -24,6 +24,8 @@ mod kmeans;
 pub mod model;
 mod nearest_colour;
 pub mod palette;
+#[cfg(feature = "parquet")]
+pub mod parquet;
 pub mod place;
 pub mod png;
 pub mod png_rows;

@@ -1,7 +1,10 @@
 //! Limits of a run: time, memory, and the sizes of everything that is made from files. Set once for the process and checked
 //! where memory is allocated. Never ends the process itself.
 
+mod deadline;
 mod groups;
+
+pub use deadline::{Deadline, run_began};
 
 use std::fmt;
 use std::path::Path;

@@ -1,6 +1,8 @@
 //! Motion of the driven coordinates over time: keyframes with easing, a formula, or rows of a table.
 
 use super::expression::Expression;
+use super::expression::continuity::Jumps;
+use super::expression::pieces::around_instant;
 use super::printed::printing_error;
 use crate::numbers::constant::Constant;
 use crate::numbers::interval::Interval;
@@ -141,13 +143,34 @@ impl Drive {
         }
     }
 
-    /// Whether it may jump: formulas without kinks and jumps do not, wherever they are defined.
+    /// Whether it may jump: formulas without functions that jump do not, as long as they have a value.
     pub fn may_jump(&self) -> bool {
         match self {
-            Self::Keys { times, ease, .. } => {
-                *ease == Ease::Step || times.windows(2).any(|pair| pair[0] >= pair[1])
+            Self::Keys { ease, .. } => *ease == Ease::Step && !self.is_constant(),
+            Self::Formula(formula) => formula.may_jump(),
+        }
+    }
+
+    /// Where it jumps between two instants, both included; told by what it is on both sides, not by size.
+    pub fn jumps_between(&self, from: f64, to: f64) -> Jumps {
+        match self {
+            Self::Formula(formula) => formula.jumps_between(from, to),
+            Self::Keys { .. } if !self.may_jump() || from >= to => Jumps::default(),
+            Self::Keys { times, .. } => {
+                let [first, last] = [from, to].map(around_instant);
+                let stops = times.iter().copied();
+                let stops: Vec<f64> = stops.filter(|t| first.hi < *t && *t < last.lo).collect();
+                // Between two stops it stands still.
+                let start = stops.first().map_or(to, |t| *t);
+                let end = stops.last().map_or(from, |t| *t);
+                let level = |a: f64, b: f64| self.value(0.5 * a + 0.5 * b);
+                let steps = |t: &f64| self.value(*t) != self.value(t.next_down());
+                Jumps {
+                    at_start: self.value(from) != level(from, start),
+                    inside: stops.iter().copied().find(steps),
+                    at_end: self.value(to) != level(end, to),
+                }
             }
-            Self::Formula(formula) => formula.has_pieces(),
         }
     }
 

@@ -6,7 +6,8 @@ use super::clearance::{
 };
 use super::pieces::piece_table;
 use super::rounded::not_below;
-use crate::clearance::check::{ClearanceReport, FarPairs, PairReport};
+use crate::clearance::check::{ClearanceReport, FarPairs, Judgement, PairReport};
+use crate::clearance::neighbours::Neighbours;
 use crate::diag::decimals_of;
 use crate::model::mechanism::Mechanism;
 
@@ -92,9 +93,12 @@ fn by_reason(pairs: &[PairReport]) -> Vec<Vec<&PairReport>> {
 /// Lines of excluded pairs with one reason: one a pair, or one for all of them with the nearest pair.
 fn excluded_row(mechanism: &Mechanism, group: &[&PairReport]) -> String {
     let line = |p: &PairReport, who: &str| {
+        // The smallest that was found: but of a rigid part nothing is proved of it.
+        let is_rigid = p.judgement == Judgement::Neighbours(Neighbours::Rigid.words());
+        let mark = if is_rigid { "" } else { "~" };
+        let distance = format!("{mark}{:.4}", p.least.distance);
         format!(
-            "    {:>10.4}{}  {:<10} {who}: {}\n",
-            p.least.distance,
+            "    {distance:>10}{}  {:<10} {who}: {}\n",
             inside_word(p),
             judgement_word(&p.judgement),
             judgement_reason(&p.judgement).unwrap_or_default()

@@ -9,17 +9,17 @@ use crate::diag::{Diagnostic, Span};
 pub struct BarFile {
     /// Its name.
     pub name: Spanned<String>,
-    /// What it connects; `None` if a part could not be read, which has been reported.
-    pub parts: Option<BarParts>,
+    /// What it is. A part that could not be read is `None` and has been reported.
+    pub parts: BarParts,
 }
 
 /// What a bar is.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct BarParts {
     /// `from` and `to`
-    pub ends: [EndFile; 2],
+    pub ends: [Option<EndFile>; 2],
     /// `length`
-    pub length: FormulaText,
+    pub length: Option<FormulaText>,
 }
 
 /// Where an end is.
@@ -32,14 +32,14 @@ pub enum EndFile {
 }
 
 /// Reads the parts of a bar.
-pub fn read_bar(r: &mut TableReader) -> Option<BarParts> {
+pub fn read_bar(r: &mut TableReader) -> BarParts {
     let from = required_value(r, "from", read_end);
     let to = required_value(r, "to", read_end);
     let length = required_value(r, "length", |r, key| r.formula(key));
-    Some(BarParts {
-        ends: [from?, to?],
-        length: length?,
-    })
+    BarParts {
+        ends: [from, to],
+        length,
+    }
 }
 
 fn read_end(r: &mut TableReader, key: &'static str) -> Option<EndFile> {

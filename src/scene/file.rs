@@ -1,7 +1,7 @@
 //! The scene file as typed: all sections and keys except those of shapes and plots, with their positions, before any
 //! name is looked up.
 
-use super::bars::{BarFile, read_bar};
+use super::bars::{BarFile, BarParts, read_bar};
 use super::bodies::{BodyFile, LabelFile, TraceFile, read_body, read_label, read_trace};
 use super::clearance::{self, ClearanceFile, DistanceFile};
 use super::contacts::{ContactFile, read_surfaces};
@@ -170,11 +170,7 @@ fn scene_tables<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> SceneFile {
             .into_iter()
             .flatten()
             .collect(),
-        dimensions: r
-            .tables("dimensions", read_shown_dimension)
-            .into_iter()
-            .flatten()
-            .collect(),
+        dimensions: r.tables("dimensions", read_shown_dimension),
         clearance: r.table("clearance", clearance::read_clearance),
         plots: r.tables("plots", read_plot).into_iter().flatten().collect(),
         view: r.table("view", read_view).unwrap_or_default(),
@@ -223,8 +219,10 @@ fn read_bars<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> Vec<BarFile> {
             }
             None => {
                 let message = format!("{place} must be a table with `from`, `to` and `length`");
-                r.diagnostics.push(Diagnostic::error(message).at(span));
-                None
+                let hint = "such as { from = \"P\", to = [0, 0], length = 80 }";
+                r.diagnostics
+                    .push(Diagnostic::error(message).at(span).hint(hint));
+                BarParts::default()
             }
         };
         list.push(BarFile { name, parts });

@@ -333,7 +333,11 @@ impl<'t, 'd> TableReader<'t, 'd> {
     pub fn missing(&mut self, key: &str) {
         let message = format!("{} needs `{key}`", self.place);
         let span = first_line(self.text, self.span.clone());
-        self.diagnostics.push(Diagnostic::error(message).at(span));
+        let diagnostic = Diagnostic::error(message).at(span);
+        self.diagnostics.push(match self.keys.find(key) {
+            Some(known) => diagnostic.hint(format!("`{key}`: {}", known.says)),
+            None => diagnostic,
+        });
     }
 
     /// True if a section was misspelled or is not a table: its names are then unknown, and references to them must not

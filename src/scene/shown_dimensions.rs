@@ -7,8 +7,8 @@ use crate::diag::Span;
 /// One entry of `[[dimensions]]`.
 #[derive(Clone, Debug)]
 pub struct ShownDimensionFile {
-    /// `from` and `to`
-    pub ends: [PlaceFile; 2],
+    /// `from` and `to`; what could not be read is `None` and has been reported.
+    pub ends: [Option<PlaceFile>; 2],
     /// `at`: the vertex of an angle.
     pub at: Option<PlaceFile>,
     /// `axis` of an angle
@@ -36,19 +36,17 @@ pub struct PlaceFile {
     pub trace: Option<Spanned<String>>,
     /// `point`
     pub point: Option<[FormulaText; 3]>,
-    /// The whole place.
-    pub span: Span,
 }
 
 /// Reads one entry; what is required and missing is reported.
-pub fn read_shown_dimension(r: &mut TableReader) -> Option<ShownDimensionFile> {
+pub fn read_shown_dimension(r: &mut TableReader) -> ShownDimensionFile {
     let from = required_value(r, "from", |r, key| r.table(key, read_place));
     let to = required_value(r, "to", |r, key| r.table(key, read_place));
     let at = r.table("at", read_place);
     let (axis, radius, offset) = (r.vector("axis"), r.formula("radius"), r.vector("offset"));
     let (text, digits, colour) = (r.string("text"), r.formula("digits"), r.colour("colour"));
-    Some(ShownDimensionFile {
-        ends: [from?, to?],
+    ShownDimensionFile {
+        ends: [from, to],
         at,
         axis,
         radius,
@@ -57,7 +55,7 @@ pub fn read_shown_dimension(r: &mut TableReader) -> Option<ShownDimensionFile> {
         digits,
         colour,
         span: r.span.clone(),
-    })
+    }
 }
 
 fn read_place(r: &mut TableReader) -> PlaceFile {
@@ -65,6 +63,5 @@ fn read_place(r: &mut TableReader) -> PlaceFile {
         body: r.string("body"),
         trace: r.string("trace"),
         point: r.vector("point"),
-        span: r.span.clone(),
     }
 }

@@ -42,6 +42,9 @@ const LEAST_TRUE: f64 = 0.5;
 /// A line shorter than this many arrow heads has them outside.
 const SHORT: f64 = 3.0;
 
+/// An angle this little below zero is a zero that was rounded, not a full turn: poses are exact to far less.
+const LEVEL: f64 = 1e-9;
+
 /// Number of poses for which space is reserved for dimensions.
 const LOOKS: usize = 48;
 
@@ -172,7 +175,10 @@ impl Measured {
             at,
             sides: [first, second],
             radius: radius.unwrap_or(RADIUS * extent),
-            angle: if angle < 0.0 { angle + TAU } else { angle },
+            angle: match angle < -LEVEL {
+                true => angle + TAU,
+                false => angle.max(0.0),
+            },
             directed: axis.is_some(),
         }))
     }

@@ -83,6 +83,12 @@ impl Row {
         BESIDE + values
     }
 
+    /// The numbers of the row as tables show them, behind those of its design.
+    pub fn numbers<'r>(&'r self, design: &'r [f64]) -> impl Iterator<Item = f64> + 'r {
+        let proofs = [self.closure_error, self.error_bound, self.unproved];
+        design.iter().chain(&self.values).copied().chain(proofs)
+    }
+
     /// As numbers that a part keeps.
     pub fn record(&self) -> Vec<f64> {
         let status = RowStatus::ALL.iter().position(|s| *s == self.status);

@@ -43,6 +43,11 @@ impl<'s> RowTable<'s> {
         }
     }
 
+    /// Names of the columns: the design's number, its status, whether it is feasible, and numbers.
+    pub fn into_names(self) -> Vec<String> {
+        self.names
+    }
+
     /// What stands before the rows.
     pub fn header(&self) -> String {
         match self.format {
@@ -57,8 +62,7 @@ impl<'s> RowTable<'s> {
     /// Adds the row of design `item`.
     pub fn add(&self, item: u64, row: &Row, text: &mut String) {
         let design = self.sweep.design.values(item);
-        let proofs = [row.closure_error, row.error_bound, row.unproved];
-        let numbers = design.iter().chain(&row.values).chain(&proofs).copied();
+        let numbers = row.numbers(&design);
         match self.format {
             TableFormat::Csv => {
                 text.push_str(&format!(

@@ -1,5 +1,6 @@
 """Studies: the figures of the program, the lecture's optimum by SciPy, and Ctrl-C."""
 
+import csv
 import json
 import signal
 import threading
@@ -73,3 +74,39 @@ def test_ctrl_c_ends_a_search():
     with pytest.raises(KeyboardInterrupt):
         study.tolerance(0.1, samples=20_000_000)
     assert time.monotonic() - begun < 5.0
+
+
+def test_rows_as_parquet(program, tmp_path):
+    """Every reader finds in the Parquet file what the CSV says, bit by bit, and where nothing is, a null."""
+    design = ["--design", "grid:crank=20..60:9,ex=0..90:3", "--outputs", "K.x,K.y", "--samples", "5"]
+    for name in ("rows.csv", "rows.parquet", "again.parquet"):
+        program("sweep", "four-bar", *design, "--out", str(tmp_path / name))
+    path = str(tmp_path / "rows.parquet")
+    assert (tmp_path / "rows.parquet").read_bytes() == (tmp_path / "again.parquet").read_bytes()
+    with open(tmp_path / "rows.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert any(row["status"] != "ok" for row in rows) and any(row["status"] == "ok" for row in rows)
+
+    def agree(read):
+        assert list(read) == list(rows[0])
+        for name, cells in read.items():
+            for cell, row in zip(cells, rows, strict=True):
+                text = row[name]
+                if name == "status":
+                    assert cell == text
+                elif text == "":
+                    assert cell is None
+                else:
+                    assert float(cell) == float(text)
+
+    parquet = pytest.importorskip("pyarrow.parquet")
+    table = parquet.read_table(path)
+    agree(table.to_pydict())
+    about = {key.decode(): value.decode() for key, value in table.schema.metadata.items()}
+    assert about["mechanim.scene"] == "four-bar" and len(about["mechanim.identity"]) >= 32
+    assert json.loads(about["mechanim.units"])
+    polars = pytest.importorskip("polars")
+    agree(polars.read_parquet(path).to_dict(as_series=False))
+    duckdb = pytest.importorskip("duckdb")
+    found = duckdb.sql(f"select * from read_parquet('{path}')")
+    agree(dict(zip(found.columns, zip(*found.fetchall()))))

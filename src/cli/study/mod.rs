@@ -4,6 +4,7 @@ pub mod accuracy;
 pub mod enclose;
 pub mod optimise;
 pub mod pairs;
+mod row_file;
 pub mod search_film;
 pub mod search_map;
 pub mod search_paths;

@@ -1,6 +1,7 @@
 //! `mechanim sweep`: many designs of a scene, one row each. Rows are kept in parts beside the file until all are there, so
 //! that a run that is stopped, or killed, goes on where it was.
 
+use super::row_file::{RowFile, refuse_format};
 use super::sweep_plot::PlotFile;
 use crate::cli::args::sweep::{RowsArgs, SweepArgs, WorkArgs};
 use crate::cli::interrupt::{is_interrupted, save_results};
@@ -9,7 +10,6 @@ use crate::cli::open::sweep::{OpenSweep, open_sweep};
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::cli::term::progress::Progress;
-use crate::export::Output;
 use crate::jobs::{core_count, share_watched};
 use crate::parts::PartsError;
 use crate::parts::folder::Folder;
@@ -20,7 +20,6 @@ use crate::sweep::row::Row;
 use crate::sweep::rows::RowWorker;
 use crate::sweep::summary::Summary;
 use crate::sweep::swept_scene::Sweep;
-use crate::sweep::table::{RowTable, TableFormat};
 use std::cell::Cell;
 use std::ffi::OsString;
 use std::ops::Range;
@@ -40,9 +39,6 @@ const UNIT_ROWS: u64 = 1 << 16;
 /// Most units: each is a file.
 const MOST_UNITS: u64 = 100_000;
 
-/// Text that is written at once.
-const BUFFER: usize = 1 << 16;
-
 /// Runs the verb.
 pub fn run_sweep(args: &SweepArgs, term: &Term) -> Result<Outcome, Failure> {
     let rows = &args.rows;
@@ -53,7 +49,7 @@ pub fn run_sweep(args: &SweepArgs, term: &Term) -> Result<Outcome, Failure> {
     io::refuse_clashes(&[&args.asked.scene], &reports)?;
     refuse_format(rows)?;
     let opened = open_sweep(&args.asked, term)?;
-    let mut taker = RowTaker::new(&opened.sweep, rows)?;
+    let mut taker = RowTaker::new(&opened.sweep, &opened.plan, rows)?;
     let file = rows.out.as_deref().filter(|out| *out != Path::new("-"));
     let begun = Instant::now();
     match file {
@@ -252,51 +248,19 @@ fn parts_beside(file: &Path) -> PathBuf {
     PathBuf::from(name)
 }
 
-/// Refuses a file of rows whose kind is not known.
-pub fn refuse_format(rows: &RowsArgs) -> Result<(), Failure> {
-    rows.out
-        .as_deref()
-        .map(table_format)
-        .transpose()
-        .map(|_| ())
-}
-
-fn table_format(path: &Path) -> Result<TableFormat, Failure> {
-    if path == Path::new("-") {
-        return Ok(TableFormat::Csv);
-    }
-    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-    match extension.as_deref() {
-        Some("csv") => Ok(TableFormat::Csv),
-        Some("jsonl") => Ok(TableFormat::JsonLines),
-        _ => Err(Failure::usage(
-            format!("{}: unknown kind of table", path.display()),
-            vec!["known are .csv and .jsonl".to_owned()],
-        )),
-    }
-}
-
 /// Takes rows in order: into a file, a picture, and the summary.
 pub struct RowTaker<'s> {
-    table: Option<(RowTable<'s>, Box<dyn Output>)>,
+    file: Option<RowFile<'s>>,
     plot: Option<PlotFile<'s>>,
     summary: Summary<'s>,
-    text: String,
 }
 
 impl<'s> RowTaker<'s> {
     /// Opens the files before anything is computed.
-    pub fn new(sweep: &'s Sweep, rows: &RowsArgs) -> Result<Self, Failure> {
-        let table = match &rows.out {
-            Some(path) => {
-                let table = RowTable::new(sweep, table_format(path)?);
-                Some((table, io::open_output(path)?))
-            }
-            None => None,
-        };
+    pub fn new(sweep: &'s Sweep, plan: &Plan, rows: &RowsArgs) -> Result<Self, Failure> {
+        let open = |path: &PathBuf| RowFile::open(sweep, plan, path);
         Ok(Self {
-            text: table.as_ref().map_or_else(String::new, |(t, _)| t.header()),
-            table,
+            file: rows.out.as_ref().map(open).transpose()?,
             plot: PlotFile::open(sweep, rows)?,
             summary: Summary::new(sweep),
         })
@@ -311,23 +275,14 @@ impl<'s> RowTaker<'s> {
         if let Some(plot) = &mut self.plot {
             plot.add(item, &row);
         }
-        if let Some((table, output)) = &mut self.table {
-            table.add(item, &row, &mut self.text);
-            if self.text.len() > BUFFER {
-                output.emit(self.text.as_bytes())?;
-                self.text.clear();
-            }
-        }
-        Ok(())
+        self.file
+            .as_mut()
+            .map_or(Ok(()), |file| file.take(item, &row))
     }
 
     /// Ends the file of rows.
     pub fn commit(&mut self) -> Result<(), Failure> {
-        if let Some((_, mut output)) = self.table.take() {
-            output.emit(self.text.as_bytes())?;
-            output.commit()?;
-        }
-        Ok(())
+        self.file.take().map_or(Ok(()), RowFile::commit)
     }
 
     /// Draws, and says what was found.

@@ -1,8 +1,9 @@
 //! `mechanim study`: a sweep, or the pieces of a tolerance, in units, done by any number of machines that see one folder.
 
+use super::row_file::refuse_format;
 use super::sweep::{
-    RowTaker, UnitWork, borrowed_files, merge_into, numbers_of, refuse_format, refuse_other,
-    run_share, threads, unit_size,
+    RowTaker, UnitWork, borrowed_files, merge_into, numbers_of, refuse_other, run_share, threads,
+    unit_size,
 };
 use super::{submit, tolerance_units};
 use crate::cli::args::study::ScatterArgs;
@@ -267,7 +268,7 @@ fn merge_parts(args: &MergeArgs, term: &Term) -> Result<Outcome, Failure> {
     let text = match opened {
         OpenStudy::Sweep(opened) => {
             refuse_format(&args.rows)?;
-            let mut taker = RowTaker::new(&opened.sweep, &args.rows)?;
+            let mut taker = RowTaker::new(&opened.sweep, &folder.plan, &args.rows)?;
             merge_into(&folder, &mut taker)?;
             taker.commit()?;
             taker.finish()?

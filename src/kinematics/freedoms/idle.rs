@@ -3,12 +3,12 @@
 //!
 //! A free motion is a null vector of the Jacobian at closed poses. It is idle when within every loop the links that
 //! move turn about one common line, between links that stand still, while no other body moves, no traced point and no
-//! output changes. Several idle freedoms are parted by elimination, so that each turns about a line of its own.
+//! output changes, nor any coordinate that an equation says something of. Several idle freedoms are parted by elimination, so that each turns about a line of its own.
 //!
 //! One unknown of each is held at its start value: the one that turns about the line itself wherever there is one (the
 //! last angle of a ball joint, say), since it then never depends on the pose whether holding it stops the motion.
 
-use super::generic_rank::{RANK, Ranks};
+use super::generic_rank::{EMPTY, RANK, Ranks, random_poses};
 use super::twists::{Line, STILL, Twist, Walk, common_axis, line_of, same_line};
 use crate::kinematics::loops::observed::observed_values;
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
@@ -294,7 +294,26 @@ impl FreeMotion<'_> {
         let of_bodies = common(bodies.map(|b| walk.whole(&b.world_from_body)).collect())?;
         // A body that moves without any link of a loop is not an idle spin of a link.
         let is_seen = of_bodies.is_some() && lines.iter().all(Option::is_none);
-        (!is_seen && self.is_unseen()).then_some(lines)
+        (!is_seen && self.leaves_equations() && self.is_unseen()).then_some(lines)
+    }
+
+    /// Whether no coordinate that moves stands in an equation: what an equation says something of is a part of the
+    /// mechanism, like the end of a bar that hangs, though no body shows it.
+    fn leaves_equations(&self) -> bool {
+        let equations = &self.block.plan.equations;
+        if equations.is_empty() {
+            return true;
+        }
+        let moving = moving_slots(self.block, self.rates);
+        // At a closed pose a slope may be zero by chance, as that of z^2 at z = 0; at random poses none is.
+        random_poses(self.mechanism).iter().all(|pose| {
+            equations.iter().all(|planned| {
+                let expression = &self.mechanism.equations[planned.index].expression;
+                let gradient = expression.gradient(pose.as_slice());
+                let slope = |u: &usize| gradient[*u] * planned.scale * self.mechanism.scale_of(*u);
+                moving.iter().all(|u| slope(u).abs() <= EMPTY)
+            })
+        })
     }
 
     /// Whether no traced point and no output changes.

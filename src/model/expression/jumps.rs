@@ -5,9 +5,9 @@ use crate::numbers::constant::Constant;
 
 /// Instants that are known to this part of themselves, or of a second, and do not differ by more than what is unknown of
 /// them are one: numbers as they are written differ by far more.
-const KNOWN: f64 = 1e-24;
+pub(super) const KNOWN: f64 = 1e-24;
 
-/// A `floor` or `mod` that jumps.
+/// A `floor`, `mod` or `atan2` that jumps.
 #[derive(Clone, Debug)]
 pub struct Jump {
     /// With all that it is of, operands first.
@@ -79,7 +79,8 @@ pub(super) fn line_of(op: Op, lines: &[Option<Line>], whole: Option<f64>) -> Opt
 pub(super) fn instant_of(op: Op, lines: &[Option<Line>], whole: f64) -> Option<Constant> {
     let quotient = match op {
         Op::Call(Function::Mod, a, b) => line_of(Op::Divide(a, b), lines, None)?,
-        Op::Call(Function::Floor, a, _) => lines[a]?,
+        // An angle jumps where y comes to zero.
+        Op::Call(Function::Floor | Function::Atan2, a, _) => lines[a]?,
         _ => return None,
     };
     let [value, slope] = quotient;

@@ -1,4 +1,4 @@
-//! Formulas of time with kinks and jumps (abs, min, max, floor, mod): where their smooth pieces part, and enclosures of
+//! Formulas of time with kinks and jumps (abs, min, max, floor, mod, atan2): where their smooth pieces part, and enclosures of
 //! one piece.
 //!
 //! A kink is passed by either of its sides with what that is off at most. A jump cannot be passed: a piece is what the
@@ -11,6 +11,7 @@ use crate::numbers::constant::Constant;
 use crate::numbers::interval::Interval;
 use crate::numbers::scalar::{Ring, Scalar};
 use crate::numbers::series::Series;
+use std::f64::consts::PI;
 
 /// The time of a jump is known to this part of itself, or of a second: far more than rounding moves it, far less than
 /// stretches last. It depends on the time alone, so that the pieces on both sides know the same jumps.
@@ -27,17 +28,17 @@ const MOST_PARTS: usize = 10_000;
 
 /// What a function is on a piece.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum KinkSide {
+pub(super) enum KinkSide {
     /// As it is written.
     Plain,
     /// One of its operands, negated or not, and some number of an interval.
     Operand(usize, bool, Interval),
-    /// The whole number that `floor` gives, of a quotient in `mod`.
+    /// The whole number that `floor` gives, of a quotient in `mod`; the half turns that `atan2` gives beyond the cut.
     Whole(f64),
 }
 
 impl KinkSide {
-    fn whole(self) -> Option<f64> {
+    pub(super) fn whole(self) -> Option<f64> {
         match self {
             Self::Whole(whole) => Some(whole),
             _ => None,
@@ -48,7 +49,7 @@ impl KinkSide {
 /// A formula of time over a stretch without jumps inside.
 #[derive(Clone, Debug)]
 pub struct TimePiece {
-    sides: Vec<KinkSide>,
+    pub(super) sides: Vec<KinkSide>,
     /// What jumps at the start, and at the end.
     pub jumps: [Option<Jump>; 2],
 }
@@ -71,6 +72,11 @@ pub fn around_instant(time: f64) -> Interval {
 impl Expression {
     /// Whether it has functions with kinks or jumps.
     pub fn has_pieces(&self) -> bool {
+        self.has_kinks() || self.ops().iter().any(|op| cut_of(*op).is_some())
+    }
+
+    /// The same but for angles, whose jumps by a whole turn are none of a joint that turns.
+    pub fn has_kinks(&self) -> bool {
         self.ops().iter().any(|op| is_broken(*op))
     }
 
@@ -184,6 +190,10 @@ impl Expression {
     fn is_open(&self, time: Interval) -> bool {
         let mut values: Vec<Series<Interval, 1>> = Vec::with_capacity(self.ops().len());
         for op in self.ops() {
+            if cut_of(*op).is_some_and(|[y, x]| meets_cut([y, x].map(|k| value_range(&values, k))))
+            {
+                return true;
+            }
             let side = match (
                 step_argument(*op, &values),
                 kink_side(*op, |a| value_range(&values, a)),
@@ -229,6 +239,7 @@ impl Expression {
                     Function::Abs => state.push(f64::from(x < 0.0)),
                     Function::Min | Function::Max => state.push(f64::from(x < y)),
                     Function::Floor | Function::Mod => state.push(whole.unwrap_or(f64::INFINITY)),
+                    Function::Atan2 => state.push(f64::from(x.is_sign_negative() && y < 0.0)),
                     _ => {}
                 }
             }
@@ -275,6 +286,9 @@ impl Ranges {
     /// The whole number that a jumping function gives between the ends, and which one its quotient passes at either end;
     /// `None` for other functions, and where that is open.
     fn whole(&self, op: Op) -> Option<(f64, [Option<f64>; 2])> {
+        if let Some(operands) = cut_of(op) {
+            return self.half_turns(operands);
+        }
         let core = step_argument(op, &self.core)?;
         let whole = core.lo.floor();
         if core.hi.floor() != whole {
@@ -307,6 +321,52 @@ impl Ranges {
         }
         Some((whole, here))
     }
+}
+
+impl Ranges {
+    /// On which side of the cut, the negative x axis, an angle is between the ends, if it comes to the cut there: half a turn
+    /// more than the opposite angle, or less. And at which ends it passes the cut.
+    fn half_turns(&self, operands: [usize; 2]) -> Option<(f64, [Option<f64>; 2])> {
+        let of = |values: &[Series<Interval, 1>]| operands.map(|k| value_range(values, k));
+        let core = of(&self.core)[0];
+        let side = match (core.lo > 0.0, core.hi < 0.0) {
+            (true, _) => 1.0,
+            (_, true) => -1.0,
+            _ => return None,
+        };
+        if !meets_cut(of(&self.all)) {
+            return None;
+        }
+        let mut here = [None; 2];
+        for (end, (here, values)) in here.iter_mut().zip(&self.ends).enumerate() {
+            let [y, x] = operands.map(|k| *values[k].coefficients());
+            if !meets_cut([y[0], x[0]]) {
+                continue;
+            }
+            let is_once = y[1].is_finite() && (y[1].lo >= 0.0 || y[1].hi <= 0.0);
+            if !is_once {
+                return None;
+            }
+            // What begins on the cut has not passed it.
+            *here = (end == 1 || !self.is_first).then_some(0.0);
+        }
+        Some((side, here))
+    }
+}
+
+/// The operands of an angle: y, then x.
+fn cut_of(op: Op) -> Option<[usize; 2]> {
+    match op {
+        Op::Call(Function::Atan2, y, x) => Some([y, x]),
+        _ => None,
+    }
+}
+
+/// Whether a point may be on the negative x axis, or in the origin.
+fn meets_cut([y, x]: [Interval; 2]) -> bool {
+    // What has no number may be anywhere.
+    let is_off = x.lo > 0.0 || y.lo > 0.0 || y.hi < 0.0;
+    !is_off
 }
 
 fn is_broken(op: Op) -> bool {
@@ -366,13 +426,27 @@ fn on_side<const N: usize>(
             value + Series::constant(off)
         }
         (Op::Call(Function::Mod, a, b), KinkSide::Whole(n)) => values[a] - values[b].scale(n),
+        (Op::Call(Function::Atan2, y, x), KinkSide::Whole(n)) => {
+            let half = Interval::new(PI, PI.next_up());
+            (-values[y]).atan2(-values[x]) + Series::constant(half * Interval::point(n))
+        }
         (_, KinkSide::Whole(n)) => Series::number(n),
+        // A joint goes on smoothly through the cut of its angle, an input of the time does not.
+        (Op::Call(Function::Atan2, y, x), _) if !angle_of(values, y, x).is_finite() => {
+            Series::undefined()
+        }
         _ => apply_op(op, values, &[time]),
     }
 }
 
+/// The angle of a direction; of directions on both sides of the cut there is none.
+fn angle_of<const N: usize>(values: &[Series<Interval, N>], y: usize, x: usize) -> Interval {
+    let [y, x] = [y, x].map(|k| values[k].coefficients()[0]);
+    y.atan2(x)
+}
+
 /// All values that an operation may have, and all its rates: about a kink those of both sides.
-fn within<const N: usize>(
+pub(super) fn within<const N: usize>(
     op: Op,
     side: KinkSide,
     values: &[Series<Interval, N>],

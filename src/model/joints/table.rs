@@ -91,7 +91,7 @@ fn joint_table(mechanism: &Mechanism, graph: &Finished) -> Joints {
 fn has_kinks(mechanism: &Mechanism, steps: &[ChainStep]) -> bool {
     let arguments = steps.iter().filter_map(ChainStep::joint);
     let mut arguments = arguments.map(|joint| &mechanism.arguments[joint.argument]);
-    arguments.any(|a| matches!(a, Argument::Formula(formula) if formula.has_pieces()))
+    arguments.any(|a| matches!(a, Argument::Formula(formula) if formula.has_kinks()))
 }
 
 /// The links that joints connect, renumbered without those inside joints.

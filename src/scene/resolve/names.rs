@@ -5,7 +5,7 @@ use super::super::formula::compile::{CompiledValue, exact_constant};
 use super::super::formula::expansion::Factor;
 use super::super::formula::kinds::to_radians;
 use super::parsed::Parsed;
-use super::words::refuse_double_and_reserved;
+use super::words::{TIME, refuse_double_and_reserved};
 use crate::diag::{Diagnostic, Diagnostics, Span};
 use crate::model::mechanism::{AngleUnit, Coordinate, Kind};
 use crate::numbers::constant::Constant;
@@ -118,7 +118,20 @@ impl Names {
         names.unknown_places = found.into_iter().map(|(_, span)| span).collect();
         names.index();
         names.refuse_undefined_in_frames(parsed, diagnostics);
+        names.refuse_time(diagnostics);
         names
+    }
+
+    /// The name of the time is no unknown: who writes it into a loop or an equation means a drive.
+    fn refuse_time(&self, diagnostics: &mut Diagnostics) {
+        let places = self.unknowns.iter().zip(&self.unknown_places);
+        for (_, place) in places.filter(|(unknown, _)| unknown.name == TIME) {
+            let message = format!("the time `{TIME}` stands in drives only");
+            let diagnostic = Diagnostic::error(message).at(place.clone());
+            diagnostics.push(diagnostic.hint(format!(
+                "give an input the formula, such as `phi = \"360*{TIME}\"` under [inputs], and use the input here"
+            )));
+        }
     }
 
     /// A name in a body's frame that no loop determines is probably misspelled.

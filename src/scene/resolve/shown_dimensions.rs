@@ -8,6 +8,7 @@ use crate::diag::{Diagnostic, Diagnostics};
 use crate::model::mechanism::{Body, Trace};
 use crate::model::shown_dimension::{DimensionEnd, DimensionKind, PlaceOf, ShownDimension};
 use crate::scene::values::FormulaText;
+use glam::DVec3;
 
 /// More digits are meaningless in a picture.
 const MOST_DIGITS: f64 = 9.0;
@@ -43,91 +44,106 @@ struct DimensionReader<'a, 'n> {
 
 impl DimensionReader<'_, '_> {
     fn dimension(&mut self, file: &ShownDimensionFile) -> Option<ShownDimension> {
-        let [from, to] = file.ends.each_ref().map(|end| self.end(end));
+        let ends = file.ends.each_ref();
+        let [from, to] = ends.map(|end| end.as_ref().and_then(|end| self.end(end)));
         let kind = match &file.at {
             None => self.length(file),
             Some(at) => self.angle(file, at),
         };
-        let digits = match &file.digits {
-            None => None,
-            Some(text) => Some(self.digits(text)?),
-        };
+        let digits = file.digits.as_ref().map(|text| self.digits(text));
+        if digits == Some(None) {
+            return None;
+        }
         Some(ShownDimension {
             kind: kind?,
             ends: [from?, to?],
             text: file.text.as_ref().map(|text| text.value.clone()),
-            digits,
+            digits: digits.flatten(),
             colour: file.colour,
         })
     }
 
     fn length(&mut self, file: &ShownDimensionFile) -> Option<DimensionKind> {
-        if file.axis.is_some() || file.radius.is_some() {
+        let axis = file.axis.as_ref().map(|axis| &axis[0]);
+        let of_angle = [("axis", axis), ("radius", file.radius.as_ref())];
+        let mut is_sound = true;
+        for (key, text) in of_angle {
+            let Some(text) = text else { continue };
+            let message = format!("`{key}` belongs to an angle");
             self.refuse(
-                file,
-                "`axis` and `radius` belong to an angle, which needs `at`",
+                text,
+                &message,
+                "an angle has a place `at` where its arms meet",
             );
-            return None;
+            is_sound = false;
         }
         let offset = self
             .constants
-            .vector_or_zero(&file.offset, self.diagnostics)?;
+            .vector_or_zero(&file.offset, self.diagnostics);
+        let offset = offset.filter(|_| is_sound)?;
         Some(DimensionKind::Length { offset })
     }
 
     fn angle(&mut self, file: &ShownDimensionFile, at: &PlaceFile) -> Option<DimensionKind> {
-        if file.offset.is_some() {
-            self.refuse(file, "an angle has no `offset`");
-            return None;
+        let is_sound = file.offset.is_none();
+        if let Some([x, ..]) = &file.offset {
+            let hint = "`radius` sets how far from `at` its arc is";
+            self.refuse(x, "an angle has no `offset`", hint);
         }
         let at = self.end(at);
-        let radius = match &file.radius {
-            None => None,
-            Some(text) => Some(self.constants.positive("radius", text, self.diagnostics)?),
-        };
-        let axis = match &file.axis {
-            None => None,
-            Some(texts) => {
-                let axis = self
-                    .constants
-                    .vector(texts, self.diagnostics)?
-                    .try_normalize();
-                if axis.is_none() {
-                    self.refuse(file, "the axis of an angle must not be zero");
-                    return None;
-                }
-                axis
-            }
-        };
+        let radius = file.radius.as_ref();
+        let radius = radius.map(|text| self.constants.positive("radius", text, self.diagnostics));
+        let axis = file.axis.as_ref().map(|texts| self.axis(texts));
+        // What is given and could not be read has been reported.
+        if !is_sound || axis == Some(None) || radius == Some(None) {
+            return None;
+        }
         Some(DimensionKind::Angle {
             at: at?,
-            axis,
-            radius,
+            axis: axis.flatten(),
+            radius: radius.flatten(),
         })
+    }
+
+    fn axis(&mut self, texts: &[FormulaText; 3]) -> Option<DVec3> {
+        let vector = self.constants.vector(texts, self.diagnostics)?;
+        let axis = vector.try_normalize();
+        if axis.is_none() {
+            let hint = "the direction about which the angle is measured, such as [0, 0, 1]";
+            self.refuse(&texts[0], "the axis of an angle must not be zero", hint);
+        }
+        axis
     }
 
     fn end(&mut self, file: &PlaceFile) -> Option<DimensionEnd> {
         let point = self.constants.vector_or_zero(&file.point, self.diagnostics);
-        let of = match (&file.body, &file.trace) {
-            (Some(body), None) => PlaceOf::Body(body_index(
-                &body.value,
-                &body.span,
-                self.bodies,
-                self.diagnostics,
-            )?),
+        let of = self.place(file);
+        Some(DimensionEnd {
+            of: of?,
+            point: point?,
+        })
+    }
+
+    fn place(&mut self, file: &PlaceFile) -> Option<PlaceOf> {
+        match (&file.body, &file.trace) {
+            (Some(body), None) => {
+                let index = body_index(&body.value, &body.span, self.bodies, self.diagnostics);
+                index.map(PlaceOf::Body)
+            }
             (None, Some(trace)) => {
                 let names = self.constants.names;
-                PlaceOf::Trace(trace_index(trace, names, self.traces, self.diagnostics)?)
+                let index = trace_index(trace, names, self.traces, self.diagnostics);
+                index.map(PlaceOf::Trace)
             }
-            (None, None) => PlaceOf::World,
-            (Some(_), Some(_)) => {
+            (None, None) => Some(PlaceOf::World),
+            (Some(_), Some(trace)) => {
                 let message = "a place is on a `body` or on a `trace`, not on both";
-                self.diagnostics
-                    .push(Diagnostic::error(message).at(file.span.clone()));
-                return None;
+                let diagnostic = Diagnostic::error(message).at(trace.span.clone());
+                let hint = "a trace is on its body already: leave one of them out";
+                self.diagnostics.push(diagnostic.hint(hint));
+                None
             }
-        };
-        Some(DimensionEnd { of, point: point? })
+        }
     }
 
     fn digits(&mut self, text: &FormulaText) -> Option<usize> {
@@ -136,13 +152,12 @@ impl DimensionReader<'_, '_> {
             return Some(value as usize);
         }
         let message = format!("digits must be a whole number from 0 to {MOST_DIGITS}");
-        self.diagnostics
-            .push(Diagnostic::error(message).at(text.span.clone()));
+        self.refuse(text, &message, "digits behind the decimal point");
         None
     }
 
-    fn refuse(&mut self, file: &ShownDimensionFile, message: &str) {
-        self.diagnostics
-            .push(Diagnostic::error(message).at(file.span.clone()));
+    fn refuse(&mut self, at: &FormulaText, message: &str, hint: &str) {
+        let diagnostic = Diagnostic::error(message).at(at.span.clone());
+        self.diagnostics.push(diagnostic.hint(hint));
     }
 }

@@ -103,6 +103,22 @@ fn dimensions_follow_the_motion() {
     }
 }
 
+/// Rounding turns no angle of zero into a full one, whichever way it falls.
+#[test]
+fn an_angle_without_its_last_digit_is_no_full_turn() {
+    for off in ["0", "1e-15", "-1e-15", "3e-14", "-3e-14"] {
+        let more = format!(
+            "[[dimensions]]\nat = {{ body = \"crank\" }}\nfrom = {{ body = \"crank\", point = [9, 0, 0] }}\n\
+             to = {{ body = \"crank\", point = [7, {off}, 0] }}\naxis = [0, 0, 1]\ntext = \"none = {{}}\"\n"
+        );
+        let (scene, trajectory) = solved(&more);
+        let staging = staged(&scene, &trajectory);
+        for index in 0..trajectory.samples.len() {
+            assert_eq!(value(&staging.frame(index), "none"), 0.0, "{off}: {index}");
+        }
+    }
+}
+
 /// A parallel view shows only the dimensions that can be read in it.
 #[test]
 fn parallel_views_leave_out_what_they_foreshorten() {
@@ -132,11 +148,11 @@ fn what_a_dimension_lacks_is_said() {
         ),
         (
             "from = {}\nto = { trace = \"K\" }\nradius = 3",
-            "needs `at`",
+            "`radius` belongs to an angle",
         ),
         (
             "from = {}\nto = { trace = \"K\" }\naxis = [0, 0, 1]",
-            "needs `at`",
+            "`axis` belongs to an angle",
         ),
         (
             "from = {}\nto = { trace = \"K\" }\nat = {}\noffset = [0, 0, 1]",

@@ -1068,3 +1068,43 @@ fn a_rod_that_is_too_short_does_not_close_and_its_spin_is_idle() {
         .exits(2)
         .says(&["coordinate(s) are free"]);
 }
+
+/// What an equation says something of is a part of the mechanism, though no body shows it: if it is free to move, the
+/// mechanism wants a drive, and nothing is held for it.
+#[test]
+fn what_an_equation_says_of_is_not_idle() {
+    let hanging = [
+        (
+            "a bar from the end of a crank",
+            "[chains]\ncrank = \"Rz(phi) Tx(50)\"\nP = \"T(x, y, 0)\"\n\
+             [bars]\nrod = { from = \"crank\", to = \"P\", length = 80 }\n",
+        ),
+        (
+            "a bar in space",
+            "[chains]\ncrank = \"Rz(phi) Tx(50)\"\nP = \"T(x, y, z)\"\n[bars]\n\
+             a = { from = \"crank\", to = \"P\", length = 80 }\n\
+             b = { from = [90, 0, 0], to = \"P\", length = 70 }\n",
+        ),
+        (
+            "two bars, one after the other",
+            "[chains]\nP = \"T(x, y, 0)\"\nQ = \"T(u, v, 0)\"\n[bars]\n\
+             a = { from = [0, 0], to = \"P\", length = 80 }\n\
+             b = { from = \"P\", to = \"Q\", length = 70 }\n\
+             [equations]\nc = \"x - 50*cos(phi)\"\n",
+        ),
+        ("a sum", "[equations]\ne = \"x + y - 10*phi\"\n"),
+        (
+            "an angle that the other one follows",
+            "[equations]\ne = \"cos(a) - cos(b)*phi/2\"\n",
+        ),
+    ];
+    for (what, text) in hanging {
+        let text = format!(
+            "duration = 1\nunits = {{ length = \"mm\" }}\n[inputs]\nphi = \"0.5 + t\"\n{text}"
+        );
+        match read(&text).system() {
+            Err(error) => assert!(error.to_string().contains("drive"), "{what}: {error}"),
+            Ok(system) => panic!("{what}: held {:?}", system.structure().held),
+        }
+    }
+}

@@ -31,8 +31,12 @@ fn designs_that_cannot_be_meant_are_refused() {
     run(&space, line)
         .exits(2)
         .says(&["the scene's study allows 200 to 340"]);
-    let line = "sweep gearshift --design grid:ZR1=240..300:3 --out rows.parquet";
+    let line = "sweep gearshift --design grid:ZR1=240..300:3 --out rows.ods";
     run(&space, line).exits(2).says(&["unknown kind of table"]);
+    if cfg!(not(feature = "parquet")) {
+        let line = "sweep gearshift --design grid:ZR1=240..300:3 --out rows.parquet";
+        run(&space, line).exits(2).says(&["built without Parquet"]);
+    }
     let line = "sweep four-bar --design grid:crank=1..2:3 --outputs K.x --inputs t.csv";
     run(&space, line)
         .exits(2)

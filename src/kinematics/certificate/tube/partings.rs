@@ -3,7 +3,7 @@
 
 use super::drive::{DriveInterval, keys_between};
 use super::path::InputPath;
-use super::prover::{Prover, SAME_INPUT};
+use super::prover::Prover;
 use super::stretches::Station;
 use crate::kinematics::results::certificate::{Obstacle, Refusal};
 use crate::kinematics::solve::newton::Pace;
@@ -38,14 +38,14 @@ impl Prover<'_> {
         Ok(ahead)
     }
 
-    /// The pose to which the drive leads just before `last`, if it jumps there; otherwise `last` itself.
+    /// The pose to which the drive leads right before `last`, to which it jumps.
     pub(super) fn before_a_jump(&mut self, here: &Station, last: Station) -> Station {
         let keys = keys_between(&self.actuation.drives, here.time, last.time);
         let from = keys.last().copied().unwrap_or(here.time);
         self.beside_a_jump(last, here, from)
     }
 
-    /// The pose from which the drive continues just after `here`, if it jumps there; otherwise `here` itself.
+    /// The pose from which the drive leads on right after `here`, from which it jumps.
     pub(super) fn after_a_jump(&mut self, here: Station, last: &Station) -> Station {
         let keys = keys_between(&self.actuation.drives, here.time, last.time);
         let from = keys.first().copied().unwrap_or(last.time);
@@ -60,12 +60,7 @@ impl Prover<'_> {
         let beside = at.time + (from - at.time).signum() * way.min(least.max(AT_JUMP * way));
         let ends = [beside.min(at.time), beside.max(at.time)];
         let inputs = InputPath::new(&self.actuation, DriveInterval::new(ends[0], ends[1]));
-        let values = at.sample.iter().flat_map(|(values, _)| values);
         let limit = |k: usize| inputs.at(k, at.time).middle();
-        let jumps = |(k, v): (usize, &f64)| (limit(k) - v).abs() > SAME_INPUT * self.unit(k, *v);
-        if !values.enumerate().any(jumps) {
-            return at;
-        }
         let mut coordinates = there.unknowns.clone();
         for step in 1..=STEPS_TO_JUMP {
             let share = f64::from(step) / f64::from(STEPS_TO_JUMP);

@@ -1,7 +1,7 @@
 //! From sample to sample: where tubes begin and end, and how they are connected to each other and to the samples.
 
 use super::blocks::Blocks;
-use super::drive::DriveInterval;
+use super::drive::{DriveInterval, jumps_between};
 use super::form::Form;
 use super::path::{InputPath, TubePath};
 use super::stretches::{Bases, Station, Tube, largest_value};
@@ -16,6 +16,7 @@ use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::drive::Drive;
+use crate::model::expression::pieces::around_instant;
 use crate::model::mechanism::Kind;
 use crate::model::printed;
 use crate::numbers::interval::Interval;
@@ -25,8 +26,8 @@ use std::sync::Arc;
 /// as its distance, without end.
 pub const FLOOR: f64 = 1.0 / 65_536.0;
 
-/// Rounding by which an input of a sample may differ from the enclosed drive, in radians or sizes.
-pub(super) const SAME_INPUT: f64 = 1e-9;
+/// An input of a sample may differ from the enclosed drive by rounding: this much of a radian or of the size.
+const SAME_INPUT: f64 = 1e-9;
 
 /// Positions in a time interval at which the rows of over-determined blocks are chosen: the middle, and if that choice
 /// fails either end.
@@ -84,6 +85,12 @@ impl<'m> Prover<'m> {
     /// Whether a sample's inputs are those of the tube at that time, which fails at a jump of the drive. Tubes begin
     /// and end with the exact poses of samples with their inputs.
     pub fn has_inputs(&self, tube: &Tube, sample: &Sample) -> bool {
+        let jumps = jumps_between(&self.actuation.drives, tube.start, tube.end);
+        if (jumps.at_start && sample.time == tube.start)
+            || (jumps.at_end && sample.time == tube.end)
+        {
+            return false;
+        }
         let slot = self.system.mechanism().unknowns.len();
         let is_same = |(k, value): (usize, &f64)| {
             let off = tube.path.at(slot + k, sample.time).distance(*value);
@@ -171,17 +178,31 @@ impl<'m> Prover<'m> {
         };
         let mut here = self.place(start).map_err(|o| refuse(start, o))?;
         let mut last = self.place(end).map_err(|o| refuse(end, o))?;
-        if self.may_jump {
-            last = self.before_a_jump(&here, last);
-            // Between two jumps neither pose is on the motion; only for open chains is the pose known there.
-            if last.sample.is_some() || last.unknowns.is_empty() {
-                here = self.after_a_jump(here, &last);
+        let jumps = jumps_between(&self.actuation.drives, start.time, end.time);
+        if jumps.at_end {
+            if !self.may_jump {
+                return Err(refuse(end, Obstacle::Drive));
             }
+            last = self.before_a_jump(&here, last);
+        }
+        // Of two jumps neither pose is on the motion between them: of open chains alone it is known where that is.
+        if jumps.at_start {
+            if !self.may_jump || (jumps.at_end && !last.unknowns.is_empty()) {
+                return Err(refuse(start, Obstacle::Drive));
+            }
+            here = self.after_a_jump(here, &last);
         }
         let floor = floor * (end.time - start.time);
         // Bisection in time: a stack of poses ahead, halved until every tube is proved.
         let mut ahead = self.by_keyframes(&here, last)?;
+        let inside = jumps.inside.map(|time| around_instant(time).lo);
         while let Some(next) = ahead.pop() {
+            if inside.is_some_and(|jump| jump <= here.time) {
+                return Err(Refusal {
+                    time: here.time,
+                    obstacle: Obstacle::Drive,
+                });
+            }
             match self.tube(&here, &next, tubes.last()) {
                 Ok(tube) => {
                     tubes.push(tube);
@@ -228,8 +249,8 @@ impl<'m> Prover<'m> {
         })
     }
 
-    /// The unit of differences of input `k`, at a value.
-    pub(super) fn unit(&self, k: usize, value: f64) -> f64 {
+    /// What differences of input `k` are measured in, at a value.
+    fn unit(&self, k: usize, value: f64) -> f64 {
         let mechanism = self.system.mechanism();
         match mechanism.inputs[k].kind {
             Kind::Length => mechanism.scale_of(mechanism.unknowns.len() + k),

@@ -50,13 +50,15 @@ impl ParsedBars {
         chains: &NamedChains,
         diagnostics: &mut Diagnostics,
     ) -> Option<ParsedBar> {
-        let parts = bar.parts.as_ref()?;
-        let mut carrier = |end: &EndFile| {
+        let mut carrier = |end: &Option<EndFile>| {
+            let end = end.as_ref()?;
             let factors = end_factors(end, file, chains, diagnostics)?;
             Some((trimmed_factors(factors), end_span(end)))
         };
-        let [from, to] = [carrier(&parts.ends[0]), carrier(&parts.ends[1])];
-        let length = parsed_expression(&parts.length, diagnostics);
+        // All parts are looked at before one that is missing ends it.
+        let [from, to] = bar.parts.ends.each_ref().map(&mut carrier);
+        let length = bar.parts.length.as_ref();
+        let length = length.and_then(|text| parsed_expression(text, diagnostics));
         let name = &bar.name.value;
         let ends = [
             self.end(format!("{name}.from"), from?),

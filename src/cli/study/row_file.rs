@@ -1,0 +1,150 @@
+//! The file of a sweep's rows: lines of text, or Parquet where the program writes it.
+
+use crate::cli::args::sweep::RowsArgs;
+use crate::cli::io;
+use crate::cli::term::outcome::Failure;
+use crate::export::Output;
+#[cfg(feature = "parquet")]
+use crate::export::parquet::{ParquetColumn, ParquetTable};
+use crate::parts::plan::Plan;
+use crate::sweep::row::Row;
+use crate::sweep::swept_scene::Sweep;
+use crate::sweep::table::{RowTable, TableFormat};
+use std::path::Path;
+
+/// Text that is written at once.
+const BUFFER: usize = 1 << 16;
+
+/// A file of rows under construction.
+pub enum RowFile<'s> {
+    /// Lines, and those that are not written yet.
+    Lines(RowTable<'s>, Box<dyn Output>, String),
+    /// Typed columns, for the sweep's rows.
+    #[cfg(feature = "parquet")]
+    Columns(&'s Sweep, Box<ParquetTable>),
+}
+
+/// What a file's name asks for.
+enum Kind {
+    Lines(TableFormat),
+    Parquet,
+}
+
+/// Refuses a file of rows whose kind is not known.
+pub fn refuse_format(rows: &RowsArgs) -> Result<(), Failure> {
+    rows.out.as_deref().map(kind_of).transpose().map(|_| ())
+}
+
+fn kind_of(path: &Path) -> Result<Kind, Failure> {
+    if path == Path::new("-") {
+        return Ok(Kind::Lines(TableFormat::Csv));
+    }
+    let refuse = |why: &str, hint: &str| {
+        let message = format!("{}: {why}", path.display());
+        Err(Failure::usage(message, vec![hint.to_owned()]))
+    };
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+    match extension.as_deref() {
+        Some("csv") => Ok(Kind::Lines(TableFormat::Csv)),
+        Some("jsonl") => Ok(Kind::Lines(TableFormat::JsonLines)),
+        Some("parquet") if cfg!(feature = "parquet") => Ok(Kind::Parquet),
+        Some("parquet") => refuse(
+            "this program was built without Parquet",
+            "build it with `--features parquet`, or install the Python package, whose program has it",
+        ),
+        _ => refuse(
+            "unknown kind of table",
+            "known are .csv, .jsonl and .parquet",
+        ),
+    }
+}
+
+impl<'s> RowFile<'s> {
+    /// Opens the file at `path` for the rows of `sweep`.
+    pub fn open(sweep: &'s Sweep, plan: &Plan, path: &Path) -> Result<Self, Failure> {
+        match kind_of(path)? {
+            Kind::Lines(format) => {
+                let table = RowTable::new(sweep, format);
+                let header = table.header();
+                Ok(Self::Lines(table, io::open_output(path)?, header))
+            }
+            Kind::Parquet => Self::columns(sweep, plan, path),
+        }
+    }
+
+    #[cfg(not(feature = "parquet"))]
+    fn columns(_: &'s Sweep, _: &Plan, path: &Path) -> Result<Self, Failure> {
+        let message = format!("{}: this program writes no Parquet", path.display());
+        Err(Failure::usage(message, Vec::new()))
+    }
+
+    #[cfg(feature = "parquet")]
+    fn columns(sweep: &'s Sweep, plan: &Plan, path: &Path) -> Result<Self, Failure> {
+        let mut names = RowTable::new(sweep, TableFormat::Csv).into_names();
+        let numbers = names.split_off(3);
+        let first = [
+            ParquetColumn::Whole(Vec::new()),
+            ParquetColumn::Word(Vec::new()),
+            ParquetColumn::Flag(Vec::new()),
+        ];
+        let numbers = numbers
+            .into_iter()
+            .map(|name| (name, ParquetColumn::Number(Vec::new())));
+        let columns = names.into_iter().zip(first).chain(numbers).collect();
+        let units: serde_json::Map<String, serde_json::Value> = sweep
+            .columns
+            .iter()
+            .filter(|(_, unit)| !unit.is_empty())
+            .map(|(name, unit)| (name.clone(), unit.as_str().into()))
+            .collect();
+        let about = [
+            ("mechanim.version", plan.version.clone()),
+            ("mechanim.scene", plan.scene.clone()),
+            ("mechanim.arguments", plan.arguments.join(" ")),
+            ("mechanim.identity", plan.identity.clone()),
+            ("mechanim.units", serde_json::Value::from(units).to_string()),
+        ];
+        let table = ParquetTable::create(io::open_output(path)?, columns, &about)?;
+        Ok(Self::Columns(sweep, Box::new(table)))
+    }
+
+    /// Takes the row of design `item`.
+    pub fn take(&mut self, item: u64, row: &Row) -> Result<(), Failure> {
+        match self {
+            Self::Lines(table, output, text) => {
+                table.add(item, row, text);
+                if text.len() > BUFFER {
+                    output.emit(text.as_bytes())?;
+                    text.clear();
+                }
+                Ok(())
+            }
+            #[cfg(feature = "parquet")]
+            Self::Columns(sweep, table) => {
+                let design = sweep.design.values(item);
+                let mut numbers = row.numbers(&design);
+                for column in &mut table.columns {
+                    match column {
+                        ParquetColumn::Whole(cells) => cells.push(item as i64),
+                        ParquetColumn::Word(cells) => cells.push(row.status.word()),
+                        ParquetColumn::Flag(cells) => cells.push(row.is_feasible),
+                        ParquetColumn::Number(cells) => cells.extend(numbers.next()),
+                    }
+                }
+                Ok(table.end_row()?)
+            }
+        }
+    }
+
+    /// Ends the file.
+    pub fn commit(self) -> Result<(), Failure> {
+        match self {
+            Self::Lines(_, mut output, text) => {
+                output.emit(text.as_bytes())?;
+                Ok(output.commit()?)
+            }
+            #[cfg(feature = "parquet")]
+            Self::Columns(_, table) => Ok(table.commit()?),
+        }
+    }
+}

@@ -1,0 +1,75 @@
+//! An instant at which a search gives what it has found until then.
+
+use super::{Resource, current_limits};
+use std::sync::OnceLock;
+use std::time::{Duration, Instant};
+
+/// Share of the time of a run after which searches end: the rest is for what they have found to be reported.
+const FOR_SEARCHES: f64 = 0.75;
+
+/// When the run began; only a program has one.
+static BEGAN: OnceLock<Instant> = OnceLock::new();
+
+/// Says when the run began; only the first call counts.
+pub fn run_began(instant: Instant) {
+    let _ = BEGAN.set(instant);
+}
+
+/// When work is to end; never, where nothing limits it or the platform has no clock.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Deadline(Option<Instant>);
+
+impl Deadline {
+    /// So many seconds from now.
+    pub fn after(seconds: f64) -> Self {
+        let has_clock = !cfg!(target_family = "wasm");
+        let wait = Duration::try_from_secs_f64(seconds.max(0.0)).ok();
+        let wait = wait.filter(|_| has_clock);
+        Self(wait.and_then(|wait| Instant::now().checked_add(wait)))
+    }
+
+    /// Early enough for what is found to be reported within the time of the run.
+    pub fn of_run() -> Self {
+        let most = FOR_SEARCHES * current_limits().most(Resource::Time);
+        let wait = Duration::try_from_secs_f64(most).ok();
+        Self(
+            BEGAN
+                .get()
+                .zip(wait)
+                .and_then(|(began, wait)| began.checked_add(wait)),
+        )
+    }
+
+    /// The sooner one of two.
+    pub fn or(self, other: Self) -> Self {
+        match (self.0, other.0) {
+            (Some(a), Some(b)) => Self(Some(a.min(b))),
+            (a, b) => Self(a.or(b)),
+        }
+    }
+
+    /// Whether it is past.
+    pub fn is_over(self) -> bool {
+        self.0.is_some_and(|end| Instant::now() >= end)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_sooner_one_counts() {
+        let (past, far, never) = (
+            Deadline::after(0.0),
+            Deadline::after(1e6),
+            Deadline::default(),
+        );
+        assert!(past.is_over() && !far.is_over() && !never.is_over());
+        assert!(past.or(far).is_over() && never.or(past).is_over());
+        assert_eq!(far.or(never), far);
+        for endless in [f64::INFINITY, 1e300] {
+            assert_eq!(Deadline::after(endless), never);
+        }
+    }
+}

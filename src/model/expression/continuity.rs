@@ -1,0 +1,420 @@
+//! Whether a formula of time goes on at an instant without a jump: what it is on both sides is compared there.
+//!
+//! Size tells nothing. `t + 1e-9*floor(t)` jumps; `floor(t)*(t - 1)` does not at 1 s, nor does the triangle wave
+//! `abs(mod(t, 2) - 1)`. Every operation has its value on one side and what the other side is more, which is exactly zero
+//! where nothing in it jumps: a tiny jump is not lost beside a large value.
+
+use super::jumps::{KNOWN, Line, instant_of, line_of};
+use super::pieces::{TimePiece, around_instant, within};
+use super::{Expression, Function, Op, ZERO, apply_op};
+use crate::numbers::constant::Constant;
+use crate::numbers::interval::Interval;
+use crate::numbers::scalar::Scalar;
+use crate::numbers::series::Series;
+
+/// Newton steps from the place of a jump in f64 to all digits.
+const STEPS: usize = 3;
+
+/// Where an input jumps over a stretch of time, or where it is open whether it does.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Jumps {
+    /// Right after the start: the value there is not what the input goes on from.
+    pub at_start: bool,
+    /// The first one between start and end, seconds.
+    pub inside: Option<f64>,
+    /// To the value at the end.
+    pub at_end: bool,
+}
+
+impl Jumps {
+    /// Those of two inputs.
+    pub fn and(self, other: Self) -> Self {
+        let inside = [self.inside, other.inside].into_iter().flatten();
+        Self {
+            at_start: self.at_start || other.at_start,
+            inside: inside.min_by(f64::total_cmp),
+            at_end: self.at_end || other.at_end,
+        }
+    }
+}
+
+/// Of every operation the whole number that it takes on one side of an instant; `None` if it takes none, or if that is open.
+type Side = Vec<Option<f64>>;
+
+/// A value on one side, and what it is more on the other.
+#[derive(Clone, Copy)]
+struct Step {
+    here: Constant,
+    more: Constant,
+}
+
+impl Step {
+    fn there(self) -> Constant {
+        match self.more == ZERO {
+            true => self.here,
+            false => self.here + self.more,
+        }
+    }
+}
+
+impl Expression {
+    /// Whether it has functions that jump.
+    pub fn may_jump(&self) -> bool {
+        self.ops().iter().any(|op| takes_whole(*op))
+    }
+
+    /// Where it jumps from the instant `from` to the instant `to`, both included.
+    pub fn jumps_between(&self, from: f64, to: f64) -> Jumps {
+        let mut jumps = Jumps::default();
+        if !self.may_jump() || from >= to {
+            return jumps;
+        }
+        let mut stops = self.breaks(from, to);
+        // What is at the ends but for rounding is at the ends.
+        let [first, last] = [from, to].map(around_instant);
+        stops.retain(|t| first.hi < *t && *t < last.lo);
+        stops.dedup_by(|b, a| *b <= around_instant(*a).hi);
+        stops.insert(0, from);
+        stops.push(to);
+        let pieces = stops.windows(2).map(|ends| {
+            let all = Interval::new(ends[0], ends[1]);
+            self.piece(all, [ends[0], ends[1]])
+        });
+        let pieces: Vec<TimePiece> = pieces.collect();
+        let sides: Vec<Side> = (pieces.iter())
+            .map(|piece| piece.sides.iter().map(|side| side.whole()).collect())
+            .collect();
+        let at = |time: f64| self.whole_numbers(time);
+        jumps.at_start = self.may_differ(&pieces[0], &[at(from), sides[0].clone()], from);
+        for (k, time) in stops[1..stops.len() - 1].iter().enumerate() {
+            // A single instant may have a value of its own, too.
+            let here = [time.next_down(), *time, time.next_up()].map(at);
+            let way = [&sides[k..=k], &here, &sides[k + 1..k + 2]].concat();
+            if self.may_differ(&pieces[k], &way, *time) {
+                jumps.inside = Some(*time);
+                break;
+            }
+        }
+        let last = pieces.len() - 1;
+        jumps.at_end = self.may_differ(&pieces[last], &[sides[last].clone(), at(to)], to);
+        jumps
+    }
+
+    /// Whether the values with the whole numbers of neighbouring sides of an instant, at an end of a piece, are not known to be
+    /// the same.
+    fn may_differ(&self, piece: &TimePiece, sides: &[Side], about: f64) -> bool {
+        let differs = |pair: &[Side]| self.may_step(piece, [&pair[0], &pair[1]], about);
+        sides.windows(2).any(differs)
+    }
+
+    fn may_step(&self, piece: &TimePiece, sides: [&Side; 2], about: f64) -> bool {
+        let mut instant = None;
+        for (k, op) in self.ops().iter().enumerate() {
+            match (sides[0][k], sides[1][k]) {
+                _ if !takes_whole(*op) => {}
+                (Some(a), Some(b)) if a == b => {}
+                (Some(a), Some(b)) => instant = instant.or(Some((k, a.max(b)))),
+                _ => return true,
+            }
+        }
+        let Some((jumping, passed)) = instant else {
+            return false;
+        };
+        let time = self.instant(piece, jumping, passed, about);
+        let mut steps: Vec<Step> = Vec::with_capacity(self.ops().len());
+        for (k, op) in self.ops().iter().enumerate() {
+            let step = step_of(*op, [sides[0][k], sides[1][k]], &steps, time);
+            steps.push(step);
+        }
+        let more = steps.last().map_or(ZERO, |last| last.more);
+        let sizes = steps.iter().map(|step| step.here.number().abs());
+        let size = sizes.filter(|size| size.is_finite()).fold(1.0, f64::max);
+        let is_same = more.number().abs() <= more.error() && more.error() <= KNOWN * size;
+        more != ZERO && !is_same
+    }
+
+    /// When the quotient of an operation comes to a whole number, about a place that is known in f64.
+    fn instant(&self, piece: &TimePiece, jumping: usize, passed: f64, about: f64) -> Constant {
+        let whole = |k: usize| piece.sides[k].whole();
+        let mut lines: Vec<Option<Line>> = Vec::with_capacity(jumping);
+        for (k, op) in self.ops()[..jumping].iter().enumerate() {
+            lines.push(line_of(*op, &lines, whole(k)));
+        }
+        if let Some(time) = instant_of(self.ops()[jumping], &lines, passed) {
+            return time;
+        }
+        // Newton's method, with a bound of the slope about the place.
+        let around = around_instant(about);
+        let mut rates: Vec<Series<Interval, 2>> = Vec::with_capacity(jumping);
+        for (op, side) in self.ops()[..jumping].iter().zip(&piece.sides) {
+            let clock = Series::linear(around, Interval::ONE, 1);
+            rates.push(within(*op, *side, &rates, clock));
+        }
+        let slope = quotient_of(self.ops()[jumping], &rates).map(|q| q.coefficients()[1]);
+        let unknown = Constant::within(about, around.hi - about);
+        let Some(slope) = slope.filter(|s| s.is_finite() && !s.holds_zero()) else {
+            return unknown;
+        };
+        let off = |time: Constant| {
+            let mut values: Vec<Constant> = Vec::with_capacity(jumping);
+            for (k, op) in self.ops()[..jumping].iter().enumerate() {
+                values.push(on_one_side(*op, whole(k), &values, time));
+            }
+            quotient_of(self.ops()[jumping], &values).map(|q| q - Constant::exact(passed))
+        };
+        let mut time = Constant::exact(about);
+        for _ in 0..STEPS {
+            let Some(off) = off(time).filter(|off| off.is_finite()) else {
+                return unknown;
+            };
+            let step = off / Constant::exact(slope.middle());
+            time = without_error(time - step);
+        }
+        let least = slope.lo.abs().min(slope.hi.abs());
+        match off(without_error(time)) {
+            Some(off) if off.is_finite() => {
+                let radius = off.largest() / least * (1.0 + 1e-12);
+                without_error(time) + Constant::within(0.0, radius)
+            }
+            _ => unknown,
+        }
+    }
+}
+
+fn without_error(value: Constant) -> Constant {
+    let digits = value.value();
+    Constant::exact(digits.hi) + Constant::exact(digits.lo)
+}
+
+fn takes_whole(op: Op) -> bool {
+    matches!(op, Op::Call(Function::Floor | Function::Mod, ..))
+}
+
+/// What a function takes the whole number of.
+fn quotient_of<S: Scalar>(op: Op, values: &[S]) -> Option<S> {
+    match op {
+        Op::Call(Function::Floor, a, _) => Some(values[a]),
+        Op::Call(Function::Mod, a, b) => Some(values[a] / values[b]),
+        _ => None,
+    }
+}
+
+/// A value with the whole number of one side. About a kink it is that of either of its sides, which is no farther from it than
+/// what is unknown of its operands.
+fn on_one_side(op: Op, whole: Option<f64>, values: &[Constant], time: Constant) -> Constant {
+    let flip = |a: Constant| if a.number() < 0.0 { -a } else { a };
+    match (op, whole) {
+        (Op::Call(Function::Floor, ..), Some(whole)) => Constant::exact(whole),
+        (Op::Call(Function::Mod, a, b), Some(whole)) => {
+            values[a] - values[b] * Constant::exact(whole)
+        }
+        (Op::Call(Function::Abs, a, _), _) => flip(values[a]),
+        (Op::Call(Function::Min, a, b), _) => lesser(values[a], values[b]),
+        (Op::Call(Function::Max, a, b), _) => -lesser(-values[a], -values[b]),
+        _ => apply_op(op, values, &[time]),
+    }
+}
+
+fn lesser(a: Constant, b: Constant) -> Constant {
+    let (less, other) = if a.number() <= b.number() {
+        (a, b)
+    } else {
+        (b, a)
+    };
+    less + Constant::within(0.0, (other.error() - less.error()).max(0.0))
+}
+
+/// An operation with the whole numbers that it has on either side.
+fn step_of(op: Op, wholes: [Option<f64>; 2], steps: &[Step], time: Constant) -> Step {
+    let side = |pick: fn(Step) -> Constant, whole: Option<f64>| {
+        let values: Vec<Constant> = steps.iter().map(|step| pick(*step)).collect();
+        on_one_side(op, whole, &values, time)
+    };
+    let here = side(|step| step.here, wholes[0]);
+    let apart = || side(Step::there, wholes[1]) - here;
+    let times = |more: Constant, by: Constant| match more == ZERO {
+        true => ZERO,
+        false => more * by,
+    };
+    let is_still = |k: usize| steps[k].more == ZERO;
+    let more = match op {
+        Op::Constant(_) | Op::Slot(_) => ZERO,
+        Op::Negate(a) => -steps[a].more,
+        Op::Add(a, b) => steps[a].more + steps[b].more,
+        Op::Subtract(a, b) => steps[a].more - steps[b].more,
+        Op::Multiply(a, b) => {
+            times(steps[a].more, steps[b].there()) + times(steps[b].more, steps[a].here)
+        }
+        Op::Divide(a, b) if is_still(b) && !is_still(a) => steps[a].more / steps[b].here,
+        Op::Divide(a, b) | Op::Power(a, b) if is_still(a) && is_still(b) => ZERO,
+        Op::Divide(..) | Op::Power(..) => apart(),
+        Op::Call(Function::Floor, ..) => match wholes {
+            [Some(p), Some(q)] => Constant::exact(q - p),
+            _ => Constant::exact(f64::NAN),
+        },
+        Op::Call(Function::Mod, a, b) => match wholes {
+            // Where the quotient passes a whole number the remainder is zero on one side, and the divisor on the other.
+            [Some(p), Some(q)] if is_still(a) && is_still(b) => match p == q {
+                true => ZERO,
+                false => -steps[b].here * Constant::exact(q - p),
+            },
+            _ => apart(),
+        },
+        Op::Call(_, a, b) if is_still(a) && is_still(b) => ZERO,
+        Op::Call(Function::Abs, a, _) => {
+            let signs = [steps[a].here, steps[a].there()].map(Scalar::is_below_zero);
+            match signs {
+                [Some(false), Some(false)] => steps[a].more,
+                [Some(true), Some(true)] => -steps[a].more,
+                _ => apart(),
+            }
+        }
+        Op::Call(..) => apart(),
+    };
+    let passes = match (op, wholes) {
+        (Op::Call(Function::Mod, a, b), [Some(p), Some(q)]) if p != q => {
+            (is_still(a) && is_still(b) && (q - p).abs() == 1.0).then_some((p < q, steps[b].here))
+        }
+        _ => None,
+    };
+    let here = match passes {
+        Some((true, divisor)) => divisor,
+        Some((false, _)) => ZERO,
+        None => here,
+    };
+    Step { here, more }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    const T: Op = Op::Slot(0);
+
+    fn number(value: f64) -> Op {
+        Op::Constant(Constant::exact(value))
+    }
+
+    const FLOOR: Function = Function::Floor;
+    const MOD: Function = Function::Mod;
+
+    /// Formulas, and whether they jump at 1 s.
+    fn cases() -> Vec<(&'static str, Vec<Op>, bool)> {
+        let floor = |k: usize| Op::Call(FLOOR, k, k);
+        vec![
+            ("floor(t)", vec![T, floor(0)], true),
+            (
+                "t + 1e-40*floor(t)",
+                vec![
+                    T,
+                    floor(0),
+                    number(1e-40),
+                    Op::Multiply(1, 2),
+                    Op::Add(0, 3),
+                ],
+                true,
+            ),
+            (
+                "floor(t)*(t-1)",
+                vec![
+                    T,
+                    floor(0),
+                    number(1.0),
+                    Op::Subtract(0, 2),
+                    Op::Multiply(1, 3),
+                ],
+                false,
+            ),
+            (
+                "floor(t)*(t-1.0000001)",
+                vec![
+                    T,
+                    floor(0),
+                    number(1.000_000_1),
+                    Op::Subtract(0, 2),
+                    Op::Multiply(1, 3),
+                ],
+                true,
+            ),
+            (
+                "abs(mod(t,1)-0.5)",
+                vec![
+                    T,
+                    number(1.0),
+                    Op::Call(MOD, 0, 1),
+                    number(0.5),
+                    Op::Subtract(2, 3),
+                    Op::Call(Function::Abs, 4, 4),
+                ],
+                false,
+            ),
+            (
+                "abs(mod(t,1)-0.4999999999999)",
+                vec![
+                    T,
+                    number(1.0),
+                    Op::Call(MOD, 0, 1),
+                    number(0.499_999_999_999_9),
+                    Op::Subtract(2, 3),
+                    Op::Call(Function::Abs, 4, 4),
+                ],
+                true,
+            ),
+            (
+                "t - floor(t) - mod(t,1)",
+                vec![
+                    T,
+                    floor(0),
+                    number(1.0),
+                    Op::Call(MOD, 0, 2),
+                    Op::Subtract(0, 1),
+                    Op::Subtract(4, 3),
+                ],
+                false,
+            ),
+            // At 1 s itself it is zero, on both sides -1.
+            (
+                "floor(t) + floor(-t)",
+                vec![T, floor(0), Op::Negate(0), floor(2), Op::Add(1, 3)],
+                true,
+            ),
+            // The square root of two is no number of f64.
+            (
+                "floor(2*t^2)*(t^2-1)",
+                vec![
+                    T,
+                    Op::Multiply(0, 0),
+                    number(2.0),
+                    Op::Multiply(1, 2),
+                    floor(3),
+                    number(1.0),
+                    Op::Subtract(1, 5),
+                    Op::Multiply(4, 6),
+                ],
+                false,
+            ),
+        ]
+    }
+
+    #[test]
+    fn jumps_are_told_from_kinks_by_both_sides() {
+        for (name, ops, jumps) in cases() {
+            let formula = Expression::new(ops);
+            let found = formula.jumps_between(0.8, 1.2);
+            assert_eq!(found.inside.is_some(), jumps, "{name}: {found:?}");
+            assert!(!found.at_start && !found.at_end, "{name}: {found:?}");
+            assert!(
+                found.inside.is_none_or(|t| (t - 1.0).abs() < 1e-9),
+                "{name}"
+            );
+            let up_to = formula.jumps_between(0.8, 1.0);
+            let after = formula.jumps_between(1.0, 1.2);
+            assert_eq!(
+                up_to.at_end || after.at_start,
+                jumps,
+                "{name}: {up_to:?} {after:?}"
+            );
+            assert!(!up_to.at_start && !after.at_end, "{name}");
+            assert_eq!((up_to.inside, after.inside), (None, None), "{name}");
+        }
+    }
+}
