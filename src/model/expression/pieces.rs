@@ -431,18 +431,8 @@ fn on_side<const N: usize>(
             (-values[y]).atan2(-values[x]) + Series::constant(half * Interval::point(n))
         }
         (_, KinkSide::Whole(n)) => Series::number(n),
-        // A joint goes on smoothly through the cut of its angle, an input of the time does not.
-        (Op::Call(Function::Atan2, y, x), _) if !angle_of(values, y, x).is_finite() => {
-            Series::undefined()
-        }
         _ => apply_op(op, values, &[time]),
     }
-}
-
-/// The angle of a direction; of directions on both sides of the cut there is none.
-fn angle_of<const N: usize>(values: &[Series<Interval, N>], y: usize, x: usize) -> Interval {
-    let [y, x] = [y, x].map(|k| values[k].coefficients()[0]);
-    y.atan2(x)
 }
 
 /// All values that an operation may have, and all its rates: about a kink those of both sides.
