@@ -93,7 +93,7 @@ impl Study {
     /// use mechanim::{Scene, study::ToleranceOptions};
     ///
     /// let study = Scene::builtin("gearshift")?.study().vary(&["L4", "L5d"]);
-    /// let options = ToleranceOptions { tolerance: Some(0.01), samples: 64, ..Default::default() };
+    /// let options = ToleranceOptions { tolerance: Some(0.01), pieces: 64, ..Default::default() };
     /// let tolerance = study.tolerance(&options)?;
     /// for measure in tolerance.measures() {
     ///     println!("{}: {} +- {}", measure.name, measure.nominal, measure.linear_sum);

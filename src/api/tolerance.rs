@@ -15,7 +15,7 @@ pub struct ToleranceOptions {
     /// Half the width of the tolerance, in the dimension's unit, for every dimension without one in the study.
     pub tolerance: Option<f64>,
     /// Number of random pieces.
-    pub samples: usize,
+    pub pieces: usize,
     /// Distribution of a dimension within its tolerance.
     pub distribution: Distribution,
     /// Seed of the random numbers.
@@ -26,7 +26,7 @@ impl Default for ToleranceOptions {
     fn default() -> Self {
         Self {
             tolerance: None,
-            samples: 10_000,
+            pieces: 10_000,
             distribution: Distribution::Uniform,
             seed: 1,
         }
@@ -70,7 +70,7 @@ impl Tolerance {
         cancel: &AtomicBool,
     ) -> Result<Self, Error> {
         let batch = SampleBatch {
-            samples: options.samples.max(1),
+            samples: options.pieces.max(1),
             first: 0,
             seed: options.seed,
             distribution: options.distribution,
@@ -99,7 +99,7 @@ impl Tolerance {
     /// ```
     /// # use mechanim::{Scene, study::ToleranceOptions};
     /// let study = Scene::builtin("gearshift")?.study().vary(&["L4"]);
-    /// let options = ToleranceOptions { tolerance: Some(0.01), samples: 64, ..Default::default() };
+    /// let options = ToleranceOptions { tolerance: Some(0.01), pieces: 64, ..Default::default() };
     /// for measure in study.tolerance(&options)?.measures() {
     ///     let [low, high] = measure.band.expect("proved for one small tolerance");
     ///     assert!(low <= measure.found[0] && measure.found[1] <= high);
@@ -115,7 +115,7 @@ impl Tolerance {
     /// ```
     /// # use mechanim::{Scene, study::ToleranceOptions};
     /// let study = Scene::builtin("gearshift")?.study().vary(&["L4"]);
-    /// let options = ToleranceOptions { tolerance: Some(0.01), samples: 64, ..Default::default() };
+    /// let options = ToleranceOptions { tolerance: Some(0.01), pieces: 64, ..Default::default() };
     /// assert!((0.0..=1.0).contains(&study.tolerance(&options)?.yield_share()));
     /// # Ok::<(), mechanim::Error>(())
     /// ```
@@ -128,7 +128,7 @@ impl Tolerance {
     /// ```
     /// # use mechanim::{Scene, study::ToleranceOptions};
     /// let study = Scene::builtin("gearshift")?.study().vary(&["L4"]);
-    /// let options = ToleranceOptions { tolerance: Some(0.01), samples: 64, ..Default::default() };
+    /// let options = ToleranceOptions { tolerance: Some(0.01), pieces: 64, ..Default::default() };
     /// assert!(study.tolerance(&options)?.text().contains("64 pieces"));
     /// # Ok::<(), mechanim::Error>(())
     /// ```
@@ -141,7 +141,7 @@ impl Tolerance {
     /// ```
     /// # use mechanim::{Scene, study::ToleranceOptions};
     /// let study = Scene::builtin("gearshift")?.study().vary(&["L4"]);
-    /// let options = ToleranceOptions { tolerance: Some(0.01), samples: 64, ..Default::default() };
+    /// let options = ToleranceOptions { tolerance: Some(0.01), pieces: 64, ..Default::default() };
     /// assert!(study.tolerance(&options)?.to_json().contains("mechanim-tolerance/1"));
     /// # Ok::<(), mechanim::Error>(())
     /// ```

@@ -55,7 +55,7 @@ pub fn gap_sentence(mechanism: &Mechanism, gap: &Gap) -> String {
             };
         }
         format!(
-            "; the nearest to closing that was found leaves `{}` {} {unit}{turned} open at {at}",
+            "; the best pose found leaves `{}` {} {unit}{turned} open at {at}",
             lack.name,
             shown_amount(lack.distance)
         )
@@ -226,7 +226,7 @@ fn start_lack(mechanism: &Mechanism, at: &str, name: &str, [angle, distance]: [f
     if mechanism.equations.iter().any(|e| e.name == name) {
         let left = shown_amount(distance);
         return format!(
-            "equation `{name}` does not hold at {at}: the best pose found leaves {left} in place of zero"
+            "equation `{name}` does not hold at {at}: the best pose found gives {left} instead of zero"
         );
     }
     format!(

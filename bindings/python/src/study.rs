@@ -32,12 +32,12 @@ impl Study {
     /// Tolerance analysis of the measures: linear rules, random pieces, proved bands.
     ///
     /// `tolerance`: half the width for every variable without a tolerance in the study. `distribution`: "uniform" or "normal".
-    #[pyo3(signature = (tolerance = None, *, samples = 10_000, distribution = "uniform", seed = 1))]
+    #[pyo3(signature = (tolerance = None, *, pieces = 10_000, distribution = "uniform", seed = 1))]
     fn tolerance(
         &self,
         py: Python<'_>,
         tolerance: Option<f64>,
-        samples: usize,
+        pieces: usize,
         distribution: &str,
         seed: u64,
     ) -> PyResult<Tolerance> {
@@ -48,7 +48,7 @@ impl Study {
         };
         let options = ToleranceOptions {
             tolerance,
-            samples,
+            pieces,
             distribution,
             seed,
         };

@@ -50,7 +50,7 @@ def test_the_own_optimiser_ends_there_too_and_proves_it():
 
 
 def test_bands_hold_what_is_found():
-    found = mechanim.load("gearshift").study("L4").tolerance(0.01, samples=200)
+    found = mechanim.load("gearshift").study("L4").tolerance(0.01, pieces=200)
     assert 0.0 <= found.yield_share <= 1.0
     for name in found.measures:
         figures = found[name]
@@ -72,7 +72,7 @@ def test_ctrl_c_ends_a_search():
     threading.Timer(0.3, lambda: signal.raise_signal(signal.SIGINT)).start()
     begun = time.monotonic()
     with pytest.raises(KeyboardInterrupt):
-        study.tolerance(0.1, samples=20_000_000)
+        study.tolerance(0.1, pieces=20_000_000)
     assert time.monotonic() - begun < 5.0
 
 

@@ -13,7 +13,7 @@ pub enum NotDyads {
     NotPlanar(String),
     /// The points of a link are collinear.
     #[error(
-        "not a chain of dyads: the points {0} of a link are in one line, which bars do not hold"
+        "not a chain of dyads: the points {0} of a link are in one line, so that bars do not make it rigid"
     )]
     InLine(String),
     /// No joint at all.

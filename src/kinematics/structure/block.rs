@@ -86,7 +86,7 @@ pub enum StructureError {
         names: Vec<String>,
     },
     /// Unknowns that change no equation.
-    #[error("no loop and no equation holds `{}`: nothing there changes with it", names.join("`, `"))]
+    #[error("no loop and no equation determines `{}`: nothing there changes with it", names.join("`, `"))]
     Unheld {
         /// Their names.
         names: Vec<String>,

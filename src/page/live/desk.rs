@@ -85,7 +85,7 @@ impl Desk {
             "picture" => LiveAnswer::Bytes(scene.picture(time, picture_size(question))?.into_raw()),
             "png" => LiveAnswer::Bytes(scene.png(time, picture_size(question))?),
             "gif" => LiveAnswer::Bytes(scene.gif(picture_size(question))?),
-            other => return Err(LiveError::Asked(format!("nobody answers `{other}`"))),
+            other => return Err(LiveError::Asked(format!("unknown request `{other}`"))),
         };
         Ok(answer)
     }

@@ -61,9 +61,9 @@ fn emit_node(
             }
         }
         NodeKind::Derivative(_) => {
-            return Err(Diagnostic::error("a derivative cannot stand here")
+            return Err(Diagnostic::error("a derivative cannot be used here")
                 .at(node.span.clone())
-                .hint("derivatives stand in [outputs], in `of` of measures and in plots, and in no other derivative"));
+                .hint("derivatives can be used in [outputs], in `of` of measures and in plots, but not in other derivatives"));
         }
         NodeKind::Call(function, args) => {
             // min and max of many arguments become nested calls of two.

@@ -275,22 +275,22 @@ impl RatePlace {
         let at = |found: Option<&FormulaNode>| found.unwrap_or(node).span.clone();
         // A track has no time, so that rates by time do not exist there.
         if self.is_track && (timed.is_some() || uses_timed) {
-            return Err(Diagnostic::error("a track has no time to derive by")
+            return Err(Diagnostic::error("a track has no time to differentiate by")
                 .at(at(timed))
-                .hint("derive by an input, or measure along the drive: without `track`"));
+                .hint("differentiate by an input, or measure along the drive: without `track`"));
         }
         // A derivative of a derivative would have to be of higher order.
         if self.is_derived && holds {
-            return Err(
-                Diagnostic::error("`per` derives what holds a derivative itself")
-                    .at(at(own))
-                    .hint("a derivative of higher order is written `d(quantity, input, order)`"),
-            );
+            return Err(Diagnostic::error(
+                "`per` cannot differentiate a formula that contains a derivative",
+            )
+            .at(at(own))
+            .hint("a derivative of higher order is written `d(quantity, input, order)`"));
         }
         // The derivatives of rates by parameters are not implemented.
         if self.is_studied && holds {
             return Err(Diagnostic::error(
-                "studies cannot derive by parameters what holds a derivative",
+                "studies cannot differentiate a formula that contains a derivative",
             )
             .at(at(own))
             .hint("a whole `of = \"d(quantity, input)\"` of the first order can be studied"));
@@ -355,7 +355,7 @@ fn input_index(
     if found.is_none() {
         let known = names.inputs.iter().map(|i| i.name.as_str());
         let message = format!(
-            "derivatives are taken with respect to an input, and `{}` is none",
+            "derivatives are taken with respect to an input, and `{}` is not one",
             name.value
         );
         diagnostics.push(
@@ -407,7 +407,7 @@ fn measure_formula(
         }
         if file.measures.iter().any(|m| m.name.value == used) {
             return Err(Diagnostic::error(format!(
-                "measure `{used}` is defined further down, or faulty"
+                "measure `{used}` is defined further down, or invalid"
             ))
             .at(span.clone())
             .hint("a measure may use only earlier ones"));

@@ -126,7 +126,7 @@ impl Names {
     fn refuse_time(&self, diagnostics: &mut Diagnostics) {
         let places = self.unknowns.iter().zip(&self.unknown_places);
         for (_, place) in places.filter(|(unknown, _)| unknown.name == TIME) {
-            let message = format!("the time `{TIME}` stands in drives only");
+            let message = format!("the time `{TIME}` can be used in drives only");
             let diagnostic = Diagnostic::error(message).at(place.clone());
             diagnostics.push(diagnostic.hint(format!(
                 "give an input the formula, such as `phi = \"360*{TIME}\"` under [inputs], and use the input here"

@@ -53,7 +53,7 @@ impl Scope<'_> {
     ) -> Result<(Expression, Rate, Dimension), Diagnostic> {
         let (formula, dimension) = self.compile(&parts.of)?;
         if formula.slots().iter().any(|slot| self.is_rated(*slot)) {
-            let message = "what is derived here holds a derivative itself";
+            let message = "a derivative cannot contain another derivative";
             return Err(Diagnostic::error(message)
                 .at(parts.of.span.clone())
                 .hint("a derivative of higher order is written `d(quantity, input, order)`"));

@@ -170,7 +170,7 @@ impl Resolver<'_, '_> {
 
     fn no_parameter(&mut self, name: &Spanned<String>) {
         let known = self.names.parameters.iter().map(|p| p.name.as_str());
-        let message = format!("a study varies parameters, and `{}` is none", name.value);
+        let message = format!("a study varies parameters, and `{}` is not one", name.value);
         let diagnostic = Diagnostic::error(message).at(name.span.clone());
         self.diagnostics
             .push(diagnostic.suggest(&name.value, known));
@@ -233,7 +233,7 @@ impl Resolver<'_, '_> {
         }
         if !(lower..=upper).contains(&start) {
             let message = format!("`{name}` starts outside its range");
-            let hint = "the range must hold the parameter's own value";
+            let hint = "the range must contain the parameter's own value";
             self.diagnostics
                 .push(Diagnostic::error(message).at(place).hint(hint));
             return None;

@@ -51,7 +51,7 @@ pub fn refuse_double_and_reserved(file: &SceneFile, diagnostics: &mut Diagnostic
                 } else {
                     (
                         "cannot be written in a formula",
-                        "names start with a letter and hold letters, digits and `_`",
+                        "names start with a letter and contain letters, digits and `_`",
                     )
                 };
                 let message = format!("`{word}` {why}");

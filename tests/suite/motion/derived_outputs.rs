@@ -120,11 +120,11 @@ fn derivatives_stand_where_they_have_a_value() {
     let cases = [
         (
             "[outputs]\nv = \"d(d(x, t), t)\"\n".to_owned(),
-            "cannot stand here",
+            "cannot be used here",
         ),
         (
             "[outputs]\nv = \"d(x, t)\"\nw = \"1 + d(2*v, t)\"\n".to_owned(),
-            "holds a derivative itself",
+            "contain another derivative",
         ),
         (
             "[outputs]\nv = \"d(x, y)\"\n".to_owned(),
@@ -157,7 +157,7 @@ fn derivatives_stand_where_they_have_a_value() {
         ),
         (
             format!("{}n = \"d(m, t)\"\n", measure("of = \"x\"")),
-            "cannot stand here",
+            "cannot be used here",
         ),
     ];
     for (text, said) in cases {
@@ -173,13 +173,13 @@ fn derivatives_stand_where_they_have_a_value() {
     ] {
         w.write("s.toml", SQUARE.replace(from, to));
         let run = w.run(&["check", "s.toml"]).exits(2);
-        run.says(&["a derivative cannot stand here", "s.toml:"]);
+        run.says(&["a derivative cannot be used here", "s.toml:"]);
     }
     let chain = "duration = 1\n[inputs]\np = \"t\"\n[loops]\nA = \"Tx(d(p, t)) Tx(-x)\"\n";
     w.write("s.toml", chain);
     w.run(&["check", "s.toml"])
         .exits(2)
-        .says(&["a derivative cannot stand here", "s.toml:"]);
+        .says(&["a derivative cannot be used here", "s.toml:"]);
 }
 
 /// Studies derive measures by parameters: they take a derivative by an input as it is, and say what else they cannot.

@@ -217,7 +217,7 @@ fn words_of_a_gap_leave_room_for_other_assemblies() {
     let run = w.run(&["check", "contact.toml"]).exits(4);
     let run = run.says(&[
         "the motion has no pose between",
-        "the nearest to closing that was found leaves `c`",
+        "the best pose found leaves `c`",
         "other assemblies may have one",
     ]);
     assert!(

@@ -832,7 +832,7 @@ fn odd_loops_are_solved_or_refused_and_always_said() {
         (
             scene(one, &format!("A = \"{crank} Rx(c - c)\"")),
             2,
-            &["no loop and no equation holds `c`"],
+            &["no loop and no equation determines `c`"],
         ),
     ];
     let workspace = Workspace::new();

@@ -322,7 +322,7 @@ fn a_raised_flag_leaves_what_was_not_tried_unknown() {
     let scene = mechanim::Scene::builtin("gearshift").unwrap();
     let options = mechanim::study::ToleranceOptions {
         tolerance: Some(0.01),
-        samples: 64,
+        pieces: 64,
         ..Default::default()
     };
     let study = scene.study().vary(&["L4"]);

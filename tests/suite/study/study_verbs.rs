@@ -355,7 +355,7 @@ fn mistakes_of_a_study_are_said_with_their_place() {
             "tolerance = -1",
             "a tolerance must not be negative",
         ),
-        ("per = \"phi\"", "per = \"psi\"", "`psi` is none"),
+        ("per = \"phi\"", "per = \"psi\"", "`psi` is not one"),
         (
             "take = \"largest\"",
             "take = \"norm\", power = 0.5",
@@ -374,7 +374,7 @@ fn mistakes_of_a_study_are_said_with_their_place() {
         (
             "[study.variables]\nr =",
             "[study.variables]\ns =",
-            "`s` is none",
+            "`s` is not one",
         ),
         (
             "{ range = [20, 70], tolerance = 0.1 }",

@@ -46,7 +46,7 @@ fn measures_are_those_of_a_study() {
     let table = cells(&space.read("rows.csv"));
     let options = ToleranceOptions {
         tolerance: Some(1e-6),
-        samples: 1,
+        pieces: 1,
         ..Default::default()
     };
     let scene = Scene::builtin("gearshift").unwrap();

@@ -87,7 +87,7 @@ fn sensitivities_of_library_and_program_agree() {
 fn tolerances_of_library_and_program_agree() {
     let options = ToleranceOptions {
         tolerance: Some(0.02),
-        samples: 100,
+        pieces: 100,
         seed: 7,
         ..Default::default()
     };

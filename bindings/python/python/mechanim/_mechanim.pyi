@@ -194,7 +194,7 @@ class Study:
         self,
         tolerance: float | None = None,
         *,
-        samples: int = 10_000,
+        pieces: int = 10_000,
         distribution: str = "uniform",
         seed: int = 1,
     ) -> Tolerance: ...

@@ -81,7 +81,7 @@ fn resolve_bar(
         is_sound = false;
     } else if stands(from) && stands(to) {
         let message = format!("bar `{name}` is between two fixed points");
-        let hint = "it holds nothing that moves: leave it out, or let an end be an unknown point or a point of a link";
+        let hint = "it constrains nothing: leave it out, or let an end be an unknown point or a point of a link";
         refuse(message, &bar.name.span, hint);
         is_sound = false;
     }
