@@ -17,6 +17,7 @@ mod form;
 mod inverse;
 mod partings;
 mod path;
+mod placed;
 mod proof;
 mod prover;
 mod rows;
