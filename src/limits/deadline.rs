@@ -40,6 +40,13 @@ impl Deadline {
         )
     }
 
+    /// As far off as this many things in a row leave each of them.
+    pub fn share(self, things: usize) -> Self {
+        let left = |end: Instant| end.saturating_duration_since(Instant::now());
+        let things = u32::try_from(things.max(1)).unwrap_or(u32::MAX);
+        Self(self.0.map(|end| end - left(end) * (things - 1) / things))
+    }
+
     /// The sooner one of two.
     pub fn or(self, other: Self) -> Self {
         match (self.0, other.0) {
@@ -68,6 +75,11 @@ mod tests {
         assert!(past.is_over() && !far.is_over() && !never.is_over());
         assert!(past.or(far).is_over() && never.or(past).is_over());
         assert_eq!(far.or(never), far);
+        assert!(!far.share(1000).is_over() && past.share(3).is_over());
+        assert_eq!(
+            (far.share(1000).or(far), never.share(2)),
+            (far.share(1000), never)
+        );
         for endless in [f64::INFINITY, 1e300] {
             assert_eq!(Deadline::after(endless), never);
         }

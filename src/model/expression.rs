@@ -324,6 +324,7 @@ fn combine_affine(a: &Affine, x: Constant, b: &Affine, y: Constant) -> Affine {
     }
 }
 
+mod composed;
 pub mod continuity;
 mod domain;
 mod fault;

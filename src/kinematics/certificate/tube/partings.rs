@@ -26,7 +26,8 @@ impl Prover<'_> {
         end: Station,
     ) -> Result<Vec<Station>, Refusal> {
         let mut ahead = Vec::new();
-        for time in keys_between(&self.actuation.drives, start.time, end.time) {
+        let keys = keys_between(&self.breaking_drives(), start.time, end.time);
+        for time in keys {
             let place = self.pose_between(start, &end, time).ok_or(Refusal {
                 time: start.time,
                 obstacle: Obstacle::NotJoined,

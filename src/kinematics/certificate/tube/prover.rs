@@ -4,6 +4,7 @@ use super::blocks::Blocks;
 use super::drive::{DriveInterval, jumps_between};
 use super::form::Form;
 use super::path::{InputPath, TubePath};
+use super::placed::{PlacedArgument, placed_arguments};
 use super::stretches::{Bases, Station, Tube, largest_value};
 use super::taylor_model::{Polynomial, TERMS, TaylorModel};
 use crate::kinematics::certificate::pose::prover::PoseProver;
@@ -20,6 +21,7 @@ use crate::model::expression::pieces::around_instant;
 use crate::model::mechanism::Kind;
 use crate::model::printed;
 use crate::numbers::interval::Interval;
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// Shortest time interval, as a fraction of the interval between two samples: near a singular pose tubes are as short
@@ -48,6 +50,8 @@ pub struct Prover<'m> {
     may_jump: bool,
     /// Distance of every input from its drive; none by default.
     play: Vec<f64>,
+    /// Arguments with kinks and cuts.
+    placed: Vec<PlacedArgument>,
 }
 
 impl<'m> Prover<'m> {
@@ -66,11 +70,26 @@ impl<'m> Prover<'m> {
             digits: (system.redundant_rows() > 0).then(|| PoseProver::new(system)),
             may_jump: false,
             play: Vec::new(),
+            placed: placed_arguments(system.mechanism(), actuation),
+        }
+    }
+
+    /// What parts stretches: the drives of the inputs, and arguments that are such formulas of the time.
+    pub(super) fn breaking_drives(&self) -> Cow<'_, [Drive]> {
+        let (own, placed) = (&self.actuation.drives, self.placed.iter());
+        let placed: Vec<&Drive> = placed.filter_map(|p| p.drive.as_ref()).collect();
+        match placed.is_empty() {
+            true => Cow::Borrowed(own),
+            false => own.iter().chain(placed).cloned().collect(),
         }
     }
 
     /// Allows every input to deviate from its drive by its play at every instant: results hold for all such motions.
     pub fn with_play(mut self, play: Vec<f64>) -> Self {
+        if play.iter().any(|play| *play > 0.0) {
+            // The time alone does not tell the inputs.
+            self.placed.iter_mut().for_each(|p| p.drive = None);
+        }
         self.play = play;
         self
     }
@@ -162,7 +181,22 @@ impl<'m> Prover<'m> {
                 value
             }
         };
-        self.blocks.forms[..count].iter().map(of).collect()
+        let known = |(form, placed): (&Form, &PlacedArgument)| {
+            let value = of(form);
+            if value.is_finite() {
+                return value;
+            }
+            match (&placed.drive, &placed.turned) {
+                (Some(drive), _) => {
+                    let [middle, everywhere] = tube.path.stretch().input(drive);
+                    TaylorModel::of(middle, &everywhere)
+                }
+                (_, Some(turned)) => of(turned),
+                _ => value,
+            }
+        };
+        let forms = self.blocks.forms[..count].iter().zip(&self.placed);
+        forms.map(known).collect()
     }
 
     fn between(
