@@ -178,7 +178,8 @@ impl Expression {
             }
             let partials = self.partials(i, values);
             for (operand, partial) in operand_places(*op).into_iter().zip(partials) {
-                if let Some(operand) = operand {
+                // What an operation does not depend on may have no rate: the root of `max(x, 0)` below zero.
+                if let Some(operand) = operand.filter(|_| partial != S::number(0.0)) {
                     adjoints[operand] = adjoints[operand] + adjoint * partial;
                 }
             }

@@ -167,6 +167,11 @@ pub enum Ending {
         /// Smallest singular value at the last pose.
         sigma_min: f64,
     },
+    /// A formula in a loop or an equation jumps: poses exist on both sides, but no motion leads from one to the other.
+    Jump {
+        /// The loop or equation.
+        name: String,
+    },
     /// Angles are so large that their own rounding leaves the loops open.
     AngleTooLarge,
     /// No motion was found that could end: the start values led to no pose, and that none exists is not proved.
@@ -179,6 +184,7 @@ impl Ending {
         matches!(
             self,
             Self::GivenUp { .. }
+                | Self::Jump { .. }
                 | Self::AngleTooLarge
                 | Self::NotFound
                 | Self::Fold {
@@ -199,6 +205,7 @@ impl Ending {
             Self::Fold { .. } => "fold",
             Self::NoValue { .. } => "no-value",
             Self::GivenUp { .. } => "given-up",
+            Self::Jump { .. } => "jump",
             Self::AngleTooLarge => "angle-too-large",
             Self::NotFound => "not-found",
         }

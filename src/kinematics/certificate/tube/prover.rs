@@ -1,7 +1,7 @@
 //! From sample to sample: where stretches part, and how tubes are joined to each other and to the samples.
 
 use super::blocks::Blocks;
-use super::drive::{DriveStretch, jumps_between};
+use super::drive::DriveStretch;
 use super::form::Form;
 use super::path::{InputPath, TubePath};
 use super::stretches::{Bases, Station, Tube, largest_value};
@@ -84,7 +84,7 @@ impl<'m> Prover<'m> {
     /// Whether a sample's inputs are the tube's at that time: those of a sample at which the drive jumps are not. Tubes begin and
     /// end with the exact poses of the samples that have their inputs.
     pub fn has_inputs(&self, tube: &Tube, sample: &Sample) -> bool {
-        let jumps = jumps_between(&self.actuation.drives, tube.start, tube.end);
+        let jumps = self.actuation.jumps_between(tube.start, tube.end);
         if (jumps.at_start && sample.time == tube.start)
             || (jumps.at_end && sample.time == tube.end)
         {
@@ -177,7 +177,7 @@ impl<'m> Prover<'m> {
         };
         let mut here = self.place(start).map_err(|o| refuse(start, o))?;
         let mut last = self.place(end).map_err(|o| refuse(end, o))?;
-        let jumps = jumps_between(&self.actuation.drives, start.time, end.time);
+        let jumps = self.actuation.jumps_between(start.time, end.time);
         if jumps.at_end {
             if !self.may_jump {
                 return Err(refuse(end, Obstacle::Drive));
