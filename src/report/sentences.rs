@@ -93,6 +93,7 @@ fn ending_words(ending: &Ending) -> String {
         Ending::GivenUp { sigma_min } => format!(
             "undecided: steps became too small, or too many, near a smallest singular value of {sigma_min:.1e}, and poses may exist beyond"
         ),
+        Ending::Jump { name } => format!("where a formula of `{name}` jumps"),
         Ending::AngleTooLarge => {
             "undecided: the angles are too large to close the loops within their own rounding"
                 .to_owned()

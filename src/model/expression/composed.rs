@@ -27,13 +27,6 @@ impl Expression {
         Some(Self::new(ops))
     }
 
-    /// Whether it may jump where it has a value.
-    pub fn has_jumps(&self) -> bool {
-        use Function::{Atan2, Floor, Mod};
-        let jumps = |op: &Op| matches!(op, Op::Call(Floor | Mod | Atan2, ..));
-        self.ops().iter().any(jumps)
-    }
-
     /// The formula of the same direction whose cut is on the other side, if it is one `atan2` with terms beside it: no sum of both
     /// is other than a whole turn.
     pub fn turned(&self) -> Option<Self> {
@@ -132,7 +125,7 @@ mod tests {
         let Some(whole) = angle.with_formulas(|slot| drives.get(slot)) else {
             panic!("{angle:?}");
         };
-        for time in [0.1, 0.7, 2.9] {
+        for time in [0.1_f64, 0.7, 2.9] {
             let inputs = [time.sin(), time * time + time];
             let off = whole.value(&[time]) - angle.value(&inputs);
             assert!(off.abs() < 1e-15, "{time}: {off}");

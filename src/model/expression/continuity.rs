@@ -5,8 +5,9 @@
 //! where nothing in it jumps: a tiny jump is not lost beside a large value.
 
 use super::jumps::{KNOWN, Line, instant_of, line_of};
+use super::one_sided::{Step, on_one_side, quotient_of, step_of, takes_whole};
 use super::pieces::{TimePiece, around_instant, within};
-use super::{Expression, Function, Op, ZERO, apply_op};
+use super::{Expression, Function, Op, ZERO};
 use crate::numbers::constant::Constant;
 use crate::numbers::interval::Interval;
 use crate::numbers::scalar::Scalar;
@@ -27,6 +28,11 @@ pub struct Jumps {
 }
 
 impl Jumps {
+    /// Whether there is one.
+    pub fn is_any(&self) -> bool {
+        self.at_start || self.at_end || self.inside.is_some()
+    }
+
     /// Those of two inputs.
     pub fn and(self, other: Self) -> Self {
         let inside = [self.inside, other.inside].into_iter().flatten();
@@ -41,24 +47,8 @@ impl Jumps {
 /// Of every operation the whole number that it takes on one side of an instant; `None` if it takes none, or if that is open.
 type Side = Vec<Option<f64>>;
 
-/// A value on one side, and what it is more on the other.
-#[derive(Clone, Copy)]
-struct Step {
-    here: Constant,
-    more: Constant,
-}
-
-impl Step {
-    fn there(self) -> Constant {
-        match self.more == ZERO {
-            true => self.here,
-            false => self.here + self.more,
-        }
-    }
-}
-
 impl Expression {
-    /// Whether it has functions that jump.
+    /// Whether it has functions that take whole numbers, and so jump.
     pub fn may_jump(&self) -> bool {
         self.ops().iter().any(|op| takes_whole(*op))
     }
@@ -121,16 +111,65 @@ impl Expression {
             return false;
         };
         let time = self.instant(piece, jumping, passed, about);
-        let mut steps: Vec<Step> = Vec::with_capacity(self.ops().len());
-        for (k, op) in self.ops().iter().enumerate() {
-            let step = step_of(*op, [sides[0][k], sides[1][k]], &steps, time);
-            steps.push(step);
-        }
+        let steps = self.steps(sides, &[time]);
         let more = steps.last().map_or(ZERO, |last| last.more);
         let sizes = steps.iter().map(|step| step.here.number().abs());
         let size = sizes.filter(|size| size.is_finite()).fold(1.0, f64::max);
         let is_same = more.number().abs() <= more.error() && more.error() <= KNOWN * size;
         more != ZERO && !is_same
+    }
+
+    /// All operations with the whole numbers of one side, and what they are more with those of the other.
+    fn steps(&self, sides: [&Side; 2], slots: &[Constant]) -> Vec<Step> {
+        let mut steps: Vec<Step> = Vec::with_capacity(self.ops().len());
+        for (k, op) in self.ops().iter().enumerate() {
+            let step = step_of(*op, [sides[0][k], sides[1][k]], &steps, slots);
+            steps.push(step);
+        }
+        steps
+    }
+
+    /// By how much a formula of any slots jumps on the way between two near places, as it is at either; `None` where nothing
+    /// in it jumps.
+    pub fn jump_on_way(&self, from: &[f64], to: &[f64]) -> Option<[Constant; 2]> {
+        let places = [from, to];
+        let values = places.map(|slots| {
+            let mut values = Vec::with_capacity(self.ops().len());
+            self.value_with(slots, &mut values);
+            values
+        });
+        let mut sides = [Side::new(), Side::new()];
+        for op in self.ops() {
+            let wholes = match *op {
+                Op::Call(Function::Atan2, y, x) => {
+                    let is_left = values.iter().all(|v| v[x] < 0.0);
+                    values
+                        .each_ref()
+                        .map(|v| is_left.then(|| f64::from(v[y] < 0.0)))
+                }
+                op => values
+                    .each_ref()
+                    .map(|v| quotient_of(op, v).map(f64::floor)),
+            };
+            for (side, whole) in sides.iter_mut().zip(wholes) {
+                side.push(whole);
+            }
+        }
+        if sides[0] == sides[1] {
+            return None;
+        }
+        let jump = |slots: &[f64]| {
+            let slots: Vec<Constant> = slots.iter().map(|v| Constant::exact(*v)).collect();
+            let steps = self.steps([&sides[0], &sides[1]], &slots);
+            steps.last().map_or(ZERO, |last| last.more)
+        };
+        Some(places.map(jump))
+    }
+
+    /// The same with the cut of `atan2`: whether it may jump where it has a value.
+    pub fn has_jumps(&self) -> bool {
+        let is_cut = |op: &Op| matches!(op, Op::Call(Function::Atan2, ..));
+        self.ops().iter().any(|op| takes_whole(*op) || is_cut(op))
     }
 
     /// When the quotient of an operation comes to a whole number, about a place that is known in f64.
@@ -158,7 +197,7 @@ impl Expression {
         let off = |time: Constant| {
             let mut values: Vec<Constant> = Vec::with_capacity(jumping);
             for (k, op) in self.ops()[..jumping].iter().enumerate() {
-                values.push(on_one_side(*op, whole(k), &values, time));
+                values.push(on_one_side(*op, whole(k), &values, &[time]));
             }
             quotient_of(self.ops()[jumping], &values).map(|q| q - Constant::exact(passed))
         };
@@ -184,105 +223,6 @@ impl Expression {
 fn without_error(value: Constant) -> Constant {
     let digits = value.value();
     Constant::exact(digits.hi) + Constant::exact(digits.lo)
-}
-
-fn takes_whole(op: Op) -> bool {
-    matches!(op, Op::Call(Function::Floor | Function::Mod, ..))
-}
-
-/// What a function takes the whole number of.
-fn quotient_of<S: Scalar>(op: Op, values: &[S]) -> Option<S> {
-    match op {
-        Op::Call(Function::Floor, a, _) => Some(values[a]),
-        Op::Call(Function::Mod, a, b) => Some(values[a] / values[b]),
-        _ => None,
-    }
-}
-
-/// A value with the whole number of one side. About a kink it is that of either of its sides, which is no farther from it than
-/// what is unknown of its operands.
-fn on_one_side(op: Op, whole: Option<f64>, values: &[Constant], time: Constant) -> Constant {
-    let flip = |a: Constant| if a.number() < 0.0 { -a } else { a };
-    match (op, whole) {
-        (Op::Call(Function::Floor, ..), Some(whole)) => Constant::exact(whole),
-        (Op::Call(Function::Mod, a, b), Some(whole)) => {
-            values[a] - values[b] * Constant::exact(whole)
-        }
-        (Op::Call(Function::Abs, a, _), _) => flip(values[a]),
-        (Op::Call(Function::Min, a, b), _) => lesser(values[a], values[b]),
-        (Op::Call(Function::Max, a, b), _) => -lesser(-values[a], -values[b]),
-        _ => apply_op(op, values, &[time]),
-    }
-}
-
-fn lesser(a: Constant, b: Constant) -> Constant {
-    let (less, other) = if a.number() <= b.number() {
-        (a, b)
-    } else {
-        (b, a)
-    };
-    less + Constant::within(0.0, (other.error() - less.error()).max(0.0))
-}
-
-/// An operation with the whole numbers that it has on either side.
-fn step_of(op: Op, wholes: [Option<f64>; 2], steps: &[Step], time: Constant) -> Step {
-    let side = |pick: fn(Step) -> Constant, whole: Option<f64>| {
-        let values: Vec<Constant> = steps.iter().map(|step| pick(*step)).collect();
-        on_one_side(op, whole, &values, time)
-    };
-    let here = side(|step| step.here, wholes[0]);
-    let apart = || side(Step::there, wholes[1]) - here;
-    let times = |more: Constant, by: Constant| match more == ZERO {
-        true => ZERO,
-        false => more * by,
-    };
-    let is_still = |k: usize| steps[k].more == ZERO;
-    let more = match op {
-        Op::Constant(_) | Op::Slot(_) => ZERO,
-        Op::Negate(a) => -steps[a].more,
-        Op::Add(a, b) => steps[a].more + steps[b].more,
-        Op::Subtract(a, b) => steps[a].more - steps[b].more,
-        Op::Multiply(a, b) => {
-            times(steps[a].more, steps[b].there()) + times(steps[b].more, steps[a].here)
-        }
-        Op::Divide(a, b) if is_still(b) && !is_still(a) => steps[a].more / steps[b].here,
-        Op::Divide(a, b) | Op::Power(a, b) if is_still(a) && is_still(b) => ZERO,
-        Op::Divide(..) | Op::Power(..) => apart(),
-        Op::Call(Function::Floor, ..) => match wholes {
-            [Some(p), Some(q)] => Constant::exact(q - p),
-            _ => Constant::exact(f64::NAN),
-        },
-        Op::Call(Function::Mod, a, b) => match wholes {
-            // Where the quotient passes a whole number the remainder is zero on one side, and the divisor on the other.
-            [Some(p), Some(q)] if is_still(a) && is_still(b) => match p == q {
-                true => ZERO,
-                false => -steps[b].here * Constant::exact(q - p),
-            },
-            _ => apart(),
-        },
-        Op::Call(_, a, b) if is_still(a) && is_still(b) => ZERO,
-        Op::Call(Function::Abs, a, _) => {
-            let signs = [steps[a].here, steps[a].there()].map(Scalar::is_below_zero);
-            match signs {
-                [Some(false), Some(false)] => steps[a].more,
-                [Some(true), Some(true)] => -steps[a].more,
-                _ => apart(),
-            }
-        }
-        Op::Call(..) => apart(),
-    };
-    let passes = match (op, wholes) {
-        (Op::Call(Function::Mod, a, b), [Some(p), Some(q)]) if p != q => {
-            (is_still(a) && is_still(b) && (q - p).abs() == 1.0).then_some((p < q, steps[b].here))
-        }
-        _ => None,
-    };
-    let here = match passes {
-        Some((true, divisor)) => divisor,
-        Some((false, _)) => ZERO,
-        None => here,
-    };
-    Step { here, more }
 }
 
 #[cfg(test)]

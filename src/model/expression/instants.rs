@@ -87,7 +87,12 @@ impl Expression {
             let whole = match own {
                 [Some(here), Some(before), Some(behind)] => {
                     let ends = [before, behind].map(|quotient| quotient.floor().number());
-                    let most = ends[0].max(ends[1]).max(here.floor().number());
+                    // What may be a whole number to all its digits is one.
+                    let reached = [here, before, behind].map(|q| {
+                        let error = Constant::exact(q.error());
+                        (q + error).floor().number()
+                    });
+                    let most = reached.into_iter().fold(f64::NEG_INFINITY, f64::max);
                     seen(ends[0].min(ends[1]), most);
                     most.is_finite().then_some(most)
                 }

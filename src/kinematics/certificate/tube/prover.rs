@@ -1,7 +1,7 @@
 //! From sample to sample: where tubes begin and end, and how they are connected to each other and to the samples.
 
 use super::blocks::Blocks;
-use super::drive::{DriveInterval, jumps_between};
+use super::drive::DriveInterval;
 use super::form::Form;
 use super::path::{InputPath, TubePath};
 use super::placed::{PlacedArgument, placed_arguments};
@@ -104,7 +104,7 @@ impl<'m> Prover<'m> {
     /// Whether a sample's inputs are those of the tube at that time, which fails at a jump of the drive. Tubes begin
     /// and end with the exact poses of samples with their inputs.
     pub fn has_inputs(&self, tube: &Tube, sample: &Sample) -> bool {
-        let jumps = jumps_between(&self.actuation.drives, tube.start, tube.end);
+        let jumps = self.actuation.jumps_between(tube.start, tube.end);
         if (jumps.at_start && sample.time == tube.start)
             || (jumps.at_end && sample.time == tube.end)
         {
@@ -212,7 +212,7 @@ impl<'m> Prover<'m> {
         };
         let mut here = self.place(start).map_err(|o| refuse(start, o))?;
         let mut last = self.place(end).map_err(|o| refuse(end, o))?;
-        let jumps = jumps_between(&self.actuation.drives, start.time, end.time);
+        let jumps = self.actuation.jumps_between(start.time, end.time);
         if jumps.at_end {
             if !self.may_jump {
                 return Err(refuse(end, Obstacle::Drive));
