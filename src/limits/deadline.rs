@@ -1,6 +1,5 @@
 //! An instant at which a search gives what it has found until then.
 
-use super::{Resource, current_limits};
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
@@ -28,10 +27,9 @@ impl Deadline {
         Self(wait.and_then(|wait| Instant::now().checked_add(wait)))
     }
 
-    /// Early enough for what is found to be reported within the time of the run.
-    pub fn of_run() -> Self {
-        let most = FOR_SEARCHES * current_limits().most(Resource::Time);
-        let wait = Duration::try_from_secs_f64(most).ok();
+    /// Early enough for what is found to be reported within the seconds that a run may take.
+    pub(super) fn of_run(most: f64) -> Self {
+        let wait = Duration::try_from_secs_f64(FOR_SEARCHES * most).ok();
         Self(
             BEGAN
                 .get()

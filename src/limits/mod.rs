@@ -10,6 +10,11 @@ use std::fmt;
 use std::path::Path;
 use std::sync::OnceLock;
 
+/// When searches end, so that what they have found is reported within the time of the run.
+pub fn search_deadline() -> Deadline {
+    Deadline::of_run(current_limits().most(Resource::Time))
+}
+
 /// Something a run may use up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Resource {
