@@ -5,32 +5,32 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-/// How often the progress is reported; work that is finished sooner is not delayed by it.
+/// Interval between progress reports; work that finishes sooner is not delayed by it.
 const WATCH: Duration = Duration::from_millis(5);
 
-/// Tells how long something takes; zero where the platform has no clock, as in a web page.
+/// A stopwatch; it reads zero where the platform has no clock, as in a web page.
 #[derive(Clone, Copy, Debug)]
 pub struct Stopwatch(Option<Instant>);
 
 impl Stopwatch {
-    /// Runs from now on.
+    /// Starts now.
     pub fn start() -> Self {
         Self((!cfg!(target_family = "wasm")).then(Instant::now))
     }
 
-    /// Seconds so far.
+    /// Seconds since the start.
     pub fn seconds(&self) -> f64 {
         self.0.map_or(0.0, |begun| begun.elapsed().as_secs_f64())
     }
 }
 
-/// Number of threads that the machine runs at once.
+/// Number of threads that the machine can run at once.
 pub fn core_count() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
-/// Jobs with the numbers below `count`, done by up to `threads` threads, each with its own tool from `make`. A thread
-/// whose `work` returns `None` stops. Returns the results with their numbers, ascending.
+/// Runs the jobs with the numbers below `count` on up to `threads` threads, each with its own tool from `make`. A
+/// thread whose `work` returns `None` stops. Returns the results with their numbers, ascending.
 ///
 /// If the system starts fewer threads than requested, those do all the work; the calling one always takes part.
 pub fn share_work<W, T: Send>(
@@ -145,7 +145,7 @@ mod tests {
         }
     }
 
-    /// Whoever meets the end stops; what was done before stays.
+    /// A worker that is cancelled stops; the results so far are kept.
     #[test]
     fn work_ends_early() {
         let found = share_work(1000, 1, || 0, |_, k| (k < 7).then_some(k));

@@ -1,24 +1,28 @@
-//! Finds equal items among many with one flat table, which needs little memory for meshes with millions of corners.
+//! Finds equal items among many with one flat hash table, which needs little memory for meshes with millions of
+//! corners.
 
 use glam::DVec3;
 use std::hash::{BuildHasher, Hash, RandomState};
 
-/// No item in this place of the table.
+/// Marks a free place of the table.
 const NONE: u32 = u32::MAX;
 
-/// Items, numbers below 2^32 - 1, by keys that are made anew whenever they are compared. No more than it has room for.
+/// Hash table of items, numbers below 2^32 - 1, whose keys are recomputed whenever they are compared. Its capacity is
+/// fixed.
 ///
-/// The hash is another one in every run, so that no file can make all items meet; what is found does not depend on it.
+/// The hash is seeded differently in every run, so that no file can provoke collisions; the result does not depend on
+/// it.
 pub struct FlatTable {
     hasher: RandomState,
     mask: usize,
     table: Vec<u32>,
-    /// A bit for the hash of every key, one in eight set at most: most keys that are not there are told without a look at others.
+    /// A bit for the hash of every key, at most one in eight set: most absent keys are recognised without a look at the
+    /// items.
     seen: Vec<u8>,
 }
 
 impl FlatTable {
-    /// For so many items.
+    /// A table for this number of items.
     pub fn with_room(count: usize) -> Self {
         let mask = (count + count / 3 + 1).next_power_of_two() - 1;
         Self {
@@ -39,7 +43,7 @@ impl FlatTable {
         (item != NONE).then_some(item as usize)
     }
 
-    /// The item with a key; else `item`, which has it from now on.
+    /// The item with a key; else `item`, which is stored for it.
     pub fn get_or_insert<K: Eq + Hash>(
         &mut self,
         own: &K,
@@ -57,7 +61,7 @@ impl FlatTable {
         self.table[place] as usize
     }
 
-    /// The first place from that of a hash on that is free or holds such an item.
+    /// The first place, from that of a hash, that is free or holds a matching item.
     fn place(&self, hash: u64, is_it: impl Fn(usize) -> bool) -> usize {
         let mut place = hash as usize & self.mask;
         while self.table[place] != NONE && !is_it(self.table[place] as usize) {
@@ -66,7 +70,7 @@ impl FlatTable {
         place
     }
 
-    /// Where the bit of a hash is: told by other bits of it than its place.
+    /// Place of a hash's bit: taken from other bits than the place in the table.
     fn bit(&self, hash: u64) -> (usize, u8) {
         let other = hash.rotate_left(32) as usize;
         (other >> 3 & self.mask, 1 << (other & 7))
@@ -92,12 +96,13 @@ pub fn point_bits(point: DVec3) -> [u64; 3] {
     (point + 0.0).to_array().map(f64::to_bits)
 }
 
-/// Numbers the first ones in their order: what [`first_equal`] gives becomes indices without gaps. How many there are.
+/// Numbers the first ones in their order, so that the result of [`first_equal`] becomes indices without gaps. Returns
+/// their number.
 pub fn number_first(first: &mut [u32]) -> usize {
     let mut count = 0;
     for item in 0..first.len() {
         let other = first[item] as usize;
-        // The first of equal items stands before the others and has its number already.
+        // The first of equal items comes before the others, so it already has its number.
         first[item] = if other == item { count } else { first[other] };
         count += u32::from(other == item);
     }
@@ -122,7 +127,7 @@ mod tests {
         );
     }
 
-    /// Many equal ones and many different ones: the table is neither full nor slow.
+    /// Many equal items and many different ones: the table is neither full nor slow.
     #[test]
     fn many_items_are_told_apart() {
         for modulus in [1, 2, 1000, 100_000] {

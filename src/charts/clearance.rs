@@ -6,13 +6,14 @@ use crate::model::mechanism::Mechanism;
 use crate::plot::chart::{Axis, Chart, EventMark, Panel, PlotSeries, Shade};
 use crate::report::rounded::not_below;
 
-/// What a pair never comes below, if that is not below the chart.
+/// Lower bound of a pair's distance over the motion; `None` where it would lie below the chart.
 fn chart_bound(pair: &PairReport) -> Option<f64> {
     let bound = pair.known_bound().filter(|bound| *bound >= 0.0);
     bound.filter(|_| pair.least.distance > 0.0)
 }
 
-/// One curve a pair, the `most` worst ones; the dashed line is the minimum asked for, the mark the worst moment.
+/// Plots one curve per pair for the `most` pairs with the least clearance. The dashed line is the required minimum and
+/// the marker the instant of least clearance.
 pub fn clearance_chart(mechanism: &Mechanism, report: &ClearanceReport, most: usize) -> Chart {
     let all = report.judged.len();
     let shown = &report.judged[..most.clamp(1, all.max(1)).min(all)];
@@ -79,7 +80,7 @@ fn empty_panel(mechanism: &Mechanism, report: &ClearanceReport) -> Panel {
     }
 }
 
-/// The distances of a pair. The least one lies between samples as a rule: it belongs to the curve.
+/// The distances of a pair. The minimum usually lies between samples, so it is added to the curve.
 fn pair_curve(mechanism: &Mechanism, report: &ClearanceReport, pair: &PairReport) -> PlotSeries {
     let samples = report.times.iter().zip(&pair.distances);
     let mut points: Vec<[f64; 2]> = samples.map(|(t, d)| [*t, *d]).collect();

@@ -9,7 +9,7 @@ use std::collections::HashMap;
 /// More bodies do not fit into one picture: those of the worst pairs are shown.
 const MOST_BODIES: usize = 100;
 
-/// Every class with its colour, the worst first. They can be told apart without colour vision.
+/// Every class with its colour, the worst first. The colours remain distinguishable with colour-vision deficiency.
 const CLASSES: [(ClearanceClass, Colour); 5] = [
     (ClearanceClass::Below, [0xd5, 0x5e, 0x00, 255]),
     (ClearanceClass::NotProved, [0xcc, 0x79, 0xa7, 255]),
@@ -44,7 +44,7 @@ pub fn clearance_matrix(
             text: short_number(pair.least.distance),
         })
     };
-    // A pair that is judged but for the shapes at its joint is shown as judged.
+    // A pair that is checked except for the shapes at its joint is shown as checked.
     let judged = report.judged.iter().filter_map(cell);
     let mut cells: HashMap<[usize; 2], MatrixCell> = report
         .excluded

@@ -1,4 +1,4 @@
-//! The chart of a cloud of paths: how far random pieces run beside the path of the mechanism as drawn.
+//! Chart of a cloud of paths: the paths of random pieces beside the path of the nominal mechanism.
 
 use crate::analysis::cloud::{PathCloud, Spread};
 use crate::plot::chart::{Axis, Band, Chart, Panel, PlotSeries};

@@ -1,4 +1,4 @@
-//! Lines of equal value on a grid, and the map of an objective of two variables with the way that a search took.
+//! Contour lines on a grid, and the map of an objective of two variables with the path of a search.
 
 use crate::plot::chart::{Axis, Chart, Panel, PlotSeries, PointWord, SeriesStyle};
 
@@ -7,21 +7,21 @@ use crate::plot::chart::{Axis, Chart, Panel, PlotSeries, PointWord, SeriesStyle}
 pub struct ValueGrid {
     /// Ascending places along both variables.
     pub places: [Vec<f64>; 2],
-    /// `values[i][j]` at `places[0][i]`, `places[1][j]`; not finite where there is none.
+    /// `values[i][j]` at `places[0][i]`, `places[1][j]`; not finite where the objective has no value.
     pub values: Vec<Vec<f64>>,
 }
 
-/// Most contour lines; every one is so many times the next lower.
+/// Maximum number of contour lines. The levels form a geometric sequence.
 const LEVELS: usize = 13;
 
 /// Values nearer to the least than this share of the span are one level.
 const LOWEST: f64 = 1e-4;
 
-/// A number stands at least this far from the border, from the way of the search and from other numbers, in shares of the area's sides;
-/// a line without such a place has none.
+/// Minimum distance of a number from the border, from the path of the search and from other numbers, as a fraction of
+/// the area's sides; a line without such a place has no number.
 const ROOM: f64 = 0.035;
 
-/// A number is this many times as wide as it is high.
+/// Ratio of a number's width to its height.
 const WIDE: f64 = 2.5;
 
 /// The map of an objective: contours, and the points of a search.
@@ -76,7 +76,7 @@ impl ValueGrid {
         (0..LEVELS).map(|k| low + (high - low) * share(k)).collect()
     }
 
-    /// The place among `points` with most room for a number.
+    /// The point among `points` with the most free space for a number.
     fn free_place<'p>(
         &self,
         points: impl Iterator<Item = &'p [f64; 2]>,
@@ -126,7 +126,7 @@ impl ValueGrid {
     }
 }
 
-/// How far a number at a place is from a straight way.
+/// Distance of a point from a line segment.
 fn way_off(at: [f64; 2], [from, to]: [[f64; 2]; 2]) -> f64 {
     let [at, from, to] = [at, from, to].map(|p| [p[0] / WIDE, p[1]]);
     let (along, there) = (
@@ -180,7 +180,7 @@ mod tests {
         assert!(off.fold(0.0, f64::max) < 3e-3);
         let levels = grid.levels();
         assert!(levels.len() == LEVELS && levels.is_sorted() && levels[0] < 0.01);
-        // Numbers keep away from the way of the search, from the border and from each other.
+        // Numbers keep away from the path of the search, from the border and from each other.
         let axes = [Axis::default(), Axis::default()];
         let way = [[-1.9, -1.9], [0.0, 0.0]];
         let map = search_map("bowl", axes, &grid, &way);

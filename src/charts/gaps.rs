@@ -1,9 +1,9 @@
-//! What a chart of a motion does not show, and how it says so: ranges without values, points far outside.
+//! What a chart of a motion leaves out, and how it says so: ranges without values, and points far outside.
 
 use crate::plot::chart::{Panel, Shade};
 
-/// Values farther out than this many ranges of the middle nine tenths of all values are not shown: next to a singular
-/// pose a rate grows without bound, and the rest would be a flat line.
+/// Values farther away than this many times the range of the middle nine tenths are not shown. Near a singular pose a
+/// rate grows without bound and would flatten the rest of the curve.
 const OUTLYING: f64 = 8.0;
 
 /// Share of values at either end that do not count in that range.
@@ -36,7 +36,7 @@ pub(super) fn gap_shades(poseless: &[bool], valueless: &[bool], x: &[f64]) -> Ve
             continue;
         }
         let end = (k..x.len()).find(|j| !is_marked(*j)).unwrap_or(x.len());
-        // At the very end of a motion rates have no value; that belongs to the range behind it.
+        // At the very end of a motion rates have no value; that sample belongs to the range after it.
         let word = if poseless[k..end].contains(&true) {
             "no pose"
         } else {
@@ -69,7 +69,7 @@ pub(super) fn gap_shades(poseless: &[bool], valueless: &[bool], x: &[f64]) -> Ve
     shades
 }
 
-/// Removes points far outside the range of all others from a panel, and says so.
+/// Removes points far outside the range of all others from a panel, and says so in a note.
 pub(super) fn leave_out_outliers(panel: &mut Panel) -> Option<String> {
     let mut values: Vec<f64> = panel.points().map(|p| p[1]).collect();
     values.sort_by(f64::total_cmp);

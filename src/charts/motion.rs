@@ -1,4 +1,4 @@
-//! Charts of a solved motion: the plots of a scene, evaluated at every sample. Where the motion has no pose the chart
+//! Charts of a solved motion: the plots of a scene, evaluated at every sample. Where the motion has no pose, the chart
 //! says so.
 
 use super::gaps::{gap_shades, leave_out_outliers, short_number};
@@ -16,7 +16,7 @@ use crate::plot::scale::ScaleKind;
 use crate::staging::quantity_names::written_label;
 use std::f64::consts::PI;
 
-/// Curves of a plot nobody asked for.
+/// Maximum number of curves in a default plot.
 const MOST_DEFAULT_CURVES: usize = 12;
 
 /// Charts `plots` of `trajectory`.
@@ -58,8 +58,8 @@ pub fn motion_chart(
     chart
 }
 
-/// What is plotted of a scene that says nothing about it: its outputs, else its traced points, else its unknowns,
-/// against its only moving input if that goes one way, else against time.
+/// Default plots of a scene that defines none: its outputs, else its traced points, else its unknowns; against its only
+/// moving input if that is monotonic, else against time.
 pub fn default_plot(mechanism: &Mechanism, actuation: &Actuation) -> Plot {
     let slot = |slot: usize, label: &str, kind: Kind| PlotCurve {
         label: label.to_owned(),
@@ -108,7 +108,7 @@ pub fn default_plot(mechanism: &Mechanism, actuation: &Actuation) -> Plot {
     }
 }
 
-/// The only input that moves, if it never turns back.
+/// The only moving input, if it never reverses.
 pub fn lone_input(actuation: &Actuation) -> Option<usize> {
     const LOOKS: usize = 240;
     let moving: Vec<usize> = (0..actuation.drives.len())
@@ -140,7 +140,7 @@ fn pose_slots(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<Option<Vec<
 /// Taylor series of all slots at every sample.
 type SeriesOfSamples = Vec<Option<Vec<TaylorSeries>>>;
 
-/// A trajectory and what has been computed of it.
+/// A trajectory and what has been computed from it.
 struct ChartedMotion<'a> {
     mechanism: &'a Mechanism,
     system: &'a System,
@@ -240,7 +240,7 @@ impl ChartedMotion<'_> {
             (Kind::Angle, None) => PI * curve.factor,
             _ => f64::INFINITY,
         };
-        // Between two samples no angle moves half a turn: it was written one turn lower or higher.
+        // No angle moves half a turn between two samples: a larger difference is a wrap by one turn.
         series.breaks = (1..series.points.len())
             .filter(|k| match (series.points[k - 1], series.points[*k]) {
                 (Some(a), Some(b)) => (a[0] - b[0]).abs() > x_turn || (a[1] - b[1]).abs() > y_turn,
@@ -281,7 +281,7 @@ impl ChartedMotion<'_> {
         all.iter().map(|s| s.as_ref().map(value)).collect()
     }
 
-    /// Series of all slots along what `rate` is taken by; computed once for each kind.
+    /// Taylor series of all slots with respect to the variable of `rate`; computed once for each kind.
     fn sample_series(&mut self, rate: Rate) -> &SeriesOfSamples {
         if let Some(known) = self.series.iter().position(|(r, _)| *r == rate) {
             return &self.series[known].1;
@@ -299,7 +299,7 @@ impl ChartedMotion<'_> {
         &self.series[self.series.len() - 1].1
     }
 
-    /// Whether every sample has its place on the axis, also those without a pose.
+    /// Whether every sample has a place on the axis, including those without a pose.
     fn places_of_all(&self, x: &Abscissa) -> bool {
         let n = self.mechanism.unknowns.len();
         match x {
@@ -311,7 +311,7 @@ impl ChartedMotion<'_> {
         }
     }
 
-    /// Places of all samples in the axis' unit; NaN where there is none.
+    /// Places of all samples in the axis' unit; NaN where a sample has none.
     fn abscissa_values(&mut self, x: &Abscissa) -> Vec<f64> {
         let samples = &self.trajectory.samples;
         match x {
@@ -330,7 +330,7 @@ impl ChartedMotion<'_> {
         }
     }
 
-    /// Place on an axis that needs no pose.
+    /// Place on an axis that does not depend on the pose.
     fn place(&self, x: &Abscissa, time: f64, inputs: &[f64]) -> f64 {
         match x {
             Abscissa::Time => time,

@@ -5,7 +5,7 @@ use crate::analysis::work_precision::{PrecisionRow, PrecisionStudy};
 use crate::model::mechanism::Mechanism;
 use crate::plot::{Axis, Chart, Panel, PlotSeries, ScaleKind, SeriesStyle};
 
-/// Errors below this share of the size are drawn here: zero has no place on a logarithmic axis.
+/// Errors below this fraction of the size are drawn here: zero has no place on a logarithmic axis.
 const LEAST_SHOWN: f64 = 1e-17;
 
 /// Time per pose over error, both logarithmic; one curve per family, fastest and most exact towards the lower left.
@@ -54,7 +54,7 @@ pub fn precision_chart(mechanism: &Mechanism, study: &PrecisionStudy) -> Chart {
     }
 }
 
-/// Whether a row is a point of the chart: the skew residual lies on top of the rotation vector's curve, and Newton
+/// Whether a row is a point of the chart. The skew residual coincides with the rotation vector's curve, and Newton
 /// needs no smaller steps; both are in the table.
 fn is_shown(row: &PrecisionRow, study: &PrecisionStudy) -> bool {
     let is_variant = match row.route {

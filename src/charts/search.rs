@@ -1,8 +1,8 @@
-//! A search made visible: the paths of its start beside those of its result.
+//! Charts of a search: the paths of its start beside those of its result.
 
 use crate::plot::chart::{Chart, Panel, PlotSeries, PointWord, SeriesStyle};
 
-/// The chart of the result with the curves of the start behind, dashed; both are charts of the same plots.
+/// The chart of the result with the curves of the start behind it, dashed; both are charts of the same plots.
 pub fn start_and_result(start: Chart, result: Chart) -> Chart {
     let panels = start.panels.into_iter().zip(result.panels);
     Chart {
@@ -37,7 +37,7 @@ fn joined_panel(start: Panel, result: Panel) -> Panel {
     }
 }
 
-/// Writes words beside the points of a panel's last curve that belong to these instants.
+/// Labels the points of a panel's last curve at these instants.
 pub fn name_places(panel: &mut Panel, times: &[f64], words: &[(f64, String)]) {
     let Some(curve) = panel.series.last() else {
         return;

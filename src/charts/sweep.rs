@@ -1,6 +1,6 @@
-//! Charts of a sweep: a curve over one parameter, a map over two, with the region in which all limits are kept.
+//! Charts of a sweep: a curve over one parameter, or a map over two with the region in which all limits are met.
 //!
-//! Rows come one after another and are not kept: what is drawn has as many places as a picture shows.
+//! Rows arrive one after another and are not kept: the chart stores no more cells than a picture can show.
 
 use crate::plot::colour_bar::ColourBar;
 use crate::plot::theme::Colour;
@@ -12,8 +12,8 @@ use crate::sweep::swept_scene::Sweep;
 const MOST_TILES: usize = 160;
 const MOST_POINTS: usize = 2000;
 
-/// Colours of a map from the smallest value to the largest, dark to light, told apart without colour vision and in grey
-/// (cividis: Nuñez, Anderton, Renslow, PLoS ONE 2018).
+/// Colours of a map from the smallest value to the largest, dark to light, distinguishable with colour-vision
+/// deficiency and in greyscale (cividis: Nuñez, Anderton, Renslow, PLoS ONE 2018).
 const ENDS: [[f64; 3]; 5] = [
     [0.0, 34.0, 78.0],
     [66.0, 78.0, 108.0],
@@ -31,7 +31,7 @@ const NOTHING: Colour = [0xd9, 0xd9, 0xd9, 255];
 /// Share of the background in colours outside of the feasible region.
 const FADED: f64 = 0.62;
 
-/// What a place shows: the first ok row that falls there.
+/// Content of a cell: the first valid row that falls into it.
 #[derive(Clone, Copy, Debug, Default)]
 struct MapPlace {
     is_met: bool,
@@ -51,7 +51,7 @@ pub struct SweepPlot<'s> {
 }
 
 impl<'s> SweepPlot<'s> {
-    /// Before the first row; `value` is the number of what is drawn. `None` unless one or two parameters change.
+    /// Starts a chart without rows; `value` is the number of the value drawn. `None` unless one or two parameters vary.
     pub fn new(sweep: &'s Sweep, value: usize) -> Option<Self> {
         let all = sweep.design.axes.iter().enumerate();
         let axes: Vec<usize> = all
@@ -63,7 +63,7 @@ impl<'s> SweepPlot<'s> {
             2 => MOST_TILES,
             _ => return None,
         };
-        // A grid has a place for every value, as far as a picture shows them; other designs fall where they fall.
+        // A grid gets one cell per value, as far as a picture can show them; other designs are binned.
         let count = |axis: &usize| match sweep.design.axes[*axis].count {
             1 => most.min((sweep.design.count() as f64).powf(1.0 / axes.len() as f64) as usize),
             steps => usize::try_from(steps).unwrap_or(most).min(most),
@@ -85,7 +85,7 @@ impl<'s> SweepPlot<'s> {
         for (axis, count) in self.axes.iter().zip(&self.counts) {
             let range = &self.sweep.design.axes[*axis];
             let share = (design[*axis] - range.low) / (range.high - range.low);
-            // On a grid the middle of a place is its value.
+            // On a grid, the middle of a cell is its value.
             let place = match range.count {
                 1 => share * *count as f64,
                 _ => share * (*count - 1) as f64 + 0.5,
@@ -147,7 +147,7 @@ impl<'s> SweepPlot<'s> {
         }
     }
 
-    /// Edges of place `place` along axis `k`.
+    /// Edges of cell `place` along axis `k`.
     fn place_edges(&self, k: usize, place: usize) -> [f64; 2] {
         let range = &self.sweep.design.axes[self.axes[k]];
         let count = self.counts[k];
@@ -167,7 +167,7 @@ impl<'s> SweepPlot<'s> {
             0.5 * (from + to)
         };
         let points = |is_shown: &dyn Fn(&MapPlace) -> bool| -> Vec<Option<[f64; 2]>> {
-            // A place that no design fell into is no gap of the motion.
+            // A cell without a design is not a gap in the motion.
             let met = self.places.iter().enumerate().filter(|(_, p)| p.is_met);
             met.map(|(k, p)| p.value.filter(|_| is_shown(p)).map(|v| [middle(k), v]))
                 .collect()

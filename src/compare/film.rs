@@ -50,12 +50,12 @@ pub struct FilmReport {
     pub plays: Option<[Option<Plays>; 2]>,
     /// Number of the frame that differs most; `None` if no frame is in both.
     pub worst: Option<usize>,
-    /// Its two pictures, where they were to be kept.
+    /// Its two pictures, if they are to be kept.
     pub worst_pictures: Option<[FramePicture; 2]>,
 }
 
 impl FilmReport {
-    /// Whether the frame `index` is within what was allowed, its time included.
+    /// Whether the frame `index` is within tolerance, its time included.
     pub fn passes(&self, index: usize) -> bool {
         let frame = &self.frames[index];
         let pixels = match &frame.verdict {
@@ -72,7 +72,7 @@ impl FilmReport {
             .collect()
     }
 
-    /// Whether everything is within what was allowed.
+    /// Whether everything is within tolerance.
     pub fn is_same(&self) -> bool {
         self.plays.is_none() && self.failing().is_empty()
     }
@@ -127,7 +127,7 @@ pub fn compare_films(
             (Some(Ok(left)), Some(Ok(right))) => {
                 natural_order(Path::new(&left.name), Path::new(&right.name))
             }
-            // The error comes out when the frame is taken.
+            // The error is returned when the frame is read.
             (Some(_), Some(_)) => Ordering::Equal,
         };
         let left = if order.is_le() {

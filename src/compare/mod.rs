@@ -56,7 +56,7 @@ impl std::fmt::Display for Comparison {
 pub struct Difference {
     /// Pixels in all.
     pub pixels: u64,
-    /// The tolerance asked for, in levels.
+    /// The tolerance, in levels.
     pub tolerance: u8,
     /// Pixels that differ by more than the tolerance.
     pub over: u64,
@@ -68,7 +68,7 @@ pub struct Difference {
     pub psnr: f64,
     /// Difference of the worst pixel in levels.
     pub worst: u8,
-    /// Column and row of the first pixel, in reading order, that is as bad; `None` if all are equal.
+    /// Column and row of the first pixel with the largest difference, in reading order; `None` if all are equal.
     pub worst_at: Option<[u32; 2]>,
     /// Left, top, right, bottom (inclusive) of the pixels over the tolerance.
     pub bounds: Option<[u32; 4]>,
@@ -100,7 +100,7 @@ pub fn compare_rows(
         return Ok(Comparison::SizeMismatch { a, b });
     }
     let mut tally = Tally::new(tolerance);
-    // Both to their ends: a file may be damaged behind its last row.
+    // Both are read to their ends: a file may be damaged after its last row.
     loop {
         match (a.next_row()?, b.next_row()?) {
             (Some(left), Some(right)) => tally.add_row(left, right),
@@ -109,7 +109,7 @@ pub fn compare_rows(
     }
 }
 
-/// What the rows so far differ by.
+/// Difference of the rows so far.
 struct Tally {
     tolerance: u8,
     rows: u32,

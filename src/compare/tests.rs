@@ -146,7 +146,7 @@ fn one_pixel_in_a_triptych_has_a_mark_around_it() {
     assert_eq!(marked(0).len(), 24);
     assert!(marked(0).iter().all(ring));
     assert!(marked(1).is_empty());
-    // The mark does not hide what it marks.
+    // The mark does not cover what it marks.
     assert_eq!(
         difference_triptych(&a, &b, 0).get_pixel(68 + 30, 20),
         &Rgba([0, 8, 0, 255])

@@ -90,7 +90,7 @@ impl<'p> TriptychRows<'p> {
 
 /// Whether a pixel is on the frame that surrounds `bounds` (left, top, right, bottom) at a small distance.
 fn is_on_mark([left, top, right, bottom]: [u32; 4], x: u32, y: u32) -> bool {
-    // Distances outwards from the bounds, as far as they are outside.
+    // Distances outwards from the bounds; zero inside.
     let across = left.saturating_sub(x).max(x.saturating_sub(right));
     let down = top.saturating_sub(y).max(y.saturating_sub(bottom));
     across.max(down) == MARK_DISTANCE

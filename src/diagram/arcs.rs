@@ -9,20 +9,20 @@ use crate::plot::theme::Dashes;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
-/// Radius of the first arc about a place, and what every further one is larger by, in units of the drawing.
+/// Radius of the first arc about a place, and the increment of every further one, in units of the drawing.
 const RADIUS: f64 = 27.0;
 const STEP: f64 = 10.0;
 
 /// The lines from which, and to which, an angle is measured reach so far beyond its arc.
 const BEYOND: f64 = 9.0;
 
-/// An arc of a turn and more is drawn up to here.
+/// An arc of one turn or more is drawn up to this angle.
 const MOST: f64 = 0.97 * TAU;
 
 /// Corners of an arc.
 const CORNERS: usize = 48;
 
-/// Draws an angle; `level` arcs are about its place already.
+/// Draws an angle; `level` is the number of arcs already drawn about its place.
 pub fn draw_angle(
     angle: &SchemeAngle,
     level: usize,
@@ -62,7 +62,7 @@ pub fn draw_angle(
 
 fn draw_arc(arc: &[DrawnSpot], length: f64, colour: [u8; 4], ink: &mut Ink) {
     ink.line(arc, colour, 1.1, Dashes::None);
-    // A head longer than its arc says nothing.
+    // An arrowhead longer than its arc is left out.
     let [.., _, tip] = arc else { return };
     if length.abs() > 11.0 * ink.unit {
         let back = arc
@@ -75,7 +75,7 @@ fn draw_arc(arc: &[DrawnSpot], length: f64, colour: [u8; 4], ink: &mut Ink) {
     }
 }
 
-/// An angle as it is drawn: what is driven as far as it has gone within its turn, what follows the short way.
+/// An angle as drawn: a driven angle as far as it has moved within its turn, a dependent one the shorter way.
 fn wrapped_angle(angle: &SchemeAngle) -> f64 {
     let within = angle.value % TAU;
     let short = match angle.source {

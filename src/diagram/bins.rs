@@ -1,5 +1,5 @@
-//! What lies where on a sheet: lines and boxes by the squares that they reach into, so that whoever asks for what is near
-//! looks at little, however much is drawn.
+//! Spatial index of a sheet: lines and boxes filed by the squares that they cross, so that queries for what is near
+//! stay cheap however much is drawn.
 
 use super::plane::{DrawnSpot, distance_to};
 use crate::plot::primitive::Rect;
@@ -75,7 +75,7 @@ impl Bins {
         found.into_iter().map(|k| self.lines[k as usize])
     }
 
-    /// Whether a line is nearer to a place than this.
+    /// Whether a line is nearer to a point than this.
     pub fn is_line_within(&self, at: DrawnSpot, within: f64) -> bool {
         let around = box_around(at, within);
         self.squares(&around).any(|square| {
@@ -94,14 +94,14 @@ impl Bins {
         })
     }
 
-    /// The distance of a place from the nearest line or box, no more than `most`. Whoever has `enough` says so; then it is
-    /// no more than what was told.
+    /// Distance of a point from the nearest line or box, at most `most`. The search stops once `enough` accepts the
+    /// distance found so far, and returns that.
     pub fn room(&self, at: DrawnSpot, most: f64, enough: impl Fn(f64) -> bool) -> f64 {
         let own = self.square(at);
         let mut room = most;
         let rings = (most / self.side).ceil() as i32 + 1;
         for ring in 0..=rings {
-            // Squares of a ring are as far away as there are whole ones between.
+            // The squares of a ring are at least as far away as the number of whole squares between.
             if f64::from(ring - 1) * self.side >= room || enough(room) {
                 break;
             }
@@ -135,7 +135,7 @@ impl Bins {
         (left..=right).flat_map(move |x| (top..=bottom).map(move |y| [x, y]))
     }
 
-    /// The squares that a line goes through, and some beside it.
+    /// The squares that a line crosses, and some beside it.
     fn along(&self, [a, b]: [DrawnSpot; 2]) -> Vec<[i32; 2]> {
         let [from, to] = if a[0] <= b[0] { [a, b] } else { [b, a] };
         let (first, last) = (self.cell(from[0]), self.cell(to[0]));
@@ -186,7 +186,7 @@ fn from_box(at: DrawnSpot, b: &Rect) -> f64 {
     libm::hypot(x, y)
 }
 
-/// The squares so many steps away.
+/// The squares this many steps away.
 fn ring_around([x, y]: [i32; 2], ring: i32) -> impl Iterator<Item = [i32; 2]> {
     (-ring..=ring).flat_map(move |i| {
         let step = if i.abs() == ring { 1 } else { 2 * ring };

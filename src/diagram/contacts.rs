@@ -1,4 +1,4 @@
-//! Surfaces in contact: where they are, the way to them, and their sizes.
+//! Surfaces in contact: their places, the offsets that lead to them, and their sizes.
 
 use super::scheme::{QuantitySource, SchemeJoint, SchemeLength, SchemeSurface};
 use super::walk::{ChainWalker, Here, SAME};
@@ -6,7 +6,7 @@ use crate::math::Pose;
 use crate::model::notation::WrittenChain;
 
 impl ChainWalker<'_> {
-    /// The way to a surface from the last joint before it, and the named lengths on it.
+    /// The offset from the last joint before a surface to the surface, and the named lengths on it.
     fn note_approach(&mut self, chain: &WrittenChain) {
         let (mut frame, mut path, mut last) = (Pose::IDENTITY, Vec::new(), None);
         for index in 0..chain.factors.len() {

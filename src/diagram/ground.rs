@@ -15,7 +15,7 @@ const HALF: f64 = 17.0;
 const PITCH: f64 = 6.0;
 const HATCH: f64 = 7.0;
 
-/// A rail's distance from the line on which its slider moves, and what it reaches beyond it.
+/// Distance of a rail from the line on which its slider moves, and its length beyond the slider.
 const RAIL: f64 = 12.5;
 const BEYOND: f64 = 26.0;
 

@@ -1,4 +1,4 @@
-//! What a drawing is made of while it grows: primitives, the lines that labels keep away from, and labels to be placed.
+//! A drawing under construction: primitives, the lines that labels keep clear of, and labels waiting for a place.
 
 use super::bins::Bins;
 use super::plane::{
@@ -14,7 +14,7 @@ pub struct WantedLabel {
     pub text: String,
     /// What it belongs to.
     pub anchor: DrawnSpot,
-    /// Where it wants to stand from there; any length.
+    /// Preferred direction from there; any length.
     pub wish: DrawnSpot,
     /// Height of the capitals.
     pub size: f64,
@@ -34,7 +34,7 @@ pub struct Ink {
     pub bins: Bins,
     /// Labels, the first placed first.
     pub labels: Vec<WantedLabel>,
-    /// Texts whose middle is fixed: text, place, height of capitals, colour.
+    /// Texts with a fixed middle: text, place, cap height, colour.
     pub letters: Vec<(String, DrawnSpot, f64, Colour)>,
     /// Colours.
     pub theme: ChartTheme,
@@ -124,7 +124,7 @@ impl Ink {
         self.head(*tip, direction, colour);
     }
 
-    /// A text whose place is fixed.
+    /// A text at a fixed place.
     pub fn text(
         &mut self,
         at: DrawnSpot,
@@ -153,7 +153,7 @@ impl Ink {
         });
     }
 
-    /// How much of a line runs along, or close to, what is drawn already; pixels.
+    /// Length of the part of a line that runs along, or close to, what is already drawn; pixels.
     pub fn covered(&self, [a, b]: [DrawnSpot; 2], within: f64) -> f64 {
         let step = 5.0 * self.unit;
         let length = spot_length(spot_difference(b, a));

@@ -1,4 +1,4 @@
-//! Labels find their places: as near to what they name as they can, on no other label and on no sign, over few lines.
+//! Label placement: as near to what they name as possible, clear of other labels and symbols, over few lines.
 
 use super::ink::{Ink, WantedLabel};
 use super::plane::{DrawnSpot, spot_ahead, spot_difference, spot_length, unit_direction};
@@ -13,10 +13,10 @@ const DISTANCES: [f64; 17] = [
     310.0, 400.0,
 ];
 
-/// From this distance on a line leads from a label to what it names.
+/// Beyond this distance a leader line connects a label with what it names.
 const LEADER: f64 = 17.0;
 
-/// What a covered line costs, a pixel of it in pixels of distance; and a direction that is not wished for.
+/// Placement costs: per pixel of covered line, in pixels of distance, and for leaving the preferred direction.
 const LINE_COST: f64 = 1.1;
 const TURN_COST: f64 = 7.0;
 
@@ -104,7 +104,7 @@ fn best_place(label: &WantedLabel, size: [f64; 2], ink: &Ink, area: &Rect) -> Op
     best.map(|(_, bounds)| bounds)
 }
 
-/// The box of a size whose rim is at a distance from a place, in a direction.
+/// The box of a given size whose edge lies at a distance from a point, in a given direction.
 fn box_beside(at: DrawnSpot, d: DrawnSpot, distance: f64, [wide, high]: [f64; 2]) -> Rect {
     // Where the line from the middle leaves the box.
     let reach = (0.5 * wide / d[0].abs().max(1e-9)).min(0.5 * high / d[1].abs().max(1e-9));
@@ -134,7 +134,7 @@ fn covered_lines(bounds: &Rect, ink: &Ink) -> f64 {
         .sum()
 }
 
-/// Length of the part of a line that is in a box (Liang and Barsky).
+/// Length of the part of a line that lies inside a box (Liang and Barsky).
 fn clipped_length([a, b]: [DrawnSpot; 2], r: &Rect) -> f64 {
     let d = spot_difference(b, a);
     let (mut from, mut to) = (0.0_f64, 1.0_f64);
@@ -173,7 +173,7 @@ fn crossed_lines(line: [DrawnSpot; 2], ink: &Ink) -> f64 {
     ink.bins.lines_across(line).filter(crosses).count() as f64
 }
 
-/// The line from a label that stands far away to what it names.
+/// The leader line from a distant label to what it names.
 fn leader_of(label: &WantedLabel, bounds: &Rect, unit_length: f64) -> Option<[DrawnSpot; 2]> {
     let [x, y] = label.anchor;
     let near = [

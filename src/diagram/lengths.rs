@@ -1,4 +1,4 @@
-//! Lengths with their names: dimension lines beside what they measure, or vectors on it.
+//! Lengths with their names: dimension lines beside what they measure, or vectors along it.
 
 use super::ink::{Ink, WantedLabel};
 use super::lettering::{QuantityLettering, source_colour};
@@ -8,10 +8,10 @@ use super::plane::{
 use super::scheme::{QuantitySource, SchemeLength};
 use crate::plot::theme::Dashes;
 
-/// Distances at which a dimension line may stand beside what it measures, in units of the drawing.
+/// Distances of a dimension line from what it measures that are tried, in units of the drawing.
 const ASIDE: [f64; 8] = [0.0, 17.0, 30.0, 43.0, 56.0, 69.0, 82.0, 95.0];
 
-/// A dimension line is free of what is farther than this.
+/// A dimension line is clear of anything farther away than this.
 const FREE: f64 = 5.0;
 
 /// Lines shorter than this have their heads outside.
@@ -20,7 +20,7 @@ const SHORT: f64 = 24.0;
 /// Below this a length is seen end-on.
 const END_ON: f64 = 2.5;
 
-/// What a pixel beside something else costs, in pixels of distance.
+/// Cost per pixel that runs beside something else, in pixels of distance.
 const COVERED: f64 = 3.0;
 
 /// Width of dimension lines, and how far the lines to them reach beyond.
@@ -83,7 +83,7 @@ pub fn draw_dimension(
     true
 }
 
-/// Where a dimension line runs along nothing else.
+/// Where a dimension line runs clear of everything else.
 fn cheapest_offset(
     length: &SchemeLength,
     ends: [DrawnSpot; 2],
@@ -100,7 +100,7 @@ fn cheapest_offset(
         let Some(d) = unit_direction(seen) else {
             continue;
         };
-        // Lines to a dimension stand across it, not along.
+        // Extension lines cross the dimension line and do not run along it.
         if (d[0] * along[1] - d[1] * along[0]).abs() > 0.5 && spot_length(seen) > 0.3 {
             sides.extend([d, [-d[0], -d[1]]]);
         }
@@ -127,7 +127,7 @@ fn cheapest_offset(
     best.1
 }
 
-/// Draws a length as a vector on its place.
+/// Draws a length as a vector in place.
 pub fn draw_vector(
     length: &SchemeLength,
     plane: &DrawingPlane,

@@ -15,12 +15,12 @@ pub struct QuantityLettering {
 }
 
 impl QuantityLettering {
-    /// A formula with its names as by hand.
+    /// A formula with its names set as in handwriting.
     pub fn symbol(&self, text: &str) -> String {
         written_names(text)
     }
 
-    /// Name of a length, with its value where that is wanted.
+    /// Name of a length, with its value if requested.
     pub fn length(&self, length: &SchemeLength) -> String {
         self.named(&length.name, length.value, &self.length_unit)
     }
@@ -51,7 +51,7 @@ pub fn valued_name(name: &str, value: f64, unit: &str) -> String {
     format!("{} = {short}{gap}{unit}", written_names(name))
 }
 
-/// Colour of a quantity: dimensions are pale, what is driven and what follows stand out.
+/// Colour of a quantity: dimensions are pale; driven and dependent quantities stand out.
 pub fn source_colour(source: QuantitySource, theme: &ChartTheme) -> Colour {
     match source {
         QuantitySource::Constant => theme.faint_text,

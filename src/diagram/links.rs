@@ -1,4 +1,4 @@
-//! Links as lines between the signs of their joints, and where these signs stand.
+//! Links as lines between the symbols of their joints, and the placement of these symbols.
 
 use super::ink::{Ink, WantedLabel};
 use super::lettering::QuantityLettering;
@@ -15,13 +15,13 @@ use glam::DVec3;
 /// Width of a link's line.
 const LINE: f64 = 3.4;
 
-/// Signs nearer than this are taken apart, along the axes on which they may stand anywhere.
+/// Symbols closer than this are moved apart, along the axes on which they are free to move.
 const APART: f64 = 12.0;
 
 /// Free pixels between two signs on one axis, in units of the drawing.
 const BETWEEN: f64 = 9.0;
 
-/// Where the sign of every joint stands: on its axis, and on no other sign if it may be moved.
+/// Where the symbol of every joint stands: on its axis, and clear of other symbols if it may be moved.
 pub fn sign_places(scheme: &Scheme, plane: &DrawingPlane, unit_length: f64) -> Vec<DrawnSpot> {
     let joints = &scheme.joints;
     let mut spots: Vec<DrawnSpot> = joints.iter().map(|j| plane.spot(j.at)).collect();
@@ -38,7 +38,7 @@ pub fn sign_places(scheme: &Scheme, plane: &DrawingPlane, unit_length: f64) -> V
         if let Some(along) = slide_direction(&joints[k], plane) {
             let [own, its] = [k, other].map(|j| half_length(&joints[j], plane, unit_length));
             let seen = plane.direction(joints[other].axes.first().copied().unwrap_or_default());
-            // A sign that lies across takes little room along this axis.
+            // A symbol that lies across takes little space along this axis.
             let parallel =
                 unit_direction(seen).map_or(0.0, |d| (d[0] * along[0] + d[1] * along[1]).abs());
             let room = own + its * parallel + (BETWEEN + 8.0 * (1.0 - parallel)) * unit_length;
@@ -149,7 +149,7 @@ fn draw_plate(ends: &[DrawnSpot], text: Colour, ink: &mut Ink) {
 /// Two pieces of a path whose directions are opposite up to this (one and their cosine) lie on each other.
 const BACK: f64 = 1e-3;
 
-/// The corners of a path if it never comes back the way it went; else only its ends.
+/// The corners of a path if it never reverses; else only its ends.
 fn shown_path(path: &[DVec3], plane: &DrawingPlane) -> Vec<DrawnSpot> {
     let pieces = path.windows(2).map(|p| (p[1] - p[0]).normalize_or_zero());
     let pieces: Vec<DVec3> = pieces.collect();
@@ -188,7 +188,7 @@ pub fn number_links(
     }
 }
 
-/// The middle of a link's longest line, else one of its signs.
+/// The middle of a link's longest line, else one of its symbols.
 fn number_place(
     scheme: &Scheme,
     index: usize,
@@ -220,7 +220,7 @@ fn number_place(
     }
 }
 
-/// From the sign of a joint to the rest of the link behind it.
+/// From the symbol of a joint to the rest of the link behind it.
 pub fn leaving_direction(
     scheme: &Scheme,
     index: usize,

@@ -1,4 +1,4 @@
-//! Loops as round arrows with their letters, and frames as triads.
+//! Loops as circular arrows with their letters, and frames as triads.
 
 use super::ink::{Ink, WantedLabel};
 use super::lettering::QuantityLettering;
@@ -8,14 +8,14 @@ use crate::math::sin_cos;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// Least and greatest radius of a loop's arrow, and what it keeps from links, in units of the drawing.
+/// Smallest and largest radius of a loop's arrow, and its clearance from links, in units of the drawing.
 const RADII: [f64; 2] = [17.0, 46.0];
 const FREE: f64 = 9.0;
 
 /// Places across the box of a loop that are tried for its arrow.
 const PLACES: usize = 28;
 
-/// The arrow goes round so far, from below.
+/// Angle that the arrow spans, from the bottom.
 const ROUND: f64 = 0.86 * TAU;
 
 /// Corners of an arrow.
@@ -59,7 +59,7 @@ pub fn draw_loop(
     ink.letters.push((name.to_owned(), centre, size, colour));
 }
 
-/// The place within a polygon, or near to one that is flat, that is farthest from all lines, and how far.
+/// The point within a polygon, or near a degenerate one, that is farthest from all lines, and its distance.
 fn roomiest_place(corners: &[DrawnSpot], plane: &DrawingPlane, ink: &Ink) -> (DrawnSpot, f64) {
     let rim = plane.inside((RADII[0] + FREE) * ink.unit);
     let fold = |k: usize, pick: fn(f64, f64) -> f64, from: f64| {
@@ -87,7 +87,7 @@ fn roomiest_place(corners: &[DrawnSpot], plane: &DrawingPlane, ink: &Ink) -> (Dr
             };
             let far = 0.05 * spot_length(spot_difference(at, middle));
             let value = |room: f64| room - outside - 3.0 * (reach - room).max(0.0) - far;
-            // More room than the largest arrow takes is worth no more.
+            // Space beyond the size of the largest arrow has no further benefit.
             let most = (RADII[1] + FREE) * ink.unit;
             let room = ink.bins.room(at, most, |room| value(room) <= best.0);
             if value(room) > best.0 {

@@ -4,10 +4,10 @@ use super::scheme::Scheme;
 use crate::plot::primitive::Rect;
 use glam::{DMat3, DVec3};
 
-/// A place in the drawing: pixels from the top left corner.
+/// A point in the drawing: pixels from the top left corner.
 pub type DrawnSpot = [f64; 2];
 
-/// A direction, or a place relative to another.
+/// A direction, or an offset from another point.
 pub fn spot_difference(a: DrawnSpot, b: DrawnSpot) -> DrawnSpot {
     [a[0] - b[0], a[1] - b[1]]
 }
@@ -22,18 +22,18 @@ pub fn spot_length(d: DrawnSpot) -> f64 {
     libm::hypot(d[0], d[1])
 }
 
-/// The direction with length one; `None` for a place itself.
+/// The unit vector of a direction; `None` for the zero vector.
 pub fn unit_direction(d: DrawnSpot) -> Option<DrawnSpot> {
     let length = spot_length(d);
     (length > 1e-9).then(|| [d[0] / length, d[1] / length])
 }
 
-/// A quarter turn: from x towards y.
+/// A quarter turn from x towards y.
 pub fn quarter_turn(d: DrawnSpot) -> DrawnSpot {
     [-d[1], d[0]]
 }
 
-/// Distance of a place from the line between two others.
+/// Distance of a point from the segment between two others.
 pub fn distance_to(at: DrawnSpot, [a, b]: [DrawnSpot; 2]) -> f64 {
     let along = spot_difference(b, a);
     let square = along[0] * along[0] + along[1] * along[1];
@@ -58,7 +58,7 @@ pub struct DrawingPlane {
     pub size: [f64; 2],
 }
 
-/// Width of a drawing in pixels unless asked otherwise: lengths on it are those of this width.
+/// Width of a drawing in pixels unless requested otherwise; lengths in a drawing refer to this width.
 pub const USUAL_WIDTH: f64 = 1200.0;
 
 /// Free borders of the drawing in pixels: room for labels.
@@ -86,7 +86,7 @@ impl DrawingPlane {
         let extent = [0, 1].map(|k| (high[k] - low[k]).max(least));
         let free = [width - 2.0 * border, width * HEIGHTS[1] - 2.0 * border];
         let scale = (free[0] / extent[0]).min(free[1] / extent[1]);
-        // What all lies in one point needs no room of its own.
+        // Points that all coincide need no height of their own.
         let drawn = scale * (high[1] - low[1]);
         let height = (drawn + 2.0 * border).max(width * HEIGHTS[0]);
         let middle = [0, 1].map(|k| 0.5 * (low[k] + high[k]));
@@ -101,7 +101,7 @@ impl DrawingPlane {
         }
     }
 
-    /// Where a place of the world is drawn.
+    /// Where a point in space is drawn.
     pub fn spot(&self, place: DVec3) -> DrawnSpot {
         spot_ahead(self.origin, self.direction(place), self.scale)
     }
@@ -132,7 +132,7 @@ impl DrawingPlane {
     }
 }
 
-/// The axes of a drawing that looks at a plane from its front: what lies to the right and up in the world stays so.
+/// The axes of a drawing of a plane seen from its front: right and up in the world stay right and up.
 pub fn facing_axes(normal: DVec3) -> DMat3 {
     let most = (0..3).max_by(|a, b| normal[*a].abs().total_cmp(&normal[*b].abs()));
     // The axis that points up in the drawing: y, but z where y is seen end-on.

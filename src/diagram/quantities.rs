@@ -26,7 +26,7 @@ impl ChainWalker<'_> {
             return;
         }
         let name = unsigned_text(&factor.text);
-        // What stands in no loop is placed by a formula, and has no coordinate of its own.
+        // A quantity outside of all loops is placed by a formula, and has no coordinate of its own.
         let is_name = name
             .chars()
             .all(|c| c.is_alphanumeric() || "._".contains(c));
@@ -108,7 +108,7 @@ impl ChainWalker<'_> {
         });
     }
 
-    /// From where an angle is measured: the axis along which the chain goes on behind it, or comes to it.
+    /// The zero direction of an angle: the axis along which the chain continues after it, or leads to it.
     fn zero_direction(
         &self,
         chain: &WrittenChain,

@@ -1,5 +1,5 @@
-//! The scheme of a mechanism at a pose, as values in space: links as lines between joint places, joints with their axes,
-//! named lengths and angles, loops. Nothing here knows from where it is looked at.
+//! The scheme of a mechanism at a pose, as values in space: links as lines between joint places, joints with their
+//! axes, named lengths and angles, loops. It does not depend on the viewpoint.
 
 use crate::math::Pose;
 use crate::model::joints::JointKind;
@@ -48,7 +48,7 @@ pub struct SchemeJoint {
     pub kind: JointKind,
     /// Where its sign stands.
     pub at: DVec3,
-    /// Where the guide of a sliding joint begins; else the same place.
+    /// Where the guide of a sliding joint begins; otherwise the same place.
     pub from: DVec3,
     /// Directions of its motions, in their order.
     pub axes: Vec<DVec3>,
@@ -73,7 +73,7 @@ pub struct SchemeLength {
     pub aside: [DVec3; 2],
     /// What changes it.
     pub source: QuantitySource,
-    /// Whether it stands in a loop.
+    /// Whether it is part of a loop.
     pub in_loop: bool,
 }
 
@@ -126,7 +126,7 @@ pub struct SchemeSurface {
 }
 
 impl SchemeSurface {
-    /// Its outermost points along the axes of its frame; none for what has no end.
+    /// Its outermost points along the axes of its frame; none for unbounded surfaces.
     fn extent(&self) -> impl Iterator<Item = DVec3> + '_ {
         let sizes = self.sizes.iter().map(|(_, value)| value.abs());
         let reach = match self.word {

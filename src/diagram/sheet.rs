@@ -1,4 +1,4 @@
-//! The sheet: what is shown, in which order, and the lines under the drawing.
+//! The sheet: what is shown, in which order, and the text below the drawing.
 
 use super::arcs::{arc_level, draw_angle};
 use super::bins::Bins;
@@ -24,7 +24,7 @@ use glam::DMat3;
 const LETTERS: f64 = 9.6;
 const NOTES: f64 = 8.6;
 
-/// What is shown beside links and joints.
+/// What is shown in addition to links and joints.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DiagramParts {
     /// Axes of the links' frames.
@@ -37,7 +37,7 @@ pub struct DiagramParts {
     pub loops: bool,
     /// Names of the bodies under the drawing, and of traced points.
     pub names: bool,
-    /// Named lengths as vectors in place of dimension lines.
+    /// Named lengths as vectors instead of dimension lines.
     pub vectors: bool,
     /// Coordinates: angles as arcs, lengths as lines.
     pub angles: bool,
@@ -49,7 +49,7 @@ pub struct DiagramParts {
 type ShownSwitch = fn(&mut DiagramParts);
 
 impl DiagramParts {
-    /// The words of the command line, each with what it turns on.
+    /// The keywords of the command line, each with what it shows.
     pub const WORDS: [(&'static str, ShownSwitch); 8] = [
         ("frames", |s| s.frames = true),
         ("bodies", |s| s.bodies = true),
@@ -61,7 +61,7 @@ impl DiagramParts {
         ("values", |s| s.values = true),
     ];
 
-    /// What is shown unless something is asked for.
+    /// What is shown by default.
     pub const USUAL: Self = Self {
         frames: false,
         bodies: true,
@@ -77,9 +77,9 @@ impl DiagramParts {
 /// How a scheme is drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SheetOptions {
-    /// Right, up, and towards the viewer; a planar mechanism is looked at from its front if absent.
+    /// Right, up, and towards the viewer; if absent, a planar mechanism is seen from its front.
     pub axes: Option<DMat3>,
-    /// The axes for what is not planar.
+    /// The axes for a spatial mechanism.
     pub spatial_axes: DMat3,
     /// Pixels.
     pub width: u32,

@@ -1,5 +1,5 @@
-//! Signs of joints after ISO 3952, as short solids in space seen from where the drawing is seen: a pair looked at along
-//! its axis is the circle of the standard, from the side it is the bearing.
+//! Joint symbols after ISO 3952, as short solids in space drawn from the drawing's viewpoint: seen along its axis a
+//! pair is the circle of the standard, from the side it is the bearing.
 
 use super::ink::Ink;
 use super::plane::{
@@ -27,7 +27,7 @@ const CLEAR: f64 = 15.0;
 /// Corners of a round.
 const CORNERS: usize = 40;
 
-/// Draws the sign of a joint at `at`; `away` is where the link behind it goes.
+/// Draws the symbol of a joint at `at`; `away` is the direction of the link behind it.
 pub fn draw_joint(
     joint: &SchemeJoint,
     at: DrawnSpot,
@@ -158,7 +158,7 @@ fn draw_slider(at: DrawnSpot, axis: DVec3, plane: &DrawingPlane, ink: &mut Ink) 
     let nearest = (0..8)
         .max_by(|a, b| corners[*a].1.total_cmp(&corners[*b].1))
         .unwrap_or(0);
-    // Seen square to a face nothing else shows.
+    // Seen square to a face, only that face is visible.
     if plane.nearness(axis).abs() > 0.05 {
         for bit in 0..3 {
             ink.mark(

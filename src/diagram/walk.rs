@@ -1,4 +1,4 @@
-//! From the chains as written, and a pose, to the scheme: every chain is walked once, and what it passes is noted.
+//! From the chains as written and a pose to the scheme: every chain is walked once, and what lies on it is recorded.
 
 use super::scheme::{Scheme, SchemeJoint, SchemeLink, SchemeLoop};
 use crate::math::Pose;
@@ -44,14 +44,14 @@ pub fn scheme_at(mechanism: &Mechanism, notation: &Notation, coordinates: &[f64]
     walker.scheme
 }
 
-/// Walks chains and gathers what they pass.
+/// Walks the chains and collects what lies on them.
 pub(super) struct ChainWalker<'a> {
     pub(super) mechanism: &'a Mechanism,
     pub(super) notation: &'a Notation,
     pub(super) values: &'a [ArgumentValue],
     pub(super) joints: &'a Joints,
     pub(super) scheme: Scheme,
-    /// Where in the scheme a joint of the table stands.
+    /// Where in the scheme a joint of the table is placed.
     known: Vec<Option<usize>>,
 }
 
@@ -190,7 +190,7 @@ impl<'a> ChainWalker<'a> {
         });
     }
 
-    /// Leaves the joint that the walk is in: a new path begins on the link behind it.
+    /// Leaves the current joint: a new path begins on the link behind it.
     fn leave_joint(&mut self, here: &mut Here, passages: &[Passage]) {
         let Some(passage) = here.passage.take().map(|p| &passages[p]) else {
             return;
@@ -206,7 +206,7 @@ impl<'a> ChainWalker<'a> {
         here.loop_points.push(here.frame.translation);
     }
 
-    /// Notes a motion of the joint that is being passed.
+    /// Records a motion of the current joint.
     fn pass_motion(
         &mut self,
         here: &Here,
@@ -227,7 +227,7 @@ impl<'a> ChainWalker<'a> {
         }
         joint.axes.push(here.frame.rotation.col(axis));
         if motion == ElementaryMotion::Translation {
-            // The sign of a sliding joint stands on the link that slides; the frame holds the guide.
+            // The symbol of a sliding joint belongs to the sliding link; the guide belongs to the frame.
             match joint.links[1] {
                 0 => joint.from = to,
                 _ => joint.at = to,
@@ -298,7 +298,7 @@ pub(super) fn has_point(kind: JointKind) -> bool {
     )
 }
 
-/// Whether joints carry a body all the way.
+/// Whether a body is carried by joints only.
 fn rides_on_joints(joints: &Joints, body: usize) -> bool {
     let mut passages = joints.along_bodies[body].iter();
     passages.all(|passage| !joints.list[passage.joint].is_placed)
@@ -323,8 +323,7 @@ fn shown_links(mechanism: &Mechanism) -> Vec<bool> {
     shown
 }
 
-/// Numbers of links as lectures count: the frame is 1, then in the order of bodies, then the rest; those that are not shown come
-/// last.
+/// Numbers of links in textbook order: the frame is 1, then the bodies in order, then the rest; hidden ones come last.
 fn link_numbers(joints: &Joints, shown: &[bool]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..joints.links.len()).collect();
     let first = |link: usize| {

@@ -1,4 +1,4 @@
-//! Distance of two bodies: the least of all pairs of their elements.
+//! Distance of two bodies: the minimum over all pairs of their elements.
 
 use super::mesh;
 use super::mesh_tree::{MeshTrees, ShellEnclosure};
@@ -22,19 +22,19 @@ pub struct Hull {
 /// The nearest, or deepest, elements of two bodies.
 #[derive(Clone, Copy, Debug)]
 pub struct BodyProximity {
-    /// Where they are, in the first body's frame.
+    /// Their nearest points, in the first body's frame.
     pub proximity: Proximity,
-    /// Which elements.
+    /// The indices of the elements.
     pub elements: [usize; 2],
 }
 
 impl Hull {
-    /// Of a body; `None` if it has no solids.
+    /// The hull of a body; `None` if it has no solids.
     pub fn new(body: &Body) -> Option<Self> {
         Self::with_trees(body, &mut MeshTrees::default())
     }
 
-    /// Of each of some bodies, which share the trees of their meshes.
+    /// The hulls of several bodies, which share the trees of their meshes.
     pub fn of_bodies<'b>(bodies: impl IntoIterator<Item = &'b Body>) -> Vec<Option<Self>> {
         let mut trees = MeshTrees::default();
         let bodies = bodies.into_iter();
@@ -60,7 +60,7 @@ impl Hull {
         })
     }
 
-    /// Pairs of elements of two hulls whose shapes are such a pair.
+    /// Pairs of elements of two hulls that belong to the given pairs of shapes.
     pub fn pairs_of<'h>(
         hulls: [&'h Self; 2],
         is_wanted: impl Fn([usize; 2]) -> bool + Copy + 'h,
@@ -81,7 +81,7 @@ impl Hull {
             .any(|e| matches!(e.core, Primitive::Mesh(..)))
     }
 
-    /// Whether a mesh of it should have an inside and has none.
+    /// Whether one of its meshes should have an inside and has none.
     pub fn is_open(&self) -> bool {
         let is_open = |e: &Element| {
             matches!(&e.core, Primitive::Mesh(tree, _)
@@ -97,12 +97,12 @@ impl Hull {
     }
 }
 
-/// Lower bound of the distance of two elements in one frame; no better than `enough` if it reaches that.
+/// Lower bound of the distance of two elements in one frame; the computation stops once it reaches `enough`.
 pub fn sphere_separation(a: &Element, b: &Element, enough: f64) -> f64 {
     ball_separation([(a, a.bounds()), (b, b.bounds())], enough)
 }
 
-/// The same of elements in balls that are known.
+/// The same for elements with known bounding balls.
 pub fn ball_separation(
     [(a, (p, r)), (b, (q, s))]: [(&Element, (DVec3, f64)); 2],
     enough: f64,
@@ -134,7 +134,7 @@ pub fn separation_along(a: &Element, b: &Element, n: DVec3) -> f64 {
 /// Pairs of elements that are excluded.
 pub type LeftOut = BTreeSet<[usize; 2]>;
 
-/// The nearest elements of two hulls, but for some pairs.
+/// The nearest elements of two hulls, without the excluded pairs.
 pub fn nearest_bodies(
     a: &Hull,
     b: &Hull,

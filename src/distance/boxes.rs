@@ -5,9 +5,9 @@ use glam::{DMat3, DVec3};
 /// A box in any orientation, and the sphere around its content.
 #[derive(Clone, Copy, Debug)]
 pub struct OrientedBox {
-    /// Its centre, that of the ball too.
+    /// Its centre, also that of the ball.
     pub center: DVec3,
-    /// Farthest point from the centre.
+    /// Distance of the farthest point from the centre.
     pub radius: f64,
     /// Unit vectors along its edges.
     axes: DMat3,
@@ -15,15 +15,15 @@ pub struct OrientedBox {
     half: DVec3,
 }
 
-/// Squarings of the matrix whose largest eigenvector is looked for: its 64th power.
+/// Number of squarings of the matrix whose largest eigenvector is computed: its 64th power.
 const SQUARINGS: usize = 6;
 
 /// Number of triangles that determine the orientation of a box.
 const SAMPLED: usize = 128;
 
 impl OrientedBox {
-    /// Around triangles: along their common plane, or along the coordinate axes where that is smaller. Of many, which way
-    /// it lies is found from some of them.
+    /// The box around triangles: along their common plane, or along the coordinate axes where that is smaller. The
+    /// orientation for many triangles is computed from a sample of them.
     pub fn around(triangles: &[[DVec3; 3]]) -> Self {
         let stride = triangles.len().div_ceil(SAMPLED).max(1);
         let some: Vec<[DVec3; 3]> = triangles.iter().step_by(stride).copied().collect();
@@ -56,7 +56,7 @@ impl OrientedBox {
         x * y + y * z + z * x
     }
 
-    /// Half of its extent along `n`, in lengths of `n`.
+    /// Half of its extent along `n`, times the length of `n`.
     #[inline]
     pub fn reach(&self, n: DVec3) -> f64 {
         let [x, y, z] = [self.axes.x_axis, self.axes.y_axis, self.axes.z_axis];
@@ -109,7 +109,7 @@ fn outer_product(a: DVec3, b: DVec3) -> DMat3 {
     DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }
 
-/// About the eigenvector of the largest eigenvalue, unit: any direction makes a box.
+/// Rotation about the eigenvector of the largest eigenvalue, unit: any direction makes a valid box.
 fn main_direction(mut matrix: DMat3) -> DVec3 {
     for _ in 0..SQUARINGS {
         let trace = matrix.x_axis.x + matrix.y_axis.y + matrix.z_axis.z;
@@ -134,7 +134,7 @@ fn main_direction(mut matrix: DMat3) -> DVec3 {
 mod tests {
     use super::*;
 
-    /// A turned plate, both sides of it: the box is as thin as the plate, and holds every corner.
+    /// A tilted plate with both of its faces: the box is as thin as the plate, and contains every corner.
     #[test]
     fn a_box_lies_along_a_thin_plate() {
         let turn = DMat3::from_quat(glam::DQuat::from_scaled_axis(DVec3::new(0.3, 1.1, -0.7)));

@@ -8,8 +8,8 @@ use super::primitive::Circle;
 use super::search::{CurveSpot, lowest_of_bent, lowest_of_steep};
 use glam::DVec3;
 
-/// What a search along a curve may miss, in its speeds and in lengths of its position: far less than the error of
-/// poses, and more than rounding.
+/// Error allowed in a search along a curve, in its speeds and in lengths of its position: far below the error of poses,
+/// and above rounding.
 const MISSED: [f64; 2] = [1e-11, 1e-15];
 
 /// Bounds of the distance from a core along a curve.
@@ -50,7 +50,7 @@ impl CurveBend {
         }
     }
 
-    /// Along the same curve after any affine map that makes nothing longer than this many times.
+    /// Along the same curve after an affine map that stretches lengths by at most this factor.
     pub fn elsewhere(ring: Option<&Circle>, curve: &Self, stretched: f64) -> Self {
         Self {
             speed: curve.speed * stretched,
@@ -60,7 +60,7 @@ impl CurveBend {
         }
     }
 
-    /// What a search may miss on a curve about `center`.
+    /// Error allowed in a search on a curve about `center`.
     pub fn missed(&self, center: DVec3) -> f64 {
         MISSED[0] * self.speed + MISSED[1] * center.length()
     }

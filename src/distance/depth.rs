@@ -15,13 +15,13 @@ use super::search::{CurveSpot, least_on_circle, lowest_of_bent, minima_on_circle
 use crate::math::{Pose, sin_cos};
 use glam::DVec3;
 
-/// Cores farther apart than this, relative to their size, are apart in spite of rounding.
+/// Cores farther apart than this, relative to their size, are disjoint in spite of rounding.
 const SEEN_APART: f64 = 1e-10;
 
-/// A shorter way out may be missed if it is shorter by no more than this part of the extent: rounding.
+/// A separating translation may be missed if it is shorter by at most this fraction of the extent: rounding.
 const MISSED: f64 = 1e-12;
 
-/// A direction and the way along it.
+/// A direction and the length of the separating translation along it.
 #[derive(Clone, Copy)]
 struct Exit {
     way: f64,
@@ -29,7 +29,7 @@ struct Exit {
 }
 
 impl Exit {
-    /// Both ways along a direction of any length, if one is shorter.
+    /// Tries both signs of a direction of any length.
     fn take(&mut self, a: &Primitive, b: &Primitive, n: DVec3) {
         if let Some(n) = n.try_normalize() {
             for n in [n, -n] {
@@ -50,7 +50,7 @@ struct DepthRing {
 }
 
 impl DepthRing {
-    /// All directions at right angles to `axis`, lifted towards it by an angle of this sine.
+    /// All directions at right angles to `axis`, tilted towards it by an angle with this sine.
     fn about(axis: DVec3, sine: f64) -> Self {
         let (u, v) = axis.any_orthonormal_pair();
         let cosine = (1.0 - sine * sine).max(0.0).sqrt();
@@ -88,7 +88,7 @@ fn edge_directions(core: &Primitive) -> Vec<DVec3> {
     }
 }
 
-/// Sine of the angle by which the side's normals lean towards the axis.
+/// Sine of the angle by which the normals of the side are tilted towards the axis.
 fn side_lean(f: &Frustum) -> f64 {
     let fall = f.radii[0] - f.radii[1];
     fall / libm::hypot(fall, f.length)
@@ -107,7 +107,7 @@ fn exit_along(a: &Primitive, b: &Primitive, n: DVec3) -> Exit {
     Exit { way, n }
 }
 
-/// The shortest translation that parts two convex cores; `near` is the pair of points that showed the overlap.
+/// The shortest translation that separates two convex cores; `near` is the pair of points that showed the overlap.
 pub fn overlap_depth(a: &Primitive, b: &Primitive, near: CorePair) -> CorePair {
     let mut best = Exit {
         way: f64::INFINITY,
@@ -123,7 +123,7 @@ pub fn overlap_depth(a: &Primitive, b: &Primitive, near: CorePair) -> CorePair {
     take(near.normal);
     for (round, other, edges) in [(a, b, &second), (b, a, &first)] {
         if let Primitive::Frustum(f) = round {
-            // The other one's edges on the rims, and this one's side on the other's corners and rims.
+            // The edges of the other one on the rims, and the side of this one on the corners and rims of the other.
             let lines = edges.iter().map(|e| DepthRing::about(*e, 0.0));
             let sign = if std::ptr::eq(round, a) { 1.0 } else { -1.0 };
             let side = DepthRing::about(f.axis, sign * side_lean(f));
@@ -161,7 +161,7 @@ fn touching_points(a: &Primitive, b: &Primitive, way: DVec3, n: DVec3) -> Option
     (parted.distance > 0.0).then(|| [parted.points[0], parted.points[1] - farther])
 }
 
-/// The best direction of a ring.
+/// The best direction on a ring.
 fn ring_direction(a: &Primitive, b: &Primitive, ring: &DepthRing) -> DVec3 {
     let at = |(sin, cos): (f64, f64)| ring.u * cos + ring.v * sin + ring.lift;
     let [(p, r), (q, s)] = [a.bounds(), b.bounds()];
@@ -179,8 +179,8 @@ fn ring_direction(a: &Primitive, b: &Primitive, ring: &DepthRing) -> DVec3 {
     at(sin_cos(best.spot.at))
 }
 
-/// Directions in which two rims may part by less than `limit`: where their circles are nearest to each other, locally.
-/// There the Minkowski difference has a point of its rounded surface that is nearest to where the second core stands.
+/// Directions in which two rims may be separated by less than `limit`: locally, where their circles are nearest to each
+/// other. There a point of the Minkowski difference's rounded surface is nearest to the position of the second core.
 fn rim_directions(of_first: &Circle, of_second: &Circle, limit: f64) -> Vec<DVec3> {
     let [x, y] = of_second.directions().map(|d| d * of_second.radius);
     let at = |(sin, cos): (f64, f64)| to_circle(of_first, of_second.center + x * cos + y * sin);

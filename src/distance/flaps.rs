@@ -7,13 +7,13 @@
 use super::surface_edges::{SurfaceEdges, triangle_edges};
 use glam::DVec3;
 
-/// Flaps are alone if their balls, this much larger, do not meet.
+/// Flaps are isolated if their balls, enlarged by this factor, do not meet.
 const ALONE: f64 = 2.0;
 
-/// More flat pieces than this are no strays.
+/// Maximum number of flat pieces that are regarded as stray.
 const MOST: usize = 32;
 
-/// Which triangles are flaps; `at` gives a corner's place, and what is off its plane by no more than `flat` is flat.
+/// The triangles that are flaps; `at` gives a corner's place, and corners within `flat` of a plane are coplanar.
 pub(crate) fn find_flaps(
     triangles: &[[u32; 3]],
     edges: &SurfaceEdges,
@@ -77,7 +77,7 @@ fn is_flat(sheet: &[usize], triangles: &[[u32; 3]], at: &impl Fn(u32) -> DVec3, 
         let [a, b, c] = corners(k);
         (b - a).cross(c - a)
     });
-    // Neighbours may be numbered either way round.
+    // Neighbours may have either orientation.
     let normal = areas.fold(DVec3::ZERO, |sum, area| {
         if sum.dot(area) < 0.0 {
             sum - area

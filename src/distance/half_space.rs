@@ -1,21 +1,21 @@
-//! Half-spaces: how far any core lies from one, or how deep in it. Closed forms.
+//! Half-spaces: distance of any core from one, or its depth in it. Closed forms.
 
 use super::point::to_half_space;
 use super::primitive::{Circle, HalfSpace, Primitive};
 use super::primitive_pair::CorePair;
 use glam::DVec3;
 
-/// Normals this far from opposite are not: the planes meet somewhere.
+/// Normals this far from opposite are not parallel: the planes intersect.
 const PARALLEL: f64 = 1e-12;
 
-/// The point of a core that lies deepest. The depth is the shortest translation that takes the core out.
+/// The deepest point of a core. The depth is the shortest translation that takes the core out.
 ///
-/// Of two half-spaces only those that face each other have a distance; all others overlap without end.
+/// Of two half-spaces only those that face each other have a distance; all others overlap without bound.
 pub fn nearest_to_half_space(half: &HalfSpace, other: &Primitive) -> CorePair {
     let n = half.normal;
     let point = match other {
         Primitive::HalfSpace(second) => {
-            // Two half-spaces overlap without end unless their planes are parallel and face each other.
+            // Two half-spaces overlap without bound unless their planes are parallel and face each other.
             if (n + second.normal).length() > PARALLEL {
                 return CorePair {
                     distance: f64::NEG_INFINITY,

@@ -16,16 +16,16 @@ use super::triangles;
 use crate::math::Pose;
 use glam::DVec3;
 
-/// Anything as near as this fraction of the least distance is not nearer: rounding.
+/// Anything within this fraction of the least distance counts as equally near: rounding.
 const SAME: f64 = 1.0 - 4.0 * f64::EPSILON;
 
-/// How often the triangles that reach farthest are tried before a pair of nodes is split.
+/// How often the extreme triangles are tried before a pair of nodes is split.
 const TRIES: usize = 8;
 
-/// Nodes of which less is below are split at once.
+/// Nodes with fewer triangles below are split at once.
 const WORTH_A_TRY: usize = 16;
 
-/// A mesh and a core that is none, in the mesh's frame.
+/// A mesh and a core of another kind, in the mesh's frame.
 struct ToCore<'a> {
     tree: &'a TriangleTree,
     core: &'a Primitive,
@@ -50,12 +50,12 @@ impl ToCore<'_> {
         }
     }
 
-    /// Nothing at this distance is worth a look.
+    /// Nothing at this distance can improve the result.
     fn is_far(&self, distance: f64) -> bool {
         distance >= self.best.distance * SAME || self.best.distance <= 0.0
     }
 
-    /// Whether what reaches farthest along the best normal is no nearer.
+    /// Whether the extreme points along the best normal are no nearer.
     fn is_parted(&self, support: f64) -> bool {
         self.is_far(-self.reach - support)
     }
@@ -76,7 +76,7 @@ impl ToCore<'_> {
 
     fn walk(&mut self, node: usize) {
         let second = match self.tree.nodes[node].content {
-            // Triangles of a leaf that the present plane does not separate are measured.
+            // Measures the triangles of a leaf that the present plane does not separate.
             Content::Leaf(start, end) => {
                 for k in start..end {
                     if !self.is_parted(corner_support(&self.tree.triangles[k], self.best.normal)) {
@@ -105,7 +105,7 @@ struct ToMesh<'a> {
     best: CorePair,
     /// The best normal in the second one's frame.
     turned: DVec3,
-    /// How far its origin lies along it.
+    /// Position of its origin along it.
     along: f64,
 }
 
@@ -122,12 +122,12 @@ impl ToMesh<'_> {
         true
     }
 
-    /// Nothing at this distance is worth a look.
+    /// Nothing at this distance can improve the result.
     fn is_far(&self, distance: f64) -> bool {
         distance >= self.best.distance * SAME || self.best.distance <= 0.0
     }
 
-    /// Whether what reaches farthest along the best normal, and against it, is no nearer.
+    /// Whether the extreme points along the best normal, and against it, are no nearer.
     fn is_parted(&self, supports: [f64; 2]) -> bool {
         self.is_far(self.along - supports[0] - supports[1])
     }
@@ -136,7 +136,7 @@ impl ToMesh<'_> {
         [a.support(self.best.normal), b.support(-self.turned)]
     }
 
-    /// What parts two boxes along the line through their centres.
+    /// Separation of two boxes along the line through their centres.
     fn apart(&self, [a, b]: [&OrientedBox; 2]) -> f64 {
         let span = self.pose.transform_point(b.center) - a.center;
         let distance = span.length();
@@ -149,7 +149,7 @@ impl ToMesh<'_> {
         distance - a.reach(n).min(a.radius) - b.reach(back).min(b.radius)
     }
 
-    /// Whether nothing below two nodes is nearer; looks for something nearer first.
+    /// Whether nothing below two nodes is nearer; first tries to find something nearer.
     fn is_settled(&mut self, [a, b]: [usize; 2]) -> bool {
         for _ in 0..TRIES {
             let highest = [
@@ -176,7 +176,7 @@ impl ToMesh<'_> {
             }
             (_, Content::Fork(second)) => (1, second),
         };
-        // A separating direction for two whole branches saves looking into them.
+        // A separating direction for two whole branches avoids descending into them.
         if fork - nodes[splits] > WORTH_A_TRY && self.is_settled(nodes) {
             return;
         }
@@ -224,7 +224,7 @@ pub(crate) fn nearest_to_mesh(tree: &TriangleTree, pose: &Pose, other: &Primitiv
                 turned: DVec3::ZERO,
                 along: 0.0,
             };
-            // A first pair: the corners that reach farthest towards each other.
+            // A first pair: the extreme corners towards each other.
             let across = pose.transform_point(second.bounds().0) - tree.bounds().0;
             let ahead = tree.highest(0, across).triangle;
             let back = second
@@ -262,12 +262,12 @@ pub fn is_any(elements: [&Element; 2]) -> bool {
         .any(|e| matches!(e.core, Primitive::Mesh(..)))
 }
 
-/// Whether one of two elements, at least one of them a mesh and their surfaces apart, lies inside the other; of a mesh, one
-/// of its shells.
+/// Whether one of two elements with disjoint surfaces, at least one of them a mesh, lies inside the other; for a mesh,
+/// one of its shells.
 pub fn one_inside(a: &Primitive, b: &Primitive) -> bool {
     let holds = |outer: &Primitive, point: DVec3| match outer {
         Primitive::Mesh(tree, pose) => tree.encloses(pose.inverse().transform_point(point)),
-        // Where surfaces are apart, a half-space's depth says all.
+        // Where surfaces are disjoint, the depth in a half-space decides.
         Primitive::HalfSpace(_) => false,
         _ => point_to(outer, point).is_some_and(|hit| hit.distance <= 0.0),
     };
@@ -281,7 +281,7 @@ pub fn one_inside(a: &Primitive, b: &Primitive) -> bool {
     holds_some(a, b) || holds_some(b, a)
 }
 
-/// A point of a solid in one piece; none of what has no end.
+/// A point of a connected solid; none for unbounded ones.
 fn any_point(core: &Primitive) -> Option<DVec3> {
     Some(match core {
         Primitive::Point(p) => *p,

@@ -1,4 +1,4 @@
-//! The triangles of a file as a tree, and what is inside.
+//! The triangles of a file as a tree, and tests for their inside.
 
 pub use super::shells::ShellEnclosure;
 use super::shells::Shells;
@@ -11,17 +11,17 @@ use std::sync::Arc;
 /// The triangles of a file, ready for queries, in the frame of the file.
 #[derive(Clone, Debug)]
 pub struct MeshTree {
-    /// Where they came from.
+    /// The triangles they came from.
     pub source: String,
     /// Whether there is an inside.
     pub enclosure: ShellEnclosure,
-    /// Edges with one side only.
+    /// Edges with only one adjacent triangle.
     pub open_edges: usize,
     /// A corner of every connected part.
     pub points: Vec<DVec3>,
     /// Triangles beside closed shells: they have distances and enclose nothing.
     pub flaps: usize,
-    /// The triangles that enclose nothing, once more.
+    /// The triangles that enclose nothing, as a tree of their own.
     flap_tree: Option<TriangleTree>,
     /// All triangles.
     pub(crate) tree: TriangleTree,
@@ -45,7 +45,7 @@ impl MeshTree {
         }
     }
 
-    /// Whether a point is inside, by what crosses a ray from it; an open mesh has no inside.
+    /// Whether a point is inside, by the triangles that a ray from it crosses; an open mesh has no inside.
     pub fn encloses(&self, point: DVec3) -> bool {
         let is_hollow = matches!(
             self.enclosure,
@@ -65,14 +65,14 @@ impl MeshTree {
     }
 }
 
-/// Trees of meshes by where their triangles are kept: bodies that share these share the tree.
+/// Trees of meshes by the address of their triangles: bodies with the same mesh share its tree.
 #[derive(Default)]
 pub struct MeshTrees(HashMap<usize, Arc<MeshTree>>);
 
 impl MeshTrees {
-    /// That of some triangles.
+    /// The tree of these triangles.
     pub(crate) fn tree(&mut self, soup: &Arc<TriangleSoup>) -> Arc<MeshTree> {
-        // They are kept by the mechanism as long as this lives.
+        // The mechanism keeps the triangles alive as long as this value lives.
         let kept = self.0.entry(Arc::as_ptr(soup) as usize);
         Arc::clone(kept.or_insert_with(|| Arc::new(MeshTree::new(soup))))
     }

@@ -1,4 +1,4 @@
-//! Signed distances of solids: exact, not faceted. Nothing here knows a motion.
+//! Signed distances of solids: exact, not faceted. Independent of motions.
 
 pub mod bodies;
 pub(crate) mod boxes;

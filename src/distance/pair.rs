@@ -17,7 +17,7 @@ use super::search::{CurveSpot, least_between, least_on_circle};
 use glam::DVec3;
 use std::cmp::Ordering;
 
-/// Where two elements are nearest, or deepest in each other.
+/// The nearest points of two elements, or the deepest ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Proximity {
     /// Signed distance in the scene's unit.
@@ -30,7 +30,7 @@ pub struct Proximity {
 }
 
 impl Proximity {
-    /// Seen from the other element.
+    /// The same from the other element's side.
     fn swapped(self) -> Self {
         Self {
             distance: self.distance,
@@ -40,7 +40,7 @@ impl Proximity {
     }
 }
 
-/// Signed distance of two elements in one frame. Which of them comes first changes no bit of it.
+/// Signed distance of two elements in one frame. Their order does not change a single bit of it.
 pub fn signed_distance(a: &Element, b: &Element) -> Proximity {
     if a.core.order(&b.core) == Ordering::Greater {
         return in_order(b, a).swapped();
@@ -149,7 +149,7 @@ fn backward_spot(core: &Primitive, at: f64, point: DVec3, tangent: DVec3) -> Cur
     })
 }
 
-/// Of the opposite of a distance.
+/// The pair with the opposite sign of the distance.
 fn lowest_backward(bend: &CurveBend, p: &CurveSpot, q: &CurveSpot) -> f64 {
     let opposite = |spot: &CurveSpot| CurveSpot {
         value: -spot.value,

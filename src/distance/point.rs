@@ -4,7 +4,7 @@ use super::primitive::{BoxCore, Circle, Frustum, HalfSpace, Primitive};
 use crate::math::{Pose, square_to};
 use glam::{DVec2, DVec3};
 
-/// How a point lies to a core.
+/// Position of a point relative to a core.
 #[derive(Clone, Copy, Debug)]
 pub struct PointHit {
     /// Negative inside a solid core.
@@ -16,7 +16,7 @@ pub struct PointHit {
 }
 
 impl PointHit {
-    /// From the nearest point of a core without inside.
+    /// The result for a core without an inside, from its nearest point.
     fn outside(point: DVec3, nearest: DVec3) -> Self {
         let span = point - nearest;
         let distance = span.length();
@@ -46,7 +46,7 @@ pub fn point_to(core: &Primitive, point: DVec3) -> Option<PointHit> {
     })
 }
 
-/// Distance from a segment. Next to its line the way there is mostly rounding, but square to it all the same.
+/// Distance from a segment. Close to its line the direction is mostly rounding, but is still perpendicular to it.
 pub fn to_segment(ends: &[DVec3; 2], point: DVec3) -> PointHit {
     let share = share_along(ends, point);
     let span = ends[1] - ends[0];
@@ -60,7 +60,7 @@ pub fn to_segment(ends: &[DVec3; 2], point: DVec3) -> PointHit {
     }
 }
 
-/// Where the nearest point of a segment lies, as a part of it.
+/// Parameter of the nearest point of a segment, from 0 to 1.
 fn share_along(ends: &[DVec3; 2], point: DVec3) -> f64 {
     let span = ends[1] - ends[0];
     let length_squared = span.length_squared();
@@ -82,7 +82,7 @@ pub fn to_circle(circle: &Circle, point: DVec3) -> PointHit {
     let across = offset - circle.axis * height;
     let rho = across.length();
     let outward = match square_to(circle.axis, across) {
-        // All points of the circle are as near: any will do.
+        // All points of the circle are equally near: any of them will do.
         DVec3::ZERO => circle.directions()[0],
         outward => outward,
     };
@@ -152,7 +152,8 @@ fn to_box(block: &BoxCore, point: DVec3) -> PointHit {
     }
 }
 
-/// Off the axis by more than this part of the height, rounding turns the way out by no more than numbers are off.
+/// Farther off the axis than this fraction of the height, the rounding of the direction is no larger than that of
+/// numbers.
 const FAR_OUT: f64 = 0.5;
 
 fn to_frustum(frustum: &Frustum, point: DVec3) -> PointHit {
@@ -160,7 +161,7 @@ fn to_frustum(frustum: &Frustum, point: DVec3) -> PointHit {
     let height = offset.dot(frustum.axis);
     let across = offset - frustum.axis * height;
     let rho = across.length();
-    // What is left off the axis is exact where it is not short beside the way along it.
+    // The remaining offset from the axis is exact unless it is short compared with the distance along it.
     let outward = if rho > height.abs() * FAR_OUT {
         across / rho
     } else {

@@ -14,11 +14,11 @@ use std::sync::Arc;
 /// All points within `radius` of the core. Lengths in the scene's unit.
 #[derive(Clone, Debug)]
 pub struct Element {
-    /// What is grown.
+    /// The core.
     pub core: Primitive,
-    /// By how much.
+    /// The radius by which it is inflated.
     pub radius: f64,
-    /// Index of the body's shape it comes from.
+    /// Index of the body's shape that it represents.
     pub shape: usize,
 }
 
@@ -79,7 +79,7 @@ pub enum Primitive {
     Frustum(Frustum),
     /// A flat triangle.
     Triangle([DVec3; 3]),
-    /// A half-space: it has no end.
+    /// A half-space, which is unbounded.
     HalfSpace(HalfSpace),
     /// Triangles of a file, placed by a pose.
     Mesh(Arc<MeshTree>, Pose),
@@ -206,7 +206,7 @@ impl Primitive {
         }
     }
 
-    /// Largest n · p over the points p of the convex hull of a core; `None` where there is no largest.
+    /// Largest n · p over the points p of the convex hull of a core; `None` if unbounded.
     pub fn support(&self, n: DVec3) -> Option<f64> {
         Some(match self {
             Self::Point(p) => n.dot(*p),
@@ -288,7 +288,7 @@ impl Primitive {
         }
     }
 
-    /// The numbers that tell it from others of its kind; of meshes, where they are.
+    /// The numbers that distinguish it from others of its kind; for meshes, their address.
     fn numbers(&self) -> [f64; 12] {
         let three = |rows: [DVec3; 4]| {
             let mut all = [0.0; 12];

@@ -38,7 +38,7 @@ impl CorePair {
         }
     }
 
-    /// Seen from the other core.
+    /// The same from the other core's side.
     pub fn swapped(self) -> Self {
         Self {
             distance: self.distance,

@@ -1,5 +1,5 @@
-//! Least values of functions of one variable whose slope is known: convex ones, and all others by bracketing with a
-//! bound of the slope.
+//! Minimisation of functions of one variable with known slope: convex ones, and all others by bracketing with a bound
+//! of the slope.
 
 use crate::math::sin_cos;
 use std::f64::consts::TAU;
@@ -16,36 +16,36 @@ pub struct CurveSpot {
     pub slope: f64,
 }
 
-/// Most evaluations of one root search: bisection, every fourth of them, needs 53 to exhaust f64.
+/// Maximum number of evaluations of one root search: bisection, every fourth of them, needs 53 to exhaust f64.
 const MAX_STEPS: usize = 220;
 
-/// How much less than the value feels is left down a parabola, so that the place is known well, too: a thousandth of the
-/// distance that the value can tell.
+/// Fraction of the value's resolution that may remain down a parabola, so that the place is accurate, too: a thousandth
+/// of the distance that the value can resolve.
 const NEARER: f64 = 1e-6;
 
 /// Steps after which the bracket must be half as wide.
 const PATIENCE: usize = 4;
 
-/// Values that differ by more than this part of the first ones differ indeed, not by rounding.
+/// Values that differ by more than this fraction of the first ones differ truly, not by rounding.
 const TELLS: f64 = 64.0 * f64::EPSILON;
 
-/// A slope that promises less than this part of the value over the whole bracket promises nothing.
+/// A slope that predicts a decrease below this fraction of the value over the whole bracket predicts nothing.
 const REMAINS: f64 = 0.1 * f64::EPSILON;
 
-/// Even pieces into which a range is cut first.
+/// Equal pieces into which a range is first divided.
 const PIECES: usize = 8;
 
-/// Most spots of one search, but for those in valleys. A function that hardly changes may hide something in every piece that
-/// is wider than the root of what could be hidden.
+/// Maximum number of evaluations of one search, apart from those in valleys. A nearly constant function may hide
+/// something in every piece wider than the square root of what could be hidden.
 const MOST_SPOTS: usize = 256;
 
-/// Parts of a turn of which sine and cosine are known.
+/// Parts of a turn for which sine and cosine are tabulated.
 const FINEST: usize = 128;
 
-/// Number of halvings of an interval in which a minimum other than the least is sought.
+/// Number of halvings of an interval in which a minimum other than the least one is sought.
 const HALVINGS: usize = 7;
 
-/// Least spot of a convex function on [low, high].
+/// Minimum of a convex function on [low, high].
 pub fn least_convex(low: f64, high: f64, f: impl Fn(f64) -> CurveSpot) -> CurveSpot {
     let (a, b) = (f(low), f(high));
     if a.slope >= 0.0 {
@@ -57,11 +57,11 @@ pub fn least_convex(low: f64, high: f64, f: impl Fn(f64) -> CurveSpot) -> CurveS
     refine_valley(a, b, &f)
 }
 
-/// How much farther than where the slope seems to vanish is looked for the other side of a minimum.
+/// Factor beyond the estimated zero of the slope at which the other side of a minimum is sought.
 const BEYOND: f64 = 1.5;
 
-/// The minimum that a function falls to from a spot, looked for in steps that begin with `step`; `None` if it is not led to
-/// within `farthest`.
+/// The minimum towards which a function falls from a point, searched in steps that begin with `step`; `None` if it is
+/// not within `farthest`.
 pub fn least_near(
     start: CurveSpot,
     step: f64,
@@ -93,18 +93,18 @@ pub fn least_near(
     Some(here)
 }
 
-/// Samples a curve with bounded curvature: returns what was found, and a bound of everything else.
+/// Samples a curve with bounded curvature: returns the minimum found, and a lower bound everywhere else.
 #[derive(Clone, Copy, Debug)]
 pub struct LeastFound {
-    /// The least spot found.
+    /// The minimum found.
     pub spot: CurveSpot,
-    /// The function is nowhere lower.
+    /// Lower bound of the function everywhere.
     pub floor: f64,
 }
 
-/// A spot of a curve, with what else a bound between two of them needs.
+/// A point of a curve, with what a bound between two of them needs.
 pub trait Spot: Copy {
-    /// The function there.
+    /// The value of the function there.
     fn place(&self) -> CurveSpot;
 }
 
@@ -114,7 +114,7 @@ impl Spot for CurveSpot {
     }
 }
 
-/// Between two spots a function cannot fall below this whose slope never exceeds `steepest`.
+/// Lower bound between two points of a function whose slope never exceeds `steepest`.
 pub fn lowest_of_steep(steepest: f64, a: &CurveSpot, b: &CurveSpot) -> f64 {
     0.5 * (a.value + b.value - steepest * (b.at - a.at))
 }
@@ -190,15 +190,15 @@ pub fn minima_on_circle(
         });
         pieces = halves.filter(hides).collect();
     }
-    // A slope that changes its sign has a minimum between.
+    // Where the slope changes its sign there is a minimum between.
     let dips = pieces
         .into_iter()
         .filter(|[a, b]| a.slope <= 0.0 && b.slope > 0.0);
     dips.map(|[a, b]| perpendicular_foot(a, b, &f)).collect()
 }
 
-/// The place between a falling and a rising spot where the slope vanishes. By bisection: next to a least value of zero the
-/// values are rounding long before the slopes are.
+/// Zero of the slope between a falling and a rising point. By bisection: next to a minimum of zero the values are
+/// rounding long before the slopes are.
 fn perpendicular_foot(
     mut a: CurveSpot,
     mut b: CurveSpot,
@@ -217,14 +217,14 @@ fn perpendicular_foot(
     }
 }
 
-/// Sines and cosines of even parts of a turn, both ends included: of all places that halving comes to.
+/// Sines and cosines of equal parts of a turn, both ends included: of all points that halving visits.
 pub fn angle_grid() -> &'static [(f64, f64); FINEST + 1] {
     static GRID: OnceLock<[(f64, f64); FINEST + 1]> = OnceLock::new();
     GRID.get_or_init(|| std::array::from_fn(|k| sin_cos(TAU * (k as f64 / FINEST as f64))))
 }
 
-/// The search, with `at` for even parts of the range: pieces that could hide something lower are halved, all of one width
-/// before any narrower ones.
+/// The search, with `at` for equal parts of the range: pieces that could hide something lower are halved, all of one
+/// width before any narrower ones.
 fn least_of<S: Spot>(
     lowest: &impl Fn(&S, &S) -> f64,
     tolerance: f64,
@@ -236,7 +236,7 @@ fn least_of<S: Spot>(
     let values = spots.map(|spot| spot.place().value);
     let first = (0..PIECES).fold(0, |k, j| if values[j] < values[k] { j } else { k });
     let mut best = lower(spots[first].place(), spots[PIECES].place());
-    // From the lowest place on: what is found there leaves little to look for in the others.
+    // Starting at the lowest point: the minimum found there leaves little to search in the others.
     let turned = (0..PIECES).map(|j| (first + j) % PIECES);
     let mut open: Vec<(usize, [S; 2])> = turned.map(|k| (k, [spots[k], spots[k + 1]])).collect();
     let (mut looks, mut floor) = (PIECES, f64::INFINITY);
@@ -330,7 +330,7 @@ fn refine_valley(mut a: CurveSpot, mut b: CurveSpot, f: &impl Fn(f64) -> CurveSp
             b = spot;
         }
         (before, last) = (last, spot);
-        // Near the minimum the value no longer feels the slope: over the bracket, or down a parabola.
+        // Near the minimum the value no longer changes with the slope: over the bracket, or down a parabola.
         let remains = REMAINS * best.value.abs();
         let curvature = (last.slope - before.slope) / (last.at - before.at);
         if spot.slope.abs() * (b.at - a.at) <= remains

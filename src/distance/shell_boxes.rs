@@ -1,4 +1,4 @@
-//! Boxes around the shells of a mesh, in a tree: which of them a point may lie in.
+//! Boxes around the shells of a mesh, in a tree: finds those in which a point may lie.
 
 use super::shell_surface::Parts;
 use glam::DVec3;
@@ -12,12 +12,12 @@ pub(crate) struct ShellBoxes {
     boxes: Vec<[DVec3; 2]>,
     /// The shells, those of one branch side by side; a branch is split in the middle.
     order: Vec<u32>,
-    /// Boxes around branches, and where each one's second child is; the first one follows.
+    /// Boxes around branches, and the index of each one's second child; the first one follows.
     branches: Vec<([DVec3; 2], usize)>,
 }
 
 impl ShellBoxes {
-    /// Of the shells of some triangles.
+    /// The boxes of the shells of these triangles.
     pub(crate) fn new(triangles: &[[DVec3; 3]], shells: &Parts) -> Self {
         let around = |shell: &[u32]| {
             let corners = shell.iter().flat_map(|k| triangles[*k as usize]);
@@ -60,7 +60,7 @@ impl ShellBoxes {
         self.grow(start + middle, end);
     }
 
-    /// Tells the shells whose boxes hold a point.
+    /// Calls `tell` with the shells whose boxes contain a point.
     pub(crate) fn each_around(&self, point: DVec3, tell: &mut impl FnMut(usize)) {
         self.walk(0, [0, self.order.len()], point, tell);
     }

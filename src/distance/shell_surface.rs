@@ -6,15 +6,16 @@ use crate::model::shape::TriangleSoup;
 use crate::weld::{FlatTable, first_equal, point_bits};
 use glam::DVec3;
 
-/// Open edges are joined where their ends are nearer than this part of the largest coordinate: files hold single precision,
-/// seven digits.
+/// Open edges are joined where their ends are nearer than this fraction of the largest coordinate: files hold single
+/// precision, seven digits.
 const WELD: f64 = 1e-6;
 
-/// ... but no farther than this part of the mesh's extent: a small mesh far from its origin stays what it is.
+/// ... but no farther than this fraction of the mesh's extent, so that a small mesh far from its origin is not
+/// distorted.
 const LARGEST_WELD: f64 = 1e-4;
 
-/// Edge of the cells in which corners are looked for, over the distance at which they are joined: wide enough that most
-/// corners have partners in one cell only, narrow enough that few fit into one.
+/// Size of the cells in which corners are searched, as a multiple of the distance at which they are joined: wide enough
+/// that most corners have partners in one cell only, narrow enough that few corners share one.
 const CELL: f64 = 8.0;
 
 /// No other corner.
@@ -28,12 +29,12 @@ fn cells_between(low: DVec3, high: DVec3) -> impl Iterator<Item = DVec3> {
     index.map(move |offset| low + DVec3::from(offset.map(f64::from)))
 }
 
-/// Triangles by corners that are one where they belong together.
+/// Triangles by corners, with equal corners merged.
 pub(crate) struct ShellSurface {
     triangles: Vec<[u32; 3]>,
 }
 
-/// The triangles of every connected part, side by side.
+/// The triangles of every connected part, stored consecutively.
 pub(crate) struct Parts {
     ends: Vec<u32>,
     list: Vec<u32>,
@@ -45,12 +46,12 @@ impl Parts {
         (0..self.len()).map(|k| self.part(k))
     }
 
-    /// How many there are.
+    /// Number of parts.
     pub(crate) fn len(&self) -> usize {
         self.ends.len()
     }
 
-    /// The triangles of one.
+    /// The triangles of one part.
     pub(crate) fn part(&self, index: usize) -> &[u32] {
         let start = index.checked_sub(1).map_or(0, |before| self.ends[before]);
         &self.list[start as usize..self.ends[index] as usize]
@@ -58,7 +59,7 @@ impl Parts {
 }
 
 impl ShellSurface {
-    /// Corners at exactly the same place are merged.
+    /// Merges corners at exactly the same place.
     pub(crate) fn new(soup: &TriangleSoup) -> Self {
         let own = first_equal(soup.vertices.len(), |k| point_bits(soup.vertices[k]));
         let index = |k: u32| own.get(k as usize).copied().unwrap_or_default();
@@ -72,8 +73,8 @@ impl ShellSurface {
         SurfaceEdges::new(&self.triangles)
     }
 
-    /// Makes a closed surface of one that is closed but for flaps and for triangles that are numbered the other way round:
-    /// takes the flaps out, and turns the others. Changes nothing and says so where that is not enough.
+    /// Closes a surface that is closed but for flaps and triangles of the wrong orientation: removes the flaps, and
+    /// reverses the others. Changes nothing and returns `false` where that is not enough.
     pub(crate) fn close(
         &mut self,
         edges: &SurfaceEdges,
@@ -106,7 +107,7 @@ impl ShellSurface {
         true
     }
 
-    /// Makes corners of open edges one that are as near as the numbers of a file can be wrong.
+    /// Merges corners of open edges within the error of the numbers in the file.
     pub(crate) fn weld(&mut self, vertices: &[DVec3], edges: &SurfaceEdges) {
         let near = weld_distance(vertices);
         if near <= 0.0 {
@@ -119,7 +120,7 @@ impl ShellSurface {
         let cell = |p: DVec3| (p / (near * CELL)).floor();
         let key = |item: usize| point_bits(cell(place(item)));
         let mut cells = FlatTable::with_room(corners.len());
-        // Those of one cell follow each other; few, since those that are near became one.
+        // Those of one cell are consecutive; they are few, since near ones were merged.
         let mut next = vec![NONE; corners.len()];
         let mut first: Vec<u32> = (0..vertices.len() as u32).collect();
         let chain = |start: Option<usize>, next: &[u32], is_it: &dyn Fn(usize) -> bool| {
@@ -133,7 +134,7 @@ impl ShellSurface {
             let own = place(item);
             let here = cell(own);
             let is_near = |other: usize| place(other).distance(own) <= near;
-            // The cells that a box of twice the distance about the corner meets: mostly its own alone.
+            // The cells that a box of twice the distance about the corner overlaps: mostly its own alone.
             let [low, high] = [own - near, own + near].map(cell);
             let known = cells_between(low, high)
                 .find_map(|c| chain(cells.get(&point_bits(c), key), &next, &is_near));
@@ -227,7 +228,7 @@ impl ShellSurface {
             ends[*part as usize] += 1;
         }
         drop(number);
-        // Where each begins; filling the list makes it where each ends.
+        // Start of each part; while the list is filled, it becomes the end.
         let mut start = 0;
         for end in &mut ends {
             (start, *end) = (start + *end, start);
@@ -242,7 +243,7 @@ impl ShellSurface {
     }
 }
 
-/// How near to each other corners of open edges are one.
+/// The distance below which corners of open edges are merged.
 fn weld_distance(vertices: &[DVec3]) -> f64 {
     let largest = vertices
         .iter()

@@ -11,41 +11,41 @@ use std::collections::HashMap;
 /// How a file's triangles enclose space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ShellEnclosure {
-    /// Closed, outside out.
+    /// Closed, with outward orientation.
     Solid,
-    /// Closed, but the triangles are numbered as seen from inside.
+    /// Closed, with inward orientation.
     InsideOut,
-    /// It has edges with one side only.
+    /// It has edges with only one adjacent triangle.
     Open,
-    /// Closed, but so many shells lie in each other that which of them are walls of cavities is not looked for.
+    /// Closed, but with too many nested shells to find which of them are walls of cavities.
     Tangled,
     /// The scene says that it is a surface, which has no inside.
     Surface,
 }
 
-/// How much is looked at to tell walls of cavities from shells that are inside out, in triangles: a few seconds of work.
-/// Tens of thousands of shells beside each other, and thousands of cavities in one, take far less.
+/// Effort to distinguish walls of cavities from reversed shells, in triangles: a few seconds of work. Tens of thousands
+/// of disjoint shells, and thousands of cavities in one, take far less.
 const MOST_LOOKED_AT: usize = 20_000_000;
 
-/// Shells of more triangles are asked by a tree, and count as so many.
+/// Shells of more triangles are queried with a tree, and count as this many.
 const FEW: usize = 24;
 
 /// The shells of a mesh.
 pub struct Shells {
     /// Whether there is an inside.
     pub enclosure: ShellEnclosure,
-    /// Edges with one side only.
+    /// Edges with only one adjacent triangle.
     pub open_edges: usize,
     /// A corner of every shell.
     pub points: Vec<DVec3>,
-    /// The triangles, those of closed shells as seen from outside.
+    /// The triangles, with closed shells oriented outwards.
     pub triangles: Vec<[DVec3; 3]>,
     /// Triangles that belong to no shell and enclose nothing, beside the others.
     pub flaps: Vec<[DVec3; 3]>,
 }
 
 impl Shells {
-    /// Of triangles as a file holds them.
+    /// The shells of triangles as stored in a file.
     pub fn new(soup: &TriangleSoup) -> Self {
         // Triangles that share edges; corners nearly at one place are welded if edges stay open.
         let mut surface = ShellSurface::new(soup);
@@ -62,7 +62,7 @@ impl Shells {
         let points = parts.each().filter_map(|list| list.first());
         let points = points.map(|k| triangles[*k as usize][0]).collect();
         drop(parts);
-        // What is still open may be flaps on closed shells.
+        // What remains open may be flaps on closed shells.
         let mut flaps = Vec::new();
         if open_edges > 0 && surface.close(&edges, &mut triangles, &soup.vertices, &mut flaps) {
             open_edges = 0;
@@ -89,7 +89,7 @@ impl Shells {
     }
 }
 
-/// Turns closed shells whose outside is inside, but for the walls of a cavity; `false` where that takes too long.
+/// Reverses closed shells with inward orientation, except walls of cavities; `false` if that would take too long.
 fn turn_outside_out(triangles: &mut [[DVec3; 3]], shells: &Parts) -> bool {
     if six_volumes(triangles.iter()) < 0.0 {
         triangles.iter_mut().for_each(|t| t.swap(0, 1));

@@ -1,4 +1,4 @@
-//! The solids of two bodies as outputs ask for them.
+//! The solids of two bodies whose distance is an output.
 
 use super::bodies::{Hull, LeftOut, enclosed_shell, nearest_bodies};
 use crate::math::Pose;
@@ -14,7 +14,7 @@ pub struct Rigid {
 }
 
 impl Rigid {
-    /// Of two bodies, all of their shapes or some pairs of them; `None` if one has no solids.
+    /// The solids of two bodies, all of their shapes or some pairs of them; `None` if one has no solids.
     pub fn new([first, second]: [&Body; 2], shapes: &[[usize; 2]]) -> Option<Self> {
         let hulls = [Hull::new(first)?, Hull::new(second)?];
         let left_out = left_out(hulls.each_ref(), shapes).into_iter().collect();
@@ -22,7 +22,7 @@ impl Rigid {
     }
 }
 
-/// Pairs of elements that do not count where only some pairs of shapes do; all count where none are named.
+/// Pairs of elements to be ignored where only some pairs of shapes count; all count where none are named.
 pub fn left_out(hulls: [&Hull; 2], shapes: &[[usize; 2]]) -> Vec<[usize; 2]> {
     match shapes {
         [] => Vec::new(),
@@ -31,7 +31,7 @@ pub fn left_out(hulls: [&Hull; 2], shapes: &[[usize; 2]]) -> Vec<[usize; 2]> {
 }
 
 impl Solids for Rigid {
-    /// Of what lies in a mesh no depth is known: it is zero.
+    /// The depth inside a mesh is unknown: the result is zero.
     fn nearest(&self, _coordinates: &[f64], first_from_second: &Pose) -> Option<Nearest> {
         let ([first, second], left_out) = (&self.hulls, &self.left_out);
         let found = nearest_bodies(first, second, first_from_second, left_out)?.proximity;

@@ -1,12 +1,12 @@
-//! The edges of a surface in one list: which triangles have a side along each. What a mesh of millions of triangles has
-//! memory for, however many of them meet in one edge.
+//! The edges of a surface in one list: the triangles adjacent to each. Its memory suits meshes of millions of
+//! triangles, however many of them meet in one edge.
 
-/// A side of a triangle, beside the lower of its two corners.
+/// A side of a triangle, stored with the lower of its two corners.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Side {
     /// The higher corner.
     high: u32,
-    /// Twice the triangle; one more where it runs from the higher corner to the lower one.
+    /// Twice the triangle; plus one where it runs from the higher corner to the lower one.
     run: u32,
 }
 
@@ -24,7 +24,7 @@ impl Side {
 
 /// All sides of some triangles by their edges; triangles with two equal corners have none.
 pub(crate) struct SurfaceEdges {
-    /// Where the sides with each lower corner begin, and where the last ones end.
+    /// Start of the sides of each lower corner, and the end of the last ones.
     starts: Vec<u32>,
     sides: Vec<Side>,
 }
@@ -40,7 +40,7 @@ impl SurfaceEdges {
                 .into_iter()
                 .filter(move |_| is_whole)
         };
-        // Counted one place on, so that filling the list moves every start to where it belongs.
+        // Counted one place later, so that filling the list moves every start to its place.
         for [from, to] in (0..triangles.len()).flat_map(sides_of) {
             starts[from.min(to) as usize + 2] += 1;
         }
@@ -75,7 +75,7 @@ impl SurfaceEdges {
         &rest[..rest.partition_point(|side| side.high == high)]
     }
 
-    /// The two triangles at an edge, where there are just two.
+    /// The two triangles at an edge, if there are exactly two.
     pub(crate) fn pair(&self, edge: [u32; 2]) -> Option<[usize; 2]> {
         match self.at(edge) {
             [a, b] => Some([a.triangle(), b.triangle()]),
@@ -83,7 +83,7 @@ impl SurfaceEdges {
         }
     }
 
-    /// Edges that do not have as many sides along them as against them, in order.
+    /// Edges that do not have as many sides in one direction as in the other, in order.
     pub(crate) fn open(&self) -> impl Iterator<Item = [u32; 2]> {
         (0..self.starts.len().saturating_sub(1)).flat_map(|low| {
             let equal = self.with_lower(low).chunk_by(|a, b| a.high == b.high);
@@ -101,7 +101,7 @@ impl SurfaceEdges {
     }
 }
 
-/// Whether no two corners are one.
+/// Whether all three corners are distinct.
 fn has_sides([a, b, c]: &[u32; 3]) -> bool {
     a != b && b != c && c != a
 }

@@ -1,16 +1,16 @@
-//! A tree of oriented boxes over triangles, which are taken as they are.
+//! A tree of oriented boxes over triangles, independent of what they enclose.
 
 use super::boxes::OrientedBox;
 use super::winding::{Ray, turns_around};
 use glam::DVec3;
 
-/// Most triangles in a leaf.
+/// Maximum number of triangles in a leaf.
 const LEAF: usize = 4;
 
-/// Some triangles.
+/// A node over a range of triangles.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TreeNode {
-    /// Holds them all.
+    /// Box around all of them.
     pub(crate) around: OrientedBox,
     /// A leaf's triangles, or the index of the second child (the first one follows).
     pub(crate) content: Content,
@@ -78,7 +78,7 @@ impl TriangleTree {
         }))
     }
 
-    /// What lies farthest along `n` below a node.
+    /// Extreme point along `n` below a node.
     pub(crate) fn highest(&self, node: usize, n: DVec3) -> Highest {
         let mut best = Highest {
             height: f64::NEG_INFINITY,
@@ -111,18 +111,18 @@ impl TriangleTree {
         }
     }
 
-    /// How often the triangles, but for some of them, go around a point; what is left must be closed.
+    /// Winding number of the triangles, without some of them, about a point; the rest must be closed.
     pub(crate) fn turns(&self, without: Option<&Self>, point: DVec3) -> f64 {
         let (center, radius) = self.bounds();
         if point.distance(center) > radius {
             return 0.0;
         }
-        // Of open parts every ray counts another number: both are told by one.
+        // For open parts the number depends on the ray, so both are counted with the same ray.
         let crossings = Ray::from_point(point).find_map(|ray| {
             let beside = without.map_or(Some(0), |tree| tree.crossings(0, &ray))?;
             Some(self.crossings(0, &ray)? - beside)
         });
-        // Next to the surface itself no ray is clear.
+        // On the surface itself no ray is clear of edges.
         crossings.map_or_else(
             || {
                 let beside = without.map_or(0.0, |tree| turns_around(&tree.triangles, point));
@@ -132,7 +132,8 @@ impl TriangleTree {
         )
     }
 
-    /// How often triangles below a node lead out along a ray, less how often in; `None` where that is not clear.
+    /// Number of triangles below a node through which a ray leaves, minus those through which it enters; `None` where
+    /// that is not clear.
     fn crossings(&self, node: usize, ray: &Ray) -> Option<i32> {
         let TreeNode { around, content } = &self.nodes[node];
         if !ray.may_meet(around.center, around.radius, |n| around.reach(n)) {
@@ -150,7 +151,7 @@ impl TriangleTree {
     }
 }
 
-/// The triangle that reaches farthest in a direction n, and the n · p of its corner.
+/// The extreme triangle in a direction n, and the n · p of its corner.
 #[derive(Clone, Copy)]
 pub(crate) struct Highest {
     pub(crate) height: f64,
@@ -164,7 +165,7 @@ pub(crate) fn corner_support(corners: &[DVec3; 3], n: DVec3) -> f64 {
     a.max(b).max(c)
 }
 
-/// Two things in the order of their numbers.
+/// Two values in the order of their keys.
 pub(crate) fn nearer_first<T: Copy>(mut two: [(T, f64); 2]) -> [(T, f64); 2] {
     if two[1].1 < two[0].1 {
         two.swap(0, 1);

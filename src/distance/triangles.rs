@@ -13,7 +13,7 @@ type TriangleCorners = [DVec3; 3];
 /// Lines with a smaller sine between them are treated as parallel: the ends are tried in addition to the crossing.
 const PARALLEL: f64 = 1e-6;
 
-/// A way this short against where its ends are is rounding, and its direction tells nothing.
+/// A vector this short compared with its end points is rounding, and its direction means nothing.
 const NOISE: f64 = 1e-14;
 
 /// The edges of a triangle, each with the corner that is not on it.
@@ -32,7 +32,7 @@ impl NearestFeature {
         points: [DVec3::ZERO; 2],
     };
 
-    /// The same point of both.
+    /// A pair of equal points.
     const fn cut(point: DVec3) -> Self {
         Self {
             square: 0.0,
@@ -84,7 +84,7 @@ fn of_segments([a, a_end]: [DVec3; 2], [b, b_end]: [DVec3; 2]) -> NearestFeature
     let across = u.cross(v);
     let sine = across.length_squared();
     let [uu, vv] = [u.length_squared(), v.length_squared()];
-    // Inside both: the cross product knows it without cancellation, and the foot holds on to the other line.
+    // Inside both: the cross product gives it without cancellation, and the foot stays on the other line.
     let s = w.cross(v).dot(across) / sine;
     let t = w.cross(u).dot(across) / sine;
     let mut best = NearestFeature::FAR;
@@ -112,7 +112,7 @@ fn of_segments([a, a_end]: [DVec3; 2], [b, b_end]: [DVec3; 2]) -> NearestFeature
     best
 }
 
-/// A point and where it is nearest to the inside of a triangle; none outside of the prism over it.
+/// The nearest points of a point and the inside of a triangle; none outside of the prism over it.
 fn over_face(corners: &TriangleCorners, normal: DVec3, point: DVec3) -> Option<NearestFeature> {
     let [a, b, c] = *corners;
     let within = |p: DVec3, q: DVec3| normal.dot((q - p).cross(point - p)) >= 0.0;
@@ -123,7 +123,7 @@ fn over_face(corners: &TriangleCorners, normal: DVec3, point: DVec3) -> Option<N
     })
 }
 
-/// Where a segment goes through a triangle: rounding would leave a distance.
+/// Where a segment passes through a triangle: rounding would leave a distance.
 fn plane_crossing(corners: &TriangleCorners, normal: DVec3, ends: [DVec3; 2]) -> Option<DVec3> {
     let [a, b, c] = *corners;
     let [from, to] = ends.map(|p| normal.dot(p - a));
@@ -175,7 +175,7 @@ pub fn to_triangle(a: &TriangleCorners, b: &TriangleCorners) -> CorePair {
             }
         }
     }
-    // An edge through the other triangle: they cut.
+    // An edge through the other triangle: they intersect.
     let normals = [normal_of(a), normal_of(b)];
     let cut = |of: &TriangleCorners, normal: DVec3, other: &TriangleCorners| {
         let edges = EDGES.map(|[i, j, _]| [other[i], other[j]]);
@@ -225,7 +225,7 @@ pub fn box_to_segment(block: &BoxCore, ends: &[DVec3; 2]) -> Option<CorePair> {
     })
 }
 
-/// The same for a box about the origin, along the axes.
+/// The same for a box about the origin, aligned with the axes.
 fn to_centred_box(corners: &TriangleCorners, half: DVec3) -> CorePair {
     let mut best = NearestFeature::FAR;
     for [i, j, _] in EDGES {
@@ -267,7 +267,7 @@ fn inside_box(from: DVec3, to: DVec3, half: DVec3) -> Option<DVec3> {
 }
 
 /// The point of an edge nearest to a box about the origin. The square of the distance is a parabola between the places
-/// where a coordinate enters or leaves the box; its slope rises all along the edge.
+/// where a coordinate enters or leaves the box; its slope increases along the whole edge.
 fn on_edge(from: DVec3, to: DVec3, half: DVec3) -> DVec3 {
     let span = to - from;
     // Half the derivative of the squared distance to the box: piecewise linear and rising.

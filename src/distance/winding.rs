@@ -1,4 +1,4 @@
-//! How often triangles go around a point: what crosses a ray from it, or the sum of their solid angles.
+//! Winding numbers of triangles about a point: by the crossings of a ray, or by the sum of their solid angles.
 
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -14,14 +14,14 @@ const RAYS: [DVec3; 6] = [
     DVec3::new(0.893, -0.277, -0.355),
 ];
 
-/// Angle within which a ray may pass an edge on either side, and part of the distance within which its start may lie on
-/// a triangle: far above rounding, and far below what a second ray would meet again.
+/// Angle within which a ray may pass an edge on either side, and fraction of the distance within which its start may
+/// lie on a triangle: far above rounding, and small enough that a second ray is unlikely to be ambiguous again.
 const CLEAR: f64 = 1e-9;
 
-/// Rounding of sums and products of coordinates, as part of their size.
+/// Rounding of sums and products of coordinates, relative to their size.
 const ROUNDING: f64 = 1e-13;
 
-/// A ray, and two directions across it.
+/// A ray, and two directions perpendicular to it.
 pub(crate) struct Ray {
     start: DVec3,
     pub(crate) along: DVec3,
@@ -29,7 +29,7 @@ pub(crate) struct Ray {
 }
 
 impl Ray {
-    /// Several from one point, to be tried in turn.
+    /// Several rays from one point, to be tried in turn.
     pub(crate) fn from_point(start: DVec3) -> impl Iterator<Item = Self> {
         RAYS.into_iter().map(move |along| {
             let along = along.normalize();
@@ -42,7 +42,7 @@ impl Ray {
         })
     }
 
-    /// Whether it may meet what lies in a ball and reaches so far along directions.
+    /// Whether it may meet anything in a ball of the given extent along directions.
     pub(crate) fn may_meet(
         &self,
         center: DVec3,
@@ -92,7 +92,7 @@ impl Ray {
         if left.max(right) < 3 {
             return None;
         }
-        // Where it passes the triangle's plane.
+        // Where it crosses the triangle's plane.
         let sum: f64 = sides.iter().sum();
         let depth = (sides[1] * local[0].z + sides[2] * local[1].z + sides[0] * local[2].z) / sum;
         match depth {
@@ -103,7 +103,7 @@ impl Ray {
     }
 }
 
-/// How often triangles go around a point: their solid angles, in whole spheres.
+/// Winding number of triangles about a point: their solid angles, in units of the whole sphere.
 pub(crate) fn turns_around<'t>(
     triangles: impl IntoIterator<Item = &'t [DVec3; 3]>,
     point: DVec3,
@@ -120,7 +120,7 @@ pub(crate) fn turns_around<'t>(
 mod tests {
     use super::*;
 
-    /// A box, outside out or inside out, turned so that no edge lies along anything.
+    /// A box, oriented outwards or inwards, rotated so that no edge is parallel to an axis.
     fn cuboid(middle: DVec3, half: f64, is_out: bool) -> Vec<[DVec3; 3]> {
         let turn = glam::DQuat::from_scaled_axis(DVec3::new(0.2, 1.0, -0.4));
         let corner = |k: usize| {
@@ -147,7 +147,7 @@ mod tests {
         list
     }
 
-    /// What crosses a ray against solid angles, for shells in, beside and across each other.
+    /// Ray crossings against solid angles, for nested, disjoint and intersecting shells.
     #[test]
     fn rays_count_what_solid_angles_add_up_to() {
         let shells = [
@@ -174,7 +174,7 @@ mod tests {
             });
             assert_eq!(crossings, Some(angles.round() as i32), "{point} {angles}");
         }
-        // On a triangle, on an edge, at a corner nothing is clear.
+        // On a triangle, on an edge and at a corner the result is ambiguous.
         let [a, b, c] = triangles[0];
         for point in [(a + b + c) / 3.0, 0.5 * (a + b), a] {
             let any = Ray::from_point(point).find_map(|ray| {

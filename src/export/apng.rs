@@ -15,11 +15,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// Both numbers of a delay are 16-bit fields.
 const LARGEST_NUMBER: u32 = u16::MAX as u32;
 
-/// Ticks a second for frames that are not evenly spaced: finer than any screen.
+/// Ticks per second for unevenly spaced frames: finer than any display.
 const UNEVEN_TICKS: u32 = 10_000;
 
-/// A pixel through which the frame before shows. Runs of it pack in half the bytes of the colours themselves, and a
-/// quarter better still without a filter, which would smear their borders.
+/// A transparent pixel, which shows the previous frame. Runs of it compress to half the bytes of the colours
+/// themselves, and a quarter better still without a filter, which would smear their borders.
 const LEFT_OUT: [u8; 4] = [0; 4];
 
 /// The options of an APNG.
@@ -31,7 +31,7 @@ pub struct ApngSettings {
     pub times: FrameTimes,
     /// Repeats forever; else plays once.
     pub repeat: bool,
-    /// Time against size of the file.
+    /// Compression effort.
     pub effort: Effort,
     /// Whether frames are translucent; otherwise their alpha must be 255 everywhere.
     pub alpha: bool,
@@ -48,7 +48,7 @@ pub struct ApngSink {
     ticks: u16,
     effort: Effort,
     alpha: bool,
-    /// The frame before, RGBA; empty before the first.
+    /// The previous frame, RGBA; empty before the first.
     shown: Vec<[u8; 4]>,
     /// Pixels of the rectangle being written.
     bytes: Vec<u8>,
@@ -77,7 +77,7 @@ impl ApngSink {
         encoder.set_depth(BitDepth::Eight);
         encoder.set_compression(match settings.effort {
             Effort::Fast => Compression::Fast,
-            // On what changes between frames the highest level saves nothing; the choice of filter does.
+            // For the changes between frames the highest level saves nothing; the choice of filter does.
             Effort::Balanced | Effort::Small => Compression::Balanced,
         });
         // With blending, an unchanged pixel can be omitted; a translucent one would show the pixel below.
@@ -118,7 +118,7 @@ impl ApngSink {
         Ok(())
     }
 
-    /// Sets the filter for the bytes that wait, pixels of a rectangle of `size`.
+    /// Chooses the filter for the pending bytes, pixels of a rectangle of `size`.
     fn choose_filter(&mut self, size: [u32; 2]) -> Result<(), ExportError> {
         let filter = match self.effort {
             Effort::Fast => Filter::Adaptive,
@@ -140,7 +140,7 @@ impl ApngSink {
         Ok(())
     }
 
-    /// Whether half of the bytes that wait are pixels that do not change: then a filter smears more than it gains.
+    /// Whether half of the pending bytes are unchanged pixels: then a filter does more harm than good.
     fn is_mostly_left_out(&self) -> bool {
         let (pixels, _) = self.bytes.as_chunks::<4>();
         let left_out = pixels.iter().filter(|p| **p == LEFT_OUT).count();
@@ -190,7 +190,7 @@ impl FrameSink for ApngSink {
         let area = if self.shown.is_empty() {
             PixelArea::whole(size)
         } else {
-            // A frame that changes nothing still needs a pixel to carry its delay.
+            // A frame without changes still needs a pixel to carry its delay.
             PixelArea::changed(&self.shown, frame, size[0]).unwrap_or(PixelArea::whole([1, 1]))
         };
         let delay = self.schedule.delay(index).min(LARGEST_NUMBER);
@@ -226,7 +226,7 @@ impl FrameSink for ApngSink {
     }
 }
 
-/// Ticks a second in which every delay is a whole number, or as near to that as 16 bits allow.
+/// Ticks per second for which every delay is a whole number, or as near to that as 16 bits allow.
 fn ticks_per_second(times: &FrameTimes) -> u16 {
     let longest = (0..times.count())
         .map(|k| times.start(k + 1) - times.start(k))
@@ -246,7 +246,7 @@ fn encoder_error(error: ::png::EncodingError) -> ExportError {
     }
 }
 
-/// Hands frames on as they are.
+/// Passes frames through unchanged.
 pub(super) struct Pixels {
     pub(super) size: [u32; 2],
 }
@@ -260,7 +260,7 @@ impl FrameCoder for Pixels {
     }
 }
 
-/// Bytes between the encoder, which keeps its writer to itself, and the output.
+/// Buffer between the encoder, which owns its writer, and the output.
 #[derive(Clone, Default)]
 struct Spool(Arc<Mutex<Vec<u8>>>);
 

@@ -118,7 +118,7 @@ pub enum ExportError {
 }
 
 impl ExportError {
-    /// A failed write to the output called `name`.
+    /// A failed write to the output `name`.
     pub fn write(name: &str, source: io::Error) -> Self {
         Self::Write {
             name: name.to_owned(),
@@ -134,7 +134,7 @@ impl ExportError {
         }
     }
 
-    /// True when the reader of the output went away, which a command-line program passes over in silence.
+    /// Whether the reader of the output has closed it, which a command-line program ignores silently.
     pub fn is_broken_pipe(&self) -> bool {
         matches!(self, Self::Write { source, .. } if source.kind() == io::ErrorKind::BrokenPipe)
     }
@@ -157,7 +157,7 @@ pub enum PipelineError<E: std::error::Error + 'static> {
     /// The cancel flag was raised.
     #[error("cancelled")]
     Cancelled,
-    /// There is nobody to draw.
+    /// There are no workers.
     #[error("no worker was given to draw the frames")]
     NoWorkers,
 }

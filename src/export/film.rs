@@ -1,4 +1,5 @@
-//! Frames into a picture file of any kind: the sink that a format needs, and all frames through it.
+//! Writes frames to a picture file of any format: opens the sink that the format needs, and passes all frames through
+//! it.
 
 use super::apng::{ApngSettings, ApngSink};
 use super::colour_histogram::Histogram;
@@ -18,11 +19,11 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Where the bytes go; opened before anything is drawn, so that a bad path is found at once.
+/// The destination; opened before anything is drawn, so that a bad path is reported at once.
 pub enum Destination {
     /// One file.
     File(Box<dyn Output>),
-    /// A file a frame.
+    /// One file per frame.
     Sequence(FramePattern),
     /// A video that an encoder writes.
     Video(VideoFile),
@@ -41,10 +42,10 @@ impl Destination {
     }
 }
 
-/// Frames to be written, and how.
+/// The frames to be written, and how.
 #[derive(Clone, Debug)]
 pub struct FilmSettings<'a> {
-    /// Into what.
+    /// The format.
     pub format: &'a Format,
     /// Size of every frame in pixels.
     pub size: [u32; 2],
@@ -54,11 +55,11 @@ pub struct FilmSettings<'a> {
     pub fps: f64,
     /// Colours that a palette must hold exactly.
     pub needed_colours: Vec<[u8; 3]>,
-    /// Frames cost little to get twice: a palette is made from all of them.
+    /// Frames are cheap to draw twice: a palette is made from all of them.
     pub at_hand: bool,
     /// Whether frames may be translucent.
     pub alpha: bool,
-    /// Fidelity of a GIF against its size.
+    /// Trade-off between a GIF's fidelity and its size.
     pub quality: Quality,
     /// Compression of PNG and APNG; `None` is balanced, and fast for sequences.
     pub effort: Option<Effort>,
@@ -129,7 +130,7 @@ impl FilmSettings<'_> {
         Ok(Prepared::plain(sink))
     }
 
-    /// Draws and writes all frames; `show` hears how many of how many are done.
+    /// Draws and writes all frames; `show` receives the number of finished frames and their total.
     ///
     /// Errors: a failed write, a worker's own error, the cancel flag; no file is left then.
     pub fn write<W, E>(
@@ -174,7 +175,7 @@ impl FilmSettings<'_> {
         })
     }
 
-    /// The palette of the whole film, and the frames that were drawn for it.
+    /// The palette of the whole film, and the frames already drawn to find it.
     fn palette<W, E>(
         &self,
         workers: &mut [W],

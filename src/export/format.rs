@@ -1,4 +1,4 @@
-//! Which kind of file a path asks for. Creates nothing.
+//! The file format that a path selects. Creates nothing.
 
 use super::error::ExportError;
 use std::path::{Path, PathBuf};
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 /// File name pattern used inside a folder of frames.
 const FOLDER_PATTERN: &str = "frame-%04d.png";
 
-/// Widest zero padding a pattern may ask for; more is a typing error.
+/// Maximum zero padding of a pattern; more is a typing error.
 const WIDEST_PADDING: usize = 12;
 
 /// A kind of picture file.
@@ -22,7 +22,7 @@ pub enum Format {
     PngSequence(FramePattern),
     /// Uncompressed video with a header, 4:4:4.
     Y4m,
-    /// Compressed video, by an encoder of its own.
+    /// Compressed video, by an external encoder.
     Video(VideoKind),
     /// Uncompressed pixels one after the other, four bytes each, no header.
     Rgba,
@@ -119,17 +119,17 @@ impl Format {
         }
     }
 
-    /// True where the file holds one instant of the motion and no more.
+    /// Whether the file holds a single instant of the motion.
     pub fn is_still(&self) -> bool {
         matches!(self, Self::Png | Self::Stl | Self::Obj)
     }
 
-    /// True where the file holds shapes in space rather than pixels.
+    /// Whether the file holds shapes in space rather than pixels.
     pub fn is_model(&self) -> bool {
         matches!(self, Self::Glb | Self::Stl | Self::Obj)
     }
 
-    /// True where pixels are deflated as in a PNG.
+    /// Whether pixels are deflated as in a PNG.
     pub fn is_png(&self) -> bool {
         matches!(self, Self::Apng | Self::Png | Self::PngSequence(_))
     }

@@ -47,7 +47,7 @@ where
     };
     let [width, height] = sink.size();
     std::thread::scope(|scope| {
-        // Workers wait for a window that only this thread moves: whatever ends it must also end them.
+        // Workers wait for a window that only this thread moves: when this thread ends, they must end, too.
         let _stop = StopOnDrop(&shared);
         let (mut working, mut alone) = (0, None);
         for draw in workers {
@@ -58,7 +58,7 @@ where
                 shared: &shared,
                 cancel,
             };
-            // Lent to the thread, and here again where it does not start.
+            // Given to the thread, and taken back where it does not start.
             let lent = Arc::new(Mutex::new(Some(worker)));
             let (taken, shared) = (Arc::clone(&lent), &shared);
             let started = std::thread::Builder::new().spawn_scoped(scope, move || {
@@ -69,7 +69,7 @@ where
                     .for_each(|mut worker| while worker.step() {});
             });
             if started.is_err() {
-                // Those that work do all the work; without any this thread does.
+                // If some threads do not start, the others do all the work; if none start, this thread does.
                 alone = lock_mutex(&lent).take().filter(|_| working == 0);
                 break;
             }
@@ -158,7 +158,7 @@ impl<E: std::error::Error + 'static> Shared<E> {
         self.changed.notify_all();
     }
 
-    /// The next frame to draw, or `None` when all are given out or the work is stopped.
+    /// The next frame to draw, or `None` when all are assigned or the work is stopped.
     fn next_task(&self, cancel: &AtomicBool) -> Option<Task> {
         let mut state = lock_mutex(&self.state);
         loop {
@@ -218,7 +218,7 @@ where
     W: FnMut(usize, &mut RgbaImage) -> Result<(), E>,
     E: std::error::Error + 'static,
 {
-    /// Draws the next frame, if there is one to draw; false where this was the last one.
+    /// Draws the next frame, if there is one; returns false after the last one.
     fn step(&mut self) -> bool {
         let Some(task) = self.shared.next_task(self.cancel) else {
             return false;

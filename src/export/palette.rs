@@ -9,13 +9,13 @@ use super::kmeans::{self, ColourPoint};
 use super::nearest_colour::Nearest;
 use image::RgbaImage;
 
-/// Most colours of a palette: 256 less the one that means "as before".
+/// Maximum number of colours: 256 less the one that means "unchanged".
 pub const MOST_COLOURS: usize = 255;
 
 /// Rounds of k-means; 20 gain 0.01 dB over these.
 const STEPS: usize = 5;
 
-/// The pixels of a frame weigh this many times what its missed colours do together.
+/// The pixels of a frame together weigh this many times as much as its missed colours.
 const MISSED_SHARE: u64 = 3;
 
 /// Up to 255 colours and the rule that maps every colour to one of them. The rule depends on the colour alone,
@@ -82,7 +82,7 @@ impl Palette {
         Self::from_histogram(histogram, &[], MOST_COLOURS)
     }
 
-    /// The palette of these colours; `exact` if they are all there are.
+    /// The palette of these colours; `exact` if there are no others.
     pub(super) fn new(colours: Vec<[u8; 3]>, exact: bool) -> Self {
         let places: Vec<[f32; 3]> = colours.iter().map(|c| c.map(f32::from)).collect();
         Self {

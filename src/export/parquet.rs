@@ -22,7 +22,7 @@ const GROUP_BYTES: usize = 8 << 20;
 pub enum ParquetColumn {
     /// Whole numbers.
     Whole(Vec<i64>),
-    /// Words of a few kinds.
+    /// Words of a small set.
     Word(Vec<&'static str>),
     /// Yes or no.
     Flag(Vec<bool>),
@@ -87,16 +87,17 @@ impl ParquetColumn {
 pub struct ParquetTable {
     name: String,
     writer: SerializedFileWriter<Box<dyn Output>>,
-    /// In the order of the file.
+    /// The columns, in the order of the file.
     pub columns: Vec<ParquetColumn>,
     rows: usize,
 }
 
 impl ParquetTable {
-    /// Begins a table of empty columns, each with its name; `about` are names and values of the whole table.
+    /// Begins a table of empty columns, each with its name; `about` holds names and values of the whole table.
     ///
     /// # Errors
-    /// Two columns of one name; the destination takes nothing.
+    ///
+    /// Two columns with one name; a failed write.
     pub fn create(
         output: Box<dyn Output>,
         columns: Vec<(String, ParquetColumn)>,
@@ -115,7 +116,8 @@ impl ParquetTable {
     /// Ends a row, for which every column has a cell.
     ///
     /// # Errors
-    /// The destination takes no more.
+    ///
+    /// A failed write.
     pub fn end_row(&mut self) -> Result<(), ExportError> {
         self.rows += 1;
         if self.rows * self.columns.len() * size_of::<f64>() < GROUP_BYTES {
@@ -124,10 +126,11 @@ impl ParquetTable {
         self.write_group()
     }
 
-    /// Writes what is left and makes the file final.
+    /// Writes the remaining rows and makes the file final.
     ///
     /// # Errors
-    /// The destination takes no more.
+    ///
+    /// A failed write.
     pub fn commit(mut self) -> Result<(), ExportError> {
         if self.rows > 0 {
             self.write_group()?;
@@ -161,7 +164,7 @@ fn begun(
         .set_created_by(concat!("mechanim ", env!("CARGO_PKG_VERSION")).to_owned())
         .set_key_value_metadata(Some(about.collect()))
         .set_statistics_enabled(EnabledStatistics::Chunk);
-    // Numbers are all different: a dictionary of them would be a second copy.
+    // Numbers rarely repeat: a dictionary of them would be a second copy.
     for (name, column) in columns {
         let repeats = matches!(column, ParquetColumn::Word(_));
         let path = ColumnPath::new(vec![name.clone()]);

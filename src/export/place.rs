@@ -1,16 +1,16 @@
-//! The destination of a file: the end of its links, its folder, and whether it is an ordinary file.
+//! The destination of a file: the target of its links, its folder, and whether it is an ordinary file.
 
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Most links that lead to each other.
+/// Maximum number of links that lead to each other.
 const MOST_LINKS: usize = 40;
 
-/// Where a path leads when its links are followed, whether there is something or not; an open file of a process, which
-/// looks like a link, is an end.
+/// The target of a path when its links are followed, whether it exists or not; an open file of a process, which looks
+/// like a link, is a target.
 ///
-/// Errors: the links lead in a circle.
+/// Errors: the links form a cycle.
 pub fn link_end(path: &Path) -> io::Result<PathBuf> {
     let mut place = path.to_owned();
     for _ in 0..MOST_LINKS {
@@ -18,7 +18,7 @@ pub fn link_end(path: &Path) -> io::Result<PathBuf> {
             return Ok(place);
         }
         match fs::read_link(&place) {
-            // A link counts from where it stands.
+            // A relative link is resolved from its own folder.
             Ok(next) => place = folder_of(&place).join(next),
             Err(_) => return Ok(place),
         }
@@ -35,7 +35,7 @@ pub fn is_descriptor(path: &Path) -> bool {
     is_number && folder_of(path).canonicalize().is_ok_and(is_list)
 }
 
-/// Opens what is no ordinary file; an open file is written behind what is in it.
+/// Opens a file that is not an ordinary one; an open file is appended to.
 pub fn open_directly(place: &Path) -> io::Result<fs::File> {
     let mut options = fs::OpenOptions::new();
     match is_descriptor(place) {

@@ -2,16 +2,16 @@
 
 use super::error::ExportError;
 use super::format::FramePattern;
-use super::target::{Output, Target, enter_unfinished, finish_entered, temporary_folder};
+use super::target::{Output, Target, finish_registered, register_unfinished, temporary_folder};
 use super::{ExportSummary, FrameCoder, FrameSink};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder, RgbaImage};
 use std::path::{Path, PathBuf};
 
-/// Greatest side: PNG allows 2^31 - 1, memory does not.
+/// Maximum side: PNG allows 2^31 - 1, memory does not.
 pub(super) const LONGEST_SIDE: u32 = 1 << 16;
 
-/// How much time a picture is worth.
+/// Effort spent on a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effort {
     /// For sequences: about 1.3 ms for 640x480 pixels, a fifth larger.
@@ -27,9 +27,9 @@ pub enum Effort {
 pub struct PngSettings {
     /// Size in pixels.
     pub size: [u32; 2],
-    /// Time against size of the file.
+    /// Compression effort.
     pub effort: Effort,
-    /// Keeps the frames' alpha; else it is dropped.
+    /// Whether the frames' alpha is kept.
     pub alpha: bool,
 }
 
@@ -210,8 +210,8 @@ fn still_needs_one(got: usize) -> ExportError {
     }
 }
 
-/// One file a frame. Those that replace older ones wait until all are there. Dropped before `finish`, it removes the files it
-/// made and the folder, and the older ones are as they were.
+/// One file per frame. Files that replace older ones wait until all are complete. Dropped before `finish`, it removes
+/// the files it made and the folder, and leaves the older ones unchanged.
 pub struct SequenceSink {
     pattern: FramePattern,
     settings: PngSettings,
@@ -224,7 +224,7 @@ pub struct SequenceSink {
 /// Complete frames in a hidden folder, each with the place that it is to have.
 struct WaitingFrames {
     folder: tempfile::TempDir,
-    /// Held as long as they wait.
+    /// Locked while files wait in it.
     _lock: Option<std::fs::File>,
     list: Vec<(PathBuf, PathBuf)>,
 }
@@ -246,11 +246,11 @@ impl SequenceSink {
                 });
             }
             match std::fs::create_dir(&folder) {
-                // Another run was quicker.
+                // Another run was faster.
                 Err(e) if e.kind() == std::io::ErrorKind::AlreadyExists && folder.is_dir() => {}
                 made => made.map_err(|e| ExportError::create(&folder, e))?,
             }
-            enter_unfinished(&folder);
+            register_unfinished(&folder);
         }
         Ok(Self {
             pattern,
@@ -262,7 +262,7 @@ impl SequenceSink {
         })
     }
 
-    /// Lets a frame wait that is to replace an older one.
+    /// Defers a frame that is to replace an older one.
     fn stage(&mut self, path: &Path, target: Target) -> Result<(), ExportError> {
         let waiting = match &mut self.waiting {
             Some(waiting) => waiting,
@@ -300,7 +300,7 @@ impl FrameSink for SequenceSink {
         target.emit(coded)?;
         if is_new {
             target.commit_unsynced()?;
-            enter_unfinished(&path);
+            register_unfinished(&path);
             self.made.push(path);
         } else {
             self.stage(&path, target)?;
@@ -321,7 +321,7 @@ impl FrameSink for SequenceSink {
                 entered.push(here);
             }
         }
-        finish_entered(&entered);
+        finish_registered(&entered);
         self.made_folder = false;
         Ok(std::mem::take(&mut self.summary))
     }

@@ -1,4 +1,4 @@
-//! PNG from rows that come one after another: pictures that may be larger than the memory.
+//! PNG from rows that arrive one after another: pictures that may be larger than the memory.
 
 use super::error::ExportError;
 use super::png::{check_size, drop_alpha};
@@ -26,7 +26,7 @@ pub fn write_rows(
     let mut encoder = Encoder::new(output, size[0], size[1]);
     encoder.set_color(ColorType::Rgb);
     encoder.set_depth(BitDepth::Eight);
-    // What is written so is flat for the most part.
+    // Such pictures are mostly flat.
     encoder.set_filter(Filter::NoFilter);
     let mut writer = encoder.write_header().map_err(failed)?;
     let mut stream = writer.stream_writer().map_err(failed)?;

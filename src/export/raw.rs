@@ -28,7 +28,7 @@ const MATRIX: [[i32; 3]; 3] = [
     [28_784, -26_145, -2_639],
 ];
 
-/// How much of the colour a y4m keeps.
+/// Chroma subsampling of a y4m.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Chroma {
     /// Colour at every pixel (4:4:4).
@@ -84,7 +84,7 @@ impl RawSink {
             let [width, height] = size;
             let planes = match chroma {
                 Chroma::Full => "444",
-                // As in JPEG files, the colour is that of the middle of its pixels.
+                // As in JPEG files, chroma samples are located at the centre of their pixels.
                 Chroma::Quarter => "420jpeg",
             };
             let header = format!(
@@ -217,7 +217,7 @@ mod tests {
         }
     }
 
-    /// Two by two pixels have their mean, also at odd sides; grey stays grey and one colour stays what it is.
+    /// Two by two pixels are averaged, also at odd sides; grey stays grey and a uniform colour is unchanged.
     #[test]
     fn a_quarter_of_the_colour_is_a_mean() {
         let frame = RgbaImage::from_fn(5, 3, |x, y| {

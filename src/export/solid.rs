@@ -33,7 +33,7 @@ pub fn write_stl(
     })
 }
 
-/// A file for materials, and its name as an OBJ says it.
+/// A material file, and its name as the OBJ refers to it.
 pub type Library = (String, Box<dyn Output>);
 
 /// Writes the first key of `model` as OBJ, one object a body, colours at the vertices (`v x y z r g b`, 0 to 1) and, if

@@ -1,4 +1,4 @@
-//! Where bytes go: a file that appears only when complete, or a stream. Knows no format.
+//! Destination of bytes: a file that appears only when complete, or a stream. Knows no format.
 
 use super::error::ExportError;
 use super::place::{folder_of, is_descriptor, link_end, open_directly};
@@ -14,11 +14,11 @@ use std::time::Duration;
 /// Temporary files that have not been moved to their places.
 static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
-/// Other programs that write unfinished files.
+/// External programs that write unfinished files.
 static WRITERS: Mutex<Vec<Weak<Mutex<Child>>>> = Mutex::new(Vec::new());
 
-/// Whether a program ends with [`remove_unfinished`], while this value exists.
-pub(super) fn enter_writer(writer: &Arc<Mutex<Child>>) {
+/// Registers a program that [`remove_unfinished`] ends, as long as `writer` exists.
+pub(super) fn register_writer(writer: &Arc<Mutex<Child>>) {
     let mut writers = WRITERS.lock().unwrap_or_else(PoisonError::into_inner);
     writers.retain(|known| known.strong_count() > 0);
     writers.push(Arc::downgrade(writer));
@@ -29,12 +29,12 @@ pub(super) fn enter_writer(writer: &Arc<Mutex<Child>>) {
 pub fn remove_unfinished() {
     let writers = WRITERS.lock().unwrap_or_else(PoisonError::into_inner);
     for writer in writers.iter().filter_map(Weak::upgrade) {
-        // One that has ended is not there any more.
+        // A program that has ended is already gone.
         let _ = writer.lock().unwrap_or_else(PoisonError::into_inner).kill();
     }
-    // Folders were entered before what is in them.
+    // Folders were registered before their contents.
     for path in list_of_unfinished().drain(..).rev() {
-        // A dropped target has removed its file already.
+        // A dropped target has already removed its file.
         let _ = if path.is_dir() {
             fs::remove_dir(path)
         } else {
@@ -43,7 +43,7 @@ pub fn remove_unfinished() {
     }
 }
 
-/// Files, or sequences of files, that are complete and in their places.
+/// Number of files, or sequences of files, that are complete and in their places.
 static FINISHED: AtomicUsize = AtomicUsize::new(0);
 
 /// How many files, or sequences of them, this process has finished by now.
@@ -51,18 +51,18 @@ pub fn finished_count() -> usize {
     FINISHED.load(Ordering::Relaxed)
 }
 
-/// Has a file or folder removed, too, until it is part of something finished.
-pub(crate) fn enter_unfinished(path: &Path) {
+/// Registers a file or folder to be removed, too, until it is part of something finished.
+pub(crate) fn register_unfinished(path: &Path) {
     list_of_unfinished().push(path.to_owned());
 }
 
-/// What was entered is finished, and one thing more is in its place.
-pub(crate) fn finish_entered(paths: &[PathBuf]) {
-    leave_unfinished(paths);
+/// Removes a registered file from the list and counts one more finished file.
+pub(crate) fn finish_registered(paths: &[PathBuf]) {
+    unregister_unfinished(paths);
     FINISHED.fetch_add(1, Ordering::Relaxed);
 }
 
-fn leave_unfinished(paths: &[PathBuf]) {
+fn unregister_unfinished(paths: &[PathBuf]) {
     let finished: HashSet<&PathBuf> = paths.iter().collect();
     list_of_unfinished().retain(|path| !finished.contains(path));
 }
@@ -90,7 +90,7 @@ pub trait Output: Write + Send {
     fn commit(self: Box<Self>) -> Result<(), ExportError>;
 }
 
-/// A file under construction next to its final place.
+/// An unfinished file next to its final place.
 pub struct Target {
     name: String,
     path: PathBuf,
@@ -112,7 +112,7 @@ impl Target {
         let name = path.display().to_string();
         let place = link_end(path).map_err(|e| ExportError::create(path, e))?;
         let existing = match fs::metadata(&place) {
-            // Found out now, not after the work.
+            // Checked now, not after the work.
             Err(e) if e.kind() == io::ErrorKind::InvalidFilename => {
                 return Err(ExportError::create(path, e));
             }
@@ -139,9 +139,9 @@ impl Target {
         let refused = |e| explain_error(path, &place, e);
         let (file, temporary) = temporary_beside(&place).map_err(refused)?.into_parts();
         if let Some(old) = &existing {
-            take_after(old, &file, folder_of(&place)).map_err(refused)?;
+            copy_mode_and_owner(old, &file, folder_of(&place)).map_err(refused)?;
         }
-        enter_unfinished(&temporary);
+        register_unfinished(&temporary);
         Ok(Self {
             name,
             path: place,
@@ -149,7 +149,7 @@ impl Target {
         })
     }
 
-    /// Where the file is made, for a program that writes it; `None` for a device or a pipe.
+    /// Path of the temporary file, for a program that writes it; `None` for a device or a pipe.
     pub(super) fn temporary(&self) -> Option<&Path> {
         match &self.body {
             FileBody::Atomic(_, temporary) => Some(temporary),
@@ -177,11 +177,11 @@ impl Target {
             return self.commit_unsynced().map(|()| None);
         }
         let place = std::mem::replace(&mut self.path, waiting.to_owned());
-        enter_unfinished(waiting);
+        register_unfinished(waiting);
         self.commit_unsynced().map(|()| Some(place))
     }
 
-    /// As [`Self::commit`], unless something stands there by now, which then stays: false.
+    /// As [`Self::commit`], unless a file exists there by now, which is then kept: returns false.
     pub fn commit_new(self) -> Result<bool, ExportError> {
         let fail = |e| ExportError::write(&self.name, e);
         match self.body {
@@ -191,7 +191,7 @@ impl Target {
                 sync_file(&file).map_err(fail)?;
                 let known = temporary.to_path_buf();
                 let linked = temporary.persist_noclobber(&self.path);
-                leave_unfinished(&[known]);
+                unregister_unfinished(&[known]);
                 match linked {
                     Ok(_) => {
                         FINISHED.fetch_add(1, Ordering::Relaxed);
@@ -215,7 +215,7 @@ impl Target {
                 }
                 let known = temporary.to_path_buf();
                 temporary.persist(&self.path).map_err(|e| fail(e.error))?;
-                leave_unfinished(&[known]);
+                unregister_unfinished(&[known]);
                 FINISHED.fetch_add(usize::from(wait), Ordering::Relaxed);
                 Ok(())
             }
@@ -249,23 +249,23 @@ impl Output for Target {
 
 /// Gives a new file the mode and the owner of the one that it will replace, and finds out now whether it may replace it.
 #[cfg(unix)]
-fn take_after(old: &fs::Metadata, new: &fs::File, folder: &Path) -> io::Result<()> {
+fn copy_mode_and_owner(old: &fs::Metadata, new: &fs::File, folder: &Path) -> io::Result<()> {
     use std::os::unix::fs::{MetadataExt, PermissionsExt, fchown};
-    /// Only owners may move things in such a folder.
+    /// Only owners may move files in such a folder.
     const STICKY: u32 = 0o1000;
     let (own, folder) = (new.metadata()?, fs::metadata(folder)?);
     let is_others = |about: &fs::Metadata| about.uid() != own.uid();
     if own.uid() != 0 && folder.mode() & STICKY != 0 && is_others(old) && is_others(&folder) {
         return Err(io::ErrorKind::PermissionDenied.into());
     }
-    // Whoever may not give files away keeps them; the group first, since that is allowed more often.
+    // A user who may not change the owner keeps it; the group first, since that is allowed more often.
     let _ = fchown(new, None, Some(old.gid()));
     let _ = fchown(new, Some(old.uid()), None);
     new.set_permissions(fs::Permissions::from_mode(old.mode() & 0o777))
 }
 
 #[cfg(not(unix))]
-fn take_after(_: &fs::Metadata, _: &fs::File, _: &Path) -> io::Result<()> {
+fn copy_mode_and_owner(_: &fs::Metadata, _: &fs::File, _: &Path) -> io::Result<()> {
     Ok(())
 }
 
@@ -313,8 +313,8 @@ const SUFFIX: &str = ".part";
 /// A temporary file younger than this may not be locked yet.
 const YOUNG: Duration = Duration::from_secs(2);
 
-/// A new hidden file in the folder of `place`, with the permissions an ordinary new file would get. It is locked as long
-/// as it is open: what a killed run has left is not, and goes.
+/// A new hidden file in the folder of `place`, with the permissions of an ordinary new file. It is locked while it is
+/// open: the unlocked files of a killed run are removed.
 fn temporary_beside(place: &Path) -> io::Result<tempfile::NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(PREFIX).suffix(SUFFIX);
@@ -326,13 +326,13 @@ fn temporary_beside(place: &Path) -> io::Result<tempfile::NamedTempFile> {
     }
     let folder = folder_of(place);
     let file = builder.tempfile_in(folder)?;
-    // Where the file system has no locks nothing is taken for left behind either.
+    // On a file system without locks no file is regarded as abandoned.
     let _ = file.as_file().try_lock();
     remove_left_behind(folder);
     Ok(file)
 }
 
-/// A new hidden folder in `folder`, where files wait. It is locked as long as the second value is open, like the files.
+/// A new hidden folder in `folder`, where files wait. It is locked while the second value is open, like the files.
 pub(crate) fn temporary_folder(folder: &Path) -> io::Result<(tempfile::TempDir, Option<fs::File>)> {
     let made = tempfile::Builder::new()
         .prefix(PREFIX)
@@ -340,7 +340,7 @@ pub(crate) fn temporary_folder(folder: &Path) -> io::Result<(tempfile::TempDir, 
         .tempdir_in(folder)?;
     let lock = fs::File::open(made.path()).ok();
     let _ = lock.as_ref().map(fs::File::try_lock);
-    enter_unfinished(made.path());
+    register_unfinished(made.path());
     Ok((made, lock))
 }
 
@@ -371,7 +371,7 @@ fn is_left_behind(path: &Path) -> bool {
     fs::symlink_metadata(path).is_ok_and(is_old) && is_free()
 }
 
-/// Names the cause of a failed creation as far as the file system tells it.
+/// The cause of a failed creation as far as the file system reports it.
 fn explain_error(path: &Path, place: &Path, error: io::Error) -> ExportError {
     let folder = folder_of(place);
     if !folder.exists() {
@@ -388,10 +388,10 @@ fn explain_error(path: &Path, place: &Path, error: io::Error) -> ExportError {
     ExportError::create(path, plain)
 }
 
-/// Brings late write errors (quota, network disks) to light before the rename.
+/// Reports late write errors (quota, network disks) before the rename.
 fn sync_file(file: &fs::File) -> io::Result<()> {
     match file.sync_all() {
-        // Some file systems have no sync; there is nothing to wait for then.
+        // Some file systems cannot sync; there is nothing to wait for then.
         Err(e)
             if matches!(
                 e.kind(),

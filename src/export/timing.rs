@@ -1,14 +1,15 @@
-//! Exact frame times to the whole ticks of a file format's clock: a GIF's hundredths, an APNG's fractions.
+//! Exact frame times in whole ticks of a file format's clock: a GIF's hundredths, an APNG's fractions.
 
 use super::error::ExportError;
 
 /// Hundredths in a second, the unit of a GIF delay.
 const HUNDREDTHS: f64 = 100.0;
 
-/// A fraction this near (relative) to a rate is the rate: over a million frames it is off by a thousandth of one.
+/// A fraction this near (relative) to a rate is taken for the rate: over a million frames it is off by a thousandth of
+/// a frame.
 const SAME_RATE: f64 = 1e-9;
 
-/// Shortest delay in hundredths. Browsers show anything shorter at a tenth of a second.
+/// Shortest delay in hundredths. Browsers show anything shorter for a tenth of a second.
 pub const SHORTEST_DELAY: u16 = 2;
 
 /// When each frame is shown, in seconds from the first.
@@ -58,10 +59,10 @@ impl FrameTimes {
 }
 
 impl Schedule {
-    /// The clock of a GIF: hundredths, at least [`SHORTEST_DELAY`] of them a frame. Checks the times; `hold` seconds
-    /// are added to the last frame.
+    /// The clock of a GIF: hundredths of a second, at least [`SHORTEST_DELAY`] of them per frame. Checks the times;
+    /// `hold` seconds are added to the last frame.
     ///
-    /// Errors: a time that is not finite or not after the one before.
+    /// Errors: a time that is not finite or not after the previous one.
     pub fn new(times: FrameTimes, hold: f64) -> Result<Self, ExportError> {
         Self::on_clock(times, hold, HUNDREDTHS, u32::from(SHORTEST_DELAY))
     }
@@ -104,7 +105,7 @@ impl Schedule {
         for k in 1..=count {
             let last = if k == count { hold } else { 0.0 };
             let start = ticks(times.start(k) - times.start(0) + last);
-            // A frame without time of its own, on either side, is omitted: the previous one stays.
+            // A frame without time of its own, on either side, is omitted: the previous one remains.
             let left = whole - start;
             if k < count && (start - since).min(left) < f64::from(shortest) {
                 schedule.left_out += 1;
@@ -151,7 +152,7 @@ pub fn rate_fraction(rate: f64, limit: u32) -> (u32, u32) {
         let whole = rest.floor();
         let next = [0, 1].map(|i| whole * last[i] + before[i]);
         if next.iter().any(|n| *n > limit) {
-            // As much of the step as the limit allows may still be nearer.
+            // A part of the next step, as large as the limit allows, may still be nearer.
             let steps = [0, 1].map(|i| ((limit - before[i]) / last[i]).floor());
             let steps = steps[0].min(steps[1]);
             let part = [0, 1].map(|i| steps * last[i] + before[i]);

@@ -3,7 +3,7 @@
 use super::error::ExportError;
 use super::format::VideoKind;
 use super::raw::{Chroma, RawKind, RawSink};
-use super::target::{Output, Target, enter_writer};
+use super::target::{Output, Target, register_writer};
 use super::{ExportSummary, FrameCoder, FrameSink};
 use std::io::{self, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
@@ -12,17 +12,17 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// The encoder, looked for where the system looks for programs.
+/// The encoder, searched for on the system's path.
 const ENCODER: &str = "ffmpeg";
 
 /// How often the state of the encoder is polled.
 const LOOK: Duration = Duration::from_millis(2);
 
-/// Most bytes of its error messages that are kept.
+/// Maximum bytes of its error messages that are kept.
 const MOST_WORDS: u64 = 1 << 12;
 
-/// Frames arrive as 4:4:4 with limited range and the colours of BT.709, and leave as players want them: 4:2:0 with even
-/// sides, for which an odd one loses its last row.
+/// Frames arrive as 4:4:4 with limited range and the colours of BT.709, and are converted to what players expect: 4:2:0
+/// with even sides, for which an odd side loses its last row.
 const FILTERS: &str = "crop=trunc(iw/2)*2:trunc(ih/2)*2:0:0,format=yuv420p,\
     setparams=range=tv:colorspace=bt709:color_primaries=bt709:color_trc=bt709";
 
@@ -35,7 +35,7 @@ fn arguments(kind: VideoKind) -> Vec<&'static str> {
     text.split(' ').collect()
 }
 
-/// A video under construction: bytes go to the encoder, and its file goes to its place when it has ended well.
+/// A video under construction: bytes go to the encoder, and its file is moved to its place when it has succeeded.
 pub struct VideoFile {
     name: String,
     encoder: Arc<Mutex<Child>>,
@@ -58,7 +58,7 @@ impl VideoFile {
         command.args(["-f", "yuv4mpegpipe", "-i", "pipe:0", "-an", "-vf", FILTERS]);
         command.args(["-fflags", "+bitexact", "-flags:v", "+bitexact"]);
         command.args(arguments(kind));
-        // The name is a file's, whatever it looks like.
+        // The path is passed as a file name, whatever it looks like.
         command.arg(in_protocol(temporary));
         command
             .stdin(Stdio::piped())
@@ -75,14 +75,14 @@ impl VideoFile {
             std::thread::spawn(move || {
                 let mut text = Vec::new();
                 let mut rest = stderr;
-                // What is beyond the limit is read all the same, so that the encoder can go on.
+                // Output beyond the limit is still read, so that the encoder is not blocked.
                 let _ = rest.by_ref().take(MOST_WORDS).read_to_end(&mut text);
                 let _ = io::copy(&mut rest, &mut io::sink());
                 String::from_utf8_lossy(&text).trim().to_owned()
             })
         });
         let encoder = Arc::new(Mutex::new(encoder));
-        enter_writer(&encoder);
+        register_writer(&encoder);
         Ok(Self {
             name: path.display().to_string(),
             input,
@@ -100,7 +100,7 @@ impl VideoFile {
     fn ended(&mut self) -> io::Result<(ExitStatus, String)> {
         let flushed = self.input.take().map_or(Ok(()), |mut input| input.flush());
         let status = loop {
-            // Between the looks it can be ended.
+            // It can be cancelled between the checks.
             match self.child().try_wait()? {
                 Some(status) => break status,
                 None => std::thread::sleep(LOOK),
@@ -114,7 +114,7 @@ impl VideoFile {
         Ok((status, words))
     }
 
-    /// What the encoder says where it takes no more.
+    /// The encoder's message where it accepts no more data.
     fn complaint(&mut self, source: io::Error) -> io::Error {
         match self.ended() {
             Ok((status, words)) => failure(status, &words),
@@ -132,14 +132,14 @@ fn failure(status: ExitStatus, words: &str) -> io::Error {
     io::Error::other(format!("{ENCODER} ended with {status}: {words}"))
 }
 
-/// A path that cannot be taken for an option or another protocol.
+/// A path that cannot be mistaken for an option or another protocol.
 fn in_protocol(path: &Path) -> std::ffi::OsString {
     let mut name = std::ffi::OsString::from("file:");
     name.push(path);
     name
 }
 
-/// Ctrl-C is for this program, which ends the encoder in order.
+/// Ctrl-C is handled by this program, which ends the encoder cleanly.
 #[cfg(unix)]
 fn stay_apart(command: &mut Command) {
     use std::os::unix::process::CommandExt;
@@ -180,7 +180,7 @@ impl Output for VideoFile {
 
 impl Drop for VideoFile {
     fn drop(&mut self) {
-        // Whoever has not committed gives up; an encoder that has ended is not there any more.
+        // Dropped without a commit, it gives up; an encoder that has ended is already gone.
         self.input = None;
         let mut encoder = self.child();
         let _ = encoder.kill();
@@ -226,7 +226,7 @@ impl FrameSink for VideoSink {
 
     fn finish(self: Box<Self>) -> Result<ExportSummary, ExportError> {
         let summary = Box::new(self.frames).finish()?;
-        // Bytes of the file, not those that went through the pipe.
+        // Bytes of the file, not those sent through the pipe.
         let bytes = std::fs::metadata(&self.path).map_or(summary.bytes, |about| about.len());
         Ok(ExportSummary { bytes, ..summary })
     }

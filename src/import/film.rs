@@ -1,4 +1,4 @@
-//! Anything that is a row of pictures: a PNG, an APNG, a GIF, a folder of PNGs. Read frame by frame.
+//! Frame sources: a PNG, an APNG, a GIF, or a folder of PNGs, read frame by frame.
 
 use super::order::natural_order;
 use super::picture::{ImportError, decoder_limits, open_head};
@@ -16,8 +16,8 @@ use std::path::{Path, PathBuf};
 const GIF_MAGIC: &[u8] = b"GIF8";
 const PNG_MAGIC: &[u8] = b"\x89PNG\r\n\x1a\n";
 
-/// Bytes that the next frame of an animation takes of each of its pixels: the part that is drawn over the picture so far, and what
-/// comes of both; the first frame the picture so far, too.
+/// Memory per pixel for the next frame of an animation: the part drawn over the previous picture, and the result; for
+/// the first frame also the previous picture.
 const BYTES_OF_NEXT_PIXEL: f64 = 2.0 * 4.0;
 const BYTES_OF_FIRST_PIXEL: f64 = 3.0 * 4.0;
 
@@ -38,7 +38,7 @@ pub enum Plays {
 pub struct FilmFrame {
     /// The file's name in a folder; empty elsewhere.
     pub name: String,
-    /// What a viewer shows, all parts laid over each other.
+    /// The visible picture, all parts composited.
     pub picture: FramePicture,
     /// Seconds it is shown; 0 where the format has no time.
     pub seconds: f64,
@@ -52,7 +52,7 @@ pub struct FilmReader {
     /// What it is, for messages.
     pub kind: &'static str,
     frames: Box<dyn Iterator<Item = Result<FilmFrame, ImportError>>>,
-    /// Pixels of a frame that is held in memory.
+    /// Pixels of a frame held in memory.
     held: f64,
     /// Pixels of the frames so far: a few bytes of a file can make a frame of any size.
     pixels: f64,
@@ -221,7 +221,7 @@ fn timed_frames(
     })
 }
 
-/// How often a GIF plays, read off its loop extension and put back to the start of the file.
+/// Number of times a GIF plays, read from its loop extension; then the file is rewound to its start.
 ///
 /// The decoder knows the extension only once it has passed it, and takes a missing one for an endless loop.
 fn gif_plays(file: &mut BufReader<File>) -> std::io::Result<Plays> {
@@ -239,7 +239,7 @@ fn gif_plays(file: &mut BufReader<File>) -> std::io::Result<Plays> {
     Ok(match count {
         None => Plays::Times(1),
         Some([0, 0]) => Plays::Forever,
-        // The field says how often it is repeated after the first time.
+        // The field is the number of repetitions after the first play.
         Some(count) => {
             let repeats = count.iter().rev().fold(0, |n, b| 256 * n + u32::from(*b));
             Plays::Times(repeats + 1)

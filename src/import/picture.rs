@@ -1,4 +1,4 @@
-//! Single pictures, and what can be wrong with a file.
+//! Single pictures, and the errors of reading a file.
 
 use crate::limits::{LimitExceeded, Resource, allow_memory};
 use image::{ImageFormat, ImageReader, Limits, RgbaImage};
@@ -6,14 +6,14 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader};
 use std::path::{Path, PathBuf};
 
-/// What a decoder may take beside the pixels: profiles and texts, which a small file can blow up to gigabytes.
+/// Memory that a decoder may use besides the pixels: for profiles and texts, which a small file can expand to
+/// gigabytes.
 pub(super) const BESIDE_PIXELS: u64 = 16 << 20;
 
 /// Bytes that a decoder and its reader hold of a pixel at most: 16 bits a channel, and again 8 bits a channel.
 const BYTES_OF_PIXEL: u64 = 8 + 4;
 
-/// Where the sizes stand in the heads of the files: first byte of the width, bytes of a number, whether the first of them
-/// counts most.
+/// Position of the sizes in the file headers: first byte of the width, bytes per number, whether it is big-endian.
 const PNG_SIZE: (usize, usize, bool) = (16, 4, true);
 const GIF_SIZE: (usize, usize, bool) = (6, 2, false);
 
@@ -28,7 +28,7 @@ pub enum ImportError {
         /// What the system said.
         source: io::Error,
     },
-    /// The contents are not a picture that is known.
+    /// The contents are not a picture of a supported format.
     #[error("{}: {message}", .path.display())]
     Decode {
         /// The file.
@@ -36,7 +36,7 @@ pub enum ImportError {
         /// What is wrong with it.
         message: String,
     },
-    /// It takes more than the run may use.
+    /// It needs more memory than the run may use.
     #[error(transparent)]
     Limit(#[from] LimitExceeded),
     /// A frame of another size than the first.
@@ -86,7 +86,7 @@ pub fn read_png(path: &Path) -> Result<RgbaImage, ImportError> {
     Ok(picture.into_rgba8())
 }
 
-/// Opens a picture file, and says what decoding it as a whole may take.
+/// Opens a picture file, and checks the memory that decoding it as a whole needs.
 fn open_picture(path: &Path) -> Result<(BufReader<File>, Limits), ImportError> {
     let (file, size) = open_head(path)?;
     let needed = size[0] as f64 * size[1] as f64 * BYTES_OF_PIXEL as f64;
@@ -110,7 +110,7 @@ pub(super) fn open_head(path: &Path) -> Result<(BufReader<File>, [u64; 2]), Impo
     }
     let mut file = BufReader::new(File::open(path).map_err(failed)?);
     let head = file.fill_buf().map_err(failed)?;
-    // What is neither is refused for that, by whoever reads on.
+    // A file of neither format is refused later, by the reader.
     let place = [(&b"GIF"[..], GIF_SIZE), (&b"\x89PNG"[..], PNG_SIZE)];
     let place = place.into_iter().find(|(magic, _)| head.starts_with(magic));
     let size = place.and_then(|(_, place)| size_at(head, place));

@@ -1,4 +1,4 @@
-//! PNG files row by row, as RGBA of 8 bits a channel: what is large need not be held.
+//! PNG files row by row, as RGBA with 8 bits per channel: a large picture need not be held in memory.
 
 use super::picture::{BESIDE_PIXELS, ImportError, open_head};
 use crate::limits::allow_memory;
@@ -8,17 +8,17 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
-/// Bytes that are held of a pixel of one row at most: as the file packs it, twice, of 16 bits a channel, and as RGBA.
+/// Maximum memory per pixel of one row: as packed in the file, twice, with 16 bits per channel, and as RGBA.
 const BYTES_OF_ROW_PIXEL: u64 = 3 * 8 + 4;
 
 /// Bytes of an RGBA pixel.
 const RGBA: usize = 4;
 
-/// A picture that is read from its first row to its last.
+/// A picture read sequentially from its first row to its last.
 pub struct PictureRows<'p> {
     source: RowSource<'p>,
     size: [u32; 2],
-    /// The last row that was asked for.
+    /// The last row read.
     row: Vec<u8>,
     /// How many were.
     count: u32,
@@ -27,7 +27,8 @@ pub struct PictureRows<'p> {
 enum RowSource<'p> {
     Held(&'p RgbaImage),
     File(PathBuf, Box<Reader<BufReader<File>>>),
-    /// The rows of an interlaced file stand all over it: with the first of them all are decoded, as the file has its pixels.
+    /// The rows of an interlaced file are spread all over it: reading the first row decodes all of them, in the file's
+    /// pixel format.
     Interlaced(PathBuf, Box<Reader<BufReader<File>>>, Vec<u8>),
 }
 
@@ -154,7 +155,7 @@ fn push_pixels(mut levels: impl Iterator<Item = u8>, kind: ColorType, rgba: &mut
     }
 }
 
-/// The pixels of a frame: in memory, or in a file that is read whenever they are looked at.
+/// The pixels of a frame: in memory, or in a file that is read whenever they are needed.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FramePicture {
     /// In memory.

@@ -191,7 +191,7 @@ impl<'a> FrameView<'a> {
         Ok(())
     }
 
-    /// Draws into its place in a larger picture.
+    /// Draws into a tile of a larger picture.
     fn draw_into(&mut self, sample: usize, image: &mut RgbaImage) -> Result<(), RenderError> {
         let [width, height] = self.staging.stage.size;
         let mut own = std::mem::take(&mut self.own);

@@ -1,4 +1,5 @@
-//! One picture against its golden file. A golden is never written unasked, and one that is missing fails.
+//! Comparison of a picture with its golden file. A golden is never written unless requested, and a missing one is a
+//! failure.
 
 use crate::compare::film::Allowed;
 use crate::compare::triptych::TriptychRows;
@@ -32,11 +33,11 @@ pub enum Update {
 /// What came of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub enum GoldenVerdict {
-    /// It equals its golden as far as it must.
+    /// It equals its golden within the tolerance.
     Passed(Difference),
     /// The golden was written.
     Written,
-    /// It does not; what was drawn and, where there is a golden, both with their difference stand beside it.
+    /// It differs; the actual picture and, if there is a golden, both with their difference are written beside it.
     Failed {
         /// Why, in one line.
         reason: String,

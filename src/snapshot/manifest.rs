@@ -19,14 +19,14 @@ use std::path::PathBuf;
 /// Name of the list in its folder.
 pub const MANIFEST: &str = "snapshots.toml";
 
-/// Size and samples of a picture that says nothing of them: small, since goldens are kept under version control.
+/// Default size and samples of a picture: small, since goldens are kept under version control.
 const DEFAULT_SIZE: [u32; 2] = [192, 144];
 const DEFAULT_SAMPLES: u32 = 4;
 
 /// Longest side of a golden picture.
 const LONGEST_SIDE: f64 = 4096.0;
 
-/// Latest frame that can be asked for.
+/// Latest frame that may be requested.
 const LAST_FRAME: f64 = 1e6;
 
 /// The field of view, in degrees, of a list that asks for a perspective without one.
@@ -62,7 +62,7 @@ pub struct Picture {
     pub guess: Vec<(String, String)>,
     /// How it is seen.
     pub view: ViewChange,
-    /// Folders beside that of the list in which scenes and their meshes may stand. A list cannot say so by itself.
+    /// Folders beside that of the list in which scenes and their meshes may lie. The list itself cannot set them.
     pub folders: Vec<PathBuf>,
 }
 
@@ -76,7 +76,7 @@ pub enum PictureInstant {
 }
 
 impl Manifest {
-    /// Reads the list; all mistakes found are in the error.
+    /// Reads the list; the error contains every mistake found.
     pub fn read(source: &Source) -> Result<Self, Box<SceneError>> {
         let mut diagnostics = Diagnostics::default();
         let pictures = read_pictures(source, &mut diagnostics);

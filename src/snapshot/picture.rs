@@ -32,7 +32,7 @@ pub enum DrawError {
         /// In words.
         why: String,
     },
-    /// More is asked for than is allowed.
+    /// It needs more than the limits allow.
     #[error(transparent)]
     Limit(#[from] LimitExceeded),
     /// The scene has mistakes.
@@ -62,7 +62,7 @@ pub fn draw_picture(picture: &Picture, folder: &Path) -> Result<RgbaImage, DrawE
     })
 }
 
-/// The same with renderers that `open` opens, one for each view. Errors: likewise, and those of `open`.
+/// The same with renderers that `open` opens, one for each view.
 pub fn draw_with(picture: &Picture, folder: &Path, open: Open) -> Result<RgbaImage, DrawError> {
     let scene = picture_scene(picture, folder)?;
     let (times, index) = picture_times(&scene, picture.instant)?;

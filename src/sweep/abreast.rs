@@ -12,7 +12,7 @@ use crate::numbers::octet::{LANES, LaneMask, Octet};
 /// Designs of a group.
 pub(super) const GROUP: u64 = LANES as u64;
 
-/// Steps from the file's values to those of a design. Few ranges are wider than what so many steps are trusted to pass.
+/// Steps from the file's values to those of a design. Few ranges are too wide for this number of trusted steps.
 const STEPS: usize = 16;
 
 /// Makes rows of eight designs; one for each thread.
@@ -21,12 +21,12 @@ pub(super) struct RowGroup<'s> {
     follower: LaneFollower<'s>,
     /// The scene's own inputs at the start of the drive, then at every instant.
     drive: Vec<Vec<f64>>,
-    /// Where the columns stand among the slots of a pose, and the units in which they are shown.
+    /// Columns of the values among the slots of a pose, and their units.
     columns: Vec<(usize, f64)>,
 }
 
 impl<'s> RowGroup<'s> {
-    /// `None` where rows are to be proved, or are more than named values of the motion.
+    /// `None` if rows are to be proved, or contain more than named values of the motion.
     pub fn new(sweep: &'s Sweep) -> Option<Self> {
         let (family, mechanism) = (sweep.family(), sweep.family().mechanism());
         let is_asked = matches!(
@@ -58,7 +58,7 @@ impl<'s> RowGroup<'s> {
         })
     }
 
-    /// The rows of designs with these parameters, at most eight; `None` of those that are left to the ordinary way.
+    /// The rows of at most eight designs with these parameters; `None` for those left to the ordinary method.
     pub fn rows(&mut self, designs: &[Vec<f64>]) -> Vec<Option<Row>> {
         let origin = &self.sweep.origin;
         let mut pose: Vec<Octet> = origin.coordinates().map(Octet::splat).collect();
@@ -99,7 +99,7 @@ impl<'s> RowGroup<'s> {
         (0..designs.len()).map(row).collect()
     }
 
-    /// Inputs at an instant, with parameters at `share` of the way from those of the file to those of the designs.
+    /// Inputs at an instant, with the parameters at the fraction `share` between the file's and the designs' values.
     fn inputs(
         &self,
         instant: usize,

@@ -1,16 +1,16 @@
-//! The designs of a sweep: each is determined by its number alone, so that work can be divided anywhere.
+//! The designs of a sweep: each is determined by its number alone, so that the work can be divided anywhere.
 
 use super::permutation::Permutation;
 use super::sobol;
 use crate::analysis::random::Random;
 
-/// Most designs: numbers up to here are exact as f64, too, which is how other programs read them.
+/// Maximum number of designs: numbers up to here are exact as f64, too, which is how other programs read them.
 pub const MOST_DESIGNS: u64 = 1 << 53;
 
-/// Streams of random numbers of Latin hypercubes, one a parameter from here on; those of random pieces begin at 0.
+/// First random stream of Latin hypercubes, which use one per parameter; those of random pieces begin at 0.
 const FIRST_STREAM: u64 = 1 << 32;
 
-/// A parameter and the values that it takes, in the file's unit.
+/// A parameter and its values, in the file's unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DesignAxis {
     /// The parameter.
@@ -28,23 +28,24 @@ pub struct DesignAxis {
 pub enum Spread {
     /// Every combination of equally spaced values; the last parameter changes fastest.
     Grid,
-    /// As many equal intervals of every range as designs, one design in each of them.
+    /// Latin hypercube: every range is divided into as many equal intervals as there are designs, with one design in
+    /// each.
     LatinHypercube {
-        /// Where random numbers start.
+        /// Seed of the random numbers.
         seed: u64,
     },
-    /// Points of Sobol's sequence, from its first on.
+    /// Points of Sobol's sequence, from its first one.
     Sobol,
-    /// Row after row of a table, with one number per axis.
+    /// The rows of a table, with one number per axis.
     Table(Vec<f64>),
 }
 
 /// The designs of a sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Design {
-    /// What is varied.
+    /// The varied parameters.
     pub axes: Vec<DesignAxis>,
-    /// How.
+    /// The kind of design.
     pub spread: Spread,
     count: u64,
 }
@@ -84,7 +85,7 @@ impl Design {
         })
     }
 
-    /// The rows of a table: `values` holds as many numbers a row as there are `names`.
+    /// The rows of a table: `values` holds one number per name for each row.
     pub fn table(names: Vec<String>, values: Vec<f64>) -> Self {
         let width = names.len().max(1);
         let axis = |(k, name): (usize, String)| {
@@ -155,7 +156,7 @@ impl Design {
 }
 
 impl DesignAxis {
-    /// Value `place` of a grid; the ends are the range's own numbers.
+    /// Value `place` of a grid; the first and last are exactly the ends of the range.
     pub fn grid_value(&self, place: u64) -> f64 {
         match self.count - 1 {
             0 => self.low,
@@ -165,7 +166,7 @@ impl DesignAxis {
     }
 
     fn at(&self, share: f64) -> f64 {
-        // Written so that values in the middle of a range around zero are exact.
+        // This form is exact for the middle of a range around zero.
         self.low * (1.0 - share) + self.high * share
     }
 }
@@ -201,7 +202,7 @@ mod tests {
         assert!(grid.unwrap_err().contains("more than"));
     }
 
-    /// One design in each of as many stretches, parameter by parameter, and another order for each of them.
+    /// One design in each of as many intervals as there are designs, in a different order for each parameter.
     #[test]
     fn a_latin_hypercube_is_even() {
         let axes = vec![axis("a", 1.0, 2.0, 1), axis("b", -5.0, 5.0, 1)];

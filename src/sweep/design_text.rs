@@ -1,8 +1,8 @@
-//! Designs as they are written: `grid:a=0..10:11,b=1..2:5`, `lhs:1000,a=0..10`, `sobol:1024`.
+//! The text form of designs: `grid:a=0..10:11,b=1..2:5`, `lhs:1000,a=0..10`, `sobol:1024`.
 
 use super::design::{Design, DesignAxis, MOST_DESIGNS, Spread};
 
-/// A range that a parameter has by itself, in the file's unit: that of the scene's study.
+/// The default range of a parameter, in the file's unit: that of the scene's study.
 pub struct OwnRange {
     /// The parameter.
     pub name: String,
@@ -12,14 +12,13 @@ pub struct OwnRange {
     pub high: f64,
 }
 
-/// Whether a text is a design by its own words, and no name of a file.
+/// Whether a text starts with the keyword of a design, and so is not a file name.
 pub fn is_written_out(text: &str) -> bool {
     let kinds = ["grid:", "lhs:", "sobol:"];
     kinds.iter().any(|kind| text.starts_with(kind))
 }
 
-/// Reads a design. `own` gives the ranges of parameters that are named without one, or, where none are named, all
-/// parameters.
+/// Reads a design. `own` gives the ranges of parameters named without one, or, if none are named, of all parameters.
 ///
 /// Errors, in words: what is wrong with the text.
 pub fn read_design(text: &str, own: &[OwnRange], seed: u64) -> Result<Design, String> {
@@ -70,7 +69,7 @@ pub fn read_count(text: &str) -> Result<u64, String> {
     value.ok_or_else(|| format!("`{text}`: a whole number from 1 to {MOST_DESIGNS}"))
 }
 
-/// `NAME`, `NAME=LOW..HIGH`, `NAME=VALUE`, on a grid with `:COUNT` behind it.
+/// `NAME`, `NAME=LOW..HIGH` or `NAME=VALUE`; on a grid followed by `:COUNT`.
 fn read_axis(text: &str, own: &[OwnRange], is_grid: bool) -> Result<DesignAxis, String> {
     let (range, count) = match (is_grid, text.rsplit_once(':')) {
         (true, Some((range, count))) => (range, read_count(count.trim())?),

@@ -2,8 +2,8 @@
 
 use crate::analysis::random::mix_bits;
 
-/// Rounds of the network: four make any two orders as likely as each other for all that can be seen (Luby and Rackoff,
-/// SIAM J. Comput. 1988).
+/// Rounds of the network: after four, the result is indistinguishable from a random permutation (Luby and Rackoff, SIAM
+/// J. Comput. 1988).
 const ROUNDS: u64 = 4;
 
 /// An order of the numbers below a count.
@@ -18,7 +18,7 @@ pub struct Permutation {
 }
 
 impl Permutation {
-    /// The order of the numbers below `count` (at least 1) that belongs to a seed and a stream.
+    /// The order of the numbers below `count` (at least 1) given by a seed and a stream.
     pub fn new(count: u64, seed: u64, stream: u64) -> Self {
         let bits = u64::BITS - (count - 1).leading_zeros();
         Self {
@@ -28,7 +28,7 @@ impl Permutation {
         }
     }
 
-    /// Where item `item` (below the count) goes.
+    /// Position of item `item` (below the count).
     pub fn place(&self, item: u64) -> u64 {
         let mut place = self.scrambled_value(item);
         while place >= self.count {

@@ -1,4 +1,4 @@
-//! Poses a design: the mechanism with its parameters as inputs is followed from the file's own values to those of the
+//! Poses a design: the mechanism with its parameters as inputs is continued from the file's own values to those of the
 //! design, so that a row belongs to the same assembly or states that it does not.
 
 use super::row::RowStatus;
@@ -8,7 +8,7 @@ use crate::kinematics::results::certificate::Certificate;
 use crate::kinematics::results::trajectory::ClosedPose;
 use crate::model::actuation::Actuation;
 
-/// The first pose of the motion with the file's own values: where the way to every design begins.
+/// The first pose of the motion with the file's own values: the start of the path to every design.
 #[derive(Clone, Debug)]
 pub(super) struct Origin {
     /// Inputs, the parameters last.
@@ -21,7 +21,7 @@ pub(super) struct Origin {
 pub(super) struct Start {
     /// Unknowns of the first pose.
     pub unknowns: Vec<f64>,
-    /// Whether it is the file's assembly: `Ok`, `OtherBranch` or `NotReached`.
+    /// Whether it belongs to the file's assembly: `Ok`, `OtherBranch` or `NotReached`.
     pub status: RowStatus,
 }
 
@@ -29,7 +29,8 @@ impl Origin {
     /// The first pose with the file's own values.
     ///
     /// # Errors
-    /// There is none.
+    ///
+    /// No pose exists.
     pub fn new(family: &ParametricMechanism) -> Result<Self, FamilyError> {
         let motion = solve_motion(family.system(), &family.actuation, &[0.0]);
         let pose = motion.poses().next().ok_or_else(|| {
@@ -48,10 +49,11 @@ impl Origin {
         self.unknowns.iter().chain(&self.inputs).copied()
     }
 
-    /// The first pose at other inputs (the parameters among them).
+    /// The first pose at other inputs (including the parameters).
     ///
     /// # Errors
-    /// There is none: surely (`NotClosed`), or as far as was found (`Undecided`).
+    ///
+    /// No pose exists, proved (`NotClosed`) or merely not found (`Undecided`).
     pub fn start_at(
         &self,
         family: &ParametricMechanism,
@@ -63,7 +65,7 @@ impl Origin {
                 status: RowStatus::Ok,
             });
         }
-        // Beyond a place without poses there may be poses again; only the signs indicate their assembly.
+        // Beyond a region without poses there may be poses again; only the signs identify their assembly.
         let assembled = Actuation::straight(inputs, inputs, self.unknowns.clone());
         let motion = solve_motion(family.system(), &assembled, &[0.0]);
         let Some(pose) = motion.poses().next() else {
@@ -82,7 +84,7 @@ impl Origin {
         })
     }
 
-    /// The straight way from the file's values, if it leads there without a singular pose.
+    /// The straight path from the file's values, if it reaches the design without a singular pose.
     fn followed(&self, family: &ParametricMechanism, inputs: &[f64]) -> Option<Vec<f64>> {
         if self.inputs == inputs {
             return Some(self.unknowns.clone());
@@ -95,7 +97,7 @@ impl Origin {
     }
 }
 
-/// The largest closure error and certified error of some poses, and how many of them have no certificate.
+/// The largest closure error and certified error of a set of poses, and the number without a certificate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Proved {
     pub closure_error: f64,

@@ -1,4 +1,4 @@
-//! Rows for which the scene is read anew: its bodies, drives and measures are those of the design.
+//! Rows for which the scene is read again: its bodies, drives and measures are those of the design.
 
 use super::posing::{Proved, Start};
 use super::row::{Row, RowStatus};
@@ -11,7 +11,7 @@ use crate::report::verdict::{Asked as AskedOfCheck, Status};
 use crate::scene::{Overrides, Scene, load_scene};
 use std::sync::Arc;
 
-/// The row of a design: its values in the file's units, and inside.
+/// The row of a design, given its values in the file's units and in internal units.
 pub(super) fn row(sweep: &Sweep, design: &[f64], internal: &[f64]) -> Row {
     let refused = || sweep.empty_row(RowStatus::Refused);
     let Some(mut scene) = scene_with(sweep, design) else {
@@ -66,7 +66,7 @@ fn guess_of(sweep: &Sweep, scene: &Scene, start: &Start) -> Option<Vec<f64>> {
     unknowns.map(|unknown| value(&unknown.name)).collect()
 }
 
-/// Everything that `mechanim check` asks of the scene, at its frames and between them.
+/// Everything that `mechanim check` tests in the scene, at its frames and between them.
 fn checked_row(sweep: &Sweep, scene: &Scene, system: &System, start: RowStatus) -> Row {
     let times = frame_times(&scene.mechanism, &scene.actuation, scene.view.fps);
     let check = MotionCheck {
@@ -85,7 +85,7 @@ fn checked_row(sweep: &Sweep, scene: &Scene, system: &System, start: RowStatus) 
         is_swept: false,
         worst: 0,
     };
-    // A design that is too large to be checked is not a finding about it.
+    // A design that is too large to be checked has not failed the check.
     let Ok(motion) = check.solve(&|| false) else {
         return sweep.empty_row(RowStatus::Refused);
     };
@@ -112,7 +112,8 @@ fn checked_row(sweep: &Sweep, scene: &Scene, system: &System, start: RowStatus) 
     }
 }
 
-/// By how much the nearest pair keeps its minimum: as found, and at least, proved. NaN without pairs, or without a proof.
+/// Margin of the nearest pair above its minimum: the value found, and the proved lower bound. NaN without pairs, or
+/// without a proof.
 fn clearance_margins(found: Option<&ClearanceReport>) -> [f64; 2] {
     let pairs = found.map_or(&[][..], |found| &found.judged);
     if pairs.is_empty() {

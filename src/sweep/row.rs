@@ -1,20 +1,20 @@
 //! A row of a sweep as numbers: the status of its design, its values, and what is proved about them.
 
-/// How the motion of a design went.
+/// Outcome of the motion of a design.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RowStatus {
-    /// All poses are there, on the assembly that the file's own values have.
+    /// All poses exist, on the assembly of the file's own values.
     Ok,
     /// Some poses do not exist, or the motion ends at a fold: proved.
     NotClosed,
     /// The poses are those of another assembly.
     OtherBranch,
-    /// The straight way from the file's values does not lead there; the poses were assembled anew, and have the signs of
-    /// the file's assembly.
+    /// The straight path from the file's values does not reach the design; the poses were assembled anew, and have the
+    /// signs of the file's assembly.
     NotReached,
     /// The scene cannot be read with these values, or a requested value does not exist.
     Refused,
-    /// Poses are missing, and it is not proved that there are none.
+    /// Poses are missing, but it is not proved that they do not exist.
     Undecided,
     /// There are poses, but redundant equations are proved not to hold at some of them.
     Open,
@@ -44,7 +44,7 @@ impl RowStatus {
         }
     }
 
-    /// As tables say it.
+    /// Its name in tables.
     pub const fn word(self) -> &'static str {
         match self {
             Self::Ok => "ok",
@@ -61,36 +61,36 @@ impl RowStatus {
 /// One row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
-    /// How it went.
+    /// The outcome.
     pub status: RowStatus,
-    /// Whether it is ok and keeps all limits; of a check, whether that passed.
+    /// Whether it is ok and meets all limits; for a check, whether that passed.
     pub is_feasible: bool,
-    /// What was asked for, in the file's units; NaN where there is none.
+    /// The requested values, in the file's units; NaN where there is none.
     pub values: Vec<f64>,
-    /// Largest gap of any loop, relative to the size, by an independent product.
+    /// Largest gap of any loop, relative to the size, by an independent evaluation.
     pub closure_error: f64,
     /// Largest certified error of a coordinate.
     pub error_bound: f64,
-    /// Poses without a certificate.
+    /// Number of poses without a certificate.
     pub unproved: f64,
 }
 
-/// Numbers of a row beside its values.
+/// Numbers of a row besides its values.
 const BESIDE: usize = 5;
 
 impl Row {
-    /// Numbers that a part keeps of a row with so many values.
+    /// Numbers that a partial result stores per row with this many values.
     pub const fn width(values: usize) -> usize {
         BESIDE + values
     }
 
-    /// The numbers of the row as tables show them, behind those of its design.
+    /// The numbers of the row as tables show them, after those of its design.
     pub fn numbers<'r>(&'r self, design: &'r [f64]) -> impl Iterator<Item = f64> + 'r {
         let proofs = [self.closure_error, self.error_bound, self.unproved];
         design.iter().chain(&self.values).copied().chain(proofs)
     }
 
-    /// As numbers that a part keeps.
+    /// As the numbers that a partial result stores.
     pub fn record(&self) -> Vec<f64> {
         let status = RowStatus::ALL.iter().position(|s| *s == self.status);
         let mut record = Vec::with_capacity(BESIDE + self.values.len());

@@ -1,4 +1,4 @@
-//! The rows of a sweep: what becomes of one design after another.
+//! The rows of a sweep: the evaluation of one design after another.
 
 use super::abreast::{GROUP, RowGroup};
 use super::posing::Start;
@@ -29,7 +29,7 @@ impl<'s> RowWorker<'s> {
         }
     }
 
-    /// The rows of some designs, in their order. A row does not depend on the others.
+    /// The rows of a set of designs, in order. A row does not depend on the others.
     pub fn rows(&mut self, items: Range<u64>) -> Vec<Row> {
         let mut rows = Vec::new();
         for first in items.clone().step_by(GROUP as usize) {
@@ -71,7 +71,7 @@ impl<'s> RowWorker<'s> {
         sweep.answer(&posed, status)
     }
 
-    /// Puts values in place of those of the design before.
+    /// Replaces the values of the previous design.
     fn set(&mut self, values: &[f64]) {
         let first = self.sweep.family.own_inputs();
         for (k, value) in values.iter().enumerate() {
@@ -80,7 +80,7 @@ impl<'s> RowWorker<'s> {
                 (track.from[first + k], track.to[first + k]) = (*value, *value);
             }
         }
-        // Wishes for the first pose are those of the file's values.
+        // The preferences for the first pose are those of the file's values.
         self.actuation.named.clear();
     }
 }

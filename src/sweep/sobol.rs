@@ -1,7 +1,7 @@
-//! Points of Sobol's sequence, any of them from its number alone.
+//! Points of Sobol's sequence, each computed from its number alone.
 //!
-//! Direction numbers: S. Joe and F. Y. Kuo, "Constructing Sobol sequences with better two-dimensional projections", SIAM J.
-//! Sci. Comput. 30 (2008).
+//! Direction numbers: S. Joe and F. Y. Kuo, "Constructing Sobol sequences with better two-dimensional projections",
+//! SIAM J. Sci. Comput. 30 (2008).
 
 /// Degree of the primitive polynomial of a dimension, its inner coefficients, and the first direction numbers.
 type Generator = (u32, u64, &'static [u64]);
@@ -33,12 +33,12 @@ const GENERATORS: [Generator; 20] = [
 /// Most dimensions of a design.
 pub const MOST_DIMENSIONS: usize = GENERATORS.len() + 1;
 
-/// Bits of a coordinate: all that a number between 0 and 1 holds.
+/// Bits of a coordinate: all that a number between 0 and 1 can hold.
 const BITS: u32 = 53;
 
 /// Coordinate `dimension` of point `item`, in [0, 1); item and dimension are counted from 0, and item 0 is the corner.
 pub fn coordinate(dimension: usize, item: u64) -> f64 {
-    // Gray's order: from one point to the next one direction changes.
+    // In Gray code order, one direction number changes from one point to the next.
     let gray = item ^ (item >> 1);
     let directions = direction_numbers(dimension);
     let set = (0..BITS).filter(|bit| gray >> bit & 1 == 1);
@@ -57,7 +57,7 @@ fn direction_numbers(dimension: usize) -> [u64; BITS as usize] {
     numbers
 }
 
-/// Direction numbers after the first ones, by the recurrence of the primitive polynomial.
+/// Direction numbers after the initial ones, by the recurrence of the primitive polynomial.
 fn extend_numbers(numbers: &mut [u64], (degree, inner, first): Generator) {
     let s = degree as usize;
     numbers[..s].copy_from_slice(first);
@@ -76,7 +76,7 @@ fn extend_numbers(numbers: &mut [u64], (degree, inner, first): Generator) {
 mod tests {
     use super::*;
 
-    /// Every dimension of the first 2ᵏ points has one in each of 2ᵏ equal stretches.
+    /// In every dimension, the first 2ᵏ points have one in each of 2ᵏ equal intervals.
     #[test]
     fn every_projection_is_even() {
         for dimension in 0..MOST_DIMENSIONS {
@@ -88,7 +88,7 @@ mod tests {
         }
     }
 
-    /// Points 1, 2, 5 and 1000 of dimensions 0, 1, 6, 20, as SciPy 1.17 gives them without scrambling.
+    /// Points 1, 2, 5 and 1000 of dimensions 0, 1, 6, 20, from SciPy 1.17 without scrambling.
     #[test]
     fn points_are_those_of_another_program() {
         let known = [

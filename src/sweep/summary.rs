@@ -1,13 +1,13 @@
-//! The summary of a sweep for people: numbers of rows by status, and ranges of the values.
+//! The summary of a sweep: numbers of rows by status, and ranges of the values.
 
 use super::row::{Row, RowStatus};
 use super::swept_scene::Sweep;
 use crate::report::cells::{aligned_rows, six_digits};
 
-/// Most values with a line of their own.
+/// Maximum number of values with a line of their own.
 const MOST_LINES: usize = 12;
 
-/// Counts rows and their extremes, in memory that does not grow with them.
+/// Counts rows and tracks their extremes, in memory that does not grow with the number of rows.
 pub struct Summary<'s> {
     sweep: &'s Sweep,
     counts: [u64; RowStatus::ALL.len()],
@@ -20,7 +20,7 @@ pub struct Summary<'s> {
 }
 
 impl<'s> Summary<'s> {
-    /// Before the first row.
+    /// The summary before the first row.
     pub fn new(sweep: &'s Sweep) -> Self {
         let none = [(f64::INFINITY, 0), (f64::NEG_INFINITY, 0)];
         Self {
@@ -55,7 +55,7 @@ impl<'s> Summary<'s> {
         }
     }
 
-    /// Lines for people.
+    /// The lines of the summary.
     pub fn text(&self) -> String {
         let all: u64 = self.counts.iter().sum();
         let kinds = RowStatus::ALL.iter().zip(&self.counts);

@@ -20,28 +20,28 @@ use crate::scene::Overrides;
 /// The values requested for every design.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Asked {
-    /// The measures of the scene, along the drive with so many samples.
+    /// The measures of the scene, with this number of samples along the drive.
     Measures {
-        /// Poses along the drive, where a measure looks along it.
+        /// Poses along the drive, if a measure needs them.
         samples: usize,
     },
     /// Named values at instants of the drive.
     Outputs {
         /// Names of inputs, unknowns, coordinates of traced points, or outputs.
         names: Vec<String>,
-        /// When.
+        /// The instants.
         at: Instants,
         /// Whether every pose has a certificate.
         is_proved: bool,
     },
-    /// Everything that `mechanim check` asks.
+    /// Everything that `mechanim check` tests.
     Check,
 }
 
 /// Instants of a drive.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Instants {
-    /// So many, evenly spread.
+    /// This number of instants, evenly spaced.
     Even(usize),
     /// These, in seconds, ascending.
     At(Vec<f64>),
@@ -59,9 +59,9 @@ impl Instants {
 /// A scene whose parameters are swept.
 #[derive(Clone, Debug)]
 pub struct Sweep {
-    /// Which designs.
+    /// The designs.
     pub design: Design,
-    /// What is asked of each.
+    /// The values requested for each.
     pub asked: Asked,
     /// Names of the values of a row, with their units.
     pub columns: Vec<(String, String)>,
@@ -69,7 +69,7 @@ pub struct Sweep {
     pub(super) source: Source,
     pub(super) overrides: Overrides,
     pub(super) origin: Origin,
-    /// Places of the parameters of the family among those of the design.
+    /// Indices of the family's parameters among those of the design.
     order: Vec<usize>,
     pub(super) shown: Vec<Column>,
 }
@@ -78,6 +78,7 @@ impl Sweep {
     /// Reads the scene with the design's parameters as inputs of its mechanism, and poses it with the file's values.
     ///
     /// # Errors
+    ///
     /// Mistakes in the scene; no pose with the file's values; a value that the scene does not have.
     pub fn new(
         source: Source,
@@ -114,18 +115,18 @@ impl Sweep {
         &self.family.mechanism().title
     }
 
-    /// The family of all designs.
+    /// The family of mechanisms that contains all designs.
     pub fn family(&self) -> &ParametricMechanism {
         &self.family
     }
 
-    /// Numbers that a part keeps of a row.
+    /// Numbers that a partial result stores per row.
     pub fn width(&self) -> usize {
         Row::width(self.columns.len())
     }
 
-    /// Whether every row reads the scene again: with a check, whose bodies follow the design, and if parameters appear
-    /// in drives, in tracks, or in measures through another parameter.
+    /// Whether the scene is read again for every row: for a check, whose bodies follow the design, and if parameters
+    /// appear in drives, in tracks, or in measures through another parameter.
     pub fn reads_anew(&self) -> bool {
         self.asked == Asked::Check || !self.family.kept.is_empty()
     }
@@ -142,7 +143,7 @@ impl Sweep {
         }
     }
 
-    /// What is asked for beside a check, of a mechanism that is driven along `posed`.
+    /// Values requested besides a check, of a mechanism that is driven along `posed`.
     pub(super) fn answer(&self, posed: &Posed, start: RowStatus) -> Row {
         let mut proved = Proved::default();
         let times = self.times(posed);
@@ -186,7 +187,7 @@ impl Sweep {
         match &self.asked {
             Asked::Outputs { at, .. } => at.times(posed.system.mechanism(), posed.actuation),
             Asked::Measures { samples } if looks_along_drive(posed.measures) => even(*samples),
-            // Of the drive nothing but its start is asked.
+            // Only the start of the drive is needed.
             _ => vec![0.0],
         }
     }
@@ -199,7 +200,7 @@ impl Sweep {
         }
     }
 
-    /// Value after value of every instant, in the file's units.
+    /// The values at every instant in turn, in the file's units.
     fn outputs(&self, posed: &Posed, motion: &Trajectory) -> Vec<f64> {
         let mechanism = posed.system.mechanism();
         let at = |column: &Column, sample: &Sample| match &sample.pose {
@@ -212,7 +213,7 @@ impl Sweep {
             .collect()
     }
 
-    /// Whether measures keep their own limits and those of the study.
+    /// Whether measures meet their own limits and those of the study.
     fn keeps_limits(&self, values: &[f64]) -> bool {
         match self.asked {
             Asked::Measures { .. } => {
@@ -223,7 +224,7 @@ impl Sweep {
         }
     }
 
-    /// Measures are computed in radians; outputs are in the file's units already.
+    /// Measures are computed in radians; outputs are already in the file's units.
     fn in_file_units(&self, mut values: Vec<f64>) -> Vec<f64> {
         if let Asked::Measures { .. } = self.asked {
             let measures = self.family.measures.list.iter();
@@ -243,14 +244,14 @@ impl Sweep {
     }
 }
 
-/// A mechanism that is driven, and what is measured of it.
+/// A driven mechanism, and the values measured on it.
 pub(super) struct Posed<'p> {
     pub system: &'p System,
     pub actuation: &'p Actuation,
     pub measures: &'p Measures,
 }
 
-/// How a motion went that began as `start` says.
+/// Outcome of a motion that began as `start` states.
 pub(super) fn motion_status(motion: &Trajectory, start: RowStatus) -> RowStatus {
     let is_open = |pose: &ClosedPose| {
         let reason = Reason::Open;

@@ -6,7 +6,7 @@ use crate::model::printed::push_shortest_decimal;
 use crate::report::cells::quoted_cell;
 use serde_json::{Map, Value, json};
 
-/// How rows are written.
+/// Format of the rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TableFormat {
     /// A header, then one line per row; undefined values are empty cells.
@@ -15,7 +15,7 @@ pub enum TableFormat {
     JsonLines,
 }
 
-/// Columns before the parameters, and behind the values.
+/// Columns before the parameters, and after the values.
 const FIRST: [&str; 3] = ["design", "status", "feasible"];
 const LAST: [&str; 3] = ["closure_error", "error_bound", "unproved"];
 
@@ -48,7 +48,7 @@ impl<'s> RowTable<'s> {
         self.names
     }
 
-    /// What stands before the rows.
+    /// The text before the rows.
     pub fn header(&self) -> String {
         match self.format {
             TableFormat::Csv => {

@@ -1,10 +1,10 @@
-//! The picture that a viewer of the animation shows so far, and the changes that the next frame needs.
+//! The picture shown by the frames so far, and the changes that the next frame needs.
 
 use super::colour_costs::{Pixel, PixelChange};
 use crate::export::changed_area::PixelArea;
 
-/// Stretches of unchanged pixels at least this long are only ever coded as transparent. Shorter ones may also
-/// repeat their colour where that continues a string (30 % of the file); in longer ones the choice only costs time.
+/// Runs of unchanged pixels at least this long are only ever coded as transparent. Shorter ones may also repeat their
+/// colour where that continues a string (30 % of the file); in longer ones the choice only costs time.
 const STRETCH: usize = 12;
 
 /// Pixels compared at once: 64 bytes.
@@ -79,7 +79,7 @@ impl Screen {
         Some((area, &self.pixels))
     }
 
-    /// Takes over the indices that were sent for `area`.
+    /// Adopts the indices that were sent for `area`.
     pub(super) fn show(&mut self, area: &PixelArea, sent: &[u8]) {
         let width = self.size[0];
         let rows = self
@@ -99,7 +99,7 @@ impl Screen {
     }
 }
 
-/// Appends a row of pixels with their relation to the frame before.
+/// Appends a row of pixels with their relation to the previous frame.
 fn push_row(pixels: &mut Vec<Pixel>, new: &[[u8; 4]], old: &[[u8; 4]], shown: &[u8]) {
     let mut at = 0;
     while at < new.len() {
@@ -123,7 +123,7 @@ fn push_row(pixels: &mut Vec<Pixel>, new: &[[u8; 4]], old: &[[u8; 4]], shown: &[
     }
 }
 
-/// Number of equal pixels both rows begin with.
+/// Number of equal pixels at the start of both rows.
 fn same_at_start(new: &[[u8; 4]], old: &[[u8; 4]]) -> usize {
     let (blocks, _) = new.as_chunks::<BLOCK>();
     let equal = blocks
@@ -138,7 +138,7 @@ fn same_at_start(new: &[[u8; 4]], old: &[[u8; 4]]) -> usize {
         .count()
 }
 
-/// Tells every pixel of a stretch how many are left of it, over the ends of rows.
+/// Stores in every pixel of a run how many pixels remain, across the ends of rows.
 fn measure_stretches(pixels: &mut [Pixel]) {
     let mut left = 0;
     for pixel in pixels.iter_mut().rev() {

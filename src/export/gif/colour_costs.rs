@@ -9,12 +9,12 @@ pub(super) const NEVER: i32 = i32::MAX;
 /// A channel far from any colour, whose squared distances still fit an `i32`.
 const FAR: i32 = 20_000;
 
-/// How much error may be spent on size.
+/// The error that may be traded for size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Loss {
     /// Squared sRGB error that covering one more pixel with a code is worth.
     pub(super) price: i32,
-    /// Most squared sRGB error that may be added to one pixel.
+    /// Maximum squared sRGB error that may be added to one pixel.
     pub(super) limit: i32,
 }
 
@@ -23,14 +23,14 @@ impl Loss {
     pub(super) const NONE: Self = Self { price: 0, limit: 0 };
 }
 
-/// How a pixel relates to the frame before.
+/// Relation of a pixel to the previous frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PixelChange {
-    /// Its colour changed, or there is no frame before.
+    /// Its colour changed, or there is no previous frame.
     Changed,
     /// Its colour is the same.
     Same,
-    /// As `Same`, inside a long stretch of such pixels, where only the transparent index is tried.
+    /// As `Same`, inside a long run of such pixels, where only the transparent index is tried.
     Stretch,
 }
 
@@ -38,36 +38,36 @@ pub(super) enum PixelChange {
 #[derive(Clone, Copy, Debug)]
 #[repr(align(8))]
 pub(super) struct Pixel {
-    /// Red, green, blue, and the index of the nearest palette colour; in a stretch, how many pixels of it are left.
+    /// Red, green, blue, and the index of the nearest palette colour; inside a run, the number of pixels that remain.
     pub(super) wanted: [u8; 4],
-    /// Index now shown there; the transparent index if nothing is.
+    /// Index shown there now; the transparent index if nothing is.
     pub(super) shown: u8,
     /// Relation to the frame before.
     pub(super) change: PixelChange,
 }
 
 impl Pixel {
-    /// A pixel of a stretch, the last one.
+    /// The last pixel of a run.
     pub(super) const STRETCH: Self = Self {
         wanted: [1, 0, 0, 0],
         shown: 0,
         change: PixelChange::Stretch,
     };
 
-    /// Tells a pixel of a stretch how many are left of it, itself included.
+    /// Stores in a pixel of a run how many pixels remain, including itself.
     #[inline]
     pub(super) fn set_stretch_left(&mut self, left: u32) {
         self.wanted = left.to_le_bytes();
     }
 
-    /// Pixels from this one to the end of its stretch.
+    /// Pixels from this one to the end of its run.
     #[inline]
     pub(super) fn stretch_left(&self) -> usize {
         u32::from_le_bytes(self.wanted) as usize
     }
 }
 
-/// A changed pixel with what its nearest colour costs.
+/// A changed pixel with the cost of its nearest colour.
 pub(super) struct ColourWish {
     colour: [i32; 3],
     least: i32,
@@ -102,7 +102,7 @@ impl Costs {
         }
     }
 
-    /// Prepares the questions about a changed pixel.
+    /// Prepares the evaluation of a changed pixel.
     #[inline]
     pub(super) fn wish(&self, pixel: &Pixel) -> ColourWish {
         let [r, g, b, nearest] = pixel.wanted;
@@ -122,7 +122,7 @@ impl Costs {
         } else {
             self.colours[usize::from(index)]
         };
-        // Most indices are far off, and one channel tells.
+        // Most indices are far off, which one channel already shows.
         let off = wish.colour[1] - colour[1];
         if off * off > wish.least + self.limit {
             return NEVER;

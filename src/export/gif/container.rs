@@ -15,17 +15,17 @@ pub(super) struct GifFile {
 /// A frame as it is stored.
 #[derive(Clone, Debug)]
 pub(super) struct GifBlock {
-    /// What it covers.
+    /// The rectangle that it covers.
     pub(super) area: PixelArea,
     /// The size of the symbols in bits and the LZW stream.
     pub(super) codes: Vec<u8>,
-    /// The index that leaves a pixel as it is.
+    /// The transparent index, which leaves a pixel unchanged.
     pub(super) transparent: u8,
-    /// Its own table of colours, in place of the global one.
+    /// Its local colour table, used instead of the global one.
     pub(super) table: Option<Vec<u8>>,
 }
 
-/// A table of 2^`bits` colours; those that are not used are black.
+/// A table of 2^`bits` colours; unused entries are black.
 pub(super) fn table(colours: &[[u8; 3]], bits: u8) -> Vec<u8> {
     let mut table = colours.as_flattened().to_vec();
     // Room for the transparent index, which may be the first after the colours.
@@ -34,8 +34,8 @@ pub(super) fn table(colours: &[[u8; 3]], bits: u8) -> Vec<u8> {
 }
 
 impl GifFile {
-    /// Writes the head: screen of `size` pixels, global table of 2^`bits` colours (1 to 8), and, to play without end, the
-    /// loop extension that every viewer knows by Netscape's name.
+    /// Writes the header: screen of `size` pixels, global table of 2^`bits` colours (1 to 8), and, to play endlessly,
+    /// the Netscape loop extension, which every viewer knows.
     pub(super) fn new(
         output: Box<dyn Output>,
         size: [u16; 2],
@@ -96,7 +96,7 @@ impl GifFile {
     }
 }
 
-/// The error of a container as ours; what is no fault of the file cannot happen with the frames that are given here.
+/// Converts an error of the container; errors that are not the file's fault cannot occur with the frames passed here.
 fn encoding_error(name: &str, error: EncodingError) -> ExportError {
     let source = match error {
         EncodingError::Io(source) => source,

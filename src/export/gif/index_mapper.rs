@@ -1,4 +1,4 @@
-//! Pixels to palette indices, remembering every colour met. One mapper a worker thread.
+//! Maps pixels to palette indices, and remembers every colour met. One mapper per worker thread.
 
 use crate::export::palette::Palette;
 use image::RgbaImage;
@@ -8,15 +8,15 @@ use std::sync::Arc;
 /// shaded surfaces touch few of them, and untouched pages cost nothing.
 const ENTRIES: usize = 1 << 24;
 
-/// sRGB levels from which on a colour is seen to be another one: a colour difference of about 3.
+/// Distance in sRGB levels from which a colour visibly differs: a colour difference of about 3.
 const NOTICED: u8 = 6;
 
-/// Squared levels, summed over the pixels of one missed colour, from which on it is an area and not the chance of some
-/// edges: 100 pixels that are 10 levels off. Rendered frames have up to 5000.
+/// Squared levels, summed over the pixels of one missed colour, from which on it is an area and not merely a few edge
+/// pixels: 100 pixels that are 10 levels off. Rendered frames have up to 5000.
 const AREA_ERROR: u64 = 100 * 10 * 10;
 
-/// The same over all that is missed in a frame of 640 by 480 pixels; rendered frames have 200 000, on their edges, which
-/// grow with the root of the pixels.
+/// The same summed over all missed colours in a frame of 640 by 480 pixels; rendered frames have 200 000, on their
+/// edges, which grow with the square root of the number of pixels.
 const LARGE_ERROR: f64 = 5e5;
 const LARGE_ERROR_PIXELS: f64 = 640.0 * 480.0;
 
@@ -27,20 +27,20 @@ const BLOCK: usize = 16;
 pub struct Mapper {
     palette: Arc<Palette>,
     /// By colour: index plus one, 0 for not yet known (palettes have at most 255 colours), and above these eight bits
-    /// how far off it is.
+    /// the colour's error.
     known: Vec<u16>,
-    /// Most levels that a colour may be off by.
+    /// Maximum error of a colour, in levels.
     tolerance: u8,
-    /// Colours of the last frame that are farther off than the palette may be, an entry a pixel.
+    /// Colours of the last frame whose error is above the maximum, one entry per pixel.
     missed: Vec<[u8; 3]>,
-    /// Squares of how far off they are, added up.
+    /// Sum of the squares of their errors.
     missed_by: u64,
     /// Pixels of the last frame.
     pixels: usize,
 }
 
 impl Mapper {
-    /// A mapper that knows no colour yet.
+    /// A mapper without known colours.
     pub fn new(palette: Arc<Palette>) -> Self {
         let tolerance = if palette.is_exact() { 0 } else { NOTICED };
         Self {
@@ -53,7 +53,7 @@ impl Mapper {
         }
     }
 
-    /// Colours of the last frame that its palette misses, an entry a pixel, if they are worth a table of their own.
+    /// Colours of the last frame that its palette misses, one entry per pixel, if they justify a table of their own.
     pub fn missed(&mut self) -> Option<&[[u8; 3]]> {
         let is_seen = if self.palette.is_exact() {
             !self.missed.is_empty()

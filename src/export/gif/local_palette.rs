@@ -48,7 +48,7 @@ impl OwnTable {
         coded.extend(self.palette.colours().iter().flatten());
     }
 
-    /// What `append` wrote behind the pixels of a frame; `None` if it did not.
+    /// What `append` wrote after the pixels of a frame; `None` if it did not.
     pub(super) fn read(coded: &[u8], pixels: usize) -> Option<Self> {
         let (nearest, rest) = coded.get(4 * pixels..)?.split_at_checked(pixels)?;
         let (exact, colours) = rest.split_first()?;

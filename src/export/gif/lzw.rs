@@ -12,14 +12,14 @@ const SYMBOLS: usize = 256;
 /// No node: the root codes come first, so 0 is never a child.
 pub(super) const NONE: u16 = 0;
 
-/// A node's place among its siblings and its own symbol, together because they are read together.
+/// A node's next sibling and its own symbol, together because they are read together.
 #[derive(Clone, Copy)]
 struct SiblingLink {
     sibling: u16,
     symbol: u8,
 }
 
-/// The strings an encoder has told its decoder about, as a tree. Node numbers are codes.
+/// The strings known to the decoder, as a tree. Node numbers are codes.
 pub(super) struct Dictionary {
     first_child: Box<[u16; CODES]>,
     links: Box<[SiblingLink; CODES]>,
@@ -60,7 +60,7 @@ impl Dictionary {
         dictionary
     }
 
-    /// Forgets all strings of more than one symbol.
+    /// Removes all strings of more than one symbol.
     pub(super) fn reset(&mut self) {
         let first = usize::from(self.end_code()) + 1;
         for node in first..usize::from(self.next) {
@@ -102,7 +102,7 @@ impl Dictionary {
         self.next
     }
 
-    /// True when no string can be added.
+    /// Whether the dictionary is full.
     pub(super) fn is_full(&self) -> bool {
         usize::from(self.next) >= CODES
     }

@@ -93,7 +93,7 @@ pub struct GifSink {
     table: ColourTable,
     screen: Screen,
     sent: Vec<u8>,
-    /// The frame waiting for its delay: equal frames that follow lengthen it.
+    /// The frame waiting for its delay: equal frames after it lengthen it.
     pending: GifBlock,
     delay: u32,
     summary: ExportSummary,
@@ -150,7 +150,7 @@ impl GifSink {
     fn flush_pending(&mut self) -> Result<(), ExportError> {
         while self.delay > 0 {
             let mut delay = self.delay.min(LONGEST_DELAY);
-            // One hundredth left over would be shown for too long: leave two.
+            // One remaining hundredth would be shown for too long: leave two.
             if self.delay - delay == 1 {
                 delay -= 1;
             }
@@ -163,7 +163,7 @@ impl GifSink {
         Ok(())
     }
 
-    /// Lets a frame of one transparent pixel wait.
+    /// Queues a frame of one transparent pixel.
     fn keep_unchanged(&mut self) {
         self.pending = self.table.unchanged_block();
         let codes = &mut self.pending.codes;
@@ -181,7 +181,7 @@ impl GifSink {
         Some(GifBlock { area, ..block })
     }
 
-    /// A frame with a table of its own.
+    /// A frame with its own colour table.
     fn with_table(&mut self, pixels: &[[u8; 4]], own: &OwnTable) -> Option<GifBlock> {
         let mut local = ColourTable::new(&own.palette, self.settings.quality);
         let (global, colours) = (self.palette.colours(), own.palette.colours());
@@ -207,10 +207,10 @@ impl GifSink {
     }
 }
 
-/// A table of colours with what codes pixels in it.
+/// A colour table and the encoder of its pixels.
 struct ColourTable {
     matcher: Matcher,
-    /// The first index after the colours, which means "as before"; there is always room for it.
+    /// The first index after the colours, which means "unchanged"; there is always room for it.
     transparent: u8,
     /// The table has 2 to this power entries.
     bits: u8,

@@ -8,11 +8,11 @@
 use super::colour_costs::{Costs, Loss, NEVER, Pixel, PixelChange};
 use super::lzw::{BitWriter, Dictionary, NONE};
 
-/// Strings followed at once. Against two, four make the file 2 % smaller at the same price and take longer; one makes
-/// it a tenth larger.
+/// Strings followed at once. Compared with two, four make the file 2 % smaller at the same quality and take longer; one
+/// makes it a tenth larger.
 const BEAM: usize = 2;
 
-/// A string of the dictionary that can stand for the pixels read so far.
+/// A string of the dictionary that can represent the pixels read so far.
 #[derive(Clone, Copy, Debug)]
 struct Candidate {
     node: u16,
@@ -169,14 +169,14 @@ struct BeamStep<'a> {
 }
 
 impl BeamStep<'_> {
-    /// Puts the strings to begin with into `front`, at least one, and returns how many pixels they cover.
+    /// Puts the initial strings into `front`, at least one, and returns how many pixels they cover.
     fn start(&self, pixels: &[Pixel], front: &mut Beam) -> usize {
         front.length = 0;
         let Some(pixel) = pixels.first() else {
             return 0;
         };
         if pixel.change == PixelChange::Stretch {
-            // Nothing but the transparent index fits: as many as the dictionary has in one string.
+            // Only the transparent index fits: as many as the dictionary has in one string.
             let (node, length) = self.dictionary.run(pixel.stretch_left());
             front.push(Candidate {
                 node,
@@ -209,7 +209,7 @@ impl BeamStep<'_> {
         });
     }
 
-    /// A pixel in a stretch: the transparent index.
+    /// A pixel in a run: the transparent index.
     #[inline]
     fn stretch_strings(&self, front: &Beam, back: &mut Beam) {
         for item in front.items() {
@@ -264,7 +264,7 @@ impl BeamStep<'_> {
         }
     }
 
-    /// The string about to be added, last + first, can already be sent: the decoder knows how it goes on.
+    /// The string about to be added, last + first, can already be sent: the decoder knows its continuation.
     #[inline]
     fn unsaid(&self, item: &Candidate, back: &mut Beam, error: i32) {
         if self.last == Some(item.node) && !self.dictionary.is_full() {
