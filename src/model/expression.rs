@@ -332,6 +332,7 @@ mod instants;
 pub mod jumps;
 pub mod pieces;
 pub mod quadratic;
+mod sides;
 
 #[cfg(test)]
 mod tests;

@@ -1,12 +1,13 @@
 //! Whether a formula of time goes on at an instant without a jump: what it is on both sides is compared there.
 //!
 //! Size tells nothing. `t + 1e-9*floor(t)` jumps; `floor(t)*(t - 1)` does not at 1 s, nor does the triangle wave
-//! `abs(mod(t, 2) - 1)`. Every operation has its value on one side and what the other side is more, which is exactly zero
-//! where nothing in it jumps: a tiny jump is not lost beside a large value.
+//! `abs(mod(t, 2) - 1)`.
 
+use super::instants::quotient_of;
 use super::jumps::{KNOWN, Line, instant_of, line_of};
 use super::pieces::{TimePiece, around_instant, within};
-use super::{Expression, Function, Op, ZERO, apply_op};
+use super::sides::{Side, on_one_side, takes_whole};
+use super::{Expression, ZERO};
 use crate::numbers::constant::Constant;
 use crate::numbers::interval::Interval;
 use crate::numbers::scalar::Scalar;
@@ -43,25 +44,6 @@ impl Jumps {
     }
 }
 
-/// Of every operation the whole number that it takes on one side of an instant; `None` if it takes none, or if that is open.
-type Side = Vec<Option<f64>>;
-
-/// A value on one side, and what it is more on the other.
-#[derive(Clone, Copy)]
-struct Step {
-    here: Constant,
-    more: Constant,
-}
-
-impl Step {
-    fn there(self) -> Constant {
-        match self.more == ZERO {
-            true => self.here,
-            false => self.here + self.more,
-        }
-    }
-}
-
 impl Expression {
     /// Whether it has functions that take whole numbers, and so jump.
     pub fn may_jump(&self) -> bool {
@@ -75,8 +57,18 @@ impl Expression {
             return jumps;
         }
         let mut stops = self.breaks(from, to);
-        // What is at the ends but for rounding is at the ends.
+        // What is at the ends but for rounding is at the ends. A single instant may have a value of its own there, too.
         let [first, last] = [from, to].map(around_instant);
+        let beside = |end: f64| {
+            let near = stops.iter().copied().chain([end]);
+            let about = around_instant(end);
+            let near = near.filter(|t| about.lo <= *t && *t <= about.hi);
+            let all = near.flat_map(|t| [t.next_down(), t, t.next_up()]);
+            let mut all: Vec<f64> = all.filter(|t| from <= *t && *t <= to).collect();
+            all.sort_unstable_by(f64::total_cmp);
+            all
+        };
+        let [starts, ends] = [from, to].map(beside);
         stops.retain(|t| first.hi < *t && *t < last.lo);
         stops.dedup_by(|b, a| *b <= around_instant(*a).hi);
         stops.insert(0, from);
@@ -90,9 +82,10 @@ impl Expression {
             .map(|piece| piece.sides.iter().map(|side| side.whole()).collect())
             .collect();
         let at = |time: f64| self.whole_numbers(time);
-        jumps.at_start = self.may_differ(&pieces[0], &[at(from), sides[0].clone()], from);
+        let start: Vec<Side> = starts.into_iter().map(at).collect();
+        let way = [&start, &sides[..1]].concat();
+        jumps.at_start = self.may_differ(&pieces[0], &way, from);
         for (k, time) in stops[1..stops.len() - 1].iter().enumerate() {
-            // A single instant may have a value of its own, too.
             let here = [time.next_down(), *time, time.next_up()].map(at);
             let way = [&sides[k..=k], &here, &sides[k + 1..k + 2]].concat();
             if self.may_differ(&pieces[k], &way, *time) {
@@ -101,7 +94,9 @@ impl Expression {
             }
         }
         let last = pieces.len() - 1;
-        jumps.at_end = self.may_differ(&pieces[last], &[sides[last].clone(), at(to)], to);
+        let end: Vec<Side> = ends.into_iter().map(at).collect();
+        let way = [&sides[last..], &end].concat();
+        jumps.at_end = self.may_differ(&pieces[last], &way, to);
         jumps
     }
 
@@ -132,59 +127,6 @@ impl Expression {
         let size = sizes.filter(|size| size.is_finite()).fold(1.0, f64::max);
         let is_same = more.number().abs() <= more.error() && more.error() <= KNOWN * size;
         more != ZERO && !is_same
-    }
-
-    /// All operations with the whole numbers of one side, and what they are more with those of the other.
-    fn steps(&self, sides: [&Side; 2], slots: &[Constant]) -> Vec<Step> {
-        let mut steps: Vec<Step> = Vec::with_capacity(self.ops().len());
-        for (k, op) in self.ops().iter().enumerate() {
-            let step = step_of(*op, [sides[0][k], sides[1][k]], &steps, slots);
-            steps.push(step);
-        }
-        steps
-    }
-
-    /// By how much a formula of any slots jumps on the way between two near places, as it is at either; `None` where nothing
-    /// in it jumps.
-    pub fn jump_on_way(&self, from: &[f64], to: &[f64]) -> Option<[Constant; 2]> {
-        let places = [from, to];
-        let values = places.map(|slots| {
-            let mut values = Vec::with_capacity(self.ops().len());
-            self.value_with(slots, &mut values);
-            values
-        });
-        let mut sides = [Side::new(), Side::new()];
-        for op in self.ops() {
-            let wholes = match *op {
-                Op::Call(Function::Atan2, y, x) => {
-                    let is_left = values.iter().all(|v| v[x] < 0.0);
-                    values
-                        .each_ref()
-                        .map(|v| is_left.then(|| f64::from(v[y] < 0.0)))
-                }
-                op => values
-                    .each_ref()
-                    .map(|v| quotient_of(op, v).map(f64::floor)),
-            };
-            for (side, whole) in sides.iter_mut().zip(wholes) {
-                side.push(whole);
-            }
-        }
-        if sides[0] == sides[1] {
-            return None;
-        }
-        let jump = |slots: &[f64]| {
-            let slots: Vec<Constant> = slots.iter().map(|v| Constant::exact(*v)).collect();
-            let steps = self.steps([&sides[0], &sides[1]], &slots);
-            steps.last().map_or(ZERO, |last| last.more)
-        };
-        Some(places.map(jump))
-    }
-
-    /// The same with the cut of `atan2`.
-    pub fn has_jumps(&self) -> bool {
-        let is_cut = |op: &Op| matches!(op, Op::Call(Function::Atan2, ..));
-        self.ops().iter().any(|op| takes_whole(*op) || is_cut(op))
     }
 
     /// When the quotient of an operation comes to a whole number, about a place that is known in f64.
@@ -240,116 +182,9 @@ fn without_error(value: Constant) -> Constant {
     Constant::exact(digits.hi) + Constant::exact(digits.lo)
 }
 
-fn takes_whole(op: Op) -> bool {
-    matches!(op, Op::Call(Function::Floor | Function::Mod, ..))
-}
-
-/// What a function takes the whole number of.
-fn quotient_of<S: Scalar>(op: Op, values: &[S]) -> Option<S> {
-    match op {
-        Op::Call(Function::Floor, a, _) => Some(values[a]),
-        Op::Call(Function::Mod, a, b) => Some(values[a] / values[b]),
-        _ => None,
-    }
-}
-
-/// A value with the whole number of one side. About a kink it is that of either of its sides, which is no farther from it than
-/// what is unknown of its operands.
-fn on_one_side(op: Op, whole: Option<f64>, values: &[Constant], slots: &[Constant]) -> Constant {
-    let flip = |a: Constant| if a.number() < 0.0 { -a } else { a };
-    match (op, whole) {
-        (Op::Call(Function::Floor, ..), Some(whole)) => Constant::exact(whole),
-        (Op::Call(Function::Mod, a, b), Some(whole)) => {
-            values[a] - values[b] * Constant::exact(whole)
-        }
-        (Op::Call(Function::Atan2, y, _), Some(whole)) => {
-            let turns = f64::from(values[y].number() < 0.0) - whole;
-            apply_op(op, values, slots) + Constant::PI * Constant::exact(2.0 * turns)
-        }
-        (Op::Call(Function::Abs, a, _), _) => flip(values[a]),
-        (Op::Call(Function::Min, a, b), _) => lesser(values[a], values[b]),
-        (Op::Call(Function::Max, a, b), _) => -lesser(-values[a], -values[b]),
-        _ => apply_op(op, values, slots),
-    }
-}
-
-fn lesser(a: Constant, b: Constant) -> Constant {
-    let (less, other) = if a.number() <= b.number() {
-        (a, b)
-    } else {
-        (b, a)
-    };
-    less + Constant::within(0.0, (other.error() - less.error()).max(0.0))
-}
-
-/// An operation with the whole numbers that it has on either side.
-fn step_of(op: Op, wholes: [Option<f64>; 2], steps: &[Step], slots: &[Constant]) -> Step {
-    let side = |pick: fn(Step) -> Constant, whole: Option<f64>| {
-        let values: Vec<Constant> = steps.iter().map(|step| pick(*step)).collect();
-        on_one_side(op, whole, &values, slots)
-    };
-    let here = side(|step| step.here, wholes[0]);
-    let apart = || side(Step::there, wholes[1]) - here;
-    let times = |more: Constant, by: Constant| match more == ZERO {
-        true => ZERO,
-        false => more * by,
-    };
-    let is_still = |k: usize| steps[k].more == ZERO;
-    let more = match op {
-        Op::Constant(_) | Op::Slot(_) => ZERO,
-        Op::Negate(a) => -steps[a].more,
-        Op::Add(a, b) => steps[a].more + steps[b].more,
-        Op::Subtract(a, b) => steps[a].more - steps[b].more,
-        Op::Multiply(a, b) => {
-            times(steps[a].more, steps[b].there()) + times(steps[b].more, steps[a].here)
-        }
-        Op::Divide(a, b) if is_still(b) && !is_still(a) => steps[a].more / steps[b].here,
-        Op::Divide(a, b) | Op::Power(a, b) if is_still(a) && is_still(b) => ZERO,
-        Op::Divide(..) | Op::Power(..) => apart(),
-        Op::Call(Function::Floor, ..) => match wholes {
-            [Some(p), Some(q)] => Constant::exact(q - p),
-            _ => Constant::exact(f64::NAN),
-        },
-        Op::Call(Function::Mod, a, b) => match wholes {
-            // Where the quotient passes a whole number the remainder is zero on one side, and the divisor on the other.
-            [Some(p), Some(q)] if is_still(a) && is_still(b) => match p == q {
-                true => ZERO,
-                false => -steps[b].here * Constant::exact(q - p),
-            },
-            _ => apart(),
-        },
-        Op::Call(Function::Atan2, ..) if wholes[0] != wholes[1] => match wholes {
-            // From above the cut to below it the angle loses a turn.
-            [Some(p), Some(q)] => Constant::PI * Constant::exact(2.0 * (p - q)),
-            _ => Constant::exact(f64::NAN),
-        },
-        Op::Call(_, a, b) if is_still(a) && is_still(b) => ZERO,
-        Op::Call(Function::Abs, a, _) => {
-            let signs = [steps[a].here, steps[a].there()].map(Scalar::is_below_zero);
-            match signs {
-                [Some(false), Some(false)] => steps[a].more,
-                [Some(true), Some(true)] => -steps[a].more,
-                _ => apart(),
-            }
-        }
-        Op::Call(..) => apart(),
-    };
-    let passes = match (op, wholes) {
-        (Op::Call(Function::Mod, a, b), [Some(p), Some(q)]) if p != q => {
-            (is_still(a) && is_still(b) && (q - p).abs() == 1.0).then_some((p < q, steps[b].here))
-        }
-        _ => None,
-    };
-    let here = match passes {
-        Some((true, divisor)) => divisor,
-        Some((false, _)) => ZERO,
-        None => here,
-    };
-    Step { here, more }
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::{Function, Op};
     use super::*;
     const T: Op = Op::Slot(0);
 
