@@ -332,9 +332,9 @@ mod domain;
 mod fault;
 mod instants;
 pub mod jumps;
-mod one_sided;
 pub mod pieces;
 pub mod quadratic;
+mod sides;
 
 #[cfg(test)]
 mod tests;

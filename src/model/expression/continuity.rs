@@ -1,13 +1,14 @@
 //! Whether a formula of time goes on at an instant without a jump: what it is on both sides is compared there.
 //!
 //! Size tells nothing. `t + 1e-9*floor(t)` jumps; `floor(t)*(t - 1)` does not at 1 s, nor does the triangle wave
-//! `abs(mod(t, 2) - 1)`. Every operation has its value on one side and what the other side is more, which is exactly zero
-//! where nothing in it jumps: a tiny jump is not lost beside a large value.
+//! `abs(mod(t, 2) - 1)`.
 
+use super::angle_cut::cut_of;
+use super::instants::{quotient_of, with_whole};
 use super::jumps::{KNOWN, Line, instant_of, line_of};
-use super::one_sided::{Step, on_one_side, quotient_of, step_of, takes_whole};
 use super::pieces::{TimePiece, around_instant, within};
-use super::{Expression, Function, Op, ZERO};
+use super::sides::{Side, on_one_side, takes_whole};
+use super::{Expression, Op, ZERO};
 use crate::numbers::constant::Constant;
 use crate::numbers::interval::Interval;
 use crate::numbers::scalar::Scalar;
@@ -44,24 +45,26 @@ impl Jumps {
     }
 }
 
-/// Of every operation the whole number that it takes on one side of an instant; `None` if it takes none, or if that is open.
-type Side = Vec<Option<f64>>;
-
 impl Expression {
-    /// Whether it has functions that take whole numbers, and so jump.
-    pub fn may_jump(&self) -> bool {
-        self.ops().iter().any(|op| takes_whole(*op))
-    }
-
     /// Where it jumps from the instant `from` to the instant `to`, both included.
     pub fn jumps_between(&self, from: f64, to: f64) -> Jumps {
         let mut jumps = Jumps::default();
-        if !self.may_jump() || from >= to {
+        if !self.has_jumps() || from >= to {
             return jumps;
         }
         let mut stops = self.breaks(from, to);
-        // What is at the ends but for rounding is at the ends.
+        // What is at the ends but for rounding is at the ends. A single instant may have a value of its own there, too.
         let [first, last] = [from, to].map(around_instant);
+        let beside = |end: f64| {
+            let near = stops.iter().copied().chain([end]);
+            let about = around_instant(end);
+            let near = near.filter(|t| about.lo <= *t && *t <= about.hi);
+            let all = near.flat_map(|t| [t.next_down(), t, t.next_up()]);
+            let mut all: Vec<f64> = all.filter(|t| from <= *t && *t <= to).collect();
+            all.sort_unstable_by(f64::total_cmp);
+            all
+        };
+        let [starts, ends] = [from, to].map(beside);
         stops.retain(|t| first.hi < *t && *t < last.lo);
         stops.dedup_by(|b, a| *b <= around_instant(*a).hi);
         stops.insert(0, from);
@@ -74,10 +77,11 @@ impl Expression {
         let sides: Vec<Side> = (pieces.iter())
             .map(|piece| piece.sides.iter().map(|side| side.whole()).collect())
             .collect();
-        let at = |time: f64| self.whole_numbers(time);
-        jumps.at_start = self.may_differ(&pieces[0], &[at(from), sides[0].clone()], from);
+        let at = |time: f64| self.side_at(time);
+        let start: Vec<Side> = starts.into_iter().map(at).collect();
+        let way = [&start, &sides[..1]].concat();
+        jumps.at_start = self.may_differ(&pieces[0], &way, from);
         for (k, time) in stops[1..stops.len() - 1].iter().enumerate() {
-            // A single instant may have a value of its own, too.
             let here = [time.next_down(), *time, time.next_up()].map(at);
             let way = [&sides[k..=k], &here, &sides[k + 1..k + 2]].concat();
             if self.may_differ(&pieces[k], &way, *time) {
@@ -86,7 +90,9 @@ impl Expression {
             }
         }
         let last = pieces.len() - 1;
-        jumps.at_end = self.may_differ(&pieces[last], &[sides[last].clone(), at(to)], to);
+        let end: Vec<Side> = ends.into_iter().map(at).collect();
+        let way = [&sides[last..], &end].concat();
+        jumps.at_end = self.may_differ(&pieces[last], &way, to);
         jumps
     }
 
@@ -100,10 +106,15 @@ impl Expression {
     fn may_step(&self, piece: &TimePiece, sides: [&Side; 2], about: f64) -> bool {
         let mut instant = None;
         for (k, op) in self.ops().iter().enumerate() {
+            let is_angle = cut_of(*op).is_some();
             match (sides[0][k], sides[1][k]) {
-                _ if !takes_whole(*op) => {}
+                _ if !is_angle && !takes_whole(*op) => {}
                 (Some(a), Some(b)) if a == b => {}
+                // An angle jumps where y comes to zero.
+                (Some(_), Some(_)) if is_angle => instant = instant.or(Some((k, 0.0))),
                 (Some(a), Some(b)) => instant = instant.or(Some((k, a.max(b)))),
+                // A piece on which an angle does not come to its cut has no side of it.
+                _ if is_angle => {}
                 _ => return true,
             }
         }
@@ -119,57 +130,19 @@ impl Expression {
         more != ZERO && !is_same
     }
 
-    /// All operations with the whole numbers of one side, and what they are more with those of the other.
-    fn steps(&self, sides: [&Side; 2], slots: &[Constant]) -> Vec<Step> {
-        let mut steps: Vec<Step> = Vec::with_capacity(self.ops().len());
-        for (k, op) in self.ops().iter().enumerate() {
-            let step = step_of(*op, [sides[0][k], sides[1][k]], &steps, slots);
-            steps.push(step);
-        }
-        steps
-    }
-
-    /// By how much a formula of any slots jumps on the way between two near places, as it is at either; `None` where nothing
-    /// in it jumps.
-    pub fn jump_on_way(&self, from: &[f64], to: &[f64]) -> Option<[Constant; 2]> {
-        let places = [from, to];
-        let values = places.map(|slots| {
-            let mut values = Vec::with_capacity(self.ops().len());
-            self.value_with(slots, &mut values);
-            values
-        });
-        let mut sides = [Side::new(), Side::new()];
-        for op in self.ops() {
-            let wholes = match *op {
-                Op::Call(Function::Atan2, y, x) => {
-                    let is_left = values.iter().all(|v| v[x] < 0.0);
-                    values
-                        .each_ref()
-                        .map(|v| is_left.then(|| f64::from(v[y] < 0.0)))
-                }
-                op => values
-                    .each_ref()
-                    .map(|v| quotient_of(op, v).map(f64::floor)),
-            };
-            for (side, whole) in sides.iter_mut().zip(wholes) {
-                side.push(whole);
+    /// The whole numbers at an instant, and the sides of cuts.
+    fn side_at(&self, time: f64) -> Side {
+        let mut side = self.whole_numbers(time);
+        let mut values: Vec<f64> = Vec::with_capacity(self.ops().len());
+        for (op, whole) in self.ops().iter().zip(&mut side) {
+            if let Some([y, x]) = cut_of(*op) {
+                let is_left = values[x] < 0.0;
+                *whole = is_left.then(|| f64::from(values[y].is_sign_negative()));
             }
+            let value = with_whole(*op, *whole, &values, time);
+            values.push(value);
         }
-        if sides[0] == sides[1] {
-            return None;
-        }
-        let jump = |slots: &[f64]| {
-            let slots: Vec<Constant> = slots.iter().map(|v| Constant::exact(*v)).collect();
-            let steps = self.steps([&sides[0], &sides[1]], &slots);
-            steps.last().map_or(ZERO, |last| last.more)
-        };
-        Some(places.map(jump))
-    }
-
-    /// The same with the cut of `atan2`: whether it may jump where it has a value.
-    pub fn has_jumps(&self) -> bool {
-        let is_cut = |op: &Op| matches!(op, Op::Call(Function::Atan2, ..));
-        self.ops().iter().any(|op| takes_whole(*op) || is_cut(op))
+        side
     }
 
     /// When the quotient of an operation comes to a whole number, about a place that is known in f64.
@@ -189,7 +162,7 @@ impl Expression {
             let clock = Series::linear(around, Interval::ONE, 1);
             rates.push(within(*op, *side, &rates, clock));
         }
-        let slope = quotient_of(self.ops()[jumping], &rates).map(|q| q.coefficients()[1]);
+        let slope = crossing_of(self.ops()[jumping], &rates).map(|q| q.coefficients()[1]);
         let unknown = Constant::within(about, around.hi - about);
         let Some(slope) = slope.filter(|s| s.is_finite() && !s.holds_zero()) else {
             return unknown;
@@ -199,7 +172,7 @@ impl Expression {
             for (k, op) in self.ops()[..jumping].iter().enumerate() {
                 values.push(on_one_side(*op, whole(k), &values, &[time]));
             }
-            quotient_of(self.ops()[jumping], &values).map(|q| q - Constant::exact(passed))
+            crossing_of(self.ops()[jumping], &values).map(|q| q - Constant::exact(passed))
         };
         let mut time = Constant::exact(about);
         for _ in 0..STEPS {
@@ -220,6 +193,14 @@ impl Expression {
     }
 }
 
+/// What comes to a whole number where an operation jumps.
+fn crossing_of<S: Scalar>(op: Op, values: &[S]) -> Option<S> {
+    match cut_of(op) {
+        Some([y, _]) => Some(values[y]),
+        None => quotient_of(op, values),
+    }
+}
+
 fn without_error(value: Constant) -> Constant {
     let digits = value.value();
     Constant::exact(digits.hi) + Constant::exact(digits.lo)
@@ -227,6 +208,7 @@ fn without_error(value: Constant) -> Constant {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Function;
     use super::*;
     const T: Op = Op::Slot(0);
 

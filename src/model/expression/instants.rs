@@ -83,7 +83,7 @@ impl Expression {
         let mut tracks: [Vec<Constant>; 3] = Default::default();
         let mut wholes = Vec::with_capacity(self.ops().len());
         for op in self.ops() {
-            let own = tracks.each_ref().map(|values| step_of(*op, values));
+            let own = tracks.each_ref().map(|values| quotient_of(*op, values));
             let whole = match own {
                 [Some(here), Some(before), Some(behind)] => {
                     let ends = [before, behind].map(|quotient| quotient.floor().number());
@@ -109,7 +109,7 @@ impl Expression {
 }
 
 /// What a jumping function takes the whole number of.
-fn step_of<S: Scalar>(op: Op, values: &[S]) -> Option<S> {
+pub(super) fn quotient_of<S: Scalar>(op: Op, values: &[S]) -> Option<S> {
     match op {
         Op::Call(Function::Floor, a, _) => Some(values[a]),
         Op::Call(Function::Mod, a, b) => Some(values[a] / values[b]),
@@ -119,7 +119,7 @@ fn step_of<S: Scalar>(op: Op, values: &[S]) -> Option<S> {
 
 /// Whether plain numbers may not tell the whole number of a function.
 fn is_near_whole(op: Op, values: &[f64]) -> bool {
-    step_of(op, values).is_some_and(|x| (x - x.round()).abs() <= NEAR_WHOLE * x.abs().max(1.0))
+    quotient_of(op, values).is_some_and(|x| (x - x.round()).abs() <= NEAR_WHOLE * x.abs().max(1.0))
 }
 
 /// An operation whose whole number may be known.

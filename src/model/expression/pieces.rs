@@ -4,7 +4,7 @@
 //! A kink is passed by either of its sides with what that is off at most. A jump cannot be passed: a piece is what the
 //! formula is up to the jump, and goes on beyond it as far as the time of the jump is unknown.
 
-use super::angle_cut::{cut_of, meets_cut};
+use super::angle_cut::{cut_of, meets_cut, side_of_cut};
 use super::instants::with_whole;
 use super::jumps::{Jump, Line, are_one, instant_of, line_of};
 use super::{Expression, Function, Op, apply_op};
@@ -56,12 +56,12 @@ pub struct TimePiece {
 }
 
 /// Values of all operations over a stretch, without its ends, and about its ends with their rates.
-pub(super) struct Ranges {
+struct Ranges {
     /// It begins where the motion does.
-    pub(super) is_first: bool,
-    pub(super) all: Vec<Series<Interval, 1>>,
-    pub(super) core: Vec<Series<Interval, 1>>,
-    pub(super) ends: [Vec<Series<Interval, 2>>; 2],
+    is_first: bool,
+    all: Vec<Series<Interval, 1>>,
+    core: Vec<Series<Interval, 1>>,
+    ends: [Vec<Series<Interval, 2>>; 2],
 }
 
 /// The times about one, seconds, at which a jump may be that is looked for there.
@@ -288,7 +288,10 @@ impl Ranges {
     /// `None` for other functions, and where that is open.
     fn whole(&self, op: Op) -> Option<(f64, [Option<f64>; 2])> {
         if let Some(operands) = cut_of(op) {
-            return self.half_turns(operands);
+            let of = |values: &[Series<Interval, 1>]| operands.map(|k| value_range(values, k));
+            let ends = self.ends.each_ref();
+            let ends = ends.map(|values| operands.map(|k| *values[k].coefficients()));
+            return side_of_cut(of(&self.core)[0], of(&self.all), ends, self.is_first);
         }
         let core = step_argument(op, &self.core)?;
         let whole = core.lo.floor();
@@ -338,7 +341,7 @@ fn step_argument(op: Op, values: &[Series<Interval, 1>]) -> Option<Interval> {
     }
 }
 
-pub(super) fn value_range(values: &[Series<Interval, 1>], k: usize) -> Interval {
+fn value_range(values: &[Series<Interval, 1>], k: usize) -> Interval {
     values[k].coefficients()[0]
 }
 

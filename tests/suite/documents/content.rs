@@ -42,11 +42,13 @@ fn every_verb_and_option_of_pictures_is_documented() {
 }
 
 #[test]
-fn every_exit_code_is_in_the_readme() {
-    let readme = read("README.md");
+fn every_exit_code_is_documented() {
+    let commands = read("docs/commands.md");
     for code in ["0", "1", "2", "3", "4", "70", "130"] {
-        assert!(readme.contains(&format!("| {code} |")), "exit code {code}");
+        let row = format!("| {code} |");
+        assert!(commands.contains(&row), "exit code {code}");
     }
+    assert!(read("README.md").contains("docs/commands.md#exit-codes"));
 }
 
 #[test]
@@ -107,7 +109,7 @@ fn all_files(folder: &std::path::Path, found: &mut Vec<String>) {
 #[test]
 fn files_and_types_of_the_architecture_exist() {
     let (mut files, mut code) = (Vec::new(), String::new());
-    for folder in ["src", "tests", "docs", "bindings", "benches", "examples"] {
+    for folder in ["src", "shaders", "tests", "docs", "bindings", "benches", "examples"] {
         all_files(std::path::Path::new(folder), &mut files);
     }
     for file in crate::house::source::sources() {

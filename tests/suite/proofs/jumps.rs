@@ -8,11 +8,12 @@ fn scene(phi: &str, equation: &str) -> String {
 }
 
 /// Drives over two seconds, and whether they are continuous there.
-const DRIVES: [(&str, bool); 16] = [
+const DRIVES: [(&str, bool); 17] = [
     ("t + 1e-9*floor(t)", false),
     ("t + 1e-40*floor(t)", false),
     ("t + 1e-9*floor(t + 1e-3)", false),
     ("t + 1e-10*(floor(t) + floor(-t))", false),
+    ("t + 1e-9*floor(-mod(0.353 + t, 0.063))", false),
     ("t + 1e-11*floor(floor(2*t)/3 + t)", false),
     ("t + 1e-12*mod(t, 0.7)", false),
     ("abs(mod(t, 0.2) - 0.1000000000001)", false),

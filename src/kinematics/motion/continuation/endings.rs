@@ -4,7 +4,7 @@ use super::domain_proof;
 use super::fold_proof;
 use super::recorder::{MOST_WAYS_ON, PathContinuation, Recorder};
 use crate::kinematics::motion::tracker::arc_length::Onward;
-use crate::kinematics::motion::tracker::jumps::Way;
+use crate::kinematics::motion::tracker::jump_sites::Way;
 use crate::kinematics::motion::tracker::path_tracker::{PathPoint, Unwatched};
 use crate::kinematics::motion::tracker::singular::SingularTarget;
 use crate::kinematics::results::trajectory::Ending;

@@ -2,7 +2,7 @@
 //!
 //! The drive is always evaluated at a time computed from the sample's own time, never accumulated.
 
-use super::jumps::{JumpSite, Way};
+use super::jump_sites::{JumpSite, Way};
 use super::regularity::Regularity;
 use super::steps::{StepBudget, Steps};
 use crate::kinematics::solve::branch::BranchState;

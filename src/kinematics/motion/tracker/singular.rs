@@ -32,6 +32,9 @@ const FIRST_BRIDGE: f64 = 1e-9;
 const LONGEST_BRIDGE: f64 = 0.1;
 const MOST_OF_RATES: f64 = 4.0;
 
+/// How many times as far as the last rates lead such a pose is looked for.
+const LEADS: [f64; 4] = [1.0, 2.0, 4.0, 0.0];
+
 /// Steps that one of these searches counts as.
 const STEPS_OF_BRIDGE: usize = 50;
 
@@ -104,10 +107,14 @@ impl PathTracker<'_> {
     pub fn bridge(&mut self, end: &PathPoint, time: f64) -> Option<PathPoint> {
         let way = time - end.time;
         let mut reach = FIRST_BRIDGE * self.interval;
-        while reach < LONGEST_BRIDGE * self.interval {
+        while way != 0.0 && reach < LONGEST_BRIDGE * self.interval {
             let beyond = end.time + way.signum() * reach.min(way.abs());
-            if let Some(point) = self.bridged(end, beyond) {
-                return Some(point);
+            let is_last = beyond == time;
+            let found = LEADS
+                .iter()
+                .find_map(|lead| self.bridged(end, (beyond, is_last), *lead));
+            if found.is_some() {
+                return found;
             }
             if reach >= way.abs() || !self.budget.take_all(STEPS_OF_BRIDGE) {
                 break;
@@ -117,13 +124,32 @@ impl PathTracker<'_> {
         None
     }
 
-    fn bridged(&mut self, end: &PathPoint, beyond: f64) -> Option<PathPoint> {
+    /// The pose at a time that is found from where the last rates lead, so many times as far; a singular one only if that is the
+    /// sample asked for.
+    fn bridged(
+        &mut self,
+        end: &PathPoint,
+        (beyond, is_sample): (f64, bool),
+        lead: f64,
+    ) -> Option<PathPoint> {
         let n = self.unknowns();
         let inputs = self.inputs(beyond).ok()?;
-        let start = [&end.coordinates[..n], &inputs].concat();
+        let base = match &self.anchor {
+            Some(anchor) if !self.is_usable(&end.branch) => anchor.clone(),
+            _ => end.clone(),
+        };
+        let rates = self.rates(&base);
+        let mut start = [&end.coordinates[..n], &inputs].concat();
+        for (q, rate) in start.iter_mut().zip(&rates) {
+            *q += lead * rate * (beyond - end.time);
+        }
+        if !start.iter().all(|q| q.is_finite()) {
+            return None;
+        }
         let found = self.solver.assembled(&start, None).ok()?;
         let point = self.point(beyond, found.coordinates);
-        if !self.is_usable(&point.branch) || !self.is_smooth(end, &point) {
+        let may_end = is_sample || self.is_usable(&point.branch);
+        if !may_end || !self.is_smooth(end, &point) {
             return None;
         }
         let way = beyond - end.time;

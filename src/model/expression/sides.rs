@@ -1,18 +1,27 @@
-//! Operations on one side of an instant: values with the whole numbers that hold there, and what the other side is more.
+//! A formula on either side of its jumps: every operation with the whole numbers of one side, and what it is more with those of
+//! the other.
+//!
+//! What is more is exactly zero where nothing in an operation jumps, so that a tiny jump is not lost beside a large value.
 
-use super::{Function, Op, ZERO, apply_op};
+use super::instants::quotient_of;
+use super::{Expression, Function, Op, ZERO, apply_op};
 use crate::numbers::constant::Constant;
 use crate::numbers::scalar::Scalar;
+
+/// Of every operation the whole number that it takes on one side of an instant; `None` if it takes none, or if that is open.
+pub(super) type Side = Vec<Option<f64>>;
 
 /// A value on one side, and what it is more on the other.
 #[derive(Clone, Copy)]
 pub(super) struct Step {
-    pub(super) here: Constant,
-    pub(super) more: Constant,
+    /// The value on one side.
+    pub here: Constant,
+    /// What it is more on the other.
+    pub more: Constant,
 }
 
 impl Step {
-    pub(super) fn there(self) -> Constant {
+    fn there(self) -> Constant {
         match self.more == ZERO {
             true => self.here,
             false => self.here + self.more,
@@ -20,18 +29,64 @@ impl Step {
     }
 }
 
-/// Whether a function takes the whole number of something.
-pub(super) fn takes_whole(op: Op) -> bool {
-    matches!(op, Op::Call(Function::Floor | Function::Mod, ..))
+impl Expression {
+    /// All operations with the whole numbers of one side, and what they are more with those of the other.
+    pub(super) fn steps(&self, sides: [&Side; 2], slots: &[Constant]) -> Vec<Step> {
+        let mut steps: Vec<Step> = Vec::with_capacity(self.ops().len());
+        for (k, op) in self.ops().iter().enumerate() {
+            let step = stepped(*op, [sides[0][k], sides[1][k]], &steps, slots);
+            steps.push(step);
+        }
+        steps
+    }
+
+    /// By how much a formula of any slots jumps on the way between two near places, as it is at either; `None` where nothing
+    /// in it jumps.
+    pub fn jump_on_way(&self, from: &[f64], to: &[f64]) -> Option<[Constant; 2]> {
+        let places = [from, to];
+        let values = places.map(|slots| {
+            let mut values = Vec::with_capacity(self.ops().len());
+            self.value_with(slots, &mut values);
+            values
+        });
+        let mut sides = [Side::new(), Side::new()];
+        for op in self.ops() {
+            let wholes = match *op {
+                Op::Call(Function::Atan2, y, x) => {
+                    let is_left = values.iter().all(|v| v[x] < 0.0);
+                    values
+                        .each_ref()
+                        .map(|v| is_left.then(|| f64::from(v[y] < 0.0)))
+                }
+                op => values
+                    .each_ref()
+                    .map(|v| quotient_of(op, v).map(f64::floor)),
+            };
+            for (side, whole) in sides.iter_mut().zip(wholes) {
+                side.push(whole);
+            }
+        }
+        if sides[0] == sides[1] {
+            return None;
+        }
+        let jump = |slots: &[f64]| {
+            let slots: Vec<Constant> = slots.iter().map(|v| Constant::exact(*v)).collect();
+            let steps = self.steps([&sides[0], &sides[1]], &slots);
+            steps.last().map_or(ZERO, |last| last.more)
+        };
+        Some(places.map(jump))
+    }
+
+    /// Whether it may jump where it has a value: whole numbers, and the cut of `atan2`.
+    pub fn has_jumps(&self) -> bool {
+        let is_cut = |op: &Op| matches!(op, Op::Call(Function::Atan2, ..));
+        self.ops().iter().any(|op| takes_whole(*op) || is_cut(op))
+    }
 }
 
-/// What a function takes the whole number of.
-pub(super) fn quotient_of<S: Scalar>(op: Op, values: &[S]) -> Option<S> {
-    match op {
-        Op::Call(Function::Floor, a, _) => Some(values[a]),
-        Op::Call(Function::Mod, a, b) => Some(values[a] / values[b]),
-        _ => None,
-    }
+/// Whether it takes a whole number of its operands.
+pub(super) fn takes_whole(op: Op) -> bool {
+    matches!(op, Op::Call(Function::Floor | Function::Mod, ..))
 }
 
 /// A value with the whole number of one side. About a kink it is that of either of its sides, which is no farther from it than
@@ -69,12 +124,7 @@ fn lesser(a: Constant, b: Constant) -> Constant {
 }
 
 /// An operation with the whole numbers that it has on either side.
-pub(super) fn step_of(
-    op: Op,
-    wholes: [Option<f64>; 2],
-    steps: &[Step],
-    slots: &[Constant],
-) -> Step {
+fn stepped(op: Op, wholes: [Option<f64>; 2], steps: &[Step], slots: &[Constant]) -> Step {
     let side = |pick: fn(Step) -> Constant, whole: Option<f64>| {
         let values: Vec<Constant> = steps.iter().map(|step| pick(*step)).collect();
         on_one_side(op, whole, &values, slots)
