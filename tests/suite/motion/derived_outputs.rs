@@ -143,7 +143,7 @@ fn derivatives_stand_where_they_have_a_value() {
             "the order of a derivative",
         ),
         ("[outputs]\nv = \"d(zz, t)\"\n".to_owned(), "`zz`"),
-        (measure("of = \"x*d(x, p)\", per = \"p\""), "`per` derives"),
+        (measure("of = \"x*d(x, p)\", per = \"p\""), "`per` cannot differentiate"),
         (
             format!("{track}{}", measure("of = \"x*d(x, t)\", track = \"way\"")),
             "no time",
@@ -206,7 +206,7 @@ fn studies_say_which_derivatives_they_cannot_derive() {
         w.run(&["check", "s.toml"]).exits(0);
         w.run(&arguments)
             .exits(2)
-            .says(&["studies cannot derive", "s.toml:"]);
+            .says(&["studies cannot differentiate", "s.toml:"]);
     }
 }
 

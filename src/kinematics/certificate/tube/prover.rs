@@ -21,7 +21,6 @@ use crate::model::expression::pieces::around_instant;
 use crate::model::mechanism::Kind;
 use crate::model::printed;
 use crate::numbers::interval::Interval;
-use std::borrow::Cow;
 use std::sync::Arc;
 
 /// Shortest time interval, as a fraction of the interval between two samples: near a singular pose tubes are as short
@@ -51,7 +50,7 @@ pub struct Prover<'m> {
     /// Distance of every input from its drive; none by default.
     play: Vec<f64>,
     /// Arguments with kinks and cuts.
-    placed: Vec<PlacedArgument>,
+    pub(super) placed: Vec<PlacedArgument>,
 }
 
 impl<'m> Prover<'m> {
@@ -64,23 +63,13 @@ impl<'m> Prover<'m> {
             blocks: Blocks::new(system),
             solver: PoseSolver::new(system),
             all_rows: (system.blocks().iter()).all(is_square).then(|| {
-                let rows = system.blocks().iter().map(|b| (0..b.rows()).collect());
-                Arc::new(rows.collect())
+                let rows = system.blocks().iter();
+                Arc::new(rows.map(|b| (0..b.rows()).collect()).collect())
             }),
             digits: (system.redundant_rows() > 0).then(|| PoseProver::new(system)),
             may_jump: false,
             play: Vec::new(),
             placed: placed_arguments(system.mechanism(), actuation),
-        }
-    }
-
-    /// What parts stretches: the drives of the inputs, and arguments that are such formulas of the time.
-    pub(super) fn breaking_drives(&self) -> Cow<'_, [Drive]> {
-        let (own, placed) = (&self.actuation.drives, self.placed.iter());
-        let placed: Vec<&Drive> = placed.filter_map(|p| p.drive.as_ref()).collect();
-        match placed.is_empty() {
-            true => Cow::Borrowed(own),
-            false => own.iter().chain(placed).cloned().collect(),
         }
     }
 
