@@ -95,6 +95,7 @@ impl ProvedRanges {
         }
         let [_, all] = self.ranges(arguments, s, half)?;
         let [low, high] = self.reduced(all);
+        // A range across the full turn is looked up in two parts.
         match self.is_turn && high > TAU {
             true => {
                 let first = self.covered([low, TAU], goal)?;
@@ -108,6 +109,7 @@ impl ProvedRanges {
     fn covered(&self, [low, high]: [f64; 2], goal: f64) -> Option<f64> {
         let (mut at, mut least) = (low, f64::INFINITY);
         loop {
+            // The range that begins last before the place.
             let (_, &[_, end, bound]) = self.list.range(..=key(at)).next_back()?;
             if end < at || bound < goal || (end == at && at < high) {
                 return None;
