@@ -379,6 +379,12 @@ fn on_side<const N: usize>(
     time: Series<Interval, N>,
 ) -> Series<Interval, N> {
     match (op, side) {
+        // What is off must itself go on: a pole or a cut on the other side would be a jump.
+        (Op::Call(Function::Min | Function::Max, a, b), KinkSide::Operand(_, _, off))
+            if off != Interval::ZERO && !(values[a].is_finite() && values[b].is_finite()) =>
+        {
+            Series::undefined()
+        }
         (_, KinkSide::Operand(k, is_negated, off)) => {
             let value = if is_negated { -values[k] } else { values[k] };
             value + Series::constant(off)

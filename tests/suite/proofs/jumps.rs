@@ -8,12 +8,14 @@ fn scene(phi: &str, equation: &str) -> String {
 }
 
 /// Drives over two seconds, and whether they are continuous there.
-const DRIVES: [(&str, bool); 17] = [
+const DRIVES: [(&str, bool); 19] = [
     ("t + 1e-9*floor(t)", false),
     ("t + 1e-40*floor(t)", false),
     ("t + 1e-9*floor(t + 1e-3)", false),
     ("t + 1e-10*(floor(t) + floor(-t))", false),
     ("t + 1e-9*floor(-mod(0.353 + t, 0.063))", false),
+    ("t + 1e-10*max(0, atan(1/(t - 1.01)))", false),
+    ("t + 1e-10*min(t, cos(atan2(t - 1.01, -1)/2))", false),
     ("t + 1e-11*floor(floor(2*t)/3 + t)", false),
     ("t + 1e-12*mod(t, 0.7)", false),
     ("abs(mod(t, 0.2) - 0.1000000000001)", false),

@@ -29,7 +29,7 @@ const STEEP_GROWTH: f64 = 2.0;
 /// How far beyond a pose without a tangent the next one is looked for, in intervals between samples, and how much farther it may
 /// be than the rates on both sides lead: a root of order k moves k times as far.
 const FIRST_BRIDGE: f64 = 1e-9;
-const LONGEST_BRIDGE: f64 = 0.1;
+const LONGEST_BRIDGE: f64 = 1.0;
 const MOST_OF_RATES: f64 = 4.0;
 
 /// How many times as far as the last rates lead such a pose is looked for.
@@ -106,17 +106,21 @@ impl PathTracker<'_> {
     /// the rates on both sides lead, and which has a pose in between.
     pub fn bridge(&mut self, end: &PathPoint, time: f64) -> Option<PathPoint> {
         let way = time - end.time;
+        let is_regular = self.is_trusted(&end.branch);
         let mut reach = FIRST_BRIDGE * self.interval;
-        while way != 0.0 && reach < LONGEST_BRIDGE * self.interval {
-            let beyond = end.time + way.signum() * reach.min(way.abs());
-            let is_last = beyond == time;
+        while !is_regular && way != 0.0 && reach < LONGEST_BRIDGE * self.interval {
+            let is_last = reach >= way.abs();
+            let beyond = match is_last {
+                true => time,
+                false => end.time + way.signum() * reach,
+            };
             let found = LEADS
                 .iter()
                 .find_map(|lead| self.bridged(end, (beyond, is_last), *lead));
             if found.is_some() {
                 return found;
             }
-            if reach >= way.abs() || !self.budget.take_all(STEPS_OF_BRIDGE) {
+            if is_last || !self.budget.take_all(STEPS_OF_BRIDGE) {
                 break;
             }
             reach *= 2.0;
