@@ -143,7 +143,10 @@ fn derivatives_stand_where_they_have_a_value() {
             "the order of a derivative",
         ),
         ("[outputs]\nv = \"d(zz, t)\"\n".to_owned(), "`zz`"),
-        (measure("of = \"x*d(x, p)\", per = \"p\""), "`per` cannot differentiate"),
+        (
+            measure("of = \"x*d(x, p)\", per = \"p\""),
+            "`per` cannot differentiate",
+        ),
         (
             format!("{track}{}", measure("of = \"x*d(x, t)\", track = \"way\"")),
             "no time",

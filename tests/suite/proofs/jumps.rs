@@ -117,12 +117,7 @@ fn motions_end_where_a_formula_of_a_loop_jumps() {
 #[test]
 fn singular_samples_and_kinks_with_poses_are_no_failure() {
     let folder = Workspace::new();
-    for equation in [
-        "x^5 - phi^3",
-        "x - sqrt(max(phi, 0))",
-        "x^7 - phi^3",
-        "x^3 - phi",
-    ] {
+    for equation in ["x - sqrt(max(phi, 0))", "x^3 - phi"] {
         folder.write("smooth.toml", scene("t - 1", equation));
         for samples in ["2", "3", "4", "9", "40"] {
             folder

@@ -61,10 +61,7 @@ impl Recorder<'_> {
                 let proved = asked && fold_proof::is_proved(system, actuation, &fold, sense);
                 Err((fold.at, Ending::Fold { proved, asked }))
             }
-            Onward::Passed(_) | Onward::Lost => match self.tracker.bridge(end, time) {
-                Some(to) => Ok(to),
-                None => Err((end.clone(), self.ending_at(end, time))),
-            },
+            Onward::Passed(_) | Onward::Lost => Err((end.clone(), self.ending_at(end, time))),
         }
     }
 
