@@ -1,26 +1,26 @@
-//! An instant at which a search gives what it has found until then.
+//! An instant at which a search returns its best result so far.
 
 use super::{Resource, current_limits};
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
-/// Share of the time of a run after which searches end: the rest is for what they have found to be reported.
+/// Fraction of a run's time after which searches end: the rest is for reporting their results.
 const FOR_SEARCHES: f64 = 0.75;
 
-/// When the run began; only a program has one.
+/// Start of the run; only a program has one.
 static BEGAN: OnceLock<Instant> = OnceLock::new();
 
-/// Says when the run began; only the first call counts.
+/// Records the start of the run; only the first call counts.
 pub fn run_began(instant: Instant) {
     let _ = BEGAN.set(instant);
 }
 
-/// When work is to end; never, where nothing limits it or the platform has no clock.
+/// When work must end; never, if nothing limits it or the platform has no clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Deadline(Option<Instant>);
 
 impl Deadline {
-    /// So many seconds from now.
+    /// This number of seconds from now.
     pub fn after(seconds: f64) -> Self {
         let has_clock = !cfg!(target_family = "wasm");
         let wait = Duration::try_from_secs_f64(seconds.max(0.0)).ok();
@@ -28,7 +28,7 @@ impl Deadline {
         Self(wait.and_then(|wait| Instant::now().checked_add(wait)))
     }
 
-    /// Early enough for what is found to be reported within the time of the run.
+    /// Early enough to report the results within the time of the run.
     pub fn of_run() -> Self {
         let most = FOR_SEARCHES * current_limits().most(Resource::Time);
         let wait = Duration::try_from_secs_f64(most).ok();
@@ -40,7 +40,7 @@ impl Deadline {
         )
     }
 
-    /// The sooner one of two.
+    /// The earlier of two.
     pub fn or(self, other: Self) -> Self {
         match (self.0, other.0) {
             (Some(a), Some(b)) => Self(Some(a.min(b))),
@@ -48,7 +48,7 @@ impl Deadline {
         }
     }
 
-    /// Whether it is past.
+    /// Whether it has passed.
     pub fn is_over(self) -> bool {
         self.0.is_some_and(|end| Instant::now() >= end)
     }

@@ -107,7 +107,9 @@ fn all_files(folder: &std::path::Path, found: &mut Vec<String>) {
 #[test]
 fn files_and_types_of_the_architecture_exist() {
     let (mut files, mut code) = (Vec::new(), String::new());
-    for folder in ["src", "tests", "docs", "bindings", "benches", "examples"] {
+    for folder in [
+        "src", "shaders", "tests", "docs", "bindings", "benches", "examples",
+    ] {
         all_files(std::path::Path::new(folder), &mut files);
     }
     for file in crate::house::source::sources() {

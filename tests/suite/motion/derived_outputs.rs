@@ -143,7 +143,10 @@ fn derivatives_stand_where_they_have_a_value() {
             "the order of a derivative",
         ),
         ("[outputs]\nv = \"d(zz, t)\"\n".to_owned(), "`zz`"),
-        (measure("of = \"x*d(x, p)\", per = \"p\""), "`per` derives"),
+        (
+            measure("of = \"x*d(x, p)\", per = \"p\""),
+            "`per` cannot differentiate a formula that contains a derivative",
+        ),
         (
             format!("{track}{}", measure("of = \"x*d(x, t)\", track = \"way\"")),
             "no time",
@@ -204,9 +207,10 @@ fn studies_say_which_derivatives_they_cannot_derive() {
     ] {
         w.write("s.toml", scene(of));
         w.run(&["check", "s.toml"]).exits(0);
-        w.run(&arguments)
-            .exits(2)
-            .says(&["studies cannot derive", "s.toml:"]);
+        w.run(&arguments).exits(2).says(&[
+            "studies cannot differentiate a formula that contains a derivative",
+            "s.toml:",
+        ]);
     }
 }
 
