@@ -8,7 +8,7 @@ use std::ops::Range;
 /// Byte range in the source text.
 pub type Span = Range<usize>;
 
-/// How bad it is.
+/// Severity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Severity {
     /// The scene cannot be used.
@@ -17,10 +17,10 @@ pub enum Severity {
     Warning,
 }
 
-/// One message.
+/// One diagnostic.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Diagnostic {
-    /// How bad.
+    /// Its severity.
     pub severity: Severity,
     /// The message, in one line.
     pub message: String,
@@ -28,16 +28,16 @@ pub struct Diagnostic {
     pub span: Option<Span>,
     /// A few words under the caret.
     pub label: String,
-    /// Other places that belong to it, each with a few words.
+    /// Related positions, each with a short text.
     pub related: Vec<(Span, String)>,
-    /// How to mend it.
+    /// A suggested remedy.
     pub hints: Vec<String>,
     /// A consequence of another error, which is reported: never stored.
     pub inherited: bool,
 }
 
 impl Diagnostic {
-    /// An error without a place.
+    /// An error without a position.
     pub fn error(message: impl Into<String>) -> Self {
         Self {
             severity: Severity::Error,
@@ -58,7 +58,7 @@ impl Diagnostic {
         }
     }
 
-    /// A warning without a place.
+    /// A warning without a position.
     pub fn warning(message: impl Into<String>) -> Self {
         Self {
             severity: Severity::Warning,
@@ -66,13 +66,13 @@ impl Diagnostic {
         }
     }
 
-    /// Puts it at `span`.
+    /// Sets its position.
     pub fn at(mut self, span: Span) -> Self {
         self.span = Some(span);
         self
     }
 
-    /// Words under the caret.
+    /// Sets the text under the caret.
     pub fn label(mut self, label: impl Into<String>) -> Self {
         self.label = label.into();
         self
@@ -111,13 +111,13 @@ impl Diagnostic {
     }
 }
 
-/// So many names, none of which is like the one that is unknown, are listed in a hint.
+/// Maximum number of known names that a hint lists when none resembles the unknown one.
 const MOST_LISTED: usize = 6;
 
-/// Smallest similarity (Jaro-Winkler, 0 to 1) at which another name is worth offering.
+/// Smallest similarity (Jaro-Winkler, 0 to 1) at which another name is suggested.
 const SIMILAR: f64 = 0.75;
 
-/// The known name most like `word`, if any is like it at all.
+/// The known name most similar to `word`, if any is.
 pub fn nearest_name<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     known
         .into_iter()
@@ -142,11 +142,11 @@ pub fn shown_number(value: f64) -> String {
     }
 }
 
-/// Digits before the point that are read as a number, and digits that a number in decimals keeps behind its zeros.
+/// Maximum digits before the point of a decimal number, and digits kept after its leading zeros.
 const MOST_WHOLE_DIGITS: i32 = 9;
 const LEAST_DIGITS: i32 = 3;
 
-/// A number with so many decimals, as messages show it: as a power of ten where decimals would show nothing but zeros,
+/// A number with this many decimals, as messages show it: in scientific notation where decimals would show only zeros,
 /// or hundreds of digits.
 pub fn decimals_of(value: f64, decimals: usize) -> String {
     let size = value.abs();
@@ -158,10 +158,10 @@ pub fn decimals_of(value: f64, decimals: usize) -> String {
     }
 }
 
-/// Most characters of one quoted value: more is not read, and may be megabytes.
+/// Maximum length of one quoted value, which may be megabytes in a file.
 pub const MOST_QUOTED: usize = 120;
 
-/// The same of a whole message.
+/// The same for a whole message.
 const MOST_SAID: usize = 4000;
 
 /// Whether a character has an effect instead of being visible: controls and escapes, marks that change the writing
@@ -173,7 +173,7 @@ fn is_unseen(character: char) -> bool {
             | '\u{feff}' | '\u{fff9}'..='\u{fffb}' | '\u{e0000}'..='\u{e007f}')
 }
 
-/// A character as it may be shown: one that would have an effect is spelled out, as `\u{1b}`.
+/// A character in printable form: one with an effect is spelled out, as `\u{1b}`.
 pub fn shown_char(character: char) -> String {
     match is_unseen(character) {
         true => character.escape_default().to_string(),
@@ -181,12 +181,12 @@ pub fn shown_char(character: char) -> String {
     }
 }
 
-/// A text of a file, a name or a path as it may be shown in one line, wherever it goes: see [`shown_char`].
+/// A text of a file, a name or a path in printable form on one line: see [`shown_char`].
 pub fn shown_text(text: &str) -> Cow<'_, str> {
     shown_but(text, |_| false)
 }
 
-/// The same of a text that may have several lines.
+/// The same for a text that may have several lines.
 pub fn shown_lines(text: &str) -> Cow<'_, str> {
     shown_but(text, |c| matches!(c, '\n' | '\t'))
 }
@@ -220,7 +220,7 @@ fn begins_command(rest: &str, is_line: bool) -> bool {
     (is_line && rest.starts_with("::")) || rest.strip_prefix("##").is_some_and(word)
 }
 
-/// A message with its quoted values (`` `so` ``), and itself, cut to what is read.
+/// A message and its quoted values (`` `so` ``), cut to a readable length.
 pub fn shorten_text(text: &str) -> Cow<'_, str> {
     if text.len() <= MOST_QUOTED {
         return Cow::Borrowed(text);
@@ -252,7 +252,7 @@ pub struct Diagnostics {
 }
 
 impl Diagnostics {
-    /// Adds one, unless it only follows from another, or is there already.
+    /// Adds one, unless it is only a consequence of another, or already present.
     pub fn push(&mut self, diagnostic: Diagnostic) {
         let mut hasher = DefaultHasher::new();
         (&diagnostic.message, &diagnostic.span).hash(&mut hasher);
@@ -261,12 +261,12 @@ impl Diagnostics {
         }
     }
 
-    /// How many there are.
+    /// Number of diagnostics.
     pub fn count(&self) -> usize {
         self.items.len()
     }
 
-    /// True when at least one is an error.
+    /// Whether at least one is an error.
     pub fn has_errors(&self) -> bool {
         self.items.iter().any(|d| d.severity == Severity::Error)
     }
@@ -283,13 +283,13 @@ impl Diagnostics {
         other.items.into_iter().for_each(|item| self.push(item));
     }
 
-    /// True when there is none.
+    /// Whether there is none.
     pub fn is_empty(&self) -> bool {
         self.items.is_empty()
     }
 }
 
-/// A text with the name its messages give it.
+/// A text with its name in messages.
 #[derive(Clone, Debug)]
 pub struct Source {
     /// Path, built-in name or `<stdin>`.
@@ -308,7 +308,7 @@ impl Source {
     }
 }
 
-/// A scene that cannot be used, with everything found wrong in it.
+/// The errors found in a scene that cannot be used.
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("{} is not a usable scene", source_text.name)]
 pub struct SceneError {

@@ -10,7 +10,7 @@ use crate::page::{Checked, article_of, page_text};
 use crate::report::clearance;
 use crate::report::junit::to_junit;
 use crate::report::motion_check::{MotionAnswer, MotionCheck};
-use crate::report::verdict::{Asked, Judged, Status};
+use crate::report::verdict::{CheckRequirements, Judged, Status};
 use std::sync::Arc;
 
 /// Options of a check, in addition to the requirements of the scene.
@@ -30,7 +30,7 @@ impl Default for CheckOptions {
     fn default() -> Self {
         Self {
             samples: Samples::Frames,
-            closure: Asked::CLOSURE,
+            closure: CheckRequirements::CLOSURE,
             motion: false,
             tolerance: Closely::TOLERANCE,
         }
@@ -194,7 +194,7 @@ fn asked_check<'a>(
         scene: &loaded.scene,
         system: &loaded.system,
         times,
-        asked: Asked {
+        asked: CheckRequirements {
             closure: options.closure,
             poses: true,
             motion: options.motion,

@@ -3,7 +3,7 @@
 use super::error::Error;
 use super::loaded::Loaded;
 use super::motion::Samples;
-use crate::analysis::enclosure::{AskedPieces, Enclosed, Plan, enclose_motion, shown_names};
+use crate::analysis::enclosure::{Enclosed, PieceTolerances, Plan, enclose_motion, shown_names};
 use crate::jobs::core_count;
 use crate::model::mechanism::{Kind, Mechanism};
 use crate::report::enclosure::{enclosure_document, rounded_end};
@@ -37,7 +37,7 @@ impl Enclosure {
         (tolerance, samples): (Option<f64>, &Samples),
         cancel: &AtomicBool,
     ) -> Result<Self, Error> {
-        let asked = AskedPieces {
+        let asked = PieceTolerances {
             vary,
             own: &[],
             tolerance,

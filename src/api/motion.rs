@@ -288,7 +288,7 @@ impl Motion {
 
     fn written<E>(&self, write: impl FnOnce(&mut dyn Output) -> Result<(), E>) -> String {
         let mut text = Vec::new();
-        // Memory takes everything.
+        // Writing to memory cannot fail.
         let _ = write(&mut Stream::new("memory", &mut text));
         String::from_utf8(text).unwrap_or_default()
     }

@@ -60,7 +60,7 @@ pub(super) fn drives(
     };
     Ok(OtherDrives {
         drives: inputs.iter().map(drive).collect::<Result<_, Error>>()?,
-        // A single row has no time to pass.
+        // A single row has no duration.
         duration: if *last > 0.0 { *last } else { 1.0 },
     })
 }

@@ -1,4 +1,4 @@
-//! Files and standard output: what is written never replaces an input of the command.
+//! Files and standard output: no output ever replaces an input of the command.
 
 use super::args::scene::SceneArgs;
 use super::open::scene::named_meshes;
@@ -12,7 +12,7 @@ use serde_json::Value;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Refuses to write over an input of the command; `-` is standard output and no file.
+/// Refuses to overwrite an input of the command; `-` is standard output and not a file.
 pub fn refuse_input(scene: &SceneArgs, path: &Path) -> Result<(), Failure> {
     if path != Path::new("-") && is_scene_file(scene, path) {
         return Err(is_input(path));
@@ -20,8 +20,8 @@ pub fn refuse_input(scene: &SceneArgs, path: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Refuses two reports of one run in one file, or both on standard output, and reports over the inputs: known before the
-/// work, not after it. Each with the name of its option.
+/// Refuses two reports of one run in one file, or both on standard output, and reports over the inputs, before the work
+/// begins. Each comes with the name of its option.
 pub fn refuse_clashes(
     scenes: &[&SceneArgs],
     reports: &[(&str, Option<&Path>)],
@@ -37,7 +37,7 @@ pub fn refuse_clashes(
             let message = format!("{other} and {option} both go to {}", path.display());
             return Err(Failure::usage(message, Vec::new()));
         }
-        // What is written to a device is gone, or comes out behind each other.
+        // Reports written to a device do not overwrite each other.
         if *path == Path::new("-") || std::fs::metadata(&place).map_or(true, |m| m.is_file()) {
             known.push((option, place));
         }
@@ -45,7 +45,7 @@ pub fn refuse_clashes(
     Ok(())
 }
 
-/// Where a path leads, through links to what is not there yet, too.
+/// The target of a path, also through links to a file that does not exist yet.
 fn absolute_place(path: &Path) -> PathBuf {
     if path == Path::new("-") {
         return path.to_owned();
@@ -58,7 +58,7 @@ fn absolute_place(path: &Path) -> PathBuf {
     }
 }
 
-/// Where the result of an interrupted run goes: beside a complete one, which it does not replace (`t.partial.csv`).
+/// Path for the result of an interrupted run: beside a complete one, which it does not replace (`t.partial.csv`).
 pub fn unless_complete(path: &Path, is_whole: bool) -> PathBuf {
     let is_file = std::fs::metadata(path).is_ok_and(|about| about.is_file());
     if is_whole || !is_file {
@@ -70,7 +70,7 @@ pub fn unless_complete(path: &Path, is_whole: bool) -> PathBuf {
     path.with_extension(partial)
 }
 
-/// A reader that went away is no reason to fail, nor to forget what was found: the exit code stays that of the answer.
+/// A closed reader is no reason to fail, nor to forget the result: the exit code stays that of the answer.
 pub fn unless_reader_left(written: Result<(), Failure>) -> Result<(), Failure> {
     match written {
         Err(failure) if failure.is_broken_pipe() => Ok(()),
@@ -78,13 +78,13 @@ pub fn unless_reader_left(written: Result<(), Failure>) -> Result<(), Failure> {
     }
 }
 
-/// The refusal to write over an input.
+/// Refuses to overwrite an input.
 pub fn is_input(path: &Path) -> Failure {
     let message = format!("{} is an input of this command", path.display());
     Failure::usage(message, Vec::new())
 }
 
-/// True when `out` is a file that the command reads: the scene, its table of inputs, a mesh that it names.
+/// Whether `out` is a file that the command reads: the scene, its table of inputs, a mesh that it names.
 fn is_scene_file(args: &SceneArgs, out: &Path) -> bool {
     let Ok(out) = out.canonicalize() else {
         return false;
@@ -135,7 +135,7 @@ fn write_bytes(mut output: Box<dyn Output>, bytes: &[u8]) -> Result<(), Failure>
     Ok(output.commit()?)
 }
 
-/// Prints the text of a verb, but where its `report` goes to standard output, or where nothing is to be said.
+/// Prints the text of a verb, unless its `report` goes to standard output, or the text is empty.
 pub fn print_beside(term: &Term, report: Option<&Path>, text: &str) -> Result<(), Failure> {
     if term.quiet() || report == Some(Path::new("-")) {
         return Ok(());

@@ -1,5 +1,5 @@
-//! `--watch`: a verb again whenever its scene, a mesh of it or its table of inputs has changed. Mistakes are shown and
-//! waited out; Ctrl-C ends it.
+//! `--watch`: runs a verb again whenever its scene, a mesh of it or its table of inputs has changed. Errors are shown
+//! until the next change; Ctrl-C ends it.
 
 use super::args::scene::SceneArgs;
 use super::interrupt::is_interrupted;
@@ -11,8 +11,8 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
-/// How often the files are looked at: sooner than anybody looks from the editor to the picture.
-const LOOK: Duration = Duration::from_millis(100);
+/// Polling interval of the files: shorter than the time from a glance at the editor to one at the picture.
+const POLLING: Duration = Duration::from_millis(100);
 
 /// Runs a verb once, or with `watch` once after every change.
 pub fn run_again(
@@ -54,19 +54,18 @@ pub fn run_again(
     Ok(Outcome::Done)
 }
 
-/// A file with what tells that it has changed.
+/// A file with the attributes that reveal a change.
 type Stamp = (PathBuf, Option<(SystemTime, u64)>);
 
-/// Waits until something is different, and then until it stays as it is: editors write in several steps. `None` after
-/// Ctrl-C.
+/// Waits for a change, and then until the files stay unchanged: editors write in several steps. `None` after Ctrl-C.
 fn next_change(seen: &[Stamp], scene: &SceneArgs, more: &[OsString]) -> Option<Vec<Stamp>> {
     let mut last = seen.to_vec();
     loop {
-        std::thread::sleep(LOOK);
+        std::thread::sleep(POLLING);
         if is_interrupted() {
             return None;
         }
-        // A pattern may mean no file for a moment.
+        // A pattern may match no file for a moment.
         let now = watched_files(scene, more).unwrap_or_else(|_| last.clone());
         let has_settled = now == last;
         if has_settled && now != seen && now.iter().all(|(_, stamp)| stamp.is_some()) {

@@ -1,4 +1,4 @@
-//! The limits of a run: read from the command line and the environment, and watched while it goes on.
+//! The limits of a run: read from the command line and the environment, and enforced while it runs.
 
 use super::term::outcome::{BAD_USAGE, Failure};
 use crate::diag::shown_text;
@@ -8,24 +8,24 @@ use crate::limits::{
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
-/// The variable that holds limits for every run; `--limits` may only make them smaller.
+/// The variable that holds limits for every run; `--limits` can only tighten them.
 pub const VARIABLE: &str = "MECHANIM_LIMITS";
 
-/// How often a run is looked at: memory fills at a few gigabytes a second.
-const LOOK: Duration = Duration::from_millis(20);
+/// Polling interval: memory fills at a few gigabytes a second.
+const POLLING: Duration = Duration::from_millis(20);
 
-/// The watch needs no more.
+/// Stack size of the watching thread.
 const STACK_BYTES: usize = 1 << 16;
 
-/// Ends the process; only a program has one to end.
+/// Ends the process; only the program does this.
 static END: OnceLock<fn(i32) -> !> = OnceLock::new();
 
-/// Says how the process ends where a run has to end without order.
+/// Prints how the process ends where a run must be stopped at once.
 pub fn ends_by(end: fn(i32) -> !) {
     let _ = END.set(end);
 }
 
-/// Sets the limits of this run, and ends it with exit code 2 where it takes more time or memory than they allow.
+/// Sets the limits of this run, and ends it with exit code 2 if it exceeds its time or memory.
 pub fn begin_watch(asked: Option<Limits>) -> Result<(), Failure> {
     let began = Instant::now();
     let mut all = asked.unwrap_or_default();
@@ -42,10 +42,10 @@ pub fn begin_watch(asked: Option<Limits>) -> Result<(), Failure> {
     run_began(began);
     let Some(end) = END.get() else { return Ok(()) };
     let watch = std::thread::Builder::new().stack_size(STACK_BYTES);
-    // Where the system has no thread for it, what is foreseen is refused all the same.
+    // If the system cannot start the thread, predicted excesses are still refused.
     let _ = watch.spawn(move || {
         loop {
-            std::thread::sleep(LOOK);
+            std::thread::sleep(POLLING);
             if let Some(over) = time_exceeded(began).or_else(memory_exceeded) {
                 crate::export::remove_unfinished();
                 eprintln!("error: {}", shown_text(&over.to_string()));

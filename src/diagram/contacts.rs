@@ -1,7 +1,7 @@
 //! Surfaces in contact: their places, the offsets that lead to them, and their sizes.
 
 use super::scheme::{QuantitySource, SchemeJoint, SchemeLength, SchemeSurface};
-use super::walk::{ChainWalker, Here, SAME};
+use super::walk::{ChainWalker, SAME, WalkPosition};
 use crate::math::Pose;
 use crate::model::notation::WrittenChain;
 
@@ -39,7 +39,7 @@ impl ChainWalker<'_> {
         else {
             return;
         };
-        let here = Here {
+        let here = WalkPosition {
             frame,
             link,
             path,

@@ -56,7 +56,7 @@ pub(super) struct ChainWalker<'a> {
 }
 
 /// Where a walk is.
-pub(super) struct Here {
+pub(super) struct WalkPosition {
     pub(super) frame: Pose,
     pub(super) link: usize,
     /// Corners on the link since its last joint.
@@ -115,7 +115,7 @@ impl<'a> ChainWalker<'a> {
         link: usize,
         is_loop: bool,
     ) -> Pose {
-        let mut here = Here {
+        let mut here = WalkPosition {
             frame: start,
             link,
             path: vec![start.translation],
@@ -165,7 +165,7 @@ impl<'a> ChainWalker<'a> {
     }
 
     /// Comes to a joint: the path on the link ends, and the joint is noted if it is new.
-    fn enter_joint(&mut self, here: &mut Here, passage: &Passage, index: usize) {
+    fn enter_joint(&mut self, here: &mut WalkPosition, passage: &Passage, index: usize) {
         let at = here.frame.translation;
         self.keep_path(here);
         here.passage = Some(index);
@@ -191,7 +191,7 @@ impl<'a> ChainWalker<'a> {
     }
 
     /// Leaves the current joint: a new path begins on the link behind it.
-    fn leave_joint(&mut self, here: &mut Here, passages: &[Passage]) {
+    fn leave_joint(&mut self, here: &mut WalkPosition, passages: &[Passage]) {
         let Some(passage) = here.passage.take().map(|p| &passages[p]) else {
             return;
         };
@@ -209,7 +209,7 @@ impl<'a> ChainWalker<'a> {
     /// Records a motion of the current joint.
     fn pass_motion(
         &mut self,
-        here: &Here,
+        here: &WalkPosition,
         factor: &WrittenFactor,
         to: DVec3,
         passage: Option<&Passage>,
@@ -238,7 +238,7 @@ impl<'a> ChainWalker<'a> {
         }
     }
 
-    pub(super) fn keep_path(&mut self, here: &Here) {
+    pub(super) fn keep_path(&mut self, here: &WalkPosition) {
         let path = distinct_points(&here.path, NOTHING * self.scheme.size);
         let is_new = |paths: &[Vec<DVec3>]| {
             let reversed: Vec<DVec3> = path.iter().rev().copied().collect();

@@ -1,25 +1,25 @@
-//! An instant at which a search gives what it has found until then.
+//! An instant at which a search returns its best result so far.
 
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
-/// Share of the time of a run after which searches end: the rest is for what they have found to be reported.
+/// Fraction of a run's time after which searches end: the rest is for reporting their results.
 const FOR_SEARCHES: f64 = 0.75;
 
-/// When the run began; only a program has one.
+/// Start of the run; only a program has one.
 static BEGAN: OnceLock<Instant> = OnceLock::new();
 
-/// Says when the run began; only the first call counts.
+/// Records the start of the run; only the first call counts.
 pub fn run_began(instant: Instant) {
     let _ = BEGAN.set(instant);
 }
 
-/// When work is to end; never, where nothing limits it or the platform has no clock.
+/// When work must end; never, if nothing limits it or the platform has no clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Deadline(Option<Instant>);
 
 impl Deadline {
-    /// So many seconds from now.
+    /// This number of seconds from now.
     pub fn after(seconds: f64) -> Self {
         let has_clock = !cfg!(target_family = "wasm");
         let wait = Duration::try_from_secs_f64(seconds.max(0.0)).ok();
@@ -53,7 +53,7 @@ impl Deadline {
         }
     }
 
-    /// Whether it is past.
+    /// Whether it has passed.
     pub fn is_over(self) -> bool {
         self.0.is_some_and(|end| Instant::now() >= end)
     }

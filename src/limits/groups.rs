@@ -14,9 +14,9 @@ pub(super) fn group_memory(root: &Path) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-/// Where groups that limit memory are mounted.
+/// Mount point of the groups that limit memory.
 struct GroupMount {
-    /// The group that is seen there.
+    /// The group at the root of this mount.
     group: PathBuf,
     place: PathBuf,
     /// What a line of `/proc/self/cgroup` has between its colons: nothing in version 2.
@@ -49,7 +49,7 @@ impl GroupMount {
         })
     }
 
-    /// The least limit from the group of the process up to what is mounted.
+    /// The lowest limit from the group of the process up to the mounted one.
     fn least(&self, root: &Path, groups: &str) -> f64 {
         let of_line = |line: &str| {
             let mut parts = line.splitn(3, ':').skip(1);
@@ -60,7 +60,8 @@ impl GroupMount {
                 .then(|| PathBuf::from(path))
         };
         let own = groups.lines().find_map(of_line).unwrap_or_default();
-        // A group that is not below the mounted one, as in a container that sees its own only, is that one itself.
+        // A group that is not below the mounted one, as in a container that sees only its own, is the mounted one
+        // itself.
         let below = own.strip_prefix(&self.group).unwrap_or(Path::new(""));
         let is_plain = below
             .components()
@@ -104,7 +105,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
 
-    /// A system made up of files.
+    /// A simulated file system.
     struct MadeUp(PathBuf);
 
     impl MadeUp {

@@ -36,7 +36,7 @@ pub enum Resource {
     Message,
 }
 
-/// How an amount is written.
+/// The unit of an amount.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Unit {
     Seconds,
@@ -57,7 +57,7 @@ impl Resource {
         Self::Message,
     ];
 
-    /// As it is written in `--limits`.
+    /// Its name in `--limits`.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Time => "time",
@@ -116,24 +116,24 @@ impl Resource {
     }
 }
 
-/// More was requested than is allowed.
+/// A request exceeds a limit.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("the limit `{}` is {}, and {who} {needs} {} (--limits {}=…)",
     .resource.name(), .resource.shown(*.most), .resource.shown(*.wanted), .resource.name())]
 pub struct LimitExceeded {
-    /// Of what.
+    /// The resource.
     pub resource: Resource,
-    /// What is allowed.
+    /// The limit.
     pub most: f64,
-    /// What was asked for.
+    /// The requested amount.
     pub wanted: f64,
-    /// What asked for it.
+    /// The purpose of the request.
     pub who: String,
-    /// Whether it would need so much or takes it already.
+    /// Whether the amount would be needed or is already in use.
     pub needs: &'static str,
 }
 
-/// The most of every resource.
+/// The limit of every resource.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits([f64; Resource::ALL.len()]);
 
@@ -169,7 +169,7 @@ impl Limits {
         Self(Resource::ALL.map(|r| self.most(r).min(other.most(r))))
     }
 
-    /// The most of a resource.
+    /// The limit of a resource.
     pub fn most(&self, resource: Resource) -> f64 {
         self.0[resource as usize]
     }
@@ -216,7 +216,7 @@ fn amount_of(unit: Unit, text: &str) -> Option<f64> {
     (amount > 0.0 && amount.is_finite()).then_some(amount)
 }
 
-/// Set by the program before it does anything; libraries keep the usual ones.
+/// Set by the program before anything else; libraries use the defaults.
 static OF_PROCESS: OnceLock<Limits> = OnceLock::new();
 
 /// Sets the limits of the process; only the first call counts.
@@ -232,7 +232,7 @@ pub fn current_limits() -> Limits {
 /// Fraction of the memory allowed by the system that a run may use: the rest is a reserve.
 const SHARE: f64 = 0.9;
 
-/// What the process uses, and what the system allows, as far as Linux says it.
+/// The memory that the process uses, and the system's limit, as far as Linux reports them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Memory {
     /// Bytes in memory.
@@ -242,7 +242,7 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// What the process uses now; nothing where the system does not say.
+    /// The present memory of the process; `None` where the system does not report it.
     pub fn used() -> Self {
         let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
         let bytes = |key: &str| {
@@ -256,7 +256,7 @@ impl Memory {
         }
     }
 
-    /// The most that is allowed, by `--limits` and by the system: control groups, the machine, `ulimit -v`.
+    /// The lowest limit, by `--limits` and by the system: control groups, the machine, `ulimit -v`.
     fn allowed() -> &'static Self {
         static ALLOWED: OnceLock<Memory> = OnceLock::new();
         ALLOWED.get_or_init(|| {
@@ -272,7 +272,7 @@ impl Memory {
         })
     }
 
-    /// Refuses `more` bytes beside what is used already.
+    /// Refuses `more` bytes in addition to those in use.
     fn allow(
         self,
         more: f64,
@@ -297,17 +297,17 @@ impl Memory {
     }
 }
 
-/// The first number behind `key` in a file of the system.
+/// The first number after `key` in a file of the system.
 fn line_of(path: &str, key: &str) -> Option<f64> {
     let text = std::fs::read_to_string(path).ok()?;
     let line = text.lines().find_map(|line| line.strip_prefix(key))?;
     line.split_whitespace().next()?.parse().ok()
 }
 
-/// Fewer bytes are not worth the look at what is used already, which takes as long as a pose.
+/// Smaller requests are not checked: reading the memory in use takes as long as a pose.
 const FEW: f64 = 65536.0;
 
-/// Refuses to allocate so many bytes more than the process, or the system, allows.
+/// Refuses to allocate this many more bytes than the process, or the system, permits.
 pub fn allow_memory(bytes: f64, who: &dyn fmt::Display) -> Result<(), LimitExceeded> {
     if bytes < FEW {
         return Ok(());
@@ -315,7 +315,7 @@ pub fn allow_memory(bytes: f64, who: &dyn fmt::Display) -> Result<(), LimitExcee
     Memory::used().allow(bytes, who, "needs")
 }
 
-/// Refuses to draw a picture of more pixels than are allowed, or than the memory is for at so many bytes a pixel.
+/// Refuses to draw a picture with more pixels than permitted, or than fit into memory with the given bytes per pixel.
 pub fn allow_picture(
     [width, height]: [u32; 2],
     bytes_a_pixel: f64,
@@ -327,7 +327,7 @@ pub fn allow_picture(
     allow_memory(pixels * bytes_a_pixel, &who)
 }
 
-/// Whether the process uses more memory than it may by now.
+/// Whether the process now uses more memory than permitted.
 pub fn memory_exceeded() -> Option<LimitExceeded> {
     Memory::used().allow(0.0, &"this run", "uses").err()
 }

@@ -11,16 +11,16 @@ use std::collections::BTreeMap;
 /// Column and value of the entries of a row.
 pub type SparseRow = Vec<(usize, f64)>;
 
-/// The space that rows span.
+/// The row space of a matrix.
 #[derive(Clone, Debug)]
 pub struct Fronts {
-    /// Front of every column; rows go on from low ones to high ones.
+    /// Front of every column; rows pass from lower fronts to higher ones.
     front_of: Vec<usize>,
-    /// Numbers below this are zero.
+    /// Numbers below this count as zero.
     least: f64,
-    /// Which of the pivots each column is.
+    /// Index of each column's pivot.
     pivot_of: Vec<Option<usize>>,
-    /// What stands beside the pivots, which are one.
+    /// Entries of the pivots' rows beside the pivots, which are one.
     rows: Vec<SparseRow>,
     qr: PivotedQr,
 }
@@ -29,7 +29,7 @@ pub struct Fronts {
 struct DenseFront {
     /// Its own columns, then those of later fronts.
     columns: Vec<usize>,
-    /// How many are its own.
+    /// Number of its own columns.
     own: usize,
     /// Column-major.
     entries: Vec<f64>,
@@ -67,13 +67,13 @@ impl Fronts {
         self.rows.len()
     }
 
-    /// Adds a row; whether it is independent of those before it.
+    /// Adds a row; returns whether it is independent of those before it.
     pub fn add(&mut self, row: &[(usize, f64)]) -> bool {
         if !row.iter().all(|(_, v)| v.is_finite()) {
             return false;
         }
         let rest = self.reduced_row(row);
-        // The largest remaining entry becomes the pivot; a row without one depends on those before.
+        // The largest remaining entry becomes the pivot; a row without one is dependent.
         let largest = rest.iter().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
         let Some(&(column, pivot)) = largest.filter(|e| e.1.abs() > self.least) else {
             return false;
@@ -107,7 +107,7 @@ impl Fronts {
         free.into_iter().collect()
     }
 
-    /// Puts every row where it begins.
+    /// Assigns every row to its front.
     fn distribute_rows(&self, rows: Vec<SparseRow>, waiting: &mut [Vec<SparseRow>]) {
         for mut row in rows {
             row.retain(|(_, v)| v.abs() > self.least);
@@ -118,7 +118,7 @@ impl Fronts {
         }
     }
 
-    /// Takes the pivots of a front; the rows that are left have entries in later fronts only.
+    /// Eliminates the pivots of a front; the remaining rows have entries in later fronts only.
     fn eliminate_front(&mut self, front: usize, rows: &[SparseRow]) -> Vec<SparseRow> {
         let dense = DenseFront::new(rows, |column| self.front_of[column] == front);
         let height = dense.rows;
@@ -129,7 +129,7 @@ impl Fronts {
         if longest <= self.least {
             return Vec::new();
         }
-        // Householder QR of the own columns; its tolerance is a part of the longest of them.
+        // Householder QR of its own columns; the tolerance is relative to the longest of them.
         self.qr.factor(own, height, dense.own, self.least / longest);
         let rank = self.qr.rank();
         let order = self.qr.column_order()[..rank].to_vec();
@@ -149,7 +149,7 @@ impl Fronts {
                     row.push((*column, solution[*place]));
                 }
             }
-            // Of its own columns nothing is left.
+            // Nothing remains of its own columns.
             for (row, value) in left.iter_mut().zip(&right_side[rank..]) {
                 if j >= dense.own {
                     row.push((*column, *value));

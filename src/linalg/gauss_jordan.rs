@@ -4,7 +4,7 @@
 use super::lanes::{LaneMatrix, Lanes, clear_column, scale_lanes};
 use wide::f64x4;
 
-/// Pivots whose ratio is below this call for the factorisation that sees ranks: six of sixteen digits would be lost.
+/// Below this ratio of pivots the rank-revealing factorisation is used: six of sixteen digits would be lost.
 pub const SMALLEST_RATIO: f64 = 1e-6;
 
 /// Results of an elimination in addition to the inverse.
@@ -25,12 +25,12 @@ impl Pivots {
         largest: 0.0,
     };
 
-    /// Of a matrix that is not square: it has no determinant.
+    /// The result for a matrix that is not square: it has no determinant.
     pub fn without_sign(self) -> Self {
         Self { sign: 0, ..self }
     }
 
-    /// Takes in a pivot and whether rows were exchanged for it; false where it is none or too small.
+    /// Records a pivot and whether rows were exchanged for it; false if it is zero or too small.
     #[inline]
     pub fn take(&mut self, pivot: f64, exchanged: bool, ratio: f64) -> bool {
         let size = pivot.abs();
@@ -74,7 +74,7 @@ impl Elimination {
         self.order.clear();
         self.order.extend(0..n);
         let order = &mut self.order[..];
-        // The usual sizes by themselves, so that the pivot's row stays in registers.
+        // The usual sizes are compiled separately, so that the pivot's row stays in registers.
         let pivots = match self.matrix.stride() {
             1 => invert_fixed::<1>(self.matrix.fixed_rows(), ratio, order),
             2 => invert_fixed::<2>(self.matrix.fixed_rows(), ratio, order),

@@ -13,8 +13,8 @@ use super::lanes::{
 };
 use wide::f64x4;
 
-/// Relative error of the smallest singular value. The eigenvalue, its square, is allowed twice as much. An inverse of a
-/// pose right beside adds as much again: together a millionth.
+/// Relative error of the smallest singular value. The eigenvalue, its square, may have twice as much. Using the inverse
+/// of a neighbouring pose adds as much again: together a millionth.
 pub const SMALLEST_ERROR: f64 = 5e-7;
 
 /// Relative error of the largest singular value, and with it of the condition number.
@@ -23,13 +23,13 @@ pub const LARGEST_ERROR: f64 = 1e-3;
 /// Iterations after which the exact decomposition of a small matrix is cheaper.
 const MOST_ITERATIONS: usize = 24;
 
-/// Of a larger one it takes a dozen times its size times what an iteration takes: as many times its size are made.
+/// For a larger one the decomposition costs about a dozen times its size in iterations: that many are made.
 const TIMES_OF_SIZE: usize = 4;
 
-/// How much of a fixed vector is mixed into the start of the largest value.
+/// Weight of a fixed vector that is mixed into the start of the largest value.
 const MIXED: f64 = 0.01;
 
-/// Others than the largest eigenvalue are bounded well enough below this share of it.
+/// Below this fraction of the largest eigenvalue, the bound on all others is good enough.
 const CLEAR_SHARE: f64 = 0.9;
 
 /// Entry of a vector without a preferred direction; signs alternate in no regular way.
@@ -52,7 +52,7 @@ impl Extremes {
     pub fn of(&mut self, matrix: &LaneMatrix, inverse: &LaneMatrix) -> Option<(f64, f64)> {
         let sum: f64 = inverse.rows().map(|row| dot_lanes(row, row)).sum();
         self.powers.known.clear();
-        // Rounding of the sums is far below what is clear.
+        // Rounding of the sums is far below this margin.
         let small = self.small.largest(inverse, |value, residual| {
             let mut others = sum - value;
             if others > CLEAR_SHARE * value {
@@ -79,7 +79,7 @@ impl Extremes {
     }
 }
 
-/// Sums of the second and the fourth powers of the eigenvalues of A Aᵀ, found where they are asked for.
+/// Sums of the second and the fourth powers of the eigenvalues of A Aᵀ, computed on demand.
 #[derive(Clone, Debug, Default)]
 struct PowerSums {
     known: Vec<f64>,
@@ -168,7 +168,8 @@ impl PowerIteration {
         None
     }
 
-    /// Gives the vector a part in every direction, so that it cannot stay with an eigenvalue that has been overtaken.
+    /// Gives the vector a component in every direction, so that it cannot stay with an eigenvalue that is no longer the
+    /// largest.
     fn mix(&mut self) {
         for (k, v) in self.vector.as_flattened_mut()[..self.size]
             .iter_mut()

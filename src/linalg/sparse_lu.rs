@@ -11,16 +11,16 @@ use super::lanes::LaneMatrix;
 /// Matrices with fewer rows are eliminated densely: whole rows are faster than lists.
 pub const LEAST: usize = 64;
 
-/// A matrix with more than one entry in so many is dense.
+/// A matrix with more than one entry in this many is dense.
 const SPARSE: usize = 8;
 
-/// A pivot is at least this part of the largest entry of its column.
+/// A pivot is at least this fraction of the largest entry of its column.
 const THRESHOLD: f64 = 0.1;
 
-/// A row, or column, that is done.
+/// Marks a row, or column, that is finished.
 const DONE: usize = usize::MAX;
 
-/// Factors of a square matrix, in buffers that are used again.
+/// Factors of a square matrix, in reusable buffers.
 #[derive(Clone, Debug, Default)]
 pub struct SparseLu {
     /// The remaining row, by column; for a finished row its row of U without the pivot.
@@ -33,7 +33,7 @@ pub struct SparseLu {
     pivots: Vec<(usize, usize, f64)>,
     /// Eliminations in order: of pivot row `k` the rows below and their factors.
     below: Vec<(usize, f64)>,
-    /// Where those of every pivot end.
+    /// Where the eliminations of every pivot end.
     ends: Vec<usize>,
     merged: Vec<(usize, f64)>,
     right_side: Vec<f64>,
@@ -48,7 +48,7 @@ impl SparseLu {
         self.invert_columns(a.chunks_exact(n.max(1)), n, inverse)
     }
 
-    /// The same of a matrix whose columns are given one by one.
+    /// The same for a matrix given column by column.
     pub fn invert_columns<'a>(
         &mut self,
         columns: impl Iterator<Item = &'a [f64]> + Clone,
@@ -165,7 +165,7 @@ impl SparseLu {
         self.columns[column].push(row);
     }
 
-    /// Eliminates what was pushed; `None` where it fills in, or pivots are smaller than `ratio` of the largest.
+    /// Eliminates the entries added; `None` if it fills in, or pivots are smaller than `ratio` of the largest.
     pub fn eliminate_rows(&mut self, ratio: f64) -> Option<Pivots> {
         let n = self.rows.len();
         self.counts.clear();
@@ -199,7 +199,7 @@ impl SparseLu {
         &self.solution
     }
 
-    /// Row and value of the entry of a column that fills in least.
+    /// Row and value of the entry of a column that causes least fill-in.
     fn pivot_of(&self, column: usize) -> Option<(usize, f64)> {
         let value = |row: usize| {
             let entries = &self.rows[row];
@@ -216,7 +216,7 @@ impl SparseLu {
         Some((*best, value(*best)))
     }
 
-    /// Takes a pivot: clears its column below, and keeps what was done.
+    /// Eliminates with a pivot: clears its column below, and records the operations.
     fn clear(&mut self, row: usize, column: usize, pivot: f64) {
         let mut own = std::mem::take(&mut self.rows[row]);
         own.retain(|e| e.0 != column);

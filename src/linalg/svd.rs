@@ -93,10 +93,10 @@ fn conditioning_of_two([a, b, c, d]: [f64; 4], scale: f64) -> Conditioning {
     }
 }
 
-/// A column belongs to a free motion when its share of a null vector is above this.
+/// A column belongs to a free motion if its component of a null vector is above this.
 const SHARE_OF_NULL_VECTOR: f64 = 1e-6;
 
-/// Orthonormal vectors that a matrix of the given rank takes to zero.
+/// Orthonormal basis of the null space of a matrix of the given rank.
 pub fn null_space(jacobian: &[f64], rows: usize, columns: usize, rank: usize) -> Vec<Vec<f64>> {
     // Rows of zeros make the decomposition return all right singular vectors.
     let tall = rows.max(columns);

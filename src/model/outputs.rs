@@ -66,7 +66,7 @@ impl MechanismOutput {
 const SHAPE_STEP: f64 = 1e-5;
 
 /// The nearest pair at a pose.
-struct Found<'d> {
+struct NearestFound<'d> {
     gap: &'d Gap,
     nearest: Nearest,
     first_from_second: Pose,
@@ -74,7 +74,7 @@ struct Found<'d> {
 }
 
 impl Distance {
-    fn find(&self, mechanism: &Mechanism, coordinates: &[f64]) -> Option<Found<'_>> {
+    fn find(&self, mechanism: &Mechanism, coordinates: &[f64]) -> Option<NearestFound<'_>> {
         let arguments = mechanism.argument_values(coordinates);
         let found = self.gaps.iter().filter_map(|gap| {
             let [first, second] = gap.bodies;
@@ -82,7 +82,7 @@ impl Distance {
             let world_from_first = world_from(first);
             let first_from_second = world_from_first.inverse() * world_from(second);
             let nearest = gap.solids.nearest(coordinates, &first_from_second)?;
-            Some(Found {
+            Some(NearestFound {
                 gap,
                 nearest,
                 first_from_second,
@@ -144,7 +144,7 @@ impl Distance {
     }
 }
 
-impl Found<'_> {
+impl NearestFound<'_> {
     /// The change of the distance as its nearest points move, and as the solids change their shapes.
     fn follow<S: Scalar>(&self, mechanism: &Mechanism, numbers: &[f64], coordinates: &[S]) -> S {
         let Nearest {

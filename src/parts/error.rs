@@ -4,16 +4,16 @@ use crate::export::ExportError;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Why a study cannot be planned, run or put together.
+/// Why a study cannot be planned, run or merged.
 #[derive(Debug, thiserror::Error)]
 pub enum PartsError {
-    /// The folder holds no study.
+    /// The folder contains no study.
     #[error("{} is not a study: it has no plan.json", .0.display())]
     NoStudy(PathBuf),
-    /// There is something already.
+    /// The path already exists.
     #[error("{} exists already", .0.display())]
     Exists(PathBuf),
-    /// The plan is no plan.
+    /// The plan is invalid.
     #[error("{}: {why}", .path.display())]
     BadPlan {
         /// The plan.
@@ -21,15 +21,15 @@ pub enum PartsError {
         /// What is wrong with it.
         why: String,
     },
-    /// The study was planned by another program, or its files are others by now.
+    /// The study was planned by another program, or its files have changed since.
     #[error("{}: {why}", .path.display())]
     Foreign {
-        /// What does not belong here.
+        /// The file that does not belong here.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         why: String,
     },
-    /// A file or folder could not be read or made.
+    /// A file or folder could not be read or created.
     #[error("{}: {source}", .path.display())]
     Io {
         /// Where.
@@ -40,13 +40,13 @@ pub enum PartsError {
     /// A file could not be written.
     #[error(transparent)]
     Export(#[from] ExportError),
-    /// What is there cannot be put together; a line for every reason.
+    /// The parts cannot be merged; one line for every reason.
     #[error("{}", .0.join("\n"))]
     Faulty(Vec<String>),
 }
 
 impl PartsError {
-    /// What the system said about a place.
+    /// The system's message about a path.
     pub(super) fn io(path: &Path, source: io::Error) -> Self {
         Self::Io {
             path: path.to_owned(),

@@ -1,4 +1,4 @@
-//! The folder of a study: its plan, and which parts of it are there.
+//! The folder of a study: its plan, and its finished parts.
 
 use super::error::PartsError;
 use super::part::{Part, part_name};
@@ -13,14 +13,14 @@ const PLAN: &str = "plan.json";
 const PARTS: &str = "parts";
 const LEASES: &str = "leases";
 
-/// Ending of a part's name.
+/// Extension of a part's name.
 const PART: &str = "part";
 
 /// A study on disk.
 #[derive(Clone, Debug)]
 pub struct Folder {
     path: PathBuf,
-    /// What is done.
+    /// The plan of the study.
     pub plan: Plan,
 }
 
@@ -42,7 +42,7 @@ impl Folder {
         for (name, bytes) in files {
             write_file(&path.join(name), bytes)?;
         }
-        // With its plan the study begins to exist.
+        // The study exists once its plan does.
         let text = format!("{:#}\n", plan.document());
         write_file(&path.join(PLAN), text.as_bytes())?;
         Ok(Self {
@@ -53,7 +53,7 @@ impl Folder {
 
     /// Opens the folder of a study.
     ///
-    /// Errors: there is none, or it is one of another version of the program.
+    /// Errors: there is none, or it belongs to another version of the program.
     pub fn open(path: &Path) -> Result<Self, PartsError> {
         let place = path.join(PLAN);
         let text = match fs::read_to_string(&place) {
@@ -68,12 +68,12 @@ impl Folder {
         })
     }
 
-    /// Where it is.
+    /// Path of the folder.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Where the parts are.
+    /// Folder of the parts.
     pub(super) fn parts_folder(&self) -> PathBuf {
         self.path.join(PARTS)
     }
@@ -102,7 +102,7 @@ impl Folder {
         units.filter(|unit| self.lease(*unit).is_file()).collect()
     }
 
-    /// When the parts were made, ascending.
+    /// The times at which the parts were written, ascending.
     pub fn part_times(&self) -> Vec<SystemTime> {
         let entries = fs::read_dir(self.parts_folder()).into_iter().flatten();
         let times = entries.filter_map(|entry| entry.ok()?.metadata().ok()?.modified().ok());
@@ -111,7 +111,7 @@ impl Folder {
         times
     }
 
-    /// All parts in the order of their items, and what is wrong with the other files beside them.
+    /// All parts in the order of their items, and the faults of all other files beside them.
     pub(super) fn parts(&self) -> Result<(Vec<Part>, Vec<String>), PartsError> {
         let folder = self.parts_folder();
         let failed = |e| PartsError::io(&folder, e);
@@ -121,7 +121,7 @@ impl Folder {
             let is_hidden = path
                 .file_name()
                 .is_some_and(|name| name.to_string_lossy().starts_with('.'));
-            // A name that begins with a point is a part that is being written.
+            // A name that begins with a point is a part that is still being written.
             if is_hidden || path.extension().is_none_or(|e| e != PART) {
                 continue;
             }
@@ -135,7 +135,7 @@ impl Folder {
         Ok((parts, faults))
     }
 
-    /// Removes the folder with all that is in it.
+    /// Removes the folder with its contents.
     pub fn remove(self) -> Result<(), PartsError> {
         fs::remove_dir_all(&self.path).map_err(|e| PartsError::io(&self.path, e))
     }

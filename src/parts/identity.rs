@@ -8,7 +8,7 @@ pub const NUMERICS: u32 = 1;
 /// Characters of an identity: 128 bits.
 const LENGTH: usize = 32;
 
-/// A digest of named pieces, in hexadecimal. Lengths are part of it, so that no two lists run together.
+/// A digest of named pieces, in hexadecimal. Lengths are included, so that different lists never give the same bytes.
 pub fn identity(pieces: &[(&str, &[u8])]) -> String {
     let mut hasher = Sha256::new();
     hasher.update(NUMERICS.to_le_bytes());

@@ -10,30 +10,30 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant, SystemTime};
 
-/// How often the holder of a lease touches it.
+/// Interval at which the holder of a lease touches it.
 const TOUCH: Duration = Duration::from_secs(5);
 
 /// A lease that has not been touched for this long is stale: six touches, for slow disks.
 const STALE: Duration = Duration::from_secs(30);
 
-/// How often the keeper of a lease looks whether it is done.
+/// Interval at which the holder's thread checks whether the work is done.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// A lease that is held; given back when dropped.
+/// A lease that is held; released when dropped.
 pub(super) struct Lease {
     path: PathBuf,
     is_done: std::sync::Arc<AtomicBool>,
     keeper: Option<JoinHandle<()>>,
 }
 
-/// Which leases of others were seen, when they had been touched, and since when by the clock of this machine: clocks of
-/// two machines may differ by any amount.
+/// The leases of others seen so far, with the times of their last touch and of the first sight of it by the clock of
+/// this machine: the clocks of two machines may differ by any amount.
 #[derive(Default)]
-pub(super) struct Seen {
+pub(super) struct LeaseSightings {
     others: HashMap<PathBuf, (SystemTime, Instant)>,
 }
 
-impl Seen {
+impl LeaseSightings {
     /// Takes the lease at `path`, or that of a holder who has gone.
     ///
     /// Errors: the folder cannot be written to.
@@ -50,7 +50,7 @@ impl Seen {
         let _ = fs::remove_file(path);
         match create_lease(path) {
             Ok(lease) => Ok(Some(lease)),
-            // Somebody was quicker.
+            // Another worker was faster.
             Err(e) if e.kind() == ErrorKind::AlreadyExists => Ok(None),
             Err(e) => Err(PartsError::io(path, e)),
         }
@@ -72,7 +72,7 @@ impl Seen {
     }
 }
 
-/// Makes a lease that is not there and keeps it.
+/// Creates a new lease and holds it.
 fn create_lease(path: &Path) -> std::io::Result<Lease> {
     let mut file = fs::OpenOptions::new()
         .write(true)
@@ -111,11 +111,11 @@ impl Drop for Lease {
     }
 }
 
-/// Where Linux says which processes there are, and which start of the system this is.
+/// Where Linux lists the processes, and identifies the current boot of the system.
 const PROCESSES: &str = "/proc";
 const BOOT: &str = "/proc/sys/kernel/random/boot_id";
 
-/// This process, as a lease names it.
+/// The name of this process in a lease.
 fn process_name() -> String {
     format!("{} {}", boot_identity(), std::process::id())
 }
@@ -125,7 +125,7 @@ fn boot_identity() -> String {
     text.trim().to_owned()
 }
 
-/// Whether a holder was a process of this machine that has ended. Of other machines nothing is known.
+/// Whether a holder was a process of this machine that has ended. Nothing is known about other machines.
 fn is_gone(holder: &str) -> bool {
     let Some((machine, process)) = holder.split_once(' ') else {
         return false;
@@ -143,14 +143,14 @@ mod tests {
     fn a_lease_is_held_by_one() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("unit-0");
-        let lease = Seen::default().take(&path).unwrap();
+        let lease = LeaseSightings::default().take(&path).unwrap();
         assert!(lease.is_some());
-        assert!(Seen::default().take(&path).unwrap().is_none());
+        assert!(LeaseSightings::default().take(&path).unwrap().is_none());
         drop(lease);
-        assert!(Seen::default().take(&path).unwrap().is_some());
+        assert!(LeaseSightings::default().take(&path).unwrap().is_some());
     }
 
-    /// A clock an hour behind makes no lease stale: only one that stays as it is for a while.
+    /// A clock that is an hour slow makes no lease stale: only a lease that remains unchanged for a while is stale.
     #[test]
     fn clocks_of_others_do_not_matter() {
         let folder = tempfile::tempdir().unwrap();
@@ -159,7 +159,7 @@ mod tests {
         let file = fs::OpenOptions::new().write(true).open(&path).unwrap();
         let hour = Duration::from_secs(3600);
         file.set_modified(SystemTime::now() - hour).unwrap();
-        let mut seen = Seen::default();
+        let mut seen = LeaseSightings::default();
         assert!(seen.take(&path).unwrap().is_none());
         let back = Instant::now().checked_sub(STALE + TOUCH).unwrap();
         seen.others.get_mut(&path).unwrap().1 = back;
@@ -175,6 +175,6 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("unit-0");
         fs::write(&path, format!("{} 4294967295", boot_identity())).unwrap();
-        assert!(Seen::default().take(&path).unwrap().is_some());
+        assert!(LeaseSightings::default().take(&path).unwrap().is_some());
     }
 }

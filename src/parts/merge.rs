@@ -1,4 +1,4 @@
-//! Putting parts together: all items in their order, whatever the units were, or the reasons why not.
+//! Merging parts: all items in order, whatever the units were, or the reasons why it is impossible.
 
 use super::error::PartsError;
 use super::folder::Folder;
@@ -9,7 +9,7 @@ use std::ops::Range;
 /// Takes an item and its numbers.
 type PartItems<'g, E> = dyn FnMut(u64, &[f64]) -> Result<(), E> + 'g;
 
-/// Most faults that are listed.
+/// Maximum number of faults that are listed.
 const MOST_FAULTS: usize = 50;
 
 /// Parts that cover all items.
@@ -19,9 +19,9 @@ pub struct Merge {
 }
 
 impl Merge {
-    /// Looks which parts there are.
+    /// Checks which parts exist.
     ///
-    /// Errors: a line for every file that does not belong here or is broken, and for every stretch of items that is
+    /// Errors: a line for every file that does not belong here or is damaged, and for every range of items that is
     /// missing.
     pub fn new(folder: &Folder) -> Result<Self, PartsError> {
         let (parts, mut faults) = folder.parts()?;
@@ -51,12 +51,12 @@ impl Merge {
         }
     }
 
-    /// Hands out every item with its numbers, in order. One part is held at a time.
+    /// Passes on every item with its numbers, in order. One part is in memory at a time.
     ///
-    /// Errors: a part whose bytes have changed; two parts that hold other numbers of the same item; what `give` says.
+    /// Errors: a part whose bytes have changed; two parts with different numbers for the same item; an error of `give`.
     pub fn each<E: From<PartsError>>(&self, give: &mut PartItems<'_, E>) -> Result<(), E> {
         let mut next = 0;
-        // Earlier parts that reach over the one in hand: as a rule none.
+        // Earlier parts that overlap the current one: usually none.
         let mut over: Vec<&Part> = Vec::new();
         for part in &self.parts {
             let numbers = part.numbers().map_err(as_fault)?;
@@ -74,9 +74,9 @@ impl Merge {
         Ok(())
     }
 
-    /// Hands out the numbers of every part, in the order of their items. One part is held at a time.
+    /// Passes on the numbers of every part, in the order of their items. One part is in memory at a time.
     ///
-    /// Errors: a part whose bytes have changed; what `give` says.
+    /// Errors: a part whose bytes have changed; an error of `give`.
     pub fn each_part<E: From<PartsError>>(
         &self,
         give: &mut dyn FnMut(&[f64]) -> Result<(), E>,
@@ -87,7 +87,7 @@ impl Merge {
         Ok(())
     }
 
-    /// Holds a part against an earlier one where they have items in common.
+    /// Compares a part with an earlier one where they have items in common.
     fn compare_part(&self, other: &Part, part: &Part, numbers: &[f64]) -> Result<(), PartsError> {
         let common = part.items.start..part.items.end.min(other.items.end);
         if common.is_empty() {

@@ -28,7 +28,7 @@ fn platform_name() -> String {
     format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS)
 }
 
-/// A part that lies in a folder and seems whole.
+/// A part in a folder, apparently complete.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Part {
     pub path: PathBuf,
@@ -40,9 +40,9 @@ pub(super) fn part_name(items: &Range<u64>) -> String {
     format!("items-{:012}-{:012}.part", items.start, items.end)
 }
 
-/// Writes the part with these items into `folder`, whole or not at all. One that is there by now stays.
+/// Writes the part with these items into `folder`, completely or not at all. An existing one is kept.
 ///
-/// Errors: it cannot be written, or the one that is there holds other numbers.
+/// Errors: it cannot be written, or the existing one contains other numbers.
 pub(super) fn write_part(
     folder: &Path,
     plan: &Plan,
@@ -81,9 +81,9 @@ pub(super) fn write_part(
 }
 
 impl Part {
-    /// Looks at the first line and the length of a file.
+    /// Checks the first line and the length of a file.
     ///
-    /// Errors: it is no part of this study, or not a whole one.
+    /// Errors: it is not a part of this study, or is incomplete.
     pub fn open(path: &Path, plan: &Plan) -> Result<Self, PartsError> {
         let foreign = |why: &str| PartsError::Foreign {
             path: path.to_owned(),

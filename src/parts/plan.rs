@@ -8,10 +8,10 @@ use std::path::Path;
 /// Version of the plan's document.
 const SCHEMA: &str = "mechanim-study/1";
 
-/// The program that makes and reads parts. Its numbers are held to be those of no other version.
+/// The program that writes and reads parts. Numbers of different versions are never mixed.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// What a part keeps.
+/// Content of a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PartContent {
     /// The numbers of every item.
@@ -29,16 +29,16 @@ impl PartContent {
     }
 }
 
-/// What a study does.
+/// The plan of a study.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Plan {
     /// The verb.
     pub verb: String,
     /// Its arguments without the scene, which are parsed again when a unit is run.
     pub arguments: Vec<String>,
-    /// What messages call the scene, whose text lies beside the plan.
+    /// Name of the scene in messages; its text lies beside the plan.
     pub scene: String,
-    /// Where the meshes of the scene are looked for.
+    /// The folder of the scene's meshes.
     pub meshes: String,
     /// Digest of all that the numbers depend on.
     pub identity: String,
@@ -48,7 +48,7 @@ pub struct Plan {
     pub items: u64,
     /// Items of a unit; the last one may have fewer.
     pub unit: u64,
-    /// What its parts keep.
+    /// Content of its parts.
     pub keeps: PartContent,
     /// Numbers of an item, or of a part that keeps sums.
     pub width: u64,
@@ -66,7 +66,7 @@ impl Plan {
         first..self.items.min(first + self.unit)
     }
 
-    /// Numbers of a part with so many items.
+    /// Numbers of a part with this many items.
     pub fn numbers(&self, items: u64) -> u64 {
         match self.keeps {
             PartContent::Items => items * self.width,
@@ -74,7 +74,7 @@ impl Plan {
         }
     }
 
-    /// As the folder keeps it.
+    /// The document stored in the folder.
     pub fn document(&self) -> Value {
         json!({
             "schema": SCHEMA,
@@ -92,7 +92,7 @@ impl Plan {
         })
     }
 
-    /// Reads such a document.
+    /// Reads this document.
     pub(super) fn read(path: &Path, text: &str) -> Result<Self, PartsError> {
         let bad = |why: String| PartsError::BadPlan {
             path: path.to_owned(),

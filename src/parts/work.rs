@@ -1,8 +1,8 @@
-//! Processes a study: unit after unit that is missing and not being processed by another worker.
+//! Works on a study: one missing unit after another, unless another worker is processing it.
 
 use super::error::PartsError;
 use super::folder::Folder;
-use super::lease::Seen;
+use super::lease::LeaseSightings;
 use super::part::write_part;
 use std::ops::Range;
 use std::time::{Duration, Instant};
@@ -10,39 +10,39 @@ use std::time::{Duration, Instant};
 /// How often a waiting worker checks the progress of the others.
 const WAIT: Duration = Duration::from_millis(500);
 
-/// Which units a worker does, and for how long.
+/// The units for a worker, and its time.
 #[derive(Clone, Debug)]
-pub struct Share {
-    /// Units that it may do.
+pub struct WorkShare {
+    /// The units that it may process.
     pub units: Range<u64>,
     /// The unit with which it begins; it continues from there, and after the last one from the first.
     pub begin: u64,
-    /// No unit is begun after this.
+    /// No unit is started after this instant.
     pub until: Option<Instant>,
 }
 
-/// How a worker ended.
+/// How a worker finished.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ended {
     /// All units of its share are done.
     Done,
-    /// Its time is over.
+    /// Its time is up.
     TimeOver,
-    /// It was told to stop; the unit it worked on is dropped.
+    /// It was asked to stop; the unit it worked on is dropped.
     Stopped,
 }
 
-/// Does all units of a share that are missing. `compute` gives the numbers of some items, or nothing if it is told to stop;
-/// `is_stopped` is asked while others are waited for.
+/// Processes all missing units of a worker's range. `compute` returns the numbers of some items, or nothing if it was
+/// asked to stop; `is_stopped` is polled while waiting for others.
 ///
 /// Errors: the folder cannot be written to.
 pub fn work_on(
     folder: &Folder,
-    share: &Share,
+    share: &WorkShare,
     compute: &mut dyn FnMut(Range<u64>) -> Option<Vec<f64>>,
     is_stopped: &dyn Fn() -> bool,
 ) -> Result<Ended, PartsError> {
-    let mut seen = Seen::default();
+    let mut seen = LeaseSightings::default();
     let mut missing: Vec<u64> = ordered_units(share)
         .filter(|unit| !folder.has(*unit))
         .collect();
@@ -81,7 +81,7 @@ pub fn work_on(
 }
 
 /// The units of a share in the order in which they are tried.
-fn ordered_units(share: &Share) -> impl Iterator<Item = u64> {
+fn ordered_units(share: &WorkShare) -> impl Iterator<Item = u64> {
     let begin = share.begin.clamp(share.units.start, share.units.end);
     (begin..share.units.end).chain(share.units.start..begin)
 }

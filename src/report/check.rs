@@ -9,7 +9,7 @@ use super::freedoms;
 use super::measures::TakenMeasure;
 use super::proof::{MotionProof, PoseProofs, proof_assumptions};
 use super::sentences;
-use super::verdict::{Asked, CLEARANCE, Verdict};
+use super::verdict::{CLEARANCE, CheckRequirements, Verdict};
 use crate::clearance::check::ClearanceReport;
 use crate::kinematics::freedoms::mobility::Mobility;
 use crate::kinematics::results::trajectory::Trajectory;
@@ -23,7 +23,7 @@ pub struct MotionReport<'a> {
     mechanism: &'a Mechanism,
     actuation: &'a Actuation,
     trajectory: &'a Trajectory,
-    asked: Asked,
+    asked: CheckRequirements,
     mobility: Mobility,
     poses: PoseProofs,
     motion: Option<MotionProof<'a>>,
@@ -37,7 +37,7 @@ impl<'a> MotionReport<'a> {
     pub fn new(
         (system, actuation): (&'a System, &'a Actuation),
         trajectory: &'a Trajectory,
-        asked: Asked,
+        asked: CheckRequirements,
         measured: &'a [TakenMeasure<'a>],
         clearances: Option<&'a ClearanceReport>,
     ) -> Self {

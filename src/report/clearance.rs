@@ -3,7 +3,7 @@
 use super::cells::quoted_cell;
 use super::pieces::piece_cases;
 use super::rounded::{at_least_three, at_most_three, not_above, not_below};
-use super::verdict::{Asked, CLEARANCE, Case, Status};
+use super::verdict::{CLEARANCE, Case, CheckRequirements, Status};
 use crate::clearance::check::{ClearanceReport, FarPairs, Judgement, PairReport, Violation};
 use crate::diag::decimals_of;
 use crate::model::mechanism::Mechanism;
@@ -123,7 +123,11 @@ pub fn judgement_reason(judgement: &Judgement) -> Option<&str> {
 
 /// One case per pair, one for every time interval that was not checked and every mesh without an inside, and one if no
 /// pair was judged. An estimate suffices if no proof is requested.
-pub fn clearance_cases(mechanism: &Mechanism, report: &ClearanceReport, asked: Asked) -> Vec<Case> {
+pub fn clearance_cases(
+    mechanism: &Mechanism,
+    report: &ClearanceReport,
+    asked: CheckRequirements,
+) -> Vec<Case> {
     let pairs = report.judged.iter().chain(&report.excluded);
     let has_gaps = !report.gaps.is_empty();
     let mut list: Vec<Case> = pairs
@@ -161,7 +165,7 @@ pub fn clearance_cases(mechanism: &Mechanism, report: &ClearanceReport, asked: A
 }
 
 /// The status of a judgement in the check.
-fn judgement_status(judgement: &Judgement, asked: Asked) -> Status {
+fn judgement_status(judgement: &Judgement, asked: CheckRequirements) -> Status {
     match judgement {
         Judgement::Passed => Status::Passed,
         Judgement::Estimated if asked.estimates => Status::Passed,
@@ -185,7 +189,12 @@ fn far_sentence(mechanism: &Mechanism, far: &FarPairs) -> String {
     )
 }
 
-fn pair_case(mechanism: &Mechanism, p: &PairReport, asked: Asked, has_gaps: bool) -> Case {
+fn pair_case(
+    mechanism: &Mechanism,
+    p: &PairReport,
+    asked: CheckRequirements,
+    has_gaps: bool,
+) -> Case {
     let status = judgement_status(&p.judgement, asked);
     let sentence = pair_sentence(mechanism, p);
     let text = match judgement_reason(&p.judgement) {

@@ -3,7 +3,7 @@
 use super::sentences::counted_things;
 use crate::kinematics::freedoms::count::{JointCount, LoopSpace};
 use crate::kinematics::freedoms::mobility::Mobility;
-use crate::kinematics::structure::block::Held;
+use crate::kinematics::structure::block::HeldFreedom;
 use crate::kinematics::structure::loop_part::component_name;
 use crate::model::mechanism::Mechanism;
 use serde_json::{Value, json};
@@ -136,7 +136,7 @@ fn redundant_sentence(mechanism: &Mechanism, mobility: &Mobility) -> String {
 }
 
 /// An idle freedom as a sentence.
-pub fn idle_sentence(mechanism: &Mechanism, held: &Held) -> String {
+pub fn idle_sentence(mechanism: &Mechanism, held: &HeldFreedom) -> String {
     let names = |slots: &[usize]| -> String {
         let names = slots.iter().map(|u| mechanism.unknowns[*u].name.as_str());
         names.collect::<Vec<_>>().join(", ")

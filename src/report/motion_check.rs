@@ -2,7 +2,7 @@
 //! failure.
 
 use super::check::{MotionReport, without_pose};
-use super::verdict::{Asked, Verdict};
+use super::verdict::{CheckRequirements, Verdict};
 use super::{closure, measures};
 use crate::clearance::check::{ClearanceReport, Closely, check_over};
 use crate::clearance::covered::CoveredMotion;
@@ -23,7 +23,7 @@ pub struct MotionCheck<'a> {
     /// Seconds at which the motion is sampled.
     pub times: &'a [f64],
     /// The requirements, and the requested proofs.
-    pub asked: Asked,
+    pub asked: CheckRequirements,
     /// Requested accuracy of the bounds of distances.
     pub closely: Closely,
     /// Whether swept volumes are requested as well, which need tubes.

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 /// The requirements on a motion in addition to the scene's own limits.
 #[derive(Clone, Copy, Debug)]
-pub struct Asked {
+pub struct CheckRequirements {
     /// Largest closure error, relative to the mechanism's size.
     pub closure: f64,
     /// Whether every pose must be proved.
@@ -20,7 +20,7 @@ pub struct Asked {
     pub band: Option<f64>,
 }
 
-impl Asked {
+impl CheckRequirements {
     /// Default limit of closure errors: far above rounding, far below anything that can be built.
     pub const CLOSURE: f64 = 1e-9;
 }

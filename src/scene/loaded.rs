@@ -39,7 +39,7 @@ impl fmt::Display for KeptIn {
 
 /// A varied parameter whose file value is still used somewhere.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Kept {
+pub struct KeptParameter {
     /// The parameter.
     pub name: String,
     /// Where.
@@ -70,7 +70,7 @@ pub struct Scene {
     /// The kind of every parameter, if known.
     pub kinds: Arc<[(String, Kind)]>,
     /// Varied parameters whose file values are still used somewhere.
-    pub kept: Vec<Kept>,
+    pub kept: Vec<KeptParameter>,
     /// Its chains as written, on request.
     pub notation: Option<Notation>,
     /// Its solids as functions of the varied parameters, on request.

@@ -29,7 +29,7 @@ pub mod values;
 pub mod views;
 
 use crate::diag::{Diagnostics, SceneError, Source};
-pub use loaded::{Kept, KeptIn, Scene};
+pub use loaded::{KeptIn, KeptParameter, Scene};
 pub use overrides::{OtherDrives, Overrides, PlotText};
 
 /// Reads and resolves `source`; the error contains all messages.

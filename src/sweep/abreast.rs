@@ -2,7 +2,7 @@
 //! steps that are trusted under the usual conditions. A design that violates them is solved in the ordinary way.
 
 use super::row::{Row, RowStatus};
-use super::swept_scene::{Asked, Sweep};
+use super::swept_scene::{RequestedValues, Sweep};
 use crate::kinematics::abreast::following::LaneFollower;
 use crate::kinematics::loops::observed::observed_slots;
 use crate::kinematics::results::columns::Column;
@@ -31,7 +31,7 @@ impl<'s> RowGroup<'s> {
         let (family, mechanism) = (sweep.family(), sweep.family().mechanism());
         let is_asked = matches!(
             sweep.asked,
-            Asked::Outputs {
+            RequestedValues::Outputs {
                 is_proved: false,
                 ..
             }

@@ -2,12 +2,12 @@
 
 use super::posing::{Proved, Start};
 use super::row::{Row, RowStatus};
-use super::swept_scene::{Asked, Posed, Sweep, motion_status};
+use super::swept_scene::{Posed, RequestedValues, Sweep, motion_status};
 use crate::clearance::check::{ClearanceReport, Closely, PairReport};
 use crate::kinematics::motion::sampling::frame_times;
 use crate::kinematics::structure::system::System;
 use crate::report::motion_check::MotionCheck;
-use crate::report::verdict::{Asked as AskedOfCheck, Status};
+use crate::report::verdict::{CheckRequirements, Status};
 use crate::scene::{Overrides, Scene, load_scene};
 use std::sync::Arc;
 
@@ -31,7 +31,7 @@ pub(super) fn row(sweep: &Sweep, design: &[f64], internal: &[f64]) -> Row {
     };
     scene.actuation.guess = guess;
     scene.actuation.named.clear();
-    if sweep.asked == Asked::Check {
+    if sweep.asked == RequestedValues::Check {
         return checked_row(sweep, &scene, &system, start.status);
     }
     let posed = Posed {
@@ -73,8 +73,8 @@ fn checked_row(sweep: &Sweep, scene: &Scene, system: &System, start: RowStatus) 
         scene,
         system,
         times: &times,
-        asked: AskedOfCheck {
-            closure: AskedOfCheck::CLOSURE,
+        asked: CheckRequirements {
+            closure: CheckRequirements::CLOSURE,
             poses: true,
             motion: false,
             estimates: false,

@@ -19,7 +19,7 @@ use crate::scene::Overrides;
 
 /// The values requested for every design.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Asked {
+pub enum RequestedValues {
     /// The measures of the scene, with this number of samples along the drive.
     Measures {
         /// Poses along the drive, if a measure needs them.
@@ -62,7 +62,7 @@ pub struct Sweep {
     /// The designs.
     pub design: Design,
     /// The values requested for each.
-    pub asked: Asked,
+    pub asked: RequestedValues,
     /// Names of the values of a row, with their units.
     pub columns: Vec<(String, String)>,
     pub(super) family: ParametricMechanism,
@@ -84,7 +84,7 @@ impl Sweep {
         source: Source,
         overrides: Overrides,
         design: Design,
-        asked: Asked,
+        asked: RequestedValues,
     ) -> Result<Self, FamilyError> {
         let names = design.names();
         let family = ParametricMechanism::varying(&source, &overrides, &names)?;
@@ -92,7 +92,7 @@ impl Sweep {
         let place = |name: &String| names.iter().position(|other| other == name);
         let order = variables.filter_map(|v| place(&v.name)).collect();
         let shown = shown_columns(&family, &asked)?;
-        if matches!(asked, Asked::Measures { .. }) && family.measures.list.is_empty() {
+        if matches!(asked, RequestedValues::Measures { .. }) && family.measures.list.is_empty() {
             let message =
                 "the scene has no `[measures]`: ask for values with --outputs, or for --check";
             return Err(FamilyError::Lacks(message.to_owned()));
@@ -128,7 +128,7 @@ impl Sweep {
     /// Whether the scene is read again for every row: for a check, whose bodies follow the design, and if parameters
     /// appear in drives, in tracks, or in measures through another parameter.
     pub fn reads_anew(&self) -> bool {
-        self.asked == Asked::Check || !self.family.kept.is_empty()
+        self.asked == RequestedValues::Check || !self.family.kept.is_empty()
     }
 
     /// A row without numbers.
@@ -151,7 +151,7 @@ impl Sweep {
         proved.add(motion.poses());
         let mut status = motion_status(&motion, start);
         let values = match &self.asked {
-            Asked::Outputs { .. } => self.outputs(posed, &motion),
+            RequestedValues::Outputs { .. } => self.outputs(posed, &motion),
             _ => {
                 let mut seen = |track: &Trajectory| {
                     proved.add(track.poses());
@@ -185,8 +185,12 @@ impl Sweep {
     fn times(&self, posed: &Posed) -> Vec<f64> {
         let even = |count| even_times(posed.system.mechanism(), posed.actuation, count);
         match &self.asked {
-            Asked::Outputs { at, .. } => at.times(posed.system.mechanism(), posed.actuation),
-            Asked::Measures { samples } if looks_along_drive(posed.measures) => even(*samples),
+            RequestedValues::Outputs { at, .. } => {
+                at.times(posed.system.mechanism(), posed.actuation)
+            }
+            RequestedValues::Measures { samples } if looks_along_drive(posed.measures) => {
+                even(*samples)
+            }
             // Only the start of the drive is needed.
             _ => vec![0.0],
         }
@@ -195,7 +199,7 @@ impl Sweep {
     /// The instants of values along a drive.
     pub(super) fn instants(&self, actuation: &Actuation) -> Vec<f64> {
         match &self.asked {
-            Asked::Outputs { at, .. } => at.times(self.family.mechanism(), actuation),
+            RequestedValues::Outputs { at, .. } => at.times(self.family.mechanism(), actuation),
             _ => Vec::new(),
         }
     }
@@ -216,7 +220,7 @@ impl Sweep {
     /// Whether measures meet their own limits and those of the study.
     fn keeps_limits(&self, values: &[f64]) -> bool {
         match self.asked {
-            Asked::Measures { .. } => {
+            RequestedValues::Measures { .. } => {
                 let mut pairs = self.family.measures.list.iter().zip(values);
                 pairs.all(|(measure, value)| measure.allows(*value))
             }
@@ -226,7 +230,7 @@ impl Sweep {
 
     /// Measures are computed in radians; outputs are already in the file's units.
     fn in_file_units(&self, mut values: Vec<f64>) -> Vec<f64> {
-        if let Asked::Measures { .. } = self.asked {
+        if let RequestedValues::Measures { .. } = self.asked {
             let measures = self.family.measures.list.iter();
             for (value, measure) in values.iter_mut().zip(measures) {
                 *value = self.family.shown(measure, *value);
@@ -281,8 +285,11 @@ fn looks_along_drive(measures: &Measures) -> bool {
     measures.list.iter().any(along)
 }
 
-fn shown_columns(family: &ParametricMechanism, asked: &Asked) -> Result<Vec<Column>, FamilyError> {
-    let Asked::Outputs { names, .. } = asked else {
+fn shown_columns(
+    family: &ParametricMechanism,
+    asked: &RequestedValues,
+) -> Result<Vec<Column>, FamilyError> {
+    let RequestedValues::Outputs { names, .. } = asked else {
         return Ok(Vec::new());
     };
     let find = |name: &String| {
@@ -297,18 +304,18 @@ fn shown_columns(family: &ParametricMechanism, asked: &Asked) -> Result<Vec<Colu
 /// Names and units of the values of a row.
 fn value_names(
     family: &ParametricMechanism,
-    asked: &Asked,
+    asked: &RequestedValues,
     shown: &[Column],
 ) -> Vec<(String, String)> {
     let mechanism = family.mechanism();
     match asked {
-        Asked::Measures { .. } => {
+        RequestedValues::Measures { .. } => {
             let measures = family.measures.list.iter();
             measures
                 .map(|m| (m.name.clone(), mechanism.unit_name(m.kind).to_owned()))
                 .collect()
         }
-        Asked::Outputs { names, at, .. } => {
+        RequestedValues::Outputs { names, at, .. } => {
             let times = at.times(mechanism, &family.actuation);
             let columns = names.iter().zip(shown);
             let cells = columns.flat_map(|(name, column)| {
@@ -319,7 +326,7 @@ fn value_names(
                 .map(|(name, time, unit)| (format!("{name}@{time}"), unit.to_owned()))
                 .collect()
         }
-        Asked::Check => {
+        RequestedValues::Check => {
             let length = &mechanism.length_unit;
             let named = |name: &str, unit: &str| (name.to_owned(), unit.to_owned());
             vec![

@@ -5,13 +5,13 @@
 //!
 //! The symbols are named apart from Rust's own, which the lint for unsafe code counts as unsafe; there is no other.
 
-use mechanim::page::live::Desk;
+use mechanim::page::live::PageScenes;
 use std::cell::RefCell;
 
 /// What is kept between two calls. The page has one thread.
 #[derive(Default)]
 struct Engine {
-    desk: Desk,
+    scenes: PageScenes,
     question: Vec<u8>,
     answer: Vec<u8>,
 }
@@ -38,7 +38,7 @@ pub extern "C" fn reserve(length: usize) -> *mut u8 {
 pub extern "C" fn ask() -> usize {
     ENGINE.with_borrow_mut(|engine| {
         let question = std::mem::take(&mut engine.question);
-        engine.answer = engine.desk.answer(&String::from_utf8_lossy(&question));
+        engine.answer = engine.scenes.answer(&String::from_utf8_lossy(&question));
         engine.answer.len()
     })
 }

@@ -9,4 +9,4 @@ mod trials;
 
 pub use not_dyads::NotDyads;
 pub use points::{PlanarRow, planar_row};
-pub use trials::{Trials, TrialsAsked, run_trials};
+pub use trials::{TrialOptions, Trials, run_trials};

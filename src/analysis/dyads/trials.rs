@@ -13,7 +13,7 @@ use std::f64::consts::TAU;
 
 /// What is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TrialsAsked {
+pub struct TrialOptions {
     /// Directions that bars may have.
     pub directions: Directions,
     /// Velocity of the given point.
@@ -68,7 +68,7 @@ struct TrialRow {
 }
 
 /// Runs the trials; `None` if the system needs more parameters than are supported.
-pub fn run_trials(chain: &DyadChain, asked: &TrialsAsked) -> Option<Trials> {
+pub fn run_trials(chain: &DyadChain, asked: &TrialOptions) -> Option<Trials> {
     let sweep = RowSweep::new(chain)?;
     let trial = TrialRun::new(chain, &sweep, asked)?;
     let work = |scratch: &mut Scratch, portion: usize| {
@@ -121,7 +121,7 @@ struct Scratch {
 struct TrialRun<'c> {
     chain: &'c DyadChain,
     sweep: &'c RowSweep,
-    asked: &'c TrialsAsked,
+    asked: &'c TrialOptions,
     unknowns: Vec<usize>,
     /// Velocities that are known.
     given: Vec<[f64; 2]>,
@@ -131,7 +131,7 @@ struct TrialRun<'c> {
 }
 
 impl<'c> TrialRun<'c> {
-    fn new(chain: &'c DyadChain, sweep: &'c RowSweep, asked: &'c TrialsAsked) -> Option<Self> {
+    fn new(chain: &'c DyadChain, sweep: &'c RowSweep, asked: &'c TrialOptions) -> Option<Self> {
         let mut given = vec![[0.0; 2]; chain.points.len()];
         given[chain.given()] = asked.given;
         let dyads = chain.dyads.iter();

@@ -17,6 +17,6 @@ pub use between::enclose_between;
 pub use clearances::enclose_clearances;
 pub use measures::{MeasureBand, enclose_measures};
 pub use motion::{Enclosed, SpanBands, enclose_motion, shown_names};
-pub use pieces::AskedPieces;
+pub use pieces::PieceTolerances;
 pub use plan::{Dimension, MOST_DIMENSIONS, Plan};
 pub use pose_bands::{Band, Bands, Obstacle};

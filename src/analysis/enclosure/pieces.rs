@@ -8,7 +8,7 @@ use crate::scene::{Overrides, Scene};
 
 /// The requested tolerances.
 #[derive(Clone, Copy, Debug)]
-pub struct AskedPieces<'a> {
+pub struct PieceTolerances<'a> {
     /// Names in place of the scene's own choice.
     pub vary: &'a [String],
     /// Tolerances by name, in the dimension's unit; they replace the scene's.
@@ -19,7 +19,7 @@ pub struct AskedPieces<'a> {
     pub between: bool,
 }
 
-impl AskedPieces<'_> {
+impl PieceTolerances<'_> {
     /// The family of all pieces, and the tolerances by name in internal units. `drawn` is the scene as written.
     ///
     /// # Errors

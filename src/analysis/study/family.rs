@@ -15,7 +15,7 @@ use crate::model::drive::Drive;
 use crate::model::measure::{Measure, MeasureSource, Measures};
 use crate::model::mechanism::{Kind, Mechanism};
 use crate::model::study::{Study, Variable};
-use crate::scene::{Kept, Overrides, load_scene};
+use crate::scene::{KeptParameter, Overrides, load_scene};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -34,7 +34,7 @@ pub struct ParametricMechanism {
     /// The variables, objective and limits.
     pub study: Study,
     /// Variables whose file values are still used somewhere.
-    pub kept: Vec<Kept>,
+    pub kept: Vec<KeptParameter>,
     /// Solids as functions of the variables, if the overrides request them.
     pub carried: Vec<CarriedShape>,
     /// Number of poses of every track, and last of the drive if a measure refers to it.
@@ -82,7 +82,7 @@ pub enum FamilyError {
     NoTolerance(String),
     /// A dimension in a place that keeps the file's value.
     #[error("`{}` appears {}, where its tolerance would be ignored", .0.name, .0.place)]
-    Kept(Kept),
+    Kept(KeptParameter),
     /// A measure that the scene does not have.
     #[error("the scene has no measure `{name}`")]
     NoMeasure {

@@ -8,7 +8,7 @@ use std::io::Write;
 
 /// Runs the verb.
 pub fn print_completions(shell: Shell) -> Result<Outcome, Failure> {
-    // Into memory first: the generator panics where a write fails, a broken pipe should not.
+    // Into memory first: the generator panics where a write fails, and a broken pipe should not.
     let mut script = Vec::new();
     generate(shell, &mut Cli::command(), "mechanim", &mut script);
     let mut out = std::io::stdout().lock();

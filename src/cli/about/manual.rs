@@ -9,7 +9,7 @@ use std::path::Path;
 
 /// Runs the verb.
 pub fn write_manual(folder: &Path) -> Result<Outcome, Failure> {
-    // The verb `help` shows these pages; it has none.
+    // The verb `help` shows these pages; it has none of its own.
     let mut program = without_help(Cli::command());
     program.build();
     write_pages(folder, &program, "mechanim")?;
@@ -22,7 +22,7 @@ fn without_help(command: Command) -> Command {
         .mut_subcommands(without_help)
 }
 
-/// The page of a verb and those of its own verbs.
+/// The page of a verb and those of its subcommands.
 fn write_pages(folder: &Path, command: &Command, name: &str) -> Result<(), Failure> {
     write_page(folder, command, name)?;
     let mut verbs = command.get_subcommands();

@@ -6,7 +6,7 @@ use super::study::positive_number;
 use super::values::{frame_count, frame_rate, name_and_text, picture_size, rate_order};
 use super::view::ViewArgs;
 use crate::clearance::check::Closely;
-use crate::report::verdict::Asked;
+use crate::report::verdict::CheckRequirements;
 use crate::staging::model::Facets;
 use clap::{Args, ValueEnum};
 use std::ffi::OsString;
@@ -117,9 +117,9 @@ pub struct SolveArgs {
 
 /// What is asked of a motion by the verbs that judge one.
 #[derive(Clone, Debug, Args)]
-pub struct AskedArgs {
+pub struct RequirementArgs {
     /// Largest closure error that passes, relative to the mechanism's size.
-    #[arg(long = "max-closure", alias = "closure", value_name = "E", default_value_t = Asked::CLOSURE, value_parser = positive_number)]
+    #[arg(long = "max-closure", alias = "closure", value_name = "E", default_value_t = CheckRequirements::CLOSURE, value_parser = positive_number)]
     pub closure: f64,
     /// Number of samples, spread evenly over the motion; the scene's frames if absent. Both ends of the drive and all keys
     /// are sampled in any case.
@@ -166,7 +166,7 @@ pub struct CheckArgs {
     pub watch: bool,
     /// What is asked.
     #[command(flatten)]
-    pub asked: AskedArgs,
+    pub asked: RequirementArgs,
     /// Judge this pose instead of solving: values of the unknowns, NAME=VALUE,NAME=VALUE,…
     #[arg(long, value_name = "NAME=VALUE,…", value_delimiter = ',', value_parser = name_and_text, conflicts_with_all = ["allow_estimates", "allow_empty"])]
     pub pose: Vec<(String, String)>,

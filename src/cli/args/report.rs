@@ -1,6 +1,6 @@
 //! The arguments of `report`.
 
-use super::motion::AskedArgs;
+use super::motion::RequirementArgs;
 use super::scene::SceneArgs;
 use clap::Args;
 use std::ffi::OsString;
@@ -33,7 +33,7 @@ pub struct ReportArgs {
     pub watch: bool,
     /// What is asked.
     #[command(flatten)]
-    pub asked: AskedArgs,
+    pub asked: RequirementArgs,
 }
 
 /// `mechanim compare`
@@ -50,7 +50,7 @@ pub struct CompareArgs {
     pub out: PathBuf,
     /// What is asked of both.
     #[command(flatten)]
-    pub asked: AskedArgs,
+    pub asked: RequirementArgs,
 }
 
 /// `mechanim site`
@@ -74,5 +74,5 @@ pub struct SiteArgs {
     pub wasm: Option<PathBuf>,
     /// What is asked.
     #[command(flatten)]
-    pub asked: AskedArgs,
+    pub asked: RequirementArgs,
 }

@@ -12,7 +12,7 @@ use std::time::Duration;
 
 /// What is swept, and what is asked of every design: everything that the rows depend on.
 #[derive(Clone, Debug, Args)]
-pub struct SweepAsked {
+pub struct SweepRequestArgs {
     /// The scene.
     #[command(flatten)]
     pub scene: SceneArgs,
@@ -91,7 +91,7 @@ pub struct WorkArgs {
 pub struct SweepArgs {
     /// What is swept.
     #[command(flatten)]
-    pub asked: SweepAsked,
+    pub asked: SweepRequestArgs,
     /// Where rows go.
     #[command(flatten)]
     pub rows: RowsArgs,
@@ -154,7 +154,7 @@ pub enum PlannedVerb {
 pub struct PlanSweepArgs {
     /// What is swept.
     #[command(flatten)]
-    pub asked: SweepAsked,
+    pub asked: SweepRequestArgs,
     /// How it is cut.
     #[command(flatten)]
     pub cut: CutArgs,

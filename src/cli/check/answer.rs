@@ -5,13 +5,13 @@ use crate::report::closure;
 use crate::report::verdict::Verdict;
 use serde_json::{Value, json};
 
-/// What a check found.
+/// The findings of a check.
 pub struct Answer {
-    /// Lines for people.
+    /// The lines of the text.
     pub text: String,
     /// The JSON report, if requested.
     pub document: Option<Value>,
-    /// What exit code and JUnit follow from.
+    /// Source of the exit code and the JUnit file.
     pub verdict: Verdict,
     /// Shown instead of the text if there is nothing to report on.
     pub failure: Option<Failure>,

@@ -20,10 +20,10 @@ use crate::report::motion_check::MotionCheck;
 use crate::scene::Scene;
 use std::path::Path;
 
-/// Most curves in one panel that can be told apart.
+/// Maximum number of distinguishable curves in one panel.
 const MOST_CURVES: usize = 5;
 
-/// Refuses to report clearances where the scene asks for none.
+/// Refuses to report clearances of a scene that requests none.
 pub fn refuse_without_rules(args: &CheckArgs, scene: &Scene) -> Result<(), Failure> {
     let options = [
         ("--csv", &args.csv),
@@ -43,7 +43,7 @@ pub fn refuse_without_rules(args: &CheckArgs, scene: &Scene) -> Result<(), Failu
     }
 }
 
-/// Checks the clearances that the scene asks for; `None` if it asks for none.
+/// Checks the clearances that the scene requests; `None` if it requests none.
 pub fn check_pairs(
     args: &CheckArgs,
     opened: &OpenScene,
@@ -85,7 +85,7 @@ pub fn check_pairs(
     Ok(Some(found))
 }
 
-/// Writes a picture as its file's extension says.
+/// Writes a picture in the format of its file extension.
 fn write_drawing(args: &CheckArgs, path: &Path, drawing: &Drawing) -> Result<(), Failure> {
     let format = PlotFormat::of(path)?;
     io::refuse_input(&args.scene, path)?;

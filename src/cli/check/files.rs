@@ -9,7 +9,7 @@ use crate::report::summary::to_markdown;
 use crate::report::verdict::Judged;
 use std::path::Path;
 
-/// The options that name them, the JSON report first.
+/// The options that name them; the JSON report comes first.
 pub fn verdict_files(args: &CheckArgs) -> Vec<(&'static str, Option<&Path>)> {
     vec![
         ("--json", args.json.as_deref()),
@@ -25,7 +25,7 @@ pub fn streamed_report(args: &CheckArgs) -> Option<&Path> {
     paths.into_iter().find(|path| *path == Path::new("-"))
 }
 
-/// Writes those that are asked for.
+/// Writes the requested files.
 pub fn write_verdicts(args: &CheckArgs, judged: &[Judged]) -> Result<(), Failure> {
     if let Some(path) = &args.junit {
         io::write_text(&args.scene, path, &to_junit(judged))?;

@@ -9,7 +9,7 @@ use crate::report::inputs_box::{cases, to_json};
 use crate::report::verdict::Verdict;
 use serde_json::json;
 
-/// Asks whether all pairs of bodies keep their minimum over the box.
+/// Checks whether all pairs of bodies keep their minimum over the box.
 pub fn check(args: &CheckArgs, opened: &OpenScene) -> Result<Answer, Failure> {
     let OpenScene { scene, system } = opened;
     let mechanism = &scene.mechanism;
@@ -32,7 +32,7 @@ pub fn check(args: &CheckArgs, opened: &OpenScene) -> Result<Answer, Failure> {
             return Err(Failure::usage(message, Vec::new()));
         }
     };
-    // Of one input the second side has no extent.
+    // With one input the second side has no extent.
     let sides = match args.inputs_box.len() {
         1 => [
             sides[0],

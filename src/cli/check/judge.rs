@@ -9,7 +9,7 @@ use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
 use crate::kinematics::structure::block::StructureError;
 
-/// Answers what is asked of the scene, and writes what is about this scene alone.
+/// Runs the requested checks of the scene, and writes the files about this scene alone.
 pub fn judge(args: &CheckArgs, term: &Term) -> Result<Answer, Failure> {
     let (scene, own) = interval_middles(&args.scene)?;
     let args = &CheckArgs {

@@ -13,20 +13,20 @@ use crate::report::verdict::{Case, Judged, Status, Verdict};
 use serde_json::{Value, json};
 use std::time::Instant;
 
-/// Group and name of the one question about a scene that cannot be checked.
+/// Group and name of the single question about a scene that cannot be checked.
 const UNREADABLE: (&str, &str) = ("scene", "can be checked");
 
-/// What came of one scene.
+/// Result of one scene.
 struct Checked {
     scene: String,
     seconds: f64,
     found: Result<Answer, Failure>,
-    /// What was said meanwhile.
+    /// Messages printed meanwhile.
     said: Term,
 }
 
 impl Checked {
-    /// The scene's verdict; of one that could not be checked that.
+    /// The scene's verdict; for a scene that could not be checked, a verdict that states this.
     fn verdict(&self) -> Verdict {
         match &self.found {
             Ok(answer) => answer.verdict.clone(),
@@ -45,7 +45,7 @@ impl Checked {
         }
     }
 
-    /// What `check` of this scene alone exits with.
+    /// The exit code of `check` for this scene alone.
     fn code(&self) -> i32 {
         match &self.found {
             Ok(Answer {
@@ -77,7 +77,7 @@ impl Checked {
     }
 }
 
-/// Checks all of them, by several threads, and reports in the order of the command line.
+/// Checks all of them on several threads, and reports in the order of the command line.
 pub fn check_many(args: &CheckArgs, scenes: &[SceneArgs], term: &Term) -> Result<Outcome, Failure> {
     refuse_single(args)?;
     let list: Vec<&SceneArgs> = scenes.iter().collect();
@@ -174,7 +174,7 @@ fn write_reports(args: &CheckArgs, checked: &[Checked]) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The worst of all: a scene that cannot be checked before one that does not close, that before one that fails.
+/// The worst result: a scene that cannot be checked before one that does not close, and that before one that fails.
 fn worst_outcome(checked: &[Checked]) -> Result<Outcome, Failure> {
     let outcomes: Vec<Option<Outcome>> = checked.iter().map(Checked::outcome).collect();
     let unreadable = outcomes.iter().filter(|outcome| outcome.is_none()).count();
@@ -191,7 +191,7 @@ fn worst_outcome(checked: &[Checked]) -> Result<Outcome, Failure> {
         .fold(Outcome::Done, Outcome::worse))
 }
 
-/// Refuses what is about one scene.
+/// Refuses options that apply to a single scene.
 fn refuse_single(args: &CheckArgs) -> Result<(), Failure> {
     let asked = [
         ("--csv", args.csv.is_some()),

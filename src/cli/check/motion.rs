@@ -3,7 +3,7 @@
 use super::answer::Answer;
 use super::{clearance, pieces, swept};
 use crate::clearance::check::Closely;
-use crate::cli::args::motion::{AskedArgs, CertifyArg, CheckArgs};
+use crate::cli::args::motion::{CertifyArg, CheckArgs, RequirementArgs};
 use crate::cli::args::scene::SceneArgs;
 use crate::cli::interrupt::{is_interrupted, refuse_interrupted};
 use crate::cli::motion::event_messages;
@@ -13,11 +13,11 @@ use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
 use crate::kinematics::motion::sampling::{even_times, frame_times};
 use crate::report::motion_check::MotionCheck;
-use crate::report::verdict::Asked;
+use crate::report::verdict::CheckRequirements;
 use crate::scene::Scene;
 use std::time::Instant;
 
-/// Solves the motion and asks everything that the scene and the command line ask.
+/// Solves the motion and checks all requirements of the scene and the command line.
 pub fn check_motion(
     args: &CheckArgs,
     opened: &OpenScene,
@@ -31,7 +31,7 @@ pub fn check_motion(
     let mut check = motion_check(&args.asked, opened, &times, args.swept.is_some());
     let with_pieces = args.made_within.is_some() || !own.is_empty();
     if with_pieces {
-        // Pairs that are far apart as drawn are looked at as well.
+        // Pairs that are far apart as drawn are examined as well.
         check.closely.pairs = usize::MAX;
     }
     let begun = Instant::now();
@@ -65,7 +65,7 @@ pub fn check_motion(
 }
 
 /// Seconds at which a motion is examined: as many as requested, the rows of a table, or the scene's frames.
-pub fn asked_times(asked: &AskedArgs, args: &SceneArgs, scene: &Scene) -> Vec<f64> {
+pub fn asked_times(asked: &RequirementArgs, args: &SceneArgs, scene: &Scene) -> Vec<f64> {
     let (mechanism, actuation) = (&scene.mechanism, &scene.actuation);
     match asked.samples {
         Some(count) => even_times(mechanism, actuation, count),
@@ -76,7 +76,7 @@ pub fn asked_times(asked: &AskedArgs, args: &SceneArgs, scene: &Scene) -> Vec<f6
 
 /// The check requested from any verb that examines a motion.
 pub fn motion_check<'a>(
-    asked: &AskedArgs,
+    asked: &RequirementArgs,
     opened: &'a OpenScene,
     times: &'a [f64],
     is_swept: bool,
@@ -93,8 +93,8 @@ pub fn motion_check<'a>(
 }
 
 /// The requirements of the command line.
-pub fn asked_questions(asked: &AskedArgs) -> Asked {
-    Asked {
+pub fn asked_questions(asked: &RequirementArgs) -> CheckRequirements {
+    CheckRequirements {
         closure: asked.closure,
         poses: asked.certify != CertifyArg::None,
         motion: asked.certify == CertifyArg::Motion,
@@ -104,8 +104,8 @@ pub fn asked_questions(asked: &AskedArgs) -> Asked {
     }
 }
 
-/// How near it asks bounds of distances to come.
-pub fn nearness(asked: &AskedArgs) -> Closely {
+/// Requested accuracy of the bounds of distances.
+pub fn nearness(asked: &RequirementArgs) -> Closely {
     Closely {
         tolerance: asked.tolerance,
         pairs: asked.worst.max(Closely::PAIRS),

@@ -1,6 +1,6 @@
 //! `check --made-within`: clearances of all pieces within their tolerances.
 
-use crate::analysis::enclosure::{AskedPieces, Plan, enclose_clearances};
+use crate::analysis::enclosure::{PieceTolerances, Plan, enclose_clearances};
 use crate::clearance::part::{JudgedPart, PieceReport};
 use crate::cli::args::motion::CheckArgs;
 use crate::cli::interrupt::{CANCEL, refuse_interrupted};
@@ -11,7 +11,7 @@ use crate::jobs::core_count;
 use crate::model::carried::CarriedShape;
 use crate::scene::Overrides;
 
-/// Tolerances are about a motion.
+/// Tolerances apply to a motion.
 pub fn refuse_without_motion(args: &CheckArgs, own: &[(String, f64)]) -> Result<(), Failure> {
     let other = [
         ("--pose", !args.pose.is_empty()),
@@ -35,7 +35,7 @@ pub fn refuse_without_motion(args: &CheckArgs, own: &[(String, f64)]) -> Result<
     }
 }
 
-/// The clearances of `parts` for all pieces, between the first and the last of `times`.
+/// The clearances of `parts` for all pieces, from the first to the last of `times`.
 pub fn all_pieces(
     args: &CheckArgs,
     own: &[(String, f64)],
@@ -44,7 +44,7 @@ pub fn all_pieces(
     term: &Term,
 ) -> Result<PieceReport, Failure> {
     let (source, overrides, drawn) = nominal_source(&args.scene, term)?;
-    let asked = AskedPieces {
+    let asked = PieceTolerances {
         vary: &args.vary.vary,
         own,
         tolerance: args.made_within,
@@ -69,7 +69,7 @@ pub fn all_pieces(
     })
 }
 
-/// Directions and scales of solids are not followed.
+/// Directions and scales of solids are not tracked.
 fn refuse_stiff(carried: &[CarriedShape], parts: &[JudgedPart]) -> Result<(), Failure> {
     let judged = |shape: &&CarriedShape| parts.iter().any(|p| p.bodies.contains(&shape.body));
     let mut stiff = carried

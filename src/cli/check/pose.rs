@@ -48,7 +48,7 @@ pub fn check_pose(args: &CheckArgs, scene: &Scene) -> Result<Answer, Failure> {
     })
 }
 
-/// Coordinates of the offered pose: all unknowns from `--pose`, inputs at the start of the drive.
+/// Coordinates of the given pose: all unknowns from `--pose`, inputs at the start of the drive.
 fn offered_coordinates(args: &CheckArgs, scene: &Scene) -> Result<Vec<f64>, Failure> {
     let mechanism = &scene.mechanism;
     let mut values = vec![None; mechanism.unknowns.len()];

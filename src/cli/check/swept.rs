@@ -14,7 +14,7 @@ use crate::report::rounded::at_most_three;
 use crate::staging::model::of_mesh;
 use std::path::Path;
 
-/// Writes the mesh that is asked for, if one is.
+/// Writes the requested mesh, if any.
 pub fn write(
     args: &CheckArgs,
     opened: &OpenScene,

@@ -1,7 +1,7 @@
 //! `mechanim intervals`: the system of a row of dyads with intervals for the directions of its bars.
 
 use super::row::{OpenRow, open_row};
-use crate::analysis::dyads::{TrialsAsked, run_trials};
+use crate::analysis::dyads::{TrialOptions, run_trials};
 use crate::analysis::random::Random;
 use crate::charts::paving::paving_chart;
 use crate::cli::args::dyads::{IntervalMethod, IntervalsArgs};
@@ -25,19 +25,19 @@ use crate::report::row_intervals::{
 use serde_json::Value;
 use std::f64::consts::PI;
 
-/// Right sides are as wide as this share of the given velocity by default.
+/// Default width of the right-hand sides as a fraction of the given velocity.
 const SIDE: f64 = 0.05;
 
-/// Points are looked for within this share of the mechanism's size by default.
+/// Default search range for points as a fraction of the mechanism's size.
 const REACH: f64 = 0.1;
 
-/// Places of the other points that are tried for squares inside a projection.
+/// Number of positions of the other points that are tried for squares inside a projection.
 const TRIES: usize = 200;
 
 /// Damping of the subdifferential Newton method: none.
 const TAU: f64 = 1.0;
 
-/// What a method gives: words, a document, and whether it answers what was asked.
+/// Output of a method: text, a JSON document, and whether it answers the question.
 type Answered = (String, Value, Outcome);
 
 /// Runs the verb.
@@ -88,10 +88,10 @@ fn speed_of([x, y]: [f64; 2]) -> f64 {
 fn run_random(args: &IntervalsArgs, row: &OpenRow) -> Result<Answered, Failure> {
     let chain = &row.row.chain;
     let numbers = 4 * chain.unknowns().len() + 4;
-    // Kept once a trial, and once sorted.
+    // Stored once per trial, and once sorted.
     let bytes = 2.0 * (args.trials * numbers * std::mem::size_of::<f64>()) as f64;
     allow_memory(bytes, &format!("{} trials", args.trials))?;
-    let asked = TrialsAsked {
+    let asked = TrialOptions {
         directions: asked_directions(args, row),
         given: given_velocity(args, row),
         count: args.trials,
@@ -170,7 +170,7 @@ fn run_centre(args: &IntervalsArgs, row: &OpenRow) -> Result<Answered, Failure> 
         tolerance_at(&system, &centre),
         tolerable_radius(&system, &centre),
     );
-    // What the functional says is in plain numbers; the cube is tested with outward rounding before it is claimed.
+    // The functional is evaluated in floating point; the cube is tested with outward rounding before it is claimed.
     let radius = proved_radius(&system, &centre, radius);
     let united = united_radius(&system, &centre);
     let outcome = match radius > 0.0 {
@@ -184,9 +184,9 @@ fn run_centre(args: &IntervalsArgs, row: &OpenRow) -> Result<Answered, Failure> 
     ))
 }
 
-/// The largest of a few slightly smaller radii whose cube is proved to be tolerable; not positive if none is.
+/// The largest of several slightly reduced radii whose cube is proved to be tolerable; not positive if none is.
 fn proved_radius(system: &IntervalSystem, centre: &[f64], radius: f64) -> f64 {
-    /// Shares that rounding may take.
+    /// Reductions that allow for rounding.
     const SHARES: [f64; 4] = [1e-14, 1e-12, 1e-9, 1e-6];
     if radius <= 0.0 {
         return radius;
@@ -206,7 +206,7 @@ fn run_tied(
     format: Option<PlotFormat>,
 ) -> Result<Answered, Failure> {
     let (chain, mechanism) = (&row.row.chain, &row.open.scene.mechanism);
-    // The set is that of lines: an angle and what it lacks of half a turn are the same.
+    // These are undirected lines: an angle and its supplement are equivalent.
     let least = row.delta.lo.min(PI - row.delta.hi);
     if !(least > 0.0 && row.delta.hi < PI && least < 0.5 * PI) {
         return Err(Failure::usage(

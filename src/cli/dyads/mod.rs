@@ -1,4 +1,4 @@
-//! The verbs on rows of dyads: their matrices and tables, and what intervals make of them.
+//! The verbs on rows of dyads: their matrices and tables, and interval methods on them.
 
 pub mod intervals;
 pub mod row;

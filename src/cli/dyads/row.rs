@@ -16,16 +16,16 @@ use std::path::Path;
 pub struct OpenRow {
     /// The scene with its mechanism.
     pub open: OpenScene,
-    /// The row at the pose asked for.
+    /// The row at the requested pose.
     pub row: PlanarRow,
-    /// Which pose that is, in words.
+    /// Description of that pose.
     pub place: String,
     /// `--delta` in radians.
     pub delta: Kaucher,
 }
 
 impl OpenRow {
-    /// What is told of the row.
+    /// The requested parts of the report.
     pub fn report(&self) -> DyadReport<'_> {
         DyadReport {
             mechanism: &self.open.scene.mechanism,
@@ -74,7 +74,7 @@ fn refuse_kind(path: &Path) -> Result<(), Failure> {
     }
 }
 
-/// Reads the scene, solves for its pose and takes it apart.
+/// Reads the scene, solves for its pose and decomposes it.
 pub fn open_row(args: &RowArgs, term: &Term) -> Result<OpenRow, Failure> {
     let open = open_scene(&args.scene, term)?;
     let (mechanism, actuation) = (&open.scene.mechanism, &open.scene.actuation);
@@ -126,7 +126,7 @@ pub fn open_row(args: &RowArgs, term: &Term) -> Result<OpenRow, Failure> {
     })
 }
 
-/// The input that the velocities are for; `None` if there are several and none is named.
+/// The input to which the velocities refer; `None` if there are several and none is named.
 fn moving_input(args: &RowArgs, open: &OpenScene) -> Result<Option<usize>, Failure> {
     let inputs = &open.scene.mechanism.inputs;
     let names: Vec<&str> = inputs.iter().map(|i| i.name.as_str()).collect();

@@ -9,15 +9,15 @@ use crate::plot::raster::ChartPainter;
 use crate::plot::{Chart, ChartTheme, Drawing, draw_chart, pdf, svg};
 use std::path::Path;
 
-/// Bytes that a plot takes for each of its pixels: colours, and the file. Measured, and somewhat more.
+/// Memory that a plot needs per pixel: colours, and the file. Measured, with a margin.
 const BYTES_OF_PLOT_PIXEL: f64 = 8.0;
 
-/// What a chart's file holds.
+/// Content of a chart's file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PlotFormat {
-    /// Text with shapes.
+    /// SVG: shapes with text.
     Svg,
-    /// Shapes on a page.
+    /// PDF: shapes on a page.
     Pdf,
     /// Pixels.
     Png,

@@ -1,4 +1,4 @@
-//! `mechanim diff`: are two pictures, animations or folders the same, and where are they not.
+//! `mechanim diff`: whether two pictures, animations or folders are the same, and where they differ.
 
 use crate::cli::args::files::DiffArgs;
 use crate::cli::interrupt::CANCEL;
@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
-/// Most frames that are named one by one.
+/// Maximum number of frames that are listed one by one.
 const MAX_LINES: usize = 12;
 
 /// Runs the verb.
@@ -63,7 +63,7 @@ pub fn run_diff(args: &DiffArgs, term: &Term) -> Result<Outcome, Failure> {
     })
 }
 
-/// What is compared is not written over.
+/// The compared files are not overwritten.
 fn refuse_overwriting(args: &DiffArgs) -> Result<(), Failure> {
     let real = |path: &Path| path.canonicalize().ok();
     for path in [&args.out, &args.json].into_iter().flatten() {
@@ -74,7 +74,7 @@ fn refuse_overwriting(args: &DiffArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The report as people read it.
+/// The report as text.
 fn diff_text(found: &FilmReport) -> String {
     let failing = found.failing();
     let mut text = String::new();
@@ -139,7 +139,7 @@ fn plays_word(plays: Option<Plays>) -> String {
     }
 }
 
-/// The report as programs read it; described in `docs/formats.md`.
+/// The report as JSON; described in `docs/formats.md`.
 fn diff_document(args: &DiffArgs, kind: &str, found: &FilmReport) -> Value {
     let frames = found.frames.iter().enumerate().map(|(index, frame)| {
         let mut entry =
@@ -177,9 +177,9 @@ fn diff_document(args: &DiffArgs, kind: &str, found: &FilmReport) -> Value {
     })
 }
 
-/// The figures of a difference.
+/// The numbers of a difference.
 pub fn difference_numbers(difference: &Difference) -> Value {
-    // An infinite ratio, for equal colours, is no number in JSON.
+    // JSON has no infinity, which is the ratio of equal colours.
     let psnr = Some(difference.psnr).filter(|psnr| psnr.is_finite());
     json!({
         "pixels": difference.pixels,

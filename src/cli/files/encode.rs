@@ -1,4 +1,4 @@
-//! `mechanim encode`: frames made elsewhere into one file, through the same encoders as our own.
+//! `mechanim encode`: encodes existing frames into one file, with the same encoders as rendered ones.
 
 use super::sinks;
 use super::sinks::OpenFilm;
@@ -43,7 +43,7 @@ pub fn run_encode(args: &EncodeArgs, term: &Term) -> Result<Outcome, Failure> {
     };
     let cores = crate::jobs::core_count();
     let count = args.file.threads.unwrap_or(cores).min(paths.len()).max(1);
-    // As many at a time as there is memory for.
+    // As many at a time as fit into memory.
     let allowed = |at_once: usize| {
         let bytes = at_once as f64 * BYTES_OF_DRAWN_PIXEL;
         allow_picture(frames.size, bytes, "a picture")
@@ -63,7 +63,7 @@ pub fn run_encode(args: &EncodeArgs, term: &Term) -> Result<Outcome, Failure> {
     Ok(Outcome::Done)
 }
 
-/// All files in their order.
+/// All files in order.
 fn picture_paths(args: &EncodeArgs) -> Result<Vec<PathBuf>, Failure> {
     let mut paths = Vec::new();
     for path in &args.frames {
@@ -106,7 +106,7 @@ struct Frames<'a> {
 impl Frames<'_> {
     fn read(&self, index: usize, image: &mut RgbaImage) -> Result<(), ImportError> {
         let path = &self.paths[index];
-        // The picture before goes first.
+        // The previous picture is dropped first.
         *image = RgbaImage::new(0, 0);
         let mut frame = read_png(path)?;
         let got = <[u32; 2]>::from(frame.dimensions());
@@ -129,7 +129,7 @@ impl Frames<'_> {
         Ok(())
     }
 
-    /// Whether any frame will be: then the file needs alpha from its first byte on.
+    /// Whether any frame is translucent: then the file needs alpha from its first byte on.
     fn are_translucent(&self) -> Result<bool, ImportError> {
         if self.background.is_some() {
             return Ok(false);
@@ -153,7 +153,7 @@ fn is_translucent(image: &RgbaImage) -> bool {
     image.pixels().any(|p| p.0[3] < 255)
 }
 
-/// Mixes the sRGB codes, as browsers do.
+/// Blends the sRGB codes, as browsers do.
 fn lay_over(image: &mut RgbaImage, background: [u8; 3]) {
     for Rgba([r, g, b, a]) in image.pixels_mut() {
         let share = u32::from(*a);

@@ -1,4 +1,4 @@
-//! Picture files: sinks, and the verbs that take pictures as they are.
+//! Picture files: sinks, and the verbs on existing pictures.
 
 pub mod chart;
 pub mod diff;

@@ -1,4 +1,4 @@
-//! `mechanim new`: a scene of one's own, from a built-in one.
+//! `mechanim new`: a copy of a built-in scene as a starting point.
 
 use crate::cli::args::files::NewArgs;
 use crate::cli::term::Term;
@@ -27,7 +27,7 @@ pub fn run_new(args: &NewArgs, term: &Term) -> Result<Outcome, Failure> {
         source.name
     );
     let text = titled_template(&source.text, &title.unwrap_or_default(), &head);
-    // Created only if there is none: an existing file is never lost.
+    // Created only if the file does not exist: an existing file is never lost.
     let file = std::fs::OpenOptions::new()
         .write(true)
         .create_new(true)

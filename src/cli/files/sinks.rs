@@ -1,4 +1,4 @@
-//! From frames to a picture file: which format, whether it can hold what is asked, and the sink that writes it.
+//! From frames to a picture file: the format, whether it can hold what is requested, and the sink that writes it.
 
 use crate::cli::args::files::{ChromaArg, Compression, FileArgs, PictureFormat, Repeat};
 use crate::cli::interrupt::CANCEL;
@@ -15,9 +15,9 @@ use crate::export::{ExportError, ExportSummary, Format, Output, Stream, Target};
 use image::RgbaImage;
 use std::path::Path;
 
-/// The format that the options and the file name ask for.
+/// The format that the options and the file name select.
 ///
-/// Errors: an unknown extension; an option that this format has no use for.
+/// Errors: an unknown extension; an option that does not apply to this format.
 pub fn film_format(args: &FileArgs) -> Result<Format, Failure> {
     let format = match args.format {
         Some(format) => named_format(format, &args.out)?,
@@ -50,7 +50,7 @@ fn named_format(format: PictureFormat, out: &Path) -> Result<Format, Failure> {
     Ok(match format {
         PictureFormat::Gif => Format::Gif,
         PictureFormat::Apng => Format::Apng,
-        // A folder or a pattern is told by its name only.
+        // A folder or a pattern is recognised by its name alone.
         PictureFormat::Png => match Format::from_path(out) {
             Ok(sequence @ Format::PngSequence(_)) => sequence,
             _ => Format::Png,
@@ -89,16 +89,16 @@ pub fn open_file(args: &FileArgs) -> Result<Box<dyn Output>, Failure> {
     Ok(Box::new(Target::create(&args.out)?))
 }
 
-/// Frames to be written as the command line says.
+/// Frames to be written, with the options of the command line.
 pub struct OpenFilm<'a> {
-    /// Where to and how.
+    /// Destination and encoding options.
     pub args: &'a FileArgs,
-    /// Into what.
+    /// Format.
     pub settings: FilmSettings<'a>,
 }
 
 impl<'a> OpenFilm<'a> {
-    /// `count` opaque frames of pixels `size`, `fps` of them a second.
+    /// `count` opaque frames of pixels `size`, `fps` per second.
     pub fn new(
         args: &'a FileArgs,
         format: &'a Format,
@@ -135,13 +135,13 @@ impl<'a> OpenFilm<'a> {
         self
     }
 
-    /// Frames that cost little to get twice.
+    /// Marks frames as cheap to draw twice.
     pub fn at_hand(mut self) -> Self {
         self.settings.at_hand = true;
         self
     }
 
-    /// Frames that may be translucent.
+    /// Marks frames as possibly translucent.
     pub fn with_alpha(mut self, alpha: bool) -> Self {
         self.settings.alpha = alpha;
         self
@@ -189,7 +189,7 @@ impl<'a> OpenFilm<'a> {
         result.map_err(pipeline_failure)
     }
 
-    /// Says what was written, unless it went to standard output, and what older frames stand behind it.
+    /// Reports what was written, unless it went to standard output, and which older frames remain beside it.
     pub fn tell(&self, summary: &ExportSummary, more: &str, term: &Term) {
         if let Format::PngSequence(pattern) = &self.settings.format {
             let older = (self.settings.count..)

@@ -62,7 +62,7 @@ pub fn run_snapshot(args: &SnapshotArgs, term: &Term) -> Result<Outcome, Failure
     })
 }
 
-/// What may be written; nothing where nobody looks at it.
+/// Where failed pictures may be written; nothing if nobody could look at them.
 fn wanted_update(args: &SnapshotArgs) -> Result<Update, Failure> {
     let Some(update) = args.update else {
         return Ok(Update::Never);
@@ -87,12 +87,12 @@ fn read_manifest(folder: &Path) -> Result<Manifest, Failure> {
     };
     let file = std::fs::File::open(&path);
     let file = file.map_err(|e| failed(format!("cannot read {name}: {e}")))?;
-    // As large as a scene may be.
+    // Size limit, as for a scene.
     let text = source::read_source(file, &name).map_err(|e| failed(e.message))?;
     Ok(Manifest::read(&text)?)
 }
 
-/// The pictures that `--only` leaves; never none.
+/// The pictures selected by `--only`; at least one.
 fn wanted_pictures<'a>(
     args: &SnapshotArgs,
     manifest: &'a Manifest,
@@ -122,7 +122,7 @@ fn picture_failure(picture: &Picture, error: DrawError) -> Failure {
     }
 }
 
-/// PNG files that the list does not know are compared with nothing.
+/// PNG files that are not in the list are compared with nothing.
 fn warn_of_strangers(folder: &Path, manifest: &Manifest, term: &Term) -> Result<(), Failure> {
     for path in png_files(folder)? {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
@@ -160,7 +160,7 @@ fn snapshot_text(folder: &Path, results: &[(&Picture, GoldenVerdict)]) -> String
     text + &format!("{} of {} pictures failed\n", failed.count(), results.len())
 }
 
-/// The report as programs read it; described in `docs/formats.md`.
+/// The report as JSON; described in `docs/formats.md`.
 fn snapshot_document(results: &[(&Picture, GoldenVerdict)], failed: bool) -> Value {
     let pictures = results.iter().map(|(picture, verdict)| {
         let (word, reason, difference) = match verdict {

@@ -29,10 +29,10 @@ pub fn run_draw(args: &DrawArgs, term: &Term) -> Result<Outcome, Failure> {
     Ok(Outcome::Done)
 }
 
-/// Poses of which the one that shows most is drawn where none is asked for.
+/// Poses among which the default one is chosen.
 const POSES: usize = 24;
 
-/// The scheme at the instant asked for, else at the pose whose loops enclose most.
+/// The scheme at the requested instant, else at the pose whose loops enclose most.
 fn chosen_scheme(open: &OpenScene, at: Option<f64>) -> Result<Scheme, Failure> {
     let scene = &open.scene;
     let notation = scene.notation.clone().unwrap_or_default();
@@ -75,7 +75,7 @@ fn sheet_options(args: &DrawArgs, scene: &Scene) -> SheetOptions {
     }
 }
 
-/// Right, up, and towards the viewer, as a view says.
+/// Right, up, and towards the viewer, from a view.
 fn view_axes(view: &View) -> DMat3 {
     let up = match view.up {
         UpAxis::X => DVec3::X,

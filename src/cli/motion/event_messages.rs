@@ -11,10 +11,10 @@ use crate::model::actuation::Actuation;
 use crate::model::mechanism::Coordinate;
 use crate::report::sentences::{event_sentence, gap_sentence, with_unit};
 
-/// Most events that are printed one by one.
+/// Maximum number of events that are printed one by one.
 const MAX_LINES: usize = 12;
 
-/// Says what happened; a motion without any pose is a failure.
+/// Reports the events; a motion without any pose is a failure.
 pub fn tell_events(
     system: &System,
     actuation: &Actuation,
@@ -63,8 +63,8 @@ pub fn tell_events(
     Ok(Outcome::NotClosed)
 }
 
-/// Adds an event where the motion starts far from a named start value and another assembly is nearer: it is not the one
-/// that was meant.
+/// Adds an event if the motion starts far from a named start value and another assembly is nearer: probably not the
+/// intended one.
 ///
 /// Errors: Ctrl-C.
 pub fn note_moved_start(
@@ -135,7 +135,7 @@ fn never_closed(system: &System, actuation: &Actuation, trajectory: &Trajectory)
     Failure::without_pose(trajectory.is_undecided(), message, hints)
 }
 
-/// What to say when the loop that does not close has too few unknowns for its equations.
+/// The message for a loop that does not close because it has fewer unknowns than equations.
 fn event_contradiction(system: &System, event: &Event) -> Option<String> {
     let mechanism = system.mechanism();
     let EventKind::StartNotClosed { name, .. } = &event.kind else {

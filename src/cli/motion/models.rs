@@ -54,7 +54,7 @@ pub fn write_model(
     Ok(())
 }
 
-/// What pictures of the scene show beside its shapes and paths.
+/// What pictures of the scene show in addition to its shapes and paths.
 fn left_out(scene: &Scene) -> Option<String> {
     let (view, decor) = (&scene.view, &scene.view.decor);
     let shown = [
@@ -73,7 +73,7 @@ fn left_out(scene: &Scene) -> Option<String> {
     (!names.is_empty()).then(|| names.join(", "))
 }
 
-/// Name and file of an OBJ's materials: beside it, under its name. `None` where the OBJ has no name to go by.
+/// Name and file of an OBJ's materials, beside the OBJ and named after it. `None` where the OBJ has no file name.
 fn material_library(args: &FileArgs) -> Result<Option<Library>, Failure> {
     let path = args.out.with_extension("mtl");
     let name = path.file_name().and_then(|name| name.to_str());
@@ -87,7 +87,7 @@ fn material_library(args: &FileArgs) -> Result<Option<Library>, Failure> {
     }
 }
 
-/// A pose that does not exist is not replaced by its neighbour in a file that cannot say so.
+/// Such a file cannot say that a pose does not exist, and its neighbour must not take its place.
 fn refuse_missing(scene: &Scene, trajectory: &Trajectory, sample: usize) -> Result<(), Failure> {
     let sample = &trajectory.samples[sample];
     if sample.pose.is_some() {

@@ -60,7 +60,7 @@ pub fn run_modes(args: &ModesArgs, term: &Term) -> Result<Outcome, Failure> {
     Ok(Outcome::Undecided)
 }
 
-/// The table, and what it is worth.
+/// The table, and the outcome that it means.
 fn modes_text(system: &System, inputs: &[f64], time: f64, modes: &Modes) -> String {
     let mechanism = system.mechanism();
     let inputs = sentences::input_sentence(mechanism, inputs);
@@ -80,7 +80,8 @@ fn modes_text(system: &System, inputs: &[f64], time: f64, modes: &Modes) -> Stri
     text
 }
 
-/// Rows of aligned cells: number, that of the placement where they differ, signature, singular value, hits, coordinates with their units.
+/// Rows of aligned cells: number, that of the placement where they differ, signature, singular value, hits, coordinates
+/// with their units.
 fn modes_table(mechanism: &Mechanism, modes: &Modes) -> String {
     let has_names = modes.list.len() > modes.placements();
     let mut headings = vec!["mode", "placement", "branch", "sigma_min", "met"];

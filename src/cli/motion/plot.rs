@@ -19,7 +19,7 @@ use crate::model::plot::Plot;
 use crate::plot::companion::Companion;
 use crate::scene::{Overrides, PlotText, Scene};
 
-/// Samples of a plot unless told otherwise: every degree of a turn.
+/// Default number of samples of a plot: one per degree of a turn.
 const USUAL_SAMPLES: usize = 361;
 
 /// Runs the verb.
@@ -44,7 +44,7 @@ pub fn run_plot(args: &PlotArgs, term: &Term) -> Result<Outcome, Failure> {
     Ok(outcome)
 }
 
-/// The plot asked for on the command line, if any.
+/// The plot requested on the command line, if any.
 fn asked_plot(args: &PlotArgs) -> Result<Option<PlotText>, Failure> {
     let mut y: Vec<String> = args.y.iter().flat_map(|list| split_list(list)).collect();
     if y.is_empty() {
@@ -70,7 +70,7 @@ fn asked_plot(args: &PlotArgs) -> Result<Option<PlotText>, Failure> {
     }))
 }
 
-/// Splits a list at the commas that are not inside parentheses.
+/// Splits a list at the commas outside of parentheses.
 fn split_list(list: &str) -> Vec<String> {
     let (mut depth, mut parts) = (0_i32, vec![String::new()]);
     for character in list.chars() {
@@ -126,7 +126,7 @@ pub fn companion_film(
     let fine = solve_with_ends(system, actuation, &times, &is_interrupted);
     refuse_interrupted()?;
     let mut whole = motion_chart(system, actuation, &plots, &fine);
-    // The animation bears the title.
+    // The animation already has the title.
     whole.title.clear();
     let frames = motion_chart(system, actuation, &plots, trajectory);
     Ok(Companion::new(&whole, frames, size, scene.view.background))
@@ -138,7 +138,7 @@ fn even_times(duration: f64, count: usize) -> Vec<f64> {
     (0..count).map(|k| duration * share(k)).collect()
 }
 
-/// The samples asked for.
+/// The requested samples.
 fn plot_times(args: &PlotArgs, actuation: &Actuation) -> Vec<f64> {
     if args.samples.is_none() && args.scene.table.is_some() {
         return crate::cli::open::inputs_table::row_times(actuation);

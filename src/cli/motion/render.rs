@@ -1,4 +1,4 @@
-//! `mechanim render`: solve, stage, draw, encode; or write shapes and their motion.
+//! `mechanim render`: solves, stages, draws and encodes; or writes shapes and their motion.
 
 use super::solve::up_to;
 use super::{event_messages, models, plot};
@@ -35,7 +35,7 @@ use crate::staging::{PictureOptions, Staging, panes};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Slow enough to see what every step does.
+/// Slow enough to show the effect of every step.
 const ITERATES_A_SECOND: f64 = 1.0;
 
 /// Runs the verb.
@@ -158,7 +158,7 @@ fn warn_of_missing_glyphs(scene: &Scene, term: &Term) {
     }
 }
 
-/// Newton's iterates in place of a motion; the earlier ones stay as ghosts.
+/// Newton's iterates instead of a motion; the earlier ones remain as ghosts.
 fn trace_iterations(
     args: &RenderArgs,
     system: &System,
@@ -221,7 +221,7 @@ fn draw_film(
     Ok(())
 }
 
-/// What draws: the adapter asked for with `--adapter` or MECHANIM_ADAPTER, else the one that suits the renderer.
+/// The renderer: the adapter chosen with `--adapter` or MECHANIM_ADAPTER, else the default of the renderer.
 fn drawn_by(args: &RenderArgs) -> DrawnBy {
     let renderer = match args.renderer {
         RendererArg::Auto => RendererChoice::Auto,
@@ -244,7 +244,7 @@ fn drawn_by(args: &RenderArgs) -> DrawnBy {
     }
 }
 
-/// Which samples become pictures, and when they are shown.
+/// The samples that become pictures, and when they are shown.
 struct RenderPlan {
     times: Vec<f64>,
     /// First sample that is drawn.
@@ -262,7 +262,7 @@ impl RenderPlan {
             None if args.scene.table.is_some() => inputs_table::row_times(actuation),
             None => frame_times(mechanism, actuation, fps),
         };
-        // Frames asked for by number play in the scene's duration.
+        // Frames selected by number play in the scene's duration.
         let fps = args
             .frames
             .map_or(fps, |count| count as f64 / actuation.duration);
@@ -287,7 +287,7 @@ impl RenderPlan {
                 })
             }
             Some(at) => {
-                // The frames around it are solved too: the camera holds the whole motion in every still, and the
+                // The frames around it are solved too: the camera frames the whole motion in every still, and the
                 // branch is the one that the motion reaches.
                 let mut times = up_to(at, actuation.duration, &frames)?;
                 let first = times.len() - 1;
@@ -304,7 +304,7 @@ impl RenderPlan {
 }
 
 impl RenderPlan {
-    /// How they are played.
+    /// Their timing.
     fn order(&self, scene: &Scene) -> PlayOrder {
         PlayOrder::plain(self.first, self.count).played(scene.view.playback, self.fps)
     }

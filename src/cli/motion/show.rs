@@ -34,7 +34,7 @@ pub fn run_show(args: &ShowArgs, term: &Term) -> Result<Outcome, Failure> {
     Ok(Outcome::Done)
 }
 
-/// The chains and loops asked for; all loops if none is.
+/// The requested chains and loops; all loops if none is requested.
 fn chosen_chains<'n>(
     args: &ShowArgs,
     notation: &'n Notation,

@@ -94,7 +94,7 @@ pub fn run_solve(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
     Ok(outcome)
 }
 
-/// Says that rates by an angle in degrees are per degree: the columns are named by quantities, not by units.
+/// Explains that rates by an angle in degrees are per degree: the column names contain quantities, not units.
 fn tell_unit(columns: RateColumns, mechanism: &Mechanism, term: &Term) {
     let RateVariable::Input(index) = columns.by else {
         return;
@@ -161,7 +161,7 @@ pub fn up_to(at: f64, duration: f64, frames: &[f64]) -> Result<Vec<f64>, Failure
     Ok(times)
 }
 
-/// The rates asked for with `--order` and `--per`.
+/// The rates requested with `--order` and `--per`.
 fn rate_columns(args: &SolveArgs, mechanism: &Mechanism) -> Result<Option<RateColumns>, Failure> {
     let Some(order) = args.order else {
         return Ok(None);

@@ -1,22 +1,22 @@
 //! Tables as spreadsheets write them, row by row: byte order marks, quotes, comments, `;` or tab between cells, decimal
-//! commas. Knows no mechanism and keeps no row.
+//! commas. Independent of mechanisms; keeps no row.
 
 use std::io::{BufRead, Read};
 
 /// Longest line: a row of a hundred thousand numbers.
 const LONGEST_LINE: u64 = 1 << 20;
 
-/// Characters that may stand between cells, the likeliest last: a comma may also be a decimal sign.
+/// Possible separators of cells, the likeliest last: a comma may also be a decimal sign.
 const SEPARATORS: [char; 3] = [';', '\t', ','];
 
-/// What a line says first to spreadsheets.
+/// First line that tells spreadsheets the separator.
 const SEPARATOR_LINE: &str = "sep=";
 
 /// The rows of a table.
 pub struct Cells<R> {
     file: R,
     line: Vec<u8>,
-    /// Number of the line that was read last.
+    /// Number of the last line read.
     pub number: usize,
     separator: Option<char>,
     /// The decimal sign of the numbers with one, once known.
@@ -82,7 +82,8 @@ impl<R: BufRead> Cells<R> {
         format!("the file is not UTF-8 text{known}; save it as CSV with UTF-8")
     }
 
-    /// The number of a cell; with a decimal comma only where cells are not separated by commas. Errors: why it is none.
+    /// The number in a cell; with a decimal comma only where cells are not separated by commas. Errors: why it is not a
+    /// number.
     pub fn value(&mut self, cell: &str) -> Result<f64, String> {
         let (commas, points) = (cell.matches(',').count(), cell.matches('.').count());
         if commas + points > 1 {
@@ -113,7 +114,7 @@ impl<R: BufRead> Cells<R> {
     }
 }
 
-/// The character between the cells of a header: the first kind that stands there outside of quotes.
+/// The separator in a header: the first candidate that occurs outside of quotes.
 fn separator_of(header: &str) -> char {
     let outside = header.split('"').step_by(2);
     let stands = |sign: &char| outside.clone().any(|part| part.contains(*sign));
@@ -143,7 +144,7 @@ fn split_cells(text: &str, separator: char) -> Result<Vec<String>, String> {
     }
 }
 
-/// The text up to the closing quote, two quotes being one of it, and what is behind.
+/// The text up to the closing quote, with doubled quotes as one, and the rest behind it.
 fn unquote_cell(text: &str) -> Result<(String, &str), String> {
     let mut cell = String::new();
     let mut rest = text;

@@ -1,4 +1,4 @@
-//! `--input-table TABLE.csv`: rows of input values in place of the scene's drive, one sample a row.
+//! `--input-table TABLE.csv`: rows of input values instead of the scene's drive, one sample per row.
 
 use super::cells::Cells;
 use crate::cli::term::outcome::Failure;
@@ -11,14 +11,14 @@ use crate::scene::source::open_input;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 
-/// Most rows that are read.
+/// Maximum number of rows.
 const MAX_ROWS: usize = crate::kinematics::motion::sampling::MAX_SAMPLES;
 
-/// Names of a column of seconds, where no input is called so.
+/// Names of a time column in seconds, unless an input has that name.
 const TIME: [&str; 3] = ["time", "t", "time [s]"];
 
-/// Replaces the drives. Columns are found by name, others are ignored. A column of time says when each row is met, else row
-/// k is met at second k.
+/// Replaces the drives. Columns are found by name, others are ignored. A time column gives the time of each row;
+/// otherwise row k is at second k.
 pub fn apply_inputs(
     mechanism: &Mechanism,
     actuation: &mut Actuation,
@@ -57,7 +57,7 @@ pub fn apply_inputs(
         ease: Ease::Linear,
     });
     actuation.drives = keys.collect();
-    // A single row has no time to pass.
+    // A single row has no duration.
     actuation.duration = if last > 0.0 { last } else { 1.0 };
     Ok(())
 }
@@ -85,7 +85,7 @@ struct InputsTable<'t> {
 }
 
 impl InputsTable<'_> {
-    /// A mistake in the line that was read last.
+    /// An error in the last line read.
     fn table_fault(&self, what: &str, hints: Vec<String>) -> Failure {
         Failure::usage(
             format!("{}:{}: {what}", self.path.display(), self.cells.number),
@@ -143,7 +143,7 @@ impl InputsTable<'_> {
         Failure::usage(message, hints)
     }
 
-    /// Takes the values of a row.
+    /// Stores the values of a row.
     fn read(&mut self, row: &[String]) -> Result<(), Failure> {
         if row.len() != self.width && row.iter().skip(self.width).any(|c| !c.is_empty())
             || row.len() < self.width

@@ -3,7 +3,7 @@
 use crate::cli::args::scene::SceneArgs;
 use crate::cli::term::outcome::Failure;
 
-/// The scene with the middle of every interval, and half their widths in the file's units.
+/// The scene with the middle of every interval, and the half-widths in the file's units.
 pub fn interval_middles(args: &SceneArgs) -> Result<(SceneArgs, Vec<(String, f64)>), Failure> {
     let mut scene = args.clone();
     let mut widths = Vec::new();
@@ -16,7 +16,7 @@ pub fn interval_middles(args: &SceneArgs) -> Result<(SceneArgs, Vec<(String, f64
     Ok((scene, widths))
 }
 
-/// The middle of an interval as a formula, and half its width; `None` if the text is none.
+/// The middle of an interval as a formula, and its half-width; `None` if the text is not an interval.
 fn named_interval(name: &str, text: &str) -> Result<Option<(String, f64)>, Failure> {
     let wrong = |message: String| {
         let hint = "write --param NAME=880+-0.2 or --param NAME=879.8..880.2";
@@ -40,7 +40,7 @@ fn named_interval(name: &str, text: &str) -> Result<Option<(String, f64)>, Failu
         )),
         (Ok(low), Ok(high)) if (high - low).is_finite() => {
             let middle = 0.5 * low + 0.5 * high;
-            // Both ends are inside, however the middle was rounded.
+            // Both ends are included, however the middle was rounded.
             let half = (middle - low).max(high - middle).next_up();
             Ok(Some((format!("{middle:?}"), half)))
         }

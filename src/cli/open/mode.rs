@@ -10,7 +10,7 @@ use crate::model::actuation::Actuation;
 use crate::report::sentences::counted_things;
 use std::sync::atomic::Ordering;
 
-/// Starts that show whether an assembly is nearer to the start values: enough for assemblies that are not rare.
+/// Number of starts that show whether an assembly is nearer to the start values: enough unless it is rare.
 const FEW_STARTS: usize = 100;
 
 /// The same of mechanisms with more unknowns than so many, of which every start costs as the cube of their number.
@@ -20,13 +20,13 @@ const FEWEST_STARTS: usize = 10;
 /// Share of the drive after which the branches are listed that meet at its start.
 const BESIDE_START: f64 = 1e-3;
 
-/// An assembly nearer to the start values than the one that was taken.
+/// An assembly nearer to the start values than the one found.
 pub struct NearerAssembly {
     /// Its signature, or its number where others have the same.
     pub mode: String,
-    /// The unknown that it keeps better by most.
+    /// The unknown whose start value it fits better by the largest margin.
     pub unknown: usize,
-    /// What that is there.
+    /// The value of that unknown there.
     pub value: f64,
 }
 
@@ -108,8 +108,8 @@ fn only_mode<'m>(modes: &'m Modes, signature: &str) -> Result<Option<&'m Mode>, 
     }
 }
 
-/// The assembly nearest to the wishes, as `--mode` takes it, if `pose` at the start of the drive is far from one that it
-/// keeps, and the unknown that is.
+/// The assembly nearest to the start preferences, as `--mode` takes it, if `pose` at the start of the drive is far from
+/// one of them that this assembly fits, and the unknown concerned.
 pub fn nearer_mode(
     system: &System,
     actuation: &Actuation,
@@ -149,7 +149,7 @@ pub fn nearer_mode(
     }))
 }
 
-/// The assemblies at the inputs of a time, from so many starts.
+/// The assemblies at the inputs of a time, from this number of starts.
 ///
 /// Errors: an input without a value there; Ctrl-C.
 pub fn search_modes(

@@ -1,16 +1,16 @@
-//! Many scenes by one name: patterns such as `designs/*.toml`, expanded here, since not every shell does.
+//! Several scenes by one name: patterns such as `designs/*.toml`, expanded here, since not every shell does.
 
 use crate::cli::args::scene::SceneArgs;
 use crate::cli::term::outcome::Failure;
 use std::ffi::{OsStr, OsString};
 use std::path::{Component, Path, PathBuf};
 
-/// More files by one pattern are a mistake of the pattern.
+/// A pattern with more files is regarded as a mistake.
 const MOST_FILES: usize = 100_000;
 
-/// The scenes of a command line, patterns expanded, each with what the command line changes in it.
+/// The scenes of a command line, patterns expanded, each with its overrides from the command line.
 ///
-/// Errors: a pattern that no file has; standard input among several scenes.
+/// Errors: a pattern that matches no file; standard input among several scenes.
 pub fn scenes_of(first: &SceneArgs, more: &[OsString]) -> Result<Vec<SceneArgs>, Failure> {
     let mut names = Vec::new();
     for name in std::iter::once(&first.scene).chain(more) {
@@ -27,7 +27,7 @@ pub fn scenes_of(first: &SceneArgs, more: &[OsString]) -> Result<Vec<SceneArgs>,
     Ok(names.into_iter().map(named).collect())
 }
 
-/// The files that a name means: itself, unless it holds `*` or `?` and there is no file of that very name.
+/// The files that a name denotes: itself, unless it contains `*` or `?` and no file has exactly that name.
 fn expand_pattern(name: &OsStr) -> Result<Vec<OsString>, Failure> {
     let text = name.to_string_lossy();
     if !text.contains(['*', '?']) || Path::new(name).exists() {
@@ -61,14 +61,14 @@ fn expand_pattern(name: &OsStr) -> Result<Vec<OsString>, Failure> {
     Ok(paths.into_iter().map(PathBuf::into_os_string).collect())
 }
 
-/// What is in a folder under a name like the pattern. Hidden files are meant only by patterns that begin with a dot.
+/// The entries of a folder that match the pattern. Hidden files match only patterns that begin with a dot.
 fn matching_paths(folder: &Path, pattern: &[char]) -> Vec<PathBuf> {
     let place = if folder.as_os_str().is_empty() {
         Path::new(".")
     } else {
         folder
     };
-    // A folder that cannot be read has no files that could be meant.
+    // A folder that cannot be read has no matching files.
     let entries = std::fs::read_dir(place).into_iter().flatten().flatten();
     let names = entries.map(|entry| entry.file_name());
     let is_meant = |name: &OsString| {
@@ -82,10 +82,12 @@ fn matching_paths(folder: &Path, pattern: &[char]) -> Vec<PathBuf> {
         .collect()
 }
 
-/// Whether a name is like a pattern: `*` stands for any characters, `?` for one. Time grows with both lengths.
+/// Whether a name matches a pattern: `*` stands for any characters, `?` for one. Time grows with the product of both
+/// lengths.
 fn is_like(name: &[char], pattern: &[char]) -> bool {
     let (mut at, mut next) = (0, 0);
-    // Where the last star stands, and how far the name was by then: it takes one character more where the rest fails.
+    // Position of the last star, and of the name when it was reached: the star takes one character more where the rest
+    // fails.
     let mut star: Option<(usize, usize)> = None;
     while at < name.len() {
         match pattern.get(next) {

@@ -1,4 +1,4 @@
-//! What studies in units share: the scene beside a plan, its meshes, and arguments that are read again.
+//! Shared by studies in units: the scene beside a plan, its meshes, and arguments that are read again.
 
 use crate::cli::args::scene::{ModeChoice, SceneArgs};
 use crate::cli::term::outcome::Failure;
@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 /// Name of the scene's text beside a plan.
 pub const SCENE_FILE: &str = "scene.toml";
 
-/// The text of a plan's scene, and what its arguments change in it.
+/// The text of a plan's scene, and its overrides.
 pub fn planned_text(
     scene: &SceneArgs,
     plan: &Plan,
@@ -35,14 +35,14 @@ pub fn planned_text(
     Ok((source, overrides))
 }
 
-/// The folder of a scene's meshes, as a plan names it.
+/// The folder of a scene's meshes, as stored in a plan.
 pub fn mesh_folder(overrides: &Overrides) -> String {
     let folder = overrides.folder.canonicalize();
     let folder = folder.unwrap_or_else(|_| overrides.folder.clone());
     folder.display().to_string()
 }
 
-/// Refuses drives from a table: they are no part of a plan.
+/// Refuses drives from a table: they are not part of a plan.
 pub fn refuse_table(scene: &SceneArgs, what: &str) -> Result<(), Failure> {
     if scene.table.is_none() {
         return Ok(());
@@ -52,7 +52,7 @@ pub fn refuse_table(scene: &SceneArgs, what: &str) -> Result<(), Failure> {
     Err(Failure::usage(message, vec![hint.to_owned()]))
 }
 
-/// What the command line changes in a scene, as it is read again.
+/// The overrides of the command line, in the form in which they are read again.
 pub fn scene_arguments(scene: &SceneArgs) -> Vec<String> {
     let mut list = Vec::new();
     let changed = [
@@ -75,7 +75,7 @@ pub fn scene_arguments(scene: &SceneArgs) -> Vec<String> {
     list
 }
 
-/// The meshes of the scene as numbers: whatever their files are called, these are what counts.
+/// The meshes of the scene as numbers: their contents count, not their file names.
 pub fn mesh_bytes(mechanism: &Mechanism) -> Vec<u8> {
     let mut bytes = Vec::new();
     let shapes = mechanism.bodies.iter().flat_map(|body| &body.shapes);
@@ -91,7 +91,7 @@ pub fn mesh_bytes(mechanism: &Mechanism) -> Vec<u8> {
     bytes
 }
 
-/// What the system said about a file.
+/// The message of the system about a file.
 pub fn cannot_read(path: &Path, error: &std::io::Error) -> Failure {
     Failure::usage(
         format!("cannot read {}: {error}", path.display()),

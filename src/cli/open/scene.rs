@@ -12,9 +12,9 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// A scene and its mechanism ready to be solved.
+/// A scene and its mechanism, ready to be solved.
 pub struct OpenScene {
-    /// As the file and the command line say.
+    /// With the overrides of the command line.
     pub scene: Scene,
     /// Made once, from the scene's mechanism.
     pub system: System,
@@ -25,7 +25,7 @@ pub fn open_scene(args: &SceneArgs, term: &Term) -> Result<OpenScene, Failure> {
     open_changed(args, |_| {}, term)
 }
 
-/// As [`open_scene`], with more changed in it than its own options say.
+/// As [`open_scene`], with more overrides than its own options.
 pub fn open_changed(
     args: &SceneArgs,
     change: impl FnOnce(&mut Overrides),
@@ -55,7 +55,7 @@ pub fn open_changed(
     Ok(OpenScene { scene, system })
 }
 
-/// The scene's text, and what the command line changes in it.
+/// The scene's text, and its overrides on the command line.
 pub fn text_of(args: &SceneArgs) -> Result<(Source, Overrides), Failure> {
     let overrides = Overrides {
         parameters: args.parameters.clone(),
@@ -76,11 +76,11 @@ fn text_by_name(name: &OsStr) -> Result<Source, Failure> {
     })
 }
 
-/// Endings of the files that a scene may name.
+/// Extensions of the files that a scene may name.
 const MESHES: &str = ".stl";
 
-/// The meshes that are there of those that a scene's text names, mistakes in it or not; `None` where the scene is no file, or
-/// larger than one may be. Pipes are left to whoever reads the scene.
+/// The existing meshes among those that a scene's text names, even if the text has errors; `None` where the scene is
+/// not a file, or is too large. Pipes are left to the reader of the scene.
 pub fn named_meshes(scene: &Path) -> Option<Vec<PathBuf>> {
     let about = std::fs::metadata(scene).ok()?;
     if !about.is_file() || about.len() > source::MAX_SCENE_BYTES {
@@ -90,7 +90,7 @@ pub fn named_meshes(scene: &Path) -> Option<Vec<PathBuf>> {
     let folder = scene.parent().unwrap_or(Path::new(""));
     let quoted = text.split(['"', '\'']);
     let meshes = quoted.filter(|word| word.to_ascii_lowercase().ends_with(MESHES));
-    // A name that leads nowhere is the scene's mistake, and no file to wait for.
+    // A missing file is an error of the scene, and not a file to wait for.
     let places = meshes.map(|name| folder.join(name));
     Some(places.filter(|path| path.exists()).collect())
 }

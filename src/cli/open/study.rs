@@ -1,7 +1,7 @@
-//! What the verbs on studies share: opening a family, and its variables as parameters of the scene file.
+//! Shared by the verbs on studies: opening a family, and its variables as parameters of the scene file.
 
 use super::{inputs_table, mode, scene as open_scene};
-use crate::analysis::enclosure::AskedPieces;
+use crate::analysis::enclosure::PieceTolerances;
 use crate::analysis::study::{FamilyError, LoadedStudy, ParametricMechanism, varied_names};
 use crate::cli::args::scene::SceneArgs;
 use crate::cli::args::study::VaryArgs;
@@ -23,7 +23,7 @@ pub fn open_study(
     open_search(scene, vary, (all_by_default, None), term)
 }
 
-/// The same of a study whose objective may be another measure than the file's.
+/// The same for a study whose objective may differ from the file's.
 pub fn open_search(
     scene: &SceneArgs,
     vary: &VaryArgs,
@@ -37,7 +37,7 @@ pub fn open_search(
     Ok(LoadedStudy::new(source, overrides, &names)?)
 }
 
-/// The scene as it is without variables.
+/// The scene without variables.
 pub fn nominal_source(
     scene: &SceneArgs,
     term: &Term,
@@ -46,7 +46,7 @@ pub fn nominal_source(
     nominal_of(scene, source, overrides, term)
 }
 
-/// The same of a text that is there already.
+/// The same for a text that has already been read.
 pub fn nominal_of(
     scene: &SceneArgs,
     source: Source,
@@ -120,10 +120,10 @@ impl From<FamilyError> for Failure {
     }
 }
 
-/// The family of all pieces that are asked for, and their tolerances by name in internal units. `option` is the one that
-/// gives all dimensions a tolerance.
+/// The family of all requested pieces, and their tolerances by name in internal units. `option` is the one that gives
+/// all dimensions a tolerance.
 pub fn open_pieces(
-    asked: &AskedPieces,
+    asked: &PieceTolerances,
     option: &str,
     (source, overrides, drawn): (&Source, &Overrides, &Scene),
 ) -> Result<(ParametricMechanism, Vec<(String, f64)>), Failure> {

@@ -1,4 +1,4 @@
-//! Opening a sweep: the scene, the designs, what is asked of them, and the plan by which its rows are known.
+//! Opening a sweep: the scene, the designs, the requested values, and the plan that identifies its rows.
 
 use super::cells::Cells;
 use super::planned::{
@@ -7,7 +7,7 @@ use super::planned::{
 use super::scene::text_of;
 use super::study::nominal_of;
 use crate::analysis::study::DRIVE_SAMPLES;
-use crate::cli::args::sweep::SweepAsked;
+use crate::cli::args::sweep::SweepRequestArgs;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
 use crate::diag::Source;
@@ -19,7 +19,7 @@ use crate::scene::source::open_input;
 use crate::scene::{Overrides, Scene};
 use crate::sweep::design::Design;
 use crate::sweep::design_text::{OwnRange, is_written_out, read_design};
-use crate::sweep::swept_scene::{Asked, Instants, Sweep};
+use crate::sweep::swept_scene::{Instants, RequestedValues, Sweep};
 use std::io::{BufReader, Read};
 use std::path::Path;
 
@@ -32,21 +32,21 @@ const OUTPUT_SAMPLES: usize = 60;
 /// Name of the table of designs beside a plan.
 const DESIGN_FILE: &str = "design.csv";
 
-/// Largest table of designs: as many bytes as a run should read before it begins.
+/// Maximum size in bytes of a table of designs, which is read before the run begins.
 const LARGEST_TABLE: u64 = 1 << 30;
 
 /// A sweep that is ready.
 pub struct OpenSweep {
     /// The sweep.
     pub sweep: Sweep,
-    /// By which its rows are known; one unit as yet.
+    /// Identifies its rows; a single unit at first.
     pub plan: Plan,
     /// Files that belong beside the plan.
     pub files: Vec<(&'static str, Vec<u8>)>,
 }
 
-/// Opens the sweep that the command line asks for.
-pub fn open_sweep(asked: &SweepAsked, term: &Term) -> Result<OpenSweep, Failure> {
+/// Opens the sweep described by the command line.
+pub fn open_sweep(asked: &SweepRequestArgs, term: &Term) -> Result<OpenSweep, Failure> {
     let (source, overrides) = text_of(&asked.scene)?;
     let table = match is_written_out(&asked.design) {
         true => None,
@@ -57,7 +57,7 @@ pub fn open_sweep(asked: &SweepAsked, term: &Term) -> Result<OpenSweep, Failure>
 
 /// Opens the sweep of a plan whose files lie in `folder`; its arguments were read from the plan.
 pub fn open_planned(
-    asked: &SweepAsked,
+    asked: &SweepRequestArgs,
     plan: &Plan,
     folder: &Path,
     term: &Term,
@@ -71,7 +71,7 @@ pub fn open_planned(
 }
 
 fn open_source_of(
-    asked: &SweepAsked,
+    asked: &SweepRequestArgs,
     source: Source,
     overrides: Overrides,
     table: Option<Vec<u8>>,
@@ -119,12 +119,12 @@ fn open_source_of(
     Ok(OpenSweep { sweep, plan, files })
 }
 
-fn asked_of(asked: &SweepAsked) -> Asked {
+fn asked_of(asked: &SweepRequestArgs) -> RequestedValues {
     if asked.check {
-        return Asked::Check;
+        return RequestedValues::Check;
     }
     if asked.outputs.is_empty() {
-        return Asked::Measures {
+        return RequestedValues::Measures {
             samples: asked.samples.unwrap_or(DRIVE_SAMPLES),
         };
     }
@@ -132,20 +132,20 @@ fn asked_of(asked: &SweepAsked) -> Asked {
         true => Instants::Even(asked.samples.unwrap_or(OUTPUT_SAMPLES)),
         false => Instants::At(asked.at.clone()),
     };
-    Asked::Outputs {
+    RequestedValues::Outputs {
         names: asked.outputs.clone(),
         at,
         is_proved: !asked.unproved,
     }
 }
 
-/// Refuses instants beside the motion, and more of them than a run may have.
-fn refuse_instants(asked: &Asked, scene: &Scene) -> Result<(), Failure> {
+/// Refuses instants outside of the motion, and more of them than the limits allow.
+fn refuse_instants(asked: &RequestedValues, scene: &Scene) -> Result<(), Failure> {
     let last = scene.actuation.duration;
     let count = match asked {
-        Asked::Check => 1,
-        Asked::Measures { samples } => *samples,
-        Asked::Outputs { at, .. } => match at {
+        RequestedValues::Check => 1,
+        RequestedValues::Measures { samples } => *samples,
+        RequestedValues::Outputs { at, .. } => match at {
             Instants::Even(count) => *count,
             Instants::At(times) => {
                 let ascends = times.windows(2).all(|pair| pair[0] < pair[1]);
@@ -161,8 +161,8 @@ fn refuse_instants(asked: &Asked, scene: &Scene) -> Result<(), Failure> {
     Ok(allow_samples(&scene.mechanism, count)?)
 }
 
-/// The arguments that rows depend on, as they are read again; the same for whatever means the same.
-fn arguments_of(asked: &SweepAsked) -> Vec<String> {
+/// The arguments on which rows depend, as they are read again; equivalent arguments give the same text.
+fn arguments_of(asked: &SweepRequestArgs) -> Vec<String> {
     let mut list = scene_arguments(&asked.scene);
     let design = match is_written_out(&asked.design) {
         true => &asked.design,
@@ -171,9 +171,9 @@ fn arguments_of(asked: &SweepAsked) -> Vec<String> {
     list.push(format!("--design={design}"));
     list.push(format!("--seed={}", asked.seed));
     match asked_of(asked) {
-        Asked::Check => list.push("--check".to_owned()),
-        Asked::Measures { samples } => list.push(format!("--samples={samples}")),
-        Asked::Outputs {
+        RequestedValues::Check => list.push("--check".to_owned()),
+        RequestedValues::Measures { samples } => list.push(format!("--samples={samples}")),
+        RequestedValues::Outputs {
             names,
             at,
             is_proved,
@@ -209,7 +209,7 @@ fn own_ranges(scene: &Scene) -> Vec<OwnRange> {
     variables.map(range).filter(finite).collect()
 }
 
-/// A part of a range by which a design may be beyond it: units are converted back and forth.
+/// Relative excess over a range that is accepted: units are converted back and forth.
 const ROUNDING: f64 = 1e-12;
 
 fn refuse_beyond(design: &Design, own: &[OwnRange]) -> Result<(), Failure> {

@@ -1,4 +1,4 @@
-//! `--target TABLE.csv`: what a mechanism is to do, row by row.
+//! `--target TABLE.csv`: the required behaviour of a mechanism, row by row.
 
 use super::cells::Cells;
 use crate::analysis::synthesis::target::{FreeInput, Target, TargetColumn, TargetRow, slot_of};
@@ -17,13 +17,13 @@ const TIME: &str = "time";
 /// Name of the column of weights.
 const WEIGHT: &str = "weight";
 
-/// Most rows: every step of a search solves as many poses, and as many equations where inputs are free.
+/// Maximum number of rows: every step of a search solves as many poses, and as many equations where inputs are free.
 const MOST_ROWS: usize = 1000;
 
-/// Instants at which the range of a free input is looked at.
+/// Instants at which the range of a free input is sampled.
 const INSTANTS: usize = 64;
 
-/// What a column holds.
+/// Content of a column.
 enum Column {
     Time,
     Weight,
@@ -83,14 +83,14 @@ struct TargetTable<'t> {
     cells: Cells<Box<dyn BufRead>>,
     columns: Vec<Column>,
     target: Target,
-    /// Lines with what says when each row is met.
+    /// Line numbers with the time or input values of each row.
     keys: Vec<(usize, Vec<f64>)>,
 }
 
 impl TargetTable<'_> {
-    /// A mistake at cell `column` of the line that was read last.
+    /// An error at cell `column` of the last line read.
     fn wrong(&self, row: &[String], column: usize, what: &str, hint: &str) -> Failure {
-        // Where the cell begins, if nothing before it is quoted.
+        // Column at which the cell begins, if nothing before it is quoted.
         let before: usize = row.iter().take(column).map(|c| c.chars().count() + 1).sum();
         let place = format!(
             "{}:{}:{}",
@@ -188,7 +188,7 @@ impl TargetTable<'_> {
         all.collect::<Vec<_>>().join(", ")
     }
 
-    /// Takes the values of a row.
+    /// Stores the values of a row.
     fn read(&mut self, row: &[String]) -> Result<(), Failure> {
         let width = self.columns.len();
         if row.len() != width {
@@ -270,7 +270,7 @@ impl TargetTable<'_> {
         Ok(())
     }
 
-    /// The input that is free where the table says nothing of inputs.
+    /// The free input, where the table has no column for inputs.
     fn free_input(&self) -> Result<Option<FreeInput>, Failure> {
         if !self.keys.is_empty() {
             return Ok(None);

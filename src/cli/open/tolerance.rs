@@ -1,4 +1,5 @@
-//! Opening a study of tolerances that is cut into units: the scene, what scatters, and the plan by which its parts are known.
+//! Opening a tolerance study that is divided into units: the scene, the varied dimensions, and the plan that identifies
+//! its parts.
 
 use super::planned::{
     SCENE_FILE, mesh_bytes, mesh_folder, planned_text, refuse_table, scene_arguments,
@@ -20,21 +21,21 @@ use std::path::Path;
 /// The verb, as plans name it.
 pub const VERB: &str = "tolerance";
 
-/// A study of tolerances that is ready.
+/// A tolerance study that is ready.
 pub struct OpenTolerance {
     /// The study.
     pub loaded: LoadedStudy,
-    /// Tolerance of variables that have none of their own, in the file's units.
+    /// Default tolerance of the variables, in the file's units.
     pub general: Option<f64>,
-    /// How pieces scatter; their numbers are those of a unit.
+    /// Distribution of the pieces; their numbers are those of a unit.
     pub batch: SampleBatch,
-    /// By which its parts are known; one unit as yet.
+    /// Identifies its parts; a single unit at first.
     pub plan: Plan,
     /// Files that belong beside the plan.
     pub files: Vec<(&'static str, Vec<u8>)>,
 }
 
-/// How pieces scatter that are asked for on the command line.
+/// The distribution requested on the command line.
 pub fn batch_of(
     scatter: &ScatterArgs,
     samples: usize,
@@ -53,7 +54,7 @@ pub fn batch_of(
     }
 }
 
-/// Opens the study of `pieces` that the command line asks for.
+/// Opens the study of `pieces` described by the command line.
 pub fn open_tolerance(
     scatter: &ScatterArgs,
     pieces: u64,
@@ -86,7 +87,7 @@ fn open(
     let names = varied_names(&scatter.vary.vary, true, &nominal.dimensions)?;
     let arguments = arguments_of(scatter);
     let scene_bytes = source.text.clone().into_bytes();
-    // How many pieces there are is no part of it: the first ones of more pieces are the same.
+    // The number of pieces is not part of it: the first ones of a larger number are the same.
     let identity = identity(&[
         ("verb", VERB.as_bytes()),
         ("scene", &scene_bytes),
@@ -116,7 +117,7 @@ fn open(
     })
 }
 
-/// The arguments that the numbers of a piece depend on, as they are read again.
+/// The arguments on which the numbers of a piece depend, as they are read again.
 fn arguments_of(scatter: &ScatterArgs) -> Vec<String> {
     let mut list = scene_arguments(&scatter.scene);
     if !scatter.vary.vary.is_empty() {

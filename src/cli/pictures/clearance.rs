@@ -1,4 +1,4 @@
-//! Pictures of clearances: the worst moment of a check, and bodies that turn colour in an animation.
+//! Pictures of clearances: the worst instant of a check, and bodies that change colour in an animation.
 
 use crate::clearance::check::{ClearanceReport, Closely, PairReport, check_clearance};
 use crate::cli::args::motion::CheckArgs;
@@ -29,10 +29,10 @@ const OPTIONS: PictureOptions = PictureOptions {
     samples: 4,
 };
 
-/// Nearness of the bound where only the samples count.
+/// Accuracy of the bound where only the samples count.
 const COARSE: f64 = 1.0;
 
-/// Draws the worst pair at its worst moment.
+/// Draws the worst pair at its worst instant.
 pub fn write_worst_pair(
     args: &CheckArgs,
     opened: &OpenScene,
@@ -54,7 +54,7 @@ pub fn write_worst_pair(
     }
     io::refuse_input(&args.scene, path)?;
     let least = &worst.least;
-    // All samples are solved: the camera holds the whole motion.
+    // All samples are solved: the camera frames the whole motion.
     let mut all: Vec<f64> = motion.samples.iter().map(|s| s.time).collect();
     let index = all.partition_point(|t| *t < least.time);
     if all.get(index) != Some(&least.time) {
@@ -94,7 +94,7 @@ pub fn write_worst_pair(
     Ok(())
 }
 
-/// Who, when, and what was asked.
+/// The bodies, the time, and the requirement.
 fn pair_caption(mechanism: &Mechanism, pair: &PairReport) -> Vec<String> {
     let unit = &mechanism.length_unit;
     let who = format!(
@@ -111,7 +111,7 @@ fn pair_caption(mechanism: &Mechanism, pair: &PairReport) -> Vec<String> {
     vec![who, when]
 }
 
-/// For every sample the bodies that are nearer to another one than the scene allows.
+/// For every sample, the bodies that are nearer to another one than the scene permits.
 pub fn alarm_marks(
     scene: &Scene,
     system: &System,

@@ -1,4 +1,4 @@
-//! Pictures put together for the verbs.
+//! Pictures composed by the verbs.
 
 pub mod clearance;
 pub mod paths;

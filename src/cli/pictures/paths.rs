@@ -15,7 +15,7 @@ use image::RgbaImage;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Height of the lines of text below the title, and where they begin, as shares of the picture's height.
+/// Height of the lines of text below the title, and where they begin, as fractions of the picture's height.
 const LINE_SIZE: f64 = 0.024;
 const FIRST_LINE: f64 = 0.085;
 const NEXT_LINE: f64 = 0.042;
@@ -25,7 +25,7 @@ const INSET: f64 = 0.02;
 pub struct PathLine {
     /// Its points.
     pub points: Vec<DVec3>,
-    /// Look, widths in pixels.
+    /// Style, widths in pixels.
     pub stroke: Stroke,
 }
 
@@ -71,7 +71,7 @@ pub fn draw_paths(
     Ok(())
 }
 
-/// Refuses a picture that is no PNG, or would be written over an input of the command.
+/// Refuses a picture that is not a PNG, or would overwrite an input of the command.
 pub fn refuse_other(scene: &SceneArgs, path: &Path) -> Result<(), Failure> {
     if Format::from_path(path)? != Format::Png {
         let message = format!("{} is not a .png file", path.display());

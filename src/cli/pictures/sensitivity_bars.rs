@@ -12,7 +12,7 @@ use crate::plot::bars::{draw_bars, usual_size};
 use crate::report::sensitivity::SensitivityTable;
 use std::path::Path;
 
-/// A file that is to hold bars.
+/// A file for the bar chart.
 pub struct BarFile {
     format: PlotFormat,
     output: Box<dyn Output>,
@@ -28,7 +28,7 @@ pub fn open_bars(scene: &SceneArgs, path: &Path) -> Result<BarFile, Failure> {
 }
 
 impl BarFile {
-    /// Draws the table; measure `rank` decides the order and comes first.
+    /// Draws the table; measure `rank` determines the order and comes first.
     pub fn write(mut self, table: &SensitivityTable, rank: usize) -> Result<(), Failure> {
         let chart = charts::sensitivity::sensitivity_chart(table, rank);
         let drawing = draw_bars(&chart, usual_size(&chart), ChartTheme::LIGHT);

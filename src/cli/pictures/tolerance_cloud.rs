@@ -32,18 +32,18 @@ const OPTIONS: PictureOptions = PictureOptions {
     samples: 4,
 };
 
-/// What deviations are made of a path's extent, so that they are seen.
+/// Deviations are magnified to this fraction of a path's extent, so that they are visible.
 const SEEN: f64 = 0.12;
 
-/// Poses of the drive that the camera must hold.
+/// Poses of the drive that the camera must frame.
 const CAMERA_SAMPLES: usize = 32;
 
-/// Opacity of a path, of 255, where `pieces` of them lie over each other.
+/// Opacity of a path, out of 255, where `pieces` of them overlap.
 fn path_opacity(pieces: usize) -> u8 {
     (4000.0 / pieces.max(1) as f64).clamp(5.0, 90.0) as u8
 }
 
-/// Draws what is asked for.
+/// Draws the requested files.
 pub fn write_cloud(args: &ToleranceArgs, scattered: &ToleranceStudy) -> Result<(), Failure> {
     if args.picture.is_none() && args.plot.is_none() {
         return Ok(());
@@ -82,7 +82,7 @@ pub fn write_cloud(args: &ToleranceArgs, scattered: &ToleranceStudy) -> Result<(
     Ok(())
 }
 
-/// Refuses files that cannot be written before anything is computed.
+/// Refuses files that cannot be written, before anything is computed.
 pub fn refuse_cloud(args: &ToleranceArgs) -> Result<(), Failure> {
     if let Some(path) = &args.picture {
         paths::refuse_other(&args.scatter.scene, path)?;
@@ -101,7 +101,7 @@ fn cloud_picture(
 ) -> Result<RgbaImage, Failure> {
     let mut scene = load_scene(&study.source, &study.overrides).map_err(Box::new)?;
     Arc::make_mut(&mut scene.view).decor.trails = Trails::None;
-    // The camera holds the whole motion; the pose is the one that the drive reaches.
+    // The camera frames the whole motion; the pose is the one that the drive reaches.
     let even = even_times(&scene.mechanism, &scene.actuation, CAMERA_SAMPLES);
     let mut times = up_to(args.at, scene.actuation.duration, &even)?;
     let index = times.len() - 1;

@@ -12,7 +12,7 @@ use crate::diag::Diagnostics;
 use crate::page::{Version, comparison_text};
 use crate::scene::file::read_scene;
 
-/// Runs the verb. It ends as `check` of the new version does.
+/// Runs the verb. Its exit code is that of `check` for the new version.
 pub fn run_compare(args: &CompareArgs, term: &Term) -> Result<Outcome, Failure> {
     refuse_other_formats(&args.out)?;
     let old = SceneArgs {
@@ -43,7 +43,7 @@ pub fn run_compare(args: &CompareArgs, term: &Term) -> Result<Outcome, Failure> 
     new.end
 }
 
-/// The parameters of a scene as its text has them, or as they were replaced.
+/// The parameters of a scene, as in its text or as replaced.
 fn written_parameters(scene: &SceneArgs) -> Result<Vec<(String, String)>, Failure> {
     let (source, overrides) = text_of(scene)?;
     let file = read_scene(&source, &mut Diagnostics::default());

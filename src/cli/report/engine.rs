@@ -1,4 +1,4 @@
-//! The engine of live pages: where it is looked for, and which scenes it can take along.
+//! The engine of live pages: where it is found, and which scenes it can contain.
 
 use crate::cli::args::scene::SceneArgs;
 use crate::cli::term::outcome::Failure;
@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// Its name beside the program.
 const NAME: &str = "mechanim.wasm";
 
-/// How it is built.
+/// The command that builds it.
 const BUILD: &str = "build it from the sources, rustup target add wasm32-unknown-unknown, then \
     cargo build --profile web --target wasm32-unknown-unknown -p mechanim-web, \
     and put target/wasm32-unknown-unknown/web/mechanim.wasm beside the program or name it with --wasm FILE";
@@ -32,7 +32,7 @@ pub fn find_engine(named: Option<&Path>) -> Result<PackedEngine, Failure> {
     PackedEngine::new(&bytes).map_err(|why| refused(format!("{}: {why}", path.display())))
 }
 
-/// Refuses scenes whose text is gone, or is not all of them.
+/// Refuses scenes whose text is not available, or incomplete.
 ///
 /// Errors: a scene from a pipe; one with meshes.
 pub fn refuse_files(args: &SceneArgs, scene: &Scene) -> Result<(), Failure> {

@@ -1,7 +1,7 @@
-//! A scene judged as `check` judges it, with everything that a page shows of it.
+//! A scene checked as `check` does, with everything that a page shows of it.
 
 use crate::clearance::check::ClearanceReport;
-use crate::cli::args::motion::AskedArgs;
+use crate::cli::args::motion::RequirementArgs;
 use crate::cli::args::scene::SceneArgs;
 use crate::cli::check::motion::{asked_times, motion_check};
 use crate::cli::interrupt::{is_interrupted, refuse_interrupted};
@@ -17,14 +17,14 @@ use crate::report::motion_check::MotionAnswer;
 use crate::report::verdict::Verdict;
 use std::time::Instant;
 
-/// A scene with its answers.
+/// A scene with the results of its check.
 pub struct Judged {
-    /// Where it is from.
+    /// The origin of the scene.
     pub source: String,
-    /// Its answers where there is no motion.
+    /// The results where there is no motion.
     unmoved: Option<Verdict>,
     motion: Option<JudgedMotion>,
-    /// What `check` would end with.
+    /// The exit code of `check`.
     pub end: Result<Outcome, Failure>,
 }
 
@@ -36,7 +36,7 @@ struct JudgedMotion {
 }
 
 impl Judged {
-    /// The motion with its answers, if there is one.
+    /// The motion with its results, if there is one.
     pub fn checked(&self) -> Option<Checked<'_>> {
         let motion = self.motion.as_ref()?;
         Some(Checked {
@@ -49,7 +49,7 @@ impl Judged {
         })
     }
 
-    /// Its answers.
+    /// The results of the check.
     pub fn verdict(&self) -> &Verdict {
         const NONE: &Verdict = &Verdict {
             title: String::new(),
@@ -60,10 +60,10 @@ impl Judged {
     }
 }
 
-/// Judges a scene.
+/// Checks a scene.
 ///
-/// Errors: a scene that cannot be read, Ctrl-C; one that does not close is judged so.
-pub fn judge(asked: &AskedArgs, scene: &SceneArgs, term: &Term) -> Result<Judged, Failure> {
+/// Errors: a scene that cannot be read, Ctrl-C; a scene that does not close is a result.
+pub fn judge(asked: &RequirementArgs, scene: &SceneArgs, term: &Term) -> Result<Judged, Failure> {
     let source = scene.scene.to_string_lossy().into_owned();
     let unmoved = |source: String, verdict: Verdict, failure: Failure| Judged {
         source,

@@ -1,11 +1,11 @@
-//! `mechanim report`: what `check` and `solve` know of scenes, as one HTML file.
+//! `mechanim report`: the results of `check` and `solve` for scenes, as one HTML file.
 
 pub mod compare;
 mod engine;
 mod judged;
 pub mod site;
 
-use super::args::motion::AskedArgs;
+use super::args::motion::RequirementArgs;
 use super::args::report::ReportArgs;
 use super::args::scene::SceneArgs;
 use super::check::motion::{asked_questions, nearness};
@@ -14,7 +14,7 @@ use super::open::patterns::scenes_of;
 use super::open::scene::text_of;
 use super::term::Term;
 use super::term::outcome::{Failure, Outcome};
-use crate::page::live::{LiveAsked, LiveStart};
+use crate::page::live::{LiveRequirements, LiveStart};
 use crate::page::{Article, article_of, article_without_motion, page_text};
 use crate::report::sentences::counted_things;
 use engine::{find_engine, refuse_files};
@@ -57,9 +57,9 @@ pub fn run_report(args: &ReportArgs, term: &Term) -> Result<Outcome, Failure> {
 /// Whether pages are live.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Live {
-    /// They are not.
+    /// None of them is.
     Not,
-    /// They are; a scene that cannot be is refused.
+    /// All are; a scene that cannot be live is refused.
     Surely,
     /// Those that can be.
     WherePossible,
@@ -69,13 +69,13 @@ enum Live {
 struct Written {
     article: Article,
     description: String,
-    /// What `check` would end with.
+    /// The exit code of `check`.
     end: Result<Outcome, Failure>,
 }
 
-/// The article of a scene, which is number so and so of its page.
+/// The article of scene `number` of its page.
 fn scene_article(
-    asked: &AskedArgs,
+    asked: &RequirementArgs,
     scene: &SceneArgs,
     (number, live): (usize, Live),
     term: &Term,
@@ -107,7 +107,7 @@ fn scene_article(
 /// Lets the reader of an article move its mechanism.
 fn enliven_article(
     article: &mut Article,
-    asked: &AskedArgs,
+    asked: &RequirementArgs,
     scene: &SceneArgs,
 ) -> Result<(), Failure> {
     let (source, overrides) = text_of(scene)?;
@@ -115,7 +115,7 @@ fn enliven_article(
     article.enliven(&LiveStart {
         source: &source,
         overrides: &overrides,
-        asked: LiveAsked {
+        asked: LiveRequirements {
             asked: asked_questions(asked),
             closely: nearness(asked),
             samples: asked.samples,

@@ -1,4 +1,4 @@
-//! `mechanim site`: a folder of pages with a front page, to be opened from a disk or put on a server as it is.
+//! `mechanim site`: a folder of pages with a front page, to be opened from a disk or published on a server unchanged.
 
 use super::engine::find_engine;
 use super::{Live, scene_article};
@@ -11,7 +11,7 @@ use crate::page::{Entry, page_text, site_text};
 use crate::report::sentences::counted_things;
 use std::path::Path;
 
-/// Runs the verb. It ends as `report` of all scenes does.
+/// Runs the verb. Its exit code is that of `report` for all scenes.
 pub fn run_site(args: &SiteArgs, term: &Term) -> Result<Outcome, Failure> {
     let engine = match (find_engine(args.wasm.as_deref()), &args.wasm) {
         (Ok(engine), _) => Some(engine),
@@ -30,7 +30,7 @@ pub fn run_site(args: &SiteArgs, term: &Term) -> Result<Outcome, Failure> {
     for scene in &scenes {
         let name = page_name(Path::new(&scene.scene), &entries);
         let path = args.out.join(&name);
-        // Also those that are read after this page is written.
+        // Including those that are read after this page is written.
         scenes
             .iter()
             .try_for_each(|read| io::refuse_input(read, &path))?;
@@ -69,7 +69,7 @@ pub fn run_site(args: &SiteArgs, term: &Term) -> Result<Outcome, Failure> {
     }
 }
 
-/// The file of a scene's page: its own name, with a number where that is taken.
+/// The file of a scene's page: its own name, with a number if the name is taken.
 fn page_name(scene: &Path, known: &[Entry]) -> String {
     let stem = scene.file_stem().unwrap_or_default().to_string_lossy();
     let plain = |c: char| {

@@ -1,4 +1,4 @@
-//! `mechanim accuracy`: routes along a motion, their time against their true error.
+//! `mechanim accuracy`: methods along a motion, their time against their true error.
 
 use crate::analysis::work_precision::{PrecisionStudy, StudyError, study_precision};
 use crate::charts;
@@ -18,7 +18,7 @@ use std::path::Path;
 /// Pixels of the chart.
 const CHART: [u32; 2] = [840, 520];
 
-/// What the report is written as.
+/// Format of the report.
 enum StudyFormat {
     Csv,
     Json,

@@ -1,7 +1,7 @@
-//! `mechanim enclose`: bands of the motion and its measures that no piece within its tolerances leaves.
+//! `mechanim enclose`: proved bands of the motion and its measures for all pieces within their tolerances.
 
 use crate::analysis::enclosure::{
-    AskedPieces, Enclosed, MeasureBand, Plan, SpanBands, allowed_motion, enclose_between,
+    Enclosed, MeasureBand, PieceTolerances, Plan, SpanBands, allowed_motion, enclose_between,
     enclose_measures, enclose_motion, shown_names,
 };
 use crate::analysis::study::{Nominal, ParametricMechanism};
@@ -21,7 +21,7 @@ use crate::report::enclosure as report;
 use crate::report::enclosure_between::{between_lines, between_objects};
 use std::path::Path;
 
-/// Refusals that are told one by one.
+/// Refusals that are listed one by one.
 const MOST_TOLD: usize = 5;
 
 /// Runs the verb.
@@ -34,9 +34,9 @@ pub fn run_enclose(args: &EncloseArgs, term: &Term) -> Result<Outcome, Failure> 
     io::refuse_clashes(&[&scene], &reports)?;
     let format = args.plot.as_deref().map(PlotFormat::of).transpose()?;
     let (source, overrides, drawn) = nominal_source(&scene, term)?;
-    // Only ratios count where tolerances are asked for.
+    // With requested tolerances only their ratios count.
     let unit = args.allow.as_ref().map(|_| 1.0);
-    let asked = AskedPieces {
+    let asked = PieceTolerances {
         vary: &args.vary.vary,
         own: &own,
         tolerance: args.tolerance.or(unit),
@@ -105,7 +105,7 @@ pub fn run_enclose(args: &EncloseArgs, term: &Term) -> Result<Outcome, Failure> 
     ))
 }
 
-/// Whether everything that was asked is proved.
+/// Whether everything requested is proved.
 fn enclose_outcome(plan: &Plan, motion: &[Enclosed], measures: Option<&[MeasureBand]>) -> Outcome {
     let is_refused = |e: &Enclosed| e.bands.is_err();
     let list = plan.family.measures.list.iter();
@@ -120,7 +120,7 @@ fn enclose_outcome(plan: &Plan, motion: &[Enclosed], measures: Option<&[MeasureB
     }
 }
 
-/// The bands of the measures and the number of poses they are taken over; `None` where the scene has none, or a pose of
+/// The bands of the measures and the number of poses that they cover; `None` if the scene has no measures, or a pose of
 /// a track has no box.
 fn measures_of(plan: &Plan) -> Result<Option<(usize, Vec<MeasureBand>)>, Failure> {
     if plan.family.measures.list.is_empty() {
@@ -142,7 +142,7 @@ fn measures_of(plan: &Plan) -> Result<Option<(usize, Vec<MeasureBand>)>, Failure
     }
 }
 
-/// The samples asked for.
+/// The requested samples.
 fn enclose_times(args: &EncloseArgs, family: &ParametricMechanism) -> Result<Vec<f64>, Failure> {
     let mut times = args.at.clone();
     let last = family.actuation.duration;

@@ -1,4 +1,4 @@
-//! `mechanim optimise`: the study's objective made small; the result proved, reported, and written as a scene.
+//! `mechanim optimise`: minimises the study's objective; the result is proved, reported, and written as a scene.
 
 use super::{pairs, search_film, search_map, search_paths};
 use crate::analysis::optimise::Ended;
@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Iterations from one plain line of progress to the next.
+/// Iterations between two plain lines of progress.
 const LINES_APART: usize = 50;
 
 /// Runs the verb.
@@ -135,7 +135,7 @@ fn write_scene(
     Ok(())
 }
 
-/// The same with the clearances, for which the minimum may move; of a search that was interrupted they are not looked at.
+/// The same with the clearances, whose minimum may move; after an interrupted search they are not examined.
 fn settled_optimum(
     study: &Arc<LoadedStudy>,
     mut found: FoundOptimum,
@@ -157,7 +157,7 @@ fn settled_optimum(
     }
 }
 
-/// The independent motion, unless Ctrl-C comes before it is there.
+/// The independent motion, unless Ctrl-C comes first.
 fn verified_motion(study: &Arc<LoadedStudy>, values: &[f64]) -> Result<Verified, FamilyError> {
     let (study, values) = (Arc::clone(study), values.to_vec());
     let unproved = || {
@@ -168,7 +168,7 @@ fn verified_motion(study: &Arc<LoadedStudy>, values: &[f64]) -> Result<Verified,
     unless_interrupted(move || study.verify(&values)).unwrap_or_else(unproved)
 }
 
-/// The search, which tells how far it is and ends with Ctrl-C.
+/// The search, which reports its progress and ends with Ctrl-C.
 fn search_with_progress(
     args: &OptimiseArgs,
     study: &LoadedStudy,
@@ -179,7 +179,7 @@ fn search_with_progress(
     let mut heard = |iteration: usize, value: f64| {
         let text = format!("  iteration {iteration}: {}", six_digits(value * unit));
         progress.say(&text, iteration.is_multiple_of(LINES_APART));
-        // From here on the best so far is worth waiting for.
+        // From here on the best result so far is worth saving.
         save_results(true);
     };
     let method = args.search_method();

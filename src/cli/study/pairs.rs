@@ -1,4 +1,4 @@
-//! `mechanim optimise --pairs`: every pair of the variables optimised on its own, and the pairs ranked.
+//! `mechanim optimise --pairs`: optimises every pair of the variables on its own, and ranks the pairs.
 
 use crate::analysis::study::optimum::{Optimum, find_optimum};
 use crate::analysis::study::{FamilyError, LoadedStudy, ParametricMechanism};
@@ -21,7 +21,7 @@ struct Pair {
     found: Result<Optimum, FamilyError>,
 }
 
-/// Runs all pairs; an interrupt leaves the ranking of those that were done.
+/// Runs all pairs; after an interrupt the finished ones are ranked.
 pub fn run_pairs(
     args: &OptimiseArgs,
     study: &LoadedStudy,
@@ -51,7 +51,7 @@ pub fn run_pairs(
         }
         let names = jobs[index].clone();
         let found = optimise_pair(args, study, &names);
-        // What an interrupt has cut short is no optimum of the pair.
+        // An interrupted search does not give the optimum of the pair.
         if CANCEL.load(Ordering::Relaxed) {
             return None;
         }

@@ -12,25 +12,25 @@ use crate::sweep::swept_scene::Sweep;
 use crate::sweep::table::{RowTable, TableFormat};
 use std::path::Path;
 
-/// Text that is written at once.
+/// Size of the text that is written at once.
 const BUFFER: usize = 1 << 16;
 
 /// A file of rows under construction.
 pub enum RowFile<'s> {
-    /// Lines, and those that are not written yet.
+    /// Lines of text, and those not yet written.
     Lines(RowTable<'s>, Box<dyn Output>, String),
-    /// Typed columns, for the sweep's rows.
+    /// Typed columns, from the sweep's rows.
     #[cfg(feature = "parquet")]
     Columns(&'s Sweep, Box<ParquetTable>),
 }
 
-/// What a file's name asks for.
+/// The format that a file's name selects.
 enum Kind {
     Lines(TableFormat),
     Parquet,
 }
 
-/// Refuses a file of rows whose kind is not known.
+/// Refuses a file of rows of unknown format.
 pub fn refuse_format(rows: &RowsArgs) -> Result<(), Failure> {
     rows.out.as_deref().map(kind_of).transpose().map(|_| ())
 }
@@ -108,7 +108,7 @@ impl<'s> RowFile<'s> {
         Ok(Self::Columns(sweep, Box::new(table)))
     }
 
-    /// Takes the row of design `item`.
+    /// Adds the row of design `item`.
     pub fn take(&mut self, item: u64, row: &Row) -> Result<(), Failure> {
         match self {
             Self::Lines(table, output, text) => {

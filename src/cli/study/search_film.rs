@@ -1,4 +1,4 @@
-//! `mechanim optimise --film`: one frame an improvement, with the mechanism and its paths as they are then, and the
+//! `mechanim optimise --film`: one frame per improvement, with the mechanism and its paths as they are then, and the
 //! paths of the start.
 
 use crate::analysis::study::LoadedStudy;
@@ -33,10 +33,10 @@ const OPTIONS: PictureOptions = PictureOptions {
     samples: 4,
 };
 
-/// Most improvements that are shown; of more, some are left out evenly.
+/// Maximum number of improvements shown; of more, some are left out evenly.
 const MOST_FRAMES: usize = 100;
 
-/// Frames a second, and how many of them the end stays.
+/// Frames per second, and number of frames for which the last one stays.
 const FPS: f64 = 6.0;
 const LAST: usize = 12;
 
@@ -57,7 +57,7 @@ struct Shot {
     text: String,
 }
 
-/// The file asked for; whether it can hold a film is found out before the search.
+/// The requested file; whether it can hold a film is checked before the search.
 pub fn film_file(out: &Path) -> Result<FileArgs, Failure> {
     let args = FileArgs {
         out: out.to_path_buf(),
@@ -134,7 +134,7 @@ pub fn write_search_film(
     Ok(())
 }
 
-/// The first, the last, and evenly some between.
+/// The first, the last, and some evenly between.
 fn thin_improvements(improvements: &[Improvement]) -> Vec<&Improvement> {
     let count = improvements.len().min(MOST_FRAMES);
     let last = improvements.len().saturating_sub(1);

@@ -1,4 +1,4 @@
-//! `mechanim optimise --map`: the objective over two variables, and the points that a search came to.
+//! `mechanim optimise --map`: the objective over two variables, and the points that a search visited.
 
 use crate::analysis::optimise::Objective;
 use crate::analysis::study::LoadedStudy;
@@ -14,13 +14,13 @@ use crate::plot::Axis;
 use crate::staging::quantity_names::written_label;
 use std::path::Path;
 
-/// Places along each variable.
+/// Grid values along each variable.
 const PLACES: usize = 25;
 
-/// Room around the points of a search, as a share of what they span, and at least as a share of the largest value.
+/// Margin around the points of a search, as a fraction of their span, and at least as a fraction of the largest value.
 const ROOM: [f64; 2] = [0.6, 0.02];
 
-/// Refuses a map of more or fewer variables than two, before the search.
+/// Refuses a map unless there are two variables, before the search.
 pub fn refuse_other_count(study: &LoadedStudy) -> Result<(), Failure> {
     match study.family.study.variables.len() {
         2 => Ok(()),
@@ -75,7 +75,7 @@ pub fn write_map(
     io::unless_reader_left(written.and_then(|()| Ok(output.commit()?)))
 }
 
-/// Places of a variable: around the points of the search, within its range.
+/// Grid values of a variable: around the points of the search, within its range.
 fn variable_places(study: &LoadedStudy, improvements: &[Improvement], k: usize) -> Vec<f64> {
     let variable = &study.family.study.variables[k];
     let values = improvements.iter().map(|i| i.values[k]);

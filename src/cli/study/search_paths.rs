@@ -1,4 +1,4 @@
-//! `mechanim optimise --plot` and `--history`: the paths before and after a search, and the points that it came to.
+//! `mechanim optimise --plot` and `--history`: the paths before and after a search, and the points that it visited.
 
 use crate::analysis::study::LoadedStudy;
 use crate::analysis::study::optimum::Improvement;
@@ -23,7 +23,7 @@ use std::sync::Arc;
 /// Samples of a path.
 const SAMPLES: usize = 721;
 
-/// Refuses a chart of paths of a scene that plots none, before the search.
+/// Refuses a chart of paths for a scene without such plots, before the search.
 pub fn refuse_without_paths(study: &LoadedStudy) -> Result<(), Failure> {
     match path_plots(&study.scene_at(&study.family.start())?).is_empty() {
         false => Ok(()),
@@ -66,7 +66,7 @@ pub fn write_paths(
     io::unless_reader_left(written.and_then(|()| Ok(output.commit()?)))
 }
 
-/// A chart, the times of its samples, and the words at some of them.
+/// A chart, the times of its samples, and the labels at some of them.
 type TimedChart = (Chart, Vec<f64>, Vec<(f64, String)>);
 
 /// The paths with the values of an improvement, and the scene's labels on them.
@@ -92,7 +92,7 @@ fn improvement_chart(
     Ok((chart, times, words.collect()))
 }
 
-/// The points that a search came to, a row each, in the units of the scene.
+/// The points that a search visited, one per row, in the units of the scene.
 pub fn search_history(study: &LoadedStudy, improvements: &[Improvement]) -> String {
     let unit = study.objective_unit();
     let variables = &study.family.study.variables;

@@ -1,4 +1,4 @@
-//! `mechanim sensitivity`: the exact derivative of every measure by every dimension, ranked; tolerances proposed.
+//! `mechanim sensitivity`: the exact derivative of every measure by every dimension, ranked; suggested tolerances.
 
 use crate::cli::args::study::SensitivityArgs;
 use crate::cli::io;

@@ -1,5 +1,5 @@
-//! `mechanim study submit`: the script with which a cluster does a study. A job is a worker that takes units until none
-//! is left, never a unit: schedulers are slow with many small jobs.
+//! `mechanim study submit`: the script that runs a study on a cluster. A job is a worker that takes units until none is
+//! left, never a unit: schedulers are slow with many small jobs.
 
 use crate::cli::args::sweep::{Engine, SubmitArgs};
 use crate::cli::io;
@@ -10,10 +10,10 @@ use crate::parts::folder::Folder;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Seconds between SIGTERM and SIGKILL that schedulers are asked for: a unit that is being written is worth waiting for.
+/// Seconds between SIGTERM and SIGKILL requested from schedulers, so that the current unit can be written.
 const GRACE: u32 = 30;
 
-/// Writes the script, and hands it to the cluster.
+/// Writes the script, and submits it to the cluster.
 pub fn submit(args: &SubmitArgs, term: &Term) -> Result<Outcome, Failure> {
     let folder = Folder::open(&args.folder)?;
     let job = ClusterJob::new(args, folder.path())?;
@@ -35,7 +35,7 @@ pub fn submit(args: &SubmitArgs, term: &Term) -> Result<Outcome, Failure> {
         io::print_beside(term, None, &script)?;
         return Ok(Outcome::Done);
     }
-    // Whoever submits a study twice at once has half of the workers wait for the others.
+    // If a study were submitted twice at once, half of the workers would wait for the others.
     if !target.commit_new()? {
         let message = format!("{} exists: the study was submitted", path.display());
         let hint = "remove it to submit the missing units again";
@@ -61,7 +61,7 @@ fn hand_over(command: &[&str], script: &Path) -> Result<(), Failure> {
     Err(Failure::usage(why, vec![hint.to_owned()]))
 }
 
-/// What every script says.
+/// The common part of all scripts.
 struct ClusterJob {
     folder: PathBuf,
     program: PathBuf,
@@ -112,7 +112,7 @@ impl ClusterJob {
 exec {command}
 ",
             workers - 1,
-            // A percent sign would be a pattern of sbatch.
+            // sbatch would take a percent sign for a pattern.
             self.folder.display().to_string().replace('%', "%%")
         )
     }
@@ -229,7 +229,7 @@ spec:
         )
     }
 
-    /// The command of a worker whose number the shell knows as `own`.
+    /// The command of a worker whose number is the shell's `own`.
     fn shell_command(&self, own: &str) -> String {
         format!(
             "{} study run {} --worker \"{own}/{}\" --threads {}",
@@ -246,12 +246,12 @@ fn shell_word(text: &str) -> String {
     format!("'{}'", text.replace('\'', "'\\''"))
 }
 
-/// A text in quotes, as JSON and YAML read it.
+/// A quoted text, as JSON and YAML read it.
 fn json_text(text: &str) -> String {
     serde_json::Value::from(text).to_string()
 }
 
-/// A text in quotes, as Python reads it: a JSON text without surrogates is one.
+/// A quoted text, as Python reads it: a JSON text without surrogates is one.
 fn python_text(text: &str) -> String {
     json_text(text)
 }

@@ -1,5 +1,5 @@
-//! `mechanim sweep`: many designs of a scene, one row each. Rows are kept in parts beside the file until all are there, so
-//! that a run that is stopped, or killed, goes on where it was.
+//! `mechanim sweep`: many designs of a scene, one row each. Rows are kept in parts beside the file until all exist, so
+//! that a run that is stopped or killed can be resumed.
 
 use super::row_file::{RowFile, refuse_format};
 use super::sweep_plot::PlotFile;
@@ -15,7 +15,7 @@ use crate::parts::PartsError;
 use crate::parts::folder::Folder;
 use crate::parts::merge::Merge;
 use crate::parts::plan::Plan;
-use crate::parts::work::{Ended, Share, work_on};
+use crate::parts::work::{Ended, WorkShare, work_on};
 use crate::sweep::row::Row;
 use crate::sweep::rows::RowWorker;
 use crate::sweep::summary::Summary;
@@ -29,14 +29,14 @@ use std::time::{Duration, Instant};
 /// Rows that a thread takes at once; one where a row takes as long as a check.
 const PORTION: u64 = 16;
 
-/// Work after which rows are put aside: what a kill can cost.
+/// Duration of the work between saved parts: the most that a kill can cost.
 const UNIT_TIME: Duration = Duration::from_secs(5);
 
-/// Most bytes of the numbers of a unit, and most rows.
+/// Maximum size in bytes of the numbers of a unit, and maximum number of rows.
 const UNIT_BYTES: u64 = 1 << 24;
 const UNIT_ROWS: u64 = 1 << 16;
 
-/// Most units: each is a file.
+/// Maximum number of units: each is a file.
 const MOST_UNITS: u64 = 100_000;
 
 /// Runs the verb.
@@ -63,7 +63,7 @@ pub fn run_sweep(args: &SweepArgs, term: &Term) -> Result<Outcome, Failure> {
     Ok(Outcome::Done)
 }
 
-/// Rows in parts beside `file`, put together once all are there.
+/// Rows in parts beside `file`, joined once all exist.
 fn in_parts(
     args: &SweepArgs,
     opened: &OpenSweep,
@@ -87,7 +87,7 @@ fn in_parts(
         Err(error) => return Err(error.into()),
     };
     refuse_other(&folder, &opened.plan)?;
-    let share = Share {
+    let share = WorkShare {
         units: 0..folder.plan.units(),
         begin: 0,
         until: None,
@@ -109,7 +109,7 @@ fn in_parts(
     Ok(folder.remove()?)
 }
 
-/// Rows that are handed on as they are made.
+/// Rows that are passed on as they are computed.
 fn in_memory(
     opened: &OpenSweep,
     work: &WorkArgs,
@@ -139,17 +139,17 @@ fn in_memory(
     taker.commit()
 }
 
-/// Gives the numbers of some items, or nothing after Ctrl-C, and says how many of them are made.
+/// Computes the numbers of some items, or nothing after Ctrl-C, and reports the number finished.
 pub type UnitWork<'w> = dyn Fn(Range<u64>, &dyn Fn(u64)) -> Option<Vec<f64>> + 'w;
 
-/// Does a share of a study, with all threads on one unit. `counted` is what its items are.
+/// Works on units of a study, with all threads on one unit. `counted` is the name of its items.
 pub fn run_share(
     folder: &Folder,
-    share: &Share,
+    share: &WorkShare,
     make: &UnitWork,
     progress: Progress,
 ) -> Result<Ended, Failure> {
-    // Only what this run makes tells how long it will take.
+    // Only the work of this run predicts the remaining time.
     let units = share.units.clone().filter(|unit| !folder.has(*unit));
     let all: u64 = units
         .map(|unit| items_in(&folder.plan.items_of(unit)))
@@ -162,7 +162,7 @@ pub fn run_share(
         before.set(before.get() + count);
         numbers
     };
-    // A unit that is being written is worth waiting for.
+    // The current unit is worth waiting for.
     save_results(true);
     let ended = work_on(folder, share, &mut compute, &is_interrupted);
     save_results(false);
@@ -170,12 +170,12 @@ pub fn run_share(
     Ok(ended?)
 }
 
-/// Hands all rows of a study to `taker`, in order.
+/// Passes all rows of a study to `taker`, in order.
 pub fn merge_into(folder: &Folder, taker: &mut RowTaker) -> Result<(), Failure> {
     Merge::new(folder)?.each(&mut |item, record| taker.take(item, record))
 }
 
-/// The study that lies in a folder must be the one that is asked for.
+/// The study in a folder must be the requested one.
 pub fn refuse_other(folder: &Folder, asked: &Plan) -> Result<(), Failure> {
     if folder.plan.identity == asked.identity {
         return Ok(());
@@ -186,7 +186,7 @@ pub fn refuse_other(folder: &Folder, asked: &Plan) -> Result<(), Failure> {
     }))
 }
 
-/// The numbers of some rows; nothing after Ctrl-C. `watch` hears how many are made.
+/// The numbers of some rows; nothing after Ctrl-C. `watch` receives the number finished.
 pub fn numbers_of(
     sweep: &Sweep,
     items: Range<u64>,
@@ -217,7 +217,7 @@ fn items_in(items: &Range<u64>) -> u64 {
     items.end - items.start
 }
 
-/// Rows of a unit that takes about `time`, a power of two. Rows do not depend on it.
+/// Rows of a unit that takes about `time`, a power of two. The rows do not depend on it.
 pub fn unit_size(sweep: &Sweep, threads: usize, time: Duration) -> u64 {
     let begun = Instant::now();
     let middle = sweep.design.count() / 2;
@@ -229,7 +229,7 @@ pub fn unit_size(sweep: &Sweep, threads: usize, time: Duration) -> u64 {
     (1 << rows.ilog2()).max(least)
 }
 
-/// Threads that are asked for.
+/// The requested number of threads.
 pub fn threads(work: &WorkArgs) -> usize {
     work.threads.unwrap_or_else(core_count)
 }
@@ -248,7 +248,7 @@ fn parts_beside(file: &Path) -> PathBuf {
     PathBuf::from(name)
 }
 
-/// Takes rows in order: into a file, a picture, and the summary.
+/// Receives rows in order: for a file, a picture, and the summary.
 pub struct RowTaker<'s> {
     file: Option<RowFile<'s>>,
     plot: Option<PlotFile<'s>>,
@@ -266,7 +266,7 @@ impl<'s> RowTaker<'s> {
         })
     }
 
-    /// Takes the row of design `item`.
+    /// Adds the row of design `item`.
     pub fn take(&mut self, item: u64, record: &[f64]) -> Result<(), Failure> {
         let row = Row::of_record(record).ok_or_else(|| {
             Failure::Internal("a part contains something that is not a row".to_owned())
@@ -285,7 +285,7 @@ impl<'s> RowTaker<'s> {
         self.file.take().map_or(Ok(()), RowFile::commit)
     }
 
-    /// Draws, and says what was found.
+    /// Draws, and prints the result.
     pub fn finish(self) -> Result<String, Failure> {
         if let Some(plot) = self.plot {
             plot.write()?;

@@ -10,9 +10,9 @@ use crate::export::Output;
 use crate::model::theme::Theme;
 use crate::plot::{ChartTheme, draw_chart, usual_size};
 use crate::sweep::row::Row;
-use crate::sweep::swept_scene::{Asked, Sweep};
+use crate::sweep::swept_scene::{RequestedValues, Sweep};
 
-/// A map is this high: a place of it has the shape that its axes give it.
+/// Height of a map; its cells have the shape that its axes give them.
 const MAP_HEIGHT: u32 = 600;
 
 /// A file that is to hold the chart of a sweep.
@@ -24,7 +24,7 @@ pub struct PlotFile<'s> {
 }
 
 impl<'s> PlotFile<'s> {
-    /// Opens the file, if one is asked for, before anything is computed.
+    /// Opens the file, if one is requested, before anything is computed.
     pub fn open(sweep: &'s Sweep, rows: &RowsArgs) -> Result<Option<Self>, Failure> {
         let Some(path) = &rows.plot else {
             return Ok(None);
@@ -46,7 +46,7 @@ impl<'s> PlotFile<'s> {
         }))
     }
 
-    /// Notes the row of design `item`.
+    /// Adds the row of design `item`.
     pub fn add(&mut self, item: u64, row: &Row) {
         self.plot.add(item, row);
     }
@@ -68,7 +68,7 @@ impl<'s> PlotFile<'s> {
     }
 }
 
-/// Which value of a row is drawn.
+/// The value of a row that is drawn.
 fn drawn_value(sweep: &Sweep, only: Option<&str>) -> Result<usize, Failure> {
     let names = || sweep.columns.iter().map(|(name, _)| name.as_str());
     match only {
@@ -81,9 +81,9 @@ fn drawn_value(sweep: &Sweep, only: Option<&str>) -> Result<usize, Failure> {
             ));
             Failure::usage(format!("rows contain no value `{name}`"), hints)
         }),
-        // Of a check the clearance tells more than whether it passed.
-        None if sweep.asked == Asked::Check => Ok(1),
-        None if matches!(sweep.asked, Asked::Measures { .. }) => {
+        // For a check, the clearance says more than whether it passed.
+        None if sweep.asked == RequestedValues::Check => Ok(1),
+        None if matches!(sweep.asked, RequestedValues::Measures { .. }) => {
             Ok(sweep.family().study.objective.unwrap_or(0))
         }
         None => Ok(0),

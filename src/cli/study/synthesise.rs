@@ -92,7 +92,7 @@ pub fn run_synthesise(args: &SynthesiseArgs, term: &Term) -> Result<Outcome, Fai
         let kept = "the best result so far was reported and written";
         return Err(Failure::Stopped(kept.to_owned()));
     }
-    // What was demanded decides; without a demand every mechanism must hold.
+    // The demands determine the exit code; without a demand every mechanism must be proved.
     let is_answered = match args.demands.is_empty() {
         true => found.iter().all(FoundMechanism::holds),
         false => simplest_of(&found, &args.demands).is_some(),
@@ -104,7 +104,7 @@ pub fn run_synthesise(args: &SynthesiseArgs, term: &Term) -> Result<Outcome, Fai
     })
 }
 
-/// A demand on a measure that no scene has is a slip.
+/// A demand on a measure that the scene does not have is a mistake.
 fn refuse_unknown(args: &SynthesiseArgs, opened: &[LoadedStudy]) -> Result<(), Failure> {
     let lists = opened.iter().flat_map(|one| &one.family.measures.list);
     let mut known: Vec<&str> = lists.map(|measure| measure.name.as_str()).collect();
@@ -132,7 +132,7 @@ fn scene_args(args: &SynthesiseArgs, scene: &OsStr) -> SceneArgs {
     }
 }
 
-/// Where the found scenes go: the file itself for one, files of a folder for several.
+/// Destination of the scenes found: the file itself for one, files in a folder for several.
 fn target_files(args: &SynthesiseArgs) -> Result<Vec<PathBuf>, Failure> {
     let Some(out) = &args.out else {
         return Ok(Vec::new());
@@ -169,7 +169,7 @@ fn synthesise_one<'a>(
     };
     let unit = opened.objective_unit();
     let done = |index: usize, start: &Start| {
-        // From here on the best so far is worth waiting for.
+        // From here on the best result so far is worth saving.
         save_results(true);
         let from = start.origin.words();
         let (first, last) = (
@@ -201,7 +201,7 @@ fn synthesise_one<'a>(
     })
 }
 
-/// The proof, unless Ctrl-C comes before it is there.
+/// The proof, unless Ctrl-C comes first.
 fn prove_scene(source: &Source, overrides: &Overrides) -> Result<Proof, FamilyError> {
     let (text, values) = (source.clone(), overrides.clone());
     let unproved = || {
@@ -212,7 +212,7 @@ fn prove_scene(source: &Source, overrides: &Overrides) -> Result<Proof, FamilyEr
     unless_interrupted(move || prove_found(&text, &values)).unwrap_or_else(unproved)
 }
 
-/// The found values as changes of the scene, and as the text of a scene of its own.
+/// The values found as overrides of the scene, and as the text of a scene of its own.
 fn write_found(
     opened: &LoadedStudy,
     synthesis: &Synthesis,

@@ -1,4 +1,5 @@
-//! `mechanim synthesise --target`: the mechanism that does what a table says, found from many starts and looked at anew.
+//! `mechanim synthesise --target`: the mechanism that does what a table requires, searched from many starts and solved
+//! afresh.
 
 use crate::analysis::study::ParametricMechanism;
 use crate::analysis::synthesis::target::{
@@ -22,7 +23,7 @@ use crate::scene::edit::with_values;
 use crate::scene::{KeptIn, Overrides};
 use std::path::Path;
 
-/// Iterations from one start where none are asked for: a fit is over when it is over.
+/// Default number of iterations from one start: a fit ends by itself.
 const ITERATIONS: usize = 200;
 
 /// Runs the verb with a table.
@@ -103,7 +104,7 @@ pub fn run_target(
     })
 }
 
-/// What a search may cost, and where it starts.
+/// The effort of a search, and its starts.
 pub fn search_plan(args: &SynthesiseArgs, iterations: usize) -> SearchPlan {
     SearchPlan {
         starts: args.starts,
@@ -134,7 +135,7 @@ fn refuse_driven(family: &ParametricMechanism) -> Result<(), Failure> {
     }
 }
 
-/// The found values as changes of the scene, and as the text of a scene of its own.
+/// The values found as overrides of the scene, and as the text of a scene of its own.
 fn write_found(
     family: &ParametricMechanism,
     synthesis: &TargetSynthesis,

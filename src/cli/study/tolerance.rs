@@ -37,7 +37,7 @@ pub fn run_tolerance(args: &ToleranceArgs, term: &Term) -> Result<Outcome, Failu
     let study = ToleranceStudy::new(&loaded, scatter.tolerance, batch)?.with_extremes(&CANCEL);
     let progress = Progress::new(args.progress, term.quiet()).counting("pieces");
     let watch = |done| progress.show(done, args.samples);
-    // The pieces made so far are worth waiting for.
+    // The pieces computed so far are worth saving.
     crate::cli::interrupt::save_results(true);
     let pieces = study.pieces(&CANCEL, &watch);
     progress.end();

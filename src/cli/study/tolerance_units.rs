@@ -1,4 +1,4 @@
-//! Studies of tolerances in units: sums of the pieces of a unit, and what all of them together tell.
+//! Tolerance studies in units: sums over the pieces of a unit, and the result of all of them together.
 
 use crate::analysis::piece_sums::PieceSums;
 use crate::analysis::tolerance::SampleBatch;
@@ -16,13 +16,13 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-/// Pieces that are held at once before they are added up.
+/// Pieces held in memory before they are summed.
 const HELD: u64 = 1 << 14;
 
-/// Pieces by which the time of a unit is foretold.
+/// Pieces from which the time of a unit is estimated.
 const TRIED: usize = 512;
 
-/// Most units: each is a file.
+/// Maximum number of units: each is a file.
 const MOST_UNITS: u64 = 100_000;
 
 /// The study of an opened one.
@@ -31,7 +31,7 @@ pub fn study_of(opened: &OpenTolerance) -> Result<ToleranceStudy<'_>, Failure> {
     Ok(study?)
 }
 
-/// The sums of some pieces; nothing after Ctrl-C. `watch` hears how many are made.
+/// The sums over some pieces; nothing after Ctrl-C. `watch` receives the number finished.
 pub fn sums_of(
     study: &ToleranceStudy,
     items: Range<u64>,
@@ -57,7 +57,7 @@ pub fn sums_of(
     Some(sums.record())
 }
 
-/// Pieces of a unit that takes about `time` on one thread, a power of two. The sums of all do not depend on it.
+/// Pieces of a unit that takes about `time` on one thread, a power of two. The total does not depend on it.
 pub fn unit_size(study: &ToleranceStudy, pieces: u64, time: Duration) -> u64 {
     let begun = Instant::now();
     let batch = SampleBatch {
@@ -71,7 +71,7 @@ pub fn unit_size(study: &ToleranceStudy, pieces: u64, time: Duration) -> u64 {
     (1 << size.ilog2()).max(pieces.div_ceil(MOST_UNITS))
 }
 
-/// Adds up all parts of a study, and says what they tell.
+/// Adds up all parts of a study, and reports the result.
 pub fn merge(folder: &Folder, opened: &OpenTolerance, rows: &RowsArgs) -> Result<String, Failure> {
     refuse_rows(rows)?;
     let study = study_of(opened)?;
@@ -82,7 +82,7 @@ pub fn merge(folder: &Folder, opened: &OpenTolerance, rows: &RowsArgs) -> Result
         sums.join(part.ok_or_else(|| Failure::Internal("a part contains no sums".to_owned()))?);
         Ok::<(), Failure>(())
     })?;
-    // A report is whole or not written at all.
+    // A report is written as a whole or not at all.
     let study = study.with_extremes(&AtomicBool::new(false));
     let report = ToleranceReport {
         study: &study,
@@ -96,7 +96,7 @@ pub fn merge(folder: &Folder, opened: &OpenTolerance, rows: &RowsArgs) -> Result
     Ok(report.text())
 }
 
-/// Refuses files of rows and charts: of the pieces only sums are kept.
+/// Refuses files of rows and charts: only sums over the pieces are kept.
 pub fn refuse_rows(rows: &RowsArgs) -> Result<(), Failure> {
     let is_json = |path: &Path| {
         path == Path::new("-")

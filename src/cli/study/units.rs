@@ -1,4 +1,5 @@
-//! `mechanim study`: a sweep, or the pieces of a tolerance, in units, done by any number of machines that see one folder.
+//! `mechanim study`: a sweep, or the pieces of a tolerance study, in units, done by any number of machines that share a
+//! folder.
 
 use super::row_file::refuse_format;
 use super::sweep::{
@@ -9,7 +10,7 @@ use super::{submit, tolerance_units};
 use crate::cli::args::study::ScatterArgs;
 use crate::cli::args::sweep::{
     CutArgs, MergeArgs, PlanSweepArgs, PlanToleranceArgs, PlannedVerb, RunArgs, StudyCommand,
-    SweepAsked,
+    SweepRequestArgs,
 };
 use crate::cli::io;
 use crate::cli::open::sweep::OpenSweep;
@@ -22,14 +23,14 @@ use crate::parts::PartsError;
 use crate::parts::folder::Folder;
 use crate::parts::plan::Plan;
 use crate::parts::ranges::shown_ranges;
-use crate::parts::work::{Ended, Share};
+use crate::parts::work::{Ended, WorkShare};
 use clap::Parser;
 use serde_json::json;
 use std::ops::Range;
 use std::path::Path;
 use std::time::{Duration, Instant, SystemTime};
 
-/// How long a unit takes by default.
+/// Default duration of a unit.
 const UNIT_TIME: Duration = Duration::from_secs(30);
 
 /// Runs the verb.
@@ -54,13 +55,13 @@ fn plan_sweep(args: &PlanSweepArgs, term: &Term) -> Result<Outcome, Failure> {
 
 fn plan_tolerance(args: &PlanToleranceArgs, term: &Term) -> Result<Outcome, Failure> {
     let opened = tolerance::open_tolerance(&args.scatter, args.pieces, term)?;
-    // What cannot be studied is refused before there is a folder.
+    // A study that cannot be run is refused before its folder is made.
     let study = tolerance_units::study_of(&opened)?;
     let unit = || Ok(tolerance_units::unit_size(&study, args.pieces, UNIT_TIME));
     create_study(&args.cut, opened.plan.clone(), &opened.files, unit, term)
 }
 
-/// Makes the folder of a study whose units have the size that `unit` gives by default.
+/// Makes the folder of a study; `unit` gives the default size of its units.
 fn create_study(
     cut: &CutArgs,
     mut plan: Plan,
@@ -85,7 +86,7 @@ fn create_study(
     Ok(Outcome::Done)
 }
 
-/// What the items of a study are.
+/// The name of the items of a study.
 fn counted_items(plan: &Plan) -> &'static str {
     match plan.verb == tolerance::VERB {
         true => "pieces",
@@ -98,10 +99,10 @@ fn counted_items(plan: &Plan) -> &'static str {
 #[command(no_binary_name = true)]
 struct PlannedSweep {
     #[command(flatten)]
-    asked: SweepAsked,
+    asked: SweepRequestArgs,
 }
 
-/// The same of pieces.
+/// The same for pieces.
 #[derive(Parser)]
 #[command(no_binary_name = true)]
 struct PlannedTolerance {
@@ -109,7 +110,7 @@ struct PlannedTolerance {
     scatter: ScatterArgs,
 }
 
-/// A study that is ready to be worked on.
+/// A study that is ready to be run.
 enum OpenStudy {
     Sweep(Box<OpenSweep>),
     Tolerance(Box<OpenTolerance>),
@@ -159,11 +160,11 @@ fn run_units(args: &RunArgs, term: &Term) -> Result<Outcome, Failure> {
         Some([first, end]) => first..end,
         None => 0..all,
     };
-    // Worker I begins where I - 1 shares of the units end.
+    // Worker I begins at the fraction (I - 1) / N of the units.
     let begin = args.worker.map_or(units.start, |[own, workers]| {
         (u128::from(own - 1) * u128::from(all) / u128::from(workers)) as u64
     });
-    let share = Share {
+    let share = WorkShare {
         until: args.until.map(|time| Instant::now() + time),
         begin,
         units,
@@ -183,7 +184,7 @@ fn run_units(args: &RunArgs, term: &Term) -> Result<Outcome, Failure> {
 fn work_on_share(
     folder: &Folder,
     opened: &OpenStudy,
-    share: &Share,
+    share: &WorkShare,
     args: &RunArgs,
     term: &Term,
 ) -> Result<Ended, Failure> {
@@ -248,7 +249,7 @@ fn print_status(path: &Path, report: Option<&Path>, term: &Term) -> Result<Outco
     Ok(Outcome::Done)
 }
 
-/// Units a second between the first part and the last; unknown of fewer than two.
+/// Units per second between the first part and the last; unknown for fewer than two.
 fn unit_rate(times: &[SystemTime]) -> Option<f64> {
     let [first, .., last] = times else {
         return None;

@@ -3,7 +3,7 @@
 use super::Term;
 use std::time::Instant;
 
-/// Takes the time from stage to stage.
+/// Measures the time of each stage.
 pub struct Clock {
     wanted: bool,
     start: Instant,
@@ -27,7 +27,7 @@ impl Clock {
         self.start = now;
     }
 
-    /// Says all stages and their sum.
+    /// Prints all stages and their sum.
     pub fn print(&self, term: &Term) {
         if !self.wanted {
             return;

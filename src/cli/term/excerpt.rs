@@ -1,18 +1,18 @@
-//! Mistakes of a scene beside the lines they stand in: lines are cut around what is pointed at, and what would act on a
-//! terminal is spelt out.
+//! Diagnostics of a scene beside the lines they refer to: lines are cut around the highlighted text, and control
+//! characters are spelt out.
 
 use crate::diag::{Diagnostic, Severity, Span, shorten_text, shown_char, shown_text};
 use codespan_reporting::diagnostic::{Diagnostic as Excerpt, Label};
 use codespan_reporting::files::{Error, Files};
 use std::ops::Range;
 
-/// Characters shown before and behind what is pointed at.
+/// Characters shown before and after the highlighted text.
 const AROUND: usize = 80;
 
-/// Most characters that are pointed at: who reads more than that looks into the file.
+/// Maximum number of highlighted characters.
 const MOST_POINTED_AT: usize = 120;
 
-/// Stands for what is cut off.
+/// Replaces the text that is cut off.
 const CUT: char = '…';
 
 /// A text and where its lines start.
@@ -23,7 +23,7 @@ pub struct ExcerptLines<'s> {
 }
 
 impl<'s> ExcerptLines<'s> {
-    /// The lines of a text; `name` is shown as it can be.
+    /// The lines of a text; `name` is made printable.
     pub fn new(name: &str, text: &'s str) -> Self {
         let breaks = text.bytes().enumerate().filter(|(_, b)| *b == b'\n');
         Self {
@@ -99,7 +99,7 @@ impl<'s> ExcerptLines<'s> {
         start..end
     }
 
-    /// The part of a line that is shown: what is pointed at, and so much around it.
+    /// The part of a line that is shown: the highlighted text, and some context around it.
     fn window(&self, line: &Range<usize>, span: &Span) -> Range<usize> {
         let before = self.text[line.start..span.start].char_indices().rev();
         let start = before
@@ -113,7 +113,7 @@ impl<'s> ExcerptLines<'s> {
     }
 }
 
-/// Where what is pointed at ends on its first line.
+/// End of the highlighted text on its first line.
 fn pointed_width(text: &str, span: &Span, line_end: usize) -> usize {
     let end = span.end.min(line_end).max(span.start);
     let mut characters = text[span.start..end].char_indices();
@@ -131,17 +131,17 @@ struct ShownLine {
     number: usize,
     /// Bytes of the shown text.
     range: Range<usize>,
-    /// Of the shown text and of the file: where the window starts.
+    /// Start of the window, in the shown text and in the file.
     window: usize,
     column: usize,
 }
 
-/// The lines of one message, as codespan asks for them.
+/// The lines of one message, in the form that codespan needs.
 pub struct ExcerptLine {
     name: String,
     text: String,
     lines: Vec<ShownLine>,
-    /// Places of labels in the shown text, and their columns in the file.
+    /// Positions of labels in the shown text, and their columns in the file.
     columns: Vec<(usize, usize)>,
 }
 
@@ -155,7 +155,7 @@ impl ExcerptLine {
         }
     }
 
-    /// Adds a line; where lines are left out, codespan is told so by one that it leaves out.
+    /// Adds a line; where lines are left out, codespan learns this from an invisible one.
     fn push(
         &mut self,
         file: &ExcerptLines,
@@ -192,7 +192,7 @@ impl ExcerptLine {
         self.text.push('\n');
     }
 
-    /// What a label points at in the last line.
+    /// The text that a label highlights in the last line.
     fn place(&mut self, text: &str, window: &Range<usize>, span: &Span) -> Option<Range<usize>> {
         let line = self.lines.last()?;
         if span.start < window.start || span.start > window.end {

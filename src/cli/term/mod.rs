@@ -23,19 +23,19 @@ use std::collections::HashSet;
 use std::io::{IsTerminal, Write};
 use std::sync::{Mutex, PoisonError};
 
-/// Most mistakes, and most warnings, that are shown in full; the rest are counted.
+/// Maximum number of errors, and of warnings, that are shown in full; the rest are counted.
 const MOST_SHOWN: usize = 20;
 
-/// Where and how messages are written.
+/// Destination and style of messages.
 pub struct Term {
     colour: ColorChoice,
     quiet: bool,
-    /// What was said, if it is not said at once.
+    /// The stored messages, if they are not printed at once.
     kept: Option<Mutex<Vec<Buffer>>>,
 }
 
 impl Term {
-    /// Decides about colour: only on a terminal, unless told otherwise; NO_COLOR wins over `auto`.
+    /// Decides about colour: only on a terminal, unless requested otherwise; NO_COLOR wins over `auto`.
     pub fn new(choice: ColourChoice, quiet: bool) -> Self {
         let wanted = match choice {
             ColourChoice::Always => true,
@@ -57,7 +57,8 @@ impl Term {
         }
     }
 
-    /// The same, but what is said is kept until [`pass_on`](Self::pass_on): several runs do not talk at once.
+    /// The same, but messages are stored until [`pass_on`](Self::pass_on), so that those of several runs are not
+    /// interleaved.
     pub fn kept_back(&self) -> Self {
         Self {
             colour: self.colour,
@@ -66,19 +67,19 @@ impl Term {
         }
     }
 
-    /// Says by `other` what was kept.
+    /// Prints the stored messages through `other`.
     pub fn pass_on(&self, other: &Self) {
         let Some(kept) = &self.kept else { return };
         let kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
         kept.iter().for_each(|said| other.say(said.clone()));
     }
 
-    /// Whether work may tell how far it is: nothing is kept of that.
+    /// Whether progress may be shown: it is never stored.
     pub fn shows_progress(&self) -> bool {
         !self.quiet && self.kept.is_none()
     }
 
-    /// Whether only errors are to be said.
+    /// Whether only errors are printed.
     pub fn quiet(&self) -> bool {
         self.quiet
     }
@@ -128,11 +129,11 @@ impl Term {
         }
     }
 
-    /// The diagnostics of a scene, the first of them in full (warnings only unless quiet).
+    /// Prints the diagnostics of a scene, the first of them in full (warnings only unless quiet).
     pub fn diagnostics(&self, source: &Source, diagnostics: &Diagnostics) {
         let lines = ExcerptLines::new(&source.name, &source.text);
         let config = Config::default();
-        // Written at once: a system call a character takes minutes for a scene full of mistakes.
+        // Buffered: one system call per character takes minutes for a scene full of errors.
         let writer = BufferWriter::stderr(self.colour);
         let mut all = writer.buffer();
         let most = current_limits().most(Resource::Message);
@@ -159,7 +160,7 @@ impl Term {
             let _ = all.write_all(one.as_slice());
         }
         self.say(all);
-        // Whatever the limit: what is wrong is said, without the line it stands in.
+        // If the limit is exceeded, the message is printed without its line.
         for (kind, head, colour) in [(0, "error", Color::Red), (1, "warning", Color::Yellow)] {
             if shown == [0, 0] && !left[kind].is_empty() {
                 let first = left[kind].remove(0);
@@ -206,14 +207,14 @@ impl Term {
         BufferWriter::stderr(self.colour).buffer()
     }
 
-    /// Writes at once, or keeps for later.
+    /// Prints at once, or stores for later.
     fn say(&self, said: Buffer) {
         match &self.kept {
             Some(kept) => kept
                 .lock()
                 .unwrap_or_else(PoisonError::into_inner)
                 .push(said),
-            // The stream going away leaves nobody to tell.
+            // If the stream is closed, nobody can be told.
             None => drop(BufferWriter::stderr(self.colour).print(&said)),
         }
     }
@@ -235,7 +236,7 @@ fn hint_of(error: &StructureError) -> Vec<String> {
     vec![hint]
 }
 
-/// What a message says without what it quotes.
+/// The part of a message outside of quotes.
 fn kind_of(message: &str) -> String {
     message.split('`').step_by(2).collect()
 }

@@ -1,4 +1,4 @@
-//! What came of a command, and the exit code that says it.
+//! The outcome of a command, and its exit code.
 
 use crate::diag::SceneError;
 use crate::export::{ExportError, finished_count};
@@ -12,7 +12,7 @@ use crate::scene::source::SourceError;
 
 /// Done.
 pub const DONE: i32 = 0;
-/// A check failed, or could not prove what it was asked to; a motion was given up undecided, or no pose was found.
+/// A check failed, or a requested proof failed; a motion was abandoned undecided, or no pose was found.
 pub const CHECK_FAILED: i32 = 1;
 /// Bad usage, bad scene, or a file that cannot be read or written.
 pub const BAD_USAGE: i32 = 2;
@@ -20,7 +20,7 @@ pub const BAD_USAGE: i32 = 2;
 pub const NO_ADAPTER: i32 = 3;
 /// Some instants provably have no pose, or the motion ends at a fold.
 pub const NOT_CLOSED: i32 = 4;
-/// A fault of the program.
+/// An internal error.
 pub const INTERNAL: i32 = 70;
 /// Stopped by the user.
 pub const INTERRUPTED: i32 = 130;
@@ -28,13 +28,13 @@ pub const INTERRUPTED: i32 = 130;
 /// A command that ran to its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// Everything is fine.
+    /// Success.
     Done,
-    /// A check says no, or cannot prove what it was asked to.
+    /// A check failed, or a requested proof failed.
     CheckFailed,
     /// Results were written, but some instants have no pose.
     NotClosed,
-    /// Results were written, but the motion was given up where poses may exist.
+    /// Results were written, but the motion was abandoned where poses may exist.
     Undecided,
 }
 
@@ -84,7 +84,7 @@ pub enum Failure {
     Usage {
         /// What is wrong.
         message: String,
-        /// How to mend it.
+        /// A suggested remedy.
         hints: Vec<String>,
     },
     /// The mechanism is ill-posed.
@@ -93,17 +93,17 @@ pub enum Failure {
     /// There is no pose at all.
     #[error("{message}")]
     NeverClosed {
-        /// Which loop, which gap, at which inputs.
+        /// The loop, its gap, and the inputs.
         message: String,
-        /// How to mend it.
+        /// A suggested remedy.
         hints: Vec<String>,
     },
-    /// There is no pose, and none can be excluded.
+    /// No pose was found, but it is not proved that none exists.
     #[error("{message}")]
     Undecided {
-        /// Which loop, which gap, at which inputs.
+        /// The loop, its gap, and the inputs.
         message: String,
-        /// What may help.
+        /// A suggested remedy.
         hints: Vec<String>,
     },
     /// A file could not be made.
@@ -112,13 +112,13 @@ pub enum Failure {
     /// A picture could not be read.
     #[error(transparent)]
     Import(#[from] ImportError),
-    /// More was asked for than the run may use.
+    /// The command needs more than the limits allow.
     #[error(transparent)]
     Limit(#[from] LimitExceeded),
     /// A picture could not be made.
     #[error(transparent)]
     Render(#[from] RenderError),
-    /// The folder of a study is not as it must be.
+    /// The folder of a study is invalid.
     #[error(transparent)]
     Parts(#[from] PartsError),
     /// Standard output failed.
@@ -127,15 +127,15 @@ pub enum Failure {
     /// Stopped by Ctrl-C.
     #[error("interrupted; {}", written_by_now())]
     Interrupted,
-    /// Stopped by Ctrl-C, with what was done until then kept.
+    /// Stopped by Ctrl-C; the results so far were kept.
     #[error("interrupted; {0}")]
     Stopped(String),
-    /// A fault of the program.
+    /// An internal error.
     #[error("internal error: {0}")]
     Internal(String),
 }
 
-/// What an interrupted run leaves behind.
+/// What an interrupted run has saved.
 fn written_by_now() -> &'static str {
     match finished_count() {
         0 => "nothing was written",
@@ -151,7 +151,7 @@ impl From<SourceError> for Failure {
 }
 
 impl Failure {
-    /// There is no pose: surely, or as far as was found.
+    /// There is no pose: proved, or none was found.
     pub fn without_pose(is_undecided: bool, message: String, hints: Vec<String>) -> Self {
         match is_undecided {
             true => Self::Undecided { message, hints },
@@ -191,7 +191,7 @@ impl Failure {
         }
     }
 
-    /// True when the reader of standard output went away: a quiet end.
+    /// Whether the reader of standard output has closed it: the command ends silently.
     pub fn is_broken_pipe(&self) -> bool {
         match self {
             Self::Stdout(error) => error.kind() == std::io::ErrorKind::BrokenPipe,

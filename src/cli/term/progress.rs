@@ -6,7 +6,7 @@ use std::cell::Cell;
 use std::io::{IsTerminal, Write};
 use std::time::{Duration, Instant};
 
-/// Redraws of the bar are this far apart at least: terminals are slow.
+/// Minimum time between redraws of the bar: terminals are slow.
 const REDRAW: Duration = Duration::from_millis(80);
 
 /// Characters of the bar.
@@ -15,7 +15,7 @@ const WIDTH: usize = 28;
 /// Work that takes longer than this is announced.
 const PATIENCE: Duration = Duration::from_millis(500);
 
-/// Does some work, and says so on a terminal if it takes long: what, and for how many seconds by now.
+/// Does some work; if it takes long, a terminal shows what is done and the seconds so far.
 pub fn announce_work<T>(what: &str, quiet: bool, work: impl FnOnce() -> T) -> T {
     if quiet || !std::io::stderr().is_terminal() {
         return work();
@@ -36,7 +36,7 @@ pub fn announce_work<T>(what: &str, quiet: bool, work: impl FnOnce() -> T) -> T 
                 let _ = write!(std::io::stderr(), "\r\x1b[K");
             }
         };
-        // Without a thread to say so the work goes on unannounced.
+        // If the thread cannot be started, the work is not announced.
         let _ = std::thread::Builder::new().spawn_scoped(scope, watch);
         let result = work();
         drop(done);
@@ -50,7 +50,7 @@ enum Style {
     Silent,
 }
 
-/// Tells how far the frames are.
+/// Shows the progress of frames.
 pub struct Progress {
     style: Style,
     start: Instant,
@@ -78,7 +78,7 @@ impl Progress {
         }
     }
 
-    /// Counts something else than frames.
+    /// Counts other items than frames.
     pub fn counting(mut self, what: &'static str) -> Self {
         self.what = what;
         self
@@ -119,7 +119,8 @@ impl Progress {
         }
     }
 
-    /// One line of text, in place of the last one on a terminal; elsewhere only what is `worth` a line of its own.
+    /// Prints one line of text, replacing the last one on a terminal; elsewhere only if it is `worth` a line of its
+    /// own.
     pub fn say(&self, text: &str, worth: bool) {
         match self.style {
             Style::Silent => {}

@@ -12,7 +12,7 @@ use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::solve::assembly::assemble_pose;
 use crate::kinematics::solve::newton::Corrector;
 use crate::kinematics::structure::block::{
-    Block, Held, Structure, StructureError, block_of, slot_names,
+    Block, HeldFreedom, Structure, StructureError, block_of, slot_names,
 };
 use crate::kinematics::structure::empty_equations::unproved_of;
 use crate::kinematics::structure::loop_part::{LoopPart, component_name, components_of};
@@ -53,7 +53,7 @@ fn analyse_system(
     let incidence = Incidence::new(&mechanism, parts);
     let generic = Ranks::new(&mechanism, &probes);
     refuse_unheld(&mechanism, &incidence, &generic)?;
-    let trial = |blocks: Vec<Block>, held: Vec<Held>| {
+    let trial = |blocks: Vec<Block>, held: Vec<HeldFreedom>| {
         let structure = Structure {
             blocks,
             empty_equations: empty_equations.clone(),
@@ -101,7 +101,7 @@ fn with_spins_held(
     system: System,
     incidence: &Incidence,
     ranks: &Ranks,
-    trial: impl Fn(Vec<Block>, Vec<Held>) -> System,
+    trial: impl Fn(Vec<Block>, Vec<HeldFreedom>) -> System,
 ) -> Result<System, StructureError> {
     let held = idle::find_idle(&system, ranks)?;
     if held.is_empty() {

@@ -9,10 +9,12 @@
 //! last angle of a ball joint, say), since it then never depends on the pose whether holding it stops the motion.
 
 use super::generic_rank::{EMPTY, RANK, Ranks, random_poses};
-use super::twists::{Line, STILL, Twist, Walk, common_axis, line_of, same_line};
+use super::twists::{Line, STILL, Twist, TwistWalk, common_axis, line_of, same_line};
 use crate::kinematics::loops::observed::observed_values;
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
-use crate::kinematics::structure::block::{Block, Held, StructureError, block_of, slot_names};
+use crate::kinematics::structure::block::{
+    Block, HeldFreedom, StructureError, block_of, slot_names,
+};
 use crate::kinematics::structure::system::System;
 use crate::linalg::pivoted_qr::PivotedQr;
 use crate::linalg::svd::null_space;
@@ -23,7 +25,7 @@ use crate::numbers::series::TaylorSeries;
 const IMPURE: f64 = 0.05;
 
 /// The idle freedoms of all blocks; a mechanism with other freedoms is rejected.
-pub fn find_idle(system: &System, closed: &Ranks) -> Result<Vec<Held>, StructureError> {
+pub fn find_idle(system: &System, closed: &Ranks) -> Result<Vec<HeldFreedom>, StructureError> {
     let mechanism = system.mechanism();
     let structure = system.structure();
     let mut list = Vec::new();
@@ -68,7 +70,7 @@ fn of_block(
     mechanism: &Mechanism,
     block: &Block,
     closed: &Ranks,
-) -> Result<Vec<Held>, StructureError> {
+) -> Result<Vec<HeldFreedom>, StructureError> {
     let columns = block.unknowns.len();
     let freedoms = columns - closed.of(block);
     let poses = closed.regular(block);
@@ -113,7 +115,7 @@ fn of_block(
     let held = pivots.iter().zip(&null).map(|(pivot, rates)| {
         let lines = site.with(rates).idle_lines().unwrap_or_default();
         let turning = lines.iter().position(Option::is_some);
-        Held {
+        HeldFreedom {
             unknown: block.unknowns[*pivot],
             moving: moving_slots(block, rates),
             turning: turning.map(|k| block.loops[k].index),
@@ -234,7 +236,8 @@ impl Spins {
     pub fn new(system: &System) -> Self {
         let (mechanism, structure) = (system.mechanism(), system.structure());
         let widened = |whole: &Block| {
-            let is_own = |held: &&Held| held.moving.iter().any(|u| whole.unknowns.contains(u));
+            let is_own =
+                |held: &&HeldFreedom| held.moving.iter().any(|u| whole.unknowns.contains(u));
             let turning = structure.held.iter().filter(|held| held.turning.is_some());
             let own = turning.filter(is_own).map(|held| held.unknown);
             let unknowns: Vec<usize> = whole.unknowns.iter().copied().chain(own).collect();
@@ -261,7 +264,7 @@ impl Spins {
             };
             for rates in released_slots(mechanism, block, pose, columns) {
                 let physical = site.with(&rates).physical_rates();
-                let walk = Walk::new(mechanism, pose, &physical, mechanism.size);
+                let walk = TwistWalk::new(mechanism, pose, &physical, mechanism.size);
                 for (link, line) in lines.iter_mut().enumerate() {
                     // A link that spins has a twist without pitch: its axis is the line.
                     let twist = walk.whole(&mechanism.joints.world_from_link(link));
@@ -276,7 +279,7 @@ impl Spins {
 impl FreeMotion<'_> {
     /// `None` if it is not idle, otherwise the lines about which links rotate.
     fn idle_lines(&self) -> Option<AxisLines> {
-        let walk = Walk::new(
+        let walk = TwistWalk::new(
             self.mechanism,
             self.pose,
             &self.physical_rates(),
@@ -353,7 +356,7 @@ impl FreeMotion<'_> {
 
     /// Whether every joint that takes part rotates about a line of one of the motions.
     fn turns_about(&self, motions: &[AxisLines]) -> bool {
-        let walk = Walk::new(
+        let walk = TwistWalk::new(
             self.mechanism,
             self.pose,
             &self.physical_rates(),

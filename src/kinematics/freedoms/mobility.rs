@@ -10,7 +10,7 @@ use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::solve::branch::BranchWatch;
 use crate::kinematics::solve::newton::Corrector;
 use crate::kinematics::solve::wishes::assemble_as_meant;
-use crate::kinematics::structure::block::{Block, Held};
+use crate::kinematics::structure::block::{Block, HeldFreedom};
 use crate::kinematics::structure::loop_part::{LoopPart, components_of};
 use crate::kinematics::structure::ordering::{Incidence, of_group};
 use crate::kinematics::structure::system::System;
@@ -48,7 +48,7 @@ pub struct Mobility {
     /// Names of loops and equations that the inputs alone must satisfy: closed only if the inputs are consistent.
     pub conditions: Vec<String>,
     /// Freedoms that move nothing but the spin of a link.
-    pub idle: Vec<Held>,
+    pub idle: Vec<HeldFreedom>,
 }
 
 impl Mobility {

@@ -40,13 +40,13 @@ pub fn same_line(a: &Line, b: &Line) -> bool {
 }
 
 /// Twists along chains for one motion, in the frame in which a chain begins; speeds over the size.
-pub struct Walk {
+pub struct TwistWalk {
     arguments: Vec<ArgumentValue>,
     rates: Vec<f64>,
     size: f64,
 }
 
-impl Walk {
+impl TwistWalk {
     /// The motion with the given rates of all coordinates, in their own units; speeds are told over `size`.
     pub fn new(mechanism: &Mechanism, pose: &[f64], rates: &[f64], size: f64) -> Self {
         let rate_of = |argument: &Argument| {

@@ -40,7 +40,7 @@ impl Block {
 
 /// An idle freedom.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Held {
+pub struct HeldFreedom {
     /// The unknown that keeps its start value.
     pub unknown: usize,
     /// All unknowns that take part in the motion, ascending.
@@ -59,7 +59,7 @@ pub struct Structure {
     /// Those that hold numerically only, for no known reason.
     pub unproved_equations: Vec<(usize, usize)>,
     /// Unknowns that keep their start value, because they only affect the idle spin of a link.
-    pub held: Vec<Held>,
+    pub held: Vec<HeldFreedom>,
 }
 
 /// A mechanism that has no pose at all, or is not determined.

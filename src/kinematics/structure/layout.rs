@@ -15,7 +15,7 @@ use crate::linalg::lanes::{Lanes, lane_groups};
 
 /// The target of a part of a rate.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Share {
+pub struct RateShare {
     /// The coordinate.
     pub slot: usize,
     /// Its column: below the number of the block's unknowns a column of the Jacobian, above it one of the derivative by
@@ -138,7 +138,7 @@ pub struct BlockPlan {
     /// Arguments, as the block lists them.
     pub arguments: Vec<PlannedArgument>,
     /// Shares of arguments and equations.
-    pub shares: Vec<Share>,
+    pub shares: Vec<RateShare>,
     /// Terms of all affine arguments.
     pub terms: Vec<LayoutTerm>,
     /// Scales of the block's unknowns.
@@ -267,7 +267,7 @@ impl BlockPlan {
                 Some(column) => (column, mechanism.scale_of(slot)),
                 None => (columns + self.outer_column(slot), 1.0),
             };
-            self.shares.push(Share {
+            self.shares.push(RateShare {
                 slot,
                 column,
                 scale,

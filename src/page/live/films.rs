@@ -34,7 +34,7 @@ const DRAWN_BY: DrawnBy = DrawnBy {
 };
 
 fn in_words(error: impl Display) -> LiveError {
-    LiveError::Asked(error.to_string())
+    LiveError::Request(error.to_string())
 }
 
 impl LiveScene {
@@ -57,7 +57,7 @@ impl LiveScene {
         let film = self.film();
         let off = |k: &usize| (film.samples[*k].time - time).abs();
         let nearest = (0..film.samples.len()).min_by(|a, b| off(a).total_cmp(&off(b)));
-        let frame = nearest.ok_or_else(|| LiveError::Asked("no frame".to_owned()))?;
+        let frame = nearest.ok_or_else(|| LiveError::Request("no frame".to_owned()))?;
         self.drawn(&film, size, |pictures| {
             let mut image = RgbaImage::new(size[0], size[1]);
             let mut workers = pictures.workers(&DRAWN_BY).map_err(in_words)?.list;

@@ -17,7 +17,7 @@ pub(super) type NamedPose = Vec<(String, f64)>;
 
 /// Where a way leads.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Way {
+pub(super) enum FollowEnd {
     /// To the value asked for, in the same assembly.
     Reached(NamedPose),
     /// Only up to this value, with the reason.
@@ -76,7 +76,7 @@ impl Follower {
         (inputs, pose): (&[f64], &NamedPose),
         [from, to]: [f64; 2],
         wanted: &[f64],
-    ) -> Way {
+    ) -> FollowEnd {
         let mechanism = self.family.mechanism();
         let unit = self.unit();
         let ends = [(inputs, from), (wanted, to)]
@@ -86,18 +86,18 @@ impl Follower {
         let motion = follow(self.family.system(), &way);
         match stop_of(&motion) {
             None => match motion.samples.last().and_then(|s| s.pose.as_ref()) {
-                Some(end) => Way::Reached(named_pose(mechanism, end)),
+                Some(end) => FollowEnd::Reached(named_pose(mechanism, end)),
                 None => self.stopped(from, "no pose was found"),
             },
             Some((share, why)) => self.stopped(from + share * (to - from), why),
         }
     }
 
-    fn stopped(&self, at: f64, why: &str) -> Way {
+    fn stopped(&self, at: f64, why: &str) -> FollowEnd {
         let mechanism = self.family.mechanism();
         let kind = self.kind().unwrap_or(Kind::Number);
         let value = with_unit(mechanism, kind, at * self.unit());
-        Way::Stopped {
+        FollowEnd::Stopped {
             at,
             why: format!("{} = {value}: {why}", self.name),
         }

@@ -1,6 +1,6 @@
 //! A mechanism moved by hand: one pose whose inputs are set by sliders instead of the drive.
 
-use super::following::{Way, follow, stop_of};
+use super::following::{FollowEnd, follow, stop_of};
 use super::session::{LiveError, LiveScene};
 use crate::kinematics::results::trajectory::{ClosedPose, Sample};
 use crate::model::actuation::Actuation;
@@ -10,13 +10,17 @@ impl LiveScene {
     /// stay. If the motion ends before, the pose stays, and the place is returned as a fraction of the way.
     ///
     /// Errors: no such input; no pose to start from.
-    pub fn drive(&mut self, time: f64, wanted: &[(String, f64)]) -> Result<Option<Way>, LiveError> {
+    pub fn drive(
+        &mut self,
+        time: f64,
+        wanted: &[(String, f64)],
+    ) -> Result<Option<FollowEnd>, LiveError> {
         let (start, pose) = self.standing_pose(time)?;
         let mut inputs = start.inputs.clone();
         for (name, value) in wanted {
             let known = self.mechanism().inputs.iter();
             let index = known.clone().position(|input| input.name == *name);
-            let index = index.ok_or_else(|| LiveError::Asked(format!("no input `{name}`")))?;
+            let index = index.ok_or_else(|| LiveError::Request(format!("no input `{name}`")))?;
             let kind = self.mechanism().inputs[index].kind;
             inputs[index] = value / self.mechanism().file_units(kind);
         }
@@ -24,7 +28,7 @@ impl LiveScene {
         let mut motion = follow(&self.now.system, &way);
         if let Some((at, why)) = stop_of(&motion) {
             let why = why.to_owned();
-            return Ok(Some(Way::Stopped { at, why }));
+            return Ok(Some(FollowEnd::Stopped { at, why }));
         }
         self.hand = motion.samples.pop();
         Ok(None)
@@ -39,6 +43,6 @@ impl LiveScene {
         let sample = held.or(nearest);
         sample
             .and_then(|sample| Some((sample.clone(), sample.pose.clone()?)))
-            .ok_or_else(|| LiveError::Asked("no pose to begin at".to_owned()))
+            .ok_or_else(|| LiveError::Request("no pose to begin at".to_owned()))
     }
 }

@@ -3,16 +3,16 @@
 //! of browsers.
 
 mod answers;
-mod asked;
-mod desk;
 mod films;
 mod following;
 mod hand;
+mod requirements;
+mod scenes;
 mod session;
 mod sliders;
 mod start;
 
 pub use crate::page::engine::STAMP;
-pub use asked::LiveAsked;
-pub use desk::Desk;
+pub use requirements::LiveRequirements;
+pub use scenes::PageScenes;
 pub use start::LiveStart;

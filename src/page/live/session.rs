@@ -1,7 +1,7 @@
 //! A scene on a live page: its text, replaced values, and the resulting motion.
 
-use super::asked::LiveAsked;
-use super::following::{Follower, NamedPose, Way, by_name, named_pose};
+use super::following::{FollowEnd, Follower, NamedPose, by_name, named_pose};
+use super::requirements::LiveRequirements;
 use super::sliders::typed;
 use crate::diag::{SceneError, Source};
 use crate::kinematics::results::trajectory::{Sample, Trajectory};
@@ -32,7 +32,7 @@ pub enum LiveError {
     Limit(#[from] LimitExceeded),
     /// A missing item, with an explanation.
     #[error("{0}")]
-    Asked(String),
+    Request(String),
 }
 
 /// A scene as it is solved at present.
@@ -50,7 +50,7 @@ pub struct LiveScene {
     pub(super) overrides: Overrides,
     /// Start values that the page was created with; those added by following change.
     own_guess: Vec<(String, String)>,
-    pub(super) asked: LiveAsked,
+    pub(super) asked: LiveRequirements,
     pub(super) now: Opened,
     /// A pose set by hand, which replaces the motion.
     pub(super) hand: Option<Sample>,
@@ -67,7 +67,7 @@ impl LiveScene {
         number: usize,
         source: Source,
         overrides: Overrides,
-        asked: LiveAsked,
+        asked: LiveRequirements,
     ) -> Result<Self, LiveError> {
         let now = opened_scene(&source, &overrides, &asked)?;
         Ok(Self {
@@ -118,11 +118,11 @@ impl LiveScene {
     /// the place is returned.
     ///
     /// Errors: a text that is not a number; values that the scene does not allow.
-    pub fn move_to(&mut self, name: &str, text: &str) -> Result<Option<Way>, LiveError> {
+    pub fn move_to(&mut self, name: &str, text: &str) -> Result<Option<FollowEnd>, LiveError> {
         let is_number = |v: &f64| v.is_finite();
         let wanted = text.trim().parse().ok().filter(is_number);
         let wanted: f64 =
-            wanted.ok_or_else(|| LiveError::Asked(format!("`{text}` is not a number")))?;
+            wanted.ok_or_else(|| LiveError::Request(format!("`{text}` is not a number")))?;
         let mut changed = self.overrides.clone();
         changed.parameters.retain(|(other, _)| other != name);
         changed
@@ -139,13 +139,13 @@ impl LiveScene {
         let follower = match self.follower.take() {
             Some(known) if known.fits(&self.overrides, name) => known,
             _ => Follower::new(&self.source, &self.overrides, name)
-                .map_err(|error| LiveError::Asked(error.to_string()))?,
+                .map_err(|error| LiveError::Request(error.to_string()))?,
         };
         let from = self.value(&follower, name).unwrap_or(wanted);
         let way = follower.way((&inputs[0], &pose), [from, wanted], &inputs[1]);
         self.follower = Some(follower);
         match way {
-            Way::Reached(pose) => self.take_at(changed, scene, &pose, (from, name)),
+            FollowEnd::Reached(pose) => self.take_at(changed, scene, &pose, (from, name)),
             stopped => Ok(Some(stopped)),
         }
     }
@@ -158,7 +158,7 @@ impl LiveScene {
         scene: Scene,
         pose: &NamedPose,
         (from, name): (f64, &str),
-    ) -> Result<Option<Way>, LiveError> {
+    ) -> Result<Option<FollowEnd>, LiveError> {
         let mut now = solved_scene(scene, &self.asked)?;
         if !begins_at(&now, pose) {
             changed.guess = guess_text(&now.scene.mechanism, pose);
@@ -168,7 +168,7 @@ impl LiveScene {
             let why = format!(
                 "{name}: the pose that was followed is not found again from its own values"
             );
-            return Ok(Some(Way::Stopped { at: from, why }));
+            return Ok(Some(FollowEnd::Stopped { at: from, why }));
         }
         (self.overrides, self.now, self.hand) = (changed, now, None);
         Ok(None)
@@ -215,12 +215,12 @@ impl LiveScene {
 fn opened_scene(
     source: &Source,
     overrides: &Overrides,
-    asked: &LiveAsked,
+    asked: &LiveRequirements,
 ) -> Result<Opened, LiveError> {
     solved_scene(load_scene(source, overrides).map_err(Box::new)?, asked)
 }
 
-fn solved_scene(scene: Scene, asked: &LiveAsked) -> Result<Opened, LiveError> {
+fn solved_scene(scene: Scene, asked: &LiveRequirements) -> Result<Opened, LiveError> {
     let system = System::new(Arc::clone(&scene.mechanism), &scene.actuation)?;
     let times = asked.times(&scene);
     let motion = asked.check(&scene, &system, &times).solve(&|| false)?;

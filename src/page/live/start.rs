@@ -1,6 +1,6 @@
 //! The initial data of a live page: the text of its scene and the replaced values.
 
-use super::asked::LiveAsked;
+use super::requirements::LiveRequirements;
 use crate::diag::Source;
 use crate::page::article::Article;
 use crate::scene::Overrides;
@@ -13,7 +13,7 @@ pub struct LiveStart<'a> {
     /// Replaced values: parameters and start values only.
     pub overrides: &'a Overrides,
     /// The options for its motion.
-    pub asked: LiveAsked,
+    pub asked: LiveRequirements,
     /// Name of the files that a reader saves, without an ending.
     pub file: &'a str,
 }

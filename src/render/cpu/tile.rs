@@ -32,12 +32,12 @@ pub(super) struct Tile<const G: usize> {
 }
 
 /// Facets seen in a pixel, with the number of samples of each.
-struct Seen {
+struct SeenFacets {
     facets: [(i32, u32); MOST_SAMPLES],
     count: usize,
 }
 
-impl Seen {
+impl SeenFacets {
     #[inline(always)]
     fn of(samples: &[i32]) -> Self {
         let mut seen = Self {
@@ -277,7 +277,7 @@ impl<const G: usize> Tile<G> {
                 self.batch.add(view, first, x, y, 1.0, pixel, colour);
                 return;
             }
-            let mut seen = Seen::of(own);
+            let mut seen = SeenFacets::of(own);
             seen.merge(view.assembly);
             for (facet, count) in &seen.facets[..seen.count] {
                 let weight = *count as f32 / S as f32;

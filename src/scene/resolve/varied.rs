@@ -12,7 +12,7 @@ use super::parsing::{Named, parsed_expression};
 use crate::diag::{Diagnostic, Diagnostics};
 use crate::model::chain::ElementaryMotion;
 use crate::model::mechanism::{Body, Coordinate, Kind, Trace};
-use crate::scene::loaded::{Kept, KeptIn};
+use crate::scene::loaded::{KeptIn, KeptParameter};
 
 impl Names {
     /// Whether a slot of coordinates is a varied parameter.
@@ -161,9 +161,9 @@ pub fn expand_dependents(parsed: &mut Parsed, varied: &[String], diagnostics: &m
 
 /// Varied parameters whose file values are still used somewhere: in drives, ends of tracks and axes of rotations, and
 /// in measures that use a parameter computed from them. Results for a motion or a measure hold for these values only.
-pub fn kept_parameters(parsed: &Parsed, varied: &[String]) -> Vec<Kept> {
+pub fn kept_parameters(parsed: &Parsed, varied: &[String]) -> Vec<KeptParameter> {
     let dependents = dependent_parameters(&parsed.parameters, varied);
-    let mut kept: Vec<Kept> = Vec::new();
+    let mut kept: Vec<KeptParameter> = Vec::new();
     // Records which variables a formula uses, directly or through a computed parameter.
     let mut note = |node: &FormulaNode, place: KeptIn, directly: bool| {
         let mut node = node.clone();
@@ -181,7 +181,7 @@ pub fn kept_parameters(parsed: &Parsed, varied: &[String]) -> Vec<Kept> {
         // The parameters computed from variables are written out to find the variables themselves.
         substitute_names(&mut node, &dependents, MAX_DEPTH);
         node.visit_names(&mut |name, _| {
-            let item = Kept {
+            let item = KeptParameter {
                 name: name.to_owned(),
                 place,
             };

@@ -1,6 +1,6 @@
 //! The formulas of the source on dyads: its printed numbers, and those computed for its mechanism.
 
-use mechanim::analysis::dyads::{Trials, TrialsAsked, run_trials};
+use mechanim::analysis::dyads::{TrialOptions, Trials, run_trials};
 use mechanim::intervals::Kaucher;
 use mechanim::intervals::centre::{tolerable_radius, tolerance_at};
 use mechanim::intervals::chain::{Directions, DyadChain};
@@ -450,7 +450,7 @@ fn trials_solve_the_same_system_as_elimination() {
 
 #[test]
 fn quantiles_of_trials_settle_and_do_not_depend_on_threads() {
-    let asked = |count, threads| TrialsAsked {
+    let asked = |count, threads| TrialOptions {
         directions: Directions::Turned(degrees(10.0, 170.0)),
         given: [1.0, 0.5],
         count,

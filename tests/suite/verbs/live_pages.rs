@@ -2,7 +2,7 @@
 //! sliders follow the mechanism and stop where it does. In a browser, as WebAssembly, it is tested by `.ci/browsers`.
 
 use crate::program::Workspace;
-use mechanim::page::live::{Desk, STAMP};
+use mechanim::page::live::{PageScenes, STAMP};
 use mechanim::scene::builtin;
 use serde_json::{Value, json};
 
@@ -10,27 +10,27 @@ const CRANK: &str = include_str!("../../../scenes/slider-crank.toml");
 
 /// One scene of a live page.
 struct Live {
-    desk: Desk,
+    scenes: PageScenes,
     opened: Value,
 }
 
 impl Live {
     fn open(text: &str) -> Self {
-        let mut desk = Desk::default();
+        let mut scenes = PageScenes::default();
         let question =
             json!({ "ask": "open", "source": "scene.toml", "text": text, "shapes": true });
-        let opened = read(&desk.answer(&question.to_string()));
-        Self { desk, opened }
+        let opened = read(&scenes.answer(&question.to_string()));
+        Self { scenes, opened }
     }
 
     fn bytes(&mut self, question: Value) -> Vec<u8> {
-        let answer = self.desk.answer(&question.to_string());
+        let answer = self.scenes.answer(&question.to_string());
         assert_eq!(answer[0], b'=', "{}", String::from_utf8_lossy(&answer));
         answer[1..].to_vec()
     }
 
     fn ask(&mut self, question: Value) -> Value {
-        read(&self.desk.answer(&question.to_string()))
+        read(&self.scenes.answer(&question.to_string()))
     }
 
     fn table(&mut self) -> String {
@@ -168,12 +168,12 @@ fn where_the_way_ends_the_last_pose_stays() {
 #[test]
 fn the_assembly_that_is_shown_is_followed() {
     // Crossed: the slide is on the other side.
-    let mut desk = Desk::default();
+    let mut scenes = PageScenes::default();
     let guess = json!([["alpha", "2.9"], ["h", "-40"]]);
     let text = CRANK.replace("phi = \"2*pi*t/4\"", "phi = 0.5");
     let open = json!({ "ask": "open", "text": text, "guess": guess });
-    let opened = read(&desk.answer(&open.to_string()));
-    let mut live = Live { desk, opened };
+    let opened = read(&scenes.answer(&open.to_string()));
+    let mut live = Live { scenes, opened };
     let h = |table: &str| -> f64 {
         let names: Vec<&str> = table.lines().next().unwrap().split(',').collect();
         let at = names.iter().position(|n| *n == "h").unwrap();
@@ -309,7 +309,7 @@ fn mistakes_have_places_and_change_nothing() {
         );
     }
     assert_eq!(
-        read(&live.desk.answer("{"))["mistakes"]
+        read(&live.scenes.answer("{"))["mistakes"]
             .as_array()
             .unwrap()
             .len(),

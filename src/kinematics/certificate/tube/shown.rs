@@ -9,13 +9,13 @@ use crate::model::mechanism::Mechanism;
 use crate::numbers::interval::Interval;
 
 /// The slots that formulas use, over one tube.
-pub struct Shown {
+pub struct TubeSlots {
     slots: Vec<ShownValue>,
 }
 
 impl Tube {
     /// The slots of the motion in it.
-    pub fn shown(&self, mechanism: &Mechanism) -> Shown {
+    pub fn shown(&self, mechanism: &Mechanism) -> TubeSlots {
         let [middle, everywhere] = self.path.series();
         let unknowns = mechanism.unknowns.len();
         let coordinates = self.coordinates(mechanism);
@@ -29,13 +29,13 @@ impl Tube {
             }
         };
         let slots: Vec<ShownValue> = coordinates.iter().enumerate().map(slot).collect();
-        Shown {
+        TubeSlots {
             slots: observed_slots(mechanism, &slots),
         }
     }
 }
 
-impl Shown {
+impl TubeSlots {
     /// A formula over the stretch.
     pub fn value(&self, formula: &Expression) -> TaylorModel {
         formula.value(&self.slots).model()

@@ -1,8 +1,8 @@
 //! Receives the requests of a live page as JSON and answers them: one scene for each mechanism of the page.
 
 use super::answers::Shapes;
-use super::asked::LiveAsked;
-use super::following::Way;
+use super::following::FollowEnd;
+use super::requirements::LiveRequirements;
 use super::session::{LiveError, LiveScene};
 use crate::diag::Source;
 use crate::scene::Overrides;
@@ -15,7 +15,7 @@ const BYTES: u8 = b'=';
 
 /// All scenes of a page.
 #[derive(Default)]
-pub struct Desk {
+pub struct PageScenes {
     scenes: HashMap<usize, LiveScene>,
 }
 
@@ -25,12 +25,12 @@ enum LiveAnswer {
     Bytes(Vec<u8>),
 }
 
-impl Desk {
+impl PageScenes {
     /// The answer to a request, `{"ask": WHAT, "number": SCENE, …}`: a JSON object, or `=` and the bytes of a file.
     pub fn answer(&mut self, question: &str) -> Vec<u8> {
         let answer = match serde_json::from_str::<Value>(question) {
             Ok(question) => self.answer_to(&question),
-            Err(error) => Err(LiveError::Asked(error.to_string())),
+            Err(error) => Err(LiveError::Request(error.to_string())),
         };
         match answer.unwrap_or_else(|error| LiveAnswer::Text(error.json())) {
             LiveAnswer::Text(value) => {
@@ -56,7 +56,8 @@ impl Desk {
             return Ok(LiveAnswer::Text(state));
         }
         let scene = self.scenes.get_mut(&number);
-        let scene = scene.ok_or_else(|| LiveError::Asked(format!("scene {number} is not open")))?;
+        let scene =
+            scene.ok_or_else(|| LiveError::Request(format!("scene {number} is not open")))?;
         let time = question["time"].as_f64().unwrap_or(0.0);
         let answer = match word("ask") {
             "move" => {
@@ -85,7 +86,7 @@ impl Desk {
             "picture" => LiveAnswer::Bytes(scene.picture(time, picture_size(question))?.into_raw()),
             "png" => LiveAnswer::Bytes(scene.png(time, picture_size(question))?),
             "gif" => LiveAnswer::Bytes(scene.gif(picture_size(question))?),
-            other => return Err(LiveError::Asked(format!("unknown request `{other}`"))),
+            other => return Err(LiveError::Request(format!("unknown request `{other}`"))),
         };
         Ok(answer)
     }
@@ -106,18 +107,18 @@ fn open_scene(number: usize, question: &Value) -> Result<LiveScene, LiveError> {
         number,
         source,
         overrides,
-        LiveAsked::read(&question["asked"]),
+        LiveRequirements::read(&question["asked"]),
     )
 }
 
 /// The state after a move, and where the motion ended if it did not reach the target.
-fn moved_state(scene: &mut LiveScene, stopped: Option<&Way>) -> Value {
+fn moved_state(scene: &mut LiveScene, stopped: Option<&FollowEnd>) -> Value {
     let shapes = match scene.is_reshaped() {
         true => Shapes::Changed,
         false => Shapes::Known,
     };
     let mut state = scene.state(shapes);
-    if let Some(Way::Stopped { at, why }) = stopped {
+    if let Some(FollowEnd::Stopped { at, why }) = stopped {
         state["stopped"] = json!({ "at": at, "why": why });
     }
     state

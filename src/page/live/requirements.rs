@@ -4,25 +4,25 @@ use crate::clearance::check::Closely;
 use crate::kinematics::motion::sampling::{even_times, frame_times};
 use crate::kinematics::structure::system::System;
 use crate::report::motion_check::MotionCheck;
-use crate::report::verdict::Asked;
+use crate::report::verdict::CheckRequirements;
 use crate::scene::Scene;
 use serde_json::{Value, json};
 
 /// The options for a motion.
 #[derive(Clone, Copy, Debug)]
-pub struct LiveAsked {
+pub struct LiveRequirements {
     /// What must be so.
-    pub asked: Asked,
+    pub asked: CheckRequirements,
     /// Requested accuracy of the bounds of distances.
     pub closely: Closely,
     /// Samples, spread evenly; the scene's frames if absent.
     pub samples: Option<usize>,
 }
 
-impl LiveAsked {
+impl LiveRequirements {
     /// As stored in the page.
     pub fn json(&self) -> Value {
-        let Asked {
+        let CheckRequirements {
             closure,
             poses,
             motion,
@@ -42,8 +42,8 @@ impl LiveAsked {
         let number = |name: &str| kept[name].as_f64();
         let count = |name: &str| kept[name].as_u64().map(|n| n as usize);
         Self {
-            asked: Asked {
-                closure: number("closure").unwrap_or(Asked::CLOSURE),
+            asked: CheckRequirements {
+                closure: number("closure").unwrap_or(CheckRequirements::CLOSURE),
                 poses: is("poses", true),
                 motion: is("motion", false),
                 estimates: is("estimates", false),
