@@ -325,6 +325,7 @@ fn combine_affine(a: &Affine, x: Constant, b: &Affine, y: Constant) -> Affine {
 }
 
 mod composed;
+mod cuts;
 mod domain;
 mod fault;
 mod instants;

@@ -132,7 +132,7 @@ mod tests {
         let Some(whole) = angle.with_formulas(|slot| drives.get(slot)) else {
             panic!("{angle:?}");
         };
-        for time in [0.1, 0.7, 2.9] {
+        for time in [0.1_f64, 0.7, 2.9] {
             let inputs = [time.sin(), time * time + time];
             let off = whole.value(&[time]) - angle.value(&inputs);
             assert!(off.abs() < 1e-15, "{time}: {off}");
