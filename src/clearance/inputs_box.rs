@@ -8,6 +8,7 @@ use super::check::{Closely, Judgement, PairReport, check_over};
 use super::motion::ProvedMotion;
 use crate::kinematics::motion::continuation::solve_motion;
 use crate::kinematics::structure::system::System;
+use crate::limits::search_deadline;
 use crate::model::actuation::Actuation;
 use crate::model::clearance::ClearanceRules;
 
@@ -58,6 +59,8 @@ pub struct BoxReport {
     pub pairs: Vec<BoxPair>,
     /// Parts of the box to which no motion leads, or along which none could be followed.
     pub unreached: Vec<[[f64; 2]; 2]>,
+    /// Parts that the time of the run was over for.
+    pub late: Vec<[[f64; 2]; 2]>,
     /// How many strips were looked at.
     pub strips: usize,
     /// Pairs that were wholly left out in a strip.
@@ -94,7 +97,12 @@ pub fn check_box(
     });
     let mut waiting: Vec<Strip> = first.collect();
     let mut report = BoxReport::default();
+    let until = search_deadline();
     while let Some(strip) = waiting.pop() {
+        if until.is_over() {
+            report.give_up(&strip, sides[0].range);
+            continue;
+        }
         report.strips += 1;
         let is_last = report.strips + waiting.len() >= MOST_STRIPS
             || strip.halvings >= HALVINGS
@@ -186,7 +194,21 @@ impl BoxReport {
     /// Every pair keeps its minimum, proved over the whole box.
     pub fn is_kept(&self) -> bool {
         let kept = |pair: &BoxPair| !pair.is_broken && pair.uncovered.is_empty();
-        self.unreached.is_empty() && self.pairs.iter().all(kept)
+        let is_covered = self.unreached.is_empty() && self.late.is_empty();
+        is_covered && self.pairs.iter().all(kept)
+    }
+
+    /// A strip for which there is no time: what is open there stays so.
+    fn give_up(&mut self, strip: &Strip, along: [f64; 2]) {
+        let whole = [along, strip.range];
+        let open = strip.open.as_ref().filter(|open| !open.is_empty());
+        let Some(open) = open else {
+            self.late.push(whole);
+            return;
+        };
+        for known in self.pairs.iter_mut().filter(|p| open.contains(&p.pair)) {
+            known.uncovered.push(whole);
+        }
     }
 
     /// What is judged in one strip and wholly left out in another one is not known there.

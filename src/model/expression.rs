@@ -332,6 +332,7 @@ mod domain;
 mod fault;
 mod instants;
 pub mod jumps;
+mod kink_side;
 pub mod pieces;
 pub mod quadratic;
 mod sides;

@@ -49,9 +49,13 @@ pub fn cases(
         .iter()
         .map(|pair| junit_case(mechanism, sides, pair));
     let mut cases: Vec<Case> = pairs.collect();
-    if !report.unreached.is_empty() {
-        let words = parts_in_words(mechanism, sides, &report.unreached);
-        let text = format!("not covered, no motion leads there: {words}");
+    let missing = [
+        (&report.unreached, "no motion leads there"),
+        (&report.late, "the limit `time` was reached"),
+    ];
+    for (parts, why) in missing.into_iter().filter(|(parts, _)| !parts.is_empty()) {
+        let words = parts_in_words(mechanism, sides, parts);
+        let text = format!("not covered, {why}: {words}");
         cases.push(Case::new(
             CLEARANCE,
             "box of inputs",
@@ -139,6 +143,6 @@ pub fn to_json(mechanism: &Mechanism, sides: [Side; 2], report: &BoxReport) -> V
         "sides": sides.map(|side| mechanism.inputs[side.input].name.as_str()),
         "strips": report.strips,
         "pairs": report.pairs.iter().map(pair).collect::<Vec<_>>(),
-        "unreached": parts(&report.unreached),
+        "unreached": parts(&[&report.unreached[..], &report.late].concat()),
     })
 }

@@ -7,6 +7,7 @@
 use super::angle_cut::{cut_of, meets_cut, side_of_cut};
 use super::instants::with_whole;
 use super::jumps::{Jump, Line, are_one, instant_of, line_of};
+use super::kink_side::{KinkSide, kink_side};
 use super::{Expression, Function, Op, apply_op};
 use crate::numbers::constant::Constant;
 use crate::numbers::interval::Interval;
@@ -26,26 +27,6 @@ const MOST_NARROW: f64 = 8.0;
 
 /// Most parts of time that are looked at together: more breaks are not searched.
 const MOST_PARTS: usize = 10_000;
-
-/// What a function is on a piece.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum KinkSide {
-    /// As it is written.
-    Plain,
-    /// One of its operands, negated or not, and some number of an interval.
-    Operand(usize, bool, Interval),
-    /// The whole number that `floor` gives, of a quotient in `mod`; of `atan2` one below its cut, zero above.
-    Whole(f64),
-}
-
-impl KinkSide {
-    pub(super) fn whole(self) -> Option<f64> {
-        match self {
-            Self::Whole(whole) => Some(whole),
-            _ => None,
-        }
-    }
-}
 
 /// A formula of time over a stretch without jumps inside.
 #[derive(Clone, Debug)]
@@ -289,8 +270,9 @@ impl Ranges {
     fn whole(&self, op: Op) -> Option<(f64, [Option<f64>; 2])> {
         if let Some(operands) = cut_of(op) {
             let of = |values: &[Series<Interval, 1>]| operands.map(|k| value_range(values, k));
-            let ends = self.ends.each_ref();
-            let ends = ends.map(|values| operands.map(|k| *values[k].coefficients()));
+            let of_end =
+                |values: &Vec<Series<Interval, 2>>| operands.map(|k| *values[k].coefficients());
+            let ends = self.ends.each_ref().map(of_end);
             return side_of_cut(of(&self.core)[0], of(&self.all), ends, self.is_first);
         }
         let core = step_argument(op, &self.core)?;
@@ -343,33 +325,6 @@ fn step_argument(op: Op, values: &[Series<Interval, 1>]) -> Option<Interval> {
 
 fn value_range(values: &[Series<Interval, 1>], k: usize) -> Interval {
     values[k].coefficients()[0]
-}
-
-/// The side of a function with a kink that the values of its operands are on, mostly.
-fn kink_side(op: Op, range: impl Fn(usize) -> Interval) -> KinkSide {
-    let Op::Call(function, a, b) = op else {
-        return KinkSide::Plain;
-    };
-    let x = match function {
-        Function::Abs => range(a),
-        Function::Min | Function::Max => range(a) - range(b),
-        _ => return KinkSide::Plain,
-    };
-    if !x.is_finite() {
-        return KinkSide::Plain;
-    }
-    let (below, above) = ((-x.lo).max(0.0), x.hi.max(0.0));
-    let is_above = above >= below;
-    let off = above.min(below);
-    match function {
-        Function::Abs => KinkSide::Operand(a, !is_above, Interval::new(0.0, 2.0 * off)),
-        Function::Min => KinkSide::Operand(
-            if is_above { b } else { a },
-            false,
-            Interval::new(-off, 0.0),
-        ),
-        _ => KinkSide::Operand(if is_above { a } else { b }, false, Interval::new(0.0, off)),
-    }
 }
 
 fn on_side<const N: usize>(
