@@ -90,14 +90,22 @@ impl Diagnostic {
         self
     }
 
-    /// Adds "did you mean" if one of `known` is close to `word`.
+    /// Adds "did you mean" if one of `known` is close to `word`; otherwise all of them, if they are few.
     pub fn suggest<'a>(self, word: &str, known: impl IntoIterator<Item = &'a str>) -> Self {
         let known: Vec<&str> = known.into_iter().collect();
-        match nearest_name(word, known.iter().copied()) {
+        let hints = self.hints.len();
+        let suggested = self.did_you_mean(word, known.iter().copied());
+        let are_few = (1..=MOST_LISTED).contains(&known.len());
+        if suggested.hints.len() > hints || !are_few {
+            return suggested;
+        }
+        suggested.hint(format!("known are `{}`", known.join("`, `")))
+    }
+
+    /// Adds "did you mean" if one of `known` is close to `word`.
+    pub fn did_you_mean<'a>(self, word: &str, known: impl IntoIterator<Item = &'a str>) -> Self {
+        match nearest_name(word, known) {
             Some(name) => self.hint(format!("did you mean `{name}`?")),
-            None if (1..=MOST_LISTED).contains(&known.len()) => {
-                self.hint(format!("known are `{}`", known.join("`, `")))
-            }
             None => self,
         }
     }

@@ -1,6 +1,6 @@
 //! The whole check: every pair of bodies, judged, excluded by rule or by the scene, and in what order to report them.
 
-use super::asked::AskedPair;
+use super::asked::{AskedPair, BoundSearch};
 use super::broad_phase::BroadPhase;
 pub use super::contact::BETWEEN_SAMPLES;
 pub use super::found::{
@@ -93,40 +93,23 @@ pub fn check_over(
         parts: Vec::new(),
         pieces: None,
     };
-    let (all, poses) = (selection.pairs.len(), motion.instants.len());
-    let (until, mut cut_off) = (motion.until, CutOff::default());
-    for (done, &[a, b]) in selection.pairs.iter().enumerate() {
-        progress(done, all);
-        let (Some(first), Some(second)) = (&hulls[a], &hulls[b]) else {
-            continue;
-        };
-        let begun = Stopwatch::start();
-        let asked = AskedPair {
-            rules,
-            bodies: [a, b],
-            hulls: [first, second],
-            ignored: ignored.get(&[a, b]).copied(),
-            tolerance: closely.tolerance,
-            with_times: closely.times,
-        };
-        motion.until = until.or(Deadline::after(Closely::SECONDS));
-        let found = asked.look(motion);
-        motion.until = until;
-        cut_off.note(motion, [a, b]);
-        motion.forget(poses);
-        let timed = |pair: PairReport| PairReport {
-            seconds: begun.seconds(),
-            ..pair
-        };
-        report.judged.extend(found.judged.into_iter().map(timed));
-        report
-            .excluded
-            .extend(found.excluded.into_iter().map(timed));
+    let searches = Searches {
+        rules,
+        hulls: &hulls,
+        ignored: &ignored,
+        closely,
+        pairs: &selection.pairs,
+    };
+    let (found, cut_off) = searches.all(motion, progress);
+    for found in found {
+        report.judged.extend(found.judged);
+        report.excluded.extend(found.excluded);
         report.warnings.extend(found.warning);
         report.parts.extend(found.parts);
     }
-    progress(all, all);
-    report.warnings.extend(cut_off.warnings(mechanism));
+    report
+        .warnings
+        .extend(cut_off.warnings(mechanism, &selection.pairs));
     report.warnings.extend(report.nothing_judged());
     let is_judged = |body: usize| report.judged.iter().any(|p| p.pair.contains(&body));
     report.without_inside = without_inside(mechanism, &hulls, is_judged);
@@ -136,41 +119,114 @@ pub fn check_over(
     report
 }
 
-/// Which searches ended before they had proved what was asked.
+/// The pairs that are looked at one by one, and what is asked of them.
+struct Searches<'a> {
+    rules: &'a ClearanceRules,
+    hulls: &'a [Option<Hull>],
+    ignored: &'a HashMap<[usize; 2], &'a Ignored>,
+    closely: Closely,
+    pairs: &'a [[usize; 2]],
+}
+
+impl Searches<'_> {
+    /// What is found of all of them, in their order. Where the time of the run is limited each has a share of it; those that
+    /// it cuts off have once more what the others have left.
+    fn all(
+        &self,
+        motion: &mut ProvedMotion,
+        progress: &dyn Fn(usize, usize),
+    ) -> (Vec<BoundSearch>, CutOff) {
+        let (all, until) = (self.pairs.len(), motion.until);
+        let mut cut_off = CutOff::default();
+        let mut found: Vec<BoundSearch> = Vec::with_capacity(all);
+        for (place, pair) in self.pairs.iter().enumerate() {
+            progress(place, all);
+            motion.until = until.share(all - place);
+            let (one, is_cut) = self.one(motion, *pair);
+            cut_off.note(is_cut, place);
+            found.push(one);
+        }
+        let again = std::mem::take(&mut cut_off.by_run);
+        for (k, place) in again.iter().enumerate() {
+            motion.until = until.share(again.len() - k);
+            let (one, is_cut) = self.one(motion, self.pairs[*place]);
+            cut_off.note(is_cut, *place);
+            if is_cut.is_none() {
+                found[*place] = one;
+            }
+        }
+        progress(all, all);
+        motion.until = until;
+        (found, cut_off)
+    }
+
+    /// What is found of one, and whether its search was cut off: by its own time, or sooner.
+    fn one(&self, motion: &mut ProvedMotion, [a, b]: [usize; 2]) -> (BoundSearch, Option<CutBy>) {
+        let (Some(first), Some(second)) = (&self.hulls[a], &self.hulls[b]) else {
+            return (BoundSearch::default(), None);
+        };
+        let (begun, poses) = (Stopwatch::start(), motion.instants.len());
+        let asked = AskedPair {
+            rules: self.rules,
+            bodies: [a, b],
+            hulls: [first, second],
+            ignored: self.ignored.get(&[a, b]).copied(),
+            tolerance: self.closely.tolerance,
+            with_times: self.closely.times,
+        };
+        let of_run = motion.until;
+        motion.until = of_run.or(Deadline::after(Closely::SECONDS));
+        let mut found = asked.look(motion);
+        motion.forget(poses);
+        let is_cut = std::mem::take(&mut motion.is_cut_off);
+        let all = found.judged.iter_mut().chain(&mut found.excluded);
+        all.for_each(|pair| pair.seconds = begun.seconds());
+        let by = match of_run.is_over() {
+            true => CutBy::Run,
+            false => CutBy::Own,
+        };
+        (found, is_cut.then_some(by))
+    }
+}
+
+/// What ended a search before it had proved what was asked.
+#[derive(Clone, Copy, PartialEq)]
+enum CutBy {
+    /// Its own time.
+    Own,
+    /// Its share of the time of the run.
+    Run,
+}
+
+/// Which searches ended before they had proved what was asked, as places in the list of pairs.
 #[derive(Default)]
 struct CutOff {
-    /// By their own time.
-    pairs: Vec<[usize; 2]>,
-    /// By that of the run.
-    by_run: usize,
+    by_own: Vec<usize>,
+    by_run: Vec<usize>,
 }
 
 impl CutOff {
-    /// Notes a pair whose search was cut off.
-    fn note(&mut self, motion: &mut ProvedMotion, pair: [usize; 2]) {
-        if !std::mem::take(&mut motion.is_cut_off) {
-            return;
-        }
-        match motion.until.is_over() {
-            true => self.by_run += 1,
-            false => self.pairs.push(pair),
+    fn note(&mut self, is_cut: Option<CutBy>, place: usize) {
+        match is_cut {
+            Some(CutBy::Own) => self.by_own.push(place),
+            Some(CutBy::Run) => self.by_run.push(place),
+            None => {}
         }
     }
 
-    fn warnings(&self, mechanism: &Mechanism) -> Vec<String> {
+    fn warnings(&self, mechanism: &Mechanism, pairs: &[[usize; 2]]) -> Vec<String> {
         let name = |k: usize| &mechanism.bodies[k].name;
-        let own = self.pairs.iter().map(|[a, b]| {
+        let own = self.by_own.iter().map(|place| {
+            let [a, b] = pairs[*place].map(name);
             format!(
-                "the search for `{}` and `{}` was cut off after {} s: the report has what was proved by then",
-                name(*a),
-                name(*b),
+                "the search for `{a}` and `{b}` was cut off after {} s: the report has what was proved by then",
                 Closely::SECONDS
             )
         });
-        let by_run = (self.by_run > 0).then(|| {
+        let by_run = (!self.by_run.is_empty()).then(|| {
             format!(
                 "the limit `time` cut off the search for {} pairs: the report has what was proved by then",
-                self.by_run
+                self.by_run.len()
             )
         });
         own.chain(by_run).collect()

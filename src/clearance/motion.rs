@@ -10,7 +10,7 @@ use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::solve::newton::Pace;
 use crate::kinematics::solve::pose_solver::PoseSolver;
 use crate::kinematics::structure::system::System;
-use crate::limits::Deadline;
+use crate::limits::{Deadline, search_deadline};
 use crate::math::Pose;
 use crate::model::actuation::Actuation;
 use crate::model::chain::ArgumentValue;
@@ -155,7 +155,7 @@ impl<'m> ProvedMotion<'m> {
             pose_error: pose_error(mechanism.size, trajectory),
             anew: HashSet::new(),
             assembled: None,
-            until: Deadline::of_run(),
+            until: search_deadline(),
             is_cut_off: false,
         };
         // Samples with poses in a row are joined by proved stretches; anything else begins anew.

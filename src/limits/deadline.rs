@@ -1,6 +1,5 @@
 //! An instant at which a search returns its best result so far.
 
-use super::{Resource, current_limits};
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
@@ -28,16 +27,22 @@ impl Deadline {
         Self(wait.and_then(|wait| Instant::now().checked_add(wait)))
     }
 
-    /// Early enough to report the results within the time of the run.
-    pub fn of_run() -> Self {
-        let most = FOR_SEARCHES * current_limits().most(Resource::Time);
-        let wait = Duration::try_from_secs_f64(most).ok();
+    /// Early enough to report the results within the seconds that a run may take.
+    pub(super) fn of_run(most: f64) -> Self {
+        let wait = Duration::try_from_secs_f64(FOR_SEARCHES * most).ok();
         Self(
             BEGAN
                 .get()
                 .zip(wait)
                 .and_then(|(began, wait)| began.checked_add(wait)),
         )
+    }
+
+    /// An equal share of the remaining time for this many tasks in sequence.
+    pub fn share(self, things: usize) -> Self {
+        let left = |end: Instant| end.saturating_duration_since(Instant::now());
+        let things = u32::try_from(things.max(1)).unwrap_or(u32::MAX);
+        Self(self.0.map(|end| end - left(end) * (things - 1) / things))
     }
 
     /// The earlier of two.
@@ -68,6 +73,11 @@ mod tests {
         assert!(past.is_over() && !far.is_over() && !never.is_over());
         assert!(past.or(far).is_over() && never.or(past).is_over());
         assert_eq!(far.or(never), far);
+        assert!(!far.share(1000).is_over() && past.share(3).is_over());
+        assert_eq!(
+            (far.share(1000).or(far), never.share(2)),
+            (far.share(1000), never)
+        );
         for endless in [f64::INFINITY, 1e300] {
             assert_eq!(Deadline::after(endless), never);
         }

@@ -10,6 +10,11 @@ use std::fmt;
 use std::path::Path;
 use std::sync::OnceLock;
 
+/// When searches end, so that their results are reported within the time of the run.
+pub fn search_deadline() -> Deadline {
+    Deadline::of_run(current_limits().most(Resource::Time))
+}
+
 /// A resource that a run may exhaust.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Resource {

@@ -4,6 +4,7 @@
 //! inputs, the tracks of its measures, a sweep.
 
 use super::drive::{Drive, Ease};
+use super::expression::continuity::Jumps;
 
 /// Drives of all inputs, their duration, and start values of the unknowns.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -77,7 +78,16 @@ impl Actuation {
         }
     }
 
-    /// Values of the inputs at `time`; not finite if a drive is undefined.
+    /// Where any input jumps between two instants, both included.
+    pub fn jumps_between(&self, from: f64, to: f64) -> Jumps {
+        let jumps = self
+            .drives
+            .iter()
+            .map(|drive| drive.jumps_between(from, to));
+        jumps.fold(Jumps::default(), Jumps::and)
+    }
+
+    /// Values of the inputs at `time`; not finite where a drive has no value.
     pub fn inputs_at(&self, time: f64) -> Vec<f64> {
         self.values_at(time).collect()
     }

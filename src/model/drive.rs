@@ -147,7 +147,7 @@ impl Drive {
     pub fn may_jump(&self) -> bool {
         match self {
             Self::Keys { ease, .. } => *ease == Ease::Step && !self.is_constant(),
-            Self::Formula(formula) => formula.may_jump(),
+            Self::Formula(formula) => formula.has_jumps(),
         }
     }
 

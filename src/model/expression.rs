@@ -178,7 +178,8 @@ impl Expression {
             }
             let partials = self.partials(i, values);
             for (operand, partial) in operand_places(*op).into_iter().zip(partials) {
-                if let Some(operand) = operand {
+                // What an operation does not depend on may have no rate: the root of `max(x, 0)` below zero.
+                if let Some(operand) = operand.filter(|_| partial != S::number(0.0)) {
                     adjoints[operand] = adjoints[operand] + adjoint * partial;
                 }
             }
@@ -324,6 +325,8 @@ fn combine_affine(a: &Affine, x: Constant, b: &Affine, y: Constant) -> Affine {
     }
 }
 
+mod angle_cut;
+mod composed;
 pub mod continuity;
 mod domain;
 mod fault;
@@ -331,6 +334,7 @@ mod instants;
 pub mod jumps;
 pub mod pieces;
 pub mod quadratic;
+mod sides;
 
 #[cfg(test)]
 mod tests;

@@ -247,6 +247,10 @@ impl<T: Scalar, const N: usize> Scalar for Series<T, N> {
     }
 
     fn sqrt(self) -> Self {
+        // Zero all the way, as `max(t, 0)` is before its kink, has a root with rates.
+        if self.as_number() == Some(0.0) {
+            return Self::constant(T::number(0.0));
+        }
         Self::built(self.length, |k, known| match k {
             0 => self.coefficients[0].sqrt(),
             _ => {

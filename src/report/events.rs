@@ -98,6 +98,7 @@ fn ending_value(ending: &Ending) -> Value {
             json!({ "kind": word, "equation": name, "proved": proved })
         }
         Ending::GivenUp { sigma_min } => json!({ "kind": word, "sigma_min": sigma_min }),
+        Ending::Jump { name } => json!({ "kind": word, "formula": name }),
         Ending::AngleTooLarge | Ending::NotFound => json!({ "kind": word }),
     }
 }

@@ -65,9 +65,12 @@ pub fn gap_sentence(mechanism: &Mechanism, gap: &Gap) -> String {
         let ending = ending.as_ref();
         ending.map_or_else(String::new, |e| format!("; it {verb} {}", ending_words(e)))
     });
-    let found = match gap.is_undecided() || gap.ending.is_none() {
-        true => "no pose was found",
-        false => "the motion has no pose",
+    let found = match &gap.ending {
+        // There are poses on both sides.
+        Some(Ending::Jump { .. }) => "the motion is broken",
+        None => "no pose was found",
+        Some(_) if gap.is_undecided() => "no pose was found",
+        Some(_) => "the motion has no pose",
     };
     let proof = match gap.widest.as_ref().map(|lack| lack.proved) {
         Some(true) => "; no pose exists there (proved)",
@@ -93,6 +96,7 @@ fn ending_words(ending: &Ending) -> String {
         Ending::GivenUp { sigma_min } => format!(
             "undecided: steps became too small, or too many, near a smallest singular value of {sigma_min:.1e}, and poses may exist beyond"
         ),
+        Ending::Jump { name } => format!("where a formula of `{name}` jumps"),
         Ending::AngleTooLarge => {
             "undecided: the angles are too large to close the loops within their own rounding"
                 .to_owned()

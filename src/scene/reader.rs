@@ -360,7 +360,7 @@ impl<'t, 'd> TableReader<'t, 'd> {
                 self.diagnostics.push(
                     Diagnostic::error(format!("unknown key `{name}` in {}", self.place))
                         .at(key.span())
-                        .suggest(name, self.keys.names())
+                        .did_you_mean(name, self.keys.names())
                         .hint(format!("known: {}", known.join(", "))),
                 );
             }

@@ -16,31 +16,31 @@ pub enum RowStatus {
     Refused,
     /// Poses are missing, but it is not proved that they do not exist.
     Undecided,
+    /// There are poses, but redundant equations are proved not to hold at some of them.
+    Open,
 }
 
 impl RowStatus {
     /// All of them, in the order of their codes.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Ok,
         Self::NotClosed,
         Self::OtherBranch,
         Self::NotReached,
         Self::Refused,
         Self::Undecided,
+        Self::Open,
     ];
 
-    /// The worse of two outcomes of one design: proved missing poses before undecided ones, and these before remarks on
-    /// the start.
+    /// Of two motions of one design the answer that says less good: a proof that poses are missing or open before a
+    /// doubt, a doubt before what is said of the start.
     pub(super) fn worse(self, other: Self) -> Self {
+        let worst = [Self::NotClosed, Self::Open, Self::Undecided];
         let pair = [self, other];
-        if pair.contains(&Self::NotClosed) {
-            Self::NotClosed
-        } else if pair.contains(&Self::Undecided) {
-            Self::Undecided
-        } else if self == Self::Ok {
-            other
-        } else {
-            self
+        match worst.into_iter().find(|status| pair.contains(status)) {
+            Some(status) => status,
+            None if self == Self::Ok => other,
+            None => self,
         }
     }
 
@@ -53,6 +53,7 @@ impl RowStatus {
             Self::NotReached => "not-reached",
             Self::Refused => "refused",
             Self::Undecided => "undecided",
+            Self::Open => "open",
         }
     }
 }

@@ -8,8 +8,9 @@ use crate::diag::Source;
 use crate::kinematics::measures::measure_watched;
 use crate::kinematics::motion::continuation::solve_motion;
 use crate::kinematics::motion::sampling::even_times;
+use crate::kinematics::results::certificate::{Certificate, Reason};
 use crate::kinematics::results::columns::Column;
-use crate::kinematics::results::trajectory::{EventKind, Sample, Trajectory};
+use crate::kinematics::results::trajectory::{ClosedPose, EventKind, Sample, Trajectory};
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::measure::{Measure, MeasureSource, Measures};
@@ -256,6 +257,16 @@ pub(super) struct Posed<'p> {
 
 /// Outcome of a motion that began as `start` states.
 pub(super) fn motion_status(motion: &Trajectory, start: RowStatus) -> RowStatus {
+    let is_open = |pose: &ClosedPose| {
+        let reason = Reason::Open;
+        pose.certificate == Certificate::Refused { reason }
+    };
+    if motion.poses().any(is_open) {
+        return match motion.is_whole() || motion.is_undecided() {
+            true => RowStatus::Open,
+            false => RowStatus::NotClosed,
+        };
+    }
     let jumped = |kind: &EventKind| matches!(kind, EventKind::OtherStart);
     if motion.is_undecided() {
         return RowStatus::Undecided;

@@ -43,10 +43,11 @@ impl Motion {
                 .filter(|k| inner.pose(*k).is_none())
                 .count();
             let events = inner.events().join("; ");
-            let message = format!(
-                "{missing} of {} samples have no pose: {events}",
-                inner.len()
-            );
+            let what = match missing {
+                0 => "every sample has a pose, but not every instant between them".to_owned(),
+                _ => format!("{missing} of {} samples have no pose", inner.len()),
+            };
+            let message = format!("{what}: {events}");
             warn(py, "MotionWarning", &message)?;
         }
         let inner = Arc::new(inner);

@@ -13,6 +13,10 @@ use std::sync::atomic::Ordering;
 /// Number of starts that show whether an assembly is nearer to the start values: enough unless it is rare.
 const FEW_STARTS: usize = 100;
 
+/// Number of starts for mechanisms with more unknowns than this, since the cost of a start grows with the cube of their number.
+const SMALL: usize = 12;
+const FEWEST_STARTS: usize = 10;
+
 /// Fraction of the drive after which the branches are listed that meet at its start.
 const BESIDE_START: f64 = 1e-3;
 
@@ -119,7 +123,14 @@ pub fn nearer_mode(
         let unknown = wishes.gained(pose, &modes.list[index].coordinates)?;
         (far < wishes.distance(pose)).then_some((index, unknown))
     };
-    if nearest(&search_modes(system, actuation, 0.0, FEW_STARTS)?).is_none() {
+    // The motion's own assembly is known, and starts that keep the wishes were made for it.
+    let unnamed = Actuation {
+        named: Vec::new(),
+        ..actuation.clone()
+    };
+    let size = system.mechanism().unknowns.len().max(SMALL) / SMALL;
+    let starts = (FEW_STARTS / (size * size)).max(FEWEST_STARTS);
+    if nearest(&search_modes(system, &unnamed, 0.0, starts)?).is_none() {
         return Ok(None);
     }
     let modes = search_modes(system, actuation, 0.0, DEFAULT_STARTS)?;

@@ -169,6 +169,11 @@ pub enum Ending {
         /// Smallest singular value at the last pose.
         sigma_min: f64,
     },
+    /// A formula in a loop or an equation jumps: poses exist on both sides, but no motion leads from one to the other.
+    Jump {
+        /// The loop or equation.
+        name: String,
+    },
     /// Angles are so large that their own rounding leaves the loops open.
     AngleTooLarge,
     /// There is no motion that could end: the start values led to no pose, and it is not proved that none exists.
@@ -181,6 +186,7 @@ impl Ending {
         matches!(
             self,
             Self::GivenUp { .. }
+                | Self::Jump { .. }
                 | Self::AngleTooLarge
                 | Self::NotFound
                 | Self::Fold {
@@ -201,6 +207,7 @@ impl Ending {
             Self::Fold { .. } => "fold",
             Self::NoValue { .. } => "no-value",
             Self::GivenUp { .. } => "given-up",
+            Self::Jump { .. } => "jump",
             Self::AngleTooLarge => "angle-too-large",
             Self::NotFound => "not-found",
         }

@@ -98,7 +98,12 @@ impl BranchWatch {
                 // Rows that span the block at the first pose; the sign of their determinant tells branches apart.
                 if rows_of.len() == index {
                     rows_of.push(row_basis(jacobian, rows, columns, qr));
-                    turned.push(1);
+                    // Which rows these are is no property of the assembly: it is `+` where the motion begins.
+                    let first = match columns == 0 || rows == columns {
+                        true => 1,
+                        false => branch_sign(jacobian, rows, columns, &rows_of[index], square, qr),
+                    };
+                    turned.push(if first == 0 { 1 } else { first });
                 }
                 state.signs.push(if columns == 0 {
                     1

@@ -1,12 +1,14 @@
 //! Whether a formula of time goes on at an instant without a jump: what it is on both sides is compared there.
 //!
 //! Size tells nothing. `t + 1e-9*floor(t)` jumps; `floor(t)*(t - 1)` does not at 1 s, nor does the triangle wave
-//! `abs(mod(t, 2) - 1)`. Every operation has its value on one side and what the other side is more, which is exactly zero
-//! where nothing in it jumps: a tiny jump is not lost beside a large value.
+//! `abs(mod(t, 2) - 1)`.
 
+use super::angle_cut::cut_of;
+use super::instants::{quotient_of, with_whole};
 use super::jumps::{KNOWN, Line, instant_of, line_of};
 use super::pieces::{TimePiece, around_instant, within};
-use super::{Expression, Function, Op, ZERO, apply_op};
+use super::sides::{Side, on_one_side, takes_whole};
+use super::{Expression, Op, ZERO};
 use crate::numbers::constant::Constant;
 use crate::numbers::interval::Interval;
 use crate::numbers::scalar::Scalar;
@@ -27,6 +29,11 @@ pub struct Jumps {
 }
 
 impl Jumps {
+    /// Whether there is one.
+    pub fn is_any(&self) -> bool {
+        self.at_start || self.at_end || self.inside.is_some()
+    }
+
     /// Those of two inputs.
     pub fn and(self, other: Self) -> Self {
         let inside = [self.inside, other.inside].into_iter().flatten();
@@ -38,40 +45,26 @@ impl Jumps {
     }
 }
 
-/// Of every operation the whole number that it takes on one side of an instant; `None` if it takes none, or if that is open.
-type Side = Vec<Option<f64>>;
-
-/// A value on one side, and what it is more on the other.
-#[derive(Clone, Copy)]
-struct Step {
-    here: Constant,
-    more: Constant,
-}
-
-impl Step {
-    fn there(self) -> Constant {
-        match self.more == ZERO {
-            true => self.here,
-            false => self.here + self.more,
-        }
-    }
-}
-
 impl Expression {
-    /// Whether it has functions that jump.
-    pub fn may_jump(&self) -> bool {
-        self.ops().iter().any(|op| takes_whole(*op))
-    }
-
     /// Where it jumps from the instant `from` to the instant `to`, both included.
     pub fn jumps_between(&self, from: f64, to: f64) -> Jumps {
         let mut jumps = Jumps::default();
-        if !self.may_jump() || from >= to {
+        if !self.has_jumps() || from >= to {
             return jumps;
         }
         let mut stops = self.breaks(from, to);
-        // What is at the ends but for rounding is at the ends.
+        // What is at the ends but for rounding is at the ends. A single instant may have a value of its own there, too.
         let [first, last] = [from, to].map(around_instant);
+        let beside = |end: f64| {
+            let near = stops.iter().copied().chain([end]);
+            let about = around_instant(end);
+            let near = near.filter(|t| about.lo <= *t && *t <= about.hi);
+            let all = near.flat_map(|t| [t.next_down(), t, t.next_up()]);
+            let mut all: Vec<f64> = all.filter(|t| from <= *t && *t <= to).collect();
+            all.sort_unstable_by(f64::total_cmp);
+            all
+        };
+        let [starts, ends] = [from, to].map(beside);
         stops.retain(|t| first.hi < *t && *t < last.lo);
         stops.dedup_by(|b, a| *b <= around_instant(*a).hi);
         stops.insert(0, from);
@@ -84,10 +77,11 @@ impl Expression {
         let sides: Vec<Side> = (pieces.iter())
             .map(|piece| piece.sides.iter().map(|side| side.whole()).collect())
             .collect();
-        let at = |time: f64| self.whole_numbers(time);
-        jumps.at_start = self.may_differ(&pieces[0], &[at(from), sides[0].clone()], from);
+        let at = |time: f64| self.side_at(time);
+        let start: Vec<Side> = starts.into_iter().map(at).collect();
+        let way = [&start, &sides[..1]].concat();
+        jumps.at_start = self.may_differ(&pieces[0], &way, from);
         for (k, time) in stops[1..stops.len() - 1].iter().enumerate() {
-            // A single instant may have a value of its own, too.
             let here = [time.next_down(), *time, time.next_up()].map(at);
             let way = [&sides[k..=k], &here, &sides[k + 1..k + 2]].concat();
             if self.may_differ(&pieces[k], &way, *time) {
@@ -96,7 +90,9 @@ impl Expression {
             }
         }
         let last = pieces.len() - 1;
-        jumps.at_end = self.may_differ(&pieces[last], &[sides[last].clone(), at(to)], to);
+        let end: Vec<Side> = ends.into_iter().map(at).collect();
+        let way = [&sides[last..], &end].concat();
+        jumps.at_end = self.may_differ(&pieces[last], &way, to);
         jumps
     }
 
@@ -110,10 +106,15 @@ impl Expression {
     fn may_step(&self, piece: &TimePiece, sides: [&Side; 2], about: f64) -> bool {
         let mut instant = None;
         for (k, op) in self.ops().iter().enumerate() {
+            let is_angle = cut_of(*op).is_some();
             match (sides[0][k], sides[1][k]) {
-                _ if !takes_whole(*op) => {}
+                _ if !is_angle && !takes_whole(*op) => {}
                 (Some(a), Some(b)) if a == b => {}
+                // An angle jumps where y comes to zero.
+                (Some(_), Some(_)) if is_angle => instant = instant.or(Some((k, 0.0))),
                 (Some(a), Some(b)) => instant = instant.or(Some((k, a.max(b)))),
+                // A piece on which an angle does not come to its cut has no side of it.
+                _ if is_angle => {}
                 _ => return true,
             }
         }
@@ -121,16 +122,27 @@ impl Expression {
             return false;
         };
         let time = self.instant(piece, jumping, passed, about);
-        let mut steps: Vec<Step> = Vec::with_capacity(self.ops().len());
-        for (k, op) in self.ops().iter().enumerate() {
-            let step = step_of(*op, [sides[0][k], sides[1][k]], &steps, time);
-            steps.push(step);
-        }
+        let steps = self.steps(sides, &[time]);
         let more = steps.last().map_or(ZERO, |last| last.more);
         let sizes = steps.iter().map(|step| step.here.number().abs());
         let size = sizes.filter(|size| size.is_finite()).fold(1.0, f64::max);
         let is_same = more.number().abs() <= more.error() && more.error() <= KNOWN * size;
         more != ZERO && !is_same
+    }
+
+    /// The whole numbers at an instant, and the sides of cuts.
+    fn side_at(&self, time: f64) -> Side {
+        let mut side = self.whole_numbers(time);
+        let mut values: Vec<f64> = Vec::with_capacity(self.ops().len());
+        for (op, whole) in self.ops().iter().zip(&mut side) {
+            if let Some([y, x]) = cut_of(*op) {
+                let is_left = values[x] < 0.0;
+                *whole = is_left.then(|| f64::from(values[y].is_sign_negative()));
+            }
+            let value = with_whole(*op, *whole, &values, time);
+            values.push(value);
+        }
+        side
     }
 
     /// When the quotient of an operation comes to a whole number, about a place that is known in f64.
@@ -150,7 +162,7 @@ impl Expression {
             let clock = Series::linear(around, Interval::ONE, 1);
             rates.push(within(*op, *side, &rates, clock));
         }
-        let slope = quotient_of(self.ops()[jumping], &rates).map(|q| q.coefficients()[1]);
+        let slope = crossing_of(self.ops()[jumping], &rates).map(|q| q.coefficients()[1]);
         let unknown = Constant::within(about, around.hi - about);
         let Some(slope) = slope.filter(|s| s.is_finite() && !s.holds_zero()) else {
             return unknown;
@@ -158,9 +170,9 @@ impl Expression {
         let off = |time: Constant| {
             let mut values: Vec<Constant> = Vec::with_capacity(jumping);
             for (k, op) in self.ops()[..jumping].iter().enumerate() {
-                values.push(on_one_side(*op, whole(k), &values, time));
+                values.push(on_one_side(*op, whole(k), &values, &[time]));
             }
-            quotient_of(self.ops()[jumping], &values).map(|q| q - Constant::exact(passed))
+            crossing_of(self.ops()[jumping], &values).map(|q| q - Constant::exact(passed))
         };
         let mut time = Constant::exact(about);
         for _ in 0..STEPS {
@@ -181,112 +193,22 @@ impl Expression {
     }
 }
 
+/// What comes to a whole number where an operation jumps.
+fn crossing_of<S: Scalar>(op: Op, values: &[S]) -> Option<S> {
+    match cut_of(op) {
+        Some([y, _]) => Some(values[y]),
+        None => quotient_of(op, values),
+    }
+}
+
 fn without_error(value: Constant) -> Constant {
     let digits = value.value();
     Constant::exact(digits.hi) + Constant::exact(digits.lo)
 }
 
-fn takes_whole(op: Op) -> bool {
-    matches!(op, Op::Call(Function::Floor | Function::Mod, ..))
-}
-
-/// What a function takes the whole number of.
-fn quotient_of<S: Scalar>(op: Op, values: &[S]) -> Option<S> {
-    match op {
-        Op::Call(Function::Floor, a, _) => Some(values[a]),
-        Op::Call(Function::Mod, a, b) => Some(values[a] / values[b]),
-        _ => None,
-    }
-}
-
-/// A value with the whole number of one side. About a kink it is that of either of its sides, which is no farther from it than
-/// what is unknown of its operands.
-fn on_one_side(op: Op, whole: Option<f64>, values: &[Constant], time: Constant) -> Constant {
-    let flip = |a: Constant| if a.number() < 0.0 { -a } else { a };
-    match (op, whole) {
-        (Op::Call(Function::Floor, ..), Some(whole)) => Constant::exact(whole),
-        (Op::Call(Function::Mod, a, b), Some(whole)) => {
-            values[a] - values[b] * Constant::exact(whole)
-        }
-        (Op::Call(Function::Abs, a, _), _) => flip(values[a]),
-        (Op::Call(Function::Min, a, b), _) => lesser(values[a], values[b]),
-        (Op::Call(Function::Max, a, b), _) => -lesser(-values[a], -values[b]),
-        _ => apply_op(op, values, &[time]),
-    }
-}
-
-fn lesser(a: Constant, b: Constant) -> Constant {
-    let (less, other) = if a.number() <= b.number() {
-        (a, b)
-    } else {
-        (b, a)
-    };
-    less + Constant::within(0.0, (other.error() - less.error()).max(0.0))
-}
-
-/// An operation with the whole numbers that it has on either side.
-fn step_of(op: Op, wholes: [Option<f64>; 2], steps: &[Step], time: Constant) -> Step {
-    let side = |pick: fn(Step) -> Constant, whole: Option<f64>| {
-        let values: Vec<Constant> = steps.iter().map(|step| pick(*step)).collect();
-        on_one_side(op, whole, &values, time)
-    };
-    let here = side(|step| step.here, wholes[0]);
-    let apart = || side(Step::there, wholes[1]) - here;
-    let times = |more: Constant, by: Constant| match more == ZERO {
-        true => ZERO,
-        false => more * by,
-    };
-    let is_still = |k: usize| steps[k].more == ZERO;
-    let more = match op {
-        Op::Constant(_) | Op::Slot(_) => ZERO,
-        Op::Negate(a) => -steps[a].more,
-        Op::Add(a, b) => steps[a].more + steps[b].more,
-        Op::Subtract(a, b) => steps[a].more - steps[b].more,
-        Op::Multiply(a, b) => {
-            times(steps[a].more, steps[b].there()) + times(steps[b].more, steps[a].here)
-        }
-        Op::Divide(a, b) if is_still(b) && !is_still(a) => steps[a].more / steps[b].here,
-        Op::Divide(a, b) | Op::Power(a, b) if is_still(a) && is_still(b) => ZERO,
-        Op::Divide(..) | Op::Power(..) => apart(),
-        Op::Call(Function::Floor, ..) => match wholes {
-            [Some(p), Some(q)] => Constant::exact(q - p),
-            _ => Constant::exact(f64::NAN),
-        },
-        Op::Call(Function::Mod, a, b) => match wholes {
-            // Where the quotient passes a whole number the remainder is zero on one side, and the divisor on the other.
-            [Some(p), Some(q)] if is_still(a) && is_still(b) => match p == q {
-                true => ZERO,
-                false => -steps[b].here * Constant::exact(q - p),
-            },
-            _ => apart(),
-        },
-        Op::Call(_, a, b) if is_still(a) && is_still(b) => ZERO,
-        Op::Call(Function::Abs, a, _) => {
-            let signs = [steps[a].here, steps[a].there()].map(Scalar::is_below_zero);
-            match signs {
-                [Some(false), Some(false)] => steps[a].more,
-                [Some(true), Some(true)] => -steps[a].more,
-                _ => apart(),
-            }
-        }
-        Op::Call(..) => apart(),
-    };
-    let passes = match (op, wholes) {
-        (Op::Call(Function::Mod, a, b), [Some(p), Some(q)]) if p != q => {
-            (is_still(a) && is_still(b) && (q - p).abs() == 1.0).then_some((p < q, steps[b].here))
-        }
-        _ => None,
-    };
-    let here = match passes {
-        Some((true, divisor)) => divisor,
-        Some((false, _)) => ZERO,
-        None => here,
-    };
-    Step { here, more }
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::Function;
     use super::*;
     const T: Op = Op::Slot(0);
 

@@ -83,11 +83,16 @@ impl Expression {
         let mut tracks: [Vec<Constant>; 3] = Default::default();
         let mut wholes = Vec::with_capacity(self.ops().len());
         for op in self.ops() {
-            let own = tracks.each_ref().map(|values| step_of(*op, values));
+            let own = tracks.each_ref().map(|values| quotient_of(*op, values));
             let whole = match own {
                 [Some(here), Some(before), Some(behind)] => {
                     let ends = [before, behind].map(|quotient| quotient.floor().number());
-                    let most = ends[0].max(ends[1]).max(here.floor().number());
+                    // What may be a whole number to all its digits is one.
+                    let reached = [here, before, behind].map(|q| {
+                        let error = Constant::exact(q.error());
+                        (q + error).floor().number()
+                    });
+                    let most = reached.into_iter().fold(f64::NEG_INFINITY, f64::max);
                     seen(ends[0].min(ends[1]), most);
                     most.is_finite().then_some(most)
                 }
@@ -104,7 +109,7 @@ impl Expression {
 }
 
 /// What a jumping function takes the whole number of.
-fn step_of<S: Scalar>(op: Op, values: &[S]) -> Option<S> {
+pub(super) fn quotient_of<S: Scalar>(op: Op, values: &[S]) -> Option<S> {
     match op {
         Op::Call(Function::Floor, a, _) => Some(values[a]),
         Op::Call(Function::Mod, a, b) => Some(values[a] / values[b]),
@@ -114,7 +119,7 @@ fn step_of<S: Scalar>(op: Op, values: &[S]) -> Option<S> {
 
 /// Whether plain numbers may not tell the whole number of a function.
 fn is_near_whole(op: Op, values: &[f64]) -> bool {
-    step_of(op, values).is_some_and(|x| (x - x.round()).abs() <= NEAR_WHOLE * x.abs().max(1.0))
+    quotient_of(op, values).is_some_and(|x| (x - x.round()).abs() <= NEAR_WHOLE * x.abs().max(1.0))
 }
 
 /// An operation whose whole number may be known.

@@ -4,6 +4,7 @@
 //! A kink is passed by either of its sides with what that is off at most. A jump cannot be passed: a piece is what the
 //! formula is up to the jump, and goes on beyond it as far as the time of the jump is unknown.
 
+use super::angle_cut::{cut_of, meets_cut, side_of_cut};
 use super::instants::with_whole;
 use super::jumps::{Jump, Line, are_one, instant_of, line_of};
 use super::{Expression, Function, Op, apply_op};
@@ -33,7 +34,7 @@ pub(super) enum KinkSide {
     Plain,
     /// One of its operands, negated or not, and some number of an interval.
     Operand(usize, bool, Interval),
-    /// The whole number that `floor` gives, of a quotient in `mod`; the half turns that `atan2` gives beyond the cut.
+    /// The whole number that `floor` gives, of a quotient in `mod`; of `atan2` one below its cut, zero above.
     Whole(f64),
 }
 
@@ -287,7 +288,10 @@ impl Ranges {
     /// `None` for other functions, and where that is open.
     fn whole(&self, op: Op) -> Option<(f64, [Option<f64>; 2])> {
         if let Some(operands) = cut_of(op) {
-            return self.half_turns(operands);
+            let of = |values: &[Series<Interval, 1>]| operands.map(|k| value_range(values, k));
+            let ends = self.ends.each_ref();
+            let ends = ends.map(|values| operands.map(|k| *values[k].coefficients()));
+            return side_of_cut(of(&self.core)[0], of(&self.all), ends, self.is_first);
         }
         let core = step_argument(op, &self.core)?;
         let whole = core.lo.floor();
@@ -321,52 +325,6 @@ impl Ranges {
         }
         Some((whole, here))
     }
-}
-
-impl Ranges {
-    /// On which side of the cut, the negative x axis, an angle is between the ends, if it comes to the cut there: half a turn
-    /// more than the opposite angle, or less. And at which ends it passes the cut.
-    fn half_turns(&self, operands: [usize; 2]) -> Option<(f64, [Option<f64>; 2])> {
-        let of = |values: &[Series<Interval, 1>]| operands.map(|k| value_range(values, k));
-        let core = of(&self.core)[0];
-        let side = match (core.lo > 0.0, core.hi < 0.0) {
-            (true, _) => 1.0,
-            (_, true) => -1.0,
-            _ => return None,
-        };
-        if !meets_cut(of(&self.all)) {
-            return None;
-        }
-        let mut here = [None; 2];
-        for (end, (here, values)) in here.iter_mut().zip(&self.ends).enumerate() {
-            let [y, x] = operands.map(|k| *values[k].coefficients());
-            if !meets_cut([y[0], x[0]]) {
-                continue;
-            }
-            let is_once = y[1].is_finite() && (y[1].lo >= 0.0 || y[1].hi <= 0.0);
-            if !is_once {
-                return None;
-            }
-            // What begins on the cut has not passed it.
-            *here = (end == 1 || !self.is_first).then_some(0.0);
-        }
-        Some((side, here))
-    }
-}
-
-/// The operands of an angle: y, then x.
-fn cut_of(op: Op) -> Option<[usize; 2]> {
-    match op {
-        Op::Call(Function::Atan2, y, x) => Some([y, x]),
-        _ => None,
-    }
-}
-
-/// Whether a point may be on the negative x axis, or in the origin.
-fn meets_cut([y, x]: [Interval; 2]) -> bool {
-    // What has no number may be anywhere.
-    let is_off = x.lo > 0.0 || y.lo > 0.0 || y.hi < 0.0;
-    !is_off
 }
 
 fn is_broken(op: Op) -> bool {
@@ -428,21 +386,11 @@ fn on_side<const N: usize>(
         (Op::Call(Function::Mod, a, b), KinkSide::Whole(n)) => values[a] - values[b].scale(n),
         (Op::Call(Function::Atan2, y, x), KinkSide::Whole(n)) => {
             let half = Interval::new(PI, PI.next_up());
-            (-values[y]).atan2(-values[x]) + Series::constant(half * Interval::point(n))
+            (-values[y]).atan2(-values[x]) + Series::constant(half * Interval::point(1.0 - 2.0 * n))
         }
         (_, KinkSide::Whole(n)) => Series::number(n),
-        // A joint goes on smoothly through the cut of its angle, an input of the time does not.
-        (Op::Call(Function::Atan2, y, x), _) if !angle_of(values, y, x).is_finite() => {
-            Series::undefined()
-        }
         _ => apply_op(op, values, &[time]),
     }
-}
-
-/// The angle of a direction; of directions on both sides of the cut there is none.
-fn angle_of<const N: usize>(values: &[Series<Interval, N>], y: usize, x: usize) -> Interval {
-    let [y, x] = [y, x].map(|k| values[k].coefficients()[0]);
-    y.atan2(x)
 }
 
 /// All values that an operation may have, and all its rates: about a kink those of both sides.

@@ -97,6 +97,8 @@ fn a_minimum_that_a_loop_keeps_exactly_at_a_kink_is_proved_at_any_samples() {
         "0.5 + abs(exp(t) - 2)/6",
         "1.5 - 0.25*floor(2.3*t)",
         "0.5 + mod(2.3*t, 0.7)",
+        "0.5 + 0.3*abs(atan2(0.3*sin(4*t), 0.2 + cos(4*t)))",
+        "0.5 + 0.3*(pi - abs(atan2(t - 1.2994, -0.3 - 0.1*t)))",
     ] {
         for (off, expected) in [(0.0, "passed"), (1e-6, "failed"), (-1e-6, "passed")] {
             let minimum = distance(0.5) + off;

@@ -6,6 +6,7 @@ mod certificates;
 mod dyads;
 mod enclosure;
 mod interval_systems;
+mod jumps;
 mod pieces;
 mod printed_rows;
 mod tubes;

@@ -2,7 +2,6 @@
 
 use super::taylor_model::{TERMS, TaylorEnclosure};
 use crate::model::drive::Drive;
-use crate::model::expression::continuity::Jumps;
 use crate::model::expression::jumps::Jump;
 use crate::model::expression::pieces::around_instant;
 use crate::numbers::interval::Interval;
@@ -104,12 +103,6 @@ pub fn keys_between(drives: &[Drive], start: f64, end: f64) -> Vec<f64> {
     keys.sort_unstable_by(f64::total_cmp);
     keys.dedup_by(|b, a| *b <= around_instant(*a).hi);
     keys
-}
-
-/// Where any drive jumps between two instants, both included.
-pub fn jumps_between(drives: &[Drive], start: f64, end: f64) -> Jumps {
-    let jumps = drives.iter().map(|drive| drive.jumps_between(start, end));
-    jumps.fold(Jumps::default(), Jumps::and)
 }
 
 #[cfg(test)]

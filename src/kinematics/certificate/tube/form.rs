@@ -72,16 +72,21 @@ pub struct FormChange {
 impl Form {
     /// All arguments, then all equations.
     pub fn all(mechanism: &Mechanism) -> Vec<Self> {
-        let of = |e: &Expression| match e.affine() {
-            Some(affine) => Self::Affine(affine),
-            None => Self::Formula(Sparse::new(e)),
-        };
+        let of = Self::of;
         let arguments = mechanism.arguments.iter().map(|argument| match argument {
             Argument::Affine(affine) => Self::Affine(affine.clone()),
             Argument::Formula(expression) => of(expression),
         });
         let equations = mechanism.equations.iter().map(|e| of(&e.expression));
         arguments.chain(equations).collect()
+    }
+
+    /// A formula.
+    pub fn of(e: &Expression) -> Self {
+        match e.affine() {
+            Some(affine) => Self::Affine(affine),
+            None => Self::Formula(Sparse::new(e)),
+        }
     }
 
     /// Coordinates it depends on.

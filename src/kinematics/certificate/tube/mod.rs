@@ -19,6 +19,7 @@ mod form;
 mod inverse;
 mod partings;
 mod path;
+mod placed;
 mod proof;
 mod prover;
 mod rows;

@@ -7,6 +7,8 @@ use super::prover::Prover;
 use super::stretches::Station;
 use crate::kinematics::results::certificate::{Obstacle, Refusal};
 use crate::kinematics::solve::newton::Pace;
+use crate::model::drive::Drive;
+use std::borrow::Cow;
 
 /// Number of steps in which the motion is followed to the pose just before a jump.
 const STEPS_TO_JUMP: u32 = 8;
@@ -19,6 +21,16 @@ const AT_JUMP: f64 = 1.0 / 65_536.0;
 const LEAST_AT_JUMP: f64 = 1e-10;
 
 impl Prover<'_> {
+    /// What parts stretches: the drives of the inputs, and arguments that are such formulas of the time.
+    pub(super) fn breaking_drives(&self) -> Cow<'_, [Drive]> {
+        let (own, placed) = (&self.actuation.drives, self.placed.iter());
+        let placed: Vec<&Drive> = placed.filter_map(|p| p.drive.as_ref()).collect();
+        match placed.is_empty() {
+            true => Cow::Borrowed(own),
+            false => own.iter().chain(placed).cloned().collect(),
+        }
+    }
+
     /// The end of the interval and the breaks of the drive before it, the first one last.
     pub(super) fn by_keyframes(
         &mut self,
@@ -26,7 +38,8 @@ impl Prover<'_> {
         end: Station,
     ) -> Result<Vec<Station>, Refusal> {
         let mut ahead = Vec::new();
-        for time in keys_between(&self.actuation.drives, start.time, end.time) {
+        let keys = keys_between(&self.breaking_drives(), start.time, end.time);
+        for time in keys {
             let place = self.pose_between(start, &end, time).ok_or(Refusal {
                 time: start.time,
                 obstacle: Obstacle::NotJoined,

@@ -1,9 +1,10 @@
 //! From sample to sample: where tubes begin and end, and how they are connected to each other and to the samples.
 
 use super::blocks::Blocks;
-use super::drive::{DriveInterval, jumps_between};
+use super::drive::DriveInterval;
 use super::form::Form;
 use super::path::{InputPath, TubePath};
+use super::placed::{PlacedArgument, placed_arguments};
 use super::stretches::{Bases, Station, Tube, largest_value};
 use super::taylor_model::{Polynomial, TERMS, TaylorModel};
 use crate::kinematics::certificate::pose::prover::PoseProver;
@@ -48,6 +49,8 @@ pub struct Prover<'m> {
     may_jump: bool,
     /// Distance of every input from its drive; none by default.
     play: Vec<f64>,
+    /// Arguments with kinks and cuts.
+    pub(super) placed: Vec<PlacedArgument>,
 }
 
 impl<'m> Prover<'m> {
@@ -60,17 +63,22 @@ impl<'m> Prover<'m> {
             blocks: Blocks::new(system),
             solver: PoseSolver::new(system),
             all_rows: (system.blocks().iter()).all(is_square).then(|| {
-                let rows = system.blocks().iter().map(|b| (0..b.rows()).collect());
-                Arc::new(rows.collect())
+                let rows = system.blocks().iter();
+                Arc::new(rows.map(|b| (0..b.rows()).collect()).collect())
             }),
             digits: (system.redundant_rows() > 0).then(|| PoseProver::new(system)),
             may_jump: false,
             play: Vec::new(),
+            placed: placed_arguments(system.mechanism(), actuation),
         }
     }
 
     /// Allows every input to deviate from its drive by its play at every instant: results hold for all such motions.
     pub fn with_play(mut self, play: Vec<f64>) -> Self {
+        if play.iter().any(|play| *play > 0.0) {
+            // The time alone does not tell the inputs.
+            self.placed.iter_mut().for_each(|p| p.drive = None);
+        }
         self.play = play;
         self
     }
@@ -85,7 +93,7 @@ impl<'m> Prover<'m> {
     /// Whether a sample's inputs are those of the tube at that time, which fails at a jump of the drive. Tubes begin
     /// and end with the exact poses of samples with their inputs.
     pub fn has_inputs(&self, tube: &Tube, sample: &Sample) -> bool {
-        let jumps = jumps_between(&self.actuation.drives, tube.start, tube.end);
+        let jumps = self.actuation.jumps_between(tube.start, tube.end);
         if (jumps.at_start && sample.time == tube.start)
             || (jumps.at_end && sample.time == tube.end)
         {
@@ -162,7 +170,22 @@ impl<'m> Prover<'m> {
                 value
             }
         };
-        self.blocks.forms[..count].iter().map(of).collect()
+        let known = |(form, placed): (&Form, &PlacedArgument)| {
+            let value = of(form);
+            if value.is_finite() {
+                return value;
+            }
+            match (&placed.drive, &placed.turned) {
+                (Some(drive), _) => {
+                    let [middle, everywhere] = tube.path.stretch().input(drive);
+                    TaylorModel::of(middle, &everywhere)
+                }
+                (_, Some(turned)) => of(turned),
+                _ => value,
+            }
+        };
+        let forms = self.blocks.forms[..count].iter().zip(&self.placed);
+        forms.map(known).collect()
     }
 
     fn between(
@@ -178,7 +201,7 @@ impl<'m> Prover<'m> {
         };
         let mut here = self.place(start).map_err(|o| refuse(start, o))?;
         let mut last = self.place(end).map_err(|o| refuse(end, o))?;
-        let jumps = jumps_between(&self.actuation.drives, start.time, end.time);
+        let jumps = self.actuation.jumps_between(start.time, end.time);
         if jumps.at_end {
             if !self.may_jump {
                 return Err(refuse(end, Obstacle::Drive));

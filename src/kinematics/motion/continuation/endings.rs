@@ -4,6 +4,7 @@ use super::domain_proof;
 use super::fold_proof;
 use super::recorder::{MOST_WAYS_ON, PathContinuation, Recorder};
 use crate::kinematics::motion::tracker::arc_length::Onward;
+use crate::kinematics::motion::tracker::jump_sites::Way;
 use crate::kinematics::motion::tracker::path_tracker::{PathPoint, Unwatched};
 use crate::kinematics::motion::tracker::singular::SingularTarget;
 use crate::kinematics::results::trajectory::Ending;
@@ -23,16 +24,25 @@ impl Recorder<'_> {
         let tracker = &mut self.tracker;
         // Steps also end at kinks of formulas, where the Jacobian is regular: no singular pose is passed there.
         let is_singular = !tracker.is_trusted(&end.branch);
-        let beside = tracker
-            .leap(end, time)
-            .or_else(|| tracker.settle(end, time));
-        let (to, is_passed) = match beside {
+        let (to, is_passed) = match tracker.leap(end, time) {
             Some(to) => (to, false),
-            None => match tracker.cross(end, time) {
-                Some(to) => (to, is_singular),
-                None => match tracker.hop(end, time) {
-                    Some(to) => (to, false),
-                    None => (self.onward(end, time)?, is_singular),
+            None => match tracker
+                .settle(end, time)
+                .filter(|to| tracker.is_smooth(end, to))
+            {
+                Some(to) => (to, false),
+                None => match tracker
+                    .cross(end, time)
+                    .filter(|to| tracker.is_smooth(end, to))
+                {
+                    Some(to) => (to, is_singular),
+                    None => match tracker
+                        .hop(end, time)
+                        .filter(|to| tracker.is_smooth(end, to))
+                    {
+                        Some(to) => (to, false),
+                        None => (self.onward(end, time)?, is_singular),
+                    },
                 },
             },
         };
@@ -42,7 +52,7 @@ impl Recorder<'_> {
     /// The pose to which the path leads in arc length.
     fn onward(&mut self, end: &PathPoint, time: f64) -> Result<PathPoint, (PathPoint, Ending)> {
         match self.tracker.onward(end, time) {
-            Onward::Passed(to) => Ok(to),
+            Onward::Passed(to) if self.tracker.is_smooth(end, &to) => Ok(to),
             Onward::Fold(fold) => {
                 let asked = self.is_proof_wanted();
                 // The direction in which time continues along the path.
@@ -51,7 +61,10 @@ impl Recorder<'_> {
                 let proved = asked && fold_proof::is_proved(system, actuation, &fold, sense);
                 Err((fold.at, Ending::Fold { proved, asked }))
             }
-            Onward::Lost => Err((end.clone(), self.ending_at(end, time))),
+            Onward::Passed(_) | Onward::Lost => match self.tracker.bridge(end, time) {
+                Some(to) => Ok(to),
+                None => Err((end.clone(), self.ending_at(end, time))),
+            },
         }
     }
 
@@ -65,12 +78,29 @@ impl Recorder<'_> {
         if self.is_angle_too_large(&end.coordinates) {
             return Ending::AngleTooLarge;
         }
+        if let Some(name) = self.jumping_formula(end, time) {
+            return Ending::Jump { name };
+        }
         self.formula_ending(end, time).unwrap_or(Ending::GivenUp {
             sigma_min: end.branch.sigma_min,
         })
     }
 
-    /// The equation that is undefined beyond `end`, if one is found.
+    /// The loop or equation whose formula jumps right beyond `end`, if one is found.
+    fn jumping_formula(&self, end: &PathPoint, time: f64) -> Option<String> {
+        let away = (time - end.time).signum() * self.tracker.interval;
+        let unknowns = &end.coordinates[..self.tracker.unknowns()];
+        BEYOND.iter().find_map(|share| {
+            let inputs = self.tracker.inputs(end.time + share * away).ok()?;
+            let beyond = [unknowns, &inputs].concat();
+            match self.tracker.way_between(&end.coordinates, &beyond) {
+                Way::Jumps(name) => Some(name.to_owned()),
+                Way::Smooth | Way::Open => None,
+            }
+        })
+    }
+
+    /// The equation that has no value beyond `end`, if one is found.
     fn formula_ending(&self, end: &PathPoint, time: f64) -> Option<Ending> {
         let away = (time - end.time).signum() * self.tracker.interval;
         let times = BEYOND.map(|share| end.time + share * away);

@@ -1,39 +1,29 @@
-//! Inputs that jump: the drive gives no way on there, though poses exist.
+//! Jumps, told by the formulas and not by their size: of an input, over which the drive gives no way on though poses exist,
+//! and of what stands in the loops and equations, at which the motion ends.
 
+use super::jump_sites::Way;
 use super::path_tracker::{PathPoint, PathTracker, SMALLEST_STEP, Unwatched};
 use crate::model::actuation::Actuation;
-use crate::model::mechanism::Kind;
-
-/// Change of an input, relative to its size, that two times a few smallest steps apart cannot make in a smooth drive.
-const JUMP: f64 = 1e-6;
-
-/// Nor can it be this many times what the rates at the two times make it: on its way through zero an input has no size.
-const FASTER: f64 = 100.0;
 
 impl PathTracker<'_> {
+    /// What the formulas of loops and equations do on the way between two poses.
+    pub(crate) fn way_between(&self, from: &[f64], to: &[f64]) -> Way<'_> {
+        Way::between(&self.jump_sites, from, to)
+    }
+
+    /// Whether no formula is seen to jump between two poses.
+    pub(crate) fn is_smooth(&self, from: &PathPoint, to: &PathPoint) -> bool {
+        let way = self.way_between(&from.coordinates, &to.coordinates);
+        !matches!(way, Way::Jumps(_))
+    }
+
     /// The inputs right after a pose, and the time then, if the drive jumps there.
     pub fn jump_after(&self, point: &PathPoint) -> Option<(f64, Vec<f64>)> {
         let step = (4.0 * SMALLEST_STEP * self.interval).max(4.0 * f64::EPSILON * point.time.abs());
         let time = point.time + step;
         let inputs = self.inputs(time).ok()?;
-        let before = &point.coordinates[self.unknowns()..];
-        let mechanism = self.system().mechanism();
-        let least = |slot: usize| match mechanism.kind_of(slot) {
-            Kind::Length => JUMP * mechanism.scale_of(slot),
-            Kind::Angle | Kind::Number => JUMP * mechanism.size,
-        };
-        let actuation = self.actuation();
-        let rates = actuation.rates_at(point.time);
-        let rates = rates.into_iter().zip(actuation.rates_at(time));
-        let pairs = (self.unknowns()..).zip(before.iter().zip(&inputs));
-        let mut jumps = pairs.zip(rates).map(|((slot, (a, b)), (before, after))| {
-            let smooth = FASTER * step * (before.abs() + after.abs());
-            let change = (a - b).abs();
-            // Rates that are no numbers say nothing.
-            change > JUMP * a.abs().max(b.abs()).max(least(slot))
-                && (smooth.is_nan() || change > smooth)
-        });
-        jumps.any(|jump| jump).then_some((time, inputs))
+        let jumps = self.actuation().jumps_between(point.time, time);
+        jumps.is_any().then_some((time, inputs))
     }
 
     /// Over a jump of the drive the motion is followed as if the inputs went straight from their old values to the new;

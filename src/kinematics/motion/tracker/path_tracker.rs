@@ -2,6 +2,7 @@
 //!
 //! The drive is always evaluated at a time computed from the sample's own time, never accumulated.
 
+use super::jump_sites::{JumpSite, Way};
 use super::regularity::Regularity;
 use super::steps::{StepBudget, Steps};
 use crate::kinematics::solve::branch::BranchState;
@@ -15,6 +16,9 @@ use std::rc::Rc;
 /// Smallest step as a fraction of the interval between two samples: locates the end of a motion to about 1e-12
 /// of that interval.
 pub(crate) const SMALLEST_STEP: f64 = 1e-12;
+
+/// On so short a step, as a fraction of the same, a jump that shrinks has vanished.
+const CLOSE_TO_JUMP: f64 = 1e-9;
 
 /// Steps, taken or refused, that together have to come on by [`LEAST_PROGRESS`]: else the motion has come to rest before a
 /// singular pose, where rounding still lets a tiny step pass now and then.
@@ -110,6 +114,8 @@ pub struct PathTracker<'s> {
     pub(crate) recent: [Option<PathPoint>; 2],
     /// The smallest singular values that were met.
     pub(crate) regularity: Regularity,
+    /// What may jump in its loops and equations.
+    pub(crate) jump_sites: Rc<[JumpSite]>,
 }
 
 impl<'s> PathTracker<'s> {
@@ -128,6 +134,7 @@ impl<'s> PathTracker<'s> {
             anchor: None,
             recent: [None, None],
             regularity: Regularity::default(),
+            jump_sites: JumpSite::all(system.mechanism()).into(),
         }
     }
 
@@ -267,6 +274,11 @@ impl<'s> PathTracker<'s> {
             return Ok(None);
         };
         self.rename(&base, time, &mut coordinates);
+        match self.way_between(&here.coordinates, &coordinates) {
+            Way::Smooth => {}
+            Way::Open if (time - here.time).abs() <= CLOSE_TO_JUMP * self.interval => {}
+            Way::Open | Way::Jumps(_) => return Ok(None),
+        }
         let point = self.point(time, coordinates);
         let same = point.branch.signs == base.branch.signs;
         let fine = match usable && self.is_usable(&point.branch) {

@@ -26,6 +26,18 @@ const STEEP_HOPS: [f64; 3] = [1e-12, 1e-9, 1e-6];
 const LONGEST_STEEP: f64 = 0.1;
 const STEEP_GROWTH: f64 = 2.0;
 
+/// How far beyond a pose without a tangent the next one is looked for, in intervals between samples, and how much farther it may
+/// be than the rates on both sides lead: a root of order k moves k times as far.
+const FIRST_BRIDGE: f64 = 1e-9;
+const LONGEST_BRIDGE: f64 = 0.1;
+const MOST_OF_RATES: f64 = 4.0;
+
+/// How many times as far as the last rates lead such a pose is looked for.
+const LEADS: [f64; 4] = [1.0, 2.0, 4.0, 0.0];
+
+/// Steps that one of these searches counts as.
+const STEPS_OF_BRIDGE: usize = 50;
+
 /// A crossing is looked for at no more than this many distances: as many as there are bits in the last step.
 const MOST_REACHES: usize = 64;
 
@@ -88,6 +100,81 @@ impl PathTracker<'_> {
             };
         }
         None
+    }
+
+    /// Over a singular pose at which the path has no direction either, as `x^5 = phi^3` at zero: the nearest pose beyond to which
+    /// the rates on both sides lead, and which has a pose in between.
+    pub fn bridge(&mut self, end: &PathPoint, time: f64) -> Option<PathPoint> {
+        let way = time - end.time;
+        let mut reach = FIRST_BRIDGE * self.interval;
+        while way != 0.0 && reach < LONGEST_BRIDGE * self.interval {
+            let beyond = end.time + way.signum() * reach.min(way.abs());
+            let is_last = beyond == time;
+            let found = LEADS
+                .iter()
+                .find_map(|lead| self.bridged(end, (beyond, is_last), *lead));
+            if found.is_some() {
+                return found;
+            }
+            if reach >= way.abs() || !self.budget.take_all(STEPS_OF_BRIDGE) {
+                break;
+            }
+            reach *= 2.0;
+        }
+        None
+    }
+
+    /// The pose at a time that is found from where the last rates lead, so many times as far; a singular one only if that is the
+    /// sample asked for.
+    fn bridged(
+        &mut self,
+        end: &PathPoint,
+        (beyond, is_sample): (f64, bool),
+        lead: f64,
+    ) -> Option<PathPoint> {
+        let n = self.unknowns();
+        let inputs = self.inputs(beyond).ok()?;
+        let base = match &self.anchor {
+            Some(anchor) if !self.is_usable(&end.branch) => anchor.clone(),
+            _ => end.clone(),
+        };
+        let rates = self.rates(&base);
+        let mut start = [&end.coordinates[..n], &inputs].concat();
+        for (q, rate) in start.iter_mut().zip(&rates) {
+            *q += lead * rate * (beyond - end.time);
+        }
+        if !start.iter().all(|q| q.is_finite()) {
+            return None;
+        }
+        let found = self.solver.assembled(&start, None).ok()?;
+        let point = self.point(beyond, found.coordinates);
+        let may_end = is_sample || self.is_usable(&point.branch);
+        if !may_end || !self.is_smooth(end, &point) {
+            return None;
+        }
+        let way = beyond - end.time;
+        let mut led = 0.0;
+        for pose in [end, &point] {
+            if !self.is_usable(&pose.branch) {
+                continue;
+            }
+            let rates = self.rates(pose);
+            let mut moved = pose.coordinates.to_vec();
+            moved
+                .iter_mut()
+                .zip(&rates)
+                .for_each(|(q, rate)| *q += rate * way);
+            led += self.solver.apart(&moved, &pose.coordinates);
+        }
+        let apart = self.solver.apart(&point.coordinates, &end.coordinates);
+        if led.is_nan() || apart > MOST_OF_RATES * led {
+            return None;
+        }
+        let inputs = self.inputs(0.5 * (end.time + beyond)).ok()?;
+        let ends = [&end.coordinates[..], &point.coordinates[..]];
+        let middle = self.solver.between(ends, 0.5, &inputs, Pace::Patient)?;
+        let is_between = self.solver.apart(&middle, &end.coordinates) <= 2.0 * apart;
+        is_between.then_some(point)
     }
 
     /// Over a kink of a formula, or the steps that its rounding makes: the pose right beyond is the nearest one, and the

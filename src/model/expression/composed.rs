@@ -1,0 +1,135 @@
+//! Formulas in place of slots, and angles beyond the cut of `atan2`.
+
+use super::{Expression, Function, Op};
+use crate::numbers::constant::Constant;
+
+/// Longer formulas are not made.
+const MOST_OPERATIONS: usize = 100_000;
+
+impl Expression {
+    /// The formula with other formulas in place of its slots; `None` where one has none, and of what would be too long.
+    pub fn with_formulas<'e>(&self, of_slot: impl Fn(usize) -> Option<&'e Self>) -> Option<Self> {
+        let mut ops: Vec<Op> = Vec::new();
+        let mut places = Vec::with_capacity(self.ops().len());
+        for op in self.ops() {
+            match op {
+                Op::Slot(slot) => {
+                    let (formula, by) = (of_slot(*slot)?, ops.len());
+                    ops.extend(formula.ops().iter().map(|op| op.mapped(|k| k + by)));
+                }
+                op => ops.push(op.mapped(|k| places[k])),
+            }
+            places.push(ops.len().checked_sub(1)?);
+            if ops.len() > MOST_OPERATIONS {
+                return None;
+            }
+        }
+        Some(Self::new(ops))
+    }
+
+    /// The formula of the same direction whose cut is on the other side, if it is one `atan2` with terms beside it: no sum of both
+    /// is other than a whole turn.
+    pub fn turned(&self) -> Option<Self> {
+        let is_angle = |op: &Op| matches!(op, Op::Call(Function::Atan2, ..));
+        let angle = self.ops().iter().position(is_angle)?;
+        let only = self.ops().iter().filter(|op| is_angle(op)).count() == 1;
+        (only && self.is_term(angle)).then(|| {
+            let mut ops = Vec::with_capacity(self.ops().len() + 4);
+            let mut places = Vec::with_capacity(self.ops().len());
+            for (k, op) in self.ops().iter().enumerate() {
+                match op.mapped(|k| places[k]) {
+                    Op::Call(Function::Atan2, y, x) if k == angle => {
+                        let at = ops.len();
+                        ops.extend([
+                            Op::Negate(y),
+                            Op::Negate(x),
+                            Op::Call(Function::Atan2, at, at + 1),
+                            Op::Constant(Constant::PI),
+                            Op::Add(at + 2, at + 3),
+                        ]);
+                    }
+                    op => ops.push(op),
+                }
+                places.push(ops.len() - 1);
+            }
+            Self::new(ops)
+        })
+    }
+
+    /// Whether an operation is a term of the whole sum, or its opposite is, and nothing else.
+    fn is_term(&self, mut place: usize) -> bool {
+        let ops = self.ops();
+        while place + 1 < ops.len() {
+            let mut users = ops.iter().enumerate().filter(|(_, op)| {
+                let mut uses = false;
+                op.mapped(|k| {
+                    uses |= k == place;
+                    k
+                });
+                uses
+            });
+            let (Some((user, op)), None) = (users.next(), users.next()) else {
+                return false;
+            };
+            match op {
+                Op::Add(a, b) | Op::Subtract(a, b) if a != b => {}
+                Op::Negate(_) => {}
+                _ => return false,
+            }
+            place = user;
+        }
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::panic)]
+    use super::*;
+    use std::f64::consts::TAU;
+
+    /// `s - atan2(y, x)` of two slots, and its double.
+    fn angles() -> [Expression; 2] {
+        let ops = vec![
+            Op::Slot(0),
+            Op::Slot(1),
+            Op::Call(Function::Atan2, 0, 1),
+            Op::Subtract(1, 2),
+        ];
+        let double = [&ops[..], &[Op::Add(3, 3)]].concat();
+        [ops, double].map(Expression::new)
+    }
+
+    #[test]
+    fn a_turned_angle_is_the_same_but_for_whole_turns() {
+        let [angle, double] = angles();
+        assert!(double.turned().is_none());
+        let Some(turned) = angle.turned() else {
+            panic!("{angle:?}");
+        };
+        for k in 0..50 {
+            let (sin, cos) = (0.3 + 0.4 * f64::from(k)).sin_cos();
+            let turns = (turned.value(&[sin, cos]) - angle.value(&[sin, cos])) / TAU;
+            assert!((turns - turns.round()).abs() < 1e-14, "{k}: {turns}");
+        }
+    }
+
+    #[test]
+    fn a_formula_of_inputs_is_one_of_the_time() {
+        let [angle, _] = angles();
+        let drives = [
+            vec![Op::Slot(0), Op::Call(Function::Sin, 0, 0)],
+            vec![Op::Slot(0), Op::Multiply(0, 0), Op::Add(1, 0)],
+        ]
+        .map(Expression::new);
+        let Some(whole) = angle.with_formulas(|slot| drives.get(slot)) else {
+            panic!("{angle:?}");
+        };
+        for time in [0.1_f64, 0.7, 2.9] {
+            let inputs = [time.sin(), time * time + time];
+            let off = whole.value(&[time]) - angle.value(&inputs);
+            assert!(off.abs() < 1e-15, "{time}: {off}");
+        }
+        assert!(angle.with_formulas(|slot| drives.get(slot + 1)).is_none());
+    }
+}

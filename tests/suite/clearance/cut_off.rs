@@ -1,0 +1,69 @@
+//! A search that the time of a run cuts off: what is proved by then is reported, before the time is over.
+
+use crate::program::Workspace;
+use serde_json::Value;
+use std::fmt::Write;
+use std::time::Instant;
+
+/// Seconds that the run may take.
+const LIMIT: f64 = 8.0;
+
+/// Boxes that tumble in rings, each pair far from the next one: nothing parts a box from a ring around it, and the proof that
+/// it stays away takes long.
+fn rings(count: usize) -> String {
+    let mut text = String::from(
+        "duration = 2\nunits = { length = \"mm\", angle = \"rad\" }\n\
+         [inputs]\nu = \"90*t\"\nv = \"37*t\"\nw = \"3*sin(20*t)\"\n",
+    );
+    for k in 0..count {
+        let x = 100 * k;
+        let _ = write!(
+            text,
+            "[[bodies]]\nname = \"ring{k}\"\nframe = \"Tx({x})\"\n\
+             shapes = [{{ torus = {{ ring = 20, tube = 3 }} }}]\n\
+             [[bodies]]\nname = \"box{k}\"\nframe = \"Tx({x}) Rx(u) Ry(v) Tz(0.01*w)\"\n\
+             shapes = [{{ box = {{ size = [10.5, 11, 12] }} }}, {{ torus = {{ ring = 7, tube = 2 }} }}]\n"
+        );
+    }
+    text + "[clearance]\nminimum = 7.29\n"
+}
+
+#[test]
+fn what_is_proved_when_the_time_is_over_is_reported() {
+    let w = Workspace::new();
+    w.write("scene.toml", rings(6));
+    let begun = Instant::now();
+    let limit = format!("time={LIMIT}s");
+    let said = w.run(&[
+        "check",
+        "scene.toml",
+        "--limits",
+        &limit,
+        "--json",
+        "r.json",
+    ]);
+    assert!(begun.elapsed().as_secs_f64() < LIMIT, "{}", said.stderr);
+    let said = said.exits(1);
+    assert!(
+        said.stderr.contains("cut off the search"),
+        "{}",
+        said.stderr
+    );
+    assert!(said.text().contains("not proved"), "{}", said.text());
+    let Ok(json) = serde_json::from_slice::<Value>(&w.read("r.json")) else {
+        panic!("{}", said.text());
+    };
+    let Some(pairs) = json["clearance"]["pairs"].as_array() else {
+        panic!("{json}");
+    };
+    assert_eq!(pairs.len(), 66, "{json}");
+    let name = |pair: &Value, k: usize| pair["bodies"][k].as_str().map(str::to_owned);
+    for pair in pairs {
+        let own = [0, 1].map(|k| name(pair, k).and_then(|name| name.chars().last()));
+        // What is far from each other is proved at once, however long others take.
+        match own[0] == own[1] {
+            false => assert_eq!(pair["verdict"], "passed", "{pair}"),
+            true => assert!(pair["verdict"] != "failed", "{pair}"),
+        }
+    }
+}
