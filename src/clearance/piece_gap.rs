@@ -106,6 +106,7 @@ impl<'p> PartWays<'p> {
             let ways = |shape: usize| {
                 let mut known = carried.iter();
                 let known = known.find(|c| c.body == body && c.shape == shape);
+                // A solid that is not carried follows the chain of its body.
                 let still = [chain(side).clone()];
                 let points = known.map_or(&still[..], |c| &c.points);
                 let sizes = known.map_or(&[][..], |c| &c.sizes);
@@ -365,10 +366,12 @@ impl<'p> PartWays<'p> {
         view: &PieceView<N>,
         arguments: &[ArgumentValue],
     ) -> Option<f64> {
+        // Solids whose sizes depend on the pose are not placed here.
         let mut sizes = self.shapes.iter().flatten().flat_map(|s| &s.sizes);
         if sizes.any(|way| way.joints() > 0) {
             return None;
         }
+        // Every element moves with the chain of its own solid, from the middle of the piece to the given pose.
         let middle = self.between.pose(&view.middle);
         let placed = |side: usize| -> Vec<Element> {
             let elements = self.part.hulls[side].elements.iter();
@@ -385,6 +388,7 @@ impl<'p> PartWays<'p> {
             });
             carried.collect()
         };
+        // The minimum over all pairs of elements; bounding spheres exclude the distant ones.
         let (ours, theirs) = (placed(0), placed(1));
         let mut least = f64::INFINITY;
         for (i, a) in ours.iter().enumerate() {

@@ -289,6 +289,7 @@ impl LinkageReader<'_> {
         place: [HyperDual; 3],
     ) -> usize {
         let known = self.find_point(points, links, place);
+        // Of two names of one point the shorter one is kept.
         let shorter = |old: &Option<String>| {
             let name = name.map(str::to_owned);
             match (old, name) {
@@ -298,6 +299,7 @@ impl LinkageReader<'_> {
             }
         };
         match known {
+            // A known point gains the links that meet there.
             Some(index) => {
                 let point = &mut points[index];
                 point.name = shorter(&point.name);
