@@ -426,7 +426,9 @@ fn what_cannot_be_proved_is_called_estimated() {
         ("abs(t - 0.3111)", "Rz(a)", true),
         ("sqrt((t - 0.3111)^2)", "Rz(a)", false),
         ("0.5*t", "Rz(a*a)", true),
-        ("0.5*t", "Rz(abs(a - 0.2123))", false),
+        ("0.5*t", "Rz(abs(a - 0.2123))", true),
+        ("0.5*t", "Rz(max(a, 0.2123))", true),
+        ("0.5*t", "Rz(sqrt((a - 0.2123)^2))", false),
     ] {
         let scene = open(&with(drive, frame));
         let report = report(&scene, 30, 1e-2);

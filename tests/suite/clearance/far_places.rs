@@ -21,7 +21,8 @@ fn scene(radius: f64, place: f64, is_along: bool, top: f64, middle: f64, minimum
          shapes = [{{ box = {{ center = [{x:?}, 0, {wall:?}], size = [{0:?}, {0:?}, {1:?}] }} }}]\n\
          [[bodies]]\nname = \"ball\"\nframe = \"Tx(x)\"\n\
          shapes = [{{ sphere = {{ center = [{x:?}, 0, {ball:?}], radius = {radius:?} }} }}]\n\
-         [clearance]\nminimum = {minimum:?}\n",
+         [clearance]\nminimum = 0\n\
+         pairs = [{{ pair = [\"wall\", \"ball\"], minimum = {minimum:?} }}]\n",
         40.0 * radius,
         2.0 * half
     )
