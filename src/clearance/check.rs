@@ -35,7 +35,7 @@ impl Closely {
     pub const PAIRS: usize = 200;
 
     /// What a search for one pair takes at most, seconds: it ends with what is proved until then.
-    pub const SECONDS: f64 = 20.0;
+    pub const SECONDS: f64 = 120.0;
 
     /// How near a bound comes to its distance where nothing else is asked: three digits are what a report shows.
     pub const TOLERANCE: f64 = 1e-3;

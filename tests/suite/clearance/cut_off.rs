@@ -56,7 +56,8 @@ fn what_is_proved_when_the_time_is_over_is_reported() {
     let Some(pairs) = json["clearance"]["pairs"].as_array() else {
         panic!("{json}");
     };
-    assert_eq!(pairs.len(), 66, "{json}");
+    // All but those of the rings, which stand still together.
+    assert_eq!(pairs.len(), 51, "{json}");
     let name = |pair: &Value, k: usize| pair["bodies"][k].as_str().map(str::to_owned);
     for pair in pairs {
         let own = [0, 1].map(|k| name(pair, k).and_then(|name| name.chars().last()));
