@@ -381,17 +381,19 @@ fn drives_without_a_value_are_told_from_those_beyond_numbers() {
 }
 
 #[test]
-fn what_is_given_up_is_undecided() {
-    // A step in a formula: poses exist on both of its sides.
-    let model = equation("t", "x - floor(phi)", 0.0);
-    let trajectory = solve(&model, &[0.0, 0.5, 1.5]).unwrap();
-    let ends = endings(&trajectory);
-    let [(at, Ending::GivenUp { sigma_min })] = &ends[..] else {
-        panic!("{ends:?}")
-    };
-    assert!((at - 1.0).abs() < 1e-9);
-    assert!((sigma_min - 1.0).abs() < 1e-9);
-    assert!(trajectory.gaps.iter().all(|gap| gap.is_undecided()));
+fn motions_end_at_jumps_of_equations() {
+    // A step in a formula: poses exist on both of its sides. Its size does not matter.
+    for size in ["1", "1e-9"] {
+        let model = equation("t", &format!("x - {size}*floor(phi)"), 0.0);
+        let trajectory = solve(&model, &[0.0, 0.5, 1.5]).unwrap();
+        let ends = endings(&trajectory);
+        let [(at, Ending::Jump { name })] = &ends[..] else {
+            panic!("{ends:?}")
+        };
+        assert!((at - 1.0).abs() < 1e-9);
+        assert_eq!(name, "e");
+        assert!(trajectory.gaps.iter().all(|gap| gap.is_undecided()));
+    }
 }
 
 #[test]

@@ -42,11 +42,13 @@ fn every_verb_and_option_of_pictures_is_documented() {
 }
 
 #[test]
-fn every_exit_code_is_in_the_readme() {
-    let readme = read("README.md");
+fn every_exit_code_is_in_one_table() {
+    let [commands, readme] = ["docs/commands.md", "README.md"].map(read);
     for code in ["0", "1", "2", "3", "4", "70", "130"] {
-        assert!(readme.contains(&format!("| {code} |")), "exit code {code}");
+        let row = format!("\n| {code} | ");
+        assert_eq!(commands.matches(&row).count(), 1, "exit code {code}");
     }
+    assert!(readme.contains("(docs/commands.md#exit-codes)"));
 }
 
 #[test]
