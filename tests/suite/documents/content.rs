@@ -42,15 +42,6 @@ fn every_verb_and_option_of_pictures_is_documented() {
 }
 
 #[test]
-<<<<<<< HEAD:tests/suite/documents/content.rs
-fn every_exit_code_is_documented() {
-    let commands = read("docs/commands.md");
-    for code in ["0", "1", "2", "3", "4", "70", "130"] {
-        let row = format!("| {code} |");
-        assert!(commands.contains(&row), "exit code {code}");
-    }
-    assert!(read("README.md").contains("docs/commands.md#exit-codes"));
-=======
 fn every_exit_code_is_in_one_table() {
     let [commands, readme] = ["docs/commands.md", "README.md"].map(read);
     for code in ["0", "1", "2", "3", "4", "70", "130"] {
@@ -58,7 +49,6 @@ fn every_exit_code_is_in_one_table() {
         assert_eq!(commands.matches(&row).count(), 1, "exit code {code}");
     }
     assert!(readme.contains("(docs/commands.md#exit-codes)"));
->>>>>>> p15:tests/suite/verbs/documents.rs
 }
 
 #[test]
