@@ -73,11 +73,9 @@ mod tests {
         assert!(past.is_over() && !far.is_over() && !never.is_over());
         assert!(past.or(far).is_over() && never.or(past).is_over());
         assert_eq!(far.or(never), far);
-        assert!(!far.share(1000).is_over() && past.share(3).is_over());
-        assert_eq!(
-            (far.share(1000).or(far), never.share(2)),
-            (far.share(1000), never)
-        );
+        let share = far.share(1000);
+        assert!(!share.is_over() && past.share(3).is_over());
+        assert_eq!((share.or(far), never.share(2)), (share, never));
         for endless in [f64::INFINITY, 1e300] {
             assert_eq!(Deadline::after(endless), never);
         }
