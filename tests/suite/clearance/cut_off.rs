@@ -8,6 +8,9 @@ use std::time::Instant;
 /// Seconds that the run may take.
 const LIMIT: f64 = 8.0;
 
+/// So many that no machine is done in this time: each takes most of a second.
+const RINGS: usize = 40;
+
 /// Boxes that tumble in rings, each pair far from the next one: nothing parts a box from a ring around it, and the proof that
 /// it stays away takes long.
 fn rings(count: usize) -> String {
@@ -25,13 +28,13 @@ fn rings(count: usize) -> String {
              shapes = [{{ box = {{ size = [10.5, 11, 12] }} }}, {{ torus = {{ ring = 7, tube = 2 }} }}]\n"
         );
     }
-    text + "[clearance]\nminimum = 7.29\n"
+    text + "[clearance]\nminimum = 7.293\n"
 }
 
 #[test]
 fn what_is_proved_when_the_time_is_over_is_reported() {
     let w = Workspace::new();
-    w.write("scene.toml", rings(6));
+    w.write("scene.toml", rings(RINGS));
     let begun = Instant::now();
     let limit = format!("time={LIMIT}s");
     let said = w.run(&[
@@ -56,15 +59,18 @@ fn what_is_proved_when_the_time_is_over_is_reported() {
     let Some(pairs) = json["clearance"]["pairs"].as_array() else {
         panic!("{json}");
     };
-    // All but those of the rings, which stand still together.
-    assert_eq!(pairs.len(), 51, "{json}");
     let name = |pair: &Value, k: usize| pair["bodies"][k].as_str().map(str::to_owned);
+    let mut searched = 0;
     for pair in pairs {
-        let own = [0, 1].map(|k| name(pair, k).and_then(|name| name.chars().last()));
+        let own = [0, 1].map(|k| name(pair, k).map(|name| name.replace("ring", "box")));
         // What is far from each other is proved at once, however long others take.
         match own[0] == own[1] {
             false => assert_eq!(pair["verdict"], "passed", "{pair}"),
-            true => assert!(pair["verdict"] != "failed", "{pair}"),
+            true => {
+                assert!(pair["verdict"] != "failed", "{pair}");
+                searched += 1;
+            }
         }
     }
+    assert_eq!(searched, RINGS, "{json}");
 }
