@@ -78,7 +78,7 @@ def test_ctrl_c_ends_a_search():
 
 def test_rows_as_parquet(program, tmp_path):
     """Every reader finds in the Parquet file what the CSV says, bit by bit, and where nothing is, a null."""
-    design = ["--design", "grid:crank=20..60:9,ex=0..90:3", "--outputs", "K.x,K.y", "--samples", "5"]
+    design = ["--design", "grid:crank=20..200:9,ex=0..90:3", "--outputs", "K.x,K.y", "--samples", "5"]
     for name in ("rows.csv", "rows.parquet", "again.parquet"):
         program("sweep", "four-bar", *design, "--out", str(tmp_path / name))
     path = str(tmp_path / "rows.parquet")
