@@ -80,9 +80,14 @@ pub(super) struct BoundGoal {
 impl BoundGoal {
     /// Of a piece that is not looked at.
     pub(super) fn known_of(piece: &Segment) -> Self {
+        Self::reached(f64::NEG_INFINITY, piece.known, piece)
+    }
+
+    /// What needs no look at the elements: a bound as high as the goal.
+    fn reached(asked: f64, lowest: f64, piece: &Segment) -> Self {
         Self {
-            asked: f64::NEG_INFINITY,
-            lowest: piece.known,
+            asked,
+            lowest,
             middle: f64::INFINITY,
             is_blurred: false,
             near: piece.near.clone(),
@@ -144,13 +149,7 @@ impl PairSweep<'_> {
         // Where the one joint between them has been before, that is known.
         let before = memory.ranges.as_ref().filter(|_| stretch.is_certified);
         if let Some(lowest) = before.and_then(|r| r.known(arguments, [s, half], goal)) {
-            return BoundGoal {
-                asked: goal,
-                lowest,
-                middle: f64::INFINITY,
-                is_blurred: false,
-                near: piece.near.clone(),
-            };
+            return BoundGoal::reached(goal, lowest, piece);
         }
         let moved = self.chain.around(arguments, s, half);
         let ball = self.hulls[1].ball;
@@ -161,13 +160,7 @@ impl PairSweep<'_> {
         let far = self.hulls[0].apart(self.hulls[1], &moved.pose) - fastest;
         let lowest = from_ends.max(far);
         if lowest >= goal {
-            return BoundGoal {
-                asked: goal,
-                lowest,
-                middle: f64::INFINITY,
-                is_blurred: false,
-                near: piece.near.clone(),
-            };
+            return BoundGoal::reached(goal, lowest, piece);
         }
         // Element by element: only those that could come below `last` are kept for the halves.
         let back = self.back.as_ref().map(|b| b.around(arguments, s, half));

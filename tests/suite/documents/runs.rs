@@ -3,7 +3,7 @@
 
 use super::fixtures::{filled, write_files};
 use super::text::{Document, documents, program_command, stated_code};
-use crate::program::Workspace;
+use crate::program::{Workspace, undisturbed};
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
@@ -121,6 +121,7 @@ fn shell(line: &str, workspace: &Workspace) -> std::process::Output {
         .current_dir(workspace.path(""))
         .env("PATH", format!("{folder}:{path}"))
         .stdin(std::process::Stdio::null());
+    undisturbed(&mut shell);
     shell.output().unwrap()
 }
 

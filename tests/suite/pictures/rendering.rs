@@ -553,10 +553,7 @@ fn snapshots_are_written_once_and_kept_to() {
     std::fs::create_dir(w.path("shots")).unwrap();
     w.write("shots/snapshots.toml", LIST);
     w.write("shots/moving.toml", moving());
-    let snapshot = |more: &[&str]| {
-        let mut command = w.command(&[&["snapshot", "shots"], more].concat());
-        finish(command.env_remove("CI").spawn().unwrap())
-    };
+    let snapshot = |more: &[&str]| w.run(&[&["snapshot", "shots"], more].concat());
     let text = snapshot(&[]).exits(1).text();
     assert!(
         text.contains("failed   start.png: the golden picture is missing"),

@@ -99,11 +99,10 @@ impl Workspace {
         command
             .current_dir(self.folder.path())
             .args(arguments)
-            .env_remove("NO_COLOR")
-            .env_remove("MECHANIM_ADAPTER")
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped());
+        undisturbed(&mut command);
         command
     }
 
@@ -122,6 +121,13 @@ impl Workspace {
         assert!(input.len() < 60_000);
         child.stdin.take().unwrap().write_all(input).unwrap();
         finish(child)
+    }
+}
+
+/// Takes away every variable of the environment that the program reads; a continuous integration sets `CI`, for instance.
+pub fn undisturbed(command: &mut Command) {
+    for variable in ["CI", "NO_COLOR", "MECHANIM_ADAPTER", "MECHANIM_LIMITS"] {
+        command.env_remove(variable);
     }
 }
 

@@ -425,8 +425,7 @@ fn scenes_of_a_list_stand_below_it_or_where_they_are_allowed() {
             "[[picture]]\nfile = \"a.png\"\nscene = \"{scene}\"\ntime = 0.1\nsize = [32, 24]\n"
         );
         w.write("golden/snapshots.toml", list);
-        let mut command = w.command(&[&["snapshot", "golden", "--update=new"], options].concat());
-        let run = program::finish(command.env_remove("CI").spawn().unwrap());
+        let run = w.run(&[&["snapshot", "golden", "--update=new"], options].concat());
         assert_eq!(run.code, code, "{scene} {options:?}: {}", run.stderr);
         for words in ["secret words", "root:"] {
             assert!(!run.stderr.contains(words), "{scene}: {}", run.stderr);

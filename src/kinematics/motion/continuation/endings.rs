@@ -24,27 +24,23 @@ impl Recorder<'_> {
         let tracker = &mut self.tracker;
         // Steps also end at kinks of formulas, where the Jacobian is regular: no singular pose is passed there.
         let is_singular = !tracker.is_trusted(&end.branch);
-        let (to, is_passed) = match tracker.leap(end, time) {
-            Some(to) => (to, false),
-            None => match tracker
-                .settle(end, time)
-                .filter(|to| tracker.is_smooth(end, to))
-            {
-                Some(to) => (to, false),
-                None => match tracker
-                    .cross(end, time)
-                    .filter(|to| tracker.is_smooth(end, to))
-                {
-                    Some(to) => (to, is_singular),
-                    None => match tracker
-                        .hop(end, time)
-                        .filter(|to| tracker.is_smooth(end, to))
-                    {
-                        Some(to) => (to, false),
-                        None => (self.onward(end, time)?, is_singular),
-                    },
-                },
-            },
+        // A pose behind a jump of the formulas is not on the way, wherever it was found.
+        let (to, is_passed) = if let Some(to) = tracker.leap(end, time) {
+            (to, false)
+        } else if let Some(to) = tracker.settle(end, time)
+            && tracker.is_smooth(end, &to)
+        {
+            (to, false)
+        } else if let Some(to) = tracker.cross(end, time)
+            && tracker.is_smooth(end, &to)
+        {
+            (to, is_singular)
+        } else if let Some(to) = tracker.hop(end, time)
+            && tracker.is_smooth(end, &to)
+        {
+            (to, false)
+        } else {
+            (self.onward(end, time)?, is_singular)
         };
         Ok(PathContinuation { to, is_passed })
     }
