@@ -9,6 +9,7 @@ use crate::kinematics::certificate::tube::TaylorModel;
 use crate::kinematics::loops::observed::observed_slots;
 use crate::model::expression::Expression;
 use crate::numbers::interval::Interval;
+use crate::numbers::rounding::OPERATION;
 use std::cmp::Ordering;
 use std::collections::{BinaryHeap, HashMap};
 
@@ -214,7 +215,7 @@ impl Search<'_, '_> {
         if end - start <= NARROWEST * end.abs().max(1.0) {
             self.stuck = self.stuck.max(part.bound);
         // Halving helps as long as the motion itself opens the bound; else the tube must get thinner.
-        } else if moves > around.off && to - from > f64::EPSILON {
+        } else if moves > around.off && to - from > OPERATION {
             self.push(stretch, from, middle);
             self.push(stretch, middle, to);
         } else if let Some(halves) = self.motion.halves(stretch) {

@@ -8,15 +8,13 @@ use crate::kinematics::certificate::tube::TaylorModel;
 use crate::math::Pose;
 use crate::model::chain::{ChainStep, ElementaryMotion};
 use crate::model::walk::walk_chain;
+use crate::numbers::rounding::CHAIN_FACTOR;
 use glam::DVec3;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 /// An element is round about an axis if it misses that by no more than this part of the radius of its ball.
 const ROUND: f64 = 1e-9;
-
-/// Rounding of a value of the joint, of its remainder after whole turns, and of sums of both.
-const ROUNDING: f64 = 1e-15;
 
 /// A line: a point of it, and its direction.
 type AxisLine = [DVec3; 2];
@@ -61,7 +59,8 @@ impl ProvedRanges {
         let at = arguments[self.argument].around(s, half);
         let ends = [at.value + at.bend - at.way, at.value + at.bend + at.way];
         let passed = [ends[0].min(ends[1]) - at.off, ends[0].max(ends[1]) + at.off];
-        let off = at.off + ROUNDING * (1.0 + at.value.abs());
+        // Rounding of the value, of its remainder after whole turns, and of sums of both.
+        let off = at.off + CHAIN_FACTOR * (1.0 + at.value.abs());
         // A parabola leaves the range of its ends by its bend at most.
         let bend = at.bend.abs();
         let all = [
@@ -129,7 +128,7 @@ impl ProvedRanges {
         };
         let value = passed[0].abs().max(passed[1].abs());
         // What the range loses by rounding is a way of the points.
-        let off = ROUNDING * (1.0 + value);
+        let off = CHAIN_FACTOR * (1.0 + value);
         let bound = bound - 4.0 * off * if self.is_turn { self.extent } else { 1.0 };
         let [low, high] = self.reduced([passed[0] - off, passed[1] + off]);
         if self.is_turn && high > TAU {

@@ -10,11 +10,8 @@ use crate::distance::pair::is_inside;
 use crate::distance::primitive::{Element, Primitive};
 use crate::math::Pose;
 use crate::model::joints::EXACT;
+use crate::numbers::rounding::CHAIN_FACTOR;
 use glam::DVec3;
-
-/// What one factor of a chain, or one step of a distance, rounds at most, in lengths of the chain that leads from the one body
-/// to the other.
-const ROUNDING: f64 = 1e-15;
 
 /// How many steps a distance and its bound take behind the chain.
 const STEPS: usize = 16;
@@ -85,7 +82,7 @@ pub(super) struct Best {
 /// unknowns are off.
 pub(super) fn slack_of_poses(motion: &ProvedMotion, chain: &RelativeChain, extent: f64) -> f64 {
     let sizes = (extent / motion.system.mechanism().size).max(1.0);
-    let rounding = ROUNDING * (STEPS + chain.steps().len()) as f64 * extent;
+    let rounding = CHAIN_FACTOR * (STEPS + chain.steps().len()) as f64 * extent;
     rounding + motion.pose_error * sizes * chain.joints() as f64
 }
 

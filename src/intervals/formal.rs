@@ -8,6 +8,7 @@ use super::kaucher::Kaucher;
 use super::system::IntervalSystem;
 use crate::linalg::gauss_jordan::Elimination;
 use crate::linalg::lanes::LaneMatrix;
+use crate::numbers::rounding::OPERATION;
 
 /// What came of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,7 +67,7 @@ pub fn formal_solution(system: &IntervalSystem, tau: f64) -> Formal {
         let length = y.iter().fold(0.0, |s: f64, v| s.max(v.abs()));
         y.iter_mut().zip(&step).for_each(|(y, s)| *y -= tau * s);
         // Only rounding is left, though the residual is that of long sums.
-        if moved <= 4.0 * f64::EPSILON * length {
+        if moved <= 4.0 * OPERATION * length {
             return formal_from(&y, steps + 1);
         }
     }

@@ -3,7 +3,7 @@
 use super::system::IntervalSystem;
 use crate::linalg::gauss_jordan::Elimination;
 use crate::linalg::lanes::LaneMatrix;
-use crate::numbers::rounding::GROW;
+use crate::numbers::rounding::{GROW, OPERATION};
 
 /// Steps of the iteration for the spectral radius.
 const STEPS: usize = 200;
@@ -40,9 +40,9 @@ pub fn spectral_bound(system: &IntervalSystem) -> f64 {
                         let (r, a) = (inverse.at(i, l), row[j]);
                         off += r * a.middle();
                         size += (r * a.middle()).abs();
-                        wide += r.abs() * (a.radius() + f64::EPSILON * a.magnitude());
+                        wide += r.abs() * (a.radius() + OPERATION * a.magnitude());
                     }
-                    let rounding = (n as f64 + 4.0) * f64::EPSILON * (size + 1.0);
+                    let rounding = (n as f64 + 4.0) * OPERATION * (size + 1.0);
                     (wide + off.abs() + rounding) * GROW
                 })
                 .collect()

@@ -17,7 +17,7 @@ pub enum Programme {
 }
 
 /// Entries below this, relative to the largest of all, are rounding.
-const ROUNDING: f64 = 1e-11;
+const SMALL: f64 = 1e-11;
 
 /// The tableau of a programme: rows of constraints, the objective last; right-hand sides in the last column.
 struct SimplexTable {
@@ -38,7 +38,7 @@ pub fn maximise(objective: &[f64], rows: &[Vec<f64>], sides: &[f64]) -> Programm
     let mut table = SimplexTable {
         cells: Vec::with_capacity(m + 1),
         basis: (n..n + m).collect(),
-        slack: ROUNDING * largest,
+        slack: SMALL * largest,
     };
     let width = n + m + 2;
     for (i, (row, side)) in rows.iter().zip(sides).enumerate() {
@@ -101,7 +101,7 @@ impl SimplexTable {
             let objective = &self.cells[m];
             let scale = objective.iter().fold(1.0_f64, |s, v| s.max(v.abs()));
             // Bland's rule: the first column that improves the objective, ...
-            let entering = (0..columns).find(|j| objective[*j] < -ROUNDING * scale);
+            let entering = (0..columns).find(|j| objective[*j] < -SMALL * scale);
             let Some(entering) = entering else {
                 return true;
             };

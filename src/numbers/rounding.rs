@@ -50,6 +50,19 @@ pub const SIN_COS: f64 = 4e-21;
 /// translation no more of itself.
 pub const LONG_STEP: f64 = 3e-23;
 
+/// One factor of a chain in f64, or one step of a distance behind it (radians; lengths, relative to the chain's): an entry
+/// loses at most a unit of its sine (2 U), two products and two sums, and as much once more for what it carries on.
+pub const CHAIN_FACTOR: f64 = 9.0 * U;
+
+/// The Newton-Kantorovich discriminant, relative to (1 - q)²: nine operations at most, including eta's last sum.
+pub const DISCRIMINANT: f64 = 16.0 * U;
+
+/// A joint's column of a Jacobian in f64, relative: a dozen operations on numbers that carry its last bit.
+pub const COLUMN: f64 = 64.0 * U;
+
+/// A derivative of a formula in f64, relative to its terms: a few operations on numbers that carry its last bit.
+pub const SLOPE: f64 = 16.0 * U;
+
 /// Up to here every whole number is one of f64.
 const LARGEST_WHOLE: f64 = (1u64 << 53) as f64;
 

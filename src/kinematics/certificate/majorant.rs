@@ -1,9 +1,6 @@
 //! The Newton-Kantorovich test, for a pose and for a tube alike.
 
-use crate::numbers::rounding::{GROW, U};
-
-/// Rounding of the discriminant, relative to (1 - q)²: nine operations at most, including eta's last sum.
-const DISCRIMINANT: f64 = 16.0 * U;
+use crate::numbers::rounding::{DISCRIMINANT, GROW};
 
 /// The results if the test succeeds, radians and sizes.
 #[derive(Clone, Copy, Debug, PartialEq)]

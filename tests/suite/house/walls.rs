@@ -108,6 +108,24 @@ const WALLS: [Wall; 22] = [
     },
 ];
 
+/// Rooms that prove: the constants of rounding that they use stand in one file, derived there.
+const PROVING: [&str; 7] = [
+    "intervals/",
+    "clearance/",
+    "kinematics/certificate/",
+    "kinematics/enclosure/",
+    "kinematics/motion/continuation/fold_proof.rs",
+    "kinematics/motion/continuation/domain_proof.rs",
+    "analysis/enclosure/",
+];
+
+/// A constant of its own, in units of rounding.
+fn is_own_rounding(line: &str) -> bool {
+    let is_constant =
+        line.contains("const ") && (line.contains("* U;") || line.contains("ROUNDING: f64"));
+    is_constant || line.contains("EPSILON")
+}
+
 /// The one file that knows scenes by name: they are data.
 const SCENE_LIST: &str = "scene/builtin.rs";
 
@@ -142,6 +160,10 @@ fn faults(name: &str, text: &str, scenes: &[String]) -> Vec<String> {
         for word in wall.words.iter().filter(|word| holds(&code, word) && !may) {
             faults.push(format!("{name}: `{word}` belongs to {:?}", wall.rooms));
         }
+    }
+    if PROVING.iter().any(|room| name.starts_with(room)) {
+        let own = code.lines().filter(|line| is_own_rounding(line));
+        faults.extend(own.map(|line| format!("{name}: belongs to numbers/rounding.rs: {line}")));
     }
     let code = with_strings(text);
     for scene in scenes.iter().filter(|_| name != SCENE_LIST) {
@@ -219,6 +241,14 @@ fn a_planted_fault_is_found() {
         assert_eq!(count("model/a.rs", &format!("// {line}")), 0, "{line}");
         let tests = format!("#[cfg(test)]\nmod tests {{\n{line}\n}}");
         assert_eq!(count("model/a.rs", &tests), 0, "{line}");
+    }
+    for line in [
+        "const STEP_ROUNDING: f64 = 1e-15;",
+        "const STEP: f64 = 3.0 * U;",
+        "a * f64::EPSILON",
+    ] {
+        assert_eq!(count("clearance/a.rs", line), 1, "{line}");
+        assert_eq!(count("numbers/rounding.rs", line), 0, "{line}");
     }
     assert_eq!(faults("a.rs", "fn a() {}\n", &scenes).len(), 1);
     let long = "//! Long.\n".to_owned() + &"\n".repeat(MOST_LINES);

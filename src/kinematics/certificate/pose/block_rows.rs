@@ -7,10 +7,7 @@ use crate::kinematics::results::certificate::Reason;
 use crate::kinematics::structure::proof_plan::{LoopRows, ProofBlock};
 use crate::linalg::lanes::LaneMatrix;
 use crate::model::chain::ElementaryMotion;
-use crate::numbers::rounding::{GROW, U};
-
-/// Relative rounding of a joint's column: a dozen operations on numbers that carry the last bit of f64.
-const COLUMN_ROUNDING: f64 = 64.0 * U;
+use crate::numbers::rounding::{COLUMN, GROW, U};
 
 /// A trace below this could belong to a half-turn (trace -1) as well as to the identity (trace 3), after what the
 /// rotation can change within the error bound.
@@ -138,7 +135,7 @@ impl<'m> BlockRows<'m> {
             let kind = component / 3;
             let farthest = if kind == 0 { 1.0 } else { reach };
             // The columns carry rounding, and belong to arguments with the uncertainty `open`.
-            let slack = COLUMN_ROUNDING + open[0];
+            let slack = COLUMN + open[0];
             self.rows[row] = ProvedRow {
                 residual: item.residual[component],
                 open: item.open[kind] + open[0] * open[0] * farthest + open[0] * open[1],
@@ -171,7 +168,7 @@ impl<'m> BlockRows<'m> {
             let forms = &self.of.forms[equation.forms()];
             for (form, [slope, open]) in equation.forms().zip(&self.equation.slopes) {
                 *self.columns.at_mut(form, row) = slope * scale;
-                let error = COLUMN_ROUNDING * slope.abs() + open;
+                let error = COLUMN * slope.abs() + open;
                 column_error += error * self.of.forms[form].rate;
             }
             for (factor, [a, b]) in &equation.formula.products {

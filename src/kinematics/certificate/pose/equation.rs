@@ -4,13 +4,10 @@ use super::chain::affine_value;
 use crate::model::expression::Affine;
 use crate::model::expression::quadratic::Quadratic;
 use crate::numbers::double_double::DoubleDouble;
-use crate::numbers::rounding::{DECIMAL, LONG_OPERATION, U};
+use crate::numbers::rounding::{DECIMAL, LONG_OPERATION, SLOPE};
 
 /// Operations with sums of two f64 on the way from a term to a value, and one for their own rounding.
 const OPERATIONS: f64 = 6.0;
-
-/// Rounding of a derivative, relative to its terms: a few operations on numbers that carry the last bit of f64.
-const SLOPE_ROUNDING: f64 = 16.0 * U;
 
 /// Buffers of one equation.
 #[derive(Clone, Debug, Default)]
@@ -54,7 +51,7 @@ impl EquationAtPose {
                 let [sum, open] = &mut self.slopes[1 + by];
                 *sum += slope * other.hi;
                 // In addition to the uncertainty: omitted second parts, and the rounding of a short sum.
-                *open += largest * (open_other + SLOPE_ROUNDING * other.hi.abs());
+                *open += largest * (open_other + SLOPE * other.hi.abs());
             }
         }
         let count = OPERATIONS + formula.products.len() as f64;

@@ -13,6 +13,7 @@ use crate::model::actuation::Actuation;
 use crate::model::chain::Argument;
 use crate::model::expression::{Expression, Op};
 use crate::model::mechanism::Kind;
+use crate::numbers::rounding::DECIMAL;
 use std::sync::Arc;
 
 /// Most unknowns: all blocks are proved as one.
@@ -120,7 +121,7 @@ impl Exchanged {
         let [[before, e0], [at, e1], [behind, e2]] = known?[..] else {
             return None;
         };
-        let rounding = f64::EPSILON * at.abs();
+        let rounding = DECIMAL * at.abs();
         let beyond = |other: f64, error: f64| (at - other) * sense > e1 + error + rounding;
         Some(beyond(before, e0) && beyond(behind, e2))
     }
