@@ -104,6 +104,7 @@ pub fn draw_links(
             .map(|j| plane.spot(reached_place(j, index)))
             .chain(points.map(|p| plane.spot(p.1)))
             .collect();
+        let ends = distinct_spots(ends);
         let paths: Vec<Vec<DrawnSpot>> = link.paths.iter().map(|p| shown_path(p, plane)).collect();
         if is_plane && ends.len() > 2 {
             draw_plate(&ends, text, ink);
@@ -130,6 +131,21 @@ pub fn draw_links(
             );
         }
     }
+}
+
+/// Pixels within which two spots are one.
+const ONE_SPOT: f64 = 0.5;
+
+/// The spots, without those where an earlier one is.
+fn distinct_spots(spots: Vec<DrawnSpot>) -> Vec<DrawnSpot> {
+    let mut kept: Vec<DrawnSpot> = Vec::new();
+    for spot in spots {
+        let is_near = |other: &DrawnSpot| spot_length(spot_difference(*other, spot)) < ONE_SPOT;
+        if !kept.iter().any(is_near) {
+            kept.push(spot);
+        }
+    }
+    kept
 }
 
 /// A link with three joints and more: a plate.

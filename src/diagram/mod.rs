@@ -5,6 +5,7 @@
 //! writers.
 
 mod arcs;
+mod bars;
 mod bins;
 mod contacts;
 mod ground;
@@ -18,6 +19,7 @@ pub mod plane;
 mod quantities;
 pub mod scheme;
 pub mod sheet;
+mod shown_links;
 mod surfaces;
 mod symbols;
 pub mod walk;

@@ -1,7 +1,9 @@
 //! From the chains as written and a pose to the scheme: every chain is walked once, and what lies on it is recorded.
 
 use super::scheme::{Scheme, SchemeJoint, SchemeLink, SchemeLoop};
+use super::shown_links::{link_numbers, rides_on_joints, shown_links};
 use crate::math::Pose;
+use crate::model::bar_ends::BarEnds;
 use crate::model::chain::{ArgumentValue, ElementaryMotion};
 use crate::model::joints::{JointKind, Joints, Passage};
 use crate::model::mechanism::Mechanism;
@@ -28,7 +30,7 @@ pub fn scheme_at(mechanism: &Mechanism, notation: &Notation, coordinates: &[f64]
         walker.follow_chain(chain, passages, start_pose, start.link, true);
     }
     for (k, chain) in notation.bodies.iter().enumerate() {
-        if !rides_on_joints(joints, k) {
+        if !rides_on_joints(joints, &walker.ends, k) {
             continue;
         }
         let end = walker.follow_chain(chain, &joints.along_bodies[k], Pose::IDENTITY, 0, false);
@@ -40,6 +42,7 @@ pub fn scheme_at(mechanism: &Mechanism, notation: &Notation, coordinates: &[f64]
             }
         }
     }
+    walker.note_bars(&own);
     walker.note_surfaces();
     walker.scheme
 }
@@ -50,6 +53,7 @@ pub(super) struct ChainWalker<'a> {
     pub(super) notation: &'a Notation,
     pub(super) values: &'a [ArgumentValue],
     pub(super) joints: &'a Joints,
+    pub(super) ends: BarEnds<'a>,
     pub(super) scheme: Scheme,
     /// Where in the scheme a joint of the table is placed.
     known: Vec<Option<usize>>,
@@ -74,8 +78,9 @@ impl<'a> ChainWalker<'a> {
         own: &[ArgumentValue],
     ) -> Self {
         let joints = &mechanism.joints;
-        let shown = shown_links(mechanism);
-        let numbers = link_numbers(joints, &shown);
+        let ends = BarEnds::new(mechanism);
+        let shown = shown_links(mechanism, &ends);
+        let numbers = link_numbers(joints, &shown, mechanism.bars.len());
         let links = joints
             .links
             .iter()
@@ -97,6 +102,7 @@ impl<'a> ChainWalker<'a> {
             notation,
             values,
             joints,
+            ends,
             scheme: Scheme {
                 links: links.collect(),
                 size: mechanism.size,
@@ -134,13 +140,10 @@ impl<'a> ChainWalker<'a> {
             } else {
                 self.leave_joint(&mut here, passages);
             }
-            self.note_factor(
-                chain,
-                index,
-                &here.frame,
-                passage.map(|p| passages[p].joint),
-                is_loop,
-            );
+            let joint = passage.map(|p| passages[p].joint);
+            if !joint.is_some_and(|joint| self.is_of_end(joint)) {
+                self.note_factor(chain, index, &here.frame, joint, is_loop);
+            }
             let next = here.frame * factor.pose(self.values);
             if passage.is_none() {
                 here.path.push(next.translation);
@@ -156,6 +159,9 @@ impl<'a> ChainWalker<'a> {
         self.leave_joint(&mut here, passages);
         if is_loop {
             self.keep_path(&here);
+        }
+        // The loop of a bar's end only computes its coordinates.
+        if is_loop && !passages.iter().any(|p| self.is_of_end(p.joint)) {
             self.scheme.loops.push(SchemeLoop {
                 name: chain.name.clone(),
                 points: here.loop_points,
@@ -170,7 +176,7 @@ impl<'a> ChainWalker<'a> {
         self.keep_path(here);
         here.passage = Some(index);
         here.loop_points.push(at);
-        if self.known[passage.joint].is_some() {
+        if self.known[passage.joint].is_some() || self.is_of_end(passage.joint) {
             return;
         }
         let joint = &self.joints.list[passage.joint];
@@ -188,6 +194,11 @@ impl<'a> ChainWalker<'a> {
             },
             names: Vec::new(),
         });
+    }
+
+    /// Whether a joint only places the end of a bar.
+    fn is_of_end(&self, joint: usize) -> bool {
+        self.ends.place_joint(&self.joints.list[joint])
     }
 
     /// Leaves the current joint: a new path begins on the link behind it.
@@ -247,7 +258,8 @@ impl<'a> ChainWalker<'a> {
                     && !is_near(known, &reversed, self.scheme.size)
             })
         };
-        if path.len() > 1 && is_new(&self.scheme.links[here.link].paths) {
+        let is_shown = self.scheme.links[here.link].is_shown;
+        if path.len() > 1 && is_shown && is_new(&self.scheme.links[here.link].paths) {
             self.scheme.links[here.link].paths.push(path);
         }
     }
@@ -296,51 +308,6 @@ pub(super) fn has_point(kind: JointKind) -> bool {
         kind,
         JointKind::Spherical | JointKind::Universal | JointKind::Planar
     )
-}
-
-/// Whether a body is carried by joints only.
-fn rides_on_joints(joints: &Joints, body: usize) -> bool {
-    let mut passages = joints.along_bodies[body].iter();
-    passages.all(|passage| !joints.list[passage.joint].is_placed)
-}
-
-/// Links that loops pass, and those of bodies that ride on joints.
-fn shown_links(mechanism: &Mechanism) -> Vec<bool> {
-    let joints = &mechanism.joints;
-    let mut shown = vec![false; joints.links.len()];
-    let riding = (0..mechanism.bodies.len()).filter(|body| rides_on_joints(joints, *body));
-    let own: Vec<usize> = riding.collect();
-    let passed = own.iter().flat_map(|body| &joints.along_bodies[*body]);
-    let passed = passed.chain(joints.along_loops.iter().flatten());
-    let ends = passed.flat_map(|passage| {
-        let joint = &joints.list[passage.joint];
-        [joint.before.link, joint.after.link]
-    });
-    let starts = joints.loop_starts.iter().map(|start| start.link);
-    let bodies = own.iter().map(|body| joints.of_body[*body]);
-    let all = ends.chain(starts).chain(bodies).chain([0]);
-    all.for_each(|link| shown[link] = true);
-    shown
-}
-
-/// Numbers of links in textbook order: the frame is 1, then the bodies in order, then the rest; hidden ones come last.
-fn link_numbers(joints: &Joints, shown: &[bool]) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..joints.links.len()).collect();
-    let first = |link: usize| {
-        joints.links[link]
-            .bodies
-            .iter()
-            .min()
-            .copied()
-            .unwrap_or(usize::MAX)
-    };
-    order.sort_by_key(|link| (*link != 0, !shown[*link], first(*link), *link));
-    let mut numbers = vec![0; order.len()];
-    order
-        .iter()
-        .enumerate()
-        .for_each(|(k, link)| numbers[*link] = k + 1);
-    numbers
 }
 
 fn distinct_points(path: &[DVec3], least: f64) -> Vec<DVec3> {

@@ -65,6 +65,15 @@ pub struct WrittenContact {
     pub sides: [WrittenSurface; 2],
 }
 
+/// The length of a bar.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WrittenLength {
+    /// As typed.
+    pub text: String,
+    /// Whether it contains a name.
+    pub has_name: bool,
+}
+
 /// All chains of a scene as written.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Notation {
@@ -82,6 +91,8 @@ pub struct Notation {
     pub points: Vec<WrittenChain>,
     /// Contacts of surfaces.
     pub contacts: Vec<WrittenContact>,
+    /// Lengths of the mechanism's bars, in their order.
+    pub bar_lengths: Vec<WrittenLength>,
 }
 
 impl Notation {

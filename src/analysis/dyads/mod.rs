@@ -1,7 +1,6 @@
 //! A planar linkage as a sequence of dyads, read from a solved mechanism, and trials with random directions of its
 //! bars.
 
-mod bar_ends;
 mod not_dyads;
 mod plane;
 mod points;

@@ -4,13 +4,13 @@
 //! link with two points is a bar. A link with more is replaced by bars: every further point is connected by two bars to
 //! earlier points that are not collinear with it.
 
-use super::bar_ends::BarEnds;
 use super::not_dyads::NotDyads;
 use super::plane::{ProjectionPlane, SAME, cross_product, dot_product};
 use crate::intervals::chain::DyadChain;
 use crate::intervals::peeling::peel_dyads;
 use crate::kinematics::rates::variation::Variation;
 use crate::kinematics::structure::system::System;
+use crate::model::bar_ends::BarEnds;
 use crate::model::chain::Chain;
 use crate::model::joints::{Joint, JointKind};
 use crate::model::mechanism::{BarEnd, Mechanism};
@@ -58,7 +58,10 @@ pub fn planar_row(system: &System, pose: &[f64], moving: usize) -> Result<Planar
         ..HyperDual::default()
     };
     let slots: Vec<HyperDual> = pose.iter().zip(&rates).map(changing).collect();
-    let ends = BarEnds::new(mechanism)?;
+    let ends = BarEnds::new(mechanism);
+    if let Some(other) = other_equation(mechanism) {
+        return Err(NotDyads::Equation(other));
+    }
     let normal = common_axis(mechanism, &slots, &ends)?;
     let reader = LinkageReader {
         mechanism,
@@ -103,6 +106,14 @@ pub fn planar_row(system: &System, pose: &[f64], moving: usize) -> Result<Planar
         Some(dyad) => Err(NotDyads::Pole(row.names[dyad.point].clone())),
         None => Ok(row),
     }
+}
+
+/// An equation that is no bar, beside bars.
+fn other_equation(mechanism: &Mechanism) -> Option<String> {
+    let is_bar = |name: &str| mechanism.bars.iter().any(|bar| bar.name == name);
+    let other = mechanism.equations.iter().find(|e| !is_bar(&e.name));
+    let other = other.filter(|_| !mechanism.bars.is_empty())?;
+    Some(other.name.clone())
 }
 
 fn frame_of(mechanism: &Mechanism, slots: &[HyperDual], chain: &Chain) -> WalkFrame<HyperDual> {
@@ -255,7 +266,12 @@ impl LinkageReader<'_> {
             let (Some(point), None) = (found, link) else {
                 continue;
             };
-            for slot in self.ends.free_slots(end, &names[point])? {
+            // With two coordinates it is free in its plane.
+            let slots = self.ends.unknowns_of(end);
+            if slots.len() != 2 {
+                return Err(NotDyads::Point(names[point].clone()));
+            }
+            for slot in slots {
                 if *owners.entry(slot).or_insert(point) != point {
                     return Err(NotDyads::Point(names[point].clone()));
                 }

@@ -14,7 +14,8 @@ use crate::diag::Diagnostics;
 use crate::model::chain::{Argument, ChainStep, ElementaryMotion};
 use crate::model::mechanism::{AngleUnit, Closes, Mechanism};
 use crate::model::notation::{
-    Notation, WrittenChain, WrittenContact, WrittenFactor, WrittenSurface, WrittenTerm,
+    Notation, WrittenChain, WrittenContact, WrittenFactor, WrittenLength, WrittenSurface,
+    WrittenTerm,
 };
 
 /// Everything in a scene that is written as a chain; errors were reported when the mechanism was resolved.
@@ -104,8 +105,14 @@ pub fn resolve_notation(
         name: contact.name.value.clone(),
         sides: contact.sides.each_ref().map(|side| writer.surface(side)),
     });
+    let bars = parsed.bars.list.iter();
+    let bar_lengths = bars.map(|bar| WrittenLength {
+        text: written_formula(&bar.length),
+        has_name: formula_has_name(&bar.length),
+    });
     Notation {
         contacts: contacts.collect(),
+        bar_lengths: bar_lengths.collect(),
         loops,
         bodies,
         chains,
@@ -251,12 +258,15 @@ fn factor_text(factor: &Factor) -> String {
 }
 
 fn has_name(factor: &Factor) -> bool {
-    let mut found = false;
-    let mut look = |node: &FormulaNode| node.visit_names(&mut |_, _| found = true);
     match factor {
-        Factor::Elementary(_, _, node) => look(node),
-        Factor::Direction(..) => {}
+        Factor::Elementary(_, _, node) => formula_has_name(node),
+        Factor::Direction(..) => false,
     }
+}
+
+fn formula_has_name(node: &FormulaNode) -> bool {
+    let mut found = false;
+    node.visit_names(&mut |_, _| found = true);
     found
 }
 

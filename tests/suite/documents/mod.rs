@@ -3,6 +3,7 @@
 
 mod commands;
 mod content;
+mod figures;
 mod fixtures;
 mod options;
 mod outputs;

@@ -1,12 +1,12 @@
 //! Bars given as bars in the scene: the coordinates that only place their ends, and the links of the ends.
 
-use super::not_dyads::NotDyads;
-use crate::model::chain::{Chain, ChainStep};
-use crate::model::joints::Joint;
-use crate::model::mechanism::{BarEnd, Mechanism};
+use super::chain::{Chain, ChainStep};
+use super::joints::Joint;
+use super::mechanism::{BarEnd, Mechanism};
 use std::collections::BTreeSet;
 
 /// The ends of all bars of a mechanism.
+#[derive(Clone, Debug)]
 pub struct BarEnds<'m> {
     mechanism: &'m Mechanism,
     /// Unknowns that are coordinates of ends.
@@ -15,22 +15,14 @@ pub struct BarEnds<'m> {
 
 impl<'m> BarEnds<'m> {
     /// Of all bars.
-    ///
-    /// # Errors
-    /// An equation that is no bar.
-    pub fn new(mechanism: &'m Mechanism) -> Result<Self, NotDyads> {
-        let is_bar = |name: &str| mechanism.bars.iter().any(|bar| bar.name == name);
-        let other = mechanism.equations.iter().find(|e| !is_bar(&e.name));
-        if let Some(other) = other.filter(|_| !mechanism.bars.is_empty()) {
-            return Err(NotDyads::Equation(other.name.clone()));
-        }
+    pub fn new(mechanism: &'m Mechanism) -> Self {
         let mut ends = Self {
             mechanism,
             slots: BTreeSet::new(),
         };
         let all = mechanism.bars.iter().flat_map(|bar| &bar.ends);
-        ends.slots = all.flat_map(|end| ends.unknowns_of(&end.point)).collect();
-        Ok(ends)
+        ends.slots = all.flat_map(|end| ends.unknowns_of(end)).collect();
+        ends
     }
 
     /// Every bar's ends.
@@ -38,8 +30,9 @@ impl<'m> BarEnds<'m> {
         self.mechanism.bars.iter().map(|bar| &bar.ends)
     }
 
-    fn unknowns_of(&self, chain: &Chain) -> BTreeSet<usize> {
-        let arguments = chain.arguments().into_iter();
+    /// Unknowns that place an end.
+    pub fn unknowns_of(&self, end: &BarEnd) -> BTreeSet<usize> {
+        let arguments = end.point.arguments().into_iter();
         let slots = arguments.flat_map(|a| self.mechanism.arguments[a].coordinates());
         slots
             .filter(|slot| *slot < self.mechanism.unknowns.len())
@@ -76,18 +69,6 @@ impl<'m> BarEnds<'m> {
         links.find(|link| {
             !self.place_link(*link) && moving_steps(&joints.world_from_link(*link)) == own
         })
-    }
-
-    /// Unknowns that move a free end; with two of them it is free in its plane.
-    ///
-    /// # Errors
-    /// An end that is not free in the plane.
-    pub fn free_slots(&self, end: &BarEnd, name: &str) -> Result<BTreeSet<usize>, NotDyads> {
-        let slots = self.unknowns_of(&end.point);
-        match slots.len() {
-            2 => Ok(slots),
-            _ => Err(NotDyads::Point(name.to_owned())),
-        }
     }
 }
 
