@@ -410,7 +410,7 @@ def judge_browser(paths, folder, program):
         opened.page.add_init_script("HTMLCanvasElement.prototype.getContext = () => null")
         with opened:
             assert opened.page.locator(".still").is_visible() and not opened.page.locator("canvas").is_visible()
-            assert "stands still" in opened.page.locator("[data-part=note]").inner_text()
+            assert "does not move" in opened.page.locator("[data-part=note]").inner_text()
             opened.page.get_by_role("slider", name="Time").focus()
             opened.page.keyboard.press("End")
             opened.shot(folder / "gearshift-no-webgl.png")

@@ -13,7 +13,7 @@ fn main() -> Result<ExitCode, Error> {
         for pair in check.pairs().iter().filter(|pair| !pair.passed) {
             let [a, b] = &pair.bodies;
             println!(
-                "{a} / {b}: {:.4} at {:.3} s, {} asked",
+                "{a} / {b}: {:.4} at {:.3} s, minimum {}",
                 pair.distance, pair.time, pair.minimum
             );
         }

@@ -60,13 +60,13 @@ pub fn path_clouds(
             return None;
         }
         let values = values_of(nominal, tolerances, batch, item);
-        let Ok(stand) = evaluator.approach(nominal, &values) else {
+        let Ok(track_poses) = evaluator.approach(nominal, &values) else {
             continue;
         };
         for (poses, trace, cloud) in &mut clouds {
             cloud
                 .pieces
-                .push(family.path(&stand.poses[poses.clone()], *trace));
+                .push(family.path(&track_poses.poses[poses.clone()], *trace));
         }
     }
     Some(clouds.into_iter().map(|(_, _, cloud)| cloud).collect())

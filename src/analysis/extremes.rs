@@ -26,11 +26,11 @@ pub fn found_extremes(
                 if corner == last || cancel.load(Ordering::Relaxed) {
                     break;
                 }
-                let Ok(stand) = evaluator.approach(nominal, &corner) else {
+                let Ok(track_poses) = evaluator.approach(nominal, &corner) else {
                     break;
                 };
-                let stand = evaluator.settled(stand);
-                let Ok(there) = evaluator.gradients(&stand) else {
+                let track_poses = evaluator.settled(track_poses);
+                let Ok(there) = evaluator.gradients(&track_poses) else {
                     break;
                 };
                 // A corner may be extreme for other measures as well.

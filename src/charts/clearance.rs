@@ -109,7 +109,7 @@ fn mark_worst(mechanism: &Mechanism, worst: &PairReport, panel: &mut Panel, char
         |bound| format!("never below {} {unit} ({how})", not_below(bound, 4)),
     );
     chart.notes.push(format!(
-        "dashed: the minimum, {minimum} is asked, and the bound of {pair}, {known}"
+        "dashed: the required minimum, {minimum}, and the bound of {pair}, {known}"
     ));
     panel.marks.push([least.time, least.distance]);
     panel.events.push(EventMark {

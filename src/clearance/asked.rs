@@ -1,4 +1,4 @@
-//! One pair of bodies: what the scene asks of it, and how it comes out.
+//! One pair of bodies: the requirements of the scene, and the result.
 
 use super::contact::AT_LEAST;
 use super::found::{Judgement, PairReport, Violation, Violations};
@@ -10,22 +10,22 @@ use super::sweep::{Least, PairSweep};
 use crate::distance::bodies::Hull;
 use crate::model::clearance::{ClearanceRules, Ignored};
 
-/// Bodies that are meant to touch may be this far apart or in each other at the sampled times, in mechanism sizes: far more
+/// Bodies in contact may be this far apart or overlap by this at the sampled times, in mechanism sizes: much more
 /// than rounding.
 const CONTACT: f64 = 1e-10;
 
-/// Two bodies, and what is asked of them.
+/// Two bodies and the requirements on them.
 pub(super) struct AskedPair<'a> {
     pub(super) rules: &'a ClearanceRules,
     pub(super) bodies: [usize; 2],
     pub(super) hulls: [&'a Hull; 2],
     pub(super) ignored: Option<&'a Ignored>,
     pub(super) tolerance: f64,
-    /// When a pair is too near is asked, too.
+    /// Whether the times of violations are requested, too.
     pub(super) with_times: bool,
 }
 
-/// What was found of a pair: neighbours are judged but for the shapes at their joint.
+/// The result for a pair: neighbours are judged without the shapes at their joint.
 #[derive(Default)]
 pub(super) struct BoundSearch {
     pub(super) judged: Vec<PairReport>,
@@ -36,7 +36,7 @@ pub(super) struct BoundSearch {
 }
 
 impl BoundSearch {
-    /// Takes in what was found of the shapes of a sweep.
+    /// Adds the result for the shapes of a sweep.
     fn take(&mut self, report: Option<PairReport>, sweep: &PairSweep) {
         let nominal = report.as_ref().map(|report| report.least.distance);
         self.parts
@@ -137,7 +137,7 @@ impl<'a> AskedPair<'a> {
             };
             let growth = region.growth(*pair);
             let allowed = assembled.distance.min(0.0) - growth;
-            // A mesh has no depth: how far it may be shifted tells.
+            // A mesh has no depth: the translation that separates it decides.
             let is_mesh = only.hulls.iter().any(|hull| hull.has_mesh());
             let cut = match is_mesh {
                 true => only.cut_deeper(motion, growth),
@@ -245,7 +245,7 @@ impl<'a> AskedPair<'a> {
         Some(report)
     }
 
-    /// That an exclusion excludes nothing: what it leaves out would pass.
+    /// Warns of an exclusion that is unnecessary because the excluded shapes would pass.
     fn needless(&self, motion: &mut ProvedMotion, near: Option<&Neighbours>) -> Option<String> {
         let [a, b] = self
             .bodies

@@ -1,28 +1,28 @@
-//! Branch and bound over stretches of time: a bound below the distance of two bodies over the whole motion.
+//! Branch and bound over time intervals: a lower bound of the distance of two bodies over the whole motion.
 //!
-//! Over a short time the distance cannot fall below what it is in the middle by more than any point moves. Between convex
-//! elements only the motion across the plane between them counts, point by point: then the bound is as near as the second
-//! power of the time, and solids that slide along each other keep it.
+//! In a short interval the distance cannot fall below that in the middle by more than the largest displacement. Between convex
+//! elements only the motion normal to the separating plane counts, point by point: then the error of the bound is quadratic
+//! in the time, also for solids that slide along each other.
 //!
-//! First the minimum is proved everywhere, which is what the verdict rests on; then the bound is brought as near to the
-//! distance as was asked. A search that is cut off has what was proved until then.
+//! First the minimum is proved everywhere, which decides the verdict; then the bound is brought as close to the
+//! distance as requested. An interrupted search keeps what was proved so far.
 
 use super::look::{BoundGoal, LookMemory, Segment};
 use super::motion::ProvedMotion;
 use super::sweep::{Best, Least, PairSweep};
 use crate::distance::bodies::nearest_bodies;
 
-/// Most pieces of time looked at for one pair.
+/// Maximum number of time intervals examined for one pair.
 const MAX_LOOKS: usize = 40_000;
 
-/// Where nothing can be proved, a lower distance is searched only: of bodies that overlap, and of those that are so large that
-/// their poses are rounded by more than what is left above the minimum.
+/// Where nothing can be proved, only a smaller distance is searched: for bodies that overlap, and for those so large that
+/// the rounding of their poses exceeds their margin above the minimum.
 const LOOKS_WITHOUT_PROOF: usize = 400;
 
-/// Shortest piece of a stretch that is looked at, as a part of it.
+/// Shortest part of an interval that is examined, as a fraction of it.
 const SHORTEST: f64 = 1.0 / 65_536.0;
 
-/// A pose is solved for a lower distance only where that is lower by this share of what the bound may miss.
+/// A pose is solved for a smaller distance only if the gain is this fraction of what the bound may miss.
 const WORTH_A_POSE: f64 = 0.25;
 
 /// What is to be proved.
@@ -34,7 +34,7 @@ enum Goal {
     Tolerance,
 }
 
-/// Pieces still to be looked at, and those that are settled.
+/// Parts still to be examined, and those that are settled.
 struct SegmentSearch {
     open: Vec<Segment>,
     settled: Vec<(Segment, BoundGoal)>,
@@ -68,7 +68,7 @@ impl PairSweep<'_> {
             false => lowest.fold(near, f64::min),
         };
         let is_proved = all().all(|(piece, _)| motion.stretches[piece.stretch].is_certified);
-        // A depth is a measure, not a distance: what is proved then is that the bodies overlap.
+        // A depth is not a distance: only the overlap of the bodies is proved.
         let is_certified = is_proved && near >= -self.slack() && motion.gaps.is_empty();
         let is_refined = bound >= self.target(&best);
         let bound = self.told(bound - self.pose_slack());
@@ -140,9 +140,9 @@ impl PairSweep<'_> {
                 search.cut_off(piece);
                 return;
             }
-            // Depth first; what a piece cannot fall below is compared with what is asked now.
+            // Depth first; the bound of a part is compared with the present goal.
             search.looks += 1;
-            // A whole stretch is looked at once, for both goals.
+            // A whole interval is examined once, for both goals.
             let [asked, target] = [self.value_of(goal, best), self.target(best)];
             let goals = match piece.half == 1.0 {
                 true => [asked.max(target), target],
@@ -203,7 +203,7 @@ impl PairSweep<'_> {
 }
 
 impl SegmentSearch {
-    /// Ends with what is known of this piece and of all that are open.
+    /// Ends with the bounds of this part and of all open ones.
     fn cut_off(&mut self, piece: Segment) {
         let rest = std::iter::once(piece).chain(self.open.drain(..));
         let unlooked = rest.map(|piece| {
@@ -217,7 +217,7 @@ impl SegmentSearch {
     /// tell more.
     fn reopen(&mut self, motion: &mut ProvedMotion, goal: f64) {
         let mut kept = Vec::new();
-        // The lowest is looked at first.
+        // The lowest bound first.
         self.settled
             .sort_by(|(_, p), (_, q)| q.lowest.total_cmp(&p.lowest));
         for (piece, look) in self.settled.drain(..) {

@@ -16,7 +16,7 @@ use crate::model::chain::Chain;
 use glam::DVec3;
 use std::collections::HashSet;
 
-/// Steps of the search for a distance within which as many pairs are as should be looked at one by one.
+/// Steps of the search for a distance that includes as many pairs as should be examined one by one.
 const LEVELS: u32 = 64;
 
 /// Halvings of the last step.
@@ -74,7 +74,7 @@ impl Sweeper {
             slack: slack_of_poses(motion, &chain, extent),
             chain,
             ball: hull.ball,
-            // In an open mesh nothing is noticed: it is looked at with every other body.
+            // An open mesh does not notice a body inside it: it is examined with every other body.
             own: own
                 .filter(|_| !hull.is_open())
                 .map(|b| [0.5 * (b.low + b.high), 0.5 * (b.high - b.low)]),
@@ -134,7 +134,7 @@ pub(super) struct BroadPhase<'m> {
 pub(super) struct NearPairs {
     /// Ascending indices, in order.
     pub(super) pairs: Vec<[usize; 2]>,
-    /// All other pairs, but for those of one part, are never nearer than this.
+    /// Lower bound for all other pairs, except those of one part.
     pub(super) apart: f64,
 }
 
@@ -199,7 +199,7 @@ impl<'m> BroadPhase<'m> {
         self.bodies.iter().map(swept).collect()
     }
 
-    /// A distance that no more pairs than wanted are within at the beginning, and the nearest pairs if that is none.
+    /// A distance within which at most the wanted number of pairs lie at the beginning; the nearest pairs if there is none.
     /// It is never below `minimum`, however many pairs are within.
     fn level(&self, minimum: f64, wanted: usize) -> (f64, HashSet<[usize; 2]>) {
         let boxes = self.boxes(0, 0.0);
@@ -240,7 +240,7 @@ impl<'m> BroadPhase<'m> {
         }
     }
 
-    /// Pairs of bodies whose boxes are no farther apart than this, until `meet` wants no more.
+    /// Pairs of bodies whose boxes are at most this far apart, until `meet` returns `false`.
     fn compare(&self, boxes: &[AxisBox], apart: f64, mut meet: impl FnMut([usize; 2]) -> bool) {
         near_boxes(boxes, apart, |pair| {
             let [a, b] = pair.map(|k| &self.bodies[k]);

@@ -31,13 +31,13 @@ pub struct Closely {
 }
 
 impl Closely {
-    /// Fewer pairs are looked at one by one: a report of more is not read line by line.
+    /// Number of pairs examined one by one: nobody reads longer reports line by line.
     pub const PAIRS: usize = 200;
 
-    /// What a search for one pair takes at most, seconds: it ends with what is proved until then.
+    /// Time limit of the search for one pair, seconds: it ends with the bound proved so far.
     pub const SECONDS: f64 = 120.0;
 
-    /// How near a bound comes to its distance where nothing else is asked: three digits are what a report shows.
+    /// Default agreement of bound and distance: a report shows three digits.
     pub const TOLERANCE: f64 = 1e-3;
 
     /// To a tolerance.
@@ -50,8 +50,8 @@ impl Closely {
     }
 }
 
-/// Checks the clearances of a mechanism over a motion of certified poses: what lies between them is looked at, too, what
-/// lies before and after them is not.
+/// Checks the clearances of a mechanism over a motion of certified poses, between them as well, but not
+/// before and after them.
 pub fn check_clearance(
     system: &System,
     actuation: &Actuation,
@@ -119,7 +119,7 @@ pub fn check_over(
     report
 }
 
-/// The pairs that are looked at one by one, and what is asked of them.
+/// The pairs that are examined one by one, and the requirements on them.
 struct Searches<'a> {
     rules: &'a ClearanceRules,
     hulls: &'a [Option<Hull>],
@@ -189,7 +189,7 @@ impl Searches<'_> {
     }
 }
 
-/// What ended a search before it had proved what was asked.
+/// The limit that ended a search before the requested bound was proved.
 #[derive(Clone, Copy, PartialEq)]
 enum CutBy {
     /// Its own time.
@@ -198,7 +198,7 @@ enum CutBy {
     Run,
 }
 
-/// Which searches ended before they had proved what was asked, as places in the list of pairs.
+/// The searches that ended before the requested bound was proved, as indices into the list of pairs.
 #[derive(Default)]
 struct CutOff {
     by_own: Vec<usize>,
@@ -250,7 +250,7 @@ fn sort_report(report: &mut ClearanceReport) {
         .sort_by_key(|p| !matches!(p.judgement, Judgement::Ignored(_)));
 }
 
-/// Which pairs are looked at one by one, and what becomes of the others.
+/// Selects the pairs that are examined one by one, and classifies the others.
 struct Selection {
     pairs: Vec<[usize; 2]>,
     far: Option<FarPairs>,

@@ -19,7 +19,7 @@ pub const BETWEEN_SAMPLES: f64 = 1e-6;
 /// the time only; this is no more than a joint's usual play.
 pub const AT_LEAST: f64 = 1e-4;
 
-/// Pieces of a stretch at which bodies in contact are looked at first.
+/// Initial number of parts of an interval for bodies in contact.
 const PIECES: u32 = 16;
 
 /// How often a piece is halved whose bounds are not near enough.
@@ -32,18 +32,18 @@ const MORE_HALVINGS: u32 = 4;
 /// more for each time that they are twice as long: how near the bounds come does not depend on the samples.
 const SHORT: f64 = 1.0 / 128.0;
 
-/// Where the bounds of the motion take up more than this part of what is allowed, narrower ones are proved.
+/// If the bounds of the motion exceed this fraction of the allowance, narrower ones are proved.
 const BLURRED: f64 = 0.25;
 
-/// Most pieces looked at for one pair; bounds are as near as they are by then.
+/// Maximum number of parts examined for one pair; beyond it bounds are not refined.
 const MOST_LOOKS: usize = 100_000;
 
 /// What is known of two bodies in contact between the samples.
 #[derive(Clone, Copy, Debug)]
 pub struct Contact {
-    /// The distance never is below this.
+    /// Lower bound of the distance.
     pub low: f64,
-    /// It never is above this.
+    /// Upper bound of the distance.
     pub high: f64,
     /// Both are proved, not estimated.
     pub is_certified: bool,
@@ -108,7 +108,7 @@ impl PairSweep<'_> {
                 } else {
                     HALVINGS
                 };
-                // Within what was asked, or halved often enough.
+                // Within the requested limits, or halved often enough.
                 let ends = looks >= MOST_LOOKS || contact.broken.is_some() || is_late;
                 let is_settled = is_within(allowed) || depth >= most + longer || ends;
                 let look = BoundGoal {
@@ -134,8 +134,8 @@ impl PairSweep<'_> {
         contact
     }
 
-    /// Bounds of the distance of the nearest elements during a move, of which a lower one as high as `enough` need not be
-    /// higher. `back` is how the first body moves as seen from the second.
+    /// Bounds of the distance of the nearest elements during a motion; a lower bound of `enough` need not be
+    /// improved. `back` is the motion of the first body relative to the second.
     fn contact_around(
         &self,
         moved: &RelativeMove,

@@ -1,4 +1,4 @@
-//! A motion that is covered with tubes once it is asked for, and once only; and those along the tracks of measures.
+//! A motion that is covered with tubes when first needed, and only once; likewise the motions along tracks of measures.
 
 use super::motion::ProvedMotion;
 use crate::kinematics::measures::driven_along;
@@ -9,7 +9,7 @@ use crate::model::actuation::Actuation;
 use crate::model::measure::MeasuredTrack;
 use std::collections::HashMap;
 
-/// The motion between the samples: clearances, measures and swept envelopes share what is proved of it.
+/// The motion between the samples: clearances, measures and swept envelopes share its proofs.
 pub struct CoveredMotion<'m> {
     system: &'m System,
     actuation: &'m Actuation,
@@ -32,7 +32,7 @@ impl<'m> CoveredMotion<'m> {
         }
     }
 
-    /// The motion, proved as far as it can be.
+    /// The motion, proved as far as possible.
     pub fn proved(&mut self) -> &mut ProvedMotion<'m> {
         self.motion
             .get_or_insert_with(|| ProvedMotion::new(self.system, self.actuation, self.trajectory))
@@ -46,7 +46,7 @@ impl<'m> CoveredMotion<'m> {
         let (motion, drives) = known.or_insert_with(|| {
             let (drives, times) = driven_along(actuation, track);
             let mut along = solve_motion(system, &drives, &times);
-            // The way to the first pose is not part of the track.
+            // The path to the first pose is not part of the track.
             along.samples.remove(0);
             (ProvedMotion::new(system, &drives, &along), drives)
         });

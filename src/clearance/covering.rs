@@ -1,4 +1,4 @@
-//! How the interval between two samples is covered: with tubes as far as they are proved, with estimates behind, and not at all
+//! Covering of the interval between two samples: by tubes as far as they are proved, then by estimates, and not at all
 //! where there is no pose.
 
 use super::motion::{ESTIMATE_SHARE, MotionStretch, ProvedMotion, SampledInstant, Way};
@@ -7,10 +7,11 @@ use crate::kinematics::certificate::tube::{TaylorModel, Tube};
 use crate::kinematics::results::trajectory::Sample;
 use crate::kinematics::solve::newton::Pace;
 
-/// Shortest stretch that is tried to be proved, as a part of the interval between two samples.
+/// Shortest interval that a proof is tried for, as a fraction of that between two samples.
 const FLOOR: f64 = 1.0 / 1024.0;
 
-/// An estimated motion may differ from the parabola by this times what the parabola differs from a line, beside a part of the line's way.
+/// An estimated motion deviates from the parabola by at most this times the deviation of the parabola from the line, plus a
+/// fraction of the displacement.
 const ESTIMATE_FACTOR: f64 = 2.0;
 
 impl ProvedMotion<'_> {
@@ -45,7 +46,7 @@ impl ProvedMotion<'_> {
             return first.is_some_and(|s| s.ends[0] == Some(places[0]))
                 && last.is_some_and(|s| s.ends[1] == Some(places[1]));
         }
-        // What is behind the refusal is looked at as a whole, but for where there is no pose.
+        // Beyond the refusal the rest is estimated as a whole, except where there is no pose.
         let reached = self.stretches.last().map(|s| s.end);
         let reached = reached.filter(|t| *t > from && *t < to);
         let samples = places.map(|place| self.samples[place]);
@@ -79,7 +80,7 @@ impl ProvedMotion<'_> {
         false
     }
 
-    /// An estimate between two instants; without one of them, or where it has none, the stretch is left out.
+    /// An estimate between two instants; without one of them, or if there is no estimate, the interval is left out.
     fn estimate(
         &mut self,
         [from, to]: [f64; 2],

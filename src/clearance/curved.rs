@@ -1,11 +1,11 @@
-//! Lower bound of the distance of a point, segment or circle that moves for a short time, to second order in the time.
+//! Lower bound of the distance of a moving point, segment or circle during a short time, to second order in the time.
 //!
-//! Unlike the planes of `gap` it needs to know nothing about how the point where two surfaces touch slides along both, and a
-//! torus may lie in the hole of another one.
+//! Unlike the planes of `gap` it does not depend on how the point of contact slides along both surfaces, and a
+//! torus may pass through the hole of another one.
 //!
-//! Let f be the distance from the core that stands still. On the way q + u X, -1 ≤ u ≤ 1, of a point the function
-//! f + K u² |X|²/2 is convex: for convex cores with K = 0; of a circle f bends down only inside of it, by no more than the
-//! inverse of the distance from its axis. So f is nowhere less on the way than 2 f(q) - f(q ± X) - K |X|², or than f(q) - K |X|².
+//! Let f be the distance from the fixed core. Along the path q + u X, -1 ≤ u ≤ 1, of a point the function
+//! f + K u² |X|²/2 is convex: for convex cores with K = 0; for a circle f is concave only inside of it, with a curvature of at
+//! most the inverse distance from its axis. So f is at least 2 f(q) - f(q ± X) - K |X|² on the path, or f(q) - K |X|².
 
 use super::meeting::Meeting;
 use super::relative::RelativeMove;
@@ -18,10 +18,10 @@ use crate::distance::search::{
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// What stands still, and how far f can bend down.
+/// The fixed core, and the largest concave curvature of f.
 struct Still<'a> {
     core: &'a Primitive,
-    /// Of a circle the whole disc: f is convex then, and no larger.
+    /// For a circle, its whole disc: then f is convex and no larger.
     is_filled: bool,
     /// K.
     bends: f64,
@@ -35,12 +35,12 @@ impl Still<'_> {
         }
     }
 
-    /// The circle that f bends down inside of.
+    /// The circle inside of which f is concave.
     fn ring(&self) -> Option<&Circle> {
         self.core.circle().filter(|_| !self.is_filled)
     }
 
-    /// No larger circle that moves is looked along.
+    /// Larger moving circles are not searched.
     fn largest(&self) -> f64 {
         match self.core {
             Primitive::Circle(circle) => circle.radius,
@@ -65,7 +65,7 @@ pub fn lower_bound(meeting: &Meeting, goal: f64) -> Option<f64> {
         Primitive::Circle(circle) => {
             still.is_filled = off_axis(circle, meeting.core_points()[1]) >= circle.radius;
             if !still.is_filled {
-                // Points that are farther off than this come no nearer than the nearest one is.
+                // Points farther away than this cannot come closer than the nearest one.
                 let off_axis = nearest_to_axis(circle, &near.core, apart + 2.0 * way) - way;
                 if off_axis <= 0.0 {
                     return None;
@@ -90,7 +90,7 @@ pub fn lower_bound(meeting: &Meeting, goal: f64) -> Option<f64> {
         _ => return None,
     };
     let apart = lowest.min(apart) - lost;
-    // How deep a segment is in a solid is not told by its deepest point alone.
+    // The depth of a segment in a solid is not determined by its deepest point alone.
     let is_solid = matches!(
         a.core,
         Primitive::Box(_) | Primitive::Frustum(_) | Primitive::Triangle(_)
@@ -101,8 +101,8 @@ pub fn lower_bound(meeting: &Meeting, goal: f64) -> Option<f64> {
     Some(apart - meeting.radii())
 }
 
-/// The part of the core that moves whose points could come nearer than the nearest one is: of a long rod at a ring what is
-/// near the ring, which may move much less than the ends do.
+/// The part of the moving core whose points can come closer than the nearest one: for a long rod at a ring the part
+/// near the ring, which may move much less than the ends.
 struct NearPart {
     /// In the middle of the time.
     core: Primitive,
@@ -126,7 +126,7 @@ impl NearPart {
             return whole;
         };
         let mut part = whole;
-        // Once with the way of the whole rod, then with that of what is left.
+        // First with the displacement of the whole rod, then with that of the remaining part.
         for _ in 0..2 {
             let reach = circle.radius + apart + 2.0 * moved.distance(part.ball);
             let Some([low, high]) = shares_within(there, circle.center, reach) else {
@@ -153,7 +153,7 @@ fn shares_within([from, to]: &[DVec3; 2], center: DVec3, reach: f64) -> Option<[
     (shares[0] < shares[1]).then_some(shares)
 }
 
-/// A rod is looked at in parts of no less than this share of it.
+/// Smallest part into which a rod is divided, as a fraction of its length.
 const SHORTEST: f64 = 1.0 / 256.0;
 
 /// Lower bound of the distance of a ring and a rod that moves, in the frame of the ring and in its own: where a long rod is

@@ -1,21 +1,21 @@
-//! Excluded pairs of a check: looked at as often as the motion itself is described, though nothing is proved of them.
+//! Excluded pairs of a check: examined as densely as the motion itself is described, although nothing is proved about them.
 //!
-//! They are measured at every sample and in the middle of every stretch of the motion, of which quick moves have many, and
-//! around the lowest place of these in ever smaller steps.
+//! They are measured at every sample and in the middle of every interval of the motion (fast motions have many), and
+//! in decreasing steps around the smallest distance found.
 
 use super::motion::ProvedMotion;
 use super::sweep::{Best, Least, PairSweep};
 use super::track::PairTrack;
 use crate::distance::bodies::nearest_bodies;
 
-/// Steps from the lowest place to lower ones, each half as long as the one before: a stretch to 1e-4 of it.
+/// Steps from the smallest distance found to smaller ones, each half the previous: down to 1e-4 of an interval.
 const HALVINGS: u32 = 13;
 
-/// The same where a hair decides: least values are known with the square of the step.
+/// The same for close decisions: the error of a minimum is quadratic in the step.
 const FINE_HALVINGS: u32 = 26;
 
-/// Where a stretch ends a drive may jump, and the pose of that instant is another one: places are no nearer to its ends, which
-/// the lowest one may be as near as can be told.
+/// At the end of an interval a drive may jump, so that the pose of that instant is another one: no location is closer to the
+/// ends, although the smallest distance may lie there.
 const INNERMOST: f64 = 1.0 - 1e-8;
 
 impl PairSweep<'_> {
@@ -72,7 +72,7 @@ impl PairSweep<'_> {
     ) {
         let arguments = &motion.stretches[stretch].arguments;
         let mut track = PairTrack::new(self.hulls, &self.left_out);
-        // What is no lower than the limit, but for rounding, need not be known.
+        // Distances above the limit, except for rounding, are irrelevant.
         let mut distance = |s: f64, limit: f64| {
             let pose = self.chain.around(arguments, s, 0.0).pose;
             let found = track.at(&pose, limit - self.slack());

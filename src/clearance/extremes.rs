@@ -1,8 +1,8 @@
-//! The greatest value of a formula over the whole motion, with a bound: branch and bound over the stretches.
+//! The maximum of a formula over the whole motion, with a bound: branch and bound over the time intervals.
 //!
-//! Over a stretch a formula is a polynomial and a remainder. Where it may still exceed the best value found, a pose is solved
-//! and the part is halved; where the remainder is what is left, the stretch itself is. Kinks and jumps are part of the
-//! remainder, which shrinks with the stretch about a kink, and at a jump holds the values on both sides of it.
+//! In an interval a formula is a polynomial plus a remainder. Where it may still exceed the best value found, a pose is solved
+//! and the part is halved; where the remainder dominates, the interval itself is. Kinks and jumps are part of the
+//! remainder, which shrinks with the interval around a kink, and at a jump contains the values on both sides.
 
 use super::motion::ProvedMotion;
 use crate::kinematics::certificate::tube::TaylorModel;
@@ -16,7 +16,7 @@ use std::collections::{BinaryHeap, HashMap};
 /// The bound is this near to the value, as a share of all values' spread or of the value: well inside the slack of limits.
 const SHARE: f64 = 2e-10;
 
-/// Most parts that are looked at: a formula that cannot be bounded near its greatest value has no better bound then.
+/// Maximum number of parts examined: beyond it the bound of a formula is not refined.
 const MOST_PARTS: usize = 20_000;
 
 /// Parts of halves reach this much over their ends: the middle of a stretch is a rounded time.
@@ -243,7 +243,7 @@ impl Search<'_, '_> {
         let around = model.around(0.5 * (from + to), 0.5 * (to - from));
         let moves = [around.way.abs(), around.bend.abs(), around.off];
         let add = |sum: Interval, part: &f64| sum + Interval::point(*part);
-        // Value in the middle plus slope, bend and rest over half the part.
+        // Value in the middle plus slope, second-order term and remainder over half the part.
         let bound = moves.iter().fold(Interval::point(around.value), add).hi;
         let bound = if bound.is_nan() { f64::INFINITY } else { bound };
         self.parts.push(Part {

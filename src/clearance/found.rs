@@ -1,4 +1,4 @@
-//! What a check of clearances found: pairs with their distances and judgements, and what is known of all others.
+//! The result of a clearance check: pairs with their distances and judgements, and a summary of all others.
 
 use super::part::{JudgedPart, PieceClearance, PieceReport};
 use super::sweep::Least;
@@ -30,7 +30,7 @@ impl Judgement {
         }
     }
 
-    /// Whether the minimum is kept, as far as is known.
+    /// Whether the minimum holds, as far as is known.
     pub const fn is_kept(&self) -> bool {
         matches!(self, Self::Passed | Self::Estimated)
     }
@@ -65,13 +65,13 @@ impl ClearanceClass {
 }
 
 impl PairReport {
-    /// Of a pair that may be in each other down to its minimum: it may be deeper. A depth has no certificate.
+    /// For a pair that may overlap down to its minimum: whether it may be deeper. Depths have no certificate.
     pub(super) fn is_deeper(&self) -> bool {
         matches!(self.judgement, Judgement::Failed | Judgement::Undecided)
     }
 
-    /// What its distance never is below; nothing where that is not known, or where the bodies are in each other: a depth is a
-    /// measure, of which it is only known that they overlap. Bodies that are meant to touch may be that deep between the samples.
+    /// The lower bound of its distance; nothing if it is unknown, or if the bodies overlap: a depth is a
+    /// measure of an overlap, not a bound. Bodies in contact may be that deep between the samples.
     pub fn known_bound(&self) -> Option<f64> {
         let is_apart = self.farthest.is_some() || self.least.distance >= -self.slack;
         Some(self.least.bound).filter(|bound| is_apart && bound.is_finite())
@@ -113,13 +113,13 @@ pub struct PairReport {
     pub seconds: f64,
     /// By how much its bound may stay below the minimum of a pair that passes: rounding of the poses.
     pub slack: f64,
-    /// When it is nearer than the minimum, or may be: of pairs that fail or are undecided, if that was asked.
+    /// Times below the minimum, or possibly below it: for pairs that fail or are undecided, if requested.
     pub violations: Option<Violations>,
     /// Of neighbours: the pairs of shapes that are left out around the joint.
     pub left_out: Vec<[usize; 2]>,
 }
 
-/// Pairs of bodies that were not looked at one by one, since what they sweep stays apart.
+/// Pairs of bodies that were not examined one by one, since their swept volumes stay apart.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FarPairs {
     /// How many.
@@ -144,7 +144,7 @@ pub struct ClearanceReport {
     pub judged: Vec<PairReport>,
     /// Excluded pairs, those of the scene first.
     pub excluded: Vec<PairReport>,
-    /// Judged pairs beside these, which are far apart.
+    /// Number of further judged pairs, which are far apart.
     pub far: Option<FarPairs>,
     /// Excluded pairs beside these, and how many of them there are: parts of one rigid body, far pairs of a pattern.
     pub counted: Vec<(Judgement, usize)>,
@@ -160,12 +160,12 @@ pub struct ClearanceReport {
     pub tolerance: f64,
     /// What was judged: bodies and the shapes of theirs that count.
     pub parts: Vec<JudgedPart>,
-    /// The same for all pieces within their tolerances, if that was asked.
+    /// The same for all pieces within their tolerances, if requested.
     pub pieces: Option<PieceReport>,
 }
 
 impl ClearanceReport {
-    /// Every judged pair keeps its minimum, as far as is known.
+    /// Whether every judged pair keeps its minimum, as far as is known.
     pub fn is_kept(&self) -> bool {
         let mut pieces = self.pieces.iter().flat_map(|pieces| &pieces.list);
         self.without_inside.is_empty()
@@ -173,7 +173,7 @@ impl ClearanceReport {
             && pieces.all(PieceClearance::is_kept)
     }
 
-    /// That a check has looked at nothing, and why.
+    /// Why a check has examined nothing, if so.
     pub fn nothing_judged(&self) -> Option<String> {
         let why = match self.excluded_count() {
             0 => "fewer than two bodies have shapes".to_owned(),

@@ -1,4 +1,4 @@
-//! Bounds of the distance of two elements while one of them moves for a short time.
+//! Bounds of the distance of two elements during a short motion of one of them.
 
 use super::curved;
 use super::meeting::Meeting;
@@ -9,7 +9,7 @@ use crate::distance::primitive::Primitive;
 use glam::DVec3;
 
 impl Meeting<'_> {
-    /// Lower bound of the distance. It need not be better than the second goal, nor good if it cannot reach the first.
+    /// Lower bound of the distance. Work stops when it reaches the second goal, or cannot reach the first.
     pub fn below(&self, goals: [f64; 2]) -> f64 {
         let plain = self.found.distance - self.moved.distance(self.mine.bounds());
         let is = |kind: fn(&Primitive) -> bool| kind(&self.a.core) || kind(&self.b.core);
@@ -28,7 +28,7 @@ impl Meeting<'_> {
                 lowest = gap.map_or(lowest, |gap| lowest.max(gap));
             }
         }
-        // No plane parts what is in a ring from the ring.
+        // No plane separates a body inside a ring from the ring.
         if lowest < goals[0] && is(|core| matches!(core, Primitive::Circle(_))) {
             let low = curved::lower_bound(self, goals[0]);
             lowest = low.map_or(lowest, |low| lowest.max(low));
@@ -36,7 +36,7 @@ impl Meeting<'_> {
         lowest
     }
 
-    /// The plane between the elements stands still, turns as the line between the nearest points does, or with the element that
+    /// The plane between the elements is fixed, rotates with the line between the nearest points, or with the element that
     /// moves.
     pub(super) fn slabs(&self) -> [Option<Slab>; 3] {
         let (moved, n) = (self.moved, self.found.normal);
@@ -50,7 +50,7 @@ impl Meeting<'_> {
             self.slab(turn, turn.length() * bending + length * off)
         };
         let (line, carried) = (self.line_turn(), moved.spin.cross(n));
-        // What the line does most of the time need not be tried twice.
+        // The same rotation need not be tried twice.
         let is_other = carried != DVec3::ZERO && line.is_none_or(|line| line != carried);
         [
             Some(self.slab(DVec3::ZERO, off)),
@@ -92,7 +92,7 @@ impl Meeting<'_> {
         let [from, to] = self.core_points();
         let rate = self.moved.rate(to);
         let linear = (to - from + rate).length().max((to - from - rate).length());
-        // The distance from a convex core is convex on the way of a point.
+        // The distance from a convex core is convex along the path of a point.
         let linear = match &self.a.core {
             Primitive::Circle(_) => linear,
             core => [to - rate, to + rate]
@@ -102,7 +102,7 @@ impl Meeting<'_> {
                 .min(linear),
         };
         let high = linear + self.beyond_linear() - self.radii();
-        // What touches a mesh is not said to be deeper.
+        // Contact with a mesh counts as zero, not as a depth.
         let is = |kind: fn(&Primitive) -> bool| kind(&self.a.core) || kind(&self.b.core);
         let has_no_depth = is(|core| matches!(core, Primitive::Mesh(..)));
         if has_no_depth && !is(|core| matches!(core, Primitive::HalfSpace(_))) {
@@ -250,7 +250,7 @@ mod tests {
             let (low, high) = (meeting.below_in_contact(f64::INFINITY), meeting.above());
             let parts = curved::in_parts([&a, &b, &mine], &moved, found.distance - 0.1);
             gained[1] += usize::from(parts.is_some_and(|low| low >= found.distance - 0.1));
-            // What is asked for is looked at more closely, and is no less true.
+            // The requested bound is refined, and stays valid.
             let asked = [1e-3, 1e-2, 0.1, 0.5].map(|off| found.distance - off);
             let reached = asked.map(|goal| meeting.below([goal; 2]));
             gained[0] += asked
@@ -284,7 +284,7 @@ mod tests {
                 near[usize::from(least - of_curve < 4.0 * way * way)] += 1;
             }
         }
-        // What is lost goes with the square of the way, not with the way.
+        // The error is quadratic in the displacement.
         assert!(near[1] > 9 * near[0], "{near:?}");
         assert!(gained[0] > 4000 && gained[1] > 20, "{gained:?}");
     }

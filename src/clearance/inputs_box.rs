@@ -18,7 +18,7 @@ const STRIPS: usize = 4;
 /// How often a strip is halved.
 const HALVINGS: u32 = 7;
 
-/// Most strips that are looked at; what is open then is named.
+/// Maximum number of strips examined; undecided ones are reported.
 const MOST_STRIPS: usize = 600;
 
 /// Samples along a strip.
@@ -44,7 +44,7 @@ pub struct BoxPair {
     pub distance: f64,
     /// ... and the inputs there.
     pub inputs: Vec<f64>,
-    /// Over all of the box but what is not covered it never is below this; minus infinity if that is not known.
+    /// Lower bound over the covered part of the box; minus infinity if unknown.
     pub bound: f64,
     /// A pose of the box breaks the minimum.
     pub is_broken: bool,
@@ -61,7 +61,7 @@ pub struct BoxReport {
     pub unreached: Vec<[[f64; 2]; 2]>,
     /// Parts that the time of the run was over for.
     pub late: Vec<[[f64; 2]; 2]>,
-    /// How many strips were looked at.
+    /// Number of strips examined.
     pub strips: usize,
     /// Pairs that were wholly left out in a strip.
     left_out: Vec<([usize; 2], [[f64; 2]; 2])>,
@@ -198,7 +198,7 @@ impl BoxReport {
         is_covered && self.pairs.iter().all(kept)
     }
 
-    /// A strip for which there is no time: what is open there stays so.
+    /// A strip for which no time is left: it stays undecided.
     fn give_up(&mut self, strip: &Strip, along: [f64; 2]) {
         let whole = [along, strip.range];
         let open = strip.open.as_ref().filter(|open| !open.is_empty());

@@ -1,4 +1,4 @@
-//! The region of a joint: the parts of two bodies' shapes that touch there, and no more of them.
+//! The region of a joint: the parts of two bodies' shapes that touch there, and no other parts.
 //!
 //! A long shape that is held by a joint is cut into the part that is near the joint and the parts that are not, so that only
 //! the near parts of two shapes are left out of a check. A bar that folds onto its neighbour far from their pin is seen.
@@ -61,7 +61,7 @@ impl Place {
         }
     }
 
-    /// Whether a point is no farther from it than `reach`.
+    /// Whether a point is within `reach` of it.
     pub fn is_near(&self, point: DVec3, reach: f64) -> bool {
         match self {
             Self::Anywhere => true,
@@ -205,16 +205,16 @@ pub struct JointRegion {
     pub hulls: [Hull; 2],
     /// Parts that touch at the joint.
     pub touching: Vec<[usize; 2]>,
-    /// Parts of either body that were cut off, with the number of what is left of their elements.
+    /// Parts of either body that were cut off, each with the number of the element that remains of it.
     beyond: [Vec<[usize; 2]>; 2],
-    /// Where the joint is, as either body sees it.
+    /// The location of the joint in the frame of either body.
     places: [Place; 2],
     /// Nothing slides in the joint.
     only_turns: bool,
 }
 
 impl JointRegion {
-    /// Of pairs of elements that touch at the first pose at a joint, whose place each body sees. What is farther away is
+    /// From pairs of elements that touch at the first pose at a joint, and its location in both frames. Parts farther away are
     /// cut off where it keeps `minimum` at that pose.
     pub fn new(
         hulls: [&Hull; 2],
@@ -223,7 +223,7 @@ impl JointRegion {
         first_from_second: &Pose,
         minimum: f64,
     ) -> Self {
-        // A pair whose parts near the joint do not touch meets elsewhere: it is none of the joint.
+        // A pair whose parts near the joint do not touch meets elsewhere and does not belong to the joint.
         let is_there =
             |pair: &&[usize; 2]| touches_near(hulls, **pair, places, first_from_second, minimum);
         let touching: Vec<[usize; 2]> = touching.iter().filter(is_there).copied().collect();
@@ -353,7 +353,7 @@ fn thickest_element(hulls: [&Hull; 2], touching: &[[usize; 2]]) -> f64 {
     both.fold(0.0, f64::max)
 }
 
-/// How thick an element is: half across what is long, half of anything else.
+/// Thickness of an element: half the cross-section of a long one, half the size of any other.
 fn thickness(element: &Element) -> f64 {
     Spine::of(element).map_or_else(|| element.bounds().1, |spine| spine.thickness)
 }

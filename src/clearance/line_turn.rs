@@ -1,28 +1,28 @@
-//! How the line between the nearest points of two solids turns while one of them moves.
+//! The rotation of the line between the nearest points of two solids while one of them moves.
 //!
-//! The nearest points stay where they are on corners, slide along edges and faces, and roll around what is round. To first
-//! order the point of a convex core that is farthest along n shifts by S t when n turns by t, with S zero at a corner, the
-//! radius across an axis, and without end along an edge or a face. A plane that turns as the line does loses no more than the
-//! square of the time.
+//! The nearest points rest on corners, slide along edges and faces, and roll around round parts. To first
+//! order the farthest point of a convex core along n shifts by S t if n rotates by t, where S is zero at a corner, the
+//! radius across an axis, and infinite along an edge or a face. For a plane that rotates with the line the error is
+//! quadratic in the time.
 
 use super::meeting::Meeting;
 use crate::distance::primitive::{Circle, Primitive};
 use glam::{DMat2, DVec2, DVec3};
 
-/// A point is within an edge or a face where it is farther from its ends than this part of it.
+/// A point is inside an edge or a face if it is farther from the ends than this fraction of its length.
 const WITHIN: f64 = 1e-9;
 
-/// What stands for a radius without end, in distances and radii of a pair.
+/// Replaces an infinite radius, in distances and radii of a pair.
 const ENDLESS: f64 = 1e6;
 
-/// A direction counts as square to another one to this cosine.
+/// Two directions count as perpendicular up to this cosine.
 const SQUARE: f64 = 1e-6;
 
-/// Directions across the normal along which a point shifts, with how far for a turn by one radian; infinite along what is
-/// straight.
+/// Directions across the normal along which a point shifts, with the shift per radian of rotation; infinite along straight
+/// lines.
 type Shifts = [Option<(DVec3, f64)>; 3];
 
-/// How the point of a core that is farthest along `n` shifts when `n` turns, if it is `point` now.
+/// The shift of the farthest point of a core along `n`, now `point`, if `n` rotates.
 fn shifts_of(core: &Primitive, point: DVec3, n: DVec3) -> Shifts {
     const FLAT: f64 = f64::INFINITY;
     match core {

@@ -1,4 +1,4 @@
-//! A look at a piece of time: what the distance of two bodies cannot fall below over it, element by element.
+//! Lower bound of the distance of two bodies over a part of a time interval, element by element.
 
 use super::curved::in_parts;
 use super::meeting::Meeting;
@@ -11,7 +11,7 @@ use crate::distance::primitive::{Element, Primitive};
 use glam::DVec3;
 use std::rc::Rc;
 
-/// A piece of a stretch.
+/// A part of a time interval of the motion.
 #[derive(Clone)]
 pub(super) struct Segment {
     pub(super) stretch: usize,
@@ -19,7 +19,7 @@ pub(super) struct Segment {
     pub(super) half: f64,
     /// A distance that both ends keep.
     pub(super) ends: f64,
-    /// No distance is lower, as looks at a longer piece or for another goal have shown.
+    /// Lower bound from a longer part or for another goal.
     pub(super) known: f64,
     pub(super) near: NearElements,
 }
@@ -28,7 +28,7 @@ pub(super) struct Segment {
 #[derive(Clone)]
 pub(super) struct NearElements {
     list: Option<Rc<[[usize; 2]]>>,
-    /// All others are no nearer than this.
+    /// Lower bound for all others.
     others: f64,
 }
 
@@ -41,12 +41,12 @@ impl NearElements {
 }
 
 impl Segment {
-    /// A whole stretch of which nothing is known.
+    /// A whole interval about which nothing is known.
     pub(super) fn whole(stretch: usize) -> Self {
         Self::part(stretch, 0.0, 1.0)
     }
 
-    /// A part of a stretch.
+    /// A part of an interval.
     pub(super) fn part(stretch: usize, middle: f64, half: f64) -> Self {
         Self {
             stretch,
@@ -64,9 +64,9 @@ impl Segment {
     }
 }
 
-/// What a look at a piece found.
+/// The bound found for a part.
 pub(super) struct BoundGoal {
-    /// What was asked of it.
+    /// The goal of the search.
     pub(super) asked: f64,
     /// No distance of the piece is lower.
     pub(super) lowest: f64,
@@ -78,12 +78,12 @@ pub(super) struct BoundGoal {
 }
 
 impl BoundGoal {
-    /// Of a piece that is not looked at.
+    /// For a part that is not examined.
     pub(super) fn known_of(piece: &Segment) -> Self {
         Self::reached(f64::NEG_INFINITY, piece.known, piece)
     }
 
-    /// What needs no look at the elements: a bound as high as the goal.
+    /// The bound without examining elements, if it reaches the goal.
     fn reached(asked: f64, lowest: f64, piece: &Segment) -> Self {
         Self {
             asked,
@@ -95,7 +95,7 @@ impl BoundGoal {
     }
 }
 
-/// What looks at the pieces of one pair share.
+/// Shared by the searches over all parts of one pair.
 pub(super) struct LookMemory {
     columns: usize,
     /// From the first to the second of every pair of elements, where they were nearest when they were last looked at: planes

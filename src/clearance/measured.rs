@@ -1,5 +1,5 @@
-//! Measures of the whole motion, or of all that lies along a track, not only of the samples: least distances, least and greatest
-//! values of formulas, each with a bound on its other side.
+//! Measures of a whole motion or track, not only of its samples: smallest distances, minima and maxima
+//! of formulas, each with a bound on the other side.
 
 use super::extremes::greatest;
 use super::motion::ProvedMotion;
@@ -11,38 +11,38 @@ use crate::model::expression::{Expression, Op};
 use crate::model::measure::{Measure, MeasureSource, Taking};
 use crate::model::mechanism::{Kind, Mechanism, OutputSource};
 
-/// A limit is kept to this share of the mechanism's size, of a radian or of the value, as minimal distances are: a stroke of
+/// A limit holds to within this fraction of the mechanism's size, of a radian or of the value, like minimum distances: a stroke of
 /// exactly 24 may be limited to 24.
 const SLACK: f64 = 1e-9;
 
-/// What is known of a measure: over the whole motion it is between `value` and `bound`.
+/// A measure of the whole motion lies between `value` and `bound`.
 #[derive(Clone, Copy, Debug)]
 pub struct Known {
-    /// As found at solved poses, in internal units.
+    /// Found at solved poses, in internal units.
     pub value: f64,
-    /// It is not beyond this, if certified.
+    /// Its bound, if certified.
     pub bound: f64,
-    /// When it is taken, in seconds; a range has no such moment.
+    /// The time at which it occurs, in seconds; a range has none.
     pub time: Option<f64>,
     /// Whether the bound is proved.
     pub is_certified: bool,
-    /// The motion has a pose at all times; else nothing is known of those where it has none.
+    /// Whether the motion has a pose at all times; nothing is known about times without one.
     pub is_whole: bool,
-    /// By how much value and bound may be beyond a limit that is kept: rounding of the poses.
+    /// How far value and bound may exceed a limit that holds: rounding of the poses.
     pub slack: f64,
-    /// One body is inside the other somewhere: the distance says too little.
+    /// One body is inside the other somewhere: the distance alone is not sufficient.
     pub is_enclosed: bool,
     /// It is a distance of bodies.
     pub is_distance: bool,
 }
 
-/// Whether more than the samples is looked at for a measure, which takes certified poses.
+/// Whether a measure is taken over the whole motion, which requires certified poses.
 pub fn is_of_whole_motion(mechanism: &Mechanism, measure: &Measure) -> bool {
     formula_of(mechanism, measure).is_some() || distance_of(mechanism, measure).is_some()
 }
 
-/// What is known of a measure over its motion, which has certified poses: that of the drive, or of the measure's track; `None` where it is one of the samples, or has no value at
-/// some of them. Least distances are found to `tolerance`.
+/// Bounds a measure over a motion with certified poses, that of the drive or of the measure's track; `None` if it is a measure
+/// of the samples, or undefined at some of them. Smallest distances are found to `tolerance`.
 pub fn known(motion: &mut ProvedMotion, measure: &Measure, tolerance: f64) -> Option<Known> {
     let mechanism = motion.system.mechanism();
     if let Some(distance) = distance_of(mechanism, measure) {
@@ -55,7 +55,7 @@ pub fn known(motion: &mut ProvedMotion, measure: &Measure, tolerance: f64) -> Op
         Kind::Number => 0.0,
     };
     let mut end = |sign: f64| greatest(motion, formula, sign);
-    // Greatest values are searched; a least one is the greatest of the opposite.
+    // Maxima are searched; a minimum is the maximum of the negative.
     let (found, sign) = match taking {
         Taking::Max => (end(1.0)?, 1.0),
         Taking::Min => (end(-1.0)?, -1.0),
@@ -74,7 +74,7 @@ pub fn known(motion: &mut ProvedMotion, measure: &Measure, tolerance: f64) -> Op
     })
 }
 
-/// The formula of which a measure takes an extreme value; one with rates is looked at in samples only.
+/// The formula whose extreme value a measure takes; formulas with rates are evaluated at samples only.
 fn formula_of<'m>(mechanism: &Mechanism, measure: &'m Measure) -> Option<(&'m Expression, Taking)> {
     let MeasureSource::Over {
         of,
@@ -91,7 +91,7 @@ fn formula_of<'m>(mechanism: &Mechanism, measure: &'m Measure) -> Option<(&'m Ex
     is_plain.then_some((formula, *taking))
 }
 
-/// The distance of which a measure takes the least.
+/// The distance whose minimum a measure takes.
 pub fn distance_of<'m>(mechanism: &'m Mechanism, measure: &Measure) -> Option<&'m Distance> {
     let MeasureSource::Over {
         of,

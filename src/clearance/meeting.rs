@@ -1,4 +1,4 @@
-//! Two elements of which one moves for a short time, and where they are in the middle of it.
+//! Two elements, one of which moves for a short time, and their positions in the middle of it.
 
 use super::relative::RelativeMove;
 use crate::distance::pair::{Proximity, signed_distance};
@@ -8,7 +8,7 @@ use glam::DVec3;
 /// Two elements, the second of which moves for a short time.
 #[derive(Clone, Copy)]
 pub struct Meeting<'e> {
-    /// The one that stands still.
+    /// The fixed one.
     pub a: &'e Element,
     /// The other one in the middle of the time.
     pub b: &'e Element,

@@ -1,4 +1,4 @@
-//! What is odd about the meshes of a check, and what is wrong with them.
+//! Oddities and defects of the meshes of a check.
 
 use crate::distance::bodies::Hull;
 use crate::distance::mesh_tree::{MeshTree, ShellEnclosure};
@@ -40,7 +40,7 @@ pub(super) fn mesh_warnings(mechanism: &Mechanism, hulls: &[Option<Hull>]) -> Ve
     list
 }
 
-/// Meshes of judged bodies that should have an inside and have none: the body and what is wrong.
+/// Meshes of judged bodies that should have an interior but have none: the body and the defect.
 pub(super) fn without_inside(
     mechanism: &Mechanism,
     hulls: &[Option<Hull>],

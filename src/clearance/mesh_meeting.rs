@@ -1,8 +1,8 @@
-//! Bounds of the distance of a mesh and another element while one of them moves for a short time.
+//! Bounds of the distance of a mesh and another element during a short motion.
 //!
 //! Triangles are convex, so that a plane between two of them bounds their distance to second order in the time. The same
-//! plane bounds that of all that two nodes hold, by their boxes or by what reaches farthest of them; only nodes that it does
-//! not part are split, down to pairs of triangles with planes of their own.
+//! plane bounds the distance of all triangles of two nodes, by their boxes or their support; only nodes that it does
+//! not separate are split, down to pairs of triangles with their own planes.
 
 use super::meeting::Meeting;
 use super::slab::Slab;
@@ -13,18 +13,18 @@ use crate::distance::triangle_tree::{Content, TriangleTree, corner_support, near
 use crate::math::Pose;
 use glam::DVec3;
 
-/// Most pairs of nodes that are split for one bound: what is left counts with the bound it has.
+/// Maximum number of pairs of nodes that are split for one bound: the others count with the bound they have.
 const MOST_SPLITS: usize = 4_000;
 
-/// Of nodes with less below them the boxes say enough.
+/// For nodes with fewer triangles the boxes are sufficient.
 const WORTH_A_CLIMB: usize = 16;
 
-/// A part of an element, placed where it is in the middle of the time.
+/// A part of an element at its position in the middle of the time.
 #[derive(Clone, Copy)]
 enum MeetingPart<'e> {
-    /// A core that is no mesh.
+    /// A core other than a mesh.
     Solid(&'e Primitive),
-    /// What a node of a placed mesh holds.
+    /// The triangles of a node of a placed mesh.
     Node(&'e TriangleTree, &'e Pose, usize),
 }
 
@@ -40,7 +40,7 @@ impl<'e> MeetingPart<'e> {
         &tree.nodes[node].around
     }
 
-    /// No n · p of its points is larger.
+    /// The largest n · p of its points.
     fn support(self, n: DVec3) -> Option<f64> {
         match self {
             Self::Solid(core) => core.support(n),
@@ -51,7 +51,7 @@ impl<'e> MeetingPart<'e> {
         }
     }
 
-    /// The same, as near as its corners are.
+    /// The same, from its corners.
     fn exact_support(self, n: DVec3) -> Option<f64> {
         match self {
             Self::Solid(core) => core.support(n),
@@ -125,7 +125,7 @@ struct MeetingSearch<'e> {
     splits: usize,
 }
 
-/// Lower bound of the distance, as far as the goals need it.
+/// Lower bound of the distance, as accurate as the goals require.
 pub(super) fn lower_bound(meeting: &Meeting, goals: [f64; 2]) -> f64 {
     let parts = [
         MeetingPart::new(&meeting.a.core),
@@ -159,9 +159,9 @@ impl<'e> MeetingSearch<'e> {
         gaps.fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Lower bound of the distance of two parts: of their boxes along the plane, or in the middle less the way of the second.
+    /// Lower bound for two parts: their boxes along the plane, or the distance in the middle minus the displacement.
     fn bound(&self, [a, b]: [MeetingPart<'e>; 2]) -> f64 {
-        // Boxes are too rough to be looked at more closely.
+        // Boxes are too rough for a refinement.
         let supports = |[n, back]: [DVec3; 2]| Some(a.support(n)? + b.support(back)?);
         let flat = self.slab(f64::INFINITY, supports);
         if flat >= self.enough() {
@@ -212,7 +212,7 @@ impl<'e> MeetingSearch<'e> {
         self.lowest = self.lowest.min(known);
     }
 
-    /// Lowers the bound to that of two parts, as far as it is needed.
+    /// Lowers the bound to that of two parts, as far as needed.
     fn visit(&mut self, parts: [MeetingPart<'e>; 2], bound: f64) {
         if bound >= self.enough() {
             self.lower(bound);

@@ -1,8 +1,8 @@
-//! The motion between the samples, in stretches over which every joint is known to within a bound.
+//! The motion between the samples, in time intervals ("stretches") in which every joint is known to within a bound.
 //!
-//! A stretch is a tube of the [certificate](crate::kinematics::certificate::tube): polynomials and how far the motion can
-//! be from them. Where nothing can be proved (singular poses, kinks of formulas) a parabola is laid through three poses and
-//! its bound is an estimate, and is said to be.
+//! A stretch is a tube of the [certificate](crate::kinematics::certificate::tube): polynomials and a bound on the deviation
+//! of the motion. Where nothing can be proved (singular poses, kinks of formulas) a parabola through three poses is used,
+//! and its bound is reported as an estimate.
 
 use crate::kinematics::certificate::tube::{Prover, TaylorModel, Tube};
 use crate::kinematics::loops::observed::observed_slots;
@@ -17,20 +17,20 @@ use crate::model::chain::ArgumentValue;
 use crate::model::expression::Expression;
 use std::collections::HashSet;
 
-/// Shortest stretch that is tried to be proved at first, as a part of the whole motion: what is proved must not depend on how many samples there are. With play, which shorter
-/// stretches do not take away, the first one counts alone.
+/// Shortest stretch that a proof is first tried for, as a fraction of the whole motion: proofs must not depend on the number
+/// of samples. With play, which does not shrink with the stretch, this limit alone counts.
 const SHORTEST: f64 = 1.0 / 262_144.0;
 
-/// Most stretches of one motion, ...
+/// Maximum number of stretches of one motion, ...
 const MAX_STRETCHES: usize = 60_000;
 
-/// ... of one with play, which shorter stretches do not take away, ...
+/// ... of one with play, ...
 const STRETCHES_WITH_PLAY: usize = 1_000;
 
-/// ... and most arguments of joints in all of them together (about 100 MB); bounds are as good as they are by then.
+/// ... and of arguments of joints in all of them together (about 100 MB); beyond it bounds are not refined.
 const MAX_ARGUMENTS: usize = 1_200_000;
 
-/// An estimated motion may differ from a line by this part of the line's way.
+/// An estimated motion may deviate from a line by this fraction of its length.
 pub(super) const ESTIMATE_SHARE: f64 = 0.1;
 
 /// A pose at a time.
@@ -58,7 +58,7 @@ pub struct MotionStretch {
     /// The arguments' bounds are proved.
     pub is_certified: bool,
     pub(super) way: Way,
-    /// First of its two halves, once asked for; `Some(None)` where there are none.
+    /// First of its two halves, once requested; `Some(None)` if there are none.
     pub(super) halves: Option<Option<usize>>,
 }
 
@@ -69,10 +69,10 @@ pub(super) enum Way {
     Estimated([usize; 2]),
 }
 
-/// An uncertified pose closes its loops to this, in sizes.
+/// Largest closure error of an uncertified pose, in sizes of the loop.
 const UNPROVED: f64 = 1e-10;
 
-/// How far any unknown of the samples may be from the exact pose.
+/// Largest deviation of any unknown of the samples from the exact pose.
 fn pose_error(size: f64, trajectory: &Trajectory) -> f64 {
     let errors = trajectory.poses().map(|pose| {
         let bounds = pose.certificate.bounds();
@@ -83,7 +83,7 @@ fn pose_error(size: f64, trajectory: &Trajectory) -> f64 {
 
 /// The motion of a mechanism over its drive.
 pub struct ProvedMotion<'m> {
-    /// Whose motion.
+    /// The mechanism that moves.
     pub system: &'m System,
     pub(super) actuation: Actuation,
     pub(super) solver: PoseSolver<'m>,
@@ -94,35 +94,35 @@ pub struct ProvedMotion<'m> {
     pub samples: Vec<usize>,
     /// All stretches; the first ones cover the motion.
     pub stretches: Vec<MotionStretch>,
-    /// How many of them do.
+    /// Number of these.
     pub roots: usize,
-    /// Stretches between samples that could not be followed, as times.
+    /// Times between samples that could not be followed.
     pub gaps: Vec<[f64; 2]>,
-    /// No unknown of a sample is farther from the exact pose: lengths as they are, angles times the size.
+    /// Bound on the deviation of the samples' unknowns from the exact pose: lengths, and angles times the size.
     pub pose_error: f64,
-    /// More stretches are not made, ...
+    /// Maximum number of stretches, ...
     most_stretches: usize,
-    /// ... and none shorter at first, seconds.
+    /// ... and the shortest at first, seconds.
     pub(super) shortest: f64,
-    /// Poses with which a part of the motion begins that is not known to be joined to the one before.
+    /// Poses at the beginning of a part of the motion that is not proved to be connected to the previous one.
     anew: HashSet<usize>,
-    /// The pose that says what is together at a joint, where it is not the first sample.
+    /// The pose at which the bodies are assembled, if it is not the first sample.
     assembled: Option<usize>,
-    /// Searches end then, with what is proved.
+    /// When searches end, with what is proved so far.
     pub(super) until: Deadline,
-    /// Some search has ended so.
+    /// Whether a search has ended that way.
     pub(super) is_cut_off: bool,
 }
 
 impl<'m> ProvedMotion<'m> {
-    /// Covers a motion with stretches. Poses without a certificate are not as near to the motion as its tubes ask for,
+    /// Covers a motion with stretches. Poses without a certificate may be too far from the motion for its tubes,
     /// which then take much longer to prove.
     pub fn new(system: &'m System, actuation: &Actuation, trajectory: &Trajectory) -> Self {
         Self::with_play(system, actuation, trajectory, Vec::new())
     }
 
-    /// The same where every input may be as far as its play from its drive at every instant: what is proved holds for all of
-    /// these motions. The poses are those of the drive. No play is none for all.
+    /// The same where every input may deviate from its drive by its play at every instant: proofs then hold for all of
+    /// these motions. The poses are those of the drive. An empty `play` means no play.
     pub fn with_play(
         system: &'m System,
         actuation: &Actuation,
@@ -201,15 +201,15 @@ impl<'m> ProvedMotion<'m> {
         motion
     }
 
-    /// The same motion as a part of a larger one, whose bodies were put together at another pose: unknowns, then inputs. It
+    /// The same motion as a part of a larger one, whose bodies were assembled at another pose: unknowns, then inputs. It
     /// has no time.
     pub fn assembled_at(mut self, coordinates: Vec<f64>) -> Self {
         self.assembled = Some(self.instant(f64::NAN, coordinates));
         self
     }
 
-    /// The pose at which the bodies are put together: what touches at a joint then is meant to. The first sample, unless
-    /// another one was told.
+    /// The pose at which the bodies are assembled: shapes that touch at a joint there are meant to. The first sample, unless
+    /// another one was given.
     pub fn assembled(&self) -> Option<usize> {
         self.assembled.or_else(|| self.samples.first().copied())
     }
@@ -247,7 +247,7 @@ impl<'m> ProvedMotion<'m> {
         }
     }
 
-    /// Whether a search has to end with what it has proved; that it had to is kept.
+    /// Whether a search has to end with what it has proved so far; this is remembered.
     pub(super) fn is_late(&mut self) -> bool {
         let is_late = self.until.is_over();
         self.is_cut_off |= is_late;
@@ -260,7 +260,7 @@ impl<'m> ProvedMotion<'m> {
         self.gaps.is_empty() && roots.all(|s| s.is_certified)
     }
 
-    /// Notes a stretch that is not looked at, with the one right before it.
+    /// Notes a stretch that is not examined, together with the one before it.
     pub(super) fn leave_out(&mut self, from: f64, to: f64) {
         match self.gaps.last_mut() {
             Some(gap) if gap[1] == from => gap[1] = to,

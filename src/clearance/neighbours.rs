@@ -1,7 +1,7 @@
 //! Neighbours: two bodies that one joint connects. The parts of their shapes that touch at the joint itself are left out of
 //! the check, everything else of them is judged.
 //!
-//! A body that belongs to a link between two others parts them, however near their axes are: they must clear each other.
+//! A body on a link between two others separates them, however close their axes are: these two must keep their clearance.
 
 use super::joint_region::{JointRegion, Place};
 use super::motion::ProvedMotion;
@@ -86,7 +86,7 @@ pub fn joint_neighbours(
     Some(Neighbours::Joined { words, region })
 }
 
-/// Where two elements touch, or are no farther apart than `near`, and the radius of the smaller one.
+/// The point where two elements touch, or are within `near`, and the radius of the smaller one.
 fn contact_of(first: &Element, second: &Element, near: f64) -> Option<(DVec3, f64)> {
     let [(_, r), (_, s)] = [first.bounds(), second.bounds()];
     let radius = r.min(s);

@@ -1,5 +1,5 @@
-//! Two bodies whose placement is known by one joint: what is proved for a range of the joint holds whenever the joint is in
-//! it, and what is round about the joint's axis is as far from the other body at all times.
+//! Two bodies whose relative position depends on one joint: a proof for a range of the joint holds whenever the joint is in
+//! it, and solids of revolution about the joint's axis keep their distance from the other body.
 
 use super::relative::RelativeChain;
 use crate::distance::bodies::Hull;
@@ -13,7 +13,7 @@ use glam::DVec3;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-/// An element is round about an axis if it misses that by no more than this part of the radius of its ball.
+/// An element counts as round about an axis to within this fraction of the radius of its ball.
 const ROUND: f64 = 1e-9;
 
 /// A line: a point of it, and its direction.
@@ -61,7 +61,7 @@ impl ProvedRanges {
         let passed = [ends[0].min(ends[1]) - at.off, ends[0].max(ends[1]) + at.off];
         // Rounding of the value, of its remainder after whole turns, and of sums of both.
         let off = at.off + CHAIN_FACTOR * (1.0 + at.value.abs());
-        // A parabola leaves the range of its ends by its bend at most.
+        // A parabola exceeds the range of its ends by at most its second-order term.
         let bend = at.bend.abs();
         let all = [
             passed[0].min(passed[1]) - bend - off,
@@ -127,7 +127,7 @@ impl ProvedRanges {
             return;
         };
         let value = passed[0].abs().max(passed[1].abs());
-        // What the range loses by rounding is a way of the points.
+        // Rounding of the range displaces the points.
         let off = CHAIN_FACTOR * (1.0 + value);
         let bound = bound - 4.0 * off * if self.is_turn { self.extent } else { 1.0 };
         let [low, high] = self.reduced([passed[0] - off, passed[1] + off]);
@@ -208,7 +208,7 @@ fn wobble(element: &Element, [origin, direction]: AxisLine) -> Option<f64> {
     (off <= ROUND * element.bounds().1).then_some(off)
 }
 
-/// A pair of elements of which one is round about the joint's axis.
+/// A pair of elements, one of which is a solid of revolution about the joint's axis.
 #[derive(Clone, Copy)]
 pub(super) struct RoundPair {
     /// Their distance is the same at all times but for this.

@@ -39,7 +39,7 @@ pub struct PieceClearance {
     pub found: f64,
     /// When, seconds.
     pub time: f64,
-    /// Why there is no bound, if there is none.
+    /// Why there is no bound, if so.
     pub refusal: Option<Refusal>,
 }
 

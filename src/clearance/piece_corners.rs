@@ -1,25 +1,25 @@
-//! Corners of solids, and where they are when the points of the solid that they belong to are moved by its dimensions.
+//! Corners of solids, and their positions when the dimensions move the points of the solid.
 
 use crate::distance::primitive::{Circle, Element, Frustum, Primitive};
 use crate::math::{Pose, sin_cos};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
-/// Corners of the polygon in place of a circle where its plane is nearly square to the normal.
+/// Corners of the polygon that replaces a circle whose plane is nearly perpendicular to the normal.
 const CORNERS: usize = 32;
 
-/// Sine of the angle below which it is.
+/// Sine of the angle below which it is replaced.
 const NEARLY_FLAT: f64 = 0.05;
 
 /// A corner of an element.
 pub(super) struct Corner {
-    /// Ways of the shape that it moves with, and its shares in them.
+    /// Vectors of the shape that it moves with, and its shares in them.
     pub(super) on: [(usize, f64); 2],
-    /// Where it is at the ends of these ways, in their directions.
+    /// Its position from the ends of these vectors, in their directions.
     pub(super) offset: DVec3,
 }
 
-/// Points of which one is farthest along `n`, if the circle turns no farther, to within a length.
+/// Points one of which is farthest along `n` for rotations of the circle up to this one, to within a length.
 pub(super) fn rim_corners(circle: &Circle, n: DVec3, turned: f64) -> (Vec<DVec3>, f64) {
     let (center, radius) = (circle.center, circle.radius);
     let across = (n - circle.axis * n.dot(circle.axis)).length();

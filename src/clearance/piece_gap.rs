@@ -1,9 +1,10 @@
-//! A bound of the distance of two bodies for all pieces: dimensions anywhere in their intervals, at a pose or over a stretch of time.
+//! Lower bound of the distance of two bodies for all pieces: dimensions anywhere in their intervals, at a pose or over a
+//! time interval.
 //!
-//! A plane parts two convex elements: what every corner of theirs is along its normal is a function of the dimensions,
-//! known to the second order with a bound of the rest. Its least value over all corners is a bound of the distance, and of a
-//! depth too. The normal is that of the nearest points in the middle, so that what the bound loses is of second order. Other elements, and those
-//! far apart, are bounded by how far any point moves.
+//! A plane separates two convex elements: the position of each of their corners along its normal is a function of the dimensions,
+//! known to second order with a bounded remainder. Its minimum over all corners bounds the distance or the
+//! depth. The normal is that of the nearest points in the middle, so that the bound is exact to first order. Other elements, and
+//! those far apart, are bounded by the largest displacement of any point.
 
 use super::part::JudgedPart;
 use super::piece_corners::{Corner, carried_corner, carried_element, rim_corners};
@@ -19,18 +20,18 @@ use crate::model::chain::{ArgumentValue, Chain};
 use crate::model::mechanism::Mechanism;
 use glam::DVec3;
 
-/// No point of a body is farther from its exact place than this for rounding, in lengths of the chain that leads to it from the
+/// Rounding of the position of any point of a body, in lengths of the chain that leads to it from the
 /// other body.
 const POSE_SLACK: f64 = 1e-12;
 
-/// Two bodies with the ways to the points of their solids, as the first one sees them.
+/// Two bodies with the vectors to the points of their solids, in the frame of the first one.
 pub struct PartWays<'p> {
     part: &'p JudgedPart,
     between: RelativeChain,
     shapes: [Vec<ShapeWays>; 2],
 }
 
-/// The ways to the points of a solid.
+/// The vectors to the points of a solid.
 struct ShapeWays {
     points: Vec<RelativeChain>,
     /// The same from the body itself.
@@ -40,24 +41,24 @@ struct ShapeWays {
     sizes: Vec<RelativeChain>,
 }
 
-/// All poses beside one, and that one.
+/// A pose and the enclosure of all poses around it.
 pub struct PieceView<'e, const N: usize> {
     observer: Observer<'e, N>,
-    /// Arguments with what they may be off.
+    /// Arguments with their errors.
     spread: Vec<TaylorModel>,
     middle: Vec<ArgumentValue>,
 }
 
-/// What was found of two bodies.
+/// The result for two bodies.
 #[derive(Clone, Debug)]
 pub struct PieceLook {
-    /// No piece comes nearer.
+    /// Lower bound for all pieces.
     pub lowest: f64,
-    /// δ near which the lowest piece lies, where that was looked for.
+    /// δ near which the closest piece lies, if it was searched.
     pub place: Option<Vec<f64>>,
 }
 
-/// Elements of two bodies at the middle pose, as the first one sees them.
+/// Elements of two bodies at the middle pose, in the frame of the first one.
 struct Facing<'f> {
     index: [usize; 2],
     elements: [&'f Element; 2],
@@ -87,7 +88,7 @@ impl<'e, const N: usize> PieceView<'e, N> {
         }
     }
 
-    /// How far a ball at the end of a way is from where it is in the middle, at most.
+    /// Largest displacement of a ball at the end of a vector from its middle position.
     fn off(&self, way: &RelativeChain, ball: (DVec3, f64)) -> f64 {
         if way.joints() == 0 {
             return 0.0;
@@ -133,7 +134,7 @@ impl<'p> PartWays<'p> {
         }
     }
 
-    /// Arguments of all ways.
+    /// Arguments of all vectors.
     pub fn arguments(&self) -> Vec<usize> {
         let shapes = self.shapes.iter().flatten();
         let ways = shapes.flat_map(|s| s.points.iter().chain(&s.own).chain(&s.sizes));
@@ -144,7 +145,7 @@ impl<'p> PartWays<'p> {
         all
     }
 
-    /// A bound over all pieces; what does not come below `goal` is not looked at closely.
+    /// Lower bound over all pieces; pairs that stay above `goal` are not refined.
     pub fn look<const N: usize>(&self, view: &PieceView<N>, goal: f64) -> PieceLook {
         let [first, second] = self.part.hulls.each_ref();
         let pose = self.between.pose(&view.middle);
@@ -209,7 +210,7 @@ impl<'p> PartWays<'p> {
         points.fold(0.0, f64::max) + tilted + self.swollen(view, side, shape)
     }
 
-    /// By how much the sizes of a shape exceed what is drawn, at most.
+    /// Bound on how much a shape can exceed its nominal size.
     fn swollen<const N: usize>(&self, view: &PieceView<N>, side: usize, shape: usize) -> f64 {
         let sizes = self.shapes[side][shape].sizes.iter();
         sizes.map(|way| view.off(way, (DVec3::ZERO, 0.0))).sum()
@@ -256,7 +257,7 @@ impl<'p> PartWays<'p> {
             true => self.along_normal(view, facing),
             false => None,
         };
-        // A hull says nothing of the depth of what is not convex.
+        // A convex hull does not bound the depth of a non-convex element.
         let is_convex = !is_mesh && !is(|core| matches!(core, Primitive::Circle(_)));
         match exact {
             Some((low, place)) if is_convex || is_flat || low > 0.0 => {
@@ -278,7 +279,7 @@ impl<'p> PartWays<'p> {
         let shape = |side: usize, k: usize| self.part.hulls[side].elements[k].shape;
         let (of_first, of_second) = (shape(0, i), shape(1, j));
         let (theirs, lost) = self.corners(view, facing, 1, -n)?;
-        // What does not move in its own body is as far as its support.
+        // Elements that are fixed in their body: the support function suffices.
         let still = self.shapes[0][of_first].own.iter();
         let still = still.map(RelativeChain::joints).sum::<usize>() == 0;
         let (ours, lost_here) = match still {
@@ -348,7 +349,7 @@ impl<'p> PartWays<'p> {
                 let widest = frustum.radii[0].max(frustum.radii[1]);
                 (one, first.max(second) + widest * tilt)
             }
-            // It is as far as its plane, which is moved but not turned.
+            // The plane of a half-space is displaced but not rotated.
             Primitive::HalfSpace(half) if side == 0 && n == half.normal && turned() == 0.0 => {
                 (vec![half.point], 0.0)
             }

@@ -1,4 +1,4 @@
-//! How far the points of one body move as seen from another one, around an instant of a stretch of time.
+//! Motion of the points of one body relative to another one, around the middle of a time interval.
 
 use crate::kinematics::certificate::tube::TaylorModel;
 use crate::math::Pose;
@@ -7,13 +7,13 @@ use crate::model::fixed::FixedPose;
 use crate::model::walk::{Carried, walk_chain};
 use glam::{DMat3, DVec3};
 
-/// The chain from one body to another, without what both have in common.
+/// The chain from one body to another, without their common part.
 #[derive(Clone, Debug)]
 pub struct RelativeChain {
     steps: Vec<ChainStep>,
 }
 
-/// Motion of a body as seen from another one, from the middle of a short time to its ends: every point x goes to
+/// Motion of a body relative to another one, from the middle of a short interval to its ends: every point x moves to
 /// x + u X(x) + u² Y(x), -1 ≤ u ≤ 1, with affine X and Y, to within a bound.
 #[derive(Clone, Copy, Debug)]
 pub struct RelativeMove {
@@ -27,15 +27,15 @@ pub struct RelativeMove {
     pub bend: DVec3,
     /// Y(x) = bend + twist x.
     pub twist: DMat3,
-    /// No unit of length turns farther by the spin, nor goes farther by the twist.
+    /// Norms of the spin and of the twist per unit of length.
     turning: [f64; 2],
-    /// What every point may deviate by ...
+    /// Bound on the deviation of every point ...
     off: f64,
-    /// ... and what comes to it for each unit of length from b's origin.
+    /// ... plus this for each unit of length from b's origin.
     off_by_reach: f64,
 }
 
-/// A matrix takes no unit vector farther.
+/// A bound on the norm of a matrix.
 fn operator_norm(m: &DMat3) -> f64 {
     m.to_cols_array().iter().map(|v| v * v).sum::<f64>().sqrt()
 }
@@ -57,7 +57,7 @@ fn centres(arguments: &[TaylorModel]) -> Vec<ArgumentValue> {
     values.collect()
 }
 
-/// Nothing times an endless length is nothing.
+/// Zero times an infinite length is zero.
 fn rate_times(rate: f64, length: f64) -> f64 {
     if rate == 0.0 { 0.0 } else { rate * length }
 }
@@ -125,7 +125,7 @@ impl Carried for MovingBody {
     }
 
     fn turn(&mut self, axis: usize, sign: f64, by: &TaylorModel) {
-        // The angle over the piece: linear part, bend, and what is off.
+        // The angle over the part: linear term, second-order term, and error.
         let by = by.around(self.s, self.half);
         let way = by.way.abs();
         let play = way + by.bend.abs() + by.off;
@@ -268,7 +268,7 @@ impl RelativeChain {
         pose
     }
 
-    /// The motion no farther than `half` from the place `s` of a stretch.
+    /// The motion within `half` of the position `s` in a stretch.
     ///
     /// With ξᵢ the twist of joint i, which moves by wayᵢ u + bendᵢ u² to within offᵢ, the two terms are those of
     /// Π exp(ξᵢ (wayᵢ u + bendᵢ u²)). The rest is bounded joint by joint: a derivative by several joints is no larger

@@ -1,18 +1,18 @@
-//! A plane between two hulls that move for a short time, and the gap that it leaves.
+//! A plane that separates two hulls during a short motion, and the gap at it.
 
 use glam::DVec3;
 
-/// How often the time is halved at most before the gap counts as it is known: each time what is lost falls to a quarter.
+/// Maximum number of halvings of the time before the gap counts as known: each reduces the loss to a quarter.
 const HALVINGS: u32 = 4;
 
-/// A bound along a direction n + u t for two hulls of which only their supports are needed.
+/// A bound along a direction n + u t for two hulls, from their support functions only.
 ///
-/// The points x of b are at x + u X + u² Y. Of the least of (n + u t) · (x + u X + u² Y) over all x, less what a reaches
-/// along n + u t and less both radii times its length, the terms up to u² are a concave function of u and w = u². The curve
-/// (u, u²) lies between p and q in the hull of its points there and of (p/2 + q/2, p q), where its tangents meet, so that the
-/// function is nowhere less than the least of its values at these three. With D the distance in the middle, or any other
-/// that is not below zero, D u² t²/2 is taken off before, because the length of n + u t grows by no more than that: a gap
-/// of D along it stays one.
+/// The points x of b are at x + u X + u² Y. In the minimum of (n + u t) · (x + u X + u² Y) over all x, minus the support of a
+/// along n + u t and both radii times its length, the terms up to u² are a concave function of u and w = u². The curve
+/// (u, u²) between p and q lies in the hull of its end points and of (p/2 + q/2, p q), where the tangents meet. The
+/// function is therefore at least the smallest of its values at these three points. With D the distance in the middle, or any
+/// other nonnegative number, D u² t²/2 is subtracted first, since the length of n + u t grows by no more: a gap
+/// of D remains a gap of D.
 pub(super) struct Slab {
     /// n.
     pub(super) normal: DVec3,
@@ -22,21 +22,21 @@ pub(super) struct Slab {
     pub(super) first: DVec3,
     /// ... in these directions, ...
     pub(super) second: DVec3,
-    /// ... and what is the same for all of them comes to it: times u, ...
+    /// ... plus the same for all of them: times u, ...
     pub(super) across: f64,
     /// ... and times w.
     pub(super) bend: f64,
     /// Both radii.
     pub(super) radii: f64,
-    /// No gap is said to be larger: D.
+    /// The largest gap that is claimed: D.
     pub(super) most: f64,
-    /// What the terms that are left out may take away.
+    /// Bound on the neglected terms.
     pub(super) lost: f64,
 }
 
 impl Slab {
-    /// Lower bound of the distance of two hulls, whose supports are given in two directions together. It is looked at more
-    /// closely as long as it may reach `goal`.
+    /// Lower bound of the distance of two hulls, from the sum of their supports in two directions. The time is halved
+    /// while the bound may still reach `goal`.
     pub(super) fn gap(
         &self,
         goal: f64,

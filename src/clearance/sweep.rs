@@ -16,7 +16,7 @@ use glam::DVec3;
 /// How many steps a distance and its bound take behind the chain.
 const STEPS: usize = 16;
 
-/// A search along a circle finds its nearest point to this, in its radii and in lengths of what it is searched along.
+/// Accuracy of the nearest point of a search along a circle, in its radii and in lengths of the other curve.
 const SEARCHED: f64 = 2e-11;
 
 /// A pair passes where the bound is no farther below the minimum than this, in radii of the smaller body's ball: bodies that
@@ -42,11 +42,11 @@ pub struct Least {
     pub inside: [bool; 2],
     /// One lies in the other, a mesh among them: how deep is not known, and the distance is zero.
     pub is_enclosed: bool,
-    /// The distance never is below this; negative infinity where nothing is known.
+    /// Lower bound of the distance; negative infinity if unknown.
     pub bound: f64,
     /// The bound is proved, not estimated.
     pub is_certified: bool,
-    /// The bound is as near to the distance as was asked.
+    /// Whether the bound is as close to the distance as requested.
     pub is_refined: bool,
 }
 
@@ -111,7 +111,7 @@ fn smaller_radius(hulls: [&Hull; 2]) -> f64 {
     if radius.is_finite() { radius } else { 0.0 }
 }
 
-/// The longest curve of two hulls along which a distance is searched: circles, and what is compared with them.
+/// The longest curve of two hulls along which a distance is searched: circles, and the elements compared with them.
 fn searched_length(hulls: [&Hull; 2]) -> f64 {
     let all = || hulls.into_iter().flat_map(|hull| &hull.elements);
     let has_ring = all().any(|e| e.core.circle().is_some());
@@ -201,29 +201,29 @@ impl<'a> PairSweep<'a> {
         Self { minimum, ..self }
     }
 
-    /// By how much a bound may stay below the minimum of a pair that passes.
+    /// How far the bound of a pair that passes may be below its minimum.
     pub fn slack(&self) -> f64 {
         JUDGED * smaller_radius(self.hulls).max(self.minimum.abs())
     }
 
-    /// The least distance that passes, to within rounding: exactly the minimum cannot be proved.
+    /// The smallest bound that passes: a bound of exactly the minimum cannot be proved because of rounding.
     pub(super) fn enough(&self) -> f64 {
         self.minimum - self.slack()
     }
 
-    /// Whether two elements meet of which one is a mesh: it has no depth, so that nothing is known but that they do.
+    /// Whether two elements meet and one is a mesh: meshes have no depth, so that only the contact itself is known.
     pub(super) fn meets(&self, [i, j]: [usize; 2], distance: f64) -> bool {
         let elements = [&self.hulls[0].elements[i], &self.hulls[1].elements[j]];
         distance <= 0.0 && mesh::is_any(elements)
     }
 
-    /// What stands for the depth of a mesh, which has none: lower than all distances that tell anything.
+    /// Replaces the depth of a mesh, which has none: lower than all informative distances.
     pub(super) fn deepest(&self) -> f64 {
         -self.extent
     }
 
-    /// A lower bound, as far as it tells anything. No depth is greater than the radii of the balls around both bodies together,
-    /// wherever they are: balls as far from each other as that are apart.
+    /// A lower bound, limited to informative values. No depth exceeds the sum of the radii of the balls around both bodies,
+    /// wherever they are: at that distance the balls are apart.
     pub(super) fn told(&self, bound: f64) -> f64 {
         let deepest = -self.hulls.iter().map(|hull| hull.ball.1).sum::<f64>();
         // A mesh has no depth.
@@ -247,7 +247,7 @@ impl<'a> PairSweep<'a> {
         self.off
     }
 
-    /// What the bound must reach to be as near to the least distance as was asked.
+    /// The value that the bound must reach to be as close to the smallest distance as requested.
     pub(super) fn target(&self, best: &Best) -> f64 {
         let near = best.found.proximity.distance;
         let scale = if self.minimum == 0.0 {
@@ -305,7 +305,7 @@ impl<'a> PairSweep<'a> {
                 });
             }
         }
-        // Surfaces that never touch stay inside or outside of each other, as far as the motion goes on: one pose tells.
+        // Surfaces that never touch stay inside or outside of each other over a continuous motion: one pose decides.
         let first = instants.first();
         let anew = instants.iter().skip(1).filter(|k| motion.begins_anew(**k));
         for &instant in first.into_iter().chain(anew) {

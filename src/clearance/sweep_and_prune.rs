@@ -1,4 +1,4 @@
-//! Which of many boxes are near each other: they are sorted along an axis, and each is compared with those that it may
+//! Finds the pairs of near boxes among many: they are sorted along an axis, and each is compared with those that it may
 //! still meet there (sweep and prune: Cohen, Lin, Manocha and Ponamgi, I-COLLIDE, 1995).
 
 use glam::DVec3;
@@ -39,7 +39,7 @@ impl AxisBox {
     }
 }
 
-/// Calls `meet` with the indices of every two boxes that are no farther apart than this, until it wants no more.
+/// Calls `meet` with the indices of all pairs of boxes that are at most this far apart, until it returns `false`.
 pub fn near_boxes(boxes: &[AxisBox], apart: f64, mut meet: impl FnMut([usize; 2]) -> bool) {
     let axis = widest_axis(boxes);
     let mut order: Vec<usize> = (0..boxes.len()).collect();
@@ -47,7 +47,7 @@ pub fn near_boxes(boxes: &[AxisBox], apart: f64, mut meet: impl FnMut([usize; 2]
     let mut open: Vec<usize> = Vec::new();
     for k in order {
         let here = &boxes[k];
-        // Boxes that end before this one begins are met no more.
+        // Boxes that end before this one begins are dropped.
         open.retain(|j| here.low[axis] - boxes[*j].high[axis] <= apart);
         for &j in &open {
             if boxes[j].apart(here) <= apart && !meet([j, k]) {

@@ -1,9 +1,9 @@
-//! What a body sweeps over the motion, as a closed mesh around it: in the world, or as another body sees it.
+//! The volume that a body sweeps over the motion, enclosed by a mesh: in the world or relative to another body.
 //!
-//! Between the poses of a list no point of the body is farther from its place at one of them than the step, which is bounded
-//! like the clearances are. Let f be the distance from the body at the nearest pose of the list: the sweep lies where f is no
-//! more than the step. The mesh is the level surface of f, interpolated on tetrahedra, at the step and what interpolating
-//! may add. f is a distance: it changes by no more than the way, from which both bounds follow.
+//! Between the poses of a list no point of the body is farther from its position at one of them than the step, bounded
+//! as for clearances. Let f be the distance from the body at the nearest pose of the list: in the swept volume f is at
+//! most the step. The mesh is the level surface of f, interpolated on tetrahedra, at the step plus the interpolation
+//! error. f is a distance and has the Lipschitz constant 1, from which both bounds follow.
 
 use super::motion::ProvedMotion;
 use super::relative::RelativeChain;
@@ -21,14 +21,14 @@ use std::collections::HashMap;
 /// The step between poses, in cells.
 const STEP: f64 = 0.25;
 
-/// A number between its values at the corners of a tetrahedron of a cell may be off by the radius of the sphere through the
+/// Interpolation in a tetrahedron of a cell may be off by the radius of the sphere through the
 /// corners of the cell: half its diagonal.
 const HALF_DIAGONAL: f64 = 0.866_025_403_784_438_7;
 
-/// Most poses of the list; a coarser mesh needs fewer.
+/// Maximum number of poses in the list; a coarser mesh needs fewer.
 const MOST_POSES: usize = 200_000;
 
-/// Most halvings of a stretch for one pose.
+/// Maximum number of halvings of an interval for one pose.
 const MOST_HALVINGS: u32 = 40;
 
 /// Tetrahedra of a cell by the numbers of its corners (bits for x, y, z): the six around the diagonal.
@@ -41,12 +41,12 @@ const TETRAHEDRA: [[usize; 4]; 6] = [
     [0, 5, 1, 7],
 ];
 
-/// A mesh around what a body sweeps.
+/// A mesh around the volume that a body sweeps.
 #[derive(Clone, Debug)]
 pub struct Swept {
     /// The surface, in the scene's unit, in the world's or the other body's frame.
     pub mesh: Mesh,
-    /// It encloses everything that the body sweeps, and no point of it is farther from that than this.
+    /// The mesh encloses the swept volume, and no point of it is farther from that volume than this.
     pub within: f64,
     /// The motion between the samples is proved, not estimated.
     pub is_certified: bool,
@@ -64,7 +64,7 @@ pub enum SweptError {
     /// Parts of the motion are not known.
     #[error("the motion could not be followed everywhere")]
     Gaps,
-    /// The way is too long for the cells.
+    /// The motion is too long for the cells.
     #[error("the motion needs more than 200000 poses at this fineness: ask for fewer cells")]
     TooLong,
 }
@@ -121,7 +121,7 @@ fn extent(poses: &[Pose], (center, radius): (DVec3, f64)) -> f64 {
     (high - low).max_element() + 2.0 * radius
 }
 
-/// Poses such that the body never is farther than `step` from where it is at one of them.
+/// Poses such that the body is always within `step` of its position at one of them.
 fn poses(
     motion: &ProvedMotion,
     chain: &RelativeChain,
@@ -213,7 +213,7 @@ impl Field<'_> {
     }
 }
 
-/// The surface as far as it is made.
+/// The surface so far.
 struct Surface<'a> {
     field: &'a Field<'a>,
     low: DVec3,

@@ -1,5 +1,5 @@
-//! Distances of two bodies at one pose after the other. From pose to pose no distance changes by more than the points
-//! move, so that most elements need not be looked at again.
+//! Distances of two bodies at successive poses. From pose to pose no distance changes by more than the largest displacement,
+//! so that most elements need not be measured again.
 
 use crate::distance::bodies::{BodyProximity, Hull, LeftOut, separation_along, sphere_separation};
 use crate::distance::pair::signed_distance;
@@ -8,24 +8,24 @@ use crate::math::Pose;
 use glam::{DMat3, DVec3};
 use std::f64::consts::FRAC_1_SQRT_2;
 
-/// Relative rounding of distances and of the way between two poses: far more than there is.
+/// Relative rounding of distances and displacements between two poses, generously.
 const SLACK: f64 = 1e-9;
 
-/// Two bodies and what is known of their elements' distances.
+/// Two bodies and lower bounds of their elements' distances.
 pub struct PairTrack<'a> {
     hulls: [&'a Hull; 2],
     /// Balls around the elements of the second body, in its frame.
     balls: Vec<(DVec3, f64)>,
     /// Lower bounds of the distances at the last pose, one row an element of the first body.
     lower: Vec<f64>,
-    /// From the first element to the second where they were nearest when they were looked at; zero if not known.
+    /// Direction from the first element to the second at their nearest points when last measured; zero if unknown.
     normals: Vec<DVec3>,
     last: Option<Pose>,
     nearest: usize,
 }
 
 impl<'a> PairTrack<'a> {
-    /// Two bodies of which nothing is known yet, but for some pairs of elements.
+    /// Two bodies about which nothing is known yet, except for some pairs of elements.
     pub fn new(hulls: [&'a Hull; 2], left_out: &LeftOut) -> Self {
         let balls: Vec<(DVec3, f64)> = hulls[1].elements.iter().map(Element::bounds).collect();
         let mut lower = vec![f64::NEG_INFINITY; hulls[0].elements.len() * balls.len()];
@@ -89,7 +89,7 @@ impl<'a> PairTrack<'a> {
         best
     }
 
-    /// Lowers what is known by the way from the last pose to this one.
+    /// Lowers the bounds by the displacement from the last pose to this one.
     fn move_to(&mut self, pose: &Pose) {
         if let Some(last) = self.last.replace(*pose) {
             let turn: DMat3 = pose.rotation - last.rotation;

@@ -1,7 +1,7 @@
-//! When bodies are too near: the times outside of which the minimum is proved to be kept.
+//! When bodies are too close: intervals of time outside of which the minimum is proved.
 //!
-//! Pieces of time are halved until one keeps the minimum, or breaks it from end to end, or is short. What is left, joined,
-//! are the times at which the minimum is broken, to within the shortest pieces.
+//! Time intervals are halved until one keeps the minimum, violates it throughout, or is short. The others, joined,
+//! are the times at which the minimum is violated, to within the shortest interval.
 
 use super::branch_and_bound::split_piece;
 use super::look::Segment;
@@ -9,25 +9,25 @@ use super::motion::ProvedMotion;
 use super::sweep::PairSweep;
 use crate::distance::bodies::{enclosed_shell, nearest_bodies};
 
-/// Most pieces looked at for one pair.
+/// Maximum number of intervals examined for one pair.
 const MOST_LOOKS: usize = 6_000;
 
-/// Times are told to this part of a stretch of mean length.
+/// Resolution of times, as a fraction of an interval of mean length.
 const SHORTEST: f64 = 1.0 / 1024.0;
 
-/// Times are rounded, and those of jumps are known, to this part of the whole motion.
+/// Rounding of times, and uncertainty of those of jumps, as a fraction of the whole motion.
 const TIMES: f64 = 1e-10;
 
-/// A time at which two bodies are nearer than their minimum, or may be.
+/// An interval in which two bodies are closer than their minimum, or may be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Violation {
     /// Seconds.
     pub from: f64,
     /// Seconds.
     pub to: f64,
-    /// They are nearer at some instant of it; else that is only not ruled out.
+    /// They are closer at some instant of it; otherwise it is only not excluded.
     pub is_seen: bool,
-    /// The lowest distance of a closed pose that was seen there, ...
+    /// The smallest distance of a closed pose found there, ...
     pub distance: f64,
     /// ... and when.
     pub time: f64,
@@ -50,7 +50,7 @@ struct Low {
 }
 
 impl PairSweep<'_> {
-    /// When the minimum is broken. Empty where bodies are in each other without touching: no distance tells when that began.
+    /// Times below the minimum. Empty if bodies enclose each other without touching: no distance shows when that began.
     pub(super) fn violations(&self, motion: &mut ProvedMotion, is_enclosed: bool) -> Violations {
         if is_enclosed {
             return Violations::default();

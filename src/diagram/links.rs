@@ -108,7 +108,7 @@ pub fn draw_links(
         let paths: Vec<Vec<DrawnSpot>> = link.paths.iter().map(|p| shown_path(p, plane)).collect();
         if is_plane && ends.len() > 2 {
             draw_plate(&ends, text, ink);
-        } else if is_plane {
+        } else if is_plane && ends.len() == 2 {
             ink.line(&ends, text, LINE, Dashes::None);
         } else {
             paths
@@ -136,12 +136,16 @@ pub fn draw_links(
 /// Pixels within which two spots are one.
 const ONE_SPOT: f64 = 0.5;
 
+/// Whether two spots are drawn as one.
+pub fn is_one_spot(a: DrawnSpot, b: DrawnSpot) -> bool {
+    spot_length(spot_difference(a, b)) < ONE_SPOT
+}
+
 /// The spots, without those where an earlier one is.
 fn distinct_spots(spots: Vec<DrawnSpot>) -> Vec<DrawnSpot> {
     let mut kept: Vec<DrawnSpot> = Vec::new();
     for spot in spots {
-        let is_near = |other: &DrawnSpot| spot_length(spot_difference(*other, spot)) < ONE_SPOT;
-        if !kept.iter().any(is_near) {
+        if !kept.iter().any(|other| is_one_spot(*other, spot)) {
             kept.push(spot);
         }
     }
@@ -220,7 +224,7 @@ fn number_place(
     let paths = scheme.links[index].paths.iter();
     let mut pieces: Vec<[DrawnSpot; 2]> = paths.flat_map(|p| lines(shown_path(p, plane))).collect();
     // Plates and bars of a plane go straight from sign to sign.
-    if is_plane || pieces.is_empty() {
+    if pieces.is_empty() || is_plane && ends.len() > 1 {
         pieces = lines(ends.clone());
     }
     let length = |s: &[DrawnSpot; 2]| spot_length(spot_difference(s[1], s[0]));

@@ -7,7 +7,7 @@ use super::ink::{Ink, WantedLabel};
 use super::labels::{PlacedLabel, place_labels};
 use super::lengths::{draw_dimension, draw_vector};
 use super::lettering::{QuantityLettering, valued_name};
-use super::links::{draw_links, leaving_direction, number_links, sign_places};
+use super::links::{draw_links, is_one_spot, leaving_direction, number_links, sign_places};
 use super::loops::{draw_frames, draw_loop};
 use super::plane::{DrawingPlane, DrawnSpot, USUAL_WIDTH, facing_axes};
 use super::scheme::{QuantitySource, Scheme, SchemeLength};
@@ -198,10 +198,14 @@ fn draw_mechanism(
         draw_surface(surface, scheme.size, plane, ink);
     }
     draw_links(scheme, &signs, plane, is_plane, ink);
-    let mut grounds: Vec<DrawnSpot> = Vec::new();
+    let (mut grounds, mut standing): (Vec<DrawnSpot>, Vec<DrawnSpot>) = (Vec::new(), Vec::new());
     for (joint, sign) in scheme.joints.iter().zip(&signs) {
-        if joint.links.contains(&0) {
+        // Links that meet at one fixed pin share its ground.
+        let is_there = |other: &DrawnSpot| is_one_spot(*other, *sign);
+        let is_pin = joint.from == joint.at;
+        if joint.links.contains(&0) && !(is_pin && standing.iter().any(is_there)) {
             grounds.push(draw_ground(joint, *sign, plane, ink));
+            standing.push(*sign);
         }
     }
     for (k, joint) in scheme.joints.iter().enumerate() {

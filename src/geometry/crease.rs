@@ -22,10 +22,13 @@ pub fn mesh_of_triangles(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Mesh {
     let around = faces.around();
     let mut mesh = Mesh::default();
     mesh.positions.reserve_exact(3 * faces.list.len());
+    // Every face has three vertices of its own, so that creases can have two normals.
     for face in &faces.list {
         mesh.positions.extend(faces.corners(*face));
     }
     mesh.normals = vec![DVec3::ZERO; mesh.positions.len()];
+    // Corners at one position are smoothed together; many are binned by direction first, since all pairs would be
+    // quadratic.
     for corners in around.corners() {
         match corners.len() {
             ..=MOST_COMPARED => faces.smooth_normals(corners, &mut mesh.normals),
@@ -35,6 +38,7 @@ pub fn mesh_of_triangles(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Mesh {
     drop(around);
     drop(faces);
     let count = mesh.positions.len() as u32;
+    // Equal vertices are shared again.
     mesh.triangles = (0..count / 3)
         .map(|k| [3 * k, 3 * k + 1, 3 * k + 2])
         .collect();
@@ -105,6 +109,7 @@ impl<'t> CreaseFaces<'t> {
             {
                 continue;
             }
+            // Faces without area have no normal and are left out.
             let [a, b, c] = faces.corners(index as u32);
             if let Some(normal) = (b - a).cross(c - a).try_normalize() {
                 faces.list.push(index as u32);
@@ -158,6 +163,7 @@ impl<'t> CreaseFaces<'t> {
         for corner in corners {
             let own = self.normal(*corner);
             let others = corners.iter().zip(&angles);
+            // The mean of the normals within the crease angle, weighted by the angle of the face at the corner.
             let mean = others.fold(DVec3::ZERO, |sum, (other, angle)| {
                 let normal = self.normal(*other);
                 if normal.dot(own) >= CREASE_COSINE {
@@ -181,6 +187,7 @@ impl<'t> CreaseFaces<'t> {
             .iter()
             .filter_map(|sum| Some((*sum, sum.try_normalize()?)));
         let filled: Vec<(DVec3, DVec3)> = filled.collect();
+        // The same mean over the direction cells instead of the faces.
         for corner in corners {
             let own = self.normal(*corner);
             let near = filled

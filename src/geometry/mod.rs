@@ -56,6 +56,7 @@ pub fn mesh_of(solid: &Solid, tolerance: f64) -> Mesh {
         } => primitive::sheet_mesh(*point, *normal, *size),
         Solid::Triangles(soup) => mesh_of_triangles(&soup.vertices, &soup.triangles),
     };
+    // Overflow of huge sizes gives no mesh instead of a broken one.
     let finite = mesh
         .positions
         .iter()

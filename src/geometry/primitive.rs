@@ -29,6 +29,7 @@ pub(super) fn ball_mesh(center: DVec3, radius: f64, tolerance: f64) -> Mesh {
         return Mesh::default();
     }
     let [around, down] = ball_segments(radius, tolerance);
+    // The unit ball of parry, whose corners are its normals.
     let (corners, triangles) = Ball::new(1.0).to_trimesh(around, down);
     let frame = upright_frame(DVec3::Z);
     let normals: Vec<DVec3> = corners
@@ -53,6 +54,7 @@ pub(super) fn capsule_mesh(from: DVec3, to: DVec3, radius: f64, tolerance: f64) 
         triangles,
         ..Mesh::default()
     };
+    // The upper hemisphere belongs to the end, the lower one to the start.
     for corner in corners {
         let top = corner.y > 0.0;
         let (end, middle) = if top {

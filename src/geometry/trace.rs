@@ -43,6 +43,7 @@ pub fn trace_mesh(points: &[Option<DVec3>], radius: f64, segments: u32) -> Trace
             _ => None,
         };
         let direction = ends.and_then(|[from, to]| (to - from).try_normalize());
+        // The ring's frame is carried along without twist; missing points keep the last frame.
         if let (Some(ends), Some(direction)) = (ends, direction) {
             let carried = frame.map_or_else(
                 || RingFrame::across(direction),

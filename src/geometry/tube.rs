@@ -153,6 +153,7 @@ impl TubeSweep {
             |leg: usize| (points[(leg + 1) % count] - points[leg % count]).normalize_or_zero();
         let mut frame = RingFrame::across(direction(0));
         let mut rings = Vec::new();
+        // An open line begins with a plain ring.
         if !closed {
             rings.push(TubeRing {
                 center: points[0],
@@ -161,6 +162,7 @@ impl TubeSweep {
             });
         }
         let length = |leg: usize| (points[(leg + 1) % count]).distance(points[leg % count]);
+        // Rings at the inner corners, in the room that half of the shorter leg leaves.
         for (leg, point) in points.iter().enumerate().take(legs).skip(1) {
             let room = 0.5 * length(leg - 1).min(length(leg));
             frame = self.corner((*point, room), frame, direction(leg), &mut rings);
@@ -168,6 +170,7 @@ impl TubeSweep {
         if closed {
             let room = 0.5 * length(count - 1).min(length(0));
             frame = self.corner((points[0], room), frame, direction(0), &mut rings);
+            // The frame carried around a closed line comes back turned: the angle is spread over all rings.
             let (sin, cos) = {
                 let start = RingFrame::across(direction(0));
                 (start.second.dot(frame.first), start.first.dot(frame.first))
@@ -180,6 +183,7 @@ impl TubeSweep {
                 mitre: None,
             });
         }
+        // Vertices of all rings, then quadrilaterals between adjacent ones.
         for ring in &rings {
             self.push_ring(ring);
         }
@@ -239,6 +243,7 @@ impl TubeSweep {
     fn spread_twist(&self, rings: &mut [TubeRing], twist: f64) {
         let centers: Vec<DVec3> = rings.iter().map(|ring| ring.center).collect();
         let Some(last) = centers.last() else { return };
+        // The length along the line up to every ring; each ring takes its share of the twist.
         let mut travelled = vec![0.0];
         for pair in centers.windows(2) {
             travelled.push(travelled[travelled.len() - 1] + pair[0].distance(pair[1]));
@@ -286,6 +291,7 @@ impl TubeSweep {
         let outward = ring.frame.direction() * side;
         let steps = (self.around / 4).max(2);
         let mut base = row * self.around;
+        // Circles of latitude from the ring to the pole, each joined to the one before.
         for step in 1..steps {
             let (sin, cos) = sin_cos(FRAC_PI_2 * f64::from(step) / f64::from(steps));
             let next = self.mesh.positions.len() as u32;
@@ -305,6 +311,7 @@ impl TubeSweep {
         let pole = self
             .mesh
             .push_vertex(ring.center + outward * self.radius, outward);
+        // The last circle closes at the pole.
         for k in 0..self.around {
             self.facet([base + k, base + (k + 1) % self.around, pole], side);
         }

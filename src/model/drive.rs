@@ -151,7 +151,7 @@ impl Drive {
         }
     }
 
-    /// Where it jumps between two instants, both included; told by what it is on both sides, not by size.
+    /// Jumps between two instants, both included, recognised from the limits on both sides and not from their size.
     pub fn jumps_between(&self, from: f64, to: f64) -> Jumps {
         match self {
             Self::Formula(formula) => formula.jumps_between(from, to),
@@ -160,7 +160,7 @@ impl Drive {
                 let [first, last] = [from, to].map(around_instant);
                 let stops = times.iter().copied();
                 let stops: Vec<f64> = stops.filter(|t| first.hi < *t && *t < last.lo).collect();
-                // Between two stops it stands still.
+                // The value is constant between two keys.
                 let start = stops.first().map_or(to, |t| *t);
                 let end = stops.last().map_or(from, |t| *t);
                 let level = |a: f64, b: f64| self.value(0.5 * a + 0.5 * b);

@@ -273,6 +273,7 @@ fn affine_of(op: Op, forms: &[Affine]) -> Option<Affine> {
         Op::Negate(a) => combine_affine(&forms[a], -ONE, &Affine::default(), ZERO),
         Op::Add(a, b) => combine_affine(&forms[a], ONE, &forms[b], ONE),
         Op::Subtract(a, b) => combine_affine(&forms[a], ONE, &forms[b], -ONE),
+        // A product or quotient is affine only if one side is constant.
         Op::Multiply(a, b) => match (constant(&forms[a]), constant(&forms[b])) {
             (Some(c), _) => combine_affine(&forms[b], c, &Affine::default(), ZERO),
             (_, Some(c)) => combine_affine(&forms[a], c, &Affine::default(), ZERO),
@@ -290,6 +291,7 @@ fn affine_of(op: Op, forms: &[Affine]) -> Option<Affine> {
                     .collect(),
             }
         }
+        // Powers and functions are affine only as constants.
         Op::Power(a, b) => {
             let value = constant(&forms[a])?.power(constant(&forms[b])?);
             Affine {

@@ -198,11 +198,14 @@ impl Mul for FixedPose {
     fn mul(self, right: Self) -> Self {
         let pose = self.pose * right.pose;
         let (a, b) = (self.pose, right.pose);
+        // Rounding of the product: of its three columns, and of the moved origin.
         let columns = [0, 1, 2].map(|k| {
             let column = pose.rotation.col(k);
             rounding_error(&a.rotation, b.rotation.col(k), DVec3::ZERO, column)
         });
         let moved = rounding_error(&a.rotation, b.translation, a.translation, pose.translation);
+        // An error of the left rotation displaces the right translation; errors of rotations compose to first order
+        // and their product.
         let open = self.error.rotation * b.translation.length();
         let error = PoseError {
             rotation: self.error.rotation * (1.0 + right.error.rotation)
@@ -210,6 +213,7 @@ impl Mul for FixedPose {
                 + DVec3::from_array(columns).length(),
             translation: self.error.translation + right.error.translation + open + moved,
         };
+        // The sums above are rounded, too.
         let error = PoseError {
             rotation: error.rotation * GROW,
             translation: error.translation * GROW,

@@ -116,6 +116,7 @@ impl Function {
     pub fn partials<S: Scalar>(self, a: S, b: S, r: S) -> [S; 2] {
         let [zero, one] = [0.0, 1.0].map(S::number);
         let over_root = || one / (one - a.square()).sqrt();
+        // Where the value itself appears in its derivative, `r` is used: d tan = 1 + tan², d √a = 1 / (2 √a).
         match self {
             Self::Sin => [a.cos(), zero],
             Self::Cos => [-a.sin(), zero],
@@ -130,6 +131,7 @@ impl Function {
             Self::Sqrt => [S::number(0.5) / r, zero],
             Self::Exp => [r, zero],
             Self::Ln => [one / a, zero],
+            // Functions with kinks take the derivative of the side that the operands are on.
             Self::Abs => [a.choose(-one, one), zero],
             Self::Min => {
                 let above = b - a;

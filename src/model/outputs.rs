@@ -155,9 +155,12 @@ impl NearestFound<'_> {
         if normal == DVec3::ZERO {
             return S::undefined().first_order(distance);
         }
+        // The nearest points in the frames of their own bodies.
         let second_from_first = self.first_from_second.inverse();
         let own = [points[0], second_from_first.transform_point(points[1])];
         let world = self.world_from_first.rotation * normal;
+        // Both points as functions of the coordinates, and the gap along the normal: to first order the points may be
+        // held.
         let [first, second] = [0, 1].map(|k| {
             let chain = &mechanism.bodies[self.gap.bodies[k]].world_from_body;
             let arguments = output_arguments(mechanism, &chain.arguments(), coordinates);
@@ -167,6 +170,7 @@ impl NearestFound<'_> {
         for (k, n) in world.to_array().into_iter().enumerate() {
             change = change + (second[k] - first[k]).scale(n);
         }
+        // The solids change by the dimensions that they are shaped by.
         for &slot in self.gap.solids.shaped_by() {
             change = change + coordinates[slot].scale(self.by_shape(numbers, slot));
         }

@@ -47,7 +47,7 @@ pub fn clearance_section(
         "nearest:",
         "at t / s:",
         "never below:",
-        "asked:",
+        "minimum:",
         "",
     ];
     let mut table = Table::new("Pairs of bodies, the worst first", &heads);

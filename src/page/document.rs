@@ -230,7 +230,7 @@ fn write_view(out: &mut String, article: &Article, still: &[u8]) {
             "<span data-part=\"hint\">Drag to rotate, with Shift or two fingers to move; pinch, or use the wheel with Ctrl, to zoom. Click a curve to select a time.</span>"
         },
     );
-    out.push_str("<noscript><p class=\"faint\">Scripts are off: the picture stands still, everything else is here.</p></noscript>\n");
+    out.push_str("<noscript><p class=\"faint\">Scripts are disabled: the picture does not move; everything else is here.</p></noscript>\n");
     let mut now = Table::new(
         "Values at the time of the slider",
         &["quantity", "value:", "unit"],

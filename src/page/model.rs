@@ -37,7 +37,7 @@ pub fn viewer_model(
     }
     if triangles > MOST_TRIANGLES {
         return Err(format!(
-            "The picture stands still: {triangles} triangles are too many for a page ({MOST_TRIANGLES} at most); \
+            "The picture does not move: {triangles} triangles are too many for a page ({MOST_TRIANGLES} at most); \
              mechanim render writes them as .glb."
         ));
     }

@@ -250,7 +250,7 @@ impl TakenMeasure<'_> {
     /// Value and unit, and the violation if any.
     pub fn sentence(&self) -> String {
         let Some(value) = self.value else {
-            return "no value: a pose is missing on the way, or a formula has none".to_owned();
+            return "no value: a pose is missing, or a formula is undefined".to_owned();
         };
         let mut text = format!("{} {}", measure_digits(value * self.factor), self.unit);
         text.push_str(&self.where_taken());

@@ -80,7 +80,7 @@ impl OptimumReport<'_> {
             minimum.evaluations,
             refusals.count(),
             refusals.not_reached,
-            refusals.torn,
+            refusals.branch_lost,
             refusals.no_value,
             self.seconds
         )
@@ -182,7 +182,7 @@ impl OptimumReport<'_> {
             "ended": ending_word(minimum.ended),
             "iterations": minimum.iterations,
             "evaluations": minimum.evaluations,
-            "refused": { "not_reached": refusals.not_reached, "torn": refusals.torn,
+            "refused": { "not_reached": refusals.not_reached, "branch_lost": refusals.branch_lost,
                          "no_value": refusals.no_value },
             "variables": variables.collect::<Vec<_>>(),
             "verified": self.verified.as_ref().ok().map(|v| self.verified_object(v)),

@@ -60,7 +60,7 @@ fn scene_document(found: &FoundMechanism) -> Value {
                 "first": start.first * unit,
                 "found": start.minimum.as_ref().map(|m| m.value * unit),
                 "evaluations": start.minimum.as_ref().map_or(0, |m| m.evaluations + m.gradients),
-                "refused": { "not_reached": start.refusals.not_reached, "torn": start.refusals.torn, "no_value": start.refusals.no_value,
+                "refused": { "not_reached": start.refusals.not_reached, "branch_lost": start.refusals.branch_lost, "no_value": start.refusals.no_value,
                              "interpenetrating": start.interpenetrating },
                 "limits_kept": start.value().is_finite(),
                 "ended": start.minimum.as_ref().map_or("no start can be followed", |m| ending_word(m.ended)),

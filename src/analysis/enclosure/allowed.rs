@@ -96,6 +96,7 @@ fn of_motion(plan: &Plan, wanted: &[(usize, Kind)], times: &[f64], threads: usiz
             return f64::INFINITY;
         };
         for (index, kind) in wanted {
+            // The farther end of the band, in the file's unit; the factor covers the rounding of the conversion.
             let band = &bands.list[*index];
             let unit = mechanism.file_units(*kind) * (1.0 + 1e-14);
             let apart = (band.hi - band.nominal).max(band.nominal - band.lo) * unit;
@@ -110,6 +111,7 @@ fn of_motion(plan: &Plan, wanted: &[(usize, Kind)], times: &[f64], threads: usiz
 
 /// The same for a measure: half the width of its band plus the offset of its centre.
 fn of_measure(plan: &Plan, nominal: &Nominal, index: usize) -> f64 {
+    // The measure's own band without tolerances contains its nominal value: the widest difference counts.
     let still = plan.scaled(0.0);
     let (Ok(bands), Ok(own)) = (
         enclose_measures(plan, nominal),

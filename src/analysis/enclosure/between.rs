@@ -18,6 +18,7 @@ const MOST_HALVINGS: u32 = 6;
 /// Bands between adjacent `times`, and between the times at which an input has a key, a kink or a jump.
 pub fn enclose_between(plan: &Plan, times: &[f64], threads: usize) -> Vec<SpanBands> {
     let family = plan.family;
+    // The samples and all times at which a drive changes its formula: between them drives are smooth.
     let all = knot_times(&family.actuation, times);
     let ends: Vec<[f64; 2]> = all.windows(2).map(|pair| [pair[0], pair[1]]).collect();
     let middles: Vec<f64> = ends.iter().map(|[a, b]| 0.5 * a + 0.5 * b).collect();
@@ -25,6 +26,7 @@ pub fn enclose_between(plan: &Plan, times: &[f64], threads: usize) -> Vec<SpanBa
     let encloser = Encloser::new(family.system());
     let work = |solver: &mut PoseSolver, index: usize| {
         let [from, until] = ends[index];
+        // Bands of an interval are proved around the pose in its middle.
         let bands = match &samples[index].pose {
             None => Err(Obstacle::NoPose),
             Some(pose) => {
@@ -91,6 +93,7 @@ impl Place<'_> {
     fn whole(&self, solver: &mut PoseSolver, stretch: [f64; 2]) -> Result<Vec<[f64; 2]>, Obstacle> {
         let tolerances = stretch_tolerances(self.plan, &self.pose, stretch);
         sized!(self.plan.room_for(tolerances.len()), N => {
+            // All coordinates and derived values over the whole interval, for every piece.
             let enclosure = pose_enclosure::<N>(self.plan, self.encloser, solver, &self.pose, &tolerances)?;
             let mechanism = self.plan.family.mechanism();
             let unknowns = 0..mechanism.unknowns.len();

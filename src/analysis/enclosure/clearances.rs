@@ -228,6 +228,7 @@ impl Search<'_> {
     ) -> Result<PartBounds, Obstacle> {
         let [from, until] = stretch.ends;
         let actuation = &self.plan.family.actuation;
+        // The pose in the middle of the interval, followed from a near one.
         let inputs = actuation.inputs_at(0.5 * from + 0.5 * until);
         let pose = solver
             .step(&stretch.near, &inputs, 1)

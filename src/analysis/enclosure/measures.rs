@@ -264,6 +264,7 @@ fn of_formula<const N: usize>(formula: &Expression, numbers: &[Tracked<N>]) -> T
     if count.unwrap_or(0) == 0 {
         return Tracked::without_rates(value, 0);
     }
+    // Chain rule: the rates of a formula from its gradient over the whole box and the rates of its slots.
     let gradient = formula.gradient(&forms);
     let used = formula.slots();
     let parts: Vec<(AffineForm<N>, &Tracked<N>)> = (used.iter())
@@ -282,6 +283,7 @@ fn plan_inputs<const N: usize>(plan: &Plan) -> Vec<Tracked<N>> {
     let pose = [vec![0.0; unknowns], start.clone()].concat();
     let open = plan.input_open(&pose);
     let still = vec![AffineForm::ZERO; plan.dimensions.len()];
+    // The rounding of the start values, then the tolerance of each dimension as a symbol of its own.
     let one = |(value, open): (&f64, f64)| Tracked {
         form: AffineForm::within(*value, open),
         rates: still.clone(),

@@ -77,12 +77,14 @@ pub fn enclose_motion(plan: &Plan, times: &[f64], threads: usize, search: bool) 
 /// The samples at `times`, followed from the start of the drive, so that they are on its branch. After a cancellation
 /// they have no pose.
 pub(super) fn samples_at(plan: &Plan, times: &[f64]) -> Vec<Sample> {
+    // The motion is followed from the start of the drive, which may not be among the samples.
     let begins = times.first().is_none_or(|t| *t == 0.0);
     let lead: &[f64] = if begins { &[] } else { &[0.0] };
     let all = [lead, times].concat();
     let (system, actuation) = (plan.family.system(), &plan.family.actuation);
     let motion = solve_until(system, actuation, &all, None, &|| plan.is_cancelled());
     let mut samples = motion.of_one_motion();
+    // Behind the end of the motion there are no poses.
     let missing = all.iter().skip(samples.len()).map(|time| Sample {
         time: *time,
         inputs: actuation.inputs_at(*time),

@@ -154,6 +154,7 @@ impl<'f> PieceFinder<'f> {
     pub fn bands<const N: usize>(&mut self, pose: &[f64]) -> Result<Bands, Obstacle> {
         let anchor = Anchor::new(self.plan.family.system(), pose);
         let anchor = anchor.as_ref();
+        // The plain enclosure first; the refined one costs several times as much.
         let Ok((plain, is_rough)) = self.enclosed_plainly::<N>(pose) else {
             let enclosure = self.enclosed::<N>(pose)?;
             return Ok(self.bands_within(&enclosure, anchor));
@@ -165,6 +166,7 @@ impl<'f> PieceFinder<'f> {
         if !is_rough || first.list.iter().all(sharp) {
             return Ok(first);
         }
+        // Both enclose all pieces, so that their intersection does.
         let enclosure = self.encloser.refined(&plain);
         let second = self.bands_within(&enclosure, anchor);
         let pairs = first.list.iter().zip(&second.list);

@@ -67,6 +67,7 @@ fn greatest_of<const N: usize>(list: &[Tracked<N>]) -> Tracked<N> {
     let Some(best) = best else {
         return Tracked::undefined(0);
     };
+    // The maximum is the form of the largest nominal value plus what any other can exceed it by.
     let others = || list.iter().filter(|other| !std::ptr::eq(*other, best));
     let beyond = |other: &Tracked<N>| (other.form - best.form).range().hi;
     let excess = others().map(beyond).fold(0.0, f64::max);

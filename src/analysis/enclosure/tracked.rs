@@ -31,6 +31,7 @@ impl<const N: usize> Tracked<N> {
     pub fn through(form: AffineForm<N>, parts: &[(AffineForm<N>, &Self)]) -> Self {
         let count = parts.iter().map(|(_, part)| part.rates.len()).max();
         let mut rates = vec![AffineForm::ZERO; count.unwrap_or(0)];
+        // Chain rule: rates of the parts, weighted by the slopes.
         for (slope, part) in parts {
             let number = slope.as_number();
             for (sum, rate) in rates.iter_mut().zip(&part.rates) {
@@ -85,6 +86,7 @@ impl<const N: usize> Tracked<N> {
         form: AffineForm<N>,
         rivals: impl Iterator<Item = &'t Self> + Clone,
     ) -> Self {
+        // The maximum may follow any rival: its rate lies in the hull of the differences.
         let of = |(k, rate): (usize, &AffineForm<N>)| {
             let apart = rivals.clone().map(|rival| (rival.rates[k] - *rate).range());
             let hull = apart.fold(Interval::ZERO, Interval::hull);

@@ -7,6 +7,8 @@ mod curvature;
 pub mod evolution;
 pub mod least_squares;
 pub mod minimax;
+mod minimax_problem;
+mod minimax_step;
 pub mod nelder_mead;
 pub mod quadratic;
 

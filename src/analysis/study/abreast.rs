@@ -16,7 +16,7 @@ use crate::numbers::octet::{LANES, LaneMask, Octet};
 /// Known poses from which designs are posed side by side; created once, shared by all threads.
 #[derive(Clone, Debug)]
 pub struct PoseAnchors<'t> {
-    stand: &'t TrackPoses,
+    track_poses: &'t TrackPoses,
     /// `None` if some pose cannot be used: every design is then posed individually.
     anchors: Option<Vec<Anchor>>,
     /// Whether measures are formulas of coordinates, traces and outputs, none a derivative or a distance of bodies.
@@ -24,11 +24,14 @@ pub struct PoseAnchors<'t> {
 }
 
 impl<'t> PoseAnchors<'t> {
-    /// Those of a stand with sensitivities.
-    pub fn new(evaluator: &Evaluator, stand: &'t TrackPoses) -> Self {
+    /// The poses and their sensitivities.
+    pub fn new(evaluator: &Evaluator, track_poses: &'t TrackPoses) -> Self {
         let system = evaluator.family().system();
-        let is_settled = stand.sensitivities().is_some();
-        let anchors = stand.poses.iter().map(|pose| Anchor::new(system, pose));
+        let is_settled = track_poses.sensitivities().is_some();
+        let anchors = track_poses
+            .poses
+            .iter()
+            .map(|pose| Anchor::new(system, pose));
         let outputs = &system.mechanism().outputs;
         Self {
             anchors: anchors.collect::<Option<_>>().filter(|_| is_settled),
@@ -36,7 +39,7 @@ impl<'t> PoseAnchors<'t> {
                 && outputs
                     .iter()
                     .all(|o| matches!(o.source, OutputSource::Formula(_))),
-            stand,
+            track_poses,
         }
     }
 }
@@ -58,7 +61,7 @@ impl<'f> LaneEvaluator<'f> {
     pub fn new(plain: Evaluator<'f>, anchors: &'f PoseAnchors<'f>) -> Self {
         Self {
             solver: LaneSolver::new(plain.family().system()),
-            poses: vec![Vec::new(); anchors.stand.poses.len()],
+            poses: vec![Vec::new(); anchors.track_poses.poses.len()],
             scratch: Vec::new(),
             alone: 0,
             plain,
@@ -82,31 +85,34 @@ impl<'f> LaneEvaluator<'f> {
     /// A design posed individually.
     fn alone(&mut self, values: &[f64]) -> Result<Measured, Rejection> {
         self.alone += 1;
-        let stand = self.plain.approach(self.anchors.stand, values)?;
-        self.plain.measure(&stand)
+        let track_poses = self.plain.approach(self.anchors.track_poses, values)?;
+        self.plain.measure(&track_poses)
     }
 
     /// Poses the designs; returns the lanes that are closed at all poses by one trusted step from the known poses.
     fn posed(&mut self, designs: &[Vec<f64>]) -> LaneMask {
-        let stand = self.anchors.stand;
+        let track_poses = self.anchors.track_poses;
         let mut lanes = LaneMask::first(designs.len());
-        let Some((anchors, sensitivities)) =
-            self.anchors.anchors.as_ref().zip(stand.sensitivities())
+        let Some((anchors, sensitivities)) = self
+            .anchors
+            .anchors
+            .as_ref()
+            .zip(track_poses.sensitivities())
         else {
             return LaneMask::NONE;
         };
         let of_variable = |k: usize| {
-            let of_lane = |lane: usize| designs.get(lane).map_or(stand.values[k], |v| v[k]);
+            let of_lane = |lane: usize| designs.get(lane).map_or(track_poses.values[k], |v| v[k]);
             Octet::new(std::array::from_fn(of_lane))
         };
-        let values: Vec<Octet> = (0..stand.values.len()).map(of_variable).collect();
-        let known = values.iter().zip(&stand.values);
+        let values: Vec<Octet> = (0..track_poses.values.len()).map(of_variable).collect();
+        let known = values.iter().zip(&track_poses.values);
         let change: Vec<Octet> = known.map(|(v, s)| *v - Octet::splat(*s)).collect();
         let mechanism = self.plain.family().mechanism();
         for (index, anchor) in anchors.iter().enumerate() {
             let pose = &mut self.poses[index];
             pose.clear();
-            pose.extend(stand.poses[index].iter().map(|c| Octet::splat(*c)));
+            pose.extend(track_poses.poses[index].iter().map(|c| Octet::splat(*c)));
             // Predicted along the sensitivities, ...
             let (n, mut length) = (mechanism.unknowns.len(), Octet::ZERO);
             for (k, unknown) in pose.iter_mut().take(n).enumerate() {
@@ -194,8 +200,11 @@ impl<'f> LaneEvaluator<'f> {
     fn measured_plainly(&self, lane: usize, designs: &[Vec<f64>]) -> Option<Vec<f64>> {
         let pose = |pose: &Vec<Octet>| pose.iter().map(|c| c.lane(lane)).collect();
         let poses = self.poses.iter().map(pose).collect();
-        let stand = self.anchors.stand.approached(designs[lane].clone(), poses);
-        Some(self.plain.measure(&stand).ok()?.measures)
+        let track_poses = self
+            .anchors
+            .track_poses
+            .approached(designs[lane].clone(), poses);
+        Some(self.plain.measure(&track_poses).ok()?.measures)
     }
 }
 

@@ -19,12 +19,12 @@ impl Evaluator<'_> {
     ///
     /// # Errors
     /// The pose that the one before it does not lead to.
-    pub fn whole(&mut self, stand: &TrackPoses) -> Result<(), Rejection> {
+    pub fn whole(&mut self, track_poses: &TrackPoses) -> Result<(), Rejection> {
         for (track, range) in self.family.rows() {
-            for (from, pair) in stand.poses[range].windows(2).enumerate() {
+            for (from, pair) in track_poses.poses[range].windows(2).enumerate() {
                 if !self.leads_to(&pair[0], &pair[1]) {
                     let pose = from + 2;
-                    return Err(Rejection::Torn { track, pose });
+                    return Err(Rejection::BranchLost { track, pose });
                 }
             }
         }

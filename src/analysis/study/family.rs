@@ -305,6 +305,7 @@ impl ParametricMechanism {
         for row in 0..self.counts.len() {
             let (samples, skipped) = match self.measures.tracks.get(row) {
                 Some(track) => {
+                    // The drive leads to the start of the track first; that pose does not belong to the track.
                     let (moved, times) = driven_along(&self.actuation, track);
                     (solve_whole(&self.system, &moved, &times)?.samples, 1)
                 }

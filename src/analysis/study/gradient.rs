@@ -82,12 +82,12 @@ impl Evaluator<'_> {
     ///
     /// # Errors
     /// A measure without a value or derivative (names it), or a singular pose.
-    pub fn gradients(&self, stand: &TrackPoses) -> Result<Gradients, Rejection> {
+    pub fn gradients(&self, track_poses: &TrackPoses) -> Result<Gradients, Rejection> {
         let list = &self.family.measures.list;
-        let (own, count) = (self.family.own_inputs(), stand.values.len());
-        let shown = self.shown(stand);
-        let (numbers, reductions) = self.numbers(stand, &shown);
-        let changes = self.changes(stand, &shown)?;
+        let (own, count) = (self.family.own_inputs(), track_poses.values.len());
+        let shown = self.shown(track_poses);
+        let (numbers, reductions) = self.numbers(track_poses, &shown);
+        let changes = self.changes(track_poses, &shown)?;
         // Derivatives of the slots of the measures' formulas: inputs, then measures.
         let mut rows = vec![vec![0.0; count]; own + count];
         (0..count).for_each(|k| rows[own + k][k] = 1.0);
@@ -125,28 +125,28 @@ impl Evaluator<'_> {
     /// Derivatives of the quantities `shown` of every pose by the variables.
     pub(super) fn changes(
         &self,
-        stand: &TrackPoses,
+        track_poses: &TrackPoses,
         shown: &[ShownMeasure],
     ) -> Result<Vec<Changes>, Rejection> {
         let settled;
-        let sensitivities = match stand.sensitivities() {
+        let sensitivities = match track_poses.sensitivities() {
             Some(known) => known,
             None => {
-                settled = self.clone().settled(stand.clone());
+                settled = self.clone().settled(track_poses.clone());
                 settled.sensitivities().unwrap_or_default()
             }
         };
         let mechanism = self.family.mechanism();
-        let count = stand.values.len();
+        let count = track_poses.values.len();
         let work = |index: usize| {
-            if stand.is_singular(index) {
+            if track_poses.is_singular(index) {
                 return None;
             }
             let slots = &shown[index].slots;
             let slopes = MeasureSlopes::new(mechanism, count, slots, &sensitivities[index]);
-            self.changes_at(index, &stand.poses[index], slopes)
+            self.changes_at(index, &track_poses.poses[index], slopes)
         };
-        let poses = stand.poses.len();
+        let poses = track_poses.poses.len();
         // Only series through the loops are worth another thread.
         let threads = match self.derives_by_inputs() {
             true => jobs::core_count().min(poses.div_ceil(LEAST_PORTION)),

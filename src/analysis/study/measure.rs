@@ -42,6 +42,7 @@ impl ShownMeasure {
 fn measure_slots(mechanism: &Mechanism, pose: &[f64]) -> Vec<f64> {
     let arguments = mechanism.argument_values(pose);
     let mut slots = pose.to_vec();
+    // Traced points, then outputs, which may use them and earlier outputs.
     for trace in &mechanism.traces {
         let frame = mechanism.bodies[trace.body]
             .world_from_body
@@ -57,9 +58,9 @@ fn measure_slots(mechanism: &Mechanism, pose: &[f64]) -> Vec<f64> {
 }
 
 impl Evaluator<'_> {
-    /// What every pose of a stand shows.
-    pub(super) fn shown(&self, stand: &TrackPoses) -> Vec<ShownMeasure> {
-        let poses = stand.poses.iter().enumerate();
+    /// The quantities of every pose.
+    pub(super) fn shown(&self, track_poses: &TrackPoses) -> Vec<ShownMeasure> {
+        let poses = track_poses.poses.iter().enumerate();
         poses
             .map(|(index, pose)| self.shown_at(index, pose))
             .collect()
@@ -101,13 +102,13 @@ impl Evaluator<'_> {
         measures.into_iter().any(derives)
     }
 
-    /// The measures of a stand.
+    /// The measures at the poses of the tracks.
     ///
     /// # Errors
     /// A measure that has no value (names it).
-    pub fn measure(&self, stand: &TrackPoses) -> Result<Measured, Rejection> {
-        let shown = self.shown(stand);
-        let (numbers, _) = self.numbers(stand, &shown);
+    pub fn measure(&self, track_poses: &TrackPoses) -> Result<Measured, Rejection> {
+        let shown = self.shown(track_poses);
+        let (numbers, _) = self.numbers(track_poses, &shown);
         let measures = numbers[self.family.mechanism().inputs.len()..].to_vec();
         match measures.iter().position(|v| !v.is_finite()) {
             Some(bad) => {
@@ -122,15 +123,15 @@ impl Evaluator<'_> {
     pub fn refused_start(&self, poses: &TrackPoses, rejection: &Rejection) -> FamilyError {
         let why = match rejection {
             Rejection::NoValue(name) => self.why(poses, name),
-            Rejection::NotReached { .. } | Rejection::Torn { .. } => String::new(),
+            Rejection::NotReached { .. } | Rejection::BranchLost { .. } => String::new(),
         };
         FamilyError::Lacks(format!("at the file's own values: {rejection}{why}"))
     }
 
     /// Why the measure called `name` has no value: which operation fails, at which pose.
-    fn why(&self, stand: &TrackPoses, name: &str) -> String {
-        let (measures, shown) = (&self.family.measures.list, self.shown(stand));
-        let (numbers, _) = self.numbers(stand, &shown);
+    fn why(&self, track_poses: &TrackPoses, name: &str) -> String {
+        let (measures, shown) = (&self.family.measures.list, self.shown(track_poses));
+        let (numbers, _) = self.numbers(track_poses, &shown);
         let source = measures.iter().find(|m| m.name == name).map(|m| &m.source);
         let fault = match source {
             None => None,
@@ -150,12 +151,12 @@ impl Evaluator<'_> {
     /// Inputs and measures, the slots of the measures' formulas; and how those over tracks were computed.
     pub(super) fn numbers(
         &self,
-        stand: &TrackPoses,
+        track_poses: &TrackPoses,
         shown: &[ShownMeasure],
     ) -> (Vec<f64>, Vec<Option<Reduced>>) {
         let mut numbers = self.family.actuation.inputs_at(0.0);
         let own = self.family.own_inputs();
-        numbers[own..].copy_from_slice(&stand.values);
+        numbers[own..].copy_from_slice(&track_poses.values);
         let mut scratch = Vec::new();
         let mut reductions = Vec::with_capacity(self.family.measures.list.len());
         // Measures in the order of the scene: formulas may use those before them.

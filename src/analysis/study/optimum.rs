@@ -275,8 +275,8 @@ pub fn verify_optimum(
     let (error_bound, unproved, poses) =
         (nominal.error_bound, nominal.unproved, nominal.poses.len());
     let mut evaluator = Evaluator::new(&family);
-    let stand = evaluator.nominal(nominal.poses);
-    let measured = evaluator.measure(&stand);
+    let track_poses = evaluator.nominal(nominal.poses);
+    let measured = evaluator.measure(&track_poses);
     let measures = measured
         .map_err(|r| FamilyError::Lacks(r.to_string()))?
         .measures;

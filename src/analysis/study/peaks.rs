@@ -149,7 +149,7 @@ impl<'f, 'w> Peaks<'f, 'w> {
         }
     }
 
-    /// The largest violation of a limit, as a fraction of it, at the point whose slopes were requested last; zero if
+    /// The largest violation of a limit, as a fraction of it, at the point whose gradients were requested last; zero if
     /// there is none.
     pub fn excess(&self) -> f64 {
         self.excess
@@ -181,114 +181,126 @@ impl<'f, 'w> Peaks<'f, 'w> {
         with_slopes: bool,
     ) -> Result<Option<(PeakValues, PeakGradients)>, Rejection> {
         // All poses of the tracks with these dimensions, from the nearest known ones.
-        let stand = if with_slopes {
+        let track_poses = if with_slopes {
             self.evaluator.reach(&self.base, x)?
         } else {
             self.evaluator.approach(&self.base, x)?
         };
         if with_slopes {
-            self.evaluator.whole(&stand)?;
+            self.evaluator.whole(&track_poses)?;
         }
         if with_slopes
             && let Some(guard) = &mut self.guard
-            && guard(&stand) > 0.0
+            && guard(&track_poses) > 0.0
         {
             self.guarded += 1;
             return Ok(None);
         }
         // The peaks of the objective first, then the limits row by row.
-        let lists = list_rows(&self.evaluator, &self.rows, &stand.poses, with_slopes);
+        let lists = list_rows(&self.evaluator, &self.rows, &track_poses.poses, with_slopes);
         let mut lists = lists.into_iter();
-        let Listed { values, slopes } = match self.objective {
+        let Listed {
+            values,
+            slopes: rows,
+        } = match self.objective {
             Objective::Largest => lists.next().unwrap_or_default(),
             Objective::Reduced(reduction) => reduction.of(lists.next().unwrap_or_default()),
-            Objective::Number(index) => self.numbers(&stand, with_slopes)?.only_one(index),
+            Objective::Number(index) => self.numbers(&track_poses, with_slopes)?.only_one(index),
         };
-        let mut heights = PeakValues {
+        let mut peak_values = PeakValues {
             peaks: values,
             limits: Vec::new(),
         };
-        let mut slopes = PeakGradients {
-            peaks: slopes,
+        let mut peak_gradients = PeakGradients {
+            peaks: rows,
             limits: Vec::new(),
         };
         // Regularity is also a constraint: no pose may come near a singular one.
         let near = if with_slopes { SLOPES_BELOW } else { 0.0 };
-        let regular = row_nearness(&self.evaluator, &stand.poses, self.least_sigma, near);
+        let regular = row_nearness(&self.evaluator, &track_poses.poses, self.least_sigma, near);
         for mut list in lists.chain([regular]) {
-            heights.limits.append(&mut list.values);
-            slopes.limits.append(&mut list.slopes);
+            peak_values.limits.append(&mut list.values);
+            peak_gradients.limits.append(&mut list.slopes);
         }
         if !self.singles.is_empty() {
-            self.add_singles(&stand, with_slopes, &mut heights, &mut slopes)?;
+            self.add_singles(
+                &track_poses,
+                with_slopes,
+                &mut peak_values,
+                &mut peak_gradients,
+            )?;
         }
-        let mut all = heights.peaks.iter().chain(&heights.limits);
+        let mut all = peak_values.peaks.iter().chain(&peak_values.limits);
         if !all.all(|v| v.is_finite()) || self.evaluator.is_cancelled() {
             return Err(Rejection::NoValue("the objective".to_owned()));
         }
         let largest = |list: &[f64]| list.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         // Slopes are requested at accepted points only, from which further candidates are reached.
-        let excess = largest(&heights.limits).max(0.0);
+        let excess = largest(&peak_values.limits).max(0.0);
         if with_slopes {
             self.excess = excess;
         }
         // The best set so far is where the next ones are followed from.
-        let merit = largest(&heights.peaks) + excess;
+        let merit = largest(&peak_values.peaks) + excess;
         if with_slopes || merit < self.base_merit {
             self.base_merit = merit;
-            self.base = self.evaluator.settled(stand);
+            self.base = self.evaluator.settled(track_poses);
         }
-        Ok(Some((heights, slopes)))
+        Ok(Some((peak_values, peak_gradients)))
     }
 
     /// Limits of measures that are one number.
     fn add_singles(
         &self,
-        stand: &TrackPoses,
+        track_poses: &TrackPoses,
         with_slopes: bool,
-        heights: &mut PeakValues,
-        slopes: &mut PeakGradients,
+        peak_values: &mut PeakValues,
+        peak_gradients: &mut PeakGradients,
     ) -> Result<(), Rejection> {
-        let found = self.numbers(stand, with_slopes)?;
+        let found = self.numbers(track_poses, with_slopes)?;
         for (measure, factor, shift) in &self.singles {
-            heights.limits.push(factor * found.values[*measure] + shift);
+            peak_values
+                .limits
+                .push(factor * found.values[*measure] + shift);
             if let Some(row) = found.slopes.get(*measure) {
-                slopes.limits.push(row.iter().map(|d| d * factor).collect());
+                peak_gradients
+                    .limits
+                    .push(row.iter().map(|d| d * factor).collect());
             }
         }
         Ok(())
     }
 
-    /// Every measure, with its slopes if asked for.
-    fn numbers(&self, stand: &TrackPoses, with_slopes: bool) -> Result<Listed, Rejection> {
+    /// Every measure, with its gradient if requested.
+    fn numbers(&self, track_poses: &TrackPoses, with_slopes: bool) -> Result<Listed, Rejection> {
         if with_slopes {
-            let found = self.evaluator.gradients(stand)?;
+            let found = self.evaluator.gradients(track_poses)?;
             return Ok(Listed {
                 values: found.measures,
                 slopes: found.rows,
             });
         }
         Ok(Listed {
-            values: self.evaluator.measure(stand)?.measures,
+            values: self.evaluator.measure(track_poses)?.measures,
             slopes: Vec::new(),
         })
     }
 }
 
 impl MinimaxProblem for Peaks<'_, '_> {
-    fn heights(&mut self, x: &[f64]) -> Option<PeakValues> {
+    fn values_at(&mut self, x: &[f64]) -> Option<PeakValues> {
         Some(self.evaluate(x, false)?.0)
     }
 
-    fn slopes(&mut self, x: &[f64]) -> Option<(PeakValues, PeakGradients)> {
+    fn gradients_at(&mut self, x: &[f64]) -> Option<(PeakValues, PeakGradients)> {
         self.evaluate(x, true)
     }
 
     /// By difference quotients: a guard has no derivatives, and none at all where it accepts.
     fn edge(&mut self, x: &[f64]) -> Option<TrustEdge> {
-        let stand = self.evaluator.reach(&self.base, x).ok()?;
+        let track_poses = self.evaluator.reach(&self.base, x).ok()?;
         let guard = self.guard.as_mut()?;
-        let value = guard(&stand);
+        let value = guard(&track_poses);
         if value <= 0.0 {
             return None;
         }
@@ -302,8 +314,11 @@ impl MinimaxProblem for Peaks<'_, '_> {
             let there = [step, -step].map(|h| {
                 let mut moved = x.to_vec();
                 moved[k] += h;
-                let stand = self.evaluator.approach(&stand, &moved);
-                (h, stand.map_or(0.0, |stand| guard(&stand)))
+                let track_poses = self.evaluator.approach(&track_poses, &moved);
+                (
+                    h,
+                    track_poses.map_or(0.0, |track_poses| guard(&track_poses)),
+                )
             });
             let (h, other) = if there[0].1 >= there[1].1 {
                 there[0]

@@ -82,6 +82,7 @@ impl<'f> Reader<'f> {
 
     /// The formula of `rows` at a pose.
     fn value(&mut self, rows: &StudyRows, pose: &[f64]) -> f64 {
+        // A rate is the first derivative along the tangent by the input.
         if let Some(input) = rows.per {
             self.variation.tangent(pose, input, &mut self.along);
             let slots = self
@@ -89,6 +90,7 @@ impl<'f> Reader<'f> {
                 .slots(pose, &self.along, &self.rest, rows.reach);
             return rows.formula.value_with(slots, &mut self.hyper_dual).first;
         }
+        // Without traced points plain numbers suffice.
         if rows.is_free_of_traces {
             self.fill_numbers(rows, pose);
             return rows.formula.value_with(&self.numbers, &mut self.values);

@@ -13,7 +13,7 @@ pub struct Refusals {
     /// A pose could not be reached: no assembly, or a singular pose on the way.
     pub not_reached: usize,
     /// A singular pose passed between two samples.
-    pub torn: usize,
+    pub branch_lost: usize,
     /// A measure had no value.
     pub no_value: usize,
 }
@@ -25,7 +25,7 @@ impl Refusals {
             Ok(found) => return Some(found),
             Err(_) if is_stopped => {}
             Err(Rejection::NotReached { .. }) => self.not_reached += 1,
-            Err(Rejection::Torn { .. }) => self.torn += 1,
+            Err(Rejection::BranchLost { .. }) => self.branch_lost += 1,
             Err(Rejection::NoValue(_)) => self.no_value += 1,
         }
         None
@@ -33,7 +33,7 @@ impl Refusals {
 
     /// All of them.
     pub fn count(&self) -> usize {
-        self.not_reached + self.torn + self.no_value
+        self.not_reached + self.branch_lost + self.no_value
     }
 }
 
@@ -89,6 +89,7 @@ impl<'f, 'w> StudySearch<'f, 'w> {
                 "the study has nothing to minimise: name a measure with `minimise` in `[study]`";
             return Err(FamilyError::Lacks(message.to_owned()));
         };
+        // Everything is measured at the file's own values, from which the search starts.
         let mut evaluator = Evaluator::new(family);
         let base = evaluator.nominal(family.nominal()?.poses);
         let measured = evaluator.measure(&base);
@@ -173,20 +174,20 @@ impl<'f, 'w> StudySearch<'f, 'w> {
         x: &[f64],
         with_gradients: bool,
     ) -> Result<(Vec<f64>, Vec<Vec<f64>>), Rejection> {
-        let stand = match with_gradients {
+        let track_poses = match with_gradients {
             true => self.evaluator.reach(&self.base, x)?,
             false => self.evaluator.approach(&self.base, x)?,
         };
         let (measures, rows) = if with_gradients {
-            let found = self.evaluator.gradients(&stand)?;
+            let found = self.evaluator.gradients(&track_poses)?;
             (found.measures, found.rows)
         } else {
-            (self.evaluator.measure(&stand)?.measures, Vec::new())
+            (self.evaluator.measure(&track_poses)?.measures, Vec::new())
         };
         // The next candidates are mostly near the best one, so they start from it.
         if measures[self.objective] < self.base_value {
             self.base_value = measures[self.objective];
-            self.base = self.evaluator.settled(stand);
+            self.base = self.evaluator.settled(track_poses);
         }
         Ok((measures, rows))
     }
@@ -206,6 +207,7 @@ impl Constrained for StudySearch<'_, '_> {
             return known.map(|point| point.values.clone());
         }
         let (measures, _) = self.evaluate(x, false)?;
+        // The objective, then every limit as a number that must not be positive.
         let mut values = vec![measures[self.objective]];
         for (measure, value) in self.evaluator.family().measures.list.iter().zip(&measures) {
             values.extend(measure.max.map(|high| value - high));

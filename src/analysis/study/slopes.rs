@@ -36,6 +36,7 @@ impl MeasureSlopes {
         for (index, trace) in mechanism.traces.iter().enumerate() {
             let first = coordinates.len() + 3 * index;
             let chain = &mechanism.bodies[trace.body].world_from_body;
+            // Chain rule: the point by every joint argument, the argument by its coordinates, these by the variables.
             for (argument, by_argument) in point_by_arguments(chain, &arguments, trace.point) {
                 let gradient = shares.of(&mechanism.arguments[argument], coordinates);
                 for row in &mut self.rows {
@@ -112,11 +113,13 @@ fn point_by_arguments(
 ) -> Vec<(usize, DVec3)> {
     let mut pose = Pose::IDENTITY;
     let mut joints = Vec::with_capacity(chain.steps.len());
+    // The axis and origin of every joint in the world.
     walk_chain(&chain.steps, &mut pose, arguments, |here, joint| {
         let axis = here.rotation.col(joint.axis) * joint.sign;
         joints.push((joint.argument, joint.motion, axis, here.translation));
     });
     let end = pose.transform_point(point);
+    // A translation moves the point along its axis; a rotation, by the cross product with the lever arm.
     let moved = joints.into_iter().map(|(argument, motion, axis, origin)| {
         let by_argument = match motion {
             ElementaryMotion::Translation => axis,

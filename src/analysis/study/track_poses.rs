@@ -66,7 +66,7 @@ pub enum Rejection {
     },
     /// A singular pose passed between two samples: they are on different branches.
     #[error("pose {pose} of track `{track}` is no longer on the branch of the one before it")]
-    Torn {
+    BranchLost {
         /// Name of the track.
         track: String,
         /// Number of the second pose, from 1.
@@ -139,6 +139,7 @@ impl<'f> Evaluator<'f> {
         let (n, count) = (mechanism.unknowns.len(), family.study.variables.len());
         let mut rates = vec![0.0; mechanism.coordinate_count()];
         let mut all = Vec::with_capacity(n * count);
+        // One column of implicit differentiation per variable: the tangent for its unit rate.
         for variable in rates.len() - count..rates.len() {
             rates.fill(0.0);
             rates[variable] = 1.0;
@@ -148,21 +149,25 @@ impl<'f> Evaluator<'f> {
         all
     }
 
-    /// The poses at other values, reached from `stand` in as many steps as necessary.
+    /// The poses at other values, reached from `track_poses` in as many steps as necessary.
     ///
     /// # Errors
     /// The pose at which the way ends.
-    pub fn reach(&mut self, stand: &TrackPoses, values: &[f64]) -> Result<TrackPoses, Rejection> {
-        self.go(stand, values, true)
+    pub fn reach(
+        &mut self,
+        track_poses: &TrackPoses,
+        values: &[f64],
+    ) -> Result<TrackPoses, Rejection> {
+        self.go(track_poses, values, true)
     }
 
     /// Adds the sensitivities that gradients and further steps need.
-    pub fn settled(&mut self, mut stand: TrackPoses) -> TrackPoses {
-        if stand.sensitivities().is_none() {
-            let poses = stand.poses.iter();
-            stand.sensitivities = poses.map(|pose| self.sensitivity(pose)).collect();
+    pub fn settled(&mut self, mut track_poses: TrackPoses) -> TrackPoses {
+        if track_poses.sensitivities().is_none() {
+            let poses = track_poses.poses.iter();
+            track_poses.sensitivities = poses.map(|pose| self.sensitivity(pose)).collect();
         }
-        stand
+        track_poses
     }
 
     /// As [`reach`](Self::reach), without the sensitivities that gradients and further steps would need.
@@ -171,24 +176,24 @@ impl<'f> Evaluator<'f> {
     /// The pose at which the way ends.
     pub fn approach(
         &mut self,
-        stand: &TrackPoses,
+        track_poses: &TrackPoses,
         values: &[f64],
     ) -> Result<TrackPoses, Rejection> {
-        self.go(stand, values, false)
+        self.go(track_poses, values, false)
     }
 
     fn go(
         &mut self,
-        stand: &TrackPoses,
+        track_poses: &TrackPoses,
         values: &[f64],
         settle: bool,
     ) -> Result<TrackPoses, Rejection> {
         // Usually one step is enough.
-        let first = match self.step(stand, values, settle) {
+        let first = match self.step(track_poses, values, settle) {
             Ok(reached) => return Ok(reached),
             Err(pose) => pose,
         };
-        let (mut here, mut stuck) = (stand.clone(), first);
+        let (mut here, mut stuck) = (track_poses.clone(), first);
         let mut steps = Steps::new(0.0, 1.0, 0.5, SMALLEST_SHARE);
         // Otherwise the step is halved until it is trusted, and doubled again afterwards.
         while !steps.is_done() {
@@ -197,7 +202,7 @@ impl<'f> Evaluator<'f> {
                 return Err(Rejection::NotReached { track, pose });
             }
             let next = steps.target();
-            let ends = stand.values.iter().zip(values);
+            let ends = track_poses.values.iter().zip(values);
             let between: Vec<f64> = ends.map(|(a, b)| a + (b - a) * next).collect();
             let target = if next == 1.0 { values } else { &between };
             match self.step(&here, target, settle || next < 1.0) {
@@ -217,23 +222,25 @@ impl<'f> Evaluator<'f> {
     /// One step; on failure the number of the pose that could not be trusted.
     fn step(
         &mut self,
-        stand: &TrackPoses,
+        track_poses: &TrackPoses,
         values: &[f64],
         settle: bool,
     ) -> Result<TrackPoses, usize> {
         let change: Vec<f64> = values
             .iter()
-            .zip(&stand.values)
+            .zip(&track_poses.values)
             .map(|(b, a)| b - a)
             .collect();
-        let count = stand.poses.len();
+        let count = track_poses.poses.len();
         let mut poses = Vec::with_capacity(count);
         let mut sensitivities = Vec::with_capacity(if settle { count } else { 0 });
         for index in 0..count {
             if self.is_cancelled() {
                 return Err(index);
             }
-            let pose = self.pose(stand, index, &change, values).ok_or(index)?;
+            let pose = self
+                .pose(track_poses, index, &change, values)
+                .ok_or(index)?;
             if settle {
                 // The correction has just factorised the loops at this pose.
                 sensitivities.push(self.sensitivity(&pose));
@@ -242,23 +249,23 @@ impl<'f> Evaluator<'f> {
         }
         Ok(TrackPoses {
             sensitivities,
-            ..stand.approached(values.to_vec(), poses)
+            ..track_poses.approached(values.to_vec(), poses)
         })
     }
 
     fn pose(
         &mut self,
-        stand: &TrackPoses,
+        track_poses: &TrackPoses,
         index: usize,
         change: &[f64],
         values: &[f64],
     ) -> Option<Vec<f64>> {
         let family = self.family;
         let n = family.mechanism().unknowns.len();
-        let mut pose = stand.poses[index].clone();
+        let mut pose = track_poses.poses[index].clone();
         // Predicted along the sensitivities, ...
         let mut length = 0.0_f64;
-        let sensitivity = &stand.sensitivities[index];
+        let sensitivity = &track_poses.sensitivities[index];
         for k in 0..n {
             let columns = sensitivity.chunks_exact(n).zip(change);
             let moved: f64 = columns.map(|(column, d)| column[k] * d).sum();
@@ -276,7 +283,7 @@ impl<'f> Evaluator<'f> {
         }
         // ... and the pose is regular, on the same side of all singular ones.
         let (signs, sigma) = self.side(&pose);
-        let regular = sigma >= LEAST_SIGMA * stand.sigmas[index];
-        (regular && signs == stand.signs[index]).then_some(pose)
+        let regular = sigma >= LEAST_SIGMA * track_poses.sigmas[index];
+        (regular && signs == track_poses.signs[index]).then_some(pose)
     }
 }

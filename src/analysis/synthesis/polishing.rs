@@ -90,8 +90,11 @@ fn polish_start(
     let Ok(nominal) = family.nominal() else {
         return start.clone();
     };
-    let stand = Evaluator::new(&family).nominal(nominal.poses);
-    let begun = MovingStart { family, stand };
+    let track_poses = Evaluator::new(&family).nominal(nominal.poses);
+    let begun = MovingStart {
+        family,
+        track_poses,
+    };
     let patience = match phase {
         Phase::DrawingIn => PATIENCE_DRAWING_IN,
         Phase::Searching | Phase::Polishing => PATIENCE,
@@ -122,8 +125,8 @@ fn tighten_bounds(
     // Measured on finer tracks: the violations between the samples of the study.
     let fine = standing_family(asked, found)?.with_finer_tracks(FINER);
     let mut evaluator = Evaluator::new(&fine);
-    let stand = evaluator.nominal(fine.nominal().ok()?.poses);
-    let measures = evaluator.measure(&stand).ok()?.measures;
+    let track_poses = evaluator.nominal(fine.nominal().ok()?.poses);
+    let measures = evaluator.measure(&track_poses).ok()?.measures;
     let limits = &asked.study.limits;
     let mut missed = false;
     // Each violated limit is tightened by a multiple of its violation.

@@ -147,16 +147,19 @@ impl SynthesisRun<'_> {
         let blank = Start::none(origin);
         let evaluator = Evaluator::new(family);
         // The objective where the search begins.
-        let first = evaluator.measure(&begun.stand).ok().and_then(|m| {
+        let first = evaluator.measure(&begun.track_poses).ok().and_then(|m| {
             let objective = family.study.objective?;
             m.measures.get(objective).copied()
         });
         let Some(first) = first else { return blank };
-        let Ok(peaks) = Peaks::new(family, evaluator, begun.stand, Box::new(watch)) else {
+        let Ok(peaks) = Peaks::new(family, evaluator, begun.track_poses, Box::new(watch)) else {
             return blank;
         };
         // A point is rejected if bodies penetrate that may only touch.
-        let guard = |stand: &TrackPoses| self.touching.depth(family, &stand.values, &stand.poses);
+        let guard = |track_poses: &TrackPoses| {
+            self.touching
+                .depth(family, &track_poses.values, &track_poses.poses)
+        };
         let mut peaks = peaks
             .with_least_sigma(self.least_sigma)
             .guarded_by(Box::new(guard))

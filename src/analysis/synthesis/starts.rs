@@ -69,13 +69,13 @@ pub struct MovingStart {
     /// The family with the start's values as its own.
     pub family: ParametricMechanism,
     /// All its poses.
-    pub stand: TrackPoses,
+    pub track_poses: TrackPoses,
 }
 
 impl MovingStart {
     /// The objective there; infinite where it has no value.
     fn value(&self) -> f64 {
-        let measured = Evaluator::new(&self.family).measure(&self.stand).ok();
+        let measured = Evaluator::new(&self.family).measure(&self.track_poses).ok();
         let objective = self.family.study.objective;
         let value = measured.and_then(|m| m.measures.get(objective?).copied());
         value.filter(|v| v.is_finite()).unwrap_or(f64::INFINITY)
@@ -156,6 +156,9 @@ fn assemble_start(
         rejected.interpenetrating += 1;
         return None;
     }
-    let stand = Evaluator::new(&family).nominal(poses);
-    Some(MovingStart { family, stand })
+    let track_poses = Evaluator::new(&family).nominal(poses);
+    Some(MovingStart {
+        family,
+        track_poses,
+    })
 }

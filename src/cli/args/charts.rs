@@ -59,7 +59,7 @@ pub struct AccuracyArgs {
     /// Number of poses that each solver computes, spread evenly over the motion.
     #[arg(long, value_name = "N", default_value_t = 90, value_parser = pose_count)]
     pub poses: usize,
-    /// Most turns of the drift table, for motions that return to their start.
+    /// Maximum number of turns in the drift table, for motions that return to their start.
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = turn_count)]
     pub turns: usize,
     /// Size in pixels of the chart.

@@ -45,7 +45,7 @@ pub enum IntervalMethod {
     Trials,
     /// The formal solution, by the subdifferential Newton method.
     Formal,
-    /// The largest cube of tolerable velocities about those of the pose.
+    /// The largest cube of tolerable velocities around those of the pose.
     Centre,
     /// The exact set of start positions for which the bars of every dyad keep their angle, paved.
     Tied,
@@ -60,7 +60,7 @@ pub struct IntervalsArgs {
     /// Method of computation: what is derived from the interval system.
     #[arg(long, value_enum)]
     pub method: IntervalMethod,
-    /// Keep the direction of each bar within this many degrees of its own, instead of all that --delta allows.
+    /// Keep the direction of each bar within this many degrees of its own, instead of the whole range of --delta.
     #[arg(long, value_name = "DEGREES", value_parser = positive_number)]
     pub spread: Option<f64>,
     /// Velocity of the given point in place of its own: VX,VY.

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 pub struct FileArgs {
     /// File to write: .gif, .apng, .png, .mp4, .webm, .y4m, .rgba, a folder, a pattern such as frame-%04d.png, or `-` for standard
-    /// output; of scenes also the models .glb, .stl and .obj.
+    /// output; for scenes also the 3-D models .glb, .stl and .obj.
     #[arg(long, short, value_name = "FILE")]
     pub out: PathBuf,
     /// Format, where the file name does not tell; `-` alone is a GIF.
@@ -44,7 +44,7 @@ pub struct NewArgs {
     /// Name of the scene and its file: `wiper` makes wiper.toml. An existing file is never replaced.
     #[arg(value_name = "NAME")]
     pub name: PathBuf,
-    /// Built-in scene that is copied.
+    /// Built-in scene to copy.
     #[arg(long, value_name = "SCENE")]
     pub from: String,
 }
@@ -79,7 +79,7 @@ pub struct DiffArgs {
     /// Largest difference of a colour channel that is ignored, 0 to 255.
     #[arg(long = "levels", value_name = "N", default_value_t = 0)]
     pub tolerance: u8,
-    /// Most pixels of a picture that may differ by more.
+    /// Maximum number of pixels of a picture that may differ by more.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub max_pixels: u64,
     /// File to write: a PNG of A, the difference and B side by side; of several frames the worst.

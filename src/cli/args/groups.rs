@@ -24,7 +24,7 @@ const GROUPS: [(&str, &str); 5] = [
 const EXAMPLES: &str = "Examples:
   mechanim scenes                                    scenes to begin with
   mechanim render gearshift --out anim.gif           a motion as an animation
-  mechanim check \"designs/*.toml\"                    do they close and keep clear? with proof
+  mechanim check \"designs/*.toml\"                    closure and clearances, with proof
   mechanim report gearshift --out gearshift.html     all results on one page
   mechanim VERB --help                               every option of a verb";
 

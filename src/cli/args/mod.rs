@@ -42,7 +42,7 @@ pub struct Cli {
     /// they can only be tighter than those of the variable MECHANIM_LIMITS.
     #[arg(long, global = true, value_name = "NAME=AMOUNT,…", value_parser = Limits::parse)]
     pub limits: Option<Limits>,
-    /// Print errors only, no report and no warnings. Files and lists that are asked for are still written.
+    /// Print errors only, no report and no warnings. Requested files and lists are still written.
     #[arg(long, short, global = true)]
     pub quiet: bool,
 }

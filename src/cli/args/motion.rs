@@ -47,7 +47,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
     /// For 3-D models: the largest distance between a round surface and its facets, in the scene's unit; or `picture`:
-    /// as fine as a screen shows, in files a fraction as large.
+    /// as fine as a screen can show, for much smaller files.
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = parse_facets)]
     pub resolution: Option<Facets>,
     /// Colour red, in every frame, the bodies that come closer to each other than the scene's `[clearance]` allows.
@@ -125,8 +125,8 @@ pub struct RequirementArgs {
     /// are sampled in any case.
     #[arg(long, value_name = "N", value_parser = frame_count)]
     pub samples: Option<usize>,
-    /// What is proved: nothing, every pose and the bounds of clearances, or also the motion between the samples. What
-    /// is asked for and cannot be proved fails the check.
+    /// What is proved: nothing, every pose and the bounds of clearances, or also the motion between the samples. The
+    /// check fails if a requested proof fails.
     #[arg(long, value_enum, default_value_t = CertifyArg::Pose)]
     pub certify: CertifyArg,
     /// A pair counts as near if it is less than this length above its minimum; the length of the minimum itself if
@@ -139,7 +139,7 @@ pub struct RequirementArgs {
     /// Let a check pass that judges no pair of bodies though the scene asks for clearances.
     #[arg(long)]
     pub allow_empty: bool,
-    /// Rows that are printed: pairs of bodies, the worst first. Of more than 200 pairs distant ones are judged together,
+    /// Number of rows to print: pairs of bodies, the worst first. Of more than 200 pairs distant ones are judged together,
     /// but at least this many one by one.
     #[arg(long = "rows", alias = "worst", value_name = "N", default_value_t = 10)]
     pub worst: usize,
@@ -208,7 +208,7 @@ pub struct CheckArgs {
     /// below the minimum, not proved, near, clear, excluded.
     #[arg(long, value_name = "FILE", conflicts_with = "pose")]
     pub matrix: Option<PathBuf>,
-    /// Write a closed mesh around all that the body --body sweeps over the motion (.stl, .obj or .glb), and print the
+    /// Write a closed mesh around the volume that the body --body sweeps over the motion (.stl, .obj or .glb), and print the
     /// largest gap between the two.
     #[arg(long, value_name = "FILE", conflicts_with = "pose", requires = "body")]
     pub swept: Option<PathBuf>,

@@ -86,7 +86,7 @@ pub struct ToleranceArgs {
     /// Draw a chart (.svg or .png): quantile bands of the deviation across each path, along the path.
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
-    /// Most pieces whose paths are drawn.
+    /// Maximum number of pieces whose paths are drawn.
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = path_count)]
     pub paths: usize,
     /// Magnification of the deviations in the picture; if absent, a round number that makes them visible.
@@ -109,10 +109,10 @@ pub struct OptimiseArgs {
     /// What is varied; the study's variables if absent.
     #[command(flatten)]
     pub vary: VaryArgs,
-    /// Make this measure small, in place of the study's objective.
+    /// Minimise this measure, in place of the study's objective.
     #[arg(long, value_name = "MEASURE")]
     pub minimise: Option<String>,
-    /// Method of computation: how the minimum is searched for.
+    /// Method of computation: the search for the minimum.
     #[arg(long, value_enum, default_value_t = MethodArg::Bfgs)]
     pub method: MethodArg,
     /// Let every variable move by this share of its value (0.2 or 20%), instead of within the study's ranges.
@@ -122,7 +122,7 @@ pub struct OptimiseArgs {
     /// the spread of the generation (evolution).
     #[arg(long = "convergence", value_name = "VALUE", value_parser = relative_share)]
     pub tolerance: Option<f64>,
-    /// Most iterations.
+    /// Maximum number of iterations.
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = iteration_count)]
     pub iterations: usize,
     /// Seed of the random numbers (evolution).
@@ -131,7 +131,7 @@ pub struct OptimiseArgs {
     /// Optimise every pair of the variables on its own and rank the pairs.
     #[arg(long)]
     pub pairs: bool,
-    /// Rows that are printed: the ranking of the pairs, the best first.
+    /// Number of rows to print: the ranking of the pairs, the best first.
     #[arg(
         long,
         alias = "worst",
@@ -198,7 +198,7 @@ pub struct SynthesiseArgs {
     #[arg(required = true, value_name = "SCENE")]
     pub scenes: Vec<OsString>,
     /// A table (CSV) of the path or motion to reach, in place of the study's objective: columns are coordinates of traced points
-    /// (P.x), outputs or unknowns; a column for every input, or `time`, says when each row is met, otherwise that is found;
+    /// (P.x), outputs or unknowns; a column for every input, or `time`, prescribes when each row is met, otherwise this is found;
     /// `weight` is the weight of a row.
     #[arg(long, value_name = "TABLE.csv", conflicts_with = "csv")]
     pub target: Option<PathBuf>,
@@ -211,7 +211,7 @@ pub struct SynthesiseArgs {
     /// Replace a parameter of every scene: NAME=FORMULA. May be repeated.
     #[arg(long = "param", value_name = "NAME=VALUE", value_parser = super::values::name_and_text)]
     pub parameters: Vec<(String, String)>,
-    /// Make this measure small, in place of the study's objective.
+    /// Minimise this measure, in place of the study's objective.
     #[arg(long, value_name = "MEASURE")]
     pub minimise: Option<String>,
     /// Number of starts: the scene's own values, then alternately near minima already found and random within the whole
@@ -221,7 +221,7 @@ pub struct SynthesiseArgs {
     /// Seed of the random numbers.
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
-    /// Most iterations from one start; the best are polished with forty times as many.
+    /// Maximum number of iterations from one start; the best are polished with forty times as many.
     #[arg(long, value_name = "N", default_value_t = 25, value_parser = iteration_count)]
     pub iterations: usize,
     /// Stop the search of each scene after this many seconds and keep the best so far.
@@ -256,7 +256,7 @@ pub enum MethodArg {
     NelderMead,
     /// Quasi-Newton method with exact gradients.
     Bfgs,
-    /// Linear programmes on every pose: for an objective that is the largest of many values.
+    /// Linear programmes over all poses: for an objective that is the largest of many values.
     Minimax,
     /// Differential evolution over the whole ranges, then bfgs from its best.
     Evolution,

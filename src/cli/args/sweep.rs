@@ -32,7 +32,7 @@ pub struct SweepRequestArgs {
         conflicts_with = "check"
     )]
     pub outputs: Vec<String>,
-    /// Leave out the certificates of --outputs, which makes rows several times as fast: poses are closed and kept on their
+    /// Leave out the certificates of --outputs, which makes rows several times faster: poses are closed and kept on their
     /// branch by the same tests, but nothing is proved.
     #[arg(long, requires = "outputs", conflicts_with = "check")]
     pub unproved: bool,

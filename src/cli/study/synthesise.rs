@@ -251,8 +251,8 @@ fn write_found(
 fn own_measures(opened: &LoadedStudy) -> Result<Vec<f64>, FamilyError> {
     let family = &opened.family;
     let mut evaluator = crate::analysis::study::Evaluator::new(family);
-    let stand = evaluator.nominal(family.nominal()?.poses);
-    let measured = evaluator.measure(&stand);
+    let track_poses = evaluator.nominal(family.nominal()?.poses);
+    let measured = evaluator.measure(&track_poses);
     let measured = measured.map_err(|refusal| FamilyError::Lacks(refusal.to_string()))?;
     Ok(measured.measures)
 }

@@ -48,6 +48,7 @@ pub(super) fn check_binary(
         return Err(StlError::Syntax { path, detail });
     };
     let found = (bytes.saturating_sub(BINARY_HEADER as u64) / BINARY_TRIANGLE as u64) as usize;
+    // Bytes behind the announced triangles are ignored, missing ones are an error.
     match found {
         _ if announced == 0 => Err(StlError::Empty { path }),
         _ if found < announced => Err(StlError::Truncated { path }),

@@ -34,6 +34,7 @@ pub fn read_stl(path: &Path) -> Result<TriangleSoup, StlError> {
         path: name.clone(),
         source,
     };
+    // Size and kind are judged before the file is opened.
     let about = std::fs::metadata(path).map_err(read_error)?;
     if !about.is_file() {
         return Err(StlError::NoFile { path: name });
@@ -54,10 +55,12 @@ fn parse_stl(mut file: impl BufRead, bytes: u64, path: String) -> Result<Triangl
     let mut head = Vec::new();
     let mut first = (&mut file).take(BINARY_HEADER as u64);
     first.read_to_end(&mut head).map_err(read_error)?;
+    // A binary file announces as many triangles as fit its size, even if its header begins with "solid".
     let announced = announced_triangles(&head);
     let fits = announced.is_some_and(|count| binary_size(count) == Some(bytes));
     let start = head.strip_prefix(BYTE_ORDER_MARK).unwrap_or(&head);
     let word = start.trim_ascii_start().get(..5);
+    // Otherwise "solid" begins a text.
     if word.is_some_and(|word| word.eq_ignore_ascii_case(b"solid")) && !fits {
         return collect_triangles(StlText::new(start.chain(file)), path);
     }
@@ -107,6 +110,7 @@ fn collect_triangles(
 
 /// Equal corners made one, in the order of their first use.
 fn weld_corners(mut corners: Vec<DVec3>, source: String) -> TriangleSoup {
+    // The first corner of every group of equal ones is kept, in the order of the file.
     let mut ids = first_equal(corners.len(), |k| point_bits(corners[k]));
     let mut place = 0;
     for (corner, first) in ids.iter().enumerate() {

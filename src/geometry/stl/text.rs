@@ -52,12 +52,14 @@ impl<R: BufRead> StlText<R> {
             .read_until(b'\n', &mut self.bytes)
             .map_err(|e| e.to_string())?;
         self.line += 1;
+        // Nothing in a text form is that long: the file is something else.
         if count as u64 == LONGEST_LINE {
             return Err(format!(
                 "line {} is longer than {LONGEST_LINE} bytes",
                 self.line
             ));
         }
+        // The title behind `solid` is free text, which may contain any word.
         let mut words = self
             .bytes
             .split(u8::is_ascii_whitespace)

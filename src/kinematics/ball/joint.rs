@@ -1,18 +1,18 @@
-//! Ball joints written as three rotations in a row: their rotation from their angles, and their angles from their
+//! Ball joints written as three consecutive rotations: their rotation from their angles, and their angles from their
 //! rotation.
 //!
-//! Where the middle angle makes the first and the last axis parallel, the three angles are no coordinates of a
-//! rotation any more, though nothing is wrong with the joint: they are gimbal-locked. What is solved instead next to
-//! such poses is in `chart`.
+//! Where the middle angle makes the first and the last axis parallel, the three angles are no longer coordinates of a
+//! rotation, although nothing is wrong with the joint: gimbal lock. `chart` describes what is solved instead near
+//! such poses.
 //!
-//! Constant poses may stand between the rotations as long as all three axes meet in one point and each is at right
+//! Constant poses may separate the rotations as long as all three axes meet in one point and each is at right
 //! angles to the next: `Rz(a) Rx(90) Rz(b) Rx(-90) Rz(c)` is a ball joint. With u1, u2, u3 the axes in the frame before
 //! the joint at zero angles, M the product of the constant rotations, C = [u1, u2, u1 × u2], and u3 turned by mu from
 //! u1 × u2 about u2, every such joint is C Rx(a) Ry(b + mu) Rz(c) Ry(-mu) Cᵀ M: one formula serves all orders of axes.
 //! It is locked where cos(b + mu) = 0; only a + c or a - c is determined there. Axes that are not at right angles do
-//! not reach all rotations: where they come to lie in one plane the joint is at its end, and rightly called singular.
+//! not reach all rotations: where they lie in one plane, the joint is at its limit and really singular.
 //!
-//! Which rotations are a spherical joint is said by the [table of joints](crate::model::joints); a ball is one of them
+//! The [table of joints](crate::model::joints) decides which rotations form a spherical joint; a ball is one of them
 //! whose three angles are unknowns of their own, solved in one block.
 
 use super::run::{RotationRun, axes_of, ball_centre};

@@ -1,12 +1,12 @@
 //! Idle freedoms: motions that turn single links about lines through their own joints and change nothing else, like
-//! the spin of a rod between two ball joints. They are found, named, and held; what moves more is not determined.
+//! the spin of a rod between two ball joints. They are found, named and held; any other free motion is under-determined.
 //!
-//! A free motion is a null vector of the Jacobian at closed poses. It is idle when within every loop the links that
-//! move turn about one common line, between links that stand still, while no other body moves, no traced point and no
-//! output changes, nor any coordinate that an equation says something of. Several idle freedoms are parted by elimination, so that each turns about a line of its own.
+//! A free motion is a null vector of the Jacobian at closed poses. It is idle if within every loop the links that
+//! move rotate about one common line between links at rest, while no other body, no traced point and no
+//! output moves, nor any coordinate that an equation contains. Elimination gives every idle freedom a line of its own.
 //!
-//! One unknown of each is held at its start value: the one that turns about the line itself wherever there is one (the
-//! last angle of a ball joint, say), since it then never depends on the pose whether holding it stops the motion.
+//! One unknown of each is held at its start value: if possible the one that rotates about the line itself (the
+//! last angle of a ball joint, say), since holding it then never stops the motion at any pose.
 
 use super::generic_rank::{EMPTY, RANK, Ranks, random_poses};
 use super::twists::{Line, STILL, Twist, TwistWalk, common_axis, line_of, same_line};
@@ -300,8 +300,8 @@ impl FreeMotion<'_> {
         (!is_seen && self.leaves_equations() && self.is_unseen()).then_some(lines)
     }
 
-    /// Whether no coordinate that moves stands in an equation: what an equation says something of is a part of the
-    /// mechanism, like the end of a bar that hangs, though no body shows it.
+    /// Whether no moving coordinate appears in an equation: whatever an equation constrains is a part of the
+    /// mechanism, like the free end of a hanging bar, even without a body there.
     fn leaves_equations(&self) -> bool {
         let equations = &self.block.plan.equations;
         if equations.is_empty() {

@@ -90,6 +90,7 @@ fn measure_over(
             taking,
             power,
         } if *track == wanted => {
+            // Values of the formulas at all samples of the track, then their reduction to one number.
             let at = |formula: &Expression| -> Option<Vec<f64>> {
                 let one = |s: &Sample| value_at(driven, s, (formula, rates), *per);
                 samples.iter().map(one).collect()
@@ -122,6 +123,7 @@ fn value_at(
         ));
         return Some(formula.value(&slots));
     };
+    // The derivative by the input: a series of first order along it.
     let series = values_along(system, &coordinates, &[input], 1)?;
     Some(formula.value(&series).coefficients()[1])
 }
@@ -179,6 +181,7 @@ pub fn driven_along(actuation: &Actuation, track: &MeasuredTrack) -> (Actuation,
     let start = actuation.inputs_at(0.0);
     let count = track.samples;
     let times: Vec<f64> = (0..=count).map(|k| k as f64).collect();
+    // From the start of the drive to the start of the track in one second, then one second per sample.
     let drives = start.iter().zip(track.from.iter().zip(&track.to));
     let drives = drives.map(|(start, (from, to))| {
         let steps = (0..count).map(|k| from + (to - from) * k as f64 / (count - 1) as f64);

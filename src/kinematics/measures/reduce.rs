@@ -81,6 +81,7 @@ fn power_norm(values: &[f64], power: f64) -> Reduced {
             weights: vec![vec![0.0; values.len()]],
         };
     }
+    // d/dv (Σ|v|ᵖ)^(1/p) = |v|^(p-1) sign v · (Σ|v|ᵖ)^(1/p - 1), with values relative to the largest.
     let share = |v: &f64| (v.abs() / largest).powf(power - 1.0);
     let sum: f64 = values.iter().map(|v| share(v) * v.abs() / largest).sum();
     let root = sum.powf(1.0 / power);

@@ -167,6 +167,7 @@ impl RateColumns {
         let driven = (actuation, time);
         let slots = slot_series(system, coordinates, self.by, driven, self.order)?;
         let mechanism = system.mechanism();
+        // Inputs have known rates and no columns.
         let inputs = mechanism.unknowns.len()..mechanism.coordinate_count();
         let shown = slots
             .iter()

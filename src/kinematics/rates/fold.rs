@@ -120,6 +120,7 @@ impl<'s> FoldedPath<'s> {
         for (index, block) in blocks.iter().enumerate() {
             let (rows, columns) = (block.rows(), block.unknowns.len());
             workspace.evaluate(mechanism, block, coordinates, Want::Jacobian);
+            // Exactly one block may be singular, by one rank: its null vector is the tangent of the path at the fold.
             let mut qr = PivotedQr::default();
             if !is_regular(mechanism, block, coordinates, &workspace, &mut qr) {
                 if folded.is_some() || qr.rank() + 1 < columns {
@@ -291,10 +292,13 @@ fn one_sided_series(slot: &TaylorSeries, slope: &[f64], order: usize) -> TaylorS
         value: *c,
         size: c.abs(),
     };
+    // d/dt = (1 / ṫ) d/du along the path: divide the derivative by the slope, which vanishes at the fold, order by
+    // order.
     let mut rest: Vec<Summed> = slot.coefficients().iter().map(exact).collect();
     let mut factorial = 1.0;
     for k in 1..=order {
         let above = summed_derivative(&rest);
+        // A rate is finite only if the numerator vanishes there as well.
         if above.len() < 2 || !vanishes(&above) {
             (k..=order).for_each(|j| series.set(j, f64::NAN));
             break;

@@ -45,6 +45,7 @@ pub fn fill_rated_outputs(
     if !list.iter().any(|output| is_rated(&output.source)) {
         return;
     }
+    // Outputs may use those before them: their values are appended one by one.
     let mut slots = coordinates.to_vec();
     slots.extend(seen.traces.iter().flat_map(|p| p.to_array()));
     let mut scratch = Vec::new();

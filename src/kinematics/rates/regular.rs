@@ -38,6 +38,7 @@ pub(super) fn is_regular(
     if columns == 0 {
         return true;
     }
+    // A rank that is certain settles most cases.
     qr.factor(&workspace.jacobian, rows, columns, RANK_TOLERANCE);
     if qr.rank() < columns {
         return false;
@@ -45,6 +46,8 @@ pub(super) fn is_regular(
     if columns > 1 && qr.smallest_pivot() > SOUND_PIVOT * qr.largest_pivot() {
         return true;
     }
+    // Otherwise the residual is moved along its weakest direction: the block is regular if rounding cannot reach the
+    // fold.
     let direction = weakest_direction(&workspace.jacobian, rows, columns);
     let radius = radius_of_regularity(mechanism, block, coordinates, &direction, qr);
     let off = rounding(mechanism, block, coordinates) + workspace.residual_norm();
@@ -80,6 +83,8 @@ fn radius_of_regularity(
     let mut step = vec![0.0; block.unknowns.len()];
     let (mut first, mut radius) = (0.0, f64::INFINITY);
     for k in 1..=WATCHED_ORDER {
+        // Newton on power series: coefficient k of the residual without x_k, then J x_k = -r_k; a unit step along
+        // `direction` at first order.
         let mut right_side = residual_coefficient(mechanism, block, &series, k);
         right_side.iter_mut().for_each(|r| *r = -*r);
         if k == 1 {
@@ -87,6 +92,7 @@ fn radius_of_regularity(
             pairs.for_each(|(r, d)| *r += d);
         }
         qr.solve(&mut right_side, &mut step);
+        // Root test: the radius of convergence from the size of coefficient k relative to the first.
         let size = step.iter().fold(0.0, |m: f64, s| m + s.abs());
         if k == 1 {
             first = size;

@@ -151,6 +151,7 @@ impl<'m> Variation<'m> {
             if block.unknowns.is_empty() {
                 continue;
             }
+            // One Jacobian per block; the mechanism is as regular as its weakest block.
             self.corrector.blocks[index].linearise(mechanism, block, pose);
             let found = self.weakest_of(index, block);
             if found.sigma < weakest.sigma {

@@ -317,7 +317,7 @@ impl<'s> PoseSolver<'s> {
         self.chosen = blocks
             .any(|b| b.rows() > b.unknowns.len())
             .then(|| self.best_rows(coordinates));
-        // Poses beside this one may have been looked at since it was observed.
+        // Other poses may have been evaluated since this one was observed.
         self.corrector.prepare(self.system, coordinates);
         let rows = self.chosen.as_deref();
         (rows.unwrap_or(self.watch.bases()), &self.corrector)

@@ -84,7 +84,7 @@ impl Predictor {
             length: 0.0,
             bend: 0.0,
         };
-        // The first power is the tangent, the others bend the path.
+        // The first power is the tangent, the others are its curvature and higher orders.
         let (first, higher) = self.series.split_at(count);
         for block in &structure.blocks {
             for (slot, scale) in block.unknowns.iter().zip(&block.plan.scales) {
@@ -205,7 +205,7 @@ fn take_rates(rates: &mut Vec<f64>, plan: &BlockPlan, coefficients: &[f64], orde
     }
 }
 
-/// The larger magnitude; what is no number wins.
+/// The larger magnitude; NaN propagates.
 fn larger_or_nan(known: f64, value: f64) -> f64 {
     let value = value.abs();
     if value.is_nan() || value > known {

@@ -215,6 +215,8 @@ impl BlockPlan {
         column_of: &Columns,
         columns: usize,
     ) {
+        // An affine argument is a dot product; a formula has shares in its slots, with coefficients that depend on
+        // the pose.
         let (constant, terms, is_formula): (_, Vec<_>, _) = match &mechanism.arguments[index] {
             Argument::Affine(affine) => {
                 (affine.constant.number(), affine.numbers().collect(), false)

@@ -107,6 +107,7 @@ impl Incidence {
             let mut all = group.members.iter().flat_map(|m| &self.uses[*m]);
             all.any(|u| owned.binary_search(u).is_ok())
         };
+        // The group itself and all that use its unknowns become one.
         let mut one = BlockGroup::default();
         let mut others = Vec::new();
         for (k, group) in groups.iter().enumerate() {
@@ -137,17 +138,20 @@ impl Incidence {
 
     /// Members one by one that have as many equations as unknown coordinates.
     fn peel(&self, known: &mut [bool], done: &mut [bool]) -> Vec<BlockGroup> {
+        // How many unknowns of a member are not known yet.
         let mut open: Vec<usize> = self
             .uses
             .iter()
             .map(|uses| uses.iter().filter(|u| !known[**u]).count())
             .collect();
         let all = 0..self.members.len();
+        // A member with no more open unknowns than equations can be solved.
         let mut ready: BTreeSet<usize> = all.filter(|m| open[*m] <= self.rows[*m]).collect();
         let mut groups = Vec::new();
         while let Some(member) = ready.pop_first() {
             done[member] = true;
             let group = self.whole(vec![member], known);
+            // Its unknowns are known from here on; this may make their other users solvable.
             for unknown in &group.unknowns {
                 known[*unknown] = true;
                 for user in self.users[*unknown].iter().filter(|user| !done[**user]) {
@@ -181,6 +185,7 @@ impl Incidence {
             if std::mem::replace(&mut seen[first], true) {
                 continue;
             }
+            // Breadth-first search along shared open unknowns.
             let mut part = vec![first];
             let mut next = 0;
             while next < part.len() {
@@ -263,6 +268,7 @@ impl Incidence {
     /// Merges groups that need each other's unknowns, and sorts the rest so that each needs earlier ones only: Tarjan's
     /// strongly connected components (SIAM J. Comput. 1, 1972), without recursion.
     fn sorted_nodes(&self, nodes: Vec<BlockGroup>) -> Vec<BlockGroup> {
+        // Every unknown belongs to one node; a node needs those that own the unknowns it uses.
         let mut owner = vec![usize::MAX; self.users.len()];
         for (k, node) in nodes.iter().enumerate() {
             node.unknowns.iter().for_each(|u| owner[*u] = k);
@@ -279,6 +285,7 @@ impl Incidence {
                 list
             })
             .collect();
+        // A strongly connected component is one block.
         let join = |component: Vec<usize>| {
             let mut group = BlockGroup::default();
             for k in component {

@@ -119,6 +119,8 @@ impl PlannedQuadratic {
             }
             values
         };
+        // Cauchy product of the two factors without its first and last term, which contain coefficient `order`
+        // itself.
         let products = self.products.iter().map(|(factor, [a, b])| {
             let first = along(*a);
             let second = if a == b { first } else { along(*b) };

@@ -57,6 +57,7 @@ impl LoopPlan {
         let mut fixed: Option<FixedPose> = None;
         for step in steps {
             match *step {
+                // Constant poses in a row are multiplied; the next joint begins with their product.
                 ChainStep::Fixed(pose) => fixed = Some(fixed.map_or(pose, |f| f * pose)),
                 ChainStep::Joint {
                     motion,
@@ -88,6 +89,7 @@ impl LoopPlan {
     fn after(&mut self, fixed: Option<FixedPose>) -> PlannedJoint {
         let pose = fixed.unwrap_or(FixedPose::exact(Pose::IDENTITY));
         let open = [pose.error.rotation, pose.error.translation];
+        // The angle of the constant rotation, from its trace.
         let trace: f64 = (0..3).map(|k| pose.rotation.col(k)[k]).sum();
         let angle = libm::acos((0.5 * (trace - 1.0)).clamp(-1.0, 1.0));
         match self.joints.last_mut() {

@@ -26,6 +26,7 @@ impl ProofRows {
     /// Of a block of the structure.
     pub fn new(structure: &Structure, block: &Block) -> Self {
         let mut rows = Self::default();
+        // The components of the loops that the block solves come first, in its own order.
         for part in &block.loops {
             let first = rows.first_equation;
             rows.first_equation += part.components.len();
@@ -33,6 +34,7 @@ impl ProofRows {
                 .push(part.components.iter().copied().zip(first..).collect());
         }
         rows.count = block.rows();
+        // Behind them the equations that are redundant at all poses: they are proved, not solved.
         for (part, of_loop) in block.loops.iter().zip(&mut rows.loops) {
             let unproved = structure.unproved_equations.iter();
             for (_, component) in unproved.filter(|(l, _)| *l == part.index) {
@@ -154,6 +156,7 @@ impl ProofPlan {
         let blocks = structure.blocks.iter();
         let blocks = blocks.map(|block| ProofBlock::new(mechanism, structure, block, &arguments));
         let blocks: Vec<ProofBlock> = blocks.collect();
+        // A block with more rows than unknowns proves as many as it has unknowns and bounds the others.
         let beyond = blocks
             .iter()
             .map(|b| b.rows.saturating_sub(b.unknowns.len()));
@@ -205,6 +208,7 @@ impl ProofBlock {
                 arguments[*index].as_ref().unwrap_or(&blank),
             );
         }
+        // A loop refers to arguments by their place in the block.
         for (part, of_loop) in block.loops.iter().zip(rows.loops) {
             let place = |a: usize| block.arguments.binary_search(&a).unwrap_or(0);
             let steps = &mechanism.loops[part.index].chain.steps;
@@ -216,6 +220,8 @@ impl ProofBlock {
                 size: mechanism.loops[part.index].size,
             });
         }
+        // An equation of second degree is a sum of products of linear forms, each of which is laid out like an
+        // argument.
         for index in &block.equations {
             let formula = mechanism.equations[*index].expression.quadratic();
             laid_out.has_formula |= formula.is_none();
@@ -254,6 +260,8 @@ impl ProofBlock {
 
     fn add_form(&mut self, mechanism: &Mechanism, block: &Block, form: &Affine) {
         let (mut own, mut before) = (Vec::new(), Vec::new());
+        // Own unknowns by column, those of earlier blocks by their place in `before`; inputs have no part in the
+        // derivatives.
         for (slot, c) in form.numbers() {
             if let Some(column) = block.columns.of(slot) {
                 own.push((column, c * mechanism.scale_of(slot)));

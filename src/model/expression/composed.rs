@@ -30,6 +30,7 @@ impl Expression {
     /// The formula of the same direction whose cut is on the other side, if it is one `atan2` with terms beside it: no sum of both
     /// is other than a whole turn.
     pub fn turned(&self) -> Option<Self> {
+        // A single `atan2`, which enters the sum as a term.
         let is_angle = |op: &Op| matches!(op, Op::Call(Function::Atan2, ..));
         let angle = self.ops().iter().position(is_angle)?;
         let only = self.ops().iter().filter(|op| is_angle(op)).count() == 1;
@@ -40,6 +41,7 @@ impl Expression {
                 match op.mapped(|k| places[k]) {
                     Op::Call(Function::Atan2, y, x) if k == angle => {
                         let at = ops.len();
+                        // atan2(y, x) = atan2(-y, -x) ± π: the cut moves to the positive side of x.
                         ops.extend([
                             Op::Negate(y),
                             Op::Negate(x),
@@ -60,6 +62,7 @@ impl Expression {
     fn is_term(&self, mut place: usize) -> bool {
         let ops = self.ops();
         while place + 1 < ops.len() {
+            // The only operation that uses this one must be a sum or a change of sign.
             let mut users = ops.iter().enumerate().filter(|(_, op)| {
                 let mut uses = false;
                 op.mapped(|k| {

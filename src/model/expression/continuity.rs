@@ -1,6 +1,6 @@
-//! Whether a formula of time goes on at an instant without a jump: what it is on both sides is compared there.
+//! Whether a formula of time is continuous at an instant: its limits on both sides are compared.
 //!
-//! Size tells nothing. `t + 1e-9*floor(t)` jumps; `floor(t)*(t - 1)` does not at 1 s, nor does the triangle wave
+//! The size of a change is no criterion. `t + 1e-9*floor(t)` jumps; `floor(t)*(t - 1)` does not at 1 s, nor does the wave
 //! `abs(mod(t, 2) - 1)`.
 
 use super::angle_cut::cut_of;
@@ -14,13 +14,13 @@ use crate::numbers::interval::Interval;
 use crate::numbers::scalar::Scalar;
 use crate::numbers::series::Series;
 
-/// Newton steps from the place of a jump in f64 to all digits.
+/// Newton steps that refine the time of a jump from f64 to all digits.
 const STEPS: usize = 3;
 
-/// Where an input jumps over a stretch of time, or where it is open whether it does.
+/// Where an input jumps in a time interval, or where it may jump.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Jumps {
-    /// Right after the start: the value there is not what the input goes on from.
+    /// Right after the start: the limit from the right differs from the value there.
     pub at_start: bool,
     /// The first one between start and end, seconds.
     pub inside: Option<f64>,
@@ -113,7 +113,7 @@ impl Expression {
                 // An angle jumps where y comes to zero.
                 (Some(_), Some(_)) if is_angle => instant = instant.or(Some((k, 0.0))),
                 (Some(a), Some(b)) => instant = instant.or(Some((k, a.max(b)))),
-                // A piece on which an angle does not come to its cut has no side of it.
+                // On a piece where the angle does not reach its cut, it has no side.
                 _ if is_angle => {}
                 _ => return true,
             }

@@ -1,4 +1,4 @@
-//! Where formulas have values: a root of what is below zero has none, whatever else stands in the formula.
+//! Domains of formulas: the root of a negative number is undefined, whatever the rest of the formula contains.
 
 use super::{Expression, Function, Op, apply_op};
 use crate::numbers::interval::Interval;
@@ -13,8 +13,8 @@ const NOT_BELOW_ZERO: Interval = Interval {
 const UP_TO_ONE: Interval = Interval { lo: -1.0, hi: 1.0 };
 
 impl Expression {
-    /// Holds all values that the formula has for members of the slots, those left out for which it has none; `None` where
-    /// it is proved to have none for any.
+    /// Contains all values of the formula for members of the slots where it is defined; `None` if it is proved to be
+    /// undefined for all of them.
     pub fn range(&self, slots: &[Interval]) -> Option<Interval> {
         let mut values = Vec::with_capacity(self.ops().len());
         for op in self.ops() {
@@ -55,6 +55,8 @@ fn confine_operands(op: Op, values: &mut [Interval]) -> Option<()> {
             refuse_zero(values[a])
         }
         Op::Power(a, b) => {
+            // A power with a fractional exponent needs a base of at least zero; a negative exponent, one other than
+            // zero.
             let exponent = values[b];
             let whole = exponent.lo.floor();
             let has_fraction = whole < exponent.lo && exponent.hi < whole + 1.0;

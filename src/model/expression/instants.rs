@@ -1,26 +1,26 @@
-//! A formula of time at one instant: on which side of its jumps it is there, to more digits than plain numbers have.
+//! A formula of time at one instant: on which side of its jumps the instant lies, with more digits than f64 has.
 //!
-//! A time is a number of f64, and stands for all instants that are rounded to it: if a jump is at one of those, the time is that of
-//! the jump. So all that jumps at 0.3 s has jumped at the time 0.3, though 0.3/0.1 is less than 3 in plain numbers, and no two
-//! formulas that jump together are ever seen on different sides of that.
+//! A time is an f64 and represents all instants that round to it: if one of them is the instant of a jump, the time counts as
+//! that of the jump. So everything that jumps at 0.3 s has jumped at the time 0.3, although 0.3/0.1 < 3 in f64, and no two
+//! formulas that jump together are ever evaluated on different sides.
 
 use super::{Expression, Function, Op, apply_op};
 use crate::numbers::constant::Constant;
 use crate::numbers::scalar::Scalar;
 use smallvec::SmallVec;
 
-/// A number this near to a whole one, relative to itself or to one, may be on its other side: plain numbers are rounded by far less,
-/// and what is looked at with more digits for nothing takes time only.
+/// A number this close to a whole one, relative to itself or to one, is evaluated with more digits: rounding in f64 is far
+/// smaller, and unnecessary digits only cost time.
 const NEAR_WHOLE: f64 = 1e-6;
 
-/// Operations of a drive that need no room of the heap: it is evaluated at every step of a motion.
+/// Number of operations of a drive up to which its evaluation, at every step of a motion, needs no heap memory.
 const FEW: usize = 16;
 
-/// Of every operation the whole number that it gives, or takes away that often, if it jumps and that is known.
+/// For every operation with jumps its whole number, if it is known: the value of a floor, the quotient of a mod.
 pub(super) type WholeNumbers = Vec<Option<f64>>;
 
 impl Expression {
-    /// The value of a formula of time at an instant, seconds. Not finite where it has none.
+    /// The value of a formula of time at an instant, seconds; not finite where it is undefined.
     pub fn value_at_instant(&self, time: f64) -> f64 {
         let mut values = SmallVec::<[f64; FEW]>::new();
         for op in self.ops() {

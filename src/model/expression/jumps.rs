@@ -56,6 +56,7 @@ pub(super) fn line_of(op: Op, lines: &[Option<Line>], whole: Option<f64>) -> Opt
         Op::Negate(a) => lines[a].map(|line| line.map(|c| -c)),
         Op::Add(a, b) => both(a, b).map(|([p, q], [r, s])| [p + r, q + s]),
         Op::Subtract(a, b) => both(a, b).map(|([p, q], [r, s])| [p - r, q - s]),
+        // A product is a line if one factor is level.
         Op::Multiply(a, b) => {
             let (p, q) = both(a, b)?;
             let (line, by) = if is_level(&q) { (p, q) } else { (q, p) };
@@ -67,6 +68,7 @@ pub(super) fn line_of(op: Op, lines: &[Option<Line>], whole: Option<f64>) -> Opt
             is_number.then(|| line.map(|c| c / by[0]))
         }
         Op::Call(Function::Floor, ..) => whole.map(|whole| [Constant::exact(whole), ZERO]),
+        // a mod b = a - b ⌊a/b⌋, with the given whole number.
         Op::Call(Function::Mod, a, b) => {
             let (([p, q], [r, s]), whole) = (both(a, b)?, Constant::exact(whole?));
             Some([p - r * whole, q - s * whole])

@@ -37,6 +37,7 @@ pub(super) fn kink_side(op: Op, range: impl Fn(usize) -> Interval) -> KinkSide {
     if !x.is_finite() {
         return KinkSide::Plain;
     }
+    // How far the range reaches to either side of the kink: the smaller reach bounds the error of using one side only.
     let (below, above) = ((-x.lo).max(0.0), x.hi.max(0.0));
     let is_above = above >= below;
     let off = above.min(below);

@@ -1,8 +1,8 @@
-//! Formulas of time with kinks and jumps (abs, min, max, floor, mod, atan2): where their smooth pieces part, and enclosures of
+//! Formulas of time with kinks and jumps (abs, min, max, floor, mod, atan2): where their smooth pieces meet, and enclosures of
 //! one piece.
 //!
-//! A kink is passed by either of its sides with what that is off at most. A jump cannot be passed: a piece is what the
-//! formula is up to the jump, and goes on beyond it as far as the time of the jump is unknown.
+//! A kink is crossed on either of its sides, plus a bound on the difference. A jump cannot be crossed: a piece is the formula
+//! up to the jump, extended beyond it by the uncertainty of its time.
 
 use super::angle_cut::{cut_of, meets_cut, side_of_cut};
 use super::instants::with_whole;
@@ -15,17 +15,17 @@ use crate::numbers::scalar::{Ring, Scalar};
 use crate::numbers::series::Series;
 use std::f64::consts::PI;
 
-/// The time of a jump is known to this part of itself, or of a second: far more than rounding moves it, far less than
-/// stretches last. It depends on the time alone, so that the pieces on both sides know the same jumps.
+/// Relative uncertainty of the time of a jump (at least of one second): much more than its rounding, much less than
+/// intervals last. It depends on the time alone, so that the pieces on both sides use the same jumps.
 const SLIVER: f64 = 1e-12;
 
-/// Breaks are searched by halving down to this part of the time, or of a second, where plain numbers tell their place.
+/// Breaks are bisected down to this fraction of the time, or of a second, the resolution of f64.
 const NARROWEST: f64 = 1e-13;
 
-/// A break that is not known better than this many narrowest parts is none at a single time.
+/// A break wider than this many narrowest parts is not at a single time.
 const MOST_NARROW: f64 = 8.0;
 
-/// Most parts of time that are looked at together: more breaks are not searched.
+/// Maximum number of parts examined together: beyond it the search for breaks ends.
 const MOST_PARTS: usize = 10_000;
 
 /// A formula of time over a stretch without jumps inside.
@@ -145,6 +145,7 @@ impl Expression {
         }
         let narrowest = NARROWEST * from.abs().max(to.abs()).max(1.0);
         let mut parts = vec![[from, to]];
+        // Bisection: halves on which the formula certainly has no kink or jump are dropped.
         loop {
             parts.retain(|[a, b]| self.is_open(Interval::new(*a, *b)));
             let width = parts.first().map_or(0.0, |[a, b]| b - a);
@@ -157,6 +158,8 @@ impl Expression {
             };
             parts = parts.into_iter().flat_map(halves).collect();
         }
+        // What remains around one place is that break; a wider part, where the formula touches a kink, gives both of
+        // its ends.
         let places = join_intervals(&parts).into_iter().flat_map(|[a, b]| {
             let is_one = b - a <= MOST_NARROW * narrowest;
             if is_one {
@@ -230,7 +233,7 @@ impl Expression {
         state
     }
 
-    /// The operations with equal ones told by the first of them.
+    /// Every operation, identified by the first one equal to it.
     fn canonical_operations(&self) -> Vec<Op> {
         let mut list: Vec<Op> = Vec::with_capacity(self.ops().len());
         let mut first: Vec<usize> = Vec::with_capacity(self.ops().len());

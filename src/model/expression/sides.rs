@@ -1,22 +1,22 @@
-//! A formula on either side of its jumps: every operation with the whole numbers of one side, and what it is more with those of
-//! the other.
+//! A formula on either side of its jumps: every operation with the whole numbers of one side, and the difference to the value
+//! on the other side.
 //!
-//! What is more is exactly zero where nothing in an operation jumps, so that a tiny jump is not lost beside a large value.
+//! The difference is exactly zero where nothing in an operation jumps, so that a tiny jump is not lost in a large value.
 
 use super::instants::quotient_of;
 use super::{Expression, Function, Op, ZERO, apply_op};
 use crate::numbers::constant::Constant;
 use crate::numbers::scalar::Scalar;
 
-/// Of every operation the whole number that it takes on one side of an instant; `None` if it takes none, or if that is open.
+/// The whole number of every operation on one side of an instant; `None` if it has none, or if it is unknown.
 pub(super) type Side = Vec<Option<f64>>;
 
-/// A value on one side, and what it is more on the other.
+/// A value on one side, and its increase to the other.
 #[derive(Clone, Copy)]
 pub(super) struct Step {
     /// The value on one side.
     pub here: Constant,
-    /// What it is more on the other.
+    /// Its increase to the other side.
     pub more: Constant,
 }
 
@@ -30,7 +30,7 @@ impl Step {
 }
 
 impl Expression {
-    /// All operations with the whole numbers of one side, and what they are more with those of the other.
+    /// All operations with the whole numbers of one side, and their increases to the other.
     pub(super) fn steps(&self, sides: [&Side; 2], slots: &[Constant]) -> Vec<Step> {
         let mut steps: Vec<Step> = Vec::with_capacity(self.ops().len());
         for (k, op) in self.ops().iter().enumerate() {
@@ -40,8 +40,8 @@ impl Expression {
         steps
     }
 
-    /// By how much a formula of any slots jumps on the way between two near places, as it is at either; `None` where nothing
-    /// in it jumps.
+    /// The jump of a formula between two nearby points, evaluated at each of them; `None` if nothing
+    /// in it jumps between them.
     pub fn jump_on_way(&self, from: &[f64], to: &[f64]) -> Option<[Constant; 2]> {
         let places = [from, to];
         let values = places.map(|slots| {
@@ -49,6 +49,7 @@ impl Expression {
             self.value_with(slots, &mut values);
             values
         });
+        // The whole numbers of ⌊⌋ and mod, and the half-plane of every `atan2`, at both places.
         let mut sides = [Side::new(), Side::new()];
         for op in self.ops() {
             let wholes = match *op {
@@ -69,6 +70,7 @@ impl Expression {
         if sides[0] == sides[1] {
             return None;
         }
+        // The two sides evaluated at the same place: their difference is the jump.
         let jump = |slots: &[f64]| {
             let slots: Vec<Constant> = slots.iter().map(|v| Constant::exact(*v)).collect();
             let steps = self.steps([&sides[0], &sides[1]], &slots);
@@ -98,6 +100,7 @@ pub(super) fn on_one_side(
     slots: &[Constant],
 ) -> Constant {
     let flip = |a: Constant| if a.number() < 0.0 { -a } else { a };
+    // With the whole number given, floor and mod have no jump, and `atan2` differs from its value by whole turns.
     match (op, whole) {
         (Op::Call(Function::Floor, ..), Some(whole)) => Constant::exact(whole),
         (Op::Call(Function::Mod, a, b), Some(whole)) => {

@@ -15,7 +15,7 @@ use crate::math::Pose;
 use crate::model::chain::{Chain, ChainStep, ElementaryMotion};
 use crate::model::mechanism::Mechanism;
 use glam::{DMat3, DVec3};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 impl LinkEdge {
     /// The identity of its motion.
@@ -96,16 +96,16 @@ pub struct LinkGraph {
     /// To every link from the one from which it was reached.
     routes: Vec<RoutePart>,
     /// The link with which a link was merged.
-    merged_links: Vec<Option<LinkFrame>>,
+    pub(super) merged_links: Vec<Option<LinkFrame>>,
     pub(super) edges: Vec<LinkEdge>,
     /// The edge with which an edge was merged.
     pub(super) merged_edges: Vec<Option<LoopCrossing>>,
     /// Edges by their motion, in order.
     pub(super) alike: BTreeMap<MotionKey, Vec<usize>>,
     /// Links and edges that were merged into others.
-    merged: [i64; 2],
+    pub(super) merged: [i64; 2],
     /// Edges at every link.
-    at: Vec<Vec<usize>>,
+    pub(super) at: Vec<Vec<usize>>,
     pub(super) paths: Paths,
     body_ends: Vec<LinkFrame>,
     /// Where loops begin and end.
@@ -202,7 +202,7 @@ impl LinkGraph {
         (edges - self.merged[1]) - (links - self.merged[0]) + 1
     }
 
-    fn resolved(&self, mut position: LinkFrame) -> LinkFrame {
+    pub(super) fn resolved(&self, mut position: LinkFrame) -> LinkFrame {
         while let Some(into) = self.merged_links[position.link] {
             position = into.moved(position.link_from_here);
         }
@@ -228,6 +228,8 @@ impl LinkGraph {
         let mut here = start;
         let mut path = Vec::with_capacity(steps.len());
         for step in steps {
+            // A constant step stays on the link; a motion crosses an edge, a known one if it is the same motion from
+            // here.
             match self.motions.met(step) {
                 Err(pose) => {
                     here = here.moved(pose);
@@ -254,6 +256,7 @@ impl LinkGraph {
         here: LinkFrame,
         met: &ChainMotion,
     ) -> Option<(LinkFrame, LoopCrossing)> {
+        // Compared on the link: the axis as seen from its frame.
         let here = self.resolved(here);
         let axis = here.link_from_here * met.to_axis;
         self.at[here.link].iter().find_map(|index| {
@@ -262,6 +265,8 @@ impl LinkGraph {
             if !is_alike || !self.may_commute(edge, here.link, &axis) {
                 return None;
             }
+            // The motion along the edge or against it; both frames must agree up to a pose that commutes with the
+            // motion.
             [false, true].into_iter().find_map(|is_inverse| {
                 let [from, to] = self.ends(edge, is_inverse);
                 let apart = from.link_from_here.inverse() * axis;
@@ -292,12 +297,14 @@ impl LinkGraph {
         met: &ChainMotion,
         step: &ChainStep,
     ) -> (LinkFrame, LoopCrossing) {
+        // The edge leads to a link of its own, in whose frame it ends at the origin.
         let here = self.resolved(here);
         let (link, edge) = (self.at.len(), self.edges.len());
         let behind = LinkFrame {
             link,
             link_from_here: Pose::IDENTITY,
         };
+        // The route to the new link: as to this one, then the fixed displacement, then the step.
         let moved = here.link_from_here != Pose::IDENTITY;
         let fixed = moved.then(|| ChainStep::Fixed(here.link_from_here.into()));
         self.routes.push(RoutePart {
@@ -343,7 +350,7 @@ impl LinkGraph {
     }
 
     /// Whether a pose between two frames of an axis along z does not affect the motion.
-    fn commutes_with(&self, motion: ElementaryMotion, apart: &Pose) -> bool {
+    pub(super) fn commutes_with(&self, motion: ElementaryMotion, apart: &Pose) -> bool {
         let tilted = (apart.rotation.z_axis - DVec3::Z).length();
         let aside = match motion {
             ElementaryMotion::Rotation => apart.translation.truncate().length() / self.size,
@@ -352,95 +359,9 @@ impl LinkGraph {
         tilted <= EXACT && aside <= EXACT
     }
 
-    fn is_identity(&self, pose: &Pose) -> bool {
+    pub(super) fn is_identity(&self, pose: &Pose) -> bool {
         let turned = (pose.rotation - DMat3::IDENTITY).to_cols_array();
         let moved = pose.translation.length() / self.size;
         turned.iter().fold(moved, |m, v| m.max(v.abs())) <= EXACT
-    }
-
-    /// Identifies two positions, and folds the consequences.
-    pub(super) fn join(&mut self, a: LinkFrame, b: LinkFrame) {
-        let mut same = vec![[a, b]];
-        while let Some([a, b]) = same.pop() {
-            let [a, b] = [self.resolved(a), self.resolved(b)];
-            // Frames on one link either agree already, or the loops contradict each other, which the solver will
-            // report.
-            if a.link == b.link {
-                continue;
-            }
-            // The older link stays, so that the world is always itself.
-            let [a, b] = if a.link < b.link { [a, b] } else { [b, a] };
-            self.merged_links[b.link] = Some(a.moved(b.link_from_here.inverse()));
-            self.merged[0] += 1;
-            let edges = std::mem::take(&mut self.at[b.link]);
-            let known: BTreeSet<usize> = self.at[a.link].iter().copied().collect();
-            let new = edges.iter().filter(|edge| !known.contains(edge));
-            self.at[a.link].extend(new);
-            self.fold(a.link, &edges.into_iter().collect(), &mut same);
-        }
-    }
-
-    /// Merges edges at a link that are the same motion, and the links they lead to. Only `new` edges at the link can
-    /// equal others.
-    fn fold(&mut self, link: usize, new: &BTreeSet<usize>, same: &mut Vec<[LinkFrame; 2]>) {
-        let (mut k, mut is_new_before) = (0, false);
-        while k < self.at[link].len() {
-            let index = self.at[link][k];
-            let is_new = new.contains(&index);
-            if !is_new && !is_new_before {
-                k += 1;
-                continue;
-            }
-            let before = self.at[link][..k].iter();
-            let mut others = before.filter(|other| {
-                self.edges[**other].motion_key() == self.edges[index].motion_key()
-                    && (is_new || new.contains(other))
-            });
-            let twin = others.find_map(|other| self.twin(link, *other, index));
-            match twin {
-                Some((crossing, ends)) => {
-                    self.merged_edges[index] = Some(crossing);
-                    self.merged[1] += 1;
-                    let [before, after] = self.edges[index].ends.map(|e| self.resolved(e).link);
-                    self.at[before].retain(|edge| *edge != index);
-                    self.at[after].retain(|edge| *edge != index);
-                    same.push(ends);
-                }
-                None => (k, is_new_before) = (k + 1, is_new_before || is_new),
-            }
-        }
-    }
-
-    /// Edge `other` as a passage of edge `known`, which has the same combination of coordinates, if it is the same
-    /// motion from the link; and two positions that are the same frame after it.
-    fn twin(
-        &self,
-        link: usize,
-        known: usize,
-        other: usize,
-    ) -> Option<(LoopCrossing, [LinkFrame; 2])> {
-        let (one, two) = (&self.edges[known], &self.edges[other]);
-        let ways = [[false, false], [false, true], [true, false], [true, true]];
-        ways.into_iter().find_map(|[first, second]| {
-            let ([from, to], [from_other, to_other]) =
-                (self.ends(one, first), self.ends(two, second));
-            if from.link != link || from_other.link != link {
-                return None;
-            }
-            let apart = from.link_from_here.inverse() * from_other.link_from_here;
-            if !self.commutes_with(one.motion, &apart) {
-                return None;
-            }
-            let behind = to.moved(apart);
-            let gap = behind.link_from_here * to_other.link_from_here.inverse();
-            if behind.link == to_other.link && !self.is_identity(&gap) {
-                return None;
-            }
-            let crossing = LoopCrossing {
-                edge: known,
-                is_inverse: first != second,
-            };
-            Some((crossing, [behind, to_other]))
-        })
     }
 }

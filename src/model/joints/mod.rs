@@ -14,6 +14,7 @@
 //! Loops that close in a point (a contact of surfaces) join no links: nothing is known of how their ends are turned.
 
 mod anchors;
+mod folding;
 mod joint;
 mod links;
 mod motions;

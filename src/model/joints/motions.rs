@@ -64,12 +64,14 @@ impl Motions {
                 sign,
             } => (motion, axis, argument, sign),
         };
+        // The constant part of the argument is a displacement along the axis, which is turned onto z.
         let value = self.0[argument];
         let constant = along_z(motion, sign * value.constant);
         let axis = axis_as_z(axis);
         let Some(label) = value.label else {
             return Err(axis * constant * axis.inverse());
         };
+        // A negative factor is the same motion along the reversed axis.
         let is_reversed = sign * value.sign < 0.0;
         let flip = if is_reversed { FLIP } else { Pose::IDENTITY };
         Ok(ChainMotion {

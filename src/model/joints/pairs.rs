@@ -59,11 +59,13 @@ impl<'a> PairRows<'a> {
             matches!(argument, Some(Argument::Affine(_)))
         };
         let coordinates: Vec<Vec<usize>> = graph.edges.iter().map(of_edge).collect();
+        // How often a coordinate is used, by edges and equations: joints may only combine those used once.
         let mut uses = vec![0; mechanism.coordinate_count()];
         let equations = mechanism.equations.iter().map(|e| e.expression.slots());
         for slot in coordinates.iter().cloned().chain(equations).flatten() {
             uses[slot] += 1;
         }
+        // A link is inside a joint if just two motions meet there and no body or loop ends on it.
         let mut is_inner: Vec<bool> = graph.at.iter().map(|edges| edges.len() == 2).collect();
         let seen = graph.of_body.iter().chain(&graph.loop_ends).chain(&[0]);
         seen.for_each(|link| is_inner[*link] = false);
@@ -168,6 +170,7 @@ impl<'a> PairRows<'a> {
         };
         let mut runs: Vec<MotionRun> = Vec::new();
         let mut free = vec![true; row.len()];
+        // The longest runs first, so that a universal joint is not taken out of a spherical one.
         for (length, full_only) in [(3, true), (3, false), (2, false), (1, false)] {
             let mut first = 0;
             while first + length <= row.len() {

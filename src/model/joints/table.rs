@@ -27,6 +27,7 @@ impl Joints {
 /// The table of a finished graph, without the ways to its links.
 fn joint_table(mechanism: &Mechanism, graph: &Finished) -> Joints {
     let rows = PairRows::new(mechanism, graph);
+    // Joints are runs of edges; every edge knows its joint and in which direction it runs through it.
     let runs = rows.runs();
     let mut joint_of = vec![None; graph.edges.len()];
     for (index, run) in runs.iter().enumerate() {
@@ -38,6 +39,7 @@ fn joint_table(mechanism: &Mechanism, graph: &Finished) -> Joints {
         let passages = paths.iter().map(|path| path_passages(path, &joint_of));
         passages.collect()
     };
+    // Links that remain between the joints, and the bodies on them.
     let numbers = JointNumbers::new(graph, &rows.within(&runs));
     let mut links = vec![Link::default(); numbers.count];
     for (route, number) in numbers.of.iter().enumerate() {
@@ -50,12 +52,14 @@ fn joint_table(mechanism: &Mechanism, graph: &Finished) -> Joints {
     for (body, link) in of_body.iter().enumerate() {
         links[*link].bodies.push(body);
     }
+    // Paths of bodies and loops as passages through joints.
     let along_bodies = along(&graph.paths.bodies);
     let along_bases = along(&graph.paths.bases);
     let along_loops = along(&graph.paths.loops);
     let passages = [&along_bodies, &along_bases, &along_loops].map(Vec::as_slice);
     let chains = Chains::new(mechanism, graph, passages);
     let in_loops: BTreeSet<usize> = along_loops.iter().flatten().map(|p| p.joint).collect();
+    // A joint in the words of the chain that passes it.
     let joint = |(index, run): (usize, &MotionRun)| {
         let (steps, ends) = chains.spelled_steps(index)?;
         let [before, after] = ends.map(|frame| LinkFrame {
@@ -129,6 +133,7 @@ fn path_passages(path: &LinkPath, joint_of: &[Option<(usize, bool)>]) -> Vec<Pas
             continue;
         };
         let is_inverse = own != crossing.is_inverse;
+        // Another edge of the same joint in the same direction continues the passage.
         let goes_on = list.last().is_some_and(|last| {
             (last.joint, last.is_inverse) == (joint, is_inverse) && !edges.contains(&crossing.edge)
         });

@@ -229,7 +229,7 @@ class Report {
       fresh.hidden = true;
       this.still.hidden = false;
       this.note.hidden = false;
-      this.note.textContent = `The picture stands still: this browser shows no 3-D here (${error.message}).`;
+      this.note.textContent = `The picture does not move: this browser shows no 3-D here (${error.message}).`;
       for (const part of this.root.querySelectorAll('[data-part="reset"], [data-part="hint"]')) part.hidden = true;
     }
   }

@@ -188,6 +188,7 @@ impl TriangleAssembly {
             flat: instance.flat.clamp(0.0, 1.0) as f32,
             opacity: instance.opacity.clamp(0.0, 1.0) as f32,
         });
+        // Surfaces are numbered through the frame: every smooth patch of every instance has its own.
         let surface = edges::first_surface(
             instance.outline,
             instance.opacity,
@@ -197,6 +198,7 @@ impl TriangleAssembly {
         self.first_surface.push(surface);
         let Some(solid) = solid else { return };
         self.surfaces += solid.patch_count;
+        // Vertices to camera space and onto the sample grid, once for all triangles.
         let [x, y, z] = lens.eye.camera_from_mesh(instance, index);
         let row = |r: [f32; 4], p: [f32; 3]| r[0] * p[0] + r[1] * p[1] + r[2] * p[2];
         let points = solid.positions.iter().zip(&solid.normals);
@@ -219,11 +221,13 @@ impl TriangleAssembly {
     ) {
         let base = self.first_vertex[index];
         let count = solid.triangles.len();
+        // An instance may draw a range of the triangles of its mesh.
         let start = (instance.triangles.start as usize).min(count);
         let end = (instance.triangles.end as usize).clamp(start, count);
         for (offset, triangle) in solid.triangles[start..end].iter().enumerate() {
             let corners = [triangle[0] + base, triangle[1] + base, triangle[2] + base];
             let [a, b, c] = self.corners(&corners);
+            // A vertex outside the grid sends the triangle through the clipper.
             if a.x == OUTSIDE || b.x == OUTSIDE || c.x == OUTSIDE {
                 self.clipped(index, instance, solid, lens, pattern, faces, start + offset);
             } else {
@@ -308,6 +312,7 @@ impl TriangleAssembly {
         triangle: usize,
     ) {
         let [x, y, z] = lens.eye.camera_from_mesh(instance, index);
+        // The corners in camera space, clipped at the planes of the view.
         let row = |r: [f32; 4], p: [f32; 3]| r[0] * p[0] + r[1] * p[1] + r[2] * p[2];
         let corners = solid.triangles[triangle].map(|i| {
             let (p, n) = (solid.positions[i as usize], solid.normals[i as usize]);
@@ -323,6 +328,7 @@ impl TriangleAssembly {
             self.vertices
                 .push(lens.project(corner.position, corner.normal));
         }
+        // The clipped polygon as a fan of triangles.
         for k in 2..polygon.len() as u32 {
             let fan = [first, first + k - 1, first + k];
             let places = fan.map(|i| &self.vertices[i as usize]).map(|v| [v.x, v.y]);

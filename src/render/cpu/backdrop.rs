@@ -83,6 +83,7 @@ impl Backdrop {
         self.reach.resize(columns * height.div_ceil(pitch), None);
         for y in 0..height {
             for x in 0..width {
+                // The point of the ground behind the middle of the pixel, if there is one.
                 let Some(point) = view.at(x as f64 + 0.5, y as f64 + 0.5) else {
                     continue;
                 };
@@ -95,6 +96,7 @@ impl Backdrop {
                 };
                 let code = self.background.map(|c| curve.encode(c * factor));
                 self.codes[y * width + x] = [code[0], code[1], code[2], 255];
+                // The rectangle of shadow coordinates that each tile sees, for skipping tiles without shadow.
                 let reach = &mut self.reach[y / pitch * columns + x / pitch];
                 let [low, high] = reach.unwrap_or([point.at, point.at]);
                 *reach = Some([

@@ -82,6 +82,7 @@ impl CpuRenderer {
         allow_drawing(stage.size)?;
         let lens = Lens::new(&stage.camera, stage.size);
         let backdrop = Backdrop::new(&stage);
+        // 16 samples fill four vectors of four lanes, 8 fill two.
         let tile = match stage.samples {
             16 => AnyTile::Four(Tile::new(&stage)),
             8 => AnyTile::Two(Tile::new(&stage)),
@@ -118,6 +119,7 @@ impl CpuRenderer {
             let Some(solid) = self.stage.meshes.get(instance.mesh) else {
                 return false;
             };
+            // The lowest point of the instance's box over the ground: its middle minus the extent along the normal.
             let [low, high] = solid.bounds;
             let pose = instance.world_from_mesh;
             let normal = pose.rotation.transpose() * ground.normal;
@@ -154,6 +156,7 @@ impl Renderer for CpuRenderer {
                 image.height()
             )));
         }
+        // Shadows first: they depend on the frame and the camera alone.
         self.look_through(frame.camera(&self.stage));
         let below_ground = self.below_ground(frame);
         let seen = self.backdrop.view.is_some();
@@ -218,6 +221,7 @@ impl DrawnScene<'_> {
         };
         let stride = self.size[0] as usize * 4;
         let bytes: &mut [u8] = image;
+        // Tiles one after the other, each with an apron for the lines.
         for number in 0..view.assembly.bins.len() {
             let inner = view.assembly.window(number);
             let rows = &mut bytes[inner.y[0] as usize * stride..];

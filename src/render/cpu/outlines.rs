@@ -51,6 +51,7 @@ impl Outlines {
             let (x, y) = (pattern.x.as_flattened()[s], pattern.y.as_flattened()[s]);
             [f64::from(x) / unit, f64::from(y) / unit]
         };
+        // For every sample the other samples within half the width of a line, in this pixel and those around.
         let near = (0..samples).map(|s| {
             let own = place(s);
             let mut list = Vec::new();
@@ -93,6 +94,7 @@ impl Outlines {
         let own = self.surface.chunks_exact_mut(LANES * G);
         let own = own.zip(self.depth.chunks_exact_mut(LANES * G));
         for ((surfaces, depths), cell) in own.zip(cells) {
+            // Adjacent samples mostly show the same facet, whose surface is kept.
             depths.copy_from_slice(cell.depth.as_flattened());
             for (surface, facet) in surfaces.iter_mut().zip(cell.facet.as_flattened()) {
                 if *facet != known.0 {
@@ -129,6 +131,7 @@ impl Outlines {
         let jump = JUMP * lens.pixel();
         for y in inner.y[0]..=inner.y[1] {
             let row = Window { y: [y; 2], ..inner };
+            // Rows without any drawn surface have no lines.
             if self.is_bare(window, y, least) {
                 for_inner(window, row, |pixel, _, _| self.marks[pixel] = 0);
                 continue;
@@ -136,6 +139,7 @@ impl Outlines {
             for_inner(window, row, |pixel, x, y| {
                 let at = (pixel, x, y);
                 let own = self.whole[pixel];
+                // Inside one surface only a step in depth can make a line; elsewhere borders do as well.
                 let calm = self.is_calm(window, pixel, y, own);
                 self.marks[pixel] = match own {
                     _ if calm && own < least => 0,
@@ -220,6 +224,7 @@ impl Outlines {
             if own == NO_LINES {
                 continue;
             }
+            // A sample is on a line if a sample of another surface is near.
             let other = near.iter().any(|(dx, dy, other)| {
                 let (x, y) = (x + dx, y + dy);
                 let within =
@@ -274,6 +279,8 @@ impl Outlines {
                 } else {
                     jump
                 };
+                // Second difference of the depth across the sample, against the limit of a smooth surface: negative
+                // at a step.
                 least[s] = before[s] + after[s] - 2.0 * own[s] + limit;
             }
             least
@@ -286,6 +293,7 @@ impl Outlines {
                 }
             }
         };
+        // Across and along the picture, where the neighbours lie in the window.
         if x - step >= window.x[0] && x + step <= window.x[1] {
             add(bends(step as usize));
         }
@@ -319,6 +327,7 @@ impl Outlines {
                 let away = pixels * self.samples;
                 possible && {
                     let (before, after) = (sample - away, sample + away);
+                    // A sudden drop between neighbours that belong to the same surface.
                     let bend = self.depth[before] + self.depth[after] - 2.0 * depth;
                     bend < -limit && self.surface[before] == own && self.surface[after] == own
                 }
@@ -343,6 +352,7 @@ impl Outlines {
                 return;
             }
             let colour = &mut colours[pixel];
+            // Bare pixels have no colour yet.
             if *colour == bare {
                 *colour = view.backdrop.linear(x as usize, y as usize, view.shadow).0;
             }

@@ -92,6 +92,7 @@ impl<const G: usize> SamplePattern<G> {
     pub(super) fn new(samples: u32) -> Self {
         let places = places(samples);
         let unit = SUBPIXELS / 16;
+        // Where samples of one pixel do not fill the lanes, a vector covers adjacent pixels.
         let lane = |axis: usize, lane: usize| {
             let pixel = (lane / places.len()) as i32 * SUBPIXELS;
             places[lane % places.len()][axis] * unit + if axis == 0 { pixel } else { 0 }

@@ -72,6 +72,7 @@ impl ShadingBatch {
     #[allow(clippy::needless_range_loop)]
     pub(super) fn flush(&mut self, around: &Surroundings, pixels: &mut [[f32; 3]]) {
         let mut colour = [[0.0; BATCH]; 3];
+        // Arithmetic over the whole batch, which the compiler vectorises; unused entries are discarded below.
         for i in 0..BATCH {
             let at = |a: &[[f32; BATCH]; 3]| [a[0][i], a[1][i], a[2][i]];
             let rgb = light_surface(
@@ -86,6 +87,7 @@ impl ShadingBatch {
                 colour[k][i] = rgb[k] * self.weight[i];
             }
         }
+        // Weighted colours are added to their pixels.
         for i in 0..self.count {
             if let Some(pixel) = pixels.get_mut(self.pixel[i] as usize) {
                 for k in 0..3 {

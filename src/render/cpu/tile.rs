@@ -70,6 +70,7 @@ impl SeenFacets {
             let mut j = i + 1;
             while j < self.count {
                 let other = self.facets[j];
+                // Facets of one smooth surface are shaded as one, at the facet with most samples.
                 if first != NOTHING && other.0 != NOTHING && is_smooth(assembly, first, other.0) {
                     sum += other.1;
                     if other.1 > most.1 {
@@ -135,12 +136,14 @@ impl<const G: usize> Tile<G> {
             .shadow
             .filter(|_| view.backdrop.shaded(number, view.shadow));
         let view = RasterView { shadow, ..*view };
+        // A tile without triangles is background.
         if bin.opaque.is_empty() && bin.translucent.is_empty() {
             fill_background(&view, inner, bytes, stride);
             return;
         }
         let window = view.assembly.with_apron(inner);
         let parts = (window, inner);
+        // Depth and facet of every sample, then lines, then translucent layers over them.
         self.clear(&view, window);
         self.cover_bin(&view, bin, window);
         if let Some(outlines) = &mut self.outlines {
@@ -153,6 +156,7 @@ impl<const G: usize> Tile<G> {
             self.layers
                 .collect(&view, bin, window, &self.pattern, cells);
         }
+        // Colours: opaque surfaces, lines, layers, and the encoded bytes.
         self.light(&view, parts, translucent);
         self.ink(&view, parts);
         if translucent {
@@ -191,6 +195,7 @@ impl<const G: usize> Tile<G> {
             return;
         };
         let samples = self.pattern.samples;
+        // The ground hides what is below it: its depth is the first in every sample.
         let [right, down, start] = ground.nearness(view.lens.perspective);
         for_pixels(window, |pixel, x, y| {
             let (x, y) = (f64::from(x), f64::from(y));
@@ -232,6 +237,7 @@ impl<const G: usize> Tile<G> {
             rasterise_block(corners, &window, &self.pattern, |cell, g, covered, new| {
                 let cell = &mut cells[cell];
                 let old = f32x4::from(cell.depth[g]);
+                // Depth test: nearness grows towards the viewer, and the earlier instance wins a tie.
                 let wins = new.simd_gt(old) & covered;
                 cell.depth[g] = wins.bitselect(new, old).to_array();
                 let mask = wins.to_bits().cast_signed();
@@ -273,12 +279,14 @@ impl<const G: usize> Tile<G> {
             if layers && self.layers.touch(pixel) {
                 return;
             }
+            // Most pixels show one surface: one evaluation of the light.
             if one_surface(view.assembly, own) {
                 self.batch.add(view, first, x, y, 1.0, pixel, colour);
                 return;
             }
             let mut seen = SeenFacets::of(own);
             seen.merge(view.assembly);
+            // At borders, each surface counts by its share of the samples.
             for (facet, count) in &seen.facets[..seen.count] {
                 let weight = *count as f32 / S as f32;
                 if *facet == NOTHING {
@@ -315,6 +323,7 @@ impl<const G: usize> Tile<G> {
             let targets = target.as_chunks_mut::<4>().0;
             for (k, (target, colour)) in targets.iter_mut().zip(colours).enumerate() {
                 let [r, g, b] = *colour;
+                // A negative colour marks a bare pixel, whose bytes are prepared.
                 *target = if r < 0.0 {
                     bare_pixel(view, first + k, y as usize)
                 } else {

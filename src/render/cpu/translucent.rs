@@ -88,9 +88,11 @@ impl Layers {
             let opacity = view.assembly.paints[facet.instance()].opacity;
             let corners = view.assembly.corners(&facet.corners);
             rasterise_block(corners, &window, pattern, |cell, g, covered, new| {
+                // Fragments in front of all opaque surfaces.
                 let seen = new.simd_gt(f32x4::from(cells[cell].depth[g])) & covered;
                 let depths = new.to_array();
                 let mut lanes = seen.to_bitmask();
+                // Every covered lane becomes a fragment of its sample.
                 while lanes != 0 {
                     let lane = lanes.trailing_zeros() as usize;
                     lanes &= lanes - 1;
@@ -119,6 +121,7 @@ impl Layers {
 
     /// Inserts a fragment in front of all farther ones; of equally distant ones the later is in front.
     fn insert(&mut self, sample: usize, depth: f32, surface: u32) {
+        // A linked list per sample, from the farthest to the nearest; equal depths keep the order of drawing.
         let new = self.fragments.len() as u32;
         let (mut before, mut next) = (NONE, self.farthest[sample]);
         while let Some(other) = self.fragments.get(next as usize)
@@ -170,6 +173,7 @@ impl Layers {
             if self.touched[pixel] {
                 let own = pixel * samples..(pixel + 1) * samples;
                 let mut sum = [0.0; 3];
+                // The mean over the samples, each blended from the back to the front.
                 for rgb in own.map(|sample| self.seen(sample, |rgb| inked(pixel, rgb))) {
                     sum = [0, 1, 2].map(|k| sum[k] + rgb[k]);
                 }
@@ -205,6 +209,7 @@ impl Layers {
                 continue;
             }
             let facet = surface.facet;
+            // Each surface of a pixel is lit once, whatever number of samples shows it.
             batch.add(view, facet, x, y, 1.0, index, &mut self.colours);
             if surface.opacity < 1.0 {
                 surface.opacity = seen_opacity(view, facet as usize, x, y, surface.opacity);

@@ -25,6 +25,7 @@ impl<'a> Caster<'a> {
         let count = mesh.triangles.len();
         let end = (instance.triangles.end as usize).min(count);
         let start = (instance.triangles.start as usize).min(end);
+        // Translucent bodies cast no shadow; a closed mesh needs only its faces towards the light.
         let casts = instance.casts_shadow && instance.opacity >= 1.0;
         casts.then(|| Self {
             mesh,

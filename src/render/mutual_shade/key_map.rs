@@ -85,6 +85,7 @@ impl KeyMap {
     /// Adds a body.
     pub(super) fn add(&mut self, caster: &Caster) {
         let light = &self.rows;
+        // Mesh to camera to light in one matrix.
         let rows = [0, 1, 2].map(|k| {
             let mut row: [f32; 4] =
                 std::array::from_fn(|c| (0..3).map(|j| light[k][j] * caster.rows[j][c]).sum());
@@ -105,6 +106,7 @@ impl KeyMap {
             if caster.closed && turn <= 0.0 {
                 continue;
             }
+            // The largest height of every texel, linear along a row.
             scan_rows([a, b, c], [KEY_MAP_SIDE; 2], |run| {
                 let mut height = run.start;
                 for texel in &mut heights[run.first..run.first + run.count] {
@@ -144,6 +146,7 @@ impl KeyMap {
     /// Share of the key light that reaches a surface at `place` with a `normal` whose length is near 1.
     #[inline(always)]
     pub fn lit(&self, place: [f32; 3], normal: [f32; 3]) -> f32 {
+        // Surfaces that face away from the light are dark by their shading already.
         let facing = dot_product(normal, KEY_DIRECTION);
         if facing <= KEY_GRAZING {
             return 1.0;
@@ -153,10 +156,12 @@ impl KeyMap {
         if !(x > 2.0 && x < last && y > 2.0 && y < last) {
             return 1.0;
         }
+        // The tangent plane of the surface, raised a little, in the coordinates of the map.
         let slope = [KEY_RIGHT, KEY_UP].map(|across| -dot_product(normal, across) / facing);
         let plane = height + LIFT / facing;
         let [across, down] = slope.map(f32::abs);
         let block = (y as usize / BLOCK) * BLOCKS + x as usize / BLOCK;
+        // Nothing in the block rises above the plane: lit.
         if self.blocks[block] <= plane - 2.0 * (across + down) {
             return 1.0;
         }

@@ -157,6 +157,7 @@ impl SkyMap {
     /// From nearness to openness.
     pub(super) fn finish(&mut self, rays: &Rays) {
         let Some(used) = self.used else { return };
+        // Distance and place of every cell that shows something.
         self.for_used(used, |map, k, at| {
             if map.nearness[k] > NOWHERE {
                 let distance = rays.distance(map.nearness[k]);
@@ -165,6 +166,7 @@ impl SkyMap {
                 map.places[k] = rays.place(pixel, distance);
             }
         });
+        // How open its surroundings are, then the mean along rows and columns.
         self.for_used(used, |map, k, at| {
             if map.nearness[k] > NOWHERE {
                 map.smoothed[k] = map.cell_openness(rays, k, at);

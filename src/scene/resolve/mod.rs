@@ -26,6 +26,7 @@ mod range;
 mod rates;
 mod scales;
 mod shown_dimensions;
+mod size;
 mod solids;
 mod study;
 mod symbolic;
@@ -42,14 +43,16 @@ use crate::model::actuation::Actuation;
 use crate::model::drive::Drive;
 use crate::model::joints::Joints;
 use crate::model::measure::Measures;
-use crate::model::mechanism::{AngleUnit, Kind, Mechanism};
+use crate::model::mechanism::{AngleUnit, Bar, Equation, Loop, Mechanism};
 use crate::numbers::constant::Constant;
 use bars::equations::resolve_bars;
 use contacts::closure::Contacts;
+use joints::FoldedJoints;
 use meshes::MeshFiles;
 use names::Names;
 use outputs::Scope;
 use parsed::Parsed;
+use size::mechanism_size;
 use std::sync::Arc;
 
 /// Resolves everything; `None` if errors leave nothing meaningful. Relative file names refer to the folder of
@@ -73,16 +76,13 @@ pub fn resolve_scene(
     let varied_values = names.promote_parameters(varied);
     // Equations: the file's loops and equations, then those of bars and contacts.
     contacts::parallel::settle_parallel(&parsed, &mut names, &angle_unit);
-    let mut joints = joints::FoldedJoints::new(&names, &angle_unit);
-    let mut loops = joints.loops(&parsed, diagnostics);
-    let mut equations = joints.equations(&parsed, diagnostics);
-    let named = (&names, &angle_unit);
-    let mut bars = resolve_bars(&parsed.bars, named, &mut joints, diagnostics);
-    loops.append(&mut bars.loops);
-    equations.append(&mut bars.equations);
-    let mut contacts = Contacts::resolve(&parsed.contacts, &names, &mut joints, diagnostics);
-    loops.append(&mut contacts.loops);
-    equations.append(&mut contacts.equations);
+    let mut joints = FoldedJoints::new(&names, &angle_unit);
+    let Closure {
+        loops,
+        equations,
+        bars,
+        contacts,
+    } = resolve_closure(&parsed, (&names, &angle_unit), &mut joints, diagnostics);
     // Bodies and traced points; in a study their chains follow the variables.
     let mut bodies =
         bodies::resolve_bodies(file, &parsed, &names, &mut joints, &mut meshes, diagnostics);
@@ -137,11 +137,7 @@ pub fn resolve_scene(
     let outputs = scope.outputs;
     let is_empty = loops.is_empty() && equations.is_empty() && bodies.is_empty();
     if is_empty && outputs.is_empty() && !diagnostics.has_errors() {
-        diagnostics.push(
-            Diagnostic::error("the scene has no loop, no body and no output")
-                .at(0..0)
-                .hint("write at least one closed loop: `[loops]` then `A = \"T12 T23 T31\"`"),
-        );
+        diagnostics.push(nothing_to_solve());
     }
     let asked = (varied, overrides.minimise.as_deref());
     let study = study::resolve_study(file, &names, &angle_unit, &measures, asked, diagnostics);
@@ -163,7 +159,7 @@ pub fn resolve_scene(
         arguments,
         loops,
         equations,
-        bars: bars.list,
+        bars,
         contacts: parsed
             .contacts
             .iter()
@@ -183,17 +179,12 @@ pub fn resolve_scene(
         guess: coordinates.guess,
         named: coordinates.named,
     };
-    // Keys and jumps of several drives whose times differ by rounding only become one instant.
-    actuation.join_instants();
-    for pin in &parsed.bars.pins {
-        pin.start(&mechanism, &mut actuation);
-    }
-    // Sizes, units of the loops, and magnitudes: they need the drives and the start values.
-    mechanism.size = overrides
-        .size
-        .unwrap_or_else(|| mechanism_size(&mechanism, &actuation, &names));
-    scales::estimate_scales(&mut mechanism, &actuation);
-    magnitudes::estimate_magnitudes(&mut mechanism, &actuation);
+    estimate_numbers(
+        &mut mechanism,
+        &mut actuation,
+        (&parsed, &names),
+        overrides.size,
+    );
     // The table of joints and links is built once, from the finished chains.
     mechanism.joints = Joints::new(&mechanism);
     loops::warn_of_loops(&mechanism, &parsed, diagnostics);
@@ -222,6 +213,61 @@ pub fn resolve_scene(
     })
 }
 
+/// Everything that must close: loops and equations, with the bars and contacts that some of them come from.
+struct Closure {
+    loops: Vec<Loop>,
+    equations: Vec<Equation>,
+    bars: Vec<Bar>,
+    contacts: Contacts,
+}
+
+/// The file's loops and equations, then those of its bars and contacts.
+fn resolve_closure(
+    parsed: &Parsed,
+    named: (&Names, &AngleUnit),
+    joints: &mut FoldedJoints,
+    diagnostics: &mut Diagnostics,
+) -> Closure {
+    let mut loops = joints.loops(parsed, diagnostics);
+    let mut equations = joints.equations(parsed, diagnostics);
+    let mut bars = resolve_bars(&parsed.bars, named, joints, diagnostics);
+    loops.append(&mut bars.loops);
+    equations.append(&mut bars.equations);
+    let mut contacts = Contacts::resolve(&parsed.contacts, named.0, joints, diagnostics);
+    loops.append(&mut contacts.loops);
+    equations.append(&mut contacts.equations);
+    Closure {
+        loops,
+        equations,
+        bars: bars.list,
+        contacts,
+    }
+}
+
+/// Sizes, units of the loops and magnitudes of the equations, from the drives and the start values; `size` replaces the
+/// mechanism's own.
+fn estimate_numbers(
+    mechanism: &mut Mechanism,
+    actuation: &mut Actuation,
+    (parsed, names): (&Parsed, &Names),
+    size: Option<f64>,
+) {
+    // Keys and jumps of several drives whose times differ by rounding only become one instant.
+    actuation.join_instants();
+    for pin in &parsed.bars.pins {
+        pin.start(mechanism, actuation);
+    }
+    mechanism.size = size.unwrap_or_else(|| mechanism_size(mechanism, actuation, names));
+    scales::estimate_scales(mechanism, actuation);
+    magnitudes::estimate_magnitudes(mechanism, actuation);
+}
+
+fn nothing_to_solve() -> Diagnostic {
+    Diagnostic::error("the scene has no loop, no body and no output")
+        .at(0..0)
+        .hint("write at least one closed loop: `[loops]` then `A = \"T12 T23 T31\"`")
+}
+
 fn angle_unit(file: &SceneFile, diagnostics: &mut Diagnostics) -> AngleUnit {
     let unit = file.angle_unit.as_ref();
     let name = unit.map_or("rad", |s| s.value.as_str());
@@ -237,123 +283,4 @@ fn angle_unit(file: &SceneFile, diagnostics: &mut Diagnostics) -> AngleUnit {
             radians: Constant::exact(1.0),
         }
     })
-}
-
-/// Fractions of the drive at which driven lengths are evaluated.
-const INSTANTS: [f64; 5] = [0.0, 0.21, 0.47, 0.73, 1.0];
-
-/// The characteristic length: the longest bar or fixed offset between two joints of its loops; otherwise the largest
-/// length parameter, driven length or constant of a chain; otherwise the largest lead of a screw; otherwise one.
-fn mechanism_size(mechanism: &Mechanism, actuation: &Actuation, names: &Names) -> f64 {
-    use crate::model::chain::ChainStep;
-    // Fixed offsets and bars are the most reliable lengths: they do not depend on a pose.
-    let fixed = mechanism
-        .loops
-        .iter()
-        .flat_map(|l| &l.chain.steps)
-        .filter_map(|step| match step {
-            ChainStep::Fixed(pose) => Some(pose.translation.length()),
-            ChainStep::Joint { .. } => None,
-        });
-    let bars = mechanism.bars.iter().filter_map(|bar| bar.length);
-    let longest = fixed.chain(bars).fold(0.0, f64::max);
-    if longest > 0.0 {
-        return longest;
-    }
-    // Without them: length parameters, driven lengths, and constants in chains.
-    let parameters = names
-        .parameters
-        .iter()
-        .filter(|p| p.kind == Some(Kind::Length))
-        .map(|p| p.value.number().abs());
-    let drives = mechanism.inputs.iter().zip(&actuation.drives);
-    let driven = drives.filter(|(c, _)| c.kind == Kind::Length);
-    let inputs = driven
-        .flat_map(|(_, drive)| INSTANTS.map(|share| drive.value(share * actuation.duration).abs()));
-    let known = parameters.chain(inputs).chain(chain_constants(mechanism));
-    let finite = known.filter(|v| v.is_finite());
-    let longest = finite.fold(0.0, f64::max);
-    if longest > 0.0 {
-        return longest;
-    }
-    // A mechanism of screws alone has no length but its leads.
-    let longest = screw_leads(mechanism).fold(0.0, f64::max);
-    if longest > 0.0 { longest } else { 1.0 }
-}
-
-/// Lengths written as numbers in chains: fixed offsets of bodies, and constants added to variable ones.
-fn chain_constants(mechanism: &Mechanism) -> impl Iterator<Item = f64> {
-    use crate::model::chain::{Argument, ChainStep, ElementaryMotion};
-    let loops = mechanism.loops.iter().map(|l| &l.chain);
-    let chains = loops.chain(mechanism.bodies.iter().map(|b| &b.world_from_body));
-    chains.flat_map(|c| &c.steps).map(|step| match step {
-        ChainStep::Fixed(pose) => pose.translation.length(),
-        ChainStep::Joint {
-            motion: ElementaryMotion::Translation,
-            argument,
-            ..
-        } => match &mechanism.arguments[*argument] {
-            Argument::Affine(affine) => affine.constant.number().abs(),
-            Argument::Formula(_) => 0.0,
-        },
-        ChainStep::Joint { .. } => 0.0,
-    })
-}
-
-/// Advance per turn of all translations that follow an angle.
-fn screw_leads(mechanism: &Mechanism) -> impl Iterator<Item = f64> {
-    use crate::model::chain::{Argument, ChainStep, ElementaryMotion};
-    let steps = mechanism.loops.iter().flat_map(|l| &l.chain.steps);
-    let arguments = steps.filter_map(|step| match step {
-        ChainStep::Joint {
-            motion: ElementaryMotion::Translation,
-            argument,
-            ..
-        } => Some(&mechanism.arguments[*argument]),
-        _ => None,
-    });
-    let terms = arguments.flat_map(|argument| match argument {
-        Argument::Affine(affine) => affine.terms.as_slice(),
-        Argument::Formula(_) => &[],
-    });
-    let kind_of = |slot: usize| {
-        let mut coordinates = mechanism.unknowns.iter().chain(&mechanism.inputs);
-        coordinates.nth(slot).map(|c| c.kind)
-    };
-    terms
-        .filter(move |(slot, _)| kind_of(*slot) == Some(Kind::Angle))
-        .map(|(_, factor)| factor.number().abs() * std::f64::consts::TAU)
-}
-
-#[cfg(test)]
-#[allow(clippy::panic)]
-mod tests {
-    use crate::diag::Source;
-    use crate::scene::{Overrides, load_scene};
-
-    /// Tolerances are relative to the size, so it must not depend on how a length is written.
-    #[test]
-    fn the_size_is_known_however_lengths_are_written() {
-        let drive = "duration = 1\n[inputs]\nx = \"0.001*t\"\n";
-        let body = |chain: &str| format!("{drive}[[bodies]]\nname = \"a\"\nframe = \"{chain}\"\n");
-        let cases = [
-            (body("Tx(2 + x)"), 2.0),
-            (body("Tx(2) Tx(x)"), 2.0),
-            (body("Tx(x) Ty(-3)"), 3.0),
-            (body("Tx(a + x)") + "[parameters]\na = 5\n", 5.0),
-            (
-                format!("{drive}[loops]\nA = \"Tx(x) Tx(4) Tx(-y)\"\n[guess]\ny = 4\n"),
-                4.0,
-            ),
-        ];
-        for (text, wanted) in cases {
-            let source = Source {
-                name: "size".to_owned(),
-                text: text.clone(),
-            };
-            let scene =
-                load_scene(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{e} {text}"));
-            assert!((scene.mechanism.size - wanted).abs() < 1e-12, "{text}");
-        }
-    }
 }

@@ -60,7 +60,9 @@ fn every_figure_is_the_picture_that_its_command_draws() {
     let (mut faults, mut compared) = (Vec::new(), Vec::new());
     let page = page();
     let workspace = Workspace::new();
-    page.blocks().iter().for_each(|block| block.save_in(&workspace));
+    page.blocks()
+        .iter()
+        .for_each(|block| block.save_in(&workspace));
     for figure in figures(&page) {
         let run = workspace.run(&words(&figure.command));
         run.exits(figure.code);

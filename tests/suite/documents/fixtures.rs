@@ -45,11 +45,21 @@ x = "u"
 y = ["h"]
 "##;
 
+/// Points of the curve of the four-bar's coupler point, from its table.
+const PATH: &str = "time,K.x,K.y
+0,26.18473544604218,66.68801324708764
+0.8,32.813278184563885,96.85664006290261
+1.6,-4.083010591150519,83.32423171353982
+2.4,-24.12677190711207,46.56508957501732
+";
+
 /// Writes all of it.
 pub fn write_files(workspace: &Workspace) {
     for folder in ["designs", "scenes", "frames", "golden", "pages"] {
         std::fs::create_dir(workspace.path(folder)).unwrap();
     }
+    let linkage = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/dyads-bars.toml");
+    std::fs::copy(linkage, workspace.path("dyads-bars.toml")).unwrap();
     for name in [
         "scene.toml",
         "old.toml",
@@ -61,6 +71,8 @@ pub fn write_files(workspace: &Workspace) {
     }
     workspace.write("new.toml", SCENE.replace("r = 40", "r = 41"));
     workspace.write("table.csv", "time,u,v\n0,0,-40\n1,30,0\n2,60,40\n");
+    workspace.write("path.csv", PATH);
+    write_encoder(workspace);
     let picture = ["render", "scene.toml", "--size", "64x48", "-q", "--out"];
     for (name, at) in [
         ("frames/f1.png", "0"),
@@ -79,6 +91,19 @@ pub fn write_files(workspace: &Workspace) {
     golden.exits(0);
 }
 
+/// A program called `ffmpeg` in the folder `bin` that keeps what it reads; real ones are asked in `pictures/videos.rs`.
+#[cfg(unix)]
+fn write_encoder(workspace: &Workspace) {
+    use std::os::unix::fs::PermissionsExt;
+    std::fs::create_dir(workspace.path("bin")).unwrap();
+    let script = "#!/bin/sh\nfor last; do :; done\ncat > \"${last#file:}\"\n";
+    let program = workspace.write("bin/ffmpeg", script);
+    std::fs::set_permissions(program, PermissionsExt::from_mode(0o755)).unwrap();
+}
+
+#[cfg(not(unix))]
+fn write_encoder(_: &Workspace) {}
+
 /// A command with what the reader puts in place of the words in capitals; `number` tells folders apart. `None` if the words
 /// stand for anything.
 pub fn filled(command: &str, number: usize) -> Option<String> {
@@ -88,6 +113,7 @@ pub fn filled(command: &str, number: usize) -> Option<String> {
         _ => format!("folder-{number}"),
     };
     let text = command
+        .replace("SCENES", "SCENE")
         .replace("SCENE", "scene.toml")
         .replace("DIR", &folder)
         .replace("FILE.stl", "file.stl")

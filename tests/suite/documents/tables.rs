@@ -1,6 +1,6 @@
 //! Tables of commands and their results: what stands in a row is printed by the command in its first cell.
 
-use super::runs::is_left_out;
+use super::runs::runs_whole;
 use super::sources_page::{is_rounded_to, numbers};
 use super::text::{Document, documents, words};
 use crate::program::Workspace;
@@ -42,7 +42,7 @@ fn results_in_tables_are_printed_by_the_commands_beside_them() {
     for document in documents() {
         for row in rows(&document) {
             let whole = format!("mechanim {}", row.command);
-            if is_left_out(&whole) {
+            if !runs_whole(&whole) {
                 continue;
             }
             let run = Workspace::new().run(&words(&row.command));

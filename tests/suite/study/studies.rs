@@ -286,11 +286,11 @@ fn a_motion_that_breaks_between_the_samples_is_torn() {
     assert_eq!(evaluator.whole(&stand), Ok(()));
     for b in [75.0, 50.0, 42.0, 40.5, 39.5, 38.0, 36.0] {
         let reached = evaluator.reach(&stand, &[b]).unwrap();
-        let torn = Rejection::Torn {
+        let lost = Rejection::BranchLost {
             track: "turn".to_owned(),
             pose: 3,
         };
-        let wanted = if b > 40.0 { Ok(()) } else { Err(torn) };
+        let wanted = if b > 40.0 { Ok(()) } else { Err(lost) };
         assert_eq!(evaluator.whole(&reached), wanted, "{b}");
         let motion = family.with_start(&[b]).whole_motion();
         assert_eq!(motion.is_some(), b > 40.0, "{b}");

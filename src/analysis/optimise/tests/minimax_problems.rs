@@ -17,22 +17,22 @@ impl Line {
 }
 
 impl minimax::MinimaxProblem for Line {
-    fn heights(&mut self, x: &[f64]) -> Option<minimax::PeakValues> {
+    fn values_at(&mut self, x: &[f64]) -> Option<minimax::PeakValues> {
         Some(minimax::PeakValues {
             peaks: self.errors(x),
             limits: self.limit.iter().map(|l| x[0] * x[0] - l * l).collect(),
         })
     }
-    fn slopes(&mut self, x: &[f64]) -> Option<(minimax::PeakValues, minimax::PeakGradients)> {
+    fn gradients_at(&mut self, x: &[f64]) -> Option<(minimax::PeakValues, minimax::PeakGradients)> {
         let rows = (0..=1000).flat_map(|k| {
             let t = k as f64 / 1000.0;
             [vec![1.0, t], vec![-1.0, -t]]
         });
-        let slopes = minimax::PeakGradients {
+        let peak_gradients = minimax::PeakGradients {
             peaks: rows.collect(),
             limits: self.limit.iter().map(|_| vec![2.0 * x[0], 0.0]).collect(),
         };
-        Some((self.heights(x)?, slopes))
+        Some((self.values_at(x)?, peak_gradients))
     }
 }
 
@@ -82,15 +82,15 @@ fn minimax_finds_the_line_of_equal_errors() {
 struct Few<F>(F);
 
 impl<F: Fn(&[f64]) -> Vec<f64>> minimax::MinimaxProblem for Few<F> {
-    fn heights(&mut self, x: &[f64]) -> Option<minimax::PeakValues> {
+    fn values_at(&mut self, x: &[f64]) -> Option<minimax::PeakValues> {
         Some(minimax::PeakValues {
             peaks: (self.0)(x),
             limits: Vec::new(),
         })
     }
-    fn slopes(&mut self, x: &[f64]) -> Option<(minimax::PeakValues, minimax::PeakGradients)> {
-        let heights = self.heights(x)?;
-        let mut peaks = vec![vec![0.0; x.len()]; heights.peaks.len()];
+    fn gradients_at(&mut self, x: &[f64]) -> Option<(minimax::PeakValues, minimax::PeakGradients)> {
+        let peak_values = self.values_at(x)?;
+        let mut peaks = vec![vec![0.0; x.len()]; peak_values.peaks.len()];
         for k in 0..x.len() {
             let at = |h: f64| {
                 let mut moved = x.to_vec();
@@ -103,7 +103,7 @@ impl<F: Fn(&[f64]) -> Vec<f64>> minimax::MinimaxProblem for Few<F> {
             }
         }
         let limits = Vec::new();
-        Some((heights, minimax::PeakGradients { peaks, limits }))
+        Some((peak_values, minimax::PeakGradients { peaks, limits }))
     }
 }
 

@@ -52,6 +52,7 @@ pub struct FreeInput {
 
 /// The slot of an unknown, a coordinate of a traced point (`P.x`) or an output, among coordinates, traces and outputs.
 pub fn slot_of(mechanism: &Mechanism, name: &str) -> Option<usize> {
+    // Slots in their order: coordinates, traced points, outputs.
     let unknown = mechanism.unknowns.iter().position(|u| u.name == name);
     let first = mechanism.coordinate_count();
     let traces = mechanism.traces.iter().enumerate();

@@ -108,6 +108,7 @@ impl<'f> Fitting<'f> {
         let weight = row.weight.sqrt();
         pairs
             .map(|(column, value)| {
+                // Angles differ by less than half a turn; the reach turns them into a length.
                 let off = slots[column.slot] - value;
                 let off = match column.is_angle {
                     true => libm::remainder(off, 2.0 * PI),
@@ -133,6 +134,7 @@ impl<'f> Fitting<'f> {
     fn rates(&mut self, pose: &[f64], input_rates: &[f64], row: usize) -> Vec<f64> {
         let mechanism = self.family.mechanism();
         let unknowns = mechanism.unknowns.len();
+        // Implicit differentiation of the loops, then series of first order through the observed values.
         let mut rates = [vec![0.0; unknowns], input_rates.to_vec()].concat();
         self.solver.tangent(pose, &mut rates);
         let pairs = pose.iter().zip(&rates);

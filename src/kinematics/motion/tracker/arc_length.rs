@@ -1,7 +1,7 @@
-//! The way on from a pose at which no step in time can be trusted: the path in arc length, where time is one unknown more.
+//! Continuation from a pose at which no step in time is reliable: the path in arc length, with time as an additional unknown.
 //!
-//! At a fold the path is smooth in arc length and time has an extremum along it; at an inflection such as that of
-//! x³ = t time only stands still for an instant. The bordered Jacobian, of the first singular block and time with the
+//! At a fold the path is smooth in arc length, and time has an extremum along it; at an inflection such as that of
+//! x³ = t the derivative of time vanishes for an instant. The bordered Jacobian, of the first singular block and time with the
 //! tangent as its last row, is regular at both. (Keller's pseudo-arclength method: Allgower and Georg, Numerical
 //! Continuation Methods, chapters 2 and 6.)
 
@@ -9,16 +9,16 @@ use super::path_tracker::{PathPoint, PathTracker};
 use crate::kinematics::solve::newton::Pace;
 use crate::linalg::pivoted_qr::PivotedQr;
 
-/// First step, in scaled unknowns: two folds that face each other over a narrow gap are farther apart.
+/// First step, in scaled unknowns: smaller than the gap between two folds that face each other.
 const FIRST_STEP: f64 = 1e-7;
 
-/// A step that is refused at this length gives the way up: a corner.
+/// A step that is refused at this length ends the path: a corner.
 const SHORTEST_STEP: f64 = 1e-10;
 
 /// Longest step, as long as a prediction along the drive may be off.
 const LONGEST_STEP: f64 = 0.05;
 
-/// Most steps: from the first to the longest one, and a few hundred of that length.
+/// Maximum number of steps: from the first to the longest one, and a few hundred of that length.
 const MOST_STEPS: usize = 400;
 
 /// A regular pose this far away has left the singular one behind.
@@ -27,10 +27,10 @@ const FAR_ENOUGH: f64 = 1e-2;
 /// How far from a fold, in scaled unknowns, time is seen to be earlier on both sides: it changes with the square.
 const BESIDE_FOLD: [f64; 5] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
 
-/// Most steps back to the near side of a fold, each twice as long.
+/// Maximum number of steps back to the near side of a fold, each twice as long.
 const MOST_STEPS_BACK: usize = 12;
 
-/// Least cosine between the tangents of neighbouring points: larger turns are looked at in shorter steps.
+/// Smallest cosine between the tangents of neighbouring points: sharper turns are resolved by shorter steps.
 const LEAST_COSINE: f64 = 0.95;
 
 /// Largest correction of the pose at which steps in time ended.
@@ -46,10 +46,10 @@ const CORRECTION_FLOOR: f64 = 1e-13;
 const NOISE: f64 = 1e-3;
 const NOISY: f64 = 1e-6;
 
-/// Most iterations of a correction.
+/// Maximum number of iterations of a correction.
 const MOST_ITERATIONS: usize = 8;
 
-/// Most halvings that locate a fold, or an instant, between two points.
+/// Maximum number of halvings that locate a fold, or an instant, between two points.
 const MOST_HALVINGS: usize = 100;
 
 /// Width of the last bracket in arc length: time is right to its square.
@@ -175,7 +175,7 @@ impl ArcWalk<'_, '_> {
         None
     }
 
-    /// The first point, with a tangent that goes on from the last trusted pose, or forward in time where there is none.
+    /// The first point, with a tangent that continues from the last reliable pose, or forward in time if there is none.
     fn start(&mut self, end: &PathPoint) -> Option<ArcPoint> {
         let mut point = ArcPoint {
             time: end.time,
@@ -200,12 +200,12 @@ impl ArcWalk<'_, '_> {
         if along < 0.0 {
             point.tangent.iter_mut().for_each(|v| *v = -*v);
         }
-        // Beside a fold a pose closes within the tolerance though it is off the path.
+        // Near a fold a pose can close within the tolerance although it is off the path.
         let on_path = self.step_within(&point, 0.0, START_CORRECTION);
         Some(on_path.unwrap_or(point))
     }
 
-    /// A point from which time still goes on: steps may have ended behind the fold, where poses close within the tolerance.
+    /// A point from which time still increases: steps may have ended behind the fold, where poses close within the tolerance.
     fn before_fold(&mut self, mut here: ArcPoint) -> ArcPoint {
         let mut step = FIRST_STEP;
         for _ in 0..MOST_STEPS_BACK {
@@ -244,7 +244,7 @@ impl ArcWalk<'_, '_> {
         &self.tracker.system().blocks()[self.block].unknowns
     }
 
-    /// How fast time goes on along the path.
+    /// The rate of time along the path.
     fn speed(&self, point: &ArcPoint) -> f64 {
         point.tangent.last().copied().unwrap_or(0.0)
     }
@@ -276,7 +276,7 @@ impl ArcWalk<'_, '_> {
                 return None;
             }
             self.move_by(&mut next, &change, 1.0);
-            // No path is bent more sharply than its steps are long, so that no more than this is left.
+            // The curvature of the path is bounded by its steps, so that no more than this remains.
             converged = size * size <= f64::EPSILON * length || size <= NOISE * length.min(NOISY);
             if converged {
                 break;

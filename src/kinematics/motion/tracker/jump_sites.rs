@@ -1,4 +1,4 @@
-//! Formulas of loops and equations that may jump, and what they do on the way between two poses.
+//! Formulas of loops and equations that may jump, and their behaviour between two poses.
 
 use crate::model::chain::{Argument, ChainStep, ElementaryMotion};
 use crate::model::expression::Expression;
@@ -33,6 +33,7 @@ impl JumpSite {
                 name: equation.name.clone(),
             });
         }
+        // Formulas inside joints: a jump of a rotation by whole turns is none.
         for item in &mechanism.loops {
             for step in &item.chain.steps {
                 let ChainStep::Joint {
@@ -71,7 +72,7 @@ impl JumpSite {
     }
 }
 
-/// What formulas do on the way from one pose to another.
+/// The behaviour of formulas between two poses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Way<'t> {
     /// They do not jump.
@@ -83,7 +84,7 @@ pub(crate) enum Way<'t> {
 }
 
 impl<'t> Way<'t> {
-    /// What they do on the way from one place to another.
+    /// Their behaviour from one point to another.
     pub fn between(sites: &'t [JumpSite], from: &[f64], to: &[f64]) -> Self {
         let mut way = Self::Smooth;
         for site in sites {

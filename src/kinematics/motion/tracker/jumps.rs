@@ -1,17 +1,17 @@
-//! Jumps, told by the formulas and not by their size: of an input, over which the drive gives no way on though poses exist,
-//! and of what stands in the loops and equations, at which the motion ends.
+//! Jumps, recognised from the formulas and not from their size: of an input, where the drive is discontinuous although poses
+//! exist on both sides, and of formulas in loops and equations, at which the motion ends.
 
 use super::jump_sites::Way;
 use super::path_tracker::{PathPoint, PathTracker, SMALLEST_STEP, Unwatched};
 use crate::model::actuation::Actuation;
 
 impl PathTracker<'_> {
-    /// What the formulas of loops and equations do on the way between two poses.
+    /// What the formulas of loops and equations do between two poses.
     pub(crate) fn way_between(&self, from: &[f64], to: &[f64]) -> Way<'_> {
         Way::between(&self.jump_sites, from, to)
     }
 
-    /// Whether no formula is seen to jump between two poses.
+    /// Whether no formula jumps between two poses, as far as can be decided.
     pub(crate) fn is_smooth(&self, from: &PathPoint, to: &PathPoint) -> bool {
         let way = self.way_between(&from.coordinates, &to.coordinates);
         !matches!(way, Way::Jumps(_))
@@ -26,7 +26,7 @@ impl PathTracker<'_> {
         jumps.is_any().then_some((time, inputs))
     }
 
-    /// Over a jump of the drive the motion is followed as if the inputs went straight from their old values to the new;
+    /// Across a jump of the drive the motion is followed along a straight line from the old inputs to the new ones,
     /// not beyond `last`.
     pub fn leap(&mut self, point: &PathPoint, last: f64) -> Option<PathPoint> {
         let (mut time, mut inputs) = self.jump_after(point)?;

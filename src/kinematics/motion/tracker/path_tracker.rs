@@ -13,37 +13,37 @@ use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use std::rc::Rc;
 
-/// Smallest step as a fraction of the interval between two samples: locates the end of a motion to about 1e-12
+/// Smallest step as a fraction of the interval between two samples; it locates the end of a motion to about 1e-12
 /// of that interval.
 pub(crate) const SMALLEST_STEP: f64 = 1e-12;
 
-/// On so short a step, as a fraction of the same, a jump that shrinks has vanished.
+/// Over a step this short, as a fraction of that interval, a possible jump is accepted as none: it vanished with the step.
 const CLOSE_TO_JUMP: f64 = 1e-9;
 
-/// Steps, taken or refused, that together have to come on by [`LEAST_PROGRESS`]: else the motion has come to rest before a
-/// singular pose, where rounding still lets a tiny step pass now and then.
+/// Number of steps, accepted or rejected, that must together advance by [`LEAST_PROGRESS`]: otherwise the tracker is stuck at a
+/// singular pose, where rounding lets a tiny step pass now and then.
 const PATIENCE: usize = 1_000;
 
-/// Least share of a way for so many steps: a way of a hundred thousand turns takes two thousand times as many.
+/// Smallest advance in that many steps, as a fraction of the interval: even over a hundred thousand turns it is 1/2000.
 const LEAST_PROGRESS: f64 = 1e-6;
 
-/// A closed pose on the way, with what is needed to go on from it.
+/// A closed pose on the path, with the data needed to continue from it.
 #[derive(Clone, Debug)]
 pub struct PathPoint {
     /// Seconds.
     pub time: f64,
-    /// Unknowns, then inputs; shared by what remembers the pose.
+    /// Unknowns, then inputs; shared with whatever keeps the pose.
     pub coordinates: Rc<[f64]>,
-    /// On which side of its singular poses it is, and how far from them.
+    /// Signs of the blocks' determinants, and the distance from singular poses.
     pub branch: BranchState,
 }
 
 /// Why a motion cannot be followed farther.
 #[derive(Clone, Debug)]
 pub enum Stop {
-    /// No step beyond can be trusted; the last good pose.
+    /// No further step is reliable; the last good pose.
     Ends(PathPoint),
-    /// An input has no value.
+    /// An input is undefined.
     Undefined {
         /// Its index.
         input: usize,
@@ -201,7 +201,7 @@ impl<'s> PathTracker<'s> {
     /// From `here` to `time`, before or after, by as many steps as it takes.
     ///
     /// # Errors
-    /// Where the motion ends on the way.
+    /// The motion ends before `time`.
     pub fn follow(
         &mut self,
         mut here: PathPoint,
@@ -215,6 +215,7 @@ impl<'s> PathTracker<'s> {
             if steps.is_done() {
                 return Ok(here);
             }
+            // Steps that hardly advance have met something: checked every so many steps.
             if count % PATIENCE == 0 {
                 if (here.time - looked_at).abs() < LEAST_PROGRESS * way {
                     break;
@@ -224,6 +225,7 @@ impl<'s> PathTracker<'s> {
             if !self.budget.take() || self.is_cancelled() {
                 break;
             }
+            // Predict and correct; a refused step is halved, an accepted one lengthens the next.
             match self.step(&here, steps.target(), watcher) {
                 Ok(Some(point)) => {
                     steps.take();
@@ -285,7 +287,7 @@ impl<'s> PathTracker<'s> {
             true => same && self.stays_regular(&base, &point),
             false => true,
         };
-        // On the way to a fold poses are hardly usable too, and become no better: here the singular pose is behind.
+        // Before a fold poses are nearly singular, too, and do not become better: here the singular pose is behind.
         if fine && !usable && self.is_usable(&point.branch) {
             if same && self.drive_turns([&base, here, &point]) {
                 watcher.turned_back(self);
@@ -298,7 +300,7 @@ impl<'s> PathTracker<'s> {
         Ok(fine.then_some(point))
     }
 
-    /// Whether nothing tells that a singular pose lies between two regular ones.
+    /// Whether there is no sign of a singular pose between two regular ones.
     fn stays_regular(&mut self, from: &PathPoint, to: &PathPoint) -> bool {
         let sigmas = from.branch.sigma_min + to.branch.sigma_min;
         let poses = [&from.coordinates[..], &to.coordinates];

@@ -1,4 +1,4 @@
-//! The ways through, up to and back from a singular pose.
+//! Passing a singular pose, stopping at it, and returning from it.
 
 use super::path_tracker::{PathPoint, PathTracker, PathWatcher, Unwatched, UpToSingular};
 use crate::kinematics::solve::newton::Pace;
@@ -36,7 +36,7 @@ const HALVINGS: i32 = 30;
 /// as far as mirroring at the fold is a good picture of it.
 const BESIDE_FOLD: [f64; 5] = [3e-2, 3e-3, 3e-4, 3e-5, 3e-6];
 
-/// Where a way back leads to.
+/// The end of a return path.
 #[derive(Clone, Copy, Debug)]
 pub enum SingularTarget {
     /// A time.
@@ -46,7 +46,7 @@ pub enum SingularTarget {
 }
 
 impl PathTracker<'_> {
-    /// A sample that lies on a singular pose itself is reached by a patient correction from right beside it.
+    /// A sample that lies on a singular pose itself is reached by a patient correction from a pose right before it.
     pub fn settle(&mut self, end: &PathPoint, time: f64) -> Option<PathPoint> {
         let inputs = self.inputs(time).ok()?;
         let n = self.unknowns();
@@ -126,12 +126,14 @@ impl PathTracker<'_> {
         let n = self.unknowns();
         let beyond = here.time + (share * self.interval).min(time - here.time);
         let inputs = self.inputs(beyond).ok()?;
+        // Corrected from the pose itself, without a prediction.
         let mut coordinates = [&here.coordinates[..n], &inputs].concat();
         let correction = self.solver.correct(&mut coordinates, Pace::Brisk);
         if !correction.converged || correction.first_step > longest {
             return None;
         }
         let point = self.point(beyond, coordinates);
+        // As regular as before, on the same branch: nothing was crossed.
         let ratio = point.branch.sigma_min / here.branch.sigma_min;
         let is_alike = point.branch.signs == here.branch.signs && (0.5..=2.0).contains(&ratio);
         (beyond > here.time && is_alike).then_some(point)

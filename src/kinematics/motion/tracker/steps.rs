@@ -1,28 +1,28 @@
-//! Steps on the way from one value to another: twice as long after one that was taken, half as long after one that was
-//! refused.
+//! Step control from one value to another: steps double after an accepted step and halve after a rejected
+//! one.
 
 use std::cell::Cell;
 use std::rc::Rc;
 
-/// Steps at hand at first, and most of them at any time: a hundred thousand turns from one sample to the next.
+/// Initial and largest budget of steps: a hundred thousand turns from one sample to the next.
 const MOST_STEPS: usize = 2_000_000;
 
-/// Steps that every sample adds: many times what one takes, so that a motion is bounded as a whole, however many samples
+/// Steps added for every sample: many times what one needs, so that a motion as a whole is bounded, however many samples
 /// it has.
 const STEPS_OF_SAMPLE: usize = 1_000;
 
-/// Steps that every radian adds which an input turns between two samples: three times what a crank takes.
+/// Steps added for every radian that an input turns between two samples: three times what a crank needs.
 const STEPS_OF_RADIAN: f64 = 20.0;
 
-/// How often the turns of a motion may fill its steps up again: three hundred thousand turns in all, and some ten seconds of a
+/// How often the turns of a motion may refill its budget: three hundred thousand turns in all, about ten seconds for a
 /// small mechanism.
 const REFILLS_BY_TURNS: usize = 2;
 
-/// The same two numbers where steps are so dear that they would take hours.
+/// The same two numbers for mechanisms whose steps are so expensive that they would take hours.
 const FEWEST_STEPS: usize = 500;
 const FEWEST_OF_SAMPLE: usize = 50;
 
-/// How many steps a motion may still take, back and forth and whoever takes them: what bounds the time it is followed.
+/// The number of steps that a motion may still take, in either direction and for any purpose: it bounds the run time.
 #[derive(Clone, Debug)]
 pub struct StepBudget {
     left: Rc<Cell<usize>>,
@@ -33,7 +33,7 @@ pub struct StepBudget {
 }
 
 impl StepBudget {
-    /// For steps each of which costs as much as so many of a small mechanism.
+    /// For steps that each cost as much as `cost` steps of a small mechanism.
     pub fn of_cost(cost: usize) -> Self {
         let most = (MOST_STEPS / cost.max(1)).max(FEWEST_STEPS);
         Self {
@@ -49,7 +49,7 @@ impl StepBudget {
         self.take_all(1)
     }
 
-    /// Takes as many as something costs, if there are so many; else what is left is gone.
+    /// Takes `count` steps if there are that many; otherwise the rest of the budget is spent.
     pub fn take_all(&self, count: usize) -> bool {
         let left = self.left.get();
         self.left.set(left.saturating_sub(count));
@@ -75,10 +75,10 @@ impl StepBudget {
     }
 }
 
-/// A way, how far it has been gone, and the next step.
+/// Steps from one value to another: the progress and the next step.
 #[derive(Clone, Copy, Debug)]
 pub struct Steps {
-    /// How far the way has been gone.
+    /// The progress.
     pub here: f64,
     end: f64,
     step: f64,
@@ -86,7 +86,7 @@ pub struct Steps {
 }
 
 impl Steps {
-    /// From `start` to `end`, either way; steps are given up when they come below `smallest`.
+    /// From `start` to `end`, in either direction; steps below `smallest` are given up.
     pub fn new(start: f64, end: f64, first: f64, smallest: f64) -> Self {
         Self {
             here: start,
