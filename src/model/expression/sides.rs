@@ -3,10 +3,25 @@
 //!
 //! What is more is exactly zero where nothing in an operation jumps, so that a tiny jump is not lost beside a large value.
 
+use super::angle_cut::cut_of;
 use super::instants::quotient_of;
 use super::{Expression, Function, Op, ZERO, apply_op};
 use crate::numbers::constant::Constant;
+use crate::numbers::interval::Interval;
 use crate::numbers::scalar::Scalar;
+
+/// What comes this near to a jump, relative to itself or to one, may come to it by rounding alone: it stays where it is for a
+/// while, as a clamped quotient does.
+const NEAR_JUMP: f64 = 1e-12;
+
+/// What a formula does on the way between two places on either side of a jump, or between jumps.
+#[derive(Clone, Copy, Debug)]
+pub enum WayJump {
+    /// It jumps by so much, with the values at the first and at the second place.
+    By([Constant; 2]),
+    /// It may jump to and fro; a shorter way tells.
+    Open,
+}
 
 /// Of every operation the whole number that it takes on one side of an instant; `None` if it takes none, or if that is open.
 pub(super) type Side = Vec<Option<f64>>;
@@ -40,41 +55,74 @@ impl Expression {
         steps
     }
 
-    /// By how much a formula of any slots jumps on the way between two near places, as it is at either; `None` where nothing
-    /// in it jumps.
-    pub fn jump_on_way(&self, from: &[f64], to: &[f64]) -> Option<[Constant; 2]> {
+    /// By how much a formula of any slots jumps on the straight way between two places, as it is at either; `None` where
+    /// nothing in it jumps.
+    pub fn jump_on_way(&self, from: &[f64], to: &[f64]) -> Option<WayJump> {
         let places = [from, to];
-        let values = places.map(|slots| {
-            let mut values = Vec::with_capacity(self.ops().len());
-            self.value_with(slots, &mut values);
-            values
-        });
-        let mut sides = [Side::new(), Side::new()];
-        for op in self.ops() {
-            let wholes = match *op {
-                Op::Call(Function::Atan2, y, x) => {
-                    let is_left = values.iter().all(|v| v[x] < 0.0);
-                    values
-                        .each_ref()
-                        .map(|v| is_left.then(|| f64::from(v[y] < 0.0)))
-                }
-                op => values
-                    .each_ref()
-                    .map(|v| quotient_of(op, v).map(f64::floor)),
-            };
-            for (side, whole) in sides.iter_mut().zip(wholes) {
-                side.push(whole);
-            }
-        }
+        let sides = places.map(|slots| self.side_of(slots, places));
         if sides[0] == sides[1] {
-            return None;
+            return self
+                .may_jump_within(places, &sides[0])
+                .then_some(WayJump::Open);
         }
         let jump = |slots: &[f64]| {
             let slots: Vec<Constant> = slots.iter().map(|v| Constant::exact(*v)).collect();
             let steps = self.steps([&sides[0], &sides[1]], &slots);
             steps.last().map_or(ZERO, |last| last.more)
         };
-        Some(places.map(jump))
+        let changed = sides[0].iter().zip(&sides[1]).filter(|(a, b)| a != b);
+        // Two that jump may cancel here, and yet jump at different places.
+        let sizes = places.map(jump);
+        let cancel = sizes.iter().any(|size| size.number().abs() <= size.error());
+        Some(match changed.count() > 1 && cancel {
+            true => WayJump::Open,
+            false => WayJump::By(sizes),
+        })
+    }
+
+    /// The whole numbers and the sides of cuts at a place on the way between two.
+    fn side_of(&self, slots: &[f64], ends: [&[f64]; 2]) -> Side {
+        let values = |slots: &[f64]| {
+            let mut values = Vec::with_capacity(self.ops().len());
+            self.value_with(slots, &mut values);
+            values
+        };
+        let (here, ends) = (values(slots), ends.map(values));
+        let side = self.ops().iter().map(|op| match cut_of(*op) {
+            Some([y, x]) => {
+                let is_left = ends.iter().all(|v| v[x] < 0.0);
+                is_left.then(|| f64::from(here[y] < 0.0))
+            }
+            None => quotient_of(*op, &here).map(f64::floor),
+        });
+        side.collect()
+    }
+
+    /// Whether something may jump between two places at which it has the same side, by more than rounding: over the box that
+    /// they span.
+    fn may_jump_within(&self, [from, to]: [&[f64]; 2], side: &Side) -> bool {
+        let ends = from.iter().zip(to);
+        let all: Vec<Interval> = ends
+            .map(|(a, b)| Interval::new(a.min(*b), a.max(*b)))
+            .collect();
+        let mut values = Vec::with_capacity(self.ops().len());
+        self.value_with(&all, &mut values);
+        let mut ops = self.ops().iter().zip(side);
+        ops.any(|(op, side)| match (cut_of(*op), side) {
+            (Some([y, x]), Some(below)) => {
+                let rounding = NEAR_JUMP * values[y].magnitude();
+                let passes = match *below > 0.0 {
+                    true => values[y].hi > rounding,
+                    false => values[y].lo < -rounding,
+                };
+                passes && values[x].lo < 0.0
+            }
+            (None, Some(whole)) => quotient_of(*op, &values).is_some_and(|quotient| {
+                let rounding = NEAR_JUMP * quotient.magnitude().max(1.0);
+                quotient.lo < whole - rounding || quotient.hi >= whole + 1.0 + rounding
+            }),
+            _ => false,
+        })
     }
 
     /// Whether it may jump where it has a value: whole numbers, and the cut of `atan2`.
