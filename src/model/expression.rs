@@ -337,7 +337,7 @@ pub mod jumps;
 mod kink_side;
 pub mod pieces;
 pub mod quadratic;
-mod sides;
+pub mod sides;
 
 #[cfg(test)]
 mod tests;

@@ -88,7 +88,7 @@ impl Expression {
         for (k, op) in self.ops().iter().enumerate() {
             let mut side = kink_side(*op, |a| value_range(&r.all, a));
             if let Some((whole, here)) = r.whole(*op) {
-                let own = canonical[k];
+                let own = jumping(&canonical, k);
                 // Whole numbers between which it jumps at either end.
                 let passed = here.map(|passed| passed.map(|n| (own, instant_of(*op, &lines, n))));
                 // Of two jumps about the same time, but not at one, it is not known which one comes first.
@@ -247,12 +247,22 @@ impl Expression {
     }
 }
 
+/// A function that jumps, by what it jumps with: `floor(a/b)` does with `mod(a, b)`.
+fn jumping(canonical: &[Op], k: usize) -> Op {
+    match canonical[k] {
+        Op::Call(Function::Floor, x, _) => match canonical[x] {
+            Op::Divide(a, b) => Op::Call(Function::Mod, a, b),
+            _ => canonical[k],
+        },
+        own => own,
+    }
+}
+
 /// An operation with all that it is of, operands first: the same for the same written elsewhere.
 fn operation_tree(ops: &[Op], root: Op) -> Vec<Op> {
     let (mut places, mut list) = (vec![None; ops.len()], Vec::new());
-    if let Some(last) = ops.iter().position(|op| *op == root) {
-        add_operation(ops, last, &mut places, &mut list);
-    }
+    let op = root.mapped(|operand| add_operation(ops, operand, &mut places, &mut list));
+    list.push(op);
     list
 }
 

@@ -3,10 +3,25 @@
 //!
 //! The difference is exactly zero where nothing in an operation jumps, so that a tiny jump is not lost in a large value.
 
+use super::angle_cut::cut_of;
 use super::instants::quotient_of;
 use super::{Expression, Function, Op, ZERO, apply_op};
 use crate::numbers::constant::Constant;
+use crate::numbers::interval::Interval;
 use crate::numbers::scalar::Scalar;
+
+/// A quotient this close to a jump, relative to itself or to one, may reach it by rounding alone: a clamped quotient stays
+/// there.
+const NEAR_JUMP: f64 = 1e-12;
+
+/// The behaviour of a formula on the straight line between two points.
+#[derive(Clone, Copy, Debug)]
+pub enum WayJump {
+    /// It jumps by this much, evaluated at the first and at the second point.
+    By([Constant; 2]),
+    /// It may jump and jump back; only a shorter line decides.
+    Open,
+}
 
 /// The whole number of every operation on one side of an instant; `None` if it has none, or if it is unknown.
 pub(super) type Side = Vec<Option<f64>>;
@@ -40,35 +55,14 @@ impl Expression {
         steps
     }
 
-    /// The jump of a formula between two nearby points, evaluated at each of them; `None` if nothing
-    /// in it jumps between them.
-    pub fn jump_on_way(&self, from: &[f64], to: &[f64]) -> Option<[Constant; 2]> {
+    /// The jump of a formula on the straight line between two points, evaluated at each of them; `None` if nothing in it jumps.
+    pub fn jump_on_way(&self, from: &[f64], to: &[f64]) -> Option<WayJump> {
         let places = [from, to];
-        let values = places.map(|slots| {
-            let mut values = Vec::with_capacity(self.ops().len());
-            self.value_with(slots, &mut values);
-            values
-        });
-        // The whole numbers of ⌊⌋ and mod, and the half-plane of every `atan2`, at both places.
-        let mut sides = [Side::new(), Side::new()];
-        for op in self.ops() {
-            let wholes = match *op {
-                Op::Call(Function::Atan2, y, x) => {
-                    let is_left = values.iter().all(|v| v[x] < 0.0);
-                    values
-                        .each_ref()
-                        .map(|v| is_left.then(|| f64::from(v[y] < 0.0)))
-                }
-                op => values
-                    .each_ref()
-                    .map(|v| quotient_of(op, v).map(f64::floor)),
-            };
-            for (side, whole) in sides.iter_mut().zip(wholes) {
-                side.push(whole);
-            }
-        }
+        let sides = places.map(|slots| self.side_of(slots, places));
         if sides[0] == sides[1] {
-            return None;
+            return self
+                .may_jump_within(places, &sides[0])
+                .then_some(WayJump::Open);
         }
         // The two sides evaluated at the same place: their difference is the jump.
         let jump = |slots: &[f64]| {
@@ -76,7 +70,59 @@ impl Expression {
             let steps = self.steps([&sides[0], &sides[1]], &slots);
             steps.last().map_or(ZERO, |last| last.more)
         };
-        Some(places.map(jump))
+        let changed = sides[0].iter().zip(&sides[1]).filter(|(a, b)| a != b);
+        // Two that jump may cancel here, and yet jump at different places.
+        let sizes = places.map(jump);
+        let cancel = sizes.iter().any(|size| size.number().abs() <= size.error());
+        Some(match changed.count() > 1 && cancel {
+            true => WayJump::Open,
+            false => WayJump::By(sizes),
+        })
+    }
+
+    /// The whole numbers and the sides of cuts at a place on the way between two.
+    fn side_of(&self, slots: &[f64], ends: [&[f64]; 2]) -> Side {
+        let values = |slots: &[f64]| {
+            let mut values = Vec::with_capacity(self.ops().len());
+            self.value_with(slots, &mut values);
+            values
+        };
+        let (here, ends) = (values(slots), ends.map(values));
+        let side = self.ops().iter().map(|op| match cut_of(*op) {
+            Some([y, x]) => {
+                let is_left = ends.iter().all(|v| v[x] < 0.0);
+                is_left.then(|| f64::from(here[y] < 0.0))
+            }
+            None => quotient_of(*op, &here).map(f64::floor),
+        });
+        side.collect()
+    }
+
+    /// Whether something may jump between two places at which it has the same side, by more than rounding: over the box that
+    /// they span.
+    fn may_jump_within(&self, [from, to]: [&[f64]; 2], side: &Side) -> bool {
+        let ends = from.iter().zip(to);
+        let all: Vec<Interval> = ends
+            .map(|(a, b)| Interval::new(a.min(*b), a.max(*b)))
+            .collect();
+        let mut values = Vec::with_capacity(self.ops().len());
+        self.value_with(&all, &mut values);
+        let mut ops = self.ops().iter().zip(side);
+        ops.any(|(op, side)| match (cut_of(*op), side) {
+            (Some([y, x]), Some(below)) => {
+                let rounding = NEAR_JUMP * values[y].magnitude();
+                let passes = match *below > 0.0 {
+                    true => values[y].hi > rounding,
+                    false => values[y].lo < -rounding,
+                };
+                passes && values[x].lo < 0.0
+            }
+            (None, Some(whole)) => quotient_of(*op, &values).is_some_and(|quotient| {
+                let rounding = NEAR_JUMP * quotient.magnitude().max(1.0);
+                quotient.lo < whole - rounding || quotient.hi >= whole + 1.0 + rounding
+            }),
+            _ => false,
+        })
     }
 
     /// Whether it may jump where it has a value: whole numbers, and the cut of `atan2`.

@@ -8,7 +8,7 @@ fn scene(phi: &str, equation: &str) -> String {
 }
 
 /// Drives over two seconds, and whether they are continuous there.
-const DRIVES: [(&str, bool); 19] = [
+const DRIVES: [(&str, bool); 22] = [
     ("t + 1e-9*floor(t)", false),
     ("t + 1e-40*floor(t)", false),
     ("t + 1e-9*floor(t + 1e-3)", false),
@@ -23,6 +23,13 @@ const DRIVES: [(&str, bool); 19] = [
     ("t + 1e-10*sin(0.5*atan2(t - 1, -1))", false),
     ("t + 1e-10*atan2(t - 1, -1)", false),
     ("1e-10*atan(1/(t - 1.01))", false),
+    (
+        "mod(sin(1.1 - t), 0.2) + 0.19*floor(sin(1.1 - t)/0.2)",
+        false,
+    ),
+    // Both jump where their one quotient, which is no line over the time, comes to a whole number.
+    ("mod(sin(1.1 - t), 0.2) + 0.2*floor(sin(1.1 - t)/0.2)", true),
+    ("cos(mod(t^2, 0.7) + 0.7*floor(t^2/0.7))", true),
     ("t + floor(t)*(t - 1)*(t - 2)", true),
     ("abs(mod(t, 0.2) - 0.1)", true),
     ("sin(2*pi*mod(t, 0.5)*2)", true),
@@ -76,8 +83,14 @@ fn motions_end_where_a_formula_of_a_loop_jumps() {
         ("x - 1e-3*floor(phi) - sqrt(abs(phi - 1))", true),
         ("x - 0.5*floor(phi)", true),
         ("x - 1e-9*atan2(phi - 1, -1) - phi", true),
+        // At the very start, and to and fro within a step.
+        ("x - floor(-phi)", true),
+        ("x - phi - floor(phi - 0.3) + floor(phi - 0.31)", true),
+        ("x - phi - floor(phi - 1) + floor(phi - 1.001)", true),
         ("x - floor(phi)*(phi - 1)*(phi - 2)", false),
         ("x - abs(mod(phi, 0.5) - 0.25)", false),
+        ("x - mod(phi, 0.7) - 0.7*floor(phi/0.7)", false),
+        ("x - phi - min(mod(phi, 0.4), 0.4 - mod(phi, 0.4))", false),
         ("x - sqrt(abs(phi - 1))", false),
         ("x - sin(atan2(phi - 1, phi - 3))", false),
     ];
@@ -117,7 +130,15 @@ fn motions_end_where_a_formula_of_a_loop_jumps() {
 #[test]
 fn singular_samples_and_kinks_with_poses_are_no_failure() {
     let folder = Workspace::new();
-    for equation in ["x - sqrt(max(phi, 0))", "x^3 - phi"] {
+    let equations = [
+        "x - sqrt(max(phi, 0))",
+        "x^3 - phi",
+        // No tangent leads to these or from them.
+        "x^5 - phi^3",
+        "x^7 - phi^3",
+        "x^9 - phi^5",
+    ];
+    for equation in equations {
         folder.write("smooth.toml", scene("t - 1", equation));
         for samples in ["2", "3", "4", "9", "40"] {
             folder

@@ -40,9 +40,19 @@ impl Recorder<'_> {
         {
             (to, false)
         } else {
-            (self.onward(end, time)?, is_singular)
+            let onward = self.onward(end, time);
+            (
+                onward.or_else(|ending| self.flat(end, time).ok_or(ending))?,
+                is_singular,
+            )
         };
         Ok(PathContinuation { to, is_passed })
+    }
+
+    /// The pose beyond a singular one through which no tangent leads.
+    fn flat(&mut self, end: &PathPoint, time: f64) -> Option<PathPoint> {
+        let to = self.tracker.pass_flat(end, time)?;
+        self.tracker.is_smooth(end, &to).then_some(to)
     }
 
     /// The pose to which the path leads in arc length.

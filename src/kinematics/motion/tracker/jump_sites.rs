@@ -2,6 +2,7 @@
 
 use crate::model::chain::{Argument, ChainStep, ElementaryMotion};
 use crate::model::expression::Expression;
+use crate::model::expression::sides::WayJump;
 use crate::model::mechanism::Mechanism;
 use crate::numbers::constant::Constant;
 
@@ -56,10 +57,14 @@ impl JumpSite {
         sites
     }
 
-    /// By how much it jumps between two places, as it is at either.
-    fn jump(&self, from: &[f64], to: &[f64]) -> Option<[f64; 2]> {
-        let jump = self.formula.jump_on_way(from, to)?;
-        let sizes = jump.map(|jump| {
+    /// What it does on the straight way between two places.
+    fn way(&self, from: &[f64], to: &[f64]) -> Way<'_> {
+        let sizes = match self.formula.jump_on_way(from, to) {
+            None => return Way::Smooth,
+            Some(WayJump::Open) => return Way::Open,
+            Some(WayJump::By(sizes)) => sizes,
+        };
+        let [a, b] = sizes.map(|jump| {
             let turn = Constant::PI * Constant::exact(2.0);
             let rest = match self.is_angle {
                 true => jump - turn * Constant::exact((jump / turn).number().round()),
@@ -68,7 +73,14 @@ impl JumpSite {
             let is_rounding = rest.number().abs() <= rest.error();
             if is_rounding { 0.0 } else { rest.number() }
         });
-        (sizes != [0.0; 2]).then_some(sizes)
+        if a == 0.0 && b == 0.0 {
+            return Way::Smooth;
+        }
+        let is_same = a.abs().min(b.abs()) >= SAME_JUMP * a.abs().max(b.abs());
+        match is_same && (a < 0.0) == (b < 0.0) {
+            true => Way::Jumps(&self.name),
+            false => Way::Open,
+        }
     }
 }
 
@@ -84,18 +96,23 @@ pub(crate) enum Way<'t> {
 }
 
 impl<'t> Way<'t> {
-    /// Their behaviour from one point to another.
+    /// Their behaviour on the straight line from one point to another. A point on a jump may have a value of its own, so both
+    /// halves of the line are examined.
     pub fn between(sites: &'t [JumpSite], from: &[f64], to: &[f64]) -> Self {
+        if sites.is_empty() {
+            return Self::Smooth;
+        }
+        let halves = from.iter().zip(to).map(|(a, b)| 0.5 * a + 0.5 * b);
+        let middle: Vec<f64> = halves.collect();
         let mut way = Self::Smooth;
         for site in sites {
-            let Some([a, b]) = site.jump(from, to) else {
-                continue;
-            };
-            let is_same = a.abs().min(b.abs()) >= SAME_JUMP * a.abs().max(b.abs());
-            if is_same && (a < 0.0) == (b < 0.0) {
-                return Self::Jumps(&site.name);
+            for [a, b] in [[from, &middle], [&middle, to]] {
+                match site.way(a, b) {
+                    Self::Smooth => {}
+                    Self::Open => way = Self::Open,
+                    jump @ Self::Jumps(_) => return jump,
+                }
             }
-            way = Self::Open;
         }
         way
     }

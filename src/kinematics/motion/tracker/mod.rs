@@ -2,6 +2,7 @@
 //! events only as a watcher that it calls.
 
 pub mod arc_length;
+mod flat;
 pub mod jump_sites;
 pub mod jumps;
 pub mod path_tracker;
