@@ -46,6 +46,8 @@ pub struct PieceView<'e, const N: usize> {
     /// Arguments with what they may be off.
     spread: Vec<TaylorModel>,
     middle: Vec<ArgumentValue>,
+    /// All of these have bounds.
+    is_bounded: bool,
 }
 
 /// What was found of two bodies.
@@ -81,6 +83,7 @@ impl<'e, const N: usize> PieceView<'e, N> {
             middle[*argument] = ArgumentValue::new(value);
         }
         Self {
+            is_bounded: spread.iter().all(TaylorModel::is_finite),
             observer,
             spread,
             middle,
@@ -146,6 +149,12 @@ impl<'p> PartWays<'p> {
 
     /// A bound over all pieces; what does not come below `goal` is not looked at closely.
     pub fn look<const N: usize>(&self, view: &PieceView<N>, goal: f64) -> PieceLook {
+        if !view.is_bounded {
+            return PieceLook {
+                lowest: f64::NEG_INFINITY,
+                place: None,
+            };
+        }
         let [first, second] = self.part.hulls.each_ref();
         let pose = self.between.pose(&view.middle);
         let moved = self.between.around(&view.spread, 0.0, 1.0);

@@ -26,6 +26,7 @@ mod range;
 mod rates;
 mod scales;
 mod shown_dimensions;
+mod size;
 mod solids;
 mod study;
 mod symbolic;
@@ -42,7 +43,7 @@ use crate::model::actuation::Actuation;
 use crate::model::drive::Drive;
 use crate::model::joints::Joints;
 use crate::model::measure::Measures;
-use crate::model::mechanism::{AngleUnit, Kind, Mechanism};
+use crate::model::mechanism::{AngleUnit, Mechanism};
 use crate::numbers::constant::Constant;
 use bars::equations::resolve_bars;
 use contacts::closure::Contacts;
@@ -66,6 +67,9 @@ pub fn resolve_scene(
     let mut parsed = Parsed::new(file, diagnostics);
     let mut names = Names::collect(file, &parsed, diagnostics);
     names.infer_kinds(&parsed, diagnostics);
+    if overrides.carries_shapes {
+        names.infer_lengths(&carried::lengths_of_solids(file), &parsed);
+    }
     names.evaluate_parameters(&parsed, &angle_unit, diagnostics);
     // Variables of a study become constant inputs, with parameters computed from them written out.
     let kept = varied::kept_parameters(&parsed, varied);
@@ -191,7 +195,7 @@ pub fn resolve_scene(
     // Sizes, units of the loops, and magnitudes: they need the drives and the start values.
     mechanism.size = overrides
         .size
-        .unwrap_or_else(|| mechanism_size(&mechanism, &actuation, &names));
+        .unwrap_or_else(|| size::mechanism_size(&mechanism, &actuation, &names));
     scales::estimate_scales(&mut mechanism, &actuation);
     magnitudes::estimate_magnitudes(&mut mechanism, &actuation);
     // The table of joints and links is built once, from the finished chains.
@@ -237,123 +241,4 @@ fn angle_unit(file: &SceneFile, diagnostics: &mut Diagnostics) -> AngleUnit {
             radians: Constant::exact(1.0),
         }
     })
-}
-
-/// Fractions of the drive at which driven lengths are evaluated.
-const INSTANTS: [f64; 5] = [0.0, 0.21, 0.47, 0.73, 1.0];
-
-/// The characteristic length: the longest bar or fixed offset between two joints of its loops; otherwise the largest
-/// length parameter, driven length or constant of a chain; otherwise the largest lead of a screw; otherwise one.
-fn mechanism_size(mechanism: &Mechanism, actuation: &Actuation, names: &Names) -> f64 {
-    use crate::model::chain::ChainStep;
-    // Fixed offsets and bars are the most reliable lengths: they do not depend on a pose.
-    let fixed = mechanism
-        .loops
-        .iter()
-        .flat_map(|l| &l.chain.steps)
-        .filter_map(|step| match step {
-            ChainStep::Fixed(pose) => Some(pose.translation.length()),
-            ChainStep::Joint { .. } => None,
-        });
-    let bars = mechanism.bars.iter().filter_map(|bar| bar.length);
-    let longest = fixed.chain(bars).fold(0.0, f64::max);
-    if longest > 0.0 {
-        return longest;
-    }
-    // Without them: length parameters, driven lengths, and constants in chains.
-    let parameters = names
-        .parameters
-        .iter()
-        .filter(|p| p.kind == Some(Kind::Length))
-        .map(|p| p.value.number().abs());
-    let drives = mechanism.inputs.iter().zip(&actuation.drives);
-    let driven = drives.filter(|(c, _)| c.kind == Kind::Length);
-    let inputs = driven
-        .flat_map(|(_, drive)| INSTANTS.map(|share| drive.value(share * actuation.duration).abs()));
-    let known = parameters.chain(inputs).chain(chain_constants(mechanism));
-    let finite = known.filter(|v| v.is_finite());
-    let longest = finite.fold(0.0, f64::max);
-    if longest > 0.0 {
-        return longest;
-    }
-    // A mechanism of screws alone has no length but its leads.
-    let longest = screw_leads(mechanism).fold(0.0, f64::max);
-    if longest > 0.0 { longest } else { 1.0 }
-}
-
-/// Lengths written as numbers in chains: fixed offsets of bodies, and constants added to variable ones.
-fn chain_constants(mechanism: &Mechanism) -> impl Iterator<Item = f64> {
-    use crate::model::chain::{Argument, ChainStep, ElementaryMotion};
-    let loops = mechanism.loops.iter().map(|l| &l.chain);
-    let chains = loops.chain(mechanism.bodies.iter().map(|b| &b.world_from_body));
-    chains.flat_map(|c| &c.steps).map(|step| match step {
-        ChainStep::Fixed(pose) => pose.translation.length(),
-        ChainStep::Joint {
-            motion: ElementaryMotion::Translation,
-            argument,
-            ..
-        } => match &mechanism.arguments[*argument] {
-            Argument::Affine(affine) => affine.constant.number().abs(),
-            Argument::Formula(_) => 0.0,
-        },
-        ChainStep::Joint { .. } => 0.0,
-    })
-}
-
-/// Advance per turn of all translations that follow an angle.
-fn screw_leads(mechanism: &Mechanism) -> impl Iterator<Item = f64> {
-    use crate::model::chain::{Argument, ChainStep, ElementaryMotion};
-    let steps = mechanism.loops.iter().flat_map(|l| &l.chain.steps);
-    let arguments = steps.filter_map(|step| match step {
-        ChainStep::Joint {
-            motion: ElementaryMotion::Translation,
-            argument,
-            ..
-        } => Some(&mechanism.arguments[*argument]),
-        _ => None,
-    });
-    let terms = arguments.flat_map(|argument| match argument {
-        Argument::Affine(affine) => affine.terms.as_slice(),
-        Argument::Formula(_) => &[],
-    });
-    let kind_of = |slot: usize| {
-        let mut coordinates = mechanism.unknowns.iter().chain(&mechanism.inputs);
-        coordinates.nth(slot).map(|c| c.kind)
-    };
-    terms
-        .filter(move |(slot, _)| kind_of(*slot) == Some(Kind::Angle))
-        .map(|(_, factor)| factor.number().abs() * std::f64::consts::TAU)
-}
-
-#[cfg(test)]
-#[allow(clippy::panic)]
-mod tests {
-    use crate::diag::Source;
-    use crate::scene::{Overrides, load_scene};
-
-    /// Tolerances are relative to the size, so it must not depend on how a length is written.
-    #[test]
-    fn the_size_is_known_however_lengths_are_written() {
-        let drive = "duration = 1\n[inputs]\nx = \"0.001*t\"\n";
-        let body = |chain: &str| format!("{drive}[[bodies]]\nname = \"a\"\nframe = \"{chain}\"\n");
-        let cases = [
-            (body("Tx(2 + x)"), 2.0),
-            (body("Tx(2) Tx(x)"), 2.0),
-            (body("Tx(x) Ty(-3)"), 3.0),
-            (body("Tx(a + x)") + "[parameters]\na = 5\n", 5.0),
-            (
-                format!("{drive}[loops]\nA = \"Tx(x) Tx(4) Tx(-y)\"\n[guess]\ny = 4\n"),
-                4.0,
-            ),
-        ];
-        for (text, wanted) in cases {
-            let source = Source {
-                name: "size".to_owned(),
-                text: text.clone(),
-            };
-            let scene =
-                load_scene(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{e} {text}"));
-            assert!((scene.mechanism.size - wanted).abs() < 1e-12, "{text}");
-        }
-    }
 }

@@ -1,0 +1,174 @@
+//! The characteristic length of a mechanism, to which tolerances are relative.
+
+use super::magnitudes::{INSTANTS, finite_or_zero};
+use super::names::Names;
+use crate::model::actuation::Actuation;
+use crate::model::chain::{Argument, ChainStep, ElementaryMotion};
+use crate::model::drive::Drive;
+use crate::model::mechanism::{Kind, Mechanism};
+use crate::numbers::interval::Interval;
+
+/// Values at a few instants are taken for a drive's largest unless it is proved to be able to exceed them this many times:
+/// a short pulse may lie between all of them.
+const FAR_BEYOND: f64 = 100.0;
+
+/// Most parts of time that are looked at for the largest value.
+const MOST_PARTS: usize = 400;
+
+/// The characteristic length: the longest bar or fixed offset between two joints of its loops; otherwise the largest
+/// length parameter, driven length or constant of a chain; otherwise the largest lead of a screw; otherwise one.
+pub(super) fn mechanism_size(mechanism: &Mechanism, actuation: &Actuation, names: &Names) -> f64 {
+    // Fixed offsets and bars are the most reliable lengths: they do not depend on a pose.
+    let fixed = mechanism
+        .loops
+        .iter()
+        .flat_map(|l| &l.chain.steps)
+        .filter_map(|step| match step {
+            ChainStep::Fixed(pose) => Some(pose.translation.length()),
+            ChainStep::Joint { .. } => None,
+        });
+    let bars = mechanism.bars.iter().filter_map(|bar| bar.length);
+    let longest = fixed.chain(bars).fold(0.0, f64::max);
+    if longest > 0.0 {
+        return longest;
+    }
+    // Without them: length parameters, driven lengths, and constants in chains.
+    let parameters = names
+        .parameters
+        .iter()
+        .filter(|p| p.kind == Some(Kind::Length))
+        .map(|p| p.value.number().abs());
+    let drives = mechanism.inputs.iter().zip(&actuation.drives);
+    let driven = drives.filter(|(c, _)| c.kind == Kind::Length);
+    let inputs = driven.map(|(_, drive)| largest_driven(drive, actuation.duration));
+    let known = parameters.chain(inputs).chain(chain_constants(mechanism));
+    let finite = known.filter(|v| v.is_finite());
+    let longest = finite.fold(0.0, f64::max);
+    if longest > 0.0 {
+        return longest;
+    }
+    // A mechanism of screws alone has no length but its leads.
+    let longest = screw_leads(mechanism).fold(0.0, f64::max);
+    if longest > 0.0 { longest } else { 1.0 }
+}
+
+/// Lengths written as numbers in chains: fixed offsets of bodies, and constants added to variable ones.
+fn chain_constants(mechanism: &Mechanism) -> impl Iterator<Item = f64> {
+    let loops = mechanism.loops.iter().map(|l| &l.chain);
+    let chains = loops.chain(mechanism.bodies.iter().map(|b| &b.world_from_body));
+    chains.flat_map(|c| &c.steps).map(|step| match step {
+        ChainStep::Fixed(pose) => pose.translation.length(),
+        ChainStep::Joint {
+            motion: ElementaryMotion::Translation,
+            argument,
+            ..
+        } => match &mechanism.arguments[*argument] {
+            Argument::Affine(affine) => affine.constant.number().abs(),
+            Argument::Formula(_) => 0.0,
+        },
+        ChainStep::Joint { .. } => 0.0,
+    })
+}
+
+/// Advance per turn of all translations that follow an angle.
+fn screw_leads(mechanism: &Mechanism) -> impl Iterator<Item = f64> {
+    let steps = mechanism.loops.iter().flat_map(|l| &l.chain.steps);
+    let arguments = steps.filter_map(|step| match step {
+        ChainStep::Joint {
+            motion: ElementaryMotion::Translation,
+            argument,
+            ..
+        } => Some(&mechanism.arguments[*argument]),
+        _ => None,
+    });
+    let terms = arguments.flat_map(|argument| match argument {
+        Argument::Affine(affine) => affine.terms.as_slice(),
+        Argument::Formula(_) => &[],
+    });
+    let kind_of = |slot: usize| {
+        let mut coordinates = mechanism.unknowns.iter().chain(&mechanism.inputs);
+        coordinates.nth(slot).map(|c| c.kind)
+    };
+    terms
+        .filter(move |(slot, _)| kind_of(*slot) == Some(Kind::Angle))
+        .map(|(_, factor)| factor.number().abs() * std::f64::consts::TAU)
+}
+
+/// The largest value of a drive, but for a factor of a hundred: at a few instants, and where it may be far larger than there.
+fn largest_driven(drive: &Drive, duration: f64) -> f64 {
+    let at = |time: f64| finite_or_zero(drive.value(time));
+    let known = INSTANTS.map(|share| at(share * duration));
+    let mut known = known.into_iter().fold(0.0, f64::max);
+    let Drive::Formula(formula) = drive else {
+        let values = drive.keys().iter().map(|time| at(*time));
+        let all = values.fold(known, f64::max);
+        return if all > FAR_BEYOND * known { all } else { known };
+    };
+    // The part that may hold the largest value is halved, until no part may hold a far larger one than is known.
+    let most = |[from, to]: [f64; 2]| {
+        let range = formula.range(&[Interval::new(from, to)]);
+        range.map_or(0.0, |range| finite_or_zero(range.magnitude()))
+    };
+    let whole = [0.0, duration];
+    let mut parts = vec![(most(whole), whole)];
+    for _ in 0..MOST_PARTS {
+        let place = (0..parts.len()).max_by(|a, b| parts[*a].0.total_cmp(&parts[*b].0));
+        let Some(place) = place.filter(|place| parts[*place].0 > FAR_BEYOND * known) else {
+            break;
+        };
+        let (_, [from, to]) = parts.swap_remove(place);
+        let middle = 0.5 * from + 0.5 * to;
+        known = known.max(at(middle));
+        parts.extend([[from, middle], [middle, to]].map(|part| (most(part), part)));
+    }
+    known
+}
+
+#[cfg(test)]
+#[allow(clippy::panic)]
+mod tests {
+    use crate::diag::Source;
+    use crate::scene::{Overrides, load_scene};
+
+    /// Tolerances are relative to the size, so it must not depend on how a length is written.
+    #[test]
+    fn the_size_is_known_however_lengths_are_written() {
+        let drive = "duration = 1\n[inputs]\nx = \"0.001*t\"\n";
+        let body = |chain: &str| format!("{drive}[[bodies]]\nname = \"a\"\nframe = \"{chain}\"\n");
+        let cases = [
+            (body("Tx(2 + x)"), 2.0),
+            (body("Tx(2) Tx(x)"), 2.0),
+            (body("Tx(x) Ty(-3)"), 3.0),
+            // Pulses between the instants at which lengths are looked at, and a key there.
+            (
+                body("Tx(x)").replace("0.001*t", "0.5*exp(-(1000*(t - 0.375))^2)"),
+                0.5,
+            ),
+            (
+                body("Tx(x)").replace("0.001*t", "7*max(0, 1 - 512*abs(t - 0.625))"),
+                7.0,
+            ),
+            (
+                body("Tx(x)").replace(
+                    "\"0.001*t\"",
+                    "{ keys = [[0, 0], [0.5, 6], [0.501, 0], [1, 0]], ease = \"step\" }",
+                ),
+                6.0,
+            ),
+            (body("Tx(a + x)") + "[parameters]\na = 5\n", 5.0),
+            (
+                format!("{drive}[loops]\nA = \"Tx(x) Tx(4) Tx(-y)\"\n[guess]\ny = 4\n"),
+                4.0,
+            ),
+        ];
+        for (text, wanted) in cases {
+            let source = Source {
+                name: "size".to_owned(),
+                text: text.clone(),
+            };
+            let scene =
+                load_scene(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{e} {text}"));
+            assert!((scene.mechanism.size - wanted).abs() < 1e-12, "{text}");
+        }
+    }
+}
