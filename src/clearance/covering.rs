@@ -6,6 +6,7 @@ use super::undefined;
 use crate::kinematics::certificate::tube::{TaylorModel, Tube};
 use crate::kinematics::results::trajectory::Sample;
 use crate::kinematics::solve::newton::Pace;
+use crate::model::chain::ArgumentValue;
 
 /// Shortest interval that a proof is tried for, as a fraction of that between two samples.
 const FLOOR: f64 = 1.0 / 1024.0;
@@ -164,10 +165,16 @@ impl ProvedMotion<'_> {
 
     /// Keeps a closed pose; its index.
     pub(super) fn instant(&mut self, time: f64, coordinates: Vec<f64>) -> usize {
-        let mechanism = self.system.mechanism();
+        let mut arguments = self.system.mechanism().argument_values(&coordinates);
+        // All that jumps at one instant does so together, which rounded inputs do not tell.
+        if time.is_finite() {
+            for (k, timed) in self.prover.jumping() {
+                arguments[k] = ArgumentValue::new(timed.value(time));
+            }
+        }
         self.instants.push(SampledInstant {
             time,
-            arguments: mechanism.argument_values(&coordinates),
+            arguments,
             coordinates,
         });
         self.instants.len() - 1

@@ -167,12 +167,7 @@ impl<'m> ProvedMotion<'m> {
         for (k, sample) in trajectory.samples.iter().enumerate() {
             let here = sample.pose.as_ref().map(|pose| {
                 let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();
-                motion.instants.push(SampledInstant {
-                    time: sample.time,
-                    arguments: mechanism.argument_values(&coordinates),
-                    coordinates,
-                });
-                motion.instants.len() - 1
+                motion.instant(sample.time, coordinates)
             });
             match (last, here) {
                 (Some(_), Some(_)) => {
@@ -245,6 +240,11 @@ impl<'m> ProvedMotion<'m> {
         if self.stretches.iter().all(|s| s.is_certified) {
             self.instants.truncate(from);
         }
+    }
+
+    /// Leaves all but one of this many equal shares of its time to others.
+    pub fn share_time(&mut self, shares: usize) {
+        self.until = self.until.share(shares);
     }
 
     /// Whether a search has to end with what it has proved so far; this is remembered.

@@ -50,10 +50,21 @@ pub struct Refusal {
     pub from: f64,
     /// Seconds.
     pub until: f64,
-    /// In the words of certificates; none where there is no pose as drawn.
-    pub reason: Option<Reason>,
+    /// What is missing.
+    pub missing: Missing,
     /// The dimension that takes the mechanism farthest towards where the proof fails.
     pub dimension: Option<String>,
+}
+
+/// Why nothing is proved of all pieces at a time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Missing {
+    /// There is no pose as drawn.
+    Pose,
+    /// The time of the run was over.
+    Time,
+    /// The proof failed, in the words of certificates.
+    Proof(Reason),
 }
 
 /// What is known of all pairs for all pieces.

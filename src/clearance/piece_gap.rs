@@ -47,6 +47,8 @@ pub struct PieceView<'e, const N: usize> {
     /// Arguments with their errors.
     spread: Vec<TaylorModel>,
     middle: Vec<ArgumentValue>,
+    /// All of these have bounds.
+    is_bounded: bool,
 }
 
 /// The result for two bodies.
@@ -82,6 +84,7 @@ impl<'e, const N: usize> PieceView<'e, N> {
             middle[*argument] = ArgumentValue::new(value);
         }
         Self {
+            is_bounded: spread.iter().all(TaylorModel::is_finite),
             observer,
             spread,
             middle,
@@ -147,6 +150,12 @@ impl<'p> PartWays<'p> {
 
     /// Lower bound over all pieces; pairs that stay above `goal` are not refined.
     pub fn look<const N: usize>(&self, view: &PieceView<N>, goal: f64) -> PieceLook {
+        if !view.is_bounded {
+            return PieceLook {
+                lowest: f64::NEG_INFINITY,
+                place: None,
+            };
+        }
         let [first, second] = self.part.hulls.each_ref();
         let pose = self.between.pose(&view.middle);
         let moved = self.between.around(&view.spread, 0.0, 1.0);

@@ -26,6 +26,7 @@ pub mod shape;
 pub mod shown_dimension;
 pub mod study;
 pub mod theme;
+pub mod timed_argument;
 pub mod view;
 pub mod view_change;
 pub mod walk;

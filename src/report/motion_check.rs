@@ -64,7 +64,7 @@ impl<'a> MotionCheck<'a> {
     /// Errors: more samples than a run may have.
     pub fn solve(&self, cancelled: &dyn Fn() -> bool) -> Result<Trajectory, LimitExceeded> {
         let actuation = &self.scene.actuation;
-        let times = knot_times(actuation, self.times);
+        let times = knot_times(self.system.mechanism(), actuation, self.times);
         allow_samples(self.system.mechanism(), times.len())?;
         let proofs = self.proofs();
         Ok(solve_proved(

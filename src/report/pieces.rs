@@ -4,7 +4,7 @@
 use super::enclosure::reason_words;
 use super::rounded::not_below;
 use super::verdict::{CLEARANCE, Case, Status};
-use crate::clearance::part::{PieceClearance, PieceReport, Refusal};
+use crate::clearance::part::{Missing, PieceClearance, PieceReport, Refusal};
 use crate::diag::decimals_of;
 use crate::model::mechanism::Mechanism;
 use crate::model::printed::shortest_decimal;
@@ -66,9 +66,10 @@ fn piece_sentence(mechanism: &Mechanism, pair: &PieceClearance) -> String {
 /// Why there is no bound.
 fn refusal_words(refusal: &Refusal) -> String {
     let [from, until] = [refusal.from, refusal.until].map(shortest_decimal);
-    let why = match refusal.reason {
-        None => "no pose was found",
-        Some(reason) => reason_words(reason),
+    let why = match refusal.missing {
+        Missing::Pose => "no pose was found",
+        Missing::Time => "the limit `time` cut off the search",
+        Missing::Proof(reason) => reason_words(reason),
     };
     let name = refusal.dimension.as_ref().map(|name| {
         format!("; within the tolerances, `{name}` brings the mechanism closest to a fold or change point")

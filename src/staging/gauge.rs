@@ -143,7 +143,7 @@ const LOOKS: usize = 1000;
 pub fn ranges(scene: &Scene, trajectory: &Trajectory) -> Vec<[f64; 2]> {
     let actuation = &scene.actuation;
     let looks = (0..=LOOKS).map(|k| actuation.duration * k as f64 / LOOKS as f64);
-    let driven = knot_times(actuation, &looks.collect::<Vec<_>>());
+    let driven = knot_times(&scene.mechanism, actuation, &looks.collect::<Vec<_>>());
     let driven = driven.iter().map(|time| actuation.inputs_at(*time));
     let sampled = trajectory
         .samples

@@ -5,12 +5,16 @@ use super::motion::{SpanBands, samples_at};
 use super::plan::{Plan, sized};
 use super::pose_bands::{Obstacle, pose_enclosure};
 use crate::jobs::share_work;
+use crate::kinematics::certificate::tube::input_range;
 use crate::kinematics::enclosure::pose::Encloser;
 use crate::kinematics::enclosure::region::Tolerance;
 use crate::kinematics::motion::sampling::knot_times;
+use crate::kinematics::results::certificate::Reason;
 use crate::kinematics::solve::pose_solver::PoseSolver;
+use crate::model::drive::Drive;
 use crate::numbers::interval::Interval;
 use crate::numbers::rounding::GROW;
+use crate::numbers::scalar::Scalar;
 
 /// Maximum number of halvings of a time interval.
 const MOST_HALVINGS: u32 = 6;
@@ -19,7 +23,7 @@ const MOST_HALVINGS: u32 = 6;
 pub fn enclose_between(plan: &Plan, times: &[f64], threads: usize) -> Vec<SpanBands> {
     let family = plan.family;
     // The samples and all times at which a drive changes its formula: between them drives are smooth.
-    let all = knot_times(&family.actuation, times);
+    let all = knot_times(family.mechanism(), &family.actuation, times);
     let ends: Vec<[f64; 2]> = all.windows(2).map(|pair| [pair[0], pair[1]]).collect();
     let middles: Vec<f64> = ends.iter().map(|[a, b]| 0.5 * a + 0.5 * b).collect();
     let samples = samples_at(plan, &middles);
@@ -91,7 +95,7 @@ impl Place<'_> {
     }
 
     fn whole(&self, solver: &mut PoseSolver, stretch: [f64; 2]) -> Result<Vec<[f64; 2]>, Obstacle> {
-        let tolerances = stretch_tolerances(self.plan, &self.pose, stretch);
+        let tolerances = stretch_tolerances(self.plan, &self.pose, stretch)?;
         sized!(self.plan.room_for(tolerances.len()), N => {
             // All coordinates and derived values over the whole interval, for every piece.
             let enclosure = pose_enclosure::<N>(self.plan, self.encloser, solver, &self.pose, &tolerances)?;
@@ -107,19 +111,37 @@ impl Place<'_> {
     }
 }
 
-/// The dimensions of a plan at the pose in the middle of an interval, then the inputs that move during it.
+/// The dimensions of a plan at the pose in the middle of an interval, then the inputs that move during it; an obstacle
+/// where an input has no bound.
 pub(super) fn stretch_tolerances(
     plan: &Plan,
     pose: &[f64],
     [from, until]: [f64; 2],
-) -> Vec<Tolerance> {
+) -> Result<Vec<Tolerance>, Obstacle> {
     let family = plan.family;
     let mut list = plan.tolerances(pose);
     let first = family.mechanism().unknowns.len();
     let middle = 0.5 * from + 0.5 * until;
     let drives = family.actuation.drives.iter().enumerate();
     for (k, drive) in drives.take(family.own_inputs()) {
-        let range: Interval = drive.value_beside(Interval::new(from, until), middle);
+        let range: Interval = match drive {
+            // At one instant all that jumps there has jumped.
+            Drive::Formula(formula) if from == until => {
+                formula.on_sides_of(from, Interval::point(from))
+            }
+            _ => drive.value_beside(Interval::new(from, until), middle),
+        };
+        // Kinks and jumps at its ends are no part of it.
+        let range = match range.is_finite() {
+            true => range,
+            false => input_range(drive, from, until),
+        };
+        if !range.is_finite() {
+            return Err(Obstacle::Test {
+                reason: Reason::Formula,
+                dimension: None,
+            });
+        }
         let half_width = range.distance(pose[first + k]) * GROW;
         match list.iter_mut().find(|t| t.slot == first + k) {
             Some(known) => known.half_width = (known.half_width + half_width) * GROW,
@@ -130,5 +152,5 @@ pub(super) fn stretch_tolerances(
             None => {}
         }
     }
-    list
+    Ok(list)
 }

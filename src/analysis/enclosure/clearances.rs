@@ -8,7 +8,7 @@ use super::between::stretch_tolerances;
 use super::motion::samples_at;
 use super::plan::{Plan, sized};
 use super::pose_bands::{Obstacle, pose_enclosure};
-use crate::clearance::part::{JudgedPart, PieceClearance, Refusal};
+use crate::clearance::part::{JudgedPart, Missing, PieceClearance, Refusal};
 use crate::clearance::piece_gap::{PartWays, PieceView};
 use crate::jobs::share_work;
 use crate::kinematics::enclosure::observer::Observer;
@@ -17,6 +17,7 @@ use crate::kinematics::enclosure::region::Tolerance;
 use crate::kinematics::motion::sampling::knot_times;
 use crate::kinematics::solve::newton::Pace;
 use crate::kinematics::solve::pose_solver::PoseSolver;
+use crate::model::drive::Drive;
 
 /// Maximum number of halvings of a time interval.
 const MOST_HALVINGS: u32 = 7;
@@ -83,10 +84,7 @@ pub fn enclose_clearances(
     let mut looked = 0;
     for halvings in 0..=MOST_HALVINGS {
         looked += open.len();
-        // After a cancellation nothing more is proved.
-        let is_last = halvings == MOST_HALVINGS
-            || looked + 2 * open.len() > MOST_STRETCHES
-            || plan.is_cancelled();
+        let is_last = halvings == MOST_HALVINGS || looked + 2 * open.len() > MOST_STRETCHES;
         open = search.round(open, &mut found, tolerance, threads, is_last);
         if open.is_empty() {
             break;
@@ -117,11 +115,13 @@ fn first_stretches(
     times: &[f64],
     found: &mut [PieceClearance],
 ) -> Vec<TimeSpan> {
-    let all = knot_times(&plan.family.actuation, times);
-    let mut ends: Vec<[f64; 2]> = all.windows(2).map(|pair| [pair[0], pair[1]]).collect();
-    if ends.is_empty() {
-        // A motion without duration.
-        ends.extend(all.first().map(|t| [*t, *t]));
+    let all = knot_times(plan.family.mechanism(), &plan.family.actuation, times);
+    // An instant at which a drive jumps has a pose of its own; so has a motion without duration.
+    let has_instants = plan.family.actuation.drives.iter().any(Drive::may_jump) || all.len() < 2;
+    let mut ends: Vec<[f64; 2]> = Vec::new();
+    for (k, time) in all.iter().enumerate() {
+        ends.extend(has_instants.then_some([*time; 2]));
+        ends.extend(all.get(k + 1).map(|next| [*time, *next]));
     }
     let middles: Vec<f64> = ends.iter().map(|[a, b]| 0.5 * a + 0.5 * b).collect();
     let samples = samples_at(plan, &middles);
@@ -133,9 +133,15 @@ fn first_stretches(
                 near: [pose.unknowns.as_slice(), &sample.inputs].concat(),
                 open: (0..parts.len()).map(|k| (k, f64::NEG_INFINITY)).collect(),
             }),
-            None => found
-                .iter_mut()
-                .for_each(|pair| refuse(pair, plan, ends, Obstacle::NoPose)),
+            None => {
+                let obstacle = match plan.is_cancelled() {
+                    true => Obstacle::Interrupted,
+                    false => Obstacle::NoPose,
+                };
+                found
+                    .iter_mut()
+                    .for_each(|pair| refuse(pair, plan, ends, obstacle));
+            }
         }
     }
     list
@@ -144,15 +150,16 @@ fn first_stretches(
 /// Records that nothing is proved about a pair over a time interval.
 fn refuse(pair: &mut PieceClearance, plan: &Plan, [from, until]: [f64; 2], obstacle: Obstacle) {
     pair.bound = f64::NEG_INFINITY;
-    let (reason, dimension) = match obstacle {
-        Obstacle::NoPose | Obstacle::Interrupted => (None, None),
-        Obstacle::Test { reason, dimension } => (Some(reason), dimension),
+    let (missing, dimension) = match obstacle {
+        Obstacle::NoPose => (Missing::Pose, None),
+        Obstacle::Interrupted => (Missing::Time, None),
+        Obstacle::Test { reason, dimension } => (Missing::Proof(reason), dimension),
     };
     let name = dimension.and_then(|k| plan.dimensions.get(k));
     pair.refusal.get_or_insert(Refusal {
         from,
         until,
-        reason,
+        missing,
         dimension: name.map(|d| d.name.clone()),
     });
 }
@@ -188,6 +195,20 @@ impl Search<'_> {
             let stretch = &open[index];
             let mut rest = Vec::new();
             match result {
+                // What was proved of the whole interval holds for its halves.
+                Err(Obstacle::Interrupted) => {
+                    for (part, known) in &stretch.open {
+                        match known.is_finite() {
+                            true => found[*part].bound = found[*part].bound.min(*known),
+                            false => refuse(
+                                &mut found[*part],
+                                self.plan,
+                                stretch.ends,
+                                Obstacle::Interrupted,
+                            ),
+                        }
+                    }
+                }
                 Err(obstacle) if is_last => {
                     for (part, _) in &stretch.open {
                         refuse(&mut found[*part], self.plan, stretch.ends, obstacle);
@@ -233,7 +254,7 @@ impl Search<'_> {
         let pose = solver
             .step(&stretch.near, &inputs, 1)
             .ok_or(Obstacle::NoPose)?;
-        let tolerances = stretch_tolerances(self.plan, &pose, stretch.ends);
+        let tolerances = stretch_tolerances(self.plan, &pose, stretch.ends)?;
         sized!(self.plan.room_for(tolerances.len()), N => {
             let enclosure = pose_enclosure::<N>(self.plan, &self.encloser, solver, &pose, &tolerances)?;
             Ok(self.examine_parts(solver, stretch, goals, &enclosure, &tolerances))

@@ -2,6 +2,7 @@
 
 use crate::analysis::study::ParametricMechanism;
 use crate::kinematics::enclosure::region::Tolerance;
+use crate::limits::Deadline;
 use crate::model::mechanism::Kind;
 use crate::model::printed::printing_unit;
 use crate::numbers::rounding::{DECIMAL, GROW};
@@ -35,6 +36,8 @@ pub struct Plan<'f> {
     pub dimensions: Vec<Dimension>,
     /// Raised to cancel the enclosure.
     cancel: Option<&'f AtomicBool>,
+    /// The enclosure ends then, with what is proved.
+    deadline: Deadline,
 }
 
 impl<'f> Plan<'f> {
@@ -56,6 +59,7 @@ impl<'f> Plan<'f> {
             family,
             dimensions: dimensions.collect(),
             cancel: None,
+            deadline: Deadline::default(),
         }
     }
 
@@ -67,9 +71,14 @@ impl<'f> Plan<'f> {
         }
     }
 
-    /// Whether the enclosure has been cancelled.
+    /// The same, ended at a deadline.
+    pub fn by(self, deadline: Deadline) -> Self {
+        Self { deadline, ..self }
+    }
+
+    /// Whether the enclosure has been cancelled, or its time is over.
     pub fn is_cancelled(&self) -> bool {
-        self.cancel.is_some_and(|flag| flag.load(Ordering::Relaxed))
+        self.cancel.is_some_and(|flag| flag.load(Ordering::Relaxed)) || self.deadline.is_over()
     }
 
     /// The size of forms for this many dimensions: with room for the sides of the largest block's box, unless that is

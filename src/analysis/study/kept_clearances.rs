@@ -53,7 +53,11 @@ fn judge_clearances(
     let system = System::new(Arc::clone(mechanism), actuation)?;
     let times = frame_times(mechanism, actuation, scene.view.fps);
     // At the frames and the keys of the drive; the bounds cover the times between them.
-    let trajectory = solve_motion(&system, actuation, &knot_times(actuation, &times));
+    let trajectory = solve_motion(
+        &system,
+        actuation,
+        &knot_times(system.mechanism(), actuation, &times),
+    );
     let report = check_clearance(
         &system,
         actuation,

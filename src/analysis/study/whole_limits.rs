@@ -55,7 +55,11 @@ pub fn whole_limits(scene: &Scene) -> Result<Vec<WholeLimit>, FamilyError> {
     }
     let system = System::new(Arc::clone(mechanism), actuation)?;
     let times = frame_times(mechanism, actuation, scene.view.fps);
-    let trajectory = solve_motion(&system, actuation, &knot_times(actuation, &times));
+    let trajectory = solve_motion(
+        &system,
+        actuation,
+        &knot_times(system.mechanism(), actuation, &times),
+    );
     let mut motion = ProvedMotion::new(&system, actuation, &trajectory);
     let judged = limited.into_iter().map(|(index, measure)| {
         let found = known(&mut motion, measure, NEAR);

@@ -120,7 +120,11 @@ pub fn prove_found(source: &Source, overrides: &Overrides) -> Result<Proof, Fami
         let times: Vec<f64> = (0..CLEARANCE_SAMPLES)
             .map(|k| actuation.duration * k as f64 / (CLEARANCE_SAMPLES - 1) as f64)
             .collect();
-        let coarse = solve_motion(&system, actuation, &knot_times(actuation, &times));
+        let coarse = solve_motion(
+            &system,
+            actuation,
+            &knot_times(system.mechanism(), actuation, &times),
+        );
         let tolerance = CLEARANCE_TOLERANCE;
         let report = check_clearance(
             &system,

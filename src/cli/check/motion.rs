@@ -49,6 +49,10 @@ pub fn check_motion(
         });
     }
     let mut covered = check.cover(&trajectory);
+    if with_pieces {
+        // Half of the time is for the motion as drawn, half for the pieces.
+        covered.proved().share_time(2);
+    }
     let mut clearances =
         clearance::check_pairs(args, opened, &check, (&trajectory, &mut covered), term)?;
     if let Some(found) = clearances.as_mut().filter(|_| with_pieces) {

@@ -8,8 +8,9 @@ use crate::cli::open::study::{nominal_source, open_pieces};
 use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
 use crate::jobs::core_count;
+use crate::limits::search_deadline;
 use crate::model::carried::CarriedShape;
-use crate::scene::Overrides;
+use crate::scene::{Overrides, load_scene};
 
 /// Tolerances apply to a motion.
 pub fn refuse_without_motion(args: &CheckArgs, own: &[(String, f64)]) -> Result<(), Failure> {
@@ -43,7 +44,7 @@ pub fn all_pieces(
     parts: &[JudgedPart],
     term: &Term,
 ) -> Result<PieceReport, Failure> {
-    let (source, overrides, drawn) = nominal_source(&args.scene, term)?;
+    let (source, overrides, _) = nominal_source(&args.scene, term)?;
     let asked = PieceTolerances {
         vary: &args.vary.vary,
         own,
@@ -54,9 +55,13 @@ pub fn all_pieces(
         carries_shapes: true,
         ..overrides
     };
+    // The parameters of solids are dimensions, too.
+    let drawn = load_scene(&source, &overrides).map_err(Box::new)?;
     let (family, tolerances) = open_pieces(&asked, "--made-within", (&source, &overrides, &drawn))?;
     refuse_stiff(&family.carried, parts)?;
-    let plan = Plan::new(&family, &tolerances).until(&CANCEL);
+    let plan = Plan::new(&family, &tolerances)
+        .until(&CANCEL)
+        .by(search_deadline());
     let list = enclose_clearances(&plan, parts, times, args.asked.tolerance, core_count());
     refuse_interrupted()?;
     let mechanism = family.mechanism();

@@ -5,6 +5,7 @@ use crate::limits::{LimitExceeded, Resource, allow_memory, current_limits};
 use crate::model::actuation::Actuation;
 use crate::model::drive::Drive;
 use crate::model::mechanism::{Kind, Mechanism};
+use crate::model::timed_argument::TimedArgument;
 use std::f64::consts::TAU;
 
 /// Most samples in one run: ten thousand seconds at 100 frames a second.
@@ -83,12 +84,15 @@ pub fn even_times(mechanism: &Mechanism, actuation: &Actuation, count: usize) ->
         .collect()
 }
 
-/// The given times with both ends of the drive and every time at which an input has a key, a kink or a jump, ascending:
-/// the samples needed for a statement about the whole motion.
-pub fn knot_times(actuation: &Actuation, times: &[f64]) -> Vec<f64> {
+/// The given times with both ends of the drive and every time at which an input has a key, a kink or a jump, or the formula
+/// of a joint jumps, ascending: the samples needed for a statement about the whole motion.
+pub fn knot_times(mechanism: &Mechanism, actuation: &Actuation, times: &[f64]) -> Vec<f64> {
     let last = actuation.duration;
     let breaks = |drive: &Drive| drive.breaks(0.0, last);
     let own = actuation.drives.iter().flat_map(breaks);
+    let timed = TimedArgument::of_all(mechanism, actuation);
+    let timed = timed.iter().flatten().filter(|timed| timed.may_jump());
+    let own = own.chain(timed.flat_map(|timed| timed.breaks(0.0, last)));
     let own = own.chain([0.0, last]).map(|t| (t, true));
     let mut all: Vec<(f64, bool)> = own.chain(times.iter().map(|t| (*t, false))).collect();
     all.sort_by(|(p, _), (q, _)| p.total_cmp(q));

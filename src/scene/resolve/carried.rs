@@ -87,6 +87,22 @@ impl<'f> Typed<'f> {
     }
 }
 
+/// The formulas of all lengths of solids: those of their points, and their sizes.
+pub fn lengths_of_solids(file: &SceneFile) -> Vec<FormulaNode> {
+    let shapes = file.bodies.iter().flat_map(|body| &body.shapes);
+    let mut nodes = Vec::new();
+    for shape in shapes {
+        let typed = Typed::new(&shape.solid);
+        let texts = typed.points.iter().flat_map(|point| point.iter());
+        // Errors in them are reported where the solids are resolved.
+        let lengths = texts
+            .chain(typed.sizes.iter().copied())
+            .filter_map(|text| parsed_expression(text, &mut Diagnostics::default()));
+        nodes.extend(lengths);
+    }
+    nodes
+}
+
 /// The solids of all bodies, with chains that depend on the `dependents`.
 pub fn carry_shapes(
     (file, parsed): (&SceneFile, &Parsed),

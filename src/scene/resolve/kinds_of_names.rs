@@ -65,6 +65,28 @@ impl Names {
         self.store_kinds();
     }
 
+    /// Takes names that no other use has told the kind of for lengths where these formulas of lengths use them.
+    pub fn infer_lengths(&mut self, nodes: &[FormulaNode], parsed: &Parsed) {
+        for node in nodes {
+            self.note_unknown(node, Some(Kind::Length));
+        }
+        for (name, node) in parsed.parameters.iter().rev() {
+            self.note_unknown(node, self.kind(&name.value));
+        }
+        self.store_kinds();
+    }
+
+    /// Notes the kinds of names that have none.
+    fn note_unknown(&mut self, node: &FormulaNode, wanted: Option<Kind>) {
+        let kinds = &mut self.kinds;
+        infer_kind(node, wanted, &mut |name, kind, span| {
+            if name != TIME {
+                let known = kinds.entry(name.to_owned());
+                known.or_insert_with(|| (kind, span.clone()));
+            }
+        });
+    }
+
     fn note(&mut self, node: &FormulaNode, wanted: Option<Kind>, diagnostics: &mut Diagnostics) {
         let kinds = &mut self.kinds;
         infer_kind(

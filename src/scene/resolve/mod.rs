@@ -69,6 +69,9 @@ pub fn resolve_scene(
     let mut parsed = Parsed::new(file, diagnostics);
     let mut names = Names::collect(file, &parsed, diagnostics);
     names.infer_kinds(&parsed, diagnostics);
+    if overrides.carries_shapes {
+        names.infer_lengths(&carried::lengths_of_solids(file), &parsed);
+    }
     names.evaluate_parameters(&parsed, &angle_unit, diagnostics);
     // Variables of a study become constant inputs, with parameters computed from them written out.
     let kept = varied::kept_parameters(&parsed, varied);

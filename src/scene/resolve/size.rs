@@ -1,12 +1,19 @@
 //! The characteristic length of a mechanism, to which tolerances are relative.
 
+use super::magnitudes::{INSTANTS, finite_or_zero};
 use super::names::Names;
 use crate::model::actuation::Actuation;
 use crate::model::chain::{Argument, ChainStep, ElementaryMotion};
+use crate::model::drive::Drive;
 use crate::model::mechanism::{Kind, Mechanism};
+use crate::numbers::interval::Interval;
 
-/// Fractions of the drive at which driven lengths are evaluated.
-const INSTANTS: [f64; 5] = [0.0, 0.21, 0.47, 0.73, 1.0];
+/// Values at a few instants are taken for a drive's largest unless it is proved to be able to exceed them this many times:
+/// a short pulse may lie between all of them.
+const FAR_BEYOND: f64 = 100.0;
+
+/// Most parts of time that are looked at for the largest value.
+const MOST_PARTS: usize = 400;
 
 /// The characteristic length: the longest bar or fixed offset between two joints of its loops; otherwise the largest
 /// length parameter, driven length or constant of a chain; otherwise the largest lead of a screw; otherwise one.
@@ -33,8 +40,7 @@ pub(super) fn mechanism_size(mechanism: &Mechanism, actuation: &Actuation, names
         .map(|p| p.value.number().abs());
     let drives = mechanism.inputs.iter().zip(&actuation.drives);
     let driven = drives.filter(|(c, _)| c.kind == Kind::Length);
-    let inputs = driven
-        .flat_map(|(_, drive)| INSTANTS.map(|share| drive.value(share * actuation.duration).abs()));
+    let inputs = driven.map(|(_, drive)| largest_driven(drive, actuation.duration));
     let known = parameters.chain(inputs).chain(chain_constants(mechanism));
     let finite = known.filter(|v| v.is_finite());
     let longest = finite.fold(0.0, f64::max);
@@ -88,6 +94,36 @@ fn screw_leads(mechanism: &Mechanism) -> impl Iterator<Item = f64> {
         .map(|(_, factor)| factor.number().abs() * std::f64::consts::TAU)
 }
 
+/// The largest value of a drive, but for a factor of a hundred: at a few instants, and where it may be far larger than there.
+fn largest_driven(drive: &Drive, duration: f64) -> f64 {
+    let at = |time: f64| finite_or_zero(drive.value(time));
+    let known = INSTANTS.map(|share| at(share * duration));
+    let mut known = known.into_iter().fold(0.0, f64::max);
+    let Drive::Formula(formula) = drive else {
+        let values = drive.keys().iter().map(|time| at(*time));
+        let all = values.fold(known, f64::max);
+        return if all > FAR_BEYOND * known { all } else { known };
+    };
+    // The part that may hold the largest value is halved, until no part may hold a far larger one than is known.
+    let most = |[from, to]: [f64; 2]| {
+        let range = formula.range(&[Interval::new(from, to)]);
+        range.map_or(0.0, |range| finite_or_zero(range.magnitude()))
+    };
+    let whole = [0.0, duration];
+    let mut parts = vec![(most(whole), whole)];
+    for _ in 0..MOST_PARTS {
+        let place = (0..parts.len()).max_by(|a, b| parts[*a].0.total_cmp(&parts[*b].0));
+        let Some(place) = place.filter(|place| parts[*place].0 > FAR_BEYOND * known) else {
+            break;
+        };
+        let (_, [from, to]) = parts.swap_remove(place);
+        let middle = 0.5 * from + 0.5 * to;
+        known = known.max(at(middle));
+        parts.extend([[from, middle], [middle, to]].map(|part| (most(part), part)));
+    }
+    known
+}
+
 #[cfg(test)]
 #[allow(clippy::panic)]
 mod tests {
@@ -103,6 +139,22 @@ mod tests {
             (body("Tx(2 + x)"), 2.0),
             (body("Tx(2) Tx(x)"), 2.0),
             (body("Tx(x) Ty(-3)"), 3.0),
+            // Pulses between the instants at which lengths are looked at, and a key there.
+            (
+                body("Tx(x)").replace("0.001*t", "0.5*exp(-(1000*(t - 0.375))^2)"),
+                0.5,
+            ),
+            (
+                body("Tx(x)").replace("0.001*t", "7*max(0, 1 - 512*abs(t - 0.625))"),
+                7.0,
+            ),
+            (
+                body("Tx(x)").replace(
+                    "\"0.001*t\"",
+                    "{ keys = [[0, 0], [0.5, 6], [0.501, 0], [1, 0]], ease = \"step\" }",
+                ),
+                6.0,
+            ),
             (body("Tx(a + x)") + "[parameters]\na = 5\n", 5.0),
             (
                 format!("{drive}[loops]\nA = \"Tx(x) Tx(4) Tx(-y)\"\n[guess]\ny = 4\n"),

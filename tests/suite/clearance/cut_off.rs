@@ -74,3 +74,35 @@ fn what_is_proved_when_the_time_is_over_is_reported() {
     }
     assert_eq!(searched, RINGS, "{json}");
 }
+
+/// The clearances of all pieces take the gearshift far longer.
+#[test]
+fn what_is_proved_of_all_pieces_when_the_time_is_over_is_reported() {
+    let w = Workspace::new();
+    let (begun, seconds) = (Instant::now(), 4.0);
+    let limit = format!("time={seconds}s");
+    let said = w.run(&[
+        "check",
+        "gearshift",
+        "--made-within",
+        "0.05",
+        "--limits",
+        &limit,
+        "--json",
+        "r.json",
+    ]);
+    assert!(begun.elapsed().as_secs_f64() < seconds, "{}", said.stderr);
+    let said = said.exits(1);
+    let Ok(json) = serde_json::from_slice::<Value>(&w.read("r.json")) else {
+        panic!("{}", said.text());
+    };
+    let Some(pairs) = json["clearance"]["pieces"]["pairs"].as_array() else {
+        panic!("{json}");
+    };
+    // Nothing is said of a pair that was not proved all the time.
+    let is_cut_off = |pair: &&Value| pair["refused"].to_string().contains("`time`");
+    assert!(pairs.iter().any(|pair| is_cut_off(&pair)), "{json}");
+    for pair in pairs.iter().filter(is_cut_off) {
+        assert_eq!(pair["verdict"], "undecided", "{pair}");
+    }
+}

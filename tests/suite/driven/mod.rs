@@ -117,7 +117,7 @@ pub fn frame_times(driven: &impl Driven, fps: f64) -> Vec<f64> {
 
 /// Times with the ends and keys of the drive.
 pub fn knots(driven: &impl Driven, times: &[f64]) -> Vec<f64> {
-    sampling::knot_times(driven.actuation(), times)
+    sampling::knot_times(driven.mechanism(), driven.actuation(), times)
 }
 
 /// Proofs of the intervals of a trajectory.

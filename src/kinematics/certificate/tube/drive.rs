@@ -1,7 +1,8 @@
 //! The inputs over a time interval as series.
 
-use super::taylor_model::{TERMS, TaylorEnclosure};
+use super::taylor_model::{TERMS, TaylorEnclosure, TaylorModel};
 use crate::model::drive::Drive;
+use crate::model::expression::Expression;
 use crate::model::expression::jumps::Jump;
 use crate::model::expression::pieces::around_instant;
 use crate::numbers::interval::Interval;
@@ -38,16 +39,16 @@ impl DriveInterval {
 
     /// The same, extended a little if a drive jumps at its ends: a tube continues beyond the jump as far as its time is
     /// uncertain. `None` if the order of two jumping drives is undecided.
-    pub fn over_jumps(self, drives: &[Drive]) -> Option<Self> {
+    /// `placed` are formulas of the time that place bodies and are no inputs.
+    pub fn over_jumps(self, drives: &[Drive], placed: &[&Expression]) -> Option<Self> {
         let ends = self.ends;
         let mut jumping: [Option<Jump>; 2] = [None, None];
-        for drive in drives {
-            let jumps = match drive {
-                Drive::Formula(formula) if formula.has_pieces() => {
-                    formula.piece(self.all, ends).jumps
-                }
-                _ => continue,
-            };
+        let of_inputs = drives.iter().filter_map(|drive| match drive {
+            Drive::Formula(formula) if formula.has_pieces() => Some(formula),
+            _ => None,
+        });
+        for formula in of_inputs.chain(placed.iter().copied()) {
+            let jumps = formula.piece(self.all, ends).jumps;
             for (known, jump) in jumping.iter_mut().zip(jumps) {
                 match (&known, jump) {
                     // Two drives that jump by different formulas may jump one after the other.
@@ -81,15 +82,36 @@ impl DriveInterval {
 
     /// An input over an interval without breaks inside, as a series about s = 0, and about every place at once.
     pub fn input(&self, drive: &Drive) -> [TaylorEnclosure; 2] {
-        let clock = |start| TaylorEnclosure::linear(start, Interval::point(self.half), TERMS - 1);
-        let clocks = [Interval::point(self.middle), self.all].map(clock);
         match drive {
-            Drive::Formula(formula) if formula.has_pieces() => {
-                let piece = formula.piece(self.all, self.ends);
-                clocks.map(|time| formula.on_piece(&piece, time))
-            }
-            _ => clocks.map(|time| drive.value_beside(time, self.middle)),
+            Drive::Formula(formula) if formula.has_pieces() => self.formula(formula),
+            _ => self
+                .clocks()
+                .map(|time| drive.value_beside(time, self.middle)),
         }
+    }
+
+    /// The same of a formula of the time with kinks or jumps.
+    pub fn formula(&self, formula: &Expression) -> [TaylorEnclosure; 2] {
+        let piece = formula.piece(self.all, self.ends);
+        self.clocks().map(|time| formula.on_piece(&piece, time))
+    }
+
+    /// The time about the middle, and about every place at once.
+    fn clocks(&self) -> [TaylorEnclosure; 2] {
+        let clock = |start| TaylorEnclosure::linear(start, Interval::point(self.half), TERMS - 1);
+        [Interval::point(self.middle), self.all].map(clock)
+    }
+}
+
+/// All values of a drive between two instants without a break between them; not finite where that is open.
+pub fn input_range(drive: &Drive, start: f64, end: f64) -> Interval {
+    let stretch = DriveInterval::new(start, end);
+    match stretch.over_jumps(std::slice::from_ref(drive), &[]) {
+        Some(over) => {
+            let [middle, everywhere] = over.input(drive);
+            TaylorModel::of(middle, &everywhere).range()
+        }
+        None => Interval::ENTIRE,
     }
 }
 
@@ -97,7 +119,11 @@ impl DriveInterval {
 /// rounding.
 pub fn keys_between(drives: &[Drive], start: f64, end: f64) -> Vec<f64> {
     let breaks = |drive: &Drive| drive.breaks(start, end);
-    let mut keys: Vec<f64> = drives.iter().flat_map(breaks).collect();
+    distinct_between(drives.iter().flat_map(breaks).collect(), start, end)
+}
+
+/// Those of these times that are strictly between two others, ascending, without duplicates up to rounding.
+pub fn distinct_between(mut keys: Vec<f64>, start: f64, end: f64) -> Vec<f64> {
     let [first, last] = [start, end].map(around_instant);
     keys.retain(|t| first.hi < *t && *t < last.lo);
     keys.sort_unstable_by(f64::total_cmp);
@@ -110,7 +136,7 @@ mod tests {
     #![allow(clippy::panic)]
     use super::*;
     use crate::model::drive::Ease;
-    use crate::model::expression::{Expression, Function, Op};
+    use crate::model::expression::{Function, Op};
     use crate::numbers::constant::Constant;
 
     /// t, then t + 1.3, and a function of both; `Floor` and `Mod` are smooth where the test looks.

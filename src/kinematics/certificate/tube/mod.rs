@@ -11,6 +11,7 @@
 //! For an over-determined block the rows to be proved are chosen for every tube. The others are bounded over the whole
 //! of it, as in the certificate of a pose.
 
+mod arguments;
 mod blocks;
 mod chain;
 mod constants;
@@ -33,6 +34,7 @@ use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use blocks::Blocks;
+pub use drive::input_range;
 use path::TubePath;
 pub use prover::{FLOOR, Prover};
 pub use stretches::Tube;

@@ -1,14 +1,13 @@
 //! The poses at which tubes meet: at the breaks of the drive, immediately before and after its jumps, and where a time
 //! interval is halved.
 
-use super::drive::{DriveInterval, keys_between};
+use super::drive::{DriveInterval, distinct_between, keys_between};
 use super::path::InputPath;
 use super::prover::Prover;
 use super::stretches::Station;
 use crate::kinematics::results::certificate::{Obstacle, Refusal};
 use crate::kinematics::solve::newton::Pace;
-use crate::model::drive::Drive;
-use std::borrow::Cow;
+use crate::model::expression::Expression;
 
 /// Number of steps in which the motion is followed to the pose just before a jump.
 const STEPS_TO_JUMP: u32 = 8;
@@ -21,14 +20,22 @@ const AT_JUMP: f64 = 1.0 / 65_536.0;
 const LEAST_AT_JUMP: f64 = 1e-10;
 
 impl Prover<'_> {
-    /// What parts stretches: the drives of the inputs, and arguments that are such formulas of the time.
-    pub(super) fn breaking_drives(&self) -> Cow<'_, [Drive]> {
-        let (own, placed) = (&self.actuation.drives, self.placed.iter());
-        let placed: Vec<&Drive> = placed.filter_map(|p| p.drive.as_ref()).collect();
-        match placed.is_empty() {
-            true => Cow::Borrowed(own),
-            false => own.iter().chain(placed).cloned().collect(),
-        }
+    /// Times between two others that part stretches: by the drives of the inputs, and by arguments that the time tells.
+    fn partings(&self, start: f64, end: f64) -> Vec<f64> {
+        let own = self.actuation.drives.iter();
+        let own = own.flat_map(|drive| drive.breaks(start, end));
+        let placed = self.placed.iter().filter_map(|p| p.timed.as_ref());
+        let placed = placed.flat_map(|timed| timed.breaks(start, end));
+        distinct_between(own.chain(placed).collect(), start, end)
+    }
+
+    /// The inputs between two times that nothing parts.
+    pub(super) fn inputs_over(&self, start: f64, end: f64) -> InputPath {
+        let middle = 0.5 * start + 0.5 * end;
+        let placed = self.placed.iter().filter_map(|p| p.timed.as_ref());
+        let placed = placed.filter(|timed| timed.may_jump());
+        let placed: Vec<&Expression> = placed.map(|timed| timed.piece(middle)).collect();
+        InputPath::new(&self.actuation, &placed, DriveInterval::new(start, end))
     }
 
     /// The end of the interval and the breaks of the drive before it, the first one last.
@@ -38,8 +45,7 @@ impl Prover<'_> {
         end: Station,
     ) -> Result<Vec<Station>, Refusal> {
         let mut ahead = Vec::new();
-        let keys = keys_between(&self.breaking_drives(), start.time, end.time);
-        for time in keys {
+        for time in self.partings(start.time, end.time) {
             let place = self.pose_between(start, &end, time).ok_or(Refusal {
                 time: start.time,
                 obstacle: Obstacle::NotJoined,
@@ -72,7 +78,7 @@ impl Prover<'_> {
         let least = LEAST_AT_JUMP * at.time.abs().max(1.0);
         let beside = at.time + (from - at.time).signum() * way.min(least.max(AT_JUMP * way));
         let ends = [beside.min(at.time), beside.max(at.time)];
-        let inputs = InputPath::new(&self.actuation, DriveInterval::new(ends[0], ends[1]));
+        let inputs = self.inputs_over(ends[0], ends[1]);
         let limit = |k: usize| inputs.at(k, at.time).middle();
         let mut coordinates = there.unknowns.clone();
         for step in 1..=STEPS_TO_JUMP {

@@ -3,6 +3,7 @@
 use super::drive::DriveInterval;
 use super::taylor_model::{Polynomial, TaylorEnclosure, TaylorModel};
 use crate::model::actuation::Actuation;
+use crate::model::expression::Expression;
 use crate::numbers::interval::Interval;
 use crate::numbers::scalar::Scalar;
 use std::cell::OnceCell;
@@ -29,9 +30,9 @@ pub struct InputPath {
 }
 
 impl InputPath {
-    /// The drives over a stretch without breaks inside.
-    pub fn new(actuation: &Actuation, stretch: DriveInterval) -> Self {
-        let over = stretch.over_jumps(&actuation.drives);
+    /// The drives over a stretch without breaks inside, and without those of `placed`: formulas of the time that place bodies.
+    pub fn new(actuation: &Actuation, placed: &[&Expression], stretch: DriveInterval) -> Self {
+        let over = stretch.over_jumps(&actuation.drives, placed);
         let input = |drive| match &over {
             Some(over) => over.input(drive),
             None => [TaylorEnclosure::undefined(); 2],

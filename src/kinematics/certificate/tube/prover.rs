@@ -1,12 +1,10 @@
 //! From sample to sample: where tubes begin and end, and how they are connected to each other and to the samples.
 
 use super::blocks::Blocks;
-use super::drive::DriveInterval;
-use super::form::Form;
 use super::path::{InputPath, TubePath};
 use super::placed::{PlacedArgument, placed_arguments};
 use super::stretches::{Bases, Station, Tube, largest_value};
-use super::taylor_model::{Polynomial, TERMS, TaylorModel};
+use super::taylor_model::{Polynomial, TERMS};
 use crate::kinematics::certificate::pose::prover::PoseProver;
 use crate::kinematics::results::certificate::{
     Certificate, IntervalCertificate, Obstacle, Reason, Refusal,
@@ -17,10 +15,10 @@ use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::drive::Drive;
+use crate::model::expression::continuity::Jumps;
 use crate::model::expression::pieces::around_instant;
 use crate::model::mechanism::Kind;
 use crate::model::printed;
-use crate::numbers::interval::Interval;
 use std::sync::Arc;
 
 /// Shortest time interval, as a fraction of the interval between two samples: near a singular pose tubes are as short
@@ -39,7 +37,7 @@ const CHOICES: [f64; 3] = [0.5, 0.0, 1.0];
 pub struct Prover<'m> {
     pub(super) system: &'m System,
     pub(super) actuation: Actuation,
-    blocks: Blocks<'m>,
+    pub(super) blocks: Blocks<'m>,
     pub(super) solver: PoseSolver<'m>,
     /// All rows of every block; `None` if a block has more of them than unknowns.
     all_rows: Option<Bases>,
@@ -77,7 +75,7 @@ impl<'m> Prover<'m> {
     pub fn with_play(mut self, play: Vec<f64>) -> Self {
         if play.iter().any(|play| *play > 0.0) {
             // The time alone does not tell the inputs.
-            self.placed.iter_mut().for_each(|p| p.drive = None);
+            self.placed.iter_mut().for_each(|p| p.timed = None);
         }
         self.play = play;
         self
@@ -93,7 +91,11 @@ impl<'m> Prover<'m> {
     /// Whether a sample's inputs are those of the tube at that time, which fails at a jump of the drive. Tubes begin
     /// and end with the exact poses of samples with their inputs.
     pub fn has_inputs(&self, tube: &Tube, sample: &Sample) -> bool {
-        let jumps = self.actuation.jumps_between(tube.start, tube.end);
+        let (start, end) = (tube.start, tube.end);
+        let of_placed = self
+            .jumping()
+            .map(|(_, timed)| timed.jumps_between(start, end));
+        let jumps = of_placed.fold(self.actuation.jumps_between(start, end), Jumps::and);
         if (jumps.at_start && sample.time == tube.start)
             || (jumps.at_end && sample.time == tube.end)
         {
@@ -140,8 +142,7 @@ impl<'m> Prover<'m> {
     pub fn halves(&mut self, tube: &Tube) -> Option<[Tube; 2]> {
         let middle = 0.5 * tube.start + 0.5 * tube.end;
         let mut part = |start: f64, end: f64| {
-            let inputs =
-                InputPath::new(&self.actuation, DriveInterval::new(start, end)).widened(&self.play);
+            let inputs = self.inputs_over(start, end).widened(&self.play);
             let path = inputs.with(tube.path.part(
                 self.system.mechanism().unknowns.len(),
                 start,
@@ -152,40 +153,6 @@ impl<'m> Prover<'m> {
                 .then_some(half)
         };
         Some([part(tube.start, middle)?, part(middle, tube.end)?])
-    }
-
-    /// The arguments of all joints over a tube.
-    pub fn arguments(&self, tube: &Tube) -> Vec<TaylorModel> {
-        let coordinates = tube.coordinates(self.system.mechanism());
-        let count = self.system.mechanism().arguments.len();
-        let of = |form: &Form| match form {
-            Form::Affine(affine) => TaylorModel::of_affine(affine, &coordinates),
-            Form::Formula(_) => {
-                let place: Vec<Interval> = coordinates.iter().map(TaylorModel::range).collect();
-                let mut rates: Vec<f64> = coordinates.iter().map(|c| c.rest).collect();
-                // The inputs' own are part of the series.
-                rates[tube.rest.len()..].fill(0.0);
-                let mut value = form.value(&tube.path);
-                value.rest += form.change(&place, &rates).rate;
-                value
-            }
-        };
-        let known = |(form, placed): (&Form, &PlacedArgument)| {
-            let value = of(form);
-            if value.is_finite() {
-                return value;
-            }
-            match (&placed.drive, &placed.turned) {
-                (Some(drive), _) => {
-                    let [middle, everywhere] = tube.path.stretch().input(drive);
-                    TaylorModel::of(middle, &everywhere)
-                }
-                (_, Some(turned)) => of(turned),
-                _ => value,
-            }
-        };
-        let forms = self.blocks.forms[..count].iter().zip(&self.placed);
-        forms.map(known).collect()
     }
 
     fn between(
@@ -288,8 +255,7 @@ impl<'m> Prover<'m> {
         next: &Station,
         before: Option<&Tube>,
     ) -> Result<Tube, Obstacle> {
-        let mut inputs = InputPath::new(&self.actuation, DriveInterval::new(here.time, next.time));
-        inputs = inputs.widened(&self.play);
+        let mut inputs = self.inputs_over(here.time, next.time).widened(&self.play);
         if !inputs.is_finite() {
             return Err(Obstacle::Drive);
         }
