@@ -46,6 +46,9 @@ impl<'m> BarEnds<'m> {
 
     /// Whether a link is only drawn at ends.
     pub fn place_link(&self, link: usize) -> bool {
+        if self.slots.is_empty() {
+            return false;
+        }
         let chain = self.mechanism.joints.world_from_link(link);
         let arguments = chain.arguments().into_iter();
         self.place(arguments.flat_map(|a| self.mechanism.arguments[a].coordinates()))

@@ -1,6 +1,7 @@
 //! Reasons why a mechanism cannot be decomposed into dyads.
 
 use crate::intervals::peeling::NoDyads;
+use crate::model::mechanism::Mechanism;
 
 /// Why a mechanism is not a sequence of dyads.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -34,4 +35,16 @@ pub enum NotDyads {
     /// Bars in line.
     #[error("the bars of dyad {0} are in line here: its matrices have a pole")]
     Pole(String),
+}
+
+impl NotDyads {
+    /// Refuses an equation that is no bar, beside bars.
+    pub(super) fn judge_equations(mechanism: &Mechanism) -> Result<(), Self> {
+        let is_bar = |name: &str| mechanism.bars.iter().any(|bar| bar.name == name);
+        let mut equations = mechanism.equations.iter();
+        match equations.find(|e| !mechanism.bars.is_empty() && !is_bar(&e.name)) {
+            Some(other) => Err(Self::Equation(other.name.clone())),
+            None => Ok(()),
+        }
+    }
 }

@@ -59,9 +59,7 @@ pub fn planar_row(system: &System, pose: &[f64], moving: usize) -> Result<Planar
     };
     let slots: Vec<HyperDual> = pose.iter().zip(&rates).map(changing).collect();
     let ends = BarEnds::new(mechanism);
-    if let Some(other) = other_equation(mechanism) {
-        return Err(NotDyads::Equation(other));
-    }
+    NotDyads::judge_equations(mechanism)?;
     let normal = common_axis(mechanism, &slots, &ends)?;
     let reader = LinkageReader {
         mechanism,
@@ -106,14 +104,6 @@ pub fn planar_row(system: &System, pose: &[f64], moving: usize) -> Result<Planar
         Some(dyad) => Err(NotDyads::Pole(row.names[dyad.point].clone())),
         None => Ok(row),
     }
-}
-
-/// An equation that is no bar, beside bars.
-fn other_equation(mechanism: &Mechanism) -> Option<String> {
-    let is_bar = |name: &str| mechanism.bars.iter().any(|bar| bar.name == name);
-    let other = mechanism.equations.iter().find(|e| !is_bar(&e.name));
-    let other = other.filter(|_| !mechanism.bars.is_empty())?;
-    Some(other.name.clone())
 }
 
 fn frame_of(mechanism: &Mechanism, slots: &[HyperDual], chain: &Chain) -> WalkFrame<HyperDual> {

@@ -14,6 +14,9 @@ struct Figure {
 /// Options whose value is a file with a picture.
 const FILES: [&str; 4] = ["--out", "--plot", "--picture", "--map"];
 
+/// What is compared: tables are printed elsewhere.
+const PICTURES: [&str; 3] = [".svg", ".png", ".gif"];
+
 fn page() -> Document {
     let mut documents = documents().into_iter();
     documents.find(|d| d.name.ends_with("figures.md")).unwrap()
@@ -32,7 +35,9 @@ fn figures(page: &Document) -> Vec<Figure> {
         let after = arguments
             .windows(2)
             .filter(|w| FILES.contains(&w[0].as_str()));
-        let files: Vec<String> = after.map(|w| w[1].clone()).collect();
+        let names = after.map(|w| w[1].clone());
+        let is_picture = |name: &String| PICTURES.iter().any(|end| name.ends_with(end));
+        let files: Vec<String> = names.filter(is_picture).collect();
         list.push(Figure {
             command: command.to_owned(),
             code: stated_code(&row).unwrap_or(0),
