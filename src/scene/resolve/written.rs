@@ -5,7 +5,7 @@ use super::super::formula::compile::constant_node;
 use super::super::formula::expansion::Factor;
 use super::super::formula::node::{FormulaNode, NodeKind};
 use super::super::formula::written::written_formula;
-use super::contacts::chains::{Closure, ContactSide, ParsedContact};
+use super::contacts::chains::{Closure, ContactSide};
 use super::joints::FoldedJoints;
 use super::names::Names;
 use super::parsed::Parsed;
@@ -16,6 +16,7 @@ use crate::model::mechanism::{AngleUnit, Closes, Mechanism};
 use crate::model::notation::{
     Notation, WrittenChain, WrittenContact, WrittenFactor, WrittenSurface, WrittenTerm,
 };
+use std::collections::HashMap;
 
 /// Everything in a scene that is written as a chain; errors were reported when the mechanism was resolved.
 pub fn resolve_notation(
@@ -30,37 +31,23 @@ pub fn resolve_notation(
         terms: TermList::default(),
     };
     // Loops: those of the file, the closing chains of contacts, and the pins of bars.
+    let closing = closing_chains(parsed);
+    let texts = file.loops.iter();
+    let texts = named(texts.map(|(name, text)| (name.value.as_str(), text)));
     let loops = mechanism.loops.iter().map(|item| {
-        let own = parsed
-            .loops
-            .iter()
-            .find(|(name, _)| name.value == item.name);
-        let factors = own.map(|(_, factors)| factors.as_slice());
-        let of_contact = || {
-            parsed
-                .contacts
-                .iter()
-                .find_map(|c| closing_factors(c, &item.name))
-                .or_else(|| {
-                    let mut pins = parsed.bars.pins.iter();
-                    let pin = pins.find(|pin| pin.name == item.name)?;
-                    Some(&pin.closing[..])
-                })
-        };
-        let mut chain =
-            writer.written_chain(&item.name, factors.or_else(of_contact).unwrap_or(&[]));
-        chain.text = text_of(&file.loops, &item.name);
-        writer.place_loop(
-            &mut chain,
-            factors.or_else(of_contact).unwrap_or(&[]),
-            item.closes,
-        );
+        let factors = closing.get(item.name.as_str()).copied().unwrap_or(&[]);
+        let mut chain = writer.written_chain(&item.name, factors);
+        let text = texts.get(item.name.as_str());
+        chain.text = text.map_or_else(String::new, |text| text.text.clone());
+        writer.place_loop(&mut chain, factors, item.closes);
         chain
     });
     let loops = loops.collect();
     // Bodies: their frames, with factors related to the steps of the mechanism's chains.
+    let places = file.bodies.iter().zip(0..file.bodies.len());
+    let places = named(places.map(|(body, place)| (body.name.value.as_str(), place)));
     let bodies = mechanism.bodies.iter().map(|body| {
-        let own = file.bodies.iter().position(|b| b.name.value == body.name);
+        let own = places.get(body.name.as_str()).copied();
         let factors = own.map_or(&[][..], |k| parsed.frames[k].as_slice());
         let mut chain = writer.written_chain(&body.name, factors);
         let frame = own.and_then(|k| file.bodies[k].frame.as_ref());
@@ -79,8 +66,9 @@ pub fn resolve_notation(
     });
     let chains = chains.collect();
     // Traced points: translations along the axes of the body's frame.
+    let traces = named(file.traces.iter().map(|t| (t.name.value.as_str(), t)));
     let points = mechanism.traces.iter().map(|trace| {
-        let own = file.traces.iter().find(|t| t.name.value == trace.name);
+        let own = traces.get(trace.name.as_str());
         let texts = own.and_then(|t| t.point.as_ref());
         let nodes = texts
             .into_iter()
@@ -115,21 +103,24 @@ pub fn resolve_notation(
     }
 }
 
-fn text_of<T>(list: &[(T, crate::scene::values::FormulaText)], name: &str) -> String
-where
-    T: std::borrow::Borrow<crate::scene::reader::Spanned<String>>,
-{
-    let own = list.iter().find(|(known, _)| known.borrow().value == name);
-    own.map_or_else(String::new, |(_, text)| text.text.clone())
+/// What each name means; the first of equal names counts.
+fn named<'n, T>(list: impl DoubleEndedIterator<Item = (&'n str, T)>) -> HashMap<&'n str, T> {
+    list.rev().collect()
 }
 
-fn closing_factors<'p>(contact: &'p ParsedContact, name: &str) -> Option<&'p [Factor]> {
-    match &contact.closure {
-        Closure::Frame(factors) | Closure::Point(factors) if contact.name.value == name => {
-            Some(factors)
+/// The factors of every loop by its name: loops of the file come before contacts, contacts before pins.
+fn closing_chains(parsed: &Parsed) -> HashMap<&str, &[Factor]> {
+    let loops = parsed.loops.iter();
+    let loops = loops.map(|(name, factors)| (name.value.as_str(), factors.as_slice()));
+    let contacts = parsed.contacts.iter().filter_map(|c| match &c.closure {
+        Closure::Frame(factors) | Closure::Point(factors) => {
+            Some((c.name.value.as_str(), factors.as_slice()))
         }
         _ => None,
-    }
+    });
+    let pins = parsed.bars.pins.iter();
+    let pins = pins.map(|pin| (pin.name.as_str(), &pin.closing[..]));
+    named(loops.chain(contacts).chain(pins))
 }
 
 /// Writes chains factor by factor.

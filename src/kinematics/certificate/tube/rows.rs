@@ -30,16 +30,15 @@ pub struct TubeLayout<'m> {
     pub columns: Vec<usize>,
     /// Number of own unknowns.
     pub own: usize,
-    /// Forms that the block uses: its arguments, then its equations.
+    /// Forms that the block uses: its arguments, then its equations. What follows is indexed by the places in this list, so
+    /// that a layout is as large as its block, not as the mechanism.
     used: Vec<usize>,
     /// For every form: columns it depends on, with the scale of the unknown.
     moves: Vec<Vec<(usize, f64)>>,
-    /// For every unknown, its scale if it is one of the columns, and if it is one of the own.
-    rates: [Vec<f64>; 2],
     /// Changes, by the own unknowns and by all, of forms whose change is the same everywhere: affine ones, and
     /// equations of second degree, of which only the curvature is needed.
     changes: [Vec<FormChange>; 2],
-    /// Forms whose changes depend on the place.
+    /// Places of forms whose changes depend on the pose.
     bent: Vec<usize>,
 }
 
@@ -124,41 +123,34 @@ impl<'m> TubeLayout<'m> {
         others.retain(|slot| *slot < mechanism.unknowns.len() && block.columns.of(*slot).is_none());
         let columns = [block.unknowns.clone(), others].concat();
         let own = block.unknowns.len();
-        let mut moves = vec![Vec::new(); forms.len()];
-        for form in &used {
+        let mut moves = vec![Vec::new(); used.len()];
+        for (form, moves) in used.iter().zip(&mut moves) {
             for slot in forms[*form].coordinates() {
                 if let Some(column) = columns.iter().position(|c| *c == slot) {
-                    moves[*form].push((column, mechanism.scale_of(slot)));
+                    moves.push((column, mechanism.scale_of(slot)));
                 }
             }
         }
-        // How fast a coordinate moves where all unknowns move by one unit of their scale.
-        let rates = [own, columns.len()].map(|count| {
-            let mut rates = vec![0.0; mechanism.coordinate_count()];
-            for slot in &columns[..count] {
-                rates[*slot] = mechanism.scale_of(*slot);
-            }
-            rates
-        });
+        let rates = [own, columns.len()].map(|count| rates_of(mechanism, &columns[..count]));
         // Changes that are the same everywhere are computed once.
-        let mut changes = [(); 2].map(|()| vec![FormChange::default(); forms.len()]);
+        let mut changes = [(); 2].map(|()| vec![FormChange::default(); used.len()]);
         let mut bent = Vec::new();
-        for &form in &used {
+        for (place, &form) in used.iter().enumerate() {
             let is_equation = form >= first;
             for (changes, rates) in changes.iter_mut().zip(&rates) {
                 match &forms[form] {
-                    affine @ Form::Affine(_) => changes[form] = affine.change(&[], rates),
+                    affine @ Form::Affine(_) => changes[place] = affine.change(&[], rates),
                     formula @ Form::Formula(_) => {
                         let bend = formula.bend(rates).filter(|_| is_equation);
-                        changes[form] = FormChange {
+                        changes[place] = FormChange {
                             rate: f64::INFINITY,
                             bend: bend.unwrap_or(f64::INFINITY),
                         };
                     }
                 }
             }
-            if changes[0][form].bend.is_infinite() {
-                bent.push(form);
+            if changes[0][place].bend.is_infinite() {
+                bent.push(place);
             }
         }
         Self {
@@ -169,7 +161,6 @@ impl<'m> TubeLayout<'m> {
             own,
             used,
             moves,
-            rates,
             changes,
             bent,
         }
@@ -180,15 +171,22 @@ impl<'m> TubeLayout<'m> {
         self.mechanism.loops[part.index].closes == Closes::Frame
     }
 
-    /// Scalar equations: form, row, scale.
+    /// Scalar equations: place among the forms, row, scale.
     fn equations(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
-        let first = self.mechanism.arguments.len();
-        let equations = self
-            .block
-            .equations
-            .iter()
-            .zip(self.places.first_equation..);
-        equations.map(move |(index, row)| (first + index, row, self.mechanism.weight_of(*index)))
+        let equations = self.block.equations.iter();
+        let places = (self.block.arguments.len()..).zip(self.places.first_equation..);
+        let equations = equations.zip(places);
+        equations.map(|(index, (place, row))| (place, row, self.mechanism.weight_of(*index)))
+    }
+
+    /// Place of an argument among the forms.
+    fn place(&self, argument: usize) -> Option<usize> {
+        self.block.arguments.binary_search(&argument).ok()
+    }
+
+    /// Columns on which an argument depends.
+    fn moves_of(&self, argument: usize) -> &[(usize, f64)] {
+        self.place(argument).map_or(&[], |place| &self.moves[place])
     }
 
     /// Number of rows, those beyond the block's included.
@@ -214,11 +212,10 @@ impl<'m> TubeLayout<'m> {
             .iter()
             .map(|index| forms[*index].derivatives(path))
             .collect();
-        let place = |index: usize| self.used.iter().position(|u| *u == index);
         // Loops: the residual, and a column of the Jacobian for every joint.
         for (part, places) in self.block.loops.iter().zip(&self.places.loops) {
             let closed = &self.mechanism.loops[part.index];
-            let moves = |a: usize| !self.moves[a].is_empty();
+            let moves = |a: usize| !self.moves_of(a).is_empty();
             let item = LoopModel::new(&closed.chain.steps, &arguments, moves, closed.size);
             for (component, row) in places {
                 rows.residual[*row] = item.residual(*component);
@@ -228,23 +225,20 @@ impl<'m> TubeLayout<'m> {
             }
             let open = item.open();
             for joint in &item.joints {
-                let Some(form) = place(joint.argument) else {
+                let Some(place) = self.place(joint.argument) else {
                     continue;
                 };
                 let column = item.column(joint, open);
                 for (component, row) in places {
-                    let (derivative, argument) = (&column[*component], joint.argument);
-                    self.add(rows, *row, argument, derivative, &derivatives[form]);
+                    self.add(rows, *row, place, &column[*component], &derivatives[place]);
                 }
             }
         }
         // Scalar equations: the formula and its gradient.
-        for (index, row, scale) in self.equations() {
+        for (place, row, scale) in self.equations() {
             let weight = TaylorModel::constant(scale);
-            rows.residual[row] = forms[index].value(path).scaled(scale);
-            if let Some(form) = place(index) {
-                self.add(rows, row, index, &weight, &derivatives[form]);
-            }
+            rows.residual[row] = forms[self.used[place]].value(path).scaled(scale);
+            self.add(rows, row, place, &weight, &derivatives[place]);
         }
         let matrices = rows.jacobian().iter().chain([&rows.rest]);
         let numbers = matrices.flat_map(|m| m.groups().as_flattened());
@@ -253,16 +247,16 @@ impl<'m> TubeLayout<'m> {
         whole.then_some(()).ok_or(Reason::Formula)
     }
 
-    /// Adds a row's derivative by a form, times that of the form by its unknowns.
+    /// Adds a row's derivative by the form at a place, times that of the form by its unknowns.
     fn add(
         &self,
         rows: &mut TubeRows,
         row: usize,
-        form: usize,
+        place: usize,
         by_form: &TaylorModel,
         of_form: &[TaylorModel],
     ) {
-        for ((column, scale), rate) in self.moves[form].iter().zip(of_form) {
+        for ((column, scale), rate) in self.moves[place].iter().zip(of_form) {
             let entry = match (rate.as_number(), by_form.as_number()) {
                 (Some(rate), _) => by_form.scaled(rate * scale),
                 (None, Some(by_form)) => rate.scaled(by_form * scale),
@@ -281,18 +275,25 @@ impl<'m> TubeLayout<'m> {
     /// Second derivatives and turns, valid within `ball` around the whole path.
     pub fn bends(&self, forms: &[Form], path: &TubePath, ball: f64) -> Result<Bends, Reason> {
         // Formulas are bounded over the box of the path and its ball; what changes alike everywhere needs no box.
-        let place = match self.bent.is_empty() {
-            true => Vec::new(),
-            false => path.place(&self.rates[1], ball),
-        };
         let [mut own, mut all] = self.changes.clone();
-        for form in &self.bent {
-            all[*form] = forms[*form].change(&place, &self.rates[1]);
-            own[*form] = match self.own == self.columns.len() {
-                true => all[*form],
-                false => forms[*form].change(&place, &self.rates[0]),
-            };
+        let mut around = Vec::new();
+        if !self.bent.is_empty() {
+            let [by_own, by_all] = [self.own, self.columns.len()]
+                .map(|count| rates_of(self.mechanism, &self.columns[..count]));
+            around = path.place(&by_all, ball);
+            for place in &self.bent {
+                let form = &forms[self.used[*place]];
+                all[*place] = form.change(&around, &by_all);
+                own[*place] = match self.own == self.columns.len() {
+                    true => all[*place],
+                    false => form.change(&around, &by_own),
+                };
+            }
         }
+        let change = |of: &[FormChange], argument: usize| {
+            self.place(argument)
+                .map_or(FormChange::default(), |place| of[place])
+        };
         let mut bends = Bends {
             own: vec![0.0; self.count()],
             all: vec![0.0; self.count()],
@@ -306,24 +307,24 @@ impl<'m> TubeLayout<'m> {
             let farthest = |a: usize| match &forms[a] {
                 Form::Affine(affine) => {
                     let value = TaylorModel::of_affine(affine, &path.coordinates);
-                    value.size() + all[a].rate * ball
+                    value.size() + change(&all, a).rate * ball
                 }
-                form @ Form::Formula(_) => form.range(&place).magnitude(),
+                form @ Form::Formula(_) => form.range(&around).magnitude(),
             };
             let reaches = Reaches::new(&item.chain.steps, farthest, item.size);
-            let of_own = reaches.second_derivatives(|a| own[a]);
-            let of_all = reaches.second_derivatives(|a| all[a]);
+            let of_own = reaches.second_derivatives(|a| change(&own, a));
+            let of_all = reaches.second_derivatives(|a| change(&all, a));
             for (component, row) in places {
                 bends.own[*row] = of_own[component / 3];
                 bends.all[*row] = of_all[component / 3];
             }
             if self.must_not_turn(part) {
-                bends.turns.push(reaches.turn(|a| all[a].rate));
+                bends.turns.push(reaches.turn(|a| change(&all, a).rate));
             }
         }
-        for (index, row, scale) in self.equations() {
-            bends.own[row] = own[index].bend * scale;
-            bends.all[row] = all[index].bend * scale;
+        for (place, row, scale) in self.equations() {
+            bends.own[row] = own[place].bend * scale;
+            bends.all[row] = all[place].bend * scale;
         }
         let mut bounds = bends.own.iter().chain(&bends.all);
         if bounds.all(|b| b.is_finite()) {
@@ -332,6 +333,15 @@ impl<'m> TubeLayout<'m> {
             Err(Reason::Formula)
         }
     }
+}
+
+/// How fast every coordinate moves where those in `columns` move by one unit of their scale.
+fn rates_of(mechanism: &Mechanism, columns: &[usize]) -> Vec<f64> {
+    let mut rates = vec![0.0; mechanism.coordinate_count()];
+    for slot in columns {
+        rates[*slot] = mechanism.scale_of(*slot);
+    }
+    rates
 }
 
 impl TubePath {
