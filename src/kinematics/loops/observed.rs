@@ -16,8 +16,21 @@ pub fn observed_values<S: Scalar>(mechanism: &Mechanism, coordinates: &[S]) -> V
 
 /// All slots that a formula about the motion may use: coordinates, x, y, z of every trace, outputs.
 pub fn observed_slots<S: Scalar>(mechanism: &Mechanism, coordinates: &[S]) -> Vec<S> {
+    needed_slots(mechanism, coordinates, |_| true)
+}
+
+/// The same slots, of which only those needed are computed; other traced points and outputs are undefined.
+pub fn needed_slots<S: Scalar>(
+    mechanism: &Mechanism,
+    coordinates: &[S],
+    is_needed: impl Fn(usize) -> bool,
+) -> Vec<S> {
     let mut slots = coordinates.to_vec();
     for trace in &mechanism.traces {
+        if !(0..3).any(|axis| is_needed(slots.len() + axis)) {
+            slots.extend([(); 3].map(|()| S::undefined()));
+            continue;
+        }
         let path = &mechanism.bodies[trace.body].world_from_body;
         let arguments = output_arguments(mechanism, &path.arguments(), coordinates);
         let end = WalkFrame::at_end_of(&path.steps, &arguments);
@@ -26,8 +39,27 @@ pub fn observed_slots<S: Scalar>(mechanism: &Mechanism, coordinates: &[S]) -> Ve
     let mut scratch = Vec::new();
     for output in &mechanism.outputs {
         // Outputs may use earlier ones, which are slots by now.
-        let value = output.value_with(mechanism, &slots, &mut scratch);
+        let value = match is_needed(slots.len()) {
+            true => output.value_with(mechanism, &slots, &mut scratch),
+            false => S::undefined(),
+        };
         slots.push(value);
     }
     slots
+}
+
+/// For every slot, whether the value of `slot` depends on it.
+pub fn dependencies(mechanism: &Mechanism, slot: usize) -> Vec<bool> {
+    let first = mechanism.coordinate_count() + 3 * mechanism.traces.len();
+    let mut needed = vec![false; first + mechanism.outputs.len()];
+    needed[slot] = true;
+    // Outputs use earlier ones only.
+    for (k, output) in mechanism.outputs.iter().enumerate().rev() {
+        if needed[first + k] {
+            let used = output.slots(mechanism).into_iter();
+            used.filter(|used| *used < first + k)
+                .for_each(|used| needed[used] = true);
+        }
+    }
+    needed
 }

@@ -7,7 +7,8 @@
 use super::continuation::solve_motion;
 use super::sampling::is_cyclic;
 use crate::kinematics::loops::forward::Observation;
-use crate::kinematics::rates::columns::{RateColumns, RateVariable};
+use crate::kinematics::loops::observed::dependencies;
+use crate::kinematics::rates::columns::{RateColumns, RateVariable, needed_series};
 use crate::kinematics::rates::rated::fill_rated_outputs;
 use crate::kinematics::results::trajectory::{Event, EventKind, Sample, Trajectory};
 use crate::kinematics::solve::newton::Pace;
@@ -80,6 +81,9 @@ struct LimitSearch<'m> {
     rates: Vec<Option<Vec<f64>>>,
     /// Name and index of each quantity among the rates.
     names: Vec<(String, usize)>,
+    /// The slot of the quantity that is searched, and the slots that it depends on.
+    slot: usize,
+    needed: Vec<bool>,
     fastest_input: f64,
     fastest: f64,
     events: Vec<Event>,
@@ -112,6 +116,8 @@ impl<'m> LimitSearch<'m> {
             solver: PoseSolver::new(system),
             samples,
             names: unknowns.chain(outputs).collect(),
+            slot: 0,
+            needed: Vec::new(),
             fastest_input,
             fastest: all.filter(|r| r.is_finite()).fold(0.0, f64::max),
             rates,
@@ -128,6 +134,13 @@ impl<'m> LimitSearch<'m> {
         if largest <= STILL * self.fastest {
             return;
         }
+        // Rates are those of all slots but the inputs, which follow the unknowns.
+        let mechanism = self.system.mechanism();
+        self.slot = match at < mechanism.unknowns.len() {
+            true => at,
+            false => at + mechanism.inputs.len(),
+        };
+        self.needed = dependencies(mechanism, self.slot);
         // The last sample that moves, or the beginning of an interval with zero rate.
         let mut last: Option<(usize, f64)> = None;
         for (k, rate) in rates.iter().enumerate() {
@@ -180,7 +193,7 @@ impl<'m> LimitSearch<'m> {
             } else {
                 0.5 * (a + b)
             };
-            let Some((rate, coordinates)) = self.rate_at(quantity, (low.0, high.0), time) else {
+            let Some((rate, coordinates)) = self.rate_at((low.0, high.0), time) else {
                 return;
             };
             best = Some((time, coordinates));
@@ -198,13 +211,8 @@ impl<'m> LimitSearch<'m> {
         }
     }
 
-    /// Rate of a quantity at a time between two samples, and the coordinates there.
-    fn rate_at(
-        &mut self,
-        quantity: usize,
-        (low, high): (usize, usize),
-        time: f64,
-    ) -> Option<(f64, Vec<f64>)> {
+    /// Rate of the quantity that is searched at a time between two samples, and the coordinates there.
+    fn rate_at(&mut self, (low, high): (usize, usize), time: f64) -> Option<(f64, Vec<f64>)> {
         let (low, high) = (&self.samples[low], &self.samples[high]);
         let share = (time - low.time) / (high.time - low.time);
         let (p, q) = (low.pose.as_ref()?, high.pose.as_ref()?);
@@ -212,8 +220,11 @@ impl<'m> LimitSearch<'m> {
         let ends = [&p.unknowns[..], &q.unknowns[..]];
         // A closed pose between the two samples, and the exact rate there.
         let coordinates = self.solver.between(ends, share, &inputs, Pace::Brisk)?;
-        let rates = FIRST.values(self.system, self.actuation, &coordinates, time)?;
-        let rate = rates[self.names[quantity].1];
+        let driven = (self.actuation, time);
+        let needed = |slot: usize| self.needed[slot];
+        let RateColumns { order, by } = FIRST;
+        let series = needed_series(self.system, &coordinates, by, driven, order, needed)?;
+        let rate = series[self.slot].derivative(order);
         rate.is_finite().then_some((rate, coordinates))
     }
 

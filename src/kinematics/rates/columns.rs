@@ -2,7 +2,7 @@
 
 use super::fold::series_beside_fold;
 use super::higher_order::higher_rates;
-use crate::kinematics::loops::observed::observed_slots;
+use crate::kinematics::loops::observed::needed_slots;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
@@ -80,11 +80,24 @@ pub fn slot_series(
     (actuation, time): (&Actuation, f64),
     order: usize,
 ) -> Option<Vec<TaylorSeries>> {
+    let all = |_: usize| true;
+    needed_series(system, coordinates, by, (actuation, time), order, all)
+}
+
+/// The same, of which only the slots needed are computed; others may be undefined.
+pub fn needed_series(
+    system: &System,
+    coordinates: &[f64],
+    by: RateVariable,
+    (actuation, time): (&Actuation, f64),
+    order: usize,
+    is_needed: impl Fn(usize) -> bool,
+) -> Option<Vec<TaylorSeries>> {
     let mechanism = system.mechanism();
     let given = &coordinates[mechanism.unknowns.len()..];
     let inputs = by.inputs(actuation, given, time, order);
     if let Some(series) = higher_rates(system, coordinates, &inputs, order) {
-        return Some(observed_slots(mechanism, &series));
+        return Some(needed_slots(mechanism, &series, is_needed));
     }
     let inputs = by.inputs(actuation, given, time, HIGHEST_ORDER);
     let way = by.way(mechanism, actuation, given);
