@@ -667,3 +667,33 @@ fn pictures_of_checks_are_limited() {
     assert!(run.stderr.contains("`pixels`"), "{}", run.stderr);
     assert!(!w.path("w.png").exists());
 }
+
+/// A drive that jumps a hundred thousand times is given up, since its leaps take from the steps of the motion.
+#[test]
+fn leaps_take_from_the_steps_of_a_motion() {
+    let w = Workspace::new();
+    w.write("s.toml", driven_by("floor(floor(t*1e5)*1e5)"));
+    // Without a bound it takes hours; with it some seconds.
+    let check = ["check", "s.toml", "--samples", "3", "--limits", "time=300s"];
+    w.run(&check).exits(1).says(&["no pose was found"]);
+}
+
+/// Blocks and bodies that do not depend on each other take what they take one by one.
+#[test]
+fn independent_entries_take_what_they_take_alone() {
+    let w = Workspace::new();
+    let entries = |count: usize, of: &dyn Fn(usize) -> String| (0..count).map(of).collect();
+    let bar = |k| format!("k{k} = {{ from = [\"x{k}\", 0], to = [0, 0], length = 3 }}\n");
+    let bars: String = entries(4000, &bar);
+    let body = |k| format!("[[bodies]]\nname = \"b{k}\"\n");
+    let bodies: String = entries(140_000, &body);
+    let of_bars = ["check", "s.toml", "--samples", "3"];
+    let of_bodies = ["draw", "s.toml", "--out", "o.svg"];
+    for (what, more, arguments) in [
+        ("4000 bars", format!("[bars]\n{bars}"), &of_bars[..]),
+        ("140000 bodies", bodies, &of_bodies[..]),
+    ] {
+        w.write("s.toml", moving() + &more);
+        bounded(&w, what, arguments);
+    }
+}

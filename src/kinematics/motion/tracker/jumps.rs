@@ -43,6 +43,8 @@ impl PathTracker<'_> {
         let bridge = Actuation::straight(&point.coordinates[n..], &inputs, guess);
         let cancelled = || self.is_cancelled();
         let mut tracker = PathTracker::new(self.system(), &bridge, &cancelled);
+        // A drive may jump millions of times: its leaps take from the steps of the motion.
+        tracker.budget = self.budget.clone();
         let begin = tracker.point(0.0, point.coordinates.clone());
         let begin = tracker.keep(begin, &mut Unwatched);
         let end = tracker.follow(begin, 1.0, &mut Unwatched);
