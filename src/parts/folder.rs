@@ -3,6 +3,7 @@
 use super::error::PartsError;
 use super::part::{Part, part_name};
 use super::plan::Plan;
+use super::stored::read_text;
 use crate::export::Target;
 use std::fs;
 use std::io::{ErrorKind, Write};
@@ -56,7 +57,7 @@ impl Folder {
     /// Errors: there is none, or it belongs to another version of the program.
     pub fn open(path: &Path) -> Result<Self, PartsError> {
         let place = path.join(PLAN);
-        let text = match fs::read_to_string(&place) {
+        let text = match read_text(&place) {
             Err(e) if matches!(e.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {
                 return Err(PartsError::NoStudy(path.to_owned()));
             }

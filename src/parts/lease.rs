@@ -2,6 +2,7 @@
 //! longer touched takes it over. Two workers on one unit only lose time: their parts are the same.
 
 use super::error::PartsError;
+use super::stored::read_text;
 use std::collections::HashMap;
 use std::fs;
 use std::io::{ErrorKind, Write};
@@ -57,7 +58,7 @@ impl LeaseSightings {
     }
 
     fn is_left(&mut self, path: &Path) -> bool {
-        if fs::read_to_string(path).is_ok_and(|holder| is_gone(&holder)) {
+        if read_text(path).is_ok_and(|holder| is_gone(&holder)) {
             return true;
         }
         let Ok(touched) = fs::metadata(path).and_then(|about| about.modified()) else {

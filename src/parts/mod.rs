@@ -13,6 +13,7 @@ pub mod merge;
 mod part;
 pub mod plan;
 pub mod ranges;
+mod stored;
 pub mod work;
 
 pub use error::PartsError;

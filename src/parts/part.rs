@@ -7,6 +7,7 @@
 use super::error::PartsError;
 use super::identity::digest;
 use super::plan::{Plan, VERSION};
+use super::stored::open_regular;
 use crate::export::Target;
 use serde_json::{Value, json};
 use std::fs;
@@ -90,7 +91,7 @@ impl Part {
             why: why.to_owned(),
         };
         let failed = |e| PartsError::io(path, e);
-        let file = fs::File::open(path).map_err(failed)?;
+        let file = open_regular(path).map_err(failed)?;
         let length = file.metadata().map_err(failed)?.len();
         let mut line = Vec::new();
         let mut head = BufReader::new(file).take(LONGEST_HEAD);

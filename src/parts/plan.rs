@@ -11,6 +11,9 @@ const SCHEMA: &str = "mechanim-study/1";
 /// The program that writes and reads parts. Numbers of different versions are never mixed.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
+/// Maximum number of units: each is a file.
+pub const MOST_UNITS: u64 = 100_000;
+
 /// Content of a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PartContent {
@@ -127,6 +130,11 @@ impl Plan {
                 .ok_or_else(|| bad("`keeps` is not a known word".to_owned()))?,
             width: number("numbers")?,
         };
+        let bytes = plan.items.checked_mul(plan.width);
+        if bytes.and_then(|numbers| numbers.checked_mul(8)).is_none() || plan.units() > MOST_UNITS {
+            let why = format!("has more than {MOST_UNITS} units, or numbers without end");
+            return Err(bad(why));
+        }
         if plan.version != VERSION {
             return Err(PartsError::Foreign {
                 path: path.to_owned(),

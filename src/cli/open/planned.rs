@@ -6,7 +6,7 @@ use crate::diag::Source;
 use crate::model::mechanism::Mechanism;
 use crate::model::shape::Solid;
 use crate::parts::plan::Plan;
-use crate::scene::Overrides;
+use crate::scene::{Overrides, source};
 use std::path::{Path, PathBuf};
 
 /// Name of the scene's text beside a plan.
@@ -19,11 +19,8 @@ pub fn planned_text(
     folder: &Path,
 ) -> Result<(Source, Overrides), Failure> {
     let place = folder.join(SCENE_FILE);
-    let text = std::fs::read_to_string(&place).map_err(|e| cannot_read(&place, &e))?;
-    let source = Source {
-        name: plan.scene.clone(),
-        text,
-    };
+    let file = source::open_input(&place).map_err(|e| cannot_read(&place, &e))?;
+    let source = source::read_source(file, &plan.scene)?;
     let overrides = Overrides {
         parameters: scene.parameters.clone(),
         inputs: scene.inputs.clone(),

@@ -14,7 +14,7 @@ use crate::jobs::{core_count, share_watched};
 use crate::parts::PartsError;
 use crate::parts::folder::Folder;
 use crate::parts::merge::Merge;
-use crate::parts::plan::Plan;
+use crate::parts::plan::{MOST_UNITS, Plan};
 use crate::parts::work::{Ended, WorkShare, work_on};
 use crate::sweep::row::Row;
 use crate::sweep::rows::RowWorker;
@@ -35,9 +35,6 @@ const UNIT_TIME: Duration = Duration::from_secs(5);
 /// Maximum size in bytes of the numbers of a unit, and maximum number of rows.
 const UNIT_BYTES: u64 = 1 << 24;
 const UNIT_ROWS: u64 = 1 << 16;
-
-/// Maximum number of units: each is a file.
-const MOST_UNITS: u64 = 100_000;
 
 /// Runs the verb.
 pub fn run_sweep(args: &SweepArgs, term: &Term) -> Result<Outcome, Failure> {

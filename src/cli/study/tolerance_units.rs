@@ -10,6 +10,7 @@ use crate::cli::open::tolerance::OpenTolerance;
 use crate::cli::term::outcome::Failure;
 use crate::parts::folder::Folder;
 use crate::parts::merge::Merge;
+use crate::parts::plan::MOST_UNITS;
 use crate::report::tolerance::{SHARES, ToleranceReport};
 use std::ops::Range;
 use std::path::Path;
@@ -21,9 +22,6 @@ const HELD: u64 = 1 << 14;
 
 /// Pieces from which the time of a unit is estimated.
 const TRIED: usize = 512;
-
-/// Maximum number of units: each is a file.
-const MOST_UNITS: u64 = 100_000;
 
 /// The study of an opened one.
 pub fn study_of(opened: &OpenTolerance) -> Result<ToleranceStudy<'_>, Failure> {

@@ -21,7 +21,7 @@ use crate::cli::term::outcome::{Failure, Outcome};
 use crate::cli::term::progress::Progress;
 use crate::parts::PartsError;
 use crate::parts::folder::Folder;
-use crate::parts::plan::Plan;
+use crate::parts::plan::{MOST_UNITS, Plan};
 use crate::parts::ranges::shown_ranges;
 use crate::parts::work::{Ended, WorkShare};
 use clap::Parser;
@@ -70,7 +70,7 @@ fn create_study(
     term: &Term,
 ) -> Result<Outcome, Failure> {
     plan.unit = match cut.units {
-        Some(units) => plan.items.div_ceil(units),
+        Some(units) => plan.items.div_ceil(units.min(MOST_UNITS)),
         None => unit()?,
     };
     let folder = Folder::create(&cut.out, plan, &borrowed_files(files))?;

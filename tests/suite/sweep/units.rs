@@ -179,3 +179,36 @@ fn doubled_parts_agree_or_stop_the_merge() {
     merge.says(&["has other numbers in", "items-"]);
     assert!(!space.path("other.csv").exists());
 }
+
+/// Whatever lies in the place of a plan is refused at once: devices, pipes, and more units than a study has.
+#[test]
+fn plans_without_end_are_refused() {
+    let space = Workspace::new();
+    run(&space, &format!("study plan sweep {SWEEP} --out study")).exits(0);
+    let plan = space.path("study/plan.json");
+    let text = String::from_utf8(space.read("study/plan.json")).unwrap();
+    let mut document: serde_json::Value = serde_json::from_str(&text).unwrap();
+    for (key, number) in [("items", 1_u64 << 40), ("numbers", 1 << 62)] {
+        let before = document[key].take();
+        document[key] = number.into();
+        document["items_of_a_unit"] = 1.into();
+        std::fs::write(&plan, document.to_string()).unwrap();
+        for verb in ["status", "run"] {
+            let asked = format!("study {verb} study --limits time=60s");
+            run(&space, &asked).exits(2).says(&["units, or numbers"]);
+        }
+        document[key] = before;
+    }
+    let links: [&[&str]; 2] = [&["ln", "-s", "/dev/zero"], &["mkfifo"]];
+    for words in links {
+        std::fs::remove_file(&plan).unwrap();
+        let made = std::process::Command::new(words[0])
+            .args(&words[1..])
+            .arg(&plan)
+            .status();
+        if made.is_ok_and(|status| status.success()) {
+            let asked = "study status study --limits time=60s";
+            run(&space, asked).exits(2).says(&["not a regular file"]);
+        }
+    }
+}
