@@ -4,7 +4,9 @@
 use crate::driven::{Model, add_limits, even_times, solve};
 use mechanim::diag::Source;
 
+use mechanim::kinematics::loops::observed::{dependencies, needed_slots, observed_slots};
 use mechanim::kinematics::results::trajectory::EventKind;
+use mechanim::scene::{Overrides, load_scene};
 
 use crate::program::Workspace;
 use crate::reference::{hard, mechanism, turned};
@@ -232,4 +234,31 @@ fn words_of_a_gap_leave_room_for_other_assemblies() {
         "{}",
         modes.text()
     );
+}
+
+/// What an output depends on, through other outputs and traced points, is enough for its value.
+#[test]
+fn needed_slots_are_those_of_all() {
+    let text = format!(
+        "{}[[traces]]\nname = \"tip\"\nbody = \"crank\"\npoint = [40, 0, 0]\n\
+         [outputs]\na = \"tip.x + h\"\nb = \"2*h\"\nc = \"a*a\"\nd = \"b + c\"\ne = \"phi\"\n",
+        crate::program::moving()
+    );
+    let name = "s.toml".to_owned();
+    let scene = load_scene(&Source { name, text }, &Overrides::default()).unwrap();
+    let mechanism = &scene.mechanism;
+    let coordinates: Vec<f64> = (1..=mechanism.coordinate_count())
+        .map(|k| 0.3 * k as f64)
+        .collect();
+    let all = observed_slots(mechanism, &coordinates);
+    let first = all.len() - 5;
+    // Traced points and outputs on which each output depends, itself included.
+    for (output, count) in [4, 1, 5, 7, 1].into_iter().enumerate() {
+        let needed = dependencies(mechanism, first + output);
+        let some = needed_slots(mechanism, &coordinates, |slot| needed[slot]);
+        assert_eq!(some[first + output], all[first + output], "{output}");
+        let computed = &some[coordinates.len()..];
+        let computed = computed.iter().filter(|value| !value.is_nan()).count();
+        assert_eq!(computed, count, "{output}");
+    }
 }

@@ -673,11 +673,12 @@ fn pictures_of_checks_are_limited() {
 fn leaps_take_from_the_steps_of_a_motion() {
     let w = Workspace::new();
     w.write("s.toml", driven_by("floor(floor(t*1e5)*1e5)"));
-    let check = ["check", "s.toml", "--samples", "3"];
-    bounded(&w, "a drive of jumps", &check);
+    // Without a bound it takes hours; with it some seconds.
+    let check = ["check", "s.toml", "--samples", "3", "--limits", "time=300s"];
+    w.run(&check).exits(1).says(&["no pose was found"]);
 }
 
-/// Blocks, bodies and outputs that do not depend on each other take what they take one by one.
+/// Blocks and bodies that do not depend on each other take what they take one by one.
 #[test]
 fn independent_entries_take_what_they_take_alone() {
     let w = Workspace::new();
@@ -685,20 +686,12 @@ fn independent_entries_take_what_they_take_alone() {
     let bar = |k| format!("k{k} = {{ from = [\"x{k}\", 0], to = [0, 0], length = 3 }}\n");
     let bars: String = entries(4000, &bar);
     let body = |k| format!("[[bodies]]\nname = \"b{k}\"\n");
-    let bodies: String = entries(60_000, &body);
-    let output = |k| format!("o{k} = \"h + {k}\"\n");
-    let outputs: String = entries(2000, &output);
+    let bodies: String = entries(140_000, &body);
     let of_bars = ["check", "s.toml", "--samples", "3"];
     let of_bodies = ["draw", "s.toml", "--out", "o.svg"];
-    let of_outputs = ["report", "s.toml", "--samples", "3", "--out", "o.html"];
     for (what, more, arguments) in [
         ("4000 bars", format!("[bars]\n{bars}"), &of_bars[..]),
-        ("60000 bodies", bodies, &of_bodies[..]),
-        (
-            "2000 outputs",
-            format!("[outputs]\n{outputs}"),
-            &of_outputs[..],
-        ),
+        ("140000 bodies", bodies, &of_bodies[..]),
     ] {
         w.write("s.toml", moving() + &more);
         bounded(&w, what, arguments);

@@ -650,3 +650,26 @@ fn targets_behind_dangling_links_are_compared() {
     w.run(&check).exits(2);
     assert!(!w.path("a.out").exists());
 }
+
+/// A folder of golden pictures may hold links: an update writes nothing behind them, whether something is there or not.
+#[test]
+fn golden_pictures_are_not_written_through_links() {
+    let w = Workspace::new();
+    let list = |name: &str| {
+        format!("[[picture]]\nfile = \"{name}\"\nscene = \"s.toml\"\ntime = 0.1\nsize = [32, 24]\n")
+    };
+    std::fs::create_dir(w.path("golden")).unwrap();
+    w.write("golden/s.toml", moving());
+    w.write("golden/snapshots.toml", list("a.png") + &list("b.png"));
+    w.write("precious", "old");
+    for (link, to) in [("a.png", "../precious"), ("b.png", "../nothing")] {
+        std::os::unix::fs::symlink(to, w.path("golden").join(link)).unwrap();
+    }
+    w.run(&["snapshot", "golden", "--update=all"]).exits(0);
+    assert_eq!(w.read("precious"), b"old");
+    assert!(!w.path("nothing").exists());
+    for name in ["golden/a.png", "golden/b.png"] {
+        assert!(!w.path(name).is_symlink(), "{name}");
+        assert!(w.read(name).starts_with(b"\x89PNG"), "{name}");
+    }
+}
