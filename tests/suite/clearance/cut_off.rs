@@ -31,8 +31,14 @@ fn rings(count: usize) -> String {
     text + "[clearance]\nminimum = 7.293\n"
 }
 
+/// One after the other: each shares its time with as little as can be.
 #[test]
 fn what_is_proved_when_the_time_is_over_is_reported() {
+    what_is_proved_of_rings_is_reported();
+    what_is_proved_of_all_pieces_is_reported();
+}
+
+fn what_is_proved_of_rings_is_reported() {
     let w = Workspace::new();
     w.write("scene.toml", rings(RINGS));
     let begun = Instant::now();
@@ -76,8 +82,7 @@ fn what_is_proved_when_the_time_is_over_is_reported() {
 }
 
 /// The clearances of all pieces take the gearshift far longer.
-#[test]
-fn what_is_proved_of_all_pieces_when_the_time_is_over_is_reported() {
+fn what_is_proved_of_all_pieces_is_reported() {
     let w = Workspace::new();
     let said = w.run(&[
         "check",
