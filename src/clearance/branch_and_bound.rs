@@ -7,6 +7,7 @@
 //! First the minimum is proved everywhere, which decides the verdict; then the bound is brought as close to the
 //! distance as requested. An interrupted search keeps what was proved so far.
 
+use super::broad_phase::Sweeper;
 use super::look::{BoundGoal, LookMemory, Segment};
 use super::motion::ProvedMotion;
 use super::sweep::{Best, Least, PairSweep};
@@ -14,6 +15,9 @@ use crate::distance::bodies::nearest_bodies;
 
 /// Maximum number of time intervals examined for one pair.
 const MAX_LOOKS: usize = 40_000;
+
+/// So many parts are still bounded by boxes around what the bodies sweep when the time is over, some microseconds each.
+const MOST_AT_END: usize = 10_000;
 
 /// Where nothing can be proved, only a smaller distance is searched: for bodies that overlap, and for those so large that
 /// the rounding of their poses exceeds their margin above the minimum.
@@ -137,7 +141,14 @@ impl PairSweep<'_> {
     ) {
         while let Some(piece) = search.open.pop() {
             if motion.is_late() {
-                search.cut_off(piece);
+                let bodies = [0, 1].map(|k| Sweeper::new(motion, self.bodies[k], self.hulls[k]));
+                search.cut_off(piece, self.enough() + self.pose_slack(), |piece| {
+                    let place = [piece.middle, piece.half];
+                    let [a, b] = bodies.each_ref().map(|body| {
+                        body.over(motion, piece.stretch, place, self.minimum().max(0.0))
+                    });
+                    a.apart(&b)
+                });
                 return;
             }
             // Depth first; the bound of a part is compared with the present goal.
@@ -203,10 +214,13 @@ impl PairSweep<'_> {
 }
 
 impl SegmentSearch {
-    /// Ends with the bounds of this part and of all open ones.
-    fn cut_off(&mut self, piece: Segment) {
+    /// Ends with the bounds of this part and of all open ones; parts not known to be `enough` have their bound by `boxes`.
+    fn cut_off(&mut self, piece: Segment, enough: f64, boxes: impl Fn(&Segment) -> f64) {
         let rest = std::iter::once(piece).chain(self.open.drain(..));
-        let unlooked = rest.map(|piece| {
+        let unlooked = rest.enumerate().map(|(place, mut piece)| {
+            if piece.known < enough && place < MOST_AT_END {
+                piece.known = piece.known.max(boxes(&piece));
+            }
             let look = BoundGoal::known_of(&piece);
             (piece, look)
         });

@@ -102,6 +102,18 @@ impl Sweeper {
         first.around(&second)
     }
 
+    /// What it sweeps around the place `s` of a stretch, as finely as the distance `apart` needs it.
+    pub(super) fn over(
+        &self,
+        motion: &ProvedMotion,
+        stretch: usize,
+        place: [f64; 2],
+        apart: f64,
+    ) -> AxisBox {
+        let fine = FINE * self.ball.1.max(apart);
+        self.swept(&motion.stretches[stretch].arguments, place, fine, SPLITS)
+    }
+
     fn placed(&self, pose: &Pose, grown: f64) -> AxisBox {
         let Some([center, half]) = self.own else {
             return AxisBox::EVERYWHERE;
@@ -186,11 +198,7 @@ impl<'m> BroadPhase<'m> {
     fn boxes(&self, moment: usize, apart: f64) -> Vec<AxisBox> {
         let motion = self.motion;
         let swept = |body: &Sweeper| match moment.checked_sub(motion.roots) {
-            None => {
-                let fine = FINE * body.ball.1.max(apart);
-                let arguments = &motion.stretches[moment].arguments;
-                body.swept(arguments, [0.0, 1.0], fine, SPLITS)
-            }
+            None => body.over(motion, moment, [0.0, 1.0], apart),
             Some(place) => {
                 let pose = motion.body_pose(self.alone[place], body.body);
                 body.placed(&pose, 0.0)
