@@ -5,6 +5,7 @@ use super::names::Names;
 use crate::model::actuation::Actuation;
 use crate::model::chain::{Argument, ChainStep, ElementaryMotion};
 use crate::model::drive::Drive;
+use crate::model::expression::Expression;
 use crate::model::mechanism::{Kind, Mechanism};
 use crate::numbers::interval::Interval;
 
@@ -98,16 +99,29 @@ fn screw_leads(mechanism: &Mechanism) -> impl Iterator<Item = f64> {
 fn largest_driven(drive: &Drive, duration: f64) -> f64 {
     let at = |time: f64| finite_or_zero(drive.value(time));
     let known = INSTANTS.map(|share| at(share * duration));
-    let mut known = known.into_iter().fold(0.0, f64::max);
-    let Drive::Formula(formula) = drive else {
-        let values = drive.keys().iter().map(|time| at(*time));
-        let all = values.fold(known, f64::max);
-        return if all > FAR_BEYOND * known { all } else { known };
+    let sampled = known.into_iter().fold(0.0, f64::max);
+    let largest = match drive {
+        Drive::Formula(formula) => largest_found(formula, sampled, duration),
+        Drive::Keys { .. } => {
+            let values = drive.keys().iter().map(|time| at(*time));
+            values.fold(sampled, f64::max)
+        }
     };
+    if largest > FAR_BEYOND * sampled {
+        largest
+    } else {
+        sampled
+    }
+}
+
+/// The largest value of a formula that is found where it may be far larger than is `known`.
+fn largest_found(formula: &Expression, mut known: f64, duration: f64) -> f64 {
     // The part that may hold the largest value is halved, until no part may hold a far larger one than is known.
     let most = |[from, to]: [f64; 2]| {
+        // Beside a kink nothing may be known of the range: it stays open until parts are short.
         let range = formula.range(&[Interval::new(from, to)]);
-        range.map_or(0.0, |range| finite_or_zero(range.magnitude()))
+        let most = range.map_or(0.0, |range| range.magnitude());
+        if most.is_nan() { f64::INFINITY } else { most }
     };
     let whole = [0.0, duration];
     let mut parts = vec![(most(whole), whole)];
@@ -118,7 +132,7 @@ fn largest_driven(drive: &Drive, duration: f64) -> f64 {
         };
         let (_, [from, to]) = parts.swap_remove(place);
         let middle = 0.5 * from + 0.5 * to;
-        known = known.max(at(middle));
+        known = known.max(finite_or_zero(formula.value_at_instant(middle)));
         parts.extend([[from, middle], [middle, to]].map(|part| (most(part), part)));
     }
     known
@@ -168,7 +182,8 @@ mod tests {
             };
             let scene =
                 load_scene(&source, &Overrides::default()).unwrap_or_else(|e| panic!("{e} {text}"));
-            assert!((scene.mechanism.size - wanted).abs() < 1e-12, "{text}");
+            let size = scene.mechanism.size;
+            assert!((size - wanted).abs() < 1e-12, "{size} {text}");
         }
     }
 }
