@@ -110,6 +110,33 @@ impl Workspace {
         finish(self.command(arguments).spawn().unwrap())
     }
 
+    /// Runs with so many seconds of processor time, its own and nobody else's, which must not be used up. A clock or the
+    /// time of all children would count what other tests do meanwhile.
+    pub fn run_within(&self, seconds: u32, arguments: &[&str]) -> Run {
+        let run = if cfg!(unix) {
+            let mut shell = Command::new("sh");
+            shell
+                .current_dir(self.folder.path())
+                .args(["-c", &format!("ulimit -t {seconds}; exec \"$0\" \"$@\"")])
+                .arg(env!("CARGO_BIN_EXE_mechanim"))
+                .args(arguments)
+                .stdin(Stdio::null())
+                .stdout(Stdio::piped())
+                .stderr(Stdio::piped());
+            undisturbed(&mut shell);
+            finish(shell.spawn().unwrap())
+        } else {
+            self.run(arguments)
+        };
+        // What the system says where the seconds are used up: SIGKILL or SIGXCPU.
+        assert!(
+            ![128 + 9, 128 + 24].contains(&run.code),
+            "more than {seconds} s of processor time: {arguments:?}\n{}",
+            run.stderr
+        );
+        run
+    }
+
     /// Runs with `input` on standard input.
     pub fn run_with(&self, arguments: &[&str], input: &[u8]) -> Run {
         let mut child = self

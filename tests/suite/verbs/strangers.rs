@@ -3,7 +3,6 @@
 
 use crate::program;
 use crate::program::{Run, STILL, Workspace, moving, with_mesh};
-use std::time::{Duration, Instant};
 
 /// Commands of CI logs, escapes, a bell, C1, bidi, and what ends texts of HTML, XML, Markdown, LaTeX and CSV.
 const HOSTILE: &str = "::error::##[error]##vso[task.complete]\u{1b}[32mpassed\u{1b}]0;owned\u{7}\u{9b}31m\u{202e}\u{2066}\
@@ -265,17 +264,11 @@ fn mistakes(count: usize) -> String {
 fn many_mistakes_on_one_line_are_counted_and_said_at_once() {
     let w = Workspace::new();
     w.write("s.toml", mistakes(1000));
-    let begun = Instant::now();
+    // Takes some hundredths of a second; took a minute with a system call a character.
     let run = w
-        .run(&["check", "s.toml"])
+        .run_within(5, &["check", "s.toml"])
         .exits(2)
         .says(&["and 980 more errors of 1 kind"]);
-    // Tens of milliseconds on an idle machine; a minute with a system call a character.
-    assert!(
-        begun.elapsed() < Duration::from_secs(5),
-        "{:?}",
-        begun.elapsed()
-    );
     assert_eq!(run.stderr.matches("error: ").count(), 20);
     assert!(run.stderr.len() < 20_000, "{}", run.stderr.len());
     let first = run
