@@ -27,7 +27,11 @@ fn filled(before: &str, entry: impl Fn(usize) -> String, between: &str, after: &
 fn checked(w: &Workspace, what: &str, text: &str) -> Run {
     w.write("s.toml", text);
     let run = w.run_within(MOST, &["check", "s.toml", "--samples", "3"]);
-    println!("{what}: exit {}, {} bytes of messages", run.code, run.stderr.len());
+    println!(
+        "{what}: exit {}, {} bytes of messages",
+        run.code,
+        run.stderr.len()
+    );
     run
 }
 
