@@ -33,6 +33,7 @@ pub fn dot_lanes(a: &[Lanes], b: &[Lanes]) -> f64 {
 }
 
 /// Sum of the squares of differences, four at a time.
+#[inline]
 pub fn square_of_difference(a: &[f64], b: &[f64]) -> f64 {
     let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
     let mut sums = [f64x4::ZERO; 2];

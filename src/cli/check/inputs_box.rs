@@ -11,7 +11,7 @@ use serde_json::json;
 
 /// Checks whether all pairs of bodies keep their minimum over the box.
 pub fn check(args: &CheckArgs, opened: &OpenScene) -> Result<Answer, Failure> {
-    let OpenScene { scene, system } = opened;
+    let OpenScene { scene, system, .. } = opened;
     let mechanism = &scene.mechanism;
     let Some(rules) = &scene.clearance else {
         return Err(Failure::usage(

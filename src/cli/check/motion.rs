@@ -24,7 +24,7 @@ pub fn check_motion(
     own: &[(String, f64)],
     term: &Term,
 ) -> Result<Answer, Failure> {
-    let OpenScene { scene, system } = opened;
+    let OpenScene { scene, system, .. } = opened;
     let actuation = &scene.actuation;
     clearance::refuse_without_rules(args, scene)?;
     let times = asked_times(&args.asked, &args.scene, scene);
@@ -56,7 +56,7 @@ pub fn check_motion(
     let mut clearances =
         clearance::check_pairs(args, opened, &check, (&trajectory, &mut covered), term)?;
     if let Some(found) = clearances.as_mut().filter(|_| with_pieces) {
-        found.pieces = Some(pieces::all_pieces(args, own, &times, &found.parts, term)?);
+        found.pieces = Some(pieces::all_pieces(args, own, opened, &times, &found.parts)?);
     }
     swept::write(args, opened, &mut covered, term)?;
     let answer = check.answer(&trajectory, &mut covered, clearances.as_ref(), seconds);

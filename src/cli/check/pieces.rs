@@ -4,8 +4,8 @@ use crate::analysis::enclosure::{PieceTolerances, Plan, enclose_clearances};
 use crate::clearance::part::{JudgedPart, PieceReport};
 use crate::cli::args::motion::CheckArgs;
 use crate::cli::interrupt::{CANCEL, refuse_interrupted};
-use crate::cli::open::study::{nominal_source, open_pieces};
-use crate::cli::term::Term;
+use crate::cli::open::scene::OpenScene;
+use crate::cli::open::study::open_pieces;
 use crate::cli::term::outcome::Failure;
 use crate::jobs::core_count;
 use crate::limits::search_deadline;
@@ -40,11 +40,11 @@ pub fn refuse_without_motion(args: &CheckArgs, own: &[(String, f64)]) -> Result<
 pub fn all_pieces(
     args: &CheckArgs,
     own: &[(String, f64)],
+    opened: &OpenScene,
     times: &[f64],
     parts: &[JudgedPart],
-    term: &Term,
 ) -> Result<PieceReport, Failure> {
-    let (source, overrides, _) = nominal_source(&args.scene, term)?;
+    let (source, overrides) = opened.text_as_opened(&args.scene);
     let asked = PieceTolerances {
         vary: &args.vary.vary,
         own,

@@ -23,7 +23,7 @@ pub fn run_modes(args: &ModesArgs, term: &Term) -> Result<Outcome, Failure> {
             Vec::new(),
         ));
     }
-    let OpenScene { scene, system } = open_scene::open_scene(&args.scene, term)?;
+    let OpenScene { scene, system, .. } = open_scene::open_scene(&args.scene, term)?;
     let actuation = &scene.actuation;
     if !(0.0..=actuation.duration).contains(&args.at) {
         return Err(Failure::usage(

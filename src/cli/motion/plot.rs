@@ -28,7 +28,7 @@ pub fn run_plot(args: &PlotArgs, term: &Term) -> Result<Outcome, Failure> {
     io::refuse_input(&args.scene, &args.out)?;
     let asked = asked_plot(args)?;
     let change = |overrides: &mut Overrides| overrides.plot = asked;
-    let OpenScene { scene, system } = open_scene::open_changed(&args.scene, change, term)?;
+    let OpenScene { scene, system, .. } = open_scene::open_changed(&args.scene, change, term)?;
     let actuation = &scene.actuation;
     let plots = chosen_plots(args.only.as_deref(), &scene)?;
     let times = plot_times(args, actuation);

@@ -48,7 +48,9 @@ pub fn run_render(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
         return Err(Failure::usage(message, vec![hint]));
     }
     io::refuse_input(&args.scene, &args.file.out)?;
-    let OpenScene { mut scene, system } = open_scene::open_scene(&args.scene, term)?;
+    let OpenScene {
+        mut scene, system, ..
+    } = open_scene::open_scene(&args.scene, term)?;
     args.view.apply(&format, &mut scene)?;
     warn_of_missing_glyphs(&scene, term);
     clock.end_stage("read");

@@ -34,7 +34,7 @@ pub fn run_solve(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
             hints,
         ));
     }
-    let OpenScene { scene, system } = open_scene::open_scene(&args.scene, term)?;
+    let OpenScene { scene, system, .. } = open_scene::open_scene(&args.scene, term)?;
     let actuation = &scene.actuation;
     let derivatives = rate_columns(args, &scene.mechanism)?;
     let times = row_times(args, &scene)?;

@@ -7,7 +7,7 @@ use crate::cli::term::outcome::Failure;
 use crate::cli::term::progress::announce_work;
 use crate::diag::Source;
 use crate::kinematics::structure::system::System;
-use crate::scene::{Overrides, Scene, load_scene, source};
+use crate::scene::{OtherDrives, Overrides, Scene, load_scene, source};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -18,6 +18,8 @@ pub struct OpenScene {
     pub scene: Scene,
     /// Made once, from the scene's mechanism.
     pub system: System,
+    /// What the scene was read from: standard input can be read only once.
+    pub text: (Source, Overrides),
 }
 
 /// Reads, resolves and adapts the scene, and analyses its mechanism; warnings are printed.
@@ -52,7 +54,41 @@ pub fn open_changed(
     if let Some(choice) = &args.mode {
         scene.actuation.guess = mode::start_of(&system, &scene.actuation, choice)?;
     }
-    Ok(OpenScene { scene, system })
+    let text = (source, overrides);
+    Ok(OpenScene {
+        scene,
+        system,
+        text,
+    })
+}
+
+impl OpenScene {
+    /// The scene's text with overrides that make the same scene of it, its table of inputs and its assembly included.
+    pub fn text_as_opened(&self, args: &SceneArgs) -> (Source, Overrides) {
+        let (source, mut overrides) = self.text.clone();
+        keep_variables(args, &self.scene, &mut overrides);
+        (source, overrides)
+    }
+}
+
+/// `--input-table` and `--mode`, which have changed `scene`, as overrides, so that they hold wherever it is read again.
+pub fn keep_variables(args: &SceneArgs, scene: &Scene, overrides: &mut Overrides) {
+    let (mechanism, actuation) = (&scene.mechanism, &scene.actuation);
+    if args.table.is_some() {
+        overrides.drives = Some(OtherDrives {
+            drives: actuation.drives.clone(),
+            duration: actuation.duration,
+        });
+    }
+    if args.mode.is_some() {
+        let start = mechanism.unknowns.iter().zip(&actuation.guess);
+        overrides.guess = start
+            .map(|(unknown, value)| {
+                let value = value * mechanism.file_units(unknown.kind);
+                (unknown.name.clone(), format!("{value:?}"))
+            })
+            .collect();
+    }
 }
 
 /// The scene's text, and its overrides on the command line.

@@ -10,7 +10,7 @@ use crate::cli::term::outcome::Failure;
 use crate::diag::Source;
 use crate::kinematics::structure::system::System;
 use crate::model::measure::{Measure, MeasureSource};
-use crate::scene::{OtherDrives, Overrides, Scene, load_scene};
+use crate::scene::{Overrides, Scene, load_scene};
 use std::sync::Arc;
 
 /// Reads the scene; `all_by_default` decides what is varied by default.
@@ -59,7 +59,7 @@ pub fn nominal_of(
     Ok((source, overrides, nominal))
 }
 
-/// `--input-table` and `--mode` as changes of the scene, so that they hold wherever it is read again.
+/// Applies `--input-table` and `--mode`.
 fn apply_variables(
     args: &SceneArgs,
     scene: &mut Scene,
@@ -75,22 +75,12 @@ fn apply_variables(
             ));
         }
         inputs_table::apply_inputs(mechanism, actuation, path)?;
-        overrides.drives = Some(OtherDrives {
-            drives: actuation.drives.clone(),
-            duration: actuation.duration,
-        });
     }
     if let Some(choice) = &args.mode {
         let system = System::new(Arc::clone(mechanism), actuation)?;
-        let guess = mode::start_of(&system, actuation, choice)?;
-        let start = mechanism.unknowns.iter().zip(&guess);
-        overrides.guess = start
-            .map(|(unknown, value)| {
-                let value = value * mechanism.file_units(unknown.kind);
-                (unknown.name.clone(), format!("{value:?}"))
-            })
-            .collect();
+        actuation.guess = mode::start_of(&system, actuation, choice)?;
     }
+    open_scene::keep_variables(args, scene, overrides);
     Ok(())
 }
 

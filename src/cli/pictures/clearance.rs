@@ -41,7 +41,7 @@ pub fn write_worst_pair(
     path: &Path,
     term: &Term,
 ) -> Result<(), Failure> {
-    let OpenScene { scene, system } = opened;
+    let OpenScene { scene, system, .. } = opened;
     let Some(worst) = report.worst() else {
         term.warning("no pair is judged: there is nothing to draw");
         return Ok(());

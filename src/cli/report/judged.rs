@@ -84,6 +84,7 @@ pub fn judge(asked: &RequirementArgs, scene: &SceneArgs, term: &Term) -> Result<
     let OpenScene {
         scene: read,
         system,
+        ..
     } = &opened;
     let times = asked_times(asked, scene, read);
     let check = motion_check(asked, &opened, &times, false);

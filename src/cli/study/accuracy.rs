@@ -31,7 +31,7 @@ pub fn run_accuracy(args: &AccuracyArgs, term: &Term) -> Result<Outcome, Failure
     if let Some(out) = &args.out {
         io::refuse_input(&args.scene, out)?;
     }
-    let OpenScene { scene, system } = open_scene::open_scene(&args.scene, term)?;
+    let OpenScene { scene, system, .. } = open_scene::open_scene(&args.scene, term)?;
     let mechanism = &scene.mechanism;
     let mut output = args.out.as_deref().map(io::open_output).transpose()?;
     let study = match study_precision(&system, &scene.actuation, args.poses, args.turns) {

@@ -87,8 +87,9 @@ impl Linearisation {
             && are_at(outer, coordinates, &self.at[own.len()..]);
         if !known {
             self.at.clear();
-            let slots = own.iter().chain(outer);
-            self.at.extend(slots.map(|slot| coordinates[*slot]));
+            for slots in [own, outer] {
+                self.at.extend(slots.iter().map(|slot| coordinates[*slot]));
+            }
             self.workspace
                 .evaluate(mechanism, block, coordinates, Want::Jacobian);
             self.stage = LinearStage::Evaluated;

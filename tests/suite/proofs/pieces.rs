@@ -492,7 +492,12 @@ fn lengths_of_solids_alone_are_dimensions() {
         );
         let said = w.run(&["check", "plain.toml", "--made-within", "0.05"]);
         assert!(said.text().contains("2 dimensions"), "{}", said.text());
+        // Standard input can be read only once.
+        let text = w.read("plain.toml");
+        let piped = w.run_with(&["check", "-", "--made-within", "0.05"], &text);
+        assert_eq!(piped.text(), said.text());
         said.exits(code);
+        piped.exits(code);
     }
 }
 
