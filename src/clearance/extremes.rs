@@ -6,7 +6,7 @@
 
 use super::motion::ProvedMotion;
 use crate::kinematics::certificate::tube::TaylorModel;
-use crate::kinematics::loops::observed::observed_slots;
+use crate::kinematics::loops::observed::{dependencies, formula_value};
 use crate::model::expression::Expression;
 use crate::numbers::interval::Interval;
 use crate::numbers::rounding::OPERATION;
@@ -102,6 +102,8 @@ impl Ord for Part {
 struct Search<'a, 'm> {
     motion: &'a mut ProvedMotion<'m>,
     formula: &'a Expression,
+    /// For every slot, whether the formula depends on it.
+    needed: Vec<bool>,
     sign: f64,
     models: HashMap<usize, TaylorModel>,
     parts: BinaryHeap<Part>,
@@ -123,9 +125,11 @@ struct Best {
 pub fn greatest(motion: &mut ProvedMotion, formula: &Expression, sign: f64) -> Option<Greatest> {
     let kept = motion.instants.len();
     let is_certified = motion.is_certified();
+    let needed = dependencies(motion.system.mechanism(), &formula.slots());
     let mut search = Search {
         motion,
         formula,
+        needed,
         sign,
         models: HashMap::new(),
         parts: BinaryHeap::new(),
@@ -160,8 +164,9 @@ impl Search<'_, '_> {
     /// The value at a solved pose.
     fn look_at(&mut self, instant: usize, part: Option<(usize, f64, f64)>) -> f64 {
         let instant = &self.motion.instants[instant];
-        let slots = observed_slots(self.motion.system.mechanism(), &instant.coordinates);
-        let value = self.sign * self.formula.value(&slots);
+        let mechanism = self.motion.system.mechanism();
+        let formula = (self.formula, self.needed.as_slice());
+        let value = self.sign * formula_value(mechanism, &instant.coordinates, formula);
         self.least = self.least.min(value);
         if value.is_finite() && self.best.is_none_or(|best| value > best.value) {
             let time = instant.time;
@@ -235,7 +240,8 @@ impl Search<'_, '_> {
         let model = match self.models.get(&stretch) {
             Some(model) => *model,
             None => {
-                let model = self.motion.formula(stretch, self.formula).scaled(self.sign);
+                let model = self.motion.formula(stretch, (self.formula, &self.needed));
+                let model = model.scaled(self.sign);
                 self.models.insert(stretch, model);
                 model
             }

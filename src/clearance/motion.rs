@@ -5,7 +5,7 @@
 //! and its bound is reported as an estimate.
 
 use crate::kinematics::certificate::tube::{Prover, TaylorModel, Tube};
-use crate::kinematics::loops::observed::observed_slots;
+use crate::kinematics::loops::observed::formula_value;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::solve::newton::Pace;
 use crate::kinematics::solve::pose_solver::PoseSolver;
@@ -297,16 +297,14 @@ impl<'m> ProvedMotion<'m> {
         }
     }
 
-    /// A formula of coordinates, traced points and outputs over a stretch.
-    pub fn formula(&self, stretch: usize, formula: &Expression) -> TaylorModel {
+    /// A formula of coordinates, traced points and outputs over a stretch; with its dependencies.
+    pub fn formula(&self, stretch: usize, formula: (&Expression, &[bool])) -> TaylorModel {
         let mechanism = self.system.mechanism();
         match &self.stretches[stretch].way {
-            Way::Proved(tube) => tube.shown(mechanism).value(formula),
+            Way::Proved(tube) => tube.formula(mechanism, formula),
             Way::Estimated(ends) => {
-                let [a, b] = ends.map(|k| {
-                    let slots = observed_slots(mechanism, &self.instants[k].coordinates);
-                    formula.value(&slots)
-                });
+                let [a, b] =
+                    ends.map(|k| formula_value(mechanism, &self.instants[k].coordinates, formula));
                 let mut model = TaylorModel::constant(0.5 * (a + b));
                 model.c[1] = 0.5 * (b - a);
                 model.rest = ESTIMATE_SHARE * (b - a).abs();

@@ -1,5 +1,6 @@
 //! The quantities of a pose that a table shows, in any arithmetic: unknowns, traced points, outputs.
 
+use crate::model::expression::Expression;
 use crate::model::mechanism::Mechanism;
 use crate::model::outputs::output_arguments;
 use crate::model::walk::WalkFrame;
@@ -48,11 +49,22 @@ pub fn needed_slots<S: Scalar>(
     slots
 }
 
-/// For every slot, whether the value of `slot` depends on it.
-pub fn dependencies(mechanism: &Mechanism, slot: usize) -> Vec<bool> {
+/// A formula about the motion at coordinates; `needed` are its dependencies.
+pub fn formula_value<S: Scalar>(
+    mechanism: &Mechanism,
+    coordinates: &[S],
+    (formula, needed): (&Expression, &[bool]),
+) -> S {
+    formula.value(&needed_slots(mechanism, coordinates, |slot| needed[slot]))
+}
+
+/// For every slot, whether the value of one of `slots` depends on it.
+pub fn dependencies(mechanism: &Mechanism, slots: &[usize]) -> Vec<bool> {
     let first = mechanism.coordinate_count() + 3 * mechanism.traces.len();
     let mut needed = vec![false; first + mechanism.outputs.len()];
-    needed[slot] = true;
+    for slot in slots {
+        needed[*slot] = true;
+    }
     // Outputs use earlier ones only.
     for (k, output) in mechanism.outputs.iter().enumerate().rev() {
         if needed[first + k] {

@@ -140,7 +140,7 @@ impl<'m> LimitSearch<'m> {
             true => at,
             false => at + mechanism.inputs.len(),
         };
-        self.needed = dependencies(mechanism, self.slot);
+        self.needed = dependencies(mechanism, &[self.slot]);
         // The last sample that moves, or the beginning of an interval with zero rate.
         let mut last: Option<(usize, f64)> = None;
         for (k, rate) in rates.iter().enumerate() {

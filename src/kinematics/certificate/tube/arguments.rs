@@ -5,6 +5,7 @@ use super::placed::PlacedArgument;
 use super::prover::Prover;
 use super::stretches::Tube;
 use super::taylor_model::TaylorModel;
+use crate::kinematics::loops::observed::dependencies;
 use crate::model::chain::Argument;
 use crate::model::timed_argument::TimedArgument;
 use crate::numbers::interval::Interval;
@@ -48,7 +49,8 @@ impl Prover<'_> {
                 (Some(turned), _) => of(turned),
                 // A kink is passed with what its other side is off.
                 (None, Argument::Formula(formula)) if !formula.has_jumps() => {
-                    tube.shown(mechanism).value(formula)
+                    let needed = dependencies(mechanism, &formula.slots());
+                    tube.formula(mechanism, (formula, &needed))
                 }
                 _ => value,
             }

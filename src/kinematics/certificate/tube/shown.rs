@@ -3,23 +3,22 @@
 use super::shown_value::{Line, ShownValue};
 use super::stretches::Tube;
 use super::taylor_model::TaylorModel;
-use crate::kinematics::loops::observed::observed_slots;
+use crate::kinematics::loops::observed::formula_value;
 use crate::model::expression::Expression;
 use crate::model::mechanism::Mechanism;
 use crate::numbers::interval::Interval;
 
-/// The slots that formulas use, over one tube.
-pub struct TubeSlots {
-    slots: Vec<ShownValue>,
-}
-
 impl Tube {
-    /// The slots of the motion in it.
-    pub fn shown(&self, mechanism: &Mechanism) -> TubeSlots {
+    /// A formula over the motion in it; `needed` are its dependencies.
+    pub fn formula(
+        &self,
+        mechanism: &Mechanism,
+        (formula, needed): (&Expression, &[bool]),
+    ) -> TaylorModel {
         let [middle, everywhere] = self.path.series();
         let unknowns = mechanism.unknowns.len();
         let coordinates = self.coordinates(mechanism);
-        let slot = |(k, coordinate): (usize, &TaylorModel)| {
+        let shown = |(k, coordinate): (usize, &TaylorModel)| {
             // The inputs' own remainder is part of the series.
             let off = if k < unknowns { coordinate.rest } else { 0.0 };
             ShownValue {
@@ -28,16 +27,7 @@ impl Tube {
                 beside: Line::linear(coordinate.range(), Interval::around_zero(off), 1),
             }
         };
-        let slots: Vec<ShownValue> = coordinates.iter().enumerate().map(slot).collect();
-        TubeSlots {
-            slots: observed_slots(mechanism, &slots),
-        }
-    }
-}
-
-impl TubeSlots {
-    /// A formula over the stretch.
-    pub fn value(&self, formula: &Expression) -> TaylorModel {
-        formula.value(&self.slots).model()
+        let coordinates: Vec<ShownValue> = coordinates.iter().enumerate().map(shown).collect();
+        formula_value(mechanism, &coordinates, (formula, needed)).model()
     }
 }
