@@ -35,10 +35,11 @@ fn gap_of_all(mechanism: &Mechanism, coordinates: &[f64], arguments: &[ArgumentV
         let (angle, distance) = loop_gap(item, arguments);
         [angle, distance / item.size]
     });
+    let mut scratch = Vec::new();
     let equations = mechanism.equations.iter().enumerate();
     let equations = equations.map(|(index, equation)| {
-        let scale = mechanism.weight_of(index);
-        (equation.expression.value(coordinates) * scale).abs()
+        let value = equation.expression.value_with(coordinates, &mut scratch);
+        (value * mechanism.weight_of(index)).abs()
     });
     largest_or_nan(loops.chain(equations))
 }

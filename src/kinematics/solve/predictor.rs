@@ -48,6 +48,8 @@ pub struct Predictor {
     groups: Vec<GroupSeries>,
     /// The last coefficient of the arguments' rates.
     rates: Vec<f64>,
+    /// Coefficients of the factors of a block's equations of second degree.
+    factors: Vec<[f64; HIGHEST_ORDER]>,
 }
 
 impl Predictor {
@@ -121,11 +123,8 @@ impl Predictor {
             if k > 0 {
                 let drift = buffers.workspace.drift.as_flattened_mut();
                 self.add_bends(&block.plan, drift, k);
-                for equation in &block.plan.equations {
-                    let form = equation.quadratic.iter();
-                    let bend = form.map(|f| f.bend(&self.series, count, k + 1));
-                    drift[equation.row] += equation.scale * bend.sum::<f64>();
-                }
+                let before = &self.series[(k - 1) * count..k * count];
+                bend_equations(&block.plan, (before, k), &mut self.factors, drift);
             }
             buffers.solve_drift();
             // Coefficients of higher orders are too small to gain.
@@ -193,6 +192,29 @@ impl GroupSeries {
             bend.add_scaled(&self.own[i], rate(K + 1 - i));
         }
         self.bend = bend;
+    }
+}
+
+/// Adds to the drift what equations of second degree say about the coefficient of order `k + 1`, from those of lower order:
+/// those `before` have order `k`. Their factors' coefficients are kept in `factors`.
+fn bend_equations(
+    plan: &BlockPlan,
+    (before, k): (&[f64], usize),
+    factors: &mut Vec<[f64; HIGHEST_ORDER]>,
+    drift: &mut [f64],
+) {
+    let mut first = 0;
+    for equation in &plan.equations {
+        let Some(form) = &equation.quadratic else {
+            continue;
+        };
+        let own = first..first + form.factor_count();
+        first = own.end;
+        if factors.len() < first {
+            factors.resize(first, [0.0; HIGHEST_ORDER]);
+        }
+        form.take_order(before, k, &mut factors[own.clone()]);
+        drift[equation.row] += equation.scale * form.bend(&factors[own], k + 1);
     }
 }
 

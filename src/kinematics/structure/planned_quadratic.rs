@@ -107,26 +107,26 @@ impl PlannedQuadratic {
         }
     }
 
-    /// The contribution of the coefficients of lower order to coefficient `order` of the value; `coefficients` contains
-    /// those of all `count` coordinates from the first order on, one order after the other. The order is 2 to
-    /// [`HIGHEST_ORDER`].
-    pub fn bend(&self, coefficients: &[f64], count: usize, order: usize) -> f64 {
-        let along = |factor: usize| {
-            let orders = coefficients.chunks_exact(count).take(order - 1);
-            let mut values = [0.0; HIGHEST_ORDER];
-            for (value, of_order) in values.iter_mut().zip(orders) {
-                *value = self.factors[factor].linear(0.0, of_order);
-            }
-            values
-        };
+    /// Number of its factors.
+    pub fn factor_count(&self) -> usize {
+        self.factors.len()
+    }
+
+    /// Coefficient `order` of every factor, 1 to [`HIGHEST_ORDER`], from those `of_order` of all coordinates.
+    pub fn take_order(&self, of_order: &[f64], order: usize, factors: &mut [[f64; HIGHEST_ORDER]]) {
+        for (coefficients, factor) in factors.iter_mut().zip(&self.factors) {
+            coefficients[order - 1] = factor.linear(0.0, of_order);
+        }
+    }
+
+    /// The contribution of the coefficients of lower order, which its `factors` have, to coefficient `order` of the value.
+    /// The order is 2 to [`HIGHEST_ORDER`].
+    pub fn bend(&self, factors: &[[f64; HIGHEST_ORDER]], order: usize) -> f64 {
         // Cauchy product of the two factors without its first and last term, which contain coefficient `order`
         // itself.
         let products = self.products.iter().map(|(factor, [a, b])| {
-            let first = along(*a);
-            let second = if a == b { first } else { along(*b) };
-            let pairs = first[..order - 1]
-                .iter()
-                .zip(second[..order - 1].iter().rev());
+            let [first, second] = [a, b].map(|k| &factors[*k][..order - 1]);
+            let pairs = first.iter().zip(second.iter().rev());
             factor * pairs.map(|(x, y)| x * y).sum::<f64>()
         });
         products.sum()
@@ -189,7 +189,9 @@ mod tests {
             })
             .collect();
         let wanted = formula.value(&series).coefficients()[4];
-        let found = planned.bend(coefficients[1..].as_flattened(), 4, 4);
+        let mut factors = vec![[0.0; HIGHEST_ORDER]; planned.factor_count()];
+        (1..4).for_each(|k| planned.take_order(&coefficients[k], k, &mut factors));
+        let found = planned.bend(&factors, 4);
         assert!((found - wanted).abs() < 1e-14, "{found} {wanted}");
     }
 }
