@@ -10,7 +10,7 @@ use crate::kinematics::solve::turns::WholeTurns;
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::system::System;
 use crate::model::chain::{Argument, ArgumentValue, ChainStep, ElementaryMotion};
-use crate::model::mechanism::{Closes, Kind, Loop, Mechanism};
+use crate::model::mechanism::{Closes, Equation, Kind, Loop, Mechanism};
 use crate::model::outputs::output_arguments;
 use crate::model::walk::{Triple, WalkFrame};
 use crate::numbers::interval::Interval;
@@ -38,6 +38,12 @@ pub fn has_no_pose(system: &System, inputs: &[f64]) -> bool {
     let blocks = system.blocks().iter();
     let mut halvings = blocks.map(|block| Halving::new(mechanism, block, &turns));
     halvings.any(|halving| halving.finds_nothing(&coordinates))
+}
+
+/// Whether an equation is proved to have no zero, or no value, for any of these coordinates.
+pub fn is_equation_open(equation: &Equation, coordinates: &[Interval]) -> bool {
+    let range = equation.expression.range(coordinates);
+    range.is_none_or(|values| !values.holds_zero())
 }
 
 /// All coordinates of poses with these inputs, read as numbers or as the decimals that a table prints: of the unknowns nothing
@@ -217,10 +223,7 @@ impl<'m> Halving<'m> {
         let mut scalars = self.block.equations.iter();
         let mut values = used.iter();
         parts.any(|part| is_open_throughout(&loops[part.index], &arguments))
-            || scalars.any(|k| {
-                let range = equations[*k].expression.range(piece);
-                range.is_none_or(|values| !values.holds_zero())
-            })
+            || scalars.any(|k| is_equation_open(&equations[*k], piece))
             || values.any(|k| match &self.mechanism.arguments[*k] {
                 Argument::Affine(_) => false,
                 Argument::Formula(formula) => formula.range(piece).is_none(),

@@ -147,3 +147,37 @@ fn singular_samples_and_kinks_with_poses_are_no_failure() {
         }
     }
 }
+
+/// Folds that face each other over a gap in which nothing closes, at most a single pose in its middle: all terms of the equation
+/// are small there, and what they leave is small, but not against them.
+#[test]
+fn no_motion_goes_on_over_a_gap_between_folds() {
+    let folder = Workspace::new();
+    let equations = [
+        // x = ±phi sqrt(phi² - gap²), and the pose at zero.
+        "x^2 - phi^4 + 0.03^2*phi^2",
+        "x^2 - phi^4 + 0.01^2*phi^2",
+        "x^2 - phi^4 + 0.003^2*phi^2",
+        "x^2 - phi^6 + 0.03^2*phi^4",
+        "x^2 - phi^6 + 0.01^2*phi^4",
+        // No pose at all between.
+        "x^2 - phi^4 + 0.0001^4",
+        "x^2 - phi^6 + 0.003^6",
+        "x^4 - phi^6 + 0.003^6",
+    ];
+    for equation in equations {
+        let text = scene("t - 1", equation) + "[guess]\nx = 1\n";
+        folder.write("gap.toml", text);
+        for samples in ["6", "7", "8", "40"] {
+            for verb in [&["solve", "--out", "-"][..], &["check"]] {
+                let run = folder.run(&[verb, &["gap.toml", "--samples", samples]].concat());
+                assert!(
+                    [1, 4].contains(&run.code),
+                    "{verb:?} {equation} at {samples}: {} {}",
+                    run.code,
+                    run.stderr
+                );
+            }
+        }
+    }
+}

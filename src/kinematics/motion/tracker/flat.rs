@@ -14,11 +14,10 @@ const STRIDES: [f64; 5] = [0.5, 1.0, 2.0, 4.0, 8.0];
 /// Least cosine between the ways to the singular pose and from it.
 const STRAIGHT: f64 = 0.9;
 
-/// Residual of a pose between, in radians and sizes: rounding. What closes within the tolerance only may lie in a gap.
+/// Residual of a guessed pose, in radians and sizes: rounding.
 const CLOSED_TO_ROUNDING: f64 = 1e-14;
 
-/// Where poses between two others are looked for, and how much longer the way over one may be than the straight one.
-const BETWEEN: [f64; 3] = [0.25, 0.5, 0.75];
+/// How much longer the way over a pose between two others may be than the straight one.
 const DETOUR: f64 = 1.5;
 
 impl PathTracker<'_> {
@@ -91,22 +90,15 @@ impl PathTracker<'_> {
         first.is_some_and(|first| self.is_filled(end, &first))
     }
 
-    /// Whether poses between two others close to rounding, and lie between.
+    /// Whether poses join two others, and lie between.
     fn is_filled(&mut self, a: &PathPoint, b: &PathPoint) -> bool {
         let apart = self.solver.apart(&a.coordinates, &b.coordinates);
-        BETWEEN.iter().all(|share| {
-            let Ok(inputs) = self.inputs(a.time + share * (b.time - a.time)) else {
-                return false;
-            };
-            let n = self.unknowns();
-            let pairs = a.coordinates.iter().zip(b.coordinates.iter()).take(n);
-            let mut middle: Vec<f64> = pairs.map(|(a, b)| a + share * (b - a)).collect();
-            middle.extend(inputs);
-            let correction = self.solver.correct(&mut middle, Pace::Patient);
-            let ways = [a, b].map(|end| self.solver.apart(&end.coordinates, &middle));
-            correction.converged
-                && correction.residual <= CLOSED_TO_ROUNDING
-                && ways[0] + ways[1] <= DETOUR * apart
+        let Some(between) = self.joining(a, b) else {
+            return false;
+        };
+        between.iter().all(|middle| {
+            let ways = [a, b].map(|end| self.solver.apart(&end.coordinates, middle));
+            ways[0] + ways[1] <= DETOUR * apart
         })
     }
 

@@ -3,6 +3,7 @@
 
 pub mod arc_length;
 mod flat;
+mod joining;
 pub mod jump_sites;
 pub mod jumps;
 pub mod path_tracker;

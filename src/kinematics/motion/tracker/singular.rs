@@ -149,12 +149,7 @@ impl PathTracker<'_> {
         self.solver.iterations = scout.solver.iterations;
         self.regularity.learn_from(&scout.regularity);
         let Some(first) = first else { return true };
-        let Ok(inputs) = self.inputs(0.5 * (end.time + first.time)) else {
-            return false;
-        };
-        let ends = [&end.coordinates[..], &first.coordinates[..]];
-        let middle = self.solver.between(ends, 0.5, &inputs, Pace::Patient);
-        middle.is_some()
+        self.joining(end, &first).is_some()
     }
 
     /// Follows the motion backwards from `found` to where it ends; `None` if it reaches the target.
