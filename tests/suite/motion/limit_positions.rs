@@ -254,7 +254,7 @@ fn needed_slots_are_those_of_all() {
     let first = all.len() - 5;
     // Traced points and outputs on which each output depends, itself included.
     for (output, count) in [4, 1, 5, 7, 1].into_iter().enumerate() {
-        let needed = dependencies(mechanism, first + output);
+        let needed = dependencies(mechanism, &[first + output]);
         let some = needed_slots(mechanism, &coordinates, |slot| needed[slot]);
         assert_eq!(some[first + output], all[first + output], "{output}");
         let computed = &some[coordinates.len()..];
