@@ -157,6 +157,8 @@ mod tests {
             (f64::INFINITY, MOST_STEPS),
             (f64::NAN, STEPS_OF_SAMPLE),
         ] {
+            let budget = StepBudget::of_cost(1);
+            budget.take_all(2 * MOST_STEPS);
             budget.refill(|| turned);
             assert_eq!((0..2 * MOST_STEPS).filter(|_| budget.take()).count(), steps);
         }
