@@ -72,11 +72,15 @@ impl ChainWalker<'_> {
             in_loop,
         };
         let least = NOTHING * self.scheme.size;
-        match self.scheme.lengths.iter_mut().find(|l| l.name == name) {
+        match self.lengths.get(name).map(|k| &mut self.scheme.lengths[*k]) {
             // A length that is zero at this pose may be drawn elsewhere.
             Some(known) if known.from.distance(known.to) <= least => *known = length,
             Some(_) => {}
-            None => self.scheme.lengths.push(length),
+            None => {
+                self.lengths
+                    .insert(name.to_owned(), self.scheme.lengths.len());
+                self.scheme.lengths.push(length);
+            }
         }
     }
 
@@ -88,7 +92,7 @@ impl ChainWalker<'_> {
         axis: usize,
         source: QuantitySource,
     ) {
-        if self.scheme.angles.iter().any(|a| a.name == name) {
+        if !self.angles.insert(name.to_owned()) {
             return;
         }
         let (chain, index) = place;

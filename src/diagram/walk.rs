@@ -9,9 +9,13 @@ use crate::model::joints::{JointKind, Joints, Passage};
 use crate::model::mechanism::Mechanism;
 use crate::model::notation::{Notation, WrittenChain, WrittenFactor, unsigned_text};
 use glam::DVec3;
+use std::collections::{HashMap, HashSet};
 
 /// Lengths below this share of the mechanism's size have no line.
 pub(super) const NOTHING: f64 = 1e-9;
+
+/// So many lines of a link are compared with a new one: a drawing with more of them is black, and a repeated line changes nothing.
+const COMPARED: usize = 1000;
 
 /// The scheme of a mechanism at the given coordinates (unknowns, then inputs).
 pub fn scheme_at(mechanism: &Mechanism, notation: &Notation, coordinates: &[f64]) -> Scheme {
@@ -57,6 +61,11 @@ pub(super) struct ChainWalker<'a> {
     pub(super) scheme: Scheme,
     /// Where in the scheme a joint of the table is placed.
     known: Vec<Option<usize>>,
+    /// The joints of the scheme on every link.
+    joints_of_link: Vec<Vec<usize>>,
+    /// Where in the scheme lengths and angles of a name are.
+    pub(super) lengths: HashMap<String, usize>,
+    pub(super) angles: HashSet<String>,
 }
 
 /// Where a walk is.
@@ -109,6 +118,9 @@ impl<'a> ChainWalker<'a> {
                 ..Scheme::default()
             },
             known: vec![None; joints.list.len()],
+            joints_of_link: vec![Vec::new(); joints.links.len()],
+            lengths: HashMap::new(),
+            angles: HashSet::new(),
         }
     }
 
@@ -181,7 +193,12 @@ impl<'a> ChainWalker<'a> {
         }
         let joint = &self.joints.list[passage.joint];
         let ends = [joint.before.link, joint.after.link];
-        self.known[passage.joint] = Some(self.scheme.joints.len());
+        let index = self.scheme.joints.len();
+        self.known[passage.joint] = Some(index);
+        self.joints_of_link[ends[0]].push(index);
+        if ends[1] != ends[0] {
+            self.joints_of_link[ends[1]].push(index);
+        }
         self.scheme.joints.push(SchemeJoint {
             kind: joint.kind,
             at,
@@ -253,7 +270,7 @@ impl<'a> ChainWalker<'a> {
         let path = distinct_points(&here.path, NOTHING * self.scheme.size);
         let is_new = |paths: &[Vec<DVec3>]| {
             let reversed: Vec<DVec3> = path.iter().rev().copied().collect();
-            paths.iter().all(|known| {
+            paths.iter().take(COMPARED).all(|known| {
                 !is_near(known, &path, self.scheme.size)
                     && !is_near(known, &reversed, self.scheme.size)
             })
@@ -282,18 +299,15 @@ impl<'a> ChainWalker<'a> {
         self.scheme
             .points
             .push((chain.name.clone(), at, self.scheme.links[link].number));
-        let ends = self
-            .scheme
-            .joints
-            .iter()
-            .filter(|j| j.links.contains(&link));
+        let ends = self.joints_of_link[link].iter();
         let nearest = ends
-            .map(|j| j.at)
+            .map(|joint| self.scheme.joints[*joint].at)
             .min_by(|a, b| a.distance(at).total_cmp(&b.distance(at)));
         if let Some(end) = nearest.filter(|end| end.distance(at) > NOTHING * self.scheme.size) {
             let on_line = self.scheme.links[link]
                 .paths
                 .iter()
+                .take(COMPARED)
                 .any(|path| is_on(path, at, self.scheme.size));
             if !on_line && link != 0 {
                 self.scheme.links[link].paths.push(vec![end, at]);

@@ -21,6 +21,12 @@ const AHEAD_SHADE: f64 = 0.45;
 /// Points of a trace nearer together than this, in pixels, are merged: many samples must not make minute steps.
 const TRACE_STEP_PIXELS: f64 = 0.5;
 
+/// Steps of all traces of a scene together, a kilobyte each: with more, points further apart are merged.
+const MOST_STEPS: usize = 100_000;
+
+/// How often that distance is doubled at most: to a million times the usual one.
+const MOST_DOUBLINGS: usize = 20;
+
 /// Sides of a trace's tube: it is a few pixels wide.
 const TRACE_SIDES: u32 = 6;
 
@@ -150,6 +156,14 @@ pub fn of_traces(
     let complete = trajectory.samples.iter().all(|s| s.pose.is_some());
     let closed =
         fading.is_some() && complete && count > 2 && is_cyclic(mechanism, &scene.actuation);
+    let path = |index: usize| {
+        let samples = trajectory.samples.iter();
+        samples.map(move |s| s.pose.as_ref().map(|p| p.traces[index]))
+    };
+    let visible = mechanism.traces.iter().enumerate();
+    let visible = visible.filter(|(_, trace)| trace.radius.is_none_or(|r| r > 0.0));
+    let paths = visible.map(|(index, _)| path(index));
+    let apart = least_step(paths, TRACE_STEP_PIXELS * look.pixel, MOST_STEPS);
     let mut parts = Vec::new();
     for (index, trace) in mechanism.traces.iter().enumerate() {
         let usual = (TRACE_RADIUS / 480.0 * look.height).max(LEAST_RADIUS_PIXELS);
@@ -157,11 +171,7 @@ pub fn of_traces(
         if radius <= 0.0 {
             continue;
         }
-        let points = trajectory
-            .samples
-            .iter()
-            .map(|s| s.pose.as_ref().map(|p| p.traces[index]));
-        let (mut kept, steps) = thin_trail(points, TRACE_STEP_PIXELS * look.pixel);
+        let (mut kept, steps) = thin_trail(path(index), apart);
         if closed {
             kept.push(kept[0]);
         }
@@ -207,7 +217,23 @@ fn mixed_colour(from: [u8; 3], to: [u8; 3], share: f64) -> [u8; 3] {
     })
 }
 
-/// The points that are at least `apart` from the one kept before (gaps and the last point are always kept), and for
+/// Doubles `apart` until the paths together keep at most `most` points.
+fn least_step(
+    paths: impl Iterator<Item = impl Iterator<Item = Option<DVec3>> + Clone> + Clone,
+    mut apart: f64,
+    most: usize,
+) -> f64 {
+    for _ in 0..MOST_DOUBLINGS {
+        let kept = paths.clone().map(|path| thin_trail(path, apart).0.len());
+        if kept.sum::<usize>() <= most {
+            break;
+        }
+        apart *= 2.0;
+    }
+    apart
+}
+
+/// The points that are at least `apart` from the one kept before (one of every gap and the last point are always kept), and for
 /// every point the number of steps between kept points up to it.
 fn thin_trail(
     points: impl Iterator<Item = Option<DVec3>> + Clone,
@@ -216,8 +242,11 @@ fn thin_trail(
     let last = points.clone().count().saturating_sub(1);
     let mut kept: Vec<Option<DVec3>> = Vec::new();
     let steps = points.enumerate().map(|(index, point)| {
-        let near =
-            matches!((kept.last(), point), (Some(Some(a)), Some(b)) if a.distance(b) < apart);
+        let near = match (kept.last(), point) {
+            (Some(Some(a)), Some(b)) => a.distance(b) < apart,
+            (Some(None), None) => true,
+            _ => false,
+        };
         if !near || index == last {
             kept.push(point);
         }
@@ -238,5 +267,20 @@ mod tests {
         let (kept, steps) = thin_trail(points.into_iter(), 0.5);
         assert_eq!(kept, [x(0.0), x(0.6), None, x(0.7), x(0.8)]);
         assert_eq!(steps, [0, 0, 1, 1, 2, 3, 4]);
+    }
+
+    /// Many long paths keep their ends and no more points than all of them may have; few keep what can be seen.
+    #[test]
+    fn many_paths_take_longer_steps() {
+        let path = |_| (0..1000).map(|k| (k % 300 < 250).then_some(DVec3::X * f64::from(k)));
+        for (count, most) in [(3, 3000), (3, 300), (40, 1000)] {
+            let apart = least_step((0..count).map(path), 0.5, most);
+            let (kept, steps) = thin_trail(path(0), apart);
+            assert!(count * kept.len() <= most, "{count} {apart}");
+            assert_eq!(apart == 0.5, most == 3000);
+            assert_eq!(steps[999] as usize + 1, kept.len());
+            assert_eq!(kept.last(), Some(&Some(DVec3::X * 999.0)));
+            assert_eq!(kept.iter().filter(|point| point.is_none()).count(), 3);
+        }
     }
 }

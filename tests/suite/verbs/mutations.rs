@@ -374,7 +374,7 @@ fn each_run(
 #[test]
 fn runs_inside_end_as_promised() {
     let w = Workspace::new();
-    let (mut slow, start) = (Vec::new(), Instant::now());
+    let (mut slow, mut failed, start) = (Vec::new(), Vec::new(), Instant::now());
     let (mut longest, mut largest) = (0.0f64, 0.0f64);
     let runs = each_run(&w, "MECHANIM_INSIDE", |verb, say| {
         let before = seconds_of_process(start);
@@ -390,20 +390,21 @@ fn runs_inside_end_as_promised() {
         }
         largest = largest.max(bytes);
         let code = outcome.unwrap_or(70);
-        assert!(
-            is_slow || CODES.contains(&code),
-            "{}",
-            say(&format!("exit {code}"))
-        );
+        if !is_slow && !CODES.contains(&code) {
+            let what = say(&format!("exit {code}"));
+            println!("{what}");
+            failed.push(what);
+        }
     });
     println!(
-        "{runs} runs of mutated scenes from {} on: 0 panics, {:.1} ms each, the longest {longest:.1} CPU s, the largest {:.0} MB, \
-         above {} CPU s: {slow:#?}",
+        "{runs} runs of mutated scenes from {} on: {} failed, {:.1} ms each, the longest {longest:.1} CPU s, the largest {:.0} MB, \
+         above {SLOW} CPU s: {slow:#?}",
         asked("MECHANIM_FIRST", 0),
+        failed.len(),
         start.elapsed().as_secs_f64() / runs as f64 * 1e3,
         largest / 1e6,
-        LONGEST.as_secs()
     );
+    assert!(failed.is_empty(), "{}", failed[0]);
 }
 
 /// The verb in this process; its files stand in the workspace.
@@ -417,7 +418,7 @@ fn run_inside(w: &Workspace, verb: &[&str]) -> i32 {
 }
 
 /// What `work` gives, `None` where it panics; told to end by a Ctrl-C of our own where it takes more processor time than
-/// [`LONGEST`].
+/// [`SLOW`].
 fn unless_slow<T>(work: impl FnOnce() -> T) -> (Option<T>, bool) {
     let (done, told) = mpsc::channel::<()>();
     let start = Instant::now();
@@ -425,7 +426,7 @@ fn unless_slow<T>(work: impl FnOnce() -> T) -> (Option<T>, bool) {
     std::thread::scope(|scope| {
         let watch = scope.spawn(move || {
             while told.recv_timeout(LOOK) == Err(mpsc::RecvTimeoutError::Timeout) {
-                if seconds_of_process(start) - before > LONGEST.as_secs_f64() {
+                if seconds_of_process(start) - before > SLOW {
                     CANCEL.store(true, Ordering::Relaxed);
                     return true;
                 }
