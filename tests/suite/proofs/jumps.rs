@@ -181,3 +181,32 @@ fn no_motion_goes_on_over_a_gap_between_folds() {
         }
     }
 }
+
+/// Singular poses that a motion passes straight on, or a gap too narrow to be told from one: passed with a warning, but never
+/// within a certified interval.
+#[test]
+fn no_proof_of_a_motion_reaches_over_a_singular_pose() {
+    let folder = Workspace::new();
+    for equation in [
+        "x^7 - phi^3",
+        "x^2 - phi^2",
+        "x^2 - phi^6 + 1e-18",
+        "x^4 - phi^2 + 0.00001^2",
+        "x^2 - phi^4 + 0.0000001^2*phi^2",
+    ] {
+        let text = scene("t - 1", equation) + "[guess]\nx = 1\n";
+        folder.write("singular.toml", text);
+        for samples in ["6", "7", "40"] {
+            for verb in [&["solve", "--out", "-"][..], &["check"]] {
+                let proof = ["singular.toml", "--certify", "motion", "--samples", samples];
+                let run = folder.run(&[verb, &proof].concat());
+                assert!(
+                    [1, 4].contains(&run.code),
+                    "{verb:?} {equation} at {samples}: {} {}",
+                    run.code,
+                    run.stderr
+                );
+            }
+        }
+    }
+}
