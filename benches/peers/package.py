@@ -1,4 +1,5 @@
-"""What the Python package costs: its import, a pose in one call of many and in a call of its own, designs on two threads.
+"""What the Python package costs: its import, a pose in one call of many and in a call of its own, designs on two threads,
+and how soon Ctrl-C ends a long call.
 
     pip install mechanim
     python benches/peers/package.py
@@ -6,8 +7,11 @@
 A pose of many stands beside the column "solve" of `cargo bench --bench pose`. Best of several runs.
 """
 
+import os
+import signal
 import subprocess
 import sys
+import threading
 import time
 
 import mechanim
@@ -44,6 +48,25 @@ def first_inputs(scene):
     return [motion[name][0] for name in scene.inputs]
 
 
+def answer_to_interrupt(work):
+    """Milliseconds from Ctrl-C, 0.8 s after the start of `work`, to the exception."""
+    sent = []
+
+    def interrupt():
+        sent.append(time.monotonic())
+        os.kill(os.getpid(), signal.SIGINT)
+
+    timer = threading.Timer(0.8, interrupt)
+    timer.start()
+    try:
+        work()
+    except KeyboardInterrupt:
+        return 1e3 * (time.monotonic() - sent[0])
+    finally:
+        timer.cancel()
+    raise SystemExit("the work ended before it was interrupted")
+
+
 def main():
     print(f"import mechanim: {import_time():.1f} ms beyond numpy's")
     print()
@@ -59,6 +82,13 @@ def main():
     one, two = (best(lambda: scene.sweep(designs, ["M.x"], samples=27, threads=n), 3) for n in (1, 2))
     print()
     print(f"sweep of 8000 gearshifts with 27 poses: {one:.2f} s on one thread, {two:.2f} s on two: {one / two:.2f} times")
+    long = {
+        "solve": lambda: scene.solve(samples=400_000),
+        "check": lambda: mechanim.load("dyads").check(samples=20_000, motion=True),
+        "sweep": lambda: mechanim.load("slider-crank").sweep({"L": [90.0] * 200_000}, ["h"], samples=60),
+    }
+    waits = [f"{name} {max(answer_to_interrupt(work) for _ in range(RUNS)):.0f}" for name, work in long.items()]
+    print(f"Ctrl-C ends a long call, longest of {RUNS} waits in ms: " + ", ".join(waits))
 
 
 main()

@@ -52,7 +52,8 @@ pub fn watched<T: Send + 'static>(
 }
 
 /// Runs `work` while other Python threads go on. It is given a question that it asks between its steps: whether to give up.
-pub fn interruptible<T: Send>(
+/// What it had found by then is dropped by a thread of its own: to free a long motion takes longer than to answer.
+pub fn interruptible<T: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce(&dyn Fn() -> bool) -> T + Send,
 ) -> PyResult<T> {
@@ -90,7 +91,10 @@ pub fn interruptible<T: Send>(
         (result, raised.into_inner())
     });
     match raised {
-        Some(error) => Err(error),
+        Some(error) => {
+            std::thread::spawn(move || drop(result));
+            Err(error)
+        }
         None => Ok(result),
     }
 }

@@ -32,7 +32,7 @@ impl Recorder<'_> {
         {
             (to, false)
         } else if let Some(to) = tracker.cross(end, time)
-            && tracker.is_smooth(end, &to)
+            && tracker.continues(end, &to)
         {
             (to, is_singular)
         } else if let Some(to) = tracker.hop(end, time)
@@ -58,7 +58,7 @@ impl Recorder<'_> {
     /// The pose to which the path leads in arc length.
     fn onward(&mut self, end: &PathPoint, time: f64) -> Result<PathPoint, (PathPoint, Ending)> {
         match self.tracker.onward(end, time) {
-            Onward::Passed(to) if self.tracker.is_smooth(end, &to) => Ok(to),
+            Onward::Passed(to) if self.tracker.continues(end, &to) => Ok(to),
             Onward::Fold(fold) => {
                 let asked = self.is_proof_wanted();
                 // The direction in which time continues along the path.

@@ -9,30 +9,86 @@ use crate::numbers::interval::Interval;
 /// ends are mirror images may hold a single pose in its middle.
 const BETWEEN: [f64; 5] = [0.11, 0.29, 0.5, 0.67, 0.83];
 
+/// How often the two neighbours of the least regular instant so far are looked at more closely: a gap that is narrow beside
+/// the way across it lies where the singular value is least. So many rounds come down to the rounding of that way.
+const ROUNDS: usize = 44;
+
+/// Where between two instants the next one lies. Not in the middle, for the same reason as above.
+const NEXT: f64 = 0.45;
+
 /// What counts as the rounding of an equation: its value if every coordinate is off by this share of itself, and by the last
 /// digit of its scale. About a flat singular pose all terms are small, and so must be what they leave.
 const ROUNDING: f64 = 1e-13;
 
-/// A correction may end at the residual's own floor, where small terms are not yet balanced: so many follow.
-const MOST_CORRECTIONS: usize = 4;
+/// A correction may end at the residual's own floor, where small terms are not yet balanced: so many follow, each of which
+/// takes at least a factor of two off the error.
+const MOST_CORRECTIONS: usize = 50;
+
+/// A pose on the way from one to another, at a share of the time between them.
+struct Between {
+    share: f64,
+    pose: Vec<f64>,
+    sigma_min: f64,
+}
 
 impl PathTracker<'_> {
     /// Poses between two others, if there is one at every instant that is looked at.
     pub(super) fn joining(&mut self, a: &PathPoint, b: &PathPoint) -> Option<Vec<Vec<f64>>> {
-        let n = self.unknowns();
-        let pose = |share: &f64| {
-            let inputs = self.inputs(a.time + share * (b.time - a.time)).ok()?;
-            let pairs = a.coordinates.iter().zip(b.coordinates.iter()).take(n);
-            let mut pose: Vec<f64> = pairs.map(|(a, b)| a + share * (b - a)).collect();
-            pose.extend(inputs);
-            (0..MOST_CORRECTIONS)
-                .find_map(|_| {
-                    let is_closed = self.solver.closed(&mut pose, Pace::Patient);
-                    (!is_closed || self.is_closed_to_rounding(&pose)).then_some(is_closed)
-                })?
-                .then_some(pose)
-        };
-        BETWEEN.iter().map(pose).collect()
+        let ends = [(0.0, a), (1.0, b)].map(|(share, end)| Between {
+            share,
+            pose: end.coordinates.to_vec(),
+            sigma_min: end.branch.sigma_min,
+        });
+        let mut found = Vec::from(ends);
+        for share in BETWEEN {
+            self.look_between([a.time, b.time], share, &mut found)?;
+        }
+        for _ in 0..ROUNDS {
+            let least = (0..found.len())
+                .min_by(|&i, &j| found[i].sigma_min.total_cmp(&found[j].sigma_min))?;
+            let here = found[least].share;
+            let beside = [least.wrapping_sub(1), least + 1];
+            let shares = beside.map(|i| Some(here + NEXT * (found.get(i)?.share - here)));
+            for share in shares.into_iter().flatten() {
+                self.look_between([a.time, b.time], share, &mut found)?;
+            }
+        }
+        found.pop();
+        Some(found.into_iter().skip(1).map(|b| b.pose).collect())
+    }
+
+    /// Adds the pose at a share of the time between two instants, found from its neighbours; `None` if there is none.
+    fn look_between(
+        &mut self,
+        [from, to]: [f64; 2],
+        share: f64,
+        found: &mut Vec<Between>,
+    ) -> Option<()> {
+        let time = from + share * (to - from);
+        let inputs = self.inputs(time).ok()?;
+        let place = found.partition_point(|b| b.share < share);
+        let [before, behind] = [found.get(place.checked_sub(1)?)?, found.get(place)?];
+        let way = (share - before.share) / (behind.share - before.share);
+        let pairs = before.pose.iter().zip(&behind.pose).take(self.unknowns());
+        let mut pose: Vec<f64> = pairs.map(|(a, b)| a + way * (b - a)).collect();
+        pose.extend(inputs);
+        let is_closed = (0..MOST_CORRECTIONS).find_map(|_| {
+            let is_closed = self.solver.closed(&mut pose, Pace::Patient);
+            (!is_closed || self.is_closed_to_rounding(&pose)).then_some(is_closed)
+        })?;
+        if !is_closed {
+            return None;
+        }
+        let sigma_min = self.solver.observe(&pose).sigma_min;
+        found.insert(
+            place,
+            Between {
+                share,
+                pose,
+                sigma_min,
+            },
+        );
+        Some(())
     }
 
     /// Whether the equations close to the rounding of their own terms.

@@ -79,7 +79,7 @@ impl PathTracker<'_> {
             if follows_prediction(&correction, &predicted) && beyond > end.time {
                 self.rename(&anchor, beyond, &mut coordinates);
                 let point = self.point(beyond, coordinates);
-                return self.is_joined(end, &point).then_some(point);
+                return Some(point);
             }
             reach = if reach < limit {
                 (reach * 2.0).min(limit)
@@ -139,17 +139,19 @@ impl PathTracker<'_> {
         (beyond > here.time && is_alike).then_some(point)
     }
 
-    /// Whether poses join `end` to `beyond`. What looks like a crossing may be two folds that face each other over a
-    /// narrow gap; there the way back ends at the other one, and nothing closes between them.
+    /// Whether the motion may go on from `end`, where steps ended, at `beyond`: no formula jumps between them, and poses
+    /// join them over a singular one.
+    pub(crate) fn continues(&mut self, end: &PathPoint, beyond: &PathPoint) -> bool {
+        self.is_smooth(end, beyond) && (self.is_trusted(&end.branch) || self.is_joined(end, beyond))
+    }
+
+    /// Whether poses join the last regular one before `end` to `beyond`. What looks like a crossing may be two folds that face
+    /// each other over a narrow gap, in which nothing closes; `end` may be behind it, since nearly singular poses close nearly.
     pub(crate) fn is_joined(&mut self, end: &PathPoint, beyond: &PathPoint) -> bool {
-        // A tracker of its own goes back: what this one has met stays as it is. It crosses no singular pose, since it is
-        // to end at the first one.
-        let mut scout = self.clone();
-        let first = scout.walk_back(beyond, SingularTarget::Gap(end.time), &mut UpToSingular);
-        self.solver.iterations = scout.solver.iterations;
-        self.regularity.learn_from(&scout.regularity);
-        let Some(first) = first else { return true };
-        self.joining(end, &first).is_some()
+        let is_before = |a: &PathPoint| (end.time - a.time) * (beyond.time - end.time) > 0.0;
+        let anchor = self.anchor.clone().filter(is_before);
+        let from = anchor.as_ref().unwrap_or(end);
+        self.joining(from, beyond).is_some()
     }
 
     /// Follows the motion backwards from `found` to where it ends; `None` if it reaches the target.
