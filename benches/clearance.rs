@@ -39,6 +39,9 @@ const QUERIES: usize = 20_000;
 /// Rounds; the fastest counts.
 const ROUNDS: usize = 7;
 
+/// A peer that is slower is given fewer queries: as many as take about so long a round, its preparation included.
+const PEER_SECONDS: f64 = 0.5;
+
 fn element(solid: Solid) -> Element {
     let shape = Shape {
         solid,
@@ -59,6 +62,10 @@ fn pose(k: usize) -> Pose {
 /// The same queries of parry, each a distance and, of solids that overlap, a depth; `None` for shapes that it has not.
 fn parry_micros(a: &Solid, b: &Solid, queries: usize) -> Option<f64> {
     let first = Peer::new(a, &Pose::IDENTITY)?;
+    let start = Instant::now();
+    black_box(first.distance(&Peer::new(b, &pose(0))?));
+    let fitting = PEER_SECONDS / start.elapsed().as_secs_f64();
+    let queries = queries.min(1 + fitting as usize);
     let placed: Option<Vec<Peer>> = (0..queries).map(|k| Peer::new(b, &pose(k))).collect();
     let placed = placed?;
     let round = |_| {
