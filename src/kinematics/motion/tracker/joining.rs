@@ -69,16 +69,12 @@ impl PathTracker<'_> {
         let place = found.partition_point(|b| b.share < share);
         let [before, behind] = [found.get(place.checked_sub(1)?)?, found.get(place)?];
         let way = (share - before.share) / (behind.share - before.share);
-        let pairs = before.pose.iter().zip(&behind.pose).take(self.unknowns());
-        let mut pose: Vec<f64> = pairs.map(|(a, b)| a + way * (b - a)).collect();
-        pose.extend(inputs);
-        let is_closed = (0..MOST_CORRECTIONS).find_map(|_| {
-            let is_closed = self.solver.closed(&mut pose, Pace::Patient);
-            (!is_closed || self.is_closed_to_rounding(&pose)).then_some(is_closed)
+        // At an inflection what lies between two poses is worse than either.
+        let pose = [way, 0.0, 1.0].into_iter().find_map(|way| {
+            let pairs = before.pose.iter().zip(&behind.pose).take(self.unknowns());
+            let unknowns = pairs.map(|(a, b)| a + way * (b - a));
+            self.closed_to_rounding(unknowns.chain(inputs.iter().copied()).collect())
         })?;
-        if !is_closed {
-            return None;
-        }
         let sigma_min = self.solver.observe(&pose).sigma_min;
         found.insert(
             place,
@@ -89,6 +85,19 @@ impl PathTracker<'_> {
             },
         );
         Some(())
+    }
+
+    /// A pose next to another that closes to rounding.
+    fn closed_to_rounding(&mut self, mut pose: Vec<f64>) -> Option<Vec<f64>> {
+        for _ in 0..MOST_CORRECTIONS {
+            if !self.solver.closed(&mut pose, Pace::Patient) {
+                return None;
+            }
+            if self.is_closed_to_rounding(&pose) {
+                return Some(pose);
+            }
+        }
+        None
     }
 
     /// Whether the equations close to the rounding of their own terms.

@@ -1,6 +1,6 @@
 //! Passing a singular pose, stopping at it, and returning from it.
 
-use super::path_tracker::{PathPoint, PathTracker, PathWatcher, Unwatched, UpToSingular};
+use super::path_tracker::{PathPoint, PathTracker, PathWatcher, Unwatched};
 use crate::kinematics::solve::newton::Pace;
 use crate::kinematics::solve::pose_solver::{MAX_CORRECTION, follows_prediction};
 use crate::model::mechanism::Kind;
