@@ -2,6 +2,7 @@
 
 use crate::draws::Draws;
 use crate::driven::{Driven, check, even_times, knots, solve};
+use crate::program::is_full;
 use mechanim::clearance::check::{Judgement, PairReport};
 use mechanim::diag::Source;
 use mechanim::distance::bodies::{Hull, LeftOut, nearest_bodies};
@@ -103,7 +104,8 @@ fn meshes_over_random_motions_are_judged_rightly() {
     let folder = tempfile::tempdir().unwrap();
     write_rings(folder.path());
     let (mut clear, mut cut) = (0, 0);
-    for k in 0..96 {
+    let scenes = if is_full() { 96 } else { 32 };
+    for k in 0..scenes {
         let scene = |minimum| open(folder.path(), &text(&mut Draws(k as u64), k, minimum));
         let least = dense(&scene(0.0));
         let pair = judged(&scene(0.9 * least));
@@ -130,5 +132,5 @@ fn meshes_over_random_motions_are_judged_rightly() {
         let asked = judged(&scene(1.01 * least));
         assert_eq!(asked.judgement, Judgement::Failed, "{said}");
     }
-    assert!(clear > 30 && cut > 5, "{clear} {cut}");
+    assert!(3 * clear > scenes && 18 * cut > scenes, "{clear} {cut}");
 }

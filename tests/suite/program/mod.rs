@@ -6,6 +6,11 @@ use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::time::Instant;
 
+/// Whether tests are as large as they can be: `MECHANIM_FULL=1`. Else they are a part of it.
+pub fn is_full() -> bool {
+    std::env::var_os("MECHANIM_FULL").is_some()
+}
+
 /// What a run left behind.
 pub struct Run {
     pub code: i32,

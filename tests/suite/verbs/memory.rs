@@ -3,7 +3,7 @@
 //! Motions are measured by what ten times as many samples add, since the program and its libraries are not the motion's.
 
 use crate::draws::Draws;
-use crate::program::{Workspace, moving, peak_bytes, with_mesh};
+use crate::program::{Workspace, is_full, moving, peak_bytes, with_mesh};
 use std::fmt::Write as _;
 use std::time::Duration;
 
@@ -50,11 +50,6 @@ fn peak(w: &Workspace, arguments: &[&str]) -> f64 {
     }
     assert!(child.wait().unwrap().success(), "{arguments:?}");
     most
-}
-
-/// Whether runs are as large as they are promised: `MECHANIM_FULL=1`. Else they are a part of it.
-fn is_full() -> bool {
-    std::env::var_os("MECHANIM_FULL").is_some()
 }
 
 /// A binary STL file of triangles without a common corner, all over a cube.
