@@ -10,7 +10,7 @@
 use super::broad_phase::Sweeper;
 use super::look::{BoundGoal, LookMemory, Segment};
 use super::motion::ProvedMotion;
-use super::sweep::{Best, Least, PairSweep};
+use super::sweep::{Least, NearestPose, PairSweep};
 use crate::distance::bodies::nearest_bodies;
 
 /// Maximum number of time intervals examined for one pair.
@@ -81,7 +81,7 @@ impl PairSweep<'_> {
 
     /// Where neither passes nor fails what is known, the least distance may be just below the minimum: it is looked for where
     /// the bound is lowest.
-    fn decide(&self, motion: &mut ProvedMotion, search: &SegmentSearch, best: &mut Best) {
+    fn decide(&self, motion: &mut ProvedMotion, search: &SegmentSearch, best: &mut NearestPose) {
         let lowest = search
             .settled
             .iter()
@@ -96,13 +96,13 @@ impl PairSweep<'_> {
     }
 
     /// Whether the bodies are known to be in each other, or a mesh meets the other one.
-    fn is_cut(&self, best: &Best) -> bool {
+    fn is_cut(&self, best: &NearestPose) -> bool {
         let distance = best.found.proximity.distance;
         distance < 0.0 || best.is_enclosed || self.meets(best.found.elements, distance)
     }
 
     /// What the bound of a piece must reach.
-    fn value_of(&self, goal: Goal, best: &Best) -> f64 {
+    fn value_of(&self, goal: Goal, best: &NearestPose) -> f64 {
         match goal {
             Goal::Minimum if best.found.proximity.distance >= self.enough() => {
                 self.enough() + self.pose_slack()
@@ -137,7 +137,7 @@ impl PairSweep<'_> {
         motion: &mut ProvedMotion,
         search: &mut SegmentSearch,
         goal: Goal,
-        best: &mut Best,
+        best: &mut NearestPose,
     ) {
         while let Some(piece) = search.open.pop() {
             if motion.is_late() {
@@ -189,7 +189,7 @@ impl PairSweep<'_> {
         motion: &mut ProvedMotion,
         piece: &Segment,
         look: &BoundGoal,
-        best: &mut Best,
+        best: &mut NearestPose,
     ) {
         let near = best.found.proximity.distance;
         // However little lower: a pose below the minimum decides.
@@ -204,7 +204,7 @@ impl PairSweep<'_> {
         let pose = self.relative(motion, instant);
         let found = nearest_bodies(self.hulls[0], self.hulls[1], &pose, &self.left_out);
         if let Some(found) = found.filter(|f| f.proximity.distance < near) {
-            *best = Best {
+            *best = NearestPose {
                 found,
                 instant,
                 ..*best

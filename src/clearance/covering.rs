@@ -1,7 +1,7 @@
 //! Covering of the interval between two samples: by tubes as far as they are proved, then by estimates, and not at all
 //! where there is no pose.
 
-use super::motion::{ESTIMATE_SHARE, MotionStretch, ProvedMotion, SampledInstant, Way};
+use super::motion::{ESTIMATE_SHARE, MotionStretch, ProvedMotion, SampledInstant, StretchMotion};
 use super::undefined;
 use crate::kinematics::certificate::tube::{TaylorModel, Tube};
 use crate::kinematics::results::trajectory::Sample;
@@ -109,7 +109,7 @@ impl ProvedMotion<'_> {
             ends,
             arguments,
             is_certified: true,
-            way: Way::Proved(Box::new(tube)),
+            way: StretchMotion::Proved(Box::new(tube)),
             halves: None,
         });
         self.stretches.len() - 1
@@ -141,7 +141,7 @@ impl ProvedMotion<'_> {
             ends: samples,
             arguments: (0..a.len()).map(of).collect(),
             is_certified: false,
-            way: Way::Estimated(ends),
+            way: StretchMotion::Estimated(ends),
             halves: None,
         });
         Some(self.stretches.len() - 1)

@@ -4,7 +4,7 @@
 //! in decreasing steps around the smallest distance found.
 
 use super::motion::ProvedMotion;
-use super::sweep::{Best, Least, PairSweep};
+use super::sweep::{Least, NearestPose, PairSweep};
 use super::track::PairTrack;
 use crate::distance::bodies::nearest_bodies;
 
@@ -34,7 +34,7 @@ impl PairSweep<'_> {
     }
 
     /// The stretch in whose middle the bodies are nearest, if that is nearer than at the samples.
-    fn lowest_middle(&self, motion: &ProvedMotion, best: &Best) -> Option<usize> {
+    fn lowest_middle(&self, motion: &ProvedMotion, best: &NearestPose) -> Option<usize> {
         let mut limit = best.found.proximity.distance - self.slack();
         let mut track = PairTrack::new(self.hulls, &self.left_out);
         let mut lowest = None;
@@ -57,7 +57,7 @@ impl PairSweep<'_> {
         &self,
         motion: &mut ProvedMotion,
         place: (usize, f64),
-        best: &mut Best,
+        best: &mut NearestPose,
     ) {
         self.descend(motion, place, FINE_HALVINGS, best);
     }
@@ -68,7 +68,7 @@ impl PairSweep<'_> {
         motion: &mut ProvedMotion,
         (stretch, start): (usize, f64),
         halvings: u32,
-        best: &mut Best,
+        best: &mut NearestPose,
     ) {
         let arguments = &motion.stretches[stretch].arguments;
         let mut track = PairTrack::new(self.hulls, &self.left_out);
@@ -96,7 +96,7 @@ impl PairSweep<'_> {
         let found = nearest_bodies(self.hulls[0], self.hulls[1], &pose, &self.left_out);
         if let Some(found) = found.filter(|f| f.proximity.distance < best.found.proximity.distance)
         {
-            *best = Best {
+            *best = NearestPose {
                 found,
                 instant,
                 ..*best

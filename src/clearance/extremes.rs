@@ -107,7 +107,7 @@ struct Search<'a, 'm> {
     sign: f64,
     models: HashMap<usize, TaylorModel>,
     parts: BinaryHeap<Part>,
-    best: Option<Best>,
+    best: Option<ExtremePose>,
     least: f64,
     /// What is bounded no better.
     stuck: f64,
@@ -115,7 +115,7 @@ struct Search<'a, 'm> {
 
 /// The best pose, and the part that it was found in.
 #[derive(Clone, Copy)]
-struct Best {
+struct ExtremePose {
     value: f64,
     time: f64,
     part: Option<(usize, f64, f64)>,
@@ -170,7 +170,7 @@ impl Search<'_, '_> {
         self.least = self.least.min(value);
         if value.is_finite() && self.best.is_none_or(|best| value > best.value) {
             let time = instant.time;
-            self.best = Some(Best { value, time, part });
+            self.best = Some(ExtremePose { value, time, part });
         }
         value
     }

@@ -35,7 +35,7 @@ const TOUCH: f64 = 1e-9;
 
 /// Where a joint is, in the frame of one body.
 #[derive(Clone, Debug)]
-pub enum Place {
+pub enum JointPlace {
     /// On these lines: points and directions.
     Lines(Vec<[DVec3; 2]>),
     /// In this point.
@@ -44,7 +44,7 @@ pub enum Place {
     Anywhere,
 }
 
-impl Place {
+impl JointPlace {
     /// The same as seen from a body.
     pub fn seen_from(&self, world_from_body: &Pose) -> Self {
         let body_from_world = world_from_body.inverse();
@@ -178,7 +178,7 @@ fn element_part(element: &Element, low: f64, high: f64) -> Element {
 }
 
 /// The parts of an element within `reach` of a place, and those beyond.
-fn element_parts(element: &Element, place: &Place, reach: f64) -> (Element, Vec<Element>) {
+fn element_parts(element: &Element, place: &JointPlace, reach: f64) -> (Element, Vec<Element>) {
     let whole = (element.clone(), Vec::new());
     let Some(spine) = Spine::of(element) else {
         return whole;
@@ -208,7 +208,7 @@ pub struct JointRegion {
     /// Parts of either body that were cut off, each with the number of the element that remains of it.
     beyond: [Vec<[usize; 2]>; 2],
     /// The location of the joint in the frame of either body.
-    places: [Place; 2],
+    places: [JointPlace; 2],
     /// Nothing slides in the joint.
     only_turns: bool,
 }
@@ -219,7 +219,7 @@ impl JointRegion {
     pub fn new(
         hulls: [&Hull; 2],
         touching: &[[usize; 2]],
-        places: &[Place; 2],
+        places: &[JointPlace; 2],
         first_from_second: &Pose,
         minimum: f64,
     ) -> Self {
@@ -281,7 +281,12 @@ impl JointRegion {
         Self { only_turns, ..self }
     }
 
-    fn cut(hulls: [&Hull; 2], touching: &[[usize; 2]], places: &[Place; 2], reach: f64) -> Self {
+    fn cut(
+        hulls: [&Hull; 2],
+        touching: &[[usize; 2]],
+        places: &[JointPlace; 2],
+        reach: f64,
+    ) -> Self {
         let mut new: [Vec<Element>; 2] = hulls.map(|hull| hull.elements.clone());
         let mut far: [Vec<[usize; 2]>; 2] = Default::default();
         for side in 0..2 {
@@ -322,7 +327,7 @@ impl JointRegion {
 fn touches_near(
     hulls: [&Hull; 2],
     [i, j]: [usize; 2],
-    places: &[Place; 2],
+    places: &[JointPlace; 2],
     first_from_second: &Pose,
     minimum: f64,
 ) -> bool {

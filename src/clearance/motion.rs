@@ -57,13 +57,13 @@ pub struct MotionStretch {
     pub arguments: Vec<TaylorModel>,
     /// The arguments' bounds are proved.
     pub is_certified: bool,
-    pub(super) way: Way,
+    pub(super) way: StretchMotion,
     /// First of its two halves, once requested; `Some(None)` if there are none.
     pub(super) halves: Option<Option<usize>>,
 }
 
 #[derive(Clone, Debug)]
-pub(super) enum Way {
+pub(super) enum StretchMotion {
     Proved(Box<Tube>),
     /// Between two instants.
     Estimated([usize; 2]),
@@ -283,11 +283,11 @@ impl<'m> ProvedMotion<'m> {
     pub fn pose_at(&mut self, stretch: usize, s: f64) -> Option<usize> {
         let [time] = self.times(stretch, [s]);
         match &self.stretches[stretch].way {
-            Way::Estimated([a, b]) => {
+            StretchMotion::Estimated([a, b]) => {
                 let (a, b) = (*a, *b);
                 self.between(a, b, time)
             }
-            Way::Proved(tube) => {
+            StretchMotion::Proved(tube) => {
                 let count = self.system.mechanism().unknowns.len();
                 let mut coordinates: Vec<f64> = (0..count).map(|k| tube.centre(k, time)).collect();
                 coordinates.extend(self.actuation.inputs_at(time));
@@ -301,8 +301,8 @@ impl<'m> ProvedMotion<'m> {
     pub fn formula(&self, stretch: usize, formula: (&Expression, &[bool])) -> TaylorModel {
         let mechanism = self.system.mechanism();
         match &self.stretches[stretch].way {
-            Way::Proved(tube) => tube.formula(mechanism, formula),
-            Way::Estimated(ends) => {
+            StretchMotion::Proved(tube) => tube.formula(mechanism, formula),
+            StretchMotion::Estimated(ends) => {
                 let [a, b] =
                     ends.map(|k| formula_value(mechanism, &self.instants[k].coordinates, formula));
                 let mut model = TaylorModel::constant(0.5 * (a + b));
@@ -338,7 +338,7 @@ impl<'m> ProvedMotion<'m> {
         }
         let ends = self.stretches[stretch].ends;
         match self.stretches[stretch].way.clone() {
-            Way::Proved(tube) => {
+            StretchMotion::Proved(tube) => {
                 let [first, second] = self.prover.halves(&tube)?;
                 let arguments = [&first, &second].map(|tube| self.prover.arguments(tube));
                 if !arguments.iter().flatten().all(TaylorModel::is_finite) {
@@ -349,7 +349,7 @@ impl<'m> ProvedMotion<'m> {
                 self.add_tube(second, of_second, [None, ends[1]]);
                 Some(first)
             }
-            Way::Estimated([start, end]) => {
+            StretchMotion::Estimated([start, end]) => {
                 let time = 0.5 * (self.instants[start].time + self.instants[end].time);
                 let middle = self.between(start, end, time)?;
                 let first = self.add_estimate([start, middle], [ends[0], None])?;

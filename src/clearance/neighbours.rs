@@ -3,7 +3,7 @@
 //!
 //! A body on a link between two others separates them, however close their axes are: these two must keep their clearance.
 
-use super::joint_region::{JointRegion, Place};
+use super::joint_region::{JointPlace, JointRegion};
 use super::motion::ProvedMotion;
 use crate::distance::bodies::Hull;
 use crate::distance::mesh;
@@ -106,9 +106,9 @@ fn contact_place(first: &Element, second: &Element, found: &Proximity) -> DVec3 
 }
 
 /// Where a joint is at a pose, in the world.
-fn place_of(joints: &Joints, joint: &Joint, arguments: &[ArgumentValue]) -> Place {
+fn place_of(joints: &Joints, joint: &Joint, arguments: &[ArgumentValue]) -> JointPlace {
     if matches!(joint.kind, JointKind::Prismatic | JointKind::Planar) {
-        return Place::Anywhere;
+        return JointPlace::Anywhere;
     }
     let mut here: Pose = joints.world_from(&joint.before).pose(arguments);
     let mut lines = Vec::new();
@@ -118,8 +118,8 @@ fn place_of(joints: &Joints, joint: &Joint, arguments: &[ArgumentValue]) -> Plac
         }
     });
     match (joint.kind, lines.first()) {
-        (JointKind::Spherical, Some([centre, _])) => Place::Point(*centre),
-        (_, Some(_)) => Place::Lines(lines),
-        (_, None) => Place::Anywhere,
+        (JointKind::Spherical, Some([centre, _])) => JointPlace::Point(*centre),
+        (_, Some(_)) => JointPlace::Lines(lines),
+        (_, None) => JointPlace::Anywhere,
     }
 }

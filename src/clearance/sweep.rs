@@ -71,7 +71,7 @@ pub struct PairSweep<'a> {
 }
 
 /// The least distance so far, at an exact pose.
-pub(super) struct Best {
+pub(super) struct NearestPose {
     pub(super) found: BodyProximity,
     pub(super) instant: usize,
     /// A mesh encloses the other body, or is enclosed: the distance is zero then.
@@ -248,7 +248,7 @@ impl<'a> PairSweep<'a> {
     }
 
     /// The value that the bound must reach to be as close to the smallest distance as requested.
-    pub(super) fn target(&self, best: &Best) -> f64 {
+    pub(super) fn target(&self, best: &NearestPose) -> f64 {
         let near = best.found.proximity.distance;
         let scale = if self.minimum == 0.0 {
             near.abs()
@@ -280,8 +280,8 @@ impl<'a> PairSweep<'a> {
         motion: &ProvedMotion,
         instants: &[usize],
         mut distances: Option<&mut Vec<f64>>,
-    ) -> Option<Best> {
-        let mut best: Option<Best> = None;
+    ) -> Option<NearestPose> {
+        let mut best: Option<NearestPose> = None;
         let mut track = PairTrack::new(self.hulls, &self.left_out);
         // Pairs whose bound is above the least distance so far are left out.
         for &instant in instants {
@@ -298,7 +298,7 @@ impl<'a> PairSweep<'a> {
                 list.push(distance);
             }
             if least.is_none_or(|least| distance < least) {
-                best = Some(Best {
+                best = Some(NearestPose {
                     found,
                     instant,
                     is_enclosed: false,
@@ -334,7 +334,7 @@ impl<'a> PairSweep<'a> {
     pub(super) fn least(
         &self,
         motion: &ProvedMotion,
-        best: &Best,
+        best: &NearestPose,
         bound: f64,
         [is_certified, is_refined]: [bool; 2],
     ) -> Least {

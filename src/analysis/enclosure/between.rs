@@ -35,7 +35,7 @@ pub fn enclose_between(plan: &Plan, times: &[f64], threads: usize) -> Vec<SpanBa
             None => Err(Obstacle::NoPose),
             Some(pose) => {
                 let pose = [pose.unknowns.as_slice(), &samples[index].inputs].concat();
-                let place = Place {
+                let place = PoseBetween {
                     plan,
                     encloser: &encloser,
                     pose,
@@ -51,13 +51,13 @@ pub fn enclose_between(plan: &Plan, times: &[f64], threads: usize) -> Vec<SpanBa
 }
 
 /// A pose in the middle of an interval.
-struct Place<'p> {
+struct PoseBetween<'p> {
     plan: &'p Plan<'p>,
     encloser: &'p Encloser<'p>,
     pose: Vec<f64>,
 }
 
-impl Place<'_> {
+impl PoseBetween<'_> {
     /// The bands over an interval, by halves if necessary.
     fn bands(
         &self,
@@ -75,7 +75,7 @@ impl Place<'_> {
         for half in [[from, middle], [middle, until]] {
             let inputs = self.inputs_at(0.5 * half[0] + 0.5 * half[1]);
             let pose = solver.step(&self.pose, &inputs, 1).ok_or(refusal)?;
-            let place = Place { pose, ..*self };
+            let place = PoseBetween { pose, ..*self };
             let bands = place.bands(solver, half, halvings - 1)?;
             all = Some(match all {
                 None => bands,

@@ -8,19 +8,19 @@ use nalgebra::{DMatrix, DVector};
 /// Numbers whose squares are summed.
 pub trait Residuals {
     /// A point with everything known there.
-    type Place;
+    type Point;
 
     /// The point at `x`, reached from another one; `None` if it is rejected.
-    fn at(&mut self, from: &Self::Place, x: &[f64]) -> Option<Self::Place>;
+    fn at(&mut self, from: &Self::Point, x: &[f64]) -> Option<Self::Point>;
 
     /// The variables of a point.
-    fn x<'p>(&self, place: &'p Self::Place) -> &'p [f64];
+    fn x<'p>(&self, place: &'p Self::Point) -> &'p [f64];
 
     /// The numbers there.
-    fn values<'p>(&self, place: &'p Self::Place) -> &'p [f64];
+    fn values<'p>(&self, place: &'p Self::Point) -> &'p [f64];
 
     /// Their derivatives, row after row; `None` where there are none.
-    fn jacobian(&mut self, place: &Self::Place) -> Option<Vec<f64>>;
+    fn jacobian(&mut self, place: &Self::Point) -> Option<Vec<f64>>;
 
     /// Asked after every iteration with the sum of squares; `false` ends the search.
     fn goes_on(&mut self, _sum: f64) -> bool {
@@ -59,10 +59,10 @@ const NOTHING: f64 = 1e-30;
 /// Searches from a point, with at most this many steps.
 pub fn minimise_squares<R: Residuals>(
     problem: &mut R,
-    start: R::Place,
+    start: R::Point,
     bounds: &VariableBounds,
     steps: usize,
-) -> LeastSquares<R::Place> {
+) -> LeastSquares<R::Point> {
     let mut here = start;
     let mut sum = squares(problem.values(&here));
     let first = sum;
@@ -158,7 +158,7 @@ struct Linearised {
 impl Linearised {
     fn new<R: Residuals>(
         problem: &mut R,
-        place: &R::Place,
+        place: &R::Point,
         bounds: &VariableBounds,
     ) -> Option<Self> {
         let rates = problem.jacobian(place)?;
@@ -250,26 +250,26 @@ mod tests {
     struct Plain<F, J>(F, J);
 
     impl<F: Fn(&[f64]) -> Vec<f64>, J: Fn(&[f64]) -> Vec<f64>> Residuals for Plain<F, J> {
-        type Place = [Vec<f64>; 2];
+        type Point = [Vec<f64>; 2];
 
-        fn at(&mut self, _from: &Self::Place, x: &[f64]) -> Option<Self::Place> {
+        fn at(&mut self, _from: &Self::Point, x: &[f64]) -> Option<Self::Point> {
             Some([x.to_vec(), self.0(x)])
         }
 
-        fn x<'p>(&self, place: &'p Self::Place) -> &'p [f64] {
+        fn x<'p>(&self, place: &'p Self::Point) -> &'p [f64] {
             &place[0]
         }
 
-        fn values<'p>(&self, place: &'p Self::Place) -> &'p [f64] {
+        fn values<'p>(&self, place: &'p Self::Point) -> &'p [f64] {
             &place[1]
         }
 
-        fn jacobian(&mut self, place: &Self::Place) -> Option<Vec<f64>> {
+        fn jacobian(&mut self, place: &Self::Point) -> Option<Vec<f64>> {
             Some(self.1(&place[0]))
         }
     }
 
-    fn rosenbrock() -> impl Residuals<Place = [Vec<f64>; 2]> {
+    fn rosenbrock() -> impl Residuals<Point = [Vec<f64>; 2]> {
         Plain(
             |x: &[f64]| vec![10.0 * (x[1] - x[0] * x[0]), 1.0 - x[0]],
             |x: &[f64]| vec![-20.0 * x[0], 10.0, -1.0, 0.0],

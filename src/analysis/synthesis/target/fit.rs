@@ -149,7 +149,7 @@ impl<'f> Fitting<'f> {
 }
 
 impl Residuals for Fitting<'_> {
-    type Place = Fit;
+    type Point = Fit;
 
     fn at(&mut self, from: &Fit, x: &[f64]) -> Option<Fit> {
         let rows = 0..self.target.rows.len();

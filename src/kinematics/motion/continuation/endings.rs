@@ -4,7 +4,7 @@ use super::domain_proof;
 use super::fold_proof;
 use super::recorder::{MOST_WAYS_ON, PathContinuation, Recorder};
 use crate::kinematics::motion::tracker::arc_length::Onward;
-use crate::kinematics::motion::tracker::jump_sites::Way;
+use crate::kinematics::motion::tracker::jump_sites::FormulaBehaviour;
 use crate::kinematics::motion::tracker::path_tracker::{PathPoint, Unwatched};
 use crate::kinematics::motion::tracker::singular::SingularTarget;
 use crate::kinematics::results::trajectory::Ending;
@@ -97,8 +97,8 @@ impl Recorder<'_> {
             let inputs = self.tracker.inputs(end.time + share * away).ok()?;
             let beyond = [unknowns, &inputs].concat();
             match self.tracker.way_between(&end.coordinates, &beyond) {
-                Way::Jumps(name) => Some(name.to_owned()),
-                Way::Smooth | Way::Open => None,
+                FormulaBehaviour::Jumps(name) => Some(name.to_owned()),
+                FormulaBehaviour::Smooth | FormulaBehaviour::Open => None,
             }
         })
     }

@@ -1,7 +1,7 @@
 //! Motions that start on a singular pose, where the tangent is undetermined although poses exist.
 
 use super::recorder::{Recorder, is_singular_start};
-use crate::kinematics::motion::tracker::jump_sites::Way;
+use crate::kinematics::motion::tracker::jump_sites::FormulaBehaviour;
 use crate::kinematics::motion::tracker::path_tracker::PathPoint;
 use crate::kinematics::results::trajectory::EventKind;
 use crate::kinematics::solve::assembly::shake_start;
@@ -38,7 +38,7 @@ impl Recorder<'_> {
         let way = self
             .tracker
             .way_between(&end.coordinates, &beyond.coordinates);
-        (way == Way::Smooth).then(|| self.tracker.keep(beyond, &mut self.events))
+        (way == FormulaBehaviour::Smooth).then(|| self.tracker.keep(beyond, &mut self.events))
     }
 
     /// A motion that starts where branches meet can continue in several ways. Poses just beyond are found from many

@@ -58,10 +58,10 @@ impl JumpSite {
     }
 
     /// What it does on the straight way between two places.
-    fn way(&self, from: &[f64], to: &[f64]) -> Way<'_> {
+    fn way(&self, from: &[f64], to: &[f64]) -> FormulaBehaviour<'_> {
         let sizes = match self.formula.jump_on_way(from, to) {
-            None => return Way::Smooth,
-            Some(WayJump::Open) => return Way::Open,
+            None => return FormulaBehaviour::Smooth,
+            Some(WayJump::Open) => return FormulaBehaviour::Open,
             Some(WayJump::By(sizes)) => sizes,
         };
         let [a, b] = sizes.map(|jump| {
@@ -74,19 +74,19 @@ impl JumpSite {
             if is_rounding { 0.0 } else { rest.number() }
         });
         if a == 0.0 && b == 0.0 {
-            return Way::Smooth;
+            return FormulaBehaviour::Smooth;
         }
         let is_same = a.abs().min(b.abs()) >= SAME_JUMP * a.abs().max(b.abs());
         match is_same && (a < 0.0) == (b < 0.0) {
-            true => Way::Jumps(&self.name),
-            false => Way::Open,
+            true => FormulaBehaviour::Jumps(&self.name),
+            false => FormulaBehaviour::Open,
         }
     }
 }
 
 /// The behaviour of formulas between two poses.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Way<'t> {
+pub(crate) enum FormulaBehaviour<'t> {
     /// They do not jump.
     Smooth,
     /// One may, or may not.
@@ -95,7 +95,7 @@ pub(crate) enum Way<'t> {
     Jumps(&'t str),
 }
 
-impl<'t> Way<'t> {
+impl<'t> FormulaBehaviour<'t> {
     /// Their behaviour on the straight line from one point to another. A point on a jump may have a value of its own, so both
     /// halves of the line are examined.
     pub fn between(sites: &'t [JumpSite], from: &[f64], to: &[f64]) -> Self {

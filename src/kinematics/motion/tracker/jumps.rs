@@ -1,20 +1,20 @@
 //! Jumps, recognised from the formulas and not from their size: of an input, where the drive is discontinuous although poses
 //! exist on both sides, and of formulas in loops and equations, at which the motion ends.
 
-use super::jump_sites::Way;
+use super::jump_sites::FormulaBehaviour;
 use super::path_tracker::{PathPoint, PathTracker, SMALLEST_STEP, Unwatched};
 use crate::model::actuation::Actuation;
 
 impl PathTracker<'_> {
     /// What the formulas of loops and equations do between two poses.
-    pub(crate) fn way_between(&self, from: &[f64], to: &[f64]) -> Way<'_> {
-        Way::between(&self.jump_sites, from, to)
+    pub(crate) fn way_between(&self, from: &[f64], to: &[f64]) -> FormulaBehaviour<'_> {
+        FormulaBehaviour::between(&self.jump_sites, from, to)
     }
 
     /// Whether no formula jumps between two poses, as far as can be decided.
     pub(crate) fn is_smooth(&self, from: &PathPoint, to: &PathPoint) -> bool {
         let way = self.way_between(&from.coordinates, &to.coordinates);
-        !matches!(way, Way::Jumps(_))
+        !matches!(way, FormulaBehaviour::Jumps(_))
     }
 
     /// The inputs right after a pose, and the time then, if the drive jumps there.

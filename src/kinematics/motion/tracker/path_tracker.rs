@@ -2,7 +2,7 @@
 //!
 //! The drive is always evaluated at a time computed from the sample's own time, never accumulated.
 
-use super::jump_sites::{JumpSite, Way};
+use super::jump_sites::{FormulaBehaviour, JumpSite};
 use super::regularity::Regularity;
 use super::steps::{StepBudget, Steps};
 use crate::kinematics::solve::branch::BranchState;
@@ -277,9 +277,10 @@ impl<'s> PathTracker<'s> {
         };
         self.rename(&base, time, &mut coordinates);
         match self.way_between(&here.coordinates, &coordinates) {
-            Way::Smooth => {}
-            Way::Open if (time - here.time).abs() <= CLOSE_TO_JUMP * self.interval => {}
-            Way::Open | Way::Jumps(_) => return Ok(None),
+            FormulaBehaviour::Smooth => {}
+            FormulaBehaviour::Open if (time - here.time).abs() <= CLOSE_TO_JUMP * self.interval => {
+            }
+            FormulaBehaviour::Open | FormulaBehaviour::Jumps(_) => return Ok(None),
         }
         let point = self.point(time, coordinates);
         let same = point.branch.signs == base.branch.signs;
