@@ -265,6 +265,8 @@ pub struct View {
     pub azimuth: f64,
     /// Height of the viewer above the horizon in radians.
     pub elevation: f64,
+    /// Whether the scene or its user gives the direction: if not, a flat mechanism that draws itself is looked at from the front.
+    pub is_aimed: bool,
     /// World axis that points up.
     pub up: UpAxis,
     /// Kind of projection.
@@ -344,6 +346,7 @@ impl View {
         self.four = false;
         self.camera_path = CameraPath::default();
         (self.azimuth, self.elevation) = (azimuth, elevation);
+        self.is_aimed = true;
         self.projection = ViewProjection::Orthographic;
     }
 }

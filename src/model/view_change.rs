@@ -75,6 +75,7 @@ impl ViewChange {
         }
         let path = &mut view.camera_path;
         path.forget(self.azimuth.is_some(), self.elevation.is_some());
+        view.is_aimed |= self.azimuth.is_some() || self.elevation.is_some();
         view.azimuth = self.azimuth.unwrap_or(view.azimuth);
         view.elevation = self.elevation.unwrap_or(view.elevation);
         match self.parallel {

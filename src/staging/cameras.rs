@@ -3,12 +3,14 @@
 //! A moving camera keeps its distance, so that nothing seems to grow or shrink unless a zoom is requested: the distance
 //! is the smallest from which the whole motion is visible from every point of the path.
 
-use super::bounds;
+use super::{bounds, up_axis};
 use crate::math::{Pose, sin_cos};
-use crate::model::view::{View, ViewProjection};
+use crate::model::view::{NamedView, View, ViewProjection};
 use crate::render::camera::{ViewDirection, fit_within};
 use crate::render::{Camera, Projection};
+use crate::scene::Scene;
 use glam::DVec3;
+use std::borrow::Cow;
 
 /// Number of directions in which the outline of the motion is taken; between them less than a percent of it is missed.
 const OUTLINE: usize = 256;
@@ -27,6 +29,39 @@ const CAPTIONS: f64 = 0.08;
 
 /// Largest elevation, in radians: straight above and below.
 const ZENITH: f64 = std::f64::consts::FRAC_PI_2;
+
+/// Points are flat along an axis if they extend along it by less than this share of how far they extend along the others.
+const FLAT: f64 = 1e-9;
+
+/// The view of a scene whose motion stays within `points`: a flat mechanism that draws itself is looked at from the front, in a
+/// parallel view, unless a direction is given.
+pub fn view_of<'v>(scene: &'v Scene, points: &[DVec3]) -> Cow<'v, View> {
+    let view = &*scene.view;
+    let is_own = scene.mechanism.bodies.is_empty() && !view.is_aimed;
+    let flat = flat_axis(points).filter(|_| is_own && view.camera_path.is_empty());
+    let Some(axis) = flat else {
+        return Cow::Borrowed(view);
+    };
+    let up = up_axis(view.up).to_array().iter().position(|x| *x == 1.0);
+    let named = match (axis + 3 - up.unwrap_or(2)) % 3 {
+        0 => NamedView::Top,
+        1 => NamedView::Side,
+        _ => NamedView::Front,
+    };
+    let mut view = view.clone();
+    view.look_from(named);
+    Cow::Owned(view)
+}
+
+/// The axis along which points do not extend, if they do along both others.
+fn flat_axis(points: &[DVec3]) -> Option<usize> {
+    let [low, high] = bounds::box_of(points)?;
+    let extents = (high - low).to_array();
+    let mut order = [0, 1, 2];
+    order.sort_by(|i, j| extents[*i].total_cmp(&extents[*j]));
+    let [least, middle, most] = order.map(|axis| extents[axis]);
+    (least <= FLAT * most && middle > FLAT * most).then_some(order[0])
+}
 
 /// The cameras of a motion.
 #[derive(Clone, Debug, PartialEq)]

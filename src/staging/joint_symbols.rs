@@ -1,13 +1,14 @@
 //! Joint symbols by kind: a pin, a ball in a ring, a block on its guide, a screw; and hatched ground under joints of
 //! the frame without a body.
 
+use super::bar_symbols;
 use super::joint_places::Outlines;
 use super::joints::{self, CarriedFrame, PlacedJoint, PlacedLinks};
 use super::link_symbols;
 use super::solids::{merged_mesh, sign_instance};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::math::Pose;
-use crate::model::chain::ChainStep;
+use crate::model::chain::{Chain, ChainStep};
 use crate::model::joints::JointKind;
 use crate::model::mechanism::Mechanism;
 use crate::model::shape::Solid;
@@ -41,9 +42,32 @@ const MAX_SAMPLES: usize = 64;
 /// One mesh of a symbol and the link that carries it.
 struct SignPiece {
     mesh: usize,
-    /// `None` stands still.
-    carrier: Option<CarriedFrame>,
+    carrier: PieceCarrier,
     colour: [u8; 3],
+}
+
+/// What a symbol moves with.
+enum PieceCarrier {
+    /// It stands still.
+    Still,
+    /// A frame of a link.
+    Link(CarriedFrame),
+    /// A bar: the frame at its first end whose z axis points to the other one.
+    Bar([Chain; 2]),
+    /// An end of a bar.
+    End(Chain),
+}
+
+impl PieceCarrier {
+    /// World from its frame.
+    fn pose(&self, at: &PlacedLinks) -> Pose {
+        match self {
+            Self::Still => Pose::IDENTITY,
+            Self::Link(frame) => frame.pose(at),
+            Self::Bar(ends) => bar_symbols::frame_along(ends, at),
+            Self::End(end) => end.pose(&at.arguments),
+        }
+    }
 }
 
 /// All signs.
@@ -69,14 +93,39 @@ impl JointSymbols {
         };
         let radius = RADIUS * extent;
         let mut signs = Self::default();
+        let mut add = |solids: Vec<Solid>, carrier: PieceCarrier, colour| {
+            if solids.is_empty() {
+                return;
+            }
+            let mesh = merged_mesh(&solids, FACETS * radius);
+            if matches!(carrier, PieceCarrier::Still) {
+                signs.still.extend(&mesh.positions);
+            }
+            meshes.push(mesh.into());
+            signs.pieces.push(SignPiece {
+                mesh: meshes.len() - 1,
+                carrier,
+                colour,
+            });
+        };
         if mechanism.bodies.is_empty() {
-            for link in link_symbols::drawn_links(mechanism, ROD * radius) {
-                meshes.push(merged_mesh(&link.solids, FACETS * radius).into());
-                signs.pieces.push(SignPiece {
-                    mesh: meshes.len() - 1,
-                    carrier: Some(CarriedFrame::of_link(link.link)),
-                    colour: link.colour,
-                });
+            let links = link_symbols::drawn_links(mechanism, first, ROD * radius);
+            let count = links.len();
+            for link in links {
+                let frame = CarriedFrame::of_link(link.link);
+                add(link.solids, PieceCarrier::Link(frame), link.colour);
+            }
+            for drawn in bar_symbols::drawn_bars(mechanism, &poses, ROD * radius) {
+                let colour = link_symbols::link_colour(count + drawn.bar);
+                add(drawn.solids, PieceCarrier::Bar(drawn.ends), colour);
+            }
+        }
+        for (end, is_fixed) in bar_symbols::bar_ends(mechanism) {
+            let ball = bar_symbols::end_ball(radius);
+            add(ball, PieceCarrier::End(end.point.clone()), SEAT);
+            if is_fixed && mechanism.bodies.is_empty() {
+                let place = end.point.pose(&first.arguments).translation;
+                add(ground_sign(place, up, radius), PieceCarrier::Still, GROUND);
             }
         }
         let outlines = Outlines::new((mechanism, &scene.view), &poses);
@@ -88,22 +137,9 @@ impl JointSymbols {
                 [low.min(s), high.max(s)]
             });
             let (seat, mover) = joint_solids(&joint, radius, stroke);
-            let mut add = |solids: Vec<Solid>, carrier: Option<CarriedFrame>, colour| {
-                if !solids.is_empty() {
-                    let mesh = merged_mesh(&solids, FACETS * radius);
-                    if carrier.is_none() {
-                        signs.still.extend(&mesh.positions);
-                    }
-                    meshes.push(mesh.into());
-                    signs.pieces.push(SignPiece {
-                        mesh: meshes.len() - 1,
-                        carrier,
-                        colour,
-                    });
-                }
-            };
-            add(seat, Some(shifted_frame(&joint.before, shift)), SEAT);
-            add(mover, Some(shifted_frame(&joint.after, shift)), MOVER);
+            let carried = |frame| PieceCarrier::Link(shifted_frame(frame, shift));
+            add(seat, carried(&joint.before), SEAT);
+            add(mover, carried(&joint.after), MOVER);
             if joint.grounded && !place.held {
                 let at = joint.before.pose(first) * Pose::from_translation(shift);
                 let slides = joint.kind == JointKind::Prismatic;
@@ -114,7 +150,7 @@ impl JointSymbols {
                 };
                 add(
                     ground_sign(at.translation + middle, up, radius),
-                    None,
+                    PieceCarrier::Still,
                     GROUND,
                 );
             }
@@ -137,8 +173,7 @@ impl JointSymbols {
         let pieces = self.pieces.iter();
         pieces
             .map(|piece| {
-                let carrier = piece.carrier.as_ref().map(|frame| frame.pose(at));
-                let carrier = carrier.unwrap_or(Pose::IDENTITY);
+                let carrier = piece.carrier.pose(at);
                 let mut instance = sign_instance(piece.mesh, meshes, carrier, piece.colour, 0.0);
                 instance.casts_shadow = true;
                 instance.outline = Some(FIRST_OUTLINE + piece.mesh as u32);

@@ -3,6 +3,7 @@
 
 use crate::kinematics::results::trajectory::{ClosedPose, Sample};
 use crate::math::Pose;
+use crate::model::bar_ends::BarEnds;
 use crate::model::chain::{ArgumentValue, ChainStep, ElementaryMotion};
 use crate::model::joints::{Joint, JointKind, LinkFrame};
 use crate::model::mechanism::Mechanism;
@@ -84,6 +85,11 @@ impl PlacedLinks {
             arguments,
         }
     }
+
+    /// World from a link.
+    pub fn link(&self, link: usize) -> Pose {
+        self.links[link]
+    }
 }
 
 impl PlacedJoint {
@@ -94,9 +100,11 @@ impl PlacedJoint {
     }
 }
 
-/// All joints except those that connect nothing.
+/// All joints except those that connect nothing, or only place ends of bars.
 pub fn placed_joints(mechanism: &Mechanism) -> Vec<PlacedJoint> {
-    let jointed = mechanism.joints.list.iter().filter(|j| !j.is_placed);
+    let ends = BarEnds::new(mechanism);
+    let jointed = mechanism.joints.list.iter();
+    let jointed = jointed.filter(|j| !j.is_placed && !ends.place_joint(j));
     jointed.filter_map(place_joint).collect()
 }
 

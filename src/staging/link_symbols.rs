@@ -1,7 +1,9 @@
 //! Links of a scene without bodies: rods between the positions of their joints, and the space they occupy.
 
-use super::joints;
+use super::bar_symbols;
+use super::joints::{self, PlacedLinks};
 use crate::kinematics::results::trajectory::Trajectory;
+use crate::model::bar_ends::BarEnds;
 use crate::model::mechanism::Mechanism;
 use crate::model::shape::Solid;
 use glam::DVec3;
@@ -34,13 +36,18 @@ pub struct DrawnLink {
 }
 
 /// All links with two joints or more except the frame, which is drawn as ground; rods have the radius `radius`.
-pub fn drawn_links(mechanism: &Mechanism, radius: f64) -> Vec<DrawnLink> {
+///
+/// Ends of bars count as joints; where a link carries them is read off a pose.
+pub fn drawn_links(mechanism: &Mechanism, at: &PlacedLinks, radius: f64) -> Vec<DrawnLink> {
     let table = &mechanism.joints;
+    let ends = BarEnds::new(mechanism);
     let mut places: Vec<Vec<DVec3>> = vec![Vec::new(); table.links.len()];
-    let joints = table.list.iter();
-    for frame in joints.flat_map(|joint| [&joint.before, &joint.after]) {
-        let (known, place) = (&mut places[frame.link], frame.link_from_here.translation);
-        if frame.link != 0 && known.iter().all(|p| p.distance(place) > SAME * radius) {
+    let joints = table.list.iter().filter(|joint| !ends.place_joint(joint));
+    let frames = joints.flat_map(|joint| [&joint.before, &joint.after]);
+    let joined = frames.map(|frame| (frame.link, frame.link_from_here.translation));
+    for (link, place) in joined.chain(bar_symbols::carried_ends(mechanism, at)) {
+        let known = &mut places[link];
+        if link != 0 && known.iter().all(|p| p.distance(place) > SAME * radius) {
             known.push(place);
         }
     }
@@ -59,16 +66,22 @@ pub fn drawn_links(mechanism: &Mechanism, radius: f64) -> Vec<DrawnLink> {
             radius,
         };
         let solids: Vec<Solid> = (0..rods).map(rod).collect();
-        (!solids.is_empty()).then(|| DrawnLink {
-            link,
-            solids,
-            colour: COLOURS[(link - 1) % COLOURS.len()],
-        })
+        (!solids.is_empty()).then_some((link, solids))
     });
-    links.collect()
+    let numbered = links.enumerate().map(|(k, (link, solids))| DrawnLink {
+        link,
+        solids,
+        colour: link_colour(k),
+    });
+    numbered.collect()
 }
 
-/// Places of all joints over the motion.
+/// The colour of a link or bar by its number.
+pub fn link_colour(number: usize) -> [u8; 3] {
+    COLOURS[number % COLOURS.len()]
+}
+
+/// Places of all joints and ends of bars over the motion.
 pub fn moving_points(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<DVec3> {
     let placed = joints::placed_joints(mechanism);
     let closed = trajectory.samples.iter();
@@ -83,7 +96,9 @@ pub fn moving_points(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<DVec
             .iter()
             .flat_map(|joint| [&joint.before, &joint.after]);
         let places = places.map(|frame| frame.pose(&at).translation);
-        places.collect::<Vec<DVec3>>()
+        let ends = mechanism.bars.iter().flat_map(|bar| &bar.ends);
+        let ends = ends.map(|end| end.point.pose(&at.arguments).translation);
+        places.chain(ends).collect::<Vec<DVec3>>()
     });
     points.filter(|point| point.is_finite()).collect()
 }

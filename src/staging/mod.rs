@@ -4,6 +4,7 @@
 
 mod arrows;
 mod axes;
+mod bar_symbols;
 mod body_meshes;
 mod bounds;
 mod cameras;
@@ -116,7 +117,7 @@ impl<'a> Staging<'a> {
         marks: Marks,
     ) -> Self {
         let mut bounds = bounds::moving_points(scene, trajectory);
-        let view = &scene.view;
+        let view = &*cameras::view_of(scene, &bounds);
         let up = up_axis(view.up);
         let mut meshes = Vec::new();
         let moving = (scene, trajectory);

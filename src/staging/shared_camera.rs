@@ -19,9 +19,10 @@ impl SharedCamera {
         moving: impl Iterator<Item = (&'a Scene, &'a Trajectory)> + Clone,
         options: PictureOptions,
     ) -> Option<Self> {
-        let view = &moving.clone().next()?.0.view;
+        let first = moving.clone().next()?.0;
         let all = moving.flat_map(|(s, t)| bounds::moving_points(s, t));
         let points: Vec<_> = all.collect();
+        let view = &*cameras::view_of(first, &points);
         Some(Self {
             camera: cameras::still_camera(view, up_axis(view.up), &points, picture_aspect(options)),
             ground: view_ground(view, &points, up_axis(view.up)),

@@ -96,6 +96,7 @@ impl ViewReader<'_, '_> {
         View {
             azimuth: azimuth.to_radians(),
             elevation: elevation.to_radians(),
+            is_aimed: view.azimuth.is_some() || view.elevation.is_some(),
             up: chosen_word(&view.up, &UpAxis::NAMES, "up axis", diagnostics),
             projection,
             margin,

@@ -7,6 +7,7 @@ mod export_formats;
 mod export_gif;
 mod iterate_films;
 mod lettering;
+mod own_drawings;
 mod plot_formulas;
 mod plots;
 mod rendering;

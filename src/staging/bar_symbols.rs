@@ -1,0 +1,107 @@
+//! Bars in pictures: a rod from end to end, in two parts that slide in each other where its length changes, and a ball at every
+//! end.
+
+use super::joints::PlacedLinks;
+use crate::math::Pose;
+use crate::model::bar_ends::BarEnds;
+use crate::model::chain::Chain;
+use crate::model::mechanism::{Bar, BarEnd, Mechanism};
+use crate::model::shape::Solid;
+use glam::DVec3;
+
+/// A length that changes by less than this fraction does not.
+const CONSTANT: f64 = 1e-9;
+
+/// Each part of a bar that changes its length has this share of the greatest one: they overlap in a tenth of it.
+const PART: f64 = 0.55;
+
+/// Radius of the outer one of these parts over that of a rod.
+const BARREL: f64 = 1.5;
+
+/// Radius of a ball at an end over that of a pin.
+const BALL: f64 = 1.7;
+
+/// A piece along a bar: solids along z from the first of two ends towards the second.
+pub struct DrawnBar {
+    /// The ends as points.
+    pub ends: [Chain; 2],
+    /// In the frame of the first end.
+    pub solids: Vec<Solid>,
+    /// Index of the bar.
+    pub bar: usize,
+}
+
+/// The frame at `a` whose z axis points to `b`.
+pub fn frame_along([a, b]: &[Chain; 2], at: &PlacedLinks) -> Pose {
+    let [a, b] = [a, b].map(|end| end.pose(&at.arguments).translation);
+    Pose::from_translation(a) * Pose::from_z_axis(b - a)
+}
+
+/// All bars as rods of the radius `radius`, over some poses of the motion.
+pub fn drawn_bars(mechanism: &Mechanism, poses: &[PlacedLinks], radius: f64) -> Vec<DrawnBar> {
+    let bars = mechanism.bars.iter().enumerate();
+    let drawn = bars.flat_map(|(bar, Bar { ends, .. })| {
+        let [a, b] = ends.each_ref().map(|end| end.point.clone());
+        let length = |at: &PlacedLinks| {
+            let [a, b] = [&a, &b].map(|end| end.pose(&at.arguments).translation);
+            a.distance(b)
+        };
+        let lengths = poses.iter().map(length);
+        let range = lengths.fold([f64::INFINITY, 0.0], |[low, high]: [f64; 2], l| {
+            [low.min(l), high.max(l)]
+        });
+        let [low, high] = range;
+        let rod = |length: f64, radius: f64| {
+            vec![Solid::Capsule {
+                from: DVec3::ZERO,
+                to: DVec3::Z * length,
+                radius,
+            }]
+        };
+        let parts = match high - low <= CONSTANT * high {
+            true => vec![([a, b], rod(high, radius))],
+            false => {
+                let part = (PART * high).min(low);
+                vec![
+                    ([a.clone(), b.clone()], rod(part, BARREL * radius)),
+                    ([b, a], rod(part, radius)),
+                ]
+            }
+        };
+        let piece = move |(ends, solids)| DrawnBar { ends, solids, bar };
+        parts.into_iter().map(piece)
+    });
+    drawn.collect()
+}
+
+/// A ball for the end of a bar; `radius` is that of a pin.
+pub fn end_ball(radius: f64) -> Vec<Solid> {
+    vec![Solid::Sphere {
+        center: DVec3::ZERO,
+        radius: BALL * radius,
+    }]
+}
+
+/// The different ends of all bars, each with whether it belongs to the frame.
+pub fn bar_ends(mechanism: &Mechanism) -> Vec<(&BarEnd, bool)> {
+    let all = BarEnds::new(mechanism);
+    let mut ends: Vec<(&BarEnd, bool)> = Vec::new();
+    for end in all.bars().flatten() {
+        if ends.iter().all(|(known, _)| known.point != end.point) {
+            ends.push((end, all.link_of(end) == Some(0)));
+        }
+    }
+    ends
+}
+
+/// Places of the ends that a link carries, in its frame, as they are at a pose.
+pub fn carried_ends(mechanism: &Mechanism, at: &PlacedLinks) -> Vec<(usize, DVec3)> {
+    let all = BarEnds::new(mechanism);
+    let ends = all.bars().flatten().filter_map(|end| {
+        let link = all.link_of(end).filter(|link| *link != 0)?;
+        let link_from_world = at.link(link).inverse();
+        let point = end.point.pose(&at.arguments).translation;
+        Some((link, link_from_world.transform_point(point)))
+    });
+    ends.collect()
+}
