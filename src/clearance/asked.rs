@@ -10,8 +10,8 @@ use super::sweep::{Least, PairSweep};
 use crate::distance::bodies::Hull;
 use crate::model::clearance::{ClearanceRules, Ignored};
 
-/// Bodies in contact may be this far apart or overlap by this at the sampled times, in mechanism sizes: much more
-/// than rounding.
+/// Bodies in contact may be this far apart or overlap by this at the sampled times, on the scale of the contact and besides
+/// what poses are off: much more than rounding.
 const CONTACT: f64 = 1e-10;
 
 /// Two bodies and the requirements on them.
@@ -301,7 +301,7 @@ fn excluded_report(
 /// A pair that must touch all the time: at the sampled times to rounding, between them as near as can be proved. What is
 /// reported is where it is farthest from touching.
 fn judge_touching(motion: &mut ProvedMotion, sweep: &PairSweep) -> Option<PairReport> {
-    let size = motion.system.mechanism().size;
+    let scale = sweep.contact_scale(motion);
     // At the samples: contact means a distance of 0 to within the tolerance of poses.
     let mut distances = Vec::new();
     let samples = motion.samples.clone();
@@ -309,7 +309,7 @@ fn judge_touching(motion: &mut ProvedMotion, sweep: &PairSweep) -> Option<PairRe
     let off = |k: &usize| distances[*k].abs();
     let worst = (0..distances.len()).max_by(|j, k| off(j).total_cmp(&off(k)))?;
     let mut least = sweep.sampled(motion, &samples[worst..=worst], None)?;
-    if least.distance.abs() > CONTACT * size {
+    if least.distance.abs() > CONTACT * scale + sweep.pose_slack() {
         least.bound = distances.iter().copied().fold(f64::INFINITY, f64::min);
         return Some(PairReport {
             pair: sweep.bodies(),
@@ -326,7 +326,7 @@ fn judge_touching(motion: &mut ProvedMotion, sweep: &PairSweep) -> Option<PairRe
     }
     // Between them: the distance is enclosed over the proved motion.
     let contact = sweep.contact_over(motion);
-    let mut judgement = if contact.is_within(AT_LEAST * size) {
+    let mut judgement = if contact.is_within(AT_LEAST * scale) {
         Judgement::kept(contact.is_certified)
     } else {
         Judgement::Undecided

@@ -8,7 +8,10 @@ use super::relative::RelativeMove;
 use super::sweep::PairSweep;
 use crate::distance::bodies::sphere_separation;
 
-/// How near to touching two bodies in contact should be proved to stay between the samples, in mechanism sizes. At the samples
+/// Bodies in contact are looked at on this scale, in radii of the smaller one's ball; a mechanism that is smaller has its own.
+const CONTACT_SCALE: f64 = 10.0;
+
+/// How near to touching two bodies in contact should be proved to stay between the samples, on that scale. At the samples
 /// they are known to rounding.
 ///
 /// The proof of solids that slide along each other is near to the second power of the time looked at: this is what
@@ -71,10 +74,19 @@ fn halvings_of_long(motion: &ProvedMotion, root: usize) -> u32 {
 }
 
 impl PairSweep<'_> {
+    /// The length that the allowances of a contact are shares of: that of the bodies, wherever else the mechanism has parts.
+    pub(super) fn contact_scale(&self, motion: &ProvedMotion) -> f64 {
+        let size = motion.system.mechanism().size;
+        match self.smaller_radius() {
+            0.0 => size,
+            radius => size.min(CONTACT_SCALE * radius),
+        }
+    }
+
     /// Between which distances two bodies stay that touch at the samples: of their nearest points at many instants, how
     /// far apart or how deep they can come until the next. Pieces of time are halved until that is near enough.
     pub fn contact_over(&self, motion: &mut ProvedMotion) -> Contact {
-        let size = motion.system.mechanism().size;
+        let size = self.contact_scale(motion);
         let (allowed, slack) = (BETWEEN_SAMPLES * size, self.pose_slack());
         let mut contact = Contact {
             low: f64::INFINITY,

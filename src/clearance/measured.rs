@@ -20,8 +20,10 @@ const SLACK: f64 = 1e-9;
 pub struct Known {
     /// Found at solved poses, in internal units.
     pub value: f64,
-    /// Its bound, if certified.
+    /// Its bound, if certified; never on the other side of the value.
     pub bound: f64,
+    /// Whether the bound is above the value: of all but minima.
+    pub is_upper: bool,
     /// The time at which it occurs, in seconds; a range has none.
     pub time: Option<f64>,
     /// Whether the bound is proved.
@@ -64,7 +66,8 @@ pub fn known(motion: &mut ProvedMotion, measure: &Measure, tolerance: f64) -> Op
     };
     Some(Known {
         value: sign * found.value,
-        bound: sign * found.bound,
+        bound: sign * found.bound.max(found.value),
+        is_upper: sign > 0.0,
         time: found.time,
         is_certified: found.is_certified,
         is_whole: motion.gaps.is_empty(),
@@ -153,7 +156,8 @@ fn of_pair(motion: &mut ProvedMotion, gap: &Gap, limit: f64, tolerance: f64) -> 
     } = sweep.least_over(motion, &mut Vec::new())?;
     Some(Known {
         value: distance,
-        bound,
+        bound: bound.min(distance),
+        is_upper: false,
         time: Some(time),
         is_certified,
         is_whole: motion.gaps.is_empty(),

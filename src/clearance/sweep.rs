@@ -206,6 +206,11 @@ impl<'a> PairSweep<'a> {
         JUDGED * smaller_radius(self.hulls).max(self.minimum.abs())
     }
 
+    /// The radius of the smaller ball around a body; zero if both have no end.
+    pub(super) fn smaller_radius(&self) -> f64 {
+        smaller_radius(self.hulls)
+    }
+
     /// The smallest bound that passes: a bound of exactly the minimum cannot be proved because of rounding.
     pub(super) fn enough(&self) -> f64 {
         self.minimum - self.slack()

@@ -19,6 +19,15 @@ pub enum UpAxis {
 impl UpAxis {
     /// Names in scene files; the first is the default, here as below.
     pub const NAMES: [(&'static str, Self); 3] = [("z", Self::Z), ("y", Self::Y), ("x", Self::X)];
+
+    /// Its direction.
+    pub const fn axis(self) -> DVec3 {
+        match self {
+            Self::X => DVec3::X,
+            Self::Y => DVec3::Y,
+            Self::Z => DVec3::Z,
+        }
+    }
 }
 
 /// Kind of projection.

@@ -172,9 +172,9 @@ impl TakenMeasure<'_> {
     /// pose, so a limit on its other side needs no proof; measures of the samples need none either.
     fn is_proved(&self, estimates: bool) -> bool {
         self.known.is_none_or(|known| {
-            let is_limited = match known.bound < known.value {
-                true => self.measure.min.is_some(),
-                false => self.measure.max.is_some(),
+            let is_limited = match known.is_upper {
+                true => self.measure.max.is_some(),
+                false => self.measure.min.is_some(),
             };
             let bound_keeps =
                 estimates && known.is_whole || known.is_certified && !self.is_off(known.bound);
@@ -197,9 +197,9 @@ impl TakenMeasure<'_> {
     /// The bound in the file's unit, rounded away from the value.
     fn shown_bound(&self, known: &Known) -> f64 {
         let bound = known.bound * self.factor;
-        match known.bound < known.value {
-            true => bound.next_down(),
-            false => bound.next_up(),
+        match known.is_upper {
+            true => bound.next_up(),
+            false => bound.next_down(),
         }
     }
 
@@ -230,9 +230,9 @@ impl TakenMeasure<'_> {
             return format!("{time}; no bound{why}");
         }
         let decimals = shown_decimals(bound).map_or(12, |d| d.saturating_sub(1));
-        let never = match known.bound < known.value {
-            true => format!("never below {}", not_below(bound, decimals)),
-            false => format!("never above {}", not_above(bound, decimals)),
+        let never = match known.is_upper {
+            true => format!("never above {}", not_above(bound, decimals)),
+            false => format!("never below {}", not_below(bound, decimals)),
         };
         let sure = if known.is_certified {
             "proved"

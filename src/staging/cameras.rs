@@ -3,7 +3,7 @@
 //! A moving camera keeps its distance, so that nothing seems to grow or shrink unless a zoom is requested: the distance
 //! is the smallest from which the whole motion is visible from every point of the path.
 
-use super::{bounds, up_axis};
+use super::bounds;
 use crate::math::{Pose, sin_cos};
 use crate::model::view::{NamedView, View, ViewProjection};
 use crate::render::camera::{ViewDirection, fit_within};
@@ -42,7 +42,7 @@ pub fn view_of<'v>(scene: &'v Scene, points: &[DVec3]) -> Cow<'v, View> {
     let Some(axis) = flat else {
         return Cow::Borrowed(view);
     };
-    let up = up_axis(view.up).to_array().iter().position(|x| *x == 1.0);
+    let up = view.up.axis().to_array().iter().position(|x| *x == 1.0);
     let named = match (axis + 3 - up.unwrap_or(2)) % 3 {
         0 => NamedView::Top,
         1 => NamedView::Side,

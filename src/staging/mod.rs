@@ -36,7 +36,7 @@ mod value_text;
 use crate::kinematics::results::trajectory::{ClosedPose, Trajectory};
 use crate::model::theme::Theme;
 use crate::model::view::{
-    EdgeLines, GroundPlace, LabelPlace, SceneLabel, Shadows, ShownAxes, UpAxis, View,
+    EdgeLines, GroundPlace, LabelPlace, SceneLabel, Shadows, ShownAxes, View,
 };
 use crate::render::edges::Edges;
 use crate::render::look::Rim;
@@ -118,7 +118,7 @@ impl<'a> Staging<'a> {
     ) -> Self {
         let mut bounds = bounds::moving_points(scene, trajectory);
         let view = &*cameras::view_of(scene, &bounds);
-        let up = up_axis(view.up);
+        let up = view.up.axis();
         let mut meshes = Vec::new();
         let moving = (scene, trajectory);
         let mut decor = DecorParts::before_camera(moving, (&mut bounds, up), &mut meshes);
@@ -375,14 +375,6 @@ fn edge_style(view: &View) -> Option<Edges> {
 /// Width over height.
 fn picture_aspect(options: PictureOptions) -> f64 {
     f64::from(options.size[0]) / f64::from(options.size[1])
-}
-
-fn up_axis(up: UpAxis) -> DVec3 {
-    match up {
-        UpAxis::X => DVec3::X,
-        UpAxis::Y => DVec3::Y,
-        UpAxis::Z => DVec3::Z,
-    }
 }
 
 /// The ground under the motion, or none.

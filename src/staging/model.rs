@@ -225,7 +225,7 @@ pub fn model_traces(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<Model
 
 /// The up direction of a scene.
 pub fn up_vector(up: UpAxis) -> DVec3 {
-    super::up_axis(up)
+    up.axis()
 }
 
 /// The rotation that takes the up axis to y.

@@ -1,6 +1,6 @@
 //! One camera and ground for several scenes that are shown one after the other.
 
-use super::{PictureOptions, Staging, bounds, cameras, picture_aspect, up_axis, view_ground};
+use super::{PictureOptions, Staging, bounds, cameras, picture_aspect, view_ground};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::render::{Camera, Ground, Stage};
 use crate::scene::Scene;
@@ -24,8 +24,8 @@ impl SharedCamera {
         let points: Vec<_> = all.collect();
         let view = &*cameras::view_of(first, &points);
         Some(Self {
-            camera: cameras::still_camera(view, up_axis(view.up), &points, picture_aspect(options)),
-            ground: view_ground(view, &points, up_axis(view.up)),
+            camera: cameras::still_camera(view, view.up.axis(), &points, picture_aspect(options)),
+            ground: view_ground(view, &points, view.up.axis()),
         })
     }
 }

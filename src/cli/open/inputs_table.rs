@@ -7,6 +7,7 @@ use crate::limits::{Resource, current_limits};
 use crate::model::actuation::Actuation;
 use crate::model::drive::{Drive, Ease};
 use crate::model::mechanism::Mechanism;
+use crate::report::sentences::counted_things;
 use crate::scene::source::open_input;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -148,7 +149,8 @@ impl InputsTable<'_> {
         if row.len() != self.width && row.iter().skip(self.width).any(|c| !c.is_empty())
             || row.len() < self.width
         {
-            let what = format!("{} cells where the header has {}", row.len(), self.width);
+            let cells = counted_things(row.len(), "cell");
+            let what = format!("{cells} where the header has {}", self.width);
             let hint = "decimal commas need `;` or a tab between cells".to_owned();
             return Err(self.table_fault(&what, vec![hint]));
         }

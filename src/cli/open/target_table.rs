@@ -6,6 +6,7 @@ use crate::cli::term::outcome::Failure;
 use crate::kinematics::motion::sampling::is_cyclic;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::{Kind, Mechanism};
+use crate::report::sentences::counted_things;
 use crate::scene::source::open_input;
 use std::f64::consts::TAU;
 use std::io::{BufRead, BufReader};
@@ -192,7 +193,8 @@ impl TargetTable<'_> {
     fn read(&mut self, row: &[String]) -> Result<(), Failure> {
         let width = self.columns.len();
         if row.len() != width {
-            let what = format!("{} cells where the header has {width}", row.len());
+            let cells = counted_things(row.len(), "cell");
+            let what = format!("{cells} where the header has {width}");
             let hint = "decimal commas need `;` or a tab between cells";
             return Err(self.wrong(row, row.len().min(width), &what, hint));
         }

@@ -119,7 +119,7 @@ fn the_path_of_the_dyads_is_recovered_from_five_millimetres_away() {
         "--json",
         "found.json",
         "--out",
-        "found.toml",
+        "found/",
     ];
     let output = run(&workspace, &arguments).exits(0).text();
     let found = document(&workspace, "found.json");
@@ -132,7 +132,7 @@ fn the_path_of_the_dyads_is_recovered_from_five_millimetres_away() {
     // The scene that was written moves along the same path.
     let written = Source {
         name: "found.toml".to_owned(),
-        text: String::from_utf8(workspace.read("found.toml")).unwrap(),
+        text: String::from_utf8(workspace.read("found/moved.toml")).unwrap(),
     };
     let [path, again] = [&source, &written].map(|s| motion_table(s, &columns, 37));
     let numbers = |table: &str| -> Vec<f64> {
@@ -373,7 +373,7 @@ fn mistakes_of_a_table_are_told_with_their_places() {
         ("P.x,P.y\n1,2\n\n3,4,5\n", &["t.csv:4:"]),
         (
             "P.x,P.y\n1\n",
-            &["t.csv:2:", "1 cells where the header has 2"],
+            &["t.csv:2:", "1 cell where the header has 2"],
         ),
         ("P.x,weight\n1,-1\n", &["t.csv:2:3: a weight below zero"]),
         ("time,weight\n0,1\n", &["no column has targets"]),

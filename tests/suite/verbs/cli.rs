@@ -250,7 +250,7 @@ fn tables_of_inputs_with_mistakes_are_refused_with_the_line() {
             ["in.csv:5", "`x` is not a value for `phi`"],
         ),
         ("phi\nnan\n", ["in.csv:2", "`nan` is not a value"]),
-        ("a,phi\n1\n", ["in.csv:2", "1 cells where the header has 2"]),
+        ("a,phi\n1\n", ["in.csv:2", "1 cell where the header has 2"]),
         ("phi\n", ["in.csv", "no rows"]),
     ] {
         w.write("in.csv", table);

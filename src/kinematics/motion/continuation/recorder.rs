@@ -246,8 +246,13 @@ impl<'s> Recorder<'s> {
     /// From the last sample to `time`, in as many steps as necessary.
     fn advance(&mut self, last: PathPoint, time: f64) -> Result<PathPoint, Option<PathPoint>> {
         let mut here = last;
-        let given = here.coordinates[self.tracker.unknowns()..].iter().copied();
-        if self.tracker.actuation().values_at(time).eq(given) {
+        let given = &here.coordinates[self.tracker.unknowns()..];
+        let is_same = self
+            .tracker
+            .actuation()
+            .values_at(time)
+            .eq(given.iter().copied());
+        if is_same && !self.tracker.strays(&here, time, given) {
             return Ok(PathPoint { time, ..here });
         }
         if let Some(beyond) = self.leave_singular_start(&here, time) {

@@ -10,3 +10,4 @@ pub mod path_tracker;
 pub mod regularity;
 pub mod singular;
 pub mod steps;
+mod strays;

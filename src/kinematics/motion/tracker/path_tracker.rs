@@ -5,6 +5,7 @@
 use super::jump_sites::{FormulaBehaviour, JumpSite};
 use super::regularity::Regularity;
 use super::steps::{StepBudget, Steps};
+use super::strays::turning_drives;
 use crate::kinematics::solve::branch::BranchState;
 use crate::kinematics::solve::newton::Pace;
 use crate::kinematics::solve::pose_solver::PoseSolver;
@@ -116,6 +117,8 @@ pub struct PathTracker<'s> {
     pub(crate) regularity: Regularity,
     /// What may jump in its loops and equations.
     pub(crate) jump_sites: Rc<[JumpSite]>,
+    /// Drives that may turn back within a step.
+    pub(super) turning: Rc<[usize]>,
 }
 
 impl<'s> PathTracker<'s> {
@@ -135,6 +138,7 @@ impl<'s> PathTracker<'s> {
             recent: [None, None],
             regularity: Regularity::default(),
             jump_sites: JumpSite::all(system.mechanism()).into(),
+            turning: turning_drives(actuation).into(),
         }
     }
 
@@ -258,6 +262,9 @@ impl<'s> PathTracker<'s> {
         watcher: &mut dyn PathWatcher,
     ) -> Result<Option<PathPoint>, usize> {
         let inputs = self.inputs(time)?;
+        if self.strays(here, time, &inputs) {
+            return Ok(None);
+        }
         let usable = self.is_usable(&here.branch);
         let way = [here.time, time];
         if usable && self.regularity.heads_for_zero(way, here.branch.sigma_min) {

@@ -9,6 +9,7 @@ use super::super::names::{Meaning, Names};
 use super::parsed::{ParsedBar, ParsedBars, ParsedEnd};
 use crate::diag::{Diagnostic, Diagnostics, Span, shown_number};
 use crate::model::chain::ElementaryMotion;
+use crate::model::function::Function;
 use crate::model::mechanism::{AngleUnit, Bar, BarEnd, Closes, Equation, Kind, Loop};
 use crate::numbers::constant::Constant;
 
@@ -145,7 +146,7 @@ fn resolve_bar(
 }
 
 /// (d² - L²) / 2 L: to first order, the amount by which the points are too far apart. A variable length is not used as
-/// a divisor.
+/// a divisor, and its square is L |L|: no pose has a negative length.
 fn bar_gap(bar: &ParsedBar, length: Option<f64>) -> FormulaNode {
     let span = &bar.name.span;
     let binary = |sign: char, a: FormulaNode, b: FormulaNode| FormulaNode {
@@ -159,9 +160,16 @@ fn bar_gap(bar: &ParsedBar, length: Option<f64>) -> FormulaNode {
     let squares = pairs.map(|(a, b)| square(binary('-', b.clone(), a.clone())));
     let sum = squares.reduce(|sum, next| binary('+', sum, next));
     let sum = sum.unwrap_or_else(|| number(0.0));
-    let gap = binary('-', sum, square(bar.length.clone()));
     match length {
-        Some(length) => binary('*', gap, number(0.5 / length)),
-        None => gap,
+        Some(length) => {
+            let gap = binary('-', sum, square(bar.length.clone()));
+            binary('*', gap, number(0.5 / length))
+        }
+        None => {
+            let kind = NodeKind::Call(Function::Abs, vec![bar.length.clone()]);
+            let span = span.clone();
+            let size = FormulaNode { kind, span };
+            binary('-', sum, binary('*', bar.length.clone(), size))
+        }
     }
 }
