@@ -151,6 +151,28 @@ impl Drive {
         }
     }
 
+    /// Whether it may turn back: not if it is constant or straight in time.
+    pub fn may_turn_back(&self) -> bool {
+        match self {
+            Self::Formula(formula) => formula.affine().is_none(),
+            Self::Keys { .. } => !self.is_constant(),
+        }
+    }
+
+    /// Bounds of its values over an interval of time; `None` if it may have none somewhere.
+    pub fn range(&self, times: Interval) -> Option<Interval> {
+        let keys = match self {
+            Self::Formula(formula) => return formula.range(&[times]),
+            Self::Keys { times, .. } => times,
+        };
+        // Monotone between two keys.
+        let inside = keys.iter().copied();
+        let inside = inside.filter(|t| times.lo < *t && *t < times.hi);
+        let all = [times.lo, times.hi].into_iter().chain(inside);
+        all.map(|t| Interval::point(self.value(t)))
+            .reduce(Interval::hull)
+    }
+
     /// Jumps between two instants, both included, recognised from the limits on both sides and not from their size.
     pub fn jumps_between(&self, from: f64, to: f64) -> Jumps {
         match self {

@@ -132,13 +132,12 @@ fn scene_args(args: &SynthesiseArgs, scene: &OsStr) -> SceneArgs {
     }
 }
 
-/// Destination of the scenes found: the file itself for one, files in a folder for several, or if a folder is named.
+/// Destination of the scenes found: the file itself for one, files in a folder for several.
 fn target_files(args: &SynthesiseArgs) -> Result<Vec<PathBuf>, Failure> {
     let Some(out) = &args.out else {
         return Ok(Vec::new());
     };
-    let names_folder = out.is_dir() || out.as_os_str().as_encoded_bytes().ends_with(b"/");
-    if let ([scene], false) = (args.scenes.as_slice(), names_folder) {
+    if let [scene] = args.scenes.as_slice() {
         if Path::new(scene) == out {
             return Err(io::is_input(out));
         }

@@ -12,6 +12,7 @@ mod clearance_parry;
 mod clearance_reference;
 mod clearance_scenes;
 mod clearance_times;
+mod contact_scale;
 mod cut_off;
 mod deep_clearances;
 mod distances;

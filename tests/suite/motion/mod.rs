@@ -8,6 +8,7 @@ mod dense_nets;
 mod derived_outputs;
 mod dyads;
 mod endings;
+mod excursions;
 mod fold_rates;
 mod gimbal;
 mod hard_cases;

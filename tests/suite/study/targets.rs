@@ -119,7 +119,7 @@ fn the_path_of_the_dyads_is_recovered_from_five_millimetres_away() {
         "--json",
         "found.json",
         "--out",
-        "found/",
+        "found.toml",
     ];
     let output = run(&workspace, &arguments).exits(0).text();
     let found = document(&workspace, "found.json");
@@ -132,7 +132,7 @@ fn the_path_of_the_dyads_is_recovered_from_five_millimetres_away() {
     // The scene that was written moves along the same path.
     let written = Source {
         name: "found.toml".to_owned(),
-        text: String::from_utf8(workspace.read("found/moved.toml")).unwrap(),
+        text: String::from_utf8(workspace.read("found.toml")).unwrap(),
     };
     let [path, again] = [&source, &written].map(|s| motion_table(s, &columns, 37));
     let numbers = |table: &str| -> Vec<f64> {

@@ -40,9 +40,11 @@ impl PathTracker<'_> {
             sigma_min: end.branch.sigma_min,
         });
         let mut found = Vec::from(ends);
+        // A few instants first: a wide gap is met at once.
         for share in BETWEEN {
             self.look_between([a.time, b.time], share, &mut found)?;
         }
+        // Then ever nearer to where the poses are least regular.
         for _ in 0..ROUNDS {
             let least = (0..found.len())
                 .min_by(|&i, &j| found[i].sigma_min.total_cmp(&found[j].sigma_min))?;
@@ -89,6 +91,7 @@ impl PathTracker<'_> {
 
     /// A pose next to another that closes to rounding.
     fn closed_to_rounding(&mut self, mut pose: Vec<f64>) -> Option<Vec<f64>> {
+        // Each correction ends where the whole system closes; the small terms may not be balanced there.
         for _ in 0..MOST_CORRECTIONS {
             if !self.solver.closed(&mut pose, Pace::Patient) {
                 return None;

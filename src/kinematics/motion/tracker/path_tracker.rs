@@ -5,13 +5,13 @@
 use super::jump_sites::{FormulaBehaviour, JumpSite};
 use super::regularity::Regularity;
 use super::steps::{StepBudget, Steps};
-use super::strays::turning_drives;
 use crate::kinematics::solve::branch::BranchState;
 use crate::kinematics::solve::newton::Pace;
 use crate::kinematics::solve::pose_solver::PoseSolver;
 use crate::kinematics::solve::predictor::HIGHEST_ORDER;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
+use crate::model::drive::Drive;
 use std::rc::Rc;
 
 /// Smallest step as a fraction of the interval between two samples; it locates the end of a motion to about 1e-12
@@ -117,8 +117,8 @@ pub struct PathTracker<'s> {
     pub(crate) regularity: Regularity,
     /// What may jump in its loops and equations.
     pub(crate) jump_sites: Rc<[JumpSite]>,
-    /// Drives that may turn back within a step.
-    pub(super) turning: Rc<[usize]>,
+    /// Whether each drive may turn back within a step.
+    pub(super) turning: Rc<[bool]>,
 }
 
 impl<'s> PathTracker<'s> {
@@ -128,6 +128,7 @@ impl<'s> PathTracker<'s> {
         actuation: &'s Actuation,
         cancelled: &'s dyn Fn() -> bool,
     ) -> Self {
+        let drives = actuation.drives.iter();
         Self {
             solver: PoseSolver::new(system),
             actuation,
@@ -138,7 +139,7 @@ impl<'s> PathTracker<'s> {
             recent: [None, None],
             regularity: Regularity::default(),
             jump_sites: JumpSite::all(system.mechanism()).into(),
-            turning: turning_drives(actuation).into(),
+            turning: drives.map(Drive::may_turn_back).collect(),
         }
     }
 

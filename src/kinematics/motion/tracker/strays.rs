@@ -2,8 +2,6 @@
 //! about two singular poses that a crank passes within one turn.
 
 use super::path_tracker::{PathPoint, PathTracker};
-use crate::model::actuation::Actuation;
-use crate::model::drive::Drive;
 use crate::model::mechanism::Kind;
 use crate::numbers::interval::Interval;
 use std::f64::consts::FRAC_PI_2;
@@ -14,64 +12,66 @@ const FARTHEST_TURN: f64 = FRAC_PI_2;
 /// Within a step an input may leave the range between its ends by this much, radians or mechanism sizes.
 const STRAY: f64 = 0.01;
 
+/// The same in shares of its value, far more than rounding.
+const STRAY_OF_VALUE: f64 = 1e-9;
+
 /// Parts of a step over which a drive is bounded, since bounds of a formula that has its time in several places are too wide.
 const PARTS: usize = 8;
 
-/// The drives that may turn back: all but constant ones and those that are straight in time.
-pub(super) fn turning_drives(actuation: &Actuation) -> Vec<usize> {
-    let may_turn = |drive: &Drive| match drive {
-        Drive::Formula(formula) => formula.affine().is_none(),
-        Drive::Keys { .. } => !drive.is_constant(),
-    };
-    let drives = actuation.drives.iter().enumerate();
-    let turning = drives.filter(|(_, drive)| may_turn(drive));
-    turning.map(|(index, _)| index).collect()
-}
-
-/// The values of a drive between two instants; `None` if it may have none.
-fn drive_range(drive: &Drive, times: Interval) -> Option<Interval> {
-    match drive {
-        Drive::Formula(formula) => formula.range(&[times]),
-        Drive::Keys { .. } => {
-            let keys = drive.keys().iter().copied();
-            let inside = keys.filter(|t| times.lo < *t && *t < times.hi);
-            let all = [times.lo, times.hi].into_iter().chain(inside);
-            all.map(|t| Interval::point(drive.value(t)))
-                .reduce(Interval::hull)
-        }
-    }
-}
-
 impl PathTracker<'_> {
-    /// Whether inputs move farther between a pose and the instant of other inputs than a single step may take them.
+    /// Whether inputs move farther between a pose and the instant of other inputs than a single step may take them. Jumps have
+    /// rules of their own, and without unknowns nothing can be missed.
     pub(crate) fn strays(&self, here: &PathPoint, time: f64, inputs: &[f64]) -> bool {
-        let mechanism = self.system().mechanism();
-        let from = &here.coordinates[self.unknowns()..];
-        let kinds = mechanism.inputs.iter().map(|input| input.kind);
-        let mut turns = kinds.zip(from.iter().zip(inputs));
-        if turns.any(|(kind, (a, b))| kind == Kind::Angle && (b - a).abs() > FARTHEST_TURN) {
-            return true;
+        let n = self.unknowns();
+        if n == 0 {
+            return false;
         }
-        let mut turning = self.turning.iter();
-        turning.any(|index| {
-            let unit = match mechanism.inputs[*index].kind {
-                Kind::Angle => 1.0,
-                Kind::Length | Kind::Number => mechanism.size,
-            };
-            let ends = Interval::point(from[*index]).hull(Interval::point(inputs[*index]));
-            let allowed = ends + Interval::around_zero(STRAY * unit);
-            let drive = &self.actuation().drives[*index];
-            let within = |[a, b]: [f64; 2]| {
-                let times = Interval::point(a).hull(Interval::point(b));
-                let range = drive_range(drive, times);
-                range.is_none_or(|range| allowed.lo <= range.lo && range.hi <= allowed.hi)
-            };
-            let at = |k: usize| match k {
-                0 => here.time,
-                PARTS => time,
-                k => here.time + (time - here.time) * (k as f64 / PARTS as f64),
-            };
-            !within([here.time, time]) && !(0..PARTS).all(|k| within([at(k), at(k + 1)]))
-        })
+        let given = &here.coordinates[n..];
+        let pairs = given.iter().zip(inputs).enumerate();
+        let is_far = |(index, (a, b)): (usize, (&f64, &f64))| {
+            self.turns_far(index, b - a) || self.leaves(index, [here.time, time], [*a, *b])
+        };
+        let strays = pairs.map(is_far).any(|far| far);
+        strays
+            && !self
+                .actuation()
+                .jumps_between(here.time.min(time), here.time.max(time))
+                .is_any()
+    }
+
+    /// Whether an input is an angle that turns too far.
+    fn turns_far(&self, index: usize, by: f64) -> bool {
+        let kind = self.system().mechanism().inputs[index].kind;
+        kind == Kind::Angle && by.abs() > FARTHEST_TURN
+    }
+
+    /// Whether a drive leaves the range between its values at two instants.
+    fn leaves(&self, index: usize, [from, to]: [f64; 2], [a, b]: [f64; 2]) -> bool {
+        if !self.turning[index] {
+            return false;
+        }
+        let mechanism = self.system().mechanism();
+        let unit = match mechanism.inputs[index].kind {
+            Kind::Angle => 1.0,
+            Kind::Length | Kind::Number => mechanism.size,
+        };
+        let stray = STRAY * unit + STRAY_OF_VALUE * a.abs().max(b.abs());
+        let allowed = Interval::point(a).hull(Interval::point(b)) + Interval::around_zero(stray);
+        let drive = &self.actuation().drives[index];
+        let within = |[from, to]: [f64; 2]| {
+            let times = Interval::point(from).hull(Interval::point(to));
+            let range = drive.range(times);
+            range.is_none_or(|range| allowed.lo <= range.lo && range.hi <= allowed.hi)
+        };
+        // As a whole first, which tells of most drives; then part by part.
+        if within([from, to]) {
+            return false;
+        }
+        let at = |k: usize| match k {
+            0 => from,
+            PARTS => to,
+            k => from + (to - from) * (k as f64 / PARTS as f64),
+        };
+        !(0..PARTS).all(|k| within([at(k), at(k + 1)]))
     }
 }
