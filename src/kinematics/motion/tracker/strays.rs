@@ -27,11 +27,11 @@ impl PathTracker<'_> {
             return false;
         }
         let given = &here.coordinates[n..];
-        let pairs = given.iter().zip(inputs).enumerate();
+        let mut pairs = given.iter().zip(inputs).enumerate();
         let is_far = |(index, (a, b)): (usize, (&f64, &f64))| {
             self.turns_far(index, b - a) || self.leaves(index, [here.time, time], [*a, *b])
         };
-        let strays = pairs.map(is_far).any(|far| far);
+        let strays = pairs.any(is_far);
         strays
             && !self
                 .actuation()
