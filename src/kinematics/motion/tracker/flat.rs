@@ -92,6 +92,7 @@ impl PathTracker<'_> {
 
     /// Whether poses join two others, and lie between.
     fn is_filled(&mut self, a: &PathPoint, b: &PathPoint) -> bool {
+        let a = &self.regular_before(a, b);
         let apart = self.solver.apart(&a.coordinates, &b.coordinates);
         let Some(between) = self.joining(a, b) else {
             return false;

@@ -148,10 +148,18 @@ impl PathTracker<'_> {
     /// Whether poses join the last regular one before `end` to `beyond`. What looks like a crossing may be two folds that face
     /// each other over a narrow gap, in which nothing closes; `end` may be behind it, since nearly singular poses close nearly.
     pub(crate) fn is_joined(&mut self, end: &PathPoint, beyond: &PathPoint) -> bool {
-        let is_before = |a: &PathPoint| (end.time - a.time) * (beyond.time - end.time) > 0.0;
-        let anchor = self.anchor.clone().filter(is_before);
-        let from = anchor.as_ref().unwrap_or(end);
-        self.joining(from, beyond).is_some()
+        let from = self.regular_before(end, beyond);
+        self.joining(&from, beyond).is_some()
+    }
+
+    /// The last regular pose before `end` on the way to `beyond`, or `end` itself.
+    pub(super) fn regular_before(&self, end: &PathPoint, beyond: &PathPoint) -> PathPoint {
+        let is_before = |a: &&PathPoint| (end.time - a.time) * (beyond.time - end.time) > 0.0;
+        self.anchor
+            .as_ref()
+            .filter(is_before)
+            .unwrap_or(end)
+            .clone()
     }
 
     /// Follows the motion backwards from `found` to where it ends; `None` if it reaches the target.

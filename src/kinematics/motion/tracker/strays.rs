@@ -15,28 +15,31 @@ const STRAY: f64 = 0.01;
 /// The same in shares of its value, far more than rounding.
 const STRAY_OF_VALUE: f64 = 1e-9;
 
+/// A jump excuses an input in steps of at most this share of the time between two samples.
+const BESIDE_JUMP: f64 = 1.0 / 1024.0;
+
 /// Parts of a step over which a drive is bounded, since bounds of a formula that has its time in several places are too wide.
 const PARTS: usize = 8;
 
 impl PathTracker<'_> {
-    /// Whether inputs move farther between a pose and the instant of other inputs than a single step may take them. Jumps have
-    /// rules of their own, and without unknowns nothing can be missed.
+    /// Whether inputs move farther between a pose and the instant of other inputs than a single step may take them. Without
+    /// unknowns nothing can be missed.
     pub(crate) fn strays(&self, here: &PathPoint, time: f64, inputs: &[f64]) -> bool {
         let n = self.unknowns();
         if n == 0 {
             return false;
         }
-        let given = &here.coordinates[n..];
-        let mut pairs = given.iter().zip(inputs).enumerate();
-        let is_far = |(index, (a, b)): (usize, (&f64, &f64))| {
-            self.turns_far(index, b - a) || self.leaves(index, [here.time, time], [*a, *b])
-        };
-        let strays = pairs.any(is_far);
-        strays
-            && !self
-                .actuation()
-                .jumps_between(here.time.min(time), here.time.max(time))
-                .is_any()
+        let ends = [here.time.min(time), here.time.max(time)];
+        let is_short = ends[1] - ends[0] <= BESIDE_JUMP * self.interval;
+        let mut pairs = here.coordinates[n..].iter().zip(inputs).enumerate();
+        pairs.any(|(index, (a, b))| {
+            let strays =
+                self.turns_far(index, b - a) || self.leaves(index, [here.time, time], [*a, *b]);
+            // A jump ends no halving: what crosses it has rules of its own.
+            let drive = &self.actuation().drives[index];
+            let jumps = || drive.may_jump() && drive.jumps_between(ends[0], ends[1]).is_any();
+            strays && !(is_short && jumps())
+        })
     }
 
     /// Whether an input is an angle that turns too far.
