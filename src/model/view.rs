@@ -274,7 +274,7 @@ pub struct View {
     pub azimuth: f64,
     /// Height of the viewer above the horizon in radians.
     pub elevation: f64,
-    /// Whether the scene or its user gives the direction: if not, a flat mechanism that draws itself is looked at from the front.
+    /// Whether the scene or its user gives the direction: if not, a flat mechanism that draws itself is looked at squarely.
     pub is_aimed: bool,
     /// World axis that points up.
     pub up: UpAxis,

@@ -33,7 +33,7 @@ const ZENITH: f64 = std::f64::consts::FRAC_PI_2;
 /// Points are flat along an axis if they extend along it by less than this share of how far they extend along the others.
 const FLAT: f64 = 1e-9;
 
-/// The view of a scene whose motion stays within `points`: a flat mechanism that draws itself is looked at from the front, in a
+/// The view of a scene whose motion stays within `points`: a flat mechanism that draws itself is looked at squarely, in a
 /// parallel view, unless a direction is given.
 pub fn view_of<'v>(scene: &'v Scene, points: &[DVec3]) -> Cow<'v, View> {
     let view = &*scene.view;

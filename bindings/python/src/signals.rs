@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// How often signals are looked at: Ctrl-C is answered within 50 ms.
+/// How often signals are looked at; `benches/peers/package.py` prints how soon Ctrl-C is answered.
 const PERIOD: Duration = Duration::from_millis(20);
 
 /// Looks at the clock that are nearer to each other become half as many, up to [`MOST_STEPS`] steps apart.

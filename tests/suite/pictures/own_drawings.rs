@@ -1,4 +1,4 @@
-//! Scenes without bodies draw themselves: links and bars as rods, a flat mechanism from the front.
+//! Scenes without bodies draw themselves: links and bars as rods, a flat mechanism squarely.
 
 use image::RgbaImage;
 use std::path::Path;

@@ -10,7 +10,7 @@ use crate::numbers::interval::Interval;
 const BETWEEN: [f64; 5] = [0.11, 0.29, 0.5, 0.67, 0.83];
 
 /// How often the two neighbours of the least regular instant so far are looked at more closely: a gap that is narrow beside
-/// the way across it lies where the singular value is least. So many rounds come down to the rounding of that way.
+/// the way across it lies where the singular value is least. So many rounds come down to less than 1e-11 of that way.
 const ROUNDS: usize = 44;
 
 /// Where between two instants the next one lies. Not in the middle, for the same reason as above.
@@ -20,8 +20,8 @@ const NEXT: f64 = 0.45;
 /// digit of its scale. About a flat singular pose all terms are small, and so must be what they leave.
 const ROUNDING: f64 = 1e-13;
 
-/// A correction may end at the residual's own floor, where small terms are not yet balanced: so many follow, each of which
-/// takes at least a factor of two off the error.
+/// A correction may end at the residual's own floor, where small terms are not yet balanced: so many follow, as many as halve
+/// the error of a double root down to rounding.
 const MOST_CORRECTIONS: usize = 50;
 
 /// A pose on the way from one to another, at a share of the time between them.
