@@ -1,7 +1,12 @@
 //! Domains of formulas: the root of a negative number is undefined, whatever the rest of the formula contains.
 
+use super::kink_side::KinkSide;
+use super::pieces::within;
 use super::{Expression, Function, Op, apply_op};
 use crate::numbers::interval::Interval;
+use crate::numbers::scalar::Scalar;
+use crate::numbers::series::Series;
+use std::f64::consts::PI;
 
 /// Operands of roots, logarithms and powers with a fraction.
 const NOT_BELOW_ZERO: Interval = Interval {
@@ -19,9 +24,29 @@ impl Expression {
         let mut values = Vec::with_capacity(self.ops().len());
         for op in self.ops() {
             confine_operands(*op, &mut values)?;
-            values.push(apply_op(*op, &values, slots));
+            values.push(all_values(*op, &values, slots));
         }
         Some(values.last().copied().unwrap_or(Interval::ZERO))
+    }
+
+    /// The same of a formula of time, sharper over a short stretch: its middle and the rates on both sides of kinks (mean value
+    /// form).
+    pub fn range_over(&self, times: Interval) -> Option<Interval> {
+        let all = self.range(&[times])?;
+        let clock = Series::linear(times, Interval::ONE, 1);
+        let mut values: Vec<Series<Interval, 2>> = Vec::with_capacity(self.ops().len());
+        for op in self.ops() {
+            values.push(within(*op, KinkSide::Plain, &values, clock));
+        }
+        let rate = values.last().and_then(|v| v.coefficients().get(1).copied());
+        let rate = rate.unwrap_or(Interval::ZERO);
+        // About a jump there is none.
+        if !rate.is_finite() {
+            return Some(all);
+        }
+        let middle = Interval::point(times.middle());
+        let near = self.range(&[middle])? + rate * (times - middle);
+        Some(Interval::new(all.lo.max(near.lo), all.hi.min(near.hi)))
     }
 
     /// Whether none of its operations can lack a value.
@@ -39,6 +64,28 @@ impl Expression {
             ) => false,
             _ => true,
         })
+    }
+}
+
+/// All values of an operation, those on both sides of a kink or a jump included.
+fn all_values(op: Op, values: &[Interval], slots: &[Interval]) -> Interval {
+    let value = apply_op(op, values, slots);
+    if value.is_finite() {
+        return value;
+    }
+    let Op::Call(function, a, b) = op else {
+        return value;
+    };
+    let (a, b) = (values[a], values[b]);
+    match function {
+        Function::Abs => Interval::new(a.lo.max(-a.hi).max(0.0), a.magnitude()),
+        Function::Min => Interval::new(a.lo.min(b.lo), a.hi.min(b.hi)),
+        Function::Max => Interval::new(a.lo.max(b.lo), a.hi.max(b.hi)),
+        Function::Floor => Interval::new(a.lo.floor(), a.hi.floor()),
+        // A remainder lies between zero and its divisor.
+        Function::Mod => b.hull(Interval::ZERO),
+        Function::Atan2 => Interval::around_zero(PI.next_up()),
+        _ => value,
     }
 }
 
@@ -143,5 +190,36 @@ mod tests {
         let half = formula.range(&[Interval::point(0.6)]);
         let is_right = |v: Interval| v.lo <= 0.8 && v.hi >= 0.8 && v.hi - v.lo < 1e-12;
         assert!(half.is_some_and(is_right), "{half:?}");
+    }
+
+    /// |x| - floor(x) about kink and jump, sampled; and sin(x) - x sharper than its parts.
+    #[test]
+    fn values_on_both_sides_of_kinks_and_jumps_are_in_range() {
+        let formula = Expression::new(vec![
+            Op::Slot(0),
+            Op::Call(Function::Abs, 0, 0),
+            Op::Call(Function::Floor, 0, 0),
+            Op::Subtract(1, 2),
+        ]);
+        for (from, to) in [(-0.5, 0.25), (-2.5, 1.5), (0.0, 1.0), (0.25, 0.75)] {
+            let times = Interval::new(from, to);
+            for range in [formula.range(&[times]), formula.range_over(times)] {
+                let holds = |v: f64| range.is_some_and(|r| r.lo <= v && v <= r.hi);
+                for k in 0..=64 {
+                    let value = formula.value(&[from + (to - from) * f64::from(k) / 64.0]);
+                    assert!(holds(value), "{from} {to} {value}");
+                }
+                assert!(!holds(-2.1) && !holds(5.6), "{range:?}");
+            }
+        }
+        let bent = Expression::new(vec![
+            Op::Slot(0),
+            Op::Call(Function::Sin, 0, 0),
+            Op::Subtract(1, 0),
+        ]);
+        let range = bent.range_over(Interval::new(0.0, 1e-3));
+        let is_right =
+            |r: Interval| (-1e-9..=-1.6e-10).contains(&r.lo) && (0.0..1e-9).contains(&r.hi);
+        assert!(range.is_some_and(is_right), "{range:?}");
     }
 }

@@ -1,6 +1,6 @@
 //! On which side of its kink or jump a function is over a piece of time.
 
-use super::{Function, Op};
+use super::{Expression, Function, Op};
 use crate::numbers::interval::Interval;
 use crate::numbers::scalar::Scalar;
 
@@ -49,5 +49,22 @@ pub(super) fn kink_side(op: Op, range: impl Fn(usize) -> Interval) -> KinkSide {
             Interval::new(-off, 0.0),
         ),
         _ => KinkSide::Operand(if is_above { a } else { b }, false, Interval::new(0.0, off)),
+    }
+}
+
+impl Expression {
+    /// Whether the operand of a kink changes its sign from one place to another.
+    pub fn passes_kink(&self, places: [&[f64]; 2]) -> bool {
+        let [a, b] = places.map(|slots| {
+            let mut values = Vec::with_capacity(self.ops().len());
+            self.value_with(slots, &mut values);
+            values
+        });
+        let is_past = |operand: &dyn Fn(&[f64]) -> f64| operand(&a) * operand(&b) < 0.0;
+        self.ops().iter().any(|op| match *op {
+            Op::Call(Function::Abs, x, _) => is_past(&|v| v[x]),
+            Op::Call(Function::Min | Function::Max, x, y) => is_past(&|v| v[x] - v[y]),
+            _ => false,
+        })
     }
 }

@@ -98,7 +98,7 @@ impl Recorder<'_> {
             let beyond = [unknowns, &inputs].concat();
             match self.tracker.way_between(&end.coordinates, &beyond) {
                 FormulaBehaviour::Jumps(name) => Some(name.to_owned()),
-                FormulaBehaviour::Smooth | FormulaBehaviour::Open => None,
+                _ => None,
             }
         })
     }

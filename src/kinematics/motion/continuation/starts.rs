@@ -28,8 +28,9 @@ impl Recorder<'_> {
         if !is_start || end.time > self.samples[0].time {
             return None;
         }
+        // No tangent exists: assembled anew at the next inputs, no farther than a step may go.
+        let time = self.tracker.reach(end, time);
         let inputs = self.tracker.inputs(time).ok()?;
-        // No tangent exists: assembled anew at the next inputs.
         let start = [self.tracker.actuation().guess.clone(), inputs].concat();
         let found = self.tracker.solver.assembled(&start, None).ok()?;
         self.tracker.solver.iterations += found.iterations;
@@ -38,7 +39,8 @@ impl Recorder<'_> {
         let way = self
             .tracker
             .way_between(&end.coordinates, &beyond.coordinates);
-        (way == FormulaBehaviour::Smooth).then(|| self.tracker.keep(beyond, &mut self.events))
+        let is_smooth = matches!(way, FormulaBehaviour::Smooth | FormulaBehaviour::Kink);
+        is_smooth.then(|| self.tracker.keep(beyond, &mut self.events))
     }
 
     /// A motion that starts where branches meet can continue in several ways. Poses just beyond are found from many
@@ -53,6 +55,7 @@ impl Recorder<'_> {
             return None;
         }
         let beside = from.time + BESIDE_START * (time - from.time);
+        let beside = self.tracker.reach(from, beside);
         let inputs = self.tracker.inputs(beside).ok()?;
         let mut best: Option<(f64, PathPoint)> = None;
         let mut met: Vec<String> = Vec::new();

@@ -1,4 +1,4 @@
-//! Formulas of loops and equations that may jump, and their behaviour between two poses.
+//! Formulas of loops and equations that may jump or have kinks, and their behaviour between two poses.
 
 use crate::model::chain::{Argument, ChainStep, ElementaryMotion};
 use crate::model::expression::Expression;
@@ -9,7 +9,7 @@ use crate::numbers::constant::Constant;
 /// A jump that changes by a larger share on the way may vanish at its place, as that of `floor(phi)*(phi - 1)` does.
 const SAME_JUMP: f64 = 0.5;
 
-/// A formula of a loop or an equation that may jump.
+/// A formula of a loop or an equation that may jump or has a kink.
 #[derive(Clone, Debug)]
 pub(crate) struct JumpSite {
     formula: Expression,
@@ -26,7 +26,7 @@ impl JumpSite {
         for equation in mechanism
             .equations
             .iter()
-            .filter(|e| e.expression.has_jumps())
+            .filter(|e| e.expression.has_pieces())
         {
             sites.push(Self {
                 formula: equation.expression.clone(),
@@ -44,7 +44,7 @@ impl JumpSite {
                     continue;
                 };
                 if let Argument::Formula(formula) = &mechanism.arguments[*argument]
-                    && formula.has_jumps()
+                    && formula.has_pieces()
                 {
                     sites.push(Self {
                         formula: formula.clone(),
@@ -60,6 +60,7 @@ impl JumpSite {
     /// What it does on the straight way between two places.
     fn way(&self, from: &[f64], to: &[f64]) -> FormulaBehaviour<'_> {
         let sizes = match self.formula.jump_on_way(from, to) {
+            None if self.formula.passes_kink([from, to]) => return FormulaBehaviour::Kink,
             None => return FormulaBehaviour::Smooth,
             Some(WayJump::Open) => return FormulaBehaviour::Open,
             Some(WayJump::By(sizes)) => sizes,
@@ -87,8 +88,10 @@ impl JumpSite {
 /// The behaviour of formulas between two poses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum FormulaBehaviour<'t> {
-    /// They do not jump.
+    /// They neither jump nor have a kink.
     Smooth,
+    /// One has a kink, and none jumps.
+    Kink,
     /// One may, or may not.
     Open,
     /// That of this loop or equation jumps.
@@ -109,6 +112,8 @@ impl<'t> FormulaBehaviour<'t> {
             for [a, b] in [[from, &middle], [&middle, to]] {
                 match site.way(a, b) {
                     Self::Smooth => {}
+                    Self::Kink if way == Self::Smooth => way = Self::Kink,
+                    Self::Kink => {}
                     Self::Open => way = Self::Open,
                     jump @ Self::Jumps(_) => return jump,
                 }

@@ -2,6 +2,7 @@
 //! events only as a watcher that it calls.
 
 pub mod arc_length;
+mod bent_arguments;
 mod flat;
 mod joining;
 pub mod jump_sites;

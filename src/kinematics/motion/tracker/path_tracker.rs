@@ -2,6 +2,7 @@
 //!
 //! The drive is always evaluated at a time computed from the sample's own time, never accumulated.
 
+use super::bent_arguments::BentArgument;
 use super::jump_sites::{FormulaBehaviour, JumpSite};
 use super::regularity::Regularity;
 use super::steps::{StepBudget, Steps};
@@ -18,7 +19,8 @@ use std::rc::Rc;
 /// of that interval.
 pub(crate) const SMALLEST_STEP: f64 = 1e-12;
 
-/// Over a step this short, as a fraction of that interval, a possible jump is accepted as none: it vanished with the step.
+/// Over a step this short, as a fraction of that interval, a possible jump is accepted as none: it vanished with the step. So is
+/// a kink: poses right before and behind it tell whether the motion ends there.
 const CLOSE_TO_JUMP: f64 = 1e-9;
 
 /// Number of steps, accepted or rejected, that must together advance by [`LEAST_PROGRESS`]: otherwise the tracker is stuck at a
@@ -119,6 +121,8 @@ pub struct PathTracker<'s> {
     pub(crate) jump_sites: Rc<[JumpSite]>,
     /// Whether each drive may turn back within a step.
     pub(super) turning: Rc<[bool]>,
+    /// The arguments of its loops that are no affine forms.
+    pub(super) bent: Rc<[BentArgument]>,
 }
 
 impl<'s> PathTracker<'s> {
@@ -140,6 +144,7 @@ impl<'s> PathTracker<'s> {
             regularity: Regularity::default(),
             jump_sites: JumpSite::all(system.mechanism()).into(),
             turning: drives.map(Drive::may_turn_back).collect(),
+            bent: BentArgument::all(system.mechanism()).into(),
         }
     }
 
@@ -284,11 +289,15 @@ impl<'s> PathTracker<'s> {
             return Ok(None);
         };
         self.rename(&base, time, &mut coordinates);
-        match self.way_between(&here.coordinates, &coordinates) {
-            FormulaBehaviour::Smooth => {}
-            FormulaBehaviour::Open if (time - here.time).abs() <= CLOSE_TO_JUMP * self.interval => {
-            }
-            FormulaBehaviour::Open | FormulaBehaviour::Jumps(_) => return Ok(None),
+        let longest = match self.way_between(&here.coordinates, &coordinates) {
+            FormulaBehaviour::Smooth => f64::INFINITY,
+            FormulaBehaviour::Kink | FormulaBehaviour::Open => CLOSE_TO_JUMP,
+            FormulaBehaviour::Jumps(_) => return Ok(None),
+        };
+        if (time - here.time).abs() > longest * self.interval
+            || self.formulas_stray(here, time, &coordinates)
+        {
+            return Ok(None);
         }
         let point = self.point(time, coordinates);
         let same = point.branch.signs == base.branch.signs;

@@ -51,7 +51,9 @@ impl PathTracker<'_> {
         let inputs = self.inputs(time).ok()?;
         let n = self.unknowns();
         let moved = self.inputs_apart(&end.coordinates[n..], &inputs);
-        if time - end.time > BESIDE * self.interval && moved > BESIDE_INPUTS {
+        let is_beside = time - end.time <= BESIDE * self.interval;
+        // A drive may have come back to the same inputs.
+        if !is_beside && (moved > BESIDE_INPUTS || self.strays(end, time, &inputs)) {
             return None;
         }
         let mut coordinates = [&end.coordinates[..n], &inputs].concat();
@@ -74,6 +76,9 @@ impl PathTracker<'_> {
             // The tangent of the last good point reaches over the singular pose.
             let beyond = (anchor.time + reach).min(time);
             let inputs = self.inputs(beyond).ok()?;
+            if self.strays(&anchor, beyond, &inputs) {
+                return None;
+            }
             let (mut coordinates, predicted) = self.solver.predict(&anchor.coordinates, &inputs, 1);
             let correction = self.solver.correct(&mut coordinates, Pace::Brisk);
             if follows_prediction(&correction, &predicted) && beyond > end.time {

@@ -1,16 +1,13 @@
 //! How far inputs move within a step: a pose at its end says nothing about a drive that has gone elsewhere and come back, or
 //! about two singular poses that a crank passes within one turn.
 
+use super::bent_arguments::{FARTHEST_SLIDE, FARTHEST_TURN};
 use super::path_tracker::{PathPoint, PathTracker};
 use crate::model::mechanism::Kind;
 use crate::numbers::interval::Interval;
-use std::f64::consts::FRAC_PI_2;
-
-/// A step turns no input farther than this, radians: linkages flatten at every half turn.
-const FARTHEST_TURN: f64 = FRAC_PI_2;
 
 /// Within a step an input may leave the range between its ends by this much, radians or mechanism sizes.
-const STRAY: f64 = 0.01;
+const STRAY: f64 = 1e-4;
 
 /// The same in shares of its value, far more than rounding.
 const STRAY_OF_VALUE: f64 = 1e-9;
@@ -20,6 +17,9 @@ const BESIDE_JUMP: f64 = 1.0 / 1024.0;
 
 /// Parts of a step over which a drive is bounded, since bounds of a formula that has its time in several places are too wide.
 const PARTS: usize = 8;
+
+/// Most halvings of a step that has no pose between to start from.
+const REACHES: usize = 40;
 
 impl PathTracker<'_> {
     /// Whether inputs move farther between a pose and the instant of other inputs than a single step may take them. Without
@@ -34,7 +34,7 @@ impl PathTracker<'_> {
         let mut pairs = here.coordinates[n..].iter().zip(inputs).enumerate();
         pairs.any(|(index, (a, b))| {
             let strays =
-                self.turns_far(index, b - a) || self.leaves(index, [here.time, time], [*a, *b]);
+                self.goes_far(index, b - a) || self.leaves(index, [here.time, time], [*a, *b]);
             // A jump ends no halving: what crosses it has rules of its own.
             let drive = &self.actuation().drives[index];
             let jumps = || drive.may_jump() && drive.jumps_between(ends[0], ends[1]).is_any();
@@ -42,10 +42,41 @@ impl PathTracker<'_> {
         })
     }
 
-    /// Whether an input is an angle that turns too far.
-    fn turns_far(&self, index: usize, by: f64) -> bool {
-        let kind = self.system().mechanism().inputs[index].kind;
-        kind == Kind::Angle && by.abs() > FARTHEST_TURN
+    /// The farthest instant up to `time` that a single step from a pose may go to: halved until no input strays.
+    pub(crate) fn reach(&self, here: &PathPoint, time: f64) -> f64 {
+        let mut way = time - here.time;
+        for _ in 0..REACHES {
+            let inputs = self.inputs(here.time + way);
+            if inputs.is_ok_and(|inputs| !self.strays(here, here.time + way, &inputs)) {
+                break;
+            }
+            way *= 0.5;
+        }
+        here.time + way
+    }
+
+    /// Whether formulas in loops stray between a pose and another one, in all that lies between their coordinates. A short
+    /// step is trusted: their jumps have rules of their own.
+    pub(super) fn formulas_stray(&self, here: &PathPoint, time: f64, there: &[f64]) -> bool {
+        if self.bent.is_empty() || (time - here.time).abs() <= BESIDE_JUMP * self.interval {
+            return false;
+        }
+        let mechanism = self.system().mechanism();
+        let ends = here.coordinates.iter().zip(there);
+        let between = ends.map(|(a, b)| Interval::new(a.min(*b), a.max(*b)));
+        let between: Vec<Interval> = between.collect();
+        let mut bent = self.bent.iter();
+        bent.any(|argument| argument.strays(mechanism, [&here.coordinates, there], &between))
+    }
+
+    /// Whether an input turns or slides too far.
+    fn goes_far(&self, index: usize, by: f64) -> bool {
+        let mechanism = self.system().mechanism();
+        match mechanism.inputs[index].kind {
+            Kind::Angle => by.abs() > FARTHEST_TURN,
+            Kind::Length => by.abs() > FARTHEST_SLIDE * mechanism.size,
+            Kind::Number => false,
+        }
     }
 
     /// Whether a drive leaves the range between its values at two instants.
