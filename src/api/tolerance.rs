@@ -43,7 +43,7 @@ pub struct MeasureScatter {
     pub nominal: f64,
     /// Root sum square of derivative times tolerance.
     pub root_sum_square: f64,
-    /// Sum of the magnitudes of derivative times tolerance: the linear worst case, which pieces can exceed.
+    /// Sum of the magnitudes of derivative times tolerance; pieces can exceed this linear estimate.
     pub linear_sum: f64,
     /// Mean over the random pieces that can be assembled; NaN if there are none.
     pub mean: f64,

@@ -162,7 +162,7 @@ impl Drive {
     /// Bounds of its values over an interval of time; `None` if it may have none somewhere.
     pub fn range(&self, times: Interval) -> Option<Interval> {
         let keys = match self {
-            Self::Formula(formula) => return formula.range_over(times),
+            Self::Formula(formula) => return formula.sharp_range(&[times]),
             Self::Keys { times, .. } => times,
         };
         // Monotone between two keys.

@@ -77,6 +77,21 @@ impl Affine {
             sum + S::from_constant(*c) * slots[*slot]
         })
     }
+
+    /// The same as an expression.
+    pub fn formula(&self) -> Expression {
+        let mut ops = vec![Op::Constant(self.constant)];
+        for (slot, factor) in &self.terms {
+            let sum = ops.len() - 1;
+            ops.extend([
+                Op::Constant(*factor),
+                Op::Slot(*slot),
+                Op::Multiply(sum + 1, sum + 2),
+                Op::Add(sum, sum + 3),
+            ]);
+        }
+        Expression::new(ops)
+    }
 }
 
 /// A compiled expression. The last operation is its value.

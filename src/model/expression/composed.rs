@@ -1,6 +1,6 @@
 //! Formulas in place of slots, and angles beyond the cut of `atan2`.
 
-use super::{Expression, Function, Op};
+use super::{Expression, Function, Op, operand_places};
 use crate::numbers::constant::Constant;
 
 /// Longer formulas are not made.
@@ -25,6 +25,68 @@ impl Expression {
             }
         }
         Some(Self::new(ops))
+    }
+
+    /// Its largest parts that depend on slots which are `chosen`, and on no others.
+    pub fn parts_of(&self, chosen: impl Fn(usize) -> bool) -> Vec<Self> {
+        // Whether an operation depends on slots at all, and only on chosen ones.
+        let mut uses: Vec<(bool, bool)> = Vec::with_capacity(self.ops().len());
+        let mut largest = Vec::new();
+        for op in self.ops() {
+            let operands = operand_places(*op).into_iter().flatten();
+            let own = match op {
+                Op::Slot(slot) => (true, chosen(*slot)),
+                _ => operands.clone().fold((false, true), |all, k| {
+                    (all.0 || uses[k].0, all.1 && uses[k].1)
+                }),
+            };
+            uses.push(own);
+            if !own.1 {
+                largest.extend(operands.filter(|k| uses[*k] == (true, true)));
+            }
+        }
+        let whole = uses.len().checked_sub(1);
+        largest.extend(whole.filter(|last| uses[*last] == (true, true)));
+        largest.sort_unstable();
+        largest.dedup();
+        largest.into_iter().map(|k| self.part_at(k)).collect()
+    }
+
+    /// The largest magnitude of the terms that it is the sum of; `None` if it is no sum.
+    pub fn largest_term(&self, slots: &[f64]) -> Option<f64> {
+        let mut values = Vec::with_capacity(self.ops().len());
+        self.value_with(slots, &mut values);
+        let last = self.ops().len().checked_sub(1);
+        let (mut open, mut largest) = (Vec::from_iter(last), None);
+        while let Some(k) = open.pop() {
+            match self.ops()[k] {
+                Op::Add(a, b) | Op::Subtract(a, b) => open.extend([a, b]),
+                Op::Negate(a) => open.push(a),
+                _ if k + 1 < self.ops().len() => {
+                    largest = Some(f64::max(largest.unwrap_or(0.0), values[k].abs()));
+                }
+                _ => {}
+            }
+        }
+        largest
+    }
+
+    /// The formula that ends in an operation.
+    fn part_at(&self, end: usize) -> Self {
+        let mut is_needed = vec![false; end + 1];
+        is_needed[end] = true;
+        for k in (0..=end).rev() {
+            if is_needed[k] {
+                let operands = operand_places(self.ops()[k]).into_iter().flatten();
+                operands.for_each(|operand| is_needed[operand] = true);
+            }
+        }
+        let (mut ops, mut places) = (Vec::new(), vec![0; end + 1]);
+        for k in (0..=end).filter(|k| is_needed[*k]) {
+            places[k] = ops.len();
+            ops.push(self.ops()[k].mapped(|operand| places[operand]));
+        }
+        Self::new(ops)
     }
 
     /// The formula of the same direction whose cut is on the other side, if it is one `atan2` with terms beside it: no sum of both

@@ -6,6 +6,7 @@ mod change_points;
 mod contacts;
 mod dense_nets;
 mod derived_outputs;
+mod driven_excursions;
 mod dyads;
 mod endings;
 mod excursions;

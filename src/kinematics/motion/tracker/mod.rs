@@ -2,7 +2,7 @@
 //! events only as a watcher that it calls.
 
 pub mod arc_length;
-mod bent_arguments;
+mod bounded_formulas;
 mod flat;
 mod joining;
 pub mod jump_sites;
@@ -10,5 +10,6 @@ pub mod jumps;
 pub mod path_tracker;
 pub mod regularity;
 pub mod singular;
+mod step_bounds;
 pub mod steps;
 mod strays;

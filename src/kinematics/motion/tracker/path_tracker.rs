@@ -2,9 +2,10 @@
 //!
 //! The drive is always evaluated at a time computed from the sample's own time, never accumulated.
 
-use super::bent_arguments::BentArgument;
+use super::bounded_formulas::BoundedFormula;
 use super::jump_sites::{FormulaBehaviour, JumpSite};
 use super::regularity::Regularity;
+use super::step_bounds::StepBound;
 use super::steps::{StepBudget, Steps};
 use crate::kinematics::solve::branch::BranchState;
 use crate::kinematics::solve::newton::Pace;
@@ -121,8 +122,11 @@ pub struct PathTracker<'s> {
     pub(crate) jump_sites: Rc<[JumpSite]>,
     /// Whether each drive may turn back within a step.
     pub(super) turning: Rc<[bool]>,
-    /// The arguments of its loops that are no affine forms.
-    pub(super) bent: Rc<[BentArgument]>,
+    /// How far a step may take each input.
+    pub(super) bounds: Rc<[StepBound]>,
+    /// Formulas of inputs in its loops and equations, and formulas of unknowns in its loops, that may stray within a step.
+    pub(super) driven: Rc<[BoundedFormula]>,
+    pub(super) bent: Rc<[BoundedFormula]>,
 }
 
 impl<'s> PathTracker<'s> {
@@ -144,7 +148,9 @@ impl<'s> PathTracker<'s> {
             regularity: Regularity::default(),
             jump_sites: JumpSite::all(system.mechanism()).into(),
             turning: drives.map(Drive::may_turn_back).collect(),
-            bent: BentArgument::all(system.mechanism()).into(),
+            bounds: StepBound::of_inputs(system.mechanism()).into(),
+            driven: BoundedFormula::of_inputs(system.mechanism()).into(),
+            bent: BoundedFormula::of_unknowns(system.mechanism()).into(),
         }
     }
 

@@ -1,19 +1,15 @@
 //! How far inputs move within a step: a pose at its end says nothing about a drive that has gone elsewhere and come back, or
 //! about two singular poses that a crank passes within one turn.
 
-use super::bent_arguments::{FARTHEST_SLIDE, FARTHEST_TURN};
+use super::bounded_formulas::BoundedFormula;
 use super::path_tracker::{PathPoint, PathTracker};
-use crate::model::mechanism::Kind;
 use crate::numbers::interval::Interval;
 
-/// Within a step an input may leave the range between its ends by this much, radians or mechanism sizes.
-const STRAY: f64 = 1e-4;
+/// A jump excuses what strays in steps of at most this share of the time between two samples.
+const BESIDE_JUMP: f64 = 1e-9;
 
-/// The same in shares of its value, far more than rounding.
-const STRAY_OF_VALUE: f64 = 1e-9;
-
-/// A jump excuses an input in steps of at most this share of the time between two samples.
-const BESIDE_JUMP: f64 = 1.0 / 1024.0;
+/// Formulas of unknowns are trusted in steps of at most this share of it.
+const SHORT: f64 = 1.0 / 1024.0;
 
 /// Parts of a step over which a drive is bounded, since bounds of a formula that has its time in several places are too wide.
 const PARTS: usize = 8;
@@ -22,24 +18,23 @@ const PARTS: usize = 8;
 const REACHES: usize = 40;
 
 impl PathTracker<'_> {
-    /// Whether inputs move farther between a pose and the instant of other inputs than a single step may take them. Without
-    /// unknowns nothing can be missed.
+    /// Whether inputs, or formulas of them in loops and equations, move farther between a pose and the instant of other inputs
+    /// than a single step may take them. Without unknowns nothing can be missed.
     pub(crate) fn strays(&self, here: &PathPoint, time: f64, inputs: &[f64]) -> bool {
         let n = self.unknowns();
         if n == 0 {
             return false;
         }
-        let ends = [here.time.min(time), here.time.max(time)];
-        let is_short = ends[1] - ends[0] <= BESIDE_JUMP * self.interval;
+        let times = [here.time, time];
+        let is_beside = (time - here.time).abs() <= BESIDE_JUMP * self.interval;
         let mut pairs = here.coordinates[n..].iter().zip(inputs).enumerate();
-        pairs.any(|(index, (a, b))| {
-            let strays =
-                self.goes_far(index, b - a) || self.leaves(index, [here.time, time], [*a, *b]);
+        let input_strays = pairs.any(|(index, (a, b))| {
+            let is_far = self.bounds[index].is_far(*a, *b);
+            let strays = is_far || self.leaves(index, times, [*a, *b]);
             // A jump ends no halving: what crosses it has rules of its own.
-            let drive = &self.actuation().drives[index];
-            let jumps = || drive.may_jump() && drive.jumps_between(ends[0], ends[1]).is_any();
-            strays && !(is_short && jumps())
-        })
+            strays && !(is_beside && self.drive_jumps(index, times))
+        });
+        input_strays || !self.driven.is_empty() && self.formulas_of_inputs_stray(here, time, inputs)
     }
 
     /// The farthest instant up to `time` that a single step from a pose may go to: halved until no input strays.
@@ -55,57 +50,82 @@ impl PathTracker<'_> {
         here.time + way
     }
 
-    /// Whether formulas in loops stray between a pose and another one, in all that lies between their coordinates. A short
-    /// step is trusted: their jumps have rules of their own.
+    /// Whether formulas of unknowns in loops stray between a pose and another one, in all that lies between their coordinates.
+    /// A short step is trusted: their jumps have rules of their own.
     pub(super) fn formulas_stray(&self, here: &PathPoint, time: f64, there: &[f64]) -> bool {
-        if self.bent.is_empty() || (time - here.time).abs() <= BESIDE_JUMP * self.interval {
+        if self.bent.is_empty() || (time - here.time).abs() <= SHORT * self.interval {
             return false;
         }
+        let ends = [&here.coordinates[..], there];
+        let pairs = ends[0].iter().zip(there);
+        let between: Vec<Interval> = pairs.map(|(a, b)| hull([*a, *b])).collect();
         let mechanism = self.system().mechanism();
-        let ends = here.coordinates.iter().zip(there);
-        let between = ends.map(|(a, b)| Interval::new(a.min(*b), a.max(*b)));
-        let between: Vec<Interval> = between.collect();
-        let mut bent = self.bent.iter();
-        bent.any(|argument| argument.strays(mechanism, [&here.coordinates, there], &between))
+        self.bent.iter().any(|formula| {
+            let bound = formula.bound_at(mechanism, ends[0]);
+            let [a, b] = ends.map(|slots| formula.formula.value(slots));
+            bound.is_far(a, b) || !formula.stays(bound, [a, b], &between)
+        })
     }
 
-    /// Whether an input turns or slides too far.
-    fn goes_far(&self, index: usize, by: f64) -> bool {
-        let mechanism = self.system().mechanism();
-        match mechanism.inputs[index].kind {
-            Kind::Angle => by.abs() > FARTHEST_TURN,
-            Kind::Length => by.abs() > FARTHEST_SLIDE * mechanism.size,
-            Kind::Number => false,
-        }
+    /// Whether a drive jumps between two instants.
+    fn drive_jumps(&self, index: usize, [a, b]: [f64; 2]) -> bool {
+        let drive = &self.actuation().drives[index];
+        drive.may_jump() && drive.jumps_between(a.min(b), a.max(b)).is_any()
     }
 
     /// Whether a drive leaves the range between its values at two instants.
-    fn leaves(&self, index: usize, [from, to]: [f64; 2], [a, b]: [f64; 2]) -> bool {
-        if !self.turning[index] {
-            return false;
-        }
-        let mechanism = self.system().mechanism();
-        let unit = match mechanism.inputs[index].kind {
-            Kind::Angle => 1.0,
-            Kind::Length | Kind::Number => mechanism.size,
-        };
-        let stray = STRAY * unit + STRAY_OF_VALUE * a.abs().max(b.abs());
-        let allowed = Interval::point(a).hull(Interval::point(b)) + Interval::around_zero(stray);
-        let drive = &self.actuation().drives[index];
-        let within = |[from, to]: [f64; 2]| {
-            let times = Interval::point(from).hull(Interval::point(to));
-            let range = drive.range(times);
-            range.is_none_or(|range| allowed.lo <= range.lo && range.hi <= allowed.hi)
-        };
-        // As a whole first, which tells of most drives; then part by part.
-        if within([from, to]) {
-            return false;
-        }
-        let at = |k: usize| match k {
-            0 => from,
-            PARTS => to,
-            k => from + (to - from) * (k as f64 / PARTS as f64),
-        };
-        !(0..PARTS).all(|k| within([at(k), at(k + 1)]))
+    fn leaves(&self, index: usize, times: [f64; 2], values: [f64; 2]) -> bool {
+        let (bound, drive) = (self.bounds[index], &self.actuation().drives[index]);
+        self.turning[index]
+            && !holds_part_by_part(times, |part| bound.holds(values, drive.range(hull(part))))
     }
+
+    /// Whether a formula of inputs goes too far, or elsewhere and back.
+    fn formulas_of_inputs_stray(&self, here: &PathPoint, time: f64, inputs: &[f64]) -> bool {
+        let n = self.unknowns();
+        let there = [&here.coordinates[..n], inputs].concat();
+        let (ends, times) = ([&here.coordinates[..], &there], [here.time, time]);
+        let is_beside = (time - here.time).abs() <= BESIDE_JUMP * self.interval;
+        let jumps = |driven: &BoundedFormula| {
+            let mut used = driven.slots.iter();
+            used.any(|slot| self.drive_jumps(slot - n, times))
+                || driven.formula.jump_on_way(ends[0], ends[1]).is_some()
+        };
+        let mechanism = self.system().mechanism();
+        self.driven.iter().any(|driven| {
+            let bound = driven.bound_at(mechanism, ends[0]);
+            let [a, b] = ends.map(|slots| driven.formula.value(slots));
+            let stays = |part| driven.stays(bound, [a, b], &self.boxes_of(driven, part));
+            let strays = bound.is_far(a, b) || !holds_part_by_part(times, stays);
+            strays && !(is_beside && jumps(driven))
+        })
+    }
+
+    /// All values that the inputs of a formula have between two instants; the other coordinates are zero.
+    fn boxes_of(&self, driven: &BoundedFormula, part: [f64; 2]) -> Vec<Interval> {
+        let n = self.unknowns();
+        let drives = &self.actuation().drives;
+        let mut boxes = vec![Interval::ZERO; n + drives.len()];
+        for slot in &driven.slots {
+            // Without a value nothing is bounded.
+            boxes[*slot] = drives[slot - n]
+                .range(hull(part))
+                .unwrap_or(Interval::ENTIRE);
+        }
+        boxes
+    }
+}
+
+/// Whether something holds between two instants: as a whole, which tells of most, or in each of some parts.
+fn holds_part_by_part([from, to]: [f64; 2], holds: impl Fn([f64; 2]) -> bool) -> bool {
+    let at = |k: usize| match k {
+        0 => from,
+        PARTS => to,
+        k => from + (to - from) * (k as f64 / PARTS as f64),
+    };
+    holds([from, to]) || (0..PARTS).all(|k| holds([at(k), at(k + 1)]))
+}
+
+fn hull([a, b]: [f64; 2]) -> Interval {
+    Interval::new(a.min(b), a.max(b))
 }
