@@ -27,45 +27,52 @@ impl Expression {
         Some(Self::new(ops))
     }
 
-    /// Its largest parts that depend on slots which are `chosen`, and on no others.
-    pub fn parts_of(&self, chosen: impl Fn(usize) -> bool) -> Vec<Self> {
-        // Whether an operation depends on slots at all, and only on chosen ones.
+    /// Its largest parts that depend on slots which are `chosen`, and on no others, each with the sum of which it is a term, or
+    /// with itself.
+    pub fn parts_of(&self, chosen: impl Fn(usize) -> bool) -> Vec<[Self; 2]> {
+        // Whether an operation depends on slots at all, and only on chosen ones; and an operation that uses it.
         let mut uses: Vec<(bool, bool)> = Vec::with_capacity(self.ops().len());
-        let mut largest = Vec::new();
-        for op in self.ops() {
+        let mut parents = vec![None; self.ops().len()];
+        for (k, op) in self.ops().iter().enumerate() {
             let operands = operand_places(*op).into_iter().flatten();
-            let own = match op {
+            uses.push(match op {
                 Op::Slot(slot) => (true, chosen(*slot)),
-                _ => operands.clone().fold((false, true), |all, k| {
-                    (all.0 || uses[k].0, all.1 && uses[k].1)
+                _ => operands.clone().fold((false, true), |all, operand| {
+                    (all.0 || uses[operand].0, all.1 && uses[operand].1)
                 }),
-            };
-            uses.push(own);
-            if !own.1 {
-                largest.extend(operands.filter(|k| uses[*k] == (true, true)));
-            }
+            });
+            operands.for_each(|operand| parents[operand] = Some(k));
         }
-        let whole = uses.len().checked_sub(1);
-        largest.extend(whole.filter(|last| uses[*last] == (true, true)));
-        largest.sort_unstable();
-        largest.dedup();
-        largest.into_iter().map(|k| self.part_at(k)).collect()
+        let is_whole = |k: &usize| uses[*k] == (true, true);
+        let is_largest = |k: &usize| is_whole(k) && parents[*k].is_none_or(|p| !is_whole(&p));
+        let is_sum = |k: usize| {
+            matches!(
+                self.ops()[k],
+                Op::Add(..) | Op::Subtract(..) | Op::Negate(_)
+            )
+        };
+        let sum_of = |k: usize| {
+            std::iter::successors(Some(k), |k| parents[*k].filter(|p| is_sum(*p)))
+                .last()
+                .unwrap_or(k)
+        };
+        let places = (0..self.ops().len()).filter(is_largest);
+        places
+            .map(|k| [k, sum_of(k)].map(|k| self.part_at(k)))
+            .collect()
     }
 
-    /// The largest magnitude of the terms that it is the sum of; `None` if it is no sum.
-    pub fn largest_term(&self, slots: &[f64]) -> Option<f64> {
+    /// The largest magnitude of the terms that it is the sum of.
+    pub fn largest_term(&self, slots: &[f64]) -> f64 {
         let mut values = Vec::with_capacity(self.ops().len());
         self.value_with(slots, &mut values);
-        let last = self.ops().len().checked_sub(1);
-        let (mut open, mut largest) = (Vec::from_iter(last), None);
+        let mut open = Vec::from_iter(self.ops().len().checked_sub(1));
+        let mut largest = 0.0;
         while let Some(k) = open.pop() {
             match self.ops()[k] {
                 Op::Add(a, b) | Op::Subtract(a, b) => open.extend([a, b]),
                 Op::Negate(a) => open.push(a),
-                _ if k + 1 < self.ops().len() => {
-                    largest = Some(f64::max(largest.unwrap_or(0.0), values[k].abs()));
-                }
-                _ => {}
+                _ => largest = f64::max(largest, values[k].abs()),
             }
         }
         largest

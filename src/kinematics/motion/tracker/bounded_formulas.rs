@@ -1,7 +1,8 @@
 //! Formulas of loops and equations whose values between the ends of a step are bounded: the lift of a cam, the length of a
 //! driven bar. They may go elsewhere and come back within a step, as drives may.
 
-use super::step_bounds::{FARTHEST_WAY, STRAY, StepBound, joint_arguments};
+use super::step_bounds::{STRAY, StepBound, joint_arguments};
+use crate::model::actuation::Actuation;
 use crate::model::chain::Argument;
 use crate::model::expression::Expression;
 use crate::model::mechanism::Mechanism;
@@ -11,8 +12,11 @@ use crate::numbers::interval::Interval;
 /// loop, over all values that these may have together.
 const STRAY_OF_UNKNOWNS: f64 = 0.1;
 
-/// No equation's terms count as less than this share of what its kind of quantity has in the mechanism.
-const LEAST_TERM: f64 = 1e-9;
+/// The terms of an equation count as no less than this share of what they are at some instants: all may vanish at one.
+const LEAST_TERM: f64 = 1e-6;
+
+/// Those instants, as shares of the duration.
+const INSTANTS: [f64; 4] = [0.0, 0.37, 0.73, 1.0];
 
 /// A formula, and how far it may go.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,41 +26,52 @@ pub(crate) struct BoundedFormula {
     /// Those it uses.
     pub slots: Vec<usize>,
     bound: StepBound,
-    /// The equation whose terms are the unit of the bound.
-    equation: Option<usize>,
+    /// The sum in an equation whose terms are the unit of the bound, and the least unit.
+    terms: Option<(Expression, f64)>,
 }
 
 impl BoundedFormula {
-    fn new(formula: Expression, bound: StepBound, equation: Option<usize>) -> Self {
+    fn new(formula: Expression, bound: StepBound, terms: Option<(Expression, f64)>) -> Self {
         Self {
             slots: formula.slots(),
             formula,
             bound,
-            equation,
+            terms,
         }
     }
 
     /// The parts of a mechanism's formulas that depend on inputs only.
-    pub fn of_inputs(mechanism: &Mechanism) -> Vec<Self> {
+    pub fn of_inputs(mechanism: &Mechanism, actuation: &Actuation) -> Vec<Self> {
         let unknowns = mechanism.unknowns.len();
         let is_input = |slot| slot >= unknowns;
         let mut all: Vec<Self> = Vec::new();
+        // Joints: affine arguments bound their inputs, see `StepBound::of_inputs`.
         for (argument, bound) in joint_arguments(mechanism) {
             if let Argument::Formula(formula) = argument
                 && formula.affine().is_none()
             {
                 let parts = formula.parts_of(is_input).into_iter();
-                all.extend(parts.map(|part| Self::new(part, bound, None)));
+                all.extend(parts.map(|[part, _]| Self::new(part, bound, None)));
             }
         }
         let of_terms = StepBound {
-            farthest: FARTHEST_WAY,
+            farthest: f64::INFINITY,
             stray: STRAY,
         };
-        for (k, equation) in mechanism.equations.iter().enumerate() {
-            let parts = equation.expression.parts_of(is_input).into_iter();
-            all.extend(parts.map(|part| Self::new(part, of_terms, Some(k))));
+        let about = INSTANTS.map(|share| {
+            let inputs = actuation.inputs_at(share * actuation.duration);
+            [&actuation.guess[..], &inputs].concat()
+        });
+        // Equations have no unit but their own terms.
+        for equation in &mechanism.equations {
+            for [part, sum] in equation.expression.parts_of(is_input) {
+                let terms = about.iter().map(|slots| sum.largest_term(slots));
+                let largest = terms.filter(|term| term.is_finite()).fold(0.0, f64::max);
+                let terms = Some((sum, LEAST_TERM * largest));
+                all.push(Self::new(part, of_terms, terms));
+            }
         }
+        // The same angle or length enters many equations.
         let mut distinct: Vec<Self> = Vec::new();
         for part in all {
             if !distinct.contains(&part) {
@@ -75,6 +90,7 @@ impl BoundedFormula {
                 stray: bound.stray * (STRAY_OF_UNKNOWNS / STRAY),
                 ..bound
             };
+            // A gear turns farther than the unknown that moves it, and any formula may.
             let multiplies = |(slot, factor): (usize, f64)| slot < unknowns && factor.abs() > 1.0;
             let formula = match argument {
                 Argument::Affine(affine) if affine.numbers().any(multiplies) => affine.formula(),
@@ -90,16 +106,16 @@ impl BoundedFormula {
     }
 
     /// The bound at a pose.
-    pub fn bound_at(&self, mechanism: &Mechanism, coordinates: &[f64]) -> StepBound {
-        let Some(equation) = self.equation else {
-            return self.bound;
-        };
-        let usual = 1.0 / mechanism.weight_of(equation);
-        let terms = mechanism.equations[equation]
-            .expression
-            .largest_term(coordinates);
-        self.bound
-            .scaled(terms.map_or(usual, |term| term.max(LEAST_TERM * usual)))
+    pub fn bound_at(&self, coordinates: &[f64]) -> StepBound {
+        match &self.terms {
+            None => self.bound,
+            Some((sum, least)) => {
+                let unit = sum.largest_term(coordinates).max(*least);
+                // Without any term nothing can be said.
+                let unit = if unit > 0.0 { unit } else { f64::INFINITY };
+                self.bound.scaled(unit)
+            }
+        }
     }
 
     /// Whether it stays within a bound between its values at two places, over boxes of its slots.

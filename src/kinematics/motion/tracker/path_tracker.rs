@@ -149,7 +149,7 @@ impl<'s> PathTracker<'s> {
             jump_sites: JumpSite::all(system.mechanism()).into(),
             turning: drives.map(Drive::may_turn_back).collect(),
             bounds: StepBound::of_inputs(system.mechanism()).into(),
-            driven: BoundedFormula::of_inputs(system.mechanism()).into(),
+            driven: BoundedFormula::of_inputs(system.mechanism(), actuation).into(),
             bent: BoundedFormula::of_unknowns(system.mechanism()).into(),
         }
     }
@@ -227,6 +227,7 @@ impl<'s> PathTracker<'s> {
         let way = (time - here.time).abs();
         let mut steps = Steps::new(here.time, time, way, SMALLEST_STEP * self.interval);
         let mut looked_at = here.time;
+        self.budget.spend_if_short(self.least_steps(&here, time));
         for count in 1.. {
             if steps.is_done() {
                 return Ok(here);
@@ -238,23 +239,30 @@ impl<'s> PathTracker<'s> {
                 }
                 looked_at = here.time;
             }
-            if !self.budget.take() || self.is_cancelled() {
-                break;
-            }
-            // Predict and correct; a refused step is halved, an accepted one lengthens the next.
-            match self.step(&here, steps.target(), watcher) {
-                Ok(Some(point)) => {
-                    steps.take();
-                    here = self.keep(point, watcher);
-                }
-                Ok(None) => steps.refuse(),
+            let target = steps.target();
+            let inputs = match self.inputs(target) {
+                Ok(inputs) => inputs,
                 Err(input) => {
                     return Err(Stop::Undefined {
                         input,
-                        time: steps.target(),
+                        time: target,
                         last: here,
                     });
                 }
+            };
+            // What is too far is refused without a step.
+            let strays = self.strays(&here, target, &inputs);
+            if !strays && !self.budget.take() || self.budget.is_spent() || self.is_cancelled() {
+                break;
+            }
+            // Predict and correct; a refused step is halved, an accepted one lengthens the next.
+            let reached = (!strays).then(|| self.step(&here, (target, &inputs), watcher));
+            match reached.flatten() {
+                Some(point) => {
+                    steps.take();
+                    here = self.keep(point, watcher);
+                }
+                None => steps.refuse(),
             }
             if steps.is_stuck() {
                 break;
@@ -263,24 +271,20 @@ impl<'s> PathTracker<'s> {
         Err(Stop::Ends(here))
     }
 
-    /// One predictor-corrector step; `Ok(None)` where it cannot be trusted.
+    /// One predictor-corrector step to the inputs at a time; `None` where it cannot be trusted.
     ///
     /// From a singular pose no tangent is usable; the prediction then starts from the last trusted pose,
     /// which leads straight through, and the determinant may change its sign.
     fn step(
         &mut self,
         here: &PathPoint,
-        time: f64,
+        (time, inputs): (f64, &[f64]),
         watcher: &mut dyn PathWatcher,
-    ) -> Result<Option<PathPoint>, usize> {
-        let inputs = self.inputs(time)?;
-        if self.strays(here, time, &inputs) {
-            return Ok(None);
-        }
+    ) -> Option<PathPoint> {
         let usable = self.is_usable(&here.branch);
         let way = [here.time, time];
         if usable && self.regularity.heads_for_zero(way, here.branch.sigma_min) {
-            return Ok(None);
+            return None;
         }
         let base = match &self.anchor {
             Some(anchor) if !usable => anchor.clone(),
@@ -291,19 +295,17 @@ impl<'s> PathTracker<'s> {
         } else {
             1
         };
-        let Some(mut coordinates) = self.solver.step(&base.coordinates, &inputs, order) else {
-            return Ok(None);
-        };
+        let mut coordinates = self.solver.step(&base.coordinates, inputs, order)?;
         self.rename(&base, time, &mut coordinates);
         let longest = match self.way_between(&here.coordinates, &coordinates) {
             FormulaBehaviour::Smooth => f64::INFINITY,
             FormulaBehaviour::Kink | FormulaBehaviour::Open => CLOSE_TO_JUMP,
-            FormulaBehaviour::Jumps(_) => return Ok(None),
+            FormulaBehaviour::Jumps(_) => return None,
         };
         if (time - here.time).abs() > longest * self.interval
             || self.formulas_stray(here, time, &coordinates)
         {
-            return Ok(None);
+            return None;
         }
         let point = self.point(time, coordinates);
         let same = point.branch.signs == base.branch.signs;
@@ -318,10 +320,10 @@ impl<'s> PathTracker<'s> {
             } else if watcher.crosses() && self.is_joined(here, &point) {
                 watcher.passed(self, here.time);
             } else {
-                return Ok(None);
+                return None;
             }
         }
-        Ok(fine.then_some(point))
+        fine.then_some(point)
     }
 
     /// Whether there is no sign of a singular pose between two regular ones.

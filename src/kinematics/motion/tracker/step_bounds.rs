@@ -1,7 +1,7 @@
 //! How far a step may take what is driven: angles and lengths of joints in loops, and with them the inputs.
 
 use crate::model::chain::{Argument, ChainStep, ElementaryMotion};
-use crate::model::mechanism::{Loop, Mechanism};
+use crate::model::mechanism::{Kind, Loop, Mechanism};
 use crate::numbers::interval::Interval;
 use std::f64::consts::FRAC_PI_8;
 
@@ -9,8 +9,8 @@ use std::f64::consts::FRAC_PI_8;
 /// leave their reach together.
 const FARTHEST_TURN: f64 = FRAC_PI_8;
 
-/// A step takes no other driven quantity farther than this, in units of closure of its loop or in terms of its equation.
-pub(super) const FARTHEST_WAY: f64 = 0.125;
+/// A step slides it no farther than this, in sizes of the mechanism.
+const FARTHEST_WAY: f64 = 0.125;
 
 /// Within a step what is driven may leave the range between its ends by this much, radians, lengths of
 /// its loop or such terms.
@@ -29,12 +29,6 @@ pub(crate) struct StepBound {
 }
 
 impl StepBound {
-    /// Of what nothing depends on.
-    const NONE: Self = Self {
-        farthest: f64::INFINITY,
-        stray: f64::INFINITY,
-    };
-
     /// Times a unit.
     pub fn scaled(self, unit: f64) -> Self {
         Self {
@@ -61,10 +55,18 @@ impl StepBound {
         range.is_none_or(|range| a.min(b) - stray <= range.lo && range.hi <= a.max(b) + stray)
     }
 
-    /// Of every input, from the joints of loops that it moves by affine forms.
+    /// Of every input: of its kind, and of the joints of loops that it moves by affine forms.
     pub fn of_inputs(mechanism: &Mechanism) -> Vec<Self> {
         let unknowns = mechanism.unknowns.len();
-        let mut bounds = vec![Self::NONE; mechanism.inputs.len()];
+        let usual = mechanism.inputs.iter().map(|input| Self {
+            farthest: match input.kind {
+                Kind::Angle => FARTHEST_TURN,
+                Kind::Length => FARTHEST_WAY * mechanism.size,
+                Kind::Number => f64::INFINITY,
+            },
+            stray: f64::INFINITY,
+        });
+        let mut bounds: Vec<Self> = usual.collect();
         for (argument, bound) in joint_arguments(mechanism) {
             let Some(affine) = argument.affine() else {
                 continue;

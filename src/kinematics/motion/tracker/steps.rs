@@ -14,9 +14,9 @@ const STEPS_OF_SAMPLE: usize = 1_000;
 /// Steps added for every radian that an input turns between two samples: three times what a crank needs.
 const STEPS_OF_RADIAN: f64 = 20.0;
 
-/// How often the turns of a motion may refill its budget: two hundred thousand turns in all, about six seconds for a
+/// How often the turns of a motion may refill its budget: some two hundred thousand turns in all, about ten seconds for a
 /// small mechanism.
-const REFILLS_BY_TURNS: usize = 1;
+const REFILLS_BY_TURNS: usize = 2;
 
 /// The same two numbers for mechanisms whose steps are so expensive that they would take hours.
 const FEWEST_STEPS: usize = 500;
@@ -54,6 +54,13 @@ impl StepBudget {
         let left = self.left.get();
         self.left.set(left.saturating_sub(count));
         left >= count
+    }
+
+    /// Spends what is left if so many steps are more than that.
+    pub fn spend_if_short(&self, least: f64) {
+        if least > self.left.get() as f64 {
+            self.left.set(0);
+        }
     }
 
     /// Whether none is left.

@@ -27,6 +27,7 @@ impl PathTracker<'_> {
         }
         let times = [here.time, time];
         let is_beside = (time - here.time).abs() <= BESIDE_JUMP * self.interval;
+        // Inputs first, then what formulas make of them.
         let mut pairs = here.coordinates[n..].iter().zip(inputs).enumerate();
         let input_strays = pairs.any(|(index, (a, b))| {
             let is_far = self.bounds[index].is_far(*a, *b);
@@ -35,6 +36,15 @@ impl PathTracker<'_> {
             strays && !(is_beside && self.drive_jumps(index, times))
         });
         input_strays || !self.driven.is_empty() && self.formulas_of_inputs_stray(here, time, inputs)
+    }
+
+    /// Steps that a motion takes at least from a pose to an instant.
+    pub(super) fn least_steps(&self, here: &PathPoint, time: f64) -> f64 {
+        let given = &here.coordinates[self.unknowns()..];
+        let values = self.actuation().values_at(time);
+        let ways = given.iter().zip(values).zip(self.bounds.iter());
+        let steps = ways.map(|((a, b), bound)| (b - a).abs() / bound.farthest);
+        steps.fold(0.0, f64::max)
     }
 
     /// The farthest instant up to `time` that a single step from a pose may go to: halved until no input strays.
@@ -56,12 +66,12 @@ impl PathTracker<'_> {
         if self.bent.is_empty() || (time - here.time).abs() <= SHORT * self.interval {
             return false;
         }
+        // All that lies between, unknowns included.
         let ends = [&here.coordinates[..], there];
         let pairs = ends[0].iter().zip(there);
         let between: Vec<Interval> = pairs.map(|(a, b)| hull([*a, *b])).collect();
-        let mechanism = self.system().mechanism();
         self.bent.iter().any(|formula| {
-            let bound = formula.bound_at(mechanism, ends[0]);
+            let bound = formula.bound_at(ends[0]);
             let [a, b] = ends.map(|slots| formula.formula.value(slots));
             bound.is_far(a, b) || !formula.stays(bound, [a, b], &between)
         })
@@ -86,14 +96,14 @@ impl PathTracker<'_> {
         let there = [&here.coordinates[..n], inputs].concat();
         let (ends, times) = ([&here.coordinates[..], &there], [here.time, time]);
         let is_beside = (time - here.time).abs() <= BESIDE_JUMP * self.interval;
+        // Of a jump of the drive, or of the formula itself.
         let jumps = |driven: &BoundedFormula| {
             let mut used = driven.slots.iter();
             used.any(|slot| self.drive_jumps(slot - n, times))
                 || driven.formula.jump_on_way(ends[0], ends[1]).is_some()
         };
-        let mechanism = self.system().mechanism();
         self.driven.iter().any(|driven| {
-            let bound = driven.bound_at(mechanism, ends[0]);
+            let bound = driven.bound_at(ends[0]);
             let [a, b] = ends.map(|slots| driven.formula.value(slots));
             let stays = |part| driven.stays(bound, [a, b], &self.boxes_of(driven, part));
             let strays = bound.is_far(a, b) || !holds_part_by_part(times, stays);
