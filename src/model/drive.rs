@@ -161,16 +161,27 @@ impl Drive {
 
     /// Bounds of its values over an interval of time; `None` if it may have none somewhere.
     pub fn range(&self, times: Interval) -> Option<Interval> {
-        let keys = match self {
-            Self::Formula(formula) => return formula.sharp_range(&[times]),
-            Self::Keys { times, .. } => times,
-        };
-        // Monotone between two keys.
+        match self {
+            Self::Formula(formula) => formula.range(&[times]),
+            Self::Keys { times: keys, .. } => Some(self.range_of_keys(keys, times)),
+        }
+    }
+
+    /// The same, sharper over short intervals.
+    pub fn sharp_range(&self, times: Interval) -> Option<Interval> {
+        match self {
+            Self::Formula(formula) => formula.sharp_range(&[times]),
+            Self::Keys { .. } => self.range(times),
+        }
+    }
+
+    /// Monotone between two keys.
+    fn range_of_keys(&self, keys: &[f64], times: Interval) -> Interval {
         let inside = keys.iter().copied();
         let inside = inside.filter(|t| times.lo < *t && *t < times.hi);
         let all = [times.lo, times.hi].into_iter().chain(inside);
-        all.map(|t| Interval::point(self.value(t)))
-            .reduce(Interval::hull)
+        let all = all.map(|t| Interval::point(self.value(t)));
+        all.reduce(Interval::hull).unwrap_or(Interval::ENTIRE)
     }
 
     /// Jumps between two instants, both included, recognised from the limits on both sides and not from their size.

@@ -38,9 +38,13 @@ impl PathTracker<'_> {
         input_strays || !self.driven.is_empty() && self.formulas_of_inputs_stray(here, time, inputs)
     }
 
-    /// Steps that a motion takes at least from a pose to an instant.
+    /// Steps that a motion takes at least from a pose to an instant; without unknowns a single one does.
     pub(super) fn least_steps(&self, here: &PathPoint, time: f64) -> f64 {
-        let given = &here.coordinates[self.unknowns()..];
+        let n = self.unknowns();
+        if n == 0 {
+            return 0.0;
+        }
+        let given = &here.coordinates[n..];
         let values = self.actuation().values_at(time);
         let ways = given.iter().zip(values).zip(self.bounds.iter());
         let steps = ways.map(|((a, b), bound)| (b - a).abs() / bound.farthest);
@@ -87,7 +91,11 @@ impl PathTracker<'_> {
     fn leaves(&self, index: usize, times: [f64; 2], values: [f64; 2]) -> bool {
         let (bound, drive) = (self.bounds[index], &self.actuation().drives[index]);
         self.turning[index]
-            && !holds_part_by_part(times, |part| bound.holds(values, drive.range(hull(part))))
+            && !holds_part_by_part(times, |part| {
+                let part = hull(part);
+                bound.holds(values, drive.range(part))
+                    || bound.holds(values, drive.sharp_range(part))
+            })
     }
 
     /// Whether a formula of inputs goes too far, or elsewhere and back.
@@ -119,7 +127,7 @@ impl PathTracker<'_> {
         for slot in &driven.slots {
             // Without a value nothing is bounded.
             boxes[*slot] = drives[slot - n]
-                .range(hull(part))
+                .sharp_range(hull(part))
                 .unwrap_or(Interval::ENTIRE);
         }
         boxes
