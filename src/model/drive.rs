@@ -175,6 +175,16 @@ impl Drive {
         }
     }
 
+    /// All its values and rates over an interval of time, if it is a formula.
+    pub fn series_over(&self, times: Interval) -> Option<Series<Interval, 2>> {
+        match self {
+            Self::Formula(formula) => {
+                Some(formula.value(&[Series::linear(times, Interval::ONE, 1)]))
+            }
+            Self::Keys { .. } => None,
+        }
+    }
+
     /// Monotone between two keys.
     fn range_of_keys(&self, keys: &[f64], times: Interval) -> Interval {
         let inside = keys.iter().copied();

@@ -466,8 +466,8 @@ fn ctrl_c_leaves_nothing_behind() {
 #[cfg(unix)]
 fn ctrl_c_ends_a_solve_in_its_middle() {
     let w = workspace();
-    // Few samples, and hundreds of millions of turns between them.
-    w.write("long.toml", moving().replace("2*t", "1e9*t"));
+    // Few samples, and as many turns between them as are followed.
+    w.write("long.toml", moving().replace("2*t", "1e6*t"));
     for (scene, samples) in [("moving.toml", "1000000"), ("long.toml", "3")] {
         let run = ["solve", scene, "--samples", samples, "--out", "x.csv"];
         let child = w.command(&run).spawn().unwrap();

@@ -13,7 +13,7 @@ use crate::numbers::interval::Interval;
 const STRAY_OF_UNKNOWNS: f64 = 0.1;
 
 /// The terms of an equation count as no less than this share of what they are at some instants: all may vanish at one.
-const LEAST_TERM: f64 = 1e-6;
+const LEAST_TERM: f64 = 1e-3;
 
 /// Those instants, as shares of the duration.
 const INSTANTS: [f64; 4] = [0.0, 0.37, 0.73, 1.0];

@@ -4,6 +4,8 @@
 use super::bounded_formulas::BoundedFormula;
 use super::path_tracker::{PathPoint, PathTracker};
 use crate::numbers::interval::Interval;
+use crate::numbers::scalar::Scalar;
+use crate::numbers::series::Series;
 
 /// A jump excuses what strays in steps of at most this share of the time between two samples.
 const BESIDE_JUMP: f64 = 1e-9;
@@ -113,10 +115,38 @@ impl PathTracker<'_> {
         self.driven.iter().any(|driven| {
             let bound = driven.bound_at(ends[0]);
             let [a, b] = ends.map(|slots| driven.formula.value(slots));
-            let stays = |part| driven.stays(bound, [a, b], &self.boxes_of(driven, part));
+            let stays = |part| {
+                driven.stays(bound, [a, b], &self.boxes_of(driven, part))
+                    || (self.range_over_time(driven, part))
+                        .is_some_and(|range| bound.holds([a, b], Some(range)))
+            };
             let strays = bound.is_far(a, b) || !holds_part_by_part(times, stays);
             strays && !(is_beside && jumps(driven))
         })
+    }
+
+    /// Bounds of a formula of inputs by its rate in time: drives that move together may hardly change what they make together.
+    /// `None` where nothing is known of rates.
+    fn range_over_time(&self, driven: &BoundedFormula, part: [f64; 2]) -> Option<Interval> {
+        let n = self.unknowns();
+        let drives = &self.actuation().drives;
+        let times = hull(part);
+        let middle = Interval::point(times.middle());
+        let mut moving = vec![Series::constant(Interval::ZERO); n + drives.len()];
+        let mut middles = vec![Interval::ZERO; n + drives.len()];
+        for slot in &driven.slots {
+            moving[*slot] = drives[slot - n].series_over(times)?;
+            middles[*slot] = drives[slot - n].range(middle)?;
+        }
+        // Mean value form: the middle, and all rates.
+        let all: Series<Interval, 2> = driven.formula.value(&moving);
+        if !all.is_finite() {
+            return None;
+        }
+        let rate = all.coefficients().get(1).copied().unwrap_or(Interval::ZERO);
+        let near = driven.formula.range(&middles)? + rate * (times - middle);
+        let Interval { lo, hi } = all.coefficients()[0];
+        Some(Interval::new(lo.max(near.lo), hi.min(near.hi)))
     }
 
     /// All values that the inputs of a formula have between two instants; the other coordinates are zero.
