@@ -153,7 +153,7 @@ impl ProvedMotion<'_> {
         let share = (time - a.time) / (b.time - a.time);
         let inputs = self.actuation.inputs_at(time);
         let ends = [&a.coordinates[..], &b.coordinates[..]];
-        let coordinates = self.solver.between(ends, share, &inputs, Pace::Brisk)?;
+        let coordinates = (self.solver).between_on_branch(ends, share, &inputs, Pace::Brisk)?;
         let instant = self.instant(time, coordinates);
         let mut arguments = self.instants[instant].arguments.iter();
         if arguments.all(|argument| argument.value.is_finite()) {

@@ -217,9 +217,11 @@ impl<'m> LimitSearch<'m> {
         let share = (time - low.time) / (high.time - low.time);
         let (p, q) = (low.pose.as_ref()?, high.pose.as_ref()?);
         let inputs = self.actuation.inputs_at(time);
-        let ends = [&p.unknowns[..], &q.unknowns[..]];
+        let ends =
+            [(p, low), (q, high)].map(|(pose, at)| [&pose.unknowns[..], &at.inputs].concat());
+        let ends = [&ends[0][..], &ends[1]];
         // A closed pose between the two samples, and the exact rate there.
-        let coordinates = self.solver.between(ends, share, &inputs, Pace::Brisk)?;
+        let coordinates = (self.solver).between_on_branch(ends, share, &inputs, Pace::Brisk)?;
         let driven = (self.actuation, time);
         let needed = |slot: usize| self.needed[slot];
         let RateColumns { order, by } = FIRST;

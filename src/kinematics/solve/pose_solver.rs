@@ -184,6 +184,22 @@ impl<'s> PoseSolver<'s> {
         self.closed(&mut coordinates, pace).then_some(coordinates)
     }
 
+    /// The same between coordinates with their inputs, unless a determinant has another sign there than at both ends: the
+    /// correction may lead to another assembly, where a drive goes far between them.
+    pub fn between_on_branch(
+        &mut self,
+        ends: [&[f64]; 2],
+        share: f64,
+        inputs: &[f64],
+        pace: Pace,
+    ) -> Option<Vec<f64>> {
+        let found = self.between(ends, share, inputs, pace)?;
+        let [a, b] = ends.map(|end| self.observe(end).signs);
+        let is_other = |(a, b): (&i8, &i8)| a * b < 0;
+        let turns = a == b && a.iter().zip(&self.observe(&found).signs).any(is_other);
+        (!turns).then_some(found)
+    }
+
     /// Follows the motion from a closed pose in steps that are halved where they cannot be trusted, along `inputs` as a
     /// function of the fraction 0 to 1.
     pub fn followed(

@@ -129,3 +129,33 @@ fn a_long_way_hides_no_cut() {
         }
     }
 }
+
+/// A rod of 2.35 on a crank of 0.2, which a narrow bell turns far between samples: the slider is never behind the crank, whatever
+/// the samples, and nothing is said of the assembly with the rod reversed.
+#[test]
+fn no_distance_or_measure_is_of_another_assembly() {
+    let folder = Workspace::new();
+    let loop_of = |phi: &str| {
+        format!(
+            "duration = 3.7\n[inputs]\nphi = \"{phi}\"\n[chains]\nsl = \"Tx(s)\"\n[loops]\n\
+             l = \"Rz(phi) Tx(0.2) Rz(x) Tx(2.35) Rz(-x-phi) Tx(-s)\"\n[guess]\ns = 2.55\n"
+        )
+    };
+    let pair = "[[bodies]]\nname = \"a\"\nframe = \"sl\"\nshapes = [{ sphere = { radius = 0.1 } }]\n[[bodies]]\nname = \"b\"\n\
+                shapes = [{ sphere = { center = [-2.5, 0.3, 0], radius = 0.1 } }]\n[clearance]\nminimum = 0\n\
+                pairs = [{ pair = [\"a\", \"b\"], minimum = 1 }]\n";
+    let measure = "[measures]\nS = { of = \"s\", take = \"min\", min = 2 }\n";
+    for width in ["4.4e-5", "3e-5", "1e-4", "1e-6"] {
+        let phi = format!("2.4*exp(-((t-2.88962)/{width})^2)+0.48*t");
+        for asked in [pair, measure] {
+            folder.write("bell.toml", format!("{}{asked}", loop_of(&phi)));
+            for samples in ["41", "150", "189", "300"] {
+                let run = folder.run(&["check", "bell.toml", "--samples", samples]);
+                let text = String::from_utf8_lossy(&run.stdout);
+                let said = format!("{width} at {samples}: {} {text}", run.code);
+                assert!([0, 1].contains(&run.code), "{said}");
+                assert!(!text.contains("failed"), "{said}");
+            }
+        }
+    }
+}
