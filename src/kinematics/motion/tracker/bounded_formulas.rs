@@ -5,7 +5,7 @@ use super::step_bounds::{STRAY, StepBound, joint_arguments};
 use crate::model::actuation::Actuation;
 use crate::model::chain::Argument;
 use crate::model::expression::Expression;
-use crate::model::mechanism::Mechanism;
+use crate::model::mechanism::{Equation, Mechanism};
 use crate::numbers::interval::Interval;
 
 /// A formula of unknowns may leave the range between its values at the ends of a step by this much, radians or lengths of its
@@ -17,6 +17,10 @@ const LEAST_TERM: f64 = 1e-3;
 
 /// Those instants, as shares of the duration.
 const INSTANTS: [f64; 4] = [0.0, 0.37, 0.73, 1.0];
+
+/// Longer formulas are not followed, and no more parts than that: their cost would grow with the square of a scene's text.
+const MOST_OPERATIONS: usize = 1000;
+const MOST_PARTS: usize = 1000;
 
 /// A formula, and how far it may go.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,6 +52,8 @@ impl BoundedFormula {
         // Joints: affine arguments bound their inputs, see `StepBound::of_inputs`.
         for (argument, bound) in joint_arguments(mechanism) {
             if let Argument::Formula(formula) = argument
+                && all.len() < MOST_PARTS
+                && formula.ops().len() <= MOST_OPERATIONS
                 && formula.affine().is_none()
             {
                 let parts = formula.parts_of(is_input).into_iter();
@@ -63,7 +69,11 @@ impl BoundedFormula {
             [&actuation.guess[..], &inputs].concat()
         });
         // Equations have no unit but their own terms.
-        for equation in &mechanism.equations {
+        let short = |e: &&Equation| e.expression.ops().len() <= MOST_OPERATIONS;
+        for equation in mechanism.equations.iter().filter(short) {
+            if all.len() >= MOST_PARTS {
+                break;
+            }
             for [part, sum] in equation.expression.parts_of(is_input) {
                 let terms = about.iter().map(|slots| sum.largest_term(slots));
                 let largest = terms.filter(|term| term.is_finite()).fold(0.0, f64::max);
@@ -97,6 +107,9 @@ impl BoundedFormula {
                 Argument::Formula(formula) if !formula.has_jumps() => formula.clone(),
                 _ => continue,
             };
+            if all.len() >= MOST_PARTS {
+                break;
+            }
             let found = Self::new(formula, wide, None);
             if found.slots.first().is_some_and(|slot| *slot < unknowns) && !all.contains(&found) {
                 all.push(found);
