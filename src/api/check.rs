@@ -74,12 +74,12 @@ impl Check {
         let [times, _] = options.samples.times(&loaded)?;
         let check = asked_check(&loaded, options, &times);
         let begun = Stopwatch::start();
-        let trajectory = check.solve(&|| false)?;
+        let (trajectory, proved) = check.solve(&|| false)?;
         let solving = begun.seconds();
         let (answer, clearances) = if trajectory.poses().next().is_none() {
             (check.without_pose(&trajectory, None), None)
         } else {
-            let mut covered = check.cover(&trajectory);
+            let mut covered = check.cover(&trajectory, proved);
             let found = check.clearances(&mut covered, &|_, _| {})?;
             let answer = check.answer(&trajectory, &mut covered, found.as_ref(), solving);
             (answer, found)

@@ -1,5 +1,6 @@
 //! A motion that is covered with tubes when first needed, and only once; likewise the motions along tracks of measures.
 
+use super::closer::unproved;
 use super::motion::ProvedMotion;
 use crate::kinematics::measures::driven_along;
 use crate::kinematics::motion::continuation::solve_motion;
@@ -20,9 +21,13 @@ pub struct CoveredMotion<'m> {
 }
 
 impl<'m> CoveredMotion<'m> {
-    /// Of a motion of certified poses; proves nothing yet.
-    pub fn new(system: &'m System, actuation: &'m Actuation, trajectory: &'m Trajectory) -> Self {
-        let motion = None;
+    /// Of a motion of certified poses, and what is already proved of it.
+    pub fn new(
+        system: &'m System,
+        actuation: &'m Actuation,
+        trajectory: &'m Trajectory,
+        motion: Option<ProvedMotion<'m>>,
+    ) -> Self {
         Self {
             system,
             actuation,
@@ -30,6 +35,11 @@ impl<'m> CoveredMotion<'m> {
             motion,
             tracks: HashMap::new(),
         }
+    }
+
+    /// Intervals in which nothing is proved; `None` if nobody has tried.
+    pub fn unproved(&self) -> Option<Vec<[f64; 2]>> {
+        self.motion.as_ref().map(unproved)
     }
 
     /// The motion, proved as far as possible.

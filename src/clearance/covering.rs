@@ -147,12 +147,20 @@ impl ProvedMotion<'_> {
         Some(self.stretches.len() - 1)
     }
 
-    /// The closed pose near the straight line between two instants.
+    /// The closed pose near the straight line between two instants, or between poses on the way from one to the other.
     pub(super) fn between(&mut self, start: usize, end: usize, time: f64) -> Option<usize> {
         let (a, b) = (&self.instants[start], &self.instants[end]);
-        let share = (time - a.time) / (b.time - a.time);
+        let ends = [a, b].map(|instant| (instant.time, &instant.coordinates[..]));
+        let [from, to] = self.passed.nearest(time, ends);
+        let share = (time - from.0) / (to.0 - from.0);
         let inputs = self.actuation.inputs_at(time);
-        let ends = [&a.coordinates[..], &b.coordinates[..]];
+        // Of poses on the way the inputs are those of the drive; those of instants may be the limits at a jump.
+        let unknowns = self.system.mechanism().unknowns.len();
+        let with_inputs = [from, to].map(|(time, coordinates)| match coordinates.len() > unknowns {
+            true => coordinates.to_vec(),
+            false => [coordinates, &self.actuation.inputs_at(time)].concat(),
+        });
+        let ends = [&with_inputs[0][..], &with_inputs[1]];
         let coordinates = (self.solver).between_on_branch(ends, share, &inputs, Pace::Brisk)?;
         let instant = self.instant(time, coordinates);
         let mut arguments = self.instants[instant].arguments.iter();

@@ -6,6 +6,7 @@ mod asked;
 mod branch_and_bound;
 mod broad_phase;
 pub mod check;
+pub mod closer;
 mod contact;
 pub mod covered;
 mod covering;

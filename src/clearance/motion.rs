@@ -6,6 +6,7 @@
 
 use crate::kinematics::certificate::tube::{Prover, TaylorModel, Tube};
 use crate::kinematics::loops::observed::formula_value;
+use crate::kinematics::results::passed::PassedPoses;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::solve::newton::Pace;
 use crate::kinematics::solve::pose_solver::PoseSolver;
@@ -16,6 +17,7 @@ use crate::model::actuation::Actuation;
 use crate::model::chain::ArgumentValue;
 use crate::model::expression::Expression;
 use std::collections::HashSet;
+use std::sync::Arc;
 
 /// Shortest stretch that a proof is first tried for, as a fraction of the whole motion: proofs must not depend on the number
 /// of samples. With play, which does not shrink with the stretch, this limit alone counts.
@@ -88,6 +90,7 @@ pub struct ProvedMotion<'m> {
     pub(super) actuation: Actuation,
     pub(super) solver: PoseSolver<'m>,
     pub(super) prover: Prover<'m>,
+    pub(super) passed: Arc<PassedPoses>,
     /// All poses solved.
     pub instants: Vec<SampledInstant>,
     /// Indices of the poses at the sampled times.
@@ -146,7 +149,11 @@ impl<'m> ProvedMotion<'m> {
                 true => f64::INFINITY,
                 false => SHORTEST * (end - start),
             },
-            prover: Prover::new(system, actuation).up_to_jumps().with_play(play),
+            prover: Prover::new(system, actuation)
+                .through(&trajectory.passed)
+                .up_to_jumps()
+                .with_play(play),
+            passed: Arc::clone(&trajectory.passed),
             instants: Vec::new(),
             samples: Vec::new(),
             stretches: Vec::new(),

@@ -1,5 +1,6 @@
 //! The report on a whole motion as text and as JSON: the results of all parts, and the one verdict.
 
+use super::between::BetweenSamples;
 use super::clearance;
 use super::clearance_json;
 use super::clearance_table::clearance_table;
@@ -27,6 +28,7 @@ pub struct MotionReport<'a> {
     mobility: Mobility,
     poses: PoseProofs,
     motion: Option<MotionProof<'a>>,
+    between: Option<BetweenSamples>,
     assumptions: Vec<String>,
     measured: &'a [TakenMeasure<'a>],
     clearances: Option<&'a ClearanceReport>,
@@ -55,10 +57,17 @@ impl<'a> MotionReport<'a> {
             mobility: Mobility::new(system, actuation),
             poses: PoseProofs::of(structure, trajectory, asked.poses),
             motion: asked.motion.then(|| MotionProof::of(trajectory)),
+            between: None,
             assumptions,
             measured,
             clearances,
         }
+    }
+
+    /// With the intervals between the samples that are not proved, if they were examined; a requested proof says more.
+    pub fn between(mut self, unproved: Option<Vec<[f64; 2]>>) -> Self {
+        self.between = unproved.filter(|_| !self.asked.motion).map(BetweenSamples);
+        self
     }
 
     /// Every question with its answer; the motion took `seconds` to solve.
@@ -73,6 +82,8 @@ impl<'a> MotionReport<'a> {
         cases.push(self.poses.case(mechanism));
         let motion = self.motion.iter();
         cases.extend(motion.map(|proof| proof.case(mechanism, self.actuation)));
+        let between = self.between.iter();
+        cases.extend(between.map(|found| found.case(mechanism, self.actuation)));
         cases.extend(self.measured.iter().map(|m| m.case(self.asked.estimates)));
         if let Some(report) = self.clearances {
             cases.extend(clearance::clearance_cases(mechanism, report, self.asked));
@@ -123,6 +134,8 @@ impl<'a> MotionReport<'a> {
         }
         let motion = self.motion.iter();
         lines.extend(motion.map(|proof| ("motion", proof.sentence(mechanism, self.actuation))));
+        let between = self.between.iter();
+        lines.extend(between.map(|b| ("between samples", b.sentence(mechanism, self.actuation))));
         if !self.assumptions.is_empty() {
             lines.push(("assumed", self.assumptions.join("; ")));
         }
@@ -182,6 +195,7 @@ impl<'a> MotionReport<'a> {
             "measures": self.measured.iter().map(|m| m.json(self.asked.estimates)).collect::<Vec<_>>(),
             "assumed": self.assumptions,
             "motion": self.motion.as_ref().map(MotionProof::json),
+            "between": self.between.as_ref().map(BetweenSamples::json),
             "mobility": freedoms::freedoms_document(mechanism, &self.mobility),
             "events": events.map(|e| sentences::event_sentence(mechanism, e)).collect::<Vec<_>>(),
             "clearance": clearance,

@@ -1,5 +1,6 @@
 //! Results as text, tables and documents: CSV, JSON, JUnit. Nothing is printed here.
 
+mod between;
 pub mod assemblies;
 pub mod cells;
 pub mod check;

@@ -5,11 +5,15 @@ use super::check::{MotionReport, without_pose};
 use super::verdict::{CheckRequirements, Verdict};
 use super::{closure, measures};
 use crate::clearance::check::{ClearanceReport, Closely, check_over};
+use crate::clearance::closer::{is_cheap, solve_closely};
 use crate::clearance::covered::CoveredMotion;
+use crate::clearance::motion::ProvedMotion;
+use crate::kinematics::certificate::tube::certify_motion;
 use crate::kinematics::motion::proved::{Proofs, solve_proved};
 use crate::kinematics::motion::sampling::{allow_samples, knot_times};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
+use crate::model::printed::InputReading;
 use crate::limits::{LimitExceeded, Resource, current_limits};
 use crate::scene::Scene;
 use serde_json::Value;
@@ -59,29 +63,46 @@ impl<'a> MotionCheck<'a> {
         }
     }
 
-    /// The motion at the asked times and at the keys of its drives, until `cancelled` says so.
+    /// The motion at the asked times and at the keys of its drives, until `cancelled` says so; and what is proved between them,
+    /// if poses are to be proved and that costs little.
     ///
     /// Errors: more samples than a run may have.
-    pub fn solve(&self, cancelled: &dyn Fn() -> bool) -> Result<Trajectory, LimitExceeded> {
-        let actuation = &self.scene.actuation;
-        let times = knot_times(self.system.mechanism(), actuation, self.times);
-        allow_samples(self.system.mechanism(), times.len())?;
+    pub fn solve(
+        &self,
+        cancelled: &dyn Fn() -> bool,
+    ) -> Result<(Trajectory, Option<ProvedMotion<'a>>), LimitExceeded> {
+        let (system, actuation) = (self.system, &self.scene.actuation);
+        let times = knot_times(system.mechanism(), actuation, self.times);
+        allow_samples(system.mechanism(), times.len())?;
         let proofs = self.proofs();
-        Ok(solve_proved(
-            self.system,
-            actuation,
-            &times,
-            proofs,
-            cancelled,
-        ))
+        if !self.looks_between(times.len()) {
+            let trajectory = solve_proved(system, actuation, &times, proofs, cancelled);
+            return Ok((trajectory, None));
+        }
+        let reading = InputReading::Decimals;
+        let (mut trajectory, motion) = solve_closely(system, actuation, &times, reading, cancelled);
+        if proofs == Proofs::Motion && !cancelled() {
+            trajectory.intervals = certify_motion(system, actuation, &trajectory);
+        }
+        Ok((trajectory, Some(motion)))
     }
 
-    /// The motion between the samples of a trajectory, for all that is asked of it.
-    pub fn cover<'t>(&self, trajectory: &'t Trajectory) -> CoveredMotion<'t>
+    /// Whether the motion between so many samples is examined without a request: where poses are to be proved, and the proofs cost
+    /// little beside the motion.
+    fn looks_between(&self, samples: usize) -> bool {
+        self.asked.poses && is_cheap(self.system, samples)
+    }
+
+    /// The motion between the samples of a trajectory, for all that is asked of it; `proved` is what is known already.
+    pub fn cover<'t>(
+        &self,
+        trajectory: &'t Trajectory,
+        proved: Option<ProvedMotion<'t>>,
+    ) -> CoveredMotion<'t>
     where
         'a: 't,
     {
-        CoveredMotion::new(self.system, &self.scene.actuation, trajectory)
+        CoveredMotion::new(self.system, &self.scene.actuation, trajectory, proved)
     }
 
     /// The clearances that the scene asks for; `None` if it asks for none. `progress` hears of pairs done and of all.
@@ -118,7 +139,12 @@ impl<'a> MotionCheck<'a> {
         let sampled = (trajectory, self.times);
         let measured = measures::take_whole(system, scene, sampled, covered, tolerance);
         let driven = (system, &scene.actuation);
-        let report = MotionReport::new(driven, trajectory, self.asked, &measured, clearances);
+        let unproved = self.looks_between(trajectory.samples.len()).then(|| {
+            covered.proved();
+            covered.unproved()
+        });
+        let report = MotionReport::new(driven, trajectory, self.asked, &measured, clearances)
+            .between(unproved.flatten());
         let verdict = report.verdict(seconds);
         MotionAnswer {
             text: report.text(&verdict, self.worst),

@@ -86,14 +86,14 @@ fn checked_row(sweep: &Sweep, scene: &Scene, system: &System, start: RowStatus) 
         worst: 0,
     };
     // A design that is too large to be checked has not failed the check.
-    let Ok(motion) = check.solve(&|| false) else {
+    let Ok((motion, proved)) = check.solve(&|| false) else {
         return sweep.empty_row(RowStatus::Refused);
     };
     let status = motion_status(&motion, start);
     if motion.poses().next().is_none() {
         return sweep.empty_row(status);
     }
-    let mut covered = check.cover(&motion);
+    let mut covered = check.cover(&motion, proved);
     let Ok(found) = check.clearances(&mut covered, &|_, _| {}) else {
         return sweep.empty_row(RowStatus::Refused);
     };

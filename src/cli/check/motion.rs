@@ -35,7 +35,7 @@ pub fn check_motion(
         check.closely.pairs = usize::MAX;
     }
     let begun = Instant::now();
-    let mut trajectory = check.solve(&is_interrupted)?;
+    let (mut trajectory, proved) = check.solve(&is_interrupted)?;
     refuse_interrupted()?;
     let seconds = begun.elapsed().as_secs_f64();
     event_messages::note_moved_start(system, actuation, &mut trajectory)?;
@@ -48,7 +48,7 @@ pub fn check_motion(
             failure: Some(failure),
         });
     }
-    let mut covered = check.cover(&trajectory);
+    let mut covered = check.cover(&trajectory, proved);
     if with_pieces {
         // Half of the time is for the motion as drawn, half for the pieces.
         covered.proved().share_time(2);

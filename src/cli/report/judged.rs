@@ -89,7 +89,7 @@ pub fn judge(asked: &RequirementArgs, scene: &SceneArgs, term: &Term) -> Result<
     let times = asked_times(asked, scene, read);
     let check = motion_check(asked, &opened, &times, false);
     let begun = Instant::now();
-    let mut trajectory = check.solve(&is_interrupted)?;
+    let (mut trajectory, proved) = check.solve(&is_interrupted)?;
     refuse_interrupted()?;
     let seconds = begun.elapsed().as_secs_f64();
     event_messages::note_moved_start(system, &read.actuation, &mut trajectory)?;
@@ -97,7 +97,7 @@ pub fn judge(asked: &RequirementArgs, scene: &SceneArgs, term: &Term) -> Result<
         let answer = check.without_pose(&trajectory, Some(&failure.to_string()));
         return Ok(unmoved(source, answer.verdict, failure));
     }
-    let mut covered = check.cover(&trajectory);
+    let mut covered = check.cover(&trajectory, proved);
     let clearances = check.clearances(&mut covered, &|_, _| {})?;
     let answer = check.answer(&trajectory, &mut covered, clearances.as_ref(), seconds);
     let end = Ok(answer.verdict.result().into());

@@ -2,4 +2,5 @@
 
 pub mod certificate;
 pub mod columns;
+pub mod passed;
 pub mod trajectory;

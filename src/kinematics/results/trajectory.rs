@@ -1,9 +1,11 @@
 //! The solved motion as values: samples with their proof, and the events between them.
 
 use super::certificate::{Certificate, IntervalCertificate};
+use super::passed::PassedPoses;
 use crate::math::Pose;
 use crate::model::mechanism::Kind;
 use glam::DVec3;
+use std::sync::Arc;
 
 /// A closed pose with its proof.
 #[derive(Clone, Debug, PartialEq)]
@@ -276,6 +278,8 @@ pub struct Trajectory {
     pub intervals: Vec<IntervalCertificate>,
     /// Number of samples added where the motion ends and resumes.
     pub added: usize,
+    /// Poses between the samples; none without proofs.
+    pub passed: Arc<PassedPoses>,
 }
 
 impl Trajectory {

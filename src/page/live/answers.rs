@@ -117,7 +117,7 @@ impl LiveScene {
             let article = article_without_motion(&self.source.name, &answer.verdict);
             return Ok((article, None));
         }
-        let mut covered = check.cover(motion);
+        let mut covered = check.cover(motion, None);
         let clearances = check.clearances(&mut covered, &|_, _| {})?;
         let answer = check.answer(motion, &mut covered, clearances.as_ref(), 0.0);
         let checked = Checked {

@@ -223,7 +223,7 @@ fn opened_scene(
 fn solved_scene(scene: Scene, asked: &LiveRequirements) -> Result<Opened, LiveError> {
     let system = System::new(Arc::clone(&scene.mechanism), &scene.actuation)?;
     let times = asked.times(&scene);
-    let motion = asked.check(&scene, &system, &times).solve(&|| false)?;
+    let (motion, _) = asked.check(&scene, &system, &times).solve(&|| false)?;
     Ok(Opened {
         scene,
         system,

@@ -46,7 +46,7 @@ pub fn certify_motion(
     actuation: &Actuation,
     trajectory: &Trajectory,
 ) -> Vec<IntervalCertificate> {
-    let mut prover = Prover::new(system, actuation);
+    let mut prover = Prover::new(system, actuation).through(&trajectory.passed);
     let pairs = trajectory.samples.windows(2);
     pairs.map(|pair| prover.interval(pair).0).collect()
 }

@@ -102,20 +102,21 @@ impl Prover<'_> {
         }
     }
 
-    /// A closed pose at `time`, corrected from the straight line between two others; if that fails, the motion is
-    /// followed from the first one. The proof determines its assembly.
+    /// A closed pose at `time`, corrected from the straight line between the nearest known poses; if that fails, the motion
+    /// is followed from the first one. The proof determines its assembly.
     pub(super) fn pose_between(&mut self, a: &Station, b: &Station, time: f64) -> Option<Station> {
-        let share = (time - a.time) / (b.time - a.time);
+        let ends = [a, b].map(|place| (place.time, &place.unknowns[..]));
+        let [from, to] = self.passed.nearest(time, ends);
+        let share = (time - from.0) / (to.0 - from.0);
         let actuation = &self.actuation;
         let inputs = actuation.inputs_at(time);
-        let ends = [&a.unknowns[..], &b.unknowns[..]];
-        let on_the_line = self.solver.between(ends, share, &inputs, Pace::Brisk);
+        let on_the_line = (self.solver).between([from.1, to.1], share, &inputs, Pace::Brisk);
         let found = on_the_line.or_else(|| {
             let inputs = |part: f64| match part < 1.0 {
-                true => actuation.inputs_at(a.time + part * (time - a.time)),
+                true => actuation.inputs_at(from.0 + part * (time - from.0)),
                 false => inputs.clone(),
             };
-            self.solver.followed(&a.unknowns, inputs)
+            self.solver.followed(from.1, inputs)
         });
         let mut unknowns = found?;
         unknowns.truncate(a.unknowns.len());

@@ -9,6 +9,7 @@ use crate::kinematics::certificate::pose::prover::PoseProver;
 use crate::kinematics::results::certificate::{
     Certificate, IntervalCertificate, Obstacle, Reason, Refusal,
 };
+use crate::kinematics::results::passed::PassedPoses;
 use crate::kinematics::results::trajectory::Sample;
 use crate::kinematics::solve::pose_solver::PoseSolver;
 use crate::kinematics::structure::block::Block;
@@ -47,6 +48,8 @@ pub struct Prover<'m> {
     may_jump: bool,
     /// Distance of every input from its drive; none by default.
     play: Vec<f64>,
+    /// Poses between the samples.
+    pub(super) passed: Arc<PassedPoses>,
     /// Arguments with kinks and cuts.
     pub(super) placed: Vec<PlacedArgument>,
 }
@@ -67,8 +70,15 @@ impl<'m> Prover<'m> {
             digits: (system.redundant_rows() > 0).then(|| PoseProver::new(system)),
             may_jump: false,
             play: Vec::new(),
+            passed: Arc::default(),
             placed: placed_arguments(system.mechanism(), actuation),
         }
+    }
+
+    /// With poses between the samples, at which intervals that are too long for one tube are parted safely.
+    pub fn through(mut self, passed: &Arc<PassedPoses>) -> Self {
+        self.passed = Arc::clone(passed);
+        self
     }
 
     /// Allows every input to deviate from its drive by its play at every instant: results hold for all such motions.

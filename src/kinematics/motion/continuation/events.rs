@@ -3,6 +3,7 @@
 
 use super::crossings::{SignChange, zero_between};
 use crate::kinematics::motion::tracker::path_tracker::{PathPoint, PathTracker, PathWatcher};
+use crate::kinematics::results::passed::PassedPoses;
 use crate::kinematics::results::trajectory::{Event, EventKind};
 use crate::model::actuation::Actuation;
 
@@ -15,6 +16,8 @@ pub(crate) struct Events {
     pub crossing: Option<SignChange>,
     /// Time of a sample that lies on a singular pose, until it is known how the motion goes on.
     pub singular_sample: Option<f64>,
+    /// The poses on the way, on request.
+    pub passed: Option<PassedPoses>,
 }
 
 impl Events {
@@ -52,6 +55,9 @@ impl Events {
 impl PathWatcher for Events {
     fn accepted(&mut self, tracker: &mut PathTracker, point: &PathPoint) {
         self.watch_locks(tracker, point);
+        if let Some(passed) = &mut self.passed {
+            passed.keep(point.time, &point.coordinates[..tracker.unknowns()]);
+        }
     }
 
     fn regular(&mut self, tracker: &mut PathTracker, point: &PathPoint) {

@@ -5,6 +5,7 @@ use super::gaps::Gaps;
 use crate::kinematics::certificate::Certifier;
 use crate::kinematics::certificate::absence::has_no_pose;
 use crate::kinematics::motion::tracker::path_tracker::{PathPoint, PathTracker, Stop};
+use crate::kinematics::results::passed::PassedPoses;
 use crate::kinematics::results::trajectory::{Ending, EventKind, Sample, Trajectory};
 use crate::kinematics::solve::assembly::smallest_gap;
 use crate::kinematics::solve::branch::BranchState;
@@ -20,6 +21,10 @@ pub(crate) const SINGULAR_START: f64 = 1e7;
 
 /// Axes at a smaller angle (radians) count as parallel: a pose at which they are is double, and found to half its digits.
 const PARALLEL: f64 = 1e-6;
+
+/// Steps are small against the time between two samples, but for samples that are nearer to each other than this fraction of the
+/// motion: times could not tell their smallest steps apart.
+const SHORTEST_INTERVAL: f64 = 1e-6;
 
 /// Most singular poses through which a motion is followed back.
 pub(super) const MOST_WAYS_ON: usize = 10_000;
@@ -62,9 +67,10 @@ impl<'s> Recorder<'s> {
         }
     }
 
-    /// With a certificate of every pose, at its inputs as they are read.
+    /// With a certificate of every pose, at its inputs as they are read, and the poses between them.
     pub fn proving(mut self, reading: InputReading) -> Self {
         self.proof = Some((Certifier::new(self.tracker.system()), reading));
+        self.events.passed = Some(PassedPoses::default());
         self
     }
 
@@ -96,6 +102,7 @@ impl<'s> Recorder<'s> {
     pub fn run(mut self, times: &[f64]) -> Trajectory {
         let mut last: Option<PathPoint> = None;
         let mut lost = false;
+        let duration = self.tracker.actuation().duration;
         for (index, &time) in times.iter().enumerate() {
             if self.tracker.is_cancelled() {
                 break;
@@ -103,8 +110,9 @@ impl<'s> Recorder<'s> {
             // Every sample has its own budget of steps.
             self.tracker.interval = match index.checked_sub(1) {
                 Some(before) => (time - times[before]).abs(),
-                None => self.tracker.actuation().duration,
+                None => duration,
             };
+            self.tracker.interval = self.tracker.interval.max(SHORTEST_INTERVAL * duration);
             self.tracker.solver.iterations = 0;
             let before = index.checked_sub(1).map(|before| times[before]);
             self.tracker.budget.refill(|| self.turned(before, time));
@@ -116,6 +124,9 @@ impl<'s> Recorder<'s> {
             };
             match reached {
                 Ok(new) => {
+                    if let Some(passed) = &mut self.events.passed {
+                        passed.forget_from(time);
+                    }
                     self.record(&new);
                     last = Some(new);
                     lost = false;
@@ -144,6 +155,7 @@ impl<'s> Recorder<'s> {
             samples,
             events: self.events.list,
             gaps: self.gaps.list,
+            passed: self.events.passed.unwrap_or_default().into(),
             ..Trajectory::default()
         }
     }

@@ -1,0 +1,101 @@
+//! A closer look where nothing is proved between two samples: the motion is solved again with samples ever nearer to the place,
+//! until all is proved, the motion is found to end there, or the rest is as short as times can be told apart.
+//!
+//! Steps alone do not see everything between them: two driven quantities may cancel but for a peak. No tube is proved over such
+//! a place, which shows where to look.
+
+use super::motion::{MotionStretch, ProvedMotion};
+use crate::kinematics::motion::continuation::solve_until;
+use crate::kinematics::results::trajectory::Trajectory;
+use crate::kinematics::structure::system::System;
+use crate::model::actuation::Actuation;
+use crate::model::printed::InputReading;
+
+/// Most rounds: each is nearer by [`HALVINGS`].
+const ROUNDS: usize = 6;
+
+/// Samples on either side of an interval that is not proved: its halves, quarters and so on from both ends.
+const HALVINGS: i32 = 10;
+
+/// Most places that are examined in one round. A motion of which nothing can be proved has more.
+const MOST_PLACES: usize = 24;
+
+/// An interval so short is not examined, as a fraction of the motion: times are known to 1e-12 of it.
+const SHORTEST: f64 = 1e-11;
+
+/// Most work on tubes that nobody asked for: intervals between samples times the cost of a step.
+const MOST_COST: usize = 200_000;
+
+/// Intervals of a motion in which nothing is proved, in the order of time; neighbours are one.
+pub fn unproved(motion: &ProvedMotion) -> Vec<[f64; 2]> {
+    let stretches = motion.stretches[..motion.roots].iter();
+    let estimated = stretches.filter(|stretch| !stretch.is_certified);
+    let estimated = estimated.map(|MotionStretch { start, end, .. }| [*start, *end]);
+    let mut all: Vec<[f64; 2]> = estimated.chain(motion.gaps.iter().copied()).collect();
+    all.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let mut merged: Vec<[f64; 2]> = Vec::new();
+    for interval in all {
+        match merged.last_mut() {
+            Some(last) if last[1] >= interval[0] => last[1] = last[1].max(interval[1]),
+            _ => merged.push(interval),
+        }
+    }
+    merged
+}
+
+/// Whether the proofs between so many samples cost little beside the motion.
+pub fn is_cheap(system: &System, samples: usize) -> bool {
+    system.step_cost().saturating_mul(samples) <= MOST_COST
+}
+
+/// The motion at `times`, and what is proved of it with more samples between them where it is not proved with these. If the
+/// motion is found to end at one of those, they are part of it.
+pub fn solve_closely<'m>(
+    system: &'m System,
+    actuation: &Actuation,
+    times: &[f64],
+    reading: InputReading,
+    cancelled: &dyn Fn() -> bool,
+) -> (Trajectory, ProvedMotion<'m>) {
+    let at = |times: &[f64]| {
+        let trajectory = solve_until(system, actuation, times, Some(reading), cancelled);
+        let motion = ProvedMotion::new(system, actuation, &trajectory);
+        (trajectory, motion)
+    };
+    let (trajectory, mut motion) = at(times);
+    // What is known to end needs no closer look.
+    if !trajectory.is_whole() {
+        return (trajectory, motion);
+    }
+    let mut all = times.to_vec();
+    for _ in 0..ROUNDS {
+        let Some(more) = closer_times(&motion, &all).filter(|_| !cancelled()) else {
+            break;
+        };
+        all = more;
+        let (closer, proved) = at(&all);
+        if !closer.is_whole() {
+            return (closer, proved);
+        }
+        motion = proved;
+    }
+    (trajectory, motion)
+}
+
+/// The times and those around the places where nothing is proved; `None` if these are too short for a closer look.
+fn closer_times(motion: &ProvedMotion, times: &[f64]) -> Option<Vec<f64>> {
+    let [first, last] = motion.span();
+    let shortest = SHORTEST * (last - first);
+    let mut all = times.to_vec();
+    let places = unproved(motion).into_iter();
+    for [from, to] in places.filter(|[a, b]| b - a > shortest).take(MOST_PLACES) {
+        all.extend([from, to]);
+        for k in 1..=HALVINGS {
+            let way = (to - from) * 0.5_f64.powi(k);
+            all.extend([from + way, to - way].into_iter().filter(|_| way > 0.1 * shortest));
+        }
+    }
+    all.sort_by(f64::total_cmp);
+    all.dedup();
+    (all.len() > times.len()).then_some(all)
+}
