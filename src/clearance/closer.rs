@@ -5,7 +5,7 @@
 //! a place, which shows where to look.
 
 use super::motion::{MotionStretch, ProvedMotion};
-use crate::kinematics::motion::continuation::solve_until;
+use crate::kinematics::motion::continuation::{solve_closer, solve_until};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
@@ -57,12 +57,8 @@ pub fn solve_closely<'m>(
     reading: InputReading,
     cancelled: &dyn Fn() -> bool,
 ) -> (Trajectory, ProvedMotion<'m>) {
-    let at = |times: &[f64]| {
-        let trajectory = solve_until(system, actuation, times, Some(reading), cancelled);
-        let motion = ProvedMotion::new(system, actuation, &trajectory);
-        (trajectory, motion)
-    };
-    let (trajectory, mut motion) = at(times);
+    let trajectory = solve_until(system, actuation, times, Some(reading), cancelled);
+    let mut motion = ProvedMotion::new(system, actuation, &trajectory);
     // What is known to end needs no closer look.
     if !trajectory.is_whole() {
         return (trajectory, motion);
@@ -73,11 +69,11 @@ pub fn solve_closely<'m>(
             break;
         };
         all = more;
-        let (closer, proved) = at(&all);
+        let closer = solve_closer(system, actuation, &all, reading, cancelled);
+        motion = ProvedMotion::new(system, actuation, &closer);
         if !closer.is_whole() {
-            return (closer, proved);
+            return (closer, motion);
         }
-        motion = proved;
     }
     (trajectory, motion)
 }
@@ -86,16 +82,24 @@ pub fn solve_closely<'m>(
 fn closer_times(motion: &ProvedMotion, times: &[f64]) -> Option<Vec<f64>> {
     let [first, last] = motion.span();
     let shortest = SHORTEST * (last - first);
-    let mut all = times.to_vec();
+    let mut added = Vec::new();
     let places = unproved(motion).into_iter();
     for [from, to] in places.filter(|[a, b]| b - a > shortest).take(MOST_PLACES) {
-        all.extend([from, to]);
-        for k in 1..=HALVINGS {
-            let way = (to - from) * 0.5_f64.powi(k);
-            all.extend([from + way, to - way].into_iter().filter(|_| way > 0.1 * shortest));
-        }
+        added.extend([from, to]);
+        let ways = (1..=HALVINGS).map(|k| (to - from) * 0.5_f64.powi(k));
+        added.extend(ways.flat_map(|way| [from + way, to - way]));
     }
-    all.sort_by(f64::total_cmp);
-    all.dedup();
-    (all.len() > times.len()).then_some(all)
+    // Those that were asked for stay as they are; the others are a tenth of the shortest interval from the next.
+    let mut all: Vec<(f64, bool)> = times.iter().map(|time| (*time, true)).collect();
+    all.extend(added.into_iter().map(|time| (time, false)));
+    all.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+    all.dedup_by(|(b, is_asked), (a, was_asked)| {
+        let is_near = *b - *a < 0.1 * shortest && !(*is_asked && *was_asked);
+        if is_near && *is_asked {
+            (*a, *was_asked) = (*b, true);
+        }
+        is_near
+    });
+    let is_closer = all.len() > times.len();
+    is_closer.then(|| all.into_iter().map(|(time, _)| time).collect())
 }

@@ -156,10 +156,11 @@ impl ProvedMotion<'_> {
         let inputs = self.actuation.inputs_at(time);
         // Of poses on the way the inputs are those of the drive; those of instants may be the limits at a jump.
         let unknowns = self.system.mechanism().unknowns.len();
-        let with_inputs = [from, to].map(|(time, coordinates)| match coordinates.len() > unknowns {
-            true => coordinates.to_vec(),
-            false => [coordinates, &self.actuation.inputs_at(time)].concat(),
-        });
+        let with_inputs =
+            [from, to].map(|(time, coordinates)| match coordinates.len() > unknowns {
+                true => coordinates.to_vec(),
+                false => [coordinates, &self.actuation.inputs_at(time)].concat(),
+            });
         let ends = [&with_inputs[0][..], &with_inputs[1]];
         let coordinates = (self.solver).between_on_branch(ends, share, &inputs, Pace::Brisk)?;
         let instant = self.instant(time, coordinates);

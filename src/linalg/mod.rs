@@ -5,6 +5,7 @@ pub mod gauss_jordan;
 pub mod lanes;
 pub mod normal_equations;
 pub mod pivoted_qr;
+mod ritz_pair;
 pub mod singular_values;
 pub mod sparse_lu;
 pub mod svd;

@@ -4,13 +4,15 @@
 //! Power iteration on A Aᵀ with a Rayleigh quotient θ and its residual ρ. The sum of all eigenvalues is the squared
 //! Frobenius norm of A, so that all but the largest are at most b = sum - θ; where b is below θ, the largest is at most
 //! θ + ρ² / (θ - b) (Temple's inequality; Parlett, The Symmetric Eigenvalue Problem, chapter 10). The sums of their second and
-//! fourth powers, the Frobenius norms of A Aᵀ and of its square, give a better b where it is needed. So the smallest singular value is proved; where no b serves, the
-//! caller decomposes exactly. The largest has no such proof: its iteration starts at every pose from a vector that has a
+//! fourth powers, the Frobenius norms of A Aᵀ and of its square, give a better b where it is needed. Where the second eigenvalue is too
+//! near for any b, two vectors are iterated (`ritz_pair`). So the smallest singular value is proved; where neither decides, the caller
+//! decomposes exactly. The largest has no such proof: its iteration starts at every pose from a vector that has a
 //! part in every direction, so that it cannot stay with a value that has been overtaken.
 
 use super::lanes::{
     LaneMatrix, Lanes, combine_rows, dot_lanes, lane_groups, lane_sum, scale_lanes,
 };
+use super::ritz_pair::RitzPair;
 use wide::f64x4;
 
 /// Relative error of the smallest singular value. The eigenvalue, its square, may have twice as much. Using the inverse
@@ -44,6 +46,7 @@ pub struct Extremes {
     small: PowerIteration,
     large: PowerIteration,
     powers: PowerSums,
+    pair: RitzPair,
 }
 
 impl Extremes {
@@ -69,13 +72,24 @@ impl Extremes {
             };
             let is_settled = residual <= 2.0 * SMALLEST_ERROR * value * left;
             is_settled.then_some(is_clear)
-        })?;
+        });
+        let small = small.or_else(|| self.of_two_near(inverse))?;
         self.large.mix();
         let allowed = 4.0 * LARGEST_ERROR * LARGEST_ERROR;
         let large = self.large.largest(matrix, |value, residual| {
             (residual <= allowed * value * value).then_some(true)
         })?;
         Some((1.0 / small.sqrt(), large.sqrt()))
+    }
+}
+
+impl Extremes {
+    /// The largest eigenvalue beside which another one is near: that of the inverse.
+    fn of_two_near(&mut self, inverse: &LaneMatrix) -> Option<f64> {
+        self.powers.others(1, inverse, 0.0);
+        let (gram, fourth) = (&self.powers.gram, self.powers.known[1]);
+        let asked = [CLEAR_SHARE, 2.0 * SMALLEST_ERROR];
+        self.pair.largest(gram, &self.small.vector, fourth, asked)
     }
 }
 
@@ -293,5 +307,43 @@ mod tests {
         }
         assert!(worst > 0.0);
         assert!(10 * decided > 8 * tried, "{decided} of {tried}");
+    }
+
+    /// Two small singular values at any ratio, the others far away; also the same one twice.
+    #[test]
+    fn two_near_values_are_told_apart_from_the_others() {
+        let mut qr = PivotedQr::default();
+        let (mut inverse, mut transposed) = (LaneMatrix::default(), LaneMatrix::default());
+        let mut decided = 0;
+        for n in [3, 6, 12, 18] {
+            let mut extremes = Extremes::default();
+            for seed in 0..60 {
+                let ratio = [0.0, 1e-9, 1e-5, 1e-3, 0.03][seed as usize % 5];
+                // Of the diagonal matrix D, turned from both sides: Q D P.
+                let turns = [2 * seed, 2 * seed + 1].map(|seed| {
+                    let whole = nalgebra::DMatrix::from_vec(n, n, matrix(n, n, seed, 1.0));
+                    whole.qr().q()
+                });
+                let values = (0..n).map(|k| match k {
+                    0 => 1e-3,
+                    1 => 1e-3 * (1.0 + ratio),
+                    _ => 1.0 + k as f64,
+                });
+                let values = nalgebra::DVector::from_iterator(n, values);
+                let a = &turns[0] * nalgebra::DMatrix::from_diagonal(&values) * &turns[1];
+                qr.factor(a.as_slice(), n, n, 1e-12);
+                assert!(qr.invert(&mut inverse));
+                transposed.copy_rows(a.as_slice(), n, n);
+                let Some((small, _)) = extremes.of(&transposed, &inverse) else {
+                    continue;
+                };
+                decided += 1;
+                assert!(
+                    (small / 1e-3 - 1.0).abs() <= SMALLEST_ERROR,
+                    "{n} {seed} {small}"
+                );
+            }
+        }
+        assert!(decided > 235, "{decided} of 240");
     }
 }

@@ -6,6 +6,9 @@
 use super::drive::{Drive, Ease};
 use super::expression::continuity::Jumps;
 
+/// Instants of a motion at which the size of its numbers is learned, as fractions of its duration.
+pub const INSTANTS: [f64; 5] = [0.0, 0.21, 0.47, 0.73, 1.0];
+
 /// Drives of all inputs, their duration, and start values of the unknowns.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Actuation {

@@ -186,6 +186,22 @@ impl Chain {
         used
     }
 
+    /// Lengths that are written in it as numbers, one for every step: fixed offsets, and constants added to variable ones.
+    pub fn written_lengths<'c>(&'c self, arguments: &'c [Argument]) -> impl Iterator<Item = f64> {
+        self.steps.iter().map(|step| match step {
+            ChainStep::Fixed(pose) => pose.translation.length(),
+            ChainStep::Joint {
+                motion: ElementaryMotion::Translation,
+                argument,
+                ..
+            } => match &arguments[*argument] {
+                Argument::Affine(affine) => affine.constant.number().abs(),
+                Argument::Formula(_) => 0.0,
+            },
+            ChainStep::Joint { .. } => 0.0,
+        })
+    }
+
     /// The entries of the product that are zero whatever the values of the joints.
     pub fn pattern(&self) -> RowPattern {
         let factors = self.steps.iter().map(|step| match step {

@@ -1,6 +1,6 @@
 //! The whole mechanism as resolved: coordinates, loops, bodies, outputs. Immutable; names are for people only.
 
-use super::chain::{Argument, ArgumentValue, Chain};
+use super::chain::{Argument, ArgumentValue, Chain, ChainStep, ElementaryMotion};
 use super::distance::Distance;
 use super::expression::Expression;
 use super::joints::Joints;
@@ -193,6 +193,8 @@ pub struct Mechanism {
     pub inputs: Vec<Coordinate>,
     /// Arguments of all joints. Slots: unknowns, then inputs.
     pub arguments: Vec<Argument>,
+    /// Which of them only move along an axis: no sine is needed of these. Those without an entry may turn something.
+    pub sliding: Vec<bool>,
     /// Chains that must be the identity.
     pub loops: Vec<Loop>,
     /// Scalar equations.
@@ -243,12 +245,41 @@ impl Mechanism {
         loops.chain(self.bodies.iter().map(|b| &b.world_from_body))
     }
 
+    /// The arguments of translations that are not those of a rotation as well.
+    pub fn sliding_arguments(&self) -> Vec<bool> {
+        let ends = self.bars.iter().flat_map(|bar| &bar.ends);
+        let ends = ends.flat_map(|end| [&end.point, &end.carrier]);
+        let across = self.crossings.iter().map(|crossing| &crossing.across);
+        let steps = self.chains().chain(ends).chain(across);
+        let joints = steps.flat_map(|chain| chain.steps.iter().filter_map(ChainStep::joint));
+        let mut moves = vec![[false; 2]; self.arguments.len()];
+        for joint in joints {
+            let turns = joint.motion == ElementaryMotion::Rotation;
+            moves[joint.argument][usize::from(turns)] = true;
+        }
+        moves
+            .into_iter()
+            .map(|[slides, turns]| slides && !turns)
+            .collect()
+    }
+
     /// Values of all arguments at the given coordinates (unknowns, then inputs).
     pub fn argument_values(&self, coordinates: &[f64]) -> Vec<ArgumentValue> {
         let mut scratch = Vec::new();
+        let mut value_of = |(k, argument): (usize, &Argument)| {
+            let value = argument.value(coordinates, &mut scratch);
+            match self.sliding.get(k) {
+                Some(true) => ArgumentValue {
+                    value,
+                    ..ArgumentValue::default()
+                },
+                _ => ArgumentValue::new(value),
+            }
+        };
         self.arguments
             .iter()
-            .map(|a| ArgumentValue::new(a.value(coordinates, &mut scratch)))
+            .enumerate()
+            .map(&mut value_of)
             .collect()
     }
 

@@ -97,6 +97,9 @@ fn ending_value(ending: &Ending) -> Value {
         Ending::NoValue { name, proved, .. } => {
             json!({ "kind": word, "equation": name, "proved": proved })
         }
+        Ending::InputUndefined { name, proved } => {
+            json!({ "kind": word, "input": name, "proved": proved })
+        }
         Ending::GivenUp { sigma_min } => json!({ "kind": word, "sigma_min": sigma_min }),
         Ending::Jump { name } => json!({ "kind": word, "formula": name }),
         Ending::AngleTooLarge | Ending::NotFound => json!({ "kind": word }),

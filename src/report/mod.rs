@@ -1,7 +1,7 @@
 //! Results as text, tables and documents: CSV, JSON, JUnit. Nothing is printed here.
 
-mod between;
 pub mod assemblies;
+mod between;
 pub mod cells;
 pub mod check;
 pub mod clearance;

@@ -13,8 +13,8 @@ use crate::kinematics::motion::proved::{Proofs, solve_proved};
 use crate::kinematics::motion::sampling::{allow_samples, knot_times};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
-use crate::model::printed::InputReading;
 use crate::limits::{LimitExceeded, Resource, current_limits};
+use crate::model::printed::InputReading;
 use crate::scene::Scene;
 use serde_json::Value;
 
@@ -139,7 +139,9 @@ impl<'a> MotionCheck<'a> {
         let sampled = (trajectory, self.times);
         let measured = measures::take_whole(system, scene, sampled, covered, tolerance);
         let driven = (system, &scene.actuation);
-        let unproved = self.looks_between(trajectory.samples.len()).then(|| {
+        // Where poses are missing that is said instead.
+        let looks = trajectory.is_whole() && self.looks_between(trajectory.samples.len());
+        let unproved = looks.then(|| {
             covered.proved();
             covered.unproved()
         });

@@ -93,6 +93,12 @@ fn ending_words(ending: &Ending) -> String {
             };
             format!("where equation `{name}` has no value beyond ({how})")
         }
+        Ending::InputUndefined { name, proved: true } => {
+            format!("where input `{name}` has no value beyond (proved)")
+        }
+        Ending::InputUndefined { name, .. } => {
+            format!("where input `{name}` has no finite value in numbers beyond")
+        }
         Ending::GivenUp { sigma_min } => format!(
             "undecided: steps became too small, or too many, near a smallest singular value of {sigma_min:.1e}, and poses may exist beyond"
         ),

@@ -1,7 +1,7 @@
 //! Bands between the samples: over a time interval the inputs are dimensions like the others, so that one box contains
 //! the poses of all pieces at all times of the interval. Intervals that are too long are halved.
 
-use super::motion::{SpanBands, samples_at};
+use super::motion::{NominalPose, SpanBands, samples_at};
 use super::plan::{Plan, sized};
 use super::pose_bands::{Obstacle, pose_enclosure};
 use crate::jobs::share_work;
@@ -31,10 +31,9 @@ pub fn enclose_between(plan: &Plan, times: &[f64], threads: usize) -> Vec<SpanBa
     let work = |solver: &mut PoseSolver, index: usize| {
         let [from, until] = ends[index];
         // Bands of an interval are proved around the pose in its middle.
-        let bands = match &samples[index].pose {
+        let bands = match NominalPose::of(&samples[index]) {
             None => Err(Obstacle::NoPose),
             Some(pose) => {
-                let pose = [pose.unknowns.as_slice(), &samples[index].inputs].concat();
                 let place = PoseBetween {
                     plan,
                     encloser: &encloser,
@@ -54,7 +53,7 @@ pub fn enclose_between(plan: &Plan, times: &[f64], threads: usize) -> Vec<SpanBa
 struct PoseBetween<'p> {
     plan: &'p Plan<'p>,
     encloser: &'p Encloser<'p>,
-    pose: Vec<f64>,
+    pose: NominalPose,
 }
 
 impl PoseBetween<'_> {
@@ -73,8 +72,9 @@ impl PoseBetween<'_> {
         let middle = 0.5 * from + 0.5 * until;
         let mut all: Option<Vec<[f64; 2]>> = None;
         for half in [[from, middle], [middle, until]] {
-            let inputs = self.inputs_at(0.5 * half[0] + 0.5 * half[1]);
-            let pose = solver.step(&self.pose, &inputs, 1).ok_or(refusal)?;
+            let middle = 0.5 * half[0] + 0.5 * half[1];
+            let pose = self.pose.followed_to(solver, self.plan, middle);
+            let pose = pose.ok_or(refusal)?;
             let place = PoseBetween { pose, ..*self };
             let bands = place.bands(solver, half, halvings - 1)?;
             all = Some(match all {
@@ -89,16 +89,12 @@ impl PoseBetween<'_> {
         all.ok_or(refusal)
     }
 
-    /// The scene's own inputs at a time; dimensions stay.
-    fn inputs_at(&self, time: f64) -> Vec<f64> {
-        self.plan.family.actuation.inputs_at(time)
-    }
-
     fn whole(&self, solver: &mut PoseSolver, stretch: [f64; 2]) -> Result<Vec<[f64; 2]>, Obstacle> {
-        let tolerances = stretch_tolerances(self.plan, &self.pose, stretch)?;
+        let pose = &self.pose.coordinates;
+        let tolerances = stretch_tolerances(self.plan, pose, stretch)?;
         sized!(self.plan.room_for(tolerances.len()), N => {
             // All coordinates and derived values over the whole interval, for every piece.
-            let enclosure = pose_enclosure::<N>(self.plan, self.encloser, solver, &self.pose, &tolerances)?;
+            let enclosure = pose_enclosure::<N>(self.plan, self.encloser, solver, pose, &tolerances)?;
             let mechanism = self.plan.family.mechanism();
             let unknowns = 0..mechanism.unknowns.len();
             let shown = unknowns.chain(mechanism.coordinate_count()..enclosure.len());

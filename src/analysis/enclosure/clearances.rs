@@ -5,7 +5,7 @@
 //! Where the bound of a pair is far below the nearest piece found, the time interval is halved.
 
 use super::between::stretch_tolerances;
-use super::motion::samples_at;
+use super::motion::{NominalPose, samples_at};
 use super::plan::{Plan, sized};
 use super::pose_bands::{Obstacle, pose_enclosure};
 use crate::clearance::part::{JudgedPart, Missing, PieceClearance, Refusal};
@@ -20,7 +20,10 @@ use crate::kinematics::solve::pose_solver::PoseSolver;
 use crate::model::drive::Drive;
 
 /// Maximum number of halvings of a time interval.
-const MOST_HALVINGS: u32 = 7;
+const MOST_HALVINGS: u32 = 12;
+
+/// Fewest time intervals at first: results must not depend on the number of samples.
+const FIRST_STRETCHES: f64 = 64.0;
 
 /// Maximum number of time intervals that are examined; later results are not refined.
 const MOST_STRETCHES: usize = 4000;
@@ -38,7 +41,7 @@ const STALLED: f64 = 0.1;
 struct TimeSpan {
     ends: [f64; 2],
     /// A nominal pose near its middle.
-    near: Vec<f64>,
+    near: NominalPose,
     /// The pairs, and what is known about them.
     open: Vec<(usize, f64)>,
 }
@@ -118,19 +121,24 @@ fn first_stretches(
     let all = knot_times(plan.family.mechanism(), &plan.family.actuation, times);
     // An instant at which a drive jumps has a pose of its own; so has a motion without duration.
     let has_instants = plan.family.actuation.drives.iter().any(Drive::may_jump) || all.len() < 2;
+    let longest = (all.last().unwrap_or(&0.0) - all.first().unwrap_or(&0.0)) / FIRST_STRETCHES;
     let mut ends: Vec<[f64; 2]> = Vec::new();
     for (k, time) in all.iter().enumerate() {
         ends.extend(has_instants.then_some([*time; 2]));
-        ends.extend(all.get(k + 1).map(|next| [*time, *next]));
+        let next = all.get(k + 1);
+        ends.extend(
+            next.into_iter()
+                .flat_map(|next| parts_of(*time, *next, longest)),
+        );
     }
     let middles: Vec<f64> = ends.iter().map(|[a, b]| 0.5 * a + 0.5 * b).collect();
     let samples = samples_at(plan, &middles);
     let mut list = Vec::new();
     for (ends, sample) in ends.into_iter().zip(samples) {
-        match &sample.pose {
-            Some(pose) => list.push(TimeSpan {
+        match NominalPose::of(&sample) {
+            Some(near) => list.push(TimeSpan {
                 ends,
-                near: [pose.unknowns.as_slice(), &sample.inputs].concat(),
+                near,
                 open: (0..parts.len()).map(|k| (k, f64::NEG_INFINITY)).collect(),
             }),
             None => {
@@ -145,6 +153,16 @@ fn first_stretches(
         }
     }
     list
+}
+
+/// Equal parts of an interval, none much longer than `longest`.
+fn parts_of(from: f64, until: f64, longest: f64) -> impl Iterator<Item = [f64; 2]> {
+    let count = ((until - from) / longest).round().max(1.0);
+    let at = move |k: f64| match k < count {
+        true => from + (until - from) * (k / count),
+        false => until,
+    };
+    (0..count as usize).map(move |k| [at(k as f64), at(k as f64 + 1.0)])
 }
 
 /// Records that nothing is proved about a pair over a time interval.
@@ -248,12 +266,10 @@ impl Search<'_> {
         goals: &[f64],
     ) -> Result<PartBounds, Obstacle> {
         let [from, until] = stretch.ends;
-        let actuation = &self.plan.family.actuation;
         // The pose in the middle of the interval, followed from a near one.
-        let inputs = actuation.inputs_at(0.5 * from + 0.5 * until);
-        let pose = solver
-            .step(&stretch.near, &inputs, 1)
-            .ok_or(Obstacle::NoPose)?;
+        let middle = 0.5 * from + 0.5 * until;
+        let pose = stretch.near.followed_to(solver, self.plan, middle);
+        let pose = pose.ok_or(Obstacle::NoPose)?.coordinates;
         let tolerances = stretch_tolerances(self.plan, &pose, stretch.ends)?;
         sized!(self.plan.room_for(tolerances.len()), N => {
             let enclosure = pose_enclosure::<N>(self.plan, &self.encloser, solver, &pose, &tolerances)?;

@@ -7,6 +7,7 @@ use crate::jobs::share_work;
 use crate::kinematics::enclosure::pose::Encloser;
 use crate::kinematics::motion::continuation::solve_until;
 use crate::kinematics::results::trajectory::Sample;
+use crate::kinematics::solve::pose_solver::PoseSolver;
 use crate::model::mechanism::{Kind, Mechanism};
 
 /// One instant of the drive.
@@ -92,4 +93,38 @@ pub(super) fn samples_at(plan: &Plan, times: &[f64]) -> Vec<Sample> {
     });
     samples.extend(missing.collect::<Vec<_>>());
     samples.split_off(lead.len())
+}
+
+/// A nominal pose from which the motion is followed to others nearby.
+#[derive(Clone, Debug)]
+pub(super) struct NominalPose {
+    /// Seconds.
+    time: f64,
+    /// Unknowns, then inputs.
+    pub coordinates: Vec<f64>,
+}
+
+impl NominalPose {
+    /// That of a sample; `None` if it has none.
+    pub fn of(sample: &Sample) -> Option<Self> {
+        let pose = sample.pose.as_ref()?;
+        Some(Self {
+            time: sample.time,
+            coordinates: [pose.unknowns.as_slice(), &sample.inputs].concat(),
+        })
+    }
+
+    /// The pose at another time, in steps that can be trusted: a drive may go far between two samples.
+    pub fn followed_to(&self, solver: &mut PoseSolver, plan: &Plan, time: f64) -> Option<Self> {
+        let family = plan.family;
+        let unknowns = family.mechanism().unknowns.len();
+        let inputs = |part: f64| match part < 1.0 {
+            true => family
+                .actuation
+                .inputs_at(self.time + part * (time - self.time)),
+            false => family.actuation.inputs_at(time),
+        };
+        let coordinates = solver.followed(&self.coordinates[..unknowns], inputs)?;
+        Some(Self { time, coordinates })
+    }
 }

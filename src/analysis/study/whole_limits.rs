@@ -2,12 +2,12 @@
 //! with the bounds of `check`.
 
 use super::family::FamilyError;
+use crate::clearance::closer::solve_closely;
 use crate::clearance::measured::{Known, is_of_whole_motion, known};
-use crate::clearance::motion::ProvedMotion;
-use crate::kinematics::motion::continuation::solve_motion;
 use crate::kinematics::motion::sampling::{frame_times, knot_times};
 use crate::kinematics::structure::system::System;
 use crate::model::measure::Measure;
+use crate::model::printed::InputReading;
 use crate::scene::Scene;
 use std::sync::Arc;
 
@@ -55,12 +55,9 @@ pub fn whole_limits(scene: &Scene) -> Result<Vec<WholeLimit>, FamilyError> {
     }
     let system = System::new(Arc::clone(mechanism), actuation)?;
     let times = frame_times(mechanism, actuation, scene.view.fps);
-    let trajectory = solve_motion(
-        &system,
-        actuation,
-        &knot_times(system.mechanism(), actuation, &times),
-    );
-    let mut motion = ProvedMotion::new(&system, actuation, &trajectory);
+    let times = knot_times(system.mechanism(), actuation, &times);
+    let reading = InputReading::Numbers;
+    let (_, mut motion) = solve_closely(&system, actuation, &times, reading, &|| false);
     let judged = limited.into_iter().map(|(index, measure)| {
         let found = known(&mut motion, measure, NEAR);
         let (missed, is_proved) = found.map_or((f64::INFINITY, false), |k| missed(measure, &k));

@@ -33,7 +33,11 @@ impl PassedPoses {
 
     /// Of two poses, one before a time and one after it, and those between them: the last one before the time and the first
     /// one after it. Poses are given by their time and unknowns.
-    pub fn nearest<'p>(&'p self, time: f64, [a, b]: [(f64, &'p [f64]); 2]) -> [(f64, &'p [f64]); 2] {
+    pub fn nearest<'p>(
+        &'p self,
+        time: f64,
+        [a, b]: [(f64, &'p [f64]); 2],
+    ) -> [(f64, &'p [f64]); 2] {
         let before = self.times.partition_point(|t| *t < time);
         let after = self.times.partition_point(|t| *t <= time);
         let count = self.unknowns.len() / self.times.len().max(1);
@@ -64,10 +68,16 @@ mod tests {
         let times = |time: f64, ends| passed.nearest(time, ends).map(|pose| pose.0);
         assert_eq!(times(0.3, ends), [0.1, 0.4]);
         assert_eq!(times(0.05, ends), [0.0, 0.1]);
-        assert_eq!(times(0.35, [(0.32, ends[0].1), (0.39, ends[1].1)]), [0.32, 0.39]);
+        assert_eq!(
+            times(0.35, [(0.32, ends[0].1), (0.39, ends[1].1)]),
+            [0.32, 0.39]
+        );
         assert_eq!(passed.nearest(0.5, ends)[0], (0.4, &[4.0, -4.0][..]));
         passed.forget_from(0.4);
-        assert_eq!(passed.nearest(0.35, ends), [(0.3, &[3.0, -3.0][..]), ends[1]]);
+        assert_eq!(
+            passed.nearest(0.35, ends),
+            [(0.3, &[3.0, -3.0][..]), ends[1]]
+        );
         assert_eq!(PassedPoses::default().nearest(0.5, ends), ends);
     }
 }

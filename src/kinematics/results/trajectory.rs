@@ -166,6 +166,13 @@ pub enum Ending {
         /// Proofs were asked for.
         asked: bool,
     },
+    /// An input has no value beyond.
+    InputUndefined {
+        /// Its name.
+        name: String,
+        /// Whether its formula is undefined; otherwise its value exceeds the range of f64.
+        proved: bool,
+    },
     /// No step could be trusted, and no fold was found: it is unknown whether the motion continues.
     GivenUp {
         /// Smallest singular value at the last pose.
@@ -191,6 +198,7 @@ impl Ending {
                 | Self::Jump { .. }
                 | Self::AngleTooLarge
                 | Self::NotFound
+                | Self::InputUndefined { proved: false, .. }
                 | Self::Fold {
                     proved: false,
                     asked: true
@@ -208,6 +216,7 @@ impl Ending {
         match self {
             Self::Fold { .. } => "fold",
             Self::NoValue { .. } => "no-value",
+            Self::InputUndefined { .. } => "input-undefined",
             Self::GivenUp { .. } => "given-up",
             Self::Jump { .. } => "jump",
             Self::AngleTooLarge => "angle-too-large",

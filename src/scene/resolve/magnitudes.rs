@@ -4,11 +4,8 @@
 //! The magnitude of a coordinate is the change that alters one of its equations by as much as the largest term of the
 //! equation at the start values; that of an equation is its response to such changes.
 
-use crate::model::actuation::Actuation;
+use crate::model::actuation::{Actuation, INSTANTS};
 use crate::model::mechanism::{Equation, Kind, Mechanism};
-
-/// Instants of the drive at which equations are evaluated, as fractions of its duration.
-pub const INSTANTS: [f64; 5] = [0.0, 0.21, 0.47, 0.73, 1.0];
 
 /// Exponents of the powers of two that are tried as changes.
 const POWERS: std::ops::Range<i32> = -100..100;

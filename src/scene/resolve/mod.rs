@@ -160,6 +160,7 @@ pub fn resolve_scene(
         unknowns: names.unknowns.clone(),
         inputs: names.inputs.clone(),
         arguments,
+        sliding: Vec::new(),
         loops,
         equations,
         bars,
@@ -188,6 +189,7 @@ pub fn resolve_scene(
         (&parsed, &names),
         overrides.size,
     );
+    mechanism.sliding = mechanism.sliding_arguments();
     // The table of joints and links is built once, from the finished chains.
     mechanism.joints = Joints::new(&mechanism);
     loops::warn_of_loops(&mechanism, &parsed, diagnostics);

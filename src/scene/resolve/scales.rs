@@ -3,8 +3,8 @@
 //!
 //! Loops and equations that share a length have the same unit, since the sums of one enter the other.
 
-use super::magnitudes::{INSTANTS, equation_terms, finite_or_zero, moved_equation};
-use crate::model::actuation::Actuation;
+use super::magnitudes::{equation_terms, finite_or_zero, moved_equation};
+use crate::model::actuation::{Actuation, INSTANTS};
 use crate::model::chain::{ChainStep, ElementaryMotion};
 use crate::model::mechanism::{Equation, Kind, Loop, Mechanism};
 use std::f64::consts::TAU;

@@ -1,8 +1,8 @@
 //! The characteristic length of a mechanism, to which tolerances are relative.
 
-use super::magnitudes::{INSTANTS, finite_or_zero};
+use super::magnitudes::{equation_terms, finite_or_zero};
 use super::names::Names;
-use crate::model::actuation::Actuation;
+use crate::model::actuation::{Actuation, INSTANTS};
 use crate::model::chain::{Argument, ChainStep, ElementaryMotion};
 use crate::model::drive::Drive;
 use crate::model::expression::Expression;
@@ -17,7 +17,8 @@ const FAR_BEYOND: f64 = 100.0;
 const MOST_PARTS: usize = 400;
 
 /// The characteristic length: the longest bar or fixed offset between two joints of its loops; otherwise the largest
-/// length parameter, driven length or constant of a chain; otherwise the largest lead of a screw; otherwise one.
+/// length parameter, driven length or constant of a chain; otherwise the largest term of an equation between lengths; otherwise
+/// the largest lead of a screw; otherwise one.
 pub(super) fn mechanism_size(mechanism: &Mechanism, actuation: &Actuation, names: &Names) -> f64 {
     // Fixed offsets and bars are the most reliable lengths: they do not depend on a pose.
     let fixed = mechanism
@@ -48,6 +49,11 @@ pub(super) fn mechanism_size(mechanism: &Mechanism, actuation: &Actuation, names
     if longest > 0.0 {
         return longest;
     }
+    // Contacts and bars alone, with their radii and lengths in formulas.
+    let longest = equation_lengths(mechanism, actuation).fold(0.0, f64::max);
+    if longest > 0.0 {
+        return longest;
+    }
     // A mechanism of screws alone has no length but its leads.
     let longest = screw_leads(mechanism).fold(0.0, f64::max);
     if longest > 0.0 { longest } else { 1.0 }
@@ -57,17 +63,19 @@ pub(super) fn mechanism_size(mechanism: &Mechanism, actuation: &Actuation, names
 fn chain_constants(mechanism: &Mechanism) -> impl Iterator<Item = f64> {
     let loops = mechanism.loops.iter().map(|l| &l.chain);
     let chains = loops.chain(mechanism.bodies.iter().map(|b| &b.world_from_body));
-    chains.flat_map(|c| &c.steps).map(|step| match step {
-        ChainStep::Fixed(pose) => pose.translation.length(),
-        ChainStep::Joint {
-            motion: ElementaryMotion::Translation,
-            argument,
-            ..
-        } => match &mechanism.arguments[*argument] {
-            Argument::Affine(affine) => affine.constant.number().abs(),
-            Argument::Formula(_) => 0.0,
-        },
-        ChainStep::Joint { .. } => 0.0,
+    chains.flat_map(|chain| chain.written_lengths(&mechanism.arguments))
+}
+
+/// The largest terms of the equations at the start values, as lengths.
+fn equation_lengths(mechanism: &Mechanism, actuation: &Actuation) -> impl Iterator<Item = f64> {
+    let of_lengths = mechanism
+        .equations
+        .iter()
+        .filter(|e| e.length_exponent > 0.0);
+    let pairs = of_lengths.flat_map(|e| INSTANTS.map(|share| (e, share)));
+    pairs.map(|(equation, share)| {
+        let mut pose = actuation.start_at(share * actuation.duration);
+        equation_terms(equation, &mut pose).powf(1.0 / equation.length_exponent)
     })
 }
 

@@ -20,6 +20,7 @@ mod envelopes;
 mod estimates;
 mod exclusions;
 mod far_places;
+mod few_samples;
 mod frame_jumps;
 mod gate;
 mod grazing;

@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod bars;
+mod between_samples;
 mod change_points;
 mod contacts;
 mod dense_nets;

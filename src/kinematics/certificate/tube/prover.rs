@@ -208,14 +208,16 @@ impl<'m> Prover<'m> {
                     tubes.push(tube);
                     here = next;
                 }
-                Err(obstacle) if next.time - here.time < 2.0 * floor => {
-                    return Err(Refusal {
-                        time: here.time,
-                        obstacle,
-                    });
-                }
                 Err(obstacle) => {
                     let time = 0.5 * here.time + 0.5 * next.time;
+                    // Times that are next to each other have none between them.
+                    let is_between = here.time < time && time < next.time;
+                    if next.time - here.time < 2.0 * floor || !is_between {
+                        return Err(Refusal {
+                            time: here.time,
+                            obstacle,
+                        });
+                    }
                     let middle = self.pose_between(&here, &next, time);
                     let middle = middle.ok_or(Refusal {
                         time: here.time,

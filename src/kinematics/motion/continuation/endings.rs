@@ -81,6 +81,10 @@ impl Recorder<'_> {
         if self.is_angle_too_large(&end.coordinates) {
             return Ending::AngleTooLarge;
         }
+        let mut beyond = self.beyond(end.time, time).into_iter();
+        if let Some(input) = beyond.find_map(|at| self.tracker.inputs(at).err()) {
+            return self.undefined_input(input, [end.time, time]);
+        }
         if let Some(name) = self.jumping_formula(end, time) {
             return Ending::Jump { name };
         }
@@ -89,12 +93,27 @@ impl Recorder<'_> {
         })
     }
 
+    /// Instants right beyond the end of a motion, on the way to `time`.
+    fn beyond(&self, end: f64, time: f64) -> [f64; 3] {
+        let away = (time - end).signum() * self.tracker.interval;
+        BEYOND.map(|share| end + share * away)
+    }
+
+    /// The end of a motion beyond which an input has no value, on the way to a time.
+    pub(super) fn undefined_input(&self, input: usize, [end, time]: [f64; 2]) -> Ending {
+        let drive = &self.tracker.actuation().drives[input];
+        let mut beyond = self.beyond(end, time).into_iter();
+        Ending::InputUndefined {
+            name: self.tracker.system().mechanism().inputs[input].name.clone(),
+            proved: beyond.any(|at| !drive.may_have_value(at)),
+        }
+    }
+
     /// The loop or equation whose formula jumps right beyond `end`, if one is found.
     fn jumping_formula(&self, end: &PathPoint, time: f64) -> Option<String> {
-        let away = (time - end.time).signum() * self.tracker.interval;
         let unknowns = &end.coordinates[..self.tracker.unknowns()];
-        BEYOND.iter().find_map(|share| {
-            let inputs = self.tracker.inputs(end.time + share * away).ok()?;
+        self.beyond(end.time, time).into_iter().find_map(|at| {
+            let inputs = self.tracker.inputs(at).ok()?;
             let beyond = [unknowns, &inputs].concat();
             match self.tracker.way_between(&end.coordinates, &beyond) {
                 FormulaBehaviour::Jumps(name) => Some(name.to_owned()),
@@ -105,8 +124,7 @@ impl Recorder<'_> {
 
     /// The equation that has no value beyond `end`, if one is found.
     fn formula_ending(&self, end: &PathPoint, time: f64) -> Option<Ending> {
-        let away = (time - end.time).signum() * self.tracker.interval;
-        let times = BEYOND.map(|share| end.time + share * away);
+        let times = self.beyond(end.time, time);
         let asked = self.is_proof_wanted();
         let (system, actuation) = (self.tracker.system(), self.tracker.actuation());
         let has_none = |equation: usize, time: f64| {

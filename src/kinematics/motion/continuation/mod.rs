@@ -48,6 +48,18 @@ pub fn solve_until(
     }
 }
 
+/// [`solve_until`] with certificates, at times that may be as near to each other as they can be told apart.
+pub fn solve_closer(
+    system: &System,
+    actuation: &Actuation,
+    times: &[f64],
+    reading: InputReading,
+    cancelled: &dyn Fn() -> bool,
+) -> Trajectory {
+    let recorder = Recorder::new(system, actuation, cancelled).proving(reading);
+    recorder.looking_closer().run(times)
+}
+
 /// [`solve_until`] with additional samples where the motion ends and resumes, as curves need.
 pub fn solve_with_ends(
     system: &System,

@@ -22,9 +22,9 @@ pub(crate) const SINGULAR_START: f64 = 1e7;
 /// Axes at a smaller angle (radians) count as parallel: a pose at which they are is double, and found to half its digits.
 const PARALLEL: f64 = 1e-6;
 
-/// Steps are small against the time between two samples, but for samples that are nearer to each other than this fraction of the
-/// motion: times could not tell their smallest steps apart.
-const SHORTEST_INTERVAL: f64 = 1e-6;
+/// Steps are small against the time between two samples. In a closer look samples may be so near to each other that such steps could
+/// not be told apart: there they are small against this fraction of the motion.
+const LEAST_INTERVAL: f64 = 1e-6;
 
 /// Most singular poses through which a motion is followed back.
 pub(super) const MOST_WAYS_ON: usize = 10_000;
@@ -48,6 +48,8 @@ pub(crate) struct Recorder<'s> {
     pub(super) ends_at_gap: bool,
     /// The poses at which the motion ends and resumes, on request.
     pub(super) edges: Option<Vec<Sample>>,
+    /// Seconds between two samples, at least.
+    least_interval: f64,
 }
 
 impl<'s> Recorder<'s> {
@@ -64,6 +66,7 @@ impl<'s> Recorder<'s> {
             proof: None,
             ends_at_gap: false,
             edges: None,
+            least_interval: 0.0,
         }
     }
 
@@ -77,6 +80,12 @@ impl<'s> Recorder<'s> {
     /// With additional samples where the motion ends and resumes.
     pub fn with_edges(mut self) -> Self {
         self.edges = Some(Vec::new());
+        self
+    }
+
+    /// With samples that may be as near to each other as times can be told apart.
+    pub fn looking_closer(mut self) -> Self {
+        self.least_interval = LEAST_INTERVAL * self.tracker.actuation().duration;
         self
     }
 
@@ -112,7 +121,7 @@ impl<'s> Recorder<'s> {
                 Some(before) => (time - times[before]).abs(),
                 None => duration,
             };
-            self.tracker.interval = self.tracker.interval.max(SHORTEST_INTERVAL * duration);
+            self.tracker.interval = self.tracker.interval.max(self.least_interval);
             self.tracker.solver.iterations = 0;
             let before = index.checked_sub(1).map(|before| times[before]);
             self.tracker.budget.refill(|| self.turned(before, time));
@@ -167,7 +176,8 @@ impl<'s> Recorder<'s> {
     /// First pose, from the start values.
     fn start(&mut self, time: f64) -> Result<PathPoint, Option<PathPoint>> {
         let inputs = self.tracker.inputs(time).map_err(|index| {
-            self.undefined(time, index);
+            let proved = !self.tracker.actuation().drives[index].may_have_value(time);
+            self.undefined(time, index, proved);
             None
         })?;
         let actuation = self.tracker.actuation();
@@ -243,9 +253,9 @@ impl<'s> Recorder<'s> {
         }
     }
 
-    fn undefined(&mut self, time: f64, index: usize) {
+    /// Reports once that an input has no value, and once more when that is proved.
+    fn undefined(&mut self, time: f64, index: usize, proved: bool) {
         let name = self.tracker.system().mechanism().inputs[index].name.clone();
-        let proved = !self.tracker.actuation().drives[index].may_have_value(time);
         let mut known = self.events.list.iter();
         let says_more = known.all(|e| {
             !matches!(&e.kind, EventKind::InputUndefined { name: n, proved: p } if *n == name && *p >= proved)
@@ -274,9 +284,14 @@ impl<'s> Recorder<'s> {
         for _ in 0..MOST_WAYS_ON {
             match self.tracker.follow(here, time, &mut self.events) {
                 Ok(point) => return Ok(point),
-                Err(Stop::Undefined { input, time, last }) => {
-                    self.undefined(time, input);
-                    return Err(Some(last));
+                Err(Stop::Undefined {
+                    input,
+                    time: at,
+                    last,
+                }) => {
+                    let ending = self.undefined_input(input, [last.time, time]);
+                    self.undefined(at, input, !ending.is_undecided());
+                    return self.begin_gap(last.clone(), (last, ending), time);
                 }
                 Err(Stop::Ends(end)) if self.tracker.budget.is_spent() => {
                     let sigma_min = end.branch.sigma_min;
@@ -316,6 +331,16 @@ impl<'s> Recorder<'s> {
             return Ok(beyond);
         }
         self.event(at.time, EventKind::MotionEnds(ending.clone()));
+        self.begin_gap(last, (at, ending), time)
+    }
+
+    /// Behind the end of a motion: it is resumed, if that is possible before `time`.
+    fn begin_gap(
+        &mut self,
+        last: PathPoint,
+        (at, ending): (PathPoint, Ending),
+        time: f64,
+    ) -> Result<PathPoint, Option<PathPoint>> {
         if self.ends_at_gap {
             return Err(Some(last));
         }

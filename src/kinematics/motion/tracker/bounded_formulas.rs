@@ -2,7 +2,7 @@
 //! driven bar. They may go elsewhere and come back within a step, as drives may.
 
 use super::step_bounds::{STRAY, StepBound, joint_arguments};
-use crate::model::actuation::Actuation;
+use crate::model::actuation::{Actuation, INSTANTS};
 use crate::model::chain::Argument;
 use crate::model::expression::Expression;
 use crate::model::mechanism::{Equation, Mechanism};
@@ -12,11 +12,8 @@ use crate::numbers::interval::Interval;
 /// loop, over all values that these may have together.
 const STRAY_OF_UNKNOWNS: f64 = 0.1;
 
-/// The terms of an equation count as no less than this share of what they are at some instants: all may vanish at one.
+/// The terms of an equation count as no less than this share of what they are at [`INSTANTS`]: all may vanish at one.
 const LEAST_TERM: f64 = 1e-3;
-
-/// Those instants, as shares of the duration.
-const INSTANTS: [f64; 4] = [0.0, 0.37, 0.73, 1.0];
 
 /// Longer formulas are not followed, and no more parts than that: their cost would grow with the square of a scene's text.
 const MOST_OPERATIONS: usize = 1000;
@@ -64,10 +61,7 @@ impl BoundedFormula {
             farthest: f64::INFINITY,
             stray: STRAY,
         };
-        let about = INSTANTS.map(|share| {
-            let inputs = actuation.inputs_at(share * actuation.duration);
-            [&actuation.guess[..], &inputs].concat()
-        });
+        let about = INSTANTS.map(|share| actuation.start_at(share * actuation.duration));
         // Equations have no unit but their own terms.
         let short = |e: &&Equation| e.expression.ops().len() <= MOST_OPERATIONS;
         for equation in mechanism.equations.iter().filter(short) {

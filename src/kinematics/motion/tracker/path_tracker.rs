@@ -227,6 +227,7 @@ impl<'s> PathTracker<'s> {
         let way = (time - here.time).abs();
         let mut steps = Steps::new(here.time, time, way, SMALLEST_STEP * self.interval);
         let mut looked_at = here.time;
+        let mut undefined = None;
         self.budget.spend_if_short(self.least_steps(&here, time));
         for count in 1.. {
             if steps.is_done() {
@@ -242,12 +243,14 @@ impl<'s> PathTracker<'s> {
             let target = steps.target();
             let inputs = match self.inputs(target) {
                 Ok(inputs) => inputs,
+                // Nearer, until it is known where the input has no value.
                 Err(input) => {
-                    return Err(Stop::Undefined {
-                        input,
-                        time: target,
-                        last: here,
-                    });
+                    undefined = Some((input, target));
+                    steps.refuse();
+                    if steps.is_stuck() {
+                        break;
+                    }
+                    continue;
                 }
             };
             // What is too far is refused without a step.
@@ -262,13 +265,23 @@ impl<'s> PathTracker<'s> {
                     steps.take();
                     here = self.keep(point, watcher);
                 }
-                None => steps.refuse(),
+                None => {
+                    undefined = None;
+                    steps.refuse();
+                }
             }
             if steps.is_stuck() {
                 break;
             }
         }
-        Err(Stop::Ends(here))
+        Err(match undefined {
+            Some((input, time)) => Stop::Undefined {
+                input,
+                time,
+                last: here,
+            },
+            None => Stop::Ends(here),
+        })
     }
 
     /// One predictor-corrector step to the inputs at a time; `None` where it cannot be trusted.

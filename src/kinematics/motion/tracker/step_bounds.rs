@@ -110,18 +110,7 @@ pub(super) fn joint_arguments(
 
 /// The largest length that is written in a loop: it may be small beside others.
 fn own_size(mechanism: &Mechanism, item: &Loop) -> f64 {
-    let lengths = item.chain.steps.iter().map(|step| match step {
-        ChainStep::Fixed(pose) => pose.translation.length(),
-        ChainStep::Joint {
-            motion: ElementaryMotion::Translation,
-            argument,
-            ..
-        } => match &mechanism.arguments[*argument] {
-            Argument::Affine(affine) => affine.constant.number().abs(),
-            Argument::Formula(_) => 0.0,
-        },
-        ChainStep::Joint { .. } => 0.0,
-    });
+    let lengths = item.chain.written_lengths(&mechanism.arguments);
     let longest = lengths.fold(0.0, f64::max);
     if longest > 0.0 {
         longest.min(item.size)

@@ -1,0 +1,136 @@
+//! Where steps alone see nothing: two driven quantities move on steadily and cancel but for a peak between two samples. No tube
+//! is proved over such a peak, and the closer look of `check` finds the end of the motion there.
+
+use crate::draws::Draws;
+use crate::program::Workspace;
+use serde_json::Value;
+
+/// Inputs and mechanism in which something moves at a rate, twice, and a peak `at` a variable remains: as closed forms tell, there
+/// is a pose as long as the peak is at most a half.
+fn cancelling(family: usize, rate: f64, at: &dyn Fn(&str) -> String) -> String {
+    let (inputs, rest) = match family {
+        // y^2 = 0.5 - peak.
+        0 => (
+            format!("p = \"{rate}*t-{}\"\nq = \"{rate}*t\"", at("t")),
+            "[equations]\ne = \"y^2-0.5-p+q\"\n[guess]\ny = 0.7".to_owned(),
+        ),
+        1 => (
+            "p = \"t\"".to_owned(),
+            format!(
+                "[equations]\ne = \"y^2+{rate}*z-(0.5+{rate}*p-{})\"\nf = \"z-2*p+p\"\n[guess]\ny = 0.7",
+                at("p")
+            ),
+        ),
+        // A triangle of 90 + 20 peak, 60 and 40.
+        2 => (
+            format!("s = \"{rate}*t\"\nl = \"{rate}*t+20*{}\"", at("t")),
+            "[loops]\nA = \"Rz(al) Tx(90+l-s) Rz(be) Tx(60) Rz(ga) Tx(-40)\"\n[guess]\nbe = 2.8"
+                .to_owned(),
+        ),
+        // A triangle of R + 94, R + 40 - 32 peak and 70, where R grows.
+        3 => (
+            "p = \"t\"".to_owned(),
+            format!(
+                "[chains]\nP = \"T(x,y,0)\"\n[bars]\n\
+                 a = {{ from = [\"-{rate}*p\", 0], to = \"P\", length = \"{rate}*p+40-32*{}\" }}\n\
+                 b = {{ from = \"P\", to = [94, 0], length = 70 }}\n[guess]\nx = 35\ny = 40",
+                at("p")
+            ),
+        ),
+        // A crank at the difference of two angles, which may be acos(13/132).
+        _ => (
+            format!("phi = \"{rate}*t\"\nq = \"{rate}*t+1.2+2*(acos(13/132)-1.2)*{}\"", at("t")),
+            "[loops]\nA = \"Rz(q-phi) Tx(60) Rz(mu) Tx(60) Rz(nu) Tx(-60) Rz(-th) Tx(-110)\"\n[guess]\nth = 2"
+                .to_owned(),
+        ),
+    };
+    format!(
+        "units = {{ length = \"mm\", angle = \"rad\" }}\nduration = 1\n[inputs]\n{inputs}\n{rest}\n"
+    )
+}
+
+#[test]
+fn peaks_behind_what_cancels_are_found() {
+    let folder = Workspace::new();
+    let mut draws = Draws(2611);
+    for k in 0..60 {
+        let family = k % 5;
+        let rate = 10f64.powf(1.0 + 1.8 * draws.share());
+        let width = 10f64.powf(-1.0 - 4.0 * draws.share());
+        let middle = 0.1 + 0.8 * draws.share();
+        let beyond = 10f64.powf(-0.3 - 1.7 * draws.share());
+        for (height, is_closed) in [(0.5 + beyond, false), (0.5 - beyond, true)] {
+            let peak = |x: &str| format!("{height}*exp(-(({x}-{middle})/{width})^2)");
+            let text = cancelling(family, rate, &peak);
+            folder.write("peak.toml", &text);
+            for samples in ["2", "3", "21"] {
+                let run = folder.run(&["check", "peak.toml", "--samples", samples, "--json", "-"]);
+                let said = format!("{text} at {samples}: {} {}", run.code, run.stderr);
+                assert!(is_closed == (run.code == 0), "{said}");
+                if is_closed {
+                    let report: Value = serde_json::from_slice(&run.stdout).unwrap();
+                    assert_eq!(report["between"]["proved"], true, "{said}");
+                }
+            }
+        }
+    }
+}
+
+/// A pose in which assemblies meet cannot be proved: the check says that it was stepped over, in all its reports.
+#[test]
+fn what_is_stepped_over_is_said() {
+    let folder = Workspace::new();
+    // The first is a parallelogram; the other two are closed forms, with a fast drive and without one.
+    let scenes = [
+        (
+            "phi = \"0.5+4*t\"",
+            "[loops]\nA = \"Rz(phi) Tx(30) Rz(a) Tx(70) Rz(b) Tx(-30) Rz(c) Tx(-70)\"\n[guess]\na = -0.5\nb = 0.5\nc = -0.5",
+        ),
+        (
+            "p = \"t-0.437\"",
+            "[equations]\ne = \"x^2-p^2\"\n[guess]\nx = 0.5",
+        ),
+        (
+            "p = \"sin(20*t+0.3)\"",
+            "[equations]\ne = \"x^3-p\"\n[guess]\nx = 0.7",
+        ),
+    ];
+    for (inputs, rest) in scenes {
+        let text = format!(
+            "units = {{ length = \"mm\", angle = \"rad\" }}\nduration = 1\n[inputs]\n{inputs}\n{rest}\n"
+        );
+        folder.write("meet.toml", &text);
+        let args = [
+            "check",
+            "meet.toml",
+            "--samples",
+            "12",
+            "--json",
+            "r.json",
+            "--junit",
+            "r.xml",
+        ];
+        let run = folder.run(&args).exits(0);
+        assert!(
+            run.text()
+                .contains("between samples  stepped over, not proved, in"),
+            "{}",
+            run.text()
+        );
+        let report: Value = serde_json::from_slice(&folder.read("r.json")).unwrap();
+        assert_eq!(report["between"]["proved"], false);
+        let places = report["between"]["stepped_over"].as_array().unwrap();
+        assert!(!places.is_empty() && places.len() < 20, "{places:?}");
+        // Nearer to a singular pose nothing is known of its neighbourhood.
+        for place in places {
+            let ends = [&place[0], &place[1]].map(|end| end.as_f64().unwrap());
+            assert!(ends[1] - ends[0] < 1e-5, "{text} {ends:?}");
+        }
+        let junit = String::from_utf8(folder.read("r.xml")).unwrap();
+        let case = junit.split("motion between samples").nth(1).unwrap();
+        assert!(
+            case.contains("skipped") && case.contains("stepped over"),
+            "{case}"
+        );
+    }
+}
