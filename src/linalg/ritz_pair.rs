@@ -18,18 +18,25 @@ pub struct RitzPair {
 }
 
 impl RitzPair {
-    /// The largest eigenvalue of the symmetric matrix G, to a relative error of `error` at most; `None` if it is not found. `first`
-    /// is near the span of the eigenvectors of the two largest values, `fourth` the sum of the fourth powers of all eigenvalues, and
-    /// the third is less than `share` of the first.
+    /// The two largest Ritz values of the symmetric matrix G, the first of which is its largest eigenvalue to a relative error of
+    /// `error` at most; `None` if it is not found. It starts near `first`, or where the last search ended. `fourth` is the sum of
+    /// the fourth powers of all eigenvalues, and the third one is less than `share` of the first.
     pub fn largest(
         &mut self,
         gram: &LaneMatrix,
-        first: &[Lanes],
+        first: Option<&[Lanes]>,
         fourth: f64,
         [share, error]: [f64; 2],
-    ) -> Option<f64> {
+    ) -> Option<[f64; 2]> {
         let size = gram.rows().len();
-        self.start(first, size);
+        if let Some(first) = first {
+            self.vectors[0].clear();
+            self.vectors[0].extend_from_slice(first);
+        }
+        if self.vectors[0].len() != gram.stride() {
+            return None;
+        }
+        self.start(size);
         for _ in 0..MOST_ITERATIONS {
             for (image, vector) in self.images.iter_mut().zip(&self.vectors) {
                 image.resize(vector.len(), [0.0; 4]);
@@ -49,7 +56,7 @@ impl RitzPair {
                 return None;
             }
             if others <= share * high && residual <= error * high * (high - others) {
-                return Some(high);
+                return Some([high, low]);
             }
             let cosine = match half > 0.0 {
                 true => (0.5 + 0.25 * (a - d) / half).max(0.0).sqrt(),
@@ -61,21 +68,16 @@ impl RitzPair {
         None
     }
 
-    /// Starts from `first`, and from the second vector of the last search where it is usable.
-    fn start(&mut self, first: &[Lanes], size: usize) {
+    /// The second vector is that of the last search where it is usable.
+    fn start(&mut self, size: usize) {
         let [u, w] = &mut self.vectors;
-        u.clear();
-        u.extend_from_slice(first);
         let is_known = w.len() == u.len() && dot_lanes(w, w) > 0.5;
         if !is_known {
             // Any vector that is not the first.
-            w.clear();
-            w.extend_from_slice(first);
-            w.as_flattened_mut()[..size].reverse();
-            w.as_flattened_mut()[..size]
-                .iter_mut()
-                .step_by(2)
-                .for_each(|v| *v = -*v);
+            w.clone_from(u);
+            let entries = &mut w.as_flattened_mut()[..size];
+            entries.reverse();
+            entries.iter_mut().step_by(2).for_each(|v| *v = -*v);
         }
         self.separate();
     }

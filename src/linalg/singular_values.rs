@@ -34,6 +34,9 @@ const MIXED: f64 = 0.01;
 /// Below this fraction of the largest eigenvalue, the bound on all others is good enough.
 const CLEAR_SHARE: f64 = 0.9;
 
+/// Above this fraction of it, the second one is called near: a single vector would not do at the next pose.
+const NEAR_SHARE: f64 = 0.7;
+
 /// Entry of a vector without a preferred direction; signs alternate in no regular way.
 fn spread_angle(k: usize) -> f64 {
     let size = 1.0 + 0.37 * ((k * 7) % 5) as f64;
@@ -47,6 +50,8 @@ pub struct Extremes {
     large: PowerIteration,
     powers: PowerSums,
     pair: RitzPair,
+    /// Whether two values were near at the last pose.
+    are_near: bool,
 }
 
 impl Extremes {
@@ -55,8 +60,24 @@ impl Extremes {
     pub fn of(&mut self, matrix: &LaneMatrix, inverse: &LaneMatrix) -> Option<(f64, f64)> {
         let sum: f64 = inverse.rows().map(|row| dot_lanes(row, row)).sum();
         self.powers.known.clear();
-        // Rounding of the sums is far below this margin.
-        let small = self.small.largest(inverse, |value, residual| {
+        let followed = match self.are_near {
+            true => self.of_two_near(inverse, true),
+            false => None,
+        };
+        let small = followed
+            .or_else(|| self.smallest(inverse, sum))
+            .or_else(|| self.of_two_near(inverse, false))?;
+        self.large.mix();
+        let allowed = 4.0 * LARGEST_ERROR * LARGEST_ERROR;
+        let large = self.large.largest(matrix, |value, residual| {
+            (residual <= allowed * value * value).then_some(true)
+        })?;
+        Some((1.0 / small.sqrt(), large.sqrt()))
+    }
+
+    /// The largest eigenvalue of the inverse, if the others are proved to be smaller; `sum` is that of all.
+    fn smallest(&mut self, inverse: &LaneMatrix, sum: f64) -> Option<f64> {
+        self.small.largest(inverse, |value, residual| {
             let mut others = sum - value;
             if others > CLEAR_SHARE * value {
                 others = self.powers.others(0, inverse, value);
@@ -64,6 +85,7 @@ impl Extremes {
             if others > CLEAR_SHARE * value {
                 others = self.powers.others(1, inverse, value);
             }
+            // Rounding of the sums is far below this margin.
             let is_clear = others <= CLEAR_SHARE * value;
             let left = if is_clear {
                 value - others
@@ -72,24 +94,20 @@ impl Extremes {
             };
             let is_settled = residual <= 2.0 * SMALLEST_ERROR * value * left;
             is_settled.then_some(is_clear)
-        });
-        let small = small.or_else(|| self.of_two_near(inverse))?;
-        self.large.mix();
-        let allowed = 4.0 * LARGEST_ERROR * LARGEST_ERROR;
-        let large = self.large.largest(matrix, |value, residual| {
-            (residual <= allowed * value * value).then_some(true)
-        })?;
-        Some((1.0 / small.sqrt(), large.sqrt()))
+        })
     }
-}
 
-impl Extremes {
-    /// The largest eigenvalue beside which another one is near: that of the inverse.
-    fn of_two_near(&mut self, inverse: &LaneMatrix) -> Option<f64> {
+    /// The largest eigenvalue of the inverse beside which another one is near; from the vector of the single iteration, or from
+    /// where the last search for two ended.
+    fn of_two_near(&mut self, inverse: &LaneMatrix, is_followed: bool) -> Option<f64> {
         self.powers.others(1, inverse, 0.0);
         let (gram, fourth) = (&self.powers.gram, self.powers.known[1]);
         let asked = [CLEAR_SHARE, 2.0 * SMALLEST_ERROR];
-        self.pair.largest(gram, &self.small.vector, fourth, asked)
+        let first = (!is_followed).then_some(&self.small.vector[..]);
+        let found = self.pair.largest(gram, first, fourth, asked);
+        // The second value alone decides whether one vector would do at the next pose.
+        self.are_near = found.is_some_and(|[high, low]| low > NEAR_SHARE * high);
+        found.map(|[high, _]| high)
     }
 }
 

@@ -13,6 +13,7 @@ use mechanim::kinematics::freedoms::mobility::Mobility;
 use mechanim::kinematics::assemblies::{DEFAULT_STARTS, Mode, find_modes};
 use mechanim::kinematics::rates::columns::{RateColumns, RateVariable};
 
+use crate::program::Workspace;
 use crate::reference::Table;
 use crate::reference::scenes::{scene, turned, value, whole, written};
 use std::f64::consts::TAU;
@@ -460,5 +461,27 @@ fn spheres_on_a_turntable_do_not_feel_it() {
         let pose = sample.pose.as_ref().unwrap();
         let exact = 4.0 * cos + (25.0 - 16.0 * sin * sin).sqrt();
         assert!((value(&model, pose, "s") - exact).abs() < 1e-13);
+    }
+}
+
+/// A scene of nothing but contacts has no length in a loop: its own radii tell how large it is.
+#[test]
+fn contacts_alone_are_judged_alike_at_any_scale() {
+    let folder = Workspace::new();
+    for power in -9..=9 {
+        let scale = format!("1e{power}");
+        let text = format!(
+            "duration = 1\n[inputs]\nphi = \"{scale}*(3 + sin(2*t))\"\n[chains]\ncam = \"Ty(phi)\"\nroller = \"Ty(-3*{scale}) Tx(x)\"\n\
+             [contacts.c]\nfirst = {{ sphere = {{ radius = 4e{power} }}, frame = \"cam\" }}\n\
+             second = {{ sphere = {{ radius = 5e{power} }}, frame = \"roller\" }}\n[guess]\nx = 6e{power}\n"
+        );
+        folder.write("contact.toml", text);
+        let run = folder
+            .run(&["check", "contact.toml", "--json", "-"])
+            .exits(0);
+        let report: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
+        let size = report["size"].as_f64().unwrap() / 10f64.powi(power);
+        assert!((1.0..30.0).contains(&size), "{power}: {size}");
+        assert_eq!(report["between"]["proved"], true, "{power}");
     }
 }

@@ -380,6 +380,46 @@ fn drives_without_a_value_are_told_from_those_beyond_numbers() {
     }
 }
 
+/// Behind an interval in which a drive has no value the motion goes on, with unknowns and without.
+#[test]
+fn motions_go_on_behind_an_interval_without_a_value() {
+    let drive = "sqrt((t-1.0112)^2 - 1e-6)";
+    let scenes = [
+        format!("duration = 2\n[inputs]\nphi = \"{drive}\"\n[equations]\ne = \"x + x^3 - phi\"\n"),
+        format!(
+            "duration = 2\n[inputs]\nphi = \"{drive}\"\n[[bodies]]\nname = \"a\"\nframe = \"Tx(phi)\"\n"
+        ),
+    ];
+    for text in scenes {
+        let model = written(&text);
+        for samples in [9, 40, 400, 4001] {
+            let times = even_times(&model, samples);
+            let trajectory = solve(&model, &times).unwrap();
+            // Only the samples inside have no pose; where one lies there, the ends are located and proved.
+            let is_inside = |t: f64| (t - 1.0112).abs() < 1e-3;
+            for sample in &trajectory.samples {
+                assert_eq!(
+                    sample.pose.is_none(),
+                    is_inside(sample.time),
+                    "{text} {}",
+                    sample.time
+                );
+            }
+            if times.iter().any(|t| is_inside(*t)) {
+                let [gap] = &trajectory.gaps[..] else {
+                    panic!("{text} {samples}: {:?}", trajectory.gaps)
+                };
+                let ends = [&gap.from, &gap.until].map(|end| end.as_ref().unwrap().time);
+                assert!(
+                    (ends[0] - 1.0102).abs() < 1e-9 && (ends[1] - 1.0122).abs() < 1e-9,
+                    "{ends:?}"
+                );
+                assert!(!gap.is_undecided() && !trajectory.is_undecided(), "{gap:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn what_is_given_up_is_undecided() {
     // A step in a formula: poses exist on both of its sides.

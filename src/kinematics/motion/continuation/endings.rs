@@ -81,9 +81,12 @@ impl Recorder<'_> {
         if self.is_angle_too_large(&end.coordinates) {
             return Ending::AngleTooLarge;
         }
-        let mut beyond = self.beyond(end.time, time).into_iter();
-        if let Some(input) = beyond.find_map(|at| self.tracker.inputs(at).err()) {
-            return self.undefined_input(input, [end.time, time]);
+        let beyond = self.beyond(end.time, time);
+        let undefined = beyond
+            .into_iter()
+            .find_map(|at| self.tracker.inputs(at).err());
+        if let Some(input) = undefined {
+            return self.undefined_input(input, &beyond);
         }
         if let Some(name) = self.jumping_formula(end, time) {
             return Ending::Jump { name };
@@ -94,18 +97,17 @@ impl Recorder<'_> {
     }
 
     /// Instants right beyond the end of a motion, on the way to `time`.
-    fn beyond(&self, end: f64, time: f64) -> [f64; 3] {
+    pub(super) fn beyond(&self, end: f64, time: f64) -> [f64; 3] {
         let away = (time - end).signum() * self.tracker.interval;
         BEYOND.map(|share| end + share * away)
     }
 
-    /// The end of a motion beyond which an input has no value, on the way to a time.
-    pub(super) fn undefined_input(&self, input: usize, [end, time]: [f64; 2]) -> Ending {
+    /// The end of a motion beyond which an input has no value: proved if it has none at any of these times.
+    pub(super) fn undefined_input(&self, input: usize, times: &[f64]) -> Ending {
         let drive = &self.tracker.actuation().drives[input];
-        let mut beyond = self.beyond(end, time).into_iter();
         Ending::InputUndefined {
             name: self.tracker.system().mechanism().inputs[input].name.clone(),
-            proved: beyond.any(|at| !drive.may_have_value(at)),
+            proved: times.iter().any(|at| !drive.may_have_value(*at)),
         }
     }
 

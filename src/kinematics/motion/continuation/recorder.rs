@@ -289,7 +289,8 @@ impl<'s> Recorder<'s> {
                     time: at,
                     last,
                 }) => {
-                    let ending = self.undefined_input(input, [last.time, time]);
+                    let [near, nearer, nearest] = self.beyond(last.time, time);
+                    let ending = self.undefined_input(input, &[at, near, nearer, nearest]);
                     self.undefined(at, input, !ending.is_undecided());
                     return self.begin_gap(last.clone(), (last, ending), time);
                 }
