@@ -23,6 +23,9 @@ const MOST_AT_END: usize = 10_000;
 /// the rounding of their poses exceeds their margin above the minimum.
 const LOOKS_WITHOUT_PROOF: usize = 400;
 
+/// Where motions are too fast for any bound, parts are halved until there is one, or there were so many looks.
+const LOOKS_WITHOUT_BOUND: usize = 4_000;
+
 /// Shortest part of an interval that is examined, as a fraction of it.
 const SHORTEST: f64 = 1.0 / 65_536.0;
 
@@ -169,8 +172,9 @@ impl PairSweep<'_> {
                 true => LOOKS_WITHOUT_PROOF,
                 false => MAX_LOOKS,
             };
+            let is_bounded = look.lowest > f64::NEG_INFINITY;
             let is_open = look.lowest < self.value_of(goal, best)
-                && look.lowest > f64::NEG_INFINITY
+                && (is_bounded || search.looks < LOOKS_WITHOUT_BOUND)
                 && search.looks < most;
             // Halved while the halves may be bounded better.
             match is_open

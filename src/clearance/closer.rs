@@ -14,17 +14,24 @@ use crate::model::printed::InputReading;
 /// Most rounds: each is nearer by [`HALVINGS`].
 const ROUNDS: usize = 6;
 
-/// Samples on either side of an interval that is not proved: its halves, quarters and so on from both ends.
-const HALVINGS: i32 = 10;
+/// Samples on either side of an interval that is not proved: its halves, quarters and so on from both ends; ...
+const HALVINGS: usize = 10;
 
-/// Most places that are examined in one round. A motion of which nothing can be proved has more.
-const MOST_PLACES: usize = 24;
+/// ... fewer where there are many such intervals, and none if there is no room for that many.
+const LEAST_HALVINGS: usize = 3;
+
+/// Most samples that are added in all rounds together.
+const MOST_ADDED: usize = 6_000;
+
+/// Steps that a closer look may take: so many times those of the motion, and so many for every sample.
+const TIMES_THE_STEPS: usize = 4;
+const STEPS_OF_SAMPLE: usize = 200;
 
 /// An interval so short is not examined, as a fraction of the motion: times are known to 1e-12 of it.
 const SHORTEST: f64 = 1e-11;
 
 /// Most work on tubes that nobody asked for: intervals between samples times the cost of a step.
-const MOST_COST: usize = 200_000;
+const MOST_COST: usize = 60_000;
 
 /// Intervals of a motion in which nothing is proved, in the order of time; neighbours are one.
 pub fn unproved(motion: &ProvedMotion) -> Vec<[f64; 2]> {
@@ -64,12 +71,19 @@ pub fn solve_closely<'m>(
         return (trajectory, motion);
     }
     let mut all = times.to_vec();
+    let mut room = MOST_ADDED;
     for _ in 0..ROUNDS {
-        let Some(more) = closer_times(&motion, &all).filter(|_| !cancelled()) else {
+        let Some(more) = closer_times(&motion, &all, room).filter(|_| !cancelled()) else {
             break;
         };
+        room = room.saturating_sub(more.len() - all.len());
         all = more;
-        let closer = solve_closer(system, actuation, &all, reading, cancelled);
+        let steps = TIMES_THE_STEPS * trajectory.steps + STEPS_OF_SAMPLE * all.len();
+        let closer = solve_closer(system, actuation, (&all, steps), reading, cancelled);
+        // What takes too many steps tells nothing.
+        if closer.is_spent {
+            break;
+        }
         motion = ProvedMotion::new(system, actuation, &closer);
         if !closer.is_whole() {
             return (closer, motion);
@@ -78,15 +92,22 @@ pub fn solve_closely<'m>(
     (trajectory, motion)
 }
 
-/// The times and those around the places where nothing is proved; `None` if these are too short for a closer look.
-fn closer_times(motion: &ProvedMotion, times: &[f64]) -> Option<Vec<f64>> {
+/// The times and those around the places where nothing is proved, with room for so many; `None` if these are too short for a
+/// closer look, or too many.
+fn closer_times(motion: &ProvedMotion, times: &[f64], room: usize) -> Option<Vec<f64>> {
     let [first, last] = motion.span();
     let shortest = SHORTEST * (last - first);
+    let mut places = unproved(motion);
+    places.retain(|[from, to]| to - from > shortest);
+    let of_place = room / places.len().max(1);
+    let halvings = (of_place.saturating_sub(2) / 2).min(HALVINGS);
+    if halvings < LEAST_HALVINGS {
+        return None;
+    }
     let mut added = Vec::new();
-    let places = unproved(motion).into_iter();
-    for [from, to] in places.filter(|[a, b]| b - a > shortest).take(MOST_PLACES) {
+    for [from, to] in places {
         added.extend([from, to]);
-        let ways = (1..=HALVINGS).map(|k| (to - from) * 0.5_f64.powi(k));
+        let ways = (1..=halvings).map(|k| (to - from) * 0.5_f64.powi(k as i32));
         added.extend(ways.flat_map(|way| [from + way, to - way]));
     }
     // Those that were asked for stay as they are; the others are a tenth of the shortest interval from the next.

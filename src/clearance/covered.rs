@@ -1,6 +1,5 @@
 //! A motion that is covered with tubes when first needed, and only once; likewise the motions along tracks of measures.
 
-use super::closer::unproved;
 use super::motion::ProvedMotion;
 use crate::kinematics::measures::driven_along;
 use crate::kinematics::motion::continuation::solve_motion;
@@ -35,11 +34,6 @@ impl<'m> CoveredMotion<'m> {
             motion,
             tracks: HashMap::new(),
         }
-    }
-
-    /// Intervals in which nothing is proved; `None` if nobody has tried.
-    pub fn unproved(&self) -> Option<Vec<[f64; 2]>> {
-        self.motion.as_ref().map(unproved)
     }
 
     /// The motion, proved as far as possible.

@@ -272,7 +272,8 @@ impl PairSweep<'_> {
             asked: goal,
             lowest,
             middle: nearest + blur,
-            is_blurred: nearest - 2.0 * blur < goal,
+            // No number is no bound of the motion.
+            is_blurred: blur.is_nan() || nearest - 2.0 * blur < goal,
             near: NearElements {
                 list: Some(left.into()),
                 others,

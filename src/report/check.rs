@@ -64,10 +64,9 @@ impl<'a> MotionReport<'a> {
         }
     }
 
-    /// With the intervals between the samples that are not proved, if they were examined; a requested proof says more.
-    pub fn between(mut self, unproved: Option<Vec<[f64; 2]>>) -> Self {
-        self.between = unproved.filter(|_| !self.asked.motion).map(BetweenSamples);
-        self
+    /// With what is known of the motion between the samples.
+    pub fn between(self, between: Option<BetweenSamples>) -> Self {
+        Self { between, ..self }
     }
 
     /// Every question with its answer; the motion took `seconds` to solve.

@@ -1,11 +1,12 @@
 //! The check of a whole motion, shared by the program and the library, which add their own messages about progress and
 //! failure.
 
+use super::between::BetweenSamples;
 use super::check::{MotionReport, without_pose};
 use super::verdict::{CheckRequirements, Verdict};
 use super::{closure, measures};
 use crate::clearance::check::{ClearanceReport, Closely, check_over};
-use crate::clearance::closer::{is_cheap, solve_closely};
+use crate::clearance::closer::{is_cheap, solve_closely, unproved};
 use crate::clearance::covered::CoveredMotion;
 use crate::clearance::motion::ProvedMotion;
 use crate::kinematics::certificate::tube::certify_motion;
@@ -140,13 +141,13 @@ impl<'a> MotionCheck<'a> {
         let measured = measures::take_whole(system, scene, sampled, covered, tolerance);
         let driven = (system, &scene.actuation);
         // Where poses are missing that is said instead.
-        let looks = trajectory.is_whole() && self.looks_between(trajectory.samples.len());
-        let unproved = looks.then(|| {
-            covered.proved();
-            covered.unproved()
-        });
+        let between =
+            (trajectory.is_whole() && self.asked.poses && !self.asked.motion).then(|| {
+                let looks = self.looks_between(trajectory.samples.len());
+                BetweenSamples::new(looks.then(|| unproved(covered.proved())))
+            });
         let report = MotionReport::new(driven, trajectory, self.asked, &measured, clearances)
-            .between(unproved.flatten());
+            .between(between);
         let verdict = report.verdict(seconds);
         MotionAnswer {
             text: report.text(&verdict, self.worst),

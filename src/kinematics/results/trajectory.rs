@@ -287,6 +287,10 @@ pub struct Trajectory {
     pub intervals: Vec<IntervalCertificate>,
     /// Number of samples added where the motion ends and resumes.
     pub added: usize,
+    /// Steps it took.
+    pub steps: usize,
+    /// Whether it was given up because they are limited.
+    pub is_spent: bool,
     /// Poses between the samples; none without proofs.
     pub passed: Arc<PassedPoses>,
 }

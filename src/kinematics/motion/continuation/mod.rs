@@ -48,16 +48,17 @@ pub fn solve_until(
     }
 }
 
-/// [`solve_until`] with certificates, at times that may be as near to each other as they can be told apart.
+/// [`solve_until`] with certificates, in so many steps at most, at times that may be as near to each other as they can be told
+/// apart.
 pub fn solve_closer(
     system: &System,
     actuation: &Actuation,
-    times: &[f64],
+    (times, steps): (&[f64], usize),
     reading: InputReading,
     cancelled: &dyn Fn() -> bool,
 ) -> Trajectory {
     let recorder = Recorder::new(system, actuation, cancelled).proving(reading);
-    recorder.looking_closer().run(times)
+    recorder.looking_closer(steps).run(times)
 }
 
 /// [`solve_until`] with additional samples where the motion ends and resumes, as curves need.

@@ -5,6 +5,7 @@ use super::gaps::Gaps;
 use crate::kinematics::certificate::Certifier;
 use crate::kinematics::certificate::absence::has_no_pose;
 use crate::kinematics::motion::tracker::path_tracker::{PathPoint, PathTracker, Stop};
+use crate::kinematics::motion::tracker::steps::StepBudget;
 use crate::kinematics::results::passed::PassedPoses;
 use crate::kinematics::results::trajectory::{Ending, EventKind, Sample, Trajectory};
 use crate::kinematics::solve::assembly::smallest_gap;
@@ -83,8 +84,9 @@ impl<'s> Recorder<'s> {
         self
     }
 
-    /// With samples that may be as near to each other as times can be told apart.
-    pub fn looking_closer(mut self) -> Self {
+    /// With samples that may be as near to each other as times can be told apart, in so many steps at most.
+    pub fn looking_closer(mut self, steps: usize) -> Self {
+        self.tracker.budget = StepBudget::of_steps(steps);
         self.least_interval = LEAST_INTERVAL * self.tracker.actuation().duration;
         self
     }
@@ -164,6 +166,8 @@ impl<'s> Recorder<'s> {
             samples,
             events: self.events.list,
             gaps: self.gaps.list,
+            steps: self.tracker.budget.taken(),
+            is_spent: self.tracker.budget.is_spent(),
             passed: self.events.passed.unwrap_or_default().into(),
             ..Trajectory::default()
         }

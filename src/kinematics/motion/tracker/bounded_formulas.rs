@@ -15,6 +15,9 @@ const STRAY_OF_UNKNOWNS: f64 = 0.1;
 /// The terms of an equation count as no less than this share of what they are at [`INSTANTS`]: all may vanish at one.
 const LEAST_TERM: f64 = 1e-3;
 
+/// Terms of so many times the width of their sum as an interval are rounding.
+const NOISE: f64 = 8.0;
+
 /// Longer formulas are not followed, and no more parts than that: their cost would grow with the square of a scene's text.
 const MOST_OPERATIONS: usize = 1000;
 const MOST_PARTS: usize = 1000;
@@ -27,12 +30,54 @@ pub(crate) struct BoundedFormula {
     /// Those it uses.
     pub slots: Vec<usize>,
     bound: StepBound,
-    /// The sum in an equation whose terms are the unit of the bound, and the least unit.
-    terms: Option<(Expression, f64)>,
+    /// The sum in an equation whose terms are the unit of the bound.
+    terms: Option<SumTerms>,
+}
+
+/// A sum, and what is known of the size of its terms.
+#[derive(Clone, Debug, PartialEq)]
+struct SumTerms {
+    sum: Expression,
+    /// Terms count as no less, ...
+    least: f64,
+    /// ... and as none at all if they are no more: rounding.
+    noise: f64,
+}
+
+impl SumTerms {
+    /// From its terms at some places.
+    fn new(sum: Expression, about: &[Vec<f64>]) -> Self {
+        let at_places = |value: &dyn Fn(&[f64]) -> f64| {
+            let values = about.iter().map(|slots| value(slots));
+            values.filter(|v| v.is_finite()).fold(0.0, f64::max)
+        };
+        let width = |slots: &[f64]| {
+            let points: Vec<Interval> = slots.iter().map(|v| Interval::point(*v)).collect();
+            sum.range(&points).map_or(0.0, |range| range.hi - range.lo)
+        };
+        let noise = NOISE * at_places(&width);
+        let largest = at_places(&|slots| sum.largest_term(slots));
+        Self {
+            least: if largest > noise {
+                LEAST_TERM * largest
+            } else {
+                0.0
+            },
+            noise,
+            sum,
+        }
+    }
+
+    /// The size of its terms; `None` if there are none.
+    fn unit_at(&self, slots: &[f64]) -> Option<f64> {
+        let largest = self.sum.largest_term(slots);
+        let unit = if largest > self.noise { largest } else { 0.0 };
+        Some(unit.max(self.least)).filter(|unit| *unit > 0.0)
+    }
 }
 
 impl BoundedFormula {
-    fn new(formula: Expression, bound: StepBound, terms: Option<(Expression, f64)>) -> Self {
+    fn new(formula: Expression, bound: StepBound, terms: Option<SumTerms>) -> Self {
         Self {
             slots: formula.slots(),
             formula,
@@ -69,10 +114,8 @@ impl BoundedFormula {
                 break;
             }
             for [part, sum] in equation.expression.parts_of(is_input) {
-                let terms = about.iter().map(|slots| sum.largest_term(slots));
-                let largest = terms.filter(|term| term.is_finite()).fold(0.0, f64::max);
-                let terms = Some((sum, LEAST_TERM * largest));
-                all.push(Self::new(part, of_terms, terms));
+                let terms = SumTerms::new(sum, &about);
+                all.push(Self::new(part, of_terms, Some(terms)));
             }
         }
         // The same angle or length enters many equations.
@@ -116,10 +159,9 @@ impl BoundedFormula {
     pub fn bound_at(&self, coordinates: &[f64]) -> StepBound {
         match &self.terms {
             None => self.bound,
-            Some((sum, least)) => {
-                let unit = sum.largest_term(coordinates).max(*least);
-                // Without any term nothing can be said.
-                let unit = if unit > 0.0 { unit } else { f64::INFINITY };
+            // Without any term nothing can be said.
+            Some(terms) => {
+                let unit = terms.unit_at(coordinates).unwrap_or(f64::INFINITY);
                 self.bound.scaled(unit)
             }
         }

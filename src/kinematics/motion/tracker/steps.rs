@@ -26,6 +26,8 @@ const FEWEST_OF_SAMPLE: usize = 50;
 #[derive(Clone, Debug)]
 pub struct StepBudget {
     left: Rc<Cell<usize>>,
+    /// Steps taken so far.
+    taken: Rc<Cell<usize>>,
     /// What turns may still add.
     by_turns: Rc<Cell<usize>>,
     most: usize,
@@ -38,10 +40,27 @@ impl StepBudget {
         let most = (MOST_STEPS / cost.max(1)).max(FEWEST_STEPS);
         Self {
             left: Rc::new(Cell::new(most)),
+            taken: Rc::default(),
             by_turns: Rc::new(Cell::new(REFILLS_BY_TURNS * most)),
             most,
             of_sample: (STEPS_OF_SAMPLE / cost.max(1)).max(FEWEST_OF_SAMPLE),
         }
+    }
+
+    /// So many steps and no more, however many samples there are.
+    pub fn of_steps(most: usize) -> Self {
+        Self {
+            left: Rc::new(Cell::new(most)),
+            taken: Rc::default(),
+            by_turns: Rc::default(),
+            most,
+            of_sample: 0,
+        }
+    }
+
+    /// Steps taken so far.
+    pub fn taken(&self) -> usize {
+        self.taken.get()
     }
 
     /// Takes one, if there is one.
@@ -53,6 +72,7 @@ impl StepBudget {
     pub fn take_all(&self, count: usize) -> bool {
         let left = self.left.get();
         self.left.set(left.saturating_sub(count));
+        self.taken.set(self.taken.get() + count.min(left));
         left >= count
     }
 
