@@ -6,7 +6,7 @@
 
 use super::motion::{MotionStretch, ProvedMotion};
 use crate::kinematics::motion::continuation::{solve_closer, solve_until};
-use crate::kinematics::results::trajectory::Trajectory;
+use crate::kinematics::results::trajectory::{Ending, Trajectory};
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::printed::InputReading;
@@ -81,7 +81,7 @@ pub fn solve_closely<'m>(
         let steps = TIMES_THE_STEPS * trajectory.steps + STEPS_OF_SAMPLE * all.len();
         let closer = solve_closer(system, actuation, (&all, steps), reading, cancelled);
         // What takes too many steps tells nothing.
-        if closer.is_spent {
+        if closer.is_spent || !closer.is_whole() && !is_end(&closer, &mut motion) {
             break;
         }
         motion = ProvedMotion::new(system, actuation, &closer);
@@ -90,6 +90,21 @@ pub fn solve_closely<'m>(
         }
     }
     (trajectory, motion)
+}
+
+/// Whether a motion that was looked at closely ends, of which `motion` is known with fewer samples: it does unless steps only got
+/// stuck between poses that exist, as among the poses about a flat singular one, which are all nearly singular.
+fn is_end(closer: &Trajectory, motion: &mut ProvedMotion) -> bool {
+    let is_stuck = |ending: &Ending| matches!(ending, Ending::GivenUp { .. } | Ending::NotFound);
+    let mut endings = closer
+        .gaps
+        .iter()
+        .flat_map(|gap| [&gap.ending, &gap.beginning]);
+    let lacking = closer.samples.iter().filter(|sample| sample.pose.is_none());
+    !endings.all(|ending| ending.as_ref().is_none_or(is_stuck))
+        || lacking
+            .map(|sample| sample.time)
+            .any(|time| !motion.has_pose(time))
 }
 
 /// The times and those around the places where nothing is proved, with room for so many; `None` if these are too short for a

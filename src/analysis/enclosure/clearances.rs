@@ -36,6 +36,9 @@ const NEAR: f64 = 0.02;
 /// tolerances.
 const STALLED: f64 = 0.1;
 
+/// Below the minimum they are, so many times.
+const MOST_STALLS: u32 = 3;
+
 /// A time interval and the pairs that are undecided in it.
 #[derive(Clone, Debug)]
 struct TimeSpan {
@@ -43,7 +46,18 @@ struct TimeSpan {
     /// A nominal pose near its middle.
     near: NominalPose,
     /// The pairs, and what is known about them.
-    open: Vec<(usize, f64)>,
+    open: Vec<OpenPart>,
+}
+
+/// A pair that is undecided in a time interval.
+#[derive(Clone, Copy, Debug)]
+struct OpenPart {
+    /// Its index.
+    part: usize,
+    /// What is known of its bound.
+    known: f64,
+    /// How many halvings in a row have gained little.
+    stalls: u32,
 }
 
 /// The result for one time interval: a bound for every undecided pair, and the nearest piece with its time.
@@ -139,7 +153,7 @@ fn first_stretches(
             Some(near) => list.push(TimeSpan {
                 ends,
                 near,
-                open: (0..parts.len()).map(|k| (k, f64::NEG_INFINITY)).collect(),
+                open: (0..parts.len()).map(unknown_part).collect(),
             }),
             None => {
                 let obstacle = match plan.is_cancelled() {
@@ -153,6 +167,15 @@ fn first_stretches(
         }
     }
     list
+}
+
+/// Nothing is known of a pair.
+fn unknown_part(part: usize) -> OpenPart {
+    OpenPart {
+        part,
+        known: f64::NEG_INFINITY,
+        stalls: 0,
+    }
 }
 
 /// Equal parts of an interval, none much longer than `longest`.
@@ -200,7 +223,9 @@ impl Search<'_> {
         let results = share_work(open.len(), threads, make, work);
         // The nearest pieces of all intervals come first: they determine which bounds are close enough.
         for (index, result) in &results {
-            for ((part, _), (_, piece)) in open[*index].open.iter().zip(result.iter().flatten()) {
+            for (OpenPart { part, .. }, (_, piece)) in
+                open[*index].open.iter().zip(result.iter().flatten())
+            {
                 if let Some([distance, time]) = piece
                     && *distance < found[*part].found
                 {
@@ -215,7 +240,7 @@ impl Search<'_> {
             match result {
                 // What was proved of the whole interval holds for its halves.
                 Err(Obstacle::Interrupted) => {
-                    for (part, known) in &stretch.open {
+                    for OpenPart { part, known, .. } in &stretch.open {
                         match known.is_finite() {
                             true => found[*part].bound = found[*part].bound.min(*known),
                             false => refuse(
@@ -228,20 +253,32 @@ impl Search<'_> {
                     }
                 }
                 Err(obstacle) if is_last => {
-                    for (part, _) in &stretch.open {
+                    for OpenPart { part, .. } in &stretch.open {
                         refuse(&mut found[*part], self.plan, stretch.ends, obstacle);
                     }
                 }
                 Err(_) => rest.clone_from(&stretch.open),
                 Ok(looks) => {
-                    for ((part, known), (lowest, _)) in stretch.open.iter().zip(looks) {
-                        let (pair, lowest) = (&mut found[*part], lowest.max(*known));
-                        let wanted = wanted_bound(pair, tolerance);
-                        let missing = wanted - lowest;
-                        let stalls = lowest - known < STALLED * missing;
-                        match missing <= 0.0 || is_last || stalls {
-                            true => pair.bound = pair.bound.min(lowest),
-                            false => rest.push((*part, lowest)),
+                    for (open, (lowest, _)) in stretch.open.iter().zip(looks) {
+                        let (pair, lowest) = (&mut found[open.part], lowest.max(open.known));
+                        let missing = wanted_bound(pair, tolerance) - lowest;
+                        let stalls = match lowest - open.known < STALLED * missing {
+                            true => open.stalls + 1,
+                            false => 0,
+                        };
+                        // Where the verdict is open a single halving that gains little is no reason to stop.
+                        let most = match lowest < pair.minimum {
+                            true => MOST_STALLS,
+                            false => 0,
+                        };
+                        if missing <= 0.0 || is_last || stalls > most {
+                            pair.bound = pair.bound.min(lowest);
+                        } else {
+                            rest.push(OpenPart {
+                                known: lowest,
+                                stalls,
+                                ..*open
+                            });
                         }
                     }
                 }
@@ -288,7 +325,7 @@ impl Search<'_> {
         let mechanism = self.plan.family.mechanism();
         let observer = Observer::new(enclosure, mechanism, &self.used);
         let view = PieceView::new(observer, mechanism, &self.used);
-        let one = |(part, known): &(usize, f64)| {
+        let one = |OpenPart { part, known, .. }: &OpenPart| {
             let (ways, goal) = (&self.ways[*part], goals[*part]);
             let look = ways.look(&view, goal);
             // Where the bound is too low, the piece that determines it is solved, at both ends and in the middle.

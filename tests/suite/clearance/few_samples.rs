@@ -120,3 +120,72 @@ fn verdicts_on_pieces_do_not_depend_on_the_number_of_samples() {
         }
     }
 }
+
+/// Two narrow peaks in different inputs, of which neither is at a sample; and many in a row.
+#[test]
+fn several_narrow_peaks_are_bounded() {
+    let folder = Workspace::new();
+    let arm = |u: &str, v: &str| {
+        format!(
+            "duration = 3.7\n[inputs]\nu = \"{u}+0.3*t\"\nv = \"{v}+0.15*t\"\n\
+             [[bodies]]\nname = \"a\"\nframe = \"Rz(u) Tx(0.7) Ty(v)\"\nshapes = [{{ sphere = {{ radius = 0.05 }} }}]\n\
+             [[bodies]]\nname = \"b\"\nframe = \"Tx(-0.7) Ty(2.3) Tz(-1)\"\nshapes = [{{ sphere = {{ radius = 0.3 }} }}]\n\
+             [clearance]\nminimum = 0\npairs = [{{ pair = [\"a\", \"b\"], minimum = 1e-8 }}]\n"
+        )
+    };
+    let crank = "duration = 2\n[inputs]\nphi = \"1.5*exp(-((mod(t,0.1)-0.037)/1e-05)^2)+0.3*t\"\n\
+                 [chains]\nca = \"Rz(phi) Tx(0.5) Rz(x) Tx(1)\"\n[loops]\nl = \"Rz(phi) Tx(0.5) Rz(x) Tx(2) Rz(y) Tx(-s)\"\n\
+                 [guess]\ns = 2.5\n[[bodies]]\nname = \"a\"\nframe = \"ca\"\nshapes = [{ sphere = { radius = 0.1 } }]\n\
+                 [[bodies]]\nname = \"b\"\nshapes = [{ sphere = { center = [1.5, 2, 0.3], radius = 0.3 } }]\n\
+                 [clearance]\nminimum = 0.001\n";
+    let bell = |height: f64, at: f64, width: f64| format!("{height}*exp(-((t-{at})/{width})^2)");
+    for (width, wide) in [(3.7e-6, 3.7e-6), (1e-7, 1e-7), (1e-6, 1e-4)] {
+        folder.write(
+            "arm.toml",
+            arm(&bell(1.4, 2.5109, width), &bell(0.8, 1.6808, wide)),
+        );
+        for samples in ["2", "3", "17"] {
+            folder
+                .run(&["check", "arm.toml", "--samples", samples])
+                .exits(0);
+        }
+    }
+    folder.write("crank.toml", crank);
+    for samples in ["2", "17", "60"] {
+        folder
+            .run(&["check", "crank.toml", "--samples", samples])
+            .exits(0);
+    }
+}
+
+/// A capsule that turns past a box, where halving a time once gains nothing.
+#[test]
+fn bounds_of_pieces_do_not_stall_above_the_minimum() {
+    let folder = Workspace::new();
+    folder.write(
+        "stall.toml",
+        "units = { length = \"mm\" }\nduration = 2.0\n[parameters]\np1 = 1.1670920194743855\np2 = -0.394468939280731\n\
+         ox = -0.18581656076797265\noy = -1.5112486702335861\noz = 0.22102463194050348\n\
+         [inputs]\nu = \"-0.6761511459533469+1.9943261633969405*sin(2.1851870401022655*t)\"\n\
+         v = \"0.373573491877798+0.12793150340983436*t/2\"\n\
+         [chains]\nca = \"Rz(u) Tx(p1) Ry(p2) Tz(v) Rx(0.5*u)\"\ncb = \"Tx(ox) Ty(oy) Tz(oz) Ry(0.4)\"\n\
+         [[bodies]]\nname = \"a\"\nframe = \"ca\"\nshapes = [{ capsule = { from = [0.1570596812934042, -0.06808754982454313, \
+         -0.2298400862324882], to = [-0.5412287755675699, -0.27789537227920585, 0.5136002390444488], radius = 0.14329114638016963 } }]\n\
+         [[bodies]]\nname = \"b\"\nframe = \"cb\"\nshapes = [{ box = { center = [-0.04669970137409987, -0.05308036377408973, \
+         -0.12471640461810609], size = [0.0017714309300494936, 0.2754559907021904, 0.4579324048889595] } }]\n\
+         [clearance]\nminimum = 0\npairs = [{ pair = [\"a\", \"b\"], minimum = 0.1060 }]\n",
+    );
+    for samples in ["2", "3", "41", "60", "151"] {
+        let args = [
+            "check",
+            "stall.toml",
+            "--made-within",
+            "0.0003",
+            "--vary",
+            "p1,ox,oy,oz",
+            "--samples",
+            samples,
+        ];
+        folder.run(&args).exits(0);
+    }
+}

@@ -134,3 +134,57 @@ fn what_is_stepped_over_is_said() {
         );
     }
 }
+
+/// Drives whose product is one but for a narrow peak, and terms that are nothing but rounding: there is a pose everywhere.
+#[test]
+fn products_that_cancel_are_followed() {
+    let folder = Workspace::new();
+    for sum in ["sin(x)+sin(2*x)", "x^3+x"] {
+        let text = format!(
+            "duration = 1\n[inputs]\nu = \"exp(0.5*(5*t+sin(20*t))/40)\"\n\
+             v = \"exp(-0.5*(5*t+sin(20*t))/40)*(1+0.9*exp(-((t-0.36604503908209847)/3.923983622557198e-08)^2))\"\n\
+             [equations]\ne = \"{sum}-1.7601725930*(u*v-1)\"\n[guess]\nx = 0\n"
+        );
+        folder.write("product.toml", &text);
+        for samples in ["2", "3", "21"] {
+            let run = folder
+                .run(&["check", "product.toml", "--samples", samples])
+                .exits(0);
+            assert!(run.text().contains("proved everywhere"), "{}", run.text());
+        }
+    }
+}
+
+/// Proofs that nobody asked for cost no more than the motion: beyond that the report says that nothing was examined.
+#[test]
+fn what_is_not_examined_is_said() {
+    let folder = Workspace::new();
+    folder.write(
+        "many.toml",
+        "duration = 1\n[inputs]\np = \"t\"\n[equations]\ne = \"x+x^3-p\"\n",
+    );
+    let args = [
+        "check",
+        "many.toml",
+        "--samples",
+        "70000",
+        "--json",
+        "r.json",
+        "--junit",
+        "r.xml",
+    ];
+    let run = folder.run(&args).exits(0);
+    assert!(
+        run.text().contains("between samples  not examined"),
+        "{}",
+        run.text()
+    );
+    let report: Value = serde_json::from_slice(&folder.read("r.json")).unwrap();
+    assert!(report["between"].is_null());
+    let junit = String::from_utf8(folder.read("r.xml")).unwrap();
+    let case = junit.split("motion between samples").nth(1).unwrap();
+    assert!(
+        case.contains("skipped") && case.contains("not examined"),
+        "{case}"
+    );
+}
