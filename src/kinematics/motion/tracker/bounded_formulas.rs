@@ -45,8 +45,8 @@ struct SumTerms {
 }
 
 impl SumTerms {
-    /// From its terms at some places.
-    fn new(sum: Expression, about: &[Vec<f64>]) -> Self {
+    /// From its terms at some places; where they are none but rounding, from the range of one of them over the whole motion.
+    fn new(sum: Expression, about: &[Vec<f64>], range: Option<Interval>) -> Self {
         let at_places = |value: &dyn Fn(&[f64]) -> f64| {
             let values = about.iter().map(|slots| value(slots));
             values.filter(|v| v.is_finite()).fold(0.0, f64::max)
@@ -57,8 +57,12 @@ impl SumTerms {
         };
         let noise = NOISE * at_places(&width);
         let largest = at_places(&|slots| sum.largest_term(slots));
+        let largest = match largest > noise {
+            true => largest,
+            false => range.map_or(0.0, |range| range.magnitude()),
+        };
         Self {
-            least: if largest > noise {
+            least: if largest.is_finite() {
                 LEAST_TERM * largest
             } else {
                 0.0
@@ -107,6 +111,14 @@ impl BoundedFormula {
             stray: STRAY,
         };
         let about = INSTANTS.map(|share| actuation.start_at(share * actuation.duration));
+        let whole = Interval::new(0.0, actuation.duration);
+        let mut boxes = vec![Interval::ZERO; unknowns];
+        boxes.extend(
+            actuation
+                .drives
+                .iter()
+                .map(|drive| drive.sharp_range(whole).unwrap_or(Interval::ENTIRE)),
+        );
         // Equations have no unit but their own terms.
         let short = |e: &&Equation| e.expression.ops().len() <= MOST_OPERATIONS;
         for equation in mechanism.equations.iter().filter(short) {
@@ -114,7 +126,7 @@ impl BoundedFormula {
                 break;
             }
             for [part, sum] in equation.expression.parts_of(is_input) {
-                let terms = SumTerms::new(sum, &about);
+                let terms = SumTerms::new(sum, &about, part.range(&boxes));
                 all.push(Self::new(part, of_terms, Some(terms)));
             }
         }
