@@ -20,8 +20,12 @@ const HALVINGS: usize = 10;
 /// ... fewer where there are many such intervals, and none if there is no room for that many.
 const LEAST_HALVINGS: usize = 3;
 
-/// Most samples that are added in all rounds together.
+/// Most samples that are added in all rounds together, and in the first one.
 const MOST_ADDED: usize = 6_000;
+const FIRST_ADDED: usize = 2_000;
+
+/// A round must leave less than this fraction of what was not proved before.
+const LEFT: f64 = 0.7;
 
 /// Steps that a closer look may take: so many times those of the motion, and so many for every sample.
 const TIMES_THE_STEPS: usize = 4;
@@ -71,12 +75,12 @@ pub fn solve_closely<'m>(
         return (trajectory, motion);
     }
     let mut all = times.to_vec();
-    let mut room = MOST_ADDED;
-    for _ in 0..ROUNDS {
+    let mut room = FIRST_ADDED;
+    for round in 0..ROUNDS {
         let Some(more) = closer_times(&motion, &all, room).filter(|_| !cancelled()) else {
             break;
         };
-        room = room.saturating_sub(more.len() - all.len());
+        let added = more.len() - all.len();
         all = more;
         let steps = TIMES_THE_STEPS * trajectory.steps + STEPS_OF_SAMPLE * all.len();
         let closer = solve_closer(system, actuation, (&all, steps), reading, cancelled);
@@ -84,12 +88,25 @@ pub fn solve_closely<'m>(
         if closer.is_spent || !closer.is_whole() && !is_end(&closer, &mut motion) {
             break;
         }
+        let before = unproved_seconds(&motion);
         motion = ProvedMotion::new(system, actuation, &closer);
         if !closer.is_whole() {
             return (closer, motion);
         }
+        // Where nothing can be proved more samples do not help.
+        if unproved_seconds(&motion) > LEFT * before {
+            break;
+        }
+        room = if round == 0 { MOST_ADDED } else { room };
+        room = room.saturating_sub(added);
     }
     (trajectory, motion)
+}
+
+/// Seconds in which nothing is proved.
+fn unproved_seconds(motion: &ProvedMotion) -> f64 {
+    let places = unproved(motion);
+    places.iter().map(|[from, to]| to - from).sum()
 }
 
 /// Whether a motion that was looked at closely ends, of which `motion` is known with fewer samples: it does unless steps only got

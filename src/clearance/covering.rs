@@ -11,6 +11,9 @@ use crate::model::chain::ArgumentValue;
 /// Shortest interval that a proof is tried for, as a fraction of that between two samples.
 const FLOOR: f64 = 1.0 / 1024.0;
 
+/// A pose is that of the motion if it is no farther from the line between two known ones, in radians and sizes.
+const NEAR: f64 = 0.05;
+
 /// An estimated motion deviates from the parabola by at most this times the deviation of the parabola from the line, plus a
 /// fraction of the displacement.
 const ESTIMATE_FACTOR: f64 = 2.0;
@@ -170,6 +173,35 @@ impl ProvedMotion<'_> {
         }
         self.instants.truncate(instant);
         None
+    }
+
+    /// Whether there is a closed pose at a time, near those that are known.
+    pub(super) fn has_pose(&mut self, time: f64) -> bool {
+        let roots = &self.stretches[..self.roots];
+        let root = roots.iter().find(|s| s.start <= time && time <= s.end);
+        let Some(StretchMotion::Estimated([a, b])) = root.map(|root| &root.way) else {
+            return root.is_some();
+        };
+        // From a pose on the way: a singular one is found by descent only.
+        let [a, b] = [*a, *b].map(|k| &self.instants[k]);
+        let ends = [a, b].map(|instant| (instant.time, &instant.coordinates[..]));
+        let [from, to] = self.passed.nearest(time, ends);
+        let share = (time - from.0) / (to.0 - from.0);
+        let unknowns = self.system.mechanism().unknowns.len();
+        let pairs = from.1.iter().zip(to.1).take(unknowns);
+        let mut start: Vec<f64> = pairs.map(|(a, b)| a + share * (b - a)).collect();
+        start.extend(self.actuation.inputs_at(time));
+        let Ok(found) = self.solver.assembled(&start, None) else {
+            return false;
+        };
+        let mechanism = self.system.mechanism();
+        let mut pairs = found
+            .coordinates
+            .iter()
+            .zip(&start)
+            .take(unknowns)
+            .enumerate();
+        pairs.all(|(k, (a, b))| (a - b).abs() <= NEAR * mechanism.scale_of(k))
     }
 
     /// Keeps a closed pose; its index.

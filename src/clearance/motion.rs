@@ -304,19 +304,6 @@ impl<'m> ProvedMotion<'m> {
         }
     }
 
-    /// Whether there is a closed pose at a time, near those that are known.
-    pub fn has_pose(&mut self, time: f64) -> bool {
-        let roots = &self.stretches[..self.roots];
-        let Some(root) = roots.iter().position(|s| s.start <= time && time <= s.end) else {
-            return false;
-        };
-        let MotionStretch { start, end, .. } = roots[root];
-        let solved = self.instants.len();
-        let found = self.pose_at(root, 2.0 * (time - start) / (end - start) - 1.0);
-        self.instants.truncate(solved);
-        found.is_some()
-    }
-
     /// A formula of coordinates, traced points and outputs over a stretch; with its dependencies.
     pub fn formula(&self, stretch: usize, formula: (&Expression, &[bool])) -> TaylorModel {
         let mechanism = self.system.mechanism();

@@ -37,6 +37,22 @@ fn cancelling(family: usize, rate: f64, at: &dyn Fn(&str) -> String) -> String {
                 at("p")
             ),
         ),
+        // A peak over an unknown that follows the input.
+        4 => (
+            "p = \"t\"".to_owned(),
+            format!(
+                "[equations]\nf = \"z-p\"\ne = \"y^2-0.5+{}\"\n[guess]\ny = 0.7",
+                at("z")
+            ),
+        ),
+        5 => (
+            "p = \"t\"".to_owned(),
+            format!(
+                "[loops]\nA = \"Tx(p) Tx(-z)\"\nB = \"Rz(1.2+2*(acos(13/132)-1.2)*{}) Tx(60) Rz(mu) Tx(60) Rz(nu) Tx(-60) \
+                 Rz(-th) Tx(-110)\"\n[guess]\nth = 2",
+                at("z")
+            ),
+        ),
         // A crank at the difference of two angles, which may be acos(13/132).
         _ => (
             format!("phi = \"{rate}*t\"\nq = \"{rate}*t+1.2+2*(acos(13/132)-1.2)*{}\"", at("t")),
@@ -53,8 +69,8 @@ fn cancelling(family: usize, rate: f64, at: &dyn Fn(&str) -> String) -> String {
 fn peaks_behind_what_cancels_are_found() {
     let folder = Workspace::new();
     let mut draws = Draws(2611);
-    for k in 0..60 {
-        let family = k % 5;
+    for k in 0..70 {
+        let family = k % 7;
         let rate = 10f64.powf(1.0 + 1.8 * draws.share());
         let width = 10f64.powf(-1.0 - 4.0 * draws.share());
         let middle = 0.1 + 0.8 * draws.share();
@@ -72,6 +88,28 @@ fn peaks_behind_what_cancels_are_found() {
                     assert_eq!(report["between"]["proved"], true, "{said}");
                 }
             }
+        }
+    }
+}
+
+/// The closer look may get stuck among nearly singular poses, which says nothing of a motion that passes them.
+#[test]
+fn many_change_points_are_passed() {
+    let folder = Workspace::new();
+    for turns in [3, 15, 40] {
+        let text = format!(
+            "units = {{ length = \"mm\", angle = \"rad\" }}\nduration = 1\n[inputs]\nphi = \"0.3+2*pi*{turns}*t\"\n\
+             [loops]\nA = \"Rz(phi) Tx(30) Rz(a) Tx(100) Rz(b) Tx(-30) Rz(-th) Tx(-100)\"\n[guess]\na = -0.3\nb = 0.3\nth = 0.3\n"
+        );
+        folder.write("turns.toml", &text);
+        for samples in ["2", "7", "50"] {
+            let run = folder
+                .run(&["check", "turns.toml", "--samples", samples])
+                .exits(0);
+            let has_asked = run
+                .text()
+                .contains(&format!("{samples} (0 without a pose)"));
+            assert!(has_asked, "{}", run.text());
         }
     }
 }

@@ -35,7 +35,7 @@ const SMALL_CORRECTION: f64 = 0.3;
 /// A path corrected by more radians or sizes leads elsewhere.
 const LARGEST_CORRECTION: f64 = 0.5;
 
-/// Factor between the balls that are tried where a formula has no bounds in the largest.
+/// Factor between the balls that are tried where a formula has no bounds in the largest, or bends too much there.
 const BALL_STEP: f64 = 16.0;
 
 /// Smallest ball that is tried: closer to a kink there is no proof.
@@ -105,12 +105,25 @@ pub fn prove_tube(
         layout.rows(forms, path, &mut work.rows)?;
     }
     // Newton-Kantorovich over the tube, with the inverse as a polynomial.
-    let bends = path_bends(layout, forms, path)?;
+    let mut bends = path_bends(layout, forms, path, BALL)?;
     let mut error = 0.0;
     if layout.own > 0 {
         work.follow_inverse();
-        let constants = work.constants(layout, basis, &bends, earlier);
-        error = accept_constants(layout, &constants, bends.ball, earlier)?;
+        loop {
+            let constants = work.constants(layout, basis, &bends, earlier);
+            let is_small = bends.ball < SMALLEST_BALL || !layout.bends_in_ball();
+            match accept_constants(layout, &constants, bends.ball, earlier) {
+                Ok(found) => {
+                    error = found;
+                    break;
+                }
+                Err(reason) if is_small || constants.iter().any(|c| c.q.is_nan() || c.q >= 1.0) => {
+                    return Err(reason);
+                }
+                // Nearer to the path the formulas may bend less.
+                Err(_) => bends = path_bends(layout, forms, path, bends.ball / BALL_STEP)?,
+            }
+        }
     }
     for row in (0..layout.count()).filter(|row| !basis.contains(row)) {
         let bounds = work.of_redundant_row(row, layout, basis, &bends, earlier);
@@ -134,9 +147,13 @@ pub fn prove_tube(
     Ok(())
 }
 
-/// Second derivatives in the largest ball in which the formulas of the block are smooth.
-fn path_bends(layout: &TubeLayout, forms: &[Form], path: &TubePath) -> Result<Bends, Reason> {
-    let mut ball = BALL;
+/// Second derivatives in the largest ball, not larger than `ball`, in which the formulas of the block are smooth.
+fn path_bends(
+    layout: &TubeLayout,
+    forms: &[Form],
+    path: &TubePath,
+    mut ball: f64,
+) -> Result<Bends, Reason> {
     loop {
         let bends = layout.bends(forms, path, ball);
         if bends.is_ok() || ball < SMALLEST_BALL {

@@ -272,6 +272,11 @@ impl<'m> TubeLayout<'m> {
         }
     }
 
+    /// Whether second derivatives depend on the ball: those of formulas of unknowns.
+    pub fn bends_in_ball(&self) -> bool {
+        !self.bent.is_empty()
+    }
+
     /// Second derivatives and turns, valid within `ball` around the whole path.
     pub fn bends(&self, forms: &[Form], path: &TubePath, ball: f64) -> Result<Bends, Reason> {
         // Formulas are bounded over the box of the path and its ball; what changes alike everywhere needs no box.
