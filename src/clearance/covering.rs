@@ -14,6 +14,9 @@ const FLOOR: f64 = 1.0 / 1024.0;
 /// A pose is that of the motion if it is no farther from the line between two known ones, in radians and sizes.
 const NEAR: f64 = 0.05;
 
+/// A closure error of this much, in radians and sizes, does not tell a double root from none: the square of a rounded number.
+const HIDDEN: f64 = 1e-6;
+
 /// An estimated motion deviates from the parabola by at most this times the deviation of the parabola from the line, plus a
 /// fraction of the displacement.
 const ESTIMATE_FACTOR: f64 = 2.0;
@@ -177,30 +180,32 @@ impl ProvedMotion<'_> {
 
     /// Whether there is a closed pose at a time, near those that are known.
     pub(super) fn has_pose(&mut self, time: f64) -> bool {
-        let roots = &self.stretches[..self.roots];
-        let root = roots.iter().find(|s| s.start <= time && time <= s.end);
-        let Some(StretchMotion::Estimated([a, b])) = root.map(|root| &root.way) else {
-            return root.is_some();
+        let mut roots = self.stretches[..self.roots].iter();
+        if roots.any(|s| s.is_certified && s.start <= time && time <= s.end) {
+            return true;
+        }
+        let times = self.samples.iter().map(|k| self.instants[*k].time);
+        let after = times.take_while(|t| *t < time).count().max(1);
+        let Some(&[a, b]) = self.samples.get(after - 1..=after) else {
+            return false;
         };
         // From a pose on the way: a singular one is found by descent only.
-        let [a, b] = [*a, *b].map(|k| &self.instants[k]);
-        let ends = [a, b].map(|instant| (instant.time, &instant.coordinates[..]));
+        let ends = [a, b].map(|k| &self.instants[k]);
+        let ends = ends.map(|instant| (instant.time, &instant.coordinates[..]));
         let [from, to] = self.passed.nearest(time, ends);
         let share = (time - from.0) / (to.0 - from.0);
         let unknowns = self.system.mechanism().unknowns.len();
         let pairs = from.1.iter().zip(to.1).take(unknowns);
         let mut start: Vec<f64> = pairs.map(|(a, b)| a + share * (b - a)).collect();
         start.extend(self.actuation.inputs_at(time));
-        let Ok(found) = self.solver.assembled(&start, None) else {
-            return false;
+        let found = match self.solver.assembled(&start, None) {
+            Ok(found) => found.coordinates,
+            // At a double root the descent ends where rounding hides the rest.
+            Err(best) if best.amount() <= HIDDEN => best.coordinates,
+            Err(_) => return false,
         };
         let mechanism = self.system.mechanism();
-        let mut pairs = found
-            .coordinates
-            .iter()
-            .zip(&start)
-            .take(unknowns)
-            .enumerate();
+        let mut pairs = found.iter().zip(&start).take(unknowns).enumerate();
         pairs.all(|(k, (a, b))| (a - b).abs() <= NEAR * mechanism.scale_of(k))
     }
 

