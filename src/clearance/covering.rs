@@ -7,6 +7,8 @@ use crate::kinematics::certificate::tube::{TaylorModel, Tube};
 use crate::kinematics::results::trajectory::Sample;
 use crate::kinematics::solve::newton::Pace;
 use crate::model::chain::ArgumentValue;
+use crate::model::mechanism::Kind;
+use std::f64::consts::TAU;
 
 /// Shortest interval that a proof is tried for, as a fraction of that between two samples.
 const FLOOR: f64 = 1.0 / 1024.0;
@@ -206,7 +208,14 @@ impl ProvedMotion<'_> {
         };
         let mechanism = self.system.mechanism();
         let mut pairs = found.iter().zip(&start).take(unknowns).enumerate();
-        pairs.all(|(k, (a, b))| (a - b).abs() <= NEAR * mechanism.scale_of(k))
+        // Of an angle whole turns do not count.
+        pairs.all(|(k, (a, b))| {
+            let turns = match mechanism.kind_of(k) {
+                Kind::Angle => TAU * ((a - b) / TAU).round(),
+                Kind::Length | Kind::Number => 0.0,
+            };
+            (a - b - turns).abs() <= NEAR * mechanism.scale_of(k)
+        })
     }
 
     /// Keeps a closed pose; its index.

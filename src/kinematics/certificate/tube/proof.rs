@@ -106,23 +106,25 @@ pub fn prove_tube(
     }
     // Newton-Kantorovich over the tube, with the inverse as a polynomial.
     let mut bends = path_bends(layout, forms, path, BALL)?;
-    let mut error = 0.0;
     if layout.own > 0 {
         work.follow_inverse();
-        loop {
-            let constants = work.constants(layout, basis, &bends, earlier);
-            let is_small = bends.ball < SMALLEST_BALL || !layout.bends_in_ball();
-            match accept_constants(layout, &constants, bends.ball, earlier) {
-                Ok(found) => {
-                    error = found;
-                    break;
-                }
-                Err(reason) if is_small => return Err(reason),
-                // Nearer to the path the formulas may bend less.
-                Err(_) => bends = path_bends(layout, forms, path, bends.ball / BALL_STEP)?,
-            }
-        }
     }
+    let error = loop {
+        let mut accepted = Ok(0.0);
+        if layout.own > 0 {
+            let constants = work.constants(layout, basis, &bends, earlier);
+            accepted = accept_constants(layout, &constants, bends.ball, earlier);
+        }
+        let is_small = bends.ball < SMALLEST_BALL || !layout.bends_in_ball();
+        match accepted {
+            Ok(found) if is_small || work.rows.keep_from_half_turn(&bends, earlier.largest) => {
+                break found;
+            }
+            Err(reason) if is_small => return Err(reason),
+            // Nearer to the path the formulas may bend less.
+            _ => bends = path_bends(layout, forms, path, bends.ball / BALL_STEP)?,
+        }
+    };
     for row in (0..layout.count()).filter(|row| !basis.contains(row)) {
         let bounds = work.of_redundant_row(row, layout, basis, &bends, earlier);
         let explained = bounds.explained(error);
@@ -135,14 +137,20 @@ pub fn prove_tube(
         }
         earlier.closes_to = earlier.closes_to.max(closes_to);
     }
-    // The trace keeps clear of -1: no loop is half a turn open anywhere in the tube.
-    for (trace, turn) in work.rows.traces.iter().zip(&bends.turns) {
-        let along_the_path = trace.c[0] - trace.size_of_change();
-        if along_the_path - 2.0 * turn * earlier.largest <= LEAST_TRACE {
-            return Err(Reason::HalfTurn);
-        }
+    match work.rows.keep_from_half_turn(&bends, earlier.largest) {
+        true => Ok(()),
+        false => Err(Reason::HalfTurn),
     }
-    Ok(())
+}
+
+impl TubeRows {
+    /// Whether the traces keep clear of -1: no loop is half a turn open anywhere in the tube.
+    fn keep_from_half_turn(&self, bends: &Bends, error: f64) -> bool {
+        self.traces.iter().zip(&bends.turns).all(|(trace, turn)| {
+            let along_the_path = trace.c[0] - trace.size_of_change();
+            along_the_path - 2.0 * turn * error > LEAST_TRACE
+        })
+    }
 }
 
 /// Second derivatives in the largest ball, not larger than `ball`, in which the formulas of the block are smooth.
@@ -261,7 +269,7 @@ impl Workspace {
             // Nor can a coefficient be corrected by less than its own last digit.
             let unknown = layout.columns[i];
             let value = path.coordinates[unknown].c[0] / layout.mechanism.scale_of(unknown);
-            blur = blur.max(open.sum::<f64>() + 2.0 * f64::EPSILON * value.abs());
+            blur = blur.max(open.sum::<f64>() + 2.0 * OPERATION * value.abs());
             if !largest.is_finite() {
                 return Err(Reason::Singular);
             }
