@@ -17,7 +17,7 @@ const FLOOR: f64 = 1.0 / 1024.0;
 const NEAR: f64 = 0.05;
 
 /// A closure error of this much, in radians and sizes, does not tell a double root from none: the square of a rounded number.
-const HIDDEN: f64 = 1e-6;
+const HIDDEN: f64 = 1e-7;
 
 /// An estimated motion deviates from the parabola by at most this times the deviation of the parabola from the line, plus a
 /// fraction of the displacement.
