@@ -84,8 +84,8 @@ pub struct Equation {
     pub expression: Expression,
     /// Power of length in its dimension: its natural scale is `size` to this power.
     pub length_exponent: f64,
-    /// The magnitude of its terms relative to that power of the size: one, unless no length is known.
-    pub magnitude: f64,
+    /// Factor that makes its value comparable with one: the inverse of the magnitude of its terms.
+    pub weight: f64,
 }
 
 /// A bar between two points, whose equation has its name.
@@ -307,12 +307,6 @@ impl Mechanism {
         range
             .reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
             .unwrap_or([self.size; 2])
-    }
-
-    /// Factor that makes the value of equation `index` comparable with one.
-    pub fn weight_of(&self, index: usize) -> f64 {
-        let equation = &self.equations[index];
-        self.size.powf(-equation.length_exponent) / equation.magnitude
     }
 
     /// Name of the unit in which values of `kind` are read and written; empty for plain numbers.

@@ -215,7 +215,7 @@ impl<'s> LaneFollower<'s> {
         let mut scratch = Vec::new();
         for (index, equation) in mechanism.equations.iter().enumerate() {
             let value = equation.expression.value_with(coordinates, &mut scratch);
-            largest = largest.larger_magnitude(value * mechanism.weight_of(index));
+            largest = largest.larger_magnitude(value * mechanism.equations[index].weight);
         }
         largest
     }

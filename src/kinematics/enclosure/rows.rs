@@ -122,8 +122,8 @@ impl<'m> Layout<'m> {
         }
         // Scalar equations: value and gradient.
         for index in &self.block.equations {
-            let expression = &self.mechanism.equations[*index].expression;
-            let weight = self.mechanism.weight_of(*index);
+            let equation = &self.mechanism.equations[*index];
+            let (expression, weight) = (&equation.expression, equation.weight);
             let row = rows.residual.len();
             rows.residual
                 .push(expression.value(coordinates).scale(weight));
@@ -148,10 +148,9 @@ impl<'m> Layout<'m> {
             list.extend(components.map(|c| residual_component(&end, *c, 1.0 / item.size)));
         }
         for index in &self.block.equations {
-            let value = self.mechanism.equations[*index]
-                .expression
-                .value(coordinates);
-            list.push(value.scale(self.mechanism.weight_of(*index)));
+            let equation = &self.mechanism.equations[*index];
+            let value = equation.expression.value(coordinates);
+            list.push(value.scale(equation.weight));
         }
         list
     }

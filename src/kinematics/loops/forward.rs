@@ -36,10 +36,9 @@ fn gap_of_all(mechanism: &Mechanism, coordinates: &[f64], arguments: &[ArgumentV
         [angle, distance / item.size]
     });
     let mut scratch = Vec::new();
-    let equations = mechanism.equations.iter().enumerate();
-    let equations = equations.map(|(index, equation)| {
+    let equations = mechanism.equations.iter().map(|equation| {
         let value = equation.expression.value_with(coordinates, &mut scratch);
-        (value * mechanism.weight_of(index)).abs()
+        (value * equation.weight).abs()
     });
     largest_or_nan(loops.chain(equations))
 }

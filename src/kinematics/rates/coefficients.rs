@@ -29,7 +29,7 @@ pub(super) fn residual_coefficient(
     }
     for index in &block.equations {
         let equation = &mechanism.equations[*index];
-        let scale = mechanism.weight_of(*index);
+        let scale = equation.weight;
         let value = equation.expression.value(&series);
         residual.push(value.coefficients()[k] * scale);
     }

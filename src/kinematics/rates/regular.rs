@@ -117,8 +117,9 @@ fn rounding(mechanism: &Mechanism, block: &Block, coordinates: &[f64]) -> f64 {
     let mut off = f64::EPSILON * factors.max().unwrap_or(1).max(1) as f64;
     let exact: Vec<Interval> = coordinates.iter().map(|q| Interval::point(*q)).collect();
     for index in &block.equations {
-        let value = mechanism.equations[*index].expression.value(&exact);
-        let width = (value.hi - value.lo) * mechanism.weight_of(*index);
+        let equation = &mechanism.equations[*index];
+        let value = equation.expression.value(&exact);
+        let width = (value.hi - value.lo) * equation.weight;
         if width.is_finite() {
             off = off.max(width);
         }

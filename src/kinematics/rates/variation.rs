@@ -132,7 +132,7 @@ impl<'m> Variation<'m> {
         for equation in &block.equations {
             let expression = &mechanism.equations[*equation].expression;
             let value = expression.value_with(&self.slots, &mut self.scratch);
-            bend.push(value.mixed * mechanism.weight_of(*equation));
+            bend.push(value.mixed * mechanism.equations[*equation].weight);
         }
         self.bend = bend;
     }

@@ -246,7 +246,7 @@ fn closure_gap(mechanism: &Mechanism, block: &Block, coordinates: &[f64]) -> Not
     for index in &block.equations {
         let equation = &mechanism.equations[*index];
         let value = equation.expression.value(coordinates).abs();
-        let weight = mechanism.weight_of(*index);
+        let weight = equation.weight;
         let scaled = value * weight;
         if scaled > largest || scaled.is_nan() {
             largest = scaled;

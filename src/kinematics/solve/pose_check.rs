@@ -65,10 +65,9 @@ pub fn judge_pose(mechanism: &Mechanism, coordinates: &[f64], tolerance: f64) ->
             verdict,
         }
     });
-    let equations = mechanism.equations.iter().enumerate();
-    let equations = equations.map(|(index, item)| {
+    let equations = mechanism.equations.iter().map(|item| {
         let value = item.expression.value(coordinates);
-        let is_closed = (value * mechanism.weight_of(index)).abs() <= tolerance;
+        let is_closed = (value * item.weight).abs() <= tolerance;
         ClosureCheck {
             name: item.name.clone(),
             gap: ClosureGap::Equation(value),

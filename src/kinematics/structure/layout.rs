@@ -200,7 +200,7 @@ impl BlockPlan {
             plan.equations.push(PlannedEquation {
                 index,
                 row: row + k,
-                scale: mechanism.weight_of(index),
+                scale: mechanism.equations[index].weight,
                 shares,
                 quadratic: quadratic.map(|form| PlannedQuadratic::new(&form, &slots)),
             });

@@ -233,7 +233,7 @@ impl ProofBlock {
             laid_out.equations.push(EquationRow {
                 first_form,
                 formula,
-                scale: mechanism.weight_of(*index),
+                scale: mechanism.equations[*index].weight,
             });
         }
         laid_out.note_rows();

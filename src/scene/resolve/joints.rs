@@ -106,7 +106,7 @@ impl<'a> FoldedJoints<'a> {
                     name: name.value.clone(),
                     expression,
                     length_exponent: self.length_exponent(&node),
-                    magnitude: 1.0,
+                    weight: 1.0,
                 }),
                 Err(diagnostic) => diagnostics.push(diagnostic),
             }

@@ -41,8 +41,9 @@ pub fn estimate_magnitudes(mechanism: &mut Mechanism, actuation: &Actuation) {
     let unit = mechanism.size;
     for equation in &mut mechanism.equations {
         let found = equation_size(equation, &mut poses, scales);
-        let known = unit.powf(equation.length_exponent);
-        equation.magnitude = sound_magnitude(found / known).unwrap_or(1.0);
+        let exponent = equation.length_exponent;
+        let relative = sound_magnitude(found / unit.powf(exponent));
+        equation.weight = unit.powf(-exponent) / relative.unwrap_or(1.0);
     }
 }
 

@@ -58,7 +58,8 @@ pub fn estimate_scales(mechanism: &mut Mechanism, actuation: &Actuation) {
         item.size = *unit;
     }
     for (equation, unit) in mechanism.equations.iter_mut().zip(of_equations) {
-        equation.magnitude = (unit / size).powf(equation.length_exponent);
+        let exponent = equation.length_exponent;
+        equation.weight = size.powf(-exponent) / (unit / size).powf(exponent);
     }
 }
 

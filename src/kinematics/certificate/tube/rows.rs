@@ -176,7 +176,7 @@ impl<'m> TubeLayout<'m> {
         let equations = self.block.equations.iter();
         let places = (self.block.arguments.len()..).zip(self.places.first_equation..);
         let equations = equations.zip(places);
-        equations.map(|(index, (place, row))| (place, row, self.mechanism.weight_of(*index)))
+        equations.map(|(index, (place, row))| (place, row, self.mechanism.equations[*index].weight))
     }
 
     /// Place of an argument among the forms.

@@ -133,7 +133,7 @@ fn resolve_bar(
                 name: name.clone(),
                 expression,
                 length_exponent: if length.is_some() { 1.0 } else { 2.0 },
-                magnitude: 1.0,
+                weight: 1.0,
             };
             let name = name.clone();
             Some((equation, Bar { name, ends, length }))

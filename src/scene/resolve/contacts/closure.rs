@@ -127,7 +127,7 @@ impl Contacts {
                     name,
                     expression: formulas.expression(gap),
                     length_exponent: 1.0,
-                    magnitude: 1.0,
+                    weight: 1.0,
                 });
                 return;
             }
