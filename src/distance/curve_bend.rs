@@ -75,6 +75,15 @@ impl CurveBend {
         (near > 0.0).then(|| self.own + self.speed * self.speed / near)
     }
 
+    /// Whether the slope keeps its sign between two places, so that no minimum lies there: it can neither fall from a rise
+    /// at the first to zero, nor from zero to the fall at the second.
+    pub fn has_no_minimum_between(&self, a: &CurveSpot, b: &CurveSpot) -> bool {
+        let falls = self
+            .between(a, b)
+            .map_or(f64::INFINITY, |bends| bends * (b.at - a.at));
+        a.slope > falls || b.slope < -falls
+    }
+
     /// The distance is nowhere between two spots lower.
     pub fn lowest_between(&self, a: &CurveSpot, b: &CurveSpot) -> f64 {
         let steep = lowest_of_steep(self.speed, a, b);

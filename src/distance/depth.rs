@@ -7,11 +7,11 @@
 //! that is curved in both directions: its point nearest to the origin is a minimum of the distance of the two circles,
 //! and all of these are tried.
 
-use super::point::to_circle;
-use super::primitive::{Circle, Frustum, Primitive};
-use super::primitive_distance::{is_coaxial, nearest_cores};
+use super::primitive::{Frustum, Primitive};
+use super::primitive_distance::nearest_cores;
 use super::primitive_pair::CorePair;
-use super::search::{CurveSpot, least_on_circle, lowest_of_bent, minima_on_circle};
+use super::rims::rim_directions;
+use super::search::{CurveSpot, least_on_circle, lowest_of_bent};
 use crate::math::{Pose, sin_cos};
 use glam::DVec3;
 
@@ -177,24 +177,4 @@ fn ring_direction(a: &Primitive, b: &Primitive, ring: &DepthRing) -> DVec3 {
         })
     });
     at(sin_cos(best.spot.at))
-}
-
-/// Directions in which two rims may be separated by less than `limit`: locally, where their circles are nearest to each
-/// other. There a point of the Minkowski difference's rounded surface is nearest to the position of the second core.
-fn rim_directions(of_first: &Circle, of_second: &Circle, limit: f64) -> Vec<DVec3> {
-    let [x, y] = of_second.directions().map(|d| d * of_second.radius);
-    let at = |(sin, cos): (f64, f64)| to_circle(of_first, of_second.center + x * cos + y * sin);
-    if is_coaxial(&Primitive::Circle(*of_first), of_second) {
-        return vec![at((0.0, 1.0)).normal];
-    }
-    let minima = minima_on_circle(of_second.radius, limit, |angle, (sin, cos)| {
-        let hit = at((sin, cos));
-        CurveSpot {
-            at: angle,
-            value: hit.distance,
-            slope: hit.normal.dot(y * cos - x * sin),
-        }
-    });
-    let direction = |spot: CurveSpot| at(sin_cos(spot.at)).normal;
-    minima.into_iter().map(direction).collect()
 }

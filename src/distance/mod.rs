@@ -13,6 +13,7 @@ pub(crate) mod point;
 pub mod primitive;
 pub(crate) mod primitive_distance;
 mod primitive_pair;
+mod rims;
 pub(crate) mod search;
 mod shell_boxes;
 mod shell_surface;

@@ -40,10 +40,7 @@ const PIECES: usize = 8;
 const MOST_SPOTS: usize = 256;
 
 /// Parts of a turn for which sine and cosine are tabulated.
-const FINEST: usize = 128;
-
-/// Number of halvings of an interval in which a minimum other than the least one is sought.
-const HALVINGS: usize = 7;
+pub const FINEST: usize = 128;
 
 /// Minimum of a convex function on [low, high].
 pub fn least_convex(low: f64, high: f64, f: impl Fn(f64) -> CurveSpot) -> CurveSpot {
@@ -164,57 +161,6 @@ pub fn least_between<S: Spot>(
 ) -> LeastFound {
     let at = |k: usize, parts: usize| f(low + (high - low) * (k as f64 / parts as f64));
     least_of(&lowest, tolerance, at, |t| f(t).place())
-}
-
-/// All minima below `limit` of a function of an angle over a whole turn whose slope never exceeds `steepest`, but those
-/// that share 1/16384 of the turn with a maximum. The function is given the angle's sine and cosine too.
-pub fn minima_on_circle(
-    steepest: f64,
-    limit: f64,
-    f: impl Fn(f64, (f64, f64)) -> CurveSpot,
-) -> Vec<CurveSpot> {
-    let spot = |k: usize| f(TAU * (k as f64 / FINEST as f64), angle_grid()[k]);
-    let spots: Vec<CurveSpot> = (0..=FINEST).map(spot).collect();
-    let mut pieces: Vec<[CurveSpot; 2]> = spots.windows(2).map(|two| [two[0], two[1]]).collect();
-    let f = |angle: f64| f(angle, sin_cos(angle));
-    // Lipschitz: between two spots the value cannot fall below this.
-    let hides = |[a, b]: &[CurveSpot; 2]| {
-        let lowest = 0.5 * (a.value + b.value - steepest * (b.at - a.at));
-        lowest < limit
-    };
-    pieces.retain(hides);
-    for _ in 0..HALVINGS {
-        let halves = pieces.into_iter().flat_map(|[a, b]| {
-            let middle = f(0.5 * (a.at + b.at));
-            [[a, middle], [middle, b]]
-        });
-        pieces = halves.filter(hides).collect();
-    }
-    // Where the slope changes its sign there is a minimum between.
-    let dips = pieces
-        .into_iter()
-        .filter(|[a, b]| a.slope <= 0.0 && b.slope > 0.0);
-    dips.map(|[a, b]| perpendicular_foot(a, b, &f)).collect()
-}
-
-/// Zero of the slope between a falling and a rising point. By bisection: next to a minimum of zero the values are
-/// rounding long before the slopes are.
-fn perpendicular_foot(
-    mut a: CurveSpot,
-    mut b: CurveSpot,
-    f: &impl Fn(f64) -> CurveSpot,
-) -> CurveSpot {
-    loop {
-        let spot = f(0.5 * (a.at + b.at));
-        if spot.at <= a.at || spot.at >= b.at {
-            return spot;
-        }
-        if spot.slope <= 0.0 {
-            a = spot;
-        } else {
-            b = spot;
-        }
-    }
 }
 
 /// Sines and cosines of equal parts of a turn, both ends included: of all points that halving visits.
