@@ -50,7 +50,7 @@ pub(super) fn without_inside(
     for (k, hull) in hulls.iter().enumerate() {
         let open = hull.iter().flat_map(hull_meshes);
         for tree in open {
-            // Only a closed shell has an inside: an open or tangled one bounds no volume.
+            // The two kinds of shells that should have an inside and have none.
             let is_tangled = tree.enclosure == ShellEnclosure::Tangled;
             if !is_tangled && tree.enclosure != ShellEnclosure::Open {
                 continue;
