@@ -100,7 +100,7 @@ impl ViewChange {
         if self.ground == Some(false) {
             view.ground = GroundPlace::None;
         }
-        // Playback and decor.
+        // Everything else is independent: what is not given keeps the scene's value.
         let playback = &mut view.playback;
         playback.bounce = self.bounce.unwrap_or(playback.bounce);
         playback.pause = self.pause.unwrap_or(playback.pause);
