@@ -83,7 +83,7 @@ impl ShellSurface {
         flaps: &mut Vec<[DVec3; 3]>,
     ) -> bool {
         let at = |k: u32| vertices[k as usize];
-        // Without the flaps, neighbours are oriented alike as far as possible.
+        // Without the flaps, neighbours are oriented consistently as far as possible.
         let is_flap = find_flaps(&self.triangles, edges, at, weld_distance(vertices));
         let kept: Vec<usize> = (0..is_flap.len()).filter(|k| !is_flap[*k]).collect();
         let shell = Self {
