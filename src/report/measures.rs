@@ -218,7 +218,7 @@ impl TakenMeasure<'_> {
             .map(|(name, value, unit)| format!("{name} = {} {unit}", decimals_of(*value, 5)));
         let place: Vec<String> = place.collect();
         let time = time.or((!place.is_empty()).then(|| place.join(", ")));
-        // Of bodies that overlap the distance is no measure of depth, so that no bound is stated.
+        // Where bodies touch or overlap only the time of the deepest place found is named.
         if known.is_distance && (known.value <= 0.0 || known.is_enclosed) {
             return format!(", deepest found at {}", time.unwrap_or_default());
         }
