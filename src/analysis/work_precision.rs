@@ -240,16 +240,20 @@ impl Bench<'_> {
     /// Errors of the poses at the instants after the start.
     fn judged(&self, found: &[Vec<f64>]) -> PrecisionRow {
         let truth = &self.truth[1..];
+        // The position error at each instant, against the reference.
         let errors: Vec<f64> = found
             .iter()
             .zip(truth)
             .map(|(pose, truth)| largest_distance(&marked_positions(self.mechanism(), pose), truth))
             .collect();
+        // An error of this size means another assembly, not inaccuracy.
         let limit = LOST * self.mechanism().size;
         let strayed = errors.iter().filter(|e| **e > limit || e.is_nan()).count();
+        // The closure error needs no reference: it is small in any assembly.
         let closures = found
             .iter()
             .map(|pose| forward::closure_error(self.mechanism(), pose));
+        // After a failure no poses follow, so that there is no error at the end.
         let is_whole = found.len() == truth.len();
         PrecisionRow {
             family: "",
@@ -325,9 +329,11 @@ impl Bench<'_> {
     fn drift_of(&self, name: &'static str, route: Route, turns: usize, list: &mut Vec<Drift>) {
         let mut walker = Walker::new(self.system, self.actuation);
         let mut coordinates = self.start.clone();
+        // The drive is cyclic: times are counted anew in every turn.
         let time = |k: usize| self.actuation.duration * (k as f64 / DRIFT_STEPS as f64);
         let mut next = 1;
         for turn in 1..=turns {
+            // One turn; each step starts from the pose before it, so that errors accumulate.
             for k in 0..DRIFT_STEPS {
                 if walker
                     .advance(route, &mut coordinates, time(k), time(k + 1))
@@ -336,6 +342,7 @@ impl Bench<'_> {
                     return;
                 }
             }
+            // After 1, 10, 100 ... turns: the exact pose is that of the start, so that the difference is the drift.
             if turn == next {
                 next *= 10;
                 let here = marked_positions(self.mechanism(), &coordinates);

@@ -139,6 +139,7 @@ impl Searches<'_> {
         let (all, until) = (self.pairs.len(), motion.until);
         let mut cut_off = CutOff::default();
         let mut found: Vec<BoundSearch> = Vec::with_capacity(all);
+        // First pass: an equal share each of the time that is left, so that easy pairs leave theirs to later ones.
         for (place, pair) in self.pairs.iter().enumerate() {
             progress(place, all);
             motion.until = until.share(all - place);
@@ -146,11 +147,13 @@ impl Searches<'_> {
             cut_off.note(is_cut, place);
             found.push(one);
         }
+        // Second pass: what is still left goes to the pairs that were cut off by their share.
         let again = std::mem::take(&mut cut_off.by_run);
         for (k, place) in again.iter().enumerate() {
             motion.until = until.share(again.len() - k);
             let (one, is_cut) = self.one(motion, self.pairs[*place]);
             cut_off.note(is_cut, *place);
+            // A pair that is cut off again keeps its first result.
             if is_cut.is_none() {
                 found[*place] = one;
             }
@@ -174,13 +177,16 @@ impl Searches<'_> {
             tolerance: self.closely.tolerance,
             with_times: self.closely.times,
         };
+        // The sooner limit ends the search: the share of the run, or the pair's own.
         let of_run = motion.until;
         motion.until = of_run.or(Deadline::after(Closely::SECONDS));
         let mut found = asked.look(motion);
+        // Poses that were solved for this pair are of no use to others.
         motion.forget(poses);
         let is_cut = std::mem::take(&mut motion.is_cut_off);
         let all = found.judged.iter_mut().chain(&mut found.excluded);
         all.for_each(|pair| pair.seconds = begun.seconds());
+        // Only a pair that its share of the run cut off is searched again.
         let by = match of_run.is_over() {
             true => CutBy::Run,
             false => CutBy::Own,

@@ -125,6 +125,7 @@ struct ExtremePose {
 pub fn greatest(motion: &mut ProvedMotion, formula: &Expression, sign: f64) -> Option<Greatest> {
     let kept = motion.instants.len();
     let is_certified = motion.is_certified();
+    // The slots that the formula depends on: at a pose only they are evaluated.
     let needed = dependencies(motion.system.mechanism(), &formula.slots());
     let mut search = Search {
         motion,
@@ -137,8 +138,11 @@ pub fn greatest(motion: &mut ProvedMotion, formula: &Expression, sign: f64) -> O
         least: f64::INFINITY,
         stuck: f64::NEG_INFINITY,
     };
+    // From below: the best value at a sampled pose.
     search.look_at_samples()?;
+    // From above: branch and bound over Taylor models of the stretches.
     let bound = search.bound()?;
+    // Golden section in the part of the best pose; it raises the value and leaves the bound.
     search.settle();
     let best = search.best?;
     motion.forget(kept);

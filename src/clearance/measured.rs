@@ -142,9 +142,11 @@ fn least_distance(
 
 fn of_pair(motion: &mut ProvedMotion, gap: &Gap, limit: f64, tolerance: f64) -> Option<Known> {
     let bodies = gap.bodies.map(|k| &motion.system.mechanism().bodies[k]);
+    // The solids of both bodies; pairs of them that the distance does not name are left out.
     let hulls = [Hull::new(bodies[0])?, Hull::new(bodies[1])?];
     let hulls = hulls.each_ref();
     let left_out = left_out(hulls, &gap.shapes);
+    // Branch and bound over the motion for the least distance.
     let sweep = PairSweep::new(motion, gap.bodies, hulls, tolerance, limit).without(&left_out);
     let Least {
         distance,
@@ -154,6 +156,7 @@ fn of_pair(motion: &mut ProvedMotion, gap: &Gap, limit: f64, tolerance: f64) -> 
         is_enclosed,
         ..
     } = sweep.least_over(motion, &mut Vec::new())?;
+    // A lower bound, which must not exceed the distance found.
     Some(Known {
         value: distance,
         bound: bound.min(distance),

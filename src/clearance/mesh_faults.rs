@@ -50,14 +50,17 @@ pub(super) fn without_inside(
     for (k, hull) in hulls.iter().enumerate() {
         let open = hull.iter().flat_map(hull_meshes);
         for tree in open {
+            // The two kinds of shells that should have an inside and have none.
             let is_tangled = tree.enclosure == ShellEnclosure::Tangled;
             if !is_tangled && tree.enclosure != ShellEnclosure::Open {
                 continue;
             }
+            // Bodies that no requirement concerns need none.
             if !is_judged(k) {
                 continue;
             }
             let (name, source) = (&mechanism.bodies[k].name, &tree.source);
+            // What keeps the mesh from having one.
             let why = match tree.open_edges {
                 _ if is_tangled => "too many of its shells are nested".to_owned(),
                 0 => "its triangles enclose nothing".to_owned(),

@@ -339,6 +339,7 @@ impl<'m> ProvedMotion<'m> {
 
     fn halve(&mut self, stretch: usize) -> Option<usize> {
         let arguments = self.stretches[stretch].arguments.len();
+        // Memory limits the number of stretches: each keeps a Taylor model of every argument.
         let most = (MAX_ARGUMENTS / arguments.max(1)).min(self.most_stretches);
         if self.stretches.len() >= most {
             return None;
@@ -346,6 +347,7 @@ impl<'m> ProvedMotion<'m> {
         let ends = self.stretches[stretch].ends;
         match self.stretches[stretch].way.clone() {
             StretchMotion::Proved(tube) => {
+                // Two thinner tubes, proved anew. Both are needed, with finite bounds of all arguments.
                 let [first, second] = self.prover.halves(&tube)?;
                 let arguments = [&first, &second].map(|tube| self.prover.arguments(tube));
                 if !arguments.iter().flatten().all(TaylorModel::is_finite) {
@@ -357,10 +359,12 @@ impl<'m> ProvedMotion<'m> {
                 Some(first)
             }
             StretchMotion::Estimated([start, end]) => {
+                // An estimate is halved at a solved pose; each half has a parabola of its own.
                 let time = 0.5 * (self.instants[start].time + self.instants[end].time);
                 let middle = self.between(start, end, time)?;
                 let first = self.add_estimate([start, middle], [ends[0], None])?;
                 let second = self.add_estimate([middle, end], [None, ends[1]]);
+                // Halves have adjacent indices: without the second the first is removed again.
                 if second.is_none() {
                     self.stretches.truncate(first);
                 }

@@ -141,12 +141,15 @@ impl ProvedRanges {
 
     /// Takes a range in where nothing better is known.
     fn insert(&mut self, [low, high]: [f64; 2], bound: f64) {
+        // All ranges that overlap the new one; at most one begins before it.
         let before = self.list.range(..key(low)).next_back();
         let before = before.map(|(_, range)| *range).filter(|r| r[1] > low);
         let within = self.list.range(key(low)..key(high)).map(|(_, r)| *r);
         let met: Vec<[f64; 3]> = before.into_iter().chain(within).collect();
+        // From the lower end up: `at` is the first place that may still need the new bound.
         let mut at = low;
         for [start, end, known] in met {
+            // A better bound stays, and the new one fills the space before it.
             if known >= bound {
                 if start > at {
                     self.list.insert(key(at), [at, start, bound]);
@@ -154,6 +157,7 @@ impl ProvedRanges {
                 at = at.max(end);
                 continue;
             }
+            // A worse one keeps only what lies outside the new range.
             self.list.remove(&key(start));
             if start < low {
                 self.list.insert(key(start), [start, low, known]);

@@ -66,16 +66,19 @@ pub(super) fn carried_corner(ends: &[Pose], place: DVec3) -> Corner {
 
 /// An element whose points go with the ends of ways from where they were.
 pub(super) fn carried_element(element: &Element, before: &[Pose], after: &[Pose]) -> Element {
+    // A point moves with the two ends of its nearest line, in the shares of its foot on that line.
     let moved = |place: DVec3| {
         let corner = carried_corner(before, place);
         let ends = corner.on.iter();
         ends.map(|(k, share)| *share * after[*k].transform_point(corner.offset))
             .sum::<DVec3>()
     };
+    // A core that points determine follows these points, ...
     let core = match &element.core {
         Primitive::Point(p) => Primitive::Point(moved(*p)),
         Primitive::Segment(ends) => Primitive::Segment(ends.map(moved)),
         Primitive::Triangle(corners) => Primitive::Triangle(corners.map(moved)),
+        // ... a frustum follows the ends of its spine; its radii stay, ...
         Primitive::Frustum(frustum) => {
             let [from, to] = frustum.spine().map(moved);
             Primitive::Frustum(Frustum {
@@ -85,6 +88,7 @@ pub(super) fn carried_element(element: &Element, before: &[Pose], after: &[Pose]
                 radii: frustum.radii,
             })
         }
+        // ... and all others move with the first end as rigid bodies.
         other => other.moved(&(after[0] * before[0].inverse())),
     };
     Element {

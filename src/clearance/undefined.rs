@@ -23,11 +23,13 @@ pub(super) fn gaps(
     [from, to]: [f64; 2],
     lacking: &[[f64; 2]],
 ) -> Vec<[f64; 2]> {
+    // Loops: their known gaps, cut at the ends of the interval.
     let is_within = |gap: &&[f64; 2]| gap[0] < to && gap[1] > from;
     let known = lacking.iter().filter(is_within);
     let mut found: Vec<[f64; 2]> = known
         .map(|gap| gap.map(|time| time.clamp(from, to)))
         .collect();
+    // Drives: one gap after another by sampling and bisection; the last that is allowed takes the rest.
     let mut at = from;
     for k in 0..MOST {
         let Some([off, on]) = first_gap(system, actuation, [at, to]) else {
@@ -37,6 +39,7 @@ pub(super) fn gaps(
         found.push([off, on]);
         at = on;
     }
+    // The union of both: gaps that overlap become one.
     found.sort_by(|p, q| p[0].total_cmp(&q[0]));
     let mut apart: Vec<[f64; 2]> = Vec::new();
     for [off, on] in found {

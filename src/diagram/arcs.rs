@@ -33,6 +33,7 @@ pub fn draw_angle(
     let radius = (RADIUS + STEP * level as f64) * ink.unit;
     let centre = plane.spot(angle.at);
     let colour = source_colour(angle.source, &ink.theme);
+    // The arc in space: it turns from zero about the axis, and is seen as an ellipse.
     let across = angle.axis.cross(angle.zero);
     let shown = wrapped_angle(angle);
     let direction = |share: f64| {
@@ -42,12 +43,14 @@ pub fn draw_angle(
     let arc: Vec<DrawnSpot> = (0..=CORNERS)
         .map(|k| spot_ahead(centre, direction(k as f64 / CORNERS as f64), radius))
         .collect();
+    // Dashed lines where the angle begins and ends.
     for share in [0.0, 1.0] {
         let from = spot_ahead(centre, direction(share), 0.35 * radius);
         let to = spot_ahead(centre, direction(share), radius + BEYOND * ink.unit);
         ink.line(&[from, to], colour, 0.7, Dashes::Short);
     }
     draw_arc(&arc, shown * radius, colour, ink);
+    // The label at the middle of the arc, away from the centre.
     let middle = spot_ahead(centre, direction(0.5), radius);
     ink.labels.push(WantedLabel {
         text: lettering.angle(angle),

@@ -19,6 +19,7 @@ impl ChainWalker<'_> {
     /// Notes every bar as a link, its length, and the pins that bars share.
     pub(super) fn note_bars(&mut self, own: &[ArgumentValue]) {
         let mechanism = self.mechanism;
+        // The ends of every bar at the pose that is drawn.
         let places: Vec<[DVec3; 2]> = (mechanism.bars.iter())
             .map(|bar| {
                 bar.ends
@@ -27,6 +28,7 @@ impl ChainWalker<'_> {
             })
             .collect();
         let normal = self.bar_normal(&places);
+        // Bars are links, numbered after those that are shown.
         let first = self.scheme.links.len();
         let shown = self
             .scheme
@@ -47,6 +49,7 @@ impl ChainWalker<'_> {
             });
             self.note_bar_length(k, bar, *ends, normal);
         }
+        // Where several links meet: joints of all others with the first, hinges if the bars are planar.
         for pin in self.pins(&places, first) {
             let (Some(base), others) = (pin.links.first(), pin.links.iter().skip(1)) else {
                 continue;
@@ -121,10 +124,12 @@ impl ChainWalker<'_> {
         else {
             return;
         };
+        // A name is noted once.
         let is_known = self.scheme.lengths.iter().any(|l| l.name == written.text);
         if is_known {
             return;
         }
+        // Dimension lines may lie to either side in the plane of the bars, or out of it.
         let along = (to - from).normalize_or_zero();
         let across = along.cross(normal.unwrap_or_else(|| along.any_orthonormal_vector()));
         let mut inputs = self.mechanism.inputs.iter();

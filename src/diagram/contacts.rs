@@ -8,6 +8,7 @@ use crate::model::notation::WrittenChain;
 impl ChainWalker<'_> {
     /// The offset from the last joint before a surface to the surface, and the named lengths on it.
     fn note_approach(&mut self, chain: &WrittenChain) {
+        // Along the chain: named lengths are noted, and at every joint the path begins again.
         let (mut frame, mut path, mut last) = (Pose::IDENTITY, Vec::new(), None);
         for index in 0..chain.factors.len() {
             let factor = &chain.factors[index];
@@ -23,6 +24,7 @@ impl ChainWalker<'_> {
         let (Some(axis), Some(begin)) = (last, path.first()) else {
             return;
         };
+        // The joint that is drawn on the last axis, where the path begins, ...
         let is_it = |joint: &&SchemeJoint| {
             let along = joint
                 .axes
@@ -39,6 +41,7 @@ impl ChainWalker<'_> {
         else {
             return;
         };
+        // ... carries the link that the path belongs to.
         let here = WalkPosition {
             frame,
             link,

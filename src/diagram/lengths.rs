@@ -40,9 +40,11 @@ pub fn draw_dimension(
     else {
         return false;
     };
+    // The dimension line beside the length, where little is covered.
     let offset = cheapest_offset(length, ends, plane, ink);
     let colour = source_colour(length.source, &ink.theme);
     let line = ends.map(|end| spot_ahead(end, offset, 1.0));
+    // Extension lines from the ends, if it is offset.
     if let Some(out) = unit_direction(offset) {
         let reach = spot_length(offset) + BEYOND * ink.unit;
         for end in ends {
@@ -55,6 +57,7 @@ pub fn draw_dimension(
             );
         }
     }
+    // A short line has its heads outside, on tails.
     let outside = spot_length(along) < SHORT * ink.unit;
     let tail = if outside { 12.0 * ink.unit } else { 0.0 };
     ink.line(
@@ -69,6 +72,7 @@ pub fn draw_dimension(
     let sign = if outside { -1.0 } else { 1.0 };
     ink.head(line[1], spot_ahead([0.0; 2], direction, sign), colour);
     ink.head(line[0], spot_ahead([0.0; 2], direction, -sign), colour);
+    // The value beside the middle of the line.
     let middle = spot_ahead(line[0], along, 0.5);
     let wish = unit_direction(offset).unwrap_or(quarter_turn(direction));
     ink.labels.push(WantedLabel {

@@ -141,6 +141,7 @@ pub fn draw_frames(
             let seen = plane.direction(link.frame.rotation.col(axis));
             let tip = spot_ahead(origin, seen, TRIAD * ink.unit);
             let text = lettering.symbol(&format!("{}{}", ["x", "y", "z"][axis], link.number));
+            // Axes that look the same are drawn once, with both names.
             let same = |a: &&mut TriadArrow| {
                 spot_length(spot_difference(a.origin, origin)) < ink.unit
                     && spot_length(spot_difference(a.tip, tip)) < 2.0 * ink.unit
@@ -153,6 +154,7 @@ pub fn draw_frames(
     }
     let colour = ink.theme.series[2];
     for arrow in arrows {
+        // An axis that points to the viewer is a dot in a circle.
         let along = spot_difference(arrow.tip, arrow.origin);
         if spot_length(along) < 0.12 * TRIAD * ink.unit {
             ink.circle(arrow.origin, 4.5, ink.theme.background, colour, 1.2);

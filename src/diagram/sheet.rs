@@ -108,6 +108,7 @@ pub struct DiagramSheet {
 
 /// Lays a scheme out.
 pub fn draw_sheet(scheme: &Scheme, options: &SheetOptions) -> DiagramSheet {
+    // A planar mechanism is seen along its normal, a spatial one from a usual direction.
     let normal = scheme.normal();
     let axes = options
         .axes
@@ -117,6 +118,7 @@ pub fn draw_sheet(scheme: &Scheme, options: &SheetOptions) -> DiagramSheet {
     let plane = DrawingPlane::fitted(axes, scheme, width);
     let is_plane = normal.is_some_and(|n| plane.nearness(n).abs() > 0.999);
     let unit = width / USUAL_WIDTH;
+    // Primitives, and the places that they cover, for lines and labels that avoid them.
     let mut ink = Ink {
         primitives: Vec::new(),
         bins: Bins::new(unit),
@@ -131,6 +133,7 @@ pub fn draw_sheet(scheme: &Scheme, options: &SheetOptions) -> DiagramSheet {
         length_unit: options.length_unit.clone(),
         angle_unit: options.angle_unit.clone(),
     };
+    // The mechanism first, then quantities, loops and frames.
     draw_mechanism(
         scheme,
         &plane,
@@ -149,6 +152,7 @@ pub fn draw_sheet(scheme: &Scheme, options: &SheetOptions) -> DiagramSheet {
     if options.shown.frames {
         draw_frames(&scheme.links, &plane, &lettering, &mut ink);
     }
+    // Labels last, when all that they must avoid is drawn.
     let title_height = 4.0 * LETTERS * unit;
     let mut area = plane.inside(6.0 * unit);
     area.top += title_height;
@@ -334,6 +338,7 @@ fn finished_sheet(
     let (unit, theme) = (ink.unit, options.theme);
     let ruler = Ruler::default();
     let note_size = NOTES * unit;
+    // The notes below, folded to the width, and the title above.
     let wide = plane.size[0] - 36.0 * unit;
     let lines: Vec<String> = notes
         .iter()
@@ -359,6 +364,7 @@ fn finished_sheet(
         );
         baseline += line_height;
     }
+    // The sheet ends below the last note; its colour lies under everything.
     let height = plane.size[1] + line_height * lines.len() as f64 + 0.8 * line_height;
     let size = [plane.size[0], height].map(|side| side.ceil() as u32);
     let rect = Rect {
@@ -373,6 +379,7 @@ fn finished_sheet(
     };
     let mut primitives = vec![paper];
     primitives.append(&mut ink.primitives);
+    // The labels in words, for readers who do not see the picture.
     let names: Vec<&str> = labels.iter().map(|l| l.text.as_str()).collect();
     DiagramSheet {
         drawing: Drawing {

@@ -23,6 +23,7 @@ pub fn draw_surface(surface: &SchemeSurface, size: f64, plane: &DrawingPlane, in
         ("torus", [ring, tube]) => draw_torus(surface, *ring, *tube, plane, ink, colour),
         ("sphere", [radius]) => {
             let centre = plane.spot(surface.frame.translation);
+            // A sphere looks like a circle in any parallel view.
             let rim = |k: usize| {
                 let (sin, cos) = sin_cos(TAU * k as f64 / CORNERS as f64);
                 spot_ahead(centre, [cos, sin], radius * plane.scale)
@@ -31,6 +32,7 @@ pub fn draw_surface(surface: &SchemeSurface, size: f64, plane: &DrawingPlane, in
             ink.mark(&rim, colour, 1.0, Dashes::None);
         }
         ("cylinder", [radius]) => {
+            // A cylinder by its two outermost lines, along its axis as seen.
             let seen = plane.direction(surface.frame.rotation.z_axis);
             let centre = plane.spot(surface.frame.translation);
             let side = unit_direction(quarter_turn(seen)).unwrap_or([1.0, 0.0]);
@@ -42,6 +44,7 @@ pub fn draw_surface(surface: &SchemeSurface, size: f64, plane: &DrawingPlane, in
             }
         }
         _ => {
+            // A plane by a square around its origin.
             let corner = |k: usize| {
                 let (x, y) = ([1.0, 1.0, -1.0, -1.0][k % 4], [1.0, -1.0, -1.0, 1.0][k % 4]);
                 let r = &surface.frame.rotation;

@@ -23,10 +23,13 @@ pub(crate) fn find_flaps(
     let mut is_flap = vec![false; triangles.len()];
     let mut balls: Vec<(DVec3, f64)> = Vec::new();
     let mut found = Vec::new();
+    // Sheets are connected across edges with exactly two sides, so that a flap ends where it is attached.
     each_sheet(triangles, edges, |sheet| {
         let mut sides = sheet.iter().flat_map(|k| triangle_edges(triangles[*k]));
+        // An edge of one side is free, one of three belongs to a closed shell and a flap: both are odd.
         let is_loose = sides.any(|edge| edges.at(edge).len() % 2 == 1);
         let corners = || sheet.iter().flat_map(|k| triangles[*k].map(&at));
+        // Flat loose sheets are candidates, with a ball around each. One too many is kept, so that it is noticed.
         if found.len() <= MOST && is_loose && is_flat(sheet, triangles, &at, flat) {
             let count = (3 * sheet.len()) as f64;
             let center = corners().sum::<DVec3>() / count;
@@ -35,6 +38,7 @@ pub(crate) fn find_flaps(
             found.push(sheet.to_vec());
         }
     });
+    // Candidates near each other may be what remains of a shell: then none is a flap.
     let is_alone = |k: usize| {
         let (p, r) = balls[k];
         let mut others = balls.iter().enumerate().filter(|(j, _)| *j != k);

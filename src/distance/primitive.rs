@@ -154,6 +154,7 @@ impl Primitive {
 
     /// The same core after a motion.
     pub fn moved(&self, pose: &Pose) -> Self {
+        // A rigid motion moves points and turns directions; sizes stay.
         let point = |p: &DVec3| pose.transform_point(*p);
         match self {
             Self::Point(p) => Self::Point(point(p)),
@@ -164,6 +165,7 @@ impl Primitive {
                 axis: pose.transform_vector(c.axis),
                 radius: c.radius,
             }),
+            // A box has a frame of its own, which is moved as a whole, ...
             Self::Box(b) => Self::Box(BoxCore {
                 from_box: *pose * b.from_box,
                 half: b.half,
@@ -177,6 +179,7 @@ impl Primitive {
                 point: point(&h.point),
                 normal: pose.transform_vector(h.normal),
             }),
+            // ... and so has a mesh: its tree of triangles is shared, not moved.
             Self::Mesh(tree, placed) => Self::Mesh(Arc::clone(tree), *pose * *placed),
         }
     }
@@ -290,6 +293,7 @@ impl Primitive {
 
     /// The numbers that distinguish it from others of its kind; for meshes, their address.
     fn numbers(&self) -> [f64; 12] {
+        // Four rows of three numbers, zero where a kind has fewer.
         let three = |rows: [DVec3; 4]| {
             let mut all = [0.0; 12];
             for (to, row) in all.chunks_exact_mut(3).zip(rows) {
@@ -298,6 +302,7 @@ impl Primitive {
             all
         };
         let zero = DVec3::ZERO;
+        // Two columns determine a rotation: the third is their cross product.
         let of_pose = |p: &Pose, last| {
             let axes = [p.rotation.x_axis, p.rotation.y_axis];
             three([p.translation, axes[0], axes[1], last])
@@ -313,6 +318,7 @@ impl Primitive {
             }
             Self::Triangle([a, b, c]) => three([*a, *b, *c, zero]),
             Self::HalfSpace(h) => three([h.point, h.normal, zero, zero]),
+            // Of a mesh the pose and the number of its triangles.
             Self::Mesh(tree, pose) => of_pose(pose, DVec3::splat(tree.len() as f64)),
         }
     }

@@ -83,15 +83,18 @@ impl ShellSurface {
         flaps: &mut Vec<[DVec3; 3]>,
     ) -> bool {
         let at = |k: u32| vertices[k as usize];
+        // Without the flaps, neighbours are oriented consistently as far as possible.
         let is_flap = find_flaps(&self.triangles, edges, at, weld_distance(vertices));
         let kept: Vec<usize> = (0..is_flap.len()).filter(|k| !is_flap[*k]).collect();
         let shell = Self {
             triangles: kept.iter().map(|k| self.triangles[*k]).collect(),
         };
         let turned = shell.agreed();
+        // An oriented surface without open edges is closed; until here nothing has been changed.
         if kept.is_empty() || turned.edges().open().next().is_some() {
             return false;
         }
+        // The places of the corners follow: flaps are handed out, reversed triangles have two corners exchanged.
         let taken = (0..is_flap.len()).filter(|k| is_flap[*k]);
         *flaps = taken.map(|k| triangles[k]).collect();
         let pairs = kept

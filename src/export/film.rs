@@ -101,6 +101,7 @@ impl FilmSettings<'_> {
         W: FnMut(usize, &mut RgbaImage) -> Result<(), E> + Send,
         E: std::error::Error + Send + 'static,
     {
+        // Numbered pictures and videos are written by sinks of their own; ...
         let file = match destination {
             Destination::File(file) => file,
             Destination::Sequence(pattern) => {
@@ -113,6 +114,7 @@ impl FilmSettings<'_> {
             }
         };
         let (size, fps, chroma) = (self.size, self.fps, self.chroma);
+        // ... all others are one file, in a format with pixels.
         let sink: Box<dyn FrameSink> = match self.format {
             Format::Gif => return self.gif(file, workers, cancel),
             Format::Apng => Box::new(ApngSink::new(file, self.apng())?),

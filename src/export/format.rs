@@ -157,6 +157,7 @@ impl FramePattern {
         if name.contains('#') {
             return Err(refuse("write the frame number as %04d instead of #"));
         }
+        // Text before, between and behind the directives; `%%` stands for itself.
         let mut parts = vec![String::new()];
         let mut digits = 0;
         let mut rest = name;
@@ -180,6 +181,7 @@ impl FramePattern {
             part.push_str(rest);
         }
         let folder = super::place::folder_of(path).to_owned();
+        // Exactly two parts: one number.
         match <[String; 2]>::try_from(parts) {
             Ok([before, after]) => Ok(Self {
                 folder,

@@ -95,12 +95,14 @@ impl Document {
 
     /// The node of a body, with its animation if it moves.
     fn push_body(&mut self, body: &ModelBody, times: Option<usize>) -> usize {
+        // A primitive for each part, as parts have colours of their own.
         let primitives: Vec<Value> = body
             .parts
             .iter()
             .filter(|part| !part.mesh.triangles.is_empty())
             .map(|part| self.part(part))
             .collect();
+        // Quaternions have the sign nearest to the one before, so that interpolation takes the shorter way.
         let turns: Vec<DMat3> = body.poses.iter().map(|pose| pose.rotation).collect();
         let turns: Vec<[f32; 4]> = rotation_quaternions(&turns)
             .into_iter()
@@ -111,6 +113,7 @@ impl Document {
             .iter()
             .map(|p| narrow_vector(p.translation))
             .collect();
+        // Without an animation the node keeps its first pose.
         let mut node = json!({ "name": body.name });
         if let (Some(turn), Some(place)) = (turns.first(), places.first()) {
             node["rotation"] = json!(turn);
@@ -121,6 +124,7 @@ impl Document {
             node["mesh"] = Self::push(&mut self.meshes, mesh).into();
         }
         let index = Self::push(&mut self.nodes, node);
+        // Channels only for what changes.
         if let Some(times) = times {
             if turns.windows(2).any(|w| w[0] != w[1]) {
                 let values = self.buffer.push_rotations(&turns);

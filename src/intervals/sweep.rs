@@ -166,6 +166,7 @@ fn solve_closing(
 ) -> Option<([f64; MOST_PARAMETERS], f64)> {
     let mut determinant = 1.0;
     for k in 0..n {
+        // Partial pivoting; every exchange of rows changes the sign of the determinant.
         let place = (k..n).max_by(|i, j| rows[*i][k].abs().total_cmp(&rows[*j][k].abs()))?;
         if place != k {
             rows.swap(place, k);
@@ -176,6 +177,7 @@ fn solve_closing(
         if pivot[k] == 0.0 || !determinant.is_finite() {
             return None;
         }
+        // Elimination below the pivot, in the column of constants, too.
         for row in rows.iter_mut().take(n).skip(k + 1) {
             let factor = row[k] / pivot[k];
             for c in k..=n {
@@ -183,6 +185,7 @@ fn solve_closing(
             }
         }
     }
+    // Back substitution: the constants go to the right side, with the opposite sign.
     let mut solution = [0.0; MOST_PARAMETERS];
     for k in (0..n).rev() {
         let known = (k + 1..n).map(|c| rows[k][c] * solution[c]).sum::<f64>();

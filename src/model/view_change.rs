@@ -60,10 +60,12 @@ pub struct ViewChange {
 impl ViewChange {
     /// Changes `view`.
     pub fn apply(&self, view: &mut View) {
+        // The perspective to return to, before a named view makes the projection parallel.
         let own = match view.projection {
             ViewProjection::Perspective { .. } => view.projection,
             ViewProjection::Orthographic => ViewProjection::DEFAULT,
         };
+        // Direction: the named view, then the path, then angles, which replace those of its keys.
         if let Some(from) = self.from {
             view.look_from(from);
         }
@@ -78,12 +80,14 @@ impl ViewChange {
         view.is_aimed |= self.azimuth.is_some() || self.elevation.is_some();
         view.azimuth = self.azimuth.unwrap_or(view.azimuth);
         view.elevation = self.elevation.unwrap_or(view.elevation);
+        // Projection: parallel or not, then one with its own angle.
         match self.parallel {
             Some(true) => view.projection = ViewProjection::Orthographic,
             Some(false) => view.projection = own,
             None => {}
         }
         view.projection = self.projection.unwrap_or(view.projection);
+        // The theme before the background, which it sets.
         if let Some(theme) = self.theme {
             view.theme = theme;
             view.background = theme.background();
@@ -96,6 +100,7 @@ impl ViewChange {
         if self.ground == Some(false) {
             view.ground = GroundPlace::None;
         }
+        // Everything else is independent: what is not given keeps the scene's value.
         let playback = &mut view.playback;
         playback.bounce = self.bounce.unwrap_or(playback.bounce);
         playback.pause = self.pause.unwrap_or(playback.pause);

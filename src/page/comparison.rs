@@ -169,12 +169,14 @@ fn values_section(old: &Checked, new: &Checked) -> Section {
             "difference:",
         ],
     );
+    // Quantities are matched by name and unit; those that only the old version has are not listed.
     let [before, after] = [old, new].map(|c| extreme_values(&c.scene.mechanism, &shown_of(c)));
     for (name, unit, now) in &after {
         let was = before
             .iter()
             .find(|(other, of, _)| other == name && of == unit);
         let mut row = vec![Cell::text(format!("{name} {unit}").trim_end())];
+        // Least, then greatest: old, new and difference.
         for end in 0..2 {
             let number = |v: f64| Cell::number(decimals_of(v, 6));
             row.extend(match was {
@@ -277,6 +279,7 @@ fn clearance_section(
     section.text(&format!(
         "Lengths in {unit}. A bound holds at every instant, between the samples too."
     ));
+    // Pairs are matched by the names of their bodies: their indices may differ.
     let names = |checked: &Checked, pair: &PairReport| {
         body_names(&checked.scene.mechanism, pair).map(str::to_owned)
     };
@@ -310,6 +313,7 @@ fn clearance_section(
             .iter()
             .find(|p| names(old, p) == names(new, pair))
     };
+    // First the pairs of the new version, ...
     for pair in &after.judged {
         let was = of(pair);
         let mut row = vec![Cell::text(names(new, pair).join(" / "))];
@@ -319,6 +323,7 @@ fn clearance_section(
         row.push(change.map_or(Cell::Empty, |c| Cell::number(format!("{c:+.6}"))));
         table.rows.push(row);
     }
+    // ... then those that only the old one judges.
     let is_gone = |pair: &&PairReport| {
         after
             .judged
@@ -335,6 +340,7 @@ fn clearance_section(
     table.rows.truncate(MOST_ROWS);
     section.table(&table);
     if !after.judged.is_empty() {
+        // Both versions in one chart.
         let chart = clearance_chart(&new.scene.mechanism, after, MOST_CURVES);
         let other = clearance_chart(&old.scene.mechanism, before, before.judged.len().max(1));
         let both = with_pairs_of(chart, &other);

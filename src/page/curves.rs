@@ -148,6 +148,7 @@ pub fn curves_section(curves: &mut Curves) -> Section {
 pub fn transfer_section(curves: &mut Curves) -> Section {
     let mut section = Section::new("Transfer functions");
     let (mechanism, actuation) = (&curves.scene.mechanism, &curves.scene.actuation);
+    // A transfer function exists by a single input that moves.
     let Some(input) = lone_input(actuation) else {
         return section;
     };
@@ -158,6 +159,7 @@ pub fn transfer_section(curves: &mut Curves) -> Section {
     );
     let mut plot = default_plot(mechanism, actuation);
     plot.y.truncate(MOST_TRANSFERS);
+    // Each curve becomes its own first derivative, with the unit of a rate.
     for curve in &mut plot.y {
         let (unit, factor) = rate_unit((&curve.unit, curve.factor), per, 1);
         *curve = PlotCurve {

@@ -58,9 +58,11 @@ pub fn usual_size(chart: &BarChart) -> [u32; 2] {
 /// Lays `chart` out in `size` pixels.
 pub fn draw_bars(chart: &BarChart, size: [u32; 2], theme: ChartTheme) -> Drawing {
     let ruler = Ruler::default();
+    // All sizes scale with the picture: the tighter side decides.
     let usual = natural_size(chart, &Sizes::scaled(1.0), &ruler);
     let shares = [0, 1].map(|k| f64::from(size[k]) / usual[k]);
     let sizes = Sizes::scaled(shares[0].min(shares[1]));
+    // One column for the names, as wide as the longest; `top` moves down as things are drawn.
     let mut table = BarTable {
         sizes,
         theme,
@@ -69,6 +71,7 @@ pub fn draw_bars(chart: &BarChart, size: [u32; 2], theme: ChartTheme) -> Drawing
         width: f64::from(size[0]) - 4.0 * sizes.gap,
         top: 2.0 * sizes.gap,
     };
+    // Background, title, blocks, notes.
     let whole = Rect {
         left: 0.0,
         top: 0.0,
@@ -153,6 +156,7 @@ impl BarTable {
     fn block(&mut self, block: &BarBlock) {
         let (sizes, theme) = (self.sizes, self.theme);
         let (left, high) = (2.0 * sizes.gap, ROW * sizes.text);
+        // The columns share what the names leave.
         let wide = (self.width - self.names) / block.columns.len().max(1) as f64;
         let baseline = |top: f64| top + 0.5 * (high + sizes.text);
         let head = [left, baseline(self.top)];
@@ -163,6 +167,7 @@ impl BarTable {
             TextAnchor::Start,
             theme.faint_text,
         );
+        // Names of the rows, every other row on a tinted ground.
         let first = self.top + high;
         for (k, name) in block.rows.iter().enumerate() {
             let top = first + k as f64 * high;
@@ -185,6 +190,7 @@ impl BarTable {
                 theme.text,
             );
         }
+        // Headings of the columns, and their bars.
         for (k, column) in block.columns.iter().enumerate() {
             let left = left + self.names + k as f64 * wide;
             let at = [left + sizes.gap, head[1]];
@@ -197,6 +203,7 @@ impl BarTable {
     /// The bars of a column from `corner` (left, top) on.
     fn bars(&mut self, column: &BarColumn, [left, top]: [f64; 2], wide: f64) {
         let (sizes, theme) = (self.sizes, self.theme);
+        // Every column has a scale of its own, from its least to its greatest value, zero included.
         let finite = column.values.iter().filter(|v| v.is_finite());
         let (low, high) = finite.fold((0.0_f64, 0.0_f64), |(l, h), v| (l.min(*v), h.max(*v)));
         let room = wide - NUMBER * sizes.text;
@@ -206,6 +213,7 @@ impl BarTable {
         for (k, value) in column.values.iter().enumerate() {
             let middle = top + (k as f64 + 0.5) * row;
             if value.is_finite() {
+                // A bar from zero to the value, coloured by its sign.
                 let end = zero + value * unit;
                 let rect = Rect {
                     left: zero.min(end),
@@ -225,6 +233,7 @@ impl BarTable {
                 theme.faint_text,
             );
         }
+        // The line of zero through all rows.
         let bottom = top + column.values.len() as f64 * row;
         self.list.push(DrawnPrimitive::Line {
             points: vec![[zero, top], [zero, bottom]],

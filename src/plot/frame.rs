@@ -118,6 +118,7 @@ impl AxesFrame {
         list: &mut Vec<DrawnPrimitive>,
     ) {
         let (area, stroke) = (&self.area, Stroke::solid(theme.axis, sizes.hair));
+        // Both axes as one line, on whole pixels.
         let corners = [
             [snap_pixel(area.left), snap_pixel(area.top)],
             [snap_pixel(area.left), snap_pixel(area.bottom)],
@@ -128,6 +129,7 @@ impl AxesFrame {
             stroke,
             name: String::new(),
         });
+        // Ticks and numbers below and to the left of the area.
         for (tick, x) in self
             .x_ticks
             .list
@@ -162,6 +164,7 @@ impl AxesFrame {
             let at = [area.left - sizes.tick - sizes.gap, y + 0.5 * sizes.text];
             list.push(number_label(at, &tick.text, TextAnchor::End, sizes, theme));
         }
+        // The horizontal axis is named below, everything else above the area.
         let label = panel.x.heading(self.x_ticks.factor);
         let baseline = area.bottom + sizes.tick + sizes.gap + sizes.line(sizes.text) + sizes.text;
         let at = [0.5 * (area.left + area.right), baseline];

@@ -92,6 +92,7 @@ impl Heading {
                 colour: theme.text,
             });
         };
+        // From the top down: the title, then the label of the vertical axis.
         let mut baseline = top;
         if self.has_title {
             text(left, baseline + sizes.heading, sizes.heading, &panel.title);
@@ -101,6 +102,7 @@ impl Heading {
         if !self.label.is_empty() {
             text(left, baseline, sizes.text, &self.label);
         }
+        // The legend begins in the label's row: names, then samples of the lines.
         let row = |entry: &HeadingEntry| baseline + entry.row as f64 * sizes.line(sizes.text);
         let sample = SAMPLE * sizes.text;
         for entry in &self.entries {

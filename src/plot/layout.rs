@@ -154,6 +154,7 @@ impl ChartLayout {
     /// Divides a picture.
     pub fn new(chart: &Chart, size: [u32; 2], sizes: &Sizes) -> Self {
         let [width, height] = size.map(f64::from);
+        // What stands above and below the panels: title and notes.
         let border = 2.0 * sizes.gap;
         let mut top = border;
         let title = top + sizes.title;
@@ -166,9 +167,11 @@ impl ChartLayout {
         let notes = (0..chart.notes.len())
             .map(|k| bottom + line * k as f64 + 0.5 * border + sizes.small)
             .collect();
+        // As many columns as give the panels the best proportions.
         let columns = column_count(chart, [width, bottom - top]);
         let wide = (width - 2.0 * border - 2.0 * sizes.gap * (columns - 1) as f64) / columns as f64;
         let heights = row_heights(chart, columns);
+        // Rows share the height in the ratio of their usual heights.
         let share = (bottom - top) / heights.iter().sum::<f64>();
         let mut edge = top;
         let mut cells = Vec::with_capacity(chart.panels.len());

@@ -20,6 +20,7 @@ const QUARTER: f64 = 0.552_284_75;
 /// The drawing as a complete document. The same drawing gives the same bytes.
 pub fn write_pdf(drawing: &Drawing) -> Vec<u8> {
     let size = drawing.size.map(f64::from);
+    // Pixels become points, and y goes up: one matrix for everything.
     let mut page = Page::default();
     let _ = writeln!(
         page.content,
@@ -32,6 +33,7 @@ pub fn write_pdf(drawing: &Drawing) -> Vec<u8> {
         .primitives
         .iter()
         .for_each(|p| page.draw_primitive(p));
+    // Every opacity that occurs is a graphics state of its own.
     let states: String = page
         .opacities
         .iter()
@@ -44,6 +46,7 @@ pub fn write_pdf(drawing: &Drawing) -> Vec<u8> {
     let face = |name: &str, encoding: &str| {
         format!("<< /Type /Font /Subtype /Type1 /BaseFont /{name}{encoding} >>")
     };
+    // The objects refer to each other by their numbers, in this order from 1.
     let objects = [
         "<< /Type /Catalog /Pages 2 0 R >>".to_owned(),
         "<< /Type /Pages /Kids [3 0 R] /Count 1 >>".to_owned(),
@@ -98,6 +101,7 @@ struct Page {
 // Writing to a String cannot fail.
 impl Page {
     fn draw_primitive(&mut self, primitive: &DrawnPrimitive) {
+        // Each primitive is painted between saving and restoring the graphics state.
         match primitive {
             DrawnPrimitive::Area { rect, fill } => {
                 self.begin_state(*fill, None);

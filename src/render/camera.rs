@@ -75,6 +75,7 @@ pub fn fit_within(
 ) -> Camera {
     let axes = view.axes();
     let free = margins.map(|margin| 1.0 - margin.clamp(0.0, MAX_MARGIN));
+    // Slopes of the planes through the sides of the frame less its margin; zero in a parallel projection.
     let slope = match projection {
         Projection::Perspective { fov_y } => {
             let (sin, cos) = sin_cos(0.5 * fov_y);
@@ -83,6 +84,7 @@ pub fn fit_within(
         Projection::Orthographic { .. } => 0.0,
     };
     let slopes = [slope * aspect * free[0], slope * free[1]];
+    // These planes support the points, as the camera's axes see them.
     let inside = points
         .filter(|point| point.is_finite())
         .map(|point| axes.transpose() * point);
@@ -93,6 +95,7 @@ pub fn fit_within(
             support.perspective_eye(slopes),
         ),
         Projection::Orthographic { .. } => {
+            // The frame is as high as both spans ask for; a single point has an assumed extent.
             let spans = [0, 1].map(|k| support.reach[k][0] + support.reach[k][1]);
             let height = (spans[0] / (aspect * free[0])).max(spans[1] / free[1]);
             let height = if height > support.extent * EXTENT_RESOLUTION {
@@ -106,6 +109,7 @@ pub fn fit_within(
             )
         }
     };
+    // Near and far enclose the points with some slack, and are not too far apart for a depth in f32.
     let slack = DEPTH_SLACK * support.extent;
     let far = eye.z - support.front + slack;
     Camera {

@@ -173,6 +173,7 @@ impl ShadowCaster {
 
     /// The shadow of a frame's casting instances; `camera` determines the direction of the key light.
     pub fn cast(&mut self, frame: &Frame, camera: &Camera) -> &ContactShadow {
+        // In the frame of the ground height is z.
         let ground_from_world = Pose {
             rotation: self.axes,
             translation: self.ground.center,
@@ -180,6 +181,7 @@ impl ShadowCaster {
         .inverse();
         let slant = self.shadow_slant(camera);
         let maps = self.heights.iter_mut().zip(&mut self.thrown);
+        // Opaque and translucent bodies have maps of their own: their shadows differ in darkness.
         for ((below, thrown), translucent) in maps.zip([false, true]) {
             below.fill(f32::INFINITY);
             thrown.fill(f32::INFINITY);
@@ -199,6 +201,8 @@ impl ShadowCaster {
                     .zip(self.coarse.get(instance.mesh));
                 if let Some((mesh, coarse)) = mesh {
                     let pose = ground_from_world * instance.world_from_mesh;
+                    // The least height over every texel: straight below, and along the key light if that is steep
+                    // enough.
                     let maps = std::iter::once(&mut below).chain(thrown.as_mut());
                     for map in maps {
                         let caster = CastMesh { mesh, coarse };

@@ -143,6 +143,7 @@ pub fn shade_surface(
     open: Open,
 ) -> Rgb {
     let [lit, sky_open] = open;
+    // Key light: wrapped around the terminator, less what other bodies' shadows take of its direct part.
     let n_l = dot_product(normal, KEY_DIRECTION);
     let n_v = larger_of(dot_product(normal, to_viewer), 0.0);
     let direct = larger_of(n_l, 0.0);
@@ -150,9 +151,11 @@ pub fn shade_surface(
     let lost = KEY_SHADE * (1.0 - lit) * direct * share;
     let key = larger_of((n_l + KEY_WRAP) / (1.0 + KEY_WRAP), 0.0) - lost;
     let key = key * (1.0 - SKY_SHADE * (1.0 - sky_open));
+    // Fill light by Lambert; ambient light from the sky above and the ground below.
     let fill = larger_of(dot_product(normal, FILL_DIRECTION), 0.0);
     let sky = 0.5 + 0.5 * dot_product(normal, around.up);
 
+    // Blinn's highlight: powers of (n·h)² by squaring.
     let half = larger_of(n_l + n_v, 0.0);
     let h2 = smaller_of(
         half * half / larger_of(2.0 + 2.0 * dot_product(KEY_DIRECTION, to_viewer), 1e-6),
@@ -163,10 +166,12 @@ pub fn shade_surface(
     let h16 = h8 * h8;
     let h32 = h16 * h16;
     let glint = (SHEEN * h8 + HIGHLIGHT * (h32 * h32)) * lit;
+    // Silhouettes, where the surface turns away from the viewer.
     let away = (1.0 - n_v) * (1.0 - n_v);
     let kept = 1.0 - around.rim.loss * away;
     let gain = around.rim.gain * (away * away);
 
+    // Channel by channel: diffuse light times the albedo, and gloss on top; flat paint is the albedo itself.
     let channel = |c: usize| {
         let around = mix_values(GROUND_COLOUR[c], SKY_COLOUR[c], sky) + FILL_COLOUR[c] * fill;
         let light = around * sky_open + KEY_COLOUR[c] * key;

@@ -26,6 +26,7 @@ pub fn clearance_table(mechanism: &Mechanism, found: &ClearanceReport, worst: us
     if !found.judged.is_empty() {
         text.push_str("      distance   never below     minimum      at t/s  verdict    pair\n");
     }
+    // The pairs that are judged, the worst first, with remarks below each.
     for p in found.judged.iter().take(worst) {
         text.push_str(&pair_row(mechanism, p));
         if let Some(times) = violations_sentence(p, has_gaps) {
@@ -53,6 +54,7 @@ pub fn clearance_table(mechanism: &Mechanism, found: &ClearanceReport, worst: us
     if let Some(far) = &found.far {
         text.push_str(&far_line(far));
     }
+    // What was excluded, reason by reason, and what was only counted.
     for group in by_reason(&found.excluded) {
         text.push_str(&excluded_row(mechanism, &group));
     }
@@ -63,6 +65,7 @@ pub fn clearance_table(mechanism: &Mechanism, found: &ClearanceReport, worst: us
             judgement_word(judgement)
         ));
     }
+    // Gaps of the motion, where nothing was checked.
     for [start, end] in &found.gaps {
         let [start, end] = [start, end].map(|time| decimals_of(*time, 6));
         text.push_str(&format!("    not checked from t = {start} s to {end} s\n"));

@@ -208,6 +208,7 @@ impl TakenMeasure<'_> {
         let Some(known) = self.known else {
             return String::new();
         };
+        // When it occurs, or where if it has no time.
         let time = known
             .time
             .map(|time| format!("t = {} s", decimals_of(time, 6)));
@@ -217,6 +218,7 @@ impl TakenMeasure<'_> {
             .map(|(name, value, unit)| format!("{name} = {} {unit}", decimals_of(*value, 5)));
         let place: Vec<String> = place.collect();
         let time = time.or((!place.is_empty()).then(|| place.join(", ")));
+        // Where bodies touch or overlap only the time of the deepest place found is named.
         if known.is_distance && (known.value <= 0.0 || known.is_enclosed) {
             return format!(", deepest found at {}", time.unwrap_or_default());
         }
@@ -229,6 +231,7 @@ impl TakenMeasure<'_> {
             };
             return format!("{time}; no bound{why}");
         }
+        // The bound is rounded away from the value, to digits that it has.
         let decimals = shown_decimals(bound).map_or(12, |d| d.saturating_sub(1));
         let never = match known.is_upper {
             true => format!("never above {}", not_above(bound, decimals)),

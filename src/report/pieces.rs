@@ -98,12 +98,14 @@ pub fn piece_table(mechanism: &Mechanism, report: &PieceReport, worst: usize) ->
             "        nominal     found   never below     minimum      at t/s  verdict    pair\n",
         );
     }
+    // The worst verdicts first, and of like ones the smallest margins.
     let mut list: Vec<&PieceClearance> = report.list.iter().collect();
     list.sort_by(|p, q| {
         let order = piece_status(q).cmp(&piece_status(p));
         order.then((p.bound - p.minimum).total_cmp(&(q.bound - q.minimum)))
     });
     for pair in list.iter().take(worst) {
+        // A bound is rounded down, and there is none where a proof was refused.
         let bound = match pair.refusal {
             Some(_) => "-".to_owned(),
             None => not_below(pair.bound, 4),

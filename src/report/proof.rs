@@ -86,6 +86,7 @@ impl<'t> MotionProof<'t> {
     /// One line.
     pub fn sentence(&self, mechanism: &Mechanism, actuation: &Actuation) -> String {
         let unit = &mechanism.length_unit;
+        // With redundant equations intervals are consistent: these hold as far as rounding allows to judge.
         let word = if self.consistent > 0 {
             CONSISTENT
         } else {
@@ -103,6 +104,7 @@ impl<'t> MotionProof<'t> {
                 at_most(self.closes_to)
             ));
         }
+        // The tube around the path, and how far around it there is no other motion.
         if self.proved() > 0 {
             text.push_str(&format!(
                 "; within {} {unit} of the proved path, the only motion{}",
@@ -220,12 +222,14 @@ impl PoseProofs {
         };
         for pose in trajectory.poses() {
             proof.poses += 1;
+            // Certificates that were not requested are not reported.
             let certificate = match is_asked {
                 false => Certificate::Refused {
                     reason: Reason::NotAsked,
                 },
                 true => pose.certificate,
             };
+            // The whole motion is as good as its worst pose: largest error, smallest uniqueness.
             if let Some([error_bound, unique_radius]) = certificate.bounds() {
                 let is_locked = matches!(certificate, Certificate::Locked { .. });
                 proof.locked += usize::from(is_locked);
@@ -236,6 +240,7 @@ impl PoseProofs {
                 proof.consistent += 1;
                 proof.closes_to = proof.closes_to.max(closes_to);
             }
+            // Refusals are counted, and each reason is named once.
             if let Certificate::Refused { reason } = certificate {
                 proof.refused += 1;
                 proof.open += usize::from(reason == Reason::Open);

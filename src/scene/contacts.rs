@@ -92,6 +92,7 @@ pub fn read_surfaces(r: &mut TableReader) -> Option<[SurfaceFile; 2]> {
 
 fn read_surface(r: &mut TableReader) -> Option<SurfaceFile> {
     let span = r.span.clone();
+    // Every key is read, so that all errors are reported.
     let torus = r.table("torus", |s| {
         let ring = required_value(s, "ring", |s, k| s.formula(k));
         let tube = required_value(s, "tube", |s, k| s.formula(k));
@@ -110,6 +111,7 @@ fn read_surface(r: &mut TableReader) -> Option<SurfaceFile> {
     });
     let plane = r.table("plane", |_| Some(ContactSurface::Plane));
     let frame = r.formula("frame");
+    // Exactly one of them: a surface with an error has been reported.
     let mut found = [torus, sphere, cylinder, plane].into_iter().flatten();
     match (found.next(), found.next()) {
         (Some(surface), None) => Some(SurfaceFile {

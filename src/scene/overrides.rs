@@ -84,6 +84,7 @@ pub fn apply_overrides(overrides: &Overrides, file: &mut SceneFile, diagnostics:
                 }),
         );
     };
+    // Names must be those of the file, ...
     for (name, text) in &overrides.parameters {
         let mut formulas = file.parameters.iter_mut().chain(&mut file.chains);
         match formulas.find(|(n, _)| n.value == *name) {
@@ -105,6 +106,7 @@ pub fn apply_overrides(overrides: &Overrides, file: &mut SceneFile, diagnostics:
             ),
         }
     }
+    // ... except for start values: the file need not have any.
     for (name, text) in &overrides.guess {
         let formula = FormulaText::outside(text);
         file.guess.retain(|(n, _)| n.value != *name);
@@ -116,6 +118,7 @@ pub fn apply_overrides(overrides: &Overrides, file: &mut SceneFile, diagnostics:
             formula,
         ));
     }
+    // A plot takes the place of all plots of the file.
     if let Some(plot) = &overrides.plot {
         file.plots = vec![PlotFile {
             x: plot.x.as_deref().map(FormulaText::outside),

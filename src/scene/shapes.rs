@@ -12,6 +12,7 @@ const SOLIDS: &str = "sphere, capsule, cylinder, cone, box, torus, tube, half_sp
 /// Reads one entry of `shapes`: a solid, or the solids of a machine part.
 pub fn read_shapes(r: &mut TableReader) -> Vec<ShapeFile> {
     let span = r.span.clone();
+    // Every key is read, so that all errors are reported: `None` for one with an error.
     let solids: Vec<Option<SolidFile>> = [
         r.table("sphere", |s| {
             let center = s.vector("center");
@@ -66,12 +67,14 @@ pub fn read_shapes(r: &mut TableReader) -> Vec<ShapeFile> {
     .into_iter()
     .flatten()
     .collect();
+    // Machine parts are several solids.
     let solids: Vec<Option<Vec<SolidFile>>> = solids
         .into_iter()
         .map(|solid| solid.map(|solid| vec![solid]))
         .chain(machine_parts::read_parts(r))
         .collect();
     let (frame, colour, opacity) = (r.formula("frame"), r.colour("colour"), r.formula("opacity"));
+    // One key, with errors or without: anything else is not a shape.
     if solids.len() != 1 {
         let message = if solids.is_empty() {
             "a shape needs a solid"

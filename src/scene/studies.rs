@@ -32,6 +32,7 @@ pub struct VariableFile {
 /// Reads the section.
 pub fn read_study<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> StudyFile {
     let mut variables = Vec::new();
+    // A variable with an error counts as one without range and tolerance.
     for (name, value, span) in r.named("variables") {
         let variable = match value.as_table() {
             Some(table) => {
@@ -53,6 +54,7 @@ pub fn read_study<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> StudyFile {
         variables.push((name, variable));
     }
     let mut limits = Vec::new();
+    // A limit with an error is left out.
     for (name, value, span) in r.named("limits") {
         let Some(table) = value.as_table() else {
             let message = format!("the limit of `{}` must be a table", name.value);

@@ -44,6 +44,7 @@ impl Arrows {
             return None;
         }
         let count = trajectory.samples.len();
+        // Velocities of all traced points, of which the fastest sets the scale.
         let velocities: Vec<Vec<DVec3>> = (0..count)
             .map(|index| {
                 let along = |trace| trace_velocity(trajectory, index, trace);
@@ -55,9 +56,11 @@ impl Arrows {
         if fastest <= 0.0 {
             return None;
         }
+        // Length is speed times a number of seconds: the scene's own, or one that suits the extent of the motion.
         let longest = decor
             .arrow_scale
             .map_or(LONGEST * extent, |seconds| seconds * fastest);
+        // Arrows of all lengths that occur, ready-made: frames choose among them.
         let first = meshes.len();
         for level in 1..=LEVELS {
             let length = longest * level as f64 / LEVELS as f64;

@@ -46,6 +46,7 @@ pub fn drawn_bars(mechanism: &Mechanism, poses: &[PlacedLinks], radius: f64) -> 
             let [a, b] = [&a, &b].map(|end| end.pose(&at.arguments).translation);
             a.distance(b)
         };
+        // The range of the bar's length over the motion.
         let lengths = poses.iter().map(length);
         let range = lengths.fold([f64::INFINITY, 0.0], |[low, high]: [f64; 2], l| {
             [low.min(l), high.max(l)]
@@ -58,9 +59,11 @@ pub fn drawn_bars(mechanism: &Mechanism, poses: &[PlacedLinks], radius: f64) -> 
                 radius,
             }]
         };
+        // A bar of constant length is a rod; any other is a barrel from one end and a rod from the other.
         let parts = match high - low <= CONSTANT * high {
             true => vec![([a, b], rod(high, radius))],
             false => {
+                // No part is longer than the bar at its shortest.
                 let part = (PART * high).min(low);
                 vec![
                     ([a.clone(), b.clone()], rod(part, BARREL * radius)),

@@ -92,6 +92,7 @@ impl Captions {
     /// Adds title, input values (as text or gauges) and the notice of a missing pose to `frame`.
     pub fn add_captions(&self, scene: &Scene, sample: &Sample, frame: &mut Frame) {
         let [width, height] = self.size;
+        // A picture too small for its smallest text has none.
         if VALUE_SIZE * height < SMALLEST_READABLE {
             return;
         }
@@ -107,12 +108,14 @@ impl Captions {
             yields: false,
         };
         let rows = |text: &str| text.matches('\n').count() as f64;
+        // From the top down: the title, and below it the notice of a missing pose.
         let mut top = inset;
         if view.captions {
             let (text, size) = (self.title_fit.text(&self.title), self.title_fit.size);
             top += (1.8 + LINE * rows(&text)) * size / height;
             frame.labels.push(line(text, inset, size, theme.ink()));
         }
+        // At the bottom the values of the inputs, as gauges or as text.
         let values = input_captions(&scene.mechanism, &sample.inputs);
         if view.decor.gauge {
             let inputs = &sample.inputs;

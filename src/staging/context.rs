@@ -93,12 +93,14 @@ impl ContextSigns {
         let tall = height * room.enlarged;
         let size = VALUE_SIZE * tall;
         let (text, foot) = if camera.is_perspective() {
+            // In a perspective no bar is true to scale: the pitch of the grid is named.
             let pitch = ground.map_or(0.0, |ground| ground.grid);
             if pitch <= 0.0 {
                 return 0.0;
             }
             (format!("grid {}", self.length_text(pitch)), 0.0)
         } else {
+            // A bar of a round length, with a line across each end.
             let pixels = camera.pixels_per_unit(room.size);
             let length = round_step(BAR * width.min(height) * room.enlarged / pixels);
             let left = right - length * pixels;
@@ -119,6 +121,7 @@ impl ContextSigns {
                 2.0 * HALF_END * tall + 0.5 * GAP * tall,
             )
         };
+        // The text ends at the right, above the bar.
         let [wide, high] = fitting::text_extent(&text, size);
         let place = [right - wide, bottom - foot - high];
         frame.labels.push(Label {

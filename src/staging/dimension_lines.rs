@@ -319,10 +319,12 @@ impl DimensionPen<'_> {
 
     fn angle(&mut self, arc: &Arc) -> Option<ValueFoot> {
         let vertex = self.on_screen(arc.at)?;
+        // The two sides, from the vertex to a little beyond the arc.
         for share in [0.0, 1.0] {
             let end = self.on_screen(arc.point(share, SIDES))?;
             self.line([vertex, end]);
         }
+        // The arc as a polygon, and its length on the screen.
         let pieces = (arc.angle / PIECE).ceil().max(1.0) as usize;
         let shares = (0..=pieces).map(|k| k as f64 / pieces as f64);
         let points: Option<Vec<[f64; 2]>> = shares
@@ -338,6 +340,7 @@ impl DimensionPen<'_> {
             self.line([pair[0], pair[1]]);
         }
         let head = HEAD * self.tall();
+        // Heads, if there is room for them: they point along the chord over their own length.
         if drawn > SHORT * head {
             let back = head / drawn;
             let tips: &[[f64; 2]] = if arc.directed {
@@ -353,6 +356,7 @@ impl DimensionPen<'_> {
                 }
             }
         }
+        // The value stands at the middle, away from the vertex.
         let world = arc.point(0.5, 1.0);
         let at = self.on_screen(world)?;
         let away = direction(vertex, at).map_or([0.0, -1.0], |(away, _)| away);

@@ -100,10 +100,12 @@ impl Gauges {
         theme: Theme,
     ) -> (Vec<Patch>, Vec<Label>) {
         let [width, height] = self.size;
+        // Heights of the picture as shares of its width.
         let across = |heights: f64| heights * height / width;
         let (mut patches, mut labels) = (Vec::new(), Vec::new());
         let count = self.ranges.len();
         for (row, (value, [low, high])) in inputs.iter().zip(&self.ranges).enumerate() {
+            // Rows from the bottom up, the last input lowest.
             let middle = 1.0 - inset - PITCH * ((count - row) as f64 - 0.5);
             let share = if high > low {
                 ((value - low) / (high - low)).clamp(0.0, 1.0)
@@ -119,6 +121,7 @@ impl Gauges {
                     opacity,
                 });
             };
+            // An empty bar, and over it the part up to the value.
             bar(WIDTH, theme.faint_ink(), EMPTY);
             bar(WIDTH * share, FILL, 1.0);
             let top = middle - 0.5 * self.text_size / height;

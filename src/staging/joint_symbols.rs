@@ -93,6 +93,7 @@ impl JointSymbols {
         };
         let radius = RADIUS * extent;
         let mut signs = Self::default();
+        // A piece of a symbol: its mesh, and what it moves with.
         let mut add = |solids: Vec<Solid>, carrier: PieceCarrier, colour| {
             if solids.is_empty() {
                 return;
@@ -108,6 +109,7 @@ impl JointSymbols {
                 colour,
             });
         };
+        // Without bodies links and bars are drawn as rods.
         if mechanism.bodies.is_empty() {
             let links = link_symbols::drawn_links(mechanism, first, ROD * radius);
             let count = links.len();
@@ -120,6 +122,7 @@ impl JointSymbols {
                 add(drawn.solids, PieceCarrier::Bar(drawn.ends), colour);
             }
         }
+        // A ball at every end of a bar; ground below fixed ones where no body shows it.
         for (end, is_fixed) in bar_symbols::bar_ends(mechanism) {
             let ball = bar_symbols::end_ball(radius);
             add(ball, PieceCarrier::End(end.point.clone()), SEAT);
@@ -128,6 +131,7 @@ impl JointSymbols {
                 add(ground_sign(place, up, radius), PieceCarrier::Still, GROUND);
             }
         }
+        // Joints: each side moves with its own link, shifted along the axis to where the bodies are.
         let outlines = Outlines::new((mechanism, &scene.view), &poses);
         for joint in joints::placed_joints(mechanism) {
             let place = outlines.place(&joint, HOLD * radius);
@@ -140,6 +144,7 @@ impl JointSymbols {
             let carried = |frame| PieceCarrier::Link(shifted_frame(frame, shift));
             add(seat, carried(&joint.before), SEAT);
             add(mover, carried(&joint.after), MOVER);
+            // The ground's sign where no body of the frame shows it; below the middle of a slider's stroke.
             if joint.grounded && !place.held {
                 let at = joint.before.pose(first) * Pose::from_translation(shift);
                 let slides = joint.kind == JointKind::Prismatic;

@@ -116,6 +116,7 @@ impl<'a> Staging<'a> {
         options: PictureOptions,
         marks: Marks,
     ) -> Self {
+        // All that must be in the picture; what needs room adds its points before the camera is fitted.
         let mut bounds = bounds::moving_points(scene, trajectory);
         let view = &*cameras::view_of(scene, &bounds);
         let up = view.up.axis();
@@ -128,12 +129,14 @@ impl<'a> Staging<'a> {
         let ground = view_ground(view, &bounds, up);
         let extent = bounds::box_of(&bounds).map_or(1.0, |[low, high]| (high - low).length());
         bounds.extend(dimension_lines::held_points(scene, trajectory, extent));
+        // With the camera the size of a pixel is known, which sets the facets and all widths.
         let cameras = Cameras::new(view, up, &bounds, aspect, (&times, duration));
         let pixel = body_meshes::pixel_size(cameras.all(), options.size, &bounds);
         let parts = body_meshes::of_bodies(scene, pixel, &mut meshes);
         let height = f64::from(options.size[1]);
         decor.after_camera(moving, (pixel, height), &mut meshes);
         let measure = marks.mesh(pixel, &mut meshes);
+        // What is the same in all frames, shared by the renderers.
         let stage = Stage {
             meshes: meshes.into(),
             size: options.size,
@@ -148,6 +151,7 @@ impl<'a> Staging<'a> {
             edges: edge_style(view),
             mutual_shade: bounds::box_of(&bounds).filter(|_| view.shadows == Shadows::All),
         };
+        // What the frames differ by.
         let mut staging = Self {
             stage: Arc::new(stage),
             scene,

@@ -77,9 +77,12 @@ pub fn of_motion(
     facets: Facets,
 ) -> ExportModel {
     let mechanism = &scene.mechanism;
+    // The extent of the motion bounds the error of facets.
     let extent = bounds::box_of(&bounds::moving_points(scene, trajectory))
         .map_or(mechanism.size, |[low, high]| (high - low).length());
+    // Keys in time; over a gap the pose before it is held.
     let keys = pose_keys(trajectory, samples);
+    // A part for every shape shown, and a pose for every key.
     let bodies = mechanism.bodies.iter().enumerate().map(|(index, body)| {
         let poses = keys.iter().filter_map(|key| {
             let pose = trajectory.samples[key.sample].pose.as_ref()?;

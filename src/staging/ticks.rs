@@ -38,6 +38,7 @@ pub fn of_traces(
     look: TrailLook,
     meshes: &mut Vec<StageMesh>,
 ) -> Vec<TickMarks> {
+    // Marks stand on shown paths only.
     let Some(step) = decor.ticks.filter(|_| decor.trails != Trails::None) else {
         return Vec::new();
     };
@@ -49,6 +50,7 @@ pub fn of_traces(
             continue;
         }
         let (mut marks, mut times) = (Vec::new(), Vec::new());
+        // One mark each at equal times, as far as the point has a place there.
         for mark in 0..MOST {
             let time = mark as f64 * step;
             if time > scene.actuation.duration {
@@ -62,6 +64,7 @@ pub fn of_traces(
         if marks.is_empty() {
             continue;
         }
+        // All marks have equally many triangles, in the order of time: a range shows those passed.
         let mesh = merged_mesh(&marks, 0.2 * look.pixel);
         let each = mesh.triangles.len() / marks.len();
         let passed = |now: f64| times.iter().filter(|time| **time <= now).count();

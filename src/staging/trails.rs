@@ -145,6 +145,7 @@ pub fn of_traces(
 ) -> Vec<TracePart> {
     let mechanism = &scene.mechanism;
     let count = trajectory.samples.len();
+    // The number of samples that a fading trail holds; `None` if it keeps its colour.
     let fading = match look.trails {
         Trails::None => return Vec::new(),
         Trails::Whole | Trails::Grow => None,
@@ -154,6 +155,7 @@ pub fn of_traces(
         }
     };
     let complete = trajectory.samples.iter().all(|s| s.pose.is_some());
+    // The trail of a cyclic motion goes on across its start.
     let closed =
         fading.is_some() && complete && count > 2 && is_cyclic(mechanism, &scene.actuation);
     let path = |index: usize| {
@@ -163,6 +165,7 @@ pub fn of_traces(
     let visible = mechanism.traces.iter().enumerate();
     let visible = visible.filter(|(_, trace)| trace.radius.is_none_or(|r| r > 0.0));
     let paths = visible.map(|(index, _)| path(index));
+    // One least step for all traces, in pixels, so that many samples make no minute steps.
     let apart = least_step(paths, TRACE_STEP_PIXELS * look.pixel, MOST_STEPS);
     let mut parts = Vec::new();
     for (index, trace) in mechanism.traces.iter().enumerate() {
@@ -175,6 +178,7 @@ pub fn of_traces(
         if closed {
             kept.push(kept[0]);
         }
+        // The whole path, thin and pale, below the part that has been travelled.
         let ahead = (look.trails == Trails::Whole).then(|| {
             let thin = (AHEAD_RADIUS * radius).max(LEAST_RADIUS_PIXELS * look.pixel);
             let path = trace_mesh(&kept, thin, TRACE_SIDES).mesh;
@@ -183,6 +187,7 @@ pub fn of_traces(
             let shade = mixed_colour(look.background, trace.colour, AHEAD_SHADE);
             (meshes.len() - 1, triangles, shade)
         });
+        // The path itself: a range of its triangles shows it up to a sample.
         let path = trace_mesh(&kept, radius, TRACE_SIDES);
         meshes.push(path.mesh.into());
         parts.push(TracePart {

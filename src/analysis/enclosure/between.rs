@@ -64,11 +64,13 @@ impl PoseBetween<'_> {
         [from, until]: [f64; 2],
         halvings: u32,
     ) -> Result<Vec<[f64; 2]>, Obstacle> {
+        // One enclosure over the whole interval, if its test succeeds.
         let refusal = match self.whole(solver, [from, until]) {
             Ok(bands) => return Ok(bands),
             Err(refusal) if halvings == 0 => return Err(refusal),
             Err(refusal) => refusal,
         };
+        // Else by halves, in which the inputs vary less: each around a pose in its own middle.
         let middle = 0.5 * from + 0.5 * until;
         let mut all: Option<Vec<[f64; 2]>> = None;
         for half in [[from, middle], [middle, until]] {
@@ -77,6 +79,7 @@ impl PoseBetween<'_> {
             let pose = pose.ok_or(refusal)?;
             let place = PoseBetween { pose, ..*self };
             let bands = place.bands(solver, half, halvings - 1)?;
+            // The hull of both halves holds for the whole; if one half has no proof, the whole has none.
             all = Some(match all {
                 None => bands,
                 Some(before) => before

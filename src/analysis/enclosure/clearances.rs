@@ -83,6 +83,7 @@ pub fn enclose_clearances(
 ) -> Vec<PieceClearance> {
     let family = plan.family;
     let mechanism = family.mechanism();
+    // The chains to the points of the solids of every pair, and the arguments that any of them uses.
     let ways: Vec<PartWays> = parts
         .iter()
         .map(|part| PartWays::new(part, mechanism, &family.carried))
@@ -96,11 +97,14 @@ pub fn enclose_clearances(
         ways,
         used,
     };
+    // Branch and bound: every bound starts at the nominal distance and only falls.
     let mut found: Vec<PieceClearance> = parts.iter().map(unknown_clearance).collect();
     let mut open = first_stretches(plan, parts, times, &mut found);
     let mut looked = 0;
+    // Breadth first: a round examines all open intervals, and halves those that leave a pair undecided.
     for halvings in 0..=MOST_HALVINGS {
         looked += open.len();
+        // The last round keeps the bounds as they are.
         let is_last = halvings == MOST_HALVINGS || looked + 2 * open.len() > MOST_STRETCHES;
         open = search.round(open, &mut found, tolerance, threads, is_last);
         if open.is_empty() {

@@ -70,6 +70,7 @@ impl<'f> StudyRows<'f> {
         family: &'f ParametricMechanism,
         measure: &'f Measure,
     ) -> Option<(Self, Reduction)> {
+        // Only measures over poses have rows, ...
         let MeasureSource::Over {
             track,
             of,
@@ -81,6 +82,7 @@ impl<'f> StudyRows<'f> {
         else {
             return None;
         };
+        // ... and a reduction takes a single formula: one value per pose.
         let [formula] = of.as_slice() else {
             return None;
         };
@@ -88,6 +90,7 @@ impl<'f> StudyRows<'f> {
             taking: *taking,
             power: *power,
         };
+        // The values as they are; other signs only turn minima and magnitudes into maxima.
         let rows = Self::rows_along(family, *track, formula, *per, &[1.0]);
         Some((rows, reduction))
     }

@@ -109,6 +109,7 @@ impl GifSink {
         palette: Arc<Palette>,
     ) -> Result<Self, ExportError> {
         let [width, height] = settings.size;
+        // The format stores sides in 16 bits.
         if ![width, height]
             .iter()
             .all(|s| (1..=LONGEST_SIDE).contains(s))
@@ -128,6 +129,7 @@ impl GifSink {
                 got: 0,
             });
         }
+        // The palette of the whole animation; one index stands for unchanged pixels.
         let table = ColourTable::new(&palette, settings.quality);
         let size = settings.size.map(|s| s as u16);
         let repeat = settings.repeat && frames > 1;

@@ -129,6 +129,7 @@ impl Matcher {
             ..
         } = self;
         let (mut front, mut back) = (front, back);
+        // Beam search: the cheapest strings that stand for the pixels read so far, one pixel longer at a time.
         let step = BeamStep {
             dictionary,
             costs,
@@ -139,6 +140,7 @@ impl Matcher {
         let mut best = (front.items[0], covered);
         while let Some(pixel) = pixels.get(covered) {
             back.length = 0;
+            // All continuations that the dictionary has and the pixel allows.
             match pixel.change {
                 PixelChange::Stretch => step.stretch_strings(front, back),
                 _ if covered == 1 => step.second_pixel(pixel, front, back),
@@ -150,6 +152,7 @@ impl Matcher {
             }
             std::mem::swap(&mut front, &mut back);
             covered += 1;
+            // A longer string is taken if its further error is worth the pixels that it covers.
             let candidate = front.items[0];
             let gain = (covered - best.1) as i32;
             if candidate.error - best.0.error <= self.price.saturating_mul(gain) {

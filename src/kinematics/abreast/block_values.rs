@@ -284,12 +284,14 @@ impl BlockValues {
         let formula = &lanes.mechanism.equations[planned.index].expression;
         let unknowns = lanes.block.unknowns.len();
         let shares = &plan.shares[planned.shares.clone()];
+        // An equation of second degree in all lanes at once: slopes follow from the values of its factors.
         if let Some(quadratic) = &planned.quadratic {
             let value = quadratic.value(coordinates, &mut self.factors);
             self.residual[planned.row] = value * planned.scale;
             let (jacobian, outer) = (&mut self.jacobian, &mut self.outer);
             quadratic.each_slope(&self.factors, |place, slope| {
                 let share = &shares[place];
+                // Columns behind the block's own unknowns belong to coordinates of other blocks.
                 let entry = match share.column.checked_sub(unknowns) {
                     None => &mut jacobian[share.column * rows + planned.row],
                     Some(_) if !lanes.with_outside => return,
@@ -299,10 +301,12 @@ impl BlockValues {
             });
             return;
         }
+        // Any other formula lane by lane: its value, ...
         let value = by_lanes(&mut self.plain, coordinates, |plain, slots| {
             formula.value_with(slots, &mut plain.values)
         });
         self.residual[planned.row] = value * planned.scale;
+        // ... then each derivative, by reverse accumulation.
         for share in shares {
             let is_outside = share.column >= unknowns;
             if is_outside && !lanes.with_outside {

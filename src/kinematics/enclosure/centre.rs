@@ -125,10 +125,12 @@ impl Centre {
         region: &Region<F>,
     ) -> Result<Varying<F>, Reason> {
         let (n, columns) = (self.n, layout.slots.len());
+        // J as forms of the dimensions, for all unknowns in the box.
         let rows: Rows<F> = layout.rows(&region.slots, &self.about);
         if !rows.jacobian.iter().all(|entry| entry.is_finite()) {
             return Err(Reason::Formula);
         }
+        // A = R J - I with the inverse R at the centre, entry by entry: how far R J is from the identity.
         let mut entries = Vec::with_capacity(n * n);
         for i in 0..n {
             for column in 0..n {
@@ -140,6 +142,7 @@ impl Centre {
                 entries.push(F::combination(start, factors.zip(of_column)));
             }
         }
+        // Magnitudes over all dimensions; the test needs |A| as a contraction.
         let a = Contraction(entries.iter().map(DimensionForm::magnitude).collect());
         Ok(Varying { rows, entries, a })
     }

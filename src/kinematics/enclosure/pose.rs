@@ -125,6 +125,7 @@ impl<'s> Encloser<'s> {
         let room = self.form_room::<N>(plain.count);
         let mechanism = self.system.mechanism();
         let (unknowns, coordinates) = (mechanism.unknowns.len(), mechanism.coordinate_count());
+        // The coordinates as second-order forms whose coefficients of second order are still zero.
         let lifted = |form: &AffineForm<N>| QuadraticForm::within(*form, &room);
         let mut region = Region {
             room: &room,
@@ -137,13 +138,16 @@ impl<'s> Encloser<'s> {
                 .collect(),
             boxes: plain.boxes.clone(),
         };
+        // Each unknown as the integral of its known rates: their slopes become terms of second order.
         for slot in 0..unknowns {
             let (value, rates) = (plain.slots[slot].value, region.rates_of(slot));
             region.slots[slot] = DimensionForm::integral(&room, value, plain.open[slot], rates);
         }
+        // With these forms the blocks are enclosed once more, in the boxes that are proved already.
         for (layout, known) in self.layouts.iter().zip(&plain.boxes) {
             refine_block(layout, known, &mut region);
         }
+        // Traces and outputs follow from the coordinates; then second-order terms are bounded again.
         show_all(mechanism, &mut region);
         plain_region(region)
     }

@@ -92,6 +92,7 @@ struct LimitSearch<'m> {
 impl<'m> LimitSearch<'m> {
     fn new(system: &'m System, actuation: &'m Actuation, samples: &'m [Sample]) -> Self {
         let mechanism = system.mechanism();
+        // Exact rates by time at every sample with a pose.
         let rates: Vec<Option<Vec<f64>>> = samples
             .iter()
             .map(|sample| {
@@ -100,6 +101,7 @@ impl<'m> LimitSearch<'m> {
                 FIRST.values(system, actuation, &coordinates, sample.time)
             })
             .collect();
+        // Unknowns and outputs are searched; in the list of rates traced points lie between them.
         let (n, traces) = (mechanism.unknowns.len(), 3 * mechanism.traces.len());
         let unknowns = mechanism.unknowns.iter().map(|c| c.name.clone()).zip(0..);
         let outputs = mechanism
@@ -107,6 +109,7 @@ impl<'m> LimitSearch<'m> {
             .iter()
             .map(|o| o.name.clone())
             .zip(n + traces..);
+        // Scales: what is slow beside them counts as resting.
         let times = samples.iter().map(|s| s.time);
         let fastest_input = times.map(|t| input_rate(actuation, t)).fold(0.0, f64::max);
         let all = rates.iter().flatten().flatten().map(|r| r.abs());
@@ -231,11 +234,13 @@ impl<'m> LimitSearch<'m> {
     }
 
     fn push(&mut self, quantity: usize, time: f64, coordinates: &[f64], is_largest: bool) {
+        // Where the drive rests everything does: that is no limit position.
         if input_rate(self.actuation, time) <= RESTING * self.fastest_input {
             return;
         }
         let mechanism = self.system.mechanism();
         let n = mechanism.unknowns.len();
+        // Outputs are observed at the pose; those that contain rates need the drive, too.
         let (value, kind) = match quantity.checked_sub(n) {
             None => (coordinates[quantity], mechanism.unknowns[quantity].kind),
             Some(output) => {

@@ -49,7 +49,9 @@ pub struct OpenLoop {
 pub fn iterate_film(mechanism: &Mechanism, inputs: &[f64], list: &[Iterate]) -> Trajectory {
     let frame = |(second, iterate): (usize, &Iterate)| {
         let coordinates = [iterate.unknowns.as_slice(), inputs].concat();
+        // An open pose: every body where its own chain puts it.
         let seen = Observation::new(mechanism, &coordinates);
+        // Rates, rank and condition belong to closed poses; an iterate has none.
         let pose = ClosedPose {
             unknowns: iterate.unknowns.clone(),
             outputs: seen.outputs,
@@ -73,6 +75,7 @@ pub fn iterate_film(mechanism: &Mechanism, inputs: &[f64], list: &[Iterate]) -> 
             pose: Some(pose),
         }
     };
+    // Iterates of a divergence to infinity cannot be drawn.
     let finite = |i: &&Iterate| i.unknowns.iter().all(|v| v.is_finite());
     let shown = list.iter().filter(finite).enumerate();
     Trajectory {

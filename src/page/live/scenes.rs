@@ -45,6 +45,7 @@ impl PageScenes {
     fn answer_to(&mut self, question: &Value) -> Result<LiveAnswer, LiveError> {
         let number = question["number"].as_u64().unwrap_or(0) as usize;
         let word = |name: &str| question[name].as_str().unwrap_or_default();
+        // A scene is opened first; every other request names an open one.
         if word("ask") == "open" {
             let scene = open_scene(number, question)?;
             let mut state = scene.state(match question["shapes"] == true {
@@ -59,6 +60,7 @@ impl PageScenes {
         let scene =
             scene.ok_or_else(|| LiveError::Request(format!("scene {number} is not open")))?;
         let time = question["time"].as_f64().unwrap_or(0.0);
+        // Requests that move the mechanism, then those for texts and pictures of it.
         let answer = match word("ask") {
             "move" => {
                 let stopped = scene.move_to(word("name"), word("value"))?;

@@ -256,11 +256,13 @@ impl TriangleAssembly {
         faces: FacesDrawn,
     ) {
         let product = |p: i32, q: i32| i64::from(p) * i64::from(q);
+        // Twice the signed area, exact in 64 bits: positive where the corners run counterclockwise on the screen.
         let area = product(c[0] - a[0], b[1] - a[1]) - product(b[0] - a[0], c[1] - a[1]);
         let front = area > 0;
         if area == 0 || (faces == FacesDrawn::Front && !front) {
             return;
         }
+        // The bounding box: without a sample inside, or outside the picture, there is nothing to draw.
         let [left, right] = [a[0].min(b[0]).min(c[0]), a[0].max(b[0]).max(c[0])];
         let [top, bottom] = [a[1].min(b[1]).min(c[1]), a[1].max(b[1]).max(c[1])];
         if !(pattern.meets(left, right) && pattern.meets(top, bottom)) {
@@ -273,12 +275,14 @@ impl TriangleAssembly {
         if x0 > x1 || y0 > y1 {
             return;
         }
+        // A back side is stored with two corners exchanged, so that all facets run the same way.
         let number = self.facets.len() as u32;
         self.facets.push(Facet {
             corners: if front { [i, j, k] } else { [i, k, j] },
             instance: index as u32 | if front { 0 } else { BACK },
             surface,
         });
+        // Into the bins of all tiles that it can reach, with the aprons that their lines depend on.
         let opaque = self.paints[index].opacity >= 1.0;
         let tiles = |first: i32, last: i32, size: i32| {
             let first = (first - self.apron).max(0) / self.pitch;

@@ -25,6 +25,7 @@ pub(super) fn by_blocks<const G: usize>(
     mut visit: impl Visit,
 ) {
     let first = [window.x[0] << SUBPIXEL_BITS, window.y[0] << SUBPIXEL_BITS];
+    // Edge functions from the window's corner. Top-left rule: a zero counts as inside for one of two neighbours.
     let side = |from: &LensVertex, to: &LensVertex| {
         let (x, y) = (i64::from(to.y - from.y), i64::from(from.x - to.x));
         let belongs = (x > 0) | ((x == 0) & (y > 0));
@@ -37,6 +38,7 @@ pub(super) fn by_blocks<const G: usize>(
     };
     let [a, b, c] = corners;
     let sides = [side(a, b), side(b, c), side(c, a)];
+    // Twice the area, by which the depth's plane is scaled.
     let double = sides[0].x * i64::from(c.x - a.x) + sides[0].y * i64::from(c.y - a.y);
     let slope = |s: &EdgeSide<i64>| [s.x as f32, s.y as f32];
     let plane = Plane::new(corners, slope(&sides[0]), slope(&sides[2]), double as f32);
@@ -45,6 +47,7 @@ pub(super) fn by_blocks<const G: usize>(
         .map(|s| s.x.abs() + s.y.abs())
         .max()
         .unwrap_or(0);
+    // Blocks shrink until the edge functions fit into 32 bits within one, or to the least size.
     let mut size = TILE as i32;
     while size > LEAST_BLOCK && steepest * i64::from(size * SUBPIXELS) >= BLOCK_REACH {
         size /= 2;
@@ -58,6 +61,7 @@ pub(super) fn by_blocks<const G: usize>(
                 y: [corner[1], area.y[1].min(corner[1] + size - 1)],
             };
             let span = i64::from(size * SUBPIXELS);
+            // The edge functions are affine: from block to block they change by constant steps.
             let moved = sides.map(|s| EdgeSide {
                 start: s.start + (s.x * i64::from(column) + s.y * i64::from(row)) * span,
                 ..s
@@ -163,12 +167,14 @@ fn in_vast_block<const G: usize>(
 ) {
     let columns = TILE as i32 >> pattern.cell_bits;
     let offsets = plane.offsets(pattern);
+    // Every cell of the block is tested: this is rare.
     for row in cells.y[0]..=cells.y[1] {
         for column in cells.x[0]..=cells.x[1] {
             let x = (column - cells.x[0]) << pattern.cell_bits;
             let y = row - cells.y[0];
             let depth = f32x4::splat(plane.at(corner[0] + x, corner[1] + y));
             for g in 0..G {
+                // Inside is where no edge function is negative; lanes become masks.
                 let covered = std::array::from_fn::<f32, LANES, _>(|lane| {
                     let place = |p: i32, offset: i32| i64::from(p * SUBPIXELS + offset);
                     let (dx, dy) = (place(x, pattern.x[g][lane]), place(y, pattern.y[g][lane]));

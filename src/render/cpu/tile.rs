@@ -350,9 +350,11 @@ impl ShadingBatch {
     ) {
         let facet = &view.assembly.facets[number as usize];
         let paint = &view.assembly.paints[facet.instance()];
+        // Interpolated between the corners, at the centre of the pixel.
         let (normal, nearness) = normal_at(view.assembly, facet, view.lens, x, y);
         let at = [x as f32 + 0.5, y as f32 + 0.5];
         let to_viewer = view.lens.viewer_from(at[0], at[1]);
+        // How much of the light reaches this place; wholly flat colours need none.
         let open = match view.shade {
             Some(shade) if paint.flat < 1.0 => {
                 let place = view.lens.place(at[0], at[1], nearness);
@@ -360,6 +362,7 @@ impl ShadingBatch {
             }
             _ => ALL_OPEN,
         };
+        // It waits in the batch, which is lit all at once.
         self.push(
             [normal, to_viewer],
             paint.albedo,

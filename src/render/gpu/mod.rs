@@ -93,6 +93,7 @@ impl GpuRenderer {
         info: AdapterInfo,
         (samples, pipelines, meshes): (u32, Pipelines, Meshes),
     ) -> Result<Self, RenderError> {
+        // What depends on the size of the picture and on the camera.
         let target = DrawTarget::new(&device, stage.size, samples)?;
         let (globals, ground_seen) = globals_of(&stage, &stage.camera, samples);
         let globals_buffer = device.device.create_buffer_init(&BufferInitDescriptor {
@@ -101,6 +102,7 @@ impl GpuRenderer {
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
         });
         let sampler = shadow::shadow_sampler(&device);
+        // Shadow and shade maps are uploaded once a frame; until the first the shadow is a single texel.
         let shadow = MapTexture::new(&device, [1; 2], formats::SHADOW_FORMAT);
         let shade = MutualShade::new(&stage);
         let shades = ShadeTextures::new(&device, shade.as_ref());
@@ -111,6 +113,7 @@ impl GpuRenderer {
             &[&shadow, &shades.key, &shades.sky],
             &sampler,
         );
+        // Lines and layers read the surfaces and depths of what is drawn before them.
         let surfaces = device.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("surfaces"),
             layout: &pipelines.surfaces,
@@ -122,6 +125,7 @@ impl GpuRenderer {
             }),
         });
         let layers = pipelines.peel.layers(&device, &target);
+        // Errors of the device in all of this are found here.
         device.check()?;
         Ok(Self {
             layers,
@@ -204,6 +208,7 @@ impl GpuRenderer {
                 });
         let background = Some(self.globals.background);
         let depth = &self.target.depth;
+        // First pass: opaque bodies, then the ground.
         let mut pass = self.target.begin(&mut encoder, background, depth);
         self.bind_bodies(&mut pass, instances);
         for draw in &plan.opaque {
@@ -219,8 +224,10 @@ impl GpuRenderer {
             pass.draw(0..3, 0..self.globals.ground_layers());
         }
         drop(pass);
+        // Then lines between them; these end the picture if nothing is translucent, ...
         let over = !plan.translucent.is_empty();
         self.draw_lines(&mut encoder, &self.pipelines.lines, !over);
+        // ... else translucent layers follow, and the lines over them.
         if over {
             self.draw_translucent(&mut encoder, plan, instances);
         }

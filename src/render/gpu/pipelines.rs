@@ -30,6 +30,7 @@ pub struct Pipelines {
 impl Pipelines {
     /// Compiles the shaders; failures are the device's to report (`Device::check`).
     pub fn new(device: &Device, sample_count: u32) -> Self {
+        // One module has all entry points.
         let module = device
             .device
             .create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -44,6 +45,7 @@ impl Pipelines {
                 bind_group_layouts: &[Some(&bindings)],
                 immediate_size: 0,
             });
+        // Lines read what earlier passes have written, by a second group of bindings.
         let surfaces = surface_layout(&device.device, sample_count > 1);
         let ink = |fragment| {
             let layouts = [&bindings, &surfaces];
@@ -52,6 +54,7 @@ impl Pipelines {
         let make = |recipe: &Recipe| {
             render_pipeline(&device.device, &layout, &module, sample_count, recipe)
         };
+        // Pipelines of opaque things differ from that of open bodies in few parameters.
         let opaque = |label, cull| Recipe {
             label,
             cull,

@@ -30,6 +30,7 @@ fn surface_bindings(samples: u32) -> String {
         .iter()
         .map(|[x, y]| format!("vec2<f32>({x:?}, {y:?})"))
         .collect();
+    // The places of the samples, as in the CPU renderer.
     let count = places.len();
     let _ = writeln!(text, "const SAMPLES: i32 = {count};");
     let _ = writeln!(
@@ -37,6 +38,7 @@ fn surface_bindings(samples: u32) -> String {
         "var<private> PLACES: array<vec2<f32>, {count}> = array<vec2<f32>, {count}>({});",
         places.join(", ")
     );
+    // A texture with one sample has another type, and is read at mip level 0 in place of a sample.
     let [surfaces, depths, index] = match count {
         1 => ["texture_2d", "texture_depth_2d", "0"],
         _ => [

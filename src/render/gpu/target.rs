@@ -43,12 +43,15 @@ impl DrawTarget {
         let view = |t: &wgpu::Texture| t.create_view(&wgpu::TextureViewDescriptor::default());
         let drawn = wgpu::TextureUsages::RENDER_ATTACHMENT;
         let copied = drawn | wgpu::TextureUsages::COPY_SRC;
+        // The finished picture has one sample a pixel and is copied to the buffer.
         let picture = texture("picture", COLOUR_FORMAT, 1, copied);
         let read = drawn | wgpu::TextureUsages::TEXTURE_BINDING;
+        // Depths and surfaces keep all samples: later passes read them.
         let depth = texture("depth", DEPTH_FORMAT, sample_count, read);
         let surfaces = texture("surfaces", SURFACE_FORMAT, sample_count, read);
         let samples = (sample_count > 1)
             .then(|| view(&texture("samples", COLOUR_FORMAT, sample_count, drawn)));
+        // Rows are padded as the copy requires.
         let buffer = device.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("readback"),
             size: u64::from(padded_row(size[0])) * u64::from(size[1]),
@@ -82,7 +85,9 @@ impl DrawTarget {
         depths: &wgpu::TextureView,
     ) -> wgpu::RenderPass<'e> {
         let clear = |[r, g, b, a]: [f64; 4]| wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a });
+        // The surface of the background as two words of 16 bits.
         let words = [BACKDROP & 0xffff, BACKDROP >> 16, 0, 0].map(f64::from);
+        // Reversed depth: zero is farthest. A later pass goes on with what is there.
         let (colour, surface, depth) = match background {
             Some(background) => (
                 clear(background.map(f64::from)),

@@ -288,6 +288,7 @@ impl SkyMap {
     /// How open the surface is that pixel coordinates show at a distance.
     #[inline(always)]
     pub fn open(&self, at: [f32; 2], distance: f32) -> f32 {
+        // The two cells around the place along an axis, and how far it is from the first to the second.
         let place = |k: usize| {
             let last = self.size[k] - 1;
             let cell = larger_of(at[k] * self.share - 0.5, 0.0);
@@ -299,11 +300,14 @@ impl SkyMap {
         let [upper, lower] = [top, bottom].map(|row| row * self.size[0]);
         let around = [upper + left, upper + right, lower + left, lower + right];
         let cells = around.map(|cell| self.cells.get(cell).copied().unwrap_or([FAR, 1.0]));
+        // In most places nothing hides any light.
         if cells.iter().all(|[_, open]| *open == 1.0) {
             return 1.0;
         }
+        // Bilinear weights, less where the cell shows a surface at another distance.
         let across = [1.0 - x, x, 1.0 - x, x];
         let down = [1.0 - y, 1.0 - y, y, y];
+        // A small weight of an open cell decides where all four are unlike.
         let (mut sum, mut weights) = (UNKNOWN, UNKNOWN);
         for (k, [there, open]) in cells.into_iter().enumerate() {
             let weight = across[k] * down[k] * self.likeness(there, distance);

@@ -86,6 +86,7 @@ fn convert_kind(
         Box::new(convert_kind(*n, kind, radians, is_angle))
     };
     let wants_angle = wanted == Some(Kind::Angle);
+    // An angle is wanted and a plain number found: it is in the file's unit, and is multiplied once, as a whole.
     if wants_angle && !is_sum(&node.kind) && !holds_angle(&node, is_angle) {
         let span = node.span.clone();
         let factor = Box::new(FormulaNode::number(radians, span.clone()));
@@ -96,6 +97,7 @@ fn convert_kind(
         };
     }
     let span = node.span;
+    // Terms of a sum are of the kind of the sum, and factors are plain.
     let kind = match node.kind {
         NodeKind::Negate(inner) => NodeKind::Negate(recurse(inner, wanted)),
         NodeKind::Angle(inner) => NodeKind::Angle(recurse(inner, Some(Kind::Angle))),

@@ -49,6 +49,7 @@ fn written_node(node: &FormulaNode) -> (String, Precedence) {
 }
 
 fn written_operation(sign: char, a: &FormulaNode, b: &FormulaNode) -> (String, Precedence) {
+    // Sums, products and quotients group to the left, powers to the right: the other side needs a higher precedence.
     match sign {
         '+' => (
             format!(

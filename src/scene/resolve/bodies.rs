@@ -31,6 +31,7 @@ pub fn resolve_bodies(
     let mut places: HashMap<&str, &Span> = HashMap::new();
     for (index, body) in file.bodies.iter().enumerate() {
         let (name, place) = (body.name.value.as_str(), &body.name.span);
+        // Two bodies of one name are an error, which shows both places.
         let first = *places.entry(name).or_insert(place);
         if first != place {
             diagnostics.push(
@@ -39,9 +40,11 @@ pub fn resolve_bodies(
                     .with_related(first.clone(), "first here"),
             );
         }
+        // World to body. After an error the chain is empty, so that further errors are found.
         let chain = joints
             .chain(&parsed.frames[index], diagnostics)
             .unwrap_or_default();
+        // What shapes inherit: colour and opacity.
         let colour = body
             .colour
             .unwrap_or(palette::BODIES[index % palette::BODIES.len()]);
@@ -50,6 +53,7 @@ pub fn resolve_bodies(
             .as_ref()
             .map_or(Some(1.0), |o| body_opacity(o, &constants, diagnostics))
             .unwrap_or(1.0);
+        // Shapes with errors, which have been reported, are left out.
         let mut shapes = Vec::new();
         for shape in &body.shapes {
             let inherited = BodyLook { colour, opacity };
@@ -106,7 +110,9 @@ fn resolve_shape(
     meshes: &mut MeshFiles,
     diagnostics: &mut Diagnostics,
 ) -> Option<Shape> {
+    // All parts are resolved before the shape is given up, so that all errors are reported.
     let solid = resolve_solid(&shape.solid, &shape.span, constants, meshes, diagnostics);
+    // A shape does not move in its body: its frame is a constant pose.
     let body_from_shape = match &shape.frame {
         None => Some(Pose::IDENTITY),
         Some(text) => {
@@ -139,7 +145,9 @@ pub fn body_traces(
         else {
             continue;
         };
+        // A place in the body's own frame.
         let point = constants.vector_or_zero(&trace.point, diagnostics);
+        // `None` is no radius, `Some(None)` one with an error.
         let radius = trace
             .radius
             .as_ref()
@@ -151,6 +159,7 @@ pub fn body_traces(
             name: trace.name.value.clone(),
             body,
             point,
+            // Without a colour the palette's, from another place on than for bodies.
             colour: trace
                 .colour
                 .unwrap_or(palette::BODIES[(index + 3) % palette::BODIES.len()]),

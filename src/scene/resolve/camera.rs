@@ -21,6 +21,7 @@ pub fn resolve_camera(
     constants: &BodyConstants,
     diagnostics: &mut Diagnostics,
 ) -> CameraPath {
+    // The turn of the camera over the motion, in degrees as written.
     let orbit = within_range(
         "orbit",
         &view.orbit,
@@ -29,6 +30,7 @@ pub fn resolve_camera(
         diagnostics,
     );
     let mut keys: Vec<CameraKey> = Vec::new();
+    // Keys are interpolated in time: all but a single one need a time, in ascending order.
     let alone = view.camera_path.len() == 1;
     for file in &view.camera_path {
         let Some(key) = camera_key(file, alone, constants, diagnostics) else {

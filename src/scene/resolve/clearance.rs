@@ -72,6 +72,7 @@ fn resolve_pairs(
     seen: &mut Vec<([usize; 2], Span)>,
     diagnostics: &mut Diagnostics,
 ) -> Pairs {
+    // A pattern may repeat a pair that is listed elsewhere, a named pair may not.
     let many = all_bodies(pair, bodies, diagnostics);
     let is_pattern = many.is_some();
     let list = many.unwrap_or_else(|| {
@@ -79,6 +80,7 @@ fn resolve_pairs(
             .into_iter()
             .collect()
     });
+    // Pairs have ascending indices; `is_turned` keeps the order of the names.
     let is_first = |body: usize| {
         let name = pair.names.first().map_or("", |name| name.value.as_str());
         let own = bodies[body].name.as_str();
@@ -101,6 +103,7 @@ fn resolve_ignored(
     diagnostics: &mut Diagnostics,
 ) {
     let reason = &file.reason;
+    // Nothing is ignored without a reason, ...
     if reason.value.trim().is_empty() {
         diagnostics.push(
             Diagnostic::error("an ignored pair needs a reason")
@@ -108,12 +111,14 @@ fn resolve_ignored(
                 .hint("say why these bodies may touch; the report shows it"),
         );
     }
+    // ... and, where a depth is given, only down to it.
     let down_to = file
         .down_to
         .as_ref()
         .and_then(|text| ignored_depth(text, constants, diagnostics));
     let pairs = resolve_pairs(&file.pair, bodies, seen, diagnostics);
     for (pair, is_turned) in pairs.list.into_iter().zip(pairs.is_turned) {
+        // Shapes are named in the order of the bodies in the entry, and kept in that of their indices.
         let named = if is_turned { [pair[1], pair[0]] } else { pair };
         let named = named.map(|k| &bodies[k]);
         let shapes = named_shapes(file.shapes.as_ref(), named, constants, diagnostics);
@@ -177,6 +182,7 @@ fn named_shapes(
         return list;
     };
     for row in &rows.value {
+        // Shapes are counted from 1 in the file, from 0 in the model.
         let number = |k: usize, diagnostics: &mut Diagnostics| {
             let value = constants.value(&row[k], diagnostics)?;
             let count = bodies[k].shapes.len();
@@ -195,9 +201,11 @@ fn named_shapes(
             }
             index.map(|n| n - 1)
         };
+        // Both are read, so that both errors are reported; a row with an error is left out.
         let (first, second) = (number(0, diagnostics), number(1, diagnostics));
         list.extend(first.zip(second).map(<[usize; 2]>::from));
     }
+    // No rows mean all shapes, which an empty list cannot mean.
     if rows.value.is_empty() {
         diagnostics.push(Diagnostic::error("`shapes` is empty").at(rows.span.clone()));
     }
@@ -297,6 +305,7 @@ fn pairs_once(
         diagnostics.push(Diagnostic::error(message).at(pair.span.clone()));
         return None;
     };
+    // Both names are looked up, so that both errors are reported.
     let a = body_index(&first.value, &first.span, bodies, diagnostics);
     let b = body_index(&second.value, &second.span, bodies, diagnostics);
     let (a, b) = (a?, b?);
@@ -305,6 +314,7 @@ fn pairs_once(
         diagnostics.push(Diagnostic::error(message).at(second.span.clone()));
         return None;
     }
+    // The order of the names does not matter.
     let key = [a.min(b), a.max(b)];
     if let Some((_, other)) = seen.iter().find(|(k, _)| *k == key) {
         let message = format!(

@@ -13,6 +13,7 @@ pub fn resolve_decor(
     constants: &BodyConstants,
     diagnostics: &mut Diagnostics,
 ) -> Decor {
+    // Lengths, times and scales must be positive.
     let mut positive = |what: &str, text: &Option<FormulaText>| {
         let text = text.as_ref()?;
         constants.positive(what, text, diagnostics)
@@ -20,6 +21,7 @@ pub fn resolve_decor(
     let length = positive("trail_length", &view.trail_length);
     let ticks = positive("ticks", &view.ticks);
     let arrow_scale = positive("arrow_scale", &view.arrow_scale);
+    // Only fading trails have a length.
     let trails = match chosen_word(&view.trails, &Trails::NAMES, "kind of trails", diagnostics) {
         Trails::Fading(_) => Trails::Fading(length),
         other => other,
@@ -42,6 +44,7 @@ fn resolve_ghosts(
     constants: &BodyConstants,
     diagnostics: &mut Diagnostics,
 ) -> Ghosts {
+    // Ghosts at given times precede a number of them.
     if let Some(times) = &view.ghost_times {
         if times.value.len() > MOST_GHOSTS {
             let message = format!("at most {MOST_GHOSTS} ghosts");
@@ -54,6 +57,7 @@ fn resolve_ghosts(
                 .collect(),
         );
     }
+    // Else a whole number; errors leave none.
     let none = Ghosts::Count(0);
     let Some(text) = &view.ghosts else {
         return none;

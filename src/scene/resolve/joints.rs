@@ -165,12 +165,14 @@ impl<'a> FoldedJoints<'a> {
         diagnostics: &mut Diagnostics,
     ) -> Option<Vec<ChainStep>> {
         let mut steps: Vec<ChainStep> = Vec::new();
+        // All factors are read, so that all errors are reported.
         for factor in factors {
             match self.step(factor) {
                 Ok(step) => steps.push(step),
                 Err(diagnostic) => diagnostics.push(diagnostic),
             }
         }
+        // Time and memory grow with the square of the moving factors.
         let is_sound = steps.len() == factors.len();
         let moving = steps.iter().filter(|step| step.joint().is_some()).count();
         if moving > MOST_MOTIONS {
@@ -272,6 +274,7 @@ impl<'a> FoldedJoints<'a> {
     ) -> Result<ChainStep, Diagnostic> {
         let expression = self.expression(motion, node)?;
         match expression.affine() {
+            // Without any coordinate it is a constant pose.
             Some(affine) if affine.terms.is_empty() => {
                 let value = affine.constant;
                 within_range(value.number(), &node.span)?;
@@ -280,7 +283,9 @@ impl<'a> FoldedJoints<'a> {
                     ElementaryMotion::Rotation => FixedPose::rotation(axis, value),
                 }))
             }
+            // Affine arguments may share sine and cosine with their inverse.
             Some(affine) => Ok(self.joint(motion, axis, affine)),
+            // Any other formula is an argument as it is.
             None => {
                 let argument = self.shared_argument(Argument::Formula(expression));
                 Ok(ChainStep::Joint {

@@ -127,6 +127,7 @@ fn resolve_measure(
     (tracks, earlier, is_studied): (&[MeasuredTrack], &[Measure], bool),
     diagnostics: &mut Diagnostics,
 ) -> Option<Measure> {
+    // A formula of earlier measures, or values over poses that are reduced to one.
     let (source, kind) = match item.source.as_ref()? {
         MeasureSourceFile::Formula(text) => {
             measure_formula(text, file, scope.names, earlier, diagnostics)?
@@ -135,6 +136,7 @@ fn resolve_measure(
             resolve_over(source, file, scope, (tracks, is_studied), diagnostics)?
         }
     };
+    // Limits are constants of the same kind: `None` after an error, `Some(None)` for no limit.
     let [min, max] = item.limits.each_ref().map(|text| match text {
         None => Some(None),
         Some(text) => fixed_point(text, kind, scope, diagnostics).map(Some),
@@ -396,15 +398,18 @@ fn measure_formula(
     diagnostics: &mut Diagnostics,
 ) -> Option<(MeasureSource, Kind)> {
     let node = parsed_expression(text, diagnostics)?;
+    // What it measures follows from the measures that it uses.
     let known = |used: &str| {
         let measure = earlier.iter().find(|m| m.name == used);
         measure.map(|m| Dimension::of(m.kind))
     };
     let kind = dimension_of(&node, names, &known).kind();
+    // Slots are the inputs, then the earlier measures.
     let lookup = |used: &str, span: &Span| {
         if let Some(slot) = earlier.iter().position(|m| m.name == used) {
             return Ok(CompiledValue::Slot(names.inputs.len() + slot));
         }
+        // Only earlier ones have a value, so that there are no circles.
         if file.measures.iter().any(|m| m.name.value == used) {
             return Err(Diagnostic::error(format!(
                 "measure `{used}` is defined further down, or invalid"

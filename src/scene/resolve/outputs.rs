@@ -137,6 +137,7 @@ impl<'a> Scope<'a> {
         more: &[ExtraSlot],
     ) -> Result<(Expression, Dimension), Diagnostic> {
         let extra = |used: &str| more.iter().find(|extra| extra.name == used);
+        // The dimensions of names: additional ones, outputs, then scalars of contacts.
         let known = |used: &str| {
             let place = self.places.get(used).copied().flatten();
             let earlier = place.map(|place| match self.dimensions.get(used) {
@@ -152,12 +153,14 @@ impl<'a> Scope<'a> {
             extra.or(earlier).or_else(contact)
         };
         let dimension = dimension_of(node, self.names, &known);
+        // Angles of the file's unit become radians before the formula is compiled.
         let is_angle = |n: &str| {
             let kind = known(n).map(Dimension::kind);
             self.names.is_angle(n) || kind == Some(Kind::Angle)
         };
         let wanted = Some(dimension.kind());
         let node = to_radians(node.clone(), wanted, self.unit.radians, &is_angle);
+        // Slots: those of additional names are given, others are found by name.
         let formula = compile_formula(&node, &|used, span| match extra(used) {
             Some(extra) => Ok(CompiledValue::Slot(extra.slot)),
             None => self.lookup(used, span),
@@ -174,6 +177,7 @@ impl<'a> Scope<'a> {
     fn lookup(&self, used: &str, span: &Span) -> Result<CompiledValue, Diagnostic> {
         let (names, traces) = (self.names, self.traces);
         let coordinates = names.unknowns.len() + names.inputs.len();
+        // Slots behind the coordinates: x, y, z of every trace, then the outputs.
         if let Some(slot) = trace_slot(used, traces) {
             return Ok(CompiledValue::Slot(coordinates + slot));
         }
@@ -182,6 +186,7 @@ impl<'a> Scope<'a> {
                 coordinates + 3 * traces.len() + earlier,
             ));
         }
+        // Scalars of contacts have no slots: their formulas are inserted.
         if let Some((_, _, scalar)) = self.contacts.scalar(used) {
             return match scalar {
                 Ok(formula) => Ok(CompiledValue::Formula(formula.clone())),
@@ -191,6 +196,7 @@ impl<'a> Scope<'a> {
                 }
             };
         }
+        // What is declared and invalid has been reported already.
         let trace = used.rsplit_once('.').map_or("", |(trace, _)| trace);
         if names.declares_trace(trace) && !traces.iter().any(|t| t.name == trace) {
             return Err(Diagnostic::inherited());
@@ -198,6 +204,7 @@ impl<'a> Scope<'a> {
         if self.places.contains_key(used) {
             return Err(Diagnostic::inherited());
         }
+        // Else a parameter, an input or an unknown, or an error that knows all of these names.
         names.coordinate(used, span).map_err(|d| {
             let points: Vec<String> = traces
                 .iter()

@@ -53,6 +53,7 @@ fn angle_unit(plot: &PlotFile, scene: &AngleUnit, diagnostics: &mut Diagnostics)
 impl TextSite<'_> {
     /// `None` after an error, which has been reported.
     fn plot(&self, file: &PlotFile, diagnostics: &mut Diagnostics) -> Option<Plot> {
+        // All parts are read before a plot is given up: errors are counted.
         let before = diagnostics.count();
         let x = self.resolve_abscissa(file, diagnostics);
         let y: Vec<PlotCurve> = file
@@ -60,6 +61,7 @@ impl TextSite<'_> {
             .iter()
             .filter_map(|text| self.resolve_curve(text, diagnostics))
             .collect();
+        // Numbers with errors are zero meanwhile.
         let numbers = |list: &[FormulaText], diagnostics: &mut Diagnostics| -> Vec<f64> {
             let values = list.iter().map(|text| self.number(text, diagnostics));
             values.map(|v| v.unwrap_or(0.0)).collect()
@@ -119,12 +121,14 @@ impl TextSite<'_> {
             return None;
         }
         let whole = 0..text.text.len();
+        // A label of its own, if there is an equals sign.
         let (name, body) = match text.text.find('=') {
             Some(sign) => (Some(text.text[..sign].trim()), sign + 1..whole.end),
             None => (None, whole),
         };
         let body = text_part(text, body);
         let node = parsed_expression(&body, diagnostics)?;
+        // A derivative alone has the unit of a rate.
         let curve = match &node.kind {
             NodeKind::Derivative(parts) => self.derivative_curve(parts, &body),
             _ => self.formula_curve(&node, &body),

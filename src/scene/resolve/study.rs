@@ -183,6 +183,7 @@ impl Resolver<'_, '_> {
         start: f64,
         file: &VariableFile,
     ) -> Option<Variable> {
+        // Without a range: a share of the start to either side, or everything where that would be nothing.
         let (lower, upper) = match &file.range {
             Some(range) => self.range(name, kind, start, range)?,
             None if start == 0.0 => (f64::NEG_INFINITY, f64::INFINITY),
@@ -191,6 +192,7 @@ impl Resolver<'_, '_> {
                 (start - half, start + half)
             }
         };
+        // Half the width of its tolerance, if one is stated.
         let tolerance = match &file.tolerance {
             None => None,
             Some(text) => {

@@ -39,6 +39,7 @@ pub fn resolve_view(
 ) -> View {
     let constants = BodyConstants { names };
     let view = &file.view;
+    // What stands in the view: labels, decor, dimensions.
     if let Some(beyond) = file.labels.get(MOST_LABELS) {
         let message = format!("at most {MOST_LABELS} labels");
         diagnostics.push(Diagnostic::error(message).at(beyond.text.span.clone()));
@@ -50,6 +51,7 @@ pub fn resolve_view(
     let places = (bodies, traces);
     let dimensions =
         shown_dimensions::resolve_dimensions(&file.dimensions, &constants, places, diagnostics);
+    // Resolved here and set at the end: a named direction clears the path.
     let camera_path = super::camera::resolve_camera(view, &constants, diagnostics);
     let mut reader = ViewReader {
         view,
@@ -78,12 +80,14 @@ impl ViewReader<'_, '_> {
     /// The view without labels, decor and camera path.
     fn plain_view(&mut self) -> View {
         let view = self.view;
+        // Angles are written in degrees, whatever the unit of the scene is.
         let [azimuth, elevation] = [
             (&view.azimuth, DEFAULT_AZIMUTH_DEG, 720.0, "azimuth"),
             (&view.elevation, DEFAULT_ELEVATION_DEG, 90.0, "elevation"),
         ]
         .map(|(text, default, most, what)| self.number(text, default, [-most, most], what));
         let projection = self.projection();
+        // Numbers outside their range are reported, and defaults take their place.
         let margin = self.number(&view.margin, DEFAULT_MARGIN, [0.0, 0.4], "margin");
         let fps = self.number(&view.fps, DEFAULT_FPS, [0.01, 1000.0], "fps");
         let playback = Playback {
@@ -91,6 +95,7 @@ impl ViewReader<'_, '_> {
             pause: self.number(&view.pause, 0.0, [0.0, Playback::LONGEST_PAUSE], "pause"),
         };
         let diagnostics = &mut *self.diagnostics;
+        // Look: a theme has a background of its own.
         let theme = chosen_word(&view.theme, &Theme::NAMES, "theme", diagnostics);
         let (edges, shadows) = (&EdgeLines::NAMES, &Shadows::NAMES);
         View {
@@ -110,6 +115,7 @@ impl ViewReader<'_, '_> {
             fps,
             playback,
             captions: view.captions.unwrap_or(true),
+            // These are not set here.
             labels: Vec::new(),
             dimensions: Vec::new(),
             decor: Decor::default(),
@@ -189,6 +195,7 @@ fn resolve_label(
     diagnostics: &mut Diagnostics,
 ) -> Option<SceneLabel> {
     let point = constants.vector_or_zero(&label.point, diagnostics)?;
+    // It moves with a body, or stands at the place of a trace at a time.
     let place = match (&label.body, &label.trace) {
         (Some(body), None) => LabelPlace::OnBody {
             body: body_index(&body.value, &body.span, bodies, diagnostics)?,
@@ -204,6 +211,7 @@ fn resolve_label(
             return None;
         }
     };
+    // An error in the size drops the label.
     let size = label.size.as_ref().map_or(Some(DEFAULT_LABEL_SIZE), |s| {
         constants.positive("the size of a label", s, diagnostics)
     })?;

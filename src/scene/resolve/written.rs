@@ -185,6 +185,7 @@ fn signed_parts<'n>(
 
 impl ChainWriter<'_> {
     fn written_chain(&mut self, name: &str, factors: &[Factor]) -> WrittenChain {
+        // Errors have been reported where the chain was resolved; after one there is nothing to write.
         let steps = self.joints.steps(factors, &mut Diagnostics::default());
         let steps = steps.unwrap_or_default();
         let written = factors
@@ -197,12 +198,14 @@ impl ChainWriter<'_> {
                 },
                 text: factor_text(factor),
                 step,
+                // The terms of its sum, which may have arguments of their own.
                 terms: match factor {
                     Factor::Elementary(motion, _, node) => {
                         self.terms.of(&self.joints, *motion, node)
                     }
                     Factor::Direction(..) => Vec::new(),
                 },
+                // A named constant is a dimension of the mechanism.
                 is_dimension: step.joint().is_none() && has_name(factor),
                 place: None,
             });

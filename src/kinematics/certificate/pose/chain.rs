@@ -163,6 +163,7 @@ impl LoopAtPose {
         self.joints.clear();
         for joint in &plan.joints {
             pass_fixed(&mut product, joint);
+            // The joint's axis and a point of it, as the start of the loop sees them: they make its column.
             self.joints.push(PoseJoint {
                 motion: joint.motion,
                 argument: joint.argument,
@@ -171,6 +172,7 @@ impl LoopAtPose {
                 reach: 0.0,
             });
             let argument = &arguments[joint.argument];
+            // Its own motion with more digits than f64 has; a reversed turn changes only the sign of the sine.
             match joint.motion {
                 ElementaryMotion::Translation => {
                     product.shift(joint.axis, &argument.value.signed(joint.sign));
@@ -180,6 +182,7 @@ impl LoopAtPose {
                 }
             }
         }
+        // The fixed pose at the end. Of a closed loop the product is the identity.
         if let Some(end) = &plan.end {
             pass_fixed(&mut product, end);
         }
@@ -197,14 +200,18 @@ impl LoopAtPose {
     ) -> ([f64; 2], f64) {
         let mut open = [0.0; 2];
         let mut reach = 0.0;
+        // A rotation that is off moves the end of the loop by as much times its distance.
         let mut add = |[turn, shift]: [f64; 2], reach: f64| {
             open[0] += turn;
             open[1] += shift / size + turn * reach;
         };
+        // From the end back: by the triangle inequality the reach is at most the sum of all lengths behind.
         for (joint, planned) in self.joints.iter_mut().zip(&plan.joints).rev() {
             add(planned.open_behind, reach);
             reach += planned.length_behind / size;
+            // Grown for the rounding of the sum.
             joint.reach = reach * (1.0 + 1e-12);
+            // A slide counts with its largest length in the ball.
             if joint.motion == ElementaryMotion::Translation {
                 let length = arguments[joint.argument].value.whole.abs() + play(joint.argument);
                 reach += length / size;
@@ -219,10 +226,12 @@ impl LoopAtPose {
     pub fn last_units(&self, plan: &LoopPlan, arguments: &[ArgumentDouble]) -> [f64; 2] {
         let unit = |is_open: bool, size: f64| if is_open { DECIMAL * size } else { 0.0 };
         let mut sums = [0.0; 2];
+        // First order, as for the uncertainties: a turn moves the end by its angle times the reach.
         let mut add = |[turn, shift]: [f64; 2], reach: f64| {
             sums[0] += turn;
             sums[1] += shift / self.size + turn * reach;
         };
+        // Only what has an error bound at all is not representable.
         let fixed = |[turn, shift]: [f64; 2], [angle, length]: [f64; 2]| {
             [unit(turn > 0.0, angle), unit(shift > 0.0, length)]
         };
@@ -231,6 +240,7 @@ impl LoopAtPose {
             fixed(plan.open_before, [plan.angle_before, plan.length_before]),
             whole,
         );
+        // After each joint its own value, and the fixed pose behind it.
         for (joint, planned) in self.joints.iter().zip(&plan.joints) {
             add(
                 fixed(

@@ -219,14 +219,17 @@ impl Kantorovich {
     /// own.
     fn take_redundant_rows(&mut self, block: &BlockRows) {
         let (n, all) = (self.order.len(), block.rows.len());
+        // The rows of the basis stay in front.
         for row in 0..all {
             if !self.order[..n].contains(&row) {
                 self.order.push(row);
             }
         }
         self.take_columns(block);
+        // One row for each unknown: first J of the basis, behind it G' of the redundant rows.
         self.derive(block, n, all);
         self.widened.reset(all, all);
+        // Beside R the multipliers L = G' R, equation by equation.
         for i in 0..n {
             let of_r = &self.inverse.row(i).as_flattened()[..n];
             let wide = self.widened.row_mut(i).as_flattened_mut();
@@ -238,6 +241,7 @@ impl Kantorovich {
                 }
             }
         }
+        // -1 for the redundant row itself: what is bounded is L F - G.
         for i in n..all {
             *self.widened.at_mut(i, i) = -1.0;
         }

@@ -41,6 +41,7 @@ impl<'m> Blocks<'m> {
         path: &mut TubePath,
         may_move: bool,
     ) -> Result<EarlierTube, Reason> {
+        // Nothing is proved yet: no errors, and uniqueness without a limit.
         let mut proved = EarlierTube {
             rest: vec![0.0; self.unknowns],
             largest: 0.0,
@@ -48,6 +49,7 @@ impl<'m> Blocks<'m> {
             closes_to: 0.0,
         };
         let work = &mut self.work;
+        // In their order: the errors of a block's unknowns enter the tests of the later ones.
         for (layout, basis) in self.layouts.iter().zip(bases) {
             proof::prove_tube(
                 layout,

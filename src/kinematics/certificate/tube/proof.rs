@@ -175,11 +175,13 @@ impl Workspace {
         let products = self.products();
         self.stride = lane_groups(width);
         self.stacked.clear();
+        // The highest coefficient of J on top: a product of polynomials then reads consecutive rows.
         for matrix in self.rows.jacobian().iter().rev() {
             for row in basis {
                 self.stacked.extend_from_slice(matrix.row(*row));
             }
         }
+        // Where J is constant along the path, one coefficient of J and of R is all there is.
         let moves = |m: &&LaneMatrix| m.groups().iter().any(|g| *g != [0.0; 4]);
         let last = self.rows.jacobian()[1..].iter().rposition(|m| moves(&m));
         self.terms = last.map_or(1, |k| k + 2);
@@ -187,10 +189,12 @@ impl Workspace {
         self.residuals.clear();
         self.slack.clear();
         self.open.clear();
+        // Truncation errors of J and F, with the rounding of the products to come.
         for row in basis {
             self.rows.add_slack(*row, products, &mut self.slack);
             self.open.push(self.rows.open_of(*row, products));
             let residual = &self.rows.residual[*row];
+            // The residual's polynomial, padded to whole groups.
             let mut padded = [[0.0; 4]; POLYNOMIAL];
             for (k, c) in residual.c.iter().enumerate() {
                 padded[k / 4][k % 4] = *c;

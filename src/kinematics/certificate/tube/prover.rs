@@ -294,6 +294,7 @@ impl<'m> Prover<'m> {
         path: &TubePath,
     ) -> Result<Tube, Reason> {
         let ends = [here.time, next.time];
+        // Where all blocks are square there is no choice.
         if let Some(rows) = self.all_rows.clone() {
             return self.prove(ends, path.clone(), &rows);
         }
@@ -304,13 +305,16 @@ impl<'m> Prover<'m> {
             let Some(place) = self.pose_between(here, next, time) else {
                 continue;
             };
+            // The most independent rows at a closed pose of the interval.
             let inputs = self.actuation.inputs_at(time);
             let rows = Arc::new(self.solver.best_rows(&[place.unknowns, inputs].concat()));
+            // Other poses often choose the same ones.
             if tried.contains(&rows) {
                 continue;
             }
             match self.prove(ends, path.clone(), &rows) {
                 Ok(tube) => return Ok(tube),
+                // The first refusal is the one that is reported.
                 Err(reason) => refusal = refusal.or(Some(reason)),
             }
             tried.push(rows);

@@ -51,16 +51,19 @@ impl SumTerms {
             let values = about.iter().map(|slots| value(slots));
             values.filter(|v| v.is_finite()).fold(0.0, f64::max)
         };
+        // An interval evaluation at a single point is as wide as the rounding errors of the sum.
         let width = |slots: &[f64]| {
             let points: Vec<Interval> = slots.iter().map(|v| Interval::point(*v)).collect();
             sum.range(&points).map_or(0.0, |range| range.hi - range.lo)
         };
         let noise = NOISE * at_places(&width);
         let largest = at_places(&|slots| sum.largest_term(slots));
+        // Terms no larger than that are nothing but rounding: then the range over the motion counts.
         let largest = match largest > noise {
             true => largest,
             false => range.map_or(0.0, |range| range.magnitude()),
         };
+        // All terms may vanish at one instant, so that they never count as less than a share of the largest.
         Self {
             least: if largest.is_finite() {
                 LEAST_TERM * largest

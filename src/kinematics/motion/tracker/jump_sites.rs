@@ -59,24 +59,28 @@ impl JumpSite {
 
     /// What it does on the straight way between two places.
     fn way(&self, from: &[f64], to: &[f64]) -> FormulaBehaviour<'_> {
+        // What does not jump by a known size is settled first.
         let sizes = match self.formula.jump_on_way(from, to) {
             None if self.formula.passes_kink([from, to]) => return FormulaBehaviour::Kink,
             None => return FormulaBehaviour::Smooth,
             Some(WayJump::Open) => return FormulaBehaviour::Open,
             Some(WayJump::By(sizes)) => sizes,
         };
+        // The size at both ends; of an angle what it differs by from whole turns.
         let [a, b] = sizes.map(|jump| {
             let turn = Constant::PI * Constant::exact(2.0);
             let rest = match self.is_angle {
                 true => jump - turn * Constant::exact((jump / turn).number().round()),
                 false => jump,
             };
+            // A jump within its own error bound is none.
             let is_rounding = rest.number().abs() <= rest.error();
             if is_rounding { 0.0 } else { rest.number() }
         });
         if a == 0.0 && b == 0.0 {
             return FormulaBehaviour::Smooth;
         }
+        // A jump of like size and sign at both ends has not vanished between them.
         let is_same = a.abs().min(b.abs()) >= SAME_JUMP * a.abs().max(b.abs());
         match is_same && (a < 0.0) == (b < 0.0) {
             true => FormulaBehaviour::Jumps(&self.name),

@@ -84,6 +84,7 @@ impl StepBound {
 pub(super) fn joint_arguments(
     mechanism: &Mechanism,
 ) -> impl Iterator<Item = (&Argument, StepBound)> {
+    // Every step of every chain, with the longest length that its loop is written with.
     let all = mechanism.loops.iter().flat_map(|item| {
         let own = own_size(mechanism, item);
         item.chain.steps.iter().map(move |step| (step, item, own))
@@ -92,6 +93,7 @@ pub(super) fn joint_arguments(
         ChainStep::Joint {
             motion, argument, ..
         } => {
+            // Rotations are bounded in radians, slides in sizes of their loop.
             let bound = match motion {
                 ElementaryMotion::Rotation => StepBound {
                     farthest: FARTHEST_TURN,

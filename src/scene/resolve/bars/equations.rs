@@ -149,6 +149,7 @@ fn resolve_bar(
 /// a divisor, and its square is L |L|: no pose has a negative length.
 fn bar_gap(bar: &ParsedBar, length: Option<f64>) -> FormulaNode {
     let span = &bar.name.span;
+    // The equation is built as a syntax tree: coordinates and length may be any formulas.
     let binary = |sign: char, a: FormulaNode, b: FormulaNode| FormulaNode {
         kind: NodeKind::Binary(sign, Box::new(a), Box::new(b)),
         span: span.clone(),
@@ -157,15 +158,18 @@ fn bar_gap(bar: &ParsedBar, length: Option<f64>) -> FormulaNode {
     let square = |node: FormulaNode| binary('^', node, number(2.0));
     let [from, to] = &bar.ends;
     let pairs = from.place.iter().zip(&to.place);
+    // d², coordinate by coordinate.
     let squares = pairs.map(|(a, b)| square(binary('-', b.clone(), a.clone())));
     let sum = squares.reduce(|sum, next| binary('+', sum, next));
     let sum = sum.unwrap_or_else(|| number(0.0));
     match length {
         Some(length) => {
+            // Over 2 L it is a length, near d - L.
             let gap = binary('-', sum, square(bar.length.clone()));
             binary('*', gap, number(0.5 / length))
         }
         None => {
+            // Else d² - L |L|, a squared length.
             let kind = NodeKind::Call(Function::Abs, vec![bar.length.clone()]);
             let span = span.clone();
             let size = FormulaNode { kind, span };

@@ -148,10 +148,12 @@ impl Contacts {
         let formulas = Formulas::default();
         let (point, normal) = match frame {
             Some(chain) => {
+                // The frame at the contact point: its x axis is the normal.
                 let (frame, _) = formulas.walk(chain, arguments);
                 (frame.origin, frame.axes[0])
             }
             None => {
+                // Two spheres: the normal is the direction of the centres, and the point a radius from the first.
                 let [a, b] = [first, second].map(|c| formulas.walk(c, arguments).0.origin);
                 let apart = vector_difference(b, a);
                 let distance = formulas.length(apart);
@@ -163,6 +165,7 @@ impl Contacts {
             }
         };
         let name = &contact.name.value;
+        // Components as formulas of the coordinates.
         for (what, vector, kind) in [
             ("point", point, Kind::Length),
             ("normal", normal, Kind::Number),
@@ -173,6 +176,7 @@ impl Contacts {
                     .push((full, kind, Ok(formulas.expression(term))));
             }
         }
+        // This one exists only if a single coordinate moves the second body.
         let angle = pressure_angle(&formulas, names, (second, arguments), point, normal);
         self.scalars
             .push((format!("{name}.pressure_angle"), Kind::Angle, angle));

@@ -36,10 +36,12 @@ pub fn settle_parallel(parsed: &Parsed, names: &mut Names, unit: &AngleUnit) {
             continue;
         };
         let zero = Constant::exact(0.0);
+        // The axes never cross: their angle is a half-turn or zero.
         let spin = match arrangement.is_same_way {
             true => Constant::PI,
             false => zero,
         };
+        // The point is put at the second frame's origin; along the first axis it is known if nothing slides there.
         let known = [
             ("spin", Some(spin)),
             ("w2", Some(zero)),
@@ -50,6 +52,7 @@ pub fn settle_parallel(parsed: &Parsed, names: &mut Names, unit: &AngleUnit) {
         };
         settled.extend(known.into_iter().filter_map(named));
     }
+    // Only afterwards, since all arrangements are found with the same names.
     for (name, value) in &settled {
         names.settle(name, *value);
     }
