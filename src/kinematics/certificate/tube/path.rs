@@ -4,6 +4,7 @@ use super::drive::DriveInterval;
 use super::taylor_model::{Polynomial, TaylorEnclosure, TaylorModel};
 use crate::model::actuation::Actuation;
 use crate::model::expression::Expression;
+use crate::model::mechanism::{Kind, Mechanism};
 use crate::numbers::interval::Interval;
 use crate::numbers::scalar::Scalar;
 use std::cell::OnceCell;
@@ -133,6 +134,13 @@ impl TubePath {
     /// All coordinates of a constant pose: nothing of higher order than zero is then needed.
     pub fn still(&self) -> Option<&[Interval]> {
         (!self.still.is_empty()).then_some(&self.still)
+    }
+
+    /// The largest angle at the middle of the time interval, in radians.
+    pub fn largest_angle(&self, mechanism: &Mechanism) -> f64 {
+        let slots = self.coordinates.iter().enumerate();
+        let angles = slots.filter(|(slot, _)| mechanism.kind_of(*slot) == Kind::Angle);
+        angles.fold(0.0, |largest, (_, q)| largest.max(q.c[0].abs()))
     }
 
     /// Moves the curve of an unknown.

@@ -125,6 +125,8 @@ pub fn prove_tube(
             _ => bends = path_bends(layout, forms, path, bends.ball / BALL_STEP)?,
         }
     };
+    // Angles are exact to their last digits only: no shorter tube makes that error smaller.
+    let largest_gap = LARGEST_GAP_OF_TUBE * path.largest_angle(layout.mechanism).max(1.0);
     for row in (0..layout.count()).filter(|row| !basis.contains(row)) {
         let bounds = work.of_redundant_row(row, layout, basis, &bends, earlier);
         let explained = bounds.explained(error);
@@ -132,7 +134,7 @@ pub fn prove_tube(
         if bounds.residual > explained {
             return Err(Reason::Open);
         }
-        if closes_to.is_nan() || closes_to > LARGEST_GAP_OF_TUBE {
+        if closes_to.is_nan() || closes_to > largest_gap {
             return Err(Reason::Singular);
         }
         earlier.closes_to = earlier.closes_to.max(closes_to);
