@@ -15,7 +15,7 @@ pub struct MeshTree {
     pub source: String,
     /// Whether there is an inside.
     pub enclosure: ShellEnclosure,
-    /// Edges with only one adjacent triangle.
+    /// Edges that do not have equally many triangles on both sides, as the file orients them.
     pub open_edges: usize,
     /// A corner of every connected part.
     pub points: Vec<DVec3>,

@@ -272,9 +272,12 @@ impl Primitive {
         by_kind.then_with(|| {
             let pairs = self.numbers().into_iter().zip(other.numbers());
             let mut orders = pairs.map(|(mine, theirs)| mine.total_cmp(&theirs));
-            orders
-                .find(|order| order.is_ne())
-                .unwrap_or(Ordering::Equal)
+            let by_number = orders.find(|order| order.is_ne());
+            by_number.unwrap_or_else(|| match (self, other) {
+                // Equally many triangles at one pose: the corners tell them apart.
+                (Self::Mesh(mine, _), Self::Mesh(theirs, _)) => mine.tree.order(&theirs.tree),
+                _ => Ordering::Equal,
+            })
         })
     }
 
@@ -291,7 +294,7 @@ impl Primitive {
         }
     }
 
-    /// The numbers that distinguish it from others of its kind; for meshes, their address.
+    /// The numbers that distinguish it from others of its kind; for meshes, their pose and number of triangles.
     fn numbers(&self) -> [f64; 12] {
         // Four rows of three numbers, zero where a kind has fewer.
         let three = |rows: [DVec3; 4]| {

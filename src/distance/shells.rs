@@ -34,7 +34,7 @@ const FEW: usize = 24;
 pub struct Shells {
     /// Whether there is an inside.
     pub enclosure: ShellEnclosure,
-    /// Edges with only one adjacent triangle.
+    /// Edges that do not have equally many triangles on both sides, as the file orients them.
     pub open_edges: usize,
     /// A corner of every shell.
     pub points: Vec<DVec3>,

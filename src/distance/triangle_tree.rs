@@ -3,6 +3,7 @@
 use super::boxes::OrientedBox;
 use super::winding::{Ray, turns_around};
 use glam::DVec3;
+use std::cmp::Ordering;
 
 /// Maximum number of triangles in a leaf.
 const LEAF: usize = 4;
@@ -57,6 +58,19 @@ impl TriangleTree {
         self.grow(start, start + middle);
         self.nodes[index].content = Content::Fork(self.nodes.len());
         self.grow(start + middle, end);
+    }
+
+    /// The order of two trees by the first coordinate that differs.
+    pub(crate) fn order<'a>(&'a self, other: &'a Self) -> Ordering {
+        let corners = |tree: &'a Self| tree.triangles.as_flattened().iter();
+        let pairs = corners(self).zip(corners(other));
+        let mut orders = pairs.flat_map(|(p, q)| {
+            let coordinates = p.to_array().into_iter().zip(q.to_array());
+            coordinates.map(|(a, b)| a.total_cmp(&b))
+        });
+        let by_length = self.triangles.len().cmp(&other.triangles.len());
+        let mut differs = || orders.find(|order| order.is_ne());
+        by_length.then_with(|| differs().unwrap_or(Ordering::Equal))
     }
 
     /// Centre and radius of a ball around all triangles.

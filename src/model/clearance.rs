@@ -9,7 +9,7 @@ pub struct Ignored {
     pub reason: String,
     /// Excluded shapes of the first and the second body; all if there are none.
     pub shapes: Vec<[usize; 2]>,
-    /// Least accepted distance, negative; any depth if absent.
+    /// Least accepted distance, zero or negative; any depth if absent.
     pub down_to: Option<f64>,
     /// Whether it is one of several pairs of a pattern: then it may be unnecessary.
     pub is_one_of_many: bool,

@@ -39,7 +39,7 @@ pub struct ViewChange {
     pub trails: Option<Trails>,
     /// Velocity arrows.
     pub arrows: Option<bool>,
-    /// ShownAxes of frames.
+    /// Axes of frames.
     pub axes: Option<ShownAxes>,
     /// Seconds between marks on paths.
     pub ticks: Option<f64>,

@@ -27,7 +27,7 @@ const KEY_DEPTH: f32 = 0.30;
 const KEY_BLUR: usize = 1;
 /// Sine of the key light's elevation below which its shadow would not end on the map and is omitted.
 const LEAST_HEIGHT: f64 = 0.3;
-/// The largest of them.
+/// The largest half width of all averaging windows.
 const MOST_BLUR: usize = 4;
 
 /// Darkness over the square that circumscribes the ground's disc.

@@ -12,7 +12,8 @@ use glam::DVec3;
 /// A length that changes by less than this fraction does not.
 const CONSTANT: f64 = 1e-9;
 
-/// Each part of a bar that changes its length has this share of the greatest one: they overlap in a tenth of it.
+/// Each part of a bar that changes its length has this share of the greatest one, so that they overlap in a tenth of it; unless
+/// the bar is shorter than that at its shortest: then the parts do not meet where it is longest.
 const PART: f64 = 0.55;
 
 /// Radius of the outer one of these parts over that of a rod.

@@ -28,7 +28,7 @@ pub struct Scope<'a> {
     places: HashMap<String, Option<usize>>,
     /// What they measure.
     dimensions: HashMap<String, Dimension>,
-    /// Slots of outputs that contain rates, with the order of the rates, and whether one is by time.
+    /// Slots of outputs that contain rates, and whether one of the rates is by time.
     rated: HashMap<usize, bool>,
 }
 

@@ -226,7 +226,7 @@ fn meshes_are_checked_and_odd_ones_are_named() {
         (
             "mesh.toml",
             "open",
-            "has no inside: 4 edges belong to only one triangle",
+            "has no inside: 4 edges lack a triangle on one side",
             1,
         ),
         ("mesh.toml", "inside out", "is inside out", 0),

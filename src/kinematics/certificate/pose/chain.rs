@@ -235,7 +235,14 @@ impl LoopAtPose {
         let fixed = |[turn, shift]: [f64; 2], [angle, length]: [f64; 2]| {
             [unit(turn > 0.0, angle), unit(shift > 0.0, length)]
         };
-        let whole = self.joints.first().map_or(0.0, |joint| joint.reach);
+        // The fixed pose before the first joint turns all that follows, the slide of that joint included.
+        let whole = self.joints.first().map_or(0.0, |joint| {
+            let length = match joint.motion {
+                ElementaryMotion::Rotation => 0.0,
+                ElementaryMotion::Translation => arguments[joint.argument].value.whole.abs(),
+            };
+            joint.reach + length / self.size
+        });
         add(
             fixed(plan.open_before, [plan.angle_before, plan.length_before]),
             whole,

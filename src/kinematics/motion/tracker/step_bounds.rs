@@ -9,7 +9,7 @@ use std::f64::consts::FRAC_PI_8;
 /// leave their reach together.
 const FARTHEST_TURN: f64 = FRAC_PI_8;
 
-/// A step slides it no farther than this, in sizes of the mechanism.
+/// A step slides it no farther than this, in sizes of its loop.
 const FARTHEST_WAY: f64 = 0.125;
 
 /// Within a step what is driven may leave the range between its ends by this much, radians, lengths of
