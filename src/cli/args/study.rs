@@ -238,7 +238,8 @@ pub struct SynthesiseArgs {
     /// Worker threads; all cores if absent. Without --time the numbers do not depend on it.
     #[arg(long, value_name = "N", value_parser = thread_count)]
     pub threads: Option<usize>,
-    /// File to write: the scene with the best values; of several scenes a folder of them.
+    /// File to write: the scene with the best values, or a folder for it (a path that ends with `/`); of several scenes always
+    /// a folder.
     #[arg(long, short, value_name = "FILE.toml|FOLDER")]
     pub out: Option<PathBuf>,
     /// Write the report as JSON to this file (`-` for standard output).
