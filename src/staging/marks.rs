@@ -31,11 +31,8 @@ const BALL_PIXELS: f64 = 3.6;
 /// Height of the label as a fraction of the picture's.
 const LABEL_SIZE: f64 = 0.035;
 
-/// Start of the lines at the top of the picture, below the title: fractions of its width and height.
-const CAPTION: [f64; 2] = [0.016, 0.08];
-
-/// From one of them to the next, in heights of a label.
-const CAPTION_LINE: f64 = 1.5;
+/// Corner of the plate with the lines at the top of the picture, below the title: fractions of its width and height.
+const CAPTION: [f64; 2] = [0.004, 0.065];
 
 /// A distance that is shown.
 #[derive(Clone, Debug, PartialEq)]
@@ -119,21 +116,18 @@ impl Marks {
         let Some(measure) = &self.measure else {
             return Vec::new();
         };
-        let label = |text: &str, anchor: Anchor, plate: bool| Label {
+        let label = |text: &str, anchor: Anchor| Label {
             text: text.to_owned(),
             anchor,
             size: LABEL_SIZE * height,
             colour: LINE,
-            plate,
+            plate: true,
             yields: false,
         };
         let middle = (measure.points[0] + measure.points[1]) * 0.5;
-        let beside = label(&measure.text, Anchor::Beside(middle), true);
-        let line = |(k, text): (usize, &String)| {
-            let top = CAPTION[1] + CAPTION_LINE * LABEL_SIZE * k as f64;
-            label(text, Anchor::Screen([CAPTION[0], top]), false)
-        };
-        let above = measure.caption.iter().enumerate().map(line);
-        std::iter::once(beside).chain(above).collect()
+        let beside = label(&measure.text, Anchor::Beside(middle));
+        // Paths may pass behind these lines.
+        let above = label(&measure.caption.join("\n"), Anchor::Screen(CAPTION));
+        vec![beside, above]
     }
 }
