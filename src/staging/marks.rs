@@ -131,3 +131,31 @@ impl Marks {
         vec![beside, above]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A path behind a text without a plate makes it hard to read.
+    #[test]
+    fn all_texts_have_a_plate() {
+        let measure = Some(DimensionMark {
+            bodies: [0, 1],
+            points: [DVec3::ZERO, DVec3::X],
+            text: "1 mm".to_owned(),
+            caption: vec![
+                "arm / post: failed".to_owned(),
+                "1 mm at t = 0 s".to_owned(),
+            ],
+            is_alarm: true,
+        });
+        let marks = Marks {
+            measure,
+            ..Marks::default()
+        };
+        let labels = marks.labels(100.0);
+        let texts: Vec<&str> = labels.iter().map(|label| label.text.as_str()).collect();
+        assert_eq!(texts, ["1 mm", "arm / post: failed\n1 mm at t = 0 s"]);
+        assert!(labels.iter().all(|label| label.plate));
+    }
+}
