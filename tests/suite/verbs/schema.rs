@@ -75,7 +75,8 @@ fn the_schema_sees_every_mistake_of_form() {
         // What is no TOML is no matter of a schema.
         let scene = read(&path).unwrap_or_else(|| json!({}));
         let mut found = faults(&schema, &schema, &scene, "");
-        (stated.sort(), found.sort());
+        stated.sort();
+        found.sort();
         seen += found.len();
         let name = path.display();
         let is_in = |list: &[String], fault: &String| list.contains(fault);
