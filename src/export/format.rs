@@ -1,6 +1,7 @@
 //! The file format that a path selects. Creates nothing.
 
 use super::error::ExportError;
+use super::place::names_folder;
 use std::path::{Path, PathBuf};
 
 /// File name pattern used inside a folder of frames.
@@ -57,7 +58,7 @@ impl Format {
         {
             return Err(ExportError::IsFolder(path.to_owned()));
         }
-        if path.is_dir() || text.ends_with(std::path::is_separator) {
+        if names_folder(path) {
             return FramePattern::parse(&path.join(FOLDER_PATTERN)).map(Self::PngSequence);
         }
         let name = path.file_name().map(|n| n.to_string_lossy());

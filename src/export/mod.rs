@@ -38,7 +38,7 @@ pub mod video;
 
 pub use error::ExportError;
 pub use format::Format;
-pub use place::{folder_of, link_end};
+pub use place::{folder_of, link_end, names_folder};
 pub use target::{Output, Stream, Target, finished_count, remove_unfinished};
 
 /// What was written.

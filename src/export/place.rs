@@ -1,4 +1,4 @@
-//! The destination of a file: the target of its links, its folder, and whether it is an ordinary file.
+//! The destination of a file: the target of its links, its folder, whether it is an ordinary file or a folder of files.
 
 use std::fs;
 use std::io;
@@ -43,6 +43,11 @@ pub fn open_directly(place: &Path) -> io::Result<fs::File> {
         false => options.write(true),
     };
     options.open(place)
+}
+
+/// Whether files belong into `path`: a folder that exists, or any path that ends with a separator.
+pub fn names_folder(path: &Path) -> bool {
+    path.is_dir() || path.to_string_lossy().ends_with(std::path::is_separator)
 }
 
 /// The folder that holds `path`: `.` for a bare name.

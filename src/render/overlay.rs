@@ -13,6 +13,7 @@ use super::text::{Face, PHASES, Setting, set_text};
 use super::{Anchor, Camera, Frame, Label};
 use image::RgbaImage;
 use paint::OverlayPainter;
+pub use plate::plate_padding;
 
 /// Greatest height of capitals in pixels; larger labels are drawn at this size (no picture needs them, and a
 /// mask takes memory with its square).

@@ -73,7 +73,7 @@ pub fn trials_document(row: &PlanarRow, trials: &Trials, given: f64) -> Value {
     };
     json!({
         "schema": document_schema(),
-        "method": "trials",
+        "derived": "trials",
         "solved": trials.solved,
         "same_sign": trials.same_sign,
         "shares": SHARES,
@@ -173,7 +173,7 @@ impl FormalPair<'_> {
         };
         json!({
             "schema": document_schema(),
-            "method": "formal",
+            "derived": "formal",
             "spectral_radius": self.spectral.is_finite().then_some(self.spectral),
             "formal": [of(self.tolerable, "tolerable"), of(self.united, "united")],
         })
@@ -325,7 +325,7 @@ impl TiedReport<'_> {
         });
         json!({
             "schema": document_schema(),
-            "method": "tied",
+            "derived": "tied",
             "least": self.window.least,
             "reach": self.window.reach,
             "cube_of_velocities": self.velocities,
@@ -345,7 +345,7 @@ pub fn centre_document(centre: &[f64], tolerance: f64, radius: f64, united: f64)
     };
     json!({
         "schema": document_schema(),
-        "method": "centre",
+        "derived": "centre",
         "centre": centre,
         "functional": tolerance,
         "tolerable_radius": radius,

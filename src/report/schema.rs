@@ -32,21 +32,41 @@ fn of_table(keys: &'static Keys, definitions: &mut Map<String, Value>) -> Value 
         let alternatives = keys.one_of.iter().map(|name| json!({ "required": [name] }));
         schema["oneOf"] = alternatives.collect();
     }
+    let needs = keys.list.iter().filter_map(|key| Some((key, key.needs?)));
+    let needs: Map<String, Value> = needs
+        .map(|(key, other)| (key.name.to_owned(), json!([other])))
+        .collect();
+    if !needs.is_empty() {
+        schema["dependentRequired"] = Value::Object(needs);
+    }
+    let excludes = keys
+        .list
+        .iter()
+        .filter_map(|key| Some((key, key.excludes?)));
+    let excludes: Vec<Value> = excludes
+        .map(|(key, other)| json!({ "not": { "required": [key.name, other] } }))
+        .collect();
+    if !excludes.is_empty() {
+        schema["allOf"] = json!(excludes);
+    }
     schema
 }
 
 fn of_key(key: &Key, definitions: &mut Map<String, Value>) -> Value {
     let mut schema = of_value(key.holds, definitions);
     schema["description"] = json!(key.says);
+    if key.least > 0 {
+        schema["minItems"] = json!(key.least);
+    }
     schema
 }
 
 fn of_value(holds: Holds, definitions: &mut Map<String, Value>) -> Value {
     let formula = || json!({ "type": ["number", "string"] });
     match holds {
-        Holds::Text => json!({ "type": "string" }),
+        Holds::Text | Holds::Chain => json!({ "type": "string" }),
         Holds::Word(words) => json!({ "enum": words }),
-        Holds::Texts => json!({ "type": "array", "items": { "type": "string" } }),
+        Holds::Texts(count) => list_schema(json!({ "type": "string" }), count),
         Holds::Flag => json!({ "type": "boolean" }),
         Holds::Formula => formula(),
         Holds::Formulas(count) => list_schema(formula(), count),
@@ -57,7 +77,8 @@ fn of_value(holds: Holds, definitions: &mut Map<String, Value>) -> Value {
         // A name with a dot is a table of names in TOML.
         Holds::Named(values) => {
             let mut value = any_of(values, definitions);
-            if values.iter().all(|holds| matches!(holds, Holds::Formula)) {
+            let is_formula = |holds: &Holds| matches!(holds, Holds::Formula | Holds::Chain);
+            if values.iter().all(is_formula) {
                 let dotted = json!({ "type": "object", "additionalProperties": value });
                 value = json!({ "anyOf": [value, dotted] });
             }

@@ -1,6 +1,6 @@
 //! The `[study]` section as typed: variables, objective, and limits.
 
-use super::keys::tables::{LIMIT, VARIABLE};
+use super::keys::results::{LIMIT, VARIABLE};
 use super::reader::{FoundValue, Spanned, TableReader, read_table};
 use super::values::FormulaText;
 use crate::diag::Diagnostic;

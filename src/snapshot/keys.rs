@@ -1,13 +1,11 @@
 //! The keys of a list of golden pictures.
 
-use crate::scene::keys::Holds::{Flag, Formula, Formulas, Named, Table, Tables, Text};
-use crate::scene::keys::{Holds, Key, Keys, view};
+use crate::scene::keys::Holds::{Flag, Formula, Formulas, Table, Tables, Text};
+use crate::scene::keys::{FORMULAS_BY_NAME, Holds, Key, Keys, view};
 
 const fn snapshot_key(name: &'static str, holds: Holds, says: &'static str) -> Key {
     Key::new(name, holds, says)
 }
-
-const FORMULAS_BY_NAME: Holds = Named(&[Formula]);
 
 /// The whole list.
 pub static LIST: Keys = Keys::new(

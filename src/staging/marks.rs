@@ -31,11 +31,8 @@ const BALL_PIXELS: f64 = 3.6;
 /// Height of the label as a fraction of the picture's.
 const LABEL_SIZE: f64 = 0.035;
 
-/// Start of the lines at the top of the picture, below the title: fractions of its width and height.
-const CAPTION: [f64; 2] = [0.016, 0.08];
-
-/// From one of them to the next, in heights of a label.
-const CAPTION_LINE: f64 = 1.5;
+/// Corner of the plate with the lines at the top of the picture, below the title: fractions of its width and height.
+const CAPTION: [f64; 2] = [0.004, 0.065];
 
 /// A distance that is shown.
 #[derive(Clone, Debug, PartialEq)]
@@ -119,21 +116,46 @@ impl Marks {
         let Some(measure) = &self.measure else {
             return Vec::new();
         };
-        let label = |text: &str, anchor: Anchor, plate: bool| Label {
+        let label = |text: &str, anchor: Anchor| Label {
             text: text.to_owned(),
             anchor,
             size: LABEL_SIZE * height,
             colour: LINE,
-            plate,
+            plate: true,
             yields: false,
         };
         let middle = (measure.points[0] + measure.points[1]) * 0.5;
-        let beside = label(&measure.text, Anchor::Beside(middle), true);
-        let line = |(k, text): (usize, &String)| {
-            let top = CAPTION[1] + CAPTION_LINE * LABEL_SIZE * k as f64;
-            label(text, Anchor::Screen([CAPTION[0], top]), false)
+        let beside = label(&measure.text, Anchor::Beside(middle));
+        // Paths may pass behind these lines.
+        let above = label(&measure.caption.join("\n"), Anchor::Screen(CAPTION));
+        vec![beside, above]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A path behind a text without a plate makes it hard to read.
+    #[test]
+    fn all_texts_have_a_plate() {
+        let measure = Some(DimensionMark {
+            bodies: [0, 1],
+            points: [DVec3::ZERO, DVec3::X],
+            text: "1 mm".to_owned(),
+            caption: vec![
+                "arm / post: failed".to_owned(),
+                "1 mm at t = 0 s".to_owned(),
+            ],
+            is_alarm: true,
+        });
+        let marks = Marks {
+            measure,
+            ..Marks::default()
         };
-        let above = measure.caption.iter().enumerate().map(line);
-        std::iter::once(beside).chain(above).collect()
+        let labels = marks.labels(100.0);
+        let texts: Vec<&str> = labels.iter().map(|label| label.text.as_str()).collect();
+        assert_eq!(texts, ["1 mm", "arm / post: failed\n1 mm at t = 0 s"]);
+        assert!(labels.iter().all(|label| label.plate));
     }
 }

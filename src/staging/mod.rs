@@ -188,6 +188,8 @@ impl<'a> Staging<'a> {
         let camera = |index: usize| cameras(index).unwrap_or(self.stage.camera);
         let mut captions = Frame::default();
         self.add_captions(0, &mut captions);
+        let height = f64::from(self.stage.size[1]);
+        captions.labels.extend(self.marks.labels(height));
         self.add_context(&camera(0), true, &mut captions);
         let taken = (&captions, reserved);
         self.letters =

@@ -5,6 +5,7 @@ use super::{captions, fitting};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::model::theme::Theme;
 use crate::model::view::{LabelPlace, SceneLabel};
+use crate::render::overlay::plate_padding;
 use crate::render::{Anchor, Camera, Frame, Label};
 use crate::scene::Scene;
 use glam::DVec3;
@@ -158,12 +159,16 @@ fn wished_offset(
     [0, 1].map(|k| along[k] / length * reach[k])
 }
 
-/// The rectangle of a caption.
+/// The rectangle of a caption, with its plate if it has one.
 fn caption_rectangle(label: &Label, size: [u32; 2]) -> Option<Rectangle> {
     let Anchor::Screen([x, y]) = label.anchor else {
         return None;
     };
     let [x, y] = [x * f64::from(size[0]), y * f64::from(size[1])];
     let [width, height] = fitting::text_extent(&label.text, label.size);
-    Some([x, y, x + width, y + height])
+    let padding = match label.plate {
+        true => 2.0 * plate_padding(label.size),
+        false => 0.0,
+    };
+    Some([x, y, x + width + padding, y + height + padding])
 }

@@ -40,7 +40,7 @@ pub struct DyadsArgs {
 /// What is made of the system in intervals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 #[allow(missing_docs)]
-pub enum IntervalMethod {
+pub enum Derivation {
     /// Random directions of all bars: quantiles of velocities and conjugate positions.
     Trials,
     /// The formal solution, by the subdifferential Newton method.
@@ -57,9 +57,9 @@ pub struct IntervalsArgs {
     /// The row.
     #[command(flatten)]
     pub row: RowArgs,
-    /// Method of computation: what is derived from the interval system.
+    /// What is derived from the interval system.
     #[arg(long, value_enum)]
-    pub method: IntervalMethod,
+    pub derive: Derivation,
     /// Keep the direction of each bar within this many degrees of its own, instead of the whole range of --delta.
     #[arg(long, value_name = "DEGREES", value_parser = positive_number)]
     pub spread: Option<f64>,
@@ -90,7 +90,7 @@ pub struct IntervalsArgs {
     /// File to write: the result as .json; `-` for standard output.
     #[arg(long, short, value_name = "FILE")]
     pub out: Option<PathBuf>,
-    /// Draw a chart (.svg or .png): the paved sets in the plane of the mechanism. With --method tied.
+    /// Draw a chart (.svg or .png): the paved sets in the plane of the mechanism. With --derive tied.
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
     /// Light or dark: colours of background, text and lines.

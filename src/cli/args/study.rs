@@ -30,7 +30,7 @@ pub struct SensitivityArgs {
     pub rank: Option<String>,
     /// Find tolerances that keep the scatter of a measure to this, shared equally by the dimensions: MEASURE=VALUE.
     #[arg(long, value_name = "MEASURE=VALUE", value_parser = named_limit)]
-    pub allow: Option<(String, f64)>,
+    pub scatter: Option<(String, f64)>,
     /// Draw a chart (.svg or .png): the derivatives as bars, ranked.
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
@@ -112,7 +112,7 @@ pub struct OptimiseArgs {
     /// Minimise this measure, in place of the study's objective.
     #[arg(long, value_name = "MEASURE")]
     pub minimise: Option<String>,
-    /// Method of computation: the search for the minimum.
+    /// Method of the search for the minimum.
     #[arg(long, value_enum, default_value_t = MethodArg::Bfgs)]
     pub method: MethodArg,
     /// Let every variable move by this share of its value (0.2 or 20%), instead of within the study's ranges.
@@ -238,7 +238,8 @@ pub struct SynthesiseArgs {
     /// Worker threads; all cores if absent. Without --time the numbers do not depend on it.
     #[arg(long, value_name = "N", value_parser = thread_count)]
     pub threads: Option<usize>,
-    /// File to write: the scene with the best values; of several scenes a folder of them.
+    /// File to write: the scene with the best values, or a folder for it (a path that ends with `/`); of several scenes always
+    /// a folder.
     #[arg(long, short, value_name = "FILE.toml|FOLDER")]
     pub out: Option<PathBuf>,
     /// Write the report as JSON to this file (`-` for standard output).

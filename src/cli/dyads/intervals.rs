@@ -4,7 +4,7 @@ use super::row::{OpenRow, open_row};
 use crate::analysis::dyads::{TrialOptions, run_trials};
 use crate::analysis::random::Random;
 use crate::charts::paving::paving_chart;
-use crate::cli::args::dyads::{IntervalMethod, IntervalsArgs};
+use crate::cli::args::dyads::{Derivation, IntervalsArgs};
 use crate::cli::files::chart::{PlotFormat, write_chart};
 use crate::cli::io;
 use crate::cli::term::Term;
@@ -37,7 +37,7 @@ const TRIES: usize = 200;
 /// Damping of the subdifferential Newton method: none.
 const TAU: f64 = 1.0;
 
-/// Output of a method: text, a JSON document, and whether it answers the question.
+/// What is derived: text, a JSON document, and whether it answers the question.
 type Answered = (String, Value, Outcome);
 
 /// Runs the verb.
@@ -47,17 +47,17 @@ pub fn run_intervals(args: &IntervalsArgs, term: &Term) -> Result<Outcome, Failu
         ("--plot", args.plot.as_deref()),
     ];
     io::refuse_clashes(&[&args.row.scene], &reports)?;
-    if args.plot.is_some() && args.method != IntervalMethod::Tied {
-        let message = "--plot draws the sets that --method tied paves";
+    if args.plot.is_some() && args.derive != Derivation::Tied {
+        let message = "--plot draws the sets that --derive tied paves";
         return Err(Failure::usage(message, Vec::new()));
     }
     let format = args.plot.as_deref().map(PlotFormat::of).transpose()?;
     let row = open_row(&args.row, term)?;
-    let (text, document, outcome) = match args.method {
-        IntervalMethod::Trials => run_random(args, &row)?,
-        IntervalMethod::Formal => run_formal(args, &row)?,
-        IntervalMethod::Centre => run_centre(args, &row)?,
-        IntervalMethod::Tied => run_tied(args, &row, format)?,
+    let (text, document, outcome) = match args.derive {
+        Derivation::Trials => run_random(args, &row)?,
+        Derivation::Formal => run_formal(args, &row)?,
+        Derivation::Centre => run_centre(args, &row)?,
+        Derivation::Tied => run_tied(args, &row, format)?,
     };
     if let Some(path) = &args.out {
         io::write_json(&args.row.scene, path, &document)?;
@@ -210,7 +210,7 @@ fn run_tied(
     let least = row.delta.lo.min(PI - row.delta.hi);
     if !(least > 0.0 && row.delta.hi < PI && least < 0.5 * PI) {
         return Err(Failure::usage(
-            "--method tied takes angles between 0 and 180 degrees, such as 5..175",
+            "--derive tied takes angles between 0 and 180 degrees, such as 5..175",
             Vec::new(),
         ));
     }

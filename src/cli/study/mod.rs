@@ -2,6 +2,7 @@
 
 pub mod accuracy;
 pub mod enclose;
+mod found_files;
 pub mod optimise;
 pub mod pairs;
 mod row_file;

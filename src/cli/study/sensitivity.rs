@@ -20,7 +20,7 @@ pub fn run_sensitivity(args: &SensitivityArgs, term: &Term) -> Result<Outcome, F
         Some(name) => study.measure(name)?,
         None => family.study.objective.unwrap_or(0),
     };
-    let allowed = match &args.allow {
+    let allowed = match &args.scatter {
         Some((name, scatter)) => {
             let measure = study.measure(name)?;
             let unit = family.units(family.measures.list[measure].kind);

@@ -1,5 +1,6 @@
 //! `mechanim synthesise`: dimensions found from many starts, proved, reported, and written as scenes.
 
+use super::found_files::target_files;
 use super::target::{run_target, search_plan};
 use crate::analysis::study::{FamilyError, LoadedStudy};
 use crate::analysis::synthesis::touching::Touching;
@@ -20,7 +21,6 @@ use crate::report::synthesis_document::{found_rows, synthesis_document};
 use crate::scene::Overrides;
 use crate::scene::edit::with_values;
 use std::ffi::OsStr;
-use std::path::{Path, PathBuf};
 
 /// Runs the verb.
 pub fn run_synthesise(args: &SynthesiseArgs, term: &Term) -> Result<Outcome, Failure> {
@@ -130,28 +130,6 @@ fn scene_args(args: &SynthesiseArgs, scene: &OsStr) -> SceneArgs {
         allowed: Vec::new(),
         mode: None,
     }
-}
-
-/// Destination of the scenes found: the file itself for one, files in a folder for several.
-fn target_files(args: &SynthesiseArgs) -> Result<Vec<PathBuf>, Failure> {
-    let Some(out) = &args.out else {
-        return Ok(Vec::new());
-    };
-    if let [scene] = args.scenes.as_slice() {
-        if Path::new(scene) == out {
-            return Err(io::is_input(out));
-        }
-        return Ok(vec![out.clone()]);
-    }
-    std::fs::create_dir_all(out).map_err(|error| {
-        let message = format!("the folder {} cannot be made: {error}", out.display());
-        Failure::usage(message, Vec::new())
-    })?;
-    let names = args.scenes.iter().map(|scene| {
-        let stem = Path::new(scene).file_stem().unwrap_or_default();
-        out.join(stem).with_extension("toml")
-    });
-    Ok(names.collect())
 }
 
 fn synthesise_one<'a>(

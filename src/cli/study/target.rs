@@ -1,6 +1,7 @@
 //! `mechanim synthesise --target`: the mechanism that does what a table requires, searched from many starts and solved
 //! afresh.
 
+use super::found_files::target_files;
 use crate::analysis::study::ParametricMechanism;
 use crate::analysis::synthesis::target::{
     StartResult, TargetSearch, TargetSynthesis, fit_target, verify_target,
@@ -33,10 +34,8 @@ pub fn run_target(
     table: &Path,
     term: &Term,
 ) -> Result<Outcome, Failure> {
-    let reports = [
-        ("--json", args.json.as_deref()),
-        ("--out", args.out.as_deref()),
-    ];
+    let out = target_files(args)?.pop();
+    let reports = [("--json", args.json.as_deref()), ("--out", out.as_deref())];
     io::refuse_clashes(&[scene], &reports)?;
     let (source, overrides, drawn) = nominal_source(scene, term)?;
     let study = drawn.study.iter().flat_map(|s| &s.variables);
@@ -78,7 +77,7 @@ pub fn run_target(
     let begins = synthesis.unknowns.is_some();
     let rows = verify_target((&source, &found), &target, &synthesis.fit, begins)?;
     let proof = prove_found(&source, &found);
-    if let Some(path) = &args.out {
+    if let Some(path) = &out {
         let path = io::unless_complete(path, !is_interrupted());
         io::write_text(scene, &path, &text)?;
     }

@@ -46,7 +46,11 @@ pub static BEARING: Keys = Keys::new(
     &[
         part_key("radius", Formula, "of its housing"),
         part_key("width", Formula, "of its housing along z"),
-        part_key("height", Formula, "of its axis above the foot's lower side"),
+        part_key(
+            "height",
+            Formula,
+            "of its axis above the lower side of its foot, at −y",
+        ),
     ],
 );
 
@@ -56,6 +60,7 @@ pub static LATHE: Keys = Keys::new(
     &[part_key(
         "profile",
         Rows(2),
-        "places on the axis with radii",
-    )],
+        "its outline `[[z, r], …]`, from place to place on the axis; repeating a `z` makes a step",
+    )
+    .at_least(2)],
 );

@@ -1,7 +1,10 @@
 //! The keys of every table in a file and the values they take: one list, shared by the reader, its "did you mean", the
 //! schema for editors and the documents.
 
+mod bodies;
+pub mod linkage;
 mod machine_parts;
+pub mod results;
 mod shapes;
 pub mod tables;
 pub mod view;
@@ -26,7 +29,13 @@ pub struct Key {
     pub holds: Holds,
     /// A required key.
     pub is_required: bool,
-    /// What it means, in a few words.
+    /// The smallest number of items of a list.
+    pub least: usize,
+    /// Has a meaning only beside this key.
+    pub needs: Option<&'static str>,
+    /// Must not stand beside this key.
+    pub excludes: Option<&'static str>,
+    /// What it means, and what holds without it: for hints, the schema and the documents.
     pub says: &'static str,
 }
 
@@ -37,12 +46,14 @@ pub enum Holds {
     Text,
     /// One of these words.
     Word(&'static [&'static str]),
-    /// Texts.
-    Texts,
+    /// This many texts.
+    Texts(usize),
     /// `true` or `false`.
     Flag,
     /// A number, or a formula in quotes.
     Formula,
+    /// A text that is a chain of transforms, or the name of one.
+    Chain,
     /// A list of this many of them; zero means any number.
     Formulas(usize),
     /// A list of lists of this length.
@@ -59,6 +70,9 @@ pub enum Holds {
     Any(&'static [Holds]),
 }
 
+/// Names with a number or a formula each.
+pub(crate) const FORMULAS_BY_NAME: Holds = Holds::Named(&[Holds::Formula]);
+
 impl Key {
     /// An optional key.
     pub const fn new(name: &'static str, holds: Holds, says: &'static str) -> Self {
@@ -66,6 +80,9 @@ impl Key {
             name,
             holds,
             is_required: false,
+            least: 0,
+            needs: None,
+            excludes: None,
             says,
         }
     }
@@ -74,6 +91,27 @@ impl Key {
     pub const fn required(self) -> Self {
         Self {
             is_required: true,
+            ..self
+        }
+    }
+
+    /// A list of at least this many items.
+    pub const fn at_least(self, least: usize) -> Self {
+        Self { least, ..self }
+    }
+
+    /// Only beside the key `other`.
+    pub const fn beside(self, other: &'static str) -> Self {
+        Self {
+            needs: Some(other),
+            ..self
+        }
+    }
+
+    /// Never beside the key `other`.
+    pub const fn without(self, other: &'static str) -> Self {
+        Self {
+            excludes: Some(other),
             ..self
         }
     }

@@ -1,6 +1,6 @@
 //! The keys of the solids.
 
-use super::Holds::{Colour, Flag, Formula, Formulas, Rows, Table, Text};
+use super::Holds::{Chain, Colour, Flag, Formula, Formulas, Rows, Table, Text};
 use super::machine_parts::{BEARING, EYED_ROD, FORK, LATHE, PIN};
 use super::{Holds, Key, Keys};
 
@@ -21,12 +21,24 @@ pub static SHAPE: Keys = Keys::with_one_of(
         shape_key("tube", Table(&TUBE), "a round bar along a line"),
         shape_key("half_space", Table(&HALF_SPACE), "everything below a plane"),
         shape_key("stl", Table(&STL), "triangles from a file"),
-        shape_key("rod", Table(&EYED_ROD), "a bar with eyes about z"),
-        shape_key("fork", Table(&FORK), "two cheeks about a pin along z"),
-        shape_key("pin", Table(&PIN), "a pin along z with heads"),
-        shape_key("bearing", Table(&BEARING), "a bearing about z on a foot"),
-        shape_key("lathe", Table(&LATHE), "a turned part about z"),
-        shape_key("frame", Formula, "constant chain from the body"),
+        shape_key("rod", Table(&EYED_ROD), "a bar with an eye at both ends"),
+        shape_key(
+            "fork",
+            Table(&FORK),
+            "two cheeks with eyes about the origin, and a bridge at −x",
+        ),
+        shape_key(
+            "pin",
+            Table(&PIN),
+            "a pin centred on the origin, with a head at each end",
+        ),
+        shape_key(
+            "bearing",
+            Table(&BEARING),
+            "a housing about the origin for a shaft of up to three quarters of its radius, on a column with a bolted foot",
+        ),
+        shape_key("lathe", Table(&LATHE), "a turned part"),
+        shape_key("frame", Chain, "a constant chain from the body"),
         shape_key("colour", Colour, "in place of the body's"),
         shape_key("opacity", Formula, "in place of the body's"),
     ],
@@ -51,7 +63,7 @@ pub static SHAPE: Keys = Keys::with_one_of(
 static SPHERE: Keys = Keys::new(
     "sphere",
     &[
-        shape_key("center", Formulas(3), "its centre; the origin if absent"),
+        shape_key("center", Formulas(3), "default: the origin"),
         shape_key("radius", Formula, "its radius").required(),
     ],
 );
@@ -78,7 +90,7 @@ static CONE: Keys = Keys::new(
 static BOX: Keys = Keys::new(
     "box",
     &[
-        shape_key("center", Formulas(3), "its centre; the origin if absent"),
+        shape_key("center", Formulas(3), "default: the origin"),
         shape_key("size", Formulas(3), "its edges along x, y and z").required(),
     ],
 );
@@ -86,8 +98,8 @@ static BOX: Keys = Keys::new(
 static TORUS: Keys = Keys::new(
     "torus",
     &[
-        shape_key("center", Formulas(3), "its centre; the origin if absent"),
-        shape_key("axis", Formulas(3), "its axis; z if absent"),
+        shape_key("center", Formulas(3), "default: the origin"),
+        shape_key("axis", Formulas(3), "default: z"),
         shape_key("ring", Formula, "radius of the centre circle").required(),
         shape_key("tube", Formula, "radius of the tube").required(),
     ],
@@ -96,7 +108,9 @@ static TORUS: Keys = Keys::new(
 static TUBE: Keys = Keys::new(
     "tube",
     &[
-        shape_key("points", Rows(3), "corners of its centre line").required(),
+        shape_key("points", Rows(3), "corners of its centre line")
+            .at_least(2)
+            .required(),
         shape_key("radius", Formula, "its radius").required(),
         shape_key("closed", Flag, "the last point is joined to the first"),
     ],
@@ -105,17 +119,26 @@ static TUBE: Keys = Keys::new(
 static HALF_SPACE: Keys = Keys::new(
     "half-space",
     &[
-        shape_key("point", Formulas(3), "a point of the plane"),
-        shape_key("normal", Formulas(3), "out of the material; z if absent"),
-        shape_key("size", Formula, "edge of the sheet that is drawn").required(),
+        shape_key("point", Formulas(3), "of the plane; default: the origin"),
+        shape_key("normal", Formulas(3), "out of the material; default: z"),
+        shape_key("size", Formula, "edge length of the sheet that is drawn").required(),
     ],
 );
 
 static STL: Keys = Keys::new(
     "stl",
     &[
-        shape_key("file", Text, "path, relative to the scene").required(),
-        shape_key("scale", Formula, "scene units in one unit of the file"),
+        shape_key(
+            "file",
+            Text,
+            "in or below the scene's folder, otherwise with `--allow-files DIR`",
+        )
+        .required(),
+        shape_key(
+            "scale",
+            Formula,
+            "scene units in one unit of the file; default: 1",
+        ),
         shape_key("surface", Flag, "the triangles enclose nothing"),
     ],
 );

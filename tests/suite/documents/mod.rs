@@ -5,6 +5,7 @@ mod commands;
 mod content;
 mod figures;
 mod fixtures;
+mod key_tables;
 mod options;
 mod outputs;
 mod runs;

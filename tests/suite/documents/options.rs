@@ -134,6 +134,55 @@ fn every_option_is_documented_with_its_one_meaning() {
     );
 }
 
+/// An option that takes one of some words: these words, by the verbs that have it.
+fn words_of_options() -> BTreeMap<String, BTreeMap<String, BTreeSet<String>>> {
+    fn add(
+        verb: &Command,
+        path: &str,
+        words: &mut BTreeMap<String, BTreeMap<String, BTreeSet<String>>>,
+    ) {
+        for argument in verb.get_arguments() {
+            let possible = argument.get_possible_values();
+            let known = possible.iter().map(|word| word.get_name().to_owned());
+            let known: BTreeSet<String> = known.collect();
+            if let (Some(flag), false) = (argument.get_long(), known.is_empty()) {
+                let verbs = words.entry(flag.to_owned()).or_default();
+                verbs.insert(path.to_owned(), known);
+            }
+        }
+        for below in verb.get_subcommands() {
+            add(below, &format!("{path} {}", below.get_name()), words);
+        }
+    }
+    let mut words = BTreeMap::new();
+    for verb in Cli::command().get_subcommands() {
+        add(verb, verb.get_name(), &mut words);
+    }
+    words
+}
+
+/// Options that mean different things by their words: no verb takes all words that the others take.
+fn options_of_several_meanings(
+    words: &BTreeMap<String, BTreeMap<String, BTreeSet<String>>>,
+) -> Vec<&str> {
+    let differ = words.iter().filter(|(_, verbs)| {
+        let all: BTreeSet<&String> = verbs.values().flatten().collect();
+        !verbs.values().any(|words| words.len() == all.len())
+    });
+    differ.map(|(flag, _)| flag.as_str()).collect()
+}
+
+#[test]
+fn an_option_takes_the_same_words_in_all_verbs() {
+    let mut words = words_of_options();
+    // Every verb writes its own kinds of files.
+    assert_eq!(options_of_several_meanings(&words), ["format"]);
+    let planted = ["trials", "formal"].map(str::to_owned).into();
+    let method = words.get_mut("method").unwrap();
+    method.insert("intervals".to_owned(), planted);
+    assert_eq!(options_of_several_meanings(&words), ["format", "method"]);
+}
+
 /// The other names of an option that are read without being shown.
 fn aliases(verb: &Command, found: &mut BTreeMap<String, BTreeSet<String>>) {
     for argument in verb.get_arguments() {

@@ -66,7 +66,7 @@ fn sensitivities_of_the_stroke_are_two_and_nothing() {
             "crank.toml",
             "--rank",
             "stroke",
-            "--allow",
+            "--scatter",
             "stroke=1",
             "--out",
             "-",

@@ -72,6 +72,27 @@ fn two_spheres_reach_the_known_optimum_and_are_proved() {
     assert!(rows.contains("sphere-sphere,measure,deviation,0.03384,"));
 }
 
+/// A path that ends with a separator is a folder, which is made; so is one that exists.
+#[test]
+fn one_scene_goes_into_a_folder_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = |name: &str| format!("{}/{name}", folder.path().display());
+    let search = ["synthesise", "sphere-sphere", "--starts", "1"];
+    let few = ["--iterations", "1", "--out"];
+    for (out, file) in [
+        ("new/", "new/sphere-sphere.toml"),
+        ("new", "new/sphere-sphere.toml"),
+        ("new/below/", "new/below/sphere-sphere.toml"),
+        ("one", "one"),
+    ] {
+        std::fs::remove_file(place(file)).ok();
+        let done = mechanim(&[&search[..], &few, &[&place(out)]].concat());
+        assert_eq!(done.status.code(), Some(0), "{}", text(&done.stderr));
+        let scene = std::fs::read_to_string(place(file)).unwrap();
+        assert!(scene.contains("[contacts"), "{out}: {scene}");
+    }
+}
+
 /// The other pairs get well below what is printed within a few steps; their whole search is in `docs/synthesis.md`.
 #[test]
 fn tori_improve_on_the_print_within_few_steps() {

@@ -4,7 +4,8 @@
 //! - `#! error 14 text`: an error at column 14 of the nearest line above that is not itself such a comment, whose
 //!   message holds the text; `#! error 7:14 text` names the line too; `#! error - text` is one without a place;
 //! - `#! says text`: somewhere in the output of that error there is this text (a hint, a second place);
-//! - `#! exit 4`: the exit code, if it is not 2.
+//! - `#! exit 4`: the exit code, if it is not 2;
+//! - `#! schema .bodies[0]: lacks `name``: a fault that the schema for editors sees (`schema.rs` compares them).
 //!
 //! The number of errors must be the number of expectations.
 
@@ -56,6 +57,7 @@ fn expectations(text: &str) -> Result<Expected, String> {
                     .ok_or("`says` before `error`")?;
                 last.body.push(rest.to_owned());
             }
+            "schema" => {}
             "exit" => expected.code = rest.parse().map_err(|_| "no exit code")?,
             other => return Err(format!("unknown expectation `{other}`")),
         }

@@ -177,7 +177,7 @@ fn what_is_no_row_of_dyads_is_refused_with_its_reason() {
             &[
                 "intervals",
                 "dyads",
-                "--method",
+                "--derive",
                 "formal",
                 "--delta",
                 "0..180",
@@ -185,25 +185,25 @@ fn what_is_no_row_of_dyads_is_refused_with_its_reason() {
             "can be in line",
         ),
         (
-            &["intervals", "dyads", "--method", "formal", "--spread", "7"],
+            &["intervals", "dyads", "--derive", "formal", "--spread", "7"],
             "can be in line",
         ),
         (
             &[
                 "intervals",
                 "dyads",
-                "--method",
+                "--derive",
                 "trials",
                 "--plot",
                 "a.svg",
             ],
-            "--method tied",
+            "--derive tied",
         ),
         (
             &[
                 "intervals",
                 "dyads",
-                "--method",
+                "--derive",
                 "tied",
                 "--delta",
                 "190..350",
@@ -219,7 +219,7 @@ fn what_is_no_row_of_dyads_is_refused_with_its_reason() {
 fn methods_answer_or_say_that_they_do_not() {
     let space = Workspace::new();
     fn with<'a>(rest: &[&'a str]) -> Vec<&'a str> {
-        [&["intervals", "dyads", "--method"], rest].concat()
+        [&["intervals", "dyads", "--derive"], rest].concat()
     }
     // Improper: nothing is proved, and that is the answer.
     let run = space.run(&with(&["formal", "--spread", "0.1"])).exits(1);
@@ -255,7 +255,7 @@ fn the_tied_set_is_paved_and_drawn() {
         vec![
             "intervals",
             "dyads",
-            "--method",
+            "--derive",
             "tied",
             "--delta",
             delta,

@@ -7,6 +7,7 @@ mod compared_pages;
 mod dyad_verbs;
 mod face;
 mod interlaced;
+mod json_schema;
 mod large_texts;
 mod live_pages;
 mod many_scenes;
