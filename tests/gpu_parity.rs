@@ -14,7 +14,7 @@ use mechanim::model::shape::Solid;
 use mechanim::render::adapter::{AdapterChoice, AdapterInfo};
 use mechanim::render::camera::{ViewDirection, fit_camera};
 use mechanim::render::cpu::CpuRenderer;
-use mechanim::render::edges::Edges;
+use mechanim::render::edges::EdgeStyle;
 use mechanim::render::gpu::GpuRenderer;
 use mechanim::render::look::Rim;
 use mechanim::render::open::list_adapters;
@@ -88,7 +88,7 @@ fn stage(projection: Projection, size: [u32; 2], samples: u32) -> Arc<Stage> {
         camera: fit_camera((0..8).map(corner), &view, projection, aspect, 0.06),
         background: [0xf4, 0xf5, 0xf7],
         rim: Rim::DARK,
-        edges: Some(Edges {
+        edges: Some(EdgeStyle {
             creases: true,
             ink: [0x1b, 0x1f, 0x26],
         }),

@@ -8,7 +8,7 @@ use super::motion::ProvedMotion;
 use super::relative::RelativeChain;
 use super::sweep::slack_of_poses;
 use super::sweep_and_prune::{AxisBox, near_boxes};
-use crate::distance::bodies::Hull;
+use crate::distance::bodies::BodyElements;
 use crate::distance::primitive::Element;
 use crate::kinematics::certificate::tube::TaylorModel;
 use crate::math::Pose;
@@ -61,7 +61,7 @@ fn swept_reach(element: &Element) -> AxisBox {
 
 impl Sweeper {
     /// A body of the motion's mechanism, with its hull.
-    pub(super) fn new(motion: &ProvedMotion, body: usize, hull: &Hull) -> Self {
+    pub(super) fn new(motion: &ProvedMotion, body: usize, hull: &BodyElements) -> Self {
         let mechanism = motion.system.mechanism();
         let chain = RelativeChain::new(&Chain::default(), &mechanism.bodies[body].world_from_body);
         let (center, radius) = hull.ball;
@@ -152,7 +152,7 @@ pub(super) struct NearPairs {
 
 impl<'m> BroadPhase<'m> {
     /// All bodies with a hull.
-    pub(super) fn new(motion: &'m ProvedMotion<'m>, hulls: &[Option<Hull>]) -> Self {
+    pub(super) fn new(motion: &'m ProvedMotion<'m>, hulls: &[Option<BodyElements>]) -> Self {
         let with_hull = hulls.iter().enumerate();
         let bodies =
             with_hull.filter_map(|(k, hull)| Some(Sweeper::new(motion, k, hull.as_ref()?)));

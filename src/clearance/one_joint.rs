@@ -2,7 +2,7 @@
 //! it, and solids of revolution about the joint's axis keep their distance from the other body.
 
 use super::relative::RelativeChain;
-use crate::distance::bodies::Hull;
+use crate::distance::bodies::BodyElements;
 use crate::distance::primitive::{Element, Primitive};
 use crate::kinematics::certificate::tube::TaylorModel;
 use crate::math::Pose;
@@ -219,7 +219,10 @@ pub(super) struct RoundPair {
 
 /// Of every pair of elements, row by row, what is known of its roundness; nothing where no two elements are known to keep their
 /// distance.
-pub(super) fn round_pairs(chain: &RelativeChain, hulls: [&Hull; 2]) -> Vec<Option<RoundPair>> {
+pub(super) fn round_pairs(
+    chain: &RelativeChain,
+    hulls: [&BodyElements; 2],
+) -> Vec<Option<RoundPair>> {
     let Some(axes) = axis_of(chain) else {
         return Vec::new();
     };

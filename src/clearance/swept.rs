@@ -8,7 +8,7 @@
 use super::motion::ProvedMotion;
 use super::relative::RelativeChain;
 use super::sweep::slack_of_poses;
-use crate::distance::bodies::Hull;
+use crate::distance::bodies::BodyElements;
 use crate::distance::mesh;
 use crate::distance::pair::signed_distance;
 use crate::distance::primitive::{Element, Primitive};
@@ -81,7 +81,7 @@ impl Swept {
         cells: u32,
     ) -> Result<Self, SweptError> {
         let bodies = &motion.system.mechanism().bodies;
-        let hull = Hull::new(&bodies[body]).ok_or(SweptError::NoShapes)?;
+        let hull = BodyElements::new(&bodies[body]).ok_or(SweptError::NoShapes)?;
         if !hull.ball.1.is_finite() {
             return Err(SweptError::Endless);
         }
@@ -125,7 +125,7 @@ fn extent(poses: &[Pose], (center, radius): (DVec3, f64)) -> f64 {
 fn poses(
     motion: &ProvedMotion,
     chain: &RelativeChain,
-    hull: &Hull,
+    hull: &BodyElements,
     step: f64,
 ) -> Result<Vec<Pose>, SweptError> {
     let alone = motion.alone().into_iter();
@@ -152,7 +152,7 @@ fn poses(
 
 /// The distance from a body at the nearest of many poses.
 struct Field<'a> {
-    hull: &'a Hull,
+    hull: &'a BodyElements,
     poses: Vec<Pose>,
     cell: f64,
     level: f64,

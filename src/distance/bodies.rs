@@ -12,7 +12,7 @@ use std::collections::BTreeSet;
 
 /// A body's elements in its frame, and a ball around them.
 #[derive(Clone, Debug)]
-pub struct Hull {
+pub struct BodyElements {
     /// The elements.
     pub elements: Vec<Element>,
     /// Centre and radius of the ball.
@@ -28,7 +28,7 @@ pub struct BodyProximity {
     pub elements: [usize; 2],
 }
 
-impl Hull {
+impl BodyElements {
     /// The hull of a body; `None` if it has no solids.
     pub fn new(body: &Body) -> Option<Self> {
         Self::with_trees(body, &mut MeshTrees::default())
@@ -136,8 +136,8 @@ pub type LeftOut = BTreeSet<[usize; 2]>;
 
 /// The nearest elements of two hulls, without the excluded pairs.
 pub fn nearest_bodies(
-    a: &Hull,
-    b: &Hull,
+    a: &BodyElements,
+    b: &BodyElements,
     a_from_b: &Pose,
     left_out: &LeftOut,
 ) -> Option<BodyProximity> {
@@ -173,8 +173,8 @@ pub fn nearest_bodies(
 
 /// Whether a mesh of one body encloses a solid of the other without touching it, or the other way round.
 pub fn enclosed_shell(
-    a: &Hull,
-    b: &Hull,
+    a: &BodyElements,
+    b: &BodyElements,
     a_from_b: &Pose,
     left_out: &LeftOut,
 ) -> Option<[usize; 2]> {

@@ -2,7 +2,7 @@
 //! the frame without a body.
 
 use super::bar_symbols;
-use super::joint_places::Outlines;
+use super::joint_places::BodyOutlines;
 use super::joints::{self, CarriedFrame, PlacedJoint, PlacedLinks};
 use super::link_symbols;
 use super::solids::{merged_mesh, sign_instance};
@@ -128,7 +128,7 @@ impl JointSymbols {
                 add(ground_sign(place, up, radius), PieceCarrier::Still, GROUND);
             }
         }
-        let outlines = Outlines::new((mechanism, &scene.view), &poses);
+        let outlines = BodyOutlines::new((mechanism, &scene.view), &poses);
         for joint in joints::placed_joints(mechanism) {
             let place = outlines.place(&joint, HOLD * radius);
             let shift = DVec3::AXES[joint.axis] * place.shift;

@@ -3,7 +3,7 @@
 use super::solids::{merged_mesh, sign_instance};
 use crate::math::Pose;
 use crate::model::shape::Solid;
-use crate::render::{Anchor, Instance, Label, StageMesh};
+use crate::render::{Instance, Label, LabelAnchor, StageMesh};
 use glam::DVec3;
 
 /// Colour of bodies that are too near to another one.
@@ -119,7 +119,7 @@ impl Marks {
         let Some(measure) = &self.measure else {
             return Vec::new();
         };
-        let label = |text: &str, anchor: Anchor, plate: bool| Label {
+        let label = |text: &str, anchor: LabelAnchor, plate: bool| Label {
             text: text.to_owned(),
             anchor,
             size: LABEL_SIZE * height,
@@ -128,10 +128,10 @@ impl Marks {
             yields: false,
         };
         let middle = (measure.points[0] + measure.points[1]) * 0.5;
-        let beside = label(&measure.text, Anchor::Beside(middle), true);
+        let beside = label(&measure.text, LabelAnchor::Beside(middle), true);
         let line = |(k, text): (usize, &String)| {
             let top = CAPTION[1] + CAPTION_LINE * LABEL_SIZE * k as f64;
-            label(text, Anchor::Screen([CAPTION[0], top]), false)
+            label(text, LabelAnchor::Screen([CAPTION[0], top]), false)
         };
         let above = measure.caption.iter().enumerate().map(line);
         std::iter::once(beside).chain(above).collect()

@@ -38,7 +38,7 @@ use crate::model::theme::Theme;
 use crate::model::view::{
     EdgeLines, GroundPlace, LabelPlace, SceneLabel, Shadows, ShownAxes, View,
 };
-use crate::render::edges::Edges;
+use crate::render::edges::EdgeStyle;
 use crate::render::look::Rim;
 use crate::render::overlay::border;
 use crate::render::ramp::shaded_ramp;
@@ -360,13 +360,13 @@ fn shown_samples(trajectory: &Trajectory) -> Vec<Option<usize>> {
 }
 
 /// Lines in the scene's colours.
-fn edge_style(view: &View) -> Option<Edges> {
+fn edge_style(view: &View) -> Option<EdgeStyle> {
     let creases = match view.edges {
         EdgeLines::None => return None,
         EdgeLines::Outline => false,
         EdgeLines::All => true,
     };
-    Some(Edges {
+    Some(EdgeStyle {
         creases,
         ink: view.theme.line(),
     })

@@ -40,7 +40,7 @@ fn a_box_has_six_patches_a_cylinder_three_a_ball_one() {
 
 #[test]
 fn lines_grow_with_the_picture() {
-    let widths = [240, 480, 2160].map(|height| Edges::half_width(height, 4));
+    let widths = [240, 480, 2160].map(|height| EdgeStyle::half_width(height, 4));
     assert!(widths.is_sorted() && widths[2] > 2.5);
-    assert!(Edges::half_width(480, 1) > 1.0);
+    assert!(EdgeStyle::half_width(480, 1) > 1.0);
 }

@@ -3,7 +3,7 @@
 //! Mirrors `Globals` of `shaders/scene.wgsl` and the vertex inputs of `shaders/body.wgsl`.
 
 use crate::render::colour::ToneCurve;
-use crate::render::edges::{Edges, JUMP};
+use crate::render::edges::{EdgeStyle, JUMP};
 use crate::render::ground::{GroundView, ground_axes};
 use crate::render::mutual_shade::MutualShade;
 use crate::render::{Camera, Instance, Projection, Stage};
@@ -122,7 +122,7 @@ impl Globals {
         };
         if let Some(edges) = stage.edges {
             let [r, g, b] = ToneCurve::shared().decode_rgb(edges.ink);
-            let half = Edges::half_width(stage.size[1], samples);
+            let half = EdgeStyle::half_width(stage.size[1], samples);
             globals.ink = [r, g, b, 0.0];
             globals.lines = matrix_row([half * half, half.ceil(), f64::from(JUMP) / per_unit], 0.0);
         }

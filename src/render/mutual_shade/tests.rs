@@ -66,7 +66,7 @@ fn body(mesh: usize) -> Instance {
     }
 }
 
-fn on(shade: &MutualShade, camera: &Camera, point: DVec3) -> Open {
+fn on(shade: &MutualShade, camera: &Camera, point: DVec3) -> LightShare {
     let [x, y, _] = camera.project(point, SIZE).unwrap();
     // Of the first of the bodies, which is drawn a little nearer.
     let rows = camera.eye(SIZE).camera_from_mesh(&body(0), 0);

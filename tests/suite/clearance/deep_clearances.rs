@@ -13,7 +13,7 @@ use glam::{DMat3, DVec3};
 use mechanim::clearance::motion::ProvedMotion;
 use mechanim::clearance::sweep::{Least, PairSweep};
 use mechanim::diag::Source;
-use mechanim::distance::bodies::Hull;
+use mechanim::distance::bodies::BodyElements;
 use mechanim::distance::pair::signed_distance;
 use mechanim::distance::primitive::Element;
 use mechanim::math::Pose;
@@ -340,7 +340,7 @@ impl Case {
         let system = scene.system().unwrap();
         let mut motion = ProvedMotion::new(&system, &scene.actuation, &trajectory);
         let is_certified = motion.is_certified();
-        let hulls = [0, 1].map(|k| Hull::new(&scene.mechanism.bodies[k]).unwrap());
+        let hulls = [0, 1].map(|k| BodyElements::new(&scene.mechanism.bodies[k]).unwrap());
         let sweep = PairSweep::new(&motion, [0, 1], hulls.each_ref(), 1e-3, minimum);
         let least = sweep.least_over(&mut motion, &mut Vec::new()).unwrap();
         (least, is_certified)
