@@ -39,7 +39,7 @@ const PARALLEL: Projection = Projection::Orthographic { height: 1.0 };
 fn solids() -> Vec<Solid> {
     vec![
         Solid::Sphere {
-            center: DVec3::ZERO,
+            centre: DVec3::ZERO,
             radius: 0.35,
         },
         Solid::Capsule {
@@ -48,13 +48,13 @@ fn solids() -> Vec<Solid> {
             radius: 0.12,
         },
         Solid::Torus {
-            center: DVec3::ZERO,
+            centre: DVec3::ZERO,
             axis: DVec3::Z,
             ring: 0.8,
             tube: 0.18,
         },
         Solid::Box {
-            center: DVec3::ZERO,
+            centre: DVec3::ZERO,
             size: DVec3::new(0.5, 0.7, 0.3),
         },
     ]
@@ -94,7 +94,7 @@ fn stage(projection: Projection, size: [u32; 2], samples: u32) -> Arc<Stage> {
         }),
         mutual_shade: Some([low, high]),
         ground: Some(Ground {
-            center: DVec3::ZERO,
+            centre: DVec3::ZERO,
             normal: DVec3::Z,
             radius: 5.0,
             grid: 0.5,

@@ -79,7 +79,7 @@ impl JointLocus {
             Primitive::Point(p) => (None, vec![*p]),
             Primitive::Segment([a, b]) => ((*b - *a).try_normalize(), vec![*a, *b]),
             Primitive::Frustum(f) => (Some(f.axis), vec![f.from]),
-            Primitive::Circle(c) => (Some(c.axis), vec![c.center]),
+            Primitive::Circle(c) => (Some(c.axis), vec![c.centre]),
             _ => return false,
         };
         let play = COAXIAL * thickness(element);

@@ -196,7 +196,7 @@ fn wobble(element: &Element, [origin, direction]: AxisLine) -> Option<f64> {
             let [from, to] = f.spine();
             (Some(f.axis), [from, to], f.radii[0].max(f.radii[1]))
         }
-        Primitive::Circle(c) => (Some(c.axis), [c.center; 2], c.radius),
+        Primitive::Circle(c) => (Some(c.axis), [c.centre; 2], c.radius),
         _ => return None,
     };
     let off_axis = |p: DVec3| {

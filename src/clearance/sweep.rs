@@ -143,7 +143,7 @@ impl<'a> PairSweep<'a> {
         let is_endless = |e: &Element| matches!(e.core, Primitive::HalfSpace(_));
         let back = hulls[1].elements.iter().any(is_endless);
         let own = RelativeChain::new(chain(0), chain(1));
-        let reach = |(center, radius): (DVec3, f64)| center.length() + radius;
+        let reach = |(centre, radius): (DVec3, f64)| centre.length() + radius;
         let reaches = hulls.map(|hull| reach(hull.ball));
         let finite = reaches.into_iter().filter(|reach| reach.is_finite());
         let extent = own.longest(motion.poses()) + finite.sum::<f64>();

@@ -98,10 +98,10 @@ impl<'a> PairTrack<'a> {
             let turn = turn.to_cols_array().iter().map(|v| v * v).sum::<f64>();
             let turn = turn.sqrt() * FRAC_1_SQRT_2;
             let columns = self.balls.len();
-            for (j, (center, radius)) in self.balls.iter().enumerate() {
-                let shift = pose.transform_point(*center) - last.transform_point(*center);
+            for (j, (centre, radius)) in self.balls.iter().enumerate() {
+                let shift = pose.transform_point(*centre) - last.transform_point(*centre);
                 let turned = if turn == 0.0 { 0.0 } else { turn * radius };
-                let way = shift.length() + turned + SLACK * (center.length() + radius);
+                let way = shift.length() + turned + SLACK * (centre.length() + radius);
                 for lower in self.lower.iter_mut().skip(j).step_by(columns) {
                     // What is left out stays infinitely far.
                     if *lower < f64::INFINITY {

@@ -90,7 +90,7 @@ pub struct Camera {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ground {
     /// A point of the ground, the middle of the disc.
-    pub center: DVec3,
+    pub centre: DVec3,
     /// Unit normal, towards the viewer's up.
     pub normal: DVec3,
     /// Radius at which the disc has faded out.

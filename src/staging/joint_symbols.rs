@@ -231,20 +231,20 @@ fn joint_solids(joint: &PlacedJoint, r: f64, [low, high]: [f64; 2]) -> (Vec<Soli
         ),
         JointKind::Spherical => {
             let ring = Solid::Torus {
-                center: DVec3::ZERO,
+                centre: DVec3::ZERO,
                 axis,
                 ring: 1.85 * r,
                 tube: 0.45 * r,
             };
             let ball = Solid::Sphere {
-                center: DVec3::ZERO,
+                centre: DVec3::ZERO,
                 radius: 2.0 * r,
             };
             (vec![ring], vec![ball])
         }
         JointKind::Prismatic => {
             let block = Solid::Box {
-                center: DVec3::ZERO,
+                centre: DVec3::ZERO,
                 size: DVec3::splat(3.2 * r) + axis * (1.6 * r),
             };
             (vec![guide], vec![block])
@@ -261,7 +261,7 @@ fn joint_solids(joint: &PlacedJoint, r: f64, [low, high]: [f64; 2]) -> (Vec<Soli
         JointKind::Helical => {
             let turns = ((high - low) / (1.2 * r)) as u32 + 10;
             let thread = (0..turns.min(200)).map(|k| Solid::Torus {
-                center: axis * (low - 6.0 * r + 1.2 * r * f64::from(k)),
+                centre: axis * (low - 6.0 * r + 1.2 * r * f64::from(k)),
                 axis,
                 ring: 0.8 * r,
                 tube: 0.35 * r,

@@ -97,8 +97,8 @@ impl Marks {
         let [from, to] = self.measure.as_ref()?.points;
         let radius = LINE_PIXELS * pixel;
         let mut solids: Vec<Solid> = [from, to]
-            .map(|center| Solid::Sphere {
-                center,
+            .map(|centre| Solid::Sphere {
+                centre,
                 radius: BALL_PIXELS * pixel,
             })
             .into();

@@ -391,10 +391,10 @@ fn view_ground(view: &View, points: &[DVec3], up: DVec3) -> Option<Ground> {
         GroundPlace::At(height) => height,
     };
     let middle = (low + high) * 0.5;
-    let center = middle + up * (height - middle.dot(up));
+    let centre = middle + up * (height - middle.dot(up));
     let radius = GROUND_REACH * 0.5 * extent;
     Some(Ground {
-        center,
+        centre,
         normal: up,
         radius,
         grid: round_step(extent / GRID_LINES),

@@ -123,7 +123,7 @@ impl CpuRenderer {
             let [low, high] = solid.bounds;
             let pose = instance.world_from_mesh;
             let normal = pose.rotation.transpose() * ground.normal;
-            let middle = pose.transform_point((low + high) * 0.5) - ground.center;
+            let middle = pose.transform_point((low + high) * 0.5) - ground.centre;
             let reach = ((high - low) * 0.5).dot(normal.abs());
             middle.dot(ground.normal) < reach
         })

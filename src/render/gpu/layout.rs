@@ -184,7 +184,7 @@ pub fn instance_data(
 fn ground_reach(stage: &Stage, camera: &Camera) -> f64 {
     stage.ground.map_or(0.0, |ground| {
         let camera_from_world = camera.world_from_camera.inverse();
-        let seen = camera_from_world.transform_point(ground.center);
+        let seen = camera_from_world.transform_point(ground.centre);
         ground.radius - seen.z
     })
 }
@@ -243,7 +243,7 @@ mod tests {
             edges: None,
             mutual_shade: None,
             ground: Some(Ground {
-                center: DVec3::new(0.0, 0.0, -1.0),
+                centre: DVec3::new(0.0, 0.0, -1.0),
                 normal: DVec3::Z,
                 radius: 5.0,
                 grid: 0.5,

@@ -22,9 +22,9 @@ fn corner(projection: Projection, height: f64) -> (MutualShade, Camera) {
     ];
     let meshes: Vec<StageMesh> = plates
         .iter()
-        .map(|(center, size)| {
-            let (center, size) = (*center, *size);
-            mesh_of(&Solid::Box { center, size }, 0.1).into()
+        .map(|(centre, size)| {
+            let (centre, size) = (*centre, *size);
+            mesh_of(&Solid::Box { centre, size }, 0.1).into()
         })
         .collect();
     let camera = Camera {
