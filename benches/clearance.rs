@@ -175,9 +175,9 @@ fn known(name: &str, pairs: &[Known]) {
 }
 
 fn ring(ring: f64, tube: f64) -> Element {
-    let (center, axis) = (DVec3::ZERO, DVec3::Z);
+    let (centre, axis) = (DVec3::ZERO, DVec3::Z);
     element(Solid::Torus {
-        center,
+        centre,
         axis,
         ring,
         tube,
@@ -187,8 +187,8 @@ fn ring(ring: f64, tube: f64) -> Element {
 fn known_pairs() {
     let up = |height: f64| Pose::from_translation(DVec3::Z * height);
     let ball = |radius| {
-        let center = DVec3::ZERO;
-        element(Solid::Sphere { center, radius })
+        let centre = DVec3::ZERO;
+        element(Solid::Sphere { centre, radius })
     };
     let rod = |along: DVec3, radius| {
         let (from, to) = (-along, along);
@@ -234,10 +234,10 @@ fn known_pairs() {
 fn read_solid<'w>(words: &mut impl Iterator<Item = &'w str>) -> Element {
     let kind = words.next().unwrap();
     let mut number = || words.next().unwrap().parse::<f64>().unwrap();
-    let center = DVec3::ZERO;
+    let centre = DVec3::ZERO;
     let solid = match kind {
         "sphere" => Solid::Sphere {
-            center,
+            centre,
             radius: number(),
         },
         "capsule" => {
@@ -250,7 +250,7 @@ fn read_solid<'w>(words: &mut impl Iterator<Item = &'w str>) -> Element {
             }
         }
         _ => Solid::Torus {
-            center,
+            centre,
             axis: DVec3::Z,
             ring: number(),
             tube: number(),
@@ -301,10 +301,10 @@ fn random_boxes(count: usize, room: DVec3, edge: f64) -> Vec<AxisBox> {
     let mut random = Random::new(1, 0, count as u64);
     let mut vector = || DVec3::from_array([0, 1, 2].map(|_| random.unit()));
     let one = |_| {
-        let (center, half) = (room * vector(), 0.5 * edge * vector());
+        let (centre, half) = (room * vector(), 0.5 * edge * vector());
         AxisBox {
-            low: center - half,
-            high: center + half,
+            low: centre - half,
+            high: centre + half,
         }
     };
     (0..count).map(one).collect()
@@ -362,7 +362,7 @@ fn main() {
     }
     let (o, z) = (DVec3::ZERO, DVec3::Z);
     let torus = Solid::Torus {
-        center: o,
+        centre: o,
         axis: z,
         ring: 2.0,
         tube: 0.2,
@@ -378,7 +378,7 @@ fn main() {
         radius: 0.3,
     };
     let cuboid = Solid::Box {
-        center: o,
+        centre: o,
         size: DVec3::new(1.0, 0.7, 0.5),
     };
     for (name, a, b) in [

@@ -177,7 +177,7 @@ fn stage(scale: u32, samples: u32, around: Around) -> Stage {
         edges: None,
         mutual_shade: (around == Around::Shadows).then_some(ROOM),
         ground: (around != Around::Nothing).then_some(Ground {
-            center: DVec3::new(0.0, 0.0, -1.45),
+            centre: DVec3::new(0.0, 0.0, -1.45),
             normal: DVec3::Z,
             radius: 6.5,
             // Lines have a width in pixels, which the larger reference picture does not share.

@@ -14,7 +14,7 @@ use mechanim::model::shape::Solid;
 use mechanim::render::adapter::{AdapterChoice, AdapterInfo};
 use mechanim::render::camera::{ViewDirection, fit_camera};
 use mechanim::render::cpu::CpuRenderer;
-use mechanim::render::edges::Edges;
+use mechanim::render::edges::EdgeStyle;
 use mechanim::render::gpu::GpuRenderer;
 use mechanim::render::look::Rim;
 use mechanim::render::open::list_adapters;
@@ -39,7 +39,7 @@ const PARALLEL: Projection = Projection::Orthographic { height: 1.0 };
 fn solids() -> Vec<Solid> {
     vec![
         Solid::Sphere {
-            center: DVec3::ZERO,
+            centre: DVec3::ZERO,
             radius: 0.35,
         },
         Solid::Capsule {
@@ -48,13 +48,13 @@ fn solids() -> Vec<Solid> {
             radius: 0.12,
         },
         Solid::Torus {
-            center: DVec3::ZERO,
+            centre: DVec3::ZERO,
             axis: DVec3::Z,
             ring: 0.8,
             tube: 0.18,
         },
         Solid::Box {
-            center: DVec3::ZERO,
+            centre: DVec3::ZERO,
             size: DVec3::new(0.5, 0.7, 0.3),
         },
     ]
@@ -88,13 +88,13 @@ fn stage(projection: Projection, size: [u32; 2], samples: u32) -> Arc<Stage> {
         camera: fit_camera((0..8).map(corner), &view, projection, aspect, 0.06),
         background: [0xf4, 0xf5, 0xf7],
         rim: Rim::DARK,
-        edges: Some(Edges {
+        edges: Some(EdgeStyle {
             creases: true,
             ink: [0x1b, 0x1f, 0x26],
         }),
         mutual_shade: Some([low, high]),
         ground: Some(Ground {
-            center: DVec3::ZERO,
+            centre: DVec3::ZERO,
             normal: DVec3::Z,
             radius: 5.0,
             grid: 0.5,

@@ -22,7 +22,7 @@ pub struct PathCloud {
 
 /// A cloud in the coordinates of its nominal path: lengths along it and deviations across it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Spread {
+pub struct CloudSpread {
     /// Length of the nominal path up to every pose.
     pub along: Vec<f64>,
     /// For every piece the deviation at every pose, in the direction across the path with the largest scatter.
@@ -74,7 +74,7 @@ pub fn path_clouds(
 
 impl PathCloud {
     /// The cloud in the coordinates of its nominal path.
-    pub fn spread(&self) -> Spread {
+    pub fn spread(&self) -> CloudSpread {
         let mut along = vec![0.0];
         for pair in self.nominal.windows(2) {
             along.push(along[along.len() - 1] + pair[0].distance(pair[1]));
@@ -85,7 +85,7 @@ impl PathCloud {
             let points = piece.iter().zip(&self.nominal).zip(&directions);
             points.map(|((p, n), d)| (*p - *n).dot(*d)).collect()
         });
-        Spread {
+        CloudSpread {
             across: across.collect(),
             along,
         }

@@ -13,14 +13,14 @@ const KEPT: usize = 64;
 
 /// The histogram of a measure: bins of equal width from `low` on, fixed before anything is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bins {
+pub struct HistogramBins {
     /// The value from which deviations are counted.
     pub nominal: f64,
     low: f64,
     width: f64,
 }
 
-impl Bins {
+impl HistogramBins {
     /// Bins for values that deviate from `nominal` by up to twice the `worst` linear case.
     pub fn new(nominal: f64, worst: f64) -> Self {
         Self {
@@ -68,7 +68,7 @@ struct MeasureSums {
 /// The statistics of some pieces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PieceSums {
-    bins: Vec<Bins>,
+    bins: Vec<HistogramBins>,
     /// Pieces made.
     pub made: u64,
     /// Pieces that cannot be assembled, or have a measure without a value.
@@ -93,7 +93,7 @@ impl MeasureSums {
         }
     }
 
-    fn add(&mut self, bins: &Bins, value: f64) {
+    fn add(&mut self, bins: &HistogramBins, value: f64) {
         let deviation = value - bins.nominal;
         self.deviations.add(deviation);
         self.squares.add(deviation * deviation);
@@ -139,7 +139,7 @@ impl MeasureSums {
     }
 
     /// The values between which the one of this rank, from 0 of `all`, lies.
-    fn at_rank(&self, bins: &Bins, rank: u64, all: u64) -> [f64; 2] {
+    fn at_rank(&self, bins: &HistogramBins, rank: u64, all: u64) -> [f64; 2] {
         let from_above = all - 1 - rank;
         let known = match (
             self.least.get(rank as usize),
@@ -178,7 +178,7 @@ const HEAD: usize = 5;
 
 impl PieceSums {
     /// Empty statistics of measures with these histograms.
-    pub fn new(bins: &[Bins]) -> Self {
+    pub fn new(bins: &[HistogramBins]) -> Self {
         Self {
             bins: bins.to_vec(),
             made: 0,
@@ -235,7 +235,7 @@ impl PieceSums {
     }
 
     /// The statistics from such numbers; `None` if they are invalid.
-    pub fn of_record(bins: &[Bins], record: &[f64]) -> Option<Self> {
+    pub fn of_record(bins: &[HistogramBins], record: &[f64]) -> Option<Self> {
         let (head, rest) = record.split_first_chunk::<HEAD>()?;
         let [made, failed, good, high, low] = head.map(|n| n as u64);
         let measures = rest.chunks_exact(MeasureSums::WIDTH);
@@ -335,8 +335,11 @@ mod tests {
         chunks.map(part).collect()
     }
 
-    fn bins() -> [Bins; 2] {
-        [Bins::new(100.0, 0.3), Bins::new(101.0, 0.3)]
+    fn bins() -> [HistogramBins; 2] {
+        [
+            HistogramBins::new(100.0, 0.3),
+            HistogramBins::new(101.0, 0.3),
+        ]
     }
 
     #[test]

@@ -1,9 +1,9 @@
 //! The tolerance analysis of a study, shared by program and library: linear rules, corners, proved bands, random
 //! pieces.
 
-use super::enclosure::{MOST_DIMENSIONS, MeasureBand, Plan, enclose_measures};
+use super::enclosure::{MOST_DIMENSIONS, MeasureBand, TolerancePlan, enclose_measures};
 use super::extremes::found_extremes;
-use super::piece_sums::Bins;
+use super::piece_sums::HistogramBins;
 use super::study::{
     Evaluator, FamilyError, LoadedStudy, Nominal, NominalStudy, ParametricMechanism,
 };
@@ -62,10 +62,10 @@ impl<'a> ToleranceStudy<'a> {
     }
 
     /// Where the values of every measure are counted.
-    pub fn bins(&self) -> Vec<Bins> {
+    pub fn bins(&self) -> Vec<HistogramBins> {
         let measures = self.nominal.gradients.measures.iter().zip(&self.linear);
         measures
-            .map(|(nominal, linear)| Bins::new(*nominal, linear.linear_sum))
+            .map(|(nominal, linear)| HistogramBins::new(*nominal, linear.linear_sum))
             .collect()
     }
 
@@ -118,6 +118,6 @@ fn never_beyond(
     }
     let named = variables.iter().map(|v| v.name.clone());
     let list: Vec<(String, f64)> = named.zip(tolerances.iter().copied()).collect();
-    let plan = Plan::new(family, &list).until(cancel);
+    let plan = TolerancePlan::new(family, &list).until(cancel);
     enclose_measures(&plan, drawn).unwrap_or_default()
 }

@@ -6,11 +6,11 @@ use super::motion::Samples;
 use crate::clearance::check::{ClearanceReport, Closely, PairReport};
 use crate::jobs::Stopwatch;
 use crate::kinematics::results::trajectory::Trajectory;
-use crate::page::{Checked, article_of, page_text};
+use crate::page::{CheckedMotion, article_of, page_text};
 use crate::report::clearance;
 use crate::report::junit::to_junit;
 use crate::report::motion_check::{MotionAnswer, MotionCheck};
-use crate::report::verdict::{CheckRequirements, Judged, Status};
+use crate::report::verdict::{CheckRequirements, SceneVerdict, Status};
 use std::sync::Arc;
 
 /// Options of a check, in addition to the requirements of the scene.
@@ -151,7 +151,7 @@ impl Check {
     /// # Ok::<(), mechanim::Error>(())
     /// ```
     pub fn to_junit(&self) -> String {
-        to_junit(&[Judged {
+        to_junit(&[SceneVerdict {
             source: &self.answer.verdict.title,
             verdict: &self.answer.verdict,
             seconds: self.seconds,
@@ -170,7 +170,7 @@ impl Check {
     /// ```
     pub fn to_html(&self) -> Result<String, Error> {
         let article = article_of(
-            &Checked {
+            &CheckedMotion {
                 source: &self.loaded.text.name,
                 scene: &self.loaded.scene,
                 system: &self.loaded.system,

@@ -4,7 +4,7 @@ use super::error::{Error, ErrorKind, find_column};
 use super::loaded::Loaded;
 use super::motion::Motion;
 use crate::kinematics::rates::variation::Variation;
-use crate::kinematics::results::columns::Column;
+use crate::kinematics::results::columns::ValueColumn;
 use crate::model::mechanism::Mechanism;
 use crate::numbers::hyper_dual::HyperDual;
 use crate::scene::Overrides;
@@ -30,7 +30,7 @@ impl Motion {
     /// ```
     pub fn jacobian(&self, names: &[&str], parameters: &[&str]) -> Result<Vec<f64>, Error> {
         let mechanism = &self.loaded.scene.mechanism;
-        let columns: Vec<Column> = names
+        let columns: Vec<ValueColumn> = names
             .iter()
             .map(|name| find_column(mechanism, name))
             .collect::<Result<_, Error>>()?;
@@ -88,7 +88,7 @@ fn varied(loaded: &Loaded, parameters: &[&str]) -> Result<Loaded, Error> {
 }
 
 /// Factors that convert internal derivatives to the file's units, one for each pair of value and parameter.
-fn units(mechanism: &Mechanism, varied: &Mechanism, columns: &[Column]) -> Vec<f64> {
+fn units(mechanism: &Mechanism, varied: &Mechanism, columns: &[ValueColumn]) -> Vec<f64> {
     let parameters = &varied.inputs[mechanism.inputs.len()..];
     let pairs = columns.iter().flat_map(|column| {
         let value = mechanism.file_units(column.kind(mechanism));

@@ -3,7 +3,9 @@
 use super::error::Error;
 use super::loaded::Loaded;
 use super::motion::Samples;
-use crate::analysis::enclosure::{Enclosed, PieceTolerances, Plan, enclose_motion, shown_names};
+use crate::analysis::enclosure::{
+    Enclosed, PieceTolerances, TolerancePlan, enclose_motion, shown_names,
+};
 use crate::jobs::core_count;
 use crate::model::mechanism::{Kind, Mechanism};
 use crate::report::enclosure::{enclosure_document, rounded_end};
@@ -44,7 +46,7 @@ impl Enclosure {
             between: false,
         };
         let (family, tolerances) = asked.family(&loaded.text, &loaded.overrides, &loaded.scene)?;
-        let plan = Plan::new(&family, &tolerances).until(cancel);
+        let plan = TolerancePlan::new(&family, &tolerances).until(cancel);
         let [times, _] = samples.times(loaded)?;
         let motion = enclose_motion(&plan, &times, core_count(), true);
         let mechanism = plan.family.mechanism();

@@ -4,7 +4,7 @@ use crate::analysis::study::FamilyError;
 use crate::diag::{Diagnostic, SceneError, Severity, Source, Span, nearest_name};
 use crate::export::ExportError;
 use crate::export::error::PipelineError;
-use crate::kinematics::results::columns::Column;
+use crate::kinematics::results::columns::ValueColumn;
 use crate::kinematics::structure::block::StructureError;
 use crate::limits::LimitExceeded;
 use crate::model::mechanism::Mechanism;
@@ -190,10 +190,10 @@ pub(super) fn line(source: &Source, diagnostic: &Diagnostic) -> String {
 /// The column of a named value.
 ///
 /// Errors: no quantity of the mechanism has that name.
-pub(super) fn find_column(mechanism: &Mechanism, name: &str) -> Result<Column, Error> {
+pub(super) fn find_column(mechanism: &Mechanism, name: &str) -> Result<ValueColumn, Error> {
     let unknown = |names: Vec<String>| {
         let names = names.iter().map(String::as_str);
         Error::unknown_name("value", name, names)
     };
-    Column::find(mechanism, name).map_err(unknown)
+    ValueColumn::find(mechanism, name).map_err(unknown)
 }

@@ -15,7 +15,7 @@ use crate::kinematics::results::trajectory::{EventKind, Trajectory};
 use crate::plot::svg::write_svg;
 use crate::plot::{ChartTheme, draw_chart, usual_size};
 use crate::report::sentences::{event_sentence, gap_sentence};
-use crate::report::table::{Columns, write_csv, write_json};
+use crate::report::table::{TableColumns, write_csv, write_json};
 use crate::scene::{PlotText, load_scene};
 use std::fmt;
 use std::sync::Arc;
@@ -279,10 +279,10 @@ impl Motion {
         self.written(|output| write_json(mechanism, &self.trajectory, self.columns(), output))
     }
 
-    fn columns(&self) -> Columns {
-        Columns {
+    fn columns(&self) -> TableColumns {
+        TableColumns {
             redundant: self.loaded.system.redundant_rows() > 0,
-            ..Columns::default()
+            ..TableColumns::default()
         }
     }
 

@@ -1,10 +1,10 @@
 //! The chart of bands over time: how far pieces can be from the motion as drawn, and how far some were found to be.
 
-use crate::analysis::enclosure::{Band, Enclosed, Plan, shown_names};
-use crate::plot::chart::{Axis, Band as Area, Chart, Panel, PlotSeries, Shade};
+use crate::analysis::enclosure::{Enclosed, TolerancePlan, ValueBand, shown_names};
+use crate::plot::chart::{Axis, Chart, ChartBand, Panel, PlotSeries, Shade};
 
 /// One panel a quantity; `wanted` are their indices.
-pub fn band_chart(plan: &Plan, motion: &[Enclosed], wanted: &[usize]) -> Chart {
+pub fn band_chart(plan: &TolerancePlan, motion: &[Enclosed], wanted: &[usize]) -> Chart {
     let mechanism = plan.family.mechanism();
     let names = shown_names(mechanism);
     let panels = wanted.iter().filter_map(|index| {
@@ -32,7 +32,7 @@ pub fn band_chart(plan: &Plan, motion: &[Enclosed], wanted: &[usize]) -> Chart {
 fn band_panel(name: &str, unit: &str, factor: f64, motion: &[Enclosed], index: usize) -> Panel {
     let band = |enclosed: &Enclosed| enclosed.bands.as_ref().ok()?.list.get(index).copied();
     // Bands are drawn one for each run of samples that have them.
-    let mut areas: Vec<Area> = Vec::new();
+    let mut areas: Vec<ChartBand> = Vec::new();
     let mut shades = Vec::new();
     let mut is_open = false;
     for enclosed in motion {
@@ -41,7 +41,7 @@ fn band_panel(name: &str, unit: &str, factor: f64, motion: &[Enclosed], index: u
             continue;
         };
         if !is_open {
-            areas.push(Area::default());
+            areas.push(ChartBand::default());
             is_open = true;
         }
         if let Some(area) = areas.last_mut() {
@@ -60,7 +60,7 @@ fn band_panel(name: &str, unit: &str, factor: f64, motion: &[Enclosed], index: u
             });
         }
     }
-    let line = |of: &dyn Fn(&Band) -> f64| {
+    let line = |of: &dyn Fn(&ValueBand) -> f64| {
         let points = motion.iter().map(|enclosed| {
             let band = band(enclosed)?;
             Some([enclosed.time, (of(&band) - band.nominal) * factor])

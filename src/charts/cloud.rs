@@ -1,7 +1,7 @@
 //! Chart of a cloud of paths: the paths of random pieces beside the path of the nominal mechanism.
 
-use crate::analysis::cloud::{PathCloud, Spread};
-use crate::plot::chart::{Axis, Band, Chart, Panel, PlotSeries};
+use crate::analysis::cloud::{CloudSpread, PathCloud};
+use crate::plot::chart::{Axis, Chart, ChartBand, Panel, PlotSeries};
 
 /// Shares of the pieces that the bands hold, from their lower to their upper edge.
 pub const BANDS: [[f64; 2]; 2] = [[0.001, 0.999], [0.05, 0.95]];
@@ -28,7 +28,7 @@ pub fn cloud_chart(title: &str, unit: &str, clouds: &[PathCloud]) -> Chart {
 }
 
 fn cloud_panel(cloud: &PathCloud, unit: &str) -> Panel {
-    let Spread { along, across } = cloud.spread();
+    let CloudSpread { along, across } = cloud.spread();
     let line = |deviations: &[f64]| -> Vec<[f64; 2]> {
         along
             .iter()
@@ -43,7 +43,7 @@ fn cloud_panel(cloud: &PathCloud, unit: &str) -> Panel {
         points: points.into_iter().map(Some).collect(),
         ..PlotSeries::default()
     };
-    let bands = BANDS.map(|[low, high]| Band {
+    let bands = BANDS.map(|[low, high]| ChartBand {
         lower: at(low),
         upper: at(high),
     });

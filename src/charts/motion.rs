@@ -9,7 +9,7 @@ use crate::model::actuation::Actuation;
 use crate::model::expression::{Expression, Op};
 use crate::model::mechanism::{Kind, Mechanism};
 use crate::model::plot::{Abscissa, Plot, PlotCurve};
-use crate::model::rate::Rate;
+use crate::model::rate::RateOrder;
 use crate::numbers::series::TaylorSeries;
 use crate::plot::chart::{Axis, Chart, EventMark, Panel, PlotSeries};
 use crate::plot::scale::ScaleKind;
@@ -147,7 +147,7 @@ struct ChartedMotion<'a> {
     actuation: &'a Actuation,
     trajectory: &'a Trajectory,
     slots: Vec<Option<Vec<f64>>>,
-    series: Vec<(Rate, SeriesOfSamples)>,
+    series: Vec<(RateOrder, SeriesOfSamples)>,
 }
 
 impl ChartedMotion<'_> {
@@ -274,7 +274,7 @@ impl ChartedMotion<'_> {
     }
 
     /// A rate of a formula at all samples.
-    fn curve_rates(&mut self, formula: &Expression, rate: Rate) -> Vec<Option<f64>> {
+    fn curve_rates(&mut self, formula: &Expression, rate: RateOrder) -> Vec<Option<f64>> {
         let order = rate.order;
         let all = self.sample_series(rate);
         let value = |slots: &Vec<TaylorSeries>| formula.value(slots).derivative(order);
@@ -282,7 +282,7 @@ impl ChartedMotion<'_> {
     }
 
     /// Taylor series of all slots with respect to the variable of `rate`; computed once for each kind.
-    fn sample_series(&mut self, rate: Rate) -> &SeriesOfSamples {
+    fn sample_series(&mut self, rate: RateOrder) -> &SeriesOfSamples {
         if let Some(known) = self.series.iter().position(|(r, _)| *r == rate) {
             return &self.series[known].1;
         }

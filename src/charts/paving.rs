@@ -2,7 +2,7 @@
 
 use crate::analysis::dyads::PlanarRow;
 use crate::intervals::paving::{PavedSquare, Paving};
-use crate::plot::chart::{Axis, Band, Chart, Panel, PlotSeries};
+use crate::plot::chart::{Axis, Chart, ChartBand, Panel, PlotSeries};
 use crate::report::row_intervals::PavedPoint;
 
 /// A panel of sections and one of projections, in the plane of the mechanism.
@@ -81,9 +81,9 @@ fn cell_corners(cell: &PavedSquare) -> [[f64; 2]; 2] {
     ]
 }
 
-fn filled_cell(cell: &PavedSquare) -> Band {
+fn filled_cell(cell: &PavedSquare) -> ChartBand {
     let [[left, low], [right, high]] = cell_corners(cell);
-    Band {
+    ChartBand {
         lower: vec![[left, low], [right, low]],
         upper: vec![[left, high], [right, high]],
     }

@@ -4,7 +4,7 @@
 
 use crate::plot::colour_bar::ColourBar;
 use crate::plot::theme::Colour;
-use crate::plot::{Axis, Chart, Panel, PlotSeries, Tile};
+use crate::plot::{Axis, Chart, MapTile, Panel, PlotSeries};
 use crate::sweep::row::{Row, RowStatus};
 use crate::sweep::swept_scene::Sweep;
 
@@ -228,7 +228,7 @@ impl<'s> SweepPlot<'s> {
                     Some(colour) if place.is_feasible => colour,
                     Some(colour) => faded_colour(colour),
                 };
-                tiles.push(Tile {
+                tiles.push(MapTile {
                     from: [x[0], y[0]],
                     to: [x[1], y[1]],
                     fill,

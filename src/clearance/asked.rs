@@ -7,7 +7,7 @@ use super::motion::ProvedMotion;
 use super::neighbours::{Neighbours, joint_neighbours};
 use super::part::JudgedPart;
 use super::sweep::{Least, PairSweep};
-use crate::distance::bodies::Hull;
+use crate::distance::bodies::BodyElements;
 use crate::model::clearance::{ClearanceRules, Ignored};
 
 /// Bodies in contact may be this far apart or overlap by this at the sampled times, on the scale of the contact and besides
@@ -18,7 +18,7 @@ const CONTACT: f64 = 1e-10;
 pub(super) struct AskedPair<'a> {
     pub(super) rules: &'a ClearanceRules,
     pub(super) bodies: [usize; 2],
-    pub(super) hulls: [&'a Hull; 2],
+    pub(super) hulls: [&'a BodyElements; 2],
     pub(super) ignored: Option<&'a Ignored>,
     pub(super) tolerance: f64,
     /// Whether the times of violations are requested, too.
@@ -55,7 +55,7 @@ impl<'a> AskedPair<'a> {
     }
 
     /// With the shapes in other parts.
-    fn sweep_of<'h>(&self, motion: &ProvedMotion, hulls: [&'h Hull; 2]) -> PairSweep<'h> {
+    fn sweep_of<'h>(&self, motion: &ProvedMotion, hulls: [&'h BodyElements; 2]) -> PairSweep<'h> {
         PairSweep::new(motion, self.bodies, hulls, self.tolerance, self.minimum())
     }
 
@@ -191,7 +191,7 @@ impl<'a> AskedPair<'a> {
                 Some(Neighbours::Joined { words, region }) => {
                     let parts = region.hulls.each_ref();
                     let asked = |pair| ignored.shapes.contains(&pair);
-                    let mut without: Vec<_> = Hull::pairs_of(parts, asked).collect();
+                    let mut without: Vec<_> = BodyElements::pairs_of(parts, asked).collect();
                     self.look_at_joint(motion, words, region, &without, found);
                     without.extend(&region.touching);
                     let rest = self.sweep_of(motion, parts).without(&without);
@@ -230,7 +230,7 @@ impl<'a> AskedPair<'a> {
 
     /// Pairs of elements that belong to pairs of shapes.
     fn elements_of(&self, shapes: &[[usize; 2]]) -> Vec<[usize; 2]> {
-        Hull::pairs_of(self.hulls, |pair| shapes.contains(&pair)).collect()
+        BodyElements::pairs_of(self.hulls, |pair| shapes.contains(&pair)).collect()
     }
 
     /// Judges the pair, and finds out when it is too near.

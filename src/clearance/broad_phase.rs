@@ -8,7 +8,7 @@ use super::motion::ProvedMotion;
 use super::relative::RelativeChain;
 use super::sweep::slack_of_poses;
 use super::sweep_and_prune::{AxisBox, near_boxes};
-use crate::distance::bodies::Hull;
+use crate::distance::bodies::BodyElements;
 use crate::distance::primitive::Element;
 use crate::kinematics::certificate::tube::TaylorModel;
 use crate::math::Pose;
@@ -47,10 +47,10 @@ pub(super) struct Sweeper {
 
 /// How far an element reaches along the axes of its body.
 fn swept_reach(element: &Element) -> AxisBox {
-    let (center, radius) = element.bounds();
+    let (centre, radius) = element.bounds();
     let along = |n: DVec3| {
         let reach = element.core.support(n).map(|s| s + element.radius);
-        reach.unwrap_or_else(|| n.dot(center) + radius)
+        reach.unwrap_or_else(|| n.dot(centre) + radius)
     };
     let [x, y, z] = DVec3::AXES;
     AxisBox {
@@ -61,11 +61,11 @@ fn swept_reach(element: &Element) -> AxisBox {
 
 impl Sweeper {
     /// A body of the motion's mechanism, with its hull.
-    pub(super) fn new(motion: &ProvedMotion, body: usize, hull: &Hull) -> Self {
+    pub(super) fn new(motion: &ProvedMotion, body: usize, hull: &BodyElements) -> Self {
         let mechanism = motion.system.mechanism();
         let chain = RelativeChain::new(&Chain::default(), &mechanism.bodies[body].world_from_body);
-        let (center, radius) = hull.ball;
-        let extent = chain.longest(motion.poses()) + center.length() + radius;
+        let (centre, radius) = hull.ball;
+        let extent = chain.longest(motion.poses()) + centre.length() + radius;
         let all = hull.elements.iter().map(swept_reach);
         let own = all.reduce(|a, b| a.around(&b)).filter(AxisBox::is_finite);
         Self {
@@ -115,17 +115,17 @@ impl Sweeper {
     }
 
     fn placed(&self, pose: &Pose, grown: f64) -> AxisBox {
-        let Some([center, half]) = self.own else {
+        let Some([centre, half]) = self.own else {
             return AxisBox::EVERYWHERE;
         };
-        let center = pose.transform_point(center);
+        let centre = pose.transform_point(centre);
         let columns = [0, 1, 2].map(|k| pose.rotation.col(k).abs());
         // The half sides of a turned box, along the axes.
         let half = columns[0] * half.x + columns[1] * half.y + columns[2] * half.z;
         let half = half + DVec3::splat(grown + self.slack);
         let bounds = AxisBox {
-            low: center - half,
-            high: center + half,
+            low: centre - half,
+            high: centre + half,
         };
         match bounds.is_finite() {
             true => bounds,
@@ -152,7 +152,7 @@ pub(super) struct NearPairs {
 
 impl<'m> BroadPhase<'m> {
     /// All bodies with a hull.
-    pub(super) fn new(motion: &'m ProvedMotion<'m>, hulls: &[Option<Hull>]) -> Self {
+    pub(super) fn new(motion: &'m ProvedMotion<'m>, hulls: &[Option<BodyElements>]) -> Self {
         let with_hull = hulls.iter().enumerate();
         let bodies =
             with_hull.filter_map(|(k, hull)| Some(Sweeper::new(motion, k, hull.as_ref()?)));
@@ -279,13 +279,13 @@ mod tests {
             joint(ElementaryMotion::Translation, 1, 1),
         ];
         let chain = RelativeChain::new(&Chain::default(), &Chain { steps });
-        let (center, radius) = (DVec3::new(0.7, -0.2, 0.4), 0.05);
+        let (centre, radius) = (DVec3::new(0.7, -0.2, 0.4), 0.05);
         let sweeper = Sweeper {
             body: 0,
             part: 0,
             chain: chain.clone(),
-            ball: (center, radius),
-            own: Some([center, DVec3::splat(radius)]),
+            ball: (centre, radius),
+            own: Some([centre, DVec3::splat(radius)]),
             slack: 0.0,
         };
         let mut tightest = f64::INFINITY;
@@ -304,7 +304,7 @@ mod tests {
                 let value =
                     |m: &TaylorModel| ArgumentValue::new(m.c[0] + u * (m.c[1] + u * m.c[2]));
                 let pose = chain.pose(&models.each_ref().map(value));
-                let at = pose.transform_point(center);
+                let at = pose.transform_point(centre);
                 let inside = (at - radius - swept.low).min(swept.high - at - radius);
                 assert!(
                     inside.min_element() >= -1e-12,

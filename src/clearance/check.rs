@@ -9,7 +9,7 @@ pub use super::found::{
 use super::mesh_faults::{mesh_warnings, without_inside};
 use super::motion::ProvedMotion;
 use super::neighbours::Neighbours;
-use crate::distance::bodies::Hull;
+use crate::distance::bodies::BodyElements;
 use crate::jobs::Stopwatch;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
@@ -74,7 +74,7 @@ pub fn check_over(
     progress: &dyn Fn(usize, usize),
 ) -> ClearanceReport {
     let mechanism = motion.system.mechanism();
-    let hulls: Vec<Option<Hull>> = Hull::of_bodies(&mechanism.bodies);
+    let hulls: Vec<Option<BodyElements>> = BodyElements::of_bodies(&mechanism.bodies);
     // Of several patterns the first one counts.
     let ignored = rules.ignored.iter().rev();
     let ignored: HashMap<[usize; 2], &Ignored> = ignored.map(|i| (i.pair, i)).collect();
@@ -122,7 +122,7 @@ pub fn check_over(
 /// The pairs that are examined one by one, and the requirements on them.
 struct Searches<'a> {
     rules: &'a ClearanceRules,
-    hulls: &'a [Option<Hull>],
+    hulls: &'a [Option<BodyElements>],
     ignored: &'a HashMap<[usize; 2], &'a Ignored>,
     closely: Closely,
     pairs: &'a [[usize; 2]],
@@ -268,7 +268,7 @@ impl Selection {
     /// are far apart, unless the scene names them.
     fn new(
         motion: &ProvedMotion,
-        hulls: &[Option<Hull>],
+        hulls: &[Option<BodyElements>],
         rules: &ClearanceRules,
         ignored: &HashMap<[usize; 2], &Ignored>,
         wanted: usize,

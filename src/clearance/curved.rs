@@ -115,10 +115,10 @@ impl NearPart {
         let Meeting {
             a, b, mine, moved, ..
         } = *meeting;
-        let (center, radius) = mine.bounds();
+        let (centre, radius) = mine.bounds();
         let whole = Self {
             core: b.core.clone(),
-            ball: (center, radius - mine.radius),
+            ball: (centre, radius - mine.radius),
         };
         let (Primitive::Circle(circle), Primitive::Segment(there), Primitive::Segment(here)) =
             (&a.core, &b.core, &mine.core)
@@ -129,7 +129,7 @@ impl NearPart {
         // First with the displacement of the whole rod, then with that of the remaining part.
         for _ in 0..2 {
             let reach = circle.radius + apart + 2.0 * moved.distance(part.ball);
-            let Some([low, high]) = shares_within(there, circle.center, reach) else {
+            let Some([low, high]) = shares_within(there, circle.centre, reach) else {
                 break;
             };
             let [from, to] = [low, high].map(|t| here[0].lerp(here[1], t));
@@ -143,11 +143,11 @@ impl NearPart {
 }
 
 /// Between which shares of its length a segment is within `reach` of a point, and a little more; `None` if nowhere.
-fn shares_within([from, to]: &[DVec3; 2], center: DVec3, reach: f64) -> Option<[f64; 2]> {
+fn shares_within([from, to]: &[DVec3; 2], centre: DVec3, reach: f64) -> Option<[f64; 2]> {
     let span = *to - *from;
     let size = span.length_squared();
-    let middle = (center - *from).dot(span) / size;
-    let aside = center.distance_squared(*from + span * middle);
+    let middle = (centre - *from).dot(span) / size;
+    let aside = centre.distance_squared(*from + span * middle);
     let half = ((reach * reach - aside) / size).sqrt() * (1.0 + 1e-9) + 1e-12;
     let shares = [middle - half, middle + half].map(|share| share.clamp(0.0, 1.0));
     (shares[0] < shares[1]).then_some(shares)
@@ -199,7 +199,7 @@ fn lowest_part(
 
 /// How far a point is from the axis of a circle.
 fn off_axis(circle: &Circle, point: DVec3) -> f64 {
-    let offset = point - circle.center;
+    let offset = point - circle.centre;
     offset.reject_from_normalized(circle.axis).length()
 }
 
@@ -216,7 +216,7 @@ fn nearest_to_axis(circle: &Circle, core: &Primitive, limit: f64) -> f64 {
         }
         Primitive::Circle(moving) => {
             let [x, y] = moving.directions().map(|d| d * moving.radius);
-            let at = |(sin, cos): &(f64, f64)| moving.center + x * *cos + y * *sin;
+            let at = |(sin, cos): &(f64, f64)| moving.centre + x * *cos + y * *sin;
             let ends = angle_grid().iter().map(|place| look(at(place))).collect();
             (ends, TAU * moving.radius / parts)
         }
@@ -340,7 +340,7 @@ fn of_circle(still: &Still, circle: &Circle, moved: &RelativeMove) -> f64 {
     let lowest = |a: &MovedSpot, b: &MovedSpot| bends.lowest_between(a, b);
     let towards = |sign: f64| {
         let at = |angle: f64, (sin, cos): (f64, f64)| {
-            let (q, tangent) = (circle.center + x * cos + y * sin, y * cos - x * sin);
+            let (q, tangent) = (circle.centre + x * cos + y * sin, y * cos - x * sin);
             moved_spot(still, moved, sign, angle, q, tangent)
         };
         least_on_circle(lowest, missed, at).spot.value - missed

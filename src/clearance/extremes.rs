@@ -71,42 +71,42 @@ impl Greatest {
 }
 
 /// A part of a stretch, and what the formula cannot exceed there.
-struct Part {
+struct StretchPart {
     bound: f64,
     stretch: usize,
     from: f64,
     to: f64,
 }
 
-impl PartialEq for Part {
+impl PartialEq for StretchPart {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other) == Ordering::Equal
     }
 }
 
-impl Eq for Part {}
+impl Eq for StretchPart {}
 
-impl PartialOrd for Part {
+impl PartialOrd for StretchPart {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl Ord for Part {
+impl Ord for StretchPart {
     fn cmp(&self, other: &Self) -> Ordering {
         self.bound.total_cmp(&other.bound)
     }
 }
 
 /// The search for one formula's greatest value, or that of its negative.
-struct Search<'a, 'm> {
+struct ExtremeSearch<'a, 'm> {
     motion: &'a mut ProvedMotion<'m>,
     formula: &'a Expression,
     /// For every slot, whether the formula depends on it.
     needed: Vec<bool>,
     sign: f64,
     models: HashMap<usize, TaylorModel>,
-    parts: BinaryHeap<Part>,
+    parts: BinaryHeap<StretchPart>,
     best: Option<ExtremePose>,
     least: f64,
     /// What is bounded no better.
@@ -127,7 +127,7 @@ pub fn greatest(motion: &mut ProvedMotion, formula: &Expression, sign: f64) -> O
     let is_certified = motion.is_certified();
     // The slots that the formula depends on: at a pose only they are evaluated.
     let needed = dependencies(motion.system.mechanism(), &formula.slots());
-    let mut search = Search {
+    let mut search = ExtremeSearch {
         motion,
         formula,
         needed,
@@ -154,7 +154,7 @@ pub fn greatest(motion: &mut ProvedMotion, formula: &Expression, sign: f64) -> O
     })
 }
 
-impl Search<'_, '_> {
+impl ExtremeSearch<'_, '_> {
     fn look_at_samples(&mut self) -> Option<()> {
         for k in 0..self.motion.samples.len() {
             let value = self.look_at(self.motion.samples[k], None);
@@ -207,8 +207,8 @@ impl Search<'_, '_> {
     }
 
     /// Looks into a part, and parts it.
-    fn part(&mut self, part: &Part) {
-        let Part {
+    fn part(&mut self, part: &StretchPart) {
+        let StretchPart {
             stretch, from, to, ..
         } = *part;
         let middle = 0.5 * (from + to);
@@ -256,7 +256,7 @@ impl Search<'_, '_> {
         // Value in the middle plus slope, second-order term and remainder over half the part.
         let bound = moves.iter().fold(Interval::point(around.value), add).hi;
         let bound = if bound.is_nan() { f64::INFINITY } else { bound };
-        self.parts.push(Part {
+        self.parts.push(StretchPart {
             bound,
             stretch,
             from,

@@ -164,12 +164,12 @@ mod tests {
 
         fn element(&mut self, kind: usize) -> Element {
             let size = 1.0 + 0.5 * self.next();
-            let (axis, center, from) = (DVec3::Z, DVec3::ZERO, DVec3::ZERO);
+            let (axis, centre, from) = (DVec3::Z, DVec3::ZERO, DVec3::ZERO);
             let core = match kind {
                 0 => Primitive::Point(from),
                 1 => Primitive::Segment([from, axis * size]),
                 2 | 3 => Primitive::Circle(Circle {
-                    center,
+                    centre,
                     axis,
                     radius: if kind == 2 { size } else { 8.0 * size },
                 }),
@@ -184,7 +184,7 @@ mod tests {
                     radii: [size, 0.7],
                 }),
                 6 => Primitive::HalfSpace(HalfSpace {
-                    point: center,
+                    point: centre,
                     normal: axis,
                 }),
                 _ => Primitive::Mesh(Arc::new(MeshTree::new(&self.soup(size))), Pose::IDENTITY),

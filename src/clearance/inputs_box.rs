@@ -26,7 +26,7 @@ const SAMPLES: usize = 41;
 
 /// A range of an input in internal units.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Side {
+pub struct InputRange {
     /// Which input.
     pub input: usize,
     /// Lowest and highest value.
@@ -79,7 +79,7 @@ pub fn check_box(
     system: &System,
     actuation: &Actuation,
     rules: &ClearanceRules,
-    sides: [Side; 2],
+    sides: [InputRange; 2],
     tolerance: f64,
 ) -> BoxReport {
     let [low, high] = sides[1].range;
@@ -135,7 +135,7 @@ fn look(
     system: &System,
     actuation: &Actuation,
     (rules, tolerance): (&ClearanceRules, f64),
-    sides: [Side; 2],
+    sides: [InputRange; 2],
     strip: &Strip,
     is_last: bool,
     report: &mut BoxReport,
@@ -250,7 +250,7 @@ impl BoxReport {
 fn motion_along<'m>(
     system: &'m System,
     actuation: &Actuation,
-    sides: [Side; 2],
+    sides: [InputRange; 2],
     range: [f64; 2],
 ) -> Option<(Actuation, ProvedMotion<'m>)> {
     // From the start of the drives to the beginning of the strip, then along it.

@@ -3,7 +3,7 @@
 //! A long shape that is held by a joint is cut into the part that is near the joint and the parts that are not, so that only
 //! the near parts of two shapes are left out of a check. A bar that folds onto its neighbour far from their pin is seen.
 
-use crate::distance::bodies::Hull;
+use crate::distance::bodies::BodyElements;
 use crate::distance::mesh;
 use crate::distance::pair::signed_distance;
 use crate::distance::primitive::{BoxCore, Element, Frustum, Primitive};
@@ -35,7 +35,7 @@ const TOUCH: f64 = 1e-9;
 
 /// Where a joint is, in the frame of one body.
 #[derive(Clone, Debug)]
-pub enum JointPlace {
+pub enum JointLocus {
     /// On these lines: points and directions.
     Lines(Vec<[DVec3; 2]>),
     /// In this point.
@@ -44,7 +44,7 @@ pub enum JointPlace {
     Anywhere,
 }
 
-impl JointPlace {
+impl JointLocus {
     /// The same as seen from a body.
     pub fn seen_from(&self, world_from_body: &Pose) -> Self {
         let body_from_world = world_from_body.inverse();
@@ -79,7 +79,7 @@ impl JointPlace {
             Primitive::Point(p) => (None, vec![*p]),
             Primitive::Segment([a, b]) => ((*b - *a).try_normalize(), vec![*a, *b]),
             Primitive::Frustum(f) => (Some(f.axis), vec![f.from]),
-            Primitive::Circle(c) => (Some(c.axis), vec![c.center]),
+            Primitive::Circle(c) => (Some(c.axis), vec![c.centre]),
             _ => return false,
         };
         let play = COAXIAL * thickness(element);
@@ -178,7 +178,7 @@ fn element_part(element: &Element, low: f64, high: f64) -> Element {
 }
 
 /// The parts of an element within `reach` of a place, and those beyond.
-fn element_parts(element: &Element, place: &JointPlace, reach: f64) -> (Element, Vec<Element>) {
+fn element_parts(element: &Element, place: &JointLocus, reach: f64) -> (Element, Vec<Element>) {
     let whole = (element.clone(), Vec::new());
     let Some(spine) = Spine::of(element) else {
         return whole;
@@ -202,13 +202,13 @@ fn element_parts(element: &Element, place: &JointPlace, reach: f64) -> (Element,
 #[derive(Clone, Debug)]
 pub struct JointRegion {
     /// The bodies with their shapes in parts.
-    pub hulls: [Hull; 2],
+    pub hulls: [BodyElements; 2],
     /// Parts that touch at the joint.
     pub touching: Vec<[usize; 2]>,
     /// Parts of either body that were cut off, each with the number of the element that remains of it.
     beyond: [Vec<[usize; 2]>; 2],
     /// The location of the joint in the frame of either body.
-    places: [JointPlace; 2],
+    places: [JointLocus; 2],
     /// Nothing slides in the joint.
     only_turns: bool,
 }
@@ -217,9 +217,9 @@ impl JointRegion {
     /// From pairs of elements that touch at the first pose at a joint, and its location in both frames. Parts farther away are
     /// cut off where it keeps `minimum` at that pose.
     pub fn new(
-        hulls: [&Hull; 2],
+        hulls: [&BodyElements; 2],
         touching: &[[usize; 2]],
-        places: &[JointPlace; 2],
+        places: &[JointLocus; 2],
         first_from_second: &Pose,
         minimum: f64,
     ) -> Self {
@@ -282,9 +282,9 @@ impl JointRegion {
     }
 
     fn cut(
-        hulls: [&Hull; 2],
+        hulls: [&BodyElements; 2],
         touching: &[[usize; 2]],
-        places: &[JointPlace; 2],
+        places: &[JointLocus; 2],
         reach: f64,
     ) -> Self {
         let mut new: [Vec<Element>; 2] = hulls.map(|hull| hull.elements.clone());
@@ -305,11 +305,11 @@ impl JointRegion {
         let [first, second] = new;
         Self {
             hulls: [
-                Hull {
+                BodyElements {
                     elements: first,
                     ball: hulls[0].ball,
                 },
-                Hull {
+                BodyElements {
                     elements: second,
                     ball: hulls[1].ball,
                 },
@@ -325,9 +325,9 @@ impl JointRegion {
 /// Whether two elements meet near a joint: no farther from it than the region of these two alone reaches, that of the thinnest
 /// extent of both. A thin bar may end at the far edge of a wide plate.
 fn touches_near(
-    hulls: [&Hull; 2],
+    hulls: [&BodyElements; 2],
     [i, j]: [usize; 2],
-    places: &[JointPlace; 2],
+    places: &[JointLocus; 2],
     first_from_second: &Pose,
     minimum: f64,
 ) -> bool {
@@ -352,7 +352,7 @@ fn thinnest(element: &Element) -> f64 {
 }
 
 /// The largest sum of thicknesses of two shapes that touch.
-fn thickest_element(hulls: [&Hull; 2], touching: &[[usize; 2]]) -> f64 {
+fn thickest_element(hulls: [&BodyElements; 2], touching: &[[usize; 2]]) -> f64 {
     let of = |side: usize, k: usize| thickness(&hulls[side].elements[k]);
     let both = touching.iter().map(|[i, j]| of(0, *i) + of(1, *j));
     both.fold(0.0, f64::max)

@@ -61,7 +61,7 @@ fn shifts_of(core: &Primitive, point: DVec3, n: DVec3) -> Shifts {
             let radius = f.radii[0] + share * (f.radii[1] - f.radii[0]);
             let out = point - f.from - f.axis * height;
             let rim = Circle {
-                center: f.from + f.axis * height,
+                centre: f.from + f.axis * height,
                 axis: f.axis,
                 radius,
             };
@@ -80,7 +80,7 @@ fn shifts_of(core: &Primitive, point: DVec3, n: DVec3) -> Shifts {
         }
         Primitive::HalfSpace(half) => {
             let [x, y] = Circle {
-                center: half.point,
+                centre: half.point,
                 axis: half.normal,
                 radius: 0.0,
             }

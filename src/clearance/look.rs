@@ -187,10 +187,10 @@ impl PairSweep<'_> {
                 ball,
                 way,
             } = placed[j].get_or_insert_with(|| {
-                let (center, radius) = balls[1][j];
+                let (centre, radius) = balls[1][j];
                 PlacedElement {
                     element: mine.moved(&moved.pose),
-                    ball: (moved.pose.transform_point(center), radius),
+                    ball: (moved.pose.transform_point(centre), radius),
                     way: moved.distance(balls[1][j]),
                 }
             });
@@ -214,8 +214,8 @@ impl PairSweep<'_> {
             };
             // What is cheap comes first: the balls, the plane that parted them before, one's ball from the other.
             let normal = &mut normals[place];
-            let (center, radius) = balls[0][i];
-            let mut far = center.distance(ball.0) - radius - ball.1 - way;
+            let (centre, radius) = balls[0][i];
+            let mut far = centre.distance(ball.0) - radius - ball.1 - way;
             if far < goal && *normal != DVec3::ZERO {
                 far = far.max(separation_along(first, second, *normal) - way);
             }

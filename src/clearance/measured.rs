@@ -4,9 +4,9 @@
 use super::extremes::greatest;
 use super::motion::ProvedMotion;
 use super::sweep::{Least, PairSweep};
-use crate::distance::bodies::Hull;
+use crate::distance::bodies::BodyElements;
 use crate::distance::solids::left_out;
-use crate::model::distance::{Distance, Gap};
+use crate::model::distance::{Distance, SolidPair};
 use crate::model::expression::{Expression, Op};
 use crate::model::measure::{Measure, MeasureSource, Taking};
 use crate::model::mechanism::{Kind, Mechanism, OutputSource};
@@ -17,7 +17,7 @@ const SLACK: f64 = 1e-9;
 
 /// A measure of the whole motion lies between `value` and `bound`.
 #[derive(Clone, Copy, Debug)]
-pub struct Known {
+pub struct BoundedMeasure {
     /// Found at solved poses, in internal units.
     pub value: f64,
     /// Its bound, if certified; never on the other side of the value.
@@ -45,7 +45,11 @@ pub fn is_of_whole_motion(mechanism: &Mechanism, measure: &Measure) -> bool {
 
 /// Bounds a measure over a motion with certified poses, that of the drive or of the measure's track; `None` if it is a measure
 /// of the samples, or undefined at some of them. Smallest distances are found to `tolerance`.
-pub fn known(motion: &mut ProvedMotion, measure: &Measure, tolerance: f64) -> Option<Known> {
+pub fn known(
+    motion: &mut ProvedMotion,
+    measure: &Measure,
+    tolerance: f64,
+) -> Option<BoundedMeasure> {
     let mechanism = motion.system.mechanism();
     if let Some(distance) = distance_of(mechanism, measure) {
         return least_distance(motion, distance, measure.min.unwrap_or(0.0), tolerance);
@@ -64,7 +68,7 @@ pub fn known(motion: &mut ProvedMotion, measure: &Measure, tolerance: f64) -> Op
         Taking::Largest => (end(1.0)?.or(end(-1.0)?), 1.0),
         _ => (end(1.0)?.plus(end(-1.0)?), 1.0),
     };
-    Some(Known {
+    Some(BoundedMeasure {
         value: sign * found.value,
         bound: sign * found.bound.max(found.value),
         is_upper: sign > 0.0,
@@ -125,12 +129,12 @@ fn least_distance(
     distance: &Distance,
     limit: f64,
     tolerance: f64,
-) -> Option<Known> {
-    let of = |gap: &Gap| of_pair(motion, gap, limit, tolerance);
-    let found: Option<Vec<Known>> = distance.gaps.iter().map(of).collect();
+) -> Option<BoundedMeasure> {
+    let of = |gap: &SolidPair| of_pair(motion, gap, limit, tolerance);
+    let found: Option<Vec<BoundedMeasure>> = distance.gaps.iter().map(of).collect();
     found?.into_iter().reduce(|a, b| {
         let nearest = if b.value < a.value { b } else { a };
-        Known {
+        BoundedMeasure {
             bound: a.bound.min(b.bound),
             is_certified: a.is_certified && b.is_certified,
             slack: a.slack.max(b.slack),
@@ -140,10 +144,15 @@ fn least_distance(
     })
 }
 
-fn of_pair(motion: &mut ProvedMotion, gap: &Gap, limit: f64, tolerance: f64) -> Option<Known> {
+fn of_pair(
+    motion: &mut ProvedMotion,
+    gap: &SolidPair,
+    limit: f64,
+    tolerance: f64,
+) -> Option<BoundedMeasure> {
     let bodies = gap.bodies.map(|k| &motion.system.mechanism().bodies[k]);
     // The solids of both bodies; pairs of them that the distance does not name are left out.
-    let hulls = [Hull::new(bodies[0])?, Hull::new(bodies[1])?];
+    let hulls = [BodyElements::new(bodies[0])?, BodyElements::new(bodies[1])?];
     let hulls = hulls.each_ref();
     let left_out = left_out(hulls, &gap.shapes);
     // Branch and bound over the motion for the least distance.
@@ -157,7 +166,7 @@ fn of_pair(motion: &mut ProvedMotion, gap: &Gap, limit: f64, tolerance: f64) -> 
         ..
     } = sweep.least_over(motion, &mut Vec::new())?;
     // A lower bound, which must not exceed the distance found.
-    Some(Known {
+    Some(BoundedMeasure {
         value: distance,
         bound: bound.min(distance),
         is_upper: false,

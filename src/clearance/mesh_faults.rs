@@ -1,12 +1,12 @@
 //! Oddities and defects of the meshes of a check.
 
-use crate::distance::bodies::Hull;
+use crate::distance::bodies::BodyElements;
 use crate::distance::mesh_tree::{MeshTree, ShellEnclosure};
 use crate::distance::primitive::Primitive;
 use crate::model::mechanism::Mechanism;
 
 /// Every mesh of a body.
-fn hull_meshes(hull: &Hull) -> impl Iterator<Item = &MeshTree> {
+fn hull_meshes(hull: &BodyElements) -> impl Iterator<Item = &MeshTree> {
     hull.elements
         .iter()
         .filter_map(|element| match &element.core {
@@ -16,7 +16,7 @@ fn hull_meshes(hull: &Hull) -> impl Iterator<Item = &MeshTree> {
 }
 
 /// What is odd about a body's meshes.
-pub(super) fn mesh_warnings(mechanism: &Mechanism, hulls: &[Option<Hull>]) -> Vec<String> {
+pub(super) fn mesh_warnings(mechanism: &Mechanism, hulls: &[Option<BodyElements>]) -> Vec<String> {
     let mut list = Vec::new();
     for (body, hull) in mechanism.bodies.iter().zip(hulls) {
         for tree in hull.iter().flat_map(hull_meshes) {
@@ -43,7 +43,7 @@ pub(super) fn mesh_warnings(mechanism: &Mechanism, hulls: &[Option<Hull>]) -> Ve
 /// Meshes of judged bodies that should have an interior but have none: the body and the defect.
 pub(super) fn without_inside(
     mechanism: &Mechanism,
-    hulls: &[Option<Hull>],
+    hulls: &[Option<BodyElements>],
     is_judged: impl Fn(usize) -> bool,
 ) -> Vec<(usize, String)> {
     let mut list = Vec::new();

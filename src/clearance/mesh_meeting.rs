@@ -67,7 +67,7 @@ impl<'e> MeetingPart<'e> {
             Self::Solid(core) => core.bounds(),
             Self::Node(tree, pose, node) => {
                 let around = Self::around(tree, node);
-                (pose.transform_point(around.center), around.radius)
+                (pose.transform_point(around.centre), around.radius)
             }
         }
     }
@@ -170,8 +170,8 @@ impl<'e> MeetingSearch<'e> {
         let way = match (b, &self.meeting.mine.core) {
             (MeetingPart::Node(tree, _, node), Primitive::Mesh(_, pose)) => {
                 let around = MeetingPart::around(tree, node);
-                let center = pose.transform_point(around.center);
-                self.meeting.moved.distance((center, around.radius))
+                let centre = pose.transform_point(around.centre);
+                self.meeting.moved.distance((centre, around.radius))
             }
             _ => self.meeting.moved.distance(self.meeting.mine.bounds()),
         };
@@ -181,7 +181,7 @@ impl<'e> MeetingSearch<'e> {
     /// The same in the middle of the time.
     fn apart(&self, [a, b]: [MeetingPart<'e>; 2]) -> f64 {
         let [(p, r), (q, s)] = [a.ball(), b.ball()];
-        let seen = |core: &Primitive, center: DVec3, radius: f64| match point_to(core, center) {
+        let seen = |core: &Primitive, centre: DVec3, radius: f64| match point_to(core, centre) {
             Some(hit) => (hit.normal, hit.distance - radius),
             None => (DVec3::ZERO, f64::NEG_INFINITY),
         };

@@ -3,9 +3,9 @@
 //!
 //! A body on a link between two others separates them, however close their axes are: these two must keep their clearance.
 
-use super::joint_region::{JointPlace, JointRegion};
+use super::joint_region::{JointLocus, JointRegion};
 use super::motion::ProvedMotion;
-use crate::distance::bodies::Hull;
+use crate::distance::bodies::BodyElements;
 use crate::distance::mesh;
 use crate::distance::pair::{Proximity, signed_distance};
 use crate::distance::point::on_segment;
@@ -52,7 +52,7 @@ pub fn joint_neighbours(
     motion: &ProvedMotion,
     joints: &Joints,
     [a, b]: [usize; 2],
-    hulls: [&Hull; 2],
+    hulls: [&BodyElements; 2],
     minimum: f64,
 ) -> Option<Neighbours> {
     if joints.are_rigid(a, b) {
@@ -106,9 +106,9 @@ fn contact_place(first: &Element, second: &Element, found: &Proximity) -> DVec3 
 }
 
 /// Where a joint is at a pose, in the world.
-fn place_of(joints: &Joints, joint: &Joint, arguments: &[ArgumentValue]) -> JointPlace {
+fn place_of(joints: &Joints, joint: &Joint, arguments: &[ArgumentValue]) -> JointLocus {
     if matches!(joint.kind, JointKind::Prismatic | JointKind::Planar) {
-        return JointPlace::Anywhere;
+        return JointLocus::Anywhere;
     }
     let mut here: Pose = joints.world_from(&joint.before).pose(arguments);
     let mut lines = Vec::new();
@@ -118,8 +118,8 @@ fn place_of(joints: &Joints, joint: &Joint, arguments: &[ArgumentValue]) -> Join
         }
     });
     match (joint.kind, lines.first()) {
-        (JointKind::Spherical, Some([centre, _])) => JointPlace::Point(*centre),
-        (_, Some(_)) => JointPlace::Lines(lines),
-        (_, None) => JointPlace::Anywhere,
+        (JointKind::Spherical, Some([centre, _])) => JointLocus::Point(*centre),
+        (_, Some(_)) => JointLocus::Lines(lines),
+        (_, None) => JointLocus::Anywhere,
     }
 }

@@ -2,7 +2,7 @@
 //! it, and solids of revolution about the joint's axis keep their distance from the other body.
 
 use super::relative::RelativeChain;
-use crate::distance::bodies::Hull;
+use crate::distance::bodies::BodyElements;
 use crate::distance::primitive::{Element, Primitive};
 use crate::kinematics::certificate::tube::TaylorModel;
 use crate::math::Pose;
@@ -200,7 +200,7 @@ fn wobble(element: &Element, [origin, direction]: AxisLine) -> Option<f64> {
             let [from, to] = f.spine();
             (Some(f.axis), [from, to], f.radii[0].max(f.radii[1]))
         }
-        Primitive::Circle(c) => (Some(c.axis), [c.center; 2], c.radius),
+        Primitive::Circle(c) => (Some(c.axis), [c.centre; 2], c.radius),
         _ => return None,
     };
     let off_axis = |p: DVec3| {
@@ -223,7 +223,10 @@ pub(super) struct RoundPair {
 
 /// Of every pair of elements, row by row, what is known of its roundness; nothing where no two elements are known to keep their
 /// distance.
-pub(super) fn round_pairs(chain: &RelativeChain, hulls: [&Hull; 2]) -> Vec<Option<RoundPair>> {
+pub(super) fn round_pairs(
+    chain: &RelativeChain,
+    hulls: [&BodyElements; 2],
+) -> Vec<Option<RoundPair>> {
     let Some(axes) = axis_of(chain) else {
         return Vec::new();
     };

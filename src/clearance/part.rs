@@ -2,7 +2,7 @@
 //! tolerances of their dimensions.
 
 use super::sweep::PairSweep;
-use crate::distance::bodies::{Hull, LeftOut};
+use crate::distance::bodies::{BodyElements, LeftOut};
 use crate::kinematics::results::certificate::Reason;
 
 /// Two bodies that must keep a distance.
@@ -11,7 +11,7 @@ pub struct JudgedPart {
     /// Indices of the bodies; the first one is the larger, from which the other is seen.
     pub bodies: [usize; 2],
     /// Their shapes, as they are cut at joints.
-    pub hulls: [Hull; 2],
+    pub hulls: [BodyElements; 2],
     /// Pairs of elements that do not count.
     pub left_out: LeftOut,
     /// Least distance that passes.
@@ -40,12 +40,12 @@ pub struct PieceClearance {
     /// When, seconds.
     pub time: f64,
     /// Why there is no bound, if so.
-    pub refusal: Option<Refusal>,
+    pub refusal: Option<PieceRefusal>,
 }
 
 /// A time at which nothing is proved of all pieces.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Refusal {
+pub struct PieceRefusal {
     /// Seconds.
     pub from: f64,
     /// Seconds.
@@ -93,7 +93,7 @@ impl PairSweep<'_> {
     pub(super) fn part(&self, nominal: f64) -> JudgedPart {
         JudgedPart {
             bodies: self.bodies,
-            hulls: self.hulls.map(Hull::clone),
+            hulls: self.hulls.map(BodyElements::clone),
             left_out: self.left_out.clone(),
             minimum: self.minimum(),
             slack: self.slack(),

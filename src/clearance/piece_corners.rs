@@ -21,18 +21,18 @@ pub(super) struct Corner {
 
 /// Points one of which is farthest along `n` for rotations of the circle up to this one, to within a length.
 pub(super) fn rim_corners(circle: &Circle, n: DVec3, turned: f64) -> (Vec<DVec3>, f64) {
-    let (center, radius) = (circle.center, circle.radius);
+    let (centre, radius) = (circle.centre, circle.radius);
     let across = (n - circle.axis * n.dot(circle.axis)).length();
     if across >= NEARLY_FLAT && turned <= across {
         // b beside the farthest point b*: n (b - b*) = -2 r |Pn| s² with s the sine of half the angle between them, and turning adds no
         // more than 2 r τ s: together at most r τ² / (2 |Pn|).
         let lost = radius * turned * turned / (2.0 * across);
-        return (vec![center + circle.outward(n) * radius], lost);
+        return (vec![centre + circle.outward(n) * radius], lost);
     }
     let [x, y] = circle.directions();
     let corner = |k: usize| {
         let (sin, cos) = sin_cos(TAU * k as f64 / CORNERS as f64);
-        center + (x * cos + y * sin) * radius
+        centre + (x * cos + y * sin) * radius
     };
     let (_, cos) = sin_cos(PI / CORNERS as f64);
     let above = radius * (1.0 - cos) * (across + turned).min(1.0);

@@ -211,8 +211,8 @@ impl<'p> PartWays<'p> {
     /// How far the points of a shape are from where they are drawn in their body, at most.
     fn grown<const N: usize>(&self, view: &PieceView<N>, side: usize, shape: usize) -> f64 {
         let ways = &self.shapes[side][shape];
-        let (center, radius) = self.part.hulls[side].ball;
-        let reach = (DVec3::ZERO, 2.0 * radius + center.length());
+        let (centre, radius) = self.part.hulls[side].ball;
+        let reach = (DVec3::ZERO, 2.0 * radius + centre.length());
         let points = ways.own.iter().map(|way| view.off(way, reach));
         let tilted = self.tilt(view, side, shape);
         let tilted = if tilted == 0.0 { 0.0 } else { tilted * radius };

@@ -69,20 +69,20 @@ impl RelativeMove {
     }
 
     /// Nothing of a ball of b (centre and radius in b's frame) deviates from the two terms by more.
-    pub fn deviation(&self, (center, radius): (DVec3, f64)) -> f64 {
-        (self.off + rate_times(self.off_by_reach, center.length() + radius)) * (1.0 + 1e-12)
+    pub fn deviation(&self, (centre, radius): (DVec3, f64)) -> f64 {
+        (self.off + rate_times(self.off_by_reach, centre.length() + radius)) * (1.0 + 1e-12)
     }
 
     /// How far Y takes the points of a ball.
-    pub fn bending(&self, (center, radius): (DVec3, f64)) -> f64 {
-        let center = self.bend + self.twist * self.pose.transform_point(center);
-        (center.length() + rate_times(self.turning[1], radius)) * (1.0 + 1e-12)
+    pub fn bending(&self, (centre, radius): (DVec3, f64)) -> f64 {
+        let centre = self.bend + self.twist * self.pose.transform_point(centre);
+        (centre.length() + rate_times(self.turning[1], radius)) * (1.0 + 1e-12)
     }
 
     /// No point of a ball of b moves farther.
     pub fn distance(&self, ball: (DVec3, f64)) -> f64 {
-        let center = self.rate(self.pose.transform_point(ball.0));
-        let linear = center.length() + rate_times(self.turning[0], ball.1);
+        let centre = self.rate(self.pose.transform_point(ball.0));
+        let linear = centre.length() + rate_times(self.turning[0], ball.1);
         linear * (1.0 + 1e-12) + self.bending(ball) + self.deviation(ball)
     }
 }

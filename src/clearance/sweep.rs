@@ -4,7 +4,7 @@
 use super::motion::ProvedMotion;
 use super::relative::RelativeChain;
 use super::track::PairTrack;
-use crate::distance::bodies::{BodyProximity, Hull, LeftOut, enclosed_shell};
+use crate::distance::bodies::{BodyElements, BodyProximity, LeftOut, enclosed_shell};
 use crate::distance::mesh;
 use crate::distance::pair::is_inside;
 use crate::distance::primitive::{Element, Primitive};
@@ -53,7 +53,7 @@ pub struct Least {
 /// Two bodies over a motion.
 pub struct PairSweep<'a> {
     pub(super) bodies: [usize; 2],
-    pub(super) hulls: [&'a Hull; 2],
+    pub(super) hulls: [&'a BodyElements; 2],
     pub(super) chain: RelativeChain,
     /// How the first body moves as seen from the second: for elements of the second one that have no end.
     pub(super) back: Option<RelativeChain>,
@@ -106,13 +106,13 @@ fn by_joint(motion: &ProvedMotion, [a, b]: [usize; 2]) -> Option<RelativeChain> 
 }
 
 /// The radius of the smaller ball around two bodies, zero if both have no end.
-fn smaller_radius(hulls: [&Hull; 2]) -> f64 {
+fn smaller_radius(hulls: [&BodyElements; 2]) -> f64 {
     let radius = hulls[0].ball.1.min(hulls[1].ball.1);
     if radius.is_finite() { radius } else { 0.0 }
 }
 
 /// The longest curve of two hulls along which a distance is searched: circles, and the elements compared with them.
-fn searched_length(hulls: [&Hull; 2]) -> f64 {
+fn searched_length(hulls: [&BodyElements; 2]) -> f64 {
     let all = || hulls.into_iter().flat_map(|hull| &hull.elements);
     let has_ring = all().any(|e| e.core.circle().is_some());
     let length = |e: &Element| match &e.core {
@@ -130,7 +130,7 @@ impl<'a> PairSweep<'a> {
     pub fn new(
         motion: &ProvedMotion,
         bodies: [usize; 2],
-        hulls: [&'a Hull; 2],
+        hulls: [&'a BodyElements; 2],
         tolerance: f64,
         minimum: f64,
     ) -> Self {
@@ -143,7 +143,7 @@ impl<'a> PairSweep<'a> {
         let is_endless = |e: &Element| matches!(e.core, Primitive::HalfSpace(_));
         let back = hulls[1].elements.iter().any(is_endless);
         let own = RelativeChain::new(chain(0), chain(1));
-        let reach = |(center, radius): (DVec3, f64)| center.length() + radius;
+        let reach = |(centre, radius): (DVec3, f64)| centre.length() + radius;
         let reaches = hulls.map(|hull| reach(hull.ball));
         let finite = reaches.into_iter().filter(|reach| reach.is_finite());
         let extent = own.longest(motion.poses()) + finite.sum::<f64>();

@@ -8,7 +8,7 @@
 use super::motion::ProvedMotion;
 use super::relative::RelativeChain;
 use super::sweep::slack_of_poses;
-use crate::distance::bodies::Hull;
+use crate::distance::bodies::BodyElements;
 use crate::distance::mesh;
 use crate::distance::pair::signed_distance;
 use crate::distance::primitive::{Element, Primitive};
@@ -81,7 +81,7 @@ impl Swept {
         cells: u32,
     ) -> Result<Self, SweptError> {
         let bodies = &motion.system.mechanism().bodies;
-        let hull = Hull::new(&bodies[body]).ok_or(SweptError::NoShapes)?;
+        let hull = BodyElements::new(&bodies[body]).ok_or(SweptError::NoShapes)?;
         if !hull.ball.1.is_finite() {
             return Err(SweptError::Endless);
         }
@@ -114,10 +114,10 @@ impl Swept {
 }
 
 /// The longest side of a box around a ball at some poses.
-fn extent(poses: &[Pose], (center, radius): (DVec3, f64)) -> f64 {
-    let centers = || poses.iter().map(|pose| pose.transform_point(center));
-    let low = centers().reduce(DVec3::min).unwrap_or(DVec3::ZERO);
-    let high = centers().reduce(DVec3::max).unwrap_or(DVec3::ZERO);
+fn extent(poses: &[Pose], (centre, radius): (DVec3, f64)) -> f64 {
+    let centres = || poses.iter().map(|pose| pose.transform_point(centre));
+    let low = centres().reduce(DVec3::min).unwrap_or(DVec3::ZERO);
+    let high = centres().reduce(DVec3::max).unwrap_or(DVec3::ZERO);
     (high - low).max_element() + 2.0 * radius
 }
 
@@ -125,7 +125,7 @@ fn extent(poses: &[Pose], (center, radius): (DVec3, f64)) -> f64 {
 fn poses(
     motion: &ProvedMotion,
     chain: &RelativeChain,
-    hull: &Hull,
+    hull: &BodyElements,
     step: f64,
 ) -> Result<Vec<Pose>, SweptError> {
     let alone = motion.alone().into_iter();
@@ -152,7 +152,7 @@ fn poses(
 
 /// The distance from a body at the nearest of many poses.
 struct Field<'a> {
-    hull: &'a Hull,
+    hull: &'a BodyElements,
     poses: Vec<Pose>,
     cell: f64,
     level: f64,
@@ -183,14 +183,14 @@ impl Field<'_> {
 
     /// The level surface.
     fn surface(&self) -> Mesh {
-        let centers = || {
+        let centres = || {
             self.poses
                 .iter()
                 .map(|pose| pose.transform_point(self.hull.ball.0))
         };
         // A box of cells around everything that is swept, as a power of two.
-        let low = centers().reduce(DVec3::min).unwrap_or(DVec3::ZERO);
-        let high = centers().reduce(DVec3::max).unwrap_or(DVec3::ZERO);
+        let low = centres().reduce(DVec3::min).unwrap_or(DVec3::ZERO);
+        let high = centres().reduce(DVec3::max).unwrap_or(DVec3::ZERO);
         let margin = DVec3::splat(self.hull.ball.1 + self.level + self.cell);
         let (low, high) = (low - margin, high + margin);
         let across = ((high - low).max_element() / self.cell).ceil() as i32;
@@ -233,9 +233,9 @@ impl Surface<'_> {
     fn look(&mut self, at: IVec3, side: i32, near: &[u32]) {
         let field = self.field;
         let half = 0.5 * f64::from(side) * field.cell;
-        let center = self.place(at) + DVec3::splat(half);
+        let centre = self.place(at) + DVec3::splat(half);
         let radius = 2.0 * HALF_DIAGONAL * half;
-        let of = |k: &u32| (field.off_pose(&field.poses[*k as usize], center), *k);
+        let of = |k: &u32| (field.off_pose(&field.poses[*k as usize], centre), *k);
         let distances: Vec<(f64, u32)> = near.iter().map(of).collect();
         // The body changes its distance by no more than the cell's radius: does its surface pass through the cell?
         let least = distances

@@ -1,7 +1,9 @@
 //! Distances of two bodies at successive poses. From pose to pose no distance changes by more than the largest displacement,
 //! so that most elements need not be measured again.
 
-use crate::distance::bodies::{BodyProximity, Hull, LeftOut, separation_along, sphere_separation};
+use crate::distance::bodies::{
+    BodyElements, BodyProximity, LeftOut, separation_along, sphere_separation,
+};
 use crate::distance::pair::signed_distance;
 use crate::distance::primitive::Element;
 use crate::math::Pose;
@@ -13,7 +15,7 @@ const SLACK: f64 = 1e-9;
 
 /// Two bodies and lower bounds of their elements' distances.
 pub struct PairTrack<'a> {
-    hulls: [&'a Hull; 2],
+    hulls: [&'a BodyElements; 2],
     /// Balls around the elements of the second body, in its frame.
     balls: Vec<(DVec3, f64)>,
     /// Lower bounds of the distances at the last pose, one row an element of the first body.
@@ -26,7 +28,7 @@ pub struct PairTrack<'a> {
 
 impl<'a> PairTrack<'a> {
     /// Two bodies about which nothing is known yet, except for some pairs of elements.
-    pub fn new(hulls: [&'a Hull; 2], left_out: &LeftOut) -> Self {
+    pub fn new(hulls: [&'a BodyElements; 2], left_out: &LeftOut) -> Self {
         let balls: Vec<(DVec3, f64)> = hulls[1].elements.iter().map(Element::bounds).collect();
         let mut lower = vec![f64::NEG_INFINITY; hulls[0].elements.len() * balls.len()];
         for [i, j] in left_out {
@@ -96,10 +98,10 @@ impl<'a> PairTrack<'a> {
             let turn = turn.to_cols_array().iter().map(|v| v * v).sum::<f64>();
             let turn = turn.sqrt() * FRAC_1_SQRT_2;
             let columns = self.balls.len();
-            for (j, (center, radius)) in self.balls.iter().enumerate() {
-                let shift = pose.transform_point(*center) - last.transform_point(*center);
+            for (j, (centre, radius)) in self.balls.iter().enumerate() {
+                let shift = pose.transform_point(*centre) - last.transform_point(*centre);
                 let turned = if turn == 0.0 { 0.0 } else { turn * radius };
-                let way = shift.length() + turned + SLACK * (center.length() + radius);
+                let way = shift.length() + turned + SLACK * (centre.length() + radius);
                 for lower in self.lower.iter_mut().skip(j).step_by(columns) {
                     // What is left out stays infinitely far.
                     if *lower < f64::INFINITY {

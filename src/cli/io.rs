@@ -6,7 +6,7 @@ use super::term::Term;
 use super::term::outcome::Failure;
 use crate::diag::shown_lines;
 use crate::export::png::{Effort, encode_png};
-use crate::export::{Output, Stream, Target, folder_of, link_end};
+use crate::export::{Output, PendingFile, Stream, folder_of, link_end};
 use image::RgbaImage;
 use serde_json::Value;
 use std::io::Write;
@@ -100,7 +100,7 @@ pub fn open_output(path: &Path) -> Result<Box<dyn Output>, Failure> {
     if path == Path::new("-") {
         return Ok(Box::new(Stream::new("standard output", std::io::stdout())));
     }
-    Ok(Box::new(Target::create(path)?))
+    Ok(Box::new(PendingFile::create(path)?))
 }
 
 /// Writes a report to a file, or to standard output for `-`; never over an input of the command.
@@ -127,7 +127,7 @@ fn write_out(path: &Path, text: &str) -> Result<(), Failure> {
 pub fn write_png(image: &RgbaImage, path: &Path) -> Result<(), Failure> {
     let mut bytes = Vec::new();
     encode_png(image, Effort::Balanced, &mut bytes)?;
-    write_bytes(Box::new(Target::create(path)?), &bytes)
+    write_bytes(Box::new(PendingFile::create(path)?), &bytes)
 }
 
 fn write_bytes(mut output: Box<dyn Output>, bytes: &[u8]) -> Result<(), Failure> {

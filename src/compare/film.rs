@@ -10,7 +10,7 @@ const SAME_DELAY: f64 = 1e-6;
 
 /// What may differ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Allowed {
+pub struct AllowedDifference {
     /// Levels that a channel may be off.
     pub tolerance: u8,
     /// Pixels of a picture that may be off by more.
@@ -43,7 +43,7 @@ pub struct FrameReport {
 #[derive(Clone, Debug, PartialEq)]
 pub struct FilmReport {
     /// What was allowed.
-    pub allowed: Allowed,
+    pub allowed: AllowedDifference,
     /// Every frame, in order.
     pub frames: Vec<FrameReport>,
     /// How often they play, where that differs.
@@ -107,7 +107,7 @@ pub fn compare_films(
     a: impl Iterator<Item = Result<FilmFrame, ImportError>>,
     b: impl Iterator<Item = Result<FilmFrame, ImportError>>,
     plays: [Option<Plays>; 2],
-    allowed: Allowed,
+    allowed: AllowedDifference,
     keeps_worst: bool,
 ) -> Result<FilmReport, ImportError> {
     let mut report = FilmReport {
@@ -204,7 +204,7 @@ mod tests {
     }
 
     fn report(a: &[(&str, u8, f64)], b: &[(&str, u8, f64)], tolerance: u8) -> FilmReport {
-        let allowed = Allowed {
+        let allowed = AllowedDifference {
             tolerance,
             pixels: 0,
         };
@@ -256,7 +256,7 @@ mod tests {
 
     #[test]
     fn a_film_that_plays_another_number_of_times_is_another() {
-        let allowed = Allowed {
+        let allowed = AllowedDifference {
             tolerance: 255,
             pixels: 0,
         };

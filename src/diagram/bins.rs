@@ -13,7 +13,7 @@ const MOST: f64 = 2000.0;
 
 /// Lines and boxes, each in the order in which they came.
 #[derive(Default)]
-pub struct Bins {
+pub struct SpatialBins {
     side: f64,
     lines: Vec<[DrawnSpot; 2]>,
     boxes: Vec<Rect>,
@@ -27,7 +27,7 @@ struct Filed {
     boxes: Vec<u32>,
 }
 
-impl Bins {
+impl SpatialBins {
     /// For a drawing whose lengths are multiples of `unit`.
     pub fn new(unit: f64) -> Self {
         Self {
@@ -207,7 +207,7 @@ mod tests {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             f64::from(state >> 8) / f64::from(1u32 << 24) * wide
         };
-        let mut bins = Bins::new(1.0);
+        let mut bins = SpatialBins::new(1.0);
         for k in 0..300 {
             let from = [draw(900.0), draw(600.0)];
             let long = if k % 9 == 0 { 700.0 } else { 40.0 };

@@ -1,10 +1,10 @@
 //! A drawing under construction: primitives, the lines that labels keep clear of, and labels waiting for a place.
 
-use super::bins::Bins;
+use super::bins::SpatialBins;
 use super::plane::{
     DrawnSpot, quarter_turn, spot_ahead, spot_difference, spot_length, unit_direction,
 };
-use crate::plot::primitive::{DrawnPrimitive, Rect, Stroke, TextAnchor};
+use crate::plot::primitive::{DrawnPrimitive, LineStyle, Rect, TextAnchor};
 use crate::plot::theme::{ChartTheme, Colour, Dashes};
 
 /// A label to be placed.
@@ -31,7 +31,7 @@ pub struct Ink {
     /// From back to front.
     pub primitives: Vec<DrawnPrimitive>,
     /// Lines that labels had better not cover, and boxes that they must not.
-    pub bins: Bins,
+    pub bins: SpatialBins,
     /// Labels, the first placed first.
     pub labels: Vec<WantedLabel>,
     /// Texts with a fixed middle: text, place, cap height, colour.
@@ -62,7 +62,7 @@ impl Ink {
         let width = width * self.unit;
         self.primitives.push(DrawnPrimitive::Line {
             points: points.to_vec(),
-            stroke: Stroke {
+            stroke: LineStyle {
                 colour,
                 width,
                 dashes,
@@ -94,7 +94,7 @@ impl Ink {
             centre,
             radius: radius * self.unit,
             fill,
-            stroke: Stroke::solid(colour, width * self.unit),
+            stroke: LineStyle::solid(colour, width * self.unit),
         });
     }
 

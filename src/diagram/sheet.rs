@@ -1,7 +1,7 @@
 //! The sheet: what is shown, in which order, and the text below the drawing.
 
 use super::arcs::{arc_level, draw_angle};
-use super::bins::Bins;
+use super::bins::SpatialBins;
 use super::ground::draw_ground;
 use super::ink::{Ink, WantedLabel};
 use super::labels::{PlacedLabel, place_labels};
@@ -121,7 +121,7 @@ pub fn draw_sheet(scheme: &Scheme, options: &SheetOptions) -> DiagramSheet {
     // Primitives, and the places that they cover, for lines and labels that avoid them.
     let mut ink = Ink {
         primitives: Vec::new(),
-        bins: Bins::new(unit),
+        bins: SpatialBins::new(unit),
         labels: Vec::new(),
         letters: Vec::new(),
         theme: options.theme,

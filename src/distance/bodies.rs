@@ -12,7 +12,7 @@ use std::collections::BTreeSet;
 
 /// A body's elements in its frame, and a ball around them.
 #[derive(Clone, Debug)]
-pub struct Hull {
+pub struct BodyElements {
     /// The elements.
     pub elements: Vec<Element>,
     /// Centre and radius of the ball.
@@ -28,7 +28,7 @@ pub struct BodyProximity {
     pub elements: [usize; 2],
 }
 
-impl Hull {
+impl BodyElements {
     /// The hull of a body; `None` if it has no solids.
     pub fn new(body: &Body) -> Option<Self> {
         Self::with_trees(body, &mut MeshTrees::default())
@@ -48,14 +48,14 @@ impl Hull {
         let balls: Vec<(DVec3, f64)> = elements.iter().map(Element::bounds).collect();
         let low = balls.iter().map(|(c, r)| *c - *r).reduce(DVec3::min)?;
         let high = balls.iter().map(|(c, r)| *c + *r).reduce(DVec3::max)?;
-        let center = (low + high) * 0.5;
-        if !center.is_finite() {
+        let centre = (low + high) * 0.5;
+        if !centre.is_finite() {
             let ball = (DVec3::ZERO, f64::INFINITY);
             return Some(Self { elements, ball });
         }
-        let far = balls.iter().map(|(c, r)| c.distance(center) + r);
+        let far = balls.iter().map(|(c, r)| c.distance(centre) + r);
         Some(Self {
-            ball: (center, far.fold(0.0, f64::max)),
+            ball: (centre, far.fold(0.0, f64::max)),
             elements,
         })
     }
@@ -92,8 +92,8 @@ impl Hull {
 
     /// Lower bound of the distance from another hull placed by `here_from_other`.
     pub fn apart(&self, other: &Self, here_from_other: &Pose) -> f64 {
-        let center = here_from_other.transform_point(other.ball.0);
-        center.distance(self.ball.0) - self.ball.1 - other.ball.1
+        let centre = here_from_other.transform_point(other.ball.0);
+        centre.distance(self.ball.0) - self.ball.1 - other.ball.1
     }
 }
 
@@ -110,12 +110,12 @@ pub fn ball_separation(
     let mut lowest = p.distance(q) - r - s;
     // Long elements are far larger than they are thick: the distance of the element itself from the other's sphere is
     // sharper.
-    for (element, center, radius) in [(a, q, s), (b, p, r)] {
+    for (element, centre, radius) in [(a, q, s), (b, p, r)] {
         if lowest >= enough {
             break;
         }
         let is_ball = matches!(element.core, Primitive::Point(_));
-        if let Some(hit) = point_to(&element.core, center).filter(|_| !is_ball) {
+        if let Some(hit) = point_to(&element.core, centre).filter(|_| !is_ball) {
             lowest = lowest.max(hit.distance - element.radius - radius);
         }
     }
@@ -136,8 +136,8 @@ pub type LeftOut = BTreeSet<[usize; 2]>;
 
 /// The nearest elements of two hulls, without the excluded pairs.
 pub fn nearest_bodies(
-    a: &Hull,
-    b: &Hull,
+    a: &BodyElements,
+    b: &BodyElements,
     a_from_b: &Pose,
     left_out: &LeftOut,
 ) -> Option<BodyProximity> {
@@ -173,8 +173,8 @@ pub fn nearest_bodies(
 
 /// Whether a mesh of one body encloses a solid of the other without touching it, or the other way round.
 pub fn enclosed_shell(
-    a: &Hull,
-    b: &Hull,
+    a: &BodyElements,
+    b: &BodyElements,
     a_from_b: &Pose,
     left_out: &LeftOut,
 ) -> Option<[usize; 2]> {

@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3};
 #[derive(Clone, Copy, Debug)]
 pub struct OrientedBox {
     /// Its centre, also that of the ball.
-    pub center: DVec3,
+    pub centre: DVec3,
     /// Distance of the farthest point from the centre.
     pub radius: f64,
     /// Unit vectors along its edges.
@@ -41,10 +41,10 @@ impl OrientedBox {
             let local = to_box * *point;
             (low, high) = (low.min(local), high.max(local));
         }
-        let center = axes * ((low + high) * 0.5);
-        let far = points().map(|p| p.distance_squared(center));
+        let centre = axes * ((low + high) * 0.5);
+        let far = points().map(|p| p.distance_squared(centre));
         Self {
-            center,
+            centre,
             radius: far.fold(0.0, f64::max).sqrt(),
             axes,
             half: (high - low) * 0.5,
@@ -67,7 +67,7 @@ impl OrientedBox {
     /// Largest n · p of its points.
     #[inline]
     pub fn support(&self, n: DVec3) -> f64 {
-        self.center.dot(n) + self.reach(n)
+        self.centre.dot(n) + self.reach(n)
     }
 
     /// The direction of its longest edge.

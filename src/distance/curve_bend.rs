@@ -29,7 +29,7 @@ impl CurveBend {
     /// Along a circle, whose variable is an angle; `ring` is the core if that is a circle, all others are convex.
     pub fn of_circle(ring: Option<&Circle>, circle: &Circle) -> Self {
         let off_axis = ring.map_or(0.0, |ring| {
-            let offset = circle.center - ring.center;
+            let offset = circle.centre - ring.centre;
             (offset - ring.axis * offset.dot(ring.axis)).length() - circle.radius
         });
         Self {
@@ -60,9 +60,9 @@ impl CurveBend {
         }
     }
 
-    /// Error allowed in a search on a curve about `center`.
-    pub fn missed(&self, center: DVec3) -> f64 {
-        MISSED[0] * self.speed + MISSED[1] * center.length()
+    /// Error allowed in a search on a curve about `centre`.
+    pub fn missed(&self, centre: DVec3) -> f64 {
+        MISSED[0] * self.speed + MISSED[1] * centre.length()
     }
 
     /// Bound on the downward second derivative between two places; `None` if unknown.

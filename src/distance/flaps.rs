@@ -32,9 +32,9 @@ pub(crate) fn find_flaps(
         // Flat loose sheets are candidates, with a ball around each. One too many is kept, so that it is noticed.
         if found.len() <= MOST && is_loose && is_flat(sheet, triangles, &at, flat) {
             let count = (3 * sheet.len()) as f64;
-            let center = corners().sum::<DVec3>() / count;
-            let radius = corners().map(|p| p.distance(center)).fold(0.0, f64::max);
-            balls.push((center, radius));
+            let centre = corners().sum::<DVec3>() / count;
+            let radius = corners().map(|p| p.distance(centre)).fold(0.0, f64::max);
+            balls.push((centre, radius));
             found.push(sheet.to_vec());
         }
     });

@@ -50,7 +50,7 @@ fn lowest_point(core: &Primitive, n: DVec3) -> DVec3 {
         let lower = |p: DVec3, q: DVec3| if n.dot(q) < n.dot(p) { q } else { p };
         points.iter().copied().reduce(lower).unwrap_or_default()
     };
-    let of_rim = |rim: &Circle| rim.center - rim.outward(n) * rim.radius;
+    let of_rim = |rim: &Circle| rim.centre - rim.outward(n) * rim.radius;
     match core {
         Primitive::Point(p) => *p,
         Primitive::Segment(ends) => of(ends),

@@ -61,7 +61,7 @@ impl ToCore<'_> {
     }
 
     fn apart(&self, around: &OrientedBox) -> f64 {
-        let hit = point_to(self.core, around.center);
+        let hit = point_to(self.core, around.centre);
         hit.map_or(0.0, |hit| {
             // A convex core lies behind the plane through its point that is nearest to the centre.
             let is_flat = self.is_convex && hit.normal != DVec3::ZERO;
@@ -138,7 +138,7 @@ impl ToMesh<'_> {
 
     /// Separation of two boxes along the line through their centres.
     fn apart(&self, [a, b]: [&OrientedBox; 2]) -> f64 {
-        let span = self.pose.transform_point(b.center) - a.center;
+        let span = self.pose.transform_point(b.centre) - a.centre;
         let distance = span.length();
         let of_balls = distance - a.radius - b.radius;
         if self.is_far(of_balls) || distance == 0.0 {
@@ -286,7 +286,7 @@ fn any_point(core: &Primitive) -> Option<DVec3> {
     Some(match core {
         Primitive::Point(p) => *p,
         Primitive::Segment(ends) => ends[0],
-        Primitive::Circle(c) => c.center + c.directions()[0] * c.radius,
+        Primitive::Circle(c) => c.centre + c.directions()[0] * c.radius,
         Primitive::Box(b) => b.from_box.translation,
         Primitive::Frustum(f) => f.from,
         Primitive::Triangle(t) => t[0],

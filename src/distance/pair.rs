@@ -160,13 +160,13 @@ fn lowest_backward(bend: &CurveBend, p: &CurveSpot, q: &CurveSpot) -> f64 {
 
 fn farthest_of_circle(core: &Primitive, circle: &super::primitive::Circle) -> f64 {
     if circle.radius <= 0.0 {
-        return farthest_reach(core, &[circle.center]);
+        return farthest_reach(core, &[circle.centre]);
     }
     let [x, y] = circle.directions().map(|d| d * circle.radius);
     let bend = CurveBend::of_circle(core.circle(), circle);
     let lowest = |p: &CurveSpot, q: &CurveSpot| lowest_backward(&bend, p, q);
-    let found = least_on_circle(lowest, bend.missed(circle.center), |angle, (sin, cos)| {
-        let point = circle.center + x * cos + y * sin;
+    let found = least_on_circle(lowest, bend.missed(circle.centre), |angle, (sin, cos)| {
+        let point = circle.centre + x * cos + y * sin;
         backward_spot(core, angle, point, y * cos - x * sin)
     });
     -found.spot.value

@@ -77,7 +77,7 @@ pub fn on_segment(ends: &[DVec3; 2], point: DVec3) -> DVec3 {
 
 /// Distance from a circle.
 pub fn to_circle(circle: &Circle, point: DVec3) -> PointHit {
-    let offset = point - circle.center;
+    let offset = point - circle.centre;
     let height = offset.dot(circle.axis);
     let across = offset - circle.axis * height;
     let rho = across.length();
@@ -86,7 +86,7 @@ pub fn to_circle(circle: &Circle, point: DVec3) -> PointHit {
         DVec3::ZERO => circle.directions()[0],
         outward => outward,
     };
-    let nearest = circle.center + outward * circle.radius;
+    let nearest = circle.centre + outward * circle.radius;
     // Lengths are far from overflow: a root is faster than `hypot` and as exact.
     let distance = DVec2::new(rho - circle.radius, height).length();
     let normal = if distance > 0.0 {
@@ -113,7 +113,7 @@ pub fn to_half_space(half: &HalfSpace, point: DVec3) -> PointHit {
 
 /// Distance from the disc that a circle bounds, which has no inside.
 pub fn to_disc(circle: &Circle, point: DVec3) -> PointHit {
-    let offset = point - circle.center;
+    let offset = point - circle.centre;
     let height = offset.dot(circle.axis);
     let across = offset - circle.axis * height;
     if across.length_squared() >= circle.radius * circle.radius {

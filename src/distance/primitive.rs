@@ -26,7 +26,7 @@ pub struct Element {
 #[derive(Clone, Copy, Debug)]
 pub struct Circle {
     /// Centre.
-    pub center: DVec3,
+    pub centre: DVec3,
     /// Unit normal of its plane.
     pub axis: DVec3,
     /// Radius; zero gives a point.
@@ -89,7 +89,7 @@ impl Frustum {
     /// The circles at both ends.
     pub fn rims(&self) -> [Circle; 2] {
         [0, 1].map(|k| Circle {
-            center: self.from + self.axis * (self.length * k as f64),
+            centre: self.from + self.axis * (self.length * k as f64),
             axis: self.axis,
             radius: self.radii[k],
         })
@@ -161,7 +161,7 @@ impl Primitive {
             Self::Segment(ends) => Self::Segment(ends.each_ref().map(point)),
             Self::Triangle(corners) => Self::Triangle(corners.each_ref().map(point)),
             Self::Circle(c) => Self::Circle(Circle {
-                center: point(&c.center),
+                centre: point(&c.centre),
                 axis: pose.transform_vector(c.axis),
                 radius: c.radius,
             }),
@@ -189,22 +189,22 @@ impl Primitive {
         match self {
             Self::Point(p) => (*p, 0.0),
             Self::Segment([a, b]) => ((*a + *b) * 0.5, 0.5 * a.distance(*b)),
-            Self::Circle(c) => (c.center, c.radius),
+            Self::Circle(c) => (c.centre, c.radius),
             Self::Box(b) => (b.from_box.translation, b.half.length()),
             Self::Frustum(f) => {
-                let center = f.from + f.axis * (0.5 * f.length);
+                let centre = f.from + f.axis * (0.5 * f.length);
                 let widest = f.radii[0].max(f.radii[1]);
-                (center, libm::hypot(0.5 * f.length, widest))
+                (centre, libm::hypot(0.5 * f.length, widest))
             }
             Self::Triangle(corners) => {
-                let center = (corners[0] + corners[1] + corners[2]) / 3.0;
-                let far = corners.iter().map(|c| c.distance(center));
-                (center, far.fold(0.0, f64::max))
+                let centre = (corners[0] + corners[1] + corners[2]) / 3.0;
+                let far = corners.iter().map(|c| c.distance(centre));
+                (centre, far.fold(0.0, f64::max))
             }
             Self::HalfSpace(h) => (h.point, f64::INFINITY),
             Self::Mesh(tree, pose) => {
-                let (center, radius) = tree.tree.bounds();
-                (pose.transform_point(center), radius)
+                let (centre, radius) = tree.tree.bounds();
+                (pose.transform_point(centre), radius)
             }
         }
     }
@@ -230,7 +230,7 @@ impl Primitive {
             }
             Self::Circle(c) => {
                 let across = n - c.axis * n.dot(c.axis);
-                n.dot(c.center) + c.radius * across.length()
+                n.dot(c.centre) + c.radius * across.length()
             }
             Self::HalfSpace(h) if n == h.normal => n.dot(h.point),
             Self::HalfSpace(_) => return None,
@@ -259,7 +259,7 @@ impl Primitive {
                 let signs = DVec3::new(sign(local.x), sign(local.y), sign(local.z));
                 Some(b.from_box.transform_point(b.half * signs))
             }
-            Self::Frustum(f) => of(&f.rims().map(|rim| rim.center + rim.outward(n) * rim.radius)),
+            Self::Frustum(f) => of(&f.rims().map(|rim| rim.centre + rim.outward(n) * rim.radius)),
             Self::Circle(_) | Self::HalfSpace(_) | Self::Mesh(..) => None,
         }
     }
@@ -313,7 +313,7 @@ impl Primitive {
         match self {
             Self::Point(p) => three([*p, zero, zero, zero]),
             Self::Segment([a, b]) => three([*a, *b, zero, zero]),
-            Self::Circle(c) => three([c.center, c.axis, DVec3::splat(c.radius), zero]),
+            Self::Circle(c) => three([c.centre, c.axis, DVec3::splat(c.radius), zero]),
             Self::Box(b) => of_pose(&b.from_box, b.half),
             Self::Frustum(f) => {
                 let sizes = DVec3::new(f.length, f.radii[0], f.radii[1]);
@@ -338,8 +338,8 @@ impl Element {
 
     /// Centre and radius of a sphere around it.
     pub fn bounds(&self) -> (DVec3, f64) {
-        let (center, radius) = self.core.bounds();
-        (center, radius + self.radius)
+        let (centre, radius) = self.core.bounds();
+        (centre, radius + self.radius)
     }
 }
 
@@ -356,7 +356,7 @@ pub fn shape_elements(shapes: &[Shape], trees: &mut MeshTrees) -> Vec<Element> {
             });
         };
         match &shape.solid {
-            Solid::Sphere { center, radius } => add(Primitive::Point(*center), *radius),
+            Solid::Sphere { centre, radius } => add(Primitive::Point(*centre), *radius),
             Solid::Capsule { from, to, radius } => add(segment_core([*from, *to]), *radius),
             Solid::Cylinder { from, to, radius } => {
                 add(frustum_core(*from, *to, [*radius; 2]), 0.0)
@@ -367,21 +367,21 @@ pub fn shape_elements(shapes: &[Shape], trees: &mut MeshTrees) -> Vec<Element> {
                 radius_from,
                 radius_to,
             } => add(frustum_core(*from, *to, [*radius_from, *radius_to]), 0.0),
-            Solid::Box { center, size } => {
+            Solid::Box { centre, size } => {
                 let block = BoxCore {
-                    from_box: Pose::from_translation(*center),
+                    from_box: Pose::from_translation(*centre),
                     half: *size * 0.5,
                 };
                 add(Primitive::Box(block), 0.0);
             }
             Solid::Torus {
-                center,
+                centre,
                 axis,
                 ring,
                 tube,
             } => {
                 let circle = Circle {
-                    center: *center,
+                    centre: *centre,
                     axis: *axis,
                     radius: *ring,
                 };

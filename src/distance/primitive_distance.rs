@@ -108,19 +108,19 @@ fn core_spot(a: &Primitive, at: f64, point: DVec3, tangent: DVec3) -> CurveSpot 
 /// Nearest points of any core and a circle.
 fn of_circle(a: &Primitive, circle: &Circle) -> CorePair {
     if circle.radius <= 0.0 {
-        return of_point(a, circle.center);
+        return of_point(a, circle.centre);
     }
     if is_coaxial(a, circle) {
-        return of_point(a, circle.center + circle.directions()[0] * circle.radius);
+        return of_point(a, circle.centre + circle.directions()[0] * circle.radius);
     }
     if let Some(found) = of_disc(a, circle) {
         return found;
     }
     let [x, y] = circle.directions().map(|d| d * circle.radius);
-    let point = |(sin, cos): (f64, f64)| circle.center + x * cos + y * sin;
+    let point = |(sin, cos): (f64, f64)| circle.centre + x * cos + y * sin;
     let bend = CurveBend::of_circle(a.circle(), circle);
     let lowest = |p: &CurveSpot, q: &CurveSpot| bend.lowest_between(p, q);
-    let found = least_on_circle(lowest, bend.missed(circle.center), |angle, (sin, cos)| {
+    let found = least_on_circle(lowest, bend.missed(circle.centre), |angle, (sin, cos)| {
         core_spot(a, angle, point((sin, cos)), y * cos - x * sin)
     });
     of_point(a, point(sin_cos(found.spot.at)))
@@ -129,11 +129,11 @@ fn of_circle(a: &Primitive, circle: &Circle) -> CorePair {
 /// Whether a core turns into itself about a circle's axis, to rounding: all points of the circle are as near then.
 pub fn is_coaxial(a: &Primitive, circle: &Circle) -> bool {
     let (on_axis, axis) = match a {
-        Primitive::Circle(other) => (other.center, other.axis),
+        Primitive::Circle(other) => (other.centre, other.axis),
         Primitive::Frustum(frustum) => (frustum.from, frustum.axis),
         _ => return false,
     };
-    let offset = circle.center - on_axis;
+    let offset = circle.centre - on_axis;
     let aside = offset.cross(axis).length() + circle.radius * circle.axis.cross(axis).length();
     aside <= LEAST * (circle.radius + offset.length())
 }
@@ -156,8 +156,8 @@ fn of_disc(a: &Primitive, circle: &Circle) -> Option<CorePair> {
     if matches!(a, Primitive::Circle(_)) {
         return None;
     }
-    let (center, radius) = (circle.center, circle.radius);
-    let start = match circle.outward(-point_to(a, center)?.normal) {
+    let (centre, radius) = (circle.centre, circle.radius);
+    let start = match circle.outward(-point_to(a, centre)?.normal) {
         DVec3::ZERO => circle.directions()[0],
         outward => outward,
     };
@@ -174,8 +174,8 @@ fn of_disc(a: &Primitive, circle: &Circle) -> Option<CorePair> {
         slope: hit.normal.dot(tangent),
     };
     // Of a small core the nearest point hardly moves.
-    let here = point_to(a, center + start * radius)?;
-    let ahead = here.nearest - center;
+    let here = point_to(a, centre + start * radius)?;
+    let ahead = here.nearest - centre;
     let (along, aside) = (ahead.dot(start), ahead.dot(side).abs());
     let turn = aside / (along + (along * along + aside * aside).sqrt());
     // Without a way along or aside there is no turn.
@@ -186,13 +186,13 @@ fn of_disc(a: &Primitive, circle: &Circle) -> Option<CorePair> {
     let first = spot(0.0, &here, side * (2.0 * radius));
     let best = least_near(first, step, FARTHEST, |t| {
         let (outward, along, fast) = at(t);
-        let hit = point_to(a, center + outward * radius);
+        let hit = point_to(a, centre + outward * radius);
         hit.map_or(CurveSpot::default(), |hit| {
             spot(t, &hit, along * (radius * fast))
         })
     })?;
     let (outward, along, _) = at(best.at);
-    let point = center + outward * radius;
+    let point = centre + outward * radius;
     let hit = point_to(a, point)?;
     let (inwards, aside) = (-hit.normal.dot(outward), hit.normal.dot(along));
     let falls = radius * aside * aside / (libm::hypot(inwards, aside) + inwards);
@@ -315,7 +315,7 @@ fn edges_of_second(a: &Primitive, b: &Primitive, far: &[f64; 8], best: &mut Core
 
 /// No point of a disc is nearer to a convex core: the distance lies above its plane at the middle of the disc.
 fn lowest_of_disc(a: &Primitive, disc: &Circle) -> f64 {
-    let hit = of_point(a, disc.center);
+    let hit = of_point(a, disc.centre);
     let flat = hit.normal - disc.axis * hit.normal.dot(disc.axis);
     hit.distance - disc.radius * flat.length()
 }
@@ -402,5 +402,5 @@ fn compare_sides(f: &Frustum, g: &Frustum, best: &mut CorePair) {
 
 /// The straight line of a frustum's side whose normal is nearest to `n`.
 fn side_ruling(f: &Frustum, n: DVec3) -> [DVec3; 2] {
-    f.rims().map(|rim| rim.center + rim.outward(n) * rim.radius)
+    f.rims().map(|rim| rim.centre + rim.outward(n) * rim.radius)
 }

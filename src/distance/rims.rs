@@ -16,7 +16,7 @@ const HALVINGS: usize = 7;
 /// other. There a point of the Minkowski difference's rounded surface is nearest to the position of the second core.
 pub fn rim_directions(of_first: &Circle, of_second: &Circle, limit: f64) -> Vec<DVec3> {
     let [x, y] = of_second.directions().map(|d| d * of_second.radius);
-    let at = |(sin, cos): (f64, f64)| to_circle(of_first, of_second.center + x * cos + y * sin);
+    let at = |(sin, cos): (f64, f64)| to_circle(of_first, of_second.centre + x * cos + y * sin);
     if is_coaxial(&Primitive::Circle(*of_first), of_second) {
         return vec![at((0.0, 1.0)).normal];
     }

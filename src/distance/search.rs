@@ -325,15 +325,15 @@ mod tests {
             let mut planes: Vec<(DVec3, f64)> = (0..1 + round % 5)
                 .map(|_| (vector(1.0).normalize_or_zero(), vector(1.0).x))
                 .collect();
-            let (center, axis, radius) = (vector(2.0), vector(1.0), 0.1 + vector(1.0).x.abs());
+            let (centre, axis, radius) = (vector(2.0), vector(1.0), 0.1 + vector(1.0).x.abs());
             let (x, y) = axis.normalize_or(DVec3::Z).any_orthonormal_pair();
             if round % 3 == 0 {
                 // Nearly a tangent plane of the circle.
-                let off = x.dot(center) + radius * (1.0 - 1e-3 * vector(1.0).x.abs());
+                let off = x.dot(centre) + radius * (1.0 - 1e-3 * vector(1.0).x.abs());
                 planes.extend([(x, off), (-x, 1e-4 - off)]);
             }
             let f = |at: f64, (sin, cos): (f64, f64)| {
-                let point = center + (x * cos + y * sin) * radius;
+                let point = centre + (x * cos + y * sin) * radius;
                 let higher = |best: (f64, DVec3), (n, off): &(DVec3, f64)| {
                     let height = n.dot(point) - off;
                     if height > best.0 { (height, *n) } else { best }

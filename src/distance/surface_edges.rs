@@ -3,14 +3,14 @@
 
 /// A side of a triangle, stored with the lower of its two corners.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct Side {
+pub(crate) struct TriangleSide {
     /// The higher corner.
     high: u32,
     /// Twice the triangle; plus one where it runs from the higher corner to the lower one.
     run: u32,
 }
 
-impl Side {
+impl TriangleSide {
     /// The triangle.
     pub(crate) fn triangle(self) -> usize {
         (self.run / 2) as usize
@@ -26,7 +26,7 @@ impl Side {
 pub(crate) struct SurfaceEdges {
     /// Start of the sides of each lower corner, and the end of the last ones.
     starts: Vec<u32>,
-    sides: Vec<Side>,
+    sides: Vec<TriangleSide>,
 }
 
 impl SurfaceEdges {
@@ -48,11 +48,11 @@ impl SurfaceEdges {
             starts[k] += starts[k - 1];
         }
         let count = starts.last().copied().unwrap_or(0) as usize;
-        let mut sides = vec![Side { high: 0, run: 0 }; count];
+        let mut sides = vec![TriangleSide { high: 0, run: 0 }; count];
         for triangle in 0..triangles.len() {
             for [from, to] in sides_of(triangle) {
                 let start = &mut starts[from.min(to) as usize + 1];
-                sides[*start as usize] = Side {
+                sides[*start as usize] = TriangleSide {
                     high: from.max(to),
                     run: 2 * triangle as u32 + u32::from(from > to),
                 };
@@ -67,7 +67,7 @@ impl SurfaceEdges {
     }
 
     /// The sides at an edge, in the order of their triangles.
-    pub(crate) fn at(&self, [from, to]: [u32; 2]) -> &[Side] {
+    pub(crate) fn at(&self, [from, to]: [u32; 2]) -> &[TriangleSide] {
         let [low, high] = [from.min(to), from.max(to)];
         let all = self.with_lower(low as usize);
         let start = all.partition_point(|side| side.high < high);
@@ -93,7 +93,7 @@ impl SurfaceEdges {
         })
     }
 
-    fn with_lower(&self, low: usize) -> &[Side] {
+    fn with_lower(&self, low: usize) -> &[TriangleSide] {
         match (self.starts.get(low), self.starts.get(low + 1)) {
             (Some(start), Some(end)) => &self.sides[*start as usize..*end as usize],
             _ => &[],

@@ -76,7 +76,7 @@ impl TriangleTree {
     /// Centre and radius of a ball around all triangles.
     pub(crate) fn bounds(&self) -> (DVec3, f64) {
         let root = self.nodes.first().map(|node| node.around);
-        root.map_or((DVec3::ZERO, 0.0), |around| (around.center, around.radius))
+        root.map_or((DVec3::ZERO, 0.0), |around| (around.centre, around.radius))
     }
 
     /// Whether there are none.
@@ -127,8 +127,8 @@ impl TriangleTree {
 
     /// Winding number of the triangles, without some of them, about a point; the rest must be closed.
     pub(crate) fn turns(&self, without: Option<&Self>, point: DVec3) -> f64 {
-        let (center, radius) = self.bounds();
-        if point.distance(center) > radius {
+        let (centre, radius) = self.bounds();
+        if point.distance(centre) > radius {
             return 0.0;
         }
         // For open parts the number depends on the ray, so both are counted with the same ray.
@@ -150,7 +150,7 @@ impl TriangleTree {
     /// that is not clear.
     fn crossings(&self, node: usize, ray: &Ray) -> Option<i32> {
         let TreeNode { around, content } = &self.nodes[node];
-        if !ray.may_meet(around.center, around.radius, |n| around.reach(n)) {
+        if !ray.may_meet(around.centre, around.radius, |n| around.reach(n)) {
             return Some(0);
         }
         match *content {

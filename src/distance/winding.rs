@@ -45,11 +45,11 @@ impl Ray {
     /// Whether it may meet anything in a ball of the given extent along directions.
     pub(crate) fn may_meet(
         &self,
-        center: DVec3,
+        centre: DVec3,
         radius: f64,
         reach: impl Fn(DVec3) -> f64,
     ) -> bool {
-        let span = center - self.start;
+        let span = centre - self.start;
         let slack = CLEAR * (span.length() + radius);
         let depth = self.along.dot(span);
         let off = span - self.along * depth;

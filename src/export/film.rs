@@ -13,7 +13,7 @@ use super::raw::{Chroma, RawKind, RawSink};
 use super::sampled_frames::{DrawnSamples, draw_samples, look_at};
 use super::timing::{FrameTimes, Schedule};
 use super::video::{VideoFile, VideoSink};
-use super::{ExportSummary, Format, FrameSink, Output, Target};
+use super::{ExportSummary, Format, FrameSink, Output, PendingFile};
 use image::RgbaImage;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -37,7 +37,7 @@ impl Destination {
         Ok(match format {
             Format::PngSequence(pattern) => Self::Sequence(pattern.clone()),
             Format::Video(kind) => Self::Video(VideoFile::create(path, *kind)?),
-            _ => Self::File(Box::new(Target::create(path)?)),
+            _ => Self::File(Box::new(PendingFile::create(path)?)),
         })
     }
 }

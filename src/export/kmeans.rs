@@ -1,6 +1,6 @@
 //! Weighted clustering of a few thousand colours. Deterministic: fixed order, no random start.
 
-use super::nearest_colour::Nearest;
+use super::nearest_colour::PalettePoints;
 
 /// A colour in the space of the metric, with the number of pixels it stands for.
 #[derive(Clone, Copy, Debug)]
@@ -107,7 +107,7 @@ fn measure_box(points: &[ColourPoint], order: &[usize], from: usize, to: usize) 
 }
 
 fn assign_owners(points: &[ColourPoint], centres: &[[f32; 3]], owners: &mut [u8]) {
-    let nearest = Nearest::new(centres);
+    let nearest = PalettePoints::new(centres);
     for (point, owner) in points.iter().zip(owners) {
         *owner = nearest.find(point.at);
     }

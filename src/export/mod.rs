@@ -39,7 +39,7 @@ pub mod video;
 pub use error::ExportError;
 pub use format::Format;
 pub use place::{folder_of, link_end, names_folder};
-pub use target::{Output, Stream, Target, finished_count, remove_unfinished};
+pub use target::{Output, PendingFile, Stream, finished_count, remove_unfinished};
 
 /// What was written.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -8,14 +8,14 @@ const FAR: f32 = 1e9;
 
 /// Up to 256 points, stored by coordinate.
 #[derive(Clone)]
-pub struct Nearest {
+pub struct PalettePoints {
     x: [[f32; LANES]; 256 / LANES],
     y: [[f32; LANES]; 256 / LANES],
     z: [[f32; LANES]; 256 / LANES],
     blocks: usize,
 }
 
-impl Nearest {
+impl PalettePoints {
     /// Takes the first 256 of `points`.
     pub fn new(points: &[[f32; 3]]) -> Self {
         let mut this = Self {
@@ -75,7 +75,7 @@ mod tests {
         for count in [1, 2, 7, 8, 9, 100, 255, 256] {
             let points: Vec<[f32; 3]> =
                 (0..count).map(|_| [number(), number(), number()]).collect();
-            let nearest = Nearest::new(&points);
+            let nearest = PalettePoints::new(&points);
             for _ in 0..200 {
                 let q = [number(), number(), number()];
                 let d = |p: &[f32; 3]| (0..3).map(|i| (p[i] - q[i]) * (p[i] - q[i])).sum::<f32>();

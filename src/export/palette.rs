@@ -6,7 +6,7 @@
 
 use super::colour_histogram::Histogram;
 use super::kmeans::{self, ColourPoint};
-use super::nearest_colour::Nearest;
+use super::nearest_colour::PalettePoints;
 use image::RgbaImage;
 
 /// Maximum number of colours: 256 less the one that means "unchanged".
@@ -24,7 +24,7 @@ const MISSED_SHARE: u64 = 3;
 pub struct Palette {
     colours: Vec<[u8; 3]>,
     exact: bool,
-    nearest: Nearest,
+    nearest: PalettePoints,
 }
 
 impl Palette {
@@ -86,7 +86,7 @@ impl Palette {
     pub(super) fn new(colours: Vec<[u8; 3]>, exact: bool) -> Self {
         let places: Vec<[f32; 3]> = colours.iter().map(|c| c.map(f32::from)).collect();
         Self {
-            nearest: Nearest::new(&places),
+            nearest: PalettePoints::new(&places),
             colours,
             exact,
         }

@@ -2,7 +2,9 @@
 
 use super::error::ExportError;
 use super::format::FramePattern;
-use super::target::{Output, Target, finish_registered, register_unfinished, temporary_folder};
+use super::target::{
+    Output, PendingFile, finish_registered, register_unfinished, temporary_folder,
+};
 use super::{ExportSummary, FrameCoder, FrameSink};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder, RgbaImage};
@@ -263,7 +265,7 @@ impl SequenceSink {
     }
 
     /// Defers a frame that is to replace an older one.
-    fn stage(&mut self, path: &Path, target: Target) -> Result<(), ExportError> {
+    fn stage(&mut self, path: &Path, target: PendingFile) -> Result<(), ExportError> {
         let waiting = match &mut self.waiting {
             Some(waiting) => waiting,
             none => {
@@ -296,7 +298,7 @@ impl FrameSink for SequenceSink {
     fn write(&mut self, index: usize, coded: &[u8]) -> Result<(), ExportError> {
         let path = self.pattern.path(index);
         let is_new = std::fs::symlink_metadata(&path).is_err();
-        let mut target = Target::create(&path)?;
+        let mut target = PendingFile::create(&path)?;
         target.emit(coded)?;
         if is_new {
             target.commit_unsynced()?;

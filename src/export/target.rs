@@ -91,7 +91,7 @@ pub trait Output: Write + Send {
 }
 
 /// An unfinished file next to its final place.
-pub struct Target {
+pub struct PendingFile {
     name: String,
     path: PathBuf,
     body: FileBody,
@@ -104,7 +104,7 @@ enum FileBody {
     Direct(BufWriter<fs::File>),
 }
 
-impl Target {
+impl PendingFile {
     /// Starts a file at `path`. Its folder must exist; a symbolic link is followed, also to what is not there yet; a device,
     /// a pipe or an open file of a process (`/dev/stdout`) is written directly. Mode and owner of a file that is replaced are
     /// kept, the owner where the system lets them be.
@@ -223,7 +223,7 @@ impl Target {
     }
 }
 
-impl Write for Target {
+impl Write for PendingFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         match &mut self.body {
             FileBody::Atomic(file, _) | FileBody::Direct(file) => file.write(bytes),
@@ -237,13 +237,13 @@ impl Write for Target {
     }
 }
 
-impl Output for Target {
+impl Output for PendingFile {
     fn name(&self) -> &str {
         &self.name
     }
 
     fn commit(self: Box<Self>) -> Result<(), ExportError> {
-        Target::commit(*self)
+        PendingFile::commit(*self)
     }
 }
 

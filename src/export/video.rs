@@ -3,7 +3,7 @@
 use super::error::ExportError;
 use super::format::VideoKind;
 use super::raw::{Chroma, RawKind, RawSink};
-use super::target::{Output, Target, register_writer};
+use super::target::{Output, PendingFile, register_writer};
 use super::{ExportSummary, FrameCoder, FrameSink};
 use std::io::{self, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
@@ -41,15 +41,15 @@ pub struct VideoFile {
     encoder: Arc<Mutex<Child>>,
     input: Option<BufWriter<ChildStdin>>,
     words: Option<JoinHandle<String>>,
-    target: Option<Target>,
+    target: Option<PendingFile>,
 }
 
 impl VideoFile {
     /// Starts the encoder of a video at `path`.
     ///
-    /// Errors: as [`Target::create`]; a device or a pipe; there is no encoder.
+    /// Errors: as [`PendingFile::create`]; a device or a pipe; there is no encoder.
     pub fn create(path: &Path, kind: VideoKind) -> Result<Self, ExportError> {
-        let target = Target::create(path)?;
+        let target = PendingFile::create(path)?;
         let Some(temporary) = target.temporary() else {
             return Err(ExportError::NoSeek(path.to_owned()));
         };
@@ -174,7 +174,7 @@ impl Output for VideoFile {
         if !status.success() {
             return Err(ExportError::write(&self.name, failure(status, &words)));
         }
-        self.target.take().map_or(Ok(()), Target::commit)
+        self.target.take().map_or(Ok(()), PendingFile::commit)
     }
 }
 

@@ -24,7 +24,7 @@ use crate::model::shape::Solid;
 /// numbers that are not finite gives an empty mesh.
 pub fn mesh_of(solid: &Solid, tolerance: f64) -> Mesh {
     let mesh = match solid {
-        Solid::Sphere { center, radius } => primitive::ball_mesh(*center, *radius, tolerance),
+        Solid::Sphere { centre, radius } => primitive::ball_mesh(*centre, *radius, tolerance),
         Solid::Capsule { from, to, radius } => {
             primitive::capsule_mesh(*from, *to, *radius, tolerance)
         }
@@ -37,13 +37,13 @@ pub fn mesh_of(solid: &Solid, tolerance: f64) -> Mesh {
             radius_from,
             radius_to,
         } => primitive::frustum_mesh([*from, *to], [*radius_from, *radius_to], tolerance),
-        Solid::Box { center, size } => primitive::cuboid_mesh(*center, *size),
+        Solid::Box { centre, size } => primitive::cuboid_mesh(*centre, *size),
         Solid::Torus {
-            center,
+            centre,
             axis,
             ring,
             tube,
-        } => torus::torus_mesh(*center, *axis, *ring, *tube, tolerance),
+        } => torus::torus_mesh(*centre, *axis, *ring, *tube, tolerance),
         Solid::Tube {
             points,
             radius,

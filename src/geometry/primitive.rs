@@ -24,7 +24,7 @@ fn ball_segments(radius: f64, tolerance: f64) -> [u32; 2] {
     [around, around / 2]
 }
 
-pub(super) fn ball_mesh(center: DVec3, radius: f64, tolerance: f64) -> Mesh {
+pub(super) fn ball_mesh(centre: DVec3, radius: f64, tolerance: f64) -> Mesh {
     if !is_positive(radius) {
         return Mesh::default();
     }
@@ -37,7 +37,7 @@ pub(super) fn ball_mesh(center: DVec3, radius: f64, tolerance: f64) -> Mesh {
         .map(|corner| placed_corner(&frame, settle_direction(corner)))
         .collect();
     Mesh {
-        positions: normals.iter().map(|n| center + *n * radius).collect(),
+        positions: normals.iter().map(|n| centre + *n * radius).collect(),
         normals,
         triangles,
     }
@@ -140,11 +140,11 @@ pub(super) fn frustum_mesh(ends: [DVec3; 2], radii: [f64; 2], tolerance: f64) ->
     crease::share_vertices(mesh)
 }
 
-pub(super) fn cuboid_mesh(center: DVec3, size: DVec3) -> Mesh {
+pub(super) fn cuboid_mesh(centre: DVec3, size: DVec3) -> Mesh {
     if !is_positive(size.min_element()) {
         return Mesh::default();
     }
     let (corners, triangles) = Cuboid::new(size * 0.5).to_trimesh();
-    let corners: Vec<DVec3> = corners.into_iter().map(|c| c + center).collect();
+    let corners: Vec<DVec3> = corners.into_iter().map(|c| c + centre).collect();
     crease::mesh_of_triangles(&corners, &triangles)
 }

@@ -9,7 +9,7 @@ use std::f64::consts::{PI, TAU};
 /// Outer surface of all points within `tube` of the circle of radius `ring` around `axis`.
 ///
 /// A spindle torus (`tube` ≥ `ring`) is closed by its two dimples on the axis; the inner lemon is left out.
-pub(super) fn torus_mesh(center: DVec3, axis: DVec3, ring: f64, tube: f64, tolerance: f64) -> Mesh {
+pub(super) fn torus_mesh(centre: DVec3, axis: DVec3, ring: f64, tube: f64, tolerance: f64) -> Mesh {
     if !(tube > 0.0 && ring >= 0.0) {
         return Mesh::default();
     }
@@ -43,7 +43,7 @@ pub(super) fn torus_mesh(center: DVec3, axis: DVec3, ring: f64, tube: f64, toler
         for outward in &columns {
             let normal = *outward * cos + frame.z_axis * sin;
             let distance = if on_axis { 0.0 } else { ring + tube * cos };
-            let position = center + *outward * distance + frame.z_axis * (tube * sin);
+            let position = centre + *outward * distance + frame.z_axis * (tube * sin);
             mesh.push_vertex(position, normal);
         }
     }

@@ -90,15 +90,15 @@ impl TraceTube {
         self.close_tip(to, direction, end, false);
     }
 
-    /// A ring on the ball around `center`, `height` radii along the direction of the tube.
-    fn push_ring(&mut self, center: DVec3, frame: &RingFrame, height: f64) -> u32 {
+    /// A ring on the ball around `centre`, `height` radii along the direction of the tube.
+    fn push_ring(&mut self, centre: DVec3, frame: &RingFrame, height: f64) -> u32 {
         let first = self.mesh.positions.len() as u32;
         let width = (1.0 - height * height).sqrt();
         for k in 0..self.segments {
             let (sin, cos) = sin_cos(TAU * f64::from(k) / f64::from(self.segments));
             let outward = frame.first * cos + frame.second * sin;
             let normal = outward * width + frame.direction() * height;
-            self.mesh.push_vertex(center + normal * self.radius, normal);
+            self.mesh.push_vertex(centre + normal * self.radius, normal);
         }
         first
     }
@@ -112,10 +112,10 @@ impl TraceTube {
         }
     }
 
-    fn close_tip(&mut self, center: DVec3, outward: DVec3, ring: u32, start: bool) {
+    fn close_tip(&mut self, centre: DVec3, outward: DVec3, ring: u32, start: bool) {
         let pole = self
             .mesh
-            .push_vertex(center + outward * self.radius, outward);
+            .push_vertex(centre + outward * self.radius, outward);
         for k in 0..self.segments {
             let (a, b) = (ring + k, ring + (k + 1) % self.segments);
             self.mesh

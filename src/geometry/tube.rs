@@ -106,7 +106,7 @@ const ON_AXIS: f64 = 1e-9;
 
 /// A ring before its vertices are made.
 struct TubeRing {
-    center: DVec3,
+    centre: DVec3,
     frame: RingFrame,
     mitre: Option<Mitre>,
 }
@@ -156,7 +156,7 @@ impl TubeSweep {
         // An open line begins with a plain ring.
         if !closed {
             rings.push(TubeRing {
-                center: points[0],
+                centre: points[0],
                 frame,
                 mitre: None,
             });
@@ -178,7 +178,7 @@ impl TubeSweep {
             self.spread_twist(&mut rings, libm::atan2(sin, cos));
         } else {
             rings.push(TubeRing {
-                center: points[count - 1],
+                centre: points[count - 1],
                 frame,
                 mitre: None,
             });
@@ -204,7 +204,7 @@ impl TubeSweep {
     /// legs.
     fn corner(
         &self,
-        (center, room): (DVec3, f64),
+        (centre, room): (DVec3, f64),
         frame: RingFrame,
         direction: DVec3,
         rings: &mut Vec<TubeRing>,
@@ -215,7 +215,7 @@ impl TubeSweep {
             // Such a slight bend is equivalent to a mitre; its error is within the tolerance of the chords.
             let frame = frame.turned(axis, 0.5 * angle);
             rings.push(TubeRing {
-                center,
+                centre,
                 frame,
                 mitre: None,
             });
@@ -230,7 +230,7 @@ impl TubeSweep {
             for k in 0..=steps {
                 let frame = frame.turned(axis, angle * f64::from(k) / f64::from(steps));
                 rings.push(TubeRing {
-                    center,
+                    centre,
                     frame,
                     mitre,
                 });
@@ -241,14 +241,14 @@ impl TubeSweep {
 
     /// Distributes the twist accumulated along a closed line evenly over its length.
     fn spread_twist(&self, rings: &mut [TubeRing], twist: f64) {
-        let centers: Vec<DVec3> = rings.iter().map(|ring| ring.center).collect();
-        let Some(last) = centers.last() else { return };
+        let centres: Vec<DVec3> = rings.iter().map(|ring| ring.centre).collect();
+        let Some(last) = centres.last() else { return };
         // The length along the line up to every ring; each ring takes its share of the twist.
         let mut travelled = vec![0.0];
-        for pair in centers.windows(2) {
+        for pair in centres.windows(2) {
             travelled.push(travelled[travelled.len() - 1] + pair[0].distance(pair[1]));
         }
-        let length = travelled[travelled.len() - 1] + last.distance(centers[0]);
+        let length = travelled[travelled.len() - 1] + last.distance(centres[0]);
         for (ring, way) in rings.iter_mut().zip(travelled) {
             let share = if length > 0.0 { way / length } else { 0.0 };
             let untwisted = |frame: RingFrame| frame.turned(frame.direction(), -twist * share);
@@ -265,7 +265,7 @@ impl TubeSweep {
             let around = |frame: &RingFrame| frame.first * cos + frame.second * sin;
             let normal = around(&ring.frame);
             let inner = ring.mitre.and_then(|m| m.place(around(&m.frame)));
-            let place = ring.center + inner.unwrap_or(normal) * self.radius;
+            let place = ring.centre + inner.unwrap_or(normal) * self.radius;
             self.mesh.push_vertex(place, normal);
         }
     }
@@ -299,7 +299,7 @@ impl TubeSweep {
                 let (s, c) = sin_cos(TAU * f64::from(k) / f64::from(self.around));
                 let normal = (ring.frame.first * c + ring.frame.second * s) * cos + outward * sin;
                 self.mesh
-                    .push_vertex(ring.center + normal * self.radius, normal);
+                    .push_vertex(ring.centre + normal * self.radius, normal);
             }
             for k in 0..self.around {
                 let j = (k + 1) % self.around;
@@ -310,7 +310,7 @@ impl TubeSweep {
         }
         let pole = self
             .mesh
-            .push_vertex(ring.center + outward * self.radius, outward);
+            .push_vertex(ring.centre + outward * self.radius, outward);
         // The last circle closes at the pole.
         for k in 0..self.around {
             self.facet([base + k, base + (k + 1) % self.around, pole], side);

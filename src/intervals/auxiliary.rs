@@ -4,7 +4,7 @@
 
 use super::formal::{Formal, formal_solution};
 use super::kaucher::Kaucher;
-use super::system::{Answer, IntervalSystem, SolutionSet};
+use super::system::{IntervalSystem, SolutionSet, TernaryAnswer};
 
 /// One auxiliary system: the radii of A times `of_a`, those of b times `of_b`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,11 +23,11 @@ pub struct AuxiliaryResult {
     /// The formal solution of its system for the set asked for.
     pub formal: Formal,
     /// Whether a proper solution lies in the set of the original system.
-    pub holds: Answer,
+    pub holds: TernaryAnswer,
 }
 
 /// Solves the auxiliary systems of `plans` formally for the united or tolerable set. Boxes whose test says
-/// [`Answer::Yes`] lie in the set, and so does their union.
+/// [`TernaryAnswer::Yes`] lie in the set, and so does their union.
 pub fn auxiliary_solutions(
     system: &IntervalSystem,
     kind: &SolutionSet,
@@ -53,7 +53,7 @@ pub fn auxiliary_solutions(
         let formal = formal_solution(&changed.inclusion(kind), tau);
         let holds = match &formal {
             Formal::Solved { x, improper, .. } if improper.is_empty() => system.holds_box(x, kind),
-            _ => Answer::Open,
+            _ => TernaryAnswer::Open,
         };
         AuxiliaryResult {
             plan: *plan,

@@ -5,7 +5,7 @@
 //! saying that they belong to b.)
 
 use super::kaucher::Kaucher;
-use super::simplex::{Programme, maximise};
+use super::simplex::{ProgrammeResult, maximise};
 use super::system::{IntervalSystem, SolutionSet};
 use crate::numbers::rounding::SUMS;
 
@@ -99,10 +99,10 @@ pub fn best_centre(system: &IntervalSystem) -> Option<(Vec<f64>, f64)> {
         sides.push(-b.lo);
     }
     match maximise(&objective, &rows, &sides) {
-        Programme::Optimal { value, x } => {
+        ProgrammeResult::Optimal { value, x } => {
             let t = (0..n).map(|j| x[j] - x[n + j]).collect();
             Some((t, value))
         }
-        Programme::Infeasible | Programme::Unbounded => None,
+        ProgrammeResult::Infeasible | ProgrammeResult::Unbounded => None,
     }
 }

@@ -115,18 +115,20 @@ pub fn corner_ranges(first: Kaucher, second: Kaucher) -> Option<[Kaucher; 4]> {
 }
 
 /// The operations that numbers of a system need.
-pub trait Entry: Copy + Add<Output = Self> + Mul<Output = Self> + Neg<Output = Self> {
+pub trait SystemNumber:
+    Copy + Add<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
+{
     /// Exactly this number.
     fn of(value: f64) -> Self;
 }
 
-impl Entry for f64 {
+impl SystemNumber for f64 {
     fn of(value: f64) -> Self {
         value
     }
 }
 
-impl Entry for Kaucher {
+impl SystemNumber for Kaucher {
     fn of(value: f64) -> Self {
         Self::point(value)
     }
@@ -134,7 +136,7 @@ impl Entry for Kaucher {
 
 /// The linear system of a sequence of dyads: two rows per dyad, v = J v' + J' v'', with two columns for every point of
 /// `unknowns`. All other points have their `values`, which go to the right-hand side.
-pub fn dyad_system<T: Entry>(
+pub fn dyad_system<T: SystemNumber>(
     matrices: &[[[T; 4]; 2]],
     dyads: &[Dyad],
     unknowns: &[usize],

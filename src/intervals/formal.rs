@@ -6,7 +6,7 @@
 
 use super::kaucher::Kaucher;
 use super::system::IntervalSystem;
-use crate::linalg::gauss_jordan::Elimination;
+use crate::linalg::gauss_jordan::GaussJordan;
 use crate::linalg::lanes::LaneMatrix;
 use crate::numbers::rounding::OPERATION;
 
@@ -161,7 +161,7 @@ pub fn solved_numbers(matrix: &[Vec<f64>], side: &[f64]) -> Option<Vec<f64>> {
             *rows.at_mut(i, j) = *value;
         }
     }
-    let pivots = Elimination::default().invert_matrix(&rows, &mut inverse)?;
+    let pivots = GaussJordan::default().invert_matrix(&rows, &mut inverse)?;
     /// A pivot below this, relative to the largest entry, is rounding.
     const NO_PIVOT: f64 = 1e-13;
     let largest = matrix

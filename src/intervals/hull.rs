@@ -2,7 +2,7 @@
 //! programmes.
 
 use super::kaucher::Kaucher;
-use super::simplex::{Programme, maximise};
+use super::simplex::{ProgrammeResult, maximise};
 use super::system::{IntervalSystem, SolutionSet};
 
 /// Most unknowns: the number of orthants is two to this power.
@@ -10,7 +10,7 @@ pub const MOST_UNKNOWNS: usize = 16;
 
 /// The hull of a solution set, computed in plain f64.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Hull {
+pub enum SolutionHull {
     /// No point solves.
     Empty,
     /// The set is unbounded along the unknown of this number.
@@ -22,10 +22,10 @@ pub enum Hull {
 }
 
 /// The hull of the set of that kind.
-pub fn solution_hull(system: &IntervalSystem, kind: &SolutionSet) -> Hull {
+pub fn solution_hull(system: &IntervalSystem, kind: &SolutionSet) -> SolutionHull {
     let n = system.unknowns();
     if n > MOST_UNKNOWNS {
-        return Hull::TooMany;
+        return SolutionHull::TooMany;
     }
     let inclusion = system.inclusion(kind);
     let mut found: Option<Vec<Kaucher>> = None;
@@ -40,9 +40,9 @@ pub fn solution_hull(system: &IntervalSystem, kind: &SolutionSet) -> Hull {
                 objective[j] = up * sign(j);
                 let place = match maximise(&objective, &rows, &sides) {
                     // An empty orthant needs no further programmes.
-                    Programme::Infeasible => break,
-                    Programme::Unbounded => return Hull::Unbounded(j),
-                    Programme::Optimal { x, .. } => x,
+                    ProgrammeResult::Infeasible => break,
+                    ProgrammeResult::Unbounded => return SolutionHull::Unbounded(j),
+                    ProgrammeResult::Optimal { x, .. } => x,
                 };
                 let value = sign(j) * place[j];
                 let point = |k: usize| Kaucher::point(sign(k) * place[k]);
@@ -51,7 +51,7 @@ pub fn solution_hull(system: &IntervalSystem, kind: &SolutionSet) -> Hull {
             }
         }
     }
-    found.map_or(Hull::Empty, Hull::Box)
+    found.map_or(SolutionHull::Empty, SolutionHull::Box)
 }
 
 /// G x ⊆ h in one orthant, as rows of |x|.

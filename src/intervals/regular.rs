@@ -1,7 +1,7 @@
 //! Whether all matrices in an interval matrix are regular.
 
 use super::system::IntervalSystem;
-use crate::linalg::gauss_jordan::Elimination;
+use crate::linalg::gauss_jordan::GaussJordan;
 use crate::linalg::lanes::LaneMatrix;
 use crate::numbers::rounding::{GROW, OPERATION};
 
@@ -25,7 +25,7 @@ pub fn spectral_bound(system: &IntervalSystem) -> f64 {
             *middle.at_mut(i, j) = a.middle();
         }
     }
-    if Elimination::default()
+    if GaussJordan::default()
         .invert_matrix(&middle, &mut inverse)
         .is_none()
     {

@@ -2,7 +2,7 @@
 
 /// What a programme gives.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Programme {
+pub enum ProgrammeResult {
     /// No point satisfies all rows.
     Infeasible,
     /// The objective is unbounded.
@@ -27,7 +27,7 @@ struct SimplexTable {
 }
 
 /// The greatest `objective` · x for x ≥ 0 with `rows` · x ≤ `sides`.
-pub fn maximise(objective: &[f64], rows: &[Vec<f64>], sides: &[f64]) -> Programme {
+pub fn maximise(objective: &[f64], rows: &[Vec<f64>], sides: &[f64]) -> ProgrammeResult {
     let (n, m) = (objective.len(), rows.len());
     let largest = rows
         .iter()
@@ -56,7 +56,7 @@ pub fn maximise(objective: &[f64], rows: &[Vec<f64>], sides: &[f64]) -> Programm
         table.cells.push(shortage);
         table.exchange_pivot(worst, n + m);
         if !table.run(width - 1) {
-            return Programme::Infeasible;
+            return ProgrammeResult::Infeasible;
         }
         let left = table
             .cells
@@ -64,7 +64,7 @@ pub fn maximise(objective: &[f64], rows: &[Vec<f64>], sides: &[f64]) -> Programm
             .and_then(|row| row.last().copied())
             .unwrap_or(0.0);
         if left.abs() > table.slack {
-            return Programme::Infeasible;
+            return ProgrammeResult::Infeasible;
         }
         table.drive_out(n + m);
     }
@@ -81,7 +81,7 @@ pub fn maximise(objective: &[f64], rows: &[Vec<f64>], sides: &[f64]) -> Programm
     table.cells.push(last);
     // The shortage stays out.
     if !table.run(n + m) {
-        return Programme::Unbounded;
+        return ProgrammeResult::Unbounded;
     }
     let mut x = vec![0.0; n];
     for (i, column) in table.basis.iter().enumerate() {
@@ -90,7 +90,7 @@ pub fn maximise(objective: &[f64], rows: &[Vec<f64>], sides: &[f64]) -> Programm
         }
     }
     let value = objective.iter().zip(&x).map(|(c, x)| c * x).sum();
-    Programme::Optimal { value, x }
+    ProgrammeResult::Optimal { value, x }
 }
 
 impl SimplexTable {
@@ -155,7 +155,7 @@ mod tests {
         let found = maximise(&[3.0, 2.0], &rows, &[4.0, 6.0]);
         assert_eq!(
             found,
-            Programme::Optimal {
+            ProgrammeResult::Optimal {
                 value: 12.0,
                 x: vec![4.0, 0.0]
             }
@@ -165,15 +165,18 @@ mod tests {
         let found = maximise(&[-1.0], &rows, &[-1.0, 3.0]);
         assert_eq!(
             found,
-            Programme::Optimal {
+            ProgrammeResult::Optimal {
                 value: -1.0,
                 x: vec![1.0]
             }
         );
-        assert_eq!(maximise(&[1.0], &rows, &[-4.0, 3.0]), Programme::Infeasible);
+        assert_eq!(
+            maximise(&[1.0], &rows, &[-4.0, 3.0]),
+            ProgrammeResult::Infeasible
+        );
         assert_eq!(
             maximise(&[1.0], &[vec![-1.0]], &[-1.0]),
-            Programme::Unbounded
+            ProgrammeResult::Unbounded
         );
     }
 }

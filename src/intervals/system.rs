@@ -25,7 +25,7 @@ pub struct IntervalSystem {
 
 /// Whether something holds; rounding may leave it open.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Answer {
+pub enum TernaryAnswer {
     /// It does.
     Yes,
     /// It does not.
@@ -123,20 +123,20 @@ impl IntervalSystem {
     }
 
     /// Whether a point is in a set.
-    pub fn holds_point(&self, x: &[f64], kind: &SolutionSet) -> Answer {
+    pub fn holds_point(&self, x: &[f64], kind: &SolutionSet) -> TernaryAnswer {
         let point: Vec<Kaucher> = x.iter().map(|v| Kaucher::point(*v)).collect();
         let inclusion = self.inclusion(kind);
         let outer = inclusion.times(&point);
         // Rounded inwards: the dual of the dual system's product.
         let inner = inclusion.dual(true, true).times(&point);
         let pairs = outer.iter().zip(&inner).zip(&inclusion.b);
-        let mut answer = Answer::Yes;
+        let mut answer = TernaryAnswer::Yes;
         for ((outer, inner), h) in pairs {
             if !inner.dual().is_in(*h) {
-                return Answer::No;
+                return TernaryAnswer::No;
             }
             if !outer.is_in(*h) {
-                answer = Answer::Open;
+                answer = TernaryAnswer::Open;
             }
         }
         answer
@@ -144,7 +144,7 @@ impl IntervalSystem {
 
     /// Whether all points of a proper box lie in a set. This is exact if A is quantified by "all" throughout; otherwise
     /// it is only sufficient, and `Open` if it fails.
-    pub fn holds_box(&self, x: &[Kaucher], kind: &SolutionSet) -> Answer {
+    pub fn holds_box(&self, x: &[Kaucher], kind: &SolutionSet) -> TernaryAnswer {
         let inclusion = self.inclusion(kind);
         let is_in = inclusion
             .times(x)
@@ -152,8 +152,8 @@ impl IntervalSystem {
             .zip(&inclusion.b)
             .all(|(g, h)| g.is_in(*h));
         match is_in {
-            true => Answer::Yes,
-            false => Answer::Open,
+            true => TernaryAnswer::Yes,
+            false => TernaryAnswer::Open,
         }
     }
 }

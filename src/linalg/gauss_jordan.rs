@@ -44,13 +44,13 @@ impl Pivots {
 
 /// Buffers of an elimination.
 #[derive(Clone, Debug, Default)]
-pub struct Elimination {
+pub struct GaussJordan {
     matrix: LaneMatrix,
     pivot_row: Vec<Lanes>,
     order: Vec<usize>,
 }
 
-impl Elimination {
+impl GaussJordan {
     /// Inverts a square column-major matrix into `inverse`, which is written column by column as well; `None` where it is
     /// nearly singular or holds no numbers.
     pub fn invert(&mut self, a: &[f64], n: usize, inverse: &mut LaneMatrix) -> Option<Pivots> {
@@ -219,7 +219,7 @@ mod tests {
     fn inverse_times_matrix_is_the_identity_and_its_sign_the_determinants() {
         let a = [0.0, 2.0, 1.0, 1.0, 0.5, -3.0, 4.0, 1.0, 0.25];
         let determinant = 0.0 * (0.5 * 0.25 + 3.0) - 2.0 * (0.25 + 12.0) + (1.0 - 2.0);
-        let mut buffers = Elimination::default();
+        let mut buffers = GaussJordan::default();
         let mut inverse = LaneMatrix::default();
         for flipped in [1.0_f64, -1.0] {
             let a = a.map(|v| flipped * v);
@@ -238,7 +238,7 @@ mod tests {
 
     #[test]
     fn inverts_all_sizes_and_refuses_what_is_nearly_singular() {
-        let (mut elimination, mut inverse) = (Elimination::default(), LaneMatrix::default());
+        let (mut elimination, mut inverse) = (GaussJordan::default(), LaneMatrix::default());
         // Sizes go down after they went up, so that stale numbers would show.
         for n in (1..20).chain([13, 6, 5, 2]) {
             let a: Vec<f64> = (0..n * n)

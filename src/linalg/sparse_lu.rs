@@ -309,7 +309,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
 
     use super::*;
-    use crate::linalg::gauss_jordan::Elimination;
+    use crate::linalg::gauss_jordan::GaussJordan;
 
     /// A band with a few entries far off it; the seed moves them, and turns signs.
     fn matrix(n: usize, seed: usize) -> Vec<f64> {
@@ -325,7 +325,7 @@ mod tests {
 
     #[test]
     fn inverse_and_sign_are_those_of_the_dense_elimination() {
-        let (mut sparse, mut dense) = (SparseLu::default(), Elimination::default());
+        let (mut sparse, mut dense) = (SparseLu::default(), GaussJordan::default());
         let (mut found, mut exact) = (LaneMatrix::default(), LaneMatrix::default());
         for (n, seed) in [(64, 1), (101, 2), (90, 3), (150, 4), (77, 5)] {
             let a = matrix(n, seed);

@@ -5,13 +5,13 @@ use std::ops::{Add, Mul, Sub};
 
 /// Powers of the three units that a scene has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Dimension {
+pub struct PhysicalDimension {
     length: i32,
     angle: i32,
     time: i32,
 }
 
-impl Dimension {
+impl PhysicalDimension {
     /// A plain number.
     pub const NUMBER: Self = Self {
         length: 0,
@@ -102,7 +102,7 @@ pub fn raised_power(power: i32) -> String {
     }
 }
 
-impl Add for Dimension {
+impl Add for PhysicalDimension {
     type Output = Self;
 
     /// That of a product.
@@ -115,7 +115,7 @@ impl Add for Dimension {
     }
 }
 
-impl Sub for Dimension {
+impl Sub for PhysicalDimension {
     type Output = Self;
 
     /// That of a quotient.
@@ -124,7 +124,7 @@ impl Sub for Dimension {
     }
 }
 
-impl Mul<i32> for Dimension {
+impl Mul<i32> for PhysicalDimension {
     type Output = Self;
 
     /// That of a power.
@@ -141,15 +141,15 @@ impl Mul<i32> for Dimension {
 mod tests {
     use super::*;
 
-    const L: Dimension = Dimension::of(Kind::Length);
-    const A: Dimension = Dimension::of(Kind::Angle);
-    const T: Dimension = Dimension::TIME;
+    const L: PhysicalDimension = PhysicalDimension::of(Kind::Length);
+    const A: PhysicalDimension = PhysicalDimension::of(Kind::Angle);
+    const T: PhysicalDimension = PhysicalDimension::TIME;
 
     #[test]
     fn units_are_those_of_the_board() {
         let degree = std::f64::consts::PI / 180.0;
         for (dimension, unit, turns) in [
-            (Dimension::NUMBER, "", 0),
+            (PhysicalDimension::NUMBER, "", 0),
             (L, "mm", 0),
             (L * 2, "mm²", 0),
             (L * -1, "1/mm", 0),
@@ -169,7 +169,7 @@ mod tests {
             );
         }
         assert_eq!((L * 4).half_powers(), L * 2);
-        assert_eq!((L * 3).half_powers(), Dimension::NUMBER);
+        assert_eq!((L * 3).half_powers(), PhysicalDimension::NUMBER);
         assert_eq!((A + L).kind(), Kind::Length);
         assert_eq!((L - L).kind(), Kind::Number);
         assert_eq!((L - L * 2).kind(), Kind::Number);

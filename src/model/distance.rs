@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 /// The nearest points of two solids, or those of deepest penetration.
 #[derive(Clone, Copy, Debug)]
-pub struct Nearest {
+pub struct NearestPoints {
     /// Signed distance in the scene's unit.
     pub distance: f64,
     /// The point of each solid in the first one's frame.
@@ -21,7 +21,7 @@ pub struct Nearest {
 /// The solids of two bodies.
 pub trait Solids: Debug + Send + Sync {
     /// Their nearest points, with the second placed relative to the first. Coordinates that shape them are passed.
-    fn nearest(&self, coordinates: &[f64], first_from_second: &Pose) -> Option<Nearest>;
+    fn nearest(&self, coordinates: &[f64], first_from_second: &Pose) -> Option<NearestPoints>;
 
     /// Coordinates that their shapes depend on.
     fn shaped_by(&self) -> &[usize];
@@ -29,7 +29,7 @@ pub trait Solids: Debug + Send + Sync {
 
 /// The solids of two bodies, and which bodies these are.
 #[derive(Clone, Debug)]
-pub struct Gap {
+pub struct SolidPair {
     /// Indices.
     pub bodies: [usize; 2],
     /// Shapes of the first and the second that count; all if there are none.
@@ -42,7 +42,7 @@ pub struct Gap {
 #[derive(Clone, Debug)]
 pub struct Distance {
     /// The pairs, at least one.
-    pub gaps: Vec<Gap>,
+    pub gaps: Vec<SolidPair>,
 }
 
 impl PartialEq for Distance {

@@ -2,7 +2,7 @@
 
 use super::expression::Expression;
 use super::mechanism::Kind;
-use super::rate::Rate;
+use super::rate::RateOrder;
 
 /// Poses apart from the drive: the inputs move from one set of values to another in equal steps.
 #[derive(Clone, Debug, PartialEq)]
@@ -102,7 +102,7 @@ pub enum MeasureSource {
         /// As many as `taking` is wide. Slots: coordinates, then x, y, z of every trace, then outputs.
         of: Vec<Expression>,
         /// Formulas of slots whose rates are slots, too, behind all others.
-        rates: Vec<(Expression, Rate)>,
+        rates: Vec<(Expression, RateOrder)>,
         /// Input by which the values are derived; the values themselves if there is none.
         per: Option<usize>,
         /// What is made of them.

@@ -4,7 +4,7 @@
 //! else the bodies do.
 
 use super::chain::ArgumentValue;
-use super::distance::{Distance, Gap, Nearest};
+use super::distance::{Distance, NearestPoints, SolidPair};
 use super::mechanism::{Mechanism, MechanismOutput, OutputSource};
 use super::walk::WalkFrame;
 use crate::math::Pose;
@@ -67,8 +67,8 @@ const SHAPE_STEP: f64 = 1e-5;
 
 /// The nearest pair at a pose.
 struct NearestFound<'d> {
-    gap: &'d Gap,
-    nearest: Nearest,
+    gap: &'d SolidPair,
+    nearest: NearestPoints,
     first_from_second: Pose,
     world_from_first: Pose,
 }
@@ -147,7 +147,7 @@ impl Distance {
 impl NearestFound<'_> {
     /// The change of the distance as its nearest points move, and as the solids change their shapes.
     fn follow<S: Scalar>(&self, mechanism: &Mechanism, numbers: &[f64], coordinates: &[S]) -> S {
-        let Nearest {
+        let NearestPoints {
             distance,
             points,
             normal,

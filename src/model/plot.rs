@@ -3,7 +3,7 @@
 use super::dimension::raised_power;
 use super::expression::Expression;
 use super::mechanism::Kind;
-use super::rate::Rate;
+use super::rate::RateOrder;
 
 /// A plot of the motion; curves of different units are in separate panels.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,9 +45,9 @@ pub struct PlotCurve {
     /// The kind of the expression.
     pub kind: Kind,
     /// Whether its rate is drawn instead of itself.
-    pub rate: Option<Rate>,
+    pub rate: Option<RateOrder>,
     /// The rates it uses, of formulas with the same slots.
-    pub rates: Vec<(Expression, Rate)>,
+    pub rates: Vec<(Expression, RateOrder)>,
 }
 
 /// Unit and factor of a rate from those of the quantity and of its variable.

@@ -8,7 +8,7 @@ pub const MAX_ORDER: usize = HIGHEST_ORDER;
 
 /// The order and variable of a rate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Rate {
+pub struct RateOrder {
     /// By what.
     pub per: Per,
     /// Order, one or more.
@@ -32,7 +32,7 @@ pub struct RatedFormula {
     /// The slot of the first rate.
     pub first: usize,
     /// Formulas of the earlier slots whose rates it contains.
-    pub rates: Vec<(Expression, Rate)>,
+    pub rates: Vec<(Expression, RateOrder)>,
 }
 
 impl RatedFormula {

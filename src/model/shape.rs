@@ -7,10 +7,10 @@ use std::sync::Arc;
 /// A solid in its own frame. Lengths in the scene's unit, all radii positive.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Solid {
-    /// Ball around `center`.
+    /// Ball around `centre`.
     Sphere {
         /// Centre in the shape's frame.
-        center: DVec3,
+        centre: DVec3,
         /// Radius.
         radius: f64,
     },
@@ -46,14 +46,14 @@ pub enum Solid {
     /// Axis-parallel box.
     Box {
         /// Centre.
-        center: DVec3,
+        centre: DVec3,
         /// Full edge lengths.
         size: DVec3,
     },
     /// Torus around `axis`. A spindle torus (`tube` > `ring`) is accepted.
     Torus {
         /// Centre.
-        center: DVec3,
+        centre: DVec3,
         /// Direction of the axis, unit length.
         axis: DVec3,
         /// Radius of the centre circle.

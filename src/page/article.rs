@@ -1,6 +1,6 @@
 //! One mechanism on a page: the questions and their answers, in the order in which an engineer asks them.
 
-use super::checked::Checked;
+use super::checked::CheckedMotion;
 use super::clearance::clearance_section;
 use super::curves::{Curves, curves_section, transfer_section};
 use super::frames::{nearest_frame, shown_trajectory};
@@ -47,7 +47,7 @@ pub struct Article {
 /// The article of a motion that was checked.
 ///
 /// Errors: the picture cannot be drawn.
-pub fn article_of(checked: &Checked, number: usize) -> Result<Article, RenderError> {
+pub fn article_of(checked: &CheckedMotion, number: usize) -> Result<Article, RenderError> {
     if checked.trajectory.poses().next().is_none() {
         return Ok(article_without_motion(
             checked.source,
@@ -63,14 +63,14 @@ pub fn article_of(checked: &Checked, number: usize) -> Result<Article, RenderErr
 }
 
 /// The same for a page that already shows the mechanism: without a picture and without its own camera.
-pub(super) fn article_in_view(checked: &Checked, number: usize) -> Article {
+pub(super) fn article_in_view(checked: &CheckedMotion, number: usize) -> Article {
     match checked.trajectory.poses().next() {
         None => article_without_motion(checked.source, &checked.answer.verdict),
         Some(_) => article_of_frames(checked, &shown_frames(checked), None, number),
     }
 }
 
-fn shown_frames(checked: &Checked) -> Trajectory {
+fn shown_frames(checked: &CheckedMotion) -> Trajectory {
     let actuation = &checked.scene.actuation;
     shown_trajectory(
         checked.system,
@@ -81,12 +81,12 @@ fn shown_frames(checked: &Checked) -> Trajectory {
 }
 
 fn article_of_frames(
-    checked: &Checked,
+    checked: &CheckedMotion,
     shown: &Trajectory,
     camera: Option<(&Camera, f64)>,
     number: usize,
 ) -> Article {
-    let Checked {
+    let CheckedMotion {
         scene,
         system,
         trajectory,
@@ -175,8 +175,8 @@ pub fn article_without_motion(source: &str, verdict: &Verdict) -> Article {
 }
 
 /// The motion: proofs, least and greatest values, limit positions, events and gaps.
-fn motion_section(checked: &Checked, shown: &Trajectory) -> Section {
-    let Checked {
+fn motion_section(checked: &CheckedMotion, shown: &Trajectory) -> Section {
+    let CheckedMotion {
         scene,
         system,
         trajectory,

@@ -8,7 +8,7 @@ use crate::scene::Scene;
 
 /// A check with its scene and motion.
 #[derive(Clone, Copy)]
-pub struct Checked<'a> {
+pub struct CheckedMotion<'a> {
     /// Where the scene is from.
     pub source: &'a str,
     /// The scene.

@@ -2,7 +2,7 @@
 //! pictures.
 
 use super::article::{Article, article_of, article_without_motion, frame_times};
-use super::checked::Checked;
+use super::checked::CheckedMotion;
 use super::clearance::at_frames;
 use super::curves::{Curves, shown_plots};
 use super::document::linked_text;
@@ -39,7 +39,7 @@ pub struct Version<'a> {
     /// Its answers.
     pub verdict: &'a Verdict,
     /// Its motion, if there is one.
-    pub checked: Option<&'a Checked<'a>>,
+    pub checked: Option<&'a CheckedMotion<'a>>,
     /// Its parameters as they are written.
     pub parameters: &'a [(String, String)],
 }
@@ -77,7 +77,7 @@ fn drawn_version(version: Version, number: usize) -> Result<Article, RenderError
     Ok(article)
 }
 
-fn shown_of(checked: &Checked) -> Trajectory {
+fn shown_of(checked: &CheckedMotion) -> Trajectory {
     let (system, actuation) = (checked.system, &checked.scene.actuation);
     shown_trajectory(system, actuation, checked.trajectory, checked.clearances)
 }
@@ -155,7 +155,7 @@ fn parameters_section(old: &[(String, String)], new: &[(String, String)]) -> Sec
 }
 
 /// Smallest and largest values, side by side.
-fn values_section(old: &Checked, new: &Checked) -> Section {
+fn values_section(old: &CheckedMotion, new: &CheckedMotion) -> Section {
     let mut section = Section::new("Values");
     let mut table = Table::new(
         "Smallest and largest values among the poses shown",
@@ -196,12 +196,12 @@ fn values_section(old: &Checked, new: &Checked) -> Section {
 
 /// The plots of the new version with the curves of the old one dashed in them.
 fn curves_section(
-    old: &Checked,
-    new: &Checked,
+    old: &CheckedMotion,
+    new: &CheckedMotion,
     (shown, curves): (&Trajectory, &mut Curves),
 ) -> Section {
     let mut section = Section::new("Curves");
-    let chart = |checked: &Checked, motion: &Trajectory| {
+    let chart = |checked: &CheckedMotion, motion: &Trajectory| {
         let actuation = &checked.scene.actuation;
         motion_chart(
             checked.system,
@@ -210,7 +210,7 @@ fn curves_section(
             motion,
         )
     };
-    let fine = |checked: &Checked| {
+    let fine = |checked: &CheckedMotion| {
         let duration = checked.scene.actuation.duration;
         let time = |k: usize| duration * k as f64 / (SAMPLES - 1) as f64;
         let times: Vec<f64> = (0..SAMPLES).map(time).collect();
@@ -264,8 +264,8 @@ fn overlaid_chart(mut chart: Chart, old: &Chart, frames: usize) -> Chart {
 
 /// Distances of all pairs that either version judges.
 fn clearance_section(
-    old: &Checked,
-    new: &Checked,
+    old: &CheckedMotion,
+    new: &CheckedMotion,
     (shown, curves): (&Trajectory, &mut Curves),
 ) -> Section {
     let mut section = Section::new("Clearance");
@@ -280,7 +280,7 @@ fn clearance_section(
         "Lengths in {unit}. A bound holds at every instant, between the samples too."
     ));
     // Pairs are matched by the names of their bodies: their indices may differ.
-    let names = |checked: &Checked, pair: &PairReport| {
+    let names = |checked: &CheckedMotion, pair: &PairReport| {
         body_names(&checked.scene.mechanism, pair).map(str::to_owned)
     };
     let mut table = Table::new(

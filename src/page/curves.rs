@@ -6,7 +6,7 @@ use crate::kinematics::motion::continuation::solve_with_ends;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
 use crate::model::plot::{Plot, PlotCurve, rate_unit};
-use crate::model::rate::{Per, Rate};
+use crate::model::rate::{Per, RateOrder};
 use crate::plot::theme::Colour;
 use crate::plot::{Chart, ChartTheme, Drawing, draw_chart, svg};
 use crate::scene::Scene;
@@ -166,7 +166,7 @@ pub fn transfer_section(curves: &mut Curves) -> Section {
             label: format!("d({}, {})", curve.label, driven.name),
             unit,
             factor,
-            rate: Some(Rate {
+            rate: Some(RateOrder {
                 per: Per::Input(input),
                 order: 1,
             }),

@@ -1,6 +1,6 @@
 //! The parts of a mechanism, in words: bodies, joints, loops, coordinates, freedoms.
 
-use super::checked::Checked;
+use super::checked::CheckedMotion;
 use super::markup::Section;
 use crate::model::joints::JointKind;
 use crate::model::mechanism::{Coordinate, Mechanism};
@@ -10,7 +10,7 @@ use crate::report::sentences::{counted_things, with_unit};
 const MOST_NAMES: usize = 24;
 
 /// The section about the mechanism itself.
-pub fn mechanism_section(checked: &Checked) -> Section {
+pub fn mechanism_section(checked: &CheckedMotion) -> Section {
     let mechanism = &checked.scene.mechanism;
     let mut section = Section::new("Mechanism");
     let bodies = mechanism.bodies.iter().map(|b| b.name.as_str());
@@ -90,7 +90,7 @@ fn joint_list(mechanism: &Mechanism) -> String {
 }
 
 /// `phi from 0 deg to 360 deg`, as the samples have it.
-fn driven_range(checked: &Checked, index: usize, input: &Coordinate) -> String {
+fn driven_range(checked: &CheckedMotion, index: usize, input: &Coordinate) -> String {
     let values = checked.trajectory.samples.iter().map(|s| s.inputs[index]);
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
         (l.min(v), h.max(v))

@@ -18,8 +18,8 @@ mod site;
 mod still;
 
 pub use article::{Article, article_of, article_without_motion};
-pub use checked::Checked;
+pub use checked::CheckedMotion;
 pub use comparison::{Version, comparison_text};
 pub use document::page_text;
 pub use engine::PackedEngine;
-pub use site::{Entry, site_text};
+pub use site::{SiteEntry, site_text};

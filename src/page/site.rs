@@ -13,7 +13,7 @@ const SMALL: [u32; 2] = [320, 240];
 
 /// A mechanism on the front page.
 #[derive(Clone, Debug)]
-pub struct Entry {
+pub struct SiteEntry {
     /// Name of the file of its page, in the same folder.
     pub file: String,
     /// One line about it; may be empty.
@@ -24,7 +24,7 @@ pub struct Entry {
     picture: Option<Vec<u8>>,
 }
 
-impl Entry {
+impl SiteEntry {
     /// The entry of an article whose page is `file`.
     pub fn new(article: &Article, file: &str, description: &str) -> Self {
         Self {
@@ -47,7 +47,7 @@ fn small_picture(png: &[u8]) -> Option<Vec<u8>> {
 }
 
 /// The front page.
-pub fn site_text(title: &str, entries: &[Entry]) -> String {
+pub fn site_text(title: &str, entries: &[SiteEntry]) -> String {
     let mut body = format!("<h1>{}</h1>\n<ul class=\"gallery\">\n", escaped(title));
     for entry in entries {
         // A picture next to its title needs no description.

@@ -18,7 +18,7 @@ const OPTIONS: PictureOptions = PictureOptions {
 };
 
 /// A picture with the camera that it was taken with.
-pub struct Picture {
+pub struct StillPicture {
     /// The file.
     pub png: Vec<u8>,
     /// The camera.
@@ -28,7 +28,7 @@ pub struct Picture {
 }
 
 /// Draws the first frame by the program's own renderer, whose pictures are the same on every machine.
-pub fn first_picture(scene: &Scene, shown: &Trajectory) -> Result<Picture, RenderError> {
+pub fn first_picture(scene: &Scene, shown: &Trajectory) -> Result<StillPicture, RenderError> {
     let by = DrawnBy {
         renderer: RendererChoice::Cpu,
         adapter: AdapterChoice::Software,
@@ -54,7 +54,7 @@ pub fn first_picture(scene: &Scene, shown: &Trajectory) -> Result<Picture, Rende
     encode_png(&image, Effort::Small, &mut png)
         .map_err(|error| RenderError::Device(error.to_string()))?;
     let (camera, aspect) = camera_of(&staging);
-    Ok(Picture {
+    Ok(StillPicture {
         png,
         camera,
         aspect,

@@ -1,10 +1,10 @@
 //! The folder of a study: its plan, and its finished parts.
 
 use super::error::PartsError;
-use super::part::{Part, part_name};
-use super::plan::Plan;
+use super::part::{PartFile, part_name};
+use super::plan::StudyPlan;
 use super::stored::read_text;
-use crate::export::Target;
+use crate::export::PendingFile;
 use std::fs;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -22,14 +22,18 @@ const PART: &str = "part";
 pub struct Folder {
     path: PathBuf,
     /// The plan of the study.
-    pub plan: Plan,
+    pub plan: StudyPlan,
 }
 
 impl Folder {
     /// Creates the folder of the study `plan`, with further files in it.
     ///
     /// Errors: something of that name exists already, or it cannot be created.
-    pub fn create(path: &Path, plan: Plan, files: &[(&str, &[u8])]) -> Result<Self, PartsError> {
+    pub fn create(
+        path: &Path,
+        plan: StudyPlan,
+        files: &[(&str, &[u8])],
+    ) -> Result<Self, PartsError> {
         match fs::create_dir(path) {
             Err(e) if e.kind() == ErrorKind::AlreadyExists => {
                 return Err(PartsError::Exists(path.to_owned()));
@@ -64,7 +68,7 @@ impl Folder {
             other => other.map_err(|e| PartsError::io(&place, e))?,
         };
         Ok(Self {
-            plan: Plan::read(&place, &text)?,
+            plan: StudyPlan::read(&place, &text)?,
             path: path.to_owned(),
         })
     }
@@ -113,7 +117,7 @@ impl Folder {
     }
 
     /// All parts in the order of their items, and the faults of all other files beside them.
-    pub(super) fn parts(&self) -> Result<(Vec<Part>, Vec<String>), PartsError> {
+    pub(super) fn parts(&self) -> Result<(Vec<PartFile>, Vec<String>), PartsError> {
         let folder = self.parts_folder();
         let failed = |e| PartsError::io(&folder, e);
         let (mut parts, mut faults) = (Vec::new(), Vec::new());
@@ -126,7 +130,7 @@ impl Folder {
             if is_hidden || path.extension().is_none_or(|e| e != PART) {
                 continue;
             }
-            match Part::open(&path, &self.plan) {
+            match PartFile::open(&path, &self.plan) {
                 Ok(part) => parts.push(part),
                 Err(error) => faults.push(error.to_string()),
             }
@@ -143,7 +147,7 @@ impl Folder {
 }
 
 fn write_file(path: &Path, bytes: &[u8]) -> Result<(), PartsError> {
-    let mut target = Target::create(path)?;
+    let mut target = PendingFile::create(path)?;
     let written = target.write_all(bytes);
     written.map_err(|e| PartsError::io(path, e))?;
     Ok(target.commit()?)

@@ -2,7 +2,7 @@
 
 use super::error::PartsError;
 use super::folder::Folder;
-use super::part::Part;
+use super::part::PartFile;
 use super::plan::PartContent;
 use std::ops::Range;
 
@@ -14,7 +14,7 @@ const MOST_FAULTS: usize = 50;
 
 /// Parts that cover all items.
 pub struct Merge {
-    parts: Vec<Part>,
+    parts: Vec<PartFile>,
     width: usize,
 }
 
@@ -57,7 +57,7 @@ impl Merge {
     pub fn each<E: From<PartsError>>(&self, give: &mut PartItems<'_, E>) -> Result<(), E> {
         let mut next = 0;
         // Earlier parts that overlap the current one: usually none.
-        let mut over: Vec<&Part> = Vec::new();
+        let mut over: Vec<&PartFile> = Vec::new();
         for part in &self.parts {
             let numbers = part.numbers().map_err(as_fault)?;
             over.retain(|other| other.items.end > part.items.start);
@@ -88,13 +88,18 @@ impl Merge {
     }
 
     /// Compares a part with an earlier one where they have items in common.
-    fn compare_part(&self, other: &Part, part: &Part, numbers: &[f64]) -> Result<(), PartsError> {
+    fn compare_part(
+        &self,
+        other: &PartFile,
+        part: &PartFile,
+        numbers: &[f64],
+    ) -> Result<(), PartsError> {
         let common = part.items.start..part.items.end.min(other.items.end);
         if common.is_empty() {
             return Ok(());
         }
         let others = other.numbers().map_err(as_fault)?;
-        let row = |part: &Part, numbers: &[f64], item: u64| -> Vec<u64> {
+        let row = |part: &PartFile, numbers: &[f64], item: u64| -> Vec<u64> {
             let start = (item - part.items.start) as usize * self.width;
             let row = &numbers[start..start + self.width];
             row.iter().map(|number| number.to_bits()).collect()

@@ -6,9 +6,9 @@
 
 use super::error::PartsError;
 use super::identity::digest;
-use super::plan::{Plan, VERSION};
+use super::plan::{StudyPlan, VERSION};
 use super::stored::open_regular;
-use crate::export::Target;
+use crate::export::PendingFile;
 use serde_json::{Value, json};
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
@@ -31,7 +31,7 @@ fn platform_name() -> String {
 
 /// A part in a folder, apparently complete.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Part {
+pub(super) struct PartFile {
     pub path: PathBuf,
     pub items: Range<u64>,
 }
@@ -46,7 +46,7 @@ pub(super) fn part_name(items: &Range<u64>) -> String {
 /// Errors: it cannot be written, or the existing one contains other numbers.
 pub(super) fn write_part(
     folder: &Path,
-    plan: &Plan,
+    plan: &StudyPlan,
     items: &Range<u64>,
     numbers: &[f64],
 ) -> Result<(), PartsError> {
@@ -64,13 +64,13 @@ pub(super) fn write_part(
     bytes.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
     let sum = digest(&bytes);
     bytes.extend_from_slice(&sum);
-    let mut target = Target::create(&path)?;
+    let mut target = PendingFile::create(&path)?;
     let written = target.write_all(&bytes);
     written.map_err(|e| PartsError::io(&path, e))?;
     if target.commit_new()? {
         return Ok(());
     }
-    let other = Part::open(&path, plan)?.numbers()?;
+    let other = PartFile::open(&path, plan)?.numbers()?;
     let bits = |numbers: &[f64]| numbers.iter().map(|n| n.to_bits()).collect::<Vec<_>>();
     match bits(&other) == bits(numbers) {
         true => Ok(()),
@@ -81,11 +81,11 @@ pub(super) fn write_part(
     }
 }
 
-impl Part {
+impl PartFile {
     /// Checks the first line and the length of a file.
     ///
     /// Errors: it is not a part of this study, or is incomplete.
-    pub fn open(path: &Path, plan: &Plan) -> Result<Self, PartsError> {
+    pub fn open(path: &Path, plan: &StudyPlan) -> Result<Self, PartsError> {
         let foreign = |why: &str| PartsError::Foreign {
             path: path.to_owned(),
             why: why.to_owned(),

@@ -34,7 +34,7 @@ impl PartContent {
 
 /// The plan of a study.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Plan {
+pub struct StudyPlan {
     /// The verb.
     pub verb: String,
     /// Its arguments without the scene, which are parsed again when a unit is run.
@@ -57,7 +57,7 @@ pub struct Plan {
     pub width: u64,
 }
 
-impl Plan {
+impl StudyPlan {
     /// Number of units.
     pub fn units(&self) -> u64 {
         self.items.div_ceil(self.unit)

@@ -23,7 +23,7 @@ pub struct WorkShare {
 
 /// How a worker finished.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ended {
+pub enum WorkEnd {
     /// All units of its share are done.
     Done,
     /// Its time is up.
@@ -41,7 +41,7 @@ pub fn work_on(
     share: &WorkShare,
     compute: &mut dyn FnMut(Range<u64>) -> Option<Vec<f64>>,
     is_stopped: &dyn Fn() -> bool,
-) -> Result<Ended, PartsError> {
+) -> Result<WorkEnd, PartsError> {
     let mut seen = LeaseSightings::default();
     let mut missing: Vec<u64> = ordered_units(share)
         .filter(|unit| !folder.has(*unit))
@@ -50,10 +50,10 @@ pub fn work_on(
         let mut held = Vec::new();
         for unit in missing {
             if is_stopped() {
-                return Ok(Ended::Stopped);
+                return Ok(WorkEnd::Stopped);
             }
             if share.until.is_some_and(|end| Instant::now() >= end) {
-                return Ok(Ended::TimeOver);
+                return Ok(WorkEnd::TimeOver);
             }
             if folder.has(unit) {
                 continue;
@@ -68,7 +68,7 @@ pub fn work_on(
             }
             let items = folder.plan.items_of(unit);
             let Some(numbers) = compute(items.clone()) else {
-                return Ok(Ended::Stopped);
+                return Ok(WorkEnd::Stopped);
             };
             write_part(&folder.parts_folder(), &folder.plan, &items, &numbers)?;
         }
@@ -77,7 +77,7 @@ pub fn work_on(
             std::thread::sleep(WAIT);
         }
     }
-    Ok(Ended::Done)
+    Ok(WorkEnd::Done)
 }
 
 /// The units of a share in the order in which they are tried.

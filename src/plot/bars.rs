@@ -2,7 +2,7 @@
 
 use super::drawing::Drawing;
 use super::layout::{Ruler, Sizes};
-use super::primitive::{DrawnPrimitive, Rect, Stroke, TextAnchor};
+use super::primitive::{DrawnPrimitive, LineStyle, Rect, TextAnchor};
 use super::theme::{ChartTheme, Colour};
 
 /// What a picture of bars shows.
@@ -237,7 +237,7 @@ impl BarTable {
         let bottom = top + column.values.len() as f64 * row;
         self.list.push(DrawnPrimitive::Line {
             points: vec![[zero, top], [zero, bottom]],
-            stroke: Stroke::solid(theme.axis, sizes.hair),
+            stroke: LineStyle::solid(theme.axis, sizes.hair),
             name: String::new(),
         });
     }

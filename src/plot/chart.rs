@@ -26,9 +26,9 @@ pub struct Panel {
     /// The vertical axis.
     pub y: Axis,
     /// Coloured rectangles of a map, behind everything else.
-    pub tiles: Vec<Tile>,
+    pub tiles: Vec<MapTile>,
     /// Areas between two curves, behind all but tiles.
-    pub bands: Vec<Band>,
+    pub bands: Vec<ChartBand>,
     /// Faint lines without a name, many of which make a cloud.
     pub cloud: Vec<Vec<[f64; 2]>>,
     /// The curves.
@@ -98,7 +98,7 @@ pub struct PointWord {
 
 /// The area between two curves.
 #[derive(Clone, Debug, PartialEq, Default)]
-pub struct Band {
+pub struct ChartBand {
     /// From left to right.
     pub lower: Vec<[f64; 2]>,
     /// From left to right.
@@ -107,7 +107,7 @@ pub struct Band {
 
 /// A rectangle of a map.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tile {
+pub struct MapTile {
     /// The corner with the smaller numbers.
     pub from: [f64; 2],
     /// The corner with the larger ones.

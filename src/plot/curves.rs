@@ -4,7 +4,7 @@ use super::area::PanelArea;
 use super::chart::{Panel, SeriesStyle};
 use super::headings::curve_stroke;
 use super::layout::Sizes;
-use super::primitive::{DrawnPrimitive, Stroke};
+use super::primitive::{DrawnPrimitive, LineStyle};
 use super::theme::ChartTheme;
 
 /// Points of a curve nearer than this to the line through their neighbours are left out, in pixels.
@@ -24,7 +24,7 @@ pub(super) fn draw_curves(
             centre,
             radius: 1.6 * sizes.curve,
             fill: stroke.colour,
-            stroke: Stroke::solid(theme.background, sizes.hair),
+            stroke: LineStyle::solid(theme.background, sizes.hair),
         };
         let pixels: Vec<Option<[f64; 2]>> = series
             .points

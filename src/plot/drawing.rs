@@ -5,7 +5,7 @@ use super::chart::{Chart, Panel};
 use super::curves::draw_curves;
 use super::frame::{AxesFrame, left_room};
 use super::layout::{ChartLayout, Ruler, Sizes};
-use super::primitive::{DrawnPrimitive, Rect, Stroke, TextAnchor};
+use super::primitive::{DrawnPrimitive, LineStyle, Rect, TextAnchor};
 use super::theme::{ChartTheme, Dashes};
 
 /// Largest distance of a hatching's lines from each other, in heights of the capitals.
@@ -213,7 +213,7 @@ fn draw_shades(
 /// Lines rising to the right, cut at the edges of `rect`; lines of neighbouring ranges continue each other.
 fn hatch_rect(rect: &Rect, sizes: &Sizes, theme: &ChartTheme, list: &mut Vec<DrawnPrimitive>) {
     let pitch = HATCH * sizes.text;
-    let stroke = Stroke::solid(theme.hatch, sizes.hair);
+    let stroke = LineStyle::solid(theme.hatch, sizes.hair);
     let first = ((rect.left + rect.top) / pitch).ceil() as i64;
     let last = ((rect.right + rect.bottom) / pitch).floor() as i64;
     for k in first..=last {
@@ -248,7 +248,7 @@ fn draw_spread(
         let fill = [r, g, b, BAND_OPACITY];
         list.push(DrawnPrimitive::Region { points, fill });
     }
-    let stroke = Stroke::solid([r, g, b, CLOUD_OPACITY], 0.8 * sizes.hair);
+    let stroke = LineStyle::solid([r, g, b, CLOUD_OPACITY], 0.8 * sizes.hair);
     for points in &panel.cloud {
         list.push(DrawnPrimitive::Line {
             points: pixels(points),
@@ -265,7 +265,7 @@ fn draw_events(
     theme: &ChartTheme,
     list: &mut Vec<DrawnPrimitive>,
 ) {
-    let stroke = Stroke {
+    let stroke = LineStyle {
         colour: theme.event,
         width: sizes.hair,
         dashes: Dashes::Long,
@@ -317,9 +317,9 @@ fn draw_marks(
     theme: &ChartTheme,
     list: &mut Vec<DrawnPrimitive>,
 ) {
-    let stroke = Stroke {
+    let stroke = LineStyle {
         dashes: Dashes::Long,
-        ..Stroke::solid(theme.mark, 1.2 * sizes.hair)
+        ..LineStyle::solid(theme.mark, 1.2 * sizes.hair)
     };
     for [from, to] in &panel.lines {
         if let (Some(from), Some(to)) = (area.pixel(*from), area.pixel(*to)) {
@@ -336,7 +336,7 @@ fn draw_marks(
                 centre,
                 radius: 2.2 * sizes.curve,
                 fill: theme.background,
-                stroke: Stroke::solid(theme.mark, 1.3 * sizes.hair),
+                stroke: LineStyle::solid(theme.mark, 1.3 * sizes.hair),
             });
         }
     }

@@ -3,7 +3,7 @@
 use super::chart::Panel;
 use super::headings::{Heading, Words};
 use super::layout::{Ruler, Sizes};
-use super::primitive::{DrawnPrimitive, Rect, Stroke, TextAnchor};
+use super::primitive::{DrawnPrimitive, LineStyle, Rect, TextAnchor};
 use super::scale::{Scale, ScaleKind, value_limits};
 use super::theme::ChartTheme;
 use super::ticks::{Ticks, scale_ticks};
@@ -100,7 +100,7 @@ impl AxesFrame {
 
     /// Grid lines: below everything else.
     pub fn draw_grid(&self, sizes: &Sizes, theme: &ChartTheme, list: &mut Vec<DrawnPrimitive>) {
-        let stroke = Stroke::solid(theme.grid, sizes.hair);
+        let stroke = LineStyle::solid(theme.grid, sizes.hair);
         for x in tick_places(&self.x_ticks, &self.x) {
             list.push(hair_line([x, self.area.top], [x, self.area.bottom], stroke));
         }
@@ -117,7 +117,7 @@ impl AxesFrame {
         theme: &ChartTheme,
         list: &mut Vec<DrawnPrimitive>,
     ) {
-        let (area, stroke) = (&self.area, Stroke::solid(theme.axis, sizes.hair));
+        let (area, stroke) = (&self.area, LineStyle::solid(theme.axis, sizes.hair));
         // Both axes as one line, on whole pixels.
         let corners = [
             [snap_pixel(area.left), snap_pixel(area.top)],
@@ -260,7 +260,7 @@ fn snap_pixel(pixel: f64) -> f64 {
     pixel.floor() + 0.5
 }
 
-fn hair_line(from: [f64; 2], to: [f64; 2], stroke: Stroke) -> DrawnPrimitive {
+fn hair_line(from: [f64; 2], to: [f64; 2], stroke: LineStyle) -> DrawnPrimitive {
     DrawnPrimitive::Line {
         points: vec![from, to],
         stroke,

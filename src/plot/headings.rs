@@ -4,7 +4,7 @@
 
 use super::chart::{Panel, SeriesStyle};
 use super::layout::{Ruler, Sizes};
-use super::primitive::{DrawnPrimitive, Rect, Stroke, TextAnchor};
+use super::primitive::{DrawnPrimitive, LineStyle, Rect, TextAnchor};
 use super::scale::Scale;
 use super::theme::{ChartTheme, Dashes};
 
@@ -121,9 +121,9 @@ impl Heading {
 }
 
 /// The look of curve `index` of a panel.
-pub fn curve_stroke(panel: &Panel, index: usize, sizes: &Sizes, theme: &ChartTheme) -> Stroke {
+pub fn curve_stroke(panel: &Panel, index: usize, sizes: &Sizes, theme: &ChartTheme) -> LineStyle {
     let style = panel.series.get(index).map(|series| series.style);
-    Stroke {
+    LineStyle {
         colour: theme.colour(index),
         width: sizes.curve,
         dashes: match style {

@@ -2,7 +2,7 @@
 
 use super::chart::Chart;
 use super::primitive::Rect;
-use crate::render::text::{Face, set_text};
+use crate::render::text::{FontFace, set_text};
 
 /// Width of a chart whose texts have their ordinary size, in pixels.
 const USUAL_WIDTH: f64 = 800.0;
@@ -125,7 +125,7 @@ fn column_count(chart: &Chart, [width, height]: [f64; 2]) -> usize {
 /// Measures texts in the face they are drawn in.
 #[derive(Default)]
 pub struct Ruler {
-    face: Face,
+    face: FontFace,
 }
 
 impl Ruler {

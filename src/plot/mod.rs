@@ -26,7 +26,7 @@ pub mod theme;
 pub mod ticks;
 
 pub use chart::{
-    Axis, Band, Chart, EventMark, Panel, PlotSeries, PointWord, SeriesStyle, Shade, Tile,
+    Axis, Chart, ChartBand, EventMark, MapTile, Panel, PlotSeries, PointWord, SeriesStyle, Shade,
 };
 pub use drawing::{Drawing, draw_chart};
 pub use layout::usual_size;

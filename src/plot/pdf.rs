@@ -3,8 +3,8 @@
 
 use super::decimal::trimmed_decimal;
 use super::drawing::Drawing;
-use super::pdf_text::{Run, text_runs, text_width};
-use super::primitive::{DrawnPrimitive, Stroke, TextAnchor};
+use super::pdf_text::{TextRun, text_runs, text_width};
+use super::primitive::{DrawnPrimitive, LineStyle, TextAnchor};
 use super::theme::Colour;
 use std::fmt::Write;
 
@@ -147,7 +147,7 @@ impl Page {
     }
 
     /// Saves the state and sets colours and line style.
-    fn begin_state(&mut self, [r, g, b, a]: Colour, stroke: Option<&Stroke>) {
+    fn begin_state(&mut self, [r, g, b, a]: Colour, stroke: Option<&LineStyle>) {
         let [r, g, b] = [r, g, b].map(|code| point_number(f64::from(code) / 255.0));
         let operator = if stroke.is_some() { "RG" } else { "rg" };
         let _ = write!(self.content, "q {r} {g} {b} {operator} ");
@@ -217,7 +217,7 @@ impl Page {
                 TextAnchor::End => width,
             };
         self.content.push_str("BT ");
-        for Run {
+        for TextRun {
             face,
             codes,
             width,
@@ -277,7 +277,7 @@ mod tests {
                     centre: [50.0, 50.0],
                     radius: 5.0,
                     fill: [255; 4],
-                    stroke: Stroke::solid([0, 0, 0, 255], 1.0),
+                    stroke: LineStyle::solid([0, 0, 0, 255], 1.0),
                 },
             ],
             areas: Vec::new(),

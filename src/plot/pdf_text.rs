@@ -2,7 +2,7 @@
 
 /// A run of letters in one font and size.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Run {
+pub struct TextRun {
     /// Name of the face in the document: `H` Helvetica, `S` Symbol.
     pub face: char,
     /// Codes in the face.
@@ -81,8 +81,8 @@ struct Letter {
 }
 
 /// A text in runs.
-pub fn text_runs(text: &str) -> Vec<Run> {
-    let mut runs: Vec<Run> = Vec::new();
+pub fn text_runs(text: &str) -> Vec<TextRun> {
+    let mut runs: Vec<TextRun> = Vec::new();
     for letter in text.chars().map(find_letter) {
         let [scale, drop] = if letter.is_below {
             SUBSCRIPT
@@ -94,7 +94,7 @@ pub fn text_runs(text: &str) -> Vec<Run> {
                 run.codes.push(letter.code);
                 run.width += letter.width * scale;
             }
-            _ => runs.push(Run {
+            _ => runs.push(TextRun {
                 face: letter.face,
                 codes: vec![letter.code],
                 width: letter.width * scale,

@@ -2,7 +2,7 @@
 
 use super::chart::Chart;
 use super::drawing::Drawing;
-use super::primitive::{DrawnPrimitive, Stroke};
+use super::primitive::{DrawnPrimitive, LineStyle};
 
 /// A line at the sample's place on the horizontal axis, and a dot on every curve.
 pub fn playhead_marks(chart: &Chart, drawing: &Drawing, sample: usize) -> Vec<DrawnPrimitive> {
@@ -14,7 +14,7 @@ pub fn playhead_marks(chart: &Chart, drawing: &Drawing, sample: usize) -> Vec<Dr
         if let Some(x) = place.filter(|_| !panel.equal) {
             list.push(DrawnPrimitive::Line {
                 points: vec![[x, area.rect.top], [x, area.rect.bottom]],
-                stroke: Stroke::solid(theme.faint_text, sizes.hair),
+                stroke: LineStyle::solid(theme.faint_text, sizes.hair),
                 name: String::new(),
             });
         }
@@ -25,7 +25,7 @@ pub fn playhead_marks(chart: &Chart, drawing: &Drawing, sample: usize) -> Vec<Dr
                     centre,
                     radius: 2.4 * sizes.curve,
                     fill: theme.colour(index),
-                    stroke: Stroke::solid(theme.background, 1.2 * sizes.hair),
+                    stroke: LineStyle::solid(theme.background, 1.2 * sizes.hair),
                 });
             }
         }

@@ -15,7 +15,7 @@ pub enum TextAnchor {
 
 /// A line's look.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stroke {
+pub struct LineStyle {
     /// Colour.
     pub colour: Colour,
     /// Pixels.
@@ -24,7 +24,7 @@ pub struct Stroke {
     pub dashes: Dashes,
 }
 
-impl Stroke {
+impl LineStyle {
     /// A line without interruptions.
     pub fn solid(colour: Colour, width: f64) -> Self {
         Self {
@@ -80,7 +80,7 @@ pub enum DrawnPrimitive {
         /// Corners.
         points: Vec<[f64; 2]>,
         /// Look.
-        stroke: Stroke,
+        stroke: LineStyle,
         /// Name of the curve it belongs to; empty for axes, grid and the like.
         name: String,
     },
@@ -100,7 +100,7 @@ pub enum DrawnPrimitive {
         /// Inside.
         fill: Colour,
         /// Outline.
-        stroke: Stroke,
+        stroke: LineStyle,
     },
     /// A text on its baseline.
     Text {

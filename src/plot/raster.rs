@@ -1,9 +1,9 @@
 //! A drawing as pixels. The same drawing gives the same bytes everywhere.
 
 use super::drawing::Drawing;
-use super::primitive::{DrawnPrimitive, Rect, Stroke, TextAnchor};
+use super::primitive::{DrawnPrimitive, LineStyle, Rect, TextAnchor};
 use super::theme::Colour;
-use crate::render::text::{Face, set_text};
+use crate::render::text::{FontFace, set_text};
 use image::RgbaImage;
 use tiny_skia::{
     Color, FillRule, LineCap, LineJoin, Paint, PathBuilder, PixmapMut, Shader, StrokeDash,
@@ -13,7 +13,7 @@ use tiny_skia::{
 /// Draws on RGBA pixels; caches glyphs.
 #[derive(Default)]
 pub struct ChartPainter {
-    face: Face,
+    face: FontFace,
 }
 
 impl ChartPainter {
@@ -152,7 +152,7 @@ fn fill_outline(path: PathBuilder, fill: Colour, pixels: &mut PixmapMut) {
     );
 }
 
-fn stroke_outline(path: PathBuilder, stroke: Stroke, pixels: &mut PixmapMut) {
+fn stroke_outline(path: PathBuilder, stroke: LineStyle, pixels: &mut PixmapMut) {
     let Some(path) = path.finish() else { return };
     let lengths = stroke.dashes.lengths(stroke.width);
     let dash = lengths.and_then(|l| StrokeDash::new(l.map(|v| v as f32).to_vec(), 0.0));

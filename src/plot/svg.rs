@@ -2,7 +2,7 @@
 
 use super::decimal::trimmed_decimal;
 use super::drawing::Drawing;
-use super::primitive::{DrawnPrimitive, Stroke, TextAnchor};
+use super::primitive::{DrawnPrimitive, LineStyle, TextAnchor};
 use super::theme::Colour;
 use std::fmt::Write;
 
@@ -118,7 +118,7 @@ fn write_element(primitive: &DrawnPrimitive, out: &mut String) {
 
 fn write_line(
     points: &[[f64; 2]],
-    stroke: Stroke,
+    stroke: LineStyle,
     name: &str,
     out: &mut String,
 ) -> std::fmt::Result {
@@ -142,7 +142,7 @@ fn corner_list(points: &[[f64; 2]]) -> String {
     texts.collect::<Vec<_>>().join(" ")
 }
 
-fn stroke_attributes(stroke: Stroke) -> String {
+fn stroke_attributes(stroke: LineStyle) -> String {
     let mut text = paint_attributes("stroke", stroke.colour);
     let _ = write!(text, " stroke-width=\"{}\"", short_number(stroke.width));
     if let Some([dash, gap]) = stroke.dashes.lengths(stroke.width) {

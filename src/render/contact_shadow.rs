@@ -146,7 +146,7 @@ impl ShadowCaster {
     pub fn new(stage: &Stage) -> Option<Self> {
         let ground = stage
             .ground
-            .filter(|g| g.radius > 0.0 && g.center.is_finite())?;
+            .filter(|g| g.radius > 0.0 && g.centre.is_finite())?;
         let texel = (2.0 * ground.radius / f64::from(SHADOW_SIZE)) as f32;
         let area = (SHADOW_SIZE * SHADOW_SIZE) as usize;
         let coarse = stage.meshes.iter().map(|mesh| {
@@ -176,7 +176,7 @@ impl ShadowCaster {
         // In the frame of the ground height is z.
         let ground_from_world = Pose {
             rotation: self.axes,
-            translation: self.ground.center,
+            translation: self.ground.centre,
         }
         .inverse();
         let slant = self.shadow_slant(camera);

@@ -48,14 +48,14 @@ pub fn first_surface(outline: Option<u32>, opacity: f64, creases: bool, before: 
 
 /// The lines of a stage.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Edges {
+pub struct EdgeStyle {
     /// Creases and the borders between the solids of a body as well, not only outlines of bodies.
     pub creases: bool,
     /// sRGB colour.
     pub ink: [u8; 3],
 }
 
-impl Edges {
+impl EdgeStyle {
     /// Half the width of the lines in pixels, in a picture `height` pixels high with `samples` a pixel.
     pub fn half_width(height: u32, samples: u32) -> f64 {
         let least = LEAST_HALF_WIDTH.iter().find(|(most, _)| samples <= *most);

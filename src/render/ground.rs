@@ -50,7 +50,7 @@ pub fn ground_axes(ground: &Ground) -> DMat3 {
 /// How far below its plane the ground is drawn.
 fn ground_sink(ground: &Ground, camera: &Camera, size: [u32; 2]) -> f64 {
     let away = if camera.is_perspective() {
-        (ground.center - camera.world_from_camera.translation).length()
+        (ground.centre - camera.world_from_camera.translation).length()
     } else {
         1.0
     };
@@ -65,11 +65,11 @@ impl GroundView {
     /// The ground through a camera; `None` if its upper side is not visible.
     pub fn new(ground: &Ground, camera: &Camera, size: [u32; 2]) -> Option<Self> {
         let axes = camera.world_from_camera.rotation.transpose() * ground_axes(ground);
-        let center = camera
+        let centre = camera
             .world_from_camera
             .inverse()
-            .transform_point(ground.center);
-        let center = center - axes.z_axis * ground_sink(ground, camera, size);
+            .transform_point(ground.centre);
+        let centre = centre - axes.z_axis * ground_sink(ground, camera, size);
         let normal = axes.z_axis;
         // The line of sight of a pixel is origin + s direction; both are affine in the pixel.
         let scale = 1.0 / camera.pixels_per_unit(size);
@@ -83,12 +83,12 @@ impl GroundView {
             ),
         ];
         let seen_from_above = if camera.is_perspective() {
-            -normal.dot(center)
+            -normal.dot(centre)
         } else {
             normal.z
         };
         // Not a number, edge-on and seen from below are all refused by the one comparison.
-        let visible = seen_from_above > 0.0 && ground.radius > 0.0 && center.is_finite();
+        let visible = seen_from_above > 0.0 && ground.radius > 0.0 && centre.is_finite();
         if !visible {
             return None;
         }
@@ -98,14 +98,14 @@ impl GroundView {
         } else {
             (plane_at, [DVec3::ZERO, DVec3::ZERO, DVec3::NEG_Z])
         };
-        Some(Self::from_sight(ground, &axes, center, origin, direction))
+        Some(Self::from_sight(ground, &axes, centre, origin, direction))
     }
 
     /// Intersects the lines of sight with the plane, form by form.
     fn from_sight(
         ground: &Ground,
         axes: &DMat3,
-        center: DVec3,
+        centre: DVec3,
         origin: [DVec3; 3],
         direction: [DVec3; 3],
     ) -> Self {
@@ -114,15 +114,15 @@ impl GroundView {
         // s = numerator / fall, where both are at most affine and one of them is constant.
         let fall = direction.map(|d| -normal.dot(d));
         let mut numerator = origin.map(|o| normal.dot(o));
-        numerator[2] -= normal.dot(center);
+        numerator[2] -= normal.dot(centre);
         let (height, drop) = (numerator[2], fall[2]);
         let along = |axis: DVec3| -> [f64; 3] {
             std::array::from_fn(|k| {
-                let offset = if k == 2 { axis.dot(center) } else { 0.0 };
+                let offset = if k == 2 { axis.dot(centre) } else { 0.0 };
                 let value = if parallel {
                     axis.dot(origin[k]) + numerator[k] / drop * axis.dot(direction[2]) - offset
                 } else {
-                    height * axis.dot(direction[k]) - axis.dot(center) * fall[k]
+                    height * axis.dot(direction[k]) - axis.dot(centre) * fall[k]
                 };
                 value / ground.radius
             })
@@ -209,7 +209,7 @@ mod tests {
     #[test]
     fn pixels_and_plane_are_inverse() {
         let ground = Ground {
-            center: DVec3::new(0.3, -0.2, -1.0),
+            centre: DVec3::new(0.3, -0.2, -1.0),
             normal: DVec3::Z,
             radius: 4.0,
             grid: 0.5,
@@ -236,7 +236,7 @@ mod tests {
                 };
                 seen += 1;
                 let [u, v] = point.at.map(f64::from);
-                let world = ground.center + (axes.x_axis * u + axes.y_axis * v) * ground.radius
+                let world = ground.centre + (axes.x_axis * u + axes.y_axis * v) * ground.radius
                     - axes.z_axis * ground_sink(&ground, &camera, size);
                 let [px, py, distance] = camera.project(world, size).unwrap();
                 assert!((px - x).abs() < 1e-3 && (py - y).abs() < 1e-3);
@@ -255,7 +255,7 @@ mod tests {
             up: DVec3::Z,
         };
         let ground = Ground {
-            center: DVec3::Z,
+            centre: DVec3::Z,
             normal: DVec3::Z,
             radius: 4.0,
             grid: 0.0,

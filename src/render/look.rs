@@ -9,10 +9,10 @@
 pub type Rgb = [f32; 3];
 
 /// The light that reaches a surface: fractions of the key light and of the ambient light.
-pub type Open = [f32; 2];
+pub type LightShare = [f32; 2];
 
 /// Unobstructed light.
-pub const ALL_OPEN: Open = [1.0; 2];
+pub const ALL_OPEN: LightShare = [1.0; 2];
 
 /// Unit direction towards the key light: above, left of and behind the viewer. The components are ninths
 /// so that the length is 1 without rounding a table of digits.
@@ -140,7 +140,7 @@ pub fn shade_surface(
     around: &Surroundings,
     albedo: Rgb,
     flat: f32,
-    open: Open,
+    open: LightShare,
 ) -> Rgb {
     let [lit, sky_open] = open;
     // Key light: wrapped around the terminator, less what other bodies' shadows take of its direct part.

@@ -23,7 +23,7 @@ pub mod text;
 
 use crate::limits::{LimitExceeded, allow_picture};
 use crate::math::Pose;
-use edges::Edges;
+use edges::EdgeStyle;
 use glam::DVec3;
 use image::RgbaImage;
 use look::Rim;
@@ -53,7 +53,7 @@ pub struct Stage {
     /// The ground, if any.
     pub ground: Option<Ground>,
     /// Lines between surfaces, if any.
-    pub edges: Option<Edges>,
+    pub edges: Option<EdgeStyle>,
     /// Least and greatest corner of the box, in the world, within which bodies shade each other; `None` if they do not.
     pub mutual_shade: Option<[DVec3; 2]>,
 }
@@ -90,7 +90,7 @@ pub struct Camera {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ground {
     /// A point of the ground, the middle of the disc.
-    pub center: DVec3,
+    pub centre: DVec3,
     /// Unit normal, towards the viewer's up.
     pub normal: DVec3,
     /// Radius at which the disc has faded out.
@@ -132,7 +132,7 @@ pub struct Instance {
 
 /// Where a label is anchored.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Anchor {
+pub enum LabelAnchor {
     /// A point of the world, projected; the label is centred on it.
     World(DVec3),
     /// A point of the world, projected; the label is above and to the right of it, with a leader to it.
@@ -166,7 +166,7 @@ pub struct Patch {
 
 /// A straight line over the picture, below the labels.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stroke {
+pub struct OverlayStroke {
     /// In pixels from the top left.
     pub ends: [[f64; 2]; 2],
     /// Half its width at both ends, in pixels.
@@ -181,7 +181,7 @@ pub struct Label {
     /// The text.
     pub text: String,
     /// Where.
-    pub anchor: Anchor,
+    pub anchor: LabelAnchor,
     /// Height of the capitals' line in pixels.
     pub size: f64,
     /// sRGB colour.
@@ -202,7 +202,7 @@ pub struct Frame {
     /// Rectangles over them.
     pub patches: Vec<Patch>,
     /// Lines over them.
-    pub strokes: Vec<Stroke>,
+    pub strokes: Vec<OverlayStroke>,
     /// Text over all of them.
     pub labels: Vec<Label>,
     /// Drawn greyed, with a hatched margin: there is no pose at this time.

@@ -9,8 +9,8 @@ mod patch;
 mod plate;
 mod stroke;
 
-use super::text::{Face, PHASES, Setting, set_text};
-use super::{Anchor, Camera, Frame, Label};
+use super::text::{FontFace, PHASES, Setting, set_text};
+use super::{Camera, Frame, Label, LabelAnchor};
 use image::RgbaImage;
 use paint::OverlayPainter;
 pub use plate::plate_padding;
@@ -21,7 +21,7 @@ const LARGEST_SIZE: f64 = 1024.0;
 
 /// Draws labels; keeps the glyphs it has rasterised.
 pub struct Overlay {
-    face: Face,
+    face: FontFace,
     plate_colour: [u8; 3],
     /// Left, top, right and bottom of the labels drawn so far in this frame.
     taken: Vec<[f64; 4]>,
@@ -31,7 +31,7 @@ impl Overlay {
     /// An overlay whose plates have the sRGB colour `background` (the stage's background).
     pub fn new(background: [u8; 3]) -> Self {
         Self {
-            face: Face::new(),
+            face: FontFace::new(),
             plate_colour: background,
             taken: Vec::new(),
         }
@@ -65,7 +65,7 @@ impl Overlay {
         camera: &Camera,
         size: [u32; 2],
     ) -> Vec<(String, [f64; 4])> {
-        let face = Face::new();
+        let face = FontFace::new();
         let labels = frame.labels.iter().filter_map(|label| {
             let setting = set_text(&face, &label.text, label.size.min(LARGEST_SIZE));
             let [left, top] = place_label(label, &setting, camera, size)?;
@@ -90,8 +90,8 @@ impl Overlay {
         }
         self.taken.push(own);
         let mut painter = OverlayPainter::new(image);
-        if let Anchor::Beside(point)
-        | Anchor::Placed {
+        if let LabelAnchor::Beside(point)
+        | LabelAnchor::Placed {
             point, line: true, ..
         } = label.anchor
             && let Some([x, y, _]) = camera.project(point, size)
@@ -107,7 +107,7 @@ impl Overlay {
             let corner = [left, top].map(|c| c.round() as i32);
             plate::draw_plate(&mut painter, &setting, corner, self.plate_colour);
         }
-        let in_world = !matches!(label.anchor, Anchor::Screen(_));
+        let in_world = !matches!(label.anchor, LabelAnchor::Screen(_));
         if in_world && !label.plate {
             // A halo in the background's colour keeps the text readable in front of dark bodies.
             for shift in SEAM {
@@ -177,18 +177,18 @@ fn place_label(
 ) -> Option<[f64; 2]> {
     let picture = size.map(f64::from);
     let corner = match label.anchor {
-        Anchor::World(point) => {
+        LabelAnchor::World(point) => {
             let [x, y, _] = camera.project(point, size)?;
             [x - 0.5 * setting.width, y - 0.5 * setting.height]
         }
-        Anchor::Beside(point) => {
+        LabelAnchor::Beside(point) => {
             let [x, y, _] = camera.project(point, size)?;
             let away = BESIDE.map(|n| n * setting.size);
             // Kept inside the picture, so that the text can be read when its point is near the border.
             let left = (x + away[0]).min(picture[0] - setting.width - 2.0);
             [left, (y - away[1] - 0.5 * setting.height).max(2.0)]
         }
-        Anchor::Placed { point, offset, .. } => {
+        LabelAnchor::Placed { point, offset, .. } => {
             let [x, y, _] = camera.project(point, size)?;
             let within = |middle: f64, extent: f64, limit: f64| {
                 let low = (limit - BORDER - extent).min(middle - 0.5 * extent);
@@ -199,7 +199,7 @@ fn place_label(
                 within(y + offset[1], setting.height, picture[1]),
             ]
         }
-        Anchor::Screen([x, y]) => {
+        LabelAnchor::Screen([x, y]) => {
             let inset = if label.plate {
                 plate::plate_padding(setting.size)
             } else {

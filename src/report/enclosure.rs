@@ -3,7 +3,7 @@
 
 use super::cells::{aligned_rows, quoted_cell, six_digits};
 use crate::analysis::enclosure::{
-    Allowed, Band, Enclosed, MeasureBand, Obstacle, Plan, shown_names,
+    AllowedTolerance, BandObstacle, Enclosed, MeasureBand, TolerancePlan, ValueBand, shown_names,
 };
 use crate::kinematics::results::certificate::Reason;
 use crate::model::mechanism::{Kind, Mechanism};
@@ -42,25 +42,25 @@ pub fn outer_end(value: f64, kind: Kind, mechanism: &Mechanism, side: f64) -> St
 pub fn enclosure_word(enclosed: &Enclosed) -> &'static str {
     match &enclosed.bands {
         Ok(_) => "enclosed",
-        Err(Obstacle::NoPose) => "no-pose",
-        Err(Obstacle::Interrupted) => "interrupted",
-        Err(Obstacle::Test { reason, .. }) => reason.word(),
+        Err(BandObstacle::NoPose) => "no-pose",
+        Err(BandObstacle::Interrupted) => "interrupted",
+        Err(BandObstacle::Test { reason, .. }) => reason.word(),
     }
 }
 
 /// Why a sample has no band, with the limiting dimension and the time.
-pub fn refusal_text(plan: &Plan, enclosed: &Enclosed) -> Option<String> {
+pub fn refusal_text(plan: &TolerancePlan, enclosed: &Enclosed) -> Option<String> {
     match &enclosed.bands {
         Ok(_) => None,
-        Err(Obstacle::NoPose) => Some(format!(
+        Err(BandObstacle::NoPose) => Some(format!(
             "t = {} s: no pose was found",
             shortest_decimal(enclosed.time)
         )),
-        Err(Obstacle::Interrupted) => Some(format!(
+        Err(BandObstacle::Interrupted) => Some(format!(
             "t = {} s: interrupted",
             shortest_decimal(enclosed.time)
         )),
-        Err(Obstacle::Test { reason, dimension }) => {
+        Err(BandObstacle::Test { reason, dimension }) => {
             let name = dimension.and_then(|k| plan.dimensions.get(k)).map(|d| {
                 format!("; within the tolerances, `{}` brings the mechanism closest to a fold or change point", d.name)
             });
@@ -84,7 +84,7 @@ pub const fn reason_words(reason: Reason) -> &'static str {
 }
 
 /// The bands as CSV.
-pub fn enclosure_csv(plan: &Plan, motion: &[Enclosed], searched: bool) -> String {
+pub fn enclosure_csv(plan: &TolerancePlan, motion: &[Enclosed], searched: bool) -> String {
     let mechanism = plan.family.mechanism();
     let mut text = enclosure_header(plan, searched)
         .iter()
@@ -104,7 +104,7 @@ pub fn enclosure_csv(plan: &Plan, motion: &[Enclosed], searched: bool) -> String
 }
 
 /// Names of the columns.
-fn enclosure_header(plan: &Plan, searched: bool) -> Vec<String> {
+fn enclosure_header(plan: &TolerancePlan, searched: bool) -> Vec<String> {
     let mechanism = plan.family.mechanism();
     let own = mechanism.inputs.iter().take(plan.family.own_inputs());
     let mut names = vec!["time".to_owned()];
@@ -121,7 +121,7 @@ fn enclosure_header(plan: &Plan, searched: bool) -> Vec<String> {
 
 fn enclosure_cells(
     mechanism: &Mechanism,
-    plan: &Plan,
+    plan: &TolerancePlan,
     enclosed: &Enclosed,
     searched: bool,
 ) -> Vec<String> {
@@ -170,7 +170,7 @@ pub(super) fn bounded_number(value: f64, kind: Kind, mechanism: &Mechanism, side
 
 /// The bands as one JSON document.
 pub fn enclosure_document(
-    plan: &Plan,
+    plan: &TolerancePlan,
     motion: &[Enclosed],
     measures: Option<&[MeasureBand]>,
     searched: bool,
@@ -229,7 +229,7 @@ struct BandSummary {
 }
 
 /// The summary: how far every quantity can be below and above the nominal motion, and was found to be.
-pub fn enclosure_summary(plan: &Plan, motion: &[Enclosed], searched: bool) -> String {
+pub fn enclosure_summary(plan: &TolerancePlan, motion: &[Enclosed], searched: bool) -> String {
     let mechanism = plan.family.mechanism();
     let done = motion.iter().filter(|e| e.bands.is_ok()).count();
     let mut text = format!(
@@ -314,7 +314,7 @@ fn over_motion(motion: &[Enclosed], index: usize) -> Option<BandSummary> {
     all
 }
 
-fn of_band(band: &Band, time: f64) -> BandSummary {
+fn of_band(band: &ValueBand, time: f64) -> BandSummary {
     let width = band.found[1] - band.found[0];
     // A quantity that does not move is bounded by rounding alone.
     let still = 1e-9 * band.nominal.abs().max(1.0);
@@ -333,7 +333,7 @@ fn of_band(band: &Band, time: f64) -> BandSummary {
 }
 
 /// The measures: proved bounds, compared with their limits.
-pub fn measure_lines(plan: &Plan, bands: &[MeasureBand]) -> String {
+pub fn measure_lines(plan: &TolerancePlan, bands: &[MeasureBand]) -> String {
     let mechanism = plan.family.mechanism();
     let mut rows = vec![vec![
         "measure".to_owned(),
@@ -373,7 +373,12 @@ pub fn measure_lines(plan: &Plan, bands: &[MeasureBand]) -> String {
 }
 
 /// What `--allow` found.
-pub fn allowed_lines(plan: &Plan, name: &str, limit: f64, found: &Allowed) -> String {
+pub fn allowed_lines(
+    plan: &TolerancePlan,
+    name: &str,
+    limit: f64,
+    found: &AllowedTolerance,
+) -> String {
     let mechanism = plan.family.mechanism();
     let mut text = mechanism.title.clone();
     if found.factor == 0.0 {

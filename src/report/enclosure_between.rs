@@ -2,12 +2,12 @@
 
 use super::cells::aligned_rows;
 use super::enclosure::{bounded_number, outer_end};
-use crate::analysis::enclosure::{Plan, SpanBands, shown_names};
+use crate::analysis::enclosure::{SpanBands, TolerancePlan, shown_names};
 use crate::model::printed::shortest_decimal;
 use serde_json::{Map, Value, json};
 
 /// Bounds for every piece over the whole motion, including the times between the samples.
-pub fn between_lines(plan: &Plan, stretches: &[SpanBands]) -> String {
+pub fn between_lines(plan: &TolerancePlan, stretches: &[SpanBands]) -> String {
     let mechanism = plan.family.mechanism();
     let proved: Vec<&Vec<[f64; 2]>> = stretches
         .iter()
@@ -47,7 +47,7 @@ pub fn between_lines(plan: &Plan, stretches: &[SpanBands]) -> String {
 }
 
 /// The same as objects of a document.
-pub fn between_objects(plan: &Plan, list: &[SpanBands]) -> Value {
+pub fn between_objects(plan: &TolerancePlan, list: &[SpanBands]) -> Value {
     let mechanism = plan.family.mechanism();
     let names = shown_names(mechanism);
     let object = |stretch: &SpanBands| {

@@ -1,7 +1,7 @@
 //! Events and intervals without a pose as JSON, in the scene's units.
 
 use crate::kinematics::results::trajectory::{
-    Ending, Event, EventKind, Gap, Instant, RemainingGap, Trajectory,
+    Ending, Event, EventKind, Instant, MotionGap, RemainingGap, Trajectory,
 };
 use crate::model::mechanism::Mechanism;
 use serde_json::{Map, Value, json};
@@ -113,7 +113,7 @@ pub fn gap_list(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<Value> {
     gaps.map(|g| gap_value(mechanism, g)).collect()
 }
 
-fn gap_value(mechanism: &Mechanism, gap: &Gap) -> Value {
+fn gap_value(mechanism: &Mechanism, gap: &MotionGap) -> Value {
     json!({
         "from": gap.from.as_ref().map(|at| instant_value(mechanism, at)),
         "until": gap.until.as_ref().map(|at| instant_value(mechanism, at)),

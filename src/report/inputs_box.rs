@@ -2,7 +2,7 @@
 
 use super::rounded::not_below;
 use super::verdict::{CLEARANCE, Case, Status};
-use crate::clearance::inputs_box::{BoxPair, BoxReport, Side};
+use crate::clearance::inputs_box::{BoxPair, BoxReport, InputRange};
 use crate::diag::decimals_of;
 use crate::model::mechanism::Mechanism;
 use serde_json::{Value, json};
@@ -11,8 +11,8 @@ use serde_json::{Value, json};
 const MOST_PARTS: usize = 3;
 
 /// A part of the box in words: `u 0 to 45 deg, v -10 to -5 mm`.
-fn part_in_words(mechanism: &Mechanism, sides: [Side; 2], part: &[[f64; 2]; 2]) -> String {
-    let one = |side: &Side, [low, high]: [f64; 2]| {
+fn part_in_words(mechanism: &Mechanism, sides: [InputRange; 2], part: &[[f64; 2]; 2]) -> String {
+    let one = |side: &InputRange, [low, high]: [f64; 2]| {
         let input = &mechanism.inputs[side.input];
         let unit = mechanism.file_units(input.kind);
         let name = mechanism.unit_name(input.kind);
@@ -25,7 +25,11 @@ fn part_in_words(mechanism: &Mechanism, sides: [Side; 2], part: &[[f64; 2]; 2]) 
     words.join(", ")
 }
 
-fn parts_in_words(mechanism: &Mechanism, sides: [Side; 2], parts: &[[[f64; 2]; 2]]) -> String {
+fn parts_in_words(
+    mechanism: &Mechanism,
+    sides: [InputRange; 2],
+    parts: &[[[f64; 2]; 2]],
+) -> String {
     let shown = parts.iter().take(MOST_PARTS);
     let shown: Vec<String> = shown
         .map(|part| part_in_words(mechanism, sides, part))
@@ -40,7 +44,7 @@ fn parts_in_words(mechanism: &Mechanism, sides: [Side; 2], parts: &[[[f64; 2]; 2
 /// One case per pair, one for parts that no motion reaches, and one if no pair was judged, unless that is allowed.
 pub fn cases(
     mechanism: &Mechanism,
-    sides: [Side; 2],
+    sides: [InputRange; 2],
     report: &BoxReport,
     may_be_empty: bool,
 ) -> Vec<Case> {
@@ -75,7 +79,7 @@ pub fn cases(
     cases
 }
 
-fn junit_case(mechanism: &Mechanism, sides: [Side; 2], pair: &BoxPair) -> Case {
+fn junit_case(mechanism: &Mechanism, sides: [InputRange; 2], pair: &BoxPair) -> Case {
     let unit = &mechanism.length_unit;
     let inputs = mechanism.inputs.iter().zip(&pair.inputs);
     let at: Vec<String> = inputs
@@ -111,7 +115,7 @@ fn junit_case(mechanism: &Mechanism, sides: [Side; 2], pair: &BoxPair) -> Case {
 }
 
 /// The report as the `inputs_box` object of the JSON document; values in the file's units.
-pub fn to_json(mechanism: &Mechanism, sides: [Side; 2], report: &BoxReport) -> Value {
+pub fn to_json(mechanism: &Mechanism, sides: [InputRange; 2], report: &BoxReport) -> Value {
     let shown = |side: usize, value: f64| {
         value * mechanism.file_units(mechanism.inputs[sides[side].input].kind)
     };

@@ -1,10 +1,10 @@
 //! A verdict as JUnit XML: one suite per scene, one case per question. A negative answer is a failure and an undecided
 //! one an error, so that a green suite means exit code zero, and nothing else does.
 
-use super::verdict::{Case, Judged, Status};
+use super::verdict::{Case, SceneVerdict, Status};
 
 /// The whole file, one suite for each scene.
-pub fn to_junit(judged: &[Judged]) -> String {
+pub fn to_junit(judged: &[SceneVerdict]) -> String {
     let all: Vec<&Case> = judged.iter().flat_map(|one| &one.verdict.cases).collect();
     let totals = suite_totals(&all, judged.iter().map(|one| one.seconds).sum());
     let suites: String = judged.iter().map(suite_element).collect();
@@ -13,7 +13,7 @@ pub fn to_junit(judged: &[Judged]) -> String {
     )
 }
 
-fn suite_element(one: &Judged) -> String {
+fn suite_element(one: &SceneVerdict) -> String {
     let all: Vec<&Case> = one.verdict.cases.iter().collect();
     let cases: String = all.iter().map(|case| case_element(case)).collect();
     format!(

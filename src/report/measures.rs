@@ -3,7 +3,7 @@
 use super::rounded::{not_above, not_below};
 use super::verdict::{Case, MEASURES, Status};
 use crate::clearance::covered::CoveredMotion;
-use crate::clearance::measured::{Known, is_of_whole_motion, known};
+use crate::clearance::measured::{BoundedMeasure, is_of_whole_motion, known};
 use crate::diag::decimals_of;
 use crate::kinematics::measures::{formula_value, measure_motion};
 use crate::kinematics::motion::sampling::only_times;
@@ -22,7 +22,7 @@ pub struct TakenMeasure<'m> {
     /// How many poses it was taken at.
     poses: usize,
     /// Bounds between the samples, if known.
-    known: Option<Known>,
+    known: Option<BoundedMeasure>,
     /// The place on a track: inputs with their values and units, as in the file.
     place: Vec<(&'m str, f64, &'m str)>,
 }
@@ -130,7 +130,7 @@ impl<'m> TakenMeasure<'m> {
                 })
                 .collect();
         }
-        self.known = found.map(|known| Known {
+        self.known = found.map(|known| BoundedMeasure {
             time: None,
             ..known
         });
@@ -195,7 +195,7 @@ impl TakenMeasure<'_> {
     }
 
     /// The bound in the file's unit, rounded away from the value.
-    fn shown_bound(&self, known: &Known) -> f64 {
+    fn shown_bound(&self, known: &BoundedMeasure) -> f64 {
         let bound = known.bound * self.factor;
         match known.is_upper {
             true => bound.next_up(),

@@ -2,7 +2,7 @@
 
 use super::cells::{aligned_rows, six_digits};
 use super::rounded::at_most;
-use crate::analysis::optimise::Ended;
+use crate::analysis::optimise::StopReason;
 use crate::analysis::study::kept_clearances::{Clearances, NearestPair};
 use crate::analysis::study::optimum::Verified;
 use crate::analysis::study::whole_limits::WholeLimit;
@@ -25,12 +25,12 @@ pub struct OptimumReport<'a> {
 }
 
 /// The end of a search in words.
-pub fn ending_word(ended: Ended) -> &'static str {
+pub fn ending_word(ended: StopReason) -> &'static str {
     match ended {
-        Ended::Converged => "converged",
-        Ended::Stalled => "no further improvement",
-        Ended::OutOfBudget => "iteration limit reached",
-        Ended::Stopped => "interrupted, best so far",
+        StopReason::Converged => "converged",
+        StopReason::Stalled => "no further improvement",
+        StopReason::OutOfBudget => "iteration limit reached",
+        StopReason::Stopped => "interrupted, best so far",
     }
 }
 

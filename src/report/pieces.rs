@@ -4,7 +4,7 @@
 use super::enclosure::reason_words;
 use super::rounded::not_below;
 use super::verdict::{CLEARANCE, Case, Status};
-use crate::clearance::part::{Missing, PieceClearance, PieceReport, Refusal};
+use crate::clearance::part::{Missing, PieceClearance, PieceRefusal, PieceReport};
 use crate::diag::decimals_of;
 use crate::model::mechanism::Mechanism;
 use crate::model::printed::shortest_decimal;
@@ -64,7 +64,7 @@ fn piece_sentence(mechanism: &Mechanism, pair: &PieceClearance) -> String {
 }
 
 /// Why there is no bound.
-fn refusal_words(refusal: &Refusal) -> String {
+fn refusal_words(refusal: &PieceRefusal) -> String {
     let [from, until] = [refusal.from, refusal.until].map(shortest_decimal);
     let why = match refusal.missing {
         Missing::Pose => "no pose was found",

@@ -1,7 +1,7 @@
 //! Verdicts as SARIF 2.1.0, which code-hosting services show next to the files of a change: one result for every
 //! question that did not pass.
 
-use super::verdict::{CLEARANCE, Judged, MEASURES, MOTION, PROOF, Status};
+use super::verdict::{CLEARANCE, MEASURES, MOTION, PROOF, SceneVerdict, Status};
 use serde_json::{Value, json};
 
 /// Explanations of the groups of questions, for readers of a result.
@@ -17,7 +17,7 @@ const RULES: [(&str, &str); 5] = [
 ];
 
 /// The whole document.
-pub fn to_sarif(judged: &[Judged]) -> Value {
+pub fn to_sarif(judged: &[SceneVerdict]) -> Value {
     let rule = |(id, text): (&str, &str)| json!({ "id": id, "shortDescription": { "text": text } });
     let results: Vec<Value> = judged.iter().flat_map(results_of).collect();
     json!({
@@ -34,7 +34,7 @@ pub fn to_sarif(judged: &[Judged]) -> Value {
     })
 }
 
-fn results_of(one: &Judged) -> Vec<Value> {
+fn results_of(one: &SceneVerdict) -> Vec<Value> {
     let cases = one.verdict.cases.iter();
     let bad = cases.filter(|case| case.status > Status::Passed);
     bad.map(|case| json!({
@@ -76,7 +76,7 @@ mod tests {
                 case(Status::NotProved),
             ],
         };
-        let document = to_sarif(&[Judged {
+        let document = to_sarif(&[SceneVerdict {
             source: "a b\\c.toml",
             verdict: &verdict,
             seconds: 0.0,

@@ -1,7 +1,7 @@
 //! Events and gaps of a motion as sentences, with values in the scene's units.
 
 use crate::diag::decimals_of;
-use crate::kinematics::results::trajectory::{Ending, Event, EventKind, Gap, Instant};
+use crate::kinematics::results::trajectory::{Ending, Event, EventKind, Instant, MotionGap};
 use crate::model::mechanism::{Kind, Mechanism};
 
 /// Angles above this are not rounding errors of zero.
@@ -16,7 +16,7 @@ pub fn counted_things(number: usize, thing: &str) -> String {
 }
 
 /// An interval without a pose as a sentence: the feasible interval of the drive ends and begins at its ends.
-pub fn gap_sentence(mechanism: &Mechanism, gap: &Gap) -> String {
+pub fn gap_sentence(mechanism: &Mechanism, gap: &MotionGap) -> String {
     let at = |i: &Instant| {
         format!(
             "t = {} s ({})",

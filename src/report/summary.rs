@@ -1,12 +1,12 @@
 //! Verdicts as Markdown: the summary of a CI job, with one line per scene and one for every question that did not pass.
 
-use super::verdict::{Judged, Status};
+use super::verdict::{SceneVerdict, Status};
 
 /// Most lines about one scene.
 const MOST_LINES: usize = 20;
 
 /// The whole text.
-pub fn to_markdown(judged: &[Judged]) -> String {
+pub fn to_markdown(judged: &[SceneVerdict]) -> String {
     let mut text = "| scene | mechanism | result | seconds |\n|---|---|---|---:|\n".to_owned();
     for one in judged {
         text.push_str(&format!(
@@ -77,7 +77,7 @@ mod tests {
             title: "![x](http://y) | <b>".to_owned(),
             cases: vec![Case::new(MEASURES, "a", Status::Failed, "3\n4")],
         };
-        let text = to_markdown(&[Judged {
+        let text = to_markdown(&[SceneVerdict {
             source: "a.toml",
             verdict: &verdict,
             seconds: 1.0,

@@ -4,7 +4,7 @@ use super::cells::{aligned_rows, six_digits};
 use super::rounded::at_most;
 use crate::analysis::study::{FamilyError, ParametricMechanism};
 use crate::analysis::synthesis::verify::Proof;
-use crate::analysis::synthesis::{Start, Synthesis, ending_word};
+use crate::analysis::synthesis::{FinishedStart, Synthesis, ending_word};
 use crate::model::measure::Measure;
 
 /// Violation of a limit that is still called kept.
@@ -122,7 +122,7 @@ pub fn synthesis_text(found: &FoundMechanism) -> String {
     text
 }
 
-fn start_row(index: usize, start: &Start, is_polish: bool, unit: f64) -> Vec<String> {
+fn start_row(index: usize, start: &FinishedStart, is_polish: bool, unit: f64) -> Vec<String> {
     let number = if is_polish {
         "polish".to_owned()
     } else {

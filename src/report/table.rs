@@ -15,7 +15,7 @@ use serde_json::{Map, Value, json};
 
 /// The optional columns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Columns {
+pub struct TableColumns {
     /// Rates of the unknowns per second, named `d(NAME)/dt`.
     pub rates: bool,
     /// Rates up to an order of unknowns, traced points and outputs.
@@ -40,7 +40,7 @@ enum TableCell {
 pub fn write_csv(
     mechanism: &Mechanism,
     trajectory: &Trajectory,
-    columns: Columns,
+    columns: TableColumns,
     output: &mut dyn Output,
 ) -> Result<(), ExportError> {
     let mut line = table_header(mechanism, columns)
@@ -69,7 +69,7 @@ pub fn write_csv(
 pub fn write_json(
     mechanism: &Mechanism,
     trajectory: &Trajectory,
-    columns: Columns,
+    columns: TableColumns,
     output: &mut dyn Output,
 ) -> Result<(), ExportError> {
     let names = table_header(mechanism, columns);
@@ -113,7 +113,7 @@ pub fn write_json(
 const NO_SAMPLES: &str = "\n  \"samples\": []";
 
 /// Names of the columns in their order.
-fn table_header(mechanism: &Mechanism, columns: Columns) -> Vec<String> {
+fn table_header(mechanism: &Mechanism, columns: TableColumns) -> Vec<String> {
     let mut names = vec!["time".to_owned()];
     names.extend(
         mechanism
@@ -179,7 +179,7 @@ fn bound_of(name: &str) -> String {
 }
 
 /// Units of the columns that have one, by name: rates of angles in degrees are per degree, per degree squared and so on.
-fn column_units(mechanism: &Mechanism, columns: Columns) -> Map<String, Value> {
+fn column_units(mechanism: &Mechanism, columns: TableColumns) -> Map<String, Value> {
     let mut list = vec![("time".to_owned(), "s".to_owned())];
     let unit = |kind| mechanism.unit_name(kind).to_owned();
     let coordinates = mechanism.inputs.iter().chain(&mechanism.unknowns);
@@ -206,12 +206,12 @@ fn column_units(mechanism: &Mechanism, columns: Columns) -> Map<String, Value> {
     with_unit.map(|(name, unit)| (name, json!(unit))).collect()
 }
 
-fn sample_cells(mechanism: &Mechanism, sample: &Sample, columns: Columns) -> Vec<TableCell> {
+fn sample_cells(mechanism: &Mechanism, sample: &Sample, columns: TableColumns) -> Vec<TableCell> {
     let mut cells = vec![TableCell::Number(sample.time)];
     let inputs = mechanism.inputs.iter().zip(&sample.inputs);
     cells.extend(inputs.map(|(c, v)| TableCell::Number(v * mechanism.file_units(c.kind))));
     let Some(pose) = &sample.pose else {
-        let before_the_motion = Columns {
+        let before_the_motion = TableColumns {
             motion: false,
             ..columns
         };
@@ -306,7 +306,7 @@ fn number_or_empty(value: Option<f64>) -> TableCell {
 }
 
 /// The certificate of the motion from sample `index` to the next one; empty after the last.
-fn motion_cells(trajectory: &Trajectory, index: usize, columns: Columns) -> Vec<TableCell> {
+fn motion_cells(trajectory: &Trajectory, index: usize, columns: TableColumns) -> Vec<TableCell> {
     if !columns.motion {
         return Vec::new();
     }

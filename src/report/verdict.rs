@@ -164,7 +164,7 @@ impl Verdict {
 
 /// A verdict of a run that may be about several scenes.
 #[derive(Clone, Copy, Debug)]
-pub struct Judged<'a> {
+pub struct SceneVerdict<'a> {
     /// Where the scene is from.
     pub source: &'a str,
     /// What was found.

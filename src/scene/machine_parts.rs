@@ -62,14 +62,14 @@ fn read_fork(r: &mut TableReader) -> Option<Vec<SolidFile>> {
             radius: radius.clone(),
         });
         solids.push(SolidFile::Box {
-            center: Some([mixed(&[(&depth, -0.5)]), zero(), middle]),
+            centre: Some([mixed(&[(&depth, -0.5)]), zero(), middle]),
             size: [depth.clone(), wide.clone(), thickness.clone()],
         });
     }
     let across = mixed(&[(&gap, 1.0), (&thickness, 2.0)]);
     let back = mixed(&[(&depth, -1.0), (&thickness, -0.5)]);
     solids.push(SolidFile::Box {
-        center: Some([back, zero(), zero()]),
+        centre: Some([back, zero(), zero()]),
         size: [thickness, wide, across],
     });
     Some(solids)
@@ -111,7 +111,7 @@ fn read_bearing(r: &mut TableReader) -> Option<Vec<SolidFile>> {
         },
         SolidFile::Box {
             // The column ends within the housing and does not reach the shaft.
-            center: Some([zero(), mixed(&[(&height, -0.5), (&radius, -0.375)]), zero()]),
+            centre: Some([zero(), mixed(&[(&height, -0.5), (&radius, -0.375)]), zero()]),
             size: [
                 of_radius(1.2),
                 mixed(&[(&height, 1.0), (&radius, -0.75)]),
@@ -119,7 +119,7 @@ fn read_bearing(r: &mut TableReader) -> Option<Vec<SolidFile>> {
             ],
         },
         SolidFile::Box {
-            center: Some([zero(), above_foot(0.2), zero()]),
+            centre: Some([zero(), above_foot(0.2), zero()]),
             size: [of_radius(4.0), of_radius(0.4), width],
         },
     ];

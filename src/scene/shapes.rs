@@ -15,9 +15,9 @@ pub fn read_shapes(r: &mut TableReader) -> Vec<ShapeFile> {
     // Every key is read, so that all errors are reported: `None` for one with an error.
     let solids: Vec<Option<SolidFile>> = [
         r.table("sphere", |s| {
-            let center = s.vector("center");
+            let centre = s.vector("center");
             Some(SolidFile::Sphere {
-                center,
+                centre,
                 radius: required_value(s, "radius", |s, k| s.formula(k))?,
             })
         }),
@@ -39,9 +39,9 @@ pub fn read_shapes(r: &mut TableReader) -> Vec<ShapeFile> {
         }),
         r.table("cone", read_cone),
         r.table("box", |s| {
-            let center = s.vector("center");
+            let centre = s.vector("center");
             Some(SolidFile::Box {
-                center,
+                centre,
                 size: required_value(s, "size", |s, k| s.vector(k))?,
             })
         }),
@@ -125,11 +125,11 @@ fn read_cone(s: &mut TableReader) -> Option<SolidFile> {
 }
 
 fn read_torus(s: &mut TableReader) -> Option<SolidFile> {
-    let (center, axis) = (s.vector("center"), s.vector("axis"));
+    let (centre, axis) = (s.vector("center"), s.vector("axis"));
     let ring = required_value(s, "ring", |s, k| s.formula(k));
     let tube = required_value(s, "tube", |s, k| s.formula(k));
     Some(SolidFile::Torus {
-        center,
+        centre,
         axis,
         ring: ring?,
         tube: tube?,

@@ -24,7 +24,7 @@ pub struct ShapeFile {
 #[allow(missing_docs)]
 pub enum SolidFile {
     Sphere {
-        center: Option<[FormulaText; 3]>,
+        centre: Option<[FormulaText; 3]>,
         radius: FormulaText,
     },
     Capsule {
@@ -44,11 +44,11 @@ pub enum SolidFile {
         radius_to: FormulaText,
     },
     Box {
-        center: Option<[FormulaText; 3]>,
+        centre: Option<[FormulaText; 3]>,
         size: [FormulaText; 3],
     },
     Torus {
-        center: Option<[FormulaText; 3]>,
+        centre: Option<[FormulaText; 3]>,
         axis: Option<[FormulaText; 3]>,
         ring: FormulaText,
         tube: FormulaText,

@@ -1,18 +1,18 @@
 //! Comparison of a picture with its golden file. A golden is never written unless requested, and a missing one is a
 //! failure.
 
-use crate::compare::film::Allowed;
+use crate::compare::film::AllowedDifference;
 use crate::compare::triptych::TriptychRows;
 use crate::compare::{Comparison, Difference, compare_rows};
 use crate::export::png::{Effort, encode_png};
 use crate::export::png_rows::write_rows;
-use crate::export::{ExportError, Output, Target};
+use crate::export::{ExportError, Output, PendingFile};
 use crate::import::{FramePicture, ImportError, PictureRows};
 use image::RgbaImage;
 use std::path::{Path, PathBuf};
 
 /// Every pixel exactly as in the golden: for the built-in renderer.
-pub const EXACT: Allowed = Allowed {
+pub const EXACT: AllowedDifference = AllowedDifference {
     tolerance: 0,
     pixels: 0,
 };
@@ -53,7 +53,7 @@ pub enum GoldenVerdict {
 pub fn judge_picture(
     golden: &Path,
     actual: &RgbaImage,
-    allowed: Allowed,
+    allowed: AllowedDifference,
     update: Update,
 ) -> Result<GoldenVerdict, ExportError> {
     let (is_missing, outcome) = (!golden.exists(), held_against(golden, actual, allowed));
@@ -108,7 +108,7 @@ struct Mismatch {
 fn held_against(
     golden: &Path,
     actual: &RgbaImage,
-    allowed: Allowed,
+    allowed: AllowedDifference,
 ) -> Result<Difference, Mismatch> {
     let unreadable = |reason: String| Mismatch {
         reason,
@@ -154,7 +154,7 @@ pub fn save_triptych(
     };
     let mut rows = TriptychRows::new(expected, actual, tolerance).map_err(unreadable)?;
     let size = rows.size();
-    let mut output: Box<dyn Output> = Box::new(Target::create(path)?);
+    let mut output: Box<dyn Output> = Box::new(PendingFile::create(path)?);
     let next = |row: &mut Vec<u8>| {
         row.extend_from_slice(rows.next_row().map_err(unreadable)?.unwrap_or_default());
         Ok(())
@@ -166,7 +166,7 @@ pub fn save_triptych(
 fn save_picture(path: &Path, image: &RgbaImage) -> Result<(), ExportError> {
     let mut bytes = Vec::new();
     encode_png(image, Effort::Balanced, &mut bytes)?;
-    let mut target = Target::create(path)?;
+    let mut target = PendingFile::create(path)?;
     target.emit(&bytes)?;
     target.commit()
 }

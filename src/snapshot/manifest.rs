@@ -1,7 +1,7 @@
 //! The list of golden pictures, `snapshots.toml`: which scene, which instant, which view, how much may differ.
 
 use super::keys::LIST;
-use crate::compare::film::Allowed;
+use crate::compare::film::AllowedDifference;
 use crate::diag::{Diagnostic, Diagnostics, SceneError, Source, Span};
 use crate::model::theme::Theme;
 use crate::model::view::{
@@ -36,12 +36,12 @@ const DEFAULT_FOV_DEG: f64 = 24.0;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Manifest {
     /// The pictures, in the order of the file.
-    pub pictures: Vec<Picture>,
+    pub pictures: Vec<GoldenPicture>,
 }
 
 /// One picture.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Picture {
+pub struct GoldenPicture {
     /// Name of the golden file in the folder of the list.
     pub file: String,
     /// Name of a built-in scene, or path of a scene file from the folder of the list.
@@ -53,7 +53,7 @@ pub struct Picture {
     /// When.
     pub instant: PictureInstant,
     /// What may differ.
-    pub allowed: Allowed,
+    pub allowed: AllowedDifference,
     /// Replaced parameters, by name.
     pub parameters: Vec<(String, String)>,
     /// Replaced drives of inputs.
@@ -90,7 +90,7 @@ impl Manifest {
     }
 }
 
-fn read_pictures(source: &Source, diagnostics: &mut Diagnostics) -> Vec<Picture> {
+fn read_pictures(source: &Source, diagnostics: &mut Diagnostics) -> Vec<GoldenPicture> {
     let Some(table) = parse_tables(&source.text, diagnostics) else {
         return Vec::new();
     };
@@ -104,7 +104,7 @@ fn read_pictures(source: &Source, diagnostics: &mut Diagnostics) -> Vec<Picture>
     let list = read_table(found, &LIST, place, diagnostics, |r| {
         r.tables("picture", read_picture)
     });
-    let pictures: Vec<(Picture, Span)> = list.into_iter().flatten().collect();
+    let pictures: Vec<(GoldenPicture, Span)> = list.into_iter().flatten().collect();
     if pictures.is_empty() && !diagnostics.has_errors() {
         diagnostics.push(
             Diagnostic::error("the list has no pictures")
@@ -121,7 +121,7 @@ fn read_pictures(source: &Source, diagnostics: &mut Diagnostics) -> Vec<Picture>
     pictures.into_iter().map(|(picture, _)| picture).collect()
 }
 
-fn read_picture(r: &mut TableReader) -> Option<(Picture, Span)> {
+fn read_picture(r: &mut TableReader) -> Option<(GoldenPicture, Span)> {
     let (file, scene) = (r.string("file"), r.string("scene"));
     for (key, value) in [("file", &file), ("scene", &scene)] {
         if value.is_none() {
@@ -131,7 +131,7 @@ fn read_picture(r: &mut TableReader) -> Option<(Picture, Span)> {
     let size = read_size(r);
     let samples = read_number(r, "samples", 1.0, 16.0).map_or(DEFAULT_SAMPLES, |n| n as u32);
     let instant = read_instant(r);
-    let allowed = Allowed {
+    let allowed = AllowedDifference {
         tolerance: read_number(r, "tolerance", 0.0, 255.0).map_or(0, |n| n as u8),
         pixels: read_number(r, "pixels", 0.0, 1e9).map_or(0, |n| n as u64),
     };
@@ -144,7 +144,7 @@ fn read_picture(r: &mut TableReader) -> Option<(Picture, Span)> {
     let view = r.table("view", read_view).unwrap_or_default();
     let file = file.filter(|file| is_plain_png(r, file))?;
     Some((
-        Picture {
+        GoldenPicture {
             file: file.value,
             scene: scene?.value,
             size,

@@ -5,7 +5,7 @@ pub mod keys;
 pub mod manifest;
 pub mod picture;
 
-pub use crate::compare::film::Allowed;
+pub use crate::compare::film::AllowedDifference;
 pub use golden::{EXACT, GoldenVerdict, Update, judge_picture};
 pub use manifest::{MANIFEST, Manifest};
-pub use picture::{DrawError, Open, draw_picture, draw_with};
+pub use picture::{DrawError, OpenRenderer, draw_picture, draw_with};

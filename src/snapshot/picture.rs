@@ -1,6 +1,6 @@
 //! A picture of the list, drawn by the built-in renderer (the same bytes on every machine) or by another one.
 
-use super::manifest::{Picture, PictureInstant};
+use super::manifest::{GoldenPicture, PictureInstant};
 use crate::diag::SceneError;
 use crate::kinematics::motion::continuation::solve_motion;
 use crate::kinematics::motion::sampling::{allow_samples, frame_times};
@@ -50,20 +50,24 @@ pub enum DrawError {
 }
 
 /// Opens a renderer of a stage.
-pub type Open<'a> = &'a dyn Fn(Arc<Stage>) -> Result<Box<dyn Renderer>, RenderError>;
+pub type OpenRenderer<'a> = &'a dyn Fn(Arc<Stage>) -> Result<Box<dyn Renderer>, RenderError>;
 
 /// Draws `picture` with the built-in renderer; scenes that are files are looked for in `folder`. Where no pose exists the
 /// picture says so.
 ///
 /// Errors: a scene that cannot be read or has mistakes, an instant outside its motion, a size that cannot be drawn.
-pub fn draw_picture(picture: &Picture, folder: &Path) -> Result<RgbaImage, DrawError> {
+pub fn draw_picture(picture: &GoldenPicture, folder: &Path) -> Result<RgbaImage, DrawError> {
     draw_with(picture, folder, &|stage| {
         Ok(Box::new(CpuRenderer::new(stage)?))
     })
 }
 
 /// The same with renderers that `open` opens, one for each view.
-pub fn draw_with(picture: &Picture, folder: &Path, open: Open) -> Result<RgbaImage, DrawError> {
+pub fn draw_with(
+    picture: &GoldenPicture,
+    folder: &Path,
+    open: OpenRenderer,
+) -> Result<RgbaImage, DrawError> {
     let scene = picture_scene(picture, folder)?;
     let (times, index) = picture_times(&scene, picture.instant)?;
     allow_picture(picture.size, BYTES_OF_DRAWN_PIXEL, &picture.file)?;
@@ -82,7 +86,7 @@ pub fn draw_with(picture: &Picture, folder: &Path, open: Open) -> Result<RgbaIma
 }
 
 /// One view.
-fn draw_one(staging: &Staging, index: usize, open: Open) -> Result<RgbaImage, DrawError> {
+fn draw_one(staging: &Staging, index: usize, open: OpenRenderer) -> Result<RgbaImage, DrawError> {
     let stage = &staging.stage;
     let mut renderer = open(Arc::clone(stage))?;
     let frame = staging.frame(index);
@@ -98,7 +102,7 @@ fn draw_four(
     trajectory: &Trajectory,
     whole: &Staging,
     index: usize,
-    open: Open,
+    open: OpenRenderer,
 ) -> Result<RgbaImage, DrawError> {
     let stage = &whole.stage;
     let options = PictureOptions {
@@ -116,7 +120,7 @@ fn draw_four(
     Ok(image)
 }
 
-fn picture_scene(picture: &Picture, folder: &Path) -> Result<Scene, DrawError> {
+fn picture_scene(picture: &GoldenPicture, folder: &Path) -> Result<Scene, DrawError> {
     let path = folder.join(&picture.scene);
     let missing = |why| DrawError::Missing {
         name: picture.scene.clone(),

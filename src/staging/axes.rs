@@ -4,7 +4,7 @@ use super::solids::{arrow_solids, merged_mesh, sign_instance};
 use crate::kinematics::results::trajectory::ClosedPose;
 use crate::math::Pose;
 use crate::model::view::ShownAxes;
-use crate::render::{Anchor, Instance, Label, StageMesh};
+use crate::render::{Instance, Label, LabelAnchor, StageMesh};
 use glam::DVec3;
 
 /// Colours of x, y and z.
@@ -84,7 +84,7 @@ impl AxisSigns {
         letters
             .map(|(k, text)| Label {
                 text: text.to_owned(),
-                anchor: Anchor::World(DVec3::AXES[k] * (LETTER_AT * self.length)),
+                anchor: LabelAnchor::World(DVec3::AXES[k] * (LETTER_AT * self.length)),
                 size: LETTER_SIZE * height,
                 colour: COLOURS[k],
                 plate: false,

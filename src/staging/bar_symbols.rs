@@ -81,7 +81,7 @@ pub fn drawn_bars(mechanism: &Mechanism, poses: &[PlacedLinks], radius: f64) -> 
 /// A ball for the end of a bar; `radius` is that of a pin.
 pub fn end_ball(radius: f64) -> Vec<Solid> {
     vec![Solid::Sphere {
-        center: DVec3::ZERO,
+        centre: DVec3::ZERO,
         radius: BALL * radius,
     }]
 }

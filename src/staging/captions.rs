@@ -7,7 +7,7 @@ use super::value_text::{VALUE_SIZE, value_text};
 use crate::kinematics::results::trajectory::{ClosedPose, Sample, Trajectory};
 use crate::model::mechanism::Mechanism;
 use crate::model::view::{LabelPlace, SceneLabel};
-use crate::render::{Anchor, Frame, Label};
+use crate::render::{Frame, Label, LabelAnchor};
 use crate::scene::Scene;
 use glam::DVec3;
 
@@ -101,7 +101,7 @@ impl Captions {
         let left = inset * height / width;
         let line = |text: String, y: f64, size: f64, colour| Label {
             text,
-            anchor: Anchor::Screen([left, y]),
+            anchor: LabelAnchor::Screen([left, y]),
             size,
             colour,
             plate: false,

@@ -5,7 +5,7 @@ use super::fitting;
 use super::round_steps::round_step;
 use super::value_text::VALUE_SIZE;
 use crate::model::theme::Theme;
-use crate::render::{Anchor, Camera, Frame, Ground, Label, Stroke};
+use crate::render::{Camera, Frame, Ground, Label, LabelAnchor, OverlayStroke};
 use glam::DVec3;
 
 /// Approximate length of a scale bar relative to the picture's shorter side; it is rounded.
@@ -106,7 +106,7 @@ impl ContextSigns {
             let left = right - length * pixels;
             let middle = bottom - HALF_END * tall;
             let mut line = |ends| {
-                frame.strokes.push(Stroke {
+                frame.strokes.push(OverlayStroke {
                     ends,
                     half_widths: [(HALF_LINE * tall).max(0.5); 2],
                     colour: self.theme.ink(),
@@ -126,7 +126,7 @@ impl ContextSigns {
         let place = [right - wide, bottom - foot - high];
         frame.labels.push(Label {
             text,
-            anchor: Anchor::Screen([place[0] / width, place[1] / height]),
+            anchor: LabelAnchor::Screen([place[0] / width, place[1] / height]),
             size,
             colour: self.theme.ink(),
             plate: false,
@@ -165,7 +165,7 @@ impl ContextSigns {
                 continue;
             }
             let at = |far: f64| [0, 1].map(|c| middle[c] + far * tall * on_screen[c]);
-            frame.strokes.push(Stroke {
+            frame.strokes.push(OverlayStroke {
                 ends: [middle, at(AXIS)],
                 half_widths: [(1.4 * HALF_LINE * tall).max(0.8); 2],
                 colour: COLOURS[k],
@@ -177,7 +177,7 @@ impl ContextSigns {
             let corner = [0, 1].map(|c| letter[c] - 0.5 * extent[c]);
             frame.labels.push(Label {
                 text: text.to_owned(),
-                anchor: Anchor::Screen([corner[0] / width, corner[1] / height]),
+                anchor: LabelAnchor::Screen([corner[0] / width, corner[1] / height]),
                 size,
                 colour: COLOURS[k],
                 plate: false,

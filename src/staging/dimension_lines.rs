@@ -7,7 +7,7 @@ use crate::kinematics::results::trajectory::{ClosedPose, Trajectory};
 use crate::math::{sin_cos, square_to};
 use crate::model::mechanism::Kind;
 use crate::model::shown_dimension::{DimensionEnd, DimensionKind, PlaceOf, ShownDimension};
-use crate::render::{Anchor, Camera, Frame, Label, Stroke};
+use crate::render::{Camera, Frame, Label, LabelAnchor, OverlayStroke};
 use crate::scene::Scene;
 use glam::DVec3;
 use std::f64::consts::TAU;
@@ -72,9 +72,9 @@ pub fn held_points(scene: &Scene, trajectory: &Trajectory, extent: f64) -> Vec<D
     looks
         .flat_map(|pose| dimensions.iter().map(move |dimension| (pose, dimension)))
         .flat_map(
-            |(pose, dimension)| match Measured::of(dimension, pose, extent) {
-                Some(Measured::Length { line, .. }) => line.to_vec(),
-                Some(Measured::Angle(arc)) => (0..=8)
+            |(pose, dimension)| match DrawnDimension::of(dimension, pose, extent) {
+                Some(DrawnDimension::Length { line, .. }) => line.to_vec(),
+                Some(DrawnDimension::Angle(arc)) => (0..=8)
                     .map(|k| arc.point(f64::from(k) / 8.0, 1.0))
                     .collect(),
                 None => Vec::new(),
@@ -93,7 +93,7 @@ pub fn flat_colours(scene: &Scene) -> impl Iterator<Item = [u8; 3]> + '_ {
 /// Adds the dimensions at a pose to `frame`.
 pub fn add_dimensions(scene: &Scene, pose: &ClosedPose, look: DimensionLook, frame: &mut Frame) {
     for dimension in &scene.view.dimensions {
-        let Some(measured) = Measured::of(dimension, pose, look.extent) else {
+        let Some(measured) = DrawnDimension::of(dimension, pose, look.extent) else {
             continue;
         };
         if !look.camera.is_perspective() && !measured.is_true_in(&look.camera) {
@@ -107,8 +107,8 @@ pub fn add_dimensions(scene: &Scene, pose: &ClosedPose, look: DimensionLook, fra
             strokes: Vec::new(),
         };
         let foot = match &measured {
-            Measured::Length { ends, line } => pen.length(*ends, *line),
-            Measured::Angle(arc) => pen.angle(arc),
+            DrawnDimension::Length { ends, line } => pen.length(*ends, *line),
+            DrawnDimension::Angle(arc) => pen.angle(arc),
         };
         pen.finish();
         if let Some(foot) = foot {
@@ -125,7 +125,7 @@ pub fn add_dimensions(scene: &Scene, pose: &ClosedPose, look: DimensionLook, fra
 }
 
 /// A dimension at a pose.
-enum Measured {
+enum DrawnDimension {
     Length { ends: [DVec3; 2], line: [DVec3; 2] },
     Angle(Arc),
 }
@@ -148,7 +148,7 @@ impl Arc {
     }
 }
 
-impl Measured {
+impl DrawnDimension {
     /// `None` if it does not exist: an angle without sides.
     fn of(dimension: &ShownDimension, pose: &ClosedPose, extent: f64) -> Option<Self> {
         let ends = dimension.ends.map(|end| place(end, pose));
@@ -234,7 +234,7 @@ struct DimensionPen<'a> {
     colour: [u8; 3],
     frame: &'a mut Frame,
     /// Of this dimension.
-    strokes: Vec<Stroke>,
+    strokes: Vec<OverlayStroke>,
 }
 
 impl DimensionPen<'_> {
@@ -249,7 +249,7 @@ impl DimensionPen<'_> {
 
     fn line(&mut self, ends: [[f64; 2]; 2]) {
         let half = (HALF_LINE * self.tall()).max(0.5);
-        self.strokes.push(Stroke {
+        self.strokes.push(OverlayStroke {
             ends,
             half_widths: [half; 2],
             colour: self.colour,
@@ -259,7 +259,7 @@ impl DimensionPen<'_> {
     /// Draws the dimension, with a halo around it.
     fn finish(&mut self) {
         let seam = SEAM * self.tall();
-        let seams = self.strokes.iter().map(|stroke| Stroke {
+        let seams = self.strokes.iter().map(|stroke| OverlayStroke {
             half_widths: stroke.half_widths.map(|half| half + seam),
             colour: self.look.background,
             ..*stroke
@@ -271,7 +271,7 @@ impl DimensionPen<'_> {
     /// An arrow head with its tip at `tip`, pointing along `along`.
     fn head(&mut self, tip: [f64; 2], along: [f64; 2]) {
         let tall = self.tall();
-        self.strokes.push(Stroke {
+        self.strokes.push(OverlayStroke {
             ends: [tip, moved(tip, along, -HEAD * tall)],
             half_widths: [0.0, HALF_HEAD * tall],
             colour: self.colour,
@@ -374,7 +374,7 @@ impl DimensionPen<'_> {
         };
         self.frame.labels.push(Label {
             text,
-            anchor: Anchor::Placed {
+            anchor: LabelAnchor::Placed {
                 point: foot.world,
                 offset: [0, 1].map(|c| middle[c] - from[c]),
                 line: false,

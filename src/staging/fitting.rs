@@ -1,13 +1,13 @@
 //! Fits texts into the picture: first smaller, then in several lines, never truncated.
 
-use crate::render::text::{Face, set_text};
+use crate::render::text::{FontFace, set_text};
 use std::sync::LazyLock;
 
 /// Smallest size of a text, relative to its usual size, before it is broken into lines.
 const SMALLEST: f64 = 0.8;
 
 /// Measures texts; the glyphs that it rasterises are not drawn.
-static FACE: LazyLock<Face> = LazyLock::new(Face::new);
+static FACE: LazyLock<FontFace> = LazyLock::new(FontFace::new);
 
 /// The arrangement of pieces of text.
 #[derive(Clone, Debug, PartialEq)]

@@ -7,7 +7,7 @@ use crate::kinematics::motion::sampling::knot_times;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::model::mechanism::Mechanism;
 use crate::model::theme::Theme;
-use crate::render::{Anchor, Label, Patch};
+use crate::render::{Label, LabelAnchor, Patch};
 use crate::scene::Scene;
 
 /// Width of a bar as a share of the picture's height, and its height.
@@ -127,7 +127,7 @@ impl Gauges {
             let top = middle - 0.5 * self.text_size / height;
             labels.push(Label {
                 text: self.text(mechanism, row, *value),
-                anchor: Anchor::Screen([across(inset + WIDTH + GAP), top]),
+                anchor: LabelAnchor::Screen([across(inset + WIDTH + GAP), top]),
                 size: self.text_size,
                 colour: theme.faint_ink(),
                 plate: false,

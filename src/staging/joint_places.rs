@@ -25,7 +25,7 @@ const SOCKET: f64 = 8.0;
 const GUIDE: f64 = 3.0;
 
 /// The bodies as joints meet them.
-pub struct Outlines<'p> {
+pub struct BodyOutlines<'p> {
     /// Points of the solids of every body, a list a solid, in the body's frame.
     bodies: Vec<Vec<Vec<DVec3>>>,
     /// Some poses of the motion, each with those of all bodies.
@@ -45,7 +45,7 @@ pub struct JointPlace {
 /// Extents of a solid along the axis of a joint.
 type AxisExtent = [f64; 2];
 
-impl<'p> Outlines<'p> {
+impl<'p> BodyOutlines<'p> {
     /// Outlines of all bodies, examined at some of the poses of the motion.
     pub fn new((mechanism, view): (&Mechanism, &View), all: &'p [PlacedLinks]) -> Self {
         let bodies = (0..mechanism.bodies.len()).map(|body| {
@@ -208,7 +208,7 @@ mod tests {
         let poses: Vec<PlacedLinks> = closed
             .map(|(sample, pose)| PlacedLinks::new(&mechanism, sample, pose))
             .collect();
-        let outlines = Outlines::new((&mechanism, &scene.view), &poses);
+        let outlines = BodyOutlines::new((&mechanism, &scene.view), &poses);
         let places = joints::placed_joints(&mechanism)
             .into_iter()
             .filter(|joint| joint.grounded)

@@ -2,7 +2,7 @@
 //! the frame without a body.
 
 use super::bar_symbols;
-use super::joint_places::Outlines;
+use super::joint_places::BodyOutlines;
 use super::joints::{self, CarriedFrame, PlacedJoint, PlacedLinks};
 use super::link_symbols;
 use super::solids::{merged_mesh, sign_instance};
@@ -132,7 +132,7 @@ impl JointSymbols {
             }
         }
         // Joints: each side moves with its own link, shifted along the axis to where the bodies are.
-        let outlines = Outlines::new((mechanism, &scene.view), &poses);
+        let outlines = BodyOutlines::new((mechanism, &scene.view), &poses);
         for joint in joints::placed_joints(mechanism) {
             let place = outlines.place(&joint, HOLD * radius);
             let shift = DVec3::AXES[joint.axis] * place.shift;
@@ -236,20 +236,20 @@ fn joint_solids(joint: &PlacedJoint, r: f64, [low, high]: [f64; 2]) -> (Vec<Soli
         ),
         JointKind::Spherical => {
             let ring = Solid::Torus {
-                center: DVec3::ZERO,
+                centre: DVec3::ZERO,
                 axis,
                 ring: 1.85 * r,
                 tube: 0.45 * r,
             };
             let ball = Solid::Sphere {
-                center: DVec3::ZERO,
+                centre: DVec3::ZERO,
                 radius: 2.0 * r,
             };
             (vec![ring], vec![ball])
         }
         JointKind::Prismatic => {
             let block = Solid::Box {
-                center: DVec3::ZERO,
+                centre: DVec3::ZERO,
                 size: DVec3::splat(3.2 * r) + axis * (1.6 * r),
             };
             (vec![guide], vec![block])
@@ -266,7 +266,7 @@ fn joint_solids(joint: &PlacedJoint, r: f64, [low, high]: [f64; 2]) -> (Vec<Soli
         JointKind::Helical => {
             let turns = ((high - low) / (1.2 * r)) as u32 + 10;
             let thread = (0..turns.min(200)).map(|k| Solid::Torus {
-                center: axis * (low - 6.0 * r + 1.2 * r * f64::from(k)),
+                centre: axis * (low - 6.0 * r + 1.2 * r * f64::from(k)),
                 axis,
                 ring: 0.8 * r,
                 tube: 0.35 * r,

@@ -3,7 +3,7 @@
 use super::solids::{merged_mesh, sign_instance};
 use crate::math::Pose;
 use crate::model::shape::Solid;
-use crate::render::{Anchor, Instance, Label, StageMesh};
+use crate::render::{Instance, Label, LabelAnchor, StageMesh};
 use glam::DVec3;
 
 /// Colour of bodies that are too near to another one.
@@ -94,8 +94,8 @@ impl Marks {
         let [from, to] = self.measure.as_ref()?.points;
         let radius = LINE_PIXELS * pixel;
         let mut solids: Vec<Solid> = [from, to]
-            .map(|center| Solid::Sphere {
-                center,
+            .map(|centre| Solid::Sphere {
+                centre,
                 radius: BALL_PIXELS * pixel,
             })
             .into();
@@ -116,7 +116,7 @@ impl Marks {
         let Some(measure) = &self.measure else {
             return Vec::new();
         };
-        let label = |text: &str, anchor: Anchor| Label {
+        let label = |text: &str, anchor: LabelAnchor| Label {
             text: text.to_owned(),
             anchor,
             size: LABEL_SIZE * height,
@@ -125,9 +125,9 @@ impl Marks {
             yields: false,
         };
         let middle = (measure.points[0] + measure.points[1]) * 0.5;
-        let beside = label(&measure.text, Anchor::Beside(middle));
+        let beside = label(&measure.text, LabelAnchor::Beside(middle));
         // Paths may pass behind these lines.
-        let above = label(&measure.caption.join("\n"), Anchor::Screen(CAPTION));
+        let above = label(&measure.caption.join("\n"), LabelAnchor::Screen(CAPTION));
         vec![beside, above]
     }
 }

@@ -38,7 +38,7 @@ use crate::model::theme::Theme;
 use crate::model::view::{
     EdgeLines, GroundPlace, LabelPlace, SceneLabel, Shadows, ShownAxes, View,
 };
-use crate::render::edges::Edges;
+use crate::render::edges::EdgeStyle;
 use crate::render::look::Rim;
 use crate::render::overlay::border;
 use crate::render::ramp::shaded_ramp;
@@ -366,13 +366,13 @@ fn shown_samples(trajectory: &Trajectory) -> Vec<Option<usize>> {
 }
 
 /// Lines in the scene's colours.
-fn edge_style(view: &View) -> Option<Edges> {
+fn edge_style(view: &View) -> Option<EdgeStyle> {
     let creases = match view.edges {
         EdgeLines::None => return None,
         EdgeLines::Outline => false,
         EdgeLines::All => true,
     };
-    Some(Edges {
+    Some(EdgeStyle {
         creases,
         ink: view.theme.line(),
     })
@@ -397,10 +397,10 @@ fn view_ground(view: &View, points: &[DVec3], up: DVec3) -> Option<Ground> {
         GroundPlace::At(height) => height,
     };
     let middle = (low + high) * 0.5;
-    let center = middle + up * (height - middle.dot(up));
+    let centre = middle + up * (height - middle.dot(up));
     let radius = GROUND_REACH * 0.5 * extent;
     Some(Ground {
-        center,
+        centre,
         normal: up,
         radius,
         grid: round_step(extent / GRID_LINES),

@@ -5,7 +5,7 @@ use super::{PictureOptions, Staging};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::model::theme::Theme;
 use crate::model::view::NamedView;
-use crate::render::{Anchor, Frame, Label, Patch, Projection, Stage};
+use crate::render::{Frame, Label, LabelAnchor, Patch, Projection, Stage};
 use crate::scene::Scene;
 use std::sync::Arc;
 
@@ -162,7 +162,7 @@ fn pane_borders(theme: Theme, size: [u32; 2]) -> (Vec<Patch>, Vec<Label>) {
     ];
     let names = PANES.iter().enumerate().map(|(k, pane)| Label {
         text: pane.name.to_owned(),
-        anchor: Anchor::Screen([
+        anchor: LabelAnchor::Screen([
             0.5 * (k % 2) as f64 + 0.02 * height / width,
             // Below the title in the first pane.
             0.5 * (k / 2) as f64 + if k == 0 { 0.085 } else { 0.02 },

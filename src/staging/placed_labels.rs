@@ -6,7 +6,7 @@ use crate::kinematics::results::trajectory::Trajectory;
 use crate::model::theme::Theme;
 use crate::model::view::{LabelPlace, SceneLabel};
 use crate::render::overlay::plate_padding;
-use crate::render::{Anchor, Camera, Frame, Label};
+use crate::render::{Camera, Frame, Label, LabelAnchor};
 use crate::scene::Scene;
 use glam::DVec3;
 
@@ -38,7 +38,7 @@ impl Letters {
     pub fn label(&self, label: &SceneLabel, point: DVec3, height: f64, theme: Theme) -> Label {
         Label {
             text: label.text.clone(),
-            anchor: Anchor::Placed {
+            anchor: LabelAnchor::Placed {
                 point,
                 offset: self.offset,
                 line: self.line,
@@ -161,7 +161,7 @@ fn wished_offset(
 
 /// The rectangle of a caption, with its plate if it has one.
 fn caption_rectangle(label: &Label, size: [u32; 2]) -> Option<Rectangle> {
-    let Anchor::Screen([x, y]) = label.anchor else {
+    let LabelAnchor::Screen([x, y]) = label.anchor else {
         return None;
     };
     let [x, y] = [x * f64::from(size[0]), y * f64::from(size[1])];

@@ -56,8 +56,8 @@ pub fn of_traces(
             if time > scene.actuation.duration {
                 break;
             }
-            if let Some(center) = path_point(trajectory, index, time) {
-                marks.push(Solid::Sphere { center, radius });
+            if let Some(centre) = path_point(trajectory, index, time) {
+                marks.push(Solid::Sphere { centre, radius });
                 times.push(time);
             }
         }

@@ -5,7 +5,7 @@ use super::row::{Row, RowStatus};
 use super::swept_scene::{RequestedValues, Sweep};
 use crate::kinematics::abreast::following::LaneFollower;
 use crate::kinematics::loops::observed::observed_slots;
-use crate::kinematics::results::columns::Column;
+use crate::kinematics::results::columns::ValueColumn;
 use crate::model::mechanism::OutputSource;
 use crate::numbers::octet::{LANES, LaneMask, Octet};
 
@@ -49,7 +49,7 @@ impl<'s> RowGroup<'s> {
             inputs
         };
         let columns = sweep.shown.iter();
-        let place = |c: &Column| (c.slot(mechanism), mechanism.file_units(c.kind(mechanism)));
+        let place = |c: &ValueColumn| (c.slot(mechanism), mechanism.file_units(c.kind(mechanism)));
         Some(Self {
             follower: LaneFollower::new(family.system())?,
             drive: instants.map(at).collect(),

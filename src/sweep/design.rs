@@ -25,7 +25,7 @@ pub struct DesignAxis {
 
 /// How the designs are spread.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Spread {
+pub enum DesignSampling {
     /// Every combination of equally spaced values; the last parameter changes fastest.
     Grid,
     /// Latin hypercube: every range is divided into as many equal intervals as there are designs, with one design in
@@ -46,7 +46,7 @@ pub struct Design {
     /// The varied parameters.
     pub axes: Vec<DesignAxis>,
     /// The kind of design.
-    pub spread: Spread,
+    pub spread: DesignSampling,
     count: u64,
 }
 
@@ -62,7 +62,7 @@ impl Design {
             .ok_or_else(|| format!("the grid has more than {MOST_DESIGNS} designs"))?;
         Ok(Self {
             axes,
-            spread: Spread::Grid,
+            spread: DesignSampling::Grid,
             count,
         })
     }
@@ -70,9 +70,13 @@ impl Design {
     /// `count` designs within the ranges of `axes`.
     ///
     /// Errors, in words: more parameters than Sobol's sequence has dimensions here.
-    pub fn spread(axes: Vec<DesignAxis>, spread: Spread, count: u64) -> Result<Self, String> {
+    pub fn spread(
+        axes: Vec<DesignAxis>,
+        spread: DesignSampling,
+        count: u64,
+    ) -> Result<Self, String> {
         let most = sobol::MOST_DIMENSIONS;
-        if spread == Spread::Sobol && axes.len() > most {
+        if spread == DesignSampling::Sobol && axes.len() > most {
             return Err(format!(
                 "sobol takes at most {most} parameters, not {}; lhs takes any number",
                 axes.len()
@@ -100,7 +104,7 @@ impl Design {
         Self {
             axes: names.into_iter().enumerate().map(axis).collect(),
             count: (values.len() / width) as u64,
-            spread: Spread::Table(values),
+            spread: DesignSampling::Table(values),
         }
     }
 
@@ -117,8 +121,8 @@ impl Design {
     /// The values of design `item` (below the count), in the file's units.
     pub fn values(&self, item: u64) -> Vec<f64> {
         match &self.spread {
-            Spread::Grid => self.grid_values(item),
-            Spread::LatinHypercube { seed } => {
+            DesignSampling::Grid => self.grid_values(item),
+            DesignSampling::LatinHypercube { seed } => {
                 let axes = self.axes.iter().zip(FIRST_STREAM..);
                 axes.map(|(axis, stream)| {
                     let place = Permutation::new(self.count, *seed, stream).place(item);
@@ -127,12 +131,12 @@ impl Design {
                 })
                 .collect()
             }
-            Spread::Sobol => {
+            DesignSampling::Sobol => {
                 let axes = self.axes.iter().enumerate();
                 axes.map(|(k, axis)| axis.at(sobol::coordinate(k, item)))
                     .collect()
             }
-            Spread::Table(values) => {
+            DesignSampling::Table(values) => {
                 let width = self.axes.len();
                 let start = item as usize * width;
                 values[start..start + width].to_vec()
@@ -206,7 +210,7 @@ mod tests {
     #[test]
     fn a_latin_hypercube_is_even() {
         let axes = vec![axis("a", 1.0, 2.0, 1), axis("b", -5.0, 5.0, 1)];
-        let spread = Spread::LatinHypercube { seed: 3 };
+        let spread = DesignSampling::LatinHypercube { seed: 3 };
         let design = Design::spread(axes.clone(), spread, 100).unwrap();
         let mut orders = Vec::new();
         for (k, axis) in axes.iter().enumerate() {

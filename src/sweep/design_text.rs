@@ -1,6 +1,6 @@
 //! The text form of designs: `grid:a=0..10:11,b=1..2:5`, `lhs:1000,a=0..10`, `sobol:1024`.
 
-use super::design::{Design, DesignAxis, MOST_DESIGNS, Spread};
+use super::design::{Design, DesignAxis, DesignSampling, MOST_DESIGNS};
 
 /// The default range of a parameter, in the file's unit: that of the scene's study.
 pub struct OwnRange {
@@ -44,8 +44,8 @@ pub fn read_design(text: &str, own: &[OwnRange], seed: u64) -> Result<Design, St
     }
     refuse_doubles(&axes)?;
     let spread = match kind {
-        "lhs" => Spread::LatinHypercube { seed },
-        _ => Spread::Sobol,
+        "lhs" => DesignSampling::LatinHypercube { seed },
+        _ => DesignSampling::Sobol,
     };
     Design::spread(axes, spread, count)
 }

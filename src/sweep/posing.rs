@@ -10,7 +10,7 @@ use crate::model::actuation::Actuation;
 
 /// The first pose of the motion with the file's own values: the start of the path to every design.
 #[derive(Clone, Debug)]
-pub(super) struct Origin {
+pub(super) struct FirstPose {
     /// Inputs, the parameters last.
     pub inputs: Vec<f64>,
     unknowns: Vec<f64>,
@@ -18,14 +18,14 @@ pub(super) struct Origin {
 }
 
 /// Where the motion of a design begins.
-pub(super) struct Start {
+pub(super) struct DesignStart {
     /// Unknowns of the first pose.
     pub unknowns: Vec<f64>,
     /// Whether it belongs to the file's assembly: `Ok`, `OtherBranch` or `NotReached`.
     pub status: RowStatus,
 }
 
-impl Origin {
+impl FirstPose {
     /// The first pose with the file's own values.
     ///
     /// # Errors
@@ -58,9 +58,9 @@ impl Origin {
         &self,
         family: &ParametricMechanism,
         inputs: &[f64],
-    ) -> Result<Start, RowStatus> {
+    ) -> Result<DesignStart, RowStatus> {
         if let Some(unknowns) = self.followed(family, inputs) {
-            return Ok(Start {
+            return Ok(DesignStart {
                 unknowns,
                 status: RowStatus::Ok,
             });
@@ -78,7 +78,7 @@ impl Origin {
             true => RowStatus::NotReached,
             false => RowStatus::OtherBranch,
         };
-        Ok(Start {
+        Ok(DesignStart {
             unknowns: pose.unknowns.clone(),
             status,
         })

@@ -1,6 +1,6 @@
 //! Rows for which the scene is read again: its bodies, drives and measures are those of the design.
 
-use super::posing::{Proved, Start};
+use super::posing::{DesignStart, Proved};
 use super::row::{Row, RowStatus};
 use super::swept_scene::{Posed, RequestedValues, Sweep, motion_status};
 use crate::clearance::check::{ClearanceReport, Closely, PairReport};
@@ -56,7 +56,7 @@ fn scene_with(sweep: &Sweep, design: &[f64]) -> Option<Scene> {
 }
 
 /// The first pose by the names of the unknowns; `None` if the scene has others.
-fn guess_of(sweep: &Sweep, scene: &Scene, start: &Start) -> Option<Vec<f64>> {
+fn guess_of(sweep: &Sweep, scene: &Scene, start: &DesignStart) -> Option<Vec<f64>> {
     let known = &sweep.family.mechanism().unknowns;
     let value = |name: &str| {
         let place = known.iter().position(|other| other.name == name)?;

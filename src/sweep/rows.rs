@@ -1,7 +1,7 @@
 //! The rows of a sweep: the evaluation of one design after another.
 
 use super::abreast::{GROUP, RowGroup};
-use super::posing::Start;
+use super::posing::DesignStart;
 use super::reread;
 use super::row::Row;
 use super::swept_scene::{Posed, Sweep};
@@ -58,7 +58,7 @@ impl<'s> RowWorker<'s> {
         }
         self.set(&values);
         let inputs = self.actuation.inputs_at(0.0);
-        let Start { unknowns, status } = match sweep.origin.start_at(&sweep.family, &inputs) {
+        let DesignStart { unknowns, status } = match sweep.origin.start_at(&sweep.family, &inputs) {
             Ok(start) => start,
             Err(status) => return sweep.empty_row(status),
         };

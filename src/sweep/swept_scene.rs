@@ -1,7 +1,7 @@
 //! A scene whose parameters are swept: the values requested for every design, and their computation for a posed design.
 
 use super::design::Design;
-use super::posing::{Origin, Proved};
+use super::posing::{FirstPose, Proved};
 use super::row::{Row, RowStatus};
 use crate::analysis::study::{FamilyError, ParametricMechanism};
 use crate::diag::Source;
@@ -9,7 +9,7 @@ use crate::kinematics::measures::measure_watched;
 use crate::kinematics::motion::continuation::solve_motion;
 use crate::kinematics::motion::sampling::even_times;
 use crate::kinematics::results::certificate::{Certificate, Reason};
-use crate::kinematics::results::columns::Column;
+use crate::kinematics::results::columns::ValueColumn;
 use crate::kinematics::results::trajectory::{ClosedPose, EventKind, Sample, Trajectory};
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
@@ -68,10 +68,10 @@ pub struct Sweep {
     pub(super) family: ParametricMechanism,
     pub(super) source: Source,
     pub(super) overrides: Overrides,
-    pub(super) origin: Origin,
+    pub(super) origin: FirstPose,
     /// Indices of the family's parameters among those of the design.
     order: Vec<usize>,
-    pub(super) shown: Vec<Column>,
+    pub(super) shown: Vec<ValueColumn>,
 }
 
 impl Sweep {
@@ -98,7 +98,7 @@ impl Sweep {
             return Err(FamilyError::Lacks(message.to_owned()));
         }
         Ok(Self {
-            origin: Origin::new(&family)?,
+            origin: FirstPose::new(&family)?,
             columns: value_names(&family, &asked, &shown),
             family,
             design,
@@ -207,7 +207,7 @@ impl Sweep {
     /// The values at every instant in turn, in the file's units.
     fn outputs(&self, posed: &Posed, motion: &Trajectory) -> Vec<f64> {
         let mechanism = posed.system.mechanism();
-        let at = |column: &Column, sample: &Sample| match &sample.pose {
+        let at = |column: &ValueColumn, sample: &Sample| match &sample.pose {
             Some(pose) => column.value(mechanism, sample, pose),
             None => f64::NAN,
         };
@@ -288,12 +288,12 @@ fn looks_along_drive(measures: &Measures) -> bool {
 fn shown_columns(
     family: &ParametricMechanism,
     asked: &RequestedValues,
-) -> Result<Vec<Column>, FamilyError> {
+) -> Result<Vec<ValueColumn>, FamilyError> {
     let RequestedValues::Outputs { names, .. } = asked else {
         return Ok(Vec::new());
     };
     let find = |name: &String| {
-        Column::find(family.mechanism(), name).map_err(|known| {
+        ValueColumn::find(family.mechanism(), name).map_err(|known| {
             let known = known.join(", ");
             FamilyError::Lacks(format!("the scene has no value `{name}`; it has: {known}"))
         })
@@ -305,7 +305,7 @@ fn shown_columns(
 fn value_names(
     family: &ParametricMechanism,
     asked: &RequestedValues,
-    shown: &[Column],
+    shown: &[ValueColumn],
 ) -> Vec<(String, String)> {
     let mechanism = family.mechanism();
     match asked {

@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 
 /// Format of the rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum TableFormat {
+pub enum RowFormat {
     /// A header, then one line per row; undefined values are empty cells.
     Csv,
     /// One JSON object per line; undefined values are null.
@@ -22,13 +22,13 @@ const LAST: [&str; 3] = ["closure_error", "error_bound", "unproved"];
 /// Writes the rows of a sweep.
 pub struct RowTable<'s> {
     sweep: &'s Sweep,
-    format: TableFormat,
+    format: RowFormat,
     names: Vec<String>,
 }
 
 impl<'s> RowTable<'s> {
     /// For the rows of `sweep`.
-    pub fn new(sweep: &'s Sweep, format: TableFormat) -> Self {
+    pub fn new(sweep: &'s Sweep, format: RowFormat) -> Self {
         let axes = sweep.design.axes.iter().map(|axis| axis.name.clone());
         let values = sweep.columns.iter().map(|(name, _)| name.clone());
         let own = |list: [&str; 3]| list.map(str::to_owned).into_iter();
@@ -51,11 +51,11 @@ impl<'s> RowTable<'s> {
     /// The text before the rows.
     pub fn header(&self) -> String {
         match self.format {
-            TableFormat::Csv => {
+            RowFormat::Csv => {
                 let cells: Vec<String> = self.names.iter().map(|name| quoted_cell(name)).collect();
                 cells.join(",") + "\n"
             }
-            TableFormat::JsonLines => String::new(),
+            RowFormat::JsonLines => String::new(),
         }
     }
 
@@ -64,7 +64,7 @@ impl<'s> RowTable<'s> {
         let design = self.sweep.design.values(item);
         let numbers = row.numbers(&design);
         match self.format {
-            TableFormat::Csv => {
+            RowFormat::Csv => {
                 text.push_str(&format!(
                     "{item},{},{}",
                     row.status.word(),
@@ -77,7 +77,7 @@ impl<'s> RowTable<'s> {
                     }
                 }
             }
-            TableFormat::JsonLines => {
+            RowFormat::JsonLines => {
                 let first = [
                     json!(item),
                     json!(row.status.word()),

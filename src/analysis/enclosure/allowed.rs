@@ -2,13 +2,13 @@
 
 use super::measures::enclose_measures;
 use super::motion::{enclose_motion, shown_names};
-use super::plan::Plan;
+use super::plan::TolerancePlan;
 use crate::analysis::study::{FamilyError, Nominal};
 use crate::model::mechanism::Kind;
 
 /// Tolerances that keep a limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Allowed {
+pub struct AllowedTolerance {
     /// Factor on the plan's tolerances that is proved to be small enough; zero if none was found.
     pub factor: f64,
     /// A factor for which the bound violates the limit.
@@ -30,12 +30,12 @@ const SHARES: [f64; 2] = [1e-12, 1e6];
 /// # Errors
 /// A track that has no pose with the file's dimensions.
 pub fn allowed_motion(
-    plan: &Plan,
+    plan: &TolerancePlan,
     name: &str,
     limit: f64,
     times: &[f64],
     threads: usize,
-) -> Result<Option<Allowed>, FamilyError> {
+) -> Result<Option<AllowedTolerance>, FamilyError> {
     let names = shown_names(plan.family.mechanism());
     let part = format!("{name}.");
     let wanted: Vec<(usize, Kind)> = names
@@ -59,7 +59,7 @@ pub fn allowed_motion(
 }
 
 /// The largest factor that keeps the limit.
-fn search_allowed(reach: &dyn Fn(f64) -> f64, limit: f64) -> Allowed {
+fn search_allowed(reach: &dyn Fn(f64) -> f64, limit: f64) -> AllowedTolerance {
     let (mut low, mut at_low, mut high) = (0.0, 0.0, f64::INFINITY);
     let mut share = 1.0;
     loop {
@@ -80,7 +80,7 @@ fn search_allowed(reach: &dyn Fn(f64) -> f64, limit: f64) -> Allowed {
             (false, _) => 0.1 * share,
         };
     }
-    Allowed {
+    AllowedTolerance {
         factor: low,
         too_large: high,
         reached: at_low,
@@ -88,7 +88,7 @@ fn search_allowed(reach: &dyn Fn(f64) -> f64, limit: f64) -> Allowed {
 }
 
 /// Largest deviation of the bands from the nominal motion, in the file's unit; infinite if a sample has no band.
-fn of_motion(plan: &Plan, wanted: &[(usize, Kind)], times: &[f64], threads: usize) -> f64 {
+fn of_motion(plan: &TolerancePlan, wanted: &[(usize, Kind)], times: &[f64], threads: usize) -> f64 {
     let mechanism = plan.family.mechanism();
     let mut reach = 0.0_f64;
     for enclosed in enclose_motion(plan, times, threads, false) {
@@ -110,7 +110,7 @@ fn of_motion(plan: &Plan, wanted: &[(usize, Kind)], times: &[f64], threads: usiz
 }
 
 /// The same for a measure: half the width of its band plus the offset of its centre.
-fn of_measure(plan: &Plan, nominal: &Nominal, index: usize) -> f64 {
+fn of_measure(plan: &TolerancePlan, nominal: &Nominal, index: usize) -> f64 {
     // The measure's own band without tolerances contains its nominal value: the widest difference counts.
     let still = plan.scaled(0.0);
     let (Ok(bands), Ok(own)) = (

@@ -2,12 +2,12 @@
 //! the poses of all pieces at all times of the interval. Intervals that are too long are halved.
 
 use super::motion::{NominalPose, SpanBands, samples_at};
-use super::plan::{Plan, sized};
-use super::pose_bands::{Obstacle, pose_enclosure};
+use super::plan::{TolerancePlan, sized};
+use super::pose_bands::{BandObstacle, pose_enclosure};
 use crate::jobs::share_work;
 use crate::kinematics::certificate::tube::input_range;
 use crate::kinematics::enclosure::pose::Encloser;
-use crate::kinematics::enclosure::region::Tolerance;
+use crate::kinematics::enclosure::region::ToleranceInterval;
 use crate::kinematics::motion::sampling::knot_times;
 use crate::kinematics::results::certificate::Reason;
 use crate::kinematics::solve::pose_solver::PoseSolver;
@@ -20,7 +20,7 @@ use crate::numbers::scalar::Scalar;
 const MOST_HALVINGS: u32 = 6;
 
 /// Bands between adjacent `times`, and between the times at which an input has a key, a kink or a jump.
-pub fn enclose_between(plan: &Plan, times: &[f64], threads: usize) -> Vec<SpanBands> {
+pub fn enclose_between(plan: &TolerancePlan, times: &[f64], threads: usize) -> Vec<SpanBands> {
     let family = plan.family;
     // The samples and all times at which a drive changes its formula: between them drives are smooth.
     let all = knot_times(family.mechanism(), &family.actuation, times);
@@ -32,7 +32,7 @@ pub fn enclose_between(plan: &Plan, times: &[f64], threads: usize) -> Vec<SpanBa
         let [from, until] = ends[index];
         // Bands of an interval are proved around the pose in its middle.
         let bands = match NominalPose::of(&samples[index]) {
-            None => Err(Obstacle::NoPose),
+            None => Err(BandObstacle::NoPose),
             Some(pose) => {
                 let place = PoseBetween {
                     plan,
@@ -51,7 +51,7 @@ pub fn enclose_between(plan: &Plan, times: &[f64], threads: usize) -> Vec<SpanBa
 
 /// A pose in the middle of an interval.
 struct PoseBetween<'p> {
-    plan: &'p Plan<'p>,
+    plan: &'p TolerancePlan<'p>,
     encloser: &'p Encloser<'p>,
     pose: NominalPose,
 }
@@ -63,7 +63,7 @@ impl PoseBetween<'_> {
         solver: &mut PoseSolver,
         [from, until]: [f64; 2],
         halvings: u32,
-    ) -> Result<Vec<[f64; 2]>, Obstacle> {
+    ) -> Result<Vec<[f64; 2]>, BandObstacle> {
         // One enclosure over the whole interval, if its test succeeds.
         let refusal = match self.whole(solver, [from, until]) {
             Ok(bands) => return Ok(bands),
@@ -92,7 +92,11 @@ impl PoseBetween<'_> {
         all.ok_or(refusal)
     }
 
-    fn whole(&self, solver: &mut PoseSolver, stretch: [f64; 2]) -> Result<Vec<[f64; 2]>, Obstacle> {
+    fn whole(
+        &self,
+        solver: &mut PoseSolver,
+        stretch: [f64; 2],
+    ) -> Result<Vec<[f64; 2]>, BandObstacle> {
         let pose = &self.pose.coordinates;
         let tolerances = stretch_tolerances(self.plan, pose, stretch)?;
         sized!(self.plan.room_for(tolerances.len()), N => {
@@ -113,10 +117,10 @@ impl PoseBetween<'_> {
 /// The dimensions of a plan at the pose in the middle of an interval, then the inputs that move during it; an obstacle
 /// where an input has no bound.
 pub(super) fn stretch_tolerances(
-    plan: &Plan,
+    plan: &TolerancePlan,
     pose: &[f64],
     [from, until]: [f64; 2],
-) -> Result<Vec<Tolerance>, Obstacle> {
+) -> Result<Vec<ToleranceInterval>, BandObstacle> {
     let family = plan.family;
     let mut list = plan.tolerances(pose);
     let first = family.mechanism().unknowns.len();
@@ -136,7 +140,7 @@ pub(super) fn stretch_tolerances(
             false => input_range(drive, from, until),
         };
         if !range.is_finite() {
-            return Err(Obstacle::Test {
+            return Err(BandObstacle::Test {
                 reason: Reason::Formula,
                 dimension: None,
             });
@@ -144,7 +148,7 @@ pub(super) fn stretch_tolerances(
         let half_width = range.distance(pose[first + k]) * GROW;
         match list.iter_mut().find(|t| t.slot == first + k) {
             Some(known) => known.half_width = (known.half_width + half_width) * GROW,
-            None if half_width > 0.0 => list.push(Tolerance {
+            None if half_width > 0.0 => list.push(ToleranceInterval {
                 slot: first + k,
                 half_width,
             }),

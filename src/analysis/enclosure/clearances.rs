@@ -6,14 +6,14 @@
 
 use super::between::stretch_tolerances;
 use super::motion::{NominalPose, samples_at};
-use super::plan::{Plan, sized};
-use super::pose_bands::{Obstacle, pose_enclosure};
-use crate::clearance::part::{JudgedPart, Missing, PieceClearance, Refusal};
+use super::plan::{TolerancePlan, sized};
+use super::pose_bands::{BandObstacle, pose_enclosure};
+use crate::clearance::part::{JudgedPart, Missing, PieceClearance, PieceRefusal};
 use crate::clearance::piece_gap::{PartWays, PieceView};
 use crate::jobs::share_work;
 use crate::kinematics::enclosure::observer::Observer;
 use crate::kinematics::enclosure::pose::{Encloser, PoseEnclosure};
-use crate::kinematics::enclosure::region::Tolerance;
+use crate::kinematics::enclosure::region::ToleranceInterval;
 use crate::kinematics::motion::sampling::knot_times;
 use crate::kinematics::solve::newton::Pace;
 use crate::kinematics::solve::pose_solver::PoseSolver;
@@ -64,8 +64,8 @@ struct OpenPart {
 type PartBounds = Vec<(f64, Option<[f64; 2]>)>;
 
 /// The problem, for all time intervals.
-struct Search<'s> {
-    plan: &'s Plan<'s>,
+struct ClearanceSearch<'s> {
+    plan: &'s TolerancePlan<'s>,
     encloser: Encloser<'s>,
     ways: Vec<PartWays<'s>>,
     /// Arguments of all ways.
@@ -75,7 +75,7 @@ struct Search<'s> {
 /// The clearances of `parts` for every piece, from the first to the last of `times`. `tolerance` is the requested
 /// distance of the bound from the nearest piece, relative to the minimum or the distance.
 pub fn enclose_clearances(
-    plan: &Plan,
+    plan: &TolerancePlan,
     parts: &[JudgedPart],
     times: &[f64],
     tolerance: f64,
@@ -91,7 +91,7 @@ pub fn enclose_clearances(
     let mut used: Vec<usize> = ways.iter().flat_map(PartWays::arguments).collect();
     used.sort_unstable();
     used.dedup();
-    let search = Search {
+    let search = ClearanceSearch {
         plan,
         encloser: Encloser::new(family.system()),
         ways,
@@ -131,7 +131,7 @@ fn unknown_clearance(part: &JudgedPart) -> PieceClearance {
 
 /// The time intervals between the samples and the knots of the drives.
 fn first_stretches(
-    plan: &Plan,
+    plan: &TolerancePlan,
     parts: &[JudgedPart],
     times: &[f64],
     found: &mut [PieceClearance],
@@ -161,8 +161,8 @@ fn first_stretches(
             }),
             None => {
                 let obstacle = match plan.is_cancelled() {
-                    true => Obstacle::Interrupted,
-                    false => Obstacle::NoPose,
+                    true => BandObstacle::Interrupted,
+                    false => BandObstacle::NoPose,
                 };
                 found
                     .iter_mut()
@@ -193,15 +193,20 @@ fn parts_of(from: f64, until: f64, longest: f64) -> impl Iterator<Item = [f64; 2
 }
 
 /// Records that nothing is proved about a pair over a time interval.
-fn refuse(pair: &mut PieceClearance, plan: &Plan, [from, until]: [f64; 2], obstacle: Obstacle) {
+fn refuse(
+    pair: &mut PieceClearance,
+    plan: &TolerancePlan,
+    [from, until]: [f64; 2],
+    obstacle: BandObstacle,
+) {
     pair.bound = f64::NEG_INFINITY;
     let (missing, dimension) = match obstacle {
-        Obstacle::NoPose => (Missing::Pose, None),
-        Obstacle::Interrupted => (Missing::Time, None),
-        Obstacle::Test { reason, dimension } => (Missing::Proof(reason), dimension),
+        BandObstacle::NoPose => (Missing::Pose, None),
+        BandObstacle::Interrupted => (Missing::Time, None),
+        BandObstacle::Test { reason, dimension } => (Missing::Proof(reason), dimension),
     };
     let name = dimension.and_then(|k| plan.dimensions.get(k));
-    pair.refusal.get_or_insert(Refusal {
+    pair.refusal.get_or_insert(PieceRefusal {
         from,
         until,
         missing,
@@ -209,7 +214,7 @@ fn refuse(pair: &mut PieceClearance, plan: &Plan, [from, until]: [f64; 2], obsta
     });
 }
 
-impl Search<'_> {
+impl ClearanceSearch<'_> {
     /// Examines all open time intervals; returns those to be halved.
     fn round(
         &self,
@@ -243,7 +248,7 @@ impl Search<'_> {
             let mut rest = Vec::new();
             match result {
                 // What was proved of the whole interval holds for its halves.
-                Err(Obstacle::Interrupted) => {
+                Err(BandObstacle::Interrupted) => {
                     for OpenPart { part, known, .. } in &stretch.open {
                         match known.is_finite() {
                             true => found[*part].bound = found[*part].bound.min(*known),
@@ -251,7 +256,7 @@ impl Search<'_> {
                                 &mut found[*part],
                                 self.plan,
                                 stretch.ends,
-                                Obstacle::Interrupted,
+                                BandObstacle::Interrupted,
                             ),
                         }
                     }
@@ -305,12 +310,12 @@ impl Search<'_> {
         solver: &mut PoseSolver,
         stretch: &TimeSpan,
         goals: &[f64],
-    ) -> Result<PartBounds, Obstacle> {
+    ) -> Result<PartBounds, BandObstacle> {
         let [from, until] = stretch.ends;
         // The pose in the middle of the interval, followed from a near one.
         let middle = 0.5 * from + 0.5 * until;
         let pose = stretch.near.followed_to(solver, self.plan, middle);
-        let pose = pose.ok_or(Obstacle::NoPose)?.coordinates;
+        let pose = pose.ok_or(BandObstacle::NoPose)?.coordinates;
         let tolerances = stretch_tolerances(self.plan, &pose, stretch.ends)?;
         sized!(self.plan.room_for(tolerances.len()), N => {
             let enclosure = pose_enclosure::<N>(self.plan, &self.encloser, solver, &pose, &tolerances)?;
@@ -324,7 +329,7 @@ impl Search<'_> {
         stretch: &TimeSpan,
         goals: &[f64],
         enclosure: &PoseEnclosure<N>,
-        tolerances: &[Tolerance],
+        tolerances: &[ToleranceInterval],
     ) -> PartBounds {
         let mechanism = self.plan.family.mechanism();
         let observer = Observer::new(enclosure, mechanism, &self.used);
@@ -354,7 +359,7 @@ impl Search<'_> {
         &self,
         solver: &mut PoseSolver,
         enclosure: &PoseEnclosure<N>,
-        tolerances: &[Tolerance],
+        tolerances: &[ToleranceInterval],
         (place, time): (&[f64], f64),
     ) -> Option<Vec<f64>> {
         let family = self.plan.family;
@@ -362,7 +367,7 @@ impl Search<'_> {
         let inputs = family.actuation.inputs_at(time);
         let middle = enclosure.middle();
         // The inputs at that time, and the dimensions of one of the requested pieces.
-        let value = |(k, tolerance): (usize, &Tolerance)| {
+        let value = |(k, tolerance): (usize, &ToleranceInterval)| {
             let drawn = inputs[tolerance.slot - first];
             let by = self.plan.dimensions.get(k).map_or(0.0, |d| d.tolerance);
             drawn + place[k] * by

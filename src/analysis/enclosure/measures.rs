@@ -2,14 +2,14 @@
 //! inserted into the formulas of the measures. If the derivatives show at which corner of the tolerances a measure has
 //! its extreme, all poses of that piece are solved and proved.
 
-use super::plan::{Plan, sized};
-use super::pose_bands::{Obstacle, PieceFinder, is_sharp};
+use super::plan::{TolerancePlan, sized};
+use super::pose_bands::{BandObstacle, PieceFinder, is_sharp};
 use super::reductions::taken_number;
 use super::tracked::Tracked;
 use crate::analysis::study::Nominal;
-use crate::kinematics::abreast::anchor::Anchor;
+use crate::kinematics::abreast::anchor::AnchorPose;
 use crate::kinematics::enclosure::pose::{Encloser, PoseEnclosure};
-use crate::kinematics::enclosure::quadratic::{Face, Quadratic};
+use crate::kinematics::enclosure::quadratic::{BoxFace, QuadraticBound};
 use crate::kinematics::loops::observed::observed_slots;
 use crate::model::expression::Expression;
 use crate::model::measure::{Measure, MeasureSource};
@@ -31,9 +31,9 @@ pub struct MeasureBand {
 /// # Errors
 /// The first pose that has no box, counted over all tracks.
 pub fn enclose_measures(
-    plan: &Plan,
+    plan: &TolerancePlan,
     nominal: &Nominal,
-) -> Result<Vec<MeasureBand>, (usize, Obstacle)> {
+) -> Result<Vec<MeasureBand>, (usize, BandObstacle)> {
     sized!(plan.room_for(plan.dimensions.len()), N => measure_bands::<N>(plan, nominal))
 }
 
@@ -47,11 +47,11 @@ struct Reached {
 const OF_ONE: usize = 4;
 
 fn measure_bands<const N: usize>(
-    plan: &Plan,
+    plan: &TolerancePlan,
     nominal: &Nominal,
-) -> Result<Vec<MeasureBand>, (usize, Obstacle)> {
+) -> Result<Vec<MeasureBand>, (usize, BandObstacle)> {
     let encloser = Encloser::new(plan.family.system());
-    let mut search = Search {
+    let mut search = MeasureSearch {
         plan,
         encloser: &encloser,
         finder: PieceFinder::new(plan, &encloser),
@@ -96,16 +96,16 @@ fn measure_bands<const N: usize>(
     Ok(tighter.collect())
 }
 
-struct Search<'p> {
-    plan: &'p Plan<'p>,
+struct MeasureSearch<'p> {
+    plan: &'p TolerancePlan<'p>,
     encloser: &'p Encloser<'p>,
     finder: PieceFinder<'p>,
     nominal: &'p Nominal,
     /// Solvers for every pose, created when the first pieces are needed.
-    anchors: Vec<Option<Anchor>>,
+    anchors: Vec<Option<AnchorPose>>,
 }
 
-impl Search<'_> {
+impl MeasureSearch<'_> {
     /// Bands from the enclosures of all poses, and the values of the pieces at their ends.
     fn reached<const N: usize>(&mut self, enclosures: &[PoseEnclosure<N>]) -> Vec<Reached> {
         let count = self.plan.dimensions.len();
@@ -115,10 +115,10 @@ impl Search<'_> {
             Tracked { form, rates }
         };
         let numbers = measure_numbers(self.plan, inputs.clone(), count, value);
-        let faces: Vec<[Face; 2]> = numbers
+        let faces: Vec<[BoxFace; 2]> = numbers
             .iter()
             .map(|number| {
-                let function = Quadratic {
+                let function = QuadraticBound {
                     value: number.form.value,
                     open: 0.0,
                     rates: number.rates.clone(),
@@ -128,7 +128,7 @@ impl Search<'_> {
             .collect();
         let mut places: Vec<&[f64]> = Vec::new();
         // Without derivatives there is no corner to examine.
-        let bounded = |face: &&Face| face.beyond.is_finite();
+        let bounded = |face: &&BoxFace| face.beyond.is_finite();
         for face in faces.iter().flatten().filter(bounded) {
             for place in [&face.middle, &face.best] {
                 if !places.contains(&&place[..]) {
@@ -180,7 +180,7 @@ impl Search<'_> {
         let system = self.plan.family.system();
         if self.anchors.is_empty() {
             let poses = self.nominal.poses.iter();
-            self.anchors = poses.map(|pose| Anchor::new(system, pose)).collect();
+            self.anchors = poses.map(|pose| AnchorPose::new(system, pose)).collect();
         }
         // Slots of every pose at every place.
         let mut slots: Vec<Vec<Option<Vec<Interval>>>> = Vec::with_capacity(enclosures.len());
@@ -227,7 +227,7 @@ fn of_piece<const N: usize>(input: &Tracked<N>, place: &[f64]) -> Tracked<OF_ONE
 
 /// All measures, from the inputs at the start of the drive and the values of formulas at the poses of the tracks.
 fn measure_numbers<const N: usize>(
-    plan: &Plan,
+    plan: &TolerancePlan,
     inputs: Vec<Tracked<N>>,
     count: usize,
     value: impl Fn(usize, &Expression) -> Tracked<N>,
@@ -276,7 +276,7 @@ fn of_formula<const N: usize>(formula: &Expression, numbers: &[Tracked<N>]) -> T
 }
 
 /// The inputs at the start of the drive, as functions of the dimensions.
-fn plan_inputs<const N: usize>(plan: &Plan) -> Vec<Tracked<N>> {
+fn plan_inputs<const N: usize>(plan: &TolerancePlan) -> Vec<Tracked<N>> {
     let family = plan.family;
     let unknowns = family.mechanism().unknowns.len();
     let start = family.actuation.inputs_at(0.0);

@@ -12,11 +12,11 @@ mod pose_bands;
 mod reductions;
 mod tracked;
 
-pub use allowed::{Allowed, allowed_motion};
+pub use allowed::{AllowedTolerance, allowed_motion};
 pub use between::enclose_between;
 pub use clearances::enclose_clearances;
 pub use measures::{MeasureBand, enclose_measures};
 pub use motion::{Enclosed, SpanBands, enclose_motion, shown_names};
 pub use pieces::PieceTolerances;
-pub use plan::{Dimension, MOST_DIMENSIONS, Plan};
-pub use pose_bands::{Band, Bands, Obstacle};
+pub use plan::{MOST_DIMENSIONS, TolerancePlan, TolerancedDimension};
+pub use pose_bands::{BandObstacle, Bands, ValueBand};

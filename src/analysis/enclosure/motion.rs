@@ -1,8 +1,8 @@
 //! Bands of a motion: at every sample, for every unknown, traced point and output, a range that contains every piece,
 //! and the range that pieces attain.
 
-use super::plan::{Plan, sized};
-use super::pose_bands::{Bands, Obstacle, PieceFinder};
+use super::plan::{TolerancePlan, sized};
+use super::pose_bands::{BandObstacle, Bands, PieceFinder};
 use crate::jobs::share_work;
 use crate::kinematics::enclosure::pose::Encloser;
 use crate::kinematics::motion::continuation::solve_until;
@@ -18,7 +18,7 @@ pub struct Enclosed {
     /// All inputs, the dimensions among them.
     pub inputs: Vec<f64>,
     /// The bands, or the reason why there are none.
-    pub bands: Result<Bands, Obstacle>,
+    pub bands: Result<Bands, BandObstacle>,
 }
 
 /// The time between two samples.
@@ -29,7 +29,7 @@ pub struct SpanBands {
     /// Seconds.
     pub until: f64,
     /// Least and greatest value of every quantity over the interval, or the reason why they are unknown.
-    pub bands: Result<Vec<[f64; 2]>, Obstacle>,
+    pub bands: Result<Vec<[f64; 2]>, BandObstacle>,
 }
 
 /// Names and kinds of the quantities with bands.
@@ -43,7 +43,12 @@ pub fn shown_names(mechanism: &Mechanism) -> Vec<(String, Kind)> {
 }
 
 /// Bands at `times`. `search` also finds the ranges that pieces attain.
-pub fn enclose_motion(plan: &Plan, times: &[f64], threads: usize, search: bool) -> Vec<Enclosed> {
+pub fn enclose_motion(
+    plan: &TolerancePlan,
+    times: &[f64],
+    threads: usize,
+    search: bool,
+) -> Vec<Enclosed> {
     let family = plan.family;
     let samples = samples_at(plan, times);
     let encloser = Encloser::new(family.system());
@@ -51,7 +56,7 @@ pub fn enclose_motion(plan: &Plan, times: &[f64], threads: usize, search: bool) 
     let work = |finder: &mut PieceFinder, index: usize| {
         let sample = &samples[index];
         let bands = match &sample.pose {
-            None => Err(Obstacle::NoPose),
+            None => Err(BandObstacle::NoPose),
             Some(pose) => {
                 let pose = [pose.unknowns.as_slice(), &sample.inputs].concat();
                 sized!(plan.room_for(plan.dimensions.len()), N => finder.bands::<N>(&pose))
@@ -77,7 +82,7 @@ pub fn enclose_motion(plan: &Plan, times: &[f64], threads: usize, search: bool) 
 
 /// The samples at `times`, followed from the start of the drive, so that they are on its branch. After a cancellation
 /// they have no pose.
-pub(super) fn samples_at(plan: &Plan, times: &[f64]) -> Vec<Sample> {
+pub(super) fn samples_at(plan: &TolerancePlan, times: &[f64]) -> Vec<Sample> {
     // The motion is followed from the start of the drive, which may not be among the samples.
     let begins = times.first().is_none_or(|t| *t == 0.0);
     let lead: &[f64] = if begins { &[] } else { &[0.0] };
@@ -115,7 +120,12 @@ impl NominalPose {
     }
 
     /// The pose at another time, in steps that can be trusted: a drive may go far between two samples.
-    pub fn followed_to(&self, solver: &mut PoseSolver, plan: &Plan, time: f64) -> Option<Self> {
+    pub fn followed_to(
+        &self,
+        solver: &mut PoseSolver,
+        plan: &TolerancePlan,
+        time: f64,
+    ) -> Option<Self> {
         let family = plan.family;
         let unknowns = family.mechanism().unknowns.len();
         let inputs = |part: f64| match part < 1.0 {

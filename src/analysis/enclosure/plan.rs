@@ -1,7 +1,7 @@
 //! Which dimensions have which tolerances.
 
 use crate::analysis::study::ParametricMechanism;
-use crate::kinematics::enclosure::region::Tolerance;
+use crate::kinematics::enclosure::region::ToleranceInterval;
 use crate::limits::Deadline;
 use crate::model::mechanism::Kind;
 use crate::model::printed::printing_unit;
@@ -16,7 +16,7 @@ const MOST_MARKED: usize = 48;
 
 /// A dimension with its tolerance.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Dimension {
+pub struct TolerancedDimension {
     /// Name of the parameter, or of the input.
     pub name: String,
     /// What it measures.
@@ -29,18 +29,18 @@ pub struct Dimension {
 
 /// A family with tolerances.
 #[derive(Clone, Debug)]
-pub struct Plan<'f> {
+pub struct TolerancePlan<'f> {
     /// Its dimensions are inputs.
     pub family: &'f ParametricMechanism,
     /// Those with a tolerance.
-    pub dimensions: Vec<Dimension>,
+    pub dimensions: Vec<TolerancedDimension>,
     /// Raised to cancel the enclosure.
     cancel: Option<&'f AtomicBool>,
     /// The enclosure ends then, with what is proved.
     deadline: Deadline,
 }
 
-impl<'f> Plan<'f> {
+impl<'f> TolerancePlan<'f> {
     /// The family's variables and its own inputs with the tolerances given by name, in internal units.
     pub fn new(family: &'f ParametricMechanism, tolerances: &[(String, f64)]) -> Self {
         let mechanism = family.mechanism();
@@ -48,7 +48,7 @@ impl<'f> Plan<'f> {
         let inputs = mechanism.inputs.iter().zip(first..);
         let dimensions = inputs.filter_map(|(input, slot)| {
             let (_, tolerance) = tolerances.iter().find(|(name, _)| *name == input.name)?;
-            Some(Dimension {
+            Some(TolerancedDimension {
                 name: input.name.clone(),
                 kind: input.kind,
                 tolerance: *tolerance,
@@ -102,8 +102,8 @@ impl<'f> Plan<'f> {
     }
 
     /// The intervals at a pose: they contain the decimal numbers as written, not only the nearest f64.
-    pub fn tolerances(&self, pose: &[f64]) -> Vec<Tolerance> {
-        let of = |dimension: &Dimension| Tolerance {
+    pub fn tolerances(&self, pose: &[f64]) -> Vec<ToleranceInterval> {
+        let of = |dimension: &TolerancedDimension| ToleranceInterval {
             slot: dimension.slot,
             half_width: (dimension.tolerance * (1.0 + 2.0 * DECIMAL)
                 + 2.0 * DECIMAL * pose[dimension.slot].abs())

@@ -1,13 +1,13 @@
 //! The bands at a pose. If the derivatives show at which corner of the tolerances a quantity has its extreme, that
 //! piece is solved and proved, and the band ends there, however loose the enclosure of all other pieces is.
 
-use super::plan::Plan;
-use crate::kinematics::abreast::anchor::Anchor;
+use super::plan::TolerancePlan;
+use crate::kinematics::abreast::anchor::AnchorPose;
 use crate::kinematics::abreast::closing::LaneSolver;
 use crate::kinematics::enclosure::block::Unbounded;
 use crate::kinematics::enclosure::pose::{Encloser, PoseEnclosure, Sought};
-use crate::kinematics::enclosure::quadratic::{Face, Quadratic};
-use crate::kinematics::enclosure::region::Tolerance;
+use crate::kinematics::enclosure::quadratic::{BoxFace, QuadraticBound};
+use crate::kinematics::enclosure::region::ToleranceInterval;
 use crate::kinematics::loops::observed::observed_slots;
 use crate::kinematics::results::certificate::Reason;
 use crate::kinematics::solve::newton::Pace;
@@ -18,7 +18,7 @@ use crate::numbers::scalar::Scalar;
 
 /// The range of one number over all pieces.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Band {
+pub struct ValueBand {
     /// With the file's dimensions.
     pub nominal: f64,
     /// No piece is lower.
@@ -33,7 +33,7 @@ pub struct Band {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bands {
     /// Unknowns, x, y, z of the traced points, outputs.
-    pub list: Vec<Band>,
+    pub list: Vec<ValueBand>,
 }
 
 impl Bands {
@@ -48,7 +48,7 @@ impl Bands {
 
 /// Why a sample has no bands.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Obstacle {
+pub enum BandObstacle {
     /// There is no pose with the file's dimensions.
     NoPose,
     /// The caller did not want to wait.
@@ -62,7 +62,7 @@ pub enum Obstacle {
     },
 }
 
-impl From<Unbounded> for Obstacle {
+impl From<Unbounded> for BandObstacle {
     fn from(unbounded: Unbounded) -> Self {
         Self::Test {
             reason: unbounded.reason,
@@ -79,14 +79,14 @@ const NARROW: f64 = 1e-9;
 
 /// The enclosure of all pieces near a closed pose, with individual tolerances.
 pub(super) fn pose_enclosure<const N: usize>(
-    plan: &Plan,
+    plan: &TolerancePlan,
     encloser: &Encloser,
     solver: &mut PoseSolver,
     pose: &[f64],
-    tolerances: &[Tolerance],
-) -> Result<PoseEnclosure<N>, Obstacle> {
+    tolerances: &[ToleranceInterval],
+) -> Result<PoseEnclosure<N>, BandObstacle> {
     if plan.is_cancelled() {
-        return Err(Obstacle::Interrupted);
+        return Err(BandObstacle::Interrupted);
     }
     Ok(encloser.enclose(Sought {
         pose,
@@ -104,7 +104,7 @@ pub(super) fn is_sharp([lo, hi]: [f64; 2], found: [f64; 2], size: f64) -> bool {
 
 /// Finds pieces and their bands; one per thread.
 pub(super) struct PieceFinder<'f> {
-    plan: &'f Plan<'f>,
+    plan: &'f TolerancePlan<'f>,
     encloser: &'f Encloser<'f>,
     solver: PoseSolver<'f>,
     lanes: LaneSolver<'f>,
@@ -112,7 +112,7 @@ pub(super) struct PieceFinder<'f> {
 
 impl<'f> PieceFinder<'f> {
     /// Buffers for one thread.
-    pub fn new(plan: &'f Plan<'f>, encloser: &'f Encloser<'f>) -> Self {
+    pub fn new(plan: &'f TolerancePlan<'f>, encloser: &'f Encloser<'f>) -> Self {
         let system = plan.family.system();
         Self {
             plan,
@@ -123,7 +123,10 @@ impl<'f> PieceFinder<'f> {
     }
 
     /// The enclosure of all pieces near a closed pose.
-    pub fn enclosed<const N: usize>(&mut self, pose: &[f64]) -> Result<PoseEnclosure<N>, Obstacle> {
+    pub fn enclosed<const N: usize>(
+        &mut self,
+        pose: &[f64],
+    ) -> Result<PoseEnclosure<N>, BandObstacle> {
         let tolerances = self.plan.tolerances(pose);
         pose_enclosure(
             self.plan,
@@ -138,9 +141,9 @@ impl<'f> PieceFinder<'f> {
     pub fn enclosed_plainly<const N: usize>(
         &mut self,
         pose: &[f64],
-    ) -> Result<(PoseEnclosure<N>, bool), Obstacle> {
+    ) -> Result<(PoseEnclosure<N>, bool), BandObstacle> {
         if self.plan.is_cancelled() {
-            return Err(Obstacle::Interrupted);
+            return Err(BandObstacle::Interrupted);
         }
         Ok(self.encloser.enclose_plainly(Sought {
             pose,
@@ -151,8 +154,8 @@ impl<'f> PieceFinder<'f> {
     }
 
     /// The bands of all pieces near a closed pose.
-    pub fn bands<const N: usize>(&mut self, pose: &[f64]) -> Result<Bands, Obstacle> {
-        let anchor = Anchor::new(self.plan.family.system(), pose);
+    pub fn bands<const N: usize>(&mut self, pose: &[f64]) -> Result<Bands, BandObstacle> {
+        let anchor = AnchorPose::new(self.plan.family.system(), pose);
         let anchor = anchor.as_ref();
         // The plain enclosure first; the refined one costs several times as much.
         let Ok((plain, is_rough)) = self.enclosed_plainly::<N>(pose) else {
@@ -162,7 +165,7 @@ impl<'f> PieceFinder<'f> {
         let first = self.bands_within(&plain, anchor);
         let size = self.plan.family.mechanism().size;
         let sharp =
-            |band: &Band| is_sharp([band.lo, band.hi], band.found, band.nominal.abs() + size);
+            |band: &ValueBand| is_sharp([band.lo, band.hi], band.found, band.nominal.abs() + size);
         if !is_rough || first.list.iter().all(sharp) {
             return Ok(first);
         }
@@ -179,15 +182,15 @@ impl<'f> PieceFinder<'f> {
     fn bands_within<const N: usize>(
         &mut self,
         enclosure: &PoseEnclosure<N>,
-        anchor: Option<&Anchor>,
+        anchor: Option<&AnchorPose>,
     ) -> Bands {
         let mechanism = self.plan.family.mechanism();
         let unknowns = 0..mechanism.unknowns.len();
         let shown = unknowns.chain(mechanism.coordinate_count()..enclosure.len());
-        let functions: Vec<(usize, Quadratic<N>)> =
+        let functions: Vec<(usize, QuadraticBound<N>)> =
             shown.map(|slot| (slot, enclosure.slot(slot))).collect();
         // Least and greatest of every number.
-        let faces: Vec<[Face; 2]> = functions
+        let faces: Vec<[BoxFace; 2]> = functions
             .iter()
             .map(|(_, function)| [-1.0, 1.0].map(|sign| function.face(sign)))
             .collect();
@@ -202,7 +205,7 @@ impl<'f> PieceFinder<'f> {
             let index = places.iter().position(|known| *known == place)?;
             pieces[index].as_deref()
         };
-        let band = |((slot, function), faces): (&(usize, Quadratic<N>), &[Face; 2])| {
+        let band = |((slot, function), faces): (&(usize, QuadraticBound<N>), &[BoxFace; 2])| {
             let nominal = function.value;
             let (mut found, mut ends) = ([nominal; 2], [None; 2]);
             for ((face, sign), end) in faces.iter().zip([-1.0, 1.0]).zip(&mut ends) {
@@ -228,7 +231,7 @@ impl<'f> PieceFinder<'f> {
                     [range.lo, range.hi]
                 }
             };
-            Band {
+            ValueBand {
                 nominal,
                 lo: lo.min(found[0]),
                 hi: hi.max(found[1]),
@@ -255,7 +258,7 @@ impl<'f> PieceFinder<'f> {
         &mut self,
         enclosure: &PoseEnclosure<N>,
         places: &[&[f64]],
-        anchor: Option<&Anchor>,
+        anchor: Option<&AnchorPose>,
     ) -> Vec<Option<Vec<f64>>> {
         let mut all = Vec::with_capacity(places.len());
         for eight in places.chunks(LANES) {
@@ -313,7 +316,7 @@ impl<'f> PieceFinder<'f> {
     }
 }
 
-impl Band {
+impl ValueBand {
     /// The intersection of two bands of one quantity.
     fn narrowed(&self, other: &Self) -> Self {
         Self {

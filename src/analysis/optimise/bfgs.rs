@@ -2,7 +2,7 @@
 //! Numerical Optimization, 2nd ed., chapter 6), within bounds: variables are held at a bound if the gradient points
 //! outwards.
 
-use super::{Ended, Minimum, Objective, VariableBounds};
+use super::{Minimum, Objective, StopReason, VariableBounds};
 
 /// A step must achieve this fraction of the decrease predicted by the gradient (Armijo).
 const SUFFICIENT_GAIN: f64 = 1e-4;
@@ -44,7 +44,7 @@ pub fn minimise_bfgs(
         evaluations: 0,
     };
     let Some(mut here) = search.at(&x) else {
-        return search.result(x, f64::INFINITY, 0, Ended::Stalled);
+        return search.result(x, f64::INFINITY, 0, StopReason::Stalled);
     };
     let first_value = here.value.abs().max(f64::MIN_POSITIVE);
     let mut inverse = Inverse::identity(x.len());
@@ -56,10 +56,10 @@ pub fn minimise_bfgs(
         let steepest = (0..x.len()).filter(|k| free[*k]);
         let largest = steepest.fold(0.0_f64, |m, k| m.max(here.gradient[k].abs()));
         if largest <= limits.gradient_tolerance * first_value {
-            break Ended::Converged;
+            break StopReason::Converged;
         }
         if iterations >= limits.iterations {
-            break Ended::OutOfBudget;
+            break StopReason::OutOfBudget;
         }
         iterations += 1;
         // Quasi-Newton direction; where it does not descend, the memory is dropped.
@@ -72,14 +72,14 @@ pub fn minimise_bfgs(
         let length = direction.iter().fold(0.0_f64, |m, d| m.max(d.abs()));
         if slope >= 0.0 || slope.is_nan() {
             if is_fresh {
-                break Ended::Stalled;
+                break StopReason::Stalled;
             }
             inverse = Inverse::identity(x.len());
             is_fresh = true;
             continue;
         }
         if !is_fresh && -slope <= LEAST_PROMISE * here.value.abs() {
-            break Ended::Converged;
+            break StopReason::Converged;
         }
         if is_fresh && length > 0.0 {
             // The gradient gives the direction, but no step length.
@@ -94,7 +94,7 @@ pub fn minimise_bfgs(
                 is_fresh = false;
                 here = next;
             }
-            None if is_fresh => break Ended::Stalled,
+            None if is_fresh => break StopReason::Stalled,
             None => {
                 inverse = Inverse::identity(x.len());
                 is_fresh = true;
@@ -102,7 +102,7 @@ pub fn minimise_bfgs(
         }
         let place = search.unscaled(&here.x);
         if !search.objective.progress(iterations, &place, here.value) {
-            break Ended::Stopped;
+            break StopReason::Stopped;
         }
     };
     x = search.unscaled(&here.x);
@@ -209,7 +209,7 @@ impl BfgsSearch<'_> {
         best
     }
 
-    fn result(&self, x: Vec<f64>, value: f64, iterations: usize, ended: Ended) -> Minimum {
+    fn result(&self, x: Vec<f64>, value: f64, iterations: usize, ended: StopReason) -> Minimum {
         Minimum {
             x,
             value,

@@ -1,7 +1,7 @@
 //! Inequality constraints by the augmented Lagrangian (Nocedal and Wright, Numerical Optimization, 2nd ed., chapter
 //! 17): a few minimisations of a penalised function with updated multipliers, so that the weights stay moderate.
 
-use super::{Ended, Minimum, Objective};
+use super::{Minimum, Objective, StopReason};
 
 /// An objective and functions that must not be positive.
 pub trait Constrained {
@@ -149,7 +149,7 @@ pub fn minimise_constrained(
         total.value = values[0];
     }
     if penalised.stopped {
-        total.ended = Ended::Stopped;
+        total.ended = StopReason::Stopped;
     }
     total
 }

@@ -1,7 +1,7 @@
 //! Differential evolution (Storn and Price, J. Global Optimization 11, 1997) within a box: finds the best of several
 //! valleys. Random numbers depend only on the seed, the generation and the member.
 
-use super::{Ended, Minimum, Objective, VariableBounds};
+use super::{Minimum, Objective, StopReason, VariableBounds};
 use crate::analysis::random::Random;
 
 /// Factor on an added difference, drawn for every trial between these.
@@ -52,7 +52,7 @@ pub fn minimise_by_evolution(
         let v = value(objective, &x);
         population.push((x, v));
     }
-    let mut ended = Ended::OutOfBudget;
+    let mut ended = StopReason::OutOfBudget;
     let mut made = 0;
     // Each member is compared with one trial point, and the better one stays.
     for generation in 1..=limits.generations {
@@ -68,7 +68,7 @@ pub fn minimise_by_evolution(
         }
         let best = &population[best_of(&population)];
         if !objective.progress(generation, &best.0, best.1) {
-            ended = Ended::Stopped;
+            ended = StopReason::Stopped;
             break;
         }
         // Converged when all members are equally good.
@@ -76,7 +76,7 @@ pub fn minimise_by_evolution(
             .iter()
             .fold(f64::NEG_INFINITY, |m, (_, v)| m.max(*v));
         if worst - best.1 <= limits.value_tolerance * best.1.abs() {
-            ended = Ended::Converged;
+            ended = StopReason::Converged;
             break;
         }
     }

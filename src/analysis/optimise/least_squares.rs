@@ -2,7 +2,7 @@
 //! within bounds: variables are held at a bound if the gradient points outwards. An evaluation may depend on the point
 //! from which it starts.
 
-use super::{Ended, VariableBounds};
+use super::{StopReason, VariableBounds};
 use nalgebra::{DMatrix, DVector};
 
 /// Numbers whose squares are summed.
@@ -38,7 +38,7 @@ pub struct LeastSquares<P> {
     /// Steps tried.
     pub steps: usize,
     /// Why it ended.
-    pub ended: Ended,
+    pub ended: StopReason,
 }
 
 /// First damping, as a fraction of the squared columns.
@@ -72,19 +72,19 @@ pub fn minimise_squares<R: Residuals>(
     let mut model = None;
     let ended = loop {
         if sum <= NOTHING * first || sum == 0.0 {
-            break Ended::Converged;
+            break StopReason::Converged;
         }
         if tried >= steps {
-            break Ended::OutOfBudget;
+            break StopReason::OutOfBudget;
         }
         if model.is_none() {
             if !problem.goes_on(sum) {
-                break Ended::Stopped;
+                break StopReason::Stopped;
             }
             model = Linearised::new(problem, &here, bounds);
         }
         let Some(linear) = &model else {
-            break Ended::Stalled;
+            break StopReason::Stalled;
         };
         let before = problem.x(&here);
         let step = linear.step(damping, before, bounds);
@@ -93,12 +93,12 @@ pub fn minimise_squares<R: Residuals>(
         let (Some(step), Some(promise), true) = (&step, promise, worth) else {
             // A step shortened by bounds may predict no decrease where an even shorter one does.
             if step.as_ref().is_some_and(|step| !step.is_cut) {
-                break Ended::Converged;
+                break StopReason::Converged;
             }
             damping *= growth;
             growth *= 2.0;
             if damping > MOST_DAMPING {
-                break Ended::Stalled;
+                break StopReason::Stalled;
             }
             continue;
         };
@@ -122,7 +122,7 @@ pub fn minimise_squares<R: Residuals>(
                 damping *= growth;
                 growth *= 2.0;
                 if damping > MOST_DAMPING {
-                    break Ended::Converged;
+                    break StopReason::Converged;
                 }
             }
         }
@@ -142,7 +142,7 @@ fn squares(values: &[f64]) -> f64 {
 }
 
 /// A step within the bounds.
-struct Step {
+struct BoundedStep {
     moves: Vec<f64>,
     /// A bound stopped one of the variables.
     is_cut: bool,
@@ -183,7 +183,7 @@ impl Linearised {
 
     /// The damped step within the bounds: variables that would leave them stop there, and the others are solved again.
     /// `None` if there is no step.
-    fn step(&self, damping: f64, x: &[f64], bounds: &VariableBounds) -> Option<Step> {
+    fn step(&self, damping: f64, x: &[f64], bounds: &VariableBounds) -> Option<BoundedStep> {
         let mut fixed: Vec<Option<f64>> = self.free.iter().map(|f| (!f).then_some(0.0)).collect();
         let mut is_cut = false;
         loop {
@@ -197,7 +197,7 @@ impl Linearised {
                 }
             }
             if all_inside {
-                return Some(Step { moves, is_cut });
+                return Some(BoundedStep { moves, is_cut });
             }
             is_cut = true;
         }
@@ -281,7 +281,7 @@ mod tests {
         let mut problem = rosenbrock();
         let start = problem.at(&[vec![], vec![]], &[-1.2, 1.0]).unwrap();
         let found = minimise_squares(&mut problem, start, &VariableBounds::none(2), 200);
-        assert_eq!(found.ended, Ended::Converged);
+        assert_eq!(found.ended, StopReason::Converged);
         assert!(
             found.sum < 1e-24 && (found.place[0][0] - 1.0).abs() < 1e-10,
             "{found:?}"

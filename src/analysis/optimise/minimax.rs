@@ -7,7 +7,7 @@
 use super::curvature::Curvature;
 use super::minimax_problem::{largest_value, merit_value};
 use super::minimax_step::{MinimaxPoint, trust_unit};
-use super::{Ended, Minimum, VariableBounds};
+use super::{Minimum, StopReason, VariableBounds};
 use nalgebra::DVector;
 use std::collections::VecDeque;
 
@@ -59,7 +59,7 @@ pub fn minimise_largest(
         iterations: 0,
         evaluations: 0,
         gradients: 1,
-        ended: Ended::Stalled,
+        ended: StopReason::Stalled,
     };
     let Some((mut peak_values, mut peak_gradients)) = problem.gradients_at(&x) else {
         return result;
@@ -78,13 +78,13 @@ pub fn minimise_largest(
     let mut edges: VecDeque<TrustEdge> = VecDeque::new();
     result.ended = loop {
         if result.iterations >= search.iterations {
-            break Ended::OutOfBudget;
+            break StopReason::OutOfBudget;
         }
         if radius < search.smallest_radius {
-            break Ended::Converged;
+            break StopReason::Converged;
         }
         if problem.is_stopped() {
-            break Ended::Stopped;
+            break StopReason::Stopped;
         }
         result.iterations += 1;
         // The model: linear peaks and constraints, the learnt curvature, and the edges found so far.
@@ -111,7 +111,7 @@ pub fn minimise_largest(
         // The predicted decrease; below the tolerance nothing is left to gain.
         let promise = here - step.merit;
         if promise <= search.tolerance * here.abs() {
-            break Ended::Converged;
+            break StopReason::Converged;
         }
         result.evaluations += 1;
         let gain = |there: &Option<PeakValues>| match there {
@@ -122,7 +122,7 @@ pub fn minimise_largest(
         // Second-order correction: if the step disappoints, the curvature of the constraints is taken into account.
         let (mut next, mut gained) = (step.x.clone(), gain(&there));
         if problem.is_stopped() {
-            break Ended::Stopped;
+            break StopReason::Stopped;
         }
         if let Some(there) = there.filter(|_| gained < GOOD)
             && let Some(other) = place.step(&place.corrected_values(&next, &there), radius)
@@ -155,7 +155,7 @@ pub fn minimise_largest(
             x = next;
             accepted += 1;
             if !problem.progress(accepted, &x, largest_value(&peak_values.peaks)) {
-                break Ended::Stopped;
+                break StopReason::Stopped;
             }
         }
         // Trust region: larger if the model is accurate, smaller if not.

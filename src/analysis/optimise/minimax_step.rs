@@ -3,7 +3,7 @@
 use super::VariableBounds;
 use super::curvature::Curvature;
 use super::minimax_problem::{PeakGradients, PeakValues, TrustEdge, largest_value, merit_value};
-use super::quadratic::Programme;
+use super::quadratic::QuadraticProgramme;
 use nalgebra::{DMatrix, DVector};
 use std::collections::VecDeque;
 
@@ -189,7 +189,7 @@ impl MinimaxPoint<'_> {
         let mut start = DVector::zeros(n + 2);
         start[top] = largest_value(&peak_values.peaks) / self.unit + 0.1;
         start[excess] = largest_value(&peak_values.limits).max(0.0) / limit_unit + 0.1;
-        let programme = Programme {
+        let programme = QuadraticProgramme {
             bend,
             cost,
             rows,

@@ -54,7 +54,7 @@ impl VariableBounds {
 
 /// Why a search ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ended {
+pub enum StopReason {
     /// The tolerances are met.
     Converged,
     /// No step decreases the value any more: rounding, a kink, or rejected points all around.
@@ -79,7 +79,7 @@ pub struct Minimum {
     /// Gradients asked for.
     pub gradients: usize,
     /// Why it ended.
-    pub ended: Ended,
+    pub ended: StopReason,
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! The simplex search of Nelder and Mead (Computer Journal 7, 1965) in the form of Lagarias et al. (SIAM J. Optim. 9,
 //! 1998): no derivatives, any dimension up to a dozen or so.
 
-use super::{Ended, Minimum, Objective, VariableBounds};
+use super::{Minimum, Objective, StopReason, VariableBounds};
 
 const REFLECTION: f64 = 1.0;
 const EXPANSION: f64 = 2.0;
@@ -43,10 +43,10 @@ pub fn minimise_nelder_mead(
     let ended = loop {
         simplex.sort_by(|a, b| a.1.total_cmp(&b.1));
         if is_small(&simplex, limits) {
-            break Ended::Converged;
+            break StopReason::Converged;
         }
         if search.evaluations >= limits.evaluations {
-            break Ended::OutOfBudget;
+            break StopReason::OutOfBudget;
         }
         iterations += 1;
         search.improve_simplex(&mut simplex);
@@ -54,7 +54,7 @@ pub fn minimise_nelder_mead(
         if let Some((x, value)) = best
             && !search.objective.progress(iterations, x, *value)
         {
-            break Ended::Stopped;
+            break StopReason::Stopped;
         }
     };
     simplex.sort_by(|a, b| a.1.total_cmp(&b.1));

@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// A programme; its numbers should be of order one.
 #[derive(Clone, Debug)]
-pub struct Programme {
+pub struct QuadraticProgramme {
     /// Q, symmetric and positive semidefinite.
     pub bend: DMatrix<f64>,
     /// c
@@ -46,12 +46,12 @@ struct InteriorPoint {
 }
 
 /// Right-hand sides of the Newton system: of the gradient, of the rows, of the products.
-struct Residuals {
+struct NewtonResiduals {
     dual: DVector<f64>,
     primal: DVector<f64>,
 }
 
-impl Programme {
+impl QuadraticProgramme {
     /// Solves from the point `start`; `None` if the iterates diverge.
     pub fn solve(&self, start: DVector<f64>) -> Option<QuadraticStep> {
         let rows = self.ends.len();
@@ -80,15 +80,15 @@ impl Programme {
         })
     }
 
-    fn residuals(&self, here: &InteriorPoint) -> Residuals {
+    fn residuals(&self, here: &InteriorPoint) -> NewtonResiduals {
         let dual = &self.bend * &here.z + &self.cost + self.rows.tr_mul(&here.multipliers);
-        Residuals {
+        NewtonResiduals {
             dual,
             primal: &self.rows * &here.z + &here.slack - &self.ends,
         }
     }
 
-    fn step(&self, here: &InteriorPoint, residuals: &Residuals) -> Option<InteriorPoint> {
+    fn step(&self, here: &InteriorPoint, residuals: &NewtonResiduals) -> Option<InteriorPoint> {
         let count = here.slack.len();
         let weights = here.multipliers.component_div(&here.slack);
         let mut weighted = self.rows.clone();
@@ -135,7 +135,7 @@ impl InteriorPoint {
     }
 }
 
-impl Residuals {
+impl NewtonResiduals {
     fn largest(&self) -> f64 {
         self.dual.amax().max(self.primal.amax())
     }

@@ -2,9 +2,9 @@
 //! [`TrackPoses`](super::track_poses::TrackPoses). Designs that fail any test are left to the [`Evaluator`], one by
 //! one.
 
-use super::measure::Measured;
+use super::measure::MeasureValues;
 use super::track_poses::{Evaluator, Rejection, TrackPoses};
-use crate::kinematics::abreast::anchor::Anchor;
+use crate::kinematics::abreast::anchor::AnchorPose;
 use crate::kinematics::abreast::closing::LaneSolver;
 use crate::kinematics::loops::observed::observed_slots;
 use crate::kinematics::measures::reduce::reduce_values;
@@ -18,7 +18,7 @@ use crate::numbers::octet::{LANES, LaneMask, Octet};
 pub struct PoseAnchors<'t> {
     track_poses: &'t TrackPoses,
     /// `None` if some pose cannot be used: every design is then posed individually.
-    anchors: Option<Vec<Anchor>>,
+    anchors: Option<Vec<AnchorPose>>,
     /// Whether measures are formulas of coordinates, traces and outputs, none a derivative or a distance of bodies.
     are_formulas: bool,
 }
@@ -31,7 +31,7 @@ impl<'t> PoseAnchors<'t> {
         let anchors = track_poses
             .poses
             .iter()
-            .map(|pose| Anchor::new(system, pose));
+            .map(|pose| AnchorPose::new(system, pose));
         let outputs = &system.mechanism().outputs;
         Self {
             anchors: anchors.collect::<Option<_>>().filter(|_| is_settled),
@@ -70,20 +70,20 @@ impl<'f> LaneEvaluator<'f> {
     }
 
     /// The measures of designs with these values of the variables, at most [`LANES`].
-    pub fn measure(&mut self, designs: &[Vec<f64>]) -> Vec<Result<Measured, Rejection>> {
+    pub fn measure(&mut self, designs: &[Vec<f64>]) -> Vec<Result<MeasureValues, Rejection>> {
         let lanes = self.posed(designs);
         let found = self.measured(lanes, designs);
         let found = designs.iter().zip(found);
         found
             .map(|(values, measures)| match measures {
-                Some(measures) => Ok(Measured { measures }),
+                Some(measures) => Ok(MeasureValues { measures }),
                 None => self.alone(values),
             })
             .collect()
     }
 
     /// A design posed individually.
-    fn alone(&mut self, values: &[f64]) -> Result<Measured, Rejection> {
+    fn alone(&mut self, values: &[f64]) -> Result<MeasureValues, Rejection> {
         self.alone += 1;
         let track_poses = self.plain.approach(self.anchors.track_poses, values)?;
         self.plain.measure(&track_poses)

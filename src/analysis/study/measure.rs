@@ -12,7 +12,7 @@ use crate::numbers::series::TaylorSeries;
 
 /// The values of all measures and quantities at given poses.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Measured {
+pub struct MeasureValues {
     /// Every measure of the mechanism.
     pub measures: Vec<f64>,
 }
@@ -106,7 +106,7 @@ impl Evaluator<'_> {
     ///
     /// # Errors
     /// A measure that has no value (names it).
-    pub fn measure(&self, track_poses: &TrackPoses) -> Result<Measured, Rejection> {
+    pub fn measure(&self, track_poses: &TrackPoses) -> Result<MeasureValues, Rejection> {
         let shown = self.shown(track_poses);
         let (numbers, _) = self.numbers(track_poses, &shown);
         let measures = numbers[self.family.mechanism().inputs.len()..].to_vec();
@@ -115,7 +115,7 @@ impl Evaluator<'_> {
                 let name = self.family.measures.list[bad].name.clone();
                 Err(Rejection::NoValue(name))
             }
-            None => Ok(Measured { measures }),
+            None => Ok(MeasureValues { measures }),
         }
     }
 

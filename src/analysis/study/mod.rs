@@ -23,7 +23,7 @@ pub use abreast::{AT_A_TIME, LaneEvaluator, PoseAnchors};
 pub use family::{DRIVE_SAMPLES, FamilyError, Nominal, ParametricMechanism};
 pub use gradient::Gradients;
 pub use loaded::{LoadedStudy, NominalStudy, varied_names};
-pub use measure::Measured;
+pub use measure::MeasureValues;
 pub use peaks::{Guard, Peaks};
 pub use search::{Refusals, StudySearch, Watch};
 pub use search_steps::FoundOptimum;

@@ -6,7 +6,7 @@ use super::search::{Refusals, StudySearch, Watch};
 use super::track_poses::Evaluator;
 use super::whole_limits::{WholeLimit, whole_limits};
 use crate::analysis::optimise::{
-    Ended, Minimum, Objective, bfgs, constraints, evolution, minimax, nelder_mead,
+    Minimum, Objective, StopReason, bfgs, constraints, evolution, minimax, nelder_mead,
 };
 use crate::diag::Source;
 use crate::scene::{Overrides, load_scene};
@@ -124,7 +124,7 @@ pub fn find_optimum(
         _ => search_optimum(family, method, iterations, watch, cancel)?,
     };
     if cancel.load(Ordering::Relaxed) {
-        optimum.minimum.ended = Ended::Stopped;
+        optimum.minimum.ended = StopReason::Stopped;
     }
     Ok(optimum)
 }

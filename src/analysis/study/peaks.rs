@@ -18,7 +18,7 @@ const SLOPES_BELOW: f64 = 4.0;
 
 /// What is made small.
 #[derive(Clone, Copy, Debug)]
-enum Objective {
+enum PeakObjective {
     /// The largest of the first rows.
     Largest,
     /// One number computed from the first rows.
@@ -35,7 +35,7 @@ pub struct Peaks<'f, 'w> {
     excess: f64,
     /// Poses with a smaller singular value are rejected.
     least_sigma: f64,
-    objective: Objective,
+    objective: PeakObjective,
     /// Those of the objective if it has any, then those of the limits that apply pose by pose.
     rows: Vec<StudyRows<'f>>,
     /// Limits of measures that are single numbers, as (measure, factor, shift).
@@ -75,9 +75,9 @@ impl<'f, 'w> Peaks<'f, 'w> {
         let measure = &measures[minimised];
         let peaks = StudyRows::of(family, measure).filter(|rows| rows.signs[0] > 0.0);
         let (objective, mut rows) = match (peaks, StudyRows::reduced(family, measure)) {
-            (Some(peaks), _) => (Objective::Largest, vec![peaks]),
-            (None, Some((rows, reduction))) => (Objective::Reduced(reduction), vec![rows]),
-            (None, None) => (Objective::Number(minimised), Vec::new()),
+            (Some(peaks), _) => (PeakObjective::Largest, vec![peaks]),
+            (None, Some((rows, reduction))) => (PeakObjective::Reduced(reduction), vec![rows]),
+            (None, None) => (PeakObjective::Number(minimised), Vec::new()),
         };
         // The rows of every limit that is an extreme over a track.
         let mut singles = Vec::new();
@@ -203,9 +203,11 @@ impl<'f, 'w> Peaks<'f, 'w> {
             values,
             slopes: rows,
         } = match self.objective {
-            Objective::Largest => lists.next().unwrap_or_default(),
-            Objective::Reduced(reduction) => reduction.of(lists.next().unwrap_or_default()),
-            Objective::Number(index) => self.numbers(&track_poses, with_slopes)?.only_one(index),
+            PeakObjective::Largest => lists.next().unwrap_or_default(),
+            PeakObjective::Reduced(reduction) => reduction.of(lists.next().unwrap_or_default()),
+            PeakObjective::Number(index) => {
+                self.numbers(&track_poses, with_slopes)?.only_one(index)
+            }
         };
         let mut peak_values = PeakValues {
             peaks: values,

@@ -4,7 +4,7 @@
 use crate::diag::Source;
 use crate::distance::solids::Rigid;
 use crate::math::Pose;
-use crate::model::distance::{Nearest, Solids};
+use crate::model::distance::{NearestPoints, Solids};
 use crate::model::mechanism::{Body, Mechanism, OutputSource};
 use crate::model::study::Variable;
 use crate::scene::{Overrides, load_scene};
@@ -89,7 +89,7 @@ pub(super) fn follow(mechanism: &mut Mechanism, reading: &Reading) {
 }
 
 /// Values, and the solids with them; none if the scene cannot be read.
-type Known = (Vec<f64>, Option<Arc<Rigid>>);
+type KnownSolids = (Vec<f64>, Option<Arc<Rigid>>);
 
 /// Two bodies whose shapes follow the variables.
 #[derive(Debug)]
@@ -98,7 +98,7 @@ struct Reshaped {
     bodies: [usize; 2],
     shapes: Vec<[usize; 2]>,
     shaped_by: Vec<usize>,
-    known: Mutex<VecDeque<Known>>,
+    known: Mutex<VecDeque<KnownSolids>>,
 }
 
 impl Reshaped {
@@ -119,7 +119,7 @@ impl Reshaped {
 }
 
 impl Solids for Reshaped {
-    fn nearest(&self, coordinates: &[f64], first_from_second: &Pose) -> Option<Nearest> {
+    fn nearest(&self, coordinates: &[f64], first_from_second: &Pose) -> Option<NearestPoints> {
         let first = self.reading.first;
         let values = &coordinates[first..first + self.reading.variables.len()];
         self.solids(values)?.nearest(coordinates, first_from_second)

@@ -3,7 +3,7 @@
 
 use super::family::FamilyError;
 use crate::clearance::closer::solve_closely;
-use crate::clearance::measured::{Known, is_of_whole_motion, known};
+use crate::clearance::measured::{BoundedMeasure, is_of_whole_motion, known};
 use crate::kinematics::motion::sampling::{frame_times, knot_times};
 use crate::kinematics::structure::system::System;
 use crate::model::measure::Measure;
@@ -72,7 +72,7 @@ pub fn whole_limits(scene: &Scene) -> Result<Vec<WholeLimit>, FamilyError> {
 }
 
 /// The largest violation of limits, and whether it is proved.
-fn missed(measure: &Measure, found: &Known) -> (f64, bool) {
+fn missed(measure: &Measure, found: &BoundedMeasure) -> (f64, bool) {
     if found.is_enclosed {
         return (f64::INFINITY, true);
     }

@@ -1,8 +1,8 @@
 //! Which minima are worth starting near: distinct ones, the best first, preferring those tried less often. Contains no
 //! search.
 
-use super::found::Start;
-use super::starts::Origin;
+use super::found::FinishedStart;
+use super::starts::StartOrigin;
 
 /// Number of basins that are remembered.
 const MOST: usize = 6;
@@ -24,7 +24,7 @@ pub struct Basins {
 
 impl Basins {
     /// The basins of these starts; `sizes` are typical sizes of the variables.
-    pub fn new(starts: &[Start], sizes: &[f64]) -> Self {
+    pub fn new(starts: &[FinishedStart], sizes: &[f64]) -> Self {
         let mut order: Vec<usize> = (0..starts.len())
             .filter(|k| starts[*k].value().is_finite())
             .collect();
@@ -42,7 +42,7 @@ impl Basins {
             });
         }
         for start in starts {
-            if let Origin::Near(base) = start.origin
+            if let StartOrigin::Near(base) = start.origin
                 && let Some(basin) = basin_of[base]
             {
                 list[basin].1 += 1;
@@ -67,7 +67,7 @@ impl Basins {
     }
 }
 
-fn is_same(a: &Start, b: &Start, sizes: &[f64]) -> bool {
+fn is_same(a: &FinishedStart, b: &FinishedStart, sizes: &[f64]) -> bool {
     let (Some(first), Some(second)) = (&a.minimum, &b.minimum) else {
         return false;
     };
@@ -81,38 +81,38 @@ fn is_same(a: &Start, b: &Start, sizes: &[f64]) -> bool {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::analysis::optimise::{Ended, Minimum};
+    use crate::analysis::optimise::{Minimum, StopReason};
 
-    fn basin_start(origin: Origin, value: f64, x: [f64; 2]) -> Start {
+    fn basin_start(origin: StartOrigin, value: f64, x: [f64; 2]) -> FinishedStart {
         let minimum = Minimum {
             x: x.to_vec(),
             value,
             iterations: 1,
             evaluations: 1,
             gradients: 1,
-            ended: Ended::Converged,
+            ended: StopReason::Converged,
         };
-        Start {
+        FinishedStart {
             minimum: Some(minimum),
             excess: 0.0,
-            ..Start::none(origin)
+            ..FinishedStart::none(origin)
         }
     }
 
     #[test]
     fn the_same_minimum_found_twice_is_one_basin() {
-        let broken = Start {
+        let broken = FinishedStart {
             excess: 0.1,
-            ..basin_start(Origin::Random, 0.1, [9.0, 9.0])
+            ..basin_start(StartOrigin::Random, 0.1, [9.0, 9.0])
         };
         let starts = [
-            basin_start(Origin::Scene, 5.0, [0.0, 0.0]),
+            basin_start(StartOrigin::Scene, 5.0, [0.0, 0.0]),
             // Its mirror image: at another place, with the same value.
-            basin_start(Origin::Random, 5.01, [-40.0, 0.0]),
-            basin_start(Origin::Random, 3.0, [10.0, 0.0]),
+            basin_start(StartOrigin::Random, 5.01, [-40.0, 0.0]),
+            basin_start(StartOrigin::Random, 3.0, [10.0, 0.0]),
             // On the way there, but not converged yet.
-            basin_start(Origin::Random, 4.0, [10.4, 0.0]),
-            Start::none(Origin::Random),
+            basin_start(StartOrigin::Random, 4.0, [10.4, 0.0]),
+            FinishedStart::none(StartOrigin::Random),
             broken,
         ];
         let basins = Basins::new(&starts, &[10.0, 10.0]);
@@ -122,9 +122,9 @@ mod tests {
     #[test]
     fn better_basins_are_tried_first_and_more_often_but_not_only() {
         let mut starts = vec![
-            basin_start(Origin::Random, 1.0, [0.0, 0.0]),
-            basin_start(Origin::Random, 2.0, [50.0, 0.0]),
-            basin_start(Origin::Random, 3.0, [0.0, 50.0]),
+            basin_start(StartOrigin::Random, 1.0, [0.0, 0.0]),
+            basin_start(StartOrigin::Random, 2.0, [50.0, 0.0]),
+            basin_start(StartOrigin::Random, 3.0, [0.0, 50.0]),
         ];
         let mut tried = Vec::new();
         for _ in 0..12 {
@@ -132,10 +132,10 @@ mod tests {
             tried.push(base);
             // Every try returns to the minimum near which it began.
             let minimum = starts[base].minimum.clone();
-            starts.push(Start {
+            starts.push(FinishedStart {
                 minimum,
                 excess: 0.0,
-                ..Start::none(Origin::Near(base))
+                ..FinishedStart::none(StartOrigin::Near(base))
             });
         }
         assert_eq!(tried[..4], [0, 0, 0, 1]);

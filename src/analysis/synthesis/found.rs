@@ -1,7 +1,7 @@
 //! The results of a synthesis.
 
-use super::starts::{Origin, Rejected};
-use crate::analysis::optimise::{Ended, Minimum};
+use super::starts::{Rejected, StartOrigin};
+use crate::analysis::optimise::{Minimum, StopReason};
 use crate::analysis::study::Refusals;
 
 /// Accepted violation of a limit, as a fraction of it.
@@ -9,9 +9,9 @@ const KEPT: f64 = 1e-6;
 
 /// The result of one start.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Start {
+pub struct FinishedStart {
     /// Where it was.
-    pub origin: Origin,
+    pub origin: StartOrigin,
     /// The objective at the start; NaN if no draw can move.
     pub first: f64,
     /// The minimum; `None` if no draw can move.
@@ -30,9 +30,9 @@ pub struct Start {
     pub(super) unknowns: Option<Vec<f64>>,
 }
 
-impl Start {
+impl FinishedStart {
     /// A start without a minimum.
-    pub(super) fn none(origin: Origin) -> Self {
+    pub(super) fn none(origin: StartOrigin) -> Self {
         Self {
             origin,
             first: f64::NAN,
@@ -57,7 +57,7 @@ impl Start {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Synthesis {
     /// All starts, then the polished best ones.
-    pub starts: Vec<Start>,
+    pub starts: Vec<FinishedStart>,
     /// Number of starts without polishing.
     pub searched: usize,
     /// Values of the variables, in internal units.
@@ -89,11 +89,11 @@ impl Synthesis {
 }
 
 /// The end of a search in words.
-pub const fn ending_word(ended: Ended) -> &'static str {
+pub const fn ending_word(ended: StopReason) -> &'static str {
     match ended {
-        Ended::Converged => "converged",
-        Ended::Stalled => "stuck",
-        Ended::OutOfBudget => "iteration limit reached",
-        Ended::Stopped => "stopped",
+        StopReason::Converged => "converged",
+        StopReason::Stalled => "stuck",
+        StopReason::OutOfBudget => "iteration limit reached",
+        StopReason::Stopped => "stopped",
     }
 }

@@ -12,10 +12,10 @@ pub mod touching;
 pub mod verify;
 
 use crate::analysis::study::{Evaluator, FamilyError, ParametricMechanism, Peaks, StudySearch};
-pub use found::{Start, Synthesis, ending_word};
+pub use found::{FinishedStart, Synthesis, ending_word};
 pub use plan::{FINER, From, Listener, SearchPlan};
 use searches::{Phase, SynthesisRun};
-pub use starts::{Origin, Rejected};
+pub use starts::{Rejected, StartOrigin};
 use std::time::Instant;
 use touching::Touching;
 
@@ -53,7 +53,7 @@ pub fn synthesise_path(
         sizes: search.scales(),
     };
     // Starts in batches until there are enough or the time for searching is over.
-    let mut starts: Vec<Start> = Vec::with_capacity(plan.starts + 1);
+    let mut starts: Vec<FinishedStart> = Vec::with_capacity(plan.starts + 1);
     while starts.len() < plan.starts && (starts.is_empty() || run.goes_on(Phase::Searching)) {
         let found = run.batch(&starts, plan.starts - starts.len());
         starts.extend(found);

@@ -1,6 +1,6 @@
 //! The options of a synthesis.
 
-use super::found::Start;
+use super::found::FinishedStart;
 
 /// Factor by which finer tracks divide those of the study.
 pub const FINER: usize = 4;
@@ -36,7 +36,7 @@ pub struct SearchPlan {
 /// Receives the progress; `false` from `goes_on` ends the synthesis with the best result so far.
 pub struct Listener<'l> {
     /// A start is finished: its number and result.
-    pub done: &'l (dyn Fn(usize, &Start) + Sync),
+    pub done: &'l (dyn Fn(usize, &FinishedStart) + Sync),
     /// Whether to go on.
     pub goes_on: &'l (dyn Fn() -> bool + Sync),
 }

@@ -2,7 +2,7 @@
 //! tightened.
 
 use super::basins::Basins;
-use super::found::Start;
+use super::found::FinishedStart;
 use super::plan::FINER;
 use super::searches::{Phase, SynthesisRun};
 use super::starts::MovingStart;
@@ -26,8 +26,11 @@ const DRAWN_IN: f64 = 1.5;
 
 /// Polishes the best of `starts` and appends the results; returns the best one that keeps its limits between the
 /// samples or, if none does, at them.
-pub fn finish_polishing(run: &SynthesisRun, starts: &mut Vec<Start>) -> Option<Start> {
-    let mut finalists: Vec<Start> = Basins::new(starts, &run.sizes)
+pub fn finish_polishing(
+    run: &SynthesisRun,
+    starts: &mut Vec<FinishedStart>,
+) -> Option<FinishedStart> {
+    let mut finalists: Vec<FinishedStart> = Basins::new(starts, &run.sizes)
         .best(FINALISTS)
         .map(|k| starts[k].clone())
         .collect();
@@ -43,7 +46,7 @@ pub fn finish_polishing(run: &SynthesisRun, starts: &mut Vec<Start>) -> Option<S
         });
         starts.extend(polished);
     }
-    let mut order: Vec<Start> = starts
+    let mut order: Vec<FinishedStart> = starts
         .iter()
         .filter(|s| s.value().is_finite())
         .cloned()
@@ -56,7 +59,11 @@ pub fn finish_polishing(run: &SynthesisRun, starts: &mut Vec<Start>) -> Option<S
 }
 
 /// The start with its limits kept between the samples; `None` if that fails.
-fn drawn_in(run: &SynthesisRun, start: &Start, starts: &mut Vec<Start>) -> Option<Start> {
+fn drawn_in(
+    run: &SynthesisRun,
+    start: &FinishedStart,
+    starts: &mut Vec<FinishedStart>,
+) -> Option<FinishedStart> {
     let (mut family, mut best) = (run.family.clone(), start.clone());
     for _ in 0..ROUNDS {
         // Measuring finer tracks also takes time.
@@ -78,9 +85,9 @@ fn drawn_in(run: &SynthesisRun, start: &Start, starts: &mut Vec<Start>) -> Optio
 fn polish_start(
     run: &SynthesisRun,
     family: &ParametricMechanism,
-    start: &Start,
+    start: &FinishedStart,
     phase: Phase,
-) -> Start {
+) -> FinishedStart {
     let clock = Instant::now();
     // Nothing to polish: no time, no assembly, or a gap in a track.
     let family = standing_family(family, start).filter(|_| run.goes_on(phase));
@@ -107,7 +114,10 @@ fn polish_start(
 
 /// The family at the values found. The assembly is selected by the scene's start values, but more reliably by those
 /// found.
-fn standing_family(family: &ParametricMechanism, found: &Start) -> Option<ParametricMechanism> {
+fn standing_family(
+    family: &ParametricMechanism,
+    found: &FinishedStart,
+) -> Option<ParametricMechanism> {
     let mut family = family.with_start(&found.minimum.as_ref()?.x);
     if let Some(unknowns) = &found.unknowns {
         family.actuation.guess.clone_from(unknowns);
@@ -120,7 +130,7 @@ fn standing_family(family: &ParametricMechanism, found: &Start) -> Option<Parame
 fn tighten_bounds(
     family: &mut ParametricMechanism,
     asked: &ParametricMechanism,
-    found: &Start,
+    found: &FinishedStart,
 ) -> Option<bool> {
     // Measured on finer tracks: the violations between the samples of the study.
     let fine = standing_family(asked, found)?.with_finer_tracks(FINER);

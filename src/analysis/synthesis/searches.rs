@@ -2,9 +2,9 @@
 //! threads.
 
 use super::basins::Basins;
-use super::found::Start;
+use super::found::FinishedStart;
 use super::plan::{From, Listener, SearchPlan};
-use super::starts::{MovingStart, Origin, begin_starts};
+use super::starts::{MovingStart, StartOrigin, begin_starts};
 use super::touching::Touching;
 use crate::analysis::optimise::minimax;
 use crate::analysis::study::{Evaluator, ParametricMechanism, Peaks, TrackPoses};
@@ -61,10 +61,10 @@ impl SynthesisRun<'_> {
     }
 
     /// The next starts, at most `most`; each uses only the results of the starts `before` them.
-    pub fn batch(&self, before: &[Start], most: usize) -> Vec<Start> {
+    pub fn batch(&self, before: &[FinishedStart], most: usize) -> Vec<FinishedStart> {
         let first = before.len();
         let mut basins = Basins::new(before, &self.sizes);
-        let origins: Vec<Origin> = (first..first + most.min(BATCH))
+        let origins: Vec<StartOrigin> = (first..first + most.min(BATCH))
             .map_while(|index| self.origin(index, &mut basins))
             .collect();
         self.shared(first, origins.len(), &|index| {
@@ -73,17 +73,17 @@ impl SynthesisRun<'_> {
     }
 
     /// Where start `index` begins; `None` if it must wait for a minimum.
-    fn origin(&self, index: usize, basins: &mut Basins) -> Option<Origin> {
+    fn origin(&self, index: usize, basins: &mut Basins) -> Option<StartOrigin> {
         let from = self.plan.from;
         if index == 0 && from != From::Random {
-            return Some(Origin::Scene);
+            return Some(StartOrigin::Scene);
         }
         // Every other start is a random one.
         let may_be_near = from == From::Scene || index.is_multiple_of(2);
         match may_be_near.then(|| basins.next()).flatten() {
-            Some(near) => Some(Origin::Near(near)),
+            Some(near) => Some(StartOrigin::Near(near)),
             None if from == From::Scene => None,
-            None => Some(Origin::Random),
+            None => Some(StartOrigin::Random),
         }
     }
 
@@ -92,8 +92,8 @@ impl SynthesisRun<'_> {
         &self,
         first: usize,
         count: usize,
-        one: &(dyn Fn(usize) -> Start + Sync),
-    ) -> Vec<Start> {
+        one: &(dyn Fn(usize) -> FinishedStart + Sync),
+    ) -> Vec<FinishedStart> {
         let threads = self.plan.threads;
         let found = share_work(
             count,
@@ -108,15 +108,15 @@ impl SynthesisRun<'_> {
         found.into_iter().map(|(_, start)| start).collect()
     }
 
-    fn start(&self, origin: Origin, item: u64, before: &[Start]) -> Start {
+    fn start(&self, origin: StartOrigin, item: u64, before: &[FinishedStart]) -> FinishedStart {
         let clock = Instant::now();
         let ended = || !self.goes_on(Phase::Searching);
         // The first one is needed for any result.
         if item > 0 && ended() {
-            return Start::none(origin);
+            return FinishedStart::none(origin);
         }
         let near = match origin {
-            Origin::Near(index) => before[index].minimum.as_ref().map_or(&[][..], |m| &m.x),
+            StartOrigin::Near(index) => before[index].minimum.as_ref().map_or(&[][..], |m| &m.x),
             _ => &[],
         };
         let drawn = (origin, self.plan.seed, item);
@@ -127,7 +127,7 @@ impl SynthesisRun<'_> {
                 let how = (Phase::Searching, self.plan.iterations);
                 self.descend(origin, begun, how)
             }
-            None => Start::none(origin),
+            None => FinishedStart::none(origin),
         };
         start.rejected = rejected;
         start.seconds = clock.elapsed().as_secs_f64();
@@ -137,14 +137,14 @@ impl SynthesisRun<'_> {
     /// The minimum reached from the start `begun`.
     pub fn descend(
         &self,
-        origin: Origin,
+        origin: StartOrigin,
         begun: MovingStart,
         (phase, iterations): (Phase, usize),
-    ) -> Start {
+    ) -> FinishedStart {
         let family = &begun.family;
         let goes_on = || self.goes_on(phase);
         let watch = |_: usize, _: &[f64], _: f64| true;
-        let blank = Start::none(origin);
+        let blank = FinishedStart::none(origin);
         let evaluator = Evaluator::new(family);
         // The objective where the search begins.
         let first = evaluator.measure(&begun.track_poses).ok().and_then(|m| {
@@ -174,7 +174,7 @@ impl SynthesisRun<'_> {
         let minimum =
             minimax::minimise_largest(&mut peaks, &family.start(), &self.sizes, &bounds, search);
         let found = minimum.value.is_finite();
-        Start {
+        FinishedStart {
             first,
             refusals: peaks.refusals,
             interpenetrating: peaks.guarded,

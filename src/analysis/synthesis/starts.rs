@@ -19,7 +19,7 @@ const FARTHEST: f64 = 0.5;
 
 /// Where a search started.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Origin {
+pub enum StartOrigin {
     /// The scene's own values.
     Scene,
     /// A random point of the box.
@@ -28,7 +28,7 @@ pub enum Origin {
     Near(usize),
 }
 
-impl Origin {
+impl StartOrigin {
     /// In words.
     pub fn words(self) -> String {
         match self {
@@ -87,7 +87,7 @@ impl MovingStart {
 pub fn begin_starts(
     family: &ParametricMechanism,
     touching: Touching,
-    (origin, seed, item): (Origin, u64, u64),
+    (origin, seed, item): (StartOrigin, u64, u64),
     near: &[f64],
     sizes: &[f64],
     ended: &dyn Fn() -> bool,
@@ -95,9 +95,9 @@ pub fn begin_starts(
     let mut rejected = Rejected::default();
     let mut best: Option<(f64, MovingStart)> = None;
     let (mut wanted, draws) = match origin {
-        Origin::Scene => (1, 1),
-        Origin::Near(_) => (1, MOST_DRAWS),
-        Origin::Random => (CANDIDATES, MOST_DRAWS),
+        StartOrigin::Scene => (1, 1),
+        StartOrigin::Near(_) => (1, MOST_DRAWS),
+        StartOrigin::Random => (CANDIDATES, MOST_DRAWS),
     };
     for draw in 0..draws {
         // The first draw is evaluated in any case.
@@ -120,7 +120,7 @@ pub fn begin_starts(
 
 fn draw_starts(
     family: &ParametricMechanism,
-    origin: Origin,
+    origin: StartOrigin,
     mut random: Random,
     near: &[f64],
     sizes: &[f64],
@@ -128,9 +128,9 @@ fn draw_starts(
     let reach = NEAREST * libm::pow(FARTHEST / NEAREST, random.unit());
     let variables = family.study.variables.iter().enumerate();
     let values = variables.map(|(k, v)| match origin {
-        Origin::Scene => v.start,
-        Origin::Random => v.lower + random.unit() * (v.upper - v.lower),
-        Origin::Near(_) => {
+        StartOrigin::Scene => v.start,
+        StartOrigin::Random => v.lower + random.unit() * (v.upper - v.lower),
+        StartOrigin::Near(_) => {
             let moved = near[k] + reach * sizes[k] * random.normal();
             moved.clamp(v.lower, v.upper)
         }

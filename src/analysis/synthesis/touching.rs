@@ -3,7 +3,7 @@
 
 use crate::analysis::study::ParametricMechanism;
 use crate::diag::Source;
-use crate::distance::bodies::{Hull, LeftOut, nearest_bodies};
+use crate::distance::bodies::{BodyElements, LeftOut, nearest_bodies};
 use crate::kinematics::loops::forward;
 use crate::model::mechanism::Mechanism;
 use crate::scene::{Overrides, load_scene};
@@ -50,7 +50,7 @@ impl Touching<'_> {
             return f64::INFINITY;
         };
         // The deepest overlap of the touching pairs, at some of the poses.
-        let hulls: Vec<Option<Hull>> = Hull::of_bodies(&mechanism.bodies);
+        let hulls: Vec<Option<BodyElements>> = BodyElements::of_bodies(&mechanism.bodies);
         let mut deepest = f64::NEG_INFINITY;
         for pose in poses.iter().step_by(STRIDE) {
             let coordinates: Vec<f64> = order.iter().map(|k| pose[*k]).collect();

@@ -2,7 +2,7 @@
 
 use crate::cli::args::Cli;
 use crate::cli::term::outcome::{Failure, Outcome};
-use crate::export::{Output, Target};
+use crate::export::{Output, PendingFile};
 use clap::{Command, CommandFactory};
 use clap_mangen::Man;
 use std::path::Path;
@@ -32,7 +32,7 @@ fn write_pages(folder: &Path, command: &Command, name: &str) -> Result<(), Failu
 fn write_page(folder: &Path, command: &Command, name: &str) -> Result<(), Failure> {
     let mut page = Vec::new();
     Man::new(command.clone()).render(&mut page)?;
-    let mut target = Box::new(Target::create(&folder.join(format!("{name}.1")))?);
+    let mut target = Box::new(PendingFile::create(&folder.join(format!("{name}.1")))?);
     target.emit(&page)?;
     Ok(target.commit()?)
 }

@@ -6,7 +6,7 @@ use crate::report::verdict::Verdict;
 use serde_json::{Value, json};
 
 /// The findings of a check.
-pub struct Answer {
+pub struct CheckAnswer {
     /// The lines of the text.
     pub text: String,
     /// The JSON report, if requested.
@@ -17,7 +17,7 @@ pub struct Answer {
     pub failure: Option<Failure>,
 }
 
-impl Answer {
+impl CheckAnswer {
     /// The answer to a scene with a loop that no pose closes.
     pub fn closes_nowhere(scene: &str, failure: Failure) -> Self {
         let verdict = Verdict {

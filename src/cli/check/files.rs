@@ -6,7 +6,7 @@ use crate::cli::term::outcome::Failure;
 use crate::report::junit::to_junit;
 use crate::report::sarif::to_sarif;
 use crate::report::summary::to_markdown;
-use crate::report::verdict::Judged;
+use crate::report::verdict::SceneVerdict;
 use std::path::Path;
 
 /// The options that name them; the JSON report comes first.
@@ -26,7 +26,7 @@ pub fn streamed_report(args: &CheckArgs) -> Option<&Path> {
 }
 
 /// Writes the requested files.
-pub fn write_verdicts(args: &CheckArgs, judged: &[Judged]) -> Result<(), Failure> {
+pub fn write_verdicts(args: &CheckArgs, judged: &[SceneVerdict]) -> Result<(), Failure> {
     if let Some(path) = &args.junit {
         io::write_text(&args.scene, path, &to_junit(judged))?;
     }

@@ -1,7 +1,7 @@
 //! `mechanim check --inputs-box`: every pair over a box of inputs instead of a motion.
 
-use super::answer::Answer;
-use crate::clearance::inputs_box::{Side, check_box};
+use super::answer::CheckAnswer;
+use crate::clearance::inputs_box::{InputRange, check_box};
 use crate::cli::args::motion::CheckArgs;
 use crate::cli::open::scene::OpenScene;
 use crate::cli::term::outcome::Failure;
@@ -10,7 +10,7 @@ use crate::report::verdict::Verdict;
 use serde_json::json;
 
 /// Checks whether all pairs of bodies keep their minimum over the box.
-pub fn check(args: &CheckArgs, opened: &OpenScene) -> Result<Answer, Failure> {
+pub fn check(args: &CheckArgs, opened: &OpenScene) -> Result<CheckAnswer, Failure> {
     let OpenScene { scene, system, .. } = opened;
     let mechanism = &scene.mechanism;
     let Some(rules) = &scene.clearance else {
@@ -19,7 +19,7 @@ pub fn check(args: &CheckArgs, opened: &OpenScene) -> Result<Answer, Failure> {
             vec!["add a section: [clearance] with minimum = 0.5".to_owned()],
         ));
     };
-    let sides: Vec<Side> = args
+    let sides: Vec<InputRange> = args
         .inputs_box
         .iter()
         .map(|(name, range)| input_side(opened, name, *range))
@@ -36,7 +36,7 @@ pub fn check(args: &CheckArgs, opened: &OpenScene) -> Result<Answer, Failure> {
     let sides = match args.inputs_box.len() {
         1 => [
             sides[0],
-            Side {
+            InputRange {
                 range: [sides[0].range[0]; 2],
                 ..sides[0]
             },
@@ -63,7 +63,7 @@ pub fn check(args: &CheckArgs, opened: &OpenScene) -> Result<Answer, Failure> {
         "inputs_box": to_json(mechanism, sides, &report),
         "result": verdict.result().word(),
     });
-    Ok(Answer {
+    Ok(CheckAnswer {
         text,
         document: args.json.is_some().then_some(document),
         verdict,
@@ -71,7 +71,7 @@ pub fn check(args: &CheckArgs, opened: &OpenScene) -> Result<Answer, Failure> {
     })
 }
 
-fn input_side(opened: &OpenScene, name: &str, range: [f64; 2]) -> Result<Side, Failure> {
+fn input_side(opened: &OpenScene, name: &str, range: [f64; 2]) -> Result<InputRange, Failure> {
     let mechanism = &opened.scene.mechanism;
     let input = mechanism.inputs.iter().position(|input| input.name == name);
     let input = input.ok_or_else(|| {
@@ -81,5 +81,5 @@ fn input_side(opened: &OpenScene, name: &str, range: [f64; 2]) -> Result<Side, F
     })?;
     let unit = mechanism.file_units(mechanism.inputs[input].kind);
     let range = range.map(|value| value / unit);
-    Ok(Side { input, range })
+    Ok(InputRange { input, range })
 }

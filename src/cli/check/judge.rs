@@ -1,6 +1,6 @@
 //! The check of one scene: its motion, a given pose, or a box of its inputs.
 
-use super::answer::Answer;
+use super::answer::CheckAnswer;
 use super::{inputs_box, motion, pieces, pose};
 use crate::cli::args::motion::CheckArgs;
 use crate::cli::open::intervals::interval_middles;
@@ -10,7 +10,7 @@ use crate::cli::term::outcome::Failure;
 use crate::kinematics::structure::block::StructureError;
 
 /// Runs the requested checks of the scene, and writes the files about this scene alone.
-pub fn judge(args: &CheckArgs, term: &Term) -> Result<Answer, Failure> {
+pub fn judge(args: &CheckArgs, term: &Term) -> Result<CheckAnswer, Failure> {
     let (scene, own) = interval_middles(&args.scene)?;
     let args = &CheckArgs {
         scene,
@@ -19,7 +19,7 @@ pub fn judge(args: &CheckArgs, term: &Term) -> Result<Answer, Failure> {
     pieces::refuse_without_motion(args, &own)?;
     match open_scene::open_scene(&args.scene, term) {
         Err(failure @ Failure::Structure(StructureError::Impossible { .. })) => Ok(
-            Answer::closes_nowhere(&args.scene.scene.to_string_lossy(), failure),
+            CheckAnswer::closes_nowhere(&args.scene.scene.to_string_lossy(), failure),
         ),
         Err(failure) => Err(failure),
         Ok(opened) if !args.inputs_box.is_empty() => inputs_box::check(args, &opened),

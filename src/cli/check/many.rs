@@ -1,6 +1,6 @@
 //! `mechanim check` of several scenes in one run: each as alone, one summary, the worst exit code.
 
-use super::answer::Answer;
+use super::answer::CheckAnswer;
 use super::files;
 use super::judge::judge;
 use crate::cli::args::motion::CheckArgs;
@@ -9,7 +9,7 @@ use crate::cli::io;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::jobs::{core_count, share_work};
-use crate::report::verdict::{Case, Judged, Status, Verdict};
+use crate::report::verdict::{Case, SceneVerdict, Status, Verdict};
 use serde_json::{Value, json};
 use std::time::Instant;
 
@@ -17,15 +17,15 @@ use std::time::Instant;
 const UNREADABLE: (&str, &str) = ("scene", "can be checked");
 
 /// Result of one scene.
-struct Checked {
+struct CheckedScene {
     scene: String,
     seconds: f64,
-    found: Result<Answer, Failure>,
+    found: Result<CheckAnswer, Failure>,
     /// Messages printed meanwhile.
     said: Term,
 }
 
-impl Checked {
+impl CheckedScene {
     /// The scene's verdict; for a scene that could not be checked, a verdict that states this.
     fn verdict(&self) -> Verdict {
         match &self.found {
@@ -48,7 +48,7 @@ impl Checked {
     /// The exit code of `check` for this scene alone.
     fn code(&self) -> i32 {
         match &self.found {
-            Ok(Answer {
+            Ok(CheckAnswer {
                 failure: Some(failure),
                 ..
             })
@@ -113,7 +113,7 @@ pub fn check_many(args: &CheckArgs, scenes: &[SceneArgs], term: &Term) -> Result
 }
 
 /// Checks one scene; its messages are stored, so that those of several scenes are not interleaved.
-fn check_one(args: &CheckArgs, scene: &SceneArgs, term: &Term) -> Checked {
+fn check_one(args: &CheckArgs, scene: &SceneArgs, term: &Term) -> CheckedScene {
     let own = CheckArgs {
         scene: scene.clone(),
         ..args.clone()
@@ -121,7 +121,7 @@ fn check_one(args: &CheckArgs, scene: &SceneArgs, term: &Term) -> Checked {
     let said = term.kept_back();
     let begun = Instant::now();
     let found = judge(&own, &said);
-    Checked {
+    CheckedScene {
         scene: scene.scene.to_string_lossy().into_owned(),
         seconds: begun.elapsed().as_secs_f64(),
         found,
@@ -130,7 +130,7 @@ fn check_one(args: &CheckArgs, scene: &SceneArgs, term: &Term) -> Checked {
 }
 
 /// The reports of all scenes, then a line for each.
-fn joined_reports(checked: &[Checked]) -> String {
+fn joined_reports(checked: &[CheckedScene]) -> String {
     let reports = checked.iter().filter_map(|one| one.found.as_ref().ok());
     let mut text: String = reports.map(|answer| answer.text.clone()).collect();
     text.push_str(&format!("{} scenes\n", checked.len()));
@@ -149,12 +149,12 @@ fn joined_reports(checked: &[Checked]) -> String {
     text
 }
 
-fn write_reports(args: &CheckArgs, checked: &[Checked]) -> Result<(), Failure> {
-    let verdicts: Vec<Verdict> = checked.iter().map(Checked::verdict).collect();
-    let judged: Vec<Judged> = checked
+fn write_reports(args: &CheckArgs, checked: &[CheckedScene]) -> Result<(), Failure> {
+    let verdicts: Vec<Verdict> = checked.iter().map(CheckedScene::verdict).collect();
+    let judged: Vec<SceneVerdict> = checked
         .iter()
         .zip(&verdicts)
-        .map(|(one, verdict)| Judged {
+        .map(|(one, verdict)| SceneVerdict {
             source: &one.scene,
             verdict,
             seconds: one.seconds,
@@ -162,12 +162,12 @@ fn write_reports(args: &CheckArgs, checked: &[Checked]) -> Result<(), Failure> {
         .collect();
     files::write_verdicts(args, &judged)?;
     if let Some(path) = &args.json {
-        let codes = checked.iter().map(Checked::code);
+        let codes = checked.iter().map(CheckedScene::code);
         let passed = codes.filter(|code| *code == 0).count();
         let document = json!({
             "schema": "mechanim-checks/1",
             "passed": passed,
-            "scenes": checked.iter().map(Checked::document).collect::<Vec<_>>(),
+            "scenes": checked.iter().map(CheckedScene::document).collect::<Vec<_>>(),
         });
         io::write_json(&args.scene, path, &document)?;
     }
@@ -175,8 +175,8 @@ fn write_reports(args: &CheckArgs, checked: &[Checked]) -> Result<(), Failure> {
 }
 
 /// The worst result: a scene that cannot be checked before one that does not close, and that before one that fails.
-fn worst_outcome(checked: &[Checked]) -> Result<Outcome, Failure> {
-    let outcomes: Vec<Option<Outcome>> = checked.iter().map(Checked::outcome).collect();
+fn worst_outcome(checked: &[CheckedScene]) -> Result<Outcome, Failure> {
+    let outcomes: Vec<Option<Outcome>> = checked.iter().map(CheckedScene::outcome).collect();
     let unreadable = outcomes.iter().filter(|outcome| outcome.is_none()).count();
     if unreadable > 0 {
         let message = format!(

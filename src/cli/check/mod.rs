@@ -17,7 +17,7 @@ use super::open::patterns::scenes_of;
 use super::term::Term;
 use super::term::outcome::{Failure, Outcome};
 use crate::cli::io;
-use crate::report::verdict::{Judged, PROOF, Status};
+use crate::report::verdict::{PROOF, SceneVerdict, Status};
 use judge::judge;
 use std::path::Path;
 use std::time::Instant;
@@ -47,7 +47,7 @@ fn check_one(args: &CheckArgs, term: &Term) -> Result<Outcome, Failure> {
     io::refuse_clashes(&[&args.scene], &reports)?;
     let begun = Instant::now();
     let answer = judge(args, term)?;
-    let judged = Judged {
+    let judged = SceneVerdict {
         source: &args.scene.scene.to_string_lossy(),
         verdict: &answer.verdict,
         seconds: begun.elapsed().as_secs_f64(),

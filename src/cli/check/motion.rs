@@ -1,6 +1,6 @@
 //! The check of a whole motion.
 
-use super::answer::Answer;
+use super::answer::CheckAnswer;
 use super::{clearance, pieces, swept};
 use crate::clearance::check::Closely;
 use crate::cli::args::motion::{CertifyArg, CheckArgs, RequirementArgs};
@@ -23,7 +23,7 @@ pub fn check_motion(
     opened: &OpenScene,
     own: &[(String, f64)],
     term: &Term,
-) -> Result<Answer, Failure> {
+) -> Result<CheckAnswer, Failure> {
     let OpenScene { scene, system, .. } = opened;
     let actuation = &scene.actuation;
     clearance::refuse_without_rules(args, scene)?;
@@ -41,7 +41,7 @@ pub fn check_motion(
     event_messages::note_moved_start(system, actuation, &mut trajectory)?;
     if let Err(failure) = event_messages::tell_events(system, actuation, &trajectory, term) {
         let answer = check.without_pose(&trajectory, Some(&failure.to_string()));
-        return Ok(Answer {
+        return Ok(CheckAnswer {
             text: String::new(),
             document: Some(answer.document),
             verdict: answer.verdict,
@@ -60,7 +60,7 @@ pub fn check_motion(
     }
     swept::write(args, opened, &mut covered, term)?;
     let answer = check.answer(&trajectory, &mut covered, clearances.as_ref(), seconds);
-    Ok(Answer {
+    Ok(CheckAnswer {
         text: answer.text,
         document: args.json.is_some().then_some(answer.document),
         verdict: answer.verdict,

@@ -1,6 +1,6 @@
 //! `check --made-within`: clearances of all pieces within their tolerances.
 
-use crate::analysis::enclosure::{PieceTolerances, Plan, enclose_clearances};
+use crate::analysis::enclosure::{PieceTolerances, TolerancePlan, enclose_clearances};
 use crate::clearance::part::{JudgedPart, PieceReport};
 use crate::cli::args::motion::CheckArgs;
 use crate::cli::interrupt::{CANCEL, refuse_interrupted};
@@ -59,7 +59,7 @@ pub fn all_pieces(
     let drawn = load_scene(&source, &overrides).map_err(Box::new)?;
     let (family, tolerances) = open_pieces(&asked, "--made-within", (&source, &overrides, &drawn))?;
     refuse_stiff(&family.carried, parts)?;
-    let plan = Plan::new(&family, &tolerances)
+    let plan = TolerancePlan::new(&family, &tolerances)
         .until(&CANCEL)
         .by(search_deadline());
     let list = enclose_clearances(&plan, parts, times, args.asked.tolerance, core_count());

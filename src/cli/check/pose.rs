@@ -1,6 +1,6 @@
 //! The check of a pose given with `--pose`.
 
-use super::answer::Answer;
+use super::answer::CheckAnswer;
 use crate::cli::args::motion::CheckArgs;
 use crate::cli::term::outcome::Failure;
 use crate::diag::nearest_name;
@@ -11,7 +11,7 @@ use crate::scene::Scene;
 use serde_json::json;
 
 /// Judges the pose.
-pub fn check_pose(args: &CheckArgs, scene: &Scene) -> Result<Answer, Failure> {
+pub fn check_pose(args: &CheckArgs, scene: &Scene) -> Result<CheckAnswer, Failure> {
     let mechanism = &scene.mechanism;
     let found = judge_pose(
         mechanism,
@@ -36,7 +36,7 @@ pub fn check_pose(args: &CheckArgs, scene: &Scene) -> Result<Answer, Failure> {
         "checks": verdict.json(),
         "result": verdict.result().word(),
     });
-    Ok(Answer {
+    Ok(CheckAnswer {
         text: format!(
             "{}\n{lines}  result: {}\n",
             mechanism.title,

@@ -9,7 +9,7 @@ use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
 use crate::export::glb::write_glb;
 use crate::export::solid::{write_obj, write_stl};
-use crate::export::{Format, Target};
+use crate::export::{Format, PendingFile};
 use crate::report::rounded::at_most_three;
 use crate::staging::model::of_mesh;
 use std::path::Path;
@@ -42,7 +42,7 @@ pub fn write(
     };
     let (within, triangles) = (at_most_three(swept.within), swept.mesh.triangles.len());
     let model = of_mesh(&opened.scene, name, swept.mesh);
-    let output = Box::new(Target::create(path)?);
+    let output = Box::new(PendingFile::create(path)?);
     match format {
         Format::Stl => write_stl(&model, output)?,
         Format::Obj => write_obj(&model, output, None)?,

@@ -15,7 +15,7 @@ use crate::intervals::dyad::tied_cube;
 use crate::intervals::formal::{Formal, formal_solution};
 use crate::intervals::paving::{PavingWindow, pave_projection, pave_section};
 use crate::intervals::regular::spectral_bound;
-use crate::intervals::system::{Answer, SolutionSet};
+use crate::intervals::system::{SolutionSet, TernaryAnswer};
 use crate::intervals::{IntervalSystem, Kaucher};
 use crate::jobs::{core_count, share_work};
 use crate::limits::allow_memory;
@@ -137,7 +137,7 @@ fn run_formal(args: &IntervalsArgs, row: &OpenRow) -> Result<Answered, Failure> 
         let formal = formal_solution(&system.inclusion(kind), TAU);
         let is_inside = match &formal {
             Formal::Solved { x, improper, .. } if improper.is_empty() => {
-                system.holds_box(x, kind) == Answer::Yes
+                system.holds_box(x, kind) == TernaryAnswer::Yes
             }
             _ => false,
         };
@@ -194,7 +194,7 @@ fn proved_radius(system: &IntervalSystem, centre: &[f64], radius: f64) -> f64 {
     let fits = |r: &f64| {
         let cube = centre.iter().map(|c| Kaucher::new(c - r, c + r));
         let cube: Vec<Kaucher> = cube.collect();
-        system.holds_box(&cube, &SolutionSet::Tolerable) == Answer::Yes
+        system.holds_box(&cube, &SolutionSet::Tolerable) == TernaryAnswer::Yes
     };
     let smaller = SHARES.map(|share| radius * (1.0 - share));
     smaller.into_iter().find(fits).unwrap_or(0.0)

@@ -5,7 +5,9 @@ use crate::cli::interrupt::CANCEL;
 use crate::cli::io;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
-use crate::compare::film::{Allowed, FilmReport, FrameReport, FrameVerdict, compare_films};
+use crate::compare::film::{
+    AllowedDifference, FilmReport, FrameReport, FrameVerdict, compare_films,
+};
 use crate::compare::{Comparison, Difference, LADDER};
 use crate::import::{FilmReader, Plays};
 use crate::snapshot::golden::save_triptych;
@@ -32,7 +34,7 @@ pub fn run_diff(args: &DiffArgs, term: &Term) -> Result<Outcome, Failure> {
         let hint = "two of a kind can be compared: PNG, APNG, GIF, or folders of PNGs";
         return Err(Failure::usage(message, vec![hint.to_owned()]));
     }
-    let allowed = Allowed {
+    let allowed = AllowedDifference {
         tolerance: args.tolerance,
         pixels: args.max_pixels,
     };

@@ -11,7 +11,7 @@ use crate::export::format::VideoKind;
 use crate::export::gif::Quality;
 use crate::export::png::Effort;
 use crate::export::raw::Chroma;
-use crate::export::{ExportError, ExportSummary, Format, Output, Stream, Target};
+use crate::export::{ExportError, ExportSummary, Format, Output, PendingFile, Stream};
 use image::RgbaImage;
 use std::path::Path;
 
@@ -86,7 +86,7 @@ pub fn open_file(args: &FileArgs) -> Result<Box<dyn Output>, Failure> {
     if to_stdout(args) {
         return Ok(Box::new(Stream::new("standard output", std::io::stdout())));
     }
-    Ok(Box::new(Target::create(&args.out)?))
+    Ok(Box::new(PendingFile::create(&args.out)?))
 }
 
 /// Frames to be written, with the options of the command line.

@@ -8,7 +8,7 @@ use crate::cli::term::outcome::{Failure, Outcome};
 use crate::import::film::png_files;
 use crate::scene::source;
 use crate::snapshot::golden::path_beside;
-use crate::snapshot::manifest::Picture;
+use crate::snapshot::manifest::GoldenPicture;
 use crate::snapshot::{
     DrawError, GoldenVerdict, MANIFEST, Manifest, Update, draw_picture, judge_picture,
 };
@@ -96,11 +96,11 @@ fn read_manifest(folder: &Path) -> Result<Manifest, Failure> {
 fn wanted_pictures<'a>(
     args: &SnapshotArgs,
     manifest: &'a Manifest,
-) -> Result<Vec<&'a Picture>, Failure> {
-    let is_wanted = |picture: &&Picture| {
+) -> Result<Vec<&'a GoldenPicture>, Failure> {
+    let is_wanted = |picture: &&GoldenPicture| {
         args.only.is_empty() || args.only.iter().any(|text| picture.file.contains(text))
     };
-    let wanted: Vec<&Picture> = manifest.pictures.iter().filter(is_wanted).collect();
+    let wanted: Vec<&GoldenPicture> = manifest.pictures.iter().filter(is_wanted).collect();
     if wanted.is_empty() {
         let names: Vec<&str> = manifest.pictures.iter().map(|p| p.file.as_str()).collect();
         let message = format!("no picture is called {}", args.only.join(" or "));
@@ -112,7 +112,7 @@ fn wanted_pictures<'a>(
     Ok(wanted)
 }
 
-fn picture_failure(picture: &Picture, error: DrawError) -> Failure {
+fn picture_failure(picture: &GoldenPicture, error: DrawError) -> Failure {
     match error {
         DrawError::Scene(error) => error.into(),
         DrawError::Structure(error) => error.into(),
@@ -135,7 +135,7 @@ fn warn_of_strangers(folder: &Path, manifest: &Manifest, term: &Term) -> Result<
     Ok(())
 }
 
-fn snapshot_text(folder: &Path, results: &[(&Picture, GoldenVerdict)]) -> String {
+fn snapshot_text(folder: &Path, results: &[(&GoldenPicture, GoldenVerdict)]) -> String {
     let mut text = String::new();
     for (picture, verdict) in results {
         let file = &picture.file;
@@ -161,7 +161,7 @@ fn snapshot_text(folder: &Path, results: &[(&Picture, GoldenVerdict)]) -> String
 }
 
 /// The report as JSON; described in `docs/formats.md`.
-fn snapshot_document(results: &[(&Picture, GoldenVerdict)], failed: bool) -> Value {
+fn snapshot_document(results: &[(&GoldenPicture, GoldenVerdict)], failed: bool) -> Value {
     let pictures = results.iter().map(|(picture, verdict)| {
         let (word, reason, difference) = match verdict {
             GoldenVerdict::Passed(difference) => ("passed", None, Some(difference)),

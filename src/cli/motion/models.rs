@@ -7,7 +7,7 @@ use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
 use crate::export::glb::write_glb;
 use crate::export::solid::{Library, write_obj, write_stl};
-use crate::export::{ExportSummary, Format, Target};
+use crate::export::{ExportSummary, Format, PendingFile};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::model::view::{Ghosts, ShownAxes};
 use crate::report::sentences::input_sentence;
@@ -80,9 +80,10 @@ fn material_library(args: &FileArgs) -> Result<Option<Library>, Failure> {
     // A name with blanks would be read as several.
     let name = name.filter(|name| !name.contains(char::is_whitespace));
     match name {
-        Some(name) if !to_stdout(args) && path != args.out => {
-            Ok(Some((name.to_owned(), Box::new(Target::create(&path)?))))
-        }
+        Some(name) if !to_stdout(args) && path != args.out => Ok(Some((
+            name.to_owned(),
+            Box::new(PendingFile::create(&path)?),
+        ))),
         _ => Ok(None),
     }
 }

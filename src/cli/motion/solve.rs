@@ -18,7 +18,7 @@ use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::{Kind, Mechanism};
 use crate::report::proof::{MotionProof, PoseProofs, table_status};
-use crate::report::table::{Columns, write_csv, write_json};
+use crate::report::table::{TableColumns, write_csv, write_json};
 use crate::report::{freedoms, iterates as iterate_table};
 use crate::scene::Scene;
 use std::path::Path;
@@ -78,7 +78,7 @@ pub fn run_solve(args: &SolveArgs, term: &Term) -> Result<Outcome, Failure> {
         tell_unit(wanted, &scene.mechanism, term);
         add_derivatives(&system, actuation, &mut trajectory, wanted);
     }
-    let columns = Columns {
+    let columns = TableColumns {
         rates: args.rates,
         derivatives,
         motion: proves_motion,

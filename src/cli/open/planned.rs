@@ -5,7 +5,7 @@ use crate::cli::term::outcome::Failure;
 use crate::diag::Source;
 use crate::model::mechanism::Mechanism;
 use crate::model::shape::Solid;
-use crate::parts::plan::Plan;
+use crate::parts::plan::StudyPlan;
 use crate::scene::{Overrides, source};
 use std::path::{Path, PathBuf};
 
@@ -15,7 +15,7 @@ pub const SCENE_FILE: &str = "scene.toml";
 /// The text of a plan's scene, and its overrides.
 pub fn planned_text(
     scene: &SceneArgs,
-    plan: &Plan,
+    plan: &StudyPlan,
     folder: &Path,
 ) -> Result<(Source, Overrides), Failure> {
     let place = folder.join(SCENE_FILE);

@@ -14,7 +14,7 @@ use crate::diag::Source;
 use crate::kinematics::motion::sampling::allow_samples;
 use crate::model::study::Variable;
 use crate::parts::identity::identity;
-use crate::parts::plan::{PartContent, Plan, VERSION};
+use crate::parts::plan::{PartContent, StudyPlan, VERSION};
 use crate::scene::source::open_input;
 use crate::scene::{Overrides, Scene};
 use crate::sweep::design::Design;
@@ -40,7 +40,7 @@ pub struct OpenSweep {
     /// The sweep.
     pub sweep: Sweep,
     /// Identifies its rows; a single unit at first.
-    pub plan: Plan,
+    pub plan: StudyPlan,
     /// Files that belong beside the plan.
     pub files: Vec<(&'static str, Vec<u8>)>,
 }
@@ -58,7 +58,7 @@ pub fn open_sweep(asked: &SweepRequestArgs, term: &Term) -> Result<OpenSweep, Fa
 /// Opens the sweep of a plan whose files lie in `folder`; its arguments were read from the plan.
 pub fn open_planned(
     asked: &SweepRequestArgs,
-    plan: &Plan,
+    plan: &StudyPlan,
     folder: &Path,
     term: &Term,
 ) -> Result<OpenSweep, Failure> {
@@ -104,7 +104,7 @@ fn open_source_of(
     files.extend(table.map(|bytes| (DESIGN_FILE, bytes)));
     let name = source.name.clone();
     let sweep = Sweep::new(source, overrides, design, wanted)?;
-    let plan = Plan {
+    let plan = StudyPlan {
         verb: VERB.to_owned(),
         arguments,
         scene: name,

@@ -25,7 +25,7 @@ const MOST_ROWS: usize = 1000;
 const INSTANTS: usize = 64;
 
 /// Content of a column.
-enum Column {
+enum TableColumn {
     Time,
     Weight,
     Input(usize),
@@ -82,7 +82,7 @@ struct TargetTable<'t> {
     actuation: &'t Actuation,
     own: usize,
     cells: Cells<Box<dyn BufRead>>,
-    columns: Vec<Column>,
+    columns: Vec<TableColumn>,
     target: Target,
     /// Line numbers with the time or input values of each row.
     keys: Vec<(usize, Vec<f64>)>,
@@ -122,9 +122,9 @@ impl TargetTable<'_> {
             let mut inputs = mechanism.inputs.iter().take(self.own);
             let input = inputs.position(|input| input.name == *name);
             let column = match (name.as_str(), input, slot_of(mechanism, name)) {
-                (_, Some(input), _) => Column::Input(input),
-                (TIME, _, None) => Column::Time,
-                (WEIGHT, _, None) => Column::Weight,
+                (_, Some(input), _) => TableColumn::Input(input),
+                (TIME, _, None) => TableColumn::Time,
+                (WEIGHT, _, None) => TableColumn::Weight,
                 (_, None, Some(slot)) => {
                     let is_angle = self.kind_of(slot) == Kind::Angle;
                     self.target.columns.push(TargetColumn {
@@ -133,7 +133,7 @@ impl TargetTable<'_> {
                         reach: if is_angle { mechanism.size } else { 1.0 },
                         is_angle,
                     });
-                    Column::Target(self.target.columns.len() - 1)
+                    TableColumn::Target(self.target.columns.len() - 1)
                 }
                 (_, None, None) => {
                     let what = format!(
@@ -145,11 +145,11 @@ impl TargetTable<'_> {
             };
             self.columns.push(column);
         }
-        let is_timed = self.columns.iter().any(|c| matches!(c, Column::Time));
+        let is_timed = self.columns.iter().any(|c| matches!(c, TableColumn::Time));
         let place = self
             .columns
             .iter()
-            .position(|c| matches!(c, Column::Input(_)));
+            .position(|c| matches!(c, TableColumn::Input(_)));
         if let Some(place) = place.filter(|_| is_timed) {
             let what = "both inputs and times say when a row is met";
             return Err(self.wrong(&header, place, what, "leave out one of the two columns"));
@@ -220,11 +220,11 @@ impl TargetTable<'_> {
             let value = value
                 .map_err(|why| self.wrong(row, k, &format!("`{cell}` is not a number"), &why))?;
             match self.columns[k] {
-                Column::Time => {
+                TableColumn::Time => {
                     time = Some((k, value));
                     key = Some((k, vec![value]));
                 }
-                Column::Weight if value < 0.0 => {
+                TableColumn::Weight if value < 0.0 => {
                     return Err(self.wrong(
                         row,
                         k,
@@ -232,14 +232,14 @@ impl TargetTable<'_> {
                         "weights multiply squared errors",
                     ));
                 }
-                Column::Weight => weight = value,
-                Column::Input(input) => {
+                TableColumn::Weight => weight = value,
+                TableColumn::Input(input) => {
                     let unit = self.mechanism.unit_of(self.mechanism.inputs[input].kind);
                     inputs[input] = value * unit.number();
                     let (_, list) = key.get_or_insert((k, Vec::new()));
                     list.push(value);
                 }
-                Column::Target(index) => {
+                TableColumn::Target(index) => {
                     let kind = self.kind_of(self.target.columns[index].slot);
                     values[index] = value * self.mechanism.unit_of(kind).number();
                 }

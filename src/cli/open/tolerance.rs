@@ -14,7 +14,7 @@ use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
 use crate::diag::Source;
 use crate::parts::identity::identity;
-use crate::parts::plan::{PartContent, Plan, VERSION};
+use crate::parts::plan::{PartContent, StudyPlan, VERSION};
 use crate::scene::Overrides;
 use std::path::Path;
 
@@ -30,7 +30,7 @@ pub struct OpenTolerance {
     /// Distribution of the pieces; their numbers are those of a unit.
     pub batch: SampleBatch,
     /// Identifies its parts; a single unit at first.
-    pub plan: Plan,
+    pub plan: StudyPlan,
     /// Files that belong beside the plan.
     pub files: Vec<(&'static str, Vec<u8>)>,
 }
@@ -67,7 +67,7 @@ pub fn open_tolerance(
 /// Opens the study of a plan whose files lie in `folder`; its arguments were read from the plan.
 pub fn open_planned(
     scatter: &ScatterArgs,
-    plan: &Plan,
+    plan: &StudyPlan,
     folder: &Path,
     term: &Term,
 ) -> Result<OpenTolerance, Failure> {
@@ -96,7 +96,7 @@ fn open(
     ]);
     let (scene, meshes) = (source.name.clone(), mesh_folder(&overrides));
     let loaded = LoadedStudy::new(source, overrides, &names)?;
-    let plan = Plan {
+    let plan = StudyPlan {
         verb: VERB.to_owned(),
         arguments,
         scene,

@@ -8,7 +8,7 @@ use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
 use crate::diag::decimals_of;
 use crate::export::png::{Effort, PngSettings, StillSink};
-use crate::export::{Format, FrameSink, Target};
+use crate::export::{Format, FrameSink, PendingFile};
 use crate::kinematics::motion::continuation::solve_motion;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
@@ -86,7 +86,7 @@ pub fn write_worst_pair(
         effort: Effort::Balanced,
         alpha: false,
     };
-    let mut sink = StillSink::new(Box::new(Target::create(path)?), settings)?;
+    let mut sink = StillSink::new(Box::new(PendingFile::create(path)?), settings)?;
     let mut coded = Vec::new();
     sink.coder().code(&image, &mut coded)?;
     sink.write(0, &coded)?;

@@ -4,11 +4,11 @@ use crate::cli::args::scene::SceneArgs;
 use crate::cli::io;
 use crate::cli::term::outcome::Failure;
 use crate::export::Format;
-use crate::plot::primitive::{DrawnPrimitive, Stroke};
+use crate::plot::primitive::{DrawnPrimitive, LineStyle};
 use crate::plot::raster::ChartPainter;
 use crate::render::open::{RendererChoice, open_renderer};
 use crate::render::overlay::Overlay;
-use crate::render::{Anchor, Label, RenderError};
+use crate::render::{Label, LabelAnchor, RenderError};
 use crate::staging::Staging;
 use glam::DVec3;
 use image::RgbaImage;
@@ -26,7 +26,7 @@ pub struct PathLine {
     /// Its points.
     pub points: Vec<DVec3>,
     /// Style, widths in pixels.
-    pub stroke: Stroke,
+    pub stroke: LineStyle,
 }
 
 /// Draws sample `index` with `paths` over it and `lines` of text below the title.
@@ -60,7 +60,10 @@ pub fn draw_paths(
     for (k, line) in lines.iter().enumerate() {
         frame.labels.push(Label {
             text: line.clone(),
-            anchor: Anchor::Screen([INSET * height / width, FIRST_LINE + NEXT_LINE * k as f64]),
+            anchor: LabelAnchor::Screen([
+                INSET * height / width,
+                FIRST_LINE + NEXT_LINE * k as f64,
+            ]),
             size: LINE_SIZE * height,
             colour: staging.theme().ink(),
             plate: false,

@@ -13,21 +13,21 @@ use crate::report::sensitivity::SensitivityTable;
 use std::path::Path;
 
 /// A file for the bar chart.
-pub struct BarFile {
+pub struct BarChartFile {
     format: PlotFormat,
     output: Box<dyn Output>,
 }
 
 /// Opens the file before anything is computed.
-pub fn open_bars(scene: &SceneArgs, path: &Path) -> Result<BarFile, Failure> {
+pub fn open_bars(scene: &SceneArgs, path: &Path) -> Result<BarChartFile, Failure> {
     io::refuse_input(scene, path)?;
-    Ok(BarFile {
+    Ok(BarChartFile {
         format: PlotFormat::of(path)?,
         output: io::open_output(path)?,
     })
 }
 
-impl BarFile {
+impl BarChartFile {
     /// Draws the table; measure `rank` determines the order and comes first.
     pub fn write(mut self, table: &SensitivityTable, rank: usize) -> Result<(), Failure> {
         let chart = charts::sensitivity::sensitivity_chart(table, rank);

@@ -19,7 +19,7 @@ use crate::kinematics::motion::sampling::even_times;
 use crate::kinematics::structure::system::System;
 use crate::model::theme::Theme;
 use crate::model::view::Trails;
-use crate::plot::primitive::Stroke;
+use crate::plot::primitive::LineStyle;
 use crate::scene::load_scene;
 use crate::staging::{PictureOptions, Staging};
 use glam::DVec3;
@@ -116,7 +116,7 @@ fn cloud_picture(
     let mut lines = Vec::new();
     for cloud in clouds {
         let [r, g, b] = cloud.colour;
-        let stroke = Stroke::solid([r, g, b, path_opacity(cloud.pieces.len())], 1.3);
+        let stroke = LineStyle::solid([r, g, b, path_opacity(cloud.pieces.len())], 1.3);
         lines.extend(cloud.pieces.iter().map(|piece| PathLine {
             points: enlarge_piece(piece, &cloud.nominal, factor),
             stroke,
@@ -124,7 +124,7 @@ fn cloud_picture(
     }
     lines.extend(clouds.iter().map(|cloud| PathLine {
         points: cloud.nominal.clone(),
-        stroke: Stroke::solid([0x11, 0x13, 0x18, 255], 1.6),
+        stroke: LineStyle::solid([0x11, 0x13, 0x18, 255], 1.6),
     }));
     let pieces = clouds.first().map_or(0, |c| c.pieces.len());
     let mut text = vec![format!("paths of {pieces} random pieces")];

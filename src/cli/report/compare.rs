@@ -1,6 +1,6 @@
 //! `mechanim compare`: two versions of a scene on one page.
 
-use super::judged::{Judged, judge};
+use super::judged::{JudgedScene, judge};
 use super::refuse_other_formats;
 use crate::cli::args::report::CompareArgs;
 use crate::cli::args::scene::SceneArgs;
@@ -37,7 +37,7 @@ pub fn run_compare(args: &CompareArgs, term: &Term) -> Result<Outcome, Failure> 
     };
     let text = comparison_text(version(0), version(1))?;
     io::write_text(&args.new, &args.out, &text)?;
-    let [before, after] = [&judged[0], &judged[1]].map(|j: &Judged| j.verdict().sentence());
+    let [before, after] = [&judged[0], &judged[1]].map(|j: &JudgedScene| j.verdict().sentence());
     term.note(&format!("old: {before}; new: {after}"));
     let [_, new] = judged;
     new.end

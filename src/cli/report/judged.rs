@@ -11,14 +11,14 @@ use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::block::StructureError;
-use crate::page::Checked;
+use crate::page::CheckedMotion;
 use crate::report::closure;
 use crate::report::motion_check::MotionAnswer;
 use crate::report::verdict::Verdict;
 use std::time::Instant;
 
 /// A scene with the results of its check.
-pub struct Judged {
+pub struct JudgedScene {
     /// The origin of the scene.
     pub source: String,
     /// The results where there is no motion.
@@ -35,11 +35,11 @@ struct JudgedMotion {
     answer: MotionAnswer,
 }
 
-impl Judged {
+impl JudgedScene {
     /// The motion with its results, if there is one.
-    pub fn checked(&self) -> Option<Checked<'_>> {
+    pub fn checked(&self) -> Option<CheckedMotion<'_>> {
         let motion = self.motion.as_ref()?;
-        Some(Checked {
+        Some(CheckedMotion {
             source: &self.source,
             scene: &motion.opened.scene,
             system: &motion.opened.system,
@@ -63,9 +63,13 @@ impl Judged {
 /// Checks a scene.
 ///
 /// Errors: a scene that cannot be read, Ctrl-C; a scene that does not close is a result.
-pub fn judge(asked: &RequirementArgs, scene: &SceneArgs, term: &Term) -> Result<Judged, Failure> {
+pub fn judge(
+    asked: &RequirementArgs,
+    scene: &SceneArgs,
+    term: &Term,
+) -> Result<JudgedScene, Failure> {
     let source = scene.scene.to_string_lossy().into_owned();
-    let unmoved = |source: String, verdict: Verdict, failure: Failure| Judged {
+    let unmoved = |source: String, verdict: Verdict, failure: Failure| JudgedScene {
         source,
         unmoved: Some(verdict),
         motion: None,
@@ -101,7 +105,7 @@ pub fn judge(asked: &RequirementArgs, scene: &SceneArgs, term: &Term) -> Result<
     let clearances = check.clearances(&mut covered, &|_, _| {})?;
     let answer = check.answer(&trajectory, &mut covered, clearances.as_ref(), seconds);
     let end = Ok(answer.verdict.result().into());
-    Ok(Judged {
+    Ok(JudgedScene {
         source,
         unmoved: None,
         end,

@@ -7,7 +7,7 @@ use crate::cli::io;
 use crate::cli::open::patterns::scenes_of;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
-use crate::page::{Entry, page_text, site_text};
+use crate::page::{SiteEntry, page_text, site_text};
 use crate::report::sentences::counted_things;
 use std::path::Path;
 
@@ -46,7 +46,7 @@ pub fn run_site(args: &SiteArgs, term: &Term) -> Result<Outcome, Failure> {
             engine.as_ref(),
         );
         io::write_text(scene, &path, &text)?;
-        entries.push(Entry::new(&judged.article, &name, &judged.description));
+        entries.push(SiteEntry::new(&judged.article, &name, &judged.description));
         match judged.end {
             Ok(end) => outcome = outcome.worse(end),
             Err(failure) => failed = failed.or(Some(failure)),
@@ -70,7 +70,7 @@ pub fn run_site(args: &SiteArgs, term: &Term) -> Result<Outcome, Failure> {
 }
 
 /// The file of a scene's page: its own name, with a number if the name is taken.
-fn page_name(scene: &Path, known: &[Entry]) -> String {
+fn page_name(scene: &Path, known: &[SiteEntry]) -> String {
     let stem = scene.file_stem().unwrap_or_default().to_string_lossy();
     let plain = |c: char| {
         if c.is_alphanumeric() || "-_.".contains(c) {

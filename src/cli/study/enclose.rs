@@ -1,8 +1,8 @@
 //! `mechanim enclose`: proved bands of the motion and its measures for all pieces within their tolerances.
 
 use crate::analysis::enclosure::{
-    Enclosed, MeasureBand, PieceTolerances, Plan, SpanBands, allowed_motion, enclose_between,
-    enclose_measures, enclose_motion, shown_names,
+    Enclosed, MeasureBand, PieceTolerances, SpanBands, TolerancePlan, allowed_motion,
+    enclose_between, enclose_measures, enclose_motion, shown_names,
 };
 use crate::analysis::study::{Nominal, ParametricMechanism};
 use crate::charts::bands;
@@ -43,7 +43,7 @@ pub fn run_enclose(args: &EncloseArgs, term: &Term) -> Result<Outcome, Failure> 
         between: args.between,
     };
     let (family, tolerances) = open_pieces(&asked, "--tolerance", (&source, &overrides, &drawn))?;
-    let plan = Plan::new(&family, &tolerances).until(&CANCEL);
+    let plan = TolerancePlan::new(&family, &tolerances).until(&CANCEL);
     let times = enclose_times(args, &family)?;
     let threads = args.threads.unwrap_or_else(core_count);
     if let Some((name, limit)) = &args.allow {
@@ -106,7 +106,11 @@ pub fn run_enclose(args: &EncloseArgs, term: &Term) -> Result<Outcome, Failure> 
 }
 
 /// Whether everything requested is proved.
-fn enclose_outcome(plan: &Plan, motion: &[Enclosed], measures: Option<&[MeasureBand]>) -> Outcome {
+fn enclose_outcome(
+    plan: &TolerancePlan,
+    motion: &[Enclosed],
+    measures: Option<&[MeasureBand]>,
+) -> Outcome {
     let is_refused = |e: &Enclosed| e.bands.is_err();
     let list = plan.family.measures.list.iter();
     let mut limited = list.zip(measures.into_iter().flatten());
@@ -122,7 +126,7 @@ fn enclose_outcome(plan: &Plan, motion: &[Enclosed], measures: Option<&[MeasureB
 
 /// The bands of the measures and the number of poses that they cover; `None` if the scene has no measures, or a pose of
 /// a track has no box.
-fn measures_of(plan: &Plan) -> Result<Option<(usize, Vec<MeasureBand>)>, Failure> {
+fn measures_of(plan: &TolerancePlan) -> Result<Option<(usize, Vec<MeasureBand>)>, Failure> {
     if plan.family.measures.list.is_empty() {
         return Ok(None);
     }
@@ -162,7 +166,7 @@ fn enclose_times(args: &EncloseArgs, family: &ParametricMechanism) -> Result<Vec
 fn write_out(
     args: &EncloseArgs,
     path: &Path,
-    plan: &Plan,
+    plan: &TolerancePlan,
     motion: &[Enclosed],
     measures: Option<&[MeasureBand]>,
     stretches: &[SpanBands],
@@ -223,7 +227,7 @@ fn unknown_name(name: &str, names: &[String]) -> Failure {
 
 /// `--allow`: how large all tolerances may be together.
 fn allow_pieces(
-    plan: &Plan,
+    plan: &TolerancePlan,
     name: &str,
     limit: f64,
     times: &[f64],

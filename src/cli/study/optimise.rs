@@ -1,7 +1,7 @@
 //! `mechanim optimise`: minimises the study's objective; the result is proved, reported, and written as a scene.
 
 use super::{pairs, search_film, search_map, search_paths};
-use crate::analysis::optimise::Ended;
+use crate::analysis::optimise::StopReason;
 use crate::analysis::study::optimum::Verified;
 use crate::analysis::study::{FamilyError, FoundOptimum, LoadedStudy};
 use crate::cli::args::study::OptimiseArgs;
@@ -59,7 +59,7 @@ pub fn run_optimise(args: &OptimiseArgs, term: &Term) -> Result<Outcome, Failure
     let study = Arc::new(study);
     let found = search_with_progress(args, &study, term)?;
     let found = settled_optimum(&study, found)?;
-    let is_stopped = found.optimum.minimum.ended == Ended::Stopped;
+    let is_stopped = found.optimum.minimum.ended == StopReason::Stopped;
     let seconds = start.elapsed().as_secs_f64();
     let verified = verified_motion(&study, &found.optimum.minimum.x);
     let complete = |path| io::unless_complete(path, !is_stopped);
@@ -140,7 +140,7 @@ fn settled_optimum(
     study: &Arc<LoadedStudy>,
     mut found: FoundOptimum,
 ) -> Result<FoundOptimum, Failure> {
-    if found.optimum.minimum.ended == Ended::Stopped {
+    if found.optimum.minimum.ended == StopReason::Stopped {
         return Ok(found);
     }
     let (own, before) = (Arc::clone(study), found.clone());
@@ -151,7 +151,7 @@ fn settled_optimum(
     match unless_interrupted(work) {
         Some(settled) => Ok(settled?),
         None => {
-            found.optimum.minimum.ended = Ended::Stopped;
+            found.optimum.minimum.ended = StopReason::Stopped;
             Ok(found)
         }
     }

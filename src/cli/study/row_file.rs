@@ -6,10 +6,10 @@ use crate::cli::term::outcome::Failure;
 use crate::export::Output;
 #[cfg(feature = "parquet")]
 use crate::export::parquet::{ParquetColumn, ParquetTable};
-use crate::parts::plan::Plan;
+use crate::parts::plan::StudyPlan;
 use crate::sweep::row::Row;
 use crate::sweep::swept_scene::Sweep;
-use crate::sweep::table::{RowTable, TableFormat};
+use crate::sweep::table::{RowFormat, RowTable};
 use std::path::Path;
 
 /// Size of the text that is written at once.
@@ -25,8 +25,8 @@ pub enum RowFile<'s> {
 }
 
 /// The format that a file's name selects.
-enum Kind {
-    Lines(TableFormat),
+enum RowFileFormat {
+    Lines(RowFormat),
     Parquet,
 }
 
@@ -35,9 +35,9 @@ pub fn refuse_format(rows: &RowsArgs) -> Result<(), Failure> {
     rows.out.as_deref().map(kind_of).transpose().map(|_| ())
 }
 
-fn kind_of(path: &Path) -> Result<Kind, Failure> {
+fn kind_of(path: &Path) -> Result<RowFileFormat, Failure> {
     if path == Path::new("-") {
-        return Ok(Kind::Lines(TableFormat::Csv));
+        return Ok(RowFileFormat::Lines(RowFormat::Csv));
     }
     let refuse = |why: &str, hint: &str| {
         let message = format!("{}: {why}", path.display());
@@ -45,9 +45,9 @@ fn kind_of(path: &Path) -> Result<Kind, Failure> {
     };
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
     match extension.as_deref() {
-        Some("csv") => Ok(Kind::Lines(TableFormat::Csv)),
-        Some("jsonl") => Ok(Kind::Lines(TableFormat::JsonLines)),
-        Some("parquet") if cfg!(feature = "parquet") => Ok(Kind::Parquet),
+        Some("csv") => Ok(RowFileFormat::Lines(RowFormat::Csv)),
+        Some("jsonl") => Ok(RowFileFormat::Lines(RowFormat::JsonLines)),
+        Some("parquet") if cfg!(feature = "parquet") => Ok(RowFileFormat::Parquet),
         Some("parquet") => refuse(
             "this program was built without Parquet",
             "build it with `--features parquet`, or install the Python package, whose program has it",
@@ -61,26 +61,26 @@ fn kind_of(path: &Path) -> Result<Kind, Failure> {
 
 impl<'s> RowFile<'s> {
     /// Opens the file at `path` for the rows of `sweep`.
-    pub fn open(sweep: &'s Sweep, plan: &Plan, path: &Path) -> Result<Self, Failure> {
+    pub fn open(sweep: &'s Sweep, plan: &StudyPlan, path: &Path) -> Result<Self, Failure> {
         match kind_of(path)? {
-            Kind::Lines(format) => {
+            RowFileFormat::Lines(format) => {
                 let table = RowTable::new(sweep, format);
                 let header = table.header();
                 Ok(Self::Lines(table, io::open_output(path)?, header))
             }
-            Kind::Parquet => Self::columns(sweep, plan, path),
+            RowFileFormat::Parquet => Self::columns(sweep, plan, path),
         }
     }
 
     #[cfg(not(feature = "parquet"))]
-    fn columns(_: &'s Sweep, _: &Plan, path: &Path) -> Result<Self, Failure> {
+    fn columns(_: &'s Sweep, _: &StudyPlan, path: &Path) -> Result<Self, Failure> {
         let message = format!("{}: this program writes no Parquet", path.display());
         Err(Failure::usage(message, Vec::new()))
     }
 
     #[cfg(feature = "parquet")]
-    fn columns(sweep: &'s Sweep, plan: &Plan, path: &Path) -> Result<Self, Failure> {
-        let mut names = RowTable::new(sweep, TableFormat::Csv).into_names();
+    fn columns(sweep: &'s Sweep, plan: &StudyPlan, path: &Path) -> Result<Self, Failure> {
+        let mut names = RowTable::new(sweep, RowFormat::Csv).into_names();
         let numbers = names.split_off(3);
         let first = [
             ParquetColumn::Whole(Vec::new()),

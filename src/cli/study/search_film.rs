@@ -16,7 +16,7 @@ use crate::kinematics::motion::sampling::even_times;
 use crate::kinematics::results::trajectory::{Sample, Trajectory};
 use crate::kinematics::structure::system::System;
 use crate::model::view::Trails;
-use crate::plot::primitive::Stroke;
+use crate::plot::primitive::LineStyle;
 use crate::plot::theme::Dashes;
 use crate::report::cells::six_digits;
 use crate::scene::Scene;
@@ -106,7 +106,7 @@ pub fn write_search_film(
         let staging = Staging::new(&shot.scene, &shot.trajectory, OPTIONS).seen_as(&outlook);
         let dashed = |points: &Vec<DVec3>| PathLine {
             points: points.clone(),
-            stroke: Stroke {
+            stroke: LineStyle {
                 colour: GHOST,
                 width: 1.4,
                 dashes: Dashes::Long,
@@ -115,7 +115,7 @@ pub fn write_search_film(
         let mut lines: Vec<PathLine> = first.paths.iter().map(|(p, _)| dashed(p)).collect();
         lines.extend(shot.paths.iter().map(|(points, [r, g, b])| PathLine {
             points: points.clone(),
-            stroke: Stroke::solid([*r, *g, *b, 255], 2.4),
+            stroke: LineStyle::solid([*r, *g, *b, 255], 2.4),
         }));
         let text = [shot.text.clone()];
         paths::draw_paths(&staging, 0, &lines, &text, image)?;

@@ -5,7 +5,7 @@ use crate::cli::args::sweep::{Engine, SubmitArgs};
 use crate::cli::io;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
-use crate::export::{Output, Target};
+use crate::export::{Output, PendingFile};
 use crate::parts::folder::Folder;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -28,7 +28,7 @@ pub fn submit(args: &SubmitArgs, term: &Term) -> Result<Outcome, Failure> {
         ),
     };
     let path = job.folder.join(name);
-    let mut target = Target::create(&path)?;
+    let mut target = PendingFile::create(&path)?;
     target.emit(script.as_bytes())?;
     if args.dry_run {
         target.commit()?;

@@ -2,7 +2,7 @@
 //! that a run that is stopped or killed can be resumed.
 
 use super::row_file::{RowFile, refuse_format};
-use super::sweep_plot::PlotFile;
+use super::sweep_plot::SweepChartFile;
 use crate::cli::args::sweep::{RowsArgs, SweepArgs, WorkArgs};
 use crate::cli::interrupt::{is_interrupted, save_results};
 use crate::cli::io;
@@ -14,8 +14,8 @@ use crate::jobs::{core_count, share_watched};
 use crate::parts::PartsError;
 use crate::parts::folder::Folder;
 use crate::parts::merge::Merge;
-use crate::parts::plan::{MOST_UNITS, Plan};
-use crate::parts::work::{Ended, WorkShare, work_on};
+use crate::parts::plan::{MOST_UNITS, StudyPlan};
+use crate::parts::work::{WorkEnd, WorkShare, work_on};
 use crate::sweep::row::Row;
 use crate::sweep::rows::RowWorker;
 use crate::sweep::summary::Summary;
@@ -93,7 +93,7 @@ fn in_parts(
         numbers_of(&opened.sweep, items, threads(&args.work), watch)
     };
     let progress = Progress::new(args.work.progress, term.quiet()).counting("designs");
-    if run_share(&folder, &share, &make, progress)? == Ended::Stopped {
+    if run_share(&folder, &share, &make, progress)? == WorkEnd::Stopped {
         let (all, missing) = (folder.plan.units(), folder.missing_units().len() as u64);
         return Err(Failure::Stopped(format!(
             "{} of {all} units are in {}: continue with --resume",
@@ -145,7 +145,7 @@ pub fn run_share(
     share: &WorkShare,
     make: &UnitWork,
     progress: Progress,
-) -> Result<Ended, Failure> {
+) -> Result<WorkEnd, Failure> {
     // Only the work of this run predicts the remaining time.
     let units = share.units.clone().filter(|unit| !folder.has(*unit));
     let all: u64 = units
@@ -173,7 +173,7 @@ pub fn merge_into(folder: &Folder, taker: &mut RowTaker) -> Result<(), Failure> 
 }
 
 /// The study in a folder must be the requested one.
-pub fn refuse_other(folder: &Folder, asked: &Plan) -> Result<(), Failure> {
+pub fn refuse_other(folder: &Folder, asked: &StudyPlan) -> Result<(), Failure> {
     if folder.plan.identity == asked.identity {
         return Ok(());
     }
@@ -248,17 +248,17 @@ fn parts_beside(file: &Path) -> PathBuf {
 /// Receives rows in order: for a file, a picture, and the summary.
 pub struct RowTaker<'s> {
     file: Option<RowFile<'s>>,
-    plot: Option<PlotFile<'s>>,
+    plot: Option<SweepChartFile<'s>>,
     summary: Summary<'s>,
 }
 
 impl<'s> RowTaker<'s> {
     /// Opens the files before anything is computed.
-    pub fn new(sweep: &'s Sweep, plan: &Plan, rows: &RowsArgs) -> Result<Self, Failure> {
+    pub fn new(sweep: &'s Sweep, plan: &StudyPlan, rows: &RowsArgs) -> Result<Self, Failure> {
         let open = |path: &PathBuf| RowFile::open(sweep, plan, path);
         Ok(Self {
             file: rows.out.as_ref().map(open).transpose()?,
-            plot: PlotFile::open(sweep, rows)?,
+            plot: SweepChartFile::open(sweep, rows)?,
             summary: Summary::new(sweep),
         })
     }

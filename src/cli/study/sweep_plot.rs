@@ -16,14 +16,14 @@ use crate::sweep::swept_scene::{RequestedValues, Sweep};
 const MAP_HEIGHT: u32 = 600;
 
 /// A file that is to hold the chart of a sweep.
-pub struct PlotFile<'s> {
+pub struct SweepChartFile<'s> {
     plot: SweepPlot<'s>,
     format: PlotFormat,
     theme: ChartTheme,
     output: Box<dyn Output>,
 }
 
-impl<'s> PlotFile<'s> {
+impl<'s> SweepChartFile<'s> {
     /// Opens the file, if one is requested, before anything is computed.
     pub fn open(sweep: &'s Sweep, rows: &RowsArgs) -> Result<Option<Self>, Failure> {
         let Some(path) = &rows.plot else {

@@ -5,7 +5,7 @@ use super::target::{run_target, search_plan};
 use crate::analysis::study::{FamilyError, LoadedStudy};
 use crate::analysis::synthesis::touching::Touching;
 use crate::analysis::synthesis::verify::{Proof, prove_found};
-use crate::analysis::synthesis::{Listener, Start, Synthesis, synthesise_path};
+use crate::analysis::synthesis::{FinishedStart, Listener, Synthesis, synthesise_path};
 use crate::cli::args::scene::SceneArgs;
 use crate::cli::args::study::{SynthesiseArgs, VaryArgs};
 use crate::cli::interrupt::{is_interrupted, save_results, unless_interrupted};
@@ -146,7 +146,7 @@ fn synthesise_one<'a>(
         parameters: &parameters,
     };
     let unit = opened.objective_unit();
-    let done = |index: usize, start: &Start| {
+    let done = |index: usize, start: &FinishedStart| {
         // From here on the best result so far is worth saving.
         save_results(true);
         let from = start.origin.words();

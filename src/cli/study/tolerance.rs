@@ -10,7 +10,7 @@ use crate::cli::pictures::tolerance_cloud;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::cli::term::progress::Progress;
-use crate::export::{ExportError, Output, Target};
+use crate::export::{ExportError, Output, PendingFile};
 use crate::jobs::core_count;
 use crate::report::tolerance::{SHARES, ToleranceReport};
 use std::time::Instant;
@@ -55,7 +55,7 @@ pub fn run_tolerance(args: &ToleranceArgs, term: &Term) -> Result<Outcome, Failu
         seconds: Some(start.elapsed().as_secs_f64()),
     };
     if let Some(path) = &args.csv {
-        let mut target = Target::create(&io::unless_complete(path, is_whole))?;
+        let mut target = PendingFile::create(&io::unless_complete(path, is_whole))?;
         let written = report.write_csv(&pieces, &mut target);
         written.map_err(|source| ExportError::write(target.name(), source))?;
         target.commit()?;

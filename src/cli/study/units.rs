@@ -21,9 +21,9 @@ use crate::cli::term::outcome::{Failure, Outcome};
 use crate::cli::term::progress::Progress;
 use crate::parts::PartsError;
 use crate::parts::folder::Folder;
-use crate::parts::plan::{MOST_UNITS, Plan};
+use crate::parts::plan::{MOST_UNITS, StudyPlan};
 use crate::parts::ranges::shown_ranges;
-use crate::parts::work::{Ended, WorkShare};
+use crate::parts::work::{WorkEnd, WorkShare};
 use clap::Parser;
 use serde_json::json;
 use std::ops::Range;
@@ -64,7 +64,7 @@ fn plan_tolerance(args: &PlanToleranceArgs, term: &Term) -> Result<Outcome, Fail
 /// Makes the folder of a study; `unit` gives the default size of its units.
 fn create_study(
     cut: &CutArgs,
-    mut plan: Plan,
+    mut plan: StudyPlan,
     files: &[(&'static str, Vec<u8>)],
     unit: impl FnOnce() -> Result<u64, Failure>,
     term: &Term,
@@ -87,7 +87,7 @@ fn create_study(
 }
 
 /// The name of the items of a study.
-fn counted_items(plan: &Plan) -> &'static str {
+fn counted_items(plan: &StudyPlan) -> &'static str {
     match plan.verb == tolerance::VERB {
         true => "pieces",
         false => "designs",
@@ -143,7 +143,7 @@ fn bad_plan(folder: &Path, why: String) -> Failure {
     PartsError::BadPlan { path, why }.into()
 }
 
-fn planned_arguments<P: Parser>(path: &Path, plan: &Plan) -> Result<P, Failure> {
+fn planned_arguments<P: Parser>(path: &Path, plan: &StudyPlan) -> Result<P, Failure> {
     let words = std::iter::once("scene").chain(plan.arguments.iter().map(String::as_str));
     let read = P::try_parse_from(words);
     read.map_err(|e| bad_plan(path, format!("`arguments` cannot be read: {}", e.kind())))
@@ -173,8 +173,8 @@ fn run_units(args: &RunArgs, term: &Term) -> Result<Outcome, Failure> {
     let missing = folder.missing_units().len() as u64;
     let done = format!("{} of {all} units are done", all - missing);
     match ended {
-        Ended::Stopped => Err(Failure::Stopped(done)),
-        Ended::Done | Ended::TimeOver => {
+        WorkEnd::Stopped => Err(Failure::Stopped(done)),
+        WorkEnd::Done | WorkEnd::TimeOver => {
             io::print_beside(term, None, &format!("{done}\n"))?;
             Ok(Outcome::Done)
         }
@@ -187,7 +187,7 @@ fn work_on_share(
     share: &WorkShare,
     args: &RunArgs,
     term: &Term,
-) -> Result<Ended, Failure> {
+) -> Result<WorkEnd, Failure> {
     let work = &args.work;
     let share_of = |make: &UnitWork| {
         let progress = Progress::new(work.progress, term.quiet());

@@ -3,7 +3,7 @@
 use super::error::{MAX_STL_TRIANGLES, StlError};
 
 /// The three corners of a triangle.
-pub(super) type TriangleCorners = [[f64; 3]; 3];
+pub(super) type FacetCorners = [[f64; 3]; 3];
 
 /// Bytes before the triangles of a binary file: title and count.
 pub(super) const BINARY_HEADER: usize = 84;
@@ -11,7 +11,7 @@ pub(super) const BINARY_HEADER: usize = 84;
 pub(super) const BINARY_TRIANGLE: usize = 50;
 
 /// Corners of a triangle of a binary file, behind its normal.
-pub(super) fn of_binary(bytes: &[u8]) -> TriangleCorners {
+pub(super) fn of_binary(bytes: &[u8]) -> FacetCorners {
     let number = |k: usize| {
         let at = 12 + 4 * k;
         f64::from(f32::from_le_bytes([

@@ -10,8 +10,8 @@ use crate::diag::shown_text;
 use crate::model::shape::TriangleSoup;
 use crate::weld::{first_equal, number_first, point_bits};
 use binary::{
-    BINARY_HEADER, BINARY_TRIANGLE, TriangleCorners, announced_triangles, binary_size,
-    check_binary, of_binary,
+    BINARY_HEADER, BINARY_TRIANGLE, FacetCorners, announced_triangles, binary_size, check_binary,
+    of_binary,
 };
 use error::LARGEST;
 use glam::DVec3;
@@ -77,7 +77,7 @@ fn parse_stl(mut file: impl BufRead, bytes: u64, path: String) -> Result<Triangl
 }
 
 fn collect_triangles(
-    triangles: impl Iterator<Item = Result<TriangleCorners, String>>,
+    triangles: impl Iterator<Item = Result<FacetCorners, String>>,
     path: String,
 ) -> Result<TriangleSoup, StlError> {
     let mut corners = Vec::new();

@@ -1,6 +1,6 @@
 //! The text form of STL.
 
-use super::binary::TriangleCorners;
+use super::binary::FacetCorners;
 use std::io::{BufRead, Read};
 use std::ops::Range;
 
@@ -98,11 +98,11 @@ impl<R: BufRead> StlText<R> {
         Ok(numbers)
     }
 
-    fn read_triangle(&mut self) -> Result<TriangleCorners, String> {
+    fn read_triangle(&mut self) -> Result<FacetCorners, String> {
         self.expect_words(&["normal"])?;
         self.numbers()?;
         self.expect_words(&["outer", "loop"])?;
-        let mut corners = TriangleCorners::default();
+        let mut corners = FacetCorners::default();
         for corner in &mut corners {
             self.expect_words(&["vertex"])?;
             *corner = self.numbers()?;
@@ -113,7 +113,7 @@ impl<R: BufRead> StlText<R> {
 }
 
 impl<R: BufRead> Iterator for StlText<R> {
-    type Item = Result<TriangleCorners, String>;
+    type Item = Result<FacetCorners, String>;
 
     fn next(&mut self) -> Option<Self::Item> {
         match self.word() {

@@ -48,7 +48,7 @@ fn round_cases(direction: DVec3) -> Vec<Case> {
     vec![
         (
             Solid::Sphere {
-                center: from,
+                centre: from,
                 radius,
             },
             4.0 / 3.0 * PI * radius.powi(3),
@@ -61,7 +61,7 @@ fn round_cases(direction: DVec3) -> Vec<Case> {
         ),
         (
             Solid::Torus {
-                center: from,
+                centre: from,
                 axis,
                 ring,
                 tube,
@@ -71,7 +71,7 @@ fn round_cases(direction: DVec3) -> Vec<Case> {
         ),
         (
             Solid::Torus {
-                center: from,
+                centre: from,
                 axis,
                 ring: spindle,
                 tube,
@@ -166,7 +166,7 @@ fn sharp_solids_have_flat_ends_and_exact_volumes() {
     let size = DVec3::new(1.0, 2.0, 3.0);
     let cuboid = mesh_of(
         &Solid::Box {
-            center: DVec3::ONE,
+            centre: DVec3::ONE,
             size,
         },
         0.1,
@@ -186,11 +186,11 @@ fn solids_without_extent_give_no_triangles() {
     let nan = DVec3::NAN;
     for solid in [
         Solid::Sphere {
-            center: DVec3::ZERO,
+            centre: DVec3::ZERO,
             radius: 0.0,
         },
         Solid::Sphere {
-            center: nan,
+            centre: nan,
             radius: 1.0,
         },
         Solid::Capsule {
@@ -204,11 +204,11 @@ fn solids_without_extent_give_no_triangles() {
             radius: 1.0,
         },
         Solid::Box {
-            center: DVec3::ZERO,
+            centre: DVec3::ZERO,
             size: DVec3::new(1.0, 0.0, 1.0),
         },
         Solid::Torus {
-            center: DVec3::ZERO,
+            centre: DVec3::ZERO,
             axis: DVec3::Z,
             ring: 1.0,
             tube: 0.0,
@@ -226,7 +226,7 @@ fn solids_without_extent_give_no_triangles() {
         assert!(
             mesh_of(
                 &Solid::Sphere {
-                    center: DVec3::ZERO,
+                    centre: DVec3::ZERO,
                     radius: 1.0
                 },
                 tolerance

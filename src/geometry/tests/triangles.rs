@@ -6,7 +6,7 @@ use super::*;
 fn bare_triangles_get_smooth_and_sharp_normals() {
     let ball = mesh_of(
         &Solid::Sphere {
-            center: DVec3::ZERO,
+            centre: DVec3::ZERO,
             radius: 1.0,
         },
         1e-3,
@@ -34,7 +34,7 @@ fn bare_triangles_get_smooth_and_sharp_normals() {
 fn back_faces_are_hidden_only_by_a_whole_mesh_the_right_way_out() {
     let whole = mesh_of(
         &Solid::Box {
-            center: DVec3::ONE,
+            centre: DVec3::ONE,
             size: DVec3::ONE,
         },
         0.1,

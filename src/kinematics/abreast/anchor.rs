@@ -11,7 +11,7 @@ const MOST_CHANGE: f64 = 0.9;
 
 /// A closed, regular pose.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Anchor {
+pub struct AnchorPose {
     /// Unknowns, then inputs.
     pub(super) coordinates: Vec<f64>,
     pub(super) blocks: Vec<BlockAnchor>,
@@ -29,7 +29,7 @@ pub(super) struct BlockAnchor {
     sigma: f64,
 }
 
-impl Anchor {
+impl AnchorPose {
     /// An anchor at a closed pose; `None` if a block is singular, over-determined or large, and near a locked ball
     /// joint.
     pub fn new(system: &System, coordinates: &[f64]) -> Option<Self> {

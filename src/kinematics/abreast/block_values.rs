@@ -15,14 +15,14 @@ use glam::{DMat3, DVec3};
 
 /// A joint's axis, with its sign, and a point of it.
 #[derive(Clone, Copy, Debug, Default)]
-struct AxisLine {
+struct JointAxis {
     axis: Triple<Octet>,
     origin: Triple<Octet>,
 }
 
 /// Plain numbers needed for the chain rule, lane after lane.
 #[derive(Clone, Debug, Default)]
-struct Plain {
+struct PlainValues {
     coordinates: Vec<f64>,
     gradient: Vec<f64>,
     values: Vec<f64>,
@@ -39,11 +39,11 @@ pub(super) struct BlockValues {
     /// By coordinates of other blocks, in the order of the layout, with its padding; only on request.
     outer: Vec<Octet>,
     arguments: Vec<ArgumentValue<Octet>>,
-    lines: Vec<AxisLine>,
+    lines: Vec<JointAxis>,
     columns: Vec<[Octet; 6]>,
     /// Forms that an equation multiplies.
     factors: Vec<Octet>,
-    plain: Plain,
+    plain: PlainValues,
 }
 
 /// A block of a mechanism.
@@ -151,7 +151,7 @@ impl BlockValues {
     fn walk(&mut self, plan: &BlockPlan, item: &PlannedLoop) -> WalkFrame<Octet> {
         let mut frame = WalkFrame::identity();
         let joints = &plan.joints[item.joints.clone()];
-        self.lines.resize(joints.len(), AxisLine::default());
+        self.lines.resize(joints.len(), JointAxis::default());
         for (joint, line) in joints.iter().zip(&mut self.lines) {
             if let Some(shift) = &joint.shift {
                 shift_frame(&mut frame, shift);
@@ -331,9 +331,9 @@ fn outer_stride(rows: usize) -> usize {
 
 /// Applies a function of plain coordinates in every lane.
 fn by_lanes(
-    plain: &mut Plain,
+    plain: &mut PlainValues,
     coordinates: &[Octet],
-    mut function: impl FnMut(&mut Plain, &[f64]) -> f64,
+    mut function: impl FnMut(&mut PlainValues, &[f64]) -> f64,
 ) -> Octet {
     let mut slots = std::mem::take(&mut plain.coordinates);
     let mut values = Octet::ZERO;
@@ -348,11 +348,16 @@ fn by_lanes(
 }
 
 /// The rate of a formula by a coordinate.
-fn rate_by(plain: &mut Plain, formula: &Expression, slot: usize, coordinates: &[Octet]) -> Octet {
+fn rate_by(
+    plain: &mut PlainValues,
+    formula: &Expression,
+    slot: usize,
+    coordinates: &[Octet],
+) -> Octet {
     by_lanes(plain, coordinates, |plain, slots| {
         plain.gradient.clear();
         plain.gradient.resize(slots.len(), 0.0);
-        let Plain {
+        let PlainValues {
             gradient,
             values,
             adjoints,

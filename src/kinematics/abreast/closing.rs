@@ -1,9 +1,9 @@
 //! Newton's method in eight lanes, block by block, as in `solve/newton`: a lane stops when it is closed, and leaves if
 //! its steps do not decrease.
 
-use super::anchor::Anchor;
+use super::anchor::AnchorPose;
 use super::block_values::{BlockValues, LaneBlock};
-use super::factors::{Elimination, Factors, Ordered};
+use super::factors::{Factors, OctetElimination, Ordered};
 use crate::kinematics::solve::closure::CLOSURE_TOLERANCE;
 use crate::kinematics::solve::newton::{CONTRACTION, ROUNDING_FLOOR};
 use crate::kinematics::structure::system::System;
@@ -48,7 +48,7 @@ impl<'s> LaneSolver<'s> {
     /// Corrects the unknowns of `lanes` near `anchor` until all loops close; the inputs stay.
     pub fn close(
         &mut self,
-        anchor: &Anchor,
+        anchor: &AnchorPose,
         coordinates: &mut [Octet],
         lanes: LaneMask,
     ) -> ClosedLanes {
@@ -78,7 +78,7 @@ impl<'s> LaneSolver<'s> {
     /// The members of `lanes` in which no ball joint is near a pose with locked angles, or beyond one.
     fn unlocked(
         &mut self,
-        anchor: &Anchor,
+        anchor: &AnchorPose,
         coordinates: &[Octet],
         mut lanes: LaneMask,
     ) -> LaneMask {
@@ -102,7 +102,7 @@ impl<'s> LaneSolver<'s> {
 pub(super) fn close_block(
     lane_block: &LaneBlock,
     values: &mut BlockValues,
-    elimination: &mut impl Elimination,
+    elimination: &mut impl OctetElimination,
     coordinates: &mut [Octet],
     mut lanes: LaneMask,
 ) -> ClosedLanes {

@@ -19,7 +19,7 @@ pub(super) struct PivotOrder {
 const LEAST_PART: f64 = 0.1;
 
 /// An elimination of eight matrices.
-pub(super) trait Elimination {
+pub(super) trait OctetElimination {
     /// Factorises column-major matrices: returns the lanes whose pivots are large enough, and the smallest pivot.
     fn factor(&mut self, matrix: &[Octet]) -> (LaneMask, Octet);
 
@@ -36,7 +36,7 @@ pub(super) struct Ordered<'f> {
     pub order: &'f PivotOrder,
 }
 
-impl Elimination for Ordered<'_> {
+impl OctetElimination for Ordered<'_> {
     fn factor(&mut self, matrix: &[Octet]) -> (LaneMask, Octet) {
         self.factors.factor(matrix, self.order)
     }

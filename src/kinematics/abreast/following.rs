@@ -6,7 +6,7 @@
 
 use super::block_values::{BlockValues, LaneBlock};
 use super::closing::{close_block, largest};
-use super::factors::{Elimination, LARGEST_BLOCK};
+use super::factors::{LARGEST_BLOCK, OctetElimination};
 use super::frames::turn_of;
 use super::pivoting::PivotedFactors;
 use crate::kinematics::solve::between::MOST_CHANGE;

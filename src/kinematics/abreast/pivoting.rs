@@ -1,6 +1,6 @@
 //! Triangular factors of eight matrices at once, each with its own order of rows from partial pivoting.
 
-use super::factors::{Elimination, clear_below, substitute};
+use super::factors::{OctetElimination, clear_below, substitute};
 use crate::linalg::gauss_jordan::SMALLEST_RATIO;
 use crate::numbers::octet::{LANES, LaneMask, Octet};
 
@@ -38,7 +38,7 @@ impl PivotedFactors {
     }
 }
 
-impl Elimination for PivotedFactors {
+impl OctetElimination for PivotedFactors {
     fn factor(&mut self, matrix: &[Octet]) -> (LaneMask, Octet) {
         let n = matrix.len().isqrt();
         self.n = n;

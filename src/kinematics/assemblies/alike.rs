@@ -4,7 +4,7 @@
 //! is compared.
 
 use crate::kinematics::freedoms::idle::Spins;
-use crate::kinematics::freedoms::twists::Line;
+use crate::kinematics::freedoms::twists::PluckerLine;
 use crate::kinematics::loops::forward::body_poses;
 use crate::kinematics::structure::system::System;
 use crate::math::{Pose, sin_cos};
@@ -104,7 +104,7 @@ impl<'s> Alike<'s> {
 
 /// Appends the numbers of a placement; for a spinning link the means over a turn, and the distance of its origin from
 /// the axis. The direction of the axis does not matter.
-fn note_pose(numbers: &mut Vec<f64>, pose: &Pose, line: Option<&Line>, size: f64) {
+fn note_pose(numbers: &mut Vec<f64>, pose: &Pose, line: Option<&PluckerLine>, size: f64) {
     let origin = pose.translation / size;
     let Some((direction, moment)) = line else {
         numbers.extend(pose.rotation.to_cols_array());

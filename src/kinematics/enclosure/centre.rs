@@ -6,7 +6,7 @@ use super::mapped::{Contraction, Mapped};
 use super::region::Region;
 use super::rows::{Layout, Rows};
 use crate::kinematics::results::certificate::Reason;
-use crate::linalg::gauss_jordan::Elimination;
+use crate::linalg::gauss_jordan::GaussJordan;
 use crate::linalg::lanes::LaneMatrix;
 use crate::numbers::interval::Interval;
 use crate::numbers::rounding::GROW;
@@ -71,7 +71,7 @@ impl Centre {
                 *matrix.at_mut(i, column) = entry(*row, column);
             }
         }
-        Elimination::default()
+        GaussJordan::default()
             .invert_matrix(&matrix, &mut inverse)
             .ok_or(Reason::Singular)?;
         let inverse: Vec<f64> = (0..n * n).map(|k| inverse.at(k / n, k % n)).collect();

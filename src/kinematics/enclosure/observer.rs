@@ -2,9 +2,9 @@
 //! the dimensions.
 
 use super::pose::PoseEnclosure;
-use super::quadratic::Quadratic;
+use super::quadratic::QuadraticBound;
 use super::rows::Rates;
-use super::twists::Twists;
+use super::twists::ChainTwists;
 use crate::model::chain::{ArgumentValue, ChainStep};
 use crate::model::mechanism::Mechanism;
 use crate::model::outputs::output_arguments;
@@ -65,11 +65,13 @@ impl<'e, const N: usize> Observer<'e, N> {
         direction: [f64; 3],
         sum: &mut Directed<N>,
     ) {
-        let exact = Twists::new(steps, &self.centre, [0.0; 3]).end.point(point);
+        let exact = ChainTwists::new(steps, &self.centre, [0.0; 3])
+            .end
+            .point(point);
         // The centre is computed with exact dimensions, the slopes with forms over their whole box.
         let along = |sum: Interval, k: usize| sum + exact[k].scale(direction[k]);
         sum.centre = (0..3).fold(sum.centre, along);
-        let twists = Twists::new(steps, &self.forms, [0.0; 3]);
+        let twists = ChainTwists::new(steps, &self.forms, [0.0; 3]);
         let point = twists.end.point(point);
         twists.velocities(point, |argument, velocity| {
             let mut speed = velocity[0].scale(direction[0]);
@@ -86,11 +88,11 @@ impl<'e, const N: usize> Observer<'e, N> {
     }
 
     /// A sum as a function of the dimensions; `None` if it is not bounded.
-    pub fn function(&self, sum: &Directed<N>) -> Option<Quadratic<N>> {
+    pub fn function(&self, sum: &Directed<N>) -> Option<QuadraticBound<N>> {
         let value = sum.centre.middle();
         let rates = self.enclosure.region.chain(&sum.gradient);
         let bounded = sum.centre.is_finite() && rates.iter().all(|rate| rate.is_finite());
-        bounded.then(|| Quadratic {
+        bounded.then(|| QuadraticBound {
             value,
             open: sum.centre.distance(value),
             rates,

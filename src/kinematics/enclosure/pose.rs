@@ -2,10 +2,10 @@
 
 use super::block::{Unbounded, enclose_block, refine_block};
 use super::form::DimensionForm;
-use super::quadratic::Quadratic;
-use super::region::{Region, Tolerance};
+use super::quadratic::QuadraticBound;
+use super::region::{Region, ToleranceInterval};
 use super::rows::{Layout, Rates, argument_values, expression_gradient, turning_arguments};
-use super::twists::Twists;
+use super::twists::ChainTwists;
 use crate::kinematics::loops::observed::observed_slots;
 use crate::kinematics::results::certificate::Reason;
 use crate::kinematics::structure::system::System;
@@ -31,7 +31,7 @@ pub struct Sought<'p> {
     /// Uncertainty of the inputs as written.
     pub input_open: &'p [f64],
     /// What varies.
-    pub tolerances: &'p [Tolerance],
+    pub tolerances: &'p [ToleranceInterval],
     /// The rows on which each block is proved.
     pub bases: &'p [Vec<usize>],
 }
@@ -234,7 +234,7 @@ fn show_traces<F: DimensionForm>(
             argument_values(mechanism, &used, &turning, known),
             Rates::new(mechanism, &used, known),
         );
-        let twists = Twists::new(&chain.steps, &values, [0.0; 3]);
+        let twists = ChainTwists::new(&chain.steps, &values, [0.0; 3]);
         let point = twists.end.point(trace.point.to_array());
         // Velocity of the point by every coordinate, summed over the joints that it moves.
         let mut gradients: [Vec<(usize, F)>; 3] = Default::default();
@@ -258,8 +258,8 @@ fn show_traces<F: DimensionForm>(
 
 impl<const N: usize> PoseEnclosure<N> {
     /// Slot `index` (coordinates, x, y, z of the traces, outputs) as a function of the dimensions.
-    pub fn slot(&self, index: usize) -> Quadratic<N> {
-        Quadratic {
+    pub fn slot(&self, index: usize) -> QuadraticBound<N> {
+        QuadraticBound {
             value: self.region.slots[index].value,
             open: self.region.open[index],
             rates: self.region.rates_of(index).to_vec(),

@@ -8,7 +8,7 @@ use crate::numbers::rounding::{GROW, SUMS};
 
 /// A function of δ in [-1, 1]ⁿ.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Quadratic<const N: usize> {
+pub struct QuadraticBound<const N: usize> {
     /// At δ = 0.
     pub value: f64,
     /// Bound of the error of that.
@@ -32,7 +32,7 @@ pub struct Range {
 
 /// The face of the box on which a function has its maximum: dimensions along which it is monotone are at their ends.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Face {
+pub struct BoxFace {
     /// Its middle: the other dimensions are nominal.
     pub middle: Vec<f64>,
     /// δ near which the greatest value lies.
@@ -44,7 +44,7 @@ pub struct Face {
 /// Number of passes over all dimensions that improve the position.
 const ROUNDS: usize = 6;
 
-impl<const N: usize> Quadratic<N> {
+impl<const N: usize> QuadraticBound<N> {
     /// Its range.
     pub fn range(&self) -> Range {
         let (above, highest) = self.greatest(1.0);
@@ -59,7 +59,7 @@ impl<const N: usize> Quadratic<N> {
     }
 
     /// The face on which `sign` times the function is greatest.
-    pub fn face(&self, sign: f64) -> Face {
+    pub fn face(&self, sign: f64) -> BoxFace {
         let mut fixed = self.monotone_ends(sign);
         let middle: Vec<f64> = fixed.iter().map(|d| d.unwrap_or(0.0)).collect();
         let beyond = self.beyond(sign, &fixed, &middle);
@@ -69,7 +69,7 @@ impl<const N: usize> Quadratic<N> {
             let places = best.iter_mut().zip(fixed);
             places.for_each(|(place, d)| *place = d.unwrap_or(0.0));
         }
-        Face {
+        BoxFace {
             middle,
             best,
             beyond: if beyond.is_nan() {

@@ -7,7 +7,7 @@ use crate::numbers::scalar::Scalar;
 
 /// A coordinate with an interval around its value.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tolerance {
+pub struct ToleranceInterval {
     /// Coordinate: an input of the mechanism.
     pub slot: usize,
     /// Half the width of its interval, not negative.
@@ -40,7 +40,7 @@ impl<F: DimensionForm> Region<F> {
         pose: &[f64],
         unknowns: usize,
         input_open: &[f64],
-        list: &[Tolerance],
+        list: &[ToleranceInterval],
     ) -> Self {
         let count = list.len();
         let mut region = Self {

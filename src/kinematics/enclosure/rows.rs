@@ -1,8 +1,8 @@
 //! The equations of a block and their derivatives by all coordinates that they depend on, in any arithmetic.
 
-use super::twists::{Twists, frame_about, residual_component};
+use super::twists::{ChainTwists, frame_about, residual_component};
 use crate::kinematics::structure::block::Block;
-use crate::kinematics::structure::columns::Columns;
+use crate::kinematics::structure::columns::ColumnMap;
 use crate::kinematics::structure::loop_part::LoopPart;
 use crate::model::chain::{Argument, ArgumentValue, ChainStep, ElementaryMotion};
 use crate::model::expression::Expression;
@@ -20,7 +20,7 @@ pub struct Layout<'m> {
     pub block: &'m Block,
     /// Coordinates of the columns: the block's own unknowns, then all others.
     pub slots: Vec<usize>,
-    columns: Columns,
+    columns: ColumnMap,
     /// Which arguments of the mechanism are angles of the block's loops.
     turning: Vec<bool>,
 }
@@ -52,7 +52,7 @@ impl<'m> Layout<'m> {
         Self {
             mechanism,
             block,
-            columns: Columns::new(&slots),
+            columns: ColumnMap::new(&slots),
             turning: turning_arguments(mechanism, chains),
             slots,
         }
@@ -77,7 +77,7 @@ impl<'m> Layout<'m> {
                 // Its rotation is unknown, so that it closes about its own origin only.
                 return [0.0; 3];
             }
-            let twists = Twists::new(&item.chain.steps, &values, [0.0; 3]);
+            let twists = ChainTwists::new(&item.chain.steps, &values, [0.0; 3]);
             let count = twists.rotation_origins().count().max(1) as f64;
             let sum = twists.rotation_origins().fold([0.0; 3], add_vectors);
             let middle = sum.map(|c| c / count);
@@ -103,7 +103,7 @@ impl<'m> Layout<'m> {
         // Loops: residual and columns of the joints' twists, by the chain rule.
         for (part, about) in self.block.loops.iter().zip(about) {
             let item = &self.mechanism.loops[part.index];
-            let twists = Twists::new(&item.chain.steps, &values, *about);
+            let twists = ChainTwists::new(&item.chain.steps, &values, *about);
             let (first, per_size) = (rows.residual.len(), 1.0 / item.size);
             let components = &part.components;
             let residuals = components.iter().map(|c| twists.residual(*c, per_size));
@@ -195,14 +195,14 @@ pub fn argument_values<S: Scalar>(
 
 /// A derivative of an argument.
 #[derive(Clone, Copy, Debug)]
-pub enum Rate<S> {
+pub enum ArgumentRate<S> {
     /// The same everywhere.
     Constant(Constant),
     /// Of a formula.
     Varying(S),
 }
 
-impl<S: Scalar> Rate<S> {
+impl<S: Scalar> ArgumentRate<S> {
     /// The product with a quantity that changes like the argument.
     pub fn times(&self, by_argument: S) -> S {
         match self {
@@ -215,7 +215,7 @@ impl<S: Scalar> Rate<S> {
 /// Derivatives of arguments by the coordinates that each depends on.
 #[derive(Clone, Debug)]
 pub struct Rates<S> {
-    of_argument: Vec<Vec<(usize, Rate<S>)>>,
+    of_argument: Vec<Vec<(usize, ArgumentRate<S>)>>,
 }
 
 impl<S: Scalar> Rates<S> {
@@ -226,11 +226,13 @@ impl<S: Scalar> Rates<S> {
             of_argument[*index] = match &mechanism.arguments[*index] {
                 Argument::Affine(affine) => {
                     let terms = affine.terms.iter();
-                    terms.map(|(slot, c)| (*slot, Rate::Constant(*c))).collect()
+                    terms
+                        .map(|(slot, c)| (*slot, ArgumentRate::Constant(*c)))
+                        .collect()
                 }
                 Argument::Formula(expression) => {
                     let list = expression_gradient(expression, coordinates).into_iter();
-                    list.map(|(slot, rate)| (slot, Rate::Varying(rate)))
+                    list.map(|(slot, rate)| (slot, ArgumentRate::Varying(rate)))
                         .collect()
                 }
             };
@@ -239,7 +241,7 @@ impl<S: Scalar> Rates<S> {
     }
 
     /// Coordinates and rates of an argument.
-    pub fn of(&self, argument: usize) -> &[(usize, Rate<S>)] {
+    pub fn of(&self, argument: usize) -> &[(usize, ArgumentRate<S>)] {
         &self.of_argument[argument]
     }
 }

@@ -84,7 +84,7 @@ impl<S: Scalar> Carried for Gathered<S> {
 
 /// A chain at a pose: its end frame and the twists of its joints there.
 #[derive(Clone, Debug)]
-pub struct Twists<S> {
+pub struct ChainTwists<S> {
     /// The frame at the end.
     pub end: WalkFrame<S>,
     joints: Vec<Noted<S>>,
@@ -92,7 +92,7 @@ pub struct Twists<S> {
     trace: S,
 }
 
-impl<S: Scalar> Twists<S> {
+impl<S: Scalar> ChainTwists<S> {
     /// Traverses a chain; arguments are those of the whole mechanism. A chain expressed `about` a point lies between a
     /// translation to that point and one back: it closes if the chain itself does.
     pub fn new(steps: &[ChainStep], arguments: &[ArgumentValue<S>], about: [f64; 3]) -> Self {

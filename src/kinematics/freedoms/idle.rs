@@ -9,7 +9,7 @@
 //! last angle of a ball joint, say), since holding it then never stops the motion at any pose.
 
 use super::generic_rank::{EMPTY, RANK, Ranks, random_poses};
-use super::twists::{Line, STILL, Twist, TwistWalk, common_axis, line_of, same_line};
+use super::twists::{PluckerLine, STILL, Twist, TwistWalk, common_axis, line_of, same_line};
 use crate::kinematics::loops::observed::observed_values;
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::structure::block::{
@@ -64,7 +64,7 @@ impl<'a> FreedomSite<'a> {
 }
 
 /// The line about which links rotate, for every loop of a block in which some do, in the base frame of the loop.
-type AxisLines = Vec<Option<Line>>;
+type AxisLines = Vec<Option<PluckerLine>>;
 
 fn of_block(
     mechanism: &Mechanism,
@@ -253,7 +253,7 @@ impl Spins {
     }
 
     /// By link: the line about which it spins in the world (its moment over the size), if it does.
-    pub fn lines(&self, mechanism: &Mechanism, pose: &[f64]) -> Vec<Option<Line>> {
+    pub fn lines(&self, mechanism: &Mechanism, pose: &[f64]) -> Vec<Option<PluckerLine>> {
         let links = &mechanism.joints.links;
         let mut lines = vec![None; links.len()];
         for (block, columns) in &self.blocks {
@@ -285,7 +285,7 @@ impl FreeMotion<'_> {
             &self.physical_rates(),
             self.size(),
         );
-        let common = |twists: Vec<Twist>| -> Option<Option<Line>> {
+        let common = |twists: Vec<Twist>| -> Option<Option<PluckerLine>> {
             twists.into_iter().try_fold(None, common_axis)
         };
         let parts = self.block.loops.iter();

@@ -11,13 +11,13 @@ use glam::DVec3;
 pub const STILL: f64 = 1e-6;
 
 /// A line in space: direction and moment about the origin over the size.
-pub type Line = (DVec3, DVec3);
+pub type PluckerLine = (DVec3, DVec3);
 
 /// Angular velocity, and velocity at the origin over the size.
 pub type Twist = (DVec3, DVec3);
 
 /// Combines a link's twist with the line found so far: `None` if it is neither zero nor a rotation about that line.
-pub fn common_axis(found: Option<Line>, twist: Twist) -> Option<Option<Line>> {
+pub fn common_axis(found: Option<PluckerLine>, twist: Twist) -> Option<Option<PluckerLine>> {
     if twist.0.length() <= STILL && twist.1.length() <= STILL {
         return Some(found);
     }
@@ -27,14 +27,14 @@ pub fn common_axis(found: Option<Line>, twist: Twist) -> Option<Option<Line>> {
 }
 
 /// The line of a pure rotation.
-pub fn line_of((turn, speed): Twist) -> Option<Line> {
+pub fn line_of((turn, speed): Twist) -> Option<PluckerLine> {
     let rate = turn.length();
     let is_pure = rate > STILL && turn.dot(speed).abs() <= STILL * rate;
     is_pure.then(|| (turn / rate, speed / rate))
 }
 
 /// Whether two lines are the same, regardless of their direction.
-pub fn same_line(a: &Line, b: &Line) -> bool {
+pub fn same_line(a: &PluckerLine, b: &PluckerLine) -> bool {
     let sign = a.0.dot(b.0).signum();
     (a.0 - b.0 * sign).length() <= STILL && (a.1 - b.1 * sign).length() <= STILL
 }

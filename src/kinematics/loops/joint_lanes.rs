@@ -96,14 +96,14 @@ impl AddAssign for Vectors {
 
 /// Four screws: angular and linear parts at the origin of the loop's base.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Twists {
+pub struct LaneTwists {
     /// Angular parts.
     pub angular: Vectors,
     /// Linear parts.
     pub linear: Vectors,
 }
 
-impl Twists {
+impl LaneTwists {
     /// Adds each screw of `other` times its factor.
     #[inline(always)]
     pub fn add_scaled(&mut self, other: &Self, factors: f64x4) {
@@ -157,10 +157,10 @@ pub struct JointGroup {
 impl JointGroup {
     /// The joints' twists.
     #[inline(always)]
-    pub fn twists(&self, planned: &PlannedGroup) -> Twists {
+    pub fn twists(&self, planned: &PlannedGroup) -> LaneTwists {
         let (axis, origin) = (Vectors::of(&self.axis), Vectors::of(&self.origin));
         let (turns, slides) = (f64x4::new(planned.turns), f64x4::new(planned.slides));
-        Twists {
+        LaneTwists {
             angular: axis * turns,
             linear: origin.cross(&axis) * turns + axis * slides,
         }
@@ -316,7 +316,7 @@ mod tests {
     #[test]
     fn sums_before_are_those_of_the_joints_one_after_the_other() {
         let [angular, linear] = four();
-        let twists = Twists { angular, linear };
+        let twists = LaneTwists { angular, linear };
         let mut link = [0.5, 0.0, 0.0, 0.0, 0.0, -2.0];
         let before = twists.sums_before(&mut link);
         let (mut turn, mut shift) = (DVec3::new(0.5, 0.0, 0.0), DVec3::new(0.0, 0.0, -2.0));

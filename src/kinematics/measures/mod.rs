@@ -12,7 +12,7 @@ use crate::model::actuation::Actuation;
 use crate::model::drive::{Drive, Ease};
 use crate::model::expression::Expression;
 use crate::model::measure::{MeasureSource, MeasuredTrack, Measures};
-use crate::model::rate::Rate;
+use crate::model::rate::RateOrder;
 use crate::numbers::series::TaylorSeries;
 use reduce::reduce_values;
 use std::collections::HashMap;
@@ -108,7 +108,7 @@ fn measure_over(
 fn value_at(
     (system, actuation): (&System, &Actuation),
     sample: &Sample,
-    (formula, rates): (&Expression, &[(Expression, Rate)]),
+    (formula, rates): (&Expression, &[(Expression, RateOrder)]),
     per: Option<usize>,
 ) -> Option<f64> {
     let pose = sample.pose.as_ref()?;

@@ -6,7 +6,7 @@ use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::expression::Expression;
 use crate::model::mechanism::OutputSource;
-use crate::model::rate::Rate;
+use crate::model::rate::RateOrder;
 use crate::numbers::series::TaylorSeries;
 
 /// Rates of formulas at a pose of the motion with this actuation, at its time; NaN if they are infinite or
@@ -15,11 +15,11 @@ pub fn rate_values(
     system: &System,
     driven: (&Actuation, f64),
     coordinates: &[f64],
-    rates: &[(Expression, Rate)],
+    rates: &[(Expression, RateOrder)],
 ) -> Vec<f64> {
     // Series are shared by rates of one kind.
-    let mut known: Vec<(Rate, Option<Vec<TaylorSeries>>)> = Vec::new();
-    let value = |(formula, rate): &(Expression, Rate)| {
+    let mut known: Vec<(RateOrder, Option<Vec<TaylorSeries>>)> = Vec::new();
+    let value = |(formula, rate): &(Expression, RateOrder)| {
         let place = known.iter().position(|(r, _)| r == rate);
         let place = place.unwrap_or_else(|| {
             let by = RateVariable::from(rate.per);

@@ -137,7 +137,7 @@ pub struct IntervalCertificate {
     /// Bound on the closure errors of the redundant equations; `None` if there are none, or nothing was proved.
     pub closes_to: Option<f64>,
     /// Where and why the proof ended early.
-    pub refused: Option<Refusal>,
+    pub refused: Option<ProofRefusal>,
 }
 
 impl IntervalCertificate {
@@ -156,16 +156,16 @@ pub const CONSISTENT: &str = "consistent";
 
 /// The end of a proof.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Refusal {
+pub struct ProofRefusal {
     /// Seconds: the motion immediately after it is not proved.
     pub time: f64,
     /// Why.
-    pub obstacle: Obstacle,
+    pub obstacle: ProofObstacle,
 }
 
 /// Why a time interval is not proved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Obstacle {
+pub enum ProofObstacle {
     /// A sample has no pose: the motion ends, or resumes, somewhere in between.
     NoPose,
     /// The drive jumps, or its formula has a kink or is undefined.
@@ -176,7 +176,7 @@ pub enum Obstacle {
     Test(Reason),
 }
 
-impl Obstacle {
+impl ProofObstacle {
     /// The word used in reports.
     pub const fn word(self) -> &'static str {
         match self {

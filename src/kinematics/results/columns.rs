@@ -5,7 +5,7 @@ use crate::model::mechanism::{Kind, Mechanism};
 
 /// The source of a named value in a sample.
 #[derive(Clone, Copy, Debug)]
-pub enum Column {
+pub enum ValueColumn {
     /// An input.
     Input(usize),
     /// An unknown.
@@ -19,7 +19,7 @@ pub enum Column {
 /// Endings of a traced point's name.
 const AXES: [&str; 3] = [".x", ".y", ".z"];
 
-impl Column {
+impl ValueColumn {
     /// The column of that name; otherwise all names that exist.
     pub fn find(mechanism: &Mechanism, name: &str) -> Result<Self, Vec<String>> {
         let all = columns(mechanism);
@@ -64,17 +64,17 @@ impl Column {
 }
 
 /// All named values of a sample with their kinds, in the order of a table's columns.
-pub fn columns(mechanism: &Mechanism) -> Vec<(String, Column, Kind)> {
+pub fn columns(mechanism: &Mechanism) -> Vec<(String, ValueColumn, Kind)> {
     let inputs = mechanism.inputs.iter().enumerate();
-    let inputs = inputs.map(|(k, c)| (c.name.clone(), Column::Input(k)));
+    let inputs = inputs.map(|(k, c)| (c.name.clone(), ValueColumn::Input(k)));
     let unknowns = mechanism.unknowns.iter().enumerate();
-    let unknowns = unknowns.map(|(k, c)| (c.name.clone(), Column::Unknown(k)));
+    let unknowns = unknowns.map(|(k, c)| (c.name.clone(), ValueColumn::Unknown(k)));
     let traces = mechanism.traces.iter().enumerate().flat_map(|(k, trace)| {
         let axes = AXES.iter().enumerate();
-        axes.map(move |(axis, end)| (trace.name.clone() + end, Column::Trace(k, axis)))
+        axes.map(move |(axis, end)| (trace.name.clone() + end, ValueColumn::Trace(k, axis)))
     });
     let outputs = mechanism.outputs.iter().enumerate();
-    let outputs = outputs.map(|(k, o)| (o.name.clone(), Column::Output(k)));
+    let outputs = outputs.map(|(k, o)| (o.name.clone(), ValueColumn::Output(k)));
     let all = inputs.chain(unknowns).chain(traces).chain(outputs);
     all.map(|(name, column)| (name, column, column.kind(mechanism)))
         .collect()

@@ -251,7 +251,7 @@ pub struct RemainingGap {
 
 /// An interval of the drive in which no pose was found.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Gap {
+pub struct MotionGap {
     /// The last place with a pose; `None` if the drive begins inside.
     pub from: Option<Instant>,
     /// The first place with a pose again; `None` if the drive ends inside.
@@ -264,7 +264,7 @@ pub struct Gap {
     pub widest: Option<RemainingGap>,
 }
 
-impl Gap {
+impl MotionGap {
     /// Whether it is unknown that the motion ends: it may continue inside.
     pub fn is_undecided(&self) -> bool {
         let is_proved = self.widest.as_ref().is_some_and(|lack| lack.proved);
@@ -281,7 +281,7 @@ pub struct Trajectory {
     /// Events in the order of time.
     pub events: Vec<Event>,
     /// Intervals in which no pose was found, in the order of time.
-    pub gaps: Vec<Gap>,
+    pub gaps: Vec<MotionGap>,
     /// Proofs of the motion after each sample, up to the next one or to the end of a cyclic drive; empty unless
     /// requested.
     pub intervals: Vec<IntervalCertificate>,
@@ -321,7 +321,7 @@ impl Trajectory {
             )
         };
         !self.is_whole()
-            && self.gaps.iter().all(Gap::is_undecided)
+            && self.gaps.iter().all(MotionGap::is_undecided)
             && !self.events.iter().any(is_proved)
     }
 

@@ -2,7 +2,7 @@
 
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::structure::block::Block;
-use crate::linalg::gauss_jordan::Elimination;
+use crate::linalg::gauss_jordan::GaussJordan;
 use crate::linalg::lanes::{LaneMatrix, dot_lanes};
 use crate::linalg::normal_equations::damped_solution;
 use crate::linalg::pivoted_qr::PivotedQr;
@@ -46,7 +46,7 @@ pub struct Descent {
     trial: BlockWorkspace,
     qr: PivotedQr,
     sparse: SparseLu,
-    elimination: Elimination,
+    elimination: GaussJordan,
     inverse: LaneMatrix,
     /// The weighted Jacobian, column-major.
     columns: LaneMatrix,
@@ -68,7 +68,7 @@ impl Default for Descent {
             trial: BlockWorkspace::default(),
             qr: PivotedQr::default(),
             sparse: SparseLu::default(),
-            elimination: Elimination::default(),
+            elimination: GaussJordan::default(),
             inverse: LaneMatrix::default(),
             columns: LaneMatrix::default(),
             matrix: Vec::new(),

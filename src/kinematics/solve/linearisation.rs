@@ -2,7 +2,7 @@
 
 use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::structure::block::Block;
-use crate::linalg::gauss_jordan::{Elimination, Pivots};
+use crate::linalg::gauss_jordan::{GaussJordan, Pivots};
 use crate::linalg::lanes::{
     LaneMatrix, Lanes, add_scaled, combine_rows, dot_lanes, lane_groups, square_of_difference,
 };
@@ -41,7 +41,7 @@ enum LinearStage {
 pub(crate) struct Linearisation {
     pub(crate) workspace: BlockWorkspace,
     qr: PivotedQr,
-    elimination: Elimination,
+    elimination: GaussJordan,
     sparse: SparseLu,
     stage: LinearStage,
     /// Values of the block's unknowns, then of the coordinates from outside, at the linearisation.

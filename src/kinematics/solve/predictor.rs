@@ -9,7 +9,7 @@
 
 use super::linearisation::Linearisation;
 use super::newton::Corrector;
-use crate::kinematics::loops::joint_lanes::Twists;
+use crate::kinematics::loops::joint_lanes::LaneTwists;
 use crate::kinematics::loops::residual::residual_of;
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::layout::{BlockPlan, PlannedGroup};
@@ -32,10 +32,10 @@ pub struct Prediction {
 /// Coefficients of the twists of four joints, and of the twists of the links before them.
 #[derive(Clone, Copy, Debug, Default)]
 struct GroupSeries {
-    own: [Twists; HIGHEST_ORDER],
-    before: [Twists; HIGHEST_ORDER],
+    own: [LaneTwists; HIGHEST_ORDER],
+    before: [LaneTwists; HIGHEST_ORDER],
     /// What the change of the twists contributes to the last coefficient of the loop's whole twist.
-    bend: Twists,
+    bend: LaneTwists,
     /// Coefficients of the rates of the joints' arguments.
     rates: [Lanes; HIGHEST_ORDER],
 }
@@ -115,7 +115,7 @@ impl Predictor {
         let joints = buffers.workspace.joints().iter().zip(&block.plan.groups);
         for (series, (joints, planned)) in self.groups.iter_mut().zip(joints) {
             series.own[0] = joints.twists(planned);
-            series.bend = Twists::default();
+            series.bend = LaneTwists::default();
         }
         for k in 0..order {
             let outside = &self.series[k * count..(k + 1) * count];
@@ -143,7 +143,7 @@ impl Predictor {
     fn add_bends(&mut self, plan: &BlockPlan, drift: &mut [f64], k: usize) {
         let share = 1.0 / (k + 1) as f64;
         for item in &plan.loops {
-            let (mut link, mut sum) = ([0.0; 6], Twists::default());
+            let (mut link, mut sum) = ([0.0; 6], LaneTwists::default());
             let range = item.groups.clone();
             let groups = plan.groups[range.clone()].iter();
             for (planned, series) in groups.zip(&mut self.groups[range]) {
@@ -182,12 +182,12 @@ impl GroupSeries {
         // Leibniz: the K-th coefficient of every twist from those below it.
         made.add_scaled(&self.own[0], rate(K));
         self.before[K - 1] = made.sums_before(link);
-        let mut next = Twists::default();
+        let mut next = LaneTwists::default();
         for i in 0..K {
             next.add_bracket(&self.before[i], &self.own[K - 1 - i]);
         }
         self.own[K] = next.scaled(f64x4::splat(1.0 / K as f64));
-        let mut bend = Twists::default();
+        let mut bend = LaneTwists::default();
         for i in 1..=K {
             bend.add_scaled(&self.own[i], rate(K + 1 - i));
         }

@@ -3,7 +3,7 @@
 //! Plain values. They depend on the mechanism only, not on a pose, and are created once, in
 //! [`analysis`](crate::kinematics::freedoms::analysis).
 
-use super::columns::Columns;
+use super::columns::ColumnMap;
 use super::layout::BlockPlan;
 use super::loop_part::LoopPart;
 use crate::diag::decimals_of;
@@ -20,7 +20,7 @@ pub struct Block {
     /// Unknowns it determines.
     pub unknowns: Vec<usize>,
     /// The columns of its unknowns in its Jacobian.
-    pub columns: Columns,
+    pub columns: ColumnMap,
     /// Arguments that its loops use.
     pub arguments: Vec<usize>,
     /// Layout for evaluation.
@@ -132,7 +132,7 @@ pub fn block_of(
     equations: Vec<usize>,
     unknowns: Vec<usize>,
 ) -> Block {
-    let columns = Columns::new(&unknowns);
+    let columns = ColumnMap::new(&unknowns);
     let mut arguments: Vec<usize> = loops
         .iter()
         .flat_map(|part| mechanism.loops[part.index].chain.arguments())

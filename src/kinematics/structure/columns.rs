@@ -2,9 +2,9 @@
 
 /// Columns by coordinate. Its size is that of the block, so that many blocks take no more memory than their sum.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Columns(Vec<(usize, usize)>);
+pub struct ColumnMap(Vec<(usize, usize)>);
 
-impl Columns {
+impl ColumnMap {
     /// Coordinates in the order of their columns.
     pub fn new(slots: &[usize]) -> Self {
         let mut list: Vec<(usize, usize)> = slots.iter().copied().zip(0..).collect();

@@ -8,7 +8,7 @@ use crate::model::mechanism::Mechanism;
 use glam::{DMat3, DVec3};
 use std::ops::Range;
 
-use super::columns::Columns;
+use super::columns::ColumnMap;
 use super::loop_part::LoopPart;
 use super::planned_quadratic::PlannedQuadratic;
 use crate::linalg::lanes::{Lanes, lane_groups};
@@ -174,7 +174,7 @@ impl BlockPlan {
             ..Self::default()
         };
         let columns = unknowns.len();
-        let column_of = &Columns::new(unknowns);
+        let column_of = &ColumnMap::new(unknowns);
         for &index in arguments {
             plan.add_argument(mechanism, index, column_of, columns);
         }
@@ -212,7 +212,7 @@ impl BlockPlan {
         &mut self,
         mechanism: &Mechanism,
         index: usize,
-        column_of: &Columns,
+        column_of: &ColumnMap,
         columns: usize,
     ) {
         // An affine argument is a dot product; a formula has shares in its slots, with coefficients that depend on
@@ -258,7 +258,7 @@ impl BlockPlan {
         &mut self,
         mechanism: &Mechanism,
         terms: &[(usize, f64)],
-        column_of: &Columns,
+        column_of: &ColumnMap,
         columns: usize,
     ) -> Range<usize> {
         let start = self.shares.len();

@@ -1,7 +1,7 @@
 //! The layout of an equation of second degree: its affine factors as short sums of plain numbers.
 
 use crate::model::expression::Affine;
-use crate::model::expression::quadratic::Quadratic;
+use crate::model::expression::quadratic::QuadraticFormula;
 use crate::numbers::scalar::Ring;
 
 /// Highest order of the coefficients of products.
@@ -69,7 +69,7 @@ impl PlannedSum {
 
 impl PlannedQuadratic {
     /// Of the coordinates `slots`, which are all of its own, ascending.
-    pub fn new(form: &Quadratic, slots: &[usize]) -> Self {
+    pub fn new(form: &QuadraticFormula, slots: &[usize]) -> Self {
         let factors = form.factors.iter();
         let products = form.products.iter();
         Self {

@@ -7,7 +7,7 @@ use super::block::{Block, Structure};
 use super::proof_chain::LoopPlan;
 use crate::model::chain::{Argument, ChainStep, ElementaryMotion};
 use crate::model::expression::Affine;
-use crate::model::expression::quadratic::Quadratic;
+use crate::model::expression::quadratic::QuadraticFormula;
 use crate::model::mechanism::{Closes, Mechanism};
 use std::ops::Range;
 
@@ -76,7 +76,7 @@ pub struct EquationRow {
     /// The index of the first of its forms: its affine part, then its factors.
     pub first_form: usize,
     /// Its formula.
-    pub formula: Quadratic,
+    pub formula: QuadraticFormula,
     /// What its value is multiplied by.
     pub scale: f64,
 }

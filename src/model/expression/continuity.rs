@@ -5,9 +5,9 @@
 
 use super::angle_cut::cut_of;
 use super::instants::{quotient_of, with_whole};
-use super::jumps::{KNOWN, Line, instant_of, line_of};
+use super::jumps::{KNOWN, LineInTime, instant_of, line_of};
 use super::pieces::{TimePiece, around_instant, within};
-use super::sides::{Side, on_one_side, takes_whole};
+use super::sides::{SideNumbers, on_one_side, takes_whole};
 use super::{Expression, Op, ZERO};
 use crate::numbers::constant::Constant;
 use crate::numbers::interval::Interval;
@@ -74,11 +74,11 @@ impl Expression {
             self.piece(all, [ends[0], ends[1]])
         });
         let pieces: Vec<TimePiece> = pieces.collect();
-        let sides: Vec<Side> = (pieces.iter())
+        let sides: Vec<SideNumbers> = (pieces.iter())
             .map(|piece| piece.sides.iter().map(|side| side.whole()).collect())
             .collect();
         let at = |time: f64| self.side_at(time);
-        let start: Vec<Side> = starts.into_iter().map(at).collect();
+        let start: Vec<SideNumbers> = starts.into_iter().map(at).collect();
         let way = [&start, &sides[..1]].concat();
         jumps.at_start = self.may_differ(&pieces[0], &way, from);
         for (k, time) in stops[1..stops.len() - 1].iter().enumerate() {
@@ -90,7 +90,7 @@ impl Expression {
             }
         }
         let last = pieces.len() - 1;
-        let end: Vec<Side> = ends.into_iter().map(at).collect();
+        let end: Vec<SideNumbers> = ends.into_iter().map(at).collect();
         let way = [&sides[last..], &end].concat();
         jumps.at_end = self.may_differ(&pieces[last], &way, to);
         jumps
@@ -98,12 +98,12 @@ impl Expression {
 
     /// Whether the values with the whole numbers of neighbouring sides of an instant, at an end of a piece, are not known to be
     /// the same.
-    fn may_differ(&self, piece: &TimePiece, sides: &[Side], about: f64) -> bool {
-        let differs = |pair: &[Side]| self.may_step(piece, [&pair[0], &pair[1]], about);
+    fn may_differ(&self, piece: &TimePiece, sides: &[SideNumbers], about: f64) -> bool {
+        let differs = |pair: &[SideNumbers]| self.may_step(piece, [&pair[0], &pair[1]], about);
         sides.windows(2).any(differs)
     }
 
-    fn may_step(&self, piece: &TimePiece, sides: [&Side; 2], about: f64) -> bool {
+    fn may_step(&self, piece: &TimePiece, sides: [&SideNumbers; 2], about: f64) -> bool {
         let mut instant = None;
         for (k, op) in self.ops().iter().enumerate() {
             let is_angle = cut_of(*op).is_some();
@@ -131,7 +131,7 @@ impl Expression {
     }
 
     /// The whole numbers at an instant, and the sides of cuts.
-    fn side_at(&self, time: f64) -> Side {
+    fn side_at(&self, time: f64) -> SideNumbers {
         let mut side = self.whole_numbers(time);
         let mut values: Vec<f64> = Vec::with_capacity(self.ops().len());
         for (op, whole) in self.ops().iter().zip(&mut side) {
@@ -148,7 +148,7 @@ impl Expression {
     /// When the quotient of an operation comes to a whole number, about a place that is known in f64.
     fn instant(&self, piece: &TimePiece, jumping: usize, passed: f64, about: f64) -> Constant {
         let whole = |k: usize| piece.sides[k].whole();
-        let mut lines: Vec<Option<Line>> = Vec::with_capacity(jumping);
+        let mut lines: Vec<Option<LineInTime>> = Vec::with_capacity(jumping);
         for (k, op) in self.ops()[..jumping].iter().enumerate() {
             lines.push(line_of(*op, &lines, whole(k)));
         }

@@ -43,13 +43,17 @@ fn is_known(time: Constant) -> bool {
 }
 
 /// A line over the time: its value at zero, and its slope.
-pub(super) type Line = [Constant; 2];
+pub(super) type LineInTime = [Constant; 2];
 
 /// The line that an operation is, whose operands are these lines and which gives a whole number, or takes that often its
 /// divisor away, if it jumps.
-pub(super) fn line_of(op: Op, lines: &[Option<Line>], whole: Option<f64>) -> Option<Line> {
+pub(super) fn line_of(
+    op: Op,
+    lines: &[Option<LineInTime>],
+    whole: Option<f64>,
+) -> Option<LineInTime> {
     let both = |a: usize, b: usize| Some((lines[a]?, lines[b]?));
-    let is_level = |line: &Line| line[1] == ZERO;
+    let is_level = |line: &LineInTime| line[1] == ZERO;
     match op {
         Op::Constant(c) => Some([c, ZERO]),
         Op::Slot(_) => Some([ZERO, ONE]),
@@ -78,7 +82,7 @@ pub(super) fn line_of(op: Op, lines: &[Option<Line>], whole: Option<f64>) -> Opt
 }
 
 /// When the quotient that a function takes the floor of comes to a whole number.
-pub(super) fn instant_of(op: Op, lines: &[Option<Line>], whole: f64) -> Option<Constant> {
+pub(super) fn instant_of(op: Op, lines: &[Option<LineInTime>], whole: f64) -> Option<Constant> {
     let quotient = match op {
         Op::Call(Function::Mod, a, b) => line_of(Op::Divide(a, b), lines, None)?,
         // An angle jumps where y comes to zero.

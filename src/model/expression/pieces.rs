@@ -6,7 +6,7 @@
 
 use super::angle_cut::{cut_of, meets_cut, side_of_cut};
 use super::instants::with_whole;
-use super::jumps::{Jump, Line, are_one, instant_of, line_of};
+use super::jumps::{Jump, LineInTime, are_one, instant_of, line_of};
 use super::kink_side::{KinkSide, kink_side};
 use super::{Expression, Function, Op, apply_op};
 use crate::numbers::constant::Constant;
@@ -83,7 +83,7 @@ impl Expression {
             ends: [Vec::new(), Vec::new()],
         };
         let mut jumps: [Option<(Op, Option<Constant>)>; 2] = [None; 2];
-        let mut lines: Vec<Option<Line>> = Vec::with_capacity(self.ops().len());
+        let mut lines: Vec<Option<LineInTime>> = Vec::with_capacity(self.ops().len());
         let mut sides = Vec::with_capacity(self.ops().len());
         for (k, op) in self.ops().iter().enumerate() {
             let mut side = kink_side(*op, |a| value_range(&r.all, a));

@@ -7,7 +7,7 @@ use crate::numbers::constant::Constant;
 /// A formula of second degree: `rest` and a sum of products of affine forms, as it is written. The square of a difference
 /// stays one, so that nothing is lost where two far places are near each other.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Quadratic {
+pub struct QuadraticFormula {
     /// What is affine.
     pub rest: Affine,
     /// The forms that are multiplied, each once.
@@ -25,7 +25,7 @@ struct Degree {
 
 impl Expression {
     /// As a sum of products of affine forms, where no more than two are multiplied.
-    pub fn quadratic(&self) -> Option<Quadratic> {
+    pub fn quadratic(&self) -> Option<QuadraticFormula> {
         let last_uses = self.last_uses();
         let mut degrees: Vec<Degree> = Vec::with_capacity(self.ops().len());
         for (place, op) in self.ops().iter().enumerate() {
@@ -39,7 +39,7 @@ impl Expression {
             };
             degrees.push(degree);
         }
-        degrees.pop().map(Quadratic::from)
+        degrees.pop().map(QuadraticFormula::from)
     }
 
     /// Derivatives by the slots of [`slots`](Self::slots), in their order, where all of them are affine.
@@ -66,7 +66,7 @@ impl Expression {
     }
 }
 
-impl Quadratic {
+impl QuadraticFormula {
     /// The derivative by a slot: (a b)' = a' b + b' a.
     fn slope(&self, slot: usize) -> Affine {
         let rate = |form: &Affine| {
@@ -91,7 +91,7 @@ impl Quadratic {
     }
 }
 
-impl From<Degree> for Quadratic {
+impl From<Degree> for QuadraticFormula {
     fn from(degree: Degree) -> Self {
         let mut quadratic = Self {
             rest: degree.rest,

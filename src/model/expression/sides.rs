@@ -24,18 +24,18 @@ pub enum WayJump {
 }
 
 /// The whole number of every operation on one side of an instant; `None` if it has none, or if it is unknown.
-pub(super) type Side = Vec<Option<f64>>;
+pub(super) type SideNumbers = Vec<Option<f64>>;
 
 /// A value on one side, and its increase to the other.
 #[derive(Clone, Copy)]
-pub(super) struct Step {
+pub(super) struct JumpStep {
     /// The value on one side.
     pub here: Constant,
     /// Its increase to the other side.
     pub more: Constant,
 }
 
-impl Step {
+impl JumpStep {
     fn there(self) -> Constant {
         match self.more == ZERO {
             true => self.here,
@@ -46,8 +46,8 @@ impl Step {
 
 impl Expression {
     /// All operations with the whole numbers of one side, and their increases to the other.
-    pub(super) fn steps(&self, sides: [&Side; 2], slots: &[Constant]) -> Vec<Step> {
-        let mut steps: Vec<Step> = Vec::with_capacity(self.ops().len());
+    pub(super) fn steps(&self, sides: [&SideNumbers; 2], slots: &[Constant]) -> Vec<JumpStep> {
+        let mut steps: Vec<JumpStep> = Vec::with_capacity(self.ops().len());
         for (k, op) in self.ops().iter().enumerate() {
             let step = stepped(*op, [sides[0][k], sides[1][k]], &steps, slots);
             steps.push(step);
@@ -81,7 +81,7 @@ impl Expression {
     }
 
     /// The whole numbers and the sides of cuts at a place on the way between two.
-    fn side_of(&self, slots: &[f64], ends: [&[f64]; 2]) -> Side {
+    fn side_of(&self, slots: &[f64], ends: [&[f64]; 2]) -> SideNumbers {
         let values = |slots: &[f64]| {
             let mut values = Vec::with_capacity(self.ops().len());
             self.value_with(slots, &mut values);
@@ -100,7 +100,7 @@ impl Expression {
 
     /// Whether something may jump between two places at which it has the same side, by more than rounding: over the box that
     /// they span.
-    fn may_jump_within(&self, [from, to]: [&[f64]; 2], side: &Side) -> bool {
+    fn may_jump_within(&self, [from, to]: [&[f64]; 2], side: &SideNumbers) -> bool {
         let ends = from.iter().zip(to);
         let all: Vec<Interval> = ends
             .map(|(a, b)| Interval::new(a.min(*b), a.max(*b)))
@@ -173,13 +173,13 @@ fn lesser(a: Constant, b: Constant) -> Constant {
 }
 
 /// An operation with the whole numbers that it has on either side.
-fn stepped(op: Op, wholes: [Option<f64>; 2], steps: &[Step], slots: &[Constant]) -> Step {
-    let side = |pick: fn(Step) -> Constant, whole: Option<f64>| {
+fn stepped(op: Op, wholes: [Option<f64>; 2], steps: &[JumpStep], slots: &[Constant]) -> JumpStep {
+    let side = |pick: fn(JumpStep) -> Constant, whole: Option<f64>| {
         let values: Vec<Constant> = steps.iter().map(|step| pick(*step)).collect();
         on_one_side(op, whole, &values, slots)
     };
     let here = side(|step| step.here, wholes[0]);
-    let apart = || side(Step::there, wholes[1]) - here;
+    let apart = || side(JumpStep::there, wholes[1]) - here;
     let times = |more: Constant, by: Constant| match more == ZERO {
         true => ZERO,
         false => more * by,
@@ -235,5 +235,5 @@ fn stepped(op: Op, wholes: [Option<f64>; 2], steps: &[Step], slots: &[Constant])
         Some((false, _)) => ZERO,
         None => here,
     };
-    Step { here, more }
+    JumpStep { here, more }
 }

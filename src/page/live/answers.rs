@@ -8,7 +8,7 @@ use crate::kinematics::results::trajectory::Trajectory;
 use crate::page::article::{
     Article, article_in_view, article_without_motion, frame_times, values_at,
 };
-use crate::page::checked::Checked;
+use crate::page::checked::CheckedMotion;
 use crate::page::document::sections_text;
 use crate::page::frames::shown_trajectory;
 use crate::page::markup::state_class;
@@ -120,7 +120,7 @@ impl LiveScene {
         let mut covered = check.cover(motion, None);
         let clearances = check.clearances(&mut covered, &|_, _| {})?;
         let answer = check.answer(motion, &mut covered, clearances.as_ref(), 0.0);
-        let checked = Checked {
+        let checked = CheckedMotion {
             source: &self.source.name,
             scene,
             system,

@@ -15,7 +15,7 @@ use crate::model::printed::InputReading;
 use crate::pictures::frames::{DrawnBy, Pictures, with_pictures};
 use crate::render::adapter::AdapterChoice;
 use crate::render::open::RendererChoice;
-use crate::report::table::{Columns, write_csv};
+use crate::report::table::{TableColumns, write_csv};
 use crate::staging::PictureOptions;
 use image::RgbaImage;
 use std::fmt::Display;
@@ -133,9 +133,9 @@ impl LiveScene {
             };
             solve_proved(system, &scene.actuation, &times, Proofs::Poses, &|| false)
         });
-        let columns = Columns {
+        let columns = TableColumns {
             redundant: system.redundant_rows() > 0,
-            ..Columns::default()
+            ..TableColumns::default()
         };
         let mut table = Vec::new();
         // Memory takes everything.

@@ -11,11 +11,11 @@ use glam::{DMat3, DVec3};
 fn caster() -> (ShadowCaster, Pose) {
     let tilt = Pose::from_axis_rotation(0, 0.7) * Pose::from_translation(DVec3::Z * 3.0);
     let ball = Solid::Sphere {
-        center: DVec3::ZERO,
+        centre: DVec3::ZERO,
         radius: 0.4,
     };
     let plate = Solid::Box {
-        center: DVec3::ZERO,
+        centre: DVec3::ZERO,
         size: DVec3::new(2.0, 2.0, 0.1),
     };
     let stage = Stage {
@@ -35,7 +35,7 @@ fn caster() -> (ShadowCaster, Pose) {
         edges: None,
         mutual_shade: None,
         ground: Some(Ground {
-            center: tilt.translation,
+            centre: tilt.translation,
             normal: tilt.transform_vector(DVec3::Z),
             radius: 4.0,
             grid: 0.0,

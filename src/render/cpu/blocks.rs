@@ -3,7 +3,7 @@
 //! As exact as for small triangles: the sign of an edge function is decided in 64 bits.
 
 use super::lens::LensVertex;
-use super::raster::{EdgeSide, Edges, Plane, RasterCells, Visit, scan_triangle};
+use super::raster::{EdgeFunctions, EdgeSide, Plane, RasterCells, Visit, scan_triangle};
 use super::samples::{LANES, SUBPIXEL_BITS, SUBPIXELS, SamplePattern};
 use super::window::{TILE, Window};
 use wide::{f32x4, i32x4};
@@ -133,7 +133,7 @@ fn in_block<const G: usize>(
         if range[0] > range[1] {
             continue;
         }
-        let edges = Edges {
+        let edges = EdgeFunctions {
             at: std::array::from_fn(|k| {
                 std::array::from_fn(|g| {
                     i32x4::from(offsets[k][g]) + i32x4::splat(start[k].wrapping_add(step[k] * from))

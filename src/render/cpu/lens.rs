@@ -33,7 +33,7 @@ pub(super) struct Lens {
     pub(super) near: f32,
     /// Screen units per unit at distance 1, or anywhere.
     scale: f32,
-    center: [f32; 2],
+    centre: [f32; 2],
     /// Camera units at distance 1 per pixel.
     slope: f32,
 }
@@ -46,7 +46,7 @@ impl Lens {
             perspective: camera.is_perspective(),
             near: camera.near as f32,
             scale: (pixels * f64::from(SUBPIXELS)) as f32,
-            center: size.map(|n| 0.5 * n as f32),
+            centre: size.map(|n| 0.5 * n as f32),
             slope: (1.0 / pixels) as f32,
         }
     }
@@ -67,8 +67,8 @@ impl Lens {
         } else {
             (self.scale, point[2])
         };
-        let x = self.center[0] * SUBPIXELS as f32 + scale * point[0];
-        let y = self.center[1] * SUBPIXELS as f32 - scale * point[1];
+        let x = self.centre[0] * SUBPIXELS as f32 + scale * point[0];
+        let y = self.centre[1] * SUBPIXELS as f32 - scale * point[1];
         // Not a number fails every comparison.
         let inside = distance >= self.near && x > -GUARD && x < GUARD && y > -GUARD && y < GUARD;
         // Values outside may be anything, and are not used.
@@ -84,7 +84,7 @@ impl Lens {
     /// Camera-space planes `n·p + d ≥ 0` that keep what [`project`](Self::project) accepts.
     pub(super) fn planes(&self) -> [[f32; 4]; 5] {
         // A little inside the guard band, so that clipped corners pass the test.
-        let reach = |k: usize| (GUARD * 0.99 - self.center[k] * SUBPIXELS as f32) / self.scale;
+        let reach = |k: usize| (GUARD * 0.99 - self.centre[k] * SUBPIXELS as f32) / self.scale;
         let (x, y) = (reach(0), reach(1));
         let sides = if self.perspective {
             [
@@ -115,8 +115,8 @@ impl Lens {
         };
         let scale = self.slope * if self.perspective { distance } else { 1.0 };
         [
-            (x - self.center[0]) * scale,
-            (self.center[1] - y) * scale,
+            (x - self.centre[0]) * scale,
+            (self.centre[1] - y) * scale,
             -distance,
         ]
     }
@@ -126,8 +126,8 @@ impl Lens {
     pub(super) fn viewer_from(&self, x: f32, y: f32) -> [f32; 3] {
         if self.perspective {
             [
-                (self.center[0] - x) * self.slope,
-                (y - self.center[1]) * self.slope,
+                (self.centre[0] - x) * self.slope,
+                (y - self.centre[1]) * self.slope,
                 1.0,
             ]
         } else {

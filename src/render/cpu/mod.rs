@@ -30,7 +30,7 @@ use backdrop::Backdrop;
 use image::RgbaImage;
 use lens::Lens;
 use std::sync::Arc;
-use tile::Tile;
+use tile::TileSamples;
 use view::RasterView;
 
 /// Longest side of a picture in pixels: screen coordinates keep 8 bits of fraction in 22 bits.
@@ -61,9 +61,9 @@ pub struct CpuRenderer {
 /// A tile's samples, by the number of vectors that a pixel's fill.
 #[derive(Clone, Debug)]
 enum AnyTile {
-    One(Tile<1>),
-    Two(Tile<2>),
-    Four(Tile<4>),
+    One(TileSamples<1>),
+    Two(TileSamples<2>),
+    Four(TileSamples<4>),
 }
 
 impl CpuRenderer {
@@ -84,9 +84,9 @@ impl CpuRenderer {
         let backdrop = Backdrop::new(&stage);
         // 16 samples fill four vectors of four lanes, 8 fill two.
         let tile = match stage.samples {
-            16 => AnyTile::Four(Tile::new(&stage)),
-            8 => AnyTile::Two(Tile::new(&stage)),
-            _ => AnyTile::One(Tile::new(&stage)),
+            16 => AnyTile::Four(TileSamples::new(&stage)),
+            8 => AnyTile::Two(TileSamples::new(&stage)),
+            _ => AnyTile::One(TileSamples::new(&stage)),
         };
         Ok(Self {
             camera: stage.camera,
@@ -123,7 +123,7 @@ impl CpuRenderer {
             let [low, high] = solid.bounds;
             let pose = instance.world_from_mesh;
             let normal = pose.rotation.transpose() * ground.normal;
-            let middle = pose.transform_point((low + high) * 0.5) - ground.center;
+            let middle = pose.transform_point((low + high) * 0.5) - ground.centre;
             let reach = ((high - low) * 0.5).dot(normal.abs());
             middle.dot(ground.normal) < reach
         })
@@ -206,7 +206,7 @@ impl DrawnScene<'_> {
     fn draw<const G: usize>(
         &self,
         assembly: &mut TriangleAssembly,
-        tile: &mut Tile<G>,
+        tile: &mut TileSamples<G>,
         image: &mut RgbaImage,
     ) {
         assembly.assemble(self.frame, self.solids, self.lens, &tile.pattern);

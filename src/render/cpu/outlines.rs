@@ -9,7 +9,7 @@ use super::view::RasterView;
 use super::window::{AREA, TILE, Window, for_inner, line_apron};
 use crate::render::Stage;
 use crate::render::colour::ToneCurve;
-use crate::render::edges::{BACKDROP, Edges, FIRST, JUMP, NO_LINES, STRENGTH, TRANSLUCENT};
+use crate::render::edges::{BACKDROP, EdgeStyle, FIRST, JUMP, NO_LINES, STRENGTH, TRANSLUCENT};
 use crate::render::look::{Rgb, mix_values};
 
 /// The samples of a pixel show several surfaces.
@@ -20,7 +20,7 @@ type Neighbour = (i32, i32, usize);
 
 /// Finds the lines of tiles; kept for its memory.
 #[derive(Clone, Debug)]
-pub(super) struct Outlines {
+pub(super) struct OutlineFinder {
     samples: usize,
     /// Pixels that a line covers on each side of the border that it follows.
     reach: i32,
@@ -40,11 +40,11 @@ pub(super) struct Outlines {
     marks: Vec<u16>,
 }
 
-impl Outlines {
+impl OutlineFinder {
     pub(super) fn new<const G: usize>(stage: &Stage, pattern: &SamplePattern<G>) -> Option<Self> {
         let edges = stage.edges?;
         let reach = line_apron(stage);
-        let half_width = Edges::half_width(stage.size[1], stage.samples);
+        let half_width = EdgeStyle::half_width(stage.size[1], stage.samples);
         let samples = pattern.samples;
         let place = |s: usize| {
             let unit = f64::from(SUBPIXELS);

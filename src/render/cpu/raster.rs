@@ -58,7 +58,7 @@ impl Plane {
 }
 
 /// Edge functions at the lanes of a first cell, with their steps from cell to cell and from row to row.
-pub(super) struct Edges<const G: usize> {
+pub(super) struct EdgeFunctions<const G: usize> {
     pub(super) at: [[i32x4; G]; 3],
     pub(super) step_x: [i32x4; 3],
     pub(super) step_y: [i32x4; 3],
@@ -99,7 +99,7 @@ impl RasterCells {
 #[allow(clippy::needless_range_loop)]
 #[inline(always)]
 pub(super) fn scan_triangle<const G: usize>(
-    mut edges: Edges<G>,
+    mut edges: EdgeFunctions<G>,
     cells: &RasterCells,
     plane: &Plane,
     origin: [i32; 2],
@@ -187,7 +187,7 @@ pub(super) fn shade_direct<const G: usize>(
         })
     };
     let cell = SUBPIXELS << pattern.cell_bits;
-    let edges = Edges {
+    let edges = EdgeFunctions {
         at: [lanes(&sides[0]), lanes(&sides[1]), lanes(&sides[2])],
         step_x: [0, 1, 2].map(|k| i32x4::splat(sides[k].x * cell)),
         step_y: [0, 1, 2].map(|k| i32x4::splat(sides[k].y * SUBPIXELS)),

@@ -3,7 +3,7 @@
 use super::assembly::{Facet, TriangleAssembly};
 use super::lens::Lens;
 use super::samples::SUBPIXELS;
-use crate::render::look::{self, Open, Rgb, Surroundings};
+use crate::render::look::{self, LightShare, Rgb, Surroundings};
 
 /// Items shaded together; the loop over them is what the compiler turns into vector code.
 pub(super) const BATCH: usize = 128;
@@ -44,7 +44,7 @@ impl ShadingBatch {
         [normal, to_viewer]: [[f32; 3]; 2],
         albedo: Rgb,
         flat: f32,
-        open: Open,
+        open: LightShare,
         weight: f32,
         pixel: u32,
     ) {
@@ -107,7 +107,7 @@ pub(super) fn light_surface(
     around: &Surroundings,
     albedo: Rgb,
     flat: f32,
-    open: Open,
+    open: LightShare,
 ) -> Rgb {
     look::shade_surface(
         unit_vector(normal),

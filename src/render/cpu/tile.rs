@@ -2,7 +2,7 @@
 
 use super::assembly::{TileBin, TriangleAssembly};
 use super::cell::{NOTHING, PixelCell, facets_of};
-use super::outlines::Outlines;
+use super::outlines::OutlineFinder;
 use super::rasterise::rasterise_block;
 use super::samples::{LANES, SUBPIXELS, SamplePattern};
 use super::shading::{ShadingBatch, normal_at};
@@ -21,14 +21,14 @@ const MOST_SAMPLES: usize = 16;
 
 /// The samples of one tile, reused for all, row by row.
 #[derive(Clone, Debug)]
-pub(super) struct Tile<const G: usize> {
+pub(super) struct TileSamples<const G: usize> {
     pub(super) pattern: SamplePattern<G>,
     cells: Vec<PixelCell<G>>,
     /// Linear colours of the pixels.
     colour: Vec<[f32; 3]>,
     batch: ShadingBatch,
     layers: Layers,
-    outlines: Option<Outlines>,
+    outlines: Option<OutlineFinder>,
 }
 
 /// Facets seen in a pixel, with the number of samples of each.
@@ -107,12 +107,12 @@ fn one_surface<const S: usize>(assembly: &TriangleAssembly, samples: &[i32; S]) 
     })
 }
 
-impl<const G: usize> Tile<G> {
+impl<const G: usize> TileSamples<G> {
     pub(super) fn new(stage: &Stage) -> Self {
         let pattern = SamplePattern::new(stage.samples);
         let cells = AREA >> pattern.cell_bits;
         Self {
-            outlines: Outlines::new(stage, &pattern),
+            outlines: OutlineFinder::new(stage, &pattern),
             pattern,
             cells: vec![PixelCell::BARE; cells],
             colour: vec![[0.0; 3]; AREA],

@@ -1,7 +1,7 @@
 //! Tiles, and the part of a tile inside the picture.
 
 use crate::render::Stage;
-use crate::render::edges::Edges;
+use crate::render::edges::EdgeStyle;
 
 /// Pixels along a tile's sides: with four samples its depths and facets take 32 KiB, what the first-level
 /// cache holds.
@@ -46,7 +46,7 @@ pub(super) fn pitch(stage: &Stage) -> u32 {
 /// Pixels around a tile that its lines depend on; 0 without lines.
 pub(super) fn line_apron(stage: &Stage) -> i32 {
     match stage.edges {
-        Some(_) => Edges::half_width(stage.size[1], stage.samples).ceil() as i32,
+        Some(_) => EdgeStyle::half_width(stage.size[1], stage.samples).ceil() as i32,
         None => 0,
     }
 }

@@ -10,7 +10,7 @@ use glam::DVec3;
 fn a_box_has_six_patches_a_cylinder_three_a_ball_one() {
     let solid = [
         Solid::Box {
-            center: DVec3::ZERO,
+            centre: DVec3::ZERO,
             size: DVec3::ONE,
         },
         Solid::Cylinder {
@@ -19,7 +19,7 @@ fn a_box_has_six_patches_a_cylinder_three_a_ball_one() {
             radius: 0.3,
         },
         Solid::Sphere {
-            center: DVec3::X,
+            centre: DVec3::X,
             radius: 2.0,
         },
         Solid::Capsule {
@@ -28,7 +28,7 @@ fn a_box_has_six_patches_a_cylinder_three_a_ball_one() {
             radius: 0.2,
         },
         Solid::Torus {
-            center: DVec3::ZERO,
+            centre: DVec3::ZERO,
             axis: DVec3::Z,
             ring: 2.0,
             tube: 0.5,
@@ -40,7 +40,7 @@ fn a_box_has_six_patches_a_cylinder_three_a_ball_one() {
 
 #[test]
 fn lines_grow_with_the_picture() {
-    let widths = [240, 480, 2160].map(|height| Edges::half_width(height, 4));
+    let widths = [240, 480, 2160].map(|height| EdgeStyle::half_width(height, 4));
     assert!(widths.is_sorted() && widths[2] > 2.5);
-    assert!(Edges::half_width(480, 1) > 1.0);
+    assert!(EdgeStyle::half_width(480, 1) > 1.0);
 }

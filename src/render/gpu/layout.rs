@@ -3,7 +3,7 @@
 //! Mirrors `Globals` of `shaders/scene.wgsl` and the vertex inputs of `shaders/body.wgsl`.
 
 use crate::render::colour::ToneCurve;
-use crate::render::edges::{Edges, JUMP};
+use crate::render::edges::{EdgeStyle, JUMP};
 use crate::render::ground::{GroundView, ground_axes};
 use crate::render::mutual_shade::MutualShade;
 use crate::render::{Camera, Instance, Projection, Stage};
@@ -122,7 +122,7 @@ impl Globals {
         };
         if let Some(edges) = stage.edges {
             let [r, g, b] = ToneCurve::shared().decode_rgb(edges.ink);
-            let half = Edges::half_width(stage.size[1], samples);
+            let half = EdgeStyle::half_width(stage.size[1], samples);
             globals.ink = [r, g, b, 0.0];
             globals.lines = matrix_row([half * half, half.ceil(), f64::from(JUMP) / per_unit], 0.0);
         }
@@ -184,7 +184,7 @@ pub fn instance_data(
 fn ground_reach(stage: &Stage, camera: &Camera) -> f64 {
     stage.ground.map_or(0.0, |ground| {
         let camera_from_world = camera.world_from_camera.inverse();
-        let seen = camera_from_world.transform_point(ground.center);
+        let seen = camera_from_world.transform_point(ground.centre);
         ground.radius - seen.z
     })
 }
@@ -243,7 +243,7 @@ mod tests {
             edges: None,
             mutual_shade: None,
             ground: Some(Ground {
-                center: DVec3::new(0.0, 0.0, -1.0),
+                centre: DVec3::new(0.0, 0.0, -1.0),
                 normal: DVec3::Z,
                 radius: 5.0,
                 grid: 0.5,

@@ -13,7 +13,7 @@ mod sky_map;
 pub use key_map::{KEY_MAP_SIDE, KeyMap, LIFT, RAMP};
 pub use sky_map::{SkyMap, UNKNOWN};
 
-use super::look::Open;
+use super::look::LightShare;
 use super::{Camera, Frame, Stage, StageMesh};
 use caster::Caster;
 use glam::DVec3;
@@ -69,7 +69,7 @@ impl MutualShade {
     /// The light that reaches a surface at `place`, shown at pixel coordinates `at`; `normal` is on the visible side,
     /// with a length near 1.
     #[inline(always)]
-    pub fn on(&self, at: [f32; 2], place: [f32; 3], normal: [f32; 3]) -> Open {
+    pub fn on(&self, at: [f32; 2], place: [f32; 3], normal: [f32; 3]) -> LightShare {
         [self.key.lit(place, normal), self.sky.open(at, -place[2])]
     }
 }

@@ -6,7 +6,7 @@ use crate::render::Camera;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rays {
     perspective: bool,
-    center: [f32; 2],
+    centre: [f32; 2],
     /// Size of a pixel: at distance 1 of a perspective, or anywhere.
     pixel: f32,
     near: f32,
@@ -16,7 +16,7 @@ impl Rays {
     pub(super) fn new(camera: &Camera, size: [u32; 2]) -> Self {
         Self {
             perspective: camera.is_perspective(),
-            center: size.map(|n| 0.5 * n as f32),
+            centre: size.map(|n| 0.5 * n as f32),
             pixel: (1.0 / camera.pixels_per_unit(size)) as f32,
             near: camera.near as f32,
         }
@@ -35,8 +35,8 @@ impl Rays {
             return [f32::NAN; 3];
         }
         [
-            self.center[0] + x * scale,
-            self.center[1] - y * scale,
+            self.centre[0] + x * scale,
+            self.centre[1] - y * scale,
             nearness,
         ]
     }
@@ -62,8 +62,8 @@ impl Rays {
     pub(super) fn place(&self, [x, y]: [f32; 2], distance: f32) -> [f32; 3] {
         let scale = self.pixels(distance);
         [
-            (x - self.center[0]) / scale,
-            (self.center[1] - y) / scale,
+            (x - self.centre[0]) / scale,
+            (self.centre[1] - y) / scale,
             -distance,
         ]
     }

@@ -10,7 +10,7 @@ const FARTHEST: f32 = 1e6;
 const LEAST_AREA: f32 = 1e-9;
 
 /// The texels of one row that a triangle covers.
-pub(super) struct Run {
+pub(super) struct TexelRun {
     /// Index of the first one in the grid, and how many.
     pub(super) first: usize,
     pub(super) count: usize,
@@ -25,7 +25,7 @@ pub(super) struct Run {
 pub(super) fn scan_rows(
     [a, b, c]: [[f32; 3]; 3],
     [width, height]: [usize; 2],
-    mut visit: impl FnMut(Run),
+    mut visit: impl FnMut(TexelRun),
 ) {
     let range = |k: usize| {
         let low = smaller_of(smaller_of(a[k], b[k]), c[k]);
@@ -74,7 +74,7 @@ pub(super) fn scan_rows(
             continue;
         };
         let at = a[2] + step * (x0 as f32 + 0.5 - a[0]) + down * (y - a[1]);
-        visit(Run {
+        visit(TexelRun {
             first: row * width + x0,
             count: x1 - x0 + 1,
             start: smaller_of(larger_of(at, low), high),

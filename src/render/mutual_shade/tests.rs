@@ -22,9 +22,9 @@ fn corner(projection: Projection, height: f64) -> (MutualShade, Camera) {
     ];
     let meshes: Vec<StageMesh> = plates
         .iter()
-        .map(|(center, size)| {
-            let (center, size) = (*center, *size);
-            mesh_of(&Solid::Box { center, size }, 0.1).into()
+        .map(|(centre, size)| {
+            let (centre, size) = (*centre, *size);
+            mesh_of(&Solid::Box { centre, size }, 0.1).into()
         })
         .collect();
     let camera = Camera {
@@ -66,7 +66,7 @@ fn body(mesh: usize) -> Instance {
     }
 }
 
-fn on(shade: &MutualShade, camera: &Camera, point: DVec3) -> Open {
+fn on(shade: &MutualShade, camera: &Camera, point: DVec3) -> LightShare {
     let [x, y, _] = camera.project(point, SIZE).unwrap();
     // Of the first of the bodies, which is drawn a little nearer.
     let rows = camera.eye(SIZE).camera_from_mesh(&body(0), 0);

@@ -1,13 +1,13 @@
 //! Straight strokes over a picture: lines of dimensions and scales, and their arrow heads.
 
 use super::paint::OverlayPainter;
-use crate::render::Stroke;
+use crate::render::OverlayStroke;
 
 /// Longer strokes, in pixels, cannot be visible as a whole.
 const FARTHEST: f64 = 1e6;
 
 /// Draws a stroke; its ends are cut square to it.
-pub fn draw_stroke(painter: &mut OverlayPainter<'_>, stroke: &Stroke) {
+pub fn draw_stroke(painter: &mut OverlayPainter<'_>, stroke: &OverlayStroke) {
     let [from, to] = stroke.ends;
     if !from.iter().chain(&to).all(|c| c.abs() < FARTHEST) {
         return;

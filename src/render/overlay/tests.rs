@@ -22,7 +22,7 @@ fn picture(width: u32, height: u32) -> RgbaImage {
     RgbaImage::from_pixel(width, height, Rgba([GREY[0], GREY[1], GREY[2], 255]))
 }
 
-fn label(text: &str, anchor: Anchor) -> Label {
+fn label(text: &str, anchor: LabelAnchor) -> Label {
     Label {
         text: text.to_owned(),
         anchor,
@@ -59,7 +59,7 @@ fn changed(image: &RgbaImage) -> Option<[u32; 4]> {
 #[test]
 fn a_world_label_is_centred_on_its_point() {
     // The world's (2, 1) is 10 pixels an unit right of and above the middle.
-    let at = Anchor::World(DVec3::new(2.0, 1.0, 0.0));
+    let at = LabelAnchor::World(DVec3::new(2.0, 1.0, 0.0));
     let image = drawn(160, 100, vec![label("HH", at)], false);
     let [x0, y0, x1, y1] = changed(&image).unwrap();
     assert!((f64::from(x0 + x1 + 1) / 2.0 - 100.0).abs() <= 1.0);
@@ -76,7 +76,7 @@ fn a_world_label_is_centred_on_its_point() {
 
 #[test]
 fn a_label_that_yields_is_left_out_where_another_stands() {
-    let at = |x: f64| Anchor::World(DVec3::new(x, 0.0, 0.0));
+    let at = |x: f64| LabelAnchor::World(DVec3::new(x, 0.0, 0.0));
     let alone = drawn(160, 100, vec![label("A", at(0.0))], false);
     for (x, yields, same) in [(0.5, true, true), (0.5, false, false), (4.0, true, false)] {
         let second = Label {
@@ -91,7 +91,12 @@ fn a_label_that_yields_is_left_out_where_another_stands() {
 #[test]
 fn a_leader_reaches_from_the_point_to_the_text() {
     let point = DVec3::new(-2.0, -1.0, 0.0);
-    let image = drawn(160, 100, vec![label("H", Anchor::Beside(point))], false);
+    let image = drawn(
+        160,
+        100,
+        vec![label("H", LabelAnchor::Beside(point))],
+        false,
+    );
     let [x0, y0, x1, y1] = changed(&image).unwrap();
     // The world's (-2, -1) is at the pixel (60, 60); the text stands right of and above it.
     assert!(x0.abs_diff(60) <= 2 && y1.abs_diff(60) <= 2, "{x0} {y1}");
@@ -101,7 +106,7 @@ fn a_leader_reaches_from_the_point_to_the_text() {
     // It ends two pixels before the text, which begins 2.2 heights of its capitals away.
     assert!((60..83).all(ink));
     // Near the border the text stays in the picture.
-    let near = Anchor::Beside(DVec3::new(7.0, 0.0, 0.0));
+    let near = LabelAnchor::Beside(DVec3::new(7.0, 0.0, 0.0));
     let [left, ..] = changed(&drawn(160, 100, vec![label("HHHH", near)], false)).unwrap();
     assert!(left < 130, "{left}");
 }
@@ -111,7 +116,7 @@ fn a_screen_label_starts_at_its_corner() {
     let image = drawn(
         160,
         100,
-        vec![label("H", Anchor::Screen([0.25, 0.5]))],
+        vec![label("H", LabelAnchor::Screen([0.25, 0.5]))],
         false,
     );
     let [x0, y0, ..] = changed(&image).unwrap();
@@ -127,7 +132,7 @@ fn a_point_behind_the_camera_has_no_label() {
     };
     for (z, seen) in [(11.0, false), (9.95, false), (5.0, true)] {
         let frame = Frame {
-            labels: vec![label("H", Anchor::World(DVec3::Z * z))],
+            labels: vec![label("H", LabelAnchor::World(DVec3::Z * z))],
             ..Frame::default()
         };
         let mut image = picture(80, 60);
@@ -150,10 +155,15 @@ fn labels_are_cut_at_every_edge() {
         let whole = drawn(
             400,
             300,
-            vec![label("Hq漢", Anchor::Screen([0.5, 0.5]))],
+            vec![label("Hq漢", LabelAnchor::Screen([0.5, 0.5]))],
             false,
         );
-        let cut = drawn(100, 80, vec![label("Hq漢", Anchor::Screen(place))], false);
+        let cut = drawn(
+            100,
+            80,
+            vec![label("Hq漢", LabelAnchor::Screen(place))],
+            false,
+        );
         let ink = |i: &RgbaImage| i.pixels().filter(|p| p.0[..3] != GREY).count();
         assert!(ink(&cut) < ink(&whole), "{place:?}");
     }
@@ -162,7 +172,7 @@ fn labels_are_cut_at_every_edge() {
 #[test]
 fn one_pixel_pictures_and_odd_sizes_are_fine() {
     for size in [0.0, -3.0, f64::NAN, f64::INFINITY, 1e300, 1e-300, 7.3] {
-        let mut one = label("Wj\n漢", Anchor::Screen([0.0, 0.0]));
+        let mut one = label("Wj\n漢", LabelAnchor::Screen([0.0, 0.0]));
         one.size = size;
         one.plate = true;
         let image = drawn(1, 1, vec![one], true);
@@ -174,8 +184,11 @@ fn one_pixel_pictures_and_odd_sizes_are_fine() {
 fn drawing_twice_gives_the_same_bytes() {
     let labels = || {
         vec![
-            label("p = −17.0 mm\nφ = 0.2 rad", Anchor::Screen([0.02, 0.03])),
-            label("M", Anchor::World(DVec3::ZERO)),
+            label(
+                "p = −17.0 mm\nφ = 0.2 rad",
+                LabelAnchor::Screen([0.02, 0.03]),
+            ),
+            label("M", LabelAnchor::World(DVec3::ZERO)),
         ]
     };
     assert_eq!(
@@ -186,7 +199,7 @@ fn drawing_twice_gives_the_same_bytes() {
 
 #[test]
 fn a_plate_takes_the_background_colour_without_hiding_what_is_below() {
-    let mut with_plate = label("H", Anchor::Screen([0.25, 0.25]));
+    let mut with_plate = label("H", LabelAnchor::Screen([0.25, 0.25]));
     with_plate.plate = true;
     let image = drawn(160, 120, vec![with_plate], false);
     // Just inside the left edge, where there is no ink: between the picture's grey and the plate's colour.

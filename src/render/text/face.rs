@@ -33,13 +33,13 @@ struct GlyphKey {
 }
 
 /// The face and the masks made of it so far.
-pub struct Face {
+pub struct FontFace {
     /// `None` only if the embedded file is damaged: then every character is a box.
     font: Option<FontRef<'static>>,
     masks: HashMap<GlyphKey, Mask>,
 }
 
-impl Face {
+impl FontFace {
     /// Reads the embedded face.
     pub fn new() -> Self {
         Self {
@@ -86,7 +86,7 @@ impl Face {
     }
 }
 
-impl Default for Face {
+impl Default for FontFace {
     fn default() -> Self {
         Self::new()
     }
@@ -133,7 +133,7 @@ mod tests {
 
     #[test]
     fn capitals_have_the_asked_height() {
-        let mut face = Face::new();
+        let mut face = FontFace::new();
         let h = face.glyph('H');
         for size in [8.0, 20.0, 100.0] {
             let mask = face.mask(h, size, [0, 0]);
@@ -153,7 +153,7 @@ mod tests {
 
     #[test]
     fn digits_share_one_advance() {
-        let face = Face::new();
+        let face = FontFace::new();
         let zero = face.advance(face.glyph('0'), 10.0);
         assert!(zero > 5.0 && zero < 12.0);
         for digit in '1'..='9' {
@@ -178,7 +178,7 @@ mod tests {
 
     #[test]
     fn a_missing_character_is_drawn_as_a_box() {
-        let mut face = Face::new();
+        let mut face = FontFace::new();
         let glyph = face.glyph('漢');
         assert!(glyph.is_none());
         let mask = face.mask(glyph, 20.0, [0, 0]);
@@ -189,7 +189,7 @@ mod tests {
 
     #[test]
     fn cache_does_not_change_a_mask() {
-        let mut face = Face::new();
+        let mut face = FontFace::new();
         let glyph = face.glyph('ř');
         let first = face.mask(glyph, 13.0, [1, 0]).clone();
         for k in 0..CACHE_MASKS {

@@ -1,6 +1,6 @@
 //! A text as glyphs at places: lines, advances, tabs. Left aligned, no kerning and no shaping.
 
-use super::face::{Face, PHASES};
+use super::face::{FontFace, PHASES};
 use ab_glyph::GlyphId;
 
 /// From baseline to baseline in heights of the capitals: 1.3 em of a face with capitals of 0.714 em.
@@ -39,7 +39,7 @@ pub struct Setting {
 }
 
 /// Sets `text` with capitals `size` pixels high; `\n` starts a line, a tab is four spaces, `\r` is nothing.
-pub fn set_text(face: &Face, text: &str, size: f64) -> Setting {
+pub fn set_text(face: &FontFace, text: &str, size: f64) -> Setting {
     let mut setting = Setting {
         size,
         ..Setting::default()
@@ -60,7 +60,7 @@ pub fn set_text(face: &Face, text: &str, size: f64) -> Setting {
 }
 
 /// Appends one line's glyphs; returns its width in pixels.
-fn set_line(face: &Face, line: &str, baseline: i32, setting: &mut Setting) -> f64 {
+fn set_line(face: &FontFace, line: &str, baseline: i32, setting: &mut Setting) -> f64 {
     let mut pen = 0.0;
     for character in line.chars() {
         match character {
@@ -94,7 +94,7 @@ mod tests {
 
     #[test]
     fn width_grows_with_size_and_text() {
-        let face = Face::new();
+        let face = FontFace::new();
         let short = set_text(&face, "Hub", 12.0);
         let twice = set_text(&face, "HubHub", 12.0);
         let large = set_text(&face, "Hub", 24.0);
@@ -104,7 +104,7 @@ mod tests {
 
     #[test]
     fn lines_step_down_evenly() {
-        let face = Face::new();
+        let face = FontFace::new();
         let setting = set_text(&face, "a\nb\r\nc", 10.0);
         let baselines: Vec<i32> = setting.glyphs.iter().map(|g| g.baseline).collect();
         assert_eq!(baselines, [10, 28, 46]);
@@ -113,7 +113,7 @@ mod tests {
 
     #[test]
     fn empty_text_has_no_width() {
-        let setting = set_text(&Face::new(), "", 10.0);
+        let setting = set_text(&FontFace::new(), "", 10.0);
         assert_eq!((setting.width, setting.glyphs.len()), (0.0, 0));
     }
 }

@@ -8,6 +8,6 @@ mod face;
 mod layout;
 mod mask;
 
-pub use face::{Face, PHASES, missing_glyphs};
+pub use face::{FontFace, PHASES, missing_glyphs};
 pub use layout::{Glyph, Setting, set_text};
 pub use mask::Mask;

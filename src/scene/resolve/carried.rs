@@ -28,12 +28,12 @@ struct Typed<'f> {
 impl<'f> Typed<'f> {
     fn new(solid: &'f SolidFile) -> Self {
         let typed = Self::default();
-        let at = |center: &'f Option<[FormulaText; 3]>| center.iter().collect();
+        let at = |centre: &'f Option<[FormulaText; 3]>| centre.iter().collect();
         let along = |axis: &'f Option<[FormulaText; 3]>| axis.iter().flatten().collect();
         // Points are followed by chains, sizes by lengths; directions and scales cannot be followed.
         match solid {
-            SolidFile::Sphere { center, radius } => Self {
-                points: at(center),
+            SolidFile::Sphere { centre, radius } => Self {
+                points: at(centre),
                 sizes: vec![radius],
                 ..typed
             },
@@ -54,18 +54,18 @@ impl<'f> Typed<'f> {
                 sizes: vec![radius_from, radius_to],
                 ..typed
             },
-            SolidFile::Box { center, size } => Self {
-                points: at(center),
+            SolidFile::Box { centre, size } => Self {
+                points: at(centre),
                 sizes: size.iter().collect(),
                 ..typed
             },
             SolidFile::Torus {
-                center,
+                centre,
                 axis,
                 ring,
                 tube,
             } => Self {
-                points: at(center),
+                points: at(centre),
                 sizes: vec![ring, tube],
                 fixed: along(axis),
             },

@@ -8,7 +8,7 @@ use super::body_constants::BodyConstants;
 use crate::diag::{Diagnostic, Diagnostics, Span, shown_number};
 use crate::distance::solids::Rigid;
 use crate::model::clearance::{ClearanceRules, Ignored, PairMinimum};
-use crate::model::distance::{Distance, Gap};
+use crate::model::distance::{Distance, SolidPair};
 use crate::model::mechanism::Body;
 use std::sync::Arc;
 
@@ -149,7 +149,7 @@ pub fn asked_distance(
         let named = order.map(|k| &bodies[k]);
         let only = named_shapes(file.shapes.as_ref(), named, constants, diagnostics);
         match Rigid::new(named, &only) {
-            Some(solids) => gaps.push(Gap {
+            Some(solids) => gaps.push(SolidPair {
                 bodies: order,
                 shapes: only,
                 solids: Arc::new(solids),

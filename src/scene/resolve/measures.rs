@@ -11,7 +11,7 @@ use super::outputs::{Scope, dimension_of};
 use super::parsing::parsed_expression;
 use super::rates::{FoundRates, TIME, find_derivative};
 use crate::diag::{Diagnostic, Diagnostics, Span, shown_number};
-use crate::model::dimension::Dimension;
+use crate::model::dimension::PhysicalDimension;
 use crate::model::expression::Expression;
 use crate::model::measure::{Measure, MeasureSource, MeasuredTrack, Taking};
 use crate::model::mechanism::Kind;
@@ -401,7 +401,7 @@ fn measure_formula(
     // What it measures follows from the measures that it uses.
     let known = |used: &str| {
         let measure = earlier.iter().find(|m| m.name == used);
-        measure.map(|m| Dimension::of(m.kind))
+        measure.map(|m| PhysicalDimension::of(m.kind))
     };
     let kind = dimension_of(&node, names, &known).kind();
     // Slots are the inputs, then the earlier measures.

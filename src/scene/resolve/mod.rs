@@ -80,7 +80,7 @@ pub fn resolve_scene(
     // Equations: the file's loops and equations, then those of bars and contacts.
     contacts::parallel::settle_parallel(&parsed, &mut names, &angle_unit);
     let mut joints = FoldedJoints::new(&names, &angle_unit);
-    let Closure {
+    let ClosureConditions {
         loops,
         equations,
         bars,
@@ -219,7 +219,7 @@ pub fn resolve_scene(
 }
 
 /// Everything that must close: loops and equations, with the bars and contacts that some of them come from.
-struct Closure {
+struct ClosureConditions {
     loops: Vec<Loop>,
     equations: Vec<Equation>,
     bars: Vec<Bar>,
@@ -232,7 +232,7 @@ fn resolve_closure(
     named: (&Names, &AngleUnit),
     joints: &mut FoldedJoints,
     diagnostics: &mut Diagnostics,
-) -> Closure {
+) -> ClosureConditions {
     let mut loops = joints.loops(parsed, diagnostics);
     let mut equations = joints.equations(parsed, diagnostics);
     let mut bars = resolve_bars(&parsed.bars, named, joints, diagnostics);
@@ -241,7 +241,7 @@ fn resolve_closure(
     let mut contacts = Contacts::resolve(&parsed.contacts, named.0, joints, diagnostics);
     loops.append(&mut contacts.loops);
     equations.append(&mut contacts.equations);
-    Closure {
+    ClosureConditions {
         loops,
         equations,
         bars: bars.list,

@@ -10,10 +10,10 @@ use super::contacts::closure::Contacts;
 use super::names::Names;
 use super::parsed::Parsed;
 use crate::diag::{Diagnostic, Diagnostics, Span};
-use crate::model::dimension::Dimension;
+use crate::model::dimension::PhysicalDimension;
 use crate::model::expression::{Expression, Function};
 use crate::model::mechanism::{AngleUnit, Body, Kind, MechanismOutput, OutputSource, Trace};
-use crate::model::rate::{Per, Rate, RatedFormula};
+use crate::model::rate::{Per, RateOrder, RatedFormula};
 use std::collections::HashMap;
 
 /// The names that formulas of poses may use.
@@ -27,7 +27,7 @@ pub struct Scope<'a> {
     /// Their slots by name; none for an invalid output.
     places: HashMap<String, Option<usize>>,
     /// What they measure.
-    dimensions: HashMap<String, Dimension>,
+    dimensions: HashMap<String, PhysicalDimension>,
     /// Slots of outputs that contain rates, and whether one of the rates is by time.
     rated: HashMap<usize, bool>,
 }
@@ -36,7 +36,7 @@ pub struct Scope<'a> {
 pub struct ExtraSlot {
     pub name: String,
     pub slot: usize,
-    pub dimension: Dimension,
+    pub dimension: PhysicalDimension,
 }
 
 impl<'a> Scope<'a> {
@@ -106,7 +106,7 @@ impl<'a> Scope<'a> {
 
     /// Records whether the next output contains rates.
     fn note_rates(&mut self, formula: &RatedFormula) {
-        let is_timed = |(_, rate): &(Expression, Rate)| rate.per == Per::Time;
+        let is_timed = |(_, rate): &(Expression, RateOrder)| rate.per == Per::Time;
         let own = formula.rates.iter().map(is_timed);
         let used = formula.expression.slots();
         let used = used.iter().filter_map(|slot| self.rated.get(slot).copied());
@@ -126,7 +126,10 @@ impl<'a> Scope<'a> {
     }
 
     /// A formula of coordinates, traced points and earlier outputs, and its kind.
-    pub fn compile(&self, node: &FormulaNode) -> Result<(Expression, Dimension), Diagnostic> {
+    pub fn compile(
+        &self,
+        node: &FormulaNode,
+    ) -> Result<(Expression, PhysicalDimension), Diagnostic> {
         self.compile_with(node, &[])
     }
 
@@ -135,19 +138,19 @@ impl<'a> Scope<'a> {
         &self,
         node: &FormulaNode,
         more: &[ExtraSlot],
-    ) -> Result<(Expression, Dimension), Diagnostic> {
+    ) -> Result<(Expression, PhysicalDimension), Diagnostic> {
         let extra = |used: &str| more.iter().find(|extra| extra.name == used);
         // The dimensions of names: additional ones, outputs, then scalars of contacts.
         let known = |used: &str| {
             let place = self.places.get(used).copied().flatten();
             let earlier = place.map(|place| match self.dimensions.get(used) {
                 Some(dimension) => *dimension,
-                None => Dimension::of(self.outputs[place].kind),
+                None => PhysicalDimension::of(self.outputs[place].kind),
             });
             let contact = || {
                 self.contacts
                     .scalar(used)
-                    .map(|(_, kind, _)| Dimension::of(*kind))
+                    .map(|(_, kind, _)| PhysicalDimension::of(*kind))
             };
             let extra = extra(used).map(|extra| extra.dimension);
             extra.or(earlier).or_else(contact)
@@ -155,7 +158,7 @@ impl<'a> Scope<'a> {
         let dimension = dimension_of(node, self.names, &known);
         // Angles of the file's unit become radians before the formula is compiled.
         let is_angle = |n: &str| {
-            let kind = known(n).map(Dimension::kind);
+            let kind = known(n).map(PhysicalDimension::kind);
             self.names.is_angle(n) || kind == Some(Kind::Angle)
         };
         let wanted = Some(dimension.kind());
@@ -231,15 +234,18 @@ fn trace_slot(name: &str, traces: &[Trace]) -> Option<usize> {
 pub fn dimension_of(
     node: &FormulaNode,
     names: &Names,
-    known: &dyn Fn(&str) -> Option<Dimension>,
-) -> Dimension {
+    known: &dyn Fn(&str) -> Option<PhysicalDimension>,
+) -> PhysicalDimension {
     let of = |node: &FormulaNode| dimension_of(node, names, known);
     match &node.kind {
-        NodeKind::Number(_) | NodeKind::Derivative(_) => Dimension::NUMBER,
-        NodeKind::Radians(_) | NodeKind::Angle(_) => Dimension::of(Kind::Angle),
+        NodeKind::Number(_) | NodeKind::Derivative(_) => PhysicalDimension::NUMBER,
+        NodeKind::Radians(_) | NodeKind::Angle(_) => PhysicalDimension::of(Kind::Angle),
         NodeKind::Name(name) => {
-            let coordinate = names.kind(name).map(Dimension::of);
-            let traced = || name.contains('.').then_some(Dimension::of(Kind::Length));
+            let coordinate = names.kind(name).map(PhysicalDimension::of);
+            let traced = || {
+                name.contains('.')
+                    .then_some(PhysicalDimension::of(Kind::Length))
+            };
             let found = coordinate.or_else(|| known(name)).or_else(traced);
             found.unwrap_or_default()
         }
@@ -253,23 +259,25 @@ pub fn dimension_of(
             NodeKind::Number(power) if power.number().fract() == 0.0 => {
                 of(base) * power.number().clamp(-99.0, 99.0) as i32
             }
-            _ => Dimension::NUMBER,
+            _ => PhysicalDimension::NUMBER,
         },
         NodeKind::Call(function, args) => match function {
             Function::Asin | Function::Acos | Function::Atan | Function::Atan2 => {
-                Dimension::of(Kind::Angle)
+                PhysicalDimension::of(Kind::Angle)
             }
             Function::Abs | Function::Min | Function::Max | Function::Mod | Function::Hypot => {
                 first_measured(args.iter().map(of))
             }
             Function::Sqrt => of(&args[0]).half_powers(),
-            _ => Dimension::NUMBER,
+            _ => PhysicalDimension::NUMBER,
         },
     }
 }
 
 /// Among terms that are added or compared, the first that is not a plain number, as in `x + 3`.
-fn first_measured(parts: impl IntoIterator<Item = Dimension>) -> Dimension {
-    let mut measured = parts.into_iter().filter(|part| *part != Dimension::NUMBER);
+fn first_measured(parts: impl IntoIterator<Item = PhysicalDimension>) -> PhysicalDimension {
+    let mut measured = parts
+        .into_iter()
+        .filter(|part| *part != PhysicalDimension::NUMBER);
     measured.next().unwrap_or_default()
 }

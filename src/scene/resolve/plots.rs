@@ -9,7 +9,7 @@ use super::outputs::Scope;
 use super::parsing::parsed_expression;
 use super::rates::TIME;
 use crate::diag::{Diagnostic, Diagnostics};
-use crate::model::dimension::Dimension;
+use crate::model::dimension::PhysicalDimension;
 use crate::model::mechanism::AngleUnit;
 use crate::model::plot::{Abscissa, Plot, PlotCurve, rate_unit};
 use crate::model::rate::Per;
@@ -186,7 +186,7 @@ impl TextSite<'_> {
         })
     }
 
-    fn unit(&self, dimension: Dimension) -> (String, f64) {
+    fn unit(&self, dimension: PhysicalDimension) -> (String, f64) {
         let angle = &self.angle_unit;
         dimension.unit_words(self.length_unit, &angle.name, angle.radians.number())
     }

@@ -4,9 +4,9 @@
 use super::super::formula::node::{DerivativeNode, FormulaNode, NodeKind};
 use super::outputs::{ExtraSlot, Scope};
 use crate::diag::{Diagnostic, Span};
-use crate::model::dimension::Dimension;
+use crate::model::dimension::PhysicalDimension;
 use crate::model::expression::Expression;
-use crate::model::rate::{Per, Rate, RatedFormula};
+use crate::model::rate::{Per, RateOrder, RatedFormula};
 
 /// Names of time as a variable of differentiation, and on an axis.
 pub const TIME: [&str; 2] = ["time", "t"];
@@ -15,7 +15,7 @@ pub const TIME: [&str; 2] = ["time", "t"];
 #[derive(Default)]
 pub struct FoundRates {
     /// Formulas and which of their rates.
-    pub list: Vec<(Expression, Rate)>,
+    pub list: Vec<(Expression, RateOrder)>,
     extra: Vec<ExtraSlot>,
 }
 
@@ -24,7 +24,7 @@ impl Scope<'_> {
     pub fn compile_rated(
         &self,
         node: &FormulaNode,
-    ) -> Result<(RatedFormula, Dimension), Diagnostic> {
+    ) -> Result<(RatedFormula, PhysicalDimension), Diagnostic> {
         let mut found = FoundRates::default();
         let (expression, dimension) = self.compile_beside(node, &mut found)?;
         let formula = RatedFormula {
@@ -40,7 +40,7 @@ impl Scope<'_> {
         &self,
         node: &FormulaNode,
         found: &mut FoundRates,
-    ) -> Result<(Expression, Dimension), Diagnostic> {
+    ) -> Result<(Expression, PhysicalDimension), Diagnostic> {
         let mut node = node.clone();
         self.take_rates(&mut node, found)?;
         self.compile_with(&node, &found.extra)
@@ -50,7 +50,7 @@ impl Scope<'_> {
     pub fn rate(
         &self,
         parts: &DerivativeNode,
-    ) -> Result<(Expression, Rate, Dimension), Diagnostic> {
+    ) -> Result<(Expression, RateOrder, PhysicalDimension), Diagnostic> {
         let (formula, dimension) = self.compile(&parts.of)?;
         if formula.slots().iter().any(|slot| self.is_rated(*slot)) {
             let message = "a derivative cannot contain another derivative";
@@ -58,7 +58,7 @@ impl Scope<'_> {
                 .at(parts.of.span.clone())
                 .hint("a derivative of higher order is written `d(quantity, input, order)`"));
         }
-        let rate = Rate {
+        let rate = RateOrder {
             per: self.per(&parts.by, &parts.by_span)?,
             order: parts.order,
         };
@@ -66,10 +66,10 @@ impl Scope<'_> {
     }
 
     /// The kind of the variable of differentiation.
-    pub fn dimension_of_per(&self, per: Per) -> Dimension {
+    pub fn dimension_of_per(&self, per: Per) -> PhysicalDimension {
         match per {
-            Per::Time => Dimension::TIME,
-            Per::Input(k) => Dimension::of(self.names.inputs[k].kind),
+            Per::Time => PhysicalDimension::TIME,
+            Per::Input(k) => PhysicalDimension::of(self.names.inputs[k].kind),
         }
     }
 

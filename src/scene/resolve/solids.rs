@@ -27,7 +27,7 @@ pub fn resolve_solid(
     };
     // Every kind has its own method, which reads all numbers before it rejects any.
     match solid {
-        SolidFile::Sphere { center, radius } => site.sphere(center, radius),
+        SolidFile::Sphere { centre, radius } => site.sphere(centre, radius),
         SolidFile::Capsule { from, to, radius } => site.capsule([from, to], radius),
         SolidFile::Cylinder { from, to, radius } => site.cylinder([from, to], radius),
         SolidFile::Cone {
@@ -36,13 +36,13 @@ pub fn resolve_solid(
             radius_from,
             radius_to,
         } => site.cone([from, to], [radius_from, radius_to]),
-        SolidFile::Box { center, size } => site.cuboid(center, size),
+        SolidFile::Box { centre, size } => site.cuboid(centre, size),
         SolidFile::Torus {
-            center,
+            centre,
             axis,
             ring,
             tube,
-        } => site.torus((center, axis), [ring, tube]),
+        } => site.torus((centre, axis), [ring, tube]),
         SolidFile::Tube {
             points,
             radius,
@@ -70,10 +70,10 @@ struct SolidSite<'a, 'n> {
 }
 
 impl SolidSite<'_, '_> {
-    fn sphere(&mut self, center: &Option<VectorText>, radius: &FormulaText) -> Option<Solid> {
-        let (center, radius) = (self.vector_or_zero(center), self.positive("radius", radius));
+    fn sphere(&mut self, centre: &Option<VectorText>, radius: &FormulaText) -> Option<Solid> {
+        let (centre, radius) = (self.vector_or_zero(centre), self.positive("radius", radius));
         Some(Solid::Sphere {
-            center: center?,
+            centre: centre?,
             radius: radius?,
         })
     }
@@ -115,23 +115,23 @@ impl SolidSite<'_, '_> {
         })
     }
 
-    fn cuboid(&mut self, center: &Option<VectorText>, size: &VectorText) -> Option<Solid> {
-        let (center, size) = (self.vector_or_zero(center), self.vector(size)?);
+    fn cuboid(&mut self, centre: &Option<VectorText>, size: &VectorText) -> Option<Solid> {
+        let (centre, size) = (self.vector_or_zero(centre), self.vector(size)?);
         if size.min_element() <= 0.0 {
             return self.refuse("edges of a box must be positive");
         }
         Some(Solid::Box {
-            center: center?,
+            centre: centre?,
             size,
         })
     }
 
     fn torus(
         &mut self,
-        (center, axis): (&Option<VectorText>, &Option<VectorText>),
+        (centre, axis): (&Option<VectorText>, &Option<VectorText>),
         radii: [&FormulaText; 2],
     ) -> Option<Solid> {
-        let (center, axis) = (self.vector_or_zero(center), self.vector_or_up(axis));
+        let (centre, axis) = (self.vector_or_zero(centre), self.vector_or_up(axis));
         let [ring, tube] = radii;
         let ring = self.positive("ring radius", ring);
         let tube = self.positive("tube radius", tube);
@@ -139,7 +139,7 @@ impl SolidSite<'_, '_> {
             return self.refuse("the axis of a torus has no direction");
         };
         Some(Solid::Torus {
-            center: center?,
+            centre: centre?,
             axis,
             ring: ring?,
             tube: tube?,

@@ -5,7 +5,7 @@ use super::super::formula::compile::constant_node;
 use super::super::formula::expansion::Factor;
 use super::super::formula::node::{FormulaNode, NodeKind};
 use super::super::formula::written::written_formula;
-use super::contacts::chains::{Closure, ContactSide};
+use super::contacts::chains::{ContactClosure, ContactSide};
 use super::joints::FoldedJoints;
 use super::names::Names;
 use super::parsed::Parsed;
@@ -120,7 +120,7 @@ fn closing_chains(parsed: &Parsed) -> HashMap<&str, &[Factor]> {
     let loops = parsed.loops.iter();
     let loops = loops.map(|(name, factors)| (name.value.as_str(), factors.as_slice()));
     let contacts = parsed.contacts.iter().filter_map(|c| match &c.closure {
-        Closure::Frame(factors) | Closure::Point(factors) => {
+        ContactClosure::Frame(factors) | ContactClosure::Point(factors) => {
             Some((c.name.value.as_str(), factors.as_slice()))
         }
         _ => None,

@@ -17,14 +17,14 @@ fn solids() -> Vec<Solid> {
     let (from, to) = (DVec3::new(-1.0, 0.3, 0.2), DVec3::new(1.5, 0.1, -0.7));
     let cube = mesh_of(
         &Solid::Box {
-            center: DVec3::new(0.4, 0.0, 0.0),
+            centre: DVec3::new(0.4, 0.0, 0.0),
             size: DVec3::new(1.0, 2.0, 0.5),
         },
         0.1,
     );
     vec![
         Solid::Sphere {
-            center: from,
+            centre: from,
             radius: 0.8,
         },
         Solid::Capsule {
@@ -44,11 +44,11 @@ fn solids() -> Vec<Solid> {
             radius_to: 0.0,
         },
         Solid::Box {
-            center: to,
+            centre: to,
             size: DVec3::new(1.0, 0.4, 2.0),
         },
         Solid::Torus {
-            center: from,
+            centre: from,
             axis: DVec3::new(0.6, 0.0, 0.8),
             ring: 1.2,
             tube: 0.3,

@@ -5,7 +5,7 @@ use crate::driven::{Driven, check, even_times, knots, solve};
 use crate::program::is_full;
 use mechanim::clearance::check::{Judgement, PairReport};
 use mechanim::diag::Source;
-use mechanim::distance::bodies::{Hull, LeftOut, nearest_bodies};
+use mechanim::distance::bodies::{BodyElements, LeftOut, nearest_bodies};
 use mechanim::scene::{Overrides, Scene, load_scene};
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
@@ -84,7 +84,7 @@ fn open(folder: &Path, text: &str) -> Scene {
 
 /// The least distance of many poses.
 fn dense(scene: &Scene) -> f64 {
-    let hulls = [0, 1].map(|k| Hull::new(&scene.mechanism().bodies[k]).unwrap());
+    let hulls = [0, 1].map(|k| BodyElements::new(&scene.mechanism().bodies[k]).unwrap());
     let trajectory = solve(scene, &knots(scene, &even_times(scene, 600))).unwrap();
     let distances = trajectory.poses().map(|pose| {
         let a_from_b = pose.bodies[0].inverse() * pose.bodies[1];

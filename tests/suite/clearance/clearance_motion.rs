@@ -4,7 +4,7 @@
 use crate::driven::{Driven, Model, check, even_times, frame_times, knots, solve};
 use mechanim::clearance::check::{ClearanceReport, Judgement, PairReport};
 use mechanim::diag::Source;
-use mechanim::distance::bodies::{Hull, LeftOut, nearest_bodies};
+use mechanim::distance::bodies::{BodyElements, LeftOut, nearest_bodies};
 
 use mechanim::kinematics::motion::sampling::only_times;
 use mechanim::kinematics::results::trajectory::{ClosedPose, Trajectory};
@@ -42,7 +42,7 @@ fn distances(
     pair: [usize; 2],
     trajectory: &Trajectory,
 ) -> impl Iterator<Item = f64> {
-    let hulls = pair.map(|k| Hull::new(&scene.mechanism.bodies[k]).unwrap());
+    let hulls = pair.map(|k| BodyElements::new(&scene.mechanism.bodies[k]).unwrap());
     let at = move |pose: &ClosedPose| {
         let a_from_b = pose.bodies[pair[0]].inverse() * pose.bodies[pair[1]];
         let found = nearest_bodies(&hulls[0], &hulls[1], &a_from_b, &LeftOut::new()).unwrap();

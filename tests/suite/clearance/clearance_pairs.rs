@@ -386,7 +386,7 @@ fn scaled(e: &Element, by: f64) -> Element {
         Primitive::Point(p) => *p *= by,
         Primitive::Segment(ends) => ends.iter_mut().for_each(|p| *p *= by),
         Primitive::Triangle(corners) => corners.iter_mut().for_each(|p| *p *= by),
-        Primitive::Circle(c) => (c.center, c.radius) = (c.center * by, c.radius * by),
+        Primitive::Circle(c) => (c.centre, c.radius) = (c.centre * by, c.radius * by),
         Primitive::Box(b) => {
             b.from_box.translation *= by;
             b.half *= by;
@@ -480,10 +480,10 @@ fn a_small_ring_at_a_large_one_is_measured_along_the_small_one() {
             random.range(0.0, 6.2),
             v(0.0, 0.0, 1.0) + random.vector(0.6),
         );
-        let center = v(angle.cos(), angle.sin(), 0.0) + random.vector(ring);
+        let centre = v(angle.cos(), angle.sin(), 0.0) + random.vector(ring);
         let (large, small) = (
             torus(DVec3::ZERO, DVec3::Z, 1.0, 1e-5),
-            torus(center, axis, ring, 1e-5),
+            torus(centre, axis, ring, 1e-5),
         );
         let [x, y] = {
             let axis = axis.normalize();
@@ -492,7 +492,7 @@ fn a_small_ring_at_a_large_one_is_measured_along_the_small_one() {
         };
         let at = |k: usize| {
             let angle = std::f64::consts::TAU * k as f64 / 40_000.0;
-            let p = center + (x * angle.cos() + y * angle.sin()) * ring;
+            let p = centre + (x * angle.cos() + y * angle.sin()) * ring;
             (p.x.hypot(p.y) - 1.0).hypot(p.z)
         };
         let dense = (0..40_000).map(at).fold(f64::INFINITY, f64::min) - 2e-5;

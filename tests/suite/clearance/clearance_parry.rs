@@ -30,7 +30,7 @@ fn solid(random: &mut Random, kind: usize) -> Solid {
     let radius = random.range(0.05, 1.0);
     match kind {
         0 => Solid::Sphere {
-            center: from,
+            centre: from,
             radius,
         },
         1 => Solid::Capsule { from, to, radius },
@@ -42,7 +42,7 @@ fn solid(random: &mut Random, kind: usize) -> Solid {
             radius_to: 0.0,
         },
         4 => Solid::Box {
-            center: from,
+            centre: from,
             size: to.abs() + 0.1,
         },
         _ => Solid::HalfSpace {

@@ -13,7 +13,7 @@ use glam::{DMat3, DVec3};
 use mechanim::clearance::motion::ProvedMotion;
 use mechanim::clearance::sweep::{Least, PairSweep};
 use mechanim::diag::Source;
-use mechanim::distance::bodies::Hull;
+use mechanim::distance::bodies::BodyElements;
 use mechanim::distance::pair::signed_distance;
 use mechanim::distance::primitive::Element;
 use mechanim::math::Pose;
@@ -62,29 +62,29 @@ fn spike(from: DVec3, to: DVec3, [r, s]: [f64; 2]) -> Made {
     (text, cone(from, to, r, s))
 }
 
-fn block(center: DVec3, edges: DVec3) -> Made {
+fn block(centre: DVec3, edges: DVec3) -> Made {
     let text = format!(
         "{{ box = {{ center = {}, size = {} }} }}",
-        list(center),
+        list(centre),
         list(edges)
     );
-    (text, cuboid(center, edges))
+    (text, cuboid(centre, edges))
 }
 
-fn ball(center: DVec3, r: f64) -> Made {
+fn ball(centre: DVec3, r: f64) -> Made {
     let text = format!(
         "{{ sphere = {{ center = {}, radius = {r:?} }} }}",
-        list(center)
+        list(centre)
     );
-    (text, sphere(center, r))
+    (text, sphere(centre, r))
 }
 
-fn ring(center: DVec3, radius: f64, tube: f64) -> Made {
+fn ring(centre: DVec3, radius: f64, tube: f64) -> Made {
     let text = format!(
         "{{ torus = {{ center = {}, axis = [0, 0, 1], ring = {radius:?}, tube = {tube:?} }} }}",
-        list(center)
+        list(centre)
     );
-    (text, torus(center, DVec3::Z, radius, tube))
+    (text, torus(centre, DVec3::Z, radius, tube))
 }
 
 /// Two bodies that are made to meet: what they are and how, with every length times `s`.
@@ -340,7 +340,7 @@ impl Case {
         let system = scene.system().unwrap();
         let mut motion = ProvedMotion::new(&system, &scene.actuation, &trajectory);
         let is_certified = motion.is_certified();
-        let hulls = [0, 1].map(|k| Hull::new(&scene.mechanism.bodies[k]).unwrap());
+        let hulls = [0, 1].map(|k| BodyElements::new(&scene.mechanism.bodies[k]).unwrap());
         let sweep = PairSweep::new(&motion, [0, 1], hulls.each_ref(), 1e-3, minimum);
         let least = sweep.least_over(&mut motion, &mut Vec::new()).unwrap();
         (least, is_certified)

@@ -43,8 +43,8 @@ const FLOOR: &str = "box = { center = [0, 0, -50], size = [400, 400, 100] }";
 
 /// A wall whose lower face is at a height.
 fn ceiling(height: f64) -> String {
-    let center = height + 50.0;
-    format!("box = {{ center = [0, 0, {center}], size = [400, 400, 100] }}")
+    let centre = height + 50.0;
+    format!("box = {{ center = [0, 0, {centre}], size = [400, 400, 100] }}")
 }
 
 fn formula(text: &str) -> String {
@@ -53,8 +53,8 @@ fn formula(text: &str) -> String {
 
 /// Boxes of triangles: centre and half edge each.
 fn stl(boxes: &[(DVec3, DVec3)]) -> String {
-    let of_box = |&(center, half): &(DVec3, DVec3)| {
-        BOX_TRIANGLES.map(|t| t.map(|k| center + half * box_corner(k)))
+    let of_box = |&(centre, half): &(DVec3, DVec3)| {
+        BOX_TRIANGLES.map(|t| t.map(|k| centre + half * box_corner(k)))
     };
     stl_text(boxes.iter().flat_map(of_box))
 }
@@ -495,8 +495,8 @@ fn what_touches_at_a_joint_is_judged_where_it_does_more() {
     let capsule =
         |to: &str| format!("{{ capsule = {{ from = [0, 0, 0], to = {to}, radius = 0.1 }} }}{far}");
     let arm = capsule("[2, 0, 0]");
-    let boxed = |center: &str, size: &str| {
-        format!("{{ box = {{ center = {center}, size = {size} }} }}{far}")
+    let boxed = |centre: &str, size: &str| {
+        format!("{{ box = {{ center = {centre}, size = {size} }} }}{far}")
     };
     let rows = [
         // Two bars that fold onto each other, the shallowest angle 0 and 60 degrees.

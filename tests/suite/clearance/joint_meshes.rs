@@ -11,8 +11,8 @@ use std::path::Path;
 /// Boxes of triangles: lowest and highest corner of each.
 fn boxes(list: &[[DVec3; 2]]) -> String {
     let of_box = |&[low, high]: &[DVec3; 2]| {
-        let (center, half) = (0.5 * (low + high), 0.5 * (high - low));
-        BOX_TRIANGLES.map(|t| t.map(|k| center + half * box_corner(k)))
+        let (centre, half) = (0.5 * (low + high), 0.5 * (high - low));
+        BOX_TRIANGLES.map(|t| t.map(|k| centre + half * box_corner(k)))
     };
     stl_text(list.iter().flat_map(of_box))
 }

@@ -39,8 +39,8 @@ fn rod(from: &str, to: &str) -> String {
     format!("{{ capsule = {{ from = {from}, to = {to}, radius = 1 }} }}")
 }
 
-fn ball(center: &str, radius: f64) -> String {
-    format!("{{ sphere = {{ center = {center}, radius = {radius} }} }}")
+fn ball(centre: &str, radius: f64) -> String {
+    format!("{{ sphere = {{ center = {centre}, radius = {radius} }} }}")
 }
 
 #[test]

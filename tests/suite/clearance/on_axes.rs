@@ -34,10 +34,10 @@ fn the_way_out_from_an_axis_is_square_to_it() {
             DVec3::AXES[round / 2 % 3]
         };
         let half = 1.0 + 4.0 * draws.share();
-        let center = axis * (draws.number() * (half - 2.0 * radius));
+        let centre = axis * (draws.number() * (half - 2.0 * radius));
         let (from, to) = (-axis * half, axis * half);
         let sphere = element(Solid::Sphere {
-            center,
+            centre,
             radius: ball,
         });
         let cylinder = element(Solid::Cylinder { from, to, radius });
@@ -48,7 +48,7 @@ fn the_way_out_from_an_axis_is_square_to_it() {
             radius_to: 0.5 * radius,
         });
         let torus = element(Solid::Torus {
-            center,
+            centre,
             axis,
             ring,
             tube: 0.1,

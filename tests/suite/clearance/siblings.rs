@@ -33,16 +33,16 @@ fn lift(shape: &str, height: &str, wall: &str, minimum: f64) -> String {
     scene(&drives, ["Tx(x) Tz(z)", shape], ["E", wall], &asked)
 }
 
-fn ball(center: [f64; 3], radius: f64) -> String {
-    format!("{{ sphere = {{ center = {center:?}, radius = {radius} }} }}")
+fn ball(centre: [f64; 3], radius: f64) -> String {
+    format!("{{ sphere = {{ center = {centre:?}, radius = {radius} }} }}")
 }
 
 fn rod(from: [f64; 3], to: [f64; 3], radius: f64) -> String {
     format!("{{ capsule = {{ from = {from:?}, to = {to:?}, radius = {radius} }} }}")
 }
 
-fn block(center: [f64; 3], size: [f64; 3]) -> String {
-    format!("{{ box = {{ center = {center:?}, size = {size:?} }} }}")
+fn block(centre: [f64; 3], size: [f64; 3]) -> String {
+    format!("{{ box = {{ center = {centre:?}, size = {size:?} }} }}")
 }
 
 fn stl(name: &str) -> String {
@@ -247,8 +247,8 @@ fn meshes() -> Vec<Kind> {
 
 fn write_meshes(folder: &Path) {
     let boxes = |list: &[([f64; 3], [f64; 3])]| {
-        let of_box = |&(center, half): &([f64; 3], [f64; 3])| {
-            let corner = move |k| DVec3::from(center) + DVec3::from(half) * box_corner(k);
+        let of_box = |&(centre, half): &([f64; 3], [f64; 3])| {
+            let corner = move |k| DVec3::from(centre) + DVec3::from(half) * box_corner(k);
             BOX_TRIANGLES.map(|t| t.map(corner))
         };
         stl_text(list.iter().flat_map(of_box))

@@ -74,9 +74,9 @@ impl Solid {
     /// The lowest point's height.
     fn lowest(&self, place: &Place) -> f64 {
         match self {
-            Self::Ring(center, ring, tube) => {
+            Self::Ring(centre, ring, tube) => {
                 let axis = place.0 * DVec3::Z;
-                place.point(*center).z - ring * (1.0 - axis.z * axis.z).max(0.0).sqrt() - tube
+                place.point(*centre).z - ring * (1.0 - axis.z * axis.z).max(0.0).sqrt() - tube
             }
             Self::Union(parts) => {
                 let lowest = parts.iter().map(|part| part.lowest(place));
@@ -97,21 +97,21 @@ pub fn distance(a: (&Solid, &Place), b: (&Solid, &Place), fine: Fine) -> f64 {
         (_, Solid::Union(parts)) => least(parts, &|part| distance(a, (part, b.1), fine)),
         (Solid::Ground, _) => b.0.lowest(b.1),
         (_, Solid::Ground) => a.0.lowest(a.1),
-        (Solid::Ring(center, ring, tube), _) => from_ring((*center, *ring), a.1, b, fine) - tube,
-        (_, Solid::Ring(center, ring, tube)) => from_ring((*center, *ring), b.1, a, fine) - tube,
+        (Solid::Ring(centre, ring, tube), _) => from_ring((*centre, *ring), a.1, b, fine) - tube,
+        (_, Solid::Ring(centre, ring, tube)) => from_ring((*centre, *ring), b.1, a, fine) - tube,
         _ => cores(a, b) - a.0.radius() - b.0.radius(),
     }
 }
 
 /// From a circle to a solid: the least over the angle, by a grid and golden sections around its lowest places.
 fn from_ring(
-    (center, ring): (DVec3, f64),
+    (centre, ring): (DVec3, f64),
     place: &Place,
     other: (&Solid, &Place),
     fine: Fine,
 ) -> f64 {
     let at = |angle: f64| {
-        let point = place.point(center + DVec3::new(angle.cos(), angle.sin(), 0.0) * ring);
+        let point = place.point(centre + DVec3::new(angle.cos(), angle.sin(), 0.0) * ring);
         let probe = Solid::Hull(vec![point], 0.0);
         let still = Place(DMat3::IDENTITY, DVec3::ZERO);
         distance((&probe, &still), other, fine)

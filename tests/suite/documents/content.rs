@@ -207,7 +207,7 @@ fn the_gallery_shows_every_scene() {
 
 #[test]
 fn every_reason_of_a_refusal_is_documented() {
-    use mechanim::kinematics::results::certificate::{Obstacle, Reason};
+    use mechanim::kinematics::results::certificate::{ProofObstacle, Reason};
     let document = read("docs/certificates.md");
     let tests = [
         Reason::Formula,
@@ -217,9 +217,13 @@ fn every_reason_of_a_refusal_is_documented() {
         Reason::Open,
         Reason::NotAsked,
     ];
-    let obstacles = [Obstacle::NoPose, Obstacle::Drive, Obstacle::NotJoined];
-    let words = tests.map(Obstacle::Test).into_iter().chain(obstacles);
-    for word in words.map(Obstacle::word) {
+    let obstacles = [
+        ProofObstacle::NoPose,
+        ProofObstacle::Drive,
+        ProofObstacle::NotJoined,
+    ];
+    let words = tests.map(ProofObstacle::Test).into_iter().chain(obstacles);
+    for word in words.map(ProofObstacle::word) {
         assert!(document.contains(&format!("| `{word}` |")), "{word}");
     }
 }

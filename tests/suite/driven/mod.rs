@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use mechanim::clearance::check::{ClearanceReport, Closely, Judgement, PairReport};
-use mechanim::distance::bodies::{Hull, nearest_bodies};
+use mechanim::distance::bodies::{BodyElements, nearest_bodies};
 use mechanim::kinematics::certificate::tube;
 use mechanim::kinematics::motion::feasible::Feasible;
 use mechanim::kinematics::motion::{continuation, feasible, limits, sampling};
@@ -232,7 +232,7 @@ fn times_hold(report: &ClearanceReport, p: &PairReport, said: &str) {
 /// Pairs that nobody looked at one by one are never nearer than is said of all of them, and all pairs are accounted for.
 fn far_pairs_stay_apart(scene: &Scene, trajectory: &Trajectory, report: &ClearanceReport) {
     let bodies = &scene.mechanism.bodies;
-    let hulls: Vec<Option<Hull>> = bodies.iter().map(Hull::new).collect();
+    let hulls: Vec<Option<BodyElements>> = bodies.iter().map(BodyElements::new).collect();
     let shaped: Vec<usize> = (0..bodies.len()).filter(|k| hulls[*k].is_some()).collect();
     let listed = report.judged.iter().chain(&report.excluded);
     let listed: HashSet<[usize; 2]> = listed.map(|p| p.pair).collect();
@@ -272,7 +272,7 @@ fn far_pairs_stay_apart(scene: &Scene, trajectory: &Trajectory, report: &Clearan
 /// How far any point of two bodies is from the other's frame at most; of what has no end, from its origin.
 fn extent(scene: &Scene, trajectory: &Trajectory, pair: [usize; 2]) -> f64 {
     let reach = |k: usize| {
-        let hull = Hull::new(&scene.mechanism.bodies[k]);
+        let hull = BodyElements::new(&scene.mechanism.bodies[k]);
         let ball = hull.map_or((DVec3::ZERO, 0.0), |hull| hull.ball);
         let reach = ball.0.length() + ball.1;
         if reach.is_finite() { reach } else { 0.0 }

@@ -298,7 +298,7 @@ fn seven_r_contact_point_lies_on_both_tori_and_the_normals_agree() {
                 let p = world_from_torus.inverse().transform_point(pose.traces[0]);
                 // On a spindle torus the outer sheet is the one farther from the ring circle's near side.
                 let out = glam::DVec3::new(p.x, p.y, 0.0).normalize();
-                let sheets = [out * *ring, -out * *ring].map(|center| p - center);
+                let sheets = [out * *ring, -out * *ring].map(|centre| p - centre);
                 let from_ring = sheets.into_iter().min_by(|a, b| {
                     (a.length() - tube)
                         .abs()

@@ -8,7 +8,7 @@ use mechanim::export::format::FramePattern;
 use mechanim::export::frame_pipeline::write_frames;
 use mechanim::export::png::{Effort, PngSettings, SequenceSink, StillSink};
 use mechanim::export::sampled_frames::draw_samples;
-use mechanim::export::{ExportError, Output, Stream, Target};
+use mechanim::export::{ExportError, Output, PendingFile, Stream};
 use std::io::{self, Write};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -32,7 +32,7 @@ fn names(folder: &Path) -> Vec<String> {
 
 /// A target whose disk is full after `left` bytes.
 struct FullDisk {
-    inner: Target,
+    inner: PendingFile,
     left: usize,
 }
 
@@ -70,7 +70,7 @@ fn a_file_appears_only_when_committed() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.gif");
     std::fs::write(&path, "old").unwrap();
-    let mut target = Target::create(&path).unwrap();
+    let mut target = PendingFile::create(&path).unwrap();
     target.write_all(b"half").unwrap();
     target.flush().unwrap();
     drop(target);
@@ -78,7 +78,7 @@ fn a_file_appears_only_when_committed() {
         (names(folder.path()), std::fs::read(&path).unwrap()),
         (vec!["a.gif".to_owned()], b"old".to_vec())
     );
-    let mut target = Target::create(&path).unwrap();
+    let mut target = PendingFile::create(&path).unwrap();
     target.write_all(b"whole").unwrap();
     target.commit().unwrap();
     assert_eq!(
@@ -96,7 +96,7 @@ fn links_devices_and_permissions_are_respected() {
     std::fs::write(at("plain"), "").unwrap();
     symlink(at("plain"), at("link")).unwrap();
     let put = |path: &Path| {
-        let mut target = Target::create(path).unwrap();
+        let mut target = PendingFile::create(path).unwrap();
         target.write_all(b"new").unwrap();
         target.commit().unwrap();
     };
@@ -117,7 +117,7 @@ fn links_devices_and_permissions_are_respected() {
     assert_eq!(mode("ours"), mode("ordinary"));
     std::fs::set_permissions(at("ours"), std::fs::Permissions::from_mode(0o444)).unwrap();
     assert!(matches!(
-        Target::create(&at("ours")),
+        PendingFile::create(&at("ours")),
         Err(ExportError::ReadOnly(_))
     ));
 }
@@ -125,7 +125,7 @@ fn links_devices_and_permissions_are_respected() {
 #[test]
 fn impossible_places_are_named() {
     let folder = tempfile::tempdir().unwrap();
-    let message = |path: &Path| Target::create(path).err().unwrap().to_string();
+    let message = |path: &Path| PendingFile::create(path).err().unwrap().to_string();
     let text = message(&folder.path().join("no/such/a.gif"));
     assert!(
         text.contains("a.gif")
@@ -147,7 +147,7 @@ fn impossible_places_are_named() {
 fn a_full_disk_leaves_no_file_wherever_it_fills() {
     let folder = tempfile::tempdir().unwrap();
     for left in [0, 5, 700, 800, 3000, 8000] {
-        let inner = Target::create(&folder.path().join("a.gif")).unwrap();
+        let inner = PendingFile::create(&folder.path().join("a.gif")).unwrap();
         let output = Box::new(FullDisk { inner, left });
         let settings = frames::settings(&shaded(0), 25.0, 30, 100);
         let palette = std::sync::Arc::new(frames::palette(shaded, 30));
@@ -167,7 +167,7 @@ fn a_full_disk_leaves_no_file_wherever_it_fills() {
 #[cfg(target_os = "linux")]
 #[test]
 fn a_device_that_is_full_is_reported() {
-    let mut target = Target::create(Path::new("/dev/full")).unwrap();
+    let mut target = PendingFile::create(Path::new("/dev/full")).unwrap();
     target.write_all(&[0; 100]).unwrap();
     assert!(matches!(target.commit(), Err(ExportError::Write { .. })));
 }
@@ -175,7 +175,7 @@ fn a_device_that_is_full_is_reported() {
 #[test]
 fn a_frame_that_cannot_be_drawn_leaves_no_file() {
     let folder = tempfile::tempdir().unwrap();
-    let output = Box::new(Target::create(&folder.path().join("a.gif")).unwrap());
+    let output = Box::new(PendingFile::create(&folder.path().join("a.gif")).unwrap());
     let worker = || -> Draw {
         Box::new(|k, image| {
             image.copy_from_slice(flat(k).as_raw());
@@ -212,7 +212,7 @@ fn cancelling_stops_soon_and_leaves_nothing() {
         })
     };
     let stop_at = |done, _| cancel.store(done >= 10, Ordering::Relaxed);
-    let output = Box::new(Target::create(&folder.path().join("a.gif")).unwrap());
+    let output = Box::new(PendingFile::create(&folder.path().join("a.gif")).unwrap());
     let outcome = write_frames(
         vec![worker(), worker()],
         1000,
@@ -312,7 +312,7 @@ fn a_still_takes_exactly_one_frame() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.png");
     let open = || {
-        let output = Box::new(Target::create(&path).unwrap());
+        let output = Box::new(PendingFile::create(&path).unwrap());
         Box::new(StillSink::new(output, opaque([96, 72], Effort::Balanced)).unwrap())
     };
     assert!(matches!(

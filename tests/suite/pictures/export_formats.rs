@@ -7,7 +7,7 @@ use mechanim::export::apng::{ApngSettings, ApngSink};
 use mechanim::export::png::{Effort, PngSettings, StillSink};
 use mechanim::export::raw::{Chroma, RawKind, RawSink};
 use mechanim::export::timing::FrameTimes;
-use mechanim::export::{ExportSummary, FrameSink, Output, Target};
+use mechanim::export::{ExportSummary, FrameSink, Output, PendingFile};
 use std::io::Cursor;
 
 /// Writes to a file of its own and returns the bytes.
@@ -18,7 +18,7 @@ fn written(
 ) -> (Vec<u8>, ExportSummary) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("file");
-    let sink = open(Box::new(Target::create(&path).unwrap()));
+    let sink = open(Box::new(PendingFile::create(&path).unwrap()));
     let summary = run(3, count, draw, sink).unwrap();
     let bytes = std::fs::read(&path).unwrap();
     assert_eq!(summary.bytes, bytes.len() as u64);
@@ -198,9 +198,9 @@ fn apngs_of_one_frame_and_of_one_pixel_are_pictures_too() {
         assert_eq!(image::load_from_memory(&bytes).unwrap().to_rgba8(), dot(0));
     }
     let folder = tempfile::tempdir().unwrap();
-    let output = Box::new(Target::create(&folder.path().join("a.apng")).unwrap());
+    let output = Box::new(PendingFile::create(&folder.path().join("a.apng")).unwrap());
     assert!(ApngSink::new(output, settings(dot, 25.0, 0)).is_err());
-    let output = Box::new(Target::create(&folder.path().join("a.apng")).unwrap());
+    let output = Box::new(PendingFile::create(&folder.path().join("a.apng")).unwrap());
     let sink = Box::new(ApngSink::new(output, settings(dot, 25.0, 5)).unwrap());
     run(1, 3, dot, sink).unwrap_err();
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
@@ -307,7 +307,7 @@ fn ffmpeg_reads_the_video_with_the_right_colours() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
     let sink = RawSink::new(
-        Box::new(Target::create(&at("a.y4m")).unwrap()),
+        Box::new(PendingFile::create(&at("a.y4m")).unwrap()),
         RawKind::Y4m {
             fps: 20.0,
             chroma: Chroma::Full,
@@ -325,7 +325,7 @@ fn ffmpeg_reads_the_video_with_the_right_colours() {
     };
     let tags = "setparams=colorspace=bt709:color_primaries=bt709:color_trc=bt709,format=yuv420p";
     let quarter = RawSink::new(
-        Box::new(Target::create(&at("q.y4m")).unwrap()),
+        Box::new(PendingFile::create(&at("q.y4m")).unwrap()),
         RawKind::Y4m {
             fps: 20.0,
             chroma: Chroma::Quarter,

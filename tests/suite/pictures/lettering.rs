@@ -93,7 +93,7 @@ fn labels_stand_nearest_to_their_own_anchors() {
             .labels
             .iter()
             .filter_map(|label| match label.anchor {
-                mechanim::render::Anchor::Placed { point, .. } => {
+                mechanim::render::LabelAnchor::Placed { point, .. } => {
                     let [x, y, _] = camera.project(point, size)?;
                     Some((label.text.clone(), [x, y]))
                 }

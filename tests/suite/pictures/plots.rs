@@ -383,7 +383,7 @@ fn texts_do_not_overlap() {
 /// Left, right, top, bottom of a text.
 fn extent(primitive: &DrawnPrimitive) -> Option<[f64; 4]> {
     use mechanim::plot::primitive::TextAnchor;
-    use mechanim::render::text::{Face, set_text};
+    use mechanim::render::text::{FontFace, set_text};
     let DrawnPrimitive::Text {
         at,
         text,
@@ -394,7 +394,7 @@ fn extent(primitive: &DrawnPrimitive) -> Option<[f64; 4]> {
     else {
         return None;
     };
-    let wide = set_text(&Face::new(), text, *size).width;
+    let wide = set_text(&FontFace::new(), text, *size).width;
     let left = match anchor {
         TextAnchor::Start => at[0],
         TextAnchor::Middle => at[0] - 0.5 * wide,

@@ -14,7 +14,7 @@ use mechanim::render::Renderer;
 use mechanim::render::cpu::CpuRenderer;
 use mechanim::render::overlay::Overlay;
 use mechanim::scene::{Overrides, Scene, builtin, load_scene};
-use mechanim::snapshot::manifest::Picture;
+use mechanim::snapshot::manifest::GoldenPicture;
 use mechanim::snapshot::{GoldenVerdict, MANIFEST, Manifest, judge_picture};
 use mechanim::staging::{PictureOptions, Staging};
 use std::sync::Arc;
@@ -42,7 +42,7 @@ fn draw(staging: &Staging, renderer: &mut dyn Renderer, index: usize) -> RgbaIma
 }
 
 /// The list of golden pictures: a frame of every built-in scene.
-fn pictures() -> Vec<Picture> {
+fn pictures() -> Vec<GoldenPicture> {
     let path = snapshot::folder().join(MANIFEST);
     let source = Source {
         name: MANIFEST.into(),
@@ -84,7 +84,7 @@ fn scenes_look_the_same_on_a_graphics_adapter() {
     use mechanim::compare::{Comparison, compare_pictures};
     use mechanim::render::adapter::AdapterChoice;
     use mechanim::render::gpu::GpuRenderer;
-    use mechanim::snapshot::{Allowed, draw_picture, draw_with};
+    use mechanim::snapshot::{AllowedDifference, draw_picture, draw_with};
     for picture in pictures() {
         let (file, folder) = (&picture.file, snapshot::folder());
         let drawn = draw_with(&picture, &folder, &|stage| {
@@ -100,7 +100,7 @@ fn scenes_look_the_same_on_a_graphics_adapter() {
         assert_snapshot(
             file.trim_end_matches(".png"),
             &drawn,
-            Allowed {
+            AllowedDifference {
                 tolerance: 24,
                 pixels: (drawn.width() * drawn.height() / 1000).into(),
             },

@@ -3,7 +3,9 @@
 use crate::snapshot;
 use image::{Rgba, RgbaImage};
 use mechanim::diag::Source;
-use mechanim::snapshot::{Allowed, EXACT, GoldenVerdict, Manifest, Update, judge_picture};
+use mechanim::snapshot::{
+    AllowedDifference, EXACT, GoldenVerdict, Manifest, Update, judge_picture,
+};
 use std::path::Path;
 
 fn picture(level: u8) -> RgbaImage {
@@ -13,7 +15,7 @@ fn picture(level: u8) -> RgbaImage {
 fn outcome(
     golden: &Path,
     image: &RgbaImage,
-    allowed: Allowed,
+    allowed: AllowedDifference,
     update: Update,
 ) -> Result<bool, String> {
     match judge_picture(golden, image, allowed, update).unwrap() {
@@ -80,8 +82,14 @@ fn a_pixel_over_the_tolerance_fails_and_a_pass_removes_the_traces() {
     );
     let mut off = picture(100);
     off.get_pixel_mut(2, 3).0[0] = 103;
-    let lenient =
-        |tolerance, pixels| outcome(&golden, &off, Allowed { tolerance, pixels }, Update::Never);
+    let lenient = |tolerance, pixels| {
+        outcome(
+            &golden,
+            &off,
+            AllowedDifference { tolerance, pixels },
+            Update::Never,
+        )
+    };
     assert!(lenient(2, 0).unwrap_err().contains("worst 3 at (2, 3)"));
     assert!(at("a.diff.png").exists());
     lenient(3, 0).unwrap();
@@ -107,7 +115,7 @@ fn blessing_is_asked_for_in_words_and_never_in_ci() {
 fn goldens_are_replaced_as_far_as_was_asked() {
     let folder = tempfile::tempdir().unwrap();
     let golden = folder.path().join("b.png");
-    let allowed = Allowed {
+    let allowed = AllowedDifference {
         tolerance: 5,
         pixels: 0,
     };

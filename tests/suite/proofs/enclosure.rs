@@ -2,7 +2,8 @@
 
 use crate::program::Workspace;
 use mechanim::analysis::enclosure::{
-    Enclosed, Obstacle, Plan, enclose_between, enclose_measures, enclose_motion, shown_names,
+    BandObstacle, Enclosed, TolerancePlan, enclose_between, enclose_measures, enclose_motion,
+    shown_names,
 };
 use mechanim::analysis::study::{Evaluator, ParametricMechanism};
 use mechanim::diag::Source;
@@ -75,7 +76,7 @@ impl Case {
     }
 }
 
-fn plan<'f>(case: &Case, family: &'f ParametricMechanism, factor: f64) -> Plan<'f> {
+fn plan<'f>(case: &Case, family: &'f ParametricMechanism, factor: f64) -> TolerancePlan<'f> {
     let mechanism = family.mechanism();
     let inner: Vec<(String, f64)> = case
         .tolerances
@@ -90,7 +91,7 @@ fn plan<'f>(case: &Case, family: &'f ParametricMechanism, factor: f64) -> Plan<'
             (name.clone(), factor * t * mechanism.unit_of(kind).number())
         })
         .collect();
-    Plan::new(family, &inner)
+    TolerancePlan::new(family, &inner)
 }
 
 fn times(family: &ParametricMechanism, count: usize) -> Vec<f64> {
@@ -263,7 +264,7 @@ fn leaving(
     factor: f64,
     samples: usize,
     pieces: usize,
-    bands: impl Fn(&Plan, &[f64]) -> Vec<Enclosed>,
+    bands: impl Fn(&TolerancePlan, &[f64]) -> Vec<Enclosed>,
 ) -> (usize, usize) {
     let family = case.family();
     let plan = plan(case, &family, factor);
@@ -402,7 +403,7 @@ fn cases() -> Vec<(&'static str, Case, f64)> {
     ]
 }
 
-fn proved(plan: &Plan, times: &[f64]) -> Vec<Enclosed> {
+fn proved(plan: &TolerancePlan, times: &[f64]) -> Vec<Enclosed> {
     enclose_motion(plan, times, 1, false)
 }
 
@@ -427,7 +428,7 @@ fn no_piece_leaves_its_bands() {
 /// The planted fault: what a function departs from its tangent by is left out. The same pieces find it.
 #[test]
 fn pieces_find_a_band_without_its_remainder() {
-    let linear = |plan: &Plan, times: &[f64]| {
+    let linear = |plan: &TolerancePlan, times: &[f64]| {
         let small = enclose_motion(&plan.scaled(1e-6), times, 1, false);
         let mut motion = small;
         for bands in motion.iter_mut().filter_map(|e| e.bands.as_mut().ok()) {
@@ -448,7 +449,7 @@ fn pieces_find_a_band_without_its_remainder() {
 }
 
 /// Bands that end at the corner where one dimension, the one that counts most, has the wrong sign.
-fn wrong_corners(case: &Case, plan: &Plan, times: &[f64]) -> Vec<Enclosed> {
+fn wrong_corners(case: &Case, plan: &TolerancePlan, times: &[f64]) -> Vec<Enclosed> {
     let family = case.family();
     let mut solver = PoseSolver::new(family.system());
     let unknowns = family.mechanism().unknowns.len();
@@ -497,7 +498,7 @@ fn pieces_find_a_band_that_ends_at_a_wrong_corner() {
         if case.tolerances.len() > 4 {
             continue;
         }
-        let wrong = |plan: &Plan, times: &[f64]| wrong_corners(&case, plan, times);
+        let wrong = |plan: &TolerancePlan, times: &[f64]| wrong_corners(&case, plan, times);
         let (left, seen) = leaving(&case, factor, 12, 400, wrong);
         assert!(10 * left > seen, "{name}: {left} of {seen}");
         assert_eq!(leaving(&case, factor, 12, 400, proved).0, 0, "{name}");
@@ -511,7 +512,7 @@ fn tolerances_that_reach_a_fold_are_refused() {
     let family = case.family();
     let motion = enclose_motion(&plan(&case, &family, 1.0), &[0.0], 1, true);
     match motion[0].bands {
-        Err(Obstacle::Test { dimension, .. }) => assert_eq!(dimension, Some(0)),
+        Err(BandObstacle::Test { dimension, .. }) => assert_eq!(dimension, Some(0)),
         ref other => panic!("{other:?}"),
     }
     // A tenth of it does not.

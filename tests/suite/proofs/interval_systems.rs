@@ -3,9 +3,9 @@
 use mechanim::intervals::auxiliary::{AuxiliaryPlan, auxiliary_solutions};
 use mechanim::intervals::centre::{best_centre, centre_radius, tolerance_at};
 use mechanim::intervals::formal::{Formal, formal_solution};
-use mechanim::intervals::hull::{Hull, solution_hull};
+use mechanim::intervals::hull::{SolutionHull, solution_hull};
 use mechanim::intervals::regular::{positive_share, spectral_bound};
-use mechanim::intervals::system::{Answer, SolutionSet, SystemError};
+use mechanim::intervals::system::{SolutionSet, SystemError, TernaryAnswer};
 use mechanim::intervals::{IntervalSystem, Kaucher, Quantifier};
 
 type Ends = [f64; 2];
@@ -61,7 +61,7 @@ fn near(found: &[Kaucher], wanted: &[Ends], tolerance: f64) {
 
 fn hull_is(system: &IntervalSystem, kind: &SolutionSet, wanted: &[Ends]) {
     match solution_hull(system, kind) {
-        Hull::Box(found) => near(&found, wanted, 1e-9),
+        SolutionHull::Box(found) => near(&found, wanted, 1e-9),
         other => panic!("{kind:?}: {other:?}"),
     }
 }
@@ -75,7 +75,7 @@ fn hulls_of_all_kinds_are_those_of_the_literature() {
     );
     hull_is(&s1(), &united, &[[-4.0, 4.0]; 2]);
     hull_is(&s1(), &tolerable, &[[-0.5, 0.5]; 2]);
-    assert_eq!(solution_hull(&s1(), &controllable), Hull::Empty);
+    assert_eq!(solution_hull(&s1(), &controllable), SolutionHull::Empty);
     hull_is(&s2(), &united, &[[-120.0, 90.0], [-60.0, 240.0]]);
     hull_is(&s2(), &tolerable, &[[0.0, 36.0], [12.0, 80.0]]);
     hull_is(&s3(), &united, &[[-6.0, 8.0], [-7.0, 12.0]]);
@@ -88,10 +88,10 @@ fn hulls_of_all_kinds_are_those_of_the_literature() {
     );
     hull_is(&s5(), &united, &[[5.0 / 18.0, 3.5]; 2]);
     hull_is(&s5(), &controllable, &[[4.0 / 9.0, 3.0]; 2]);
-    assert_eq!(solution_hull(&s5(), &tolerable), Hull::Empty);
+    assert_eq!(solution_hull(&s5(), &tolerable), SolutionHull::Empty);
     // A singular matrix lets the set run away.
     let line = system(&[&[[-1.0, 1.0]]], &[[1.0, 2.0]]);
-    assert_eq!(solution_hull(&line, &united), Hull::Unbounded(0));
+    assert_eq!(solution_hull(&line, &united), SolutionHull::Unbounded(0));
 }
 
 #[test]
@@ -104,22 +104,22 @@ fn one_unknown_by_hand() {
     ];
     let (narrow, wide) = (of([3.0, 4.0]), of([3.0, 8.0]));
     hull_is(&narrow, &all[0], &[[1.5, 4.0]]);
-    assert_eq!(solution_hull(&narrow, &all[1]), Hull::Empty);
+    assert_eq!(solution_hull(&narrow, &all[1]), SolutionHull::Empty);
     hull_is(&narrow, &all[2], &[[2.0, 3.0]]);
     hull_is(&wide, &all[0], &[[1.5, 8.0]]);
     hull_is(&wide, &all[1], &[[3.0, 4.0]]);
-    assert_eq!(solution_hull(&wide, &all[2]), Hull::Empty);
+    assert_eq!(solution_hull(&wide, &all[2]), SolutionHull::Empty);
     for (x, kind, answer) in [
-        (1.5, 0, Answer::Yes),
-        (1.4999, 0, Answer::No),
-        (4.0001, 0, Answer::No),
-        (2.5, 2, Answer::Yes),
-        (3.5, 2, Answer::No),
-        (3.5, 1, Answer::No),
+        (1.5, 0, TernaryAnswer::Yes),
+        (1.4999, 0, TernaryAnswer::No),
+        (4.0001, 0, TernaryAnswer::No),
+        (2.5, 2, TernaryAnswer::Yes),
+        (3.5, 2, TernaryAnswer::No),
+        (3.5, 1, TernaryAnswer::No),
     ] {
         assert_eq!(narrow.holds_point(&[x], &all[kind]), answer, "{x} {kind}");
     }
-    assert_eq!(wide.holds_point(&[3.5], &all[1]), Answer::Yes);
+    assert_eq!(wide.holds_point(&[3.5], &all[1]), TernaryAnswer::Yes);
 }
 
 /// A x ∈ b for all of the first column and some of the second, by sampling of both.
@@ -141,7 +141,7 @@ fn any_mask_means_what_its_quantifiers_say() {
                 })
             });
             let found = system.holds_point(&x, &mask);
-            assert_eq!(found == Answer::Yes, by_hand, "{x:?}");
+            assert_eq!(found == TernaryAnswer::Yes, by_hand, "{x:?}");
             seen[usize::from(by_hand)] += 1;
         }
     }
@@ -193,7 +193,7 @@ fn formal_solutions_are_those_of_the_literature() {
                 .iter()
                 .map(|k| Kaucher::new(k.lo + 1e-9 * k.radius(), k.hi - 1e-9 * k.radius()))
                 .collect();
-            assert_eq!(system.holds_box(&inside, &kind), Answer::Yes);
+            assert_eq!(system.holds_box(&inside, &kind), TernaryAnswer::Yes);
         }
     }
     let (x, _, improper) = solved(&s5().dual(true, true), 1.0);
@@ -336,7 +336,7 @@ fn cubes_about_centres_are_those_of_the_literature() {
             |r: f64| -> Vec<Kaucher> { t.iter().map(|t| Kaucher::new(t - r, t + r)).collect() };
         assert_eq!(
             system.holds_box(&cube(r * 0.999_999), &SolutionSet::Tolerable),
-            Answer::Yes
+            TernaryAnswer::Yes
         );
         // The cube in the united set is proved as well.
         let wide = centre_radius(&system, &t, &SolutionSet::United).unwrap();
@@ -344,7 +344,7 @@ fn cubes_about_centres_are_those_of_the_literature() {
         let corner: Vec<f64> = t.iter().map(|t| t + 0.999_999 * wide).collect();
         assert_eq!(
             system.holds_point(&corner, &SolutionSet::United),
-            Answer::Yes
+            TernaryAnswer::Yes
         );
     }
     assert_eq!(
@@ -360,14 +360,14 @@ fn auxiliary_systems_say_which_plans_hold() {
     let plans = [(1.0, 1.0), (0.5, 1.0), (1.0, 12.0), (0.1, 1.0)];
     let plans = plans.map(|(of_a, of_b)| AuxiliaryPlan { of_a, of_b });
     let tried = auxiliary_solutions(&s5(), &SolutionSet::Tolerable, &plans, 1.0);
-    assert!(tried.iter().all(|t| t.holds == Answer::Open));
+    assert!(tried.iter().all(|t| t.holds == TernaryAnswer::Open));
     // Of the united set narrower systems have narrower solutions, which hold.
     let tried = auxiliary_solutions(&s2(), &SolutionSet::United, &plans, 1.0);
-    assert!(tried[..2].iter().any(|t| t.holds == Answer::Yes));
-    let Hull::Box(around) = solution_hull(&s2(), &SolutionSet::United) else {
+    assert!(tried[..2].iter().any(|t| t.holds == TernaryAnswer::Yes));
+    let SolutionHull::Box(around) = solution_hull(&s2(), &SolutionSet::United) else {
         panic!("no hull");
     };
-    for t in tried.iter().filter(|t| t.holds == Answer::Yes) {
+    for t in tried.iter().filter(|t| t.holds == TernaryAnswer::Yes) {
         let Formal::Solved { x, .. } = &t.formal else {
             panic!("{t:?}");
         };

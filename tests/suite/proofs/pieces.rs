@@ -2,12 +2,12 @@
 
 use crate::draws::Draws;
 use crate::program::Workspace;
-use mechanim::analysis::enclosure::{Plan, enclose_clearances};
+use mechanim::analysis::enclosure::{TolerancePlan, enclose_clearances};
 use mechanim::analysis::study::ParametricMechanism;
 use mechanim::clearance::check::{Closely, check_clearance};
 use mechanim::clearance::part::{JudgedPart, PieceClearance};
 use mechanim::diag::Source;
-use mechanim::distance::bodies::{Hull, nearest_bodies};
+use mechanim::distance::bodies::{BodyElements, nearest_bodies};
 use mechanim::kinematics::motion::continuation::{solve_motion, solve_unproved};
 use mechanim::kinematics::motion::sampling::even_times;
 use mechanim::kinematics::structure::system::System;
@@ -74,7 +74,7 @@ impl Case {
     }
 
     /// Tolerances times a factor, in internal units.
-    fn plan<'f>(&self, family: &'f ParametricMechanism, factor: f64) -> Plan<'f> {
+    fn plan<'f>(&self, family: &'f ParametricMechanism, factor: f64) -> TolerancePlan<'f> {
         let mechanism = family.mechanism();
         let unit = |name: &str| {
             let input = mechanism.inputs.iter().find(|i| i.name == name).unwrap();
@@ -82,7 +82,7 @@ impl Case {
         };
         let own = self.tolerances.iter();
         let own = own.map(|(name, t)| (name.clone(), factor * t * unit(name)));
-        Plan::new(family, &own.collect::<Vec<_>>())
+        TolerancePlan::new(family, &own.collect::<Vec<_>>())
     }
 
     fn clearances(&self, factor: f64) -> Vec<PieceClearance> {
@@ -125,7 +125,7 @@ impl Case {
             let place = |k: usize| mechanism.bodies[k].world_from_body.pose(&arguments);
             for (part, least) in self.parts.iter().zip(&mut least) {
                 let [a, b] = part.bodies;
-                let hulls = [a, b].map(|k| Hull::new(&bodies[k]).unwrap());
+                let hulls = [a, b].map(|k| BodyElements::new(&bodies[k]).unwrap());
                 // What is cut at a joint has other elements; those scenes are judged by their other pairs.
                 if hulls[0].elements.len() != part.hulls[0].elements.len()
                     || hulls[1].elements.len() != part.hulls[1].elements.len()

@@ -4,7 +4,7 @@ use crate::draws::Draws;
 use crate::driven::{Driven, Model, certify_motion, solve};
 use mechanim::diag::Source;
 use mechanim::kinematics::certificate::tube::{Prover, Tube};
-use mechanim::kinematics::results::certificate::{IntervalCertificate, Obstacle, Reason};
+use mechanim::kinematics::results::certificate::{IntervalCertificate, ProofObstacle, Reason};
 
 use crate::reference::mechanism;
 use mechanim::kinematics::results::trajectory::Trajectory;
@@ -179,7 +179,7 @@ fn motion_lies_within_its_tubes() {
 
 #[test]
 fn nothing_is_certified_across_change_points() {
-    let singular = Obstacle::Test(Reason::Singular);
+    let singular = ProofObstacle::Test(Reason::Singular);
     for (mechanism, at) in [
         (slider_crank(80.0, 80.0), [1.0, 3.0]),
         (parallelogram(40.0), [0.5, 2.5]),
@@ -292,7 +292,7 @@ fn drives_that_jump_or_have_no_rate_are_refused_there_and_only_there() {
                     "{drive}: {list:?}"
                 );
                 let obstacle = certificates[interval].refused.unwrap().obstacle;
-                assert_eq!(obstacle, Obstacle::Drive, "{drive}");
+                assert_eq!(obstacle, ProofObstacle::Drive, "{drive}");
             }
         }
     }
@@ -307,7 +307,7 @@ fn missing_poses_and_formulas_are_named() {
     for (k, certificate) in certificates.iter().enumerate() {
         let both = (k..k + 2).all(|i| trajectory.samples[i].pose.is_some());
         let refusal = certificate.refused.map(|r| r.obstacle);
-        let expected = (!both).then_some(Obstacle::NoPose);
+        let expected = (!both).then_some(ProofObstacle::NoPose);
         assert_eq!(refusal, expected, "{k}");
     }
     // A cam: the follower's lift is a formula of its angle.
@@ -325,7 +325,7 @@ fn missing_poses_and_formulas_are_named() {
         "q starts on a kink, and half a turn lies between 3.0 and 3.3"
     );
     let reason = kinked[10].refused.unwrap().obstacle;
-    assert_eq!(reason, Obstacle::Test(Reason::Formula));
+    assert_eq!(reason, ProofObstacle::Test(Reason::Formula));
 }
 
 fn certificates_of(mechanism: &Model) -> Vec<IntervalCertificate> {

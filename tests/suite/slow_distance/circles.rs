@@ -29,7 +29,7 @@ fn point<N: Number>(circle: &Circle<N>, angle: f64, by: N) -> Vector<N> {
     let (sin, cos) = (N::from(sin), N::from(cos));
     let (x, y) = (cos - sin * by, sin + cos * by);
     let scale = circle.radius.over((x * x + y * y).root());
-    circle.center + circle.across[0] * (x * scale) + circle.across[1] * (y * scale)
+    circle.centre + circle.across[0] * (x * scale) + circle.across[1] * (y * scale)
 }
 
 /// Steps of the golden section after which both places are taken anew: what rounding shifts them grows with every step.

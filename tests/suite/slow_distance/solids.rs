@@ -10,7 +10,7 @@ pub enum Solid<N> {
     Triangle([Vector<N>; 3]),
     Circle(Circle<N>),
     Box {
-        center: Vector<N>,
+        centre: Vector<N>,
         axes: [Vector<N>; 3],
         half: [N; 3],
     },
@@ -29,7 +29,7 @@ pub enum Solid<N> {
 /// A circle with two directions in its plane.
 #[derive(Clone, Copy)]
 pub struct Circle<N> {
-    pub center: Vector<N>,
+    pub centre: Vector<N>,
     pub axis: Vector<N>,
     pub across: [Vector<N>; 2],
     pub radius: N,
@@ -46,7 +46,7 @@ impl<N: Number> Solid<N> {
                 let axis = one(c.axis).unit();
                 let x = axis.cross(one(c.axis.any_orthonormal_vector())).unit();
                 Self::Circle(Circle {
-                    center: one(c.center),
+                    centre: one(c.centre),
                     axis,
                     across: [x, axis.cross(x)],
                     radius: N::from(c.radius),
@@ -55,7 +55,7 @@ impl<N: Number> Solid<N> {
             Primitive::Box(b) => {
                 let r = b.from_box.rotation;
                 Self::Box {
-                    center: one(b.from_box.translation),
+                    centre: one(b.from_box.translation),
                     axes: [r.x_axis, r.y_axis, r.z_axis].map(|a| one(a).unit()),
                     half: b.half.to_array().map(N::from),
                 }
@@ -95,13 +95,13 @@ impl<N: Number> Solid<N> {
                 edges[0].lesser(edges[1]).lesser(edges[2])
             }
             Self::Circle(c) => {
-                let offset = p - c.center;
+                let offset = p - c.centre;
                 let height = offset.dot(c.axis);
                 let out = (offset - c.axis * height).length() - c.radius;
                 (out * out + height * height).root()
             }
-            Self::Box { center, axes, half } => {
-                let offset = p - *center;
+            Self::Box { centre, axes, half } => {
+                let offset = p - *centre;
                 let beyond: [N; 3] = std::array::from_fn(|k| offset.dot(axes[k]).size() - half[k]);
                 let [x, y, z] = beyond;
                 let out = Vector(beyond.map(|b| b.greater(zero))).length();
@@ -143,13 +143,13 @@ impl<N: Number> Solid<N> {
                 };
                 higher(&higher(a, b), c)
             }
-            Self::Circle(c) => farthest_of_rim(c.center, c.axis, c.radius, n),
-            Self::Box { center, axes, half } => {
+            Self::Circle(c) => farthest_of_rim(c.centre, c.axis, c.radius, n),
+            Self::Box { centre, axes, half } => {
                 let side = |k: usize| {
                     let along = n.dot(axes[k]).rounded();
                     axes[k] * if along < 0.0 { -half[k] } else { half[k] }
                 };
-                *center + side(0) + side(1) + side(2)
+                *centre + side(0) + side(1) + side(2)
             }
             Self::Frustum {
                 from,
@@ -178,7 +178,7 @@ fn to_segment<N: Number>([a, b]: [Vector<N>; 2], p: Vector<N>) -> N {
 }
 
 fn farthest_of_rim<N: Number>(
-    center: Vector<N>,
+    centre: Vector<N>,
     axis: Vector<N>,
     radius: N,
     n: Vector<N>,
@@ -188,9 +188,9 @@ fn farthest_of_rim<N: Number>(
     let across = across - axis * across.dot(axis);
     let length = across.length();
     if length.rounded() == 0.0 {
-        return center;
+        return centre;
     }
-    center + across * radius.over(length)
+    centre + across * radius.over(length)
 }
 
 /// Signed distance of the point (radius, height) from a trapezium: the three sides that the axis does not lie on.

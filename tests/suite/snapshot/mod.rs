@@ -4,7 +4,7 @@
 //! in CI.
 
 use image::RgbaImage;
-use mechanim::snapshot::{Allowed, GoldenVerdict, Update, judge_picture};
+use mechanim::snapshot::{AllowedDifference, GoldenVerdict, Update, judge_picture};
 use std::path::{Path, PathBuf};
 
 /// Where the golden pictures of the tests are.
@@ -40,7 +40,7 @@ pub fn wish_of_environment() -> Result<Update, String> {
 }
 
 /// Fails the test unless `actual` agrees with `tests/golden/NAME.png`.
-pub fn assert_snapshot(name: &str, actual: &RgbaImage, allowed: Allowed) {
+pub fn assert_snapshot(name: &str, actual: &RgbaImage, allowed: AllowedDifference) {
     let golden = folder().join(format!("{name}.png"));
     let update = wish_of_environment().unwrap_or_else(|message| panic!("{message}"));
     if let GoldenVerdict::Failed { reason, .. } =

@@ -30,8 +30,8 @@ fn cylinder(from: [f64; 3], to: [f64; 3], radius: f64) -> Solid {
     }
 }
 
-fn cuboid(center: [f64; 3], size: [f64; 3]) -> Solid {
-    let written = format!("box = {{ center = {center:?}, size = {size:?} }}");
+fn cuboid(centre: [f64; 3], size: [f64; 3]) -> Solid {
+    let written = format!("box = {{ center = {centre:?}, size = {size:?} }}");
     solids(&written).remove(0)
 }
 

@@ -58,8 +58,8 @@ pub fn element(solid: Solid) -> Element {
     shape_elements(&[shape], &mut MeshTrees::default()).remove(0)
 }
 
-pub fn sphere(center: DVec3, radius: f64) -> Element {
-    element(Solid::Sphere { center, radius })
+pub fn sphere(centre: DVec3, radius: f64) -> Element {
+    element(Solid::Sphere { centre, radius })
 }
 
 pub fn capsule(from: DVec3, to: DVec3, radius: f64) -> Element {
@@ -79,14 +79,14 @@ pub fn cone(from: DVec3, to: DVec3, radius_from: f64, radius_to: f64) -> Element
     })
 }
 
-pub fn cuboid(center: DVec3, size: DVec3) -> Element {
-    element(Solid::Box { center, size })
+pub fn cuboid(centre: DVec3, size: DVec3) -> Element {
+    element(Solid::Box { centre, size })
 }
 
-pub fn torus(center: DVec3, axis: DVec3, ring: f64, tube: f64) -> Element {
+pub fn torus(centre: DVec3, axis: DVec3, ring: f64, tube: f64) -> Element {
     let axis = axis.normalize();
     element(Solid::Torus {
-        center,
+        centre,
         axis,
         ring,
         tube,

@@ -17,7 +17,7 @@ impl Peer {
     /// `None` for a solid that parry has no exact shape of: frustums, tori, tubes.
     pub fn new(solid: &Solid, pose: &Pose) -> Option<Self> {
         let (shape, place): (Box<dyn Shape>, Placement) = match solid {
-            Solid::Sphere { center, radius } => (Box::new(Ball::new(*radius)), at(*center)),
+            Solid::Sphere { centre, radius } => (Box::new(Ball::new(*radius)), at(*centre)),
             Solid::Capsule { from, to, radius } => (
                 Box::new(Capsule::new(*from, *to, *radius)),
                 Placement::IDENTITY,
@@ -35,7 +35,7 @@ impl Peer {
                 let half = 0.5 * from.distance(*to);
                 (Box::new(Cone::new(half, *radius_from)), along(*from, *to))
             }
-            Solid::Box { center, size } => (Box::new(Cuboid::new(*size * 0.5)), at(*center)),
+            Solid::Box { centre, size } => (Box::new(Cuboid::new(*size * 0.5)), at(*centre)),
             Solid::HalfSpace { point, normal, .. } => {
                 (Box::new(HalfSpace::new(*normal)), at(*point))
             }
@@ -71,8 +71,8 @@ impl Peer {
     }
 }
 
-fn at(center: DVec3) -> Placement {
-    Placement::from_parts(center, DQuat::IDENTITY)
+fn at(centre: DVec3) -> Placement {
+    Placement::from_parts(centre, DQuat::IDENTITY)
 }
 
 /// The middle between two points, with parry's axis of round solids, y, from one to the other.

@@ -6,7 +6,7 @@ use glam::{DMat4, DVec3, Mat4, Quat, Vec3};
 use mechanim::export::glb::write_glb;
 use mechanim::export::model::ExportModel;
 use mechanim::export::solid::{write_obj, write_stl};
-use mechanim::export::{ExportError, ExportSummary, Output, Target};
+use mechanim::export::{ExportError, ExportSummary, Output, PendingFile};
 use mechanim::kinematics::results::trajectory::Trajectory;
 use mechanim::math::Pose;
 use mechanim::scene::{Overrides, Scene, builtin, load_scene};
@@ -45,7 +45,7 @@ fn written(
 ) -> Vec<u8> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("file");
-    let summary = write(model, Box::new(Target::create(&path).unwrap())).unwrap();
+    let summary = write(model, Box::new(PendingFile::create(&path).unwrap())).unwrap();
     let bytes = std::fs::read(&path).unwrap();
     assert_eq!(summary.bytes, bytes.len() as u64);
     bytes
@@ -406,7 +406,7 @@ fn an_objs_materials_are_its_colours() {
         let (_, model) = pose(name, 40);
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
-        let target = |name: &str| Box::new(Target::create(&at(name)).unwrap());
+        let target = |name: &str| Box::new(PendingFile::create(&at(name)).unwrap());
         let library: (String, Box<dyn Output>) = ("a.mtl".to_owned(), target("a.mtl"));
         let summary = write_obj(&model, target("a.obj"), Some(library)).unwrap();
         let size = |name: &str| at(name).metadata().unwrap().len();
@@ -443,7 +443,7 @@ fn a_model_without_solids_is_no_stl() {
     type Writer = fn(&ExportModel, Box<dyn Output>) -> Result<ExportSummary, ExportError>;
     let writers: [Writer; 2] = [write_stl, |model, output| write_obj(model, output, None)];
     for write in writers {
-        let target = Target::create(&folder.path().join("a.stl")).unwrap();
+        let target = PendingFile::create(&folder.path().join("a.stl")).unwrap();
         let error = write(&model, Box::new(target)).unwrap_err().to_string();
         assert!(error.contains("nothing to write"), "{error}");
     }

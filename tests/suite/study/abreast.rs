@@ -3,12 +3,12 @@
 
 use mechanim::analysis::random::Random;
 use mechanim::analysis::study::{
-    AT_A_TIME, Evaluator, LaneEvaluator, Measured, ParametricMechanism, PoseAnchors, Rejection,
-    TrackPoses,
+    AT_A_TIME, Evaluator, LaneEvaluator, MeasureValues, ParametricMechanism, PoseAnchors,
+    Rejection, TrackPoses,
 };
 use mechanim::analysis::tolerance::{Distribution, SampleBatch, sample_pieces, values_of};
 use mechanim::diag::Source;
-use mechanim::kinematics::abreast::anchor::Anchor;
+use mechanim::kinematics::abreast::anchor::AnchorPose;
 use mechanim::kinematics::abreast::closing::LaneSolver;
 use mechanim::kinematics::loops::forward::closure_error;
 use mechanim::kinematics::motion::continuation::solve_motion;
@@ -52,7 +52,7 @@ fn pieces(stand: &TrackPoses, tolerance: f64, count: usize) -> Vec<Vec<f64>> {
     (0..count).map(one).collect()
 }
 
-type Found = Result<Measured, Rejection>;
+type Found = Result<MeasureValues, Rejection>;
 
 fn bits(found: &Found) -> Option<Vec<u64>> {
     let measures = found.as_ref().ok()?.measures.iter();
@@ -220,7 +220,7 @@ fn all_scenes_close_in_lanes() {
 
 /// Closes eight poses beside one; the number of lanes that did.
 fn close_beside(system: &System, coordinates: &[f64], item: u64, name: &str) -> usize {
-    let Some(anchor) = Anchor::new(system, coordinates) else {
+    let Some(anchor) = AnchorPose::new(system, coordinates) else {
         return 0;
     };
     let mechanism = system.mechanism();
@@ -288,8 +288,8 @@ fn a_pose_on_the_other_side_is_not_taken() {
     let other = other.expect("a four-bar has two assemblies");
     let mut lanes = LaneSolver::new(&system);
     for (anchor, pose) in [(&own, &other), (&other, &own)] {
-        let wrong = Anchor::new(&system, anchor).unwrap();
-        let right = Anchor::new(&system, pose).unwrap();
+        let wrong = AnchorPose::new(&system, anchor).unwrap();
+        let right = AnchorPose::new(&system, pose).unwrap();
         let octets = || pose.iter().map(|c| Octet::splat(*c)).collect::<Vec<_>>();
         let all = LaneMask::first(LANES);
         assert!(!lanes.close(&wrong, &mut octets(), all).lanes.any());

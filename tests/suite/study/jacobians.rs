@@ -2,7 +2,7 @@
 
 use mechanim::kinematics::measures::values_along;
 use mechanim::kinematics::motion::continuation::solve_motion;
-use mechanim::kinematics::results::columns::Column;
+use mechanim::kinematics::results::columns::ValueColumn;
 use mechanim::kinematics::structure::system::System;
 use mechanim::scene::{Overrides, builtin, load_scene};
 use mechanim::{Samples, Scene};
@@ -52,7 +52,7 @@ fn derivatives_are_the_first_coefficients_of_series() {
                 let series = values_along(&system, &place, &[own + k], 1).unwrap();
                 let per = mechanism.file_units(mechanism.inputs[own + k].kind);
                 for (j, value) in names.iter().enumerate() {
-                    let column = Column::find(mechanism, value).unwrap();
+                    let column = ValueColumn::find(mechanism, value).unwrap();
                     let unit = mechanism.file_units(column.kind(mechanism)) / per;
                     let expected = series[column.slot(mechanism)].coefficients()[1] * unit;
                     let found = row[j * parameters.len() + k];

@@ -153,7 +153,7 @@ fn gradients_of_a_contact_agree_with_differences() {
 /// A Ctrl-C ends the search of a study before the next look, with values that belong to each other, penalties left out.
 #[test]
 fn a_search_that_is_told_to_end_says_what_it_has() {
-    use mechanim::analysis::optimise::{Ended, Minimum};
+    use mechanim::analysis::optimise::{Minimum, StopReason};
     use mechanim::analysis::study::optimum::{Method, find_optimum};
     use std::sync::atomic::Ordering;
     let source = builtin::find_builtin("torus-torus").unwrap();
@@ -172,7 +172,7 @@ fn a_search_that_is_told_to_end_says_what_it_has() {
         };
         let found = find_optimum(&family, method, 50, Box::new(watch), &cancel).unwrap();
         let minimum = &found.minimum;
-        assert_eq!(minimum.ended, Ended::Stopped, "{method:?}");
+        assert_eq!(minimum.ended, StopReason::Stopped, "{method:?}");
         // It ends where a search ends whose watcher says so: nothing is counted from there on, no refusal either.
         let never = AtomicBool::new(false);
         let stop = Box::new(|_: usize, _: &[f64], _: f64| false);

@@ -181,7 +181,7 @@ fn quadratic_programmes_meet_the_conditions_of_their_minimum() {
             rows[(k, k / 2)] = if k % 2 == 0 { 1.0 } else { -1.0 };
             ends[k] = 1.0;
         }
-        let programme = quadratic::Programme {
+        let programme = quadratic::QuadraticProgramme {
             cost: DVector::from_fn(n, |_, _| random.symmetric()),
             bend,
             rows,

@@ -58,7 +58,7 @@ fn the_simplex_search_follows_the_published_rules() {
     );
     near(&found.x, &[1.0, 1.0], 1e-4);
     assert_eq!((found.iterations, found.evaluations), (85, 159));
-    assert_eq!(found.ended, Ended::Converged);
+    assert_eq!(found.ended, StopReason::Converged);
 }
 
 #[test]

@@ -5,11 +5,11 @@ use super::asked::{FreeInput, Target};
 use super::fit::{Fit, Fitting};
 use super::phases::ordered_phases;
 use crate::analysis::optimise::least_squares::minimise_squares;
-use crate::analysis::optimise::{Ended, VariableBounds};
+use crate::analysis::optimise::{StopReason, VariableBounds};
 use crate::analysis::random::Random;
 use crate::analysis::study::{FamilyError, ParametricMechanism};
 use crate::analysis::synthesis::plan::{From, SearchPlan};
-use crate::analysis::synthesis::starts::Origin;
+use crate::analysis::synthesis::starts::StartOrigin;
 use crate::jobs::share_work;
 use crate::kinematics::motion::continuation::solve_unproved;
 use crate::model::actuation::Actuation;
@@ -57,7 +57,7 @@ pub struct TargetSearch<'f> {
 #[derive(Clone, Debug, PartialEq)]
 pub struct StartResult {
     /// Where it was.
-    pub origin: Origin,
+    pub origin: StartOrigin,
     /// Sum of the squares at the start; NaN if no draw can be followed through all rows.
     pub first: f64,
     /// The same at the end.
@@ -65,7 +65,7 @@ pub struct StartResult {
     /// Steps tried.
     pub steps: usize,
     /// Why it ended.
-    pub ended: Ended,
+    pub ended: StopReason,
     /// Poses asked for.
     pub poses: usize,
 }
@@ -150,23 +150,23 @@ pub fn fit_target(search: &TargetSearch) -> Result<TargetSynthesis, FamilyError>
 
 impl TargetSearch<'_> {
     /// Where start `index` begins; every other time near the best one, if there is one.
-    fn origin(&self, index: usize, near: Option<&[f64]>) -> Origin {
+    fn origin(&self, index: usize, near: Option<&[f64]>) -> StartOrigin {
         match (self.plan.from, near) {
-            (From::Everywhere | From::Scene, _) if index == 0 => Origin::Scene,
-            (From::Scene, Some(_)) => Origin::Near(0),
-            (_, Some(_)) if index % 2 == 1 => Origin::Near(0),
-            _ => Origin::Random,
+            (From::Everywhere | From::Scene, _) if index == 0 => StartOrigin::Scene,
+            (From::Scene, Some(_)) => StartOrigin::Near(0),
+            (_, Some(_)) if index % 2 == 1 => StartOrigin::Near(0),
+            _ => StartOrigin::Random,
         }
     }
 
-    fn draw(&self, origin: Origin, random: &mut Random, near: Option<&[f64]>) -> Vec<f64> {
+    fn draw(&self, origin: StartOrigin, random: &mut Random, near: Option<&[f64]>) -> Vec<f64> {
         let reach = NEAREST * libm::pow(FARTHEST / NEAREST, random.unit());
         let variables = self.family.study.variables.iter().enumerate();
         let values = variables.map(|(k, v)| {
             let range = v.upper - v.lower;
             match (origin, near) {
-                (Origin::Scene, _) => v.start.clamp(v.lower, v.upper),
-                (Origin::Near(_), Some(near)) => {
+                (StartOrigin::Scene, _) => v.start.clamp(v.lower, v.upper),
+                (StartOrigin::Near(_), Some(near)) => {
                     (near[k] + reach * range * random.normal()).clamp(v.lower, v.upper)
                 }
                 _ => v.lower + random.unit() * range,
@@ -184,9 +184,9 @@ impl TargetSearch<'_> {
         let origin = self.origin(index, near);
         let mut fitting = Fitting::new(self.family, self.target, goes_on);
         let (mut wanted, draws) = match origin {
-            Origin::Scene => (1, 1),
-            Origin::Near(_) => (1, MOST_DRAWS),
-            Origin::Random => (CANDIDATES, MOST_DRAWS),
+            StartOrigin::Scene => (1, 1),
+            StartOrigin::Near(_) => (1, MOST_DRAWS),
+            StartOrigin::Random => (CANDIDATES, MOST_DRAWS),
         };
         let mut best: Option<(f64, Fit)> = None;
         for draw in 0..draws {
@@ -210,7 +210,7 @@ impl TargetSearch<'_> {
                 first: f64::NAN,
                 sum: f64::INFINITY,
                 steps: 0,
-                ended: Ended::Stalled,
+                ended: StopReason::Stalled,
                 poses: fitting.poses,
             };
             return (none, None);

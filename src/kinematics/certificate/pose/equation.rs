@@ -2,7 +2,7 @@
 
 use super::chain::affine_value;
 use crate::model::expression::Affine;
-use crate::model::expression::quadratic::Quadratic;
+use crate::model::expression::quadratic::QuadraticFormula;
 use crate::numbers::double_double::DoubleDouble;
 use crate::numbers::rounding::{DECIMAL, LONG_OPERATION, SLOPE};
 
@@ -22,7 +22,7 @@ impl EquationAtPose {
     /// The value at coordinates and their rests, and its uncertainty from rounding and constants.
     pub fn evaluate(
         &mut self,
-        formula: &Quadratic,
+        formula: &QuadraticFormula,
         [coordinates, rests]: [&[f64]; 2],
     ) -> (DoubleDouble, f64) {
         let form = |form: &Affine| {
@@ -60,7 +60,7 @@ impl EquationAtPose {
 
     /// Largest change of the value if every constant that f64 cannot represent differs by a unit in its last place;
     /// after an evaluation.
-    pub fn last_units(&self, formula: &Quadratic, coordinates: &[f64]) -> f64 {
+    pub fn last_units(&self, formula: &QuadraticFormula, coordinates: &[f64]) -> f64 {
         let units = |form: &Affine| {
             let terms = form.terms.iter();
             let terms = terms.map(|(slot, c)| (*c, coordinates[*slot]));

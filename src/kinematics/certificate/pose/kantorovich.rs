@@ -6,7 +6,7 @@ use crate::kinematics::certificate::gaps::LARGEST_GAP;
 use crate::kinematics::certificate::majorant::{Root, root_within};
 use crate::kinematics::certificate::neighbourhood::BALL;
 use crate::kinematics::results::certificate::Reason;
-use crate::linalg::gauss_jordan::Elimination;
+use crate::linalg::gauss_jordan::GaussJordan;
 use crate::linalg::lanes::{LaneMatrix, Lanes, add_scaled, lane_groups};
 use crate::linalg::sparse_lu::{LEAST, SparseLu};
 use crate::numbers::rounding::{GROW, U, largest_or_nan};
@@ -103,7 +103,7 @@ pub struct Kantorovich {
     matrix: LaneMatrix,
     /// R with one row per equation: any matrix serves the proof; its quality is measured.
     inverse: LaneMatrix,
-    elimination: Elimination,
+    elimination: GaussJordan,
     sparse: SparseLu,
     /// The rows in order: those of the basis, then the redundant ones.
     order: Vec<usize>,

@@ -3,7 +3,7 @@
 use super::path::TubePath;
 use super::taylor_model::TaylorModel;
 use crate::model::chain::Argument;
-use crate::model::expression::quadratic::Quadratic;
+use crate::model::expression::quadratic::QuadraticFormula;
 use crate::model::expression::{Affine, Expression};
 use crate::model::mechanism::Mechanism;
 use crate::numbers::constant::Constant;
@@ -31,7 +31,7 @@ pub struct Sparse {
     expression: Expression,
     slots: Vec<usize>,
     /// A formula of second degree, and its derivatives, of all coordinates.
-    quadratic: Option<Quadratic>,
+    quadratic: Option<QuadraticFormula>,
     slopes: Option<Vec<Affine>>,
 }
 
@@ -198,7 +198,7 @@ impl Form {
 }
 
 /// A sum of products of affine forms.
-fn quadratic_model(form: &Quadratic, coordinates: &[TaylorModel]) -> TaylorModel {
+fn quadratic_model(form: &QuadraticFormula, coordinates: &[TaylorModel]) -> TaylorModel {
     let model = |form: &Affine| TaylorModel::of_affine(form, coordinates);
     let factors: Vec<TaylorModel> = form.factors.iter().map(model).collect();
     let products = form.products.iter();

@@ -5,7 +5,7 @@ use super::drive::{DriveInterval, distinct_between, keys_between};
 use super::path::InputPath;
 use super::prover::Prover;
 use super::stretches::Station;
-use crate::kinematics::results::certificate::{Obstacle, Refusal};
+use crate::kinematics::results::certificate::{ProofObstacle, ProofRefusal};
 use crate::kinematics::solve::newton::Pace;
 use crate::model::expression::Expression;
 
@@ -43,12 +43,12 @@ impl Prover<'_> {
         &mut self,
         start: &Station,
         end: Station,
-    ) -> Result<Vec<Station>, Refusal> {
+    ) -> Result<Vec<Station>, ProofRefusal> {
         let mut ahead = Vec::new();
         for time in self.partings(start.time, end.time) {
-            let place = self.pose_between(start, &end, time).ok_or(Refusal {
+            let place = self.pose_between(start, &end, time).ok_or(ProofRefusal {
                 time: start.time,
-                obstacle: Obstacle::NotJoined,
+                obstacle: ProofObstacle::NotJoined,
             })?;
             ahead.push(place);
         }

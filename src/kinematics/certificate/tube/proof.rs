@@ -16,7 +16,7 @@ use super::taylor_model::{Polynomial, TERMS, polynomial_size};
 use crate::kinematics::certificate::gaps::LARGEST_GAP_OF_TUBE;
 use crate::kinematics::certificate::neighbourhood::BALL;
 use crate::kinematics::results::certificate::Reason;
-use crate::linalg::gauss_jordan::Elimination;
+use crate::linalg::gauss_jordan::GaussJordan;
 use crate::linalg::lanes::{LaneMatrix, Lanes, add_scaled, combine_rows, dot_lanes, lane_groups};
 use crate::numbers::rounding::{GROW, OPERATION};
 
@@ -45,7 +45,7 @@ const SMALLEST_BALL: f64 = 1e-6;
 #[derive(Clone, Debug, Default)]
 pub struct Workspace {
     pub rows: TubeRows,
-    elimination: Elimination,
+    elimination: GaussJordan,
     square: LaneMatrix,
     pub(super) inverse: LaneMatrix,
     /// Row by row: R₀, R₁, R₂ beside each other.

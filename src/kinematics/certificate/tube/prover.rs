@@ -7,7 +7,7 @@ use super::stretches::{Bases, Station, Tube, largest_value};
 use super::taylor_model::{Polynomial, TERMS};
 use crate::kinematics::certificate::pose::prover::PoseProver;
 use crate::kinematics::results::certificate::{
-    Certificate, IntervalCertificate, Obstacle, Reason, Refusal,
+    Certificate, IntervalCertificate, ProofObstacle, ProofRefusal, Reason,
 };
 use crate::kinematics::results::passed::PassedPoses;
 use crate::kinematics::results::trajectory::Sample;
@@ -139,7 +139,7 @@ impl<'m> Prover<'m> {
 
     /// The tubes of an interval, from its start up to its end or a failure. None is shorter than `floor` of the
     /// interval.
-    pub fn tubes(&mut self, pair: &[Sample], floor: f64) -> (Vec<Tube>, Option<Refusal>) {
+    pub fn tubes(&mut self, pair: &[Sample], floor: f64) -> (Vec<Tube>, Option<ProofRefusal>) {
         let mut tubes = Vec::new();
         let refused = match pair {
             [start, end] => self.between(start, end, floor, &mut tubes).err(),
@@ -171,8 +171,8 @@ impl<'m> Prover<'m> {
         end: &Sample,
         floor: f64,
         tubes: &mut Vec<Tube>,
-    ) -> Result<(), Refusal> {
-        let refuse = |sample: &Sample, obstacle| Refusal {
+    ) -> Result<(), ProofRefusal> {
+        let refuse = |sample: &Sample, obstacle| ProofRefusal {
             time: sample.time,
             obstacle,
         };
@@ -181,14 +181,14 @@ impl<'m> Prover<'m> {
         let jumps = self.actuation.jumps_between(start.time, end.time);
         if jumps.at_end {
             if !self.may_jump {
-                return Err(refuse(end, Obstacle::Drive));
+                return Err(refuse(end, ProofObstacle::Drive));
             }
             last = self.before_a_jump(&here, last);
         }
         // Of two jumps neither pose is on the motion between them: of open chains alone it is known where that is.
         if jumps.at_start {
             if !self.may_jump || (jumps.at_end && !last.unknowns.is_empty()) {
-                return Err(refuse(start, Obstacle::Drive));
+                return Err(refuse(start, ProofObstacle::Drive));
             }
             here = self.after_a_jump(here, &last);
         }
@@ -198,9 +198,9 @@ impl<'m> Prover<'m> {
         let inside = jumps.inside.map(|time| around_instant(time).lo);
         while let Some(next) = ahead.pop() {
             if inside.is_some_and(|jump| jump <= here.time) {
-                return Err(Refusal {
+                return Err(ProofRefusal {
                     time: here.time,
-                    obstacle: Obstacle::Drive,
+                    obstacle: ProofObstacle::Drive,
                 });
             }
             match self.tube(&here, &next, tubes.last()) {
@@ -213,13 +213,13 @@ impl<'m> Prover<'m> {
                     // Times that are next to each other have none between them.
                     let is_between = here.time < time && time < next.time;
                     if next.time - here.time < 2.0 * floor || !is_between {
-                        return Err(Refusal {
+                        return Err(ProofRefusal {
                             time: here.time,
                             obstacle,
                         });
                     }
                     let middle = self.pose_between(&here, &next, time);
-                    let middle = middle.ok_or(Refusal {
+                    let middle = middle.ok_or(ProofRefusal {
                         time: here.time,
                         obstacle,
                     })?;
@@ -231,14 +231,14 @@ impl<'m> Prover<'m> {
     }
 
     /// A certified sample.
-    fn place(&self, sample: &Sample) -> Result<Station, Obstacle> {
-        let pose = sample.pose.as_ref().ok_or(Obstacle::NoPose)?;
+    fn place(&self, sample: &Sample) -> Result<Station, ProofObstacle> {
+        let pose = sample.pose.as_ref().ok_or(ProofObstacle::NoPose)?;
         let error = match pose.certificate {
             Certificate::Certified { error_bound, .. }
             | Certificate::Consistent { error_bound, .. } => error_bound,
             // Tubes describe angles, which have no bound here.
-            Certificate::Locked { .. } => return Err(Obstacle::Test(Reason::GimbalLock)),
-            Certificate::Refused { reason } => return Err(Obstacle::Test(reason)),
+            Certificate::Locked { .. } => return Err(ProofObstacle::Test(Reason::GimbalLock)),
+            Certificate::Refused { reason } => return Err(ProofObstacle::Test(reason)),
         };
         Ok(Station {
             time: sample.time,
@@ -266,23 +266,23 @@ impl<'m> Prover<'m> {
         here: &Station,
         next: &Station,
         before: Option<&Tube>,
-    ) -> Result<Tube, Obstacle> {
+    ) -> Result<Tube, ProofObstacle> {
         let mut inputs = self.inputs_over(here.time, next.time).widened(&self.play);
         if !inputs.is_finite() {
-            return Err(Obstacle::Drive);
+            return Err(ProofObstacle::Drive);
         }
         for place in [here, next] {
             self.admit(&mut inputs, place)?;
         }
         let path = inputs.with(self.first_guess(here, next, before));
         let tube = self.prove_on_some_rows(here, next, &path);
-        let tube = tube.map_err(Obstacle::Test)?;
+        let tube = tube.map_err(ProofObstacle::Test)?;
         if before.is_some_and(|before| !tube.has_inputs_of(before, self.system.mechanism())) {
-            return Err(Obstacle::Drive);
+            return Err(ProofObstacle::Drive);
         }
         let joined = [here, next].iter().all(|place| self.holds(&tube, place))
             && before.is_none_or(|before| tube.has_motion_of(before, self.system.mechanism()));
-        joined.then_some(tube).ok_or(Obstacle::NotJoined)
+        joined.then_some(tube).ok_or(ProofObstacle::NotJoined)
     }
 
     /// Proves the tube on suitable rows: an over-determined block leaves a choice, and rows that are good at one pose
@@ -392,7 +392,7 @@ impl<'m> Prover<'m> {
     }
 
     /// Takes the inputs of a sample into the enclosed drive.
-    fn admit(&self, inputs: &mut InputPath, place: &Station) -> Result<(), Obstacle> {
+    fn admit(&self, inputs: &mut InputPath, place: &Station) -> Result<(), ProofObstacle> {
         let Some((values, _)) = &place.sample else {
             return Ok(());
         };
@@ -403,7 +403,7 @@ impl<'m> Prover<'m> {
             let open = printed::printing_unit(*value, unit);
             let off = inputs.admit(k, place.time, *value, open);
             if off.is_nan() || off > SAME_INPUT * self.unit(k, *value) {
-                return Err(Obstacle::Drive);
+                return Err(ProofObstacle::Drive);
             }
         }
         Ok(())

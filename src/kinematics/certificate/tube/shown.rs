@@ -1,6 +1,6 @@
 //! Formulas of a pose (coordinates, traced points, outputs) over a tube, as Taylor models.
 
-use super::shown_value::{Line, ShownValue};
+use super::shown_value::{LineSeries, ShownValue};
 use super::stretches::Tube;
 use super::taylor_model::TaylorModel;
 use crate::kinematics::loops::observed::formula_value;
@@ -24,7 +24,7 @@ impl Tube {
             ShownValue {
                 middle: middle[k],
                 everywhere: everywhere[k],
-                beside: Line::linear(coordinate.range(), Interval::around_zero(off), 1),
+                beside: LineSeries::linear(coordinate.range(), Interval::around_zero(off), 1),
             }
         };
         let coordinates: Vec<ShownValue> = coordinates.iter().enumerate().map(shown).collect();

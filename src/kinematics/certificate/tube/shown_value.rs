@@ -13,7 +13,7 @@ use crate::numbers::series::Series;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// From the path towards the motion: value and derivative along the line between them.
-pub type Line = Series<Interval, 2>;
+pub type LineSeries = Series<Interval, 2>;
 
 /// A number over one tube.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,7 +23,7 @@ pub struct ShownValue {
     /// About every place of it at once.
     pub everywhere: TaylorEnclosure,
     /// Anywhere between path and motion, along any line from one to the other.
-    pub beside: Line,
+    pub beside: LineSeries,
 }
 
 impl ShownValue {
@@ -48,7 +48,7 @@ impl ShownValue {
     fn map(
         self,
         of_series: impl Fn(TaylorEnclosure) -> TaylorEnclosure,
-        of_line: impl Fn(Line) -> Line,
+        of_line: impl Fn(LineSeries) -> LineSeries,
     ) -> Self {
         Self {
             middle: of_series(self.middle),
@@ -61,7 +61,7 @@ impl ShownValue {
         self,
         other: Self,
         of_series: impl Fn(TaylorEnclosure, TaylorEnclosure) -> TaylorEnclosure,
-        of_line: impl Fn(Line, Line) -> Line,
+        of_line: impl Fn(LineSeries, LineSeries) -> LineSeries,
     ) -> Self {
         Self {
             middle: of_series(self.middle, other.middle),

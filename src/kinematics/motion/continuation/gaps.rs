@@ -2,7 +2,7 @@
 
 use crate::kinematics::certificate::absence::has_no_pose;
 use crate::kinematics::motion::tracker::path_tracker::{PathPoint, PathTracker, Unwatched};
-use crate::kinematics::results::trajectory::{Ending, Gap, Instant, RemainingGap};
+use crate::kinematics::results::trajectory::{Ending, Instant, MotionGap, RemainingGap};
 use crate::kinematics::solve::assembly::{NotClosed, smallest_gap};
 
 /// Poses (scaled unknowns) that agree within this are the same pose.
@@ -12,7 +12,7 @@ const SAME_POSE: f64 = 1e-6;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Gaps {
     /// In the order of time; the last one may be open.
-    pub list: Vec<Gap>,
+    pub list: Vec<MotionGap>,
     /// The sample of the present gap with the largest closure error.
     widest: Option<(f64, NotClosed)>,
     /// After the end of a motion: a pose of another assembly at the last sample, which the motion cannot reach.
@@ -32,7 +32,7 @@ impl Gaps {
         self.elsewhere = None;
         self.widest = None;
         let (from, ending) = from.unzip();
-        self.list.push(Gap {
+        self.list.push(MotionGap {
             from: from.map(|time| gap_instant(tracker, time)),
             until: None,
             ending,
@@ -43,7 +43,7 @@ impl Gaps {
 
     /// Poses may exist in the present gap; a certain end of the motion before it is kept.
     pub fn give_up(&mut self, ending: Ending) {
-        let undecided = |gap: &&mut Gap| gap.ending.as_ref().is_none_or(Ending::is_undecided);
+        let undecided = |gap: &&mut MotionGap| gap.ending.as_ref().is_none_or(Ending::is_undecided);
         if let Some(gap) = self.list.last_mut().filter(undecided) {
             gap.ending = Some(ending);
         }

@@ -72,7 +72,7 @@ impl Events {
 }
 
 /// Poses between two others, each predicted from the nearest known one.
-struct Between<'t, 's> {
+struct PoseInterpolation<'t, 's> {
     tracker: &'t mut PathTracker<'s>,
     ball: &'t Ball,
     start: f64,
@@ -81,7 +81,7 @@ struct Between<'t, 's> {
     known: Vec<(f64, Vec<f64>)>,
 }
 
-impl Between<'_, '_> {
+impl PoseInterpolation<'_, '_> {
     /// The two numbers that vanish where the angles are locked, at the fraction `s` of the way.
     fn lock_at(&mut self, s: f64) -> Option<DVec2> {
         let near = |x: &&(f64, Vec<f64>), y: &&(f64, Vec<f64>)| {
@@ -111,7 +111,7 @@ fn locate_lock(
     part: f64,
 ) -> (f64, f64) {
     let span = b.time - a.time;
-    let mut between = Between {
+    let mut between = PoseInterpolation {
         tracker,
         ball,
         start: a.time,

@@ -25,7 +25,7 @@ const ROUNDING: f64 = 1e-13;
 const MOST_CORRECTIONS: usize = 50;
 
 /// A pose on the way from one to another, at a share of the time between them.
-struct Between {
+struct IntermediatePose {
     share: f64,
     pose: Vec<f64>,
     sigma_min: f64,
@@ -34,7 +34,7 @@ struct Between {
 impl PathTracker<'_> {
     /// Poses between two others, if there is one at every instant that is looked at.
     pub(super) fn joining(&mut self, a: &PathPoint, b: &PathPoint) -> Option<Vec<Vec<f64>>> {
-        let ends = [(0.0, a), (1.0, b)].map(|(share, end)| Between {
+        let ends = [(0.0, a), (1.0, b)].map(|(share, end)| IntermediatePose {
             share,
             pose: end.coordinates.to_vec(),
             sigma_min: end.branch.sigma_min,
@@ -64,7 +64,7 @@ impl PathTracker<'_> {
         &mut self,
         [from, to]: [f64; 2],
         share: f64,
-        found: &mut Vec<Between>,
+        found: &mut Vec<IntermediatePose>,
     ) -> Option<()> {
         let time = from + share * (to - from);
         let inputs = self.inputs(time).ok()?;
@@ -80,7 +80,7 @@ impl PathTracker<'_> {
         let sigma_min = self.solver.observe(&pose).sigma_min;
         found.insert(
             place,
-            Between {
+            IntermediatePose {
                 share,
                 pose,
                 sigma_min,

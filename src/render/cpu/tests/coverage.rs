@@ -7,7 +7,7 @@ fn a_ball_covers_its_disc() {
     let radius = 20.0;
     let ball = mesh_of(
         &Shape::Sphere {
-            center: DVec3::ZERO,
+            centre: DVec3::ZERO,
             radius,
         },
         1e-6,

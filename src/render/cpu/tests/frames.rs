@@ -41,7 +41,7 @@ fn a_facing_surface_has_the_colour_of_the_look() {
 fn workshop(samples: u32) -> (Stage, Frame) {
     let solids = [
         Shape::Torus {
-            center: DVec3::ZERO,
+            centre: DVec3::ZERO,
             axis: DVec3::Z,
             ring: 1.0,
             tube: 0.3,
@@ -52,12 +52,12 @@ fn workshop(samples: u32) -> (Stage, Frame) {
             radius: 0.2,
         },
         Shape::Box {
-            center: DVec3::new(0.0, 1.0, 0.0),
+            centre: DVec3::new(0.0, 1.0, 0.0),
             size: DVec3::new(2.5, 0.3, 0.5),
         },
     ];
     let ground = Ground {
-        center: DVec3::Z * -0.2,
+        centre: DVec3::Z * -0.2,
         normal: DVec3::Z,
         radius: 4.0,
         grid: 0.5,

@@ -3,7 +3,7 @@
 use super::*;
 
 fn lined(mut stage: Stage, creases: bool) -> Stage {
-    stage.edges = Some(Edges {
+    stage.edges = Some(EdgeStyle {
         creases,
         ink: BLACK,
     });

@@ -11,7 +11,7 @@ use crate::geometry::{Mesh, mesh_of};
 use crate::math::Pose;
 use crate::model::shape::Solid as Shape;
 use crate::render::colour::ToneCurve;
-use crate::render::edges::Edges;
+use crate::render::edges::EdgeStyle;
 use crate::render::look::{ALL_OPEN, Rim, Surroundings};
 use crate::render::{Camera, Ground, Instance, Projection, look};
 use glam::DVec3;

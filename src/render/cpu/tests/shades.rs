@@ -30,17 +30,17 @@ fn picture(bodies: Vec<(Shape, Pose)>, shades: bool) -> RgbaImage {
 
 fn plate() -> (Shape, Pose) {
     let size = DVec3::new(230.0, 230.0, 20.0);
-    let center = DVec3::new(0.0, 0.0, -10.0);
-    (Shape::Box { center, size }, Pose::IDENTITY)
+    let centre = DVec3::new(0.0, 0.0, -10.0);
+    (Shape::Box { centre, size }, Pose::IDENTITY)
 }
 
-fn ball(center: DVec3, radius: f64) -> (Shape, Pose) {
-    let center_of = DVec3::ZERO;
+fn ball(centre: DVec3, radius: f64) -> (Shape, Pose) {
+    let centre_of = DVec3::ZERO;
     let solid = Shape::Sphere {
-        center: center_of,
+        centre: centre_of,
         radius,
     };
-    (solid, Pose::from_translation(center))
+    (solid, Pose::from_translation(centre))
 }
 
 /// The point of the plate's face in the middle of a pixel.
@@ -49,35 +49,35 @@ fn on_plate(x: u32, y: u32) -> DVec3 {
     DVec3::new(f64::from(x) + 0.5 - half, half - 0.5 - f64::from(y), 0.0)
 }
 
-/// Distance of a point from the ray of light through it that comes nearest to `center`.
-fn off_the_light(point: DVec3, center: DVec3) -> f64 {
+/// Distance of a point from the ray of light through it that comes nearest to `centre`.
+fn off_the_light(point: DVec3, centre: DVec3) -> f64 {
     let light = DVec3::from(KEY_DIRECTION.map(f64::from));
-    (center - point).cross(light).length()
+    (centre - point).cross(light).length()
 }
 
 /// A ball throws an ellipse on a plate: half the darkness lies within a pixel and a half of where the light grazes it,
 /// all of it three pixels further in, none three further out.
 #[test]
 fn the_shadow_of_a_ball_ends_where_light_grazes_it() {
-    let (center, radius) = (DVec3::new(-20.0, 40.0, 45.0), 22.0);
-    let bodies = || vec![plate(), ball(center, radius)];
+    let (centre, radius) = (DVec3::new(-20.0, 40.0, 45.0), 22.0);
+    let bodies = || vec![plate(), ball(centre, radius)];
     let (shaded, open) = (picture(bodies(), true), picture(bodies(), false));
     let darkness = |x: u32, y: u32| {
         let [a, b] = [&shaded, &open].map(|image| f64::from(image.get_pixel(x, y).0[0]));
         b - a
     };
-    let middle = center
-        - DVec3::from(KEY_DIRECTION.map(f64::from)) * (center.z / f64::from(KEY_DIRECTION[2]));
+    let middle = centre
+        - DVec3::from(KEY_DIRECTION.map(f64::from)) * (centre.z / f64::from(KEY_DIRECTION[2]));
     let full = darkness((middle.x + 120.0) as u32, (120.0 - middle.y) as u32);
     assert!(full > 25.0, "{full}");
     let (mut inside, mut border) = (0, 0);
     for (x, y) in (10..SIDE - 10).flat_map(|x| (10..SIDE - 10).map(move |y| (x, y))) {
         let point = on_plate(x, y);
         // Pixels that show the ball itself, and those that it keeps the light around from.
-        if (point - center).truncate().length() < radius + 26.0 {
+        if (point - centre).truncate().length() < radius + 26.0 {
             continue;
         }
-        let out = off_the_light(point, center) - radius;
+        let out = off_the_light(point, centre) - radius;
         let dark = darkness(x, y) / full;
         match out {
             // Across the plate a pixel may be farther off than across the light.
@@ -105,7 +105,7 @@ fn a_convex_body_does_not_shade_itself() {
         radius: 20.0,
     };
     let slab = Shape::Box {
-        center: DVec3::ZERO,
+        centre: DVec3::ZERO,
         size: DVec3::new(140.0, 120.0, 30.0),
     };
     let capsule = Shape::Capsule {
@@ -114,7 +114,7 @@ fn a_convex_body_does_not_shade_itself() {
         radius: 6.0,
     };
     let round = Shape::Sphere {
-        center: DVec3::ZERO,
+        centre: DVec3::ZERO,
         radius: 70.0,
     };
     for solid in [cylinder, slab, capsule, round] {
@@ -137,7 +137,7 @@ fn a_convex_body_does_not_shade_itself() {
 #[test]
 fn a_shadow_begins_at_the_foot_of_what_throws_it() {
     let block = Shape::Box {
-        center: DVec3::new(-30.0, 30.0, 30.0),
+        centre: DVec3::new(-30.0, 30.0, 30.0),
         size: DVec3::new(60.0, 40.0, 60.0),
     };
     let bodies = || vec![plate(), (block.clone(), Pose::IDENTITY)];

@@ -21,7 +21,7 @@ use crate::scene::resolve::parsing::{NamedChains, note_diagnostic, parsed_expres
 pub struct ParsedContact {
     pub name: Spanned<String>,
     pub sides: [ContactSide; 2],
-    pub closure: Closure,
+    pub closure: ContactClosure,
     /// World to the contact point, x along the normal from the first surface to the second.
     pub frame: Option<Vec<Factor>>,
 }
@@ -29,14 +29,14 @@ pub struct ParsedContact {
 impl ParsedContact {
     /// Whether both surfaces are spheres.
     pub fn is_of_spheres(&self) -> bool {
-        matches!(self.closure, Closure::Distance)
+        matches!(self.closure, ContactClosure::Distance)
     }
 
     /// Changes every factor.
     pub fn visit_factors(&mut self, change: &dyn Fn(&mut Factor)) {
         let closing = match &mut self.closure {
-            Closure::Frame(factors) | Closure::Point(factors) => Some(factors),
-            Closure::Distance => None,
+            ContactClosure::Frame(factors) | ContactClosure::Point(factors) => Some(factors),
+            ContactClosure::Distance => None,
         };
         let frames = self.sides.iter_mut().map(|side| &mut side.frame);
         let all = frames.chain(closing).chain(&mut self.frame);
@@ -60,8 +60,8 @@ impl ParsedContact {
     /// Every factor whose names may be unknowns.
     pub fn factors(&self) -> impl Iterator<Item = &Factor> {
         let closing = match &self.closure {
-            Closure::Frame(factors) | Closure::Point(factors) => factors.as_slice(),
-            Closure::Distance => &[],
+            ContactClosure::Frame(factors) | ContactClosure::Point(factors) => factors.as_slice(),
+            ContactClosure::Distance => &[],
         };
         let frames = self.sides.iter().flat_map(|side| &side.frame);
         frames.chain(closing)
@@ -75,7 +75,7 @@ pub struct ContactSide {
 }
 
 /// What must hold.
-pub enum Closure {
+pub enum ContactClosure {
     /// The product must be the identity.
     Frame(Vec<Factor>),
     /// The product must map the origin to itself.
@@ -132,9 +132,13 @@ impl ContactItems {
         diagnostics: &mut Diagnostics,
     ) -> Option<ParsedContact> {
         let closure = match self.closing_items() {
-            (_, None) => Some(Closure::Distance),
-            (true, Some(items)) => chains.expand(&items, diagnostics).map(Closure::Frame),
-            (false, Some(items)) => chains.expand(&items, diagnostics).map(Closure::Point),
+            (_, None) => Some(ContactClosure::Distance),
+            (true, Some(items)) => chains
+                .expand(&items, diagnostics)
+                .map(ContactClosure::Frame),
+            (false, Some(items)) => chains
+                .expand(&items, diagnostics)
+                .map(ContactClosure::Point),
         };
         let frame = self.frame();
         let frame = frame.map(|items| chains.expand(&items, diagnostics));

@@ -10,7 +10,7 @@ use super::super::names::{Meaning, Names};
 use super::super::symbolic::{
     Drafted, Formulas, SymbolicTerm, cross_product, dot_product, vector_difference,
 };
-use super::chains::{Closure, ParsedContact};
+use super::chains::{ContactClosure, ParsedContact};
 use super::parallel::factors_across;
 use crate::diag::{Diagnostic, Diagnostics, shown_number};
 use crate::model::chain::{Argument, Chain, ChainStep, ElementaryMotion};
@@ -110,10 +110,10 @@ impl Contacts {
     ) {
         let name = contact.name.value.clone();
         let (factors, closes) = match &contact.closure {
-            Closure::Frame(factors) => (factors, Closes::Frame),
-            Closure::Point(factors) => (factors, Closes::Point),
+            ContactClosure::Frame(factors) => (factors, Closes::Frame),
+            ContactClosure::Point(factors) => (factors, Closes::Point),
             // Two spheres: one equation for the distance of their centres, which may be points of loops of their own.
-            Closure::Distance => {
+            ContactClosure::Distance => {
                 let formulas = Formulas::default();
                 let own = closed_chains(contact, joints);
                 let ends = match &own {
