@@ -23,7 +23,7 @@ pub struct DrawArgs {
     /// The scene.
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// File to write: .svg, .pdf or .png; `-` for SVG on standard output.
+    /// Output: .svg, .pdf or .png; `-` for SVG on standard output.
     #[arg(long, short, value_name = "FILE")]
     pub out: PathBuf,
     /// Time in seconds of the pose that is drawn; if absent, the one of 24 poses whose loops enclose the largest area.
@@ -68,10 +68,10 @@ pub struct ShowArgs {
     /// A chain of `[chains]`, or a loop. May be repeated; all loops if none is named.
     #[arg(long = "chain", value_name = "NAME")]
     pub chains: Vec<String>,
-    /// Format, where the file name does not tell: text if absent.
+    /// Format, if the file name does not determine it: text if absent.
     #[arg(long, value_enum)]
     pub format: Option<BoardFormat>,
-    /// File to write: .txt, .json, .tex or .html; standard output if absent.
+    /// Output: .txt, .json, .tex or .html; standard output if absent.
     #[arg(long, short, value_name = "FILE")]
     pub out: Option<PathBuf>,
 }

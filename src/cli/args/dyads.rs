@@ -31,7 +31,7 @@ pub struct DyadsArgs {
     /// The row.
     #[command(flatten)]
     pub row: RowArgs,
-    /// File to write: the table of the velocities as .csv, .md or .tex, or everything as .json; `-` for JSON on standard
+    /// Output: the table of the velocities as .csv, .md or .tex, or everything as .json; `-` for JSON on standard
     /// output.
     #[arg(long, short, value_name = "FILE")]
     pub out: Option<PathBuf>,
@@ -63,7 +63,7 @@ pub struct IntervalsArgs {
     /// Keep the direction of each bar within this many degrees of its own, instead of the whole range of --delta.
     #[arg(long, value_name = "DEGREES", value_parser = positive_number)]
     pub spread: Option<f64>,
-    /// Velocity of the given point in place of its own: VX,VY.
+    /// Velocity of the last point, in place of its own: VX,VY.
     #[arg(long, value_name = "VX,VY", value_parser = two_numbers, allow_hyphen_values = true)]
     pub velocity: Option<[f64; 2]>,
     /// Half the width of all right-hand sides; 5 % of the given velocity if absent.
@@ -87,7 +87,7 @@ pub struct IntervalsArgs {
     /// How often the squares of a paving are halved.
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = halving_count)]
     pub halvings: u32,
-    /// File to write: the result as .json; `-` for standard output.
+    /// Output: the result as .json; `-` for standard output.
     #[arg(long, short, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Draw a chart (.svg or .png): the paved sets in the plane of the mechanism. With --derive tied.

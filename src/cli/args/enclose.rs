@@ -17,7 +17,7 @@ pub struct EncloseArgs {
     /// are none, every length and angle.
     #[command(flatten)]
     pub vary: VaryArgs,
-    /// Tolerance of every dimension that has none of its own: half the width, in the dimension's unit.
+    /// Tolerance of every dimension that has none of its own: plus or minus this, in the dimension's unit.
     #[arg(long, value_name = "VALUE", value_parser = positive_number)]
     pub tolerance: Option<f64>,
     /// Number of samples, spread evenly over the motion.
@@ -44,7 +44,7 @@ pub struct EncloseArgs {
     /// Worker threads; all cores if absent. The numbers do not depend on it.
     #[arg(long, value_name = "N", value_parser = thread_count)]
     pub threads: Option<usize>,
-    /// File to write: the bands of every sample as .csv or .json; `-` for CSV on standard output.
+    /// Output: the bands of every sample as .csv or .json; `-` for CSV on standard output.
     #[arg(long, short, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Draw a chart (.svg or .png): the bands over time, relative to the nominal motion.

@@ -47,7 +47,7 @@ pub struct Cli {
     pub quiet: bool,
 }
 
-const EXIT_CODES: &str = "Exit codes: 0 done; 1 a check failed or could not prove what it was asked to, or a motion was given up undecided; \
+const EXIT_CODES: &str = "Exit codes: 0 done; 1 a check failed or could not prove what it was asked to, or it is undecided whether a pose exists; \
 2 bad usage, bad scene, or a limit exceeded; 3 no usable graphics adapter; 4 the motion does not reach its end; 70 internal error; 130 interrupted.";
 
 /// `mechanim schema`
@@ -137,7 +137,7 @@ pub enum Command {
     },
     /// Write manual pages, one for each verb, into a folder.
     Manual {
-        /// The folder, which must exist.
+        /// An existing folder.
         folder: PathBuf,
     },
 }

@@ -30,7 +30,7 @@ pub struct RenderArgs {
     /// Number of frames, spread evenly over the motion.
     #[arg(long, value_name = "N", conflicts_with = "fps", value_parser = frame_count)]
     pub frames: Option<usize>,
-    /// Time in seconds of the one picture to draw.
+    /// Time in seconds: draw one picture, of this instant.
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
     pub at: Option<f64>,
     /// Draw one picture: the frame with this number, counted from 0.
@@ -59,7 +59,7 @@ pub struct RenderArgs {
     /// Show a plot with a moving marker beside or below the motion: the scene's first, or the one with this title.
     #[arg(long, value_name = "TITLE", num_args = 0..=1, require_equals = true, default_missing_value = "")]
     pub panel: Option<String>,
-    /// Newton's iterates from the start values in place of the motion: one still with all of them as ghosts, or an
+    /// Show Newton's iterates from the start values instead of the motion: one still with all of them as ghosts, or an
     /// animation with one in each frame.
     #[arg(long, conflicts_with_all = ["at", "frame", "frames", "panel", "highlight"])]
     pub trace_iterations: bool,
@@ -77,7 +77,7 @@ pub struct SolveArgs {
     /// The scene.
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// File to write: the table as .csv or .json; `-` for CSV on standard output.
+    /// Output: the table as .csv or .json; `-` for CSV on standard output.
     #[arg(long, short, value_name = "FILE")]
     pub out: PathBuf,
     /// Number of samples, spread evenly over the motion; the scene's frames if absent.
@@ -86,8 +86,8 @@ pub struct SolveArgs {
     /// Time in seconds of the one pose to solve; the motion is followed up to it.
     #[arg(long, value_name = "SECONDS", conflicts_with = "samples")]
     pub at: Option<f64>,
-    /// Newton's iterates from the start values at the start of the drive, in place of the motion: unknowns, corrections
-    /// and the closure error of every loop; in JSON also the open polygons.
+    /// Show Newton's iterates from the start values at the start of the drive, instead of the motion: unknowns,
+    /// corrections and the closure error of every loop; in JSON also the open polygons.
     #[arg(long, conflicts_with_all = ["samples", "at", "rates", "order"])]
     pub trace_iterations: bool,
     /// Add columns with the rates of the unknowns per second.
@@ -110,7 +110,7 @@ pub struct SolveArgs {
     /// What is proved: nothing, every pose, or also the motion between the samples.
     #[arg(long, value_enum, default_value_t = CertifyArg::Pose)]
     pub certify: CertifyArg,
-    /// Format, where the file name does not tell.
+    /// Format, if the file name does not determine it.
     #[arg(long, value_enum)]
     pub format: Option<TableFormat>,
 }
@@ -129,8 +129,7 @@ pub struct RequirementArgs {
     /// check fails if a requested proof fails.
     #[arg(long, value_enum, default_value_t = CertifyArg::Pose)]
     pub certify: CertifyArg,
-    /// A pair counts as near if it is less than this length above its minimum; the length of the minimum itself if
-    /// absent.
+    /// A pair counts as near if it is less than this length above its minimum; if absent, below twice its minimum.
     #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
     pub band: Option<f64>,
     /// Let pairs of bodies pass whose bound is only estimated.
@@ -139,8 +138,8 @@ pub struct RequirementArgs {
     /// Let a check pass that judges no pair of bodies though the scene asks for clearances.
     #[arg(long)]
     pub allow_empty: bool,
-    /// Number of rows to print: pairs of bodies, the worst first. Of more than 200 pairs distant ones are judged together,
-    /// but at least this many one by one.
+    /// Number of rows to print: pairs of bodies, the worst first. With more than 200 pairs, distant ones are
+    /// judged together; at least this many are judged one by one.
     #[arg(long = "rows", alias = "worst", value_name = "N", default_value_t = 10)]
     pub worst: usize,
     /// How close the proved bound must come to the least distance found, as a fraction of the pair's minimum (of that
@@ -200,8 +199,8 @@ pub struct CheckArgs {
     /// worst moment.
     #[arg(long, value_name = "FILE", conflicts_with = "pose")]
     pub plot: Option<PathBuf>,
-    /// Draw the worst pair where it is nearest, with distance, time and verdict, into this PNG file; in red if it does
-    /// not pass.
+    /// Draw the worst pair where it is nearest, with distance, time and verdict, into this PNG file: red and
+    /// blue if it does not pass, green and blue if it does.
     #[arg(long, value_name = "FILE.png", conflicts_with = "pose")]
     pub render: Option<PathBuf>,
     /// Draw the least distances of all pairs of bodies as a matrix into this file (.svg or .png), coloured by class:
@@ -232,7 +231,7 @@ pub struct ModesArgs {
     /// Time in seconds at which the inputs are taken from the drive.
     #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
     pub at: f64,
-    /// Number of starts at most. The search ends earlier once an estimate says that hardly any assembly is missing.
+    /// Number of starts, at most. The search ends earlier when few assemblies are estimated to be missing.
     #[arg(long, value_name = "N", default_value_t = crate::kinematics::assemblies::DEFAULT_STARTS, value_parser = start_count)]
     pub starts: usize,
     /// Write the report as JSON to this file (`-` for standard output).

@@ -28,13 +28,14 @@ pub struct SensitivityArgs {
     /// Rank by this measure; the study's objective if absent.
     #[arg(long, value_name = "MEASURE")]
     pub rank: Option<String>,
-    /// Find tolerances that keep the scatter of a measure to this, shared equally by the dimensions: MEASURE=VALUE.
+    /// Find tolerances that keep the scatter (root sum square) of a measure to VALUE, every dimension contributing
+    /// equally: MEASURE=VALUE.
     #[arg(long, value_name = "MEASURE=VALUE", value_parser = named_limit)]
     pub scatter: Option<(String, f64)>,
     /// Draw a chart (.svg or .png): the derivatives as bars, ranked.
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
-    /// File to write: the whole table as .csv or .json; `-` for JSON on standard output.
+    /// Output: the whole table as .csv or .json; `-` for JSON on standard output.
     #[arg(long, short, value_name = "FILE")]
     pub out: Option<PathBuf>,
 }
@@ -48,7 +49,7 @@ pub struct ScatterArgs {
     /// What scatters; every length and angle if absent.
     #[command(flatten)]
     pub vary: VaryArgs,
-    /// Tolerance of every dimension that has none of its own: half the width, in the dimension's unit.
+    /// Tolerance of every dimension that has none of its own: plus or minus this, in the dimension's unit.
     #[arg(long, value_name = "VALUE", value_parser = half_width)]
     pub tolerance: Option<f64>,
     /// Distribution of a dimension within its tolerance.
@@ -155,11 +156,11 @@ pub struct OptimiseArgs {
     /// Write the points that the search visited as CSV: iteration, objective, variables (`-` for standard output).
     #[arg(long, value_name = "FILE", conflicts_with = "pairs")]
     pub history: Option<PathBuf>,
-    /// Progress on standard error: the best value so far in one line on a terminal (auto), a line every 50 iterations
-    /// (plain), or none.
+    /// Progress on standard error. auto: the best value, in one line on a terminal; plain: a line every 50 iterations;
+    /// none.
     #[arg(long, value_enum, default_value_t = ProgressArg::Auto)]
     pub progress: ProgressArg,
-    /// File to write: the scene with the best values, which solves and renders.
+    /// Output: the scene with the best values, which solves and renders.
     #[arg(long, short, value_name = "FILE.toml", conflicts_with = "pairs")]
     pub out: Option<PathBuf>,
     /// Write the report as JSON to this file (`-` for standard output).
@@ -238,7 +239,7 @@ pub struct SynthesiseArgs {
     /// Worker threads; all cores if absent. Without --time the numbers do not depend on it.
     #[arg(long, value_name = "N", value_parser = thread_count)]
     pub threads: Option<usize>,
-    /// File to write: the scene with the best values, or a folder for it (a path that ends with `/`); of several scenes always
+    /// Output: the scene with the best values, or a folder for it (a path that ends with `/`); of several scenes always
     /// a folder.
     #[arg(long, short, value_name = "FILE.toml|FOLDER")]
     pub out: Option<PathBuf>,

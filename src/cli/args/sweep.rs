@@ -60,7 +60,7 @@ pub struct SweepRequestArgs {
 /// Where rows go once they are there.
 #[derive(Clone, Debug, Args)]
 pub struct RowsArgs {
-    /// File to write: the rows as .csv, .jsonl or .parquet; `-` for CSV on standard output.
+    /// Output: the rows as .csv, .jsonl or .parquet; `-` for CSV on standard output.
     #[arg(long, short, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Draw a chart (.svg or .png): a curve over one parameter, or a map over two, with the feasible region.
@@ -128,8 +128,8 @@ pub enum StudyCommand {
         #[arg(long, value_name = "FILE")]
         json: Option<PathBuf>,
     },
-    /// Merge the parts; the result is identical to that of a single run, byte for byte. For a tolerance study
-    /// --out writes the report, as .json.
+    /// Merge the parts; the result is identical to that of a single run, byte for byte. For a tolerance study,
+    /// --out writes the report (.json).
     Merge(MergeArgs),
     /// Write the script that runs the study on a cluster, and submit it.
     Submit(SubmitArgs),
@@ -180,7 +180,7 @@ pub struct CutArgs {
     /// Number of units, at most; units of about half a minute if absent.
     #[arg(long, value_name = "N", value_parser = read_count)]
     pub units: Option<u64>,
-    /// File to write: the folder of the study, which must not exist.
+    /// Output: the folder of the study, which must not exist yet.
     #[arg(long, short, value_name = "DIR")]
     pub out: PathBuf,
 }

@@ -77,7 +77,7 @@ pub struct ViewArgs {
     /// Axes of frames.
     #[arg(long, value_parser = named_word(&ShownAxes::NAMES))]
     pub axes: Option<ShownAxes>,
-    /// Marks on the traced paths at equal times, this many seconds apart: where they are far apart the point is fast.
+    /// Marks on the traced paths at equal times, this many seconds apart: wider spacing means higher speed.
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = positive_scale)]
     pub ticks: Option<f64>,
     /// A scale bar in parallel projections; in a perspective, the pitch of the ground's grid.
