@@ -6,7 +6,8 @@
 
 use super::motion::{MotionStretch, ProvedMotion};
 use crate::kinematics::motion::continuation::{solve_closer, solve_until};
-use crate::kinematics::results::trajectory::{Ending, Trajectory};
+use crate::kinematics::results::certificate::{Certificate, Reason};
+use crate::kinematics::results::trajectory::{Ending, Sample, Trajectory};
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::printed::InputReading;
@@ -30,6 +31,9 @@ const LEFT: f64 = 0.7;
 /// Steps that a closer look may take: so many times those of the motion, and so many for every sample.
 const TIMES_THE_STEPS: usize = 4;
 const STEPS_OF_SAMPLE: usize = 200;
+
+/// Most samples without a pose from which one is sought by descent.
+const MOST_DESCENTS: usize = 200;
 
 /// An interval so short is not examined, as a fraction of the motion: times are known to 1e-12 of it.
 const SHORTEST: f64 = 1e-11;
@@ -70,8 +74,8 @@ pub fn solve_closely<'m>(
 ) -> (Trajectory, ProvedMotion<'m>) {
     let trajectory = solve_until(system, actuation, times, Some(reading), cancelled);
     let mut motion = ProvedMotion::new(system, actuation, &trajectory);
-    // What is known to end needs no closer look.
-    if !trajectory.is_whole() {
+    // What is known to end, or not to close, needs no closer look.
+    if !trajectory.is_whole() || trajectory.samples.iter().any(is_open) {
         return (trajectory, motion);
     }
     let mut all = times.to_vec();
@@ -84,13 +88,27 @@ pub fn solve_closely<'m>(
         all = more;
         let steps = TIMES_THE_STEPS * trajectory.steps + STEPS_OF_SAMPLE * all.len();
         let closer = solve_closer(system, actuation, (&all, steps), reading, cancelled);
-        // What takes too many steps tells nothing.
-        if closer.is_spent || !closer.is_whole() && !is_end(&closer, &mut motion) {
+        // What takes too many steps tells nothing but that one instant has no pose, if that is so.
+        let closer = match closer.is_spent {
+            true => {
+                let alone = instant_without_pose(&closer, &mut motion)
+                    .map(|time| joined(times, [time].into_iter(), shortest(&motion)));
+                let Some(alone) = alone else {
+                    break;
+                };
+                solve_closer(system, actuation, (&alone, steps), reading, cancelled)
+            }
+            false => closer,
+        };
+        let gapes = closer.samples.iter().any(is_open);
+        if closer.is_spent && closer.is_whole()
+            || !closer.is_whole() && !gapes && !is_end(&closer, &mut motion)
+        {
             break;
         }
         let before = unproved_seconds(&motion);
         motion = ProvedMotion::new(system, actuation, &closer);
-        if !closer.is_whole() {
+        if !closer.is_whole() || gapes {
             return (closer, motion);
         }
         // Where nothing can be proved more samples do not help.
@@ -117,18 +135,32 @@ fn is_end(closer: &Trajectory, motion: &mut ProvedMotion) -> bool {
         .gaps
         .iter()
         .flat_map(|gap| [&gap.ending, &gap.beginning]);
-    let lacking = closer.samples.iter().filter(|sample| sample.pose.is_none());
     !endings.all(|ending| ending.as_ref().is_none_or(is_stuck))
-        || lacking
-            .map(|sample| sample.time)
-            .any(|time| !motion.has_pose(time))
+        || instant_without_pose(closer, motion).is_some()
+}
+
+/// The first sample of a closer look that has no pose, nor one near those of `motion`; of a limited number of them.
+fn instant_without_pose(closer: &Trajectory, motion: &mut ProvedMotion) -> Option<f64> {
+    let lacking = closer.samples.iter().filter(|sample| sample.pose.is_none());
+    let mut times = lacking.map(|sample| sample.time).take(MOST_DESCENTS);
+    times.find(|time| !motion.has_pose(*time))
+}
+
+/// Whether redundant equations are proved not to hold at a sample.
+fn is_open(sample: &Sample) -> bool {
+    let open = Certificate::Refused {
+        reason: Reason::Open,
+    };
+    sample
+        .pose
+        .as_ref()
+        .is_some_and(|pose| pose.certificate == open)
 }
 
 /// The times and those around the places where nothing is proved, with room for so many; `None` if these are too short for a
 /// closer look, or too many.
 fn closer_times(motion: &ProvedMotion, times: &[f64], room: usize) -> Option<Vec<f64>> {
-    let [first, last] = motion.span();
-    let shortest = SHORTEST * (last - first);
+    let shortest = shortest(motion);
     let mut places = unproved(motion);
     places.retain(|[from, to]| to - from > shortest);
     let of_place = room / places.len().max(1);
@@ -142,9 +174,21 @@ fn closer_times(motion: &ProvedMotion, times: &[f64], room: usize) -> Option<Vec
         let ways = (1..=halvings).map(|k| (to - from) * 0.5_f64.powi(k as i32));
         added.extend(ways.flat_map(|way| [from + way, to - way]));
     }
-    // Those that were asked for stay as they are; the others are a tenth of the shortest interval from the next.
+    let all = joined(times, added.into_iter(), shortest);
+    (all.len() > times.len()).then_some(all)
+}
+
+/// The shortest interval that is examined, in seconds.
+fn shortest(motion: &ProvedMotion) -> f64 {
+    let [first, last] = motion.span();
+    SHORTEST * (last - first)
+}
+
+/// Times and more of them. Those that were asked for stay as they are; the others are a tenth of the shortest interval from the
+/// next.
+fn joined(times: &[f64], added: impl Iterator<Item = f64>, shortest: f64) -> Vec<f64> {
     let mut all: Vec<(f64, bool)> = times.iter().map(|time| (*time, true)).collect();
-    all.extend(added.into_iter().map(|time| (time, false)));
+    all.extend(added.map(|time| (time, false)));
     all.sort_by(|(a, _), (b, _)| a.total_cmp(b));
     all.dedup_by(|(b, is_asked), (a, was_asked)| {
         let is_near = *b - *a < 0.1 * shortest && !(*is_asked && *was_asked);
@@ -153,6 +197,5 @@ fn closer_times(motion: &ProvedMotion, times: &[f64], room: usize) -> Option<Vec
         }
         is_near
     });
-    let is_closer = all.len() > times.len();
-    is_closer.then(|| all.into_iter().map(|(time, _)| time).collect())
+    all.into_iter().map(|(time, _)| time).collect()
 }

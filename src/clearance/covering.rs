@@ -19,6 +19,10 @@ const NEAR: f64 = 0.05;
 /// A closure error of this much, in radians and sizes, does not tell a double root from none: the square of a rounded number.
 const HIDDEN: f64 = 1e-7;
 
+/// At a double root the smallest singular value is at most so large where the closure error is [`HIDDEN`]: its root, times a
+/// generous bound of the curvature. Of a regular pose nothing is hidden.
+const LARGEST_AT_DOUBLE_ROOT: f64 = 1e-2;
+
 /// An estimated motion deviates from the parabola by at most this times the deviation of the parabola from the line, plus a
 /// fraction of the displacement.
 const ESTIMATE_FACTOR: f64 = 2.0;
@@ -203,7 +207,9 @@ impl ProvedMotion<'_> {
         let found = match self.solver.assembled(&start, None) {
             Ok(found) => found.coordinates,
             // At a double root the descent ends where rounding hides the rest.
-            Err(best) if best.amount() <= HIDDEN => best.coordinates,
+            Err(best) if best.amount() <= HIDDEN && self.is_flat(&best.coordinates) => {
+                best.coordinates
+            }
             Err(_) => return false,
         };
         let mechanism = self.system.mechanism();
@@ -216,6 +222,12 @@ impl ProvedMotion<'_> {
             };
             (a - b - turns).abs() <= NEAR * mechanism.scale_of(k)
         })
+    }
+
+    /// Whether coordinates may be those of a double root.
+    fn is_flat(&mut self, coordinates: &[f64]) -> bool {
+        let sigma = self.solver.observe(coordinates).sigma_min;
+        sigma.is_nan() || sigma <= LARGEST_AT_DOUBLE_ROOT
     }
 
     /// Keeps a closed pose; its index.

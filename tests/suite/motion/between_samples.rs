@@ -250,3 +250,34 @@ fn redundant_rows_are_bounded_after_any_number_of_turns() {
         assert!(is_proved, "{rate} rad/s\n{text}");
     }
 }
+
+/// A loop that is driven out of its plane closes at isolated instants only, here at the samples.
+#[test]
+fn what_closes_at_the_samples_only_does_not_pass() {
+    let folder = Workspace::new();
+    for (samples, peak) in [
+        (40, "1e-13"),
+        (40, "1e-12"),
+        (40, "1e-9"),
+        (40, "1e-7"),
+        (40, "1e-5"),
+        (8, "2e-5"),
+        (40, "3e-4"),
+        (3, "1e-10"),
+    ] {
+        let text = format!(
+            "duration = 1\n[inputs]\nphi = \"0.3+3*t\"\nu = \"{peak}*sin({}*pi*t)\"\n[loops]\n\
+             A = \"Rx(0.7) Ry(0.3) Rz(phi) Tx(1) Tz(u) Rz(x) Tx(3) Rz(y) Tx(2.5) Rz(z) Tx(2.8) Ry(-0.3) Rx(-0.7)\"\n\
+             [guess]\nx = -1\ny = 2\n",
+            samples - 1
+        );
+        folder.write("apart.toml", &text);
+        let args = ["check", "apart.toml", "--samples", &samples.to_string()];
+        let run = folder.run(&args);
+        assert!(
+            matches!(run.code, 1 | 4),
+            "{samples} samples, {peak}\n{}",
+            run.text()
+        );
+    }
+}
