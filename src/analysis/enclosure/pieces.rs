@@ -68,7 +68,7 @@ impl PieceTolerances<'_> {
         let mechanism = &drawn.mechanism;
         let names = self.names(drawn)?;
         if names.is_empty() {
-            let message = "no parameter has a tolerance: name the parameters to vary";
+            let message = "there is nothing to vary: the scene has no parameters; write its dimensions as `[parameters]`";
             return Err(FamilyError::Lacks(message.to_owned()));
         }
         // Between samples the inputs are dimensions as well.

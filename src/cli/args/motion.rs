@@ -77,7 +77,7 @@ pub struct SolveArgs {
     /// The scene.
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Output: the table as .csv or .json; `-` for CSV on standard output.
+    /// Output file or folder: the table as .csv or .json; `-` for CSV on standard output.
     #[arg(long, short, value_name = "FILE")]
     pub out: PathBuf,
     /// Number of samples, spread evenly over the motion; the scene's frames if absent.

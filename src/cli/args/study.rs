@@ -35,7 +35,7 @@ pub struct SensitivityArgs {
     /// Draw a chart (.svg or .png): the derivatives as bars, ranked.
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
-    /// Output: the whole table as .csv or .json; `-` for JSON on standard output.
+    /// Output file or folder: the whole table as .csv or .json; `-` for JSON on standard output.
     #[arg(long, short, value_name = "FILE")]
     pub out: Option<PathBuf>,
 }
@@ -160,7 +160,7 @@ pub struct OptimiseArgs {
     /// none.
     #[arg(long, value_enum, default_value_t = ProgressArg::Auto)]
     pub progress: ProgressArg,
-    /// Output: the scene with the best values, which solves and renders.
+    /// Output file or folder: the scene with the best values, which solves and renders.
     #[arg(long, short, value_name = "FILE.toml", conflicts_with = "pairs")]
     pub out: Option<PathBuf>,
     /// Write the report as JSON to this file (`-` for standard output).
@@ -239,7 +239,7 @@ pub struct SynthesiseArgs {
     /// Worker threads; all cores if absent. Without --time the numbers do not depend on it.
     #[arg(long, value_name = "N", value_parser = thread_count)]
     pub threads: Option<usize>,
-    /// Output: the scene with the best values, or a folder for it (a path that ends with `/`); of several scenes always
+    /// Output file or folder: the scene with the best values, or a folder for it (a path that ends with `/`); of several scenes always
     /// a folder.
     #[arg(long, short, value_name = "FILE.toml|FOLDER")]
     pub out: Option<PathBuf>,

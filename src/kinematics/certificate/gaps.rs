@@ -7,6 +7,6 @@ use crate::kinematics::solve::closure::CLOSURE_TOLERANCE;
 /// dimensions explain a thousandth of it, unless dimensions are many times the mechanism's size.
 pub const LARGEST_GAP: f64 = CLOSURE_TOLERANCE;
 
-/// The same for a tube, per radian of its largest angle if that exceeds one: a coarser one is halved, so that its truncation
-/// error hides little.
+/// The same for a tube, per turn of its largest angle if that exceeds one: a coarser one is halved, so that its truncation error
+/// hides little.
 pub const LARGEST_GAP_OF_TUBE: f64 = 0.1 * LARGEST_GAP;

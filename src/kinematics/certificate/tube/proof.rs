@@ -19,6 +19,7 @@ use crate::kinematics::results::certificate::Reason;
 use crate::linalg::gauss_jordan::GaussJordan;
 use crate::linalg::lanes::{LaneMatrix, Lanes, add_scaled, combine_rows, dot_lanes, lane_groups};
 use crate::numbers::rounding::{GROW, OPERATION};
+use std::f64::consts::TAU;
 
 /// A trace below this could belong to a half-turn (trace -1) as well as to the identity (trace 3).
 const LEAST_TRACE: f64 = 1e-6;
@@ -126,7 +127,8 @@ pub fn prove_tube(
         }
     };
     // Angles are exact to their last digits only: no shorter tube makes that error smaller.
-    let largest_gap = LARGEST_GAP_OF_TUBE * path.largest_angle(layout.mechanism).max(1.0);
+    let turns = path.largest_angle(layout.mechanism) / TAU;
+    let largest_gap = LARGEST_GAP_OF_TUBE * turns.max(1.0);
     for row in (0..layout.count()).filter(|row| !basis.contains(row)) {
         let bounds = work.of_redundant_row(row, layout, basis, &bends, earlier);
         let explained = bounds.explained(error);
