@@ -32,7 +32,8 @@ const LEFT: f64 = 0.7;
 const TIMES_THE_STEPS: usize = 4;
 const STEPS_OF_SAMPLE: usize = 200;
 
-/// Most samples without a pose from which one is sought by descent.
+/// Most samples without a pose from which one is sought by descent, of a closer look that took too many steps: the first ones are
+/// those that were reached.
 const MOST_DESCENTS: usize = 200;
 
 /// An interval so short is not examined, as a fraction of the motion: times are known to 1e-12 of it.
@@ -91,7 +92,7 @@ pub fn solve_closely<'m>(
         // What takes too many steps tells nothing but that one instant has no pose, if that is so.
         let closer = match closer.is_spent {
             true => {
-                let alone = instant_without_pose(&closer, &mut motion)
+                let alone = instant_without_pose(&closer, &mut motion, MOST_DESCENTS)
                     .map(|time| joined(times, [time].into_iter(), shortest(&motion)));
                 let Some(alone) = alone else {
                     break;
@@ -136,13 +137,17 @@ fn is_end(closer: &Trajectory, motion: &mut ProvedMotion) -> bool {
         .iter()
         .flat_map(|gap| [&gap.ending, &gap.beginning]);
     !endings.all(|ending| ending.as_ref().is_none_or(is_stuck))
-        || instant_without_pose(closer, motion).is_some()
+        || instant_without_pose(closer, motion, usize::MAX).is_some()
 }
 
-/// The first sample of a closer look that has no pose, nor one near those of `motion`; of a limited number of them.
-fn instant_without_pose(closer: &Trajectory, motion: &mut ProvedMotion) -> Option<f64> {
+/// The first sample of a closer look, of at most so many that have no pose, without a pose near those of `motion`.
+fn instant_without_pose(
+    closer: &Trajectory,
+    motion: &mut ProvedMotion,
+    most: usize,
+) -> Option<f64> {
     let lacking = closer.samples.iter().filter(|sample| sample.pose.is_none());
-    let mut times = lacking.map(|sample| sample.time).take(MOST_DESCENTS);
+    let mut times = lacking.map(|sample| sample.time).take(most);
     times.find(|time| !motion.has_pose(*time))
 }
 
