@@ -28,8 +28,11 @@ const PAIR_OPACITY: f64 = 0.8;
 const LINE_PIXELS: f64 = 1.6;
 const BALL_PIXELS: f64 = 3.6;
 
-/// Height of the label as a fraction of the picture's.
+/// Height of the label beside the line as a fraction of the picture's.
 const LABEL_SIZE: f64 = 0.035;
+
+/// Height of the lines at the top: smaller, because they may be long and their plate covers what is behind it.
+const CAPTION_SIZE: f64 = 0.026;
 
 /// Corner of the plate with the lines at the top of the picture, below the title: fractions of its width and height.
 const CAPTION: [f64; 2] = [0.004, 0.065];
@@ -116,18 +119,19 @@ impl Marks {
         let Some(measure) = &self.measure else {
             return Vec::new();
         };
-        let label = |text: &str, anchor: LabelAnchor| Label {
+        let label = |text: &str, anchor: LabelAnchor, size: f64| Label {
             text: text.to_owned(),
             anchor,
-            size: LABEL_SIZE * height,
+            size: size * height,
             colour: LINE,
             plate: true,
             yields: false,
         };
         let middle = (measure.points[0] + measure.points[1]) * 0.5;
-        let beside = label(&measure.text, LabelAnchor::Beside(middle));
+        let beside = label(&measure.text, LabelAnchor::Beside(middle), LABEL_SIZE);
         // Paths may pass behind these lines.
-        let above = label(&measure.caption.join("\n"), LabelAnchor::Screen(CAPTION));
+        let caption = measure.caption.join("\n");
+        let above = label(&caption, LabelAnchor::Screen(CAPTION), CAPTION_SIZE);
         vec![beside, above]
     }
 }

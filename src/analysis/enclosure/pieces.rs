@@ -68,8 +68,7 @@ impl PieceTolerances<'_> {
         let mechanism = &drawn.mechanism;
         let names = self.names(drawn)?;
         if names.is_empty() {
-            let message = "there is nothing to vary: the scene has no parameters; write its dimensions as `[parameters]`";
-            return Err(FamilyError::Lacks(message.to_owned()));
+            return Err(FamilyError::nothing_to_vary(&drawn.dimensions));
         }
         // Between samples the inputs are dimensions as well.
         let inputs = if self.between {

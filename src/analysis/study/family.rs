@@ -101,6 +101,18 @@ pub enum FamilyError {
     },
 }
 
+impl FamilyError {
+    /// The refusal of a study without variables: what to do depends on whether the scene has `dimensions`.
+    pub fn nothing_to_vary(dimensions: &[String]) -> Self {
+        let message = if dimensions.is_empty() {
+            "there is nothing to vary: the scene has no parameters; write its dimensions as `[parameters]`"
+        } else {
+            "there is nothing to vary: name parameters in `[study.variables]` or with --vary"
+        };
+        Self::Lacks(message.to_owned())
+    }
+}
+
 impl ParametricMechanism {
     /// Reads the scene with the parameters called `vary` as variables, or with those of its `[study]`.
     ///
@@ -124,9 +136,7 @@ impl ParametricMechanism {
             vary.to_vec()
         };
         if names.is_empty() {
-            let message =
-                "there is nothing to vary: name parameters in `[study.variables]` or with --vary";
-            return Err(FamilyError::Lacks(message.to_owned()));
+            return Err(FamilyError::nothing_to_vary(&nominal.dimensions));
         }
         let family = Self::of(source, overrides, names, nominal.mechanism.size)?;
         if family.measures.list.is_empty() {

@@ -2,7 +2,7 @@
 //! afresh.
 
 use super::found_files::target_files;
-use crate::analysis::study::ParametricMechanism;
+use crate::analysis::study::{FamilyError, ParametricMechanism};
 use crate::analysis::synthesis::target::{
     StartResult, TargetSearch, TargetSynthesis, fit_target, verify_target,
 };
@@ -45,9 +45,7 @@ pub fn run_target(
         named => named.to_vec(),
     };
     if names.is_empty() {
-        let message =
-            "there is nothing to vary: name parameters in `[study.variables]` or with --vary";
-        return Err(Failure::usage(message, Vec::new()));
+        return Err(FamilyError::nothing_to_vary(&drawn.dimensions).into());
     }
     let mut family = ParametricMechanism::varying(&source, &overrides, &names)?;
     refuse_driven(&family)?;

@@ -394,6 +394,10 @@ fn mistakes_of_a_study_are_said_with_their_place() {
             .says(&[says, "bad.toml:"]);
     }
     w.write("crank.toml", CRANK);
+    w.write(
+        "numbers.toml",
+        "[inputs]\nphi = \"360*t\"\n[frames]\nC = \"Rz(phi) Tx(40)\"\n",
+    );
     for (arguments, says) in [
         (
             &["sensitivity", "crank.toml", "--vary", "q"][..],
@@ -413,7 +417,18 @@ fn mistakes_of_a_study_are_said_with_their_place() {
             "whole number",
         ),
         (&["optimise", "crank.toml", "--vary", "r,r"], "varied twice"),
-        (&["optimise", "slider-crank"], "there is nothing to vary"),
+        (
+            &["optimise", "slider-crank"],
+            "there is nothing to vary: name parameters",
+        ),
+        (
+            &["optimise", "numbers.toml"],
+            "there is nothing to vary: the scene has no parameters",
+        ),
+        (
+            &["tolerance", "numbers.toml", "--tolerance", "0.1"],
+            "there is nothing to vary: the scene has no parameters",
+        ),
         (
             &["optimise", "crank.toml", "--out", "crank.toml"],
             "is an input",
