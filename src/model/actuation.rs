@@ -95,7 +95,15 @@ impl Actuation {
         self.values_at(time).collect()
     }
 
-    /// The same one after the other.
+    /// Values of the inputs at a part of the way between two instants; a part of one is exactly the second instant.
+    pub fn inputs_along(&self, [from, until]: [f64; 2], part: f64) -> Vec<f64> {
+        self.inputs_at(match part < 1.0 {
+            true => from + part * (until - from),
+            false => until,
+        })
+    }
+
+    /// Values of the inputs at `time`, one after the other.
     pub fn values_at(&self, time: f64) -> impl Iterator<Item = f64> + '_ {
         self.drives.iter().map(move |drive| drive.value(time))
     }

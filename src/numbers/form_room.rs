@@ -1,13 +1,15 @@
 //! Storage of the forms' coefficients: lists that live as long as the storage, so that copying forms is cheap.
 
-use std::cell::{Cell, OnceCell};
+use std::cell::{Cell, OnceCell, RefCell};
 
-/// Lists of coefficients for this many δ. They are freed together.
-#[derive(Debug)]
+/// Lists of coefficients for this many δ. They are given up together, and their memory is used again.
+#[derive(Debug, Default)]
 pub struct FormRoom {
     count: usize,
     shelves: Vec<OnceCell<Vec<OnceCell<Vec<f64>>>>>,
     kept: Cell<usize>,
+    /// Lists that hold nothing any more.
+    spare: RefCell<Vec<Vec<f64>>>,
 }
 
 /// Lists on a shelf.
@@ -19,12 +21,45 @@ const MOST_VALUES: usize = 1 << 28;
 impl FormRoom {
     /// Storage for forms that depend on `count` numbers.
     pub fn new(count: usize) -> Self {
-        let lists = MOST_VALUES / (count * (count + 1) / 2).max(1);
-        let shelves = (lists / ON_SHELF).clamp(1, 1 << 14);
-        Self {
-            count,
-            shelves: vec![OnceCell::new(); shelves],
-            kept: Cell::new(0),
+        let mut room = Self::default();
+        room.empty(count);
+        room
+    }
+
+    /// Gives up all lists; forms then depend on `count` numbers.
+    pub fn empty(&mut self, count: usize) {
+        let spare = self.spare.get_mut();
+        for index in 0..self.kept.take() {
+            let shelf = self.shelves[index / ON_SHELF].get_mut();
+            spare.extend(shelf.and_then(|shelf| shelf[index % ON_SHELF].take()));
+        }
+        if self.count != count || self.shelves.is_empty() {
+            let lists = MOST_VALUES / (count * (count + 1) / 2).max(1);
+            let shelves = (lists / ON_SHELF).clamp(1, 1 << 14);
+            self.shelves.resize(shelves, OnceCell::new());
+            self.count = count;
+        }
+    }
+
+    /// A list without values, with space for all pairs.
+    pub fn blank(&self) -> Vec<f64> {
+        let mut list = self.spare.borrow_mut().pop().unwrap_or_default();
+        list.clear();
+        list.reserve_exact(self.bends());
+        list
+    }
+
+    /// A list of zeros.
+    pub fn zeros(&self) -> Vec<f64> {
+        let mut list = self.blank();
+        list.resize(self.bends(), 0.0);
+        list
+    }
+
+    /// Takes back a list that is not needed.
+    pub fn give_back(&self, list: Vec<f64>) {
+        if list.capacity() > 0 {
+            self.spare.borrow_mut().push(list);
         }
     }
 
@@ -70,5 +105,29 @@ mod tests {
         }
         let places = [(0, 0), (0, 1), (1, 1)].map(|(k, l)| room.place(k, l));
         assert_eq!(places, [0, 1, 2]);
+    }
+
+    #[test]
+    fn lists_given_up_are_used_again_as_if_they_were_new() {
+        let mut room = FormRoom::new(3);
+        let addresses = |room: &FormRoom, value: f64| {
+            let kept = (0..2 * ON_SHELF).filter_map(|_| {
+                let mut list = room.zeros();
+                assert_eq!(list, vec![0.0; room.bends()]);
+                list.fill(value);
+                room.keep(list)
+            });
+            let mut all: Vec<usize> = kept.map(|list| list.as_ptr().addr()).collect();
+            all.sort_unstable();
+            all
+        };
+        let first = addresses(&room, 7.0);
+        room.empty(3);
+        assert_eq!(addresses(&room, 8.0), first);
+        // Fewer numbers fit into the same lists, more do not.
+        for count in [2, 5] {
+            room.empty(count);
+            assert_eq!(addresses(&room, 9.0).len(), first.len());
+        }
     }
 }

@@ -26,6 +26,9 @@ pub struct QuadraticForm<'r, const N: usize> {
 /// Roundings in a coefficient of a product, generously: four products and their sum.
 const OF_PRODUCT: f64 = 8.0 * OPERATION;
 
+/// A value below this share of a form's slopes does not multiply second-order coefficients one by one.
+const NEGLIGIBLE: f64 = 1e-6;
+
 /// A sum under construction: its second-order coefficients are changed in place.
 struct QuadraticSum<'r, const N: usize> {
     line: AffineForm<N>,
@@ -50,7 +53,7 @@ impl<'r, const N: usize> QuadraticSum<'r, N> {
     /// The second-order coefficients, if there is space for them.
     fn unfold(&mut self) {
         if let (true, Some(room)) = (self.bends.is_empty(), self.room) {
-            self.bends = vec![0.0; room.bends()];
+            self.bends = room.zeros();
         }
     }
 
@@ -113,8 +116,12 @@ impl<'r, const N: usize> QuadraticSum<'r, N> {
                 }
             }
         }
-        for (factor, bends) in [(u, b.bends), (v, a.bends)] {
-            if !bends.is_empty() {
+        for (factor, reach, form) in [(u, rx, b), (v, ry, a)] {
+            let bends = form.bends;
+            // Beside its slopes such a value is nothing, and their product with the second order is an error below.
+            if factor.abs() <= NEGLIGIBLE * reach {
+                lost += factor.abs() * form.bend;
+            } else if !bends.is_empty() {
                 self.unfold();
                 for (bend, added) in self.bends.iter_mut().zip(bends) {
                     *bend += factor * added;
@@ -207,6 +214,9 @@ impl<'r, const N: usize> QuadraticForm<'r, N> {
         self.bend = sum_of_magnitudes(&bends) * GROW;
         if self.bend == 0.0 {
             (self.bends, self.bend) = (&[], 0.0);
+            if let Some(room) = self.room {
+                room.give_back(bends);
+            }
             return self;
         }
         match self.room.and_then(|room| room.keep(bends)) {
@@ -233,6 +243,11 @@ impl<'r, const N: usize> QuadraticForm<'r, N> {
     /// Number of δ for which it has second-order coefficients.
     pub fn span(&self) -> usize {
         self.room.map_or(0, FormRoom::count)
+    }
+
+    /// Where second-order coefficients are stored.
+    pub fn room(&self) -> Option<&'r FormRoom> {
+        self.room
     }
 
     /// All bends, packed.
@@ -296,7 +311,7 @@ impl<'r, const N: usize> QuadraticForm<'r, N> {
         let lost = match self.room {
             None => 0.5 * here.abs() * radius * radius,
             Some(room) => {
-                bends.reserve_exact(room.bends());
+                bends = room.blank();
                 for k in 0..room.count() {
                     let slope = line.slopes[k];
                     bends.push(-0.5 * here * slope * slope);

@@ -12,6 +12,7 @@ use crate::kinematics::motion::sampling::knot_times;
 use crate::kinematics::results::certificate::Reason;
 use crate::kinematics::solve::pose_solver::PoseSolver;
 use crate::model::drive::Drive;
+use crate::numbers::form_room::FormRoom;
 use crate::numbers::interval::Interval;
 use crate::numbers::rounding::GROW;
 use crate::numbers::scalar::Scalar;
@@ -101,7 +102,7 @@ impl PoseBetween<'_> {
         let tolerances = stretch_tolerances(self.plan, pose, stretch)?;
         sized!(self.plan.room_for(tolerances.len()), N => {
             // All coordinates and derived values over the whole interval, for every piece.
-            let enclosure = pose_enclosure::<N>(self.plan, self.encloser, solver, pose, &tolerances)?;
+            let enclosure = pose_enclosure::<N>(self.plan, self.encloser, (solver, &mut FormRoom::default()), pose, &tolerances)?;
             let mechanism = self.plan.family.mechanism();
             let unknowns = 0..mechanism.unknowns.len();
             let shown = unknowns.chain(mechanism.coordinate_count()..enclosure.len());

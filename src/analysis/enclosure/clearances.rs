@@ -18,6 +18,7 @@ use crate::kinematics::motion::sampling::knot_times;
 use crate::kinematics::solve::newton::Pace;
 use crate::kinematics::solve::pose_solver::PoseSolver;
 use crate::model::drive::Drive;
+use crate::numbers::form_room::FormRoom;
 
 /// Maximum number of halvings of a time interval.
 const MOST_HALVINGS: u32 = 12;
@@ -318,7 +319,7 @@ impl ClearanceSearch<'_> {
         let pose = pose.ok_or(BandObstacle::NoPose)?.coordinates;
         let tolerances = stretch_tolerances(self.plan, &pose, stretch.ends)?;
         sized!(self.plan.room_for(tolerances.len()), N => {
-            let enclosure = pose_enclosure::<N>(self.plan, &self.encloser, solver, &pose, &tolerances)?;
+            let enclosure = pose_enclosure::<N>(self.plan, &self.encloser, (solver, &mut FormRoom::default()), &pose, &tolerances)?;
             Ok(self.examine_parts(solver, stretch, goals, &enclosure, &tolerances))
         })
     }

@@ -83,7 +83,7 @@ fn measure_bands<const N: usize>(
     let mut enclosures = Vec::new();
     for (known, rough) in plain.into_iter().zip(is_rough) {
         enclosures.push(match rough {
-            true => encloser.refined(&known),
+            true => search.finder.refined(&known),
             false => known,
         });
     }

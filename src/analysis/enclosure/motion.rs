@@ -126,13 +126,10 @@ impl NominalPose {
         plan: &TolerancePlan,
         time: f64,
     ) -> Option<Self> {
-        let family = plan.family;
-        let unknowns = family.mechanism().unknowns.len();
-        let inputs = |part: f64| match part < 1.0 {
-            true => family
-                .actuation
-                .inputs_at(self.time + part * (time - self.time)),
-            false => family.actuation.inputs_at(time),
+        let unknowns = plan.family.mechanism().unknowns.len();
+        let inputs = |part: f64| {
+            let actuation = &plan.family.actuation;
+            actuation.inputs_along([self.time, time], part)
         };
         let coordinates = solver.followed(&self.coordinates[..unknowns], inputs)?;
         Some(Self { time, coordinates })

@@ -12,6 +12,7 @@ use crate::kinematics::loops::observed::observed_slots;
 use crate::kinematics::results::certificate::Reason;
 use crate::kinematics::solve::newton::Pace;
 use crate::kinematics::solve::pose_solver::PoseSolver;
+use crate::numbers::form_room::FormRoom;
 use crate::numbers::interval::Interval;
 use crate::numbers::octet::{LANES, LaneMask, Octet};
 use crate::numbers::scalar::Scalar;
@@ -81,19 +82,20 @@ const NARROW: f64 = 1e-9;
 pub(super) fn pose_enclosure<const N: usize>(
     plan: &TolerancePlan,
     encloser: &Encloser,
-    solver: &mut PoseSolver,
+    (solver, room): (&mut PoseSolver, &mut FormRoom),
     pose: &[f64],
     tolerances: &[ToleranceInterval],
 ) -> Result<PoseEnclosure<N>, BandObstacle> {
     if plan.is_cancelled() {
         return Err(BandObstacle::Interrupted);
     }
-    Ok(encloser.enclose(Sought {
+    let sought = Sought {
         pose,
         input_open: &plan.input_open(pose),
         tolerances,
         bases: &solver.best_rows(pose),
-    })?)
+    };
+    Ok(encloser.enclose(sought, room)?)
 }
 
 /// Whether a band is hardly wider than the values of the pieces, so that another enclosure would gain nothing. `size`
@@ -108,6 +110,7 @@ pub(super) struct PieceFinder<'f> {
     encloser: &'f Encloser<'f>,
     solver: PoseSolver<'f>,
     lanes: LaneSolver<'f>,
+    room: FormRoom,
 }
 
 impl<'f> PieceFinder<'f> {
@@ -119,6 +122,7 @@ impl<'f> PieceFinder<'f> {
             encloser,
             solver: PoseSolver::new(system),
             lanes: LaneSolver::new(system),
+            room: FormRoom::default(),
         }
     }
 
@@ -131,10 +135,15 @@ impl<'f> PieceFinder<'f> {
         pose_enclosure(
             self.plan,
             self.encloser,
-            &mut self.solver,
+            (&mut self.solver, &mut self.room),
             pose,
             &tolerances,
         )
+    }
+
+    /// A first-order enclosure that keeps terms of second order.
+    pub fn refined<const N: usize>(&mut self, plain: &PoseEnclosure<N>) -> PoseEnclosure<N> {
+        self.encloser.refined(plain, &mut self.room)
     }
 
     /// The same with first-order forms only; also returns whether second-order forms would be tried.
@@ -170,7 +179,7 @@ impl<'f> PieceFinder<'f> {
             return Ok(first);
         }
         // Both enclose all pieces, so that their intersection does.
-        let enclosure = self.encloser.refined(&plain);
+        let enclosure = self.refined(&plain);
         let second = self.bands_within(&enclosure, anchor);
         let pairs = first.list.iter().zip(&second.list);
         Ok(Bands {

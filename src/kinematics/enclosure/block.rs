@@ -51,6 +51,9 @@ const POLISHING: usize = 2;
 /// ... and with the unknowns known to first order only: once more.
 const REFINING: usize = 3;
 
+/// Another round must leave less than this share of what was open before.
+const GAINED: f64 = 0.9;
+
 /// Why there is no box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unbounded {
@@ -91,6 +94,7 @@ pub fn enclose_block<F: DimensionForm>(
         basis: basis.to_vec(),
         contraction: mapped.a,
         sides: box_of,
+        roughness,
     });
     Ok(roughness)
 }
@@ -114,6 +118,7 @@ impl Centre {
         region: &mut Region<F>,
         (box_of, rounds): (&[f64], usize),
     ) -> bool {
+        let mut open = self.open(layout, region);
         for round in 0..rounds {
             let known = region.slots.clone();
             for (i, slot) in layout.block.unknowns.iter().enumerate() {
@@ -130,8 +135,19 @@ impl Centre {
                 }
                 _ => return round > 0,
             }
+            let before = std::mem::replace(&mut open, self.open(layout, region));
+            if round > 0 && open > GAINED * before {
+                break;
+            }
         }
         true
+    }
+
+    /// What the derivatives of the unknowns leave open, in all.
+    fn open<F: DimensionForm>(&self, layout: &Layout, region: &Region<F>) -> f64 {
+        let unknowns = layout.block.unknowns.iter();
+        let rates = unknowns.flat_map(|slot| region.rates_of(*slot));
+        rates.map(DimensionForm::beyond).sum()
     }
 
     /// The dimension that moves the unknowns most.

@@ -17,4 +17,6 @@ pub struct BlockBox {
     pub contraction: Contraction,
     /// Half widths.
     pub sides: Vec<f64>,
+    /// Largest share of the unknowns' range that remains open.
+    pub roughness: f64,
 }

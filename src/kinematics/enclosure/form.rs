@@ -155,7 +155,7 @@ impl<'r, const N: usize> DimensionForm for QuadraticForm<'r, N> {
     fn integral(room: &'r FormRoom, value: f64, open: f64, rates: &[Self]) -> Self {
         let rest = rates.iter().map(|rate| rate.line.error + rate.bend() / 3.0);
         let mut line = AffineForm::number(value);
-        let mut bends = vec![0.0; room.bends()];
+        let mut bends = room.zeros();
         let (mut size, mut outside) = (0.0, 0.0);
         for (k, rate) in rates.iter().enumerate() {
             line.slopes[k] = rate.line.value;
@@ -217,7 +217,9 @@ impl<'r, const N: usize> DimensionForm for QuadraticForm<'r, N> {
         if first >= span || self.bends().is_empty() {
             return self;
         }
-        let (mut bends, mut sum) = (self.bends().to_vec(), 0.0);
+        let mut bends = self.room().map_or(Vec::new(), FormRoom::blank);
+        bends.extend_from_slice(self.bends());
+        let mut sum = 0.0;
         let mut rows = &mut bends[..];
         for k in 0..span {
             let (row, rest) = rows.split_at_mut(span - k);

@@ -61,11 +61,15 @@ impl<'s> Encloser<'s> {
         }
     }
 
-    /// Encloses the poses near a closed one.
+    /// Encloses the poses near a closed one. Forms of second order are kept in `room`.
     ///
     /// # Errors
     /// No box is proved.
-    pub fn enclose<const N: usize>(&self, sought: Sought) -> Result<PoseEnclosure<N>, Unbounded> {
+    pub fn enclose<const N: usize>(
+        &self,
+        sought: Sought,
+        room: &mut FormRoom,
+    ) -> Result<PoseEnclosure<N>, Unbounded> {
         if sought.tolerances.len() > N {
             // No form has room for them.
             return Err(Reason::Formula.into());
@@ -73,11 +77,11 @@ impl<'s> Encloser<'s> {
         let region = match self.region::<AffineForm<N>>((), sought) {
             // If the second order of the Jacobian makes the boxes wide, it is kept.
             Ok((region, roughness)) if Self::is_rough::<N>(roughness) => {
-                self.refined_region(&region)
+                self.refined_region(&region, room)
             }
             Ok((region, _)) => region,
             Err(unbounded) if unbounded.reason == Reason::Singular && N <= MOST_BENT => {
-                self.bent_region(sought).ok_or(unbounded)?
+                self.bent_region(sought, room).ok_or(unbounded)?
             }
             Err(unbounded) => return Err(unbounded),
         };
@@ -111,9 +115,13 @@ impl<'s> Encloser<'s> {
     }
 
     /// A first-order enclosure that keeps terms of second order.
-    pub fn refined<const N: usize>(&self, plain: &PoseEnclosure<N>) -> PoseEnclosure<N> {
+    pub fn refined<const N: usize>(
+        &self,
+        plain: &PoseEnclosure<N>,
+        room: &mut FormRoom,
+    ) -> PoseEnclosure<N> {
         PoseEnclosure {
-            region: self.refined_region(&plain.region),
+            region: self.refined_region(&plain.region, room),
             coordinates: plain.coordinates,
         }
     }
@@ -121,14 +129,16 @@ impl<'s> Encloser<'s> {
     fn refined_region<const N: usize>(
         &self,
         plain: &Region<AffineForm<N>>,
+        room: &mut FormRoom,
     ) -> Region<AffineForm<N>> {
-        let room = self.form_room::<N>(plain.count);
+        room.empty(self.form_size::<N>(plain.count));
+        let room = &*room;
         let mechanism = self.system.mechanism();
         let (unknowns, coordinates) = (mechanism.unknowns.len(), mechanism.coordinate_count());
         // The coordinates as second-order forms whose coefficients of second order are still zero.
-        let lifted = |form: &AffineForm<N>| QuadraticForm::within(*form, &room);
+        let lifted = |form: &AffineForm<N>| QuadraticForm::within(*form, room);
         let mut region = Region {
-            room: &room,
+            room,
             count: plain.count,
             slots: plain.slots[..coordinates].iter().map(lifted).collect(),
             open: plain.open[..coordinates].to_vec(),
@@ -141,27 +151,33 @@ impl<'s> Encloser<'s> {
         // Each unknown as the integral of its known rates: their slopes become terms of second order.
         for slot in 0..unknowns {
             let (value, rates) = (plain.slots[slot].value, region.rates_of(slot));
-            region.slots[slot] = DimensionForm::integral(&room, value, plain.open[slot], rates);
+            region.slots[slot] = DimensionForm::integral(room, value, plain.open[slot], rates);
         }
         // With these forms the blocks are enclosed once more, in the boxes that are proved already.
         for (layout, known) in self.layouts.iter().zip(&plain.boxes) {
-            refine_block(layout, known, &mut region);
+            if known.roughness > ROUGH {
+                refine_block(layout, known, &mut region);
+            }
         }
         // Traces and outputs follow from the coordinates; then second-order terms are bounded again.
         show_all(mechanism, &mut region);
         plain_region(region)
     }
 
-    /// Storage for forms of this many dimensions and of the sides of a block's box.
-    fn form_room<const N: usize>(&self, dimensions: usize) -> FormRoom {
+    /// How much forms of this many dimensions and of the sides of a block's box depend on.
+    fn form_size<const N: usize>(&self, dimensions: usize) -> usize {
         let largest = self.layouts.iter().map(Layout::own).max();
-        FormRoom::new((dimensions + largest.unwrap_or(0)).min(N))
+        (dimensions + largest.unwrap_or(0)).min(N)
     }
 
     /// Everything with forms of second order.
-    fn bent_region<const N: usize>(&self, sought: Sought) -> Option<Region<AffineForm<N>>> {
-        let room = self.form_room::<N>(sought.tolerances.len());
-        let (region, _) = self.region::<QuadraticForm<N>>(&room, sought).ok()?;
+    fn bent_region<const N: usize>(
+        &self,
+        sought: Sought,
+        room: &mut FormRoom,
+    ) -> Option<Region<AffineForm<N>>> {
+        room.empty(self.form_size::<N>(sought.tolerances.len()));
+        let (region, _) = self.region::<QuadraticForm<N>>(&*room, sought).ok()?;
         Some(plain_region(region))
     }
 

@@ -3,6 +3,7 @@
 use super::QuadraticForm;
 use crate::numbers::affine_form::AffineForm;
 use crate::numbers::constant::Constant;
+use crate::numbers::form_room::FormRoom;
 use crate::numbers::interval::Interval;
 use crate::numbers::rounding::{GROW, OPERATION};
 use crate::numbers::scalar::{Ring, Scalar};
@@ -109,7 +110,8 @@ impl<const N: usize> Scalar for QuadraticForm<'_, N> {
 impl<const N: usize> Neg for QuadraticForm<'_, N> {
     type Output = Self;
     fn neg(self) -> Self {
-        let turned = self.bends.iter().map(|b| -b).collect();
+        let mut turned = self.room.map_or(Vec::new(), FormRoom::blank);
+        turned.extend(self.bends.iter().map(|b| -b));
         Self::from(-self.line).bent(turned, self.room)
     }
 }
@@ -133,7 +135,8 @@ impl<const N: usize> Add for QuadraticForm<'_, N> {
             };
         }
         let pairs = self.bends.iter().zip(b.bends);
-        let bends = pairs.map(|(own, added)| own + added).collect();
+        let mut bends = room.map_or(Vec::new(), FormRoom::blank);
+        bends.extend(pairs.map(|(own, added)| own + added));
         let mut sum = Self::from(line).bent(bends, room);
         // Rounding of every sum of second-order terms.
         sum.line.error = (sum.line.error + OPERATION * (self.bend + b.bend)) * GROW;

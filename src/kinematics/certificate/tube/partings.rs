@@ -111,13 +111,8 @@ impl Prover<'_> {
         let actuation = &self.actuation;
         let inputs = actuation.inputs_at(time);
         let on_the_line = (self.solver).between([from.1, to.1], share, &inputs, Pace::Brisk);
-        let found = on_the_line.or_else(|| {
-            let inputs = |part: f64| match part < 1.0 {
-                true => actuation.inputs_at(from.0 + part * (time - from.0)),
-                false => inputs.clone(),
-            };
-            self.solver.followed(from.1, inputs)
-        });
+        let along = |part: f64| actuation.inputs_along([from.0, time], part);
+        let found = on_the_line.or_else(|| self.solver.followed(from.1, along));
         let mut unknowns = found?;
         unknowns.truncate(a.unknowns.len());
         Some(Station {
