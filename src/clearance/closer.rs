@@ -25,7 +25,7 @@ const LEAST_HALVINGS: usize = 3;
 const MOST_ADDED: usize = 6_000;
 const FIRST_ADDED: usize = 2_000;
 
-/// A round must leave less than this fraction of what was not proved before.
+/// A round must leave less than this fraction of what was not proved before, or the next one must.
 const LEFT: f64 = 0.7;
 
 /// Steps that a closer look may take: so many times those of the motion, and so many for every sample.
@@ -35,6 +35,9 @@ const STEPS_OF_SAMPLE: usize = 200;
 /// Most samples without a pose from which one is sought by descent, of a closer look that took too many steps: the first ones are
 /// those that were reached.
 const MOST_DESCENTS: usize = 200;
+
+/// Instants inside a gap that steps did not get over at which a pose is sought: in its middle, and in those of its parts.
+const OF_GAP: usize = 16;
 
 /// An interval so short is not examined, as a fraction of the motion: times are known to 1e-12 of it.
 const SHORTEST: f64 = 1e-11;
@@ -81,6 +84,7 @@ pub fn solve_closely<'m>(
     }
     let mut all = times.to_vec();
     let mut room = FIRST_ADDED;
+    let mut was_in_vain = false;
     for round in 0..ROUNDS {
         let Some(more) = closer_times(&motion, &all, room).filter(|_| !cancelled()) else {
             break;
@@ -113,9 +117,11 @@ pub fn solve_closely<'m>(
             return (closer, motion);
         }
         // Where nothing can be proved more samples do not help.
-        if unproved_seconds(&motion) > LEFT * before {
+        let is_in_vain = unproved_seconds(&motion) > LEFT * before;
+        if is_in_vain && was_in_vain {
             break;
         }
+        was_in_vain = is_in_vain;
         room = if round == 0 { MOST_ADDED } else { room };
         room = room.saturating_sub(added);
     }
@@ -140,15 +146,32 @@ fn is_end(closer: &Trajectory, motion: &mut ProvedMotion) -> bool {
         || instant_without_pose(closer, motion, usize::MAX).is_some()
 }
 
-/// The first sample of a closer look, of at most so many that have no pose, without a pose near those of `motion`.
+/// The first instant without a pose near those of `motion`: of at most so many samples of a closer look that have none, or inside
+/// its gaps.
 fn instant_without_pose(
     closer: &Trajectory,
     motion: &mut ProvedMotion,
     most: usize,
 ) -> Option<f64> {
     let lacking = closer.samples.iter().filter(|sample| sample.pose.is_none());
-    let mut times = lacking.map(|sample| sample.time).take(most);
-    times.find(|time| !motion.has_pose(*time))
+    let samples = lacking.map(|sample| sample.time).take(most);
+    // Between two samples with poses a gap may be too narrow for any of them.
+    let gaps = closer.gaps.iter().filter_map(|gap| {
+        let ends = [gap.from.as_ref()?, gap.until.as_ref()?];
+        Some(ends.map(|instant| instant.time))
+    });
+    let inside = gaps.take(most).flat_map(|[from, until]| {
+        let places = (1..OF_GAP).map(|k| binary_fraction(k));
+        places.map(move |part| from + part * (until - from))
+    });
+    samples.chain(inside).find(|time| !motion.has_pose(*time))
+}
+
+/// The k-th of 1/2, 1/4, 3/4, 1/8, 3/8 and so on.
+fn binary_fraction(k: usize) -> f64 {
+    let bits = usize::BITS - k.leading_zeros();
+    let size = (1 << bits) as f64;
+    (2 * k + 1) as f64 / size - 1.0
 }
 
 /// Whether redundant equations are proved not to hold at a sample.
