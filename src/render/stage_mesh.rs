@@ -1,6 +1,6 @@
 //! Meshes in the form that renderers read: in single precision, validated once. A picture needs no other copy.
 
-use super::edges;
+use super::{Frame, edges};
 use crate::geometry::Mesh;
 use crate::math::narrow_vector;
 use glam::DVec3;
@@ -22,6 +22,29 @@ pub struct StageMesh {
     pub closed: bool,
     /// Least and greatest corner of the box around it; both zero without vertices.
     pub bounds: [DVec3; 2],
+}
+
+/// The meshes that a frame can draw: those of its stage, then its own.
+#[derive(Clone, Copy, Debug)]
+pub struct MeshList<'a> {
+    of_stage: &'a [StageMesh],
+    of_frame: &'a [StageMesh],
+}
+
+impl<'a> MeshList<'a> {
+    /// Both lists.
+    pub fn new(of_stage: &'a [StageMesh], frame: &'a Frame) -> Self {
+        Self {
+            of_stage,
+            of_frame: &frame.meshes,
+        }
+    }
+
+    /// The mesh that an instance means.
+    pub fn get(&self, index: usize) -> Option<&'a StageMesh> {
+        let own = index.checked_sub(self.of_stage.len());
+        own.map_or_else(|| self.of_stage.get(index), |own| self.of_frame.get(own))
+    }
 }
 
 impl From<Mesh> for StageMesh {
