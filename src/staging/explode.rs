@@ -16,9 +16,9 @@ use glam::DVec3;
 const COARSE: f64 = 0.05;
 
 /// Radius of a leader, and lengths of its dashes and gaps, in 480ths of the picture's height.
-const RADIUS: f64 = 0.6;
-const DASH: f64 = 7.0;
-const GAP: f64 = 5.0;
+const RADIUS: f64 = 0.8;
+const DASH: f64 = 10.0;
+const GAP: f64 = 7.0;
 
 /// Most dashes of a leader.
 const MOST_DASHES: f64 = 400.0;
@@ -136,15 +136,16 @@ impl ExplodedView {
         Some(moved)
     }
 
-    /// The leaders at a pose with the bodies in their places.
+    /// The leaders at a pose with the bodies in their places, with the numbers of their bodies.
     pub fn instances<'a>(
         &'a self,
         pose: &'a ClosedPose,
         meshes: &'a [StageMesh],
-    ) -> impl Iterator<Item = Instance> + 'a {
+    ) -> impl Iterator<Item = (u32, Instance)> + 'a {
         self.leaders.iter().map(|(body, at, mesh)| {
             let at = Pose::from_translation(pose.bodies[*body].transform_point(*at));
-            sign_instance(*mesh, meshes, at, self.colour, 1.0)
+            let leader = sign_instance(*mesh, meshes, at, self.colour, 1.0);
+            (*body as u32, leader)
         })
     }
 
@@ -191,7 +192,7 @@ mod tests {
         });
         assert_eq!(ends[0][0], DVec3::ZERO);
         assert!(ends[1][1].distance(end) < 1e-9);
-        assert!((40..50).contains(&dashes.len()), "{}", dashes.len());
+        assert!((28..33).contains(&dashes.len()), "{}", dashes.len());
         assert!(dashes_along(DVec3::ZERO, 0.1).is_empty());
         assert!(dashes_along(DVec3::splat(1e9), 1e-9).len() <= 402);
     }

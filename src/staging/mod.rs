@@ -326,20 +326,23 @@ impl<'a> Staging<'a> {
             meshes,
         );
         let casts = self.scene.view.shadows != Shadows::None;
-        let leaders = self.exploded.instances(pose, meshes);
-        let all = solids.chain(decor).chain(line).chain(leaders);
+        let all = solids.chain(decor).chain(line);
         let all = all.map(|instance| Instance {
             casts_shadow: instance.casts_shadow && casts,
             ..instance
         });
-        let all: Vec<Instance> = all.collect();
-        match &self.section {
-            Some(section) => {
-                let solids = (self.parts.len(), &*drawn.bodies);
-                section.apply(all, solids, of_frame)
-            }
-            None => all,
+        let mut all: Vec<Instance> = all.collect();
+        if let Some(section) = &self.section {
+            let solids = (self.parts.len(), &*drawn.bodies);
+            all = section.apply(all, solids, of_frame);
         }
+        // A body that is cut off as a whole has no leader.
+        let is_shown = |body: u32| all.iter().any(|instance| instance.outline == Some(body));
+        let leaders = self.exploded.instances(pose, meshes);
+        let leaders = leaders.filter(|(body, _)| is_shown(*body));
+        let leaders: Vec<Instance> = leaders.map(|(_, leader)| leader).collect();
+        all.extend(leaders);
+        all
     }
 
     fn labels(&self, (pose, drawn): (&ClosedPose, &ClosedPose), camera: &Camera) -> Vec<Label> {

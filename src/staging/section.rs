@@ -17,17 +17,17 @@ use glam::{DMat3, DVec2, DVec3};
 use std::collections::HashMap;
 
 /// Distance of the lines of the plainest hatching and their width, in 480ths of the picture's height.
-const PITCH: f64 = 9.0;
-const WIDTH: f64 = 1.5;
+const PITCH: f64 = 11.0;
+const WIDTH: f64 = 1.7;
 
 /// Angle in degrees and relative distance of the lines, body by body, so that neighbours can be told apart.
 const PATTERNS: [(f64, f64); 6] = [
     (45.0, 1.0),
     (135.0, 1.0),
-    (45.0, 1.6),
-    (135.0, 1.6),
-    (45.0, 0.7),
-    (135.0, 0.7),
+    (45.0, 1.5),
+    (135.0, 1.5),
+    (45.0, 0.75),
+    (135.0, 0.75),
 ];
 
 /// How far a cut face is from its body's colour to white.
@@ -51,6 +51,8 @@ pub struct SectionCut {
     offsets: Vec<DVec3>,
     /// Meshes of cut bodies by their numbers, and whether they are closed.
     meshes: HashMap<usize, (Mesh, bool)>,
+    /// Volumes of the cut bodies: where two overlap, the smaller is shown, as a pin is in its hole.
+    volumes: Vec<f64>,
     /// Number of meshes of the stage.
     first_mesh: usize,
 }
@@ -73,17 +75,23 @@ impl SectionCut {
         (pixel, height): (f64, f64),
     ) -> Option<Self> {
         let section = view.section.clone()?;
-        let cut = parts.iter().filter(|part| section.cuts(part.body()));
-        let cut = cut.map(|part| {
+        let mut volumes = vec![0.0; offsets.len()];
+        let mut cut: HashMap<usize, (Mesh, bool)> = HashMap::new();
+        for part in parts.iter().filter(|part| section.cuts(part.body())) {
             let mesh = &meshes[part.mesh()];
-            (part.mesh(), (widened(mesh), mesh.closed))
-        });
+            let own = || (widened(mesh), mesh.closed);
+            let (mesh, is_closed) = cut.entry(part.mesh()).or_insert_with(own);
+            if *is_closed {
+                volumes[part.body()] += mesh.volume();
+            }
+        }
         Some(Self {
             up: view.up,
             pixel,
             unit: pixel * height / 480.0,
             offsets: offsets.to_vec(),
-            meshes: cut.collect(),
+            meshes: cut,
+            volumes,
             first_mesh: meshes.len(),
             section,
         })
@@ -153,6 +161,8 @@ impl SectionCut {
                 ..instance
             });
         }
+        // What comes first is in front where faces overlap.
+        faces.sort_by(|a, b| self.volumes[a.body].total_cmp(&self.volumes[b.body]));
         let faces = faces.iter().flat_map(|face| self.draw_face(face, meshes));
         let mut all: Vec<Instance> = faces.collect();
         all.extend(kept);

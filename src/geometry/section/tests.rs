@@ -149,14 +149,7 @@ fn both_sides_together_are_the_whole() {
         tube: 0.7,
     };
     let mesh = mesh_of(&solid, 1e-2);
-    let whole: f64 = {
-        let corner = |k: u32| mesh.positions[k as usize];
-        let six = mesh.triangles.iter().map(|t| {
-            let [a, b, c] = t.map(corner);
-            a.dot(b.cross(c))
-        });
-        six.sum::<f64>() / 6.0
-    };
+    let whole = mesh.volume();
     for k in 0..20 {
         let (sin, cos) = crate::math::sin_cos(0.7 * f64::from(k));
         let normal = DVec3::new(sin, cos, 0.3 - 0.03 * f64::from(k));
@@ -173,7 +166,8 @@ fn a_hollow_body_has_a_ring() {
     let outer = block(DVec3::ZERO, DVec3::splat(4.0));
     let inner = block(DVec3::ZERO, DVec3::splat(2.0));
     let ring = cut(&hollow(&outer, &inner), &plane(DVec3::ZERO, DVec3::Z));
-    assert_eq!([ring.area(), ring.volume()], [12.0, 28.0]);
+    assert_eq!(ring.area(), 12.0);
+    assert!((ring.volume() - 28.0).abs() < 100.0 * NEAR);
 }
 
 #[test]
