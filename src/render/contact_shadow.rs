@@ -181,7 +181,7 @@ impl ShadowCaster {
         .inverse();
         let slant = self.shadow_slant(camera);
         let coarse = self.coarse_of_frame(frame);
-        let meshes = MeshList::new(&self.meshes, frame);
+        let meshes = MeshList::new(&self.meshes, &frame.meshes);
         let maps = self.heights.iter_mut().zip(&mut self.thrown);
         // Opaque and translucent bodies have maps of their own: their shadows differ in darkness.
         for ((below, thrown), translucent) in maps.zip([false, true]) {

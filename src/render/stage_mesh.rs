@@ -1,6 +1,6 @@
 //! Meshes in the form that renderers read: in single precision, validated once. A picture needs no other copy.
 
-use super::{Frame, edges};
+use super::edges;
 use crate::geometry::Mesh;
 use crate::math::narrow_vector;
 use glam::DVec3;
@@ -33,11 +33,8 @@ pub struct MeshList<'a> {
 
 impl<'a> MeshList<'a> {
     /// Both lists.
-    pub fn new(of_stage: &'a [StageMesh], frame: &'a Frame) -> Self {
-        Self {
-            of_stage,
-            of_frame: &frame.meshes,
-        }
+    pub fn new(of_stage: &'a [StageMesh], of_frame: &'a [StageMesh]) -> Self {
+        Self { of_stage, of_frame }
     }
 
     /// The mesh that an instance means.

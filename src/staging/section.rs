@@ -18,7 +18,10 @@ use std::collections::HashMap;
 
 /// Distance of the lines of the plainest hatching and their width, in 480ths of the picture's height.
 const PITCH: f64 = 11.0;
-const WIDTH: f64 = 1.7;
+const WIDTH: f64 = 1.9;
+
+/// Pixels that stand for a 480th of the height at least: thinner lines would break up in small pictures.
+const LEAST_UNIT: f64 = 0.7;
 
 /// Angle in degrees and relative distance of the lines, body by body, so that neighbours can be told apart.
 const PATTERNS: [(f64, f64); 6] = [
@@ -44,7 +47,7 @@ const OVERLAP: f64 = 0.02;
 pub struct SectionCut {
     section: Section,
     up: UpAxis,
-    /// Size of a pixel, and of the 480th part of the picture's height.
+    /// Size of a pixel, and the unit of hatching.
     pixel: f64,
     unit: f64,
     /// Of every body: how far it is drawn from its place.
@@ -88,7 +91,7 @@ impl SectionCut {
         Some(Self {
             up: view.up,
             pixel,
-            unit: pixel * height / 480.0,
+            unit: pixel * (height / 480.0).max(LEAST_UNIT),
             offsets: offsets.to_vec(),
             meshes: cut,
             volumes,

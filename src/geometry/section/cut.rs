@@ -3,8 +3,8 @@
 //! Triangles that cross the plane are cut. Both triangles at an edge find the same point on it, to the last bit, so that
 //! the border of a closed mesh is closed as well.
 
-use super::CutPlane;
-use crate::geometry::Mesh;
+use super::plane::CutPlane;
+use crate::geometry::mesh::Mesh;
 use glam::DVec3;
 use std::collections::HashMap;
 

@@ -4,6 +4,7 @@
 use super::*;
 use crate::geometry::{Mesh, mesh_of};
 use crate::model::shape::Solid;
+use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 
 const NEAR: f64 = 1e-12;

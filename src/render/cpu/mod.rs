@@ -115,7 +115,7 @@ impl CpuRenderer {
         let Some(ground) = self.stage.ground.filter(|_| self.backdrop.view.is_some()) else {
             return false;
         };
-        let meshes = MeshList::new(&self.stage.meshes, frame);
+        let meshes = MeshList::new(&self.stage.meshes, &frame.meshes);
         frame.instances.iter().any(|instance| {
             let Some(solid) = meshes.get(instance.mesh) else {
                 return false;
@@ -168,7 +168,7 @@ impl Renderer for CpuRenderer {
         }
         let scene = DrawnScene {
             frame,
-            solids: MeshList::new(&self.stage.meshes, frame),
+            solids: MeshList::new(&self.stage.meshes, &frame.meshes),
             lens: &self.lens,
             backdrop: &self.backdrop,
             shadow,

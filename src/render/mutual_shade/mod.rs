@@ -53,7 +53,7 @@ impl MutualShade {
         self.key.lay_map(self.room, camera);
         self.sky.clear();
         let eye = camera.eye(self.sky.picture());
-        let meshes = MeshList::new(&self.meshes, frame);
+        let meshes = MeshList::new(&self.meshes, &frame.meshes);
         for (number, instance) in frame.instances.iter().enumerate() {
             let mesh = meshes.get(instance.mesh);
             let Some(caster) = mesh.and_then(|mesh| Caster::new(instance, number, mesh, &eye))

@@ -101,7 +101,7 @@ pub(crate) const ORBIT: Key = Key::new(
 pub(crate) const SECTION: Key = Key::new(
     "section",
     Table(&SECTION_KEYS),
-    "a plane at which bodies are cut; their cut faces are drawn flat and hatched. Pictures only: 3-D models stay whole",
+    "a plane at which pictures cut bodies (3-D models stay whole); cut faces are drawn flat and hatched",
 );
 pub(crate) const EXPLODE: Key = Key::new(
     "explode",
