@@ -128,7 +128,7 @@ fn cut_faces_are_flat_and_hatched() {
     };
     let [left, right] = [[0xc0, 0x20, 0x20], [0x20, 0x20, 0xc0]].map(cut_colours);
     let whole = draw("", &[]);
-    assert_eq!(count(&whole, left[0]) + count(&whole, right[1]), 0);
+    assert_eq!(count(&whole, left[0]) + count(&whole, right[0]), 0);
     // The viewer of `front` looks along y: the near halves are taken away.
     let key = "section = { point = [0, 0, 0], normal = [0, -1, 0] }";
     let cut = draw(key, &[]);
