@@ -103,7 +103,7 @@ fn stage(projection: Projection, size: [u32; 2], samples: u32) -> Arc<Stage> {
     })
 }
 
-/// Opaque and translucent bodies, one cut by the ground, one flat, one partial.
+/// Opaque and translucent bodies, one cut by the ground, one flat, one partial; two with a mesh of the frame's own.
 fn frame(stage: &Stage) -> Frame {
     let body =
         |mesh: usize, place: [f64; 3], (axis, angle): (usize, f64), colour, opacity| Instance {
@@ -129,7 +129,11 @@ fn frame(stage: &Stage) -> Frame {
     ];
     instances[5].triangles.end /= 2;
     instances[7].flat = 1.0;
+    let own = stage.meshes.len();
+    instances[7].mesh = own;
+    instances[4].mesh = own + 1;
     Frame {
+        meshes: vec![stage.meshes[3].clone(), stage.meshes[2].clone()],
         instances,
         ..Frame::default()
     }

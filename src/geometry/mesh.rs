@@ -42,6 +42,11 @@ impl Mesh {
     /// Whether the outside completely hides the inside: closed, and not inside out as in some files. A renderer may
     /// cull the back faces of such a mesh.
     pub fn hides_its_inside(&self) -> bool {
+        self.volume() > 0.0 && self.is_closed()
+    }
+
+    /// The volume inside a closed mesh, negative if it is inside out.
+    pub fn volume(&self) -> f64 {
         let corner = |index: u32| {
             let position = self.positions.get(index as usize);
             position.copied().unwrap_or_default()
@@ -51,7 +56,7 @@ impl Mesh {
             .iter()
             .map(|t| corner(t[0]).dot(corner(t[1]).cross(corner(t[2]))))
             .sum();
-        six_volumes > 0.0 && self.is_closed()
+        six_volumes / 6.0
     }
 }
 

@@ -4,6 +4,7 @@ mod crease;
 mod mesh;
 mod primitive;
 mod round;
+pub mod section;
 pub mod stl;
 mod torus;
 pub mod trace;

@@ -22,6 +22,7 @@ pub mod pattern;
 pub mod plot;
 pub mod printed;
 pub mod rate;
+pub mod section;
 pub mod shape;
 pub mod shown_dimension;
 pub mod study;

@@ -2,6 +2,7 @@
 
 use super::camera_path::CameraPath;
 use super::mechanism::Mechanism;
+use super::section::Section;
 use super::shape::Shape;
 use super::shown_dimension::ShownDimension;
 use super::theme::Theme;
@@ -312,6 +313,10 @@ pub struct View {
     pub camera_path: CameraPath,
     /// Solids that pictures omit.
     pub hidden: Vec<HiddenSolids>,
+    /// Where bodies are cut.
+    pub section: Option<Section>,
+    /// How far bodies are moved apart, relative to the distances of their centres from the common one; 0 not at all.
+    pub explode: f64,
 }
 
 /// Solids of a body that pictures omit; they move and are measured like the others.

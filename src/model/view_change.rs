@@ -1,6 +1,7 @@
 //! Changes to the view of a scene from the command line or a list of pictures.
 
 use super::camera_path::CameraPath;
+use super::section::{Section, SectionPlane};
 use super::theme::Theme;
 use super::view::{
     EdgeLines, Ghosts, GroundPlace, NamedView, Shadows, ShownAxes, Trails, View, ViewProjection,
@@ -55,6 +56,10 @@ pub struct ViewChange {
     pub joints: Option<bool>,
     /// Radians that the camera turns during the motion, in place of the scene's path.
     pub orbit: Option<f64>,
+    /// Where bodies are cut; the scene's choice of bodies stays.
+    pub section: Option<SectionPlane>,
+    /// How far bodies are moved apart.
+    pub explode: Option<f64>,
 }
 
 impl ViewChange {
@@ -100,6 +105,11 @@ impl ViewChange {
         if self.ground == Some(false) {
             view.ground = GroundPlace::None;
         }
+        if let Some(plane) = self.section {
+            let bodies = view.section.take().and_then(|section| section.bodies);
+            view.section = Some(Section { plane, bodies });
+        }
+        view.explode = self.explode.unwrap_or(view.explode);
         // Everything else is independent: what is not given keeps the scene's value.
         let playback = &mut view.playback;
         playback.bounce = self.bounce.unwrap_or(playback.bounce);

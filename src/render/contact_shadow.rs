@@ -5,7 +5,7 @@
 
 use super::ground::ground_axes;
 use super::look::{KEY_DIRECTION, larger_of, smaller_of};
-use super::{Camera, Frame, Ground, Instance, Stage, StageMesh};
+use super::{Camera, Frame, Ground, Instance, MeshList, Stage, StageMesh};
 use crate::math::{Pose, narrow_pose};
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
@@ -132,6 +132,8 @@ pub struct ShadowCaster {
     /// Triangles of each mesh with an edge longer than a texel, which are rasterised; of the others only the corners
     /// count.
     coarse: Arc<[Vec<u32>]>,
+    /// Size of a texel.
+    texel: f32,
     /// Smallest height over each texel in radii, for opaque and for translucent bodies; infinite if nothing is above.
     heights: [Vec<f32>; 2],
     /// The same for their shadows in the direction of the key light.
@@ -149,16 +151,14 @@ impl ShadowCaster {
             .filter(|g| g.radius > 0.0 && g.centre.is_finite())?;
         let texel = (2.0 * ground.radius / f64::from(SHADOW_SIZE)) as f32;
         let area = (SHADOW_SIZE * SHADOW_SIZE) as usize;
-        let coarse = stage.meshes.iter().map(|mesh| {
-            let is_coarse =
-                |k: &u32| is_coarse(&mesh.positions, mesh.triangles[*k as usize], texel);
-            (0..mesh.triangles.len() as u32).filter(is_coarse).collect()
-        });
+        let coarse = stage.meshes.iter();
+        let coarse = coarse.map(|mesh| coarse_triangles(mesh, texel));
         Some(Self {
             ground,
             axes: ground_axes(&ground),
             coarse: coarse.collect(),
             meshes: Arc::clone(&stage.meshes),
+            texel,
             heights: [vec![f32::INFINITY; area], vec![f32::INFINITY; area]],
             thrown: [vec![f32::INFINITY; area], vec![f32::INFINITY; area]],
             layers: [vec![0.0; area], vec![0.0; area], vec![0.0; area]],
@@ -180,6 +180,8 @@ impl ShadowCaster {
         }
         .inverse();
         let slant = self.shadow_slant(camera);
+        let coarse = self.coarse_of_frame(frame);
+        let meshes = MeshList::new(&self.meshes, &frame.meshes);
         let maps = self.heights.iter_mut().zip(&mut self.thrown);
         // Opaque and translucent bodies have maps of their own: their shadows differ in darkness.
         for ((below, thrown), translucent) in maps.zip([false, true]) {
@@ -195,11 +197,12 @@ impl ShadowCaster {
             });
             let casts = |i: &&Instance| i.casts_shadow && (i.opacity < 1.0) == translucent;
             for instance in frame.instances.iter().filter(casts) {
-                let mesh = self
-                    .meshes
-                    .get(instance.mesh)
-                    .zip(self.coarse.get(instance.mesh));
-                if let Some((mesh, coarse)) = mesh {
+                let of_frame = instance.mesh.checked_sub(self.coarse.len());
+                let coarse = match of_frame {
+                    Some(own) => coarse.get(own),
+                    None => self.coarse.get(instance.mesh),
+                };
+                if let Some((mesh, coarse)) = meshes.get(instance.mesh).zip(coarse) {
                     let pose = ground_from_world * instance.world_from_mesh;
                     // The least height over every texel: straight below, and along the key light if that is steep
                     // enough.
@@ -213,6 +216,18 @@ impl ShadowCaster {
         }
         self.blur_darkness();
         &self.shadow
+    }
+
+    /// The coarse triangles of the frame's own meshes that cast shadows.
+    fn coarse_of_frame(&self, frame: &Frame) -> Vec<Vec<u32>> {
+        let mut coarse = vec![Vec::new(); frame.meshes.len()];
+        for instance in frame.instances.iter().filter(|i| i.casts_shadow) {
+            let own = instance.mesh.checked_sub(self.coarse.len());
+            if let Some(own) = own.filter(|own| *own < coarse.len()) {
+                coarse[own] = coarse_triangles(&frame.meshes[own], self.texel);
+            }
+        }
+        coarse
     }
 
     /// The horizontal displacement of a point's shadow per unit of its height, along the ground's axes; `None` if the
@@ -270,6 +285,12 @@ impl ShadowCaster {
         }
         self.shadow.dark = dark;
     }
+}
+
+/// The triangles of a mesh with an edge longer than a texel.
+fn coarse_triangles(mesh: &StageMesh, texel: f32) -> Vec<u32> {
+    let is_coarse = |k: &u32| is_coarse(&mesh.positions, mesh.triangles[*k as usize], texel);
+    (0..mesh.triangles.len() as u32).filter(is_coarse).collect()
 }
 
 fn is_coarse(corners: &[[f32; 3]], triangle: [u32; 3], texel: f32) -> bool {

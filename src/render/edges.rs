@@ -34,6 +34,10 @@ pub const FIRST: u32 = 3;
 /// lines with a translucent side are drawn.
 pub const TRANSLUCENT: u32 = 1 << 31;
 
+/// The first outline of cut faces: all faces of a body in one plane are one surface, whatever their patches and whichever
+/// lines are drawn, so that hatching on them has no lines of its own.
+pub const FIRST_CUT: u32 = 3 << 29;
+
 /// The surface of the first patch of an instance of the body `outline`, and the step from patch to patch. With `creases`
 /// patches are surfaces of their own, of which `before` belong to the instances before.
 pub fn first_surface(outline: Option<u32>, opacity: f64, creases: bool, before: u32) -> [u32; 2] {
@@ -41,7 +45,7 @@ pub fn first_surface(outline: Option<u32>, opacity: f64, creases: bool, before: 
     let number = |n: u32| ((n % (TRANSLUCENT - FIRST)) + FIRST) | flag;
     match outline {
         None => [NO_LINES, 0],
-        Some(_) if creases => [number(before), 1],
+        Some(body) if creases && body < FIRST_CUT => [number(before), 1],
         Some(body) => [number(body), 0],
     }
 }

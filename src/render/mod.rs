@@ -27,7 +27,7 @@ use edges::EdgeStyle;
 use glam::DVec3;
 use image::RgbaImage;
 use look::Rim;
-pub use stage_mesh::StageMesh;
+pub use stage_mesh::{MeshList, StageMesh};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -112,7 +112,7 @@ impl Ground {
 /// One mesh, drawn in one frame.
 #[derive(Clone, Debug)]
 pub struct Instance {
-    /// Index into `Stage::meshes`.
+    /// Index into `Stage::meshes`; beyond them into `Frame::meshes`.
     pub mesh: usize,
     /// Placement.
     pub world_from_mesh: Pose,
@@ -197,6 +197,8 @@ pub struct Label {
 pub struct Frame {
     /// Its camera, if it differs from the stage's.
     pub camera: Option<Camera>,
+    /// Meshes of this frame alone; they are numbered after those of the stage.
+    pub meshes: Vec<StageMesh>,
     /// Meshes to draw.
     pub instances: Vec<Instance>,
     /// Rectangles over them.

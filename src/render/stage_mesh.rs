@@ -24,6 +24,26 @@ pub struct StageMesh {
     pub bounds: [DVec3; 2],
 }
 
+/// The meshes that a frame can draw: those of its stage, then its own.
+#[derive(Clone, Copy, Debug)]
+pub struct MeshList<'a> {
+    of_stage: &'a [StageMesh],
+    of_frame: &'a [StageMesh],
+}
+
+impl<'a> MeshList<'a> {
+    /// Both lists.
+    pub fn new(of_stage: &'a [StageMesh], of_frame: &'a [StageMesh]) -> Self {
+        Self { of_stage, of_frame }
+    }
+
+    /// The mesh that an instance means.
+    pub fn get(&self, index: usize) -> Option<&'a StageMesh> {
+        let own = index.checked_sub(self.of_stage.len());
+        own.map_or_else(|| self.of_stage.get(index), |own| self.of_frame.get(own))
+    }
+}
+
 impl From<Mesh> for StageMesh {
     fn from(mesh: Mesh) -> Self {
         // Work that needs double precision comes first. Then every list is freed as soon as it is converted, since two

@@ -1,6 +1,6 @@
 //! `[view]` as typed, before names and units are resolved.
 
-use super::reader::{Spanned, TableReader};
+use super::reader::{Spanned, TableReader, required_value};
 use super::values::FormulaText;
 use crate::diag::Span;
 
@@ -38,6 +38,8 @@ pub struct ViewFile {
     pub joints: Option<bool>,
     pub orbit: Option<FormulaText>,
     pub camera_path: Vec<CameraKeyFile>,
+    pub section: Option<SectionFile>,
+    pub explode: Option<FormulaText>,
 }
 
 /// An entry of `camera_path`
@@ -51,6 +53,15 @@ pub struct CameraKeyFile {
     pub distance: Option<FormulaText>,
     pub target: Option<[FormulaText; 3]>,
     pub span: Span,
+}
+
+/// `section`
+#[derive(Clone, Debug)]
+#[allow(missing_docs)]
+pub struct SectionFile {
+    pub point: Option<[FormulaText; 3]>,
+    pub normal: Option<[FormulaText; 3]>,
+    pub bodies: Option<Vec<Spanned<String>>>,
 }
 
 /// Reads `[view]`.
@@ -86,6 +97,16 @@ pub fn read_view(r: &mut TableReader) -> ViewFile {
         joints: r.boolean("joints"),
         orbit: r.formula("orbit"),
         camera_path: r.tables("camera_path", camera_key),
+        section: r.table("section", section),
+        explode: r.formula("explode"),
+    }
+}
+
+fn section(r: &mut TableReader) -> SectionFile {
+    SectionFile {
+        point: required_value(r, "point", TableReader::vector),
+        normal: required_value(r, "normal", TableReader::vector),
+        bodies: r.strings("bodies"),
     }
 }
 

@@ -21,6 +21,8 @@ pub struct StagedPart {
     body_from_shape: Pose,
     colour: [u8; 3],
     opacity: f64,
+    /// How far it is drawn from its place.
+    offset: DVec3,
 }
 
 impl StagedPart {
@@ -29,11 +31,28 @@ impl StagedPart {
         self.body
     }
 
+    /// Index of its mesh.
+    pub fn mesh(&self) -> usize {
+        self.mesh
+    }
+
+    /// Its sRGB colour.
+    pub fn colour(&self) -> [u8; 3] {
+        self.colour
+    }
+
+    /// Draws it this far from its place.
+    pub fn move_by(&mut self, offset: DVec3) {
+        self.offset = offset;
+    }
+
     /// Where and how it is drawn at a pose.
     pub fn instance(&self, pose: &ClosedPose, meshes: &[StageMesh]) -> Instance {
+        let mut world_from_mesh = pose.bodies[self.body] * self.body_from_shape;
+        world_from_mesh.translation += self.offset;
         Instance {
             mesh: self.mesh,
-            world_from_mesh: pose.bodies[self.body] * self.body_from_shape,
+            world_from_mesh,
             colour: self.colour,
             opacity: self.opacity,
             triangles: 0..meshes[self.mesh].triangles.len() as u32,
@@ -96,6 +115,7 @@ pub fn of_bodies(scene: &Scene, pixel: f64, meshes: &mut Vec<StageMesh>) -> Vec<
                 body_from_shape: shape.body_from_shape,
                 colour: shape.colour,
                 opacity: shape.opacity,
+                offset: DVec3::ZERO,
             });
         }
     }

@@ -1,6 +1,6 @@
 //! The space that a motion occupies: points that the camera must include.
 
-use super::link_symbols;
+use super::{explode, link_symbols};
 use crate::geometry::coarse_mesh_of;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::model::shape::{Solid, TriangleSoup};
@@ -75,12 +75,14 @@ pub fn moving_points(scene: &Scene, trajectory: &Trajectory) -> Vec<DVec3> {
             (body, hull)
         })
         .collect();
+    let offsets = explode::body_offsets(scene, trajectory);
     let poses: Vec<_> = trajectory.poses().collect();
     let stride = poses.len().div_ceil(MAX_SAMPLES).max(1);
     let mut points = Vec::new();
     for pose in poses.iter().step_by(stride) {
         for (body, hull) in &hulls {
-            let placed = hull.iter().map(|p| pose.bodies[*body].transform_point(*p));
+            let placed = hull.iter();
+            let placed = placed.map(|p| pose.bodies[*body].transform_point(*p) + offsets[*body]);
             points.extend(placed.filter(|p| p.is_finite()));
             if points.len() > MOST {
                 points = outermost_points(&points);

@@ -88,13 +88,14 @@ impl DecorParts {
         self.axes.colours()
     }
 
-    /// The additions at sample `index`, which shows the pose `pose` of sample `shown`.
+    /// The additions at sample `index`, which shows the pose `pose` of sample `shown`; in an exploded view the bodies are
+    /// drawn where they are in `drawn`.
     pub fn instances(
         &self,
         (scene, trajectory): MovingDecor,
         parts: &[StagedPart],
         (index, shown): (usize, usize),
-        pose: &ClosedPose,
+        (pose, drawn): (&ClosedPose, &ClosedPose),
         meshes: &[StageMesh],
     ) -> Vec<Instance> {
         let mut all: Vec<Instance> = self
@@ -111,7 +112,7 @@ impl DecorParts {
             now,
             meshes,
         ));
-        all.extend(self.axes.instances(pose, meshes));
+        all.extend(self.axes.instances(drawn, meshes));
         if let Some(arrows) = &self.arrows {
             all.extend(arrows.instances(shown, &pose.traces, meshes));
         }

@@ -12,9 +12,11 @@ mod captions;
 mod context;
 mod decor;
 mod dimension_lines;
+mod explode;
 mod fitting;
 mod gauge;
 mod ghosts;
+mod ground;
 mod joint_places;
 mod joint_symbols;
 pub mod joints;
@@ -27,6 +29,7 @@ pub mod panes;
 mod placed_labels;
 pub mod quantity_names;
 mod round_steps;
+mod section;
 pub mod shared_camera;
 mod solids;
 mod ticks;
@@ -35,14 +38,12 @@ mod value_text;
 
 use crate::kinematics::results::trajectory::{ClosedPose, Trajectory};
 use crate::model::theme::Theme;
-use crate::model::view::{
-    EdgeLines, GroundPlace, LabelPlace, SceneLabel, Shadows, ShownAxes, View,
-};
+use crate::model::view::{EdgeLines, LabelPlace, SceneLabel, Shadows, ShownAxes, View};
 use crate::render::edges::EdgeStyle;
 use crate::render::look::Rim;
 use crate::render::overlay::border;
 use crate::render::ramp::shaded_ramp;
-use crate::render::{Camera, Frame, Ground, Instance, Label, Stage};
+use crate::render::{Camera, Frame, Instance, Label, Stage, StageMesh};
 use crate::scene::Scene;
 use body_meshes::StagedPart;
 use cameras::Cameras;
@@ -50,11 +51,12 @@ use captions::Captions;
 use context::{ContextRoom, ContextSigns};
 use decor::DecorParts;
 use dimension_lines::DimensionLook;
+use explode::ExplodedView;
 use glam::DVec3;
 use label_placement::Rectangle;
 use marks::Marks;
 use placed_labels::Letters;
-use round_steps::round_step;
+use section::SectionCut;
 use std::sync::Arc;
 
 /// Size and sampling of the pictures.
@@ -75,6 +77,8 @@ pub struct Staging<'a> {
     /// One per sample if the camera moves, otherwise none.
     cameras: Vec<Camera>,
     parts: Vec<StagedPart>,
+    exploded: ExplodedView,
+    section: Option<SectionCut>,
     marks: Marks,
     /// Mesh of the marked distance.
     measure: Option<usize>,
@@ -91,17 +95,8 @@ pub struct Staging<'a> {
     shown: Vec<Option<usize>>,
 }
 
-/// Distance of the ground below the lowest point, as a fraction of the motion's extent, so that nothing touches it.
-const GROUND_GAP: f64 = 0.01;
-
-/// Radius of the ground over half the extent of the motion.
-const GROUND_REACH: f64 = 1.9;
-
 /// Opacity of the bodies when joints are shown, so that the joints inside them are visible.
 const FADED_BY_JOINTS: f64 = 0.35;
-
-/// Grid lines across the extent of the motion, about.
-const GRID_LINES: f64 = 9.0;
 
 impl<'a> Staging<'a> {
     /// Prepares the stage for all samples of `trajectory`.
@@ -126,16 +121,22 @@ impl<'a> Staging<'a> {
         let aspect = picture_aspect(options);
         let times: Vec<f64> = trajectory.samples.iter().map(|s| s.time).collect();
         let duration = scene.actuation.duration;
-        let ground = view_ground(view, &bounds, up);
+        let ground = ground::view_ground(view, &bounds, up);
         let extent = bounds::box_of(&bounds).map_or(1.0, |[low, high]| (high - low).length());
         bounds.extend(dimension_lines::held_points(scene, trajectory, extent));
         // With the camera the size of a pixel is known, which sets the facets and all widths.
         let cameras = Cameras::new(view, up, &bounds, aspect, (&times, duration));
         let pixel = body_meshes::pixel_size(cameras.all(), options.size, &bounds);
-        let parts = body_meshes::of_bodies(scene, pixel, &mut meshes);
+        let mut parts = body_meshes::of_bodies(scene, pixel, &mut meshes);
         let height = f64::from(options.size[1]);
         decor.after_camera(moving, (pixel, height), &mut meshes);
         let measure = marks.mesh(pixel, &mut meshes);
+        let exploded = ExplodedView::new(moving, (pixel, height), &mut meshes);
+        let offsets = exploded.offsets();
+        for part in &mut parts {
+            part.move_by(offsets[part.body()]);
+        }
+        let section = SectionCut::new(view, (&parts, offsets), &meshes, (pixel, height));
         // What is the same in all frames, shared by the renderers.
         let stage = Stage {
             meshes: meshes.into(),
@@ -158,6 +159,8 @@ impl<'a> Staging<'a> {
             trajectory,
             cameras: cameras.moving,
             parts,
+            exploded,
+            section,
             marks,
             measure,
             decor,
@@ -212,6 +215,9 @@ impl<'a> Staging<'a> {
         let theme = self.theme();
         let mut colours = vec![self.stage.background, theme.ink(), theme.faint_ink()];
         colours.extend(self.decor.flat_colours());
+        colours.extend(self.exploded.flat_colours());
+        let section = self.section.iter();
+        colours.extend(section.flat_map(|section| section.flat_colours(&self.parts)));
         colours.extend(gauge::flat_colours(self.scene.view.decor.gauge));
         colours.extend(self.context.flat_colours());
         colours.extend(dimension_lines::flat_colours(self.scene));
@@ -245,9 +251,11 @@ impl<'a> Staging<'a> {
         };
         if let Some(pose) = self.shown[index].and_then(|k| self.trajectory.samples[k].pose.as_ref())
         {
-            frame.instances = self.instances(index, pose);
+            let moved = self.exploded.moved(pose);
+            let drawn = moved.as_ref().unwrap_or(pose);
+            frame.instances = self.instances(index, (pose, drawn), &mut frame.meshes);
             let camera = frame.camera(&self.stage);
-            frame.labels = self.labels(pose, &camera);
+            frame.labels = self.labels((pose, drawn), &camera);
             let look = DimensionLook {
                 camera,
                 size: self.stage.size,
@@ -255,7 +263,10 @@ impl<'a> Staging<'a> {
                 extent: self.extent,
                 enlarged: self.enlarged,
             };
-            dimension_lines::add_dimensions(self.scene, pose, look, &mut frame);
+            // Between bodies that are moved apart there are no true lengths.
+            if moved.is_none() {
+                dimension_lines::add_dimensions(self.scene, pose, look, &mut frame);
+            }
         }
         let has_pose = !frame.no_pose;
         self.add_context(&frame.camera(&self.stage), has_pose, &mut frame);
@@ -289,7 +300,13 @@ impl<'a> Staging<'a> {
             .add(camera, self.stage.ground.as_ref(), room, frame);
     }
 
-    fn instances(&self, index: usize, pose: &ClosedPose) -> Vec<Instance> {
+    /// What is drawn at a pose, with the bodies in their places and where they are drawn.
+    fn instances(
+        &self,
+        index: usize,
+        (pose, drawn): (&ClosedPose, &ClosedPose),
+        of_frame: &mut Vec<StageMesh>,
+    ) -> Vec<Instance> {
         let meshes = &self.stage.meshes;
         let solids = self.parts.iter().map(|part| {
             let mut instance = part.instance(pose, meshes);
@@ -305,19 +322,30 @@ impl<'a> Staging<'a> {
             (self.scene, self.trajectory),
             &self.parts,
             shown,
-            pose,
+            (pose, drawn),
             meshes,
         );
         let casts = self.scene.view.shadows != Shadows::None;
         let all = solids.chain(decor).chain(line);
-        all.map(|instance| Instance {
+        let all = all.map(|instance| Instance {
             casts_shadow: instance.casts_shadow && casts,
             ..instance
-        })
-        .collect()
+        });
+        let mut all: Vec<Instance> = all.collect();
+        if let Some(section) = &self.section {
+            let solids = (self.parts.len(), &*drawn.bodies);
+            all = section.apply(all, solids, of_frame);
+        }
+        // A body that is cut off as a whole has no leader.
+        let is_shown = |body: u32| all.iter().any(|instance| instance.outline == Some(body));
+        let leaders = self.exploded.instances(pose, meshes);
+        let leaders = leaders.filter(|(body, _)| is_shown(*body));
+        let leaders: Vec<Instance> = leaders.map(|(_, leader)| leader).collect();
+        all.extend(leaders);
+        all
     }
 
-    fn labels(&self, pose: &ClosedPose, camera: &Camera) -> Vec<Label> {
+    fn labels(&self, (pose, drawn): (&ClosedPose, &ClosedPose), camera: &Camera) -> Vec<Label> {
         let height = f64::from(self.stage.size[1]);
         let theme = self.scene.view.theme;
         let labels = &self.scene.view.labels;
@@ -325,7 +353,7 @@ impl<'a> Staging<'a> {
             .iter()
             .zip(&self.letters)
             .filter_map(|(label, letters)| {
-                let point = captions::anchor(label, letters.on_trace, pose)?;
+                let point = captions::anchor(label, letters.on_trace, drawn)?;
                 let is_seen = !label.hides || !self.is_hidden(label, point, pose, camera);
                 is_seen.then(|| letters.label(label, point, height, theme))
             })
@@ -346,7 +374,8 @@ impl<'a> Staging<'a> {
             LabelPlace::OnBody { body, .. } => Some(body),
             LabelPlace::OnTrace { .. } => None,
         };
-        occlusion::is_hidden(point, own, camera, &self.parts, pose, &self.stage.meshes)
+        let bodies = (&*self.parts, self.section.as_ref());
+        occlusion::is_hidden(point, own, camera, bodies, pose, &self.stage.meshes)
     }
 }
 
@@ -381,34 +410,4 @@ fn edge_style(view: &View) -> Option<EdgeStyle> {
 /// Width over height.
 fn picture_aspect(options: PictureOptions) -> f64 {
     f64::from(options.size[0]) / f64::from(options.size[1])
-}
-
-/// The ground under the motion, or none.
-fn view_ground(view: &View, points: &[DVec3], up: DVec3) -> Option<Ground> {
-    let [low, high] = bounds::box_of(points)?;
-    let extent = (high - low).length();
-    let lowest = points
-        .iter()
-        .map(|p| p.dot(up))
-        .fold(f64::INFINITY, f64::min);
-    let height = match view.ground {
-        GroundPlace::None => return None,
-        GroundPlace::Auto => lowest - GROUND_GAP * extent,
-        GroundPlace::At(height) => height,
-    };
-    let middle = (low + high) * 0.5;
-    let centre = middle + up * (height - middle.dot(up));
-    let radius = GROUND_REACH * 0.5 * extent;
-    Some(Ground {
-        centre,
-        normal: up,
-        radius,
-        grid: round_step(extent / GRID_LINES),
-        // Without a background nothing can be lighter than it.
-        shade: if view.theme == Theme::Dark && !view.transparent {
-            Ground::LIGHTER
-        } else {
-            Ground::DARKER
-        },
-    })
 }

@@ -1,6 +1,7 @@
 //! One camera and ground for several scenes that are shown one after the other.
 
-use super::{PictureOptions, Staging, bounds, cameras, picture_aspect, view_ground};
+use super::ground::view_ground;
+use super::{PictureOptions, Staging, bounds, cameras, picture_aspect};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::render::{Camera, Ground, Stage};
 use crate::scene::Scene;

@@ -9,6 +9,7 @@ pub mod groups;
 pub mod motion;
 pub mod report;
 pub mod scene;
+mod section;
 pub mod study;
 pub mod sweep;
 pub mod values;

@@ -1,9 +1,11 @@
 //! The options of `mechanim render` that change the scene's `[view]`.
 
+use super::section::{explosion_factor, section_plane};
 use super::values::{hex_colour, named_word};
 use crate::cli::term::outcome::Failure;
 use crate::diag::shown_number;
 use crate::export::Format;
+use crate::model::section::SectionPlane;
 use crate::model::theme::Theme;
 use crate::model::view::{
     EdgeLines, Ghosts, HiddenSolids, NamedView, Playback, Shadows, ShownAxes, Trails,
@@ -83,6 +85,13 @@ pub struct ViewArgs {
     /// A scale bar in parallel projections; in a perspective, the pitch of the ground's grid.
     #[arg(long)]
     pub scale: bool,
+    /// Cut the bodies at a plane: `x=10` removes what is beyond x = 10, `-x=10` what is before it. Or POINT/NORMAL, as in
+    /// `0,0,10/0,1,1`; the normal points to the side that is removed. Scenes choose bodies with `[view] section`.
+    #[arg(long, value_name = "PLANE", allow_hyphen_values = true, value_parser = section_plane)]
+    pub section: Option<SectionPlane>,
+    /// Move the bodies apart, by this many times the distances of their middles from the common one.
+    #[arg(long, value_name = "FACTOR", allow_negative_numbers = true, value_parser = explosion_factor)]
+    pub explode: Option<f64>,
     /// Play the motion forwards, then backwards.
     #[arg(long)]
     pub bounce: bool,
@@ -132,6 +141,8 @@ impl ViewArgs {
             gauge: yes(self.gauge),
             joints: yes(self.joints),
             orbit: self.orbit.map(f64::to_radians),
+            section: self.section,
+            explode: self.explode,
             ..ViewChange::default()
         }
     }

@@ -7,7 +7,7 @@ use super::window::{Window, line_apron, pitch};
 use crate::render::colour::ToneCurve;
 use crate::render::edges::{self, BACKDROP};
 use crate::render::look::Rgb;
-use crate::render::{Frame, Instance, Stage, StageMesh};
+use crate::render::{Frame, Instance, MeshList, Stage, StageMesh};
 
 /// Set in [`Facet::instance`] when the back of the triangle is seen.
 const BACK: u32 = 1 << 31;
@@ -138,7 +138,7 @@ impl TriangleAssembly {
     pub(super) fn assemble<const G: usize>(
         &mut self,
         frame: &Frame,
-        solids: &[StageMesh],
+        solids: MeshList,
         lens: &Lens,
         pattern: &SamplePattern<G>,
     ) {

@@ -24,7 +24,7 @@ mod window;
 use super::contact_shadow::{ContactShadow, ShadowCaster};
 use super::look::Surroundings;
 use super::mutual_shade::MutualShade;
-use super::{Camera, Frame, RenderError, Renderer, Stage, StageMesh, allow_drawing, colour};
+use super::{Camera, Frame, MeshList, RenderError, Renderer, Stage, allow_drawing, colour};
 use assembly::TriangleAssembly;
 use backdrop::Backdrop;
 use image::RgbaImage;
@@ -115,8 +115,9 @@ impl CpuRenderer {
         let Some(ground) = self.stage.ground.filter(|_| self.backdrop.view.is_some()) else {
             return false;
         };
+        let meshes = MeshList::new(&self.stage.meshes, &frame.meshes);
         frame.instances.iter().any(|instance| {
-            let Some(solid) = self.stage.meshes.get(instance.mesh) else {
+            let Some(solid) = meshes.get(instance.mesh) else {
                 return false;
             };
             // The lowest point of the instance's box over the ground: its middle minus the extent along the normal.
@@ -167,7 +168,7 @@ impl Renderer for CpuRenderer {
         }
         let scene = DrawnScene {
             frame,
-            solids: &self.stage.meshes,
+            solids: MeshList::new(&self.stage.meshes, &frame.meshes),
             lens: &self.lens,
             backdrop: &self.backdrop,
             shadow,
@@ -192,7 +193,7 @@ impl Renderer for CpuRenderer {
 /// Everything from which one frame is drawn.
 struct DrawnScene<'a> {
     frame: &'a Frame,
-    solids: &'a [StageMesh],
+    solids: MeshList<'a>,
     lens: &'a Lens,
     backdrop: &'a Backdrop,
     shadow: Option<&'a ContactShadow>,

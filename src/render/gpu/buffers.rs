@@ -18,8 +18,8 @@ pub struct Meshes {
 }
 
 impl Meshes {
-    /// Uploads a stage's meshes; indices are absolute.
-    pub fn new(device: &Device, meshes: &[StageMesh]) -> Result<Self, RenderError> {
+    /// Uploads meshes of a stage, or those of a frame; indices are absolute.
+    pub fn new(device: &Device, meshes: &[StageMesh], of_frame: bool) -> Result<Self, RenderError> {
         check_total(meshes, device.device.limits().max_buffer_size)?;
         let mut vertices = Vec::new();
         let mut indices = Vec::new();
@@ -37,6 +37,7 @@ impl Meshes {
                 triangles: mesh.triangles.len() as u32,
                 closed: mesh.closed,
                 patches: mesh.patch_count,
+                of_frame,
             });
             indices.extend(mesh.triangles.iter().flatten().map(|corner| base + corner));
         }

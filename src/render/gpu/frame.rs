@@ -15,6 +15,8 @@ pub struct MeshSpan {
     pub closed: bool,
     /// Smooth patches.
     pub patches: u32,
+    /// Whether it is a mesh of the frame, in buffers of its own.
+    pub of_frame: bool,
 }
 
 /// One draw call.
@@ -30,6 +32,8 @@ pub struct Draw {
     pub instances: u32,
     /// Whether back faces may be culled.
     pub closed: bool,
+    /// Whether its triangles are in the buffers of the frame.
+    pub of_frame: bool,
 }
 
 /// What a frame draws.
@@ -94,6 +98,7 @@ fn push_draw(
         first_instance: instances.len() as u32,
         instances: 1,
         closed: span.closed && end - start == span.triangles,
+        of_frame: span.of_frame,
     };
     instances.push(data);
     match draws.last_mut() {
@@ -103,7 +108,7 @@ fn push_draw(
 }
 
 fn same_triangles(a: &Draw, b: &Draw) -> bool {
-    a.first_index == b.first_index && a.indices == b.indices
+    a.first_index == b.first_index && a.indices == b.indices && a.of_frame == b.of_frame
 }
 
 #[cfg(test)]
@@ -119,12 +124,14 @@ mod tests {
             triangles: 10,
             closed: true,
             patches: 1,
+            of_frame: false,
         },
         MeshSpan {
             first_index: 30,
             triangles: 4,
             closed: false,
             patches: 1,
+            of_frame: false,
         },
     ];
 

@@ -43,6 +43,8 @@ pub struct GpuRenderer {
     pipelines: Pipelines,
     target: DrawTarget,
     meshes: Meshes,
+    /// Meshes of the present frame alone, if it has any.
+    of_frame: Option<Meshes>,
     instances: InstanceBuffer,
     globals: Globals,
     globals_buffer: wgpu::Buffer,
@@ -71,7 +73,7 @@ impl GpuRenderer {
         let device = Device::open(&adapter)?;
         let samples = nearest_sample_count(stage.samples, &device.sample_counts);
         let pipelines = Pipelines::new(&device, samples);
-        let meshes = Meshes::new(&device, &stage.meshes)?;
+        let meshes = Meshes::new(&device, &stage.meshes, false)?;
         Self::on(device, stage, info, (samples, pipelines, meshes))
     }
 
@@ -139,6 +141,7 @@ impl GpuRenderer {
             pipelines,
             target,
             meshes,
+            of_frame: None,
             globals,
             globals_buffer,
             sampler,
@@ -211,14 +214,9 @@ impl GpuRenderer {
         // First pass: opaque bodies, then the ground.
         let mut pass = self.target.begin(&mut encoder, background, depth);
         self.bind_bodies(&mut pass, instances);
-        for draw in &plan.opaque {
-            let pipeline = if draw.closed {
-                &self.pipelines.closed
-            } else {
-                &self.pipelines.open
-            };
-            run_pipeline(&mut pass, pipeline, draw);
-        }
+        let (closed, open) = (&self.pipelines.closed, &self.pipelines.open);
+        let pipeline = |draw: &frame::Draw| if draw.closed { closed } else { open };
+        self.run(&mut pass, &plan.opaque, pipeline);
         if self.ground_seen {
             pass.set_pipeline(&self.pipelines.ground);
             pass.draw(0..3, 0..self.globals.ground_layers());
@@ -252,23 +250,44 @@ impl GpuRenderer {
             let mut pass = self.target.begin_layer(encoder, own);
             self.bind_bodies(&mut pass, instances);
             pass.set_bind_group(1, behind, &[]);
-            for draw in &plan.translucent {
-                run_pipeline(&mut pass, &peel.depths, draw);
-            }
+            self.run(&mut pass, &plan.translucent, |_| &peel.depths);
             drop(pass);
             let mut pass = self.target.begin(encoder, None, own);
             self.bind_bodies(&mut pass, instances);
-            for draw in &plan.translucent {
-                run_pipeline(&mut pass, &peel.colours, draw);
-            }
+            self.run(&mut pass, &plan.translucent, |_| &peel.colours);
         }
     }
 
     fn bind_bodies(&self, pass: &mut wgpu::RenderPass<'_>, instances: &wgpu::Buffer) {
         pass.set_bind_group(0, &self.bindings, &[]);
-        pass.set_vertex_buffer(0, self.meshes.vertices.slice(..));
         pass.set_vertex_buffer(1, instances.slice(..));
-        pass.set_index_buffer(self.meshes.indices.slice(..), wgpu::IndexFormat::Uint32);
+    }
+
+    /// Runs draws in their order, each with its pipeline, from the buffers that hold its mesh.
+    fn run<'s>(
+        &'s self,
+        pass: &mut wgpu::RenderPass<'_>,
+        draws: &[frame::Draw],
+        pipeline: impl Fn(&frame::Draw) -> &'s wgpu::RenderPipeline,
+    ) {
+        let mut bound = None;
+        for draw in draws {
+            let meshes = match &self.of_frame {
+                Some(meshes) if draw.of_frame => meshes,
+                _ => &self.meshes,
+            };
+            if bound != Some(draw.of_frame) {
+                bound = Some(draw.of_frame);
+                pass.set_vertex_buffer(0, meshes.vertices.slice(..));
+                pass.set_index_buffer(meshes.indices.slice(..), wgpu::IndexFormat::Uint32);
+            }
+            pass.set_pipeline(pipeline(draw));
+            pass.draw_indexed(
+                draw.first_index..draw.first_index + draw.indices,
+                0,
+                draw.first_instance..draw.first_instance + draw.instances,
+            );
+        }
     }
 
     /// Draws lines between the surfaces so far, if the stage has any; the `last` pass ends the picture.
@@ -296,19 +315,6 @@ fn globals_of(stage: &Stage, camera: &Camera, samples: u32) -> (Globals, bool) {
         Globals::new(stage, camera, ground.as_ref(), samples),
         ground.is_some(),
     )
-}
-
-fn run_pipeline(
-    pass: &mut wgpu::RenderPass<'_>,
-    pipeline: &wgpu::RenderPipeline,
-    draw: &frame::Draw,
-) {
-    pass.set_pipeline(pipeline);
-    pass.draw_indexed(
-        draw.first_index..draw.first_index + draw.indices,
-        0,
-        draw.first_instance..draw.first_instance + draw.instances,
-    );
 }
 
 fn bind_group(
@@ -347,8 +353,16 @@ impl Renderer for GpuRenderer {
         }
         self.look_through(frame.camera(&self.stage));
         let creases = self.stage.edges.is_some_and(|edges| edges.creases);
-        let spans = &self.meshes.spans;
-        let plan = DrawPlan::new(frame, spans, &self.camera.eye(self.stage.size), creases);
+        // Most frames have no meshes of their own.
+        self.of_frame = match frame.meshes.is_empty() {
+            true => None,
+            false => Some(Meshes::new(&self.device, &frame.meshes, true)?),
+        };
+        let mut spans = std::borrow::Cow::Borrowed(&self.meshes.spans);
+        if let Some(meshes) = &self.of_frame {
+            spans.to_mut().extend(&meshes.spans);
+        }
+        let plan = DrawPlan::new(frame, &spans, &self.camera.eye(self.stage.size), creases);
         self.cast_shadow(frame);
         self.cast_shade(frame);
         let encoder = self.record(&plan);

@@ -14,7 +14,7 @@ pub use key_map::{KEY_MAP_SIDE, KeyMap, LIFT, RAMP};
 pub use sky_map::{SkyMap, UNKNOWN};
 
 use super::look::LightShare;
-use super::{Camera, Frame, Stage, StageMesh};
+use super::{Camera, Frame, MeshList, Stage, StageMesh};
 use caster::Caster;
 use glam::DVec3;
 use rays::Rays;
@@ -53,8 +53,9 @@ impl MutualShade {
         self.key.lay_map(self.room, camera);
         self.sky.clear();
         let eye = camera.eye(self.sky.picture());
+        let meshes = MeshList::new(&self.meshes, &frame.meshes);
         for (number, instance) in frame.instances.iter().enumerate() {
-            let mesh = self.meshes.get(instance.mesh);
+            let mesh = meshes.get(instance.mesh);
             let Some(caster) = mesh.and_then(|mesh| Caster::new(instance, number, mesh, &eye))
             else {
                 continue;

@@ -1,6 +1,6 @@
 //! The keys of `[view]` in scenes, and those of them that a list of pictures may replace.
 
-use super::Holds::{Colour, Flag, Formula, Formulas, Tables, Word};
+use super::Holds::{Colour, Flag, Formula, Formulas, Table, Tables, Texts, Word};
 use super::{Key, Keys, words};
 use crate::model::theme::Theme;
 use crate::model::view::{
@@ -98,6 +98,18 @@ pub(crate) const ORBIT: Key = Key::new(
     Formula,
     "degrees by which the camera turns about the up axis during the motion, at constant speed; 360 gives a seamless loop",
 );
+pub(crate) const SECTION: Key = Key::new(
+    "section",
+    Table(&SECTION_KEYS),
+    "a plane at which pictures cut bodies (3-D models stay whole); cut faces are drawn flat and hatched",
+);
+pub(crate) const EXPLODE: Key = Key::new(
+    "explode",
+    Formula,
+    "moves every body away from the middle of all bodies, by this many times the distance of its own middle from there at \
+     the first pose; dashed lines lead to the true places. Traces and joint symbols stay, labels of bodies move with them, \
+     dimensions are left out. Default: 0",
+);
 pub(crate) const CAPTIONS: Key = Key::new(
     "captions",
     Flag,
@@ -160,6 +172,8 @@ pub static VIEW: Keys = Keys::new(
             Formula,
             "`\"auto\"`, `\"none\"`, or a height along the up axis",
         ),
+        SECTION,
+        EXPLODE,
         ORBIT,
         Key::new("camera_path", Tables(&CAMERA), "keys of a moving camera"),
         Key::new("fps", Formula, "frames per second; default: 20"),
@@ -170,6 +184,24 @@ pub static VIEW: Keys = Keys::new(
             "seconds for which the first and the last pose stay longer; at most 60",
         ),
         CAPTIONS,
+    ],
+);
+
+static SECTION_KEYS: Keys = Keys::new(
+    "section",
+    &[
+        Key::new("point", Formulas(3), "a point of the plane, in the world").required(),
+        Key::new(
+            "normal",
+            Formulas(3),
+            "a direction across the plane; it points to the side that is removed",
+        )
+        .required(),
+        Key::new(
+            "bodies",
+            Texts(0),
+            "names of the bodies that are cut; default: all",
+        ),
     ],
 );
 

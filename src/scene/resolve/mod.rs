@@ -25,6 +25,7 @@ mod plots;
 mod range;
 mod rates;
 mod scales;
+mod section;
 mod shown_dimensions;
 mod size;
 mod solids;

@@ -11,6 +11,7 @@ use super::shown_dimensions;
 use crate::diag::{Diagnostic, Diagnostics, shown_number};
 use crate::model::camera_path::CameraPath;
 use crate::model::mechanism::{Body, Trace};
+use crate::model::section::MOST_EXPLODED;
 use crate::model::theme::Theme;
 use crate::model::view::{
     Decor, EdgeLines, GroundPlace, LabelPlace, NamedView, Playback, SceneLabel, Shadows, UpAxis,
@@ -53,6 +54,7 @@ pub fn resolve_view(
         shown_dimensions::resolve_dimensions(&file.dimensions, &constants, places, diagnostics);
     // Resolved here and set at the end: a named direction clears the path.
     let camera_path = super::camera::resolve_camera(view, &constants, diagnostics);
+    let section = super::section::resolve_section(view, &constants, bodies, diagnostics);
     let mut reader = ViewReader {
         view,
         constants: &constants,
@@ -62,6 +64,7 @@ pub fn resolve_view(
         labels,
         dimensions,
         decor,
+        section,
         ..reader.plain_view()
     };
     reader.look_from_name(&mut resolved);
@@ -121,6 +124,8 @@ impl ViewReader<'_, '_> {
             decor: Decor::default(),
             camera_path: CameraPath::default(),
             hidden: Vec::new(),
+            section: None,
+            explode: self.number(&view.explode, 0.0, [0.0, MOST_EXPLODED], "explode"),
         }
     }
 

@@ -22,7 +22,7 @@ fn picture(folder: &Path, options: &[&str]) -> RgbaImage {
 fn every_option_changes_the_picture() {
     let folder = tempfile::tempdir().unwrap();
     let plain = picture(folder.path(), &["--at", "3"]);
-    let options: [&[&str]; 19] = [
+    let options: [&[&str]; 23] = [
         &["--orbit", "120"],
         &["--view", "iso"],
         &["--view", "front"],
@@ -42,6 +42,10 @@ fn every_option_changes_the_picture() {
         &["--ticks", "0.5"],
         &["--gauge"],
         &["--joints"],
+        &["--section", "y=0"],
+        &["--section", "-y=0"],
+        &["--section", "0,0,0/1,1,1"],
+        &["--explode", "0.5"],
     ];
     let mut seen = vec![plain];
     for option in options {
@@ -74,6 +78,80 @@ fn a_picture_without_background_gives_the_same_before_white() {
         assert!(String::from_utf8_lossy(&output.stderr).contains("no transparency"));
         assert!(!folder.path().join(out).exists());
     }
+}
+
+/// A box and a ring beside it, before a camera that looks at the cut.
+const BOXES: &str = r##"
+[inputs]
+phi = 0
+[[bodies]]
+name = "left"
+frame = "Rz(phi)"
+colour = "#c02020"
+shapes = [{ box = { center = [-1.5, 0, 0], size = [2, 2, 2] } }]
+[[bodies]]
+name = "right"
+frame = "Rz(phi)"
+colour = "#2020c0"
+shapes = [{ torus = { center = [1.5, 0, 0], axis = [0, 1, 0], ring = 0.8, tube = 0.4 } }]
+[view]
+from = "front"
+ground = "none"
+edges = "none"
+captions = false
+"##;
+
+fn count(picture: &RgbaImage, [red, green, blue]: [u8; 3]) -> usize {
+    let is_it = |p: &&image::Rgba<u8>| p.0[..3] == [red, green, blue];
+    picture.pixels().filter(is_it).count()
+}
+
+/// Colours of the cut face and of its hatching: three fifths of the way to white, and three fifths of the light.
+fn cut_colours(colour: [u8; 3]) -> [[u8; 3]; 2] {
+    let mixed = |to: f64, share: f64| {
+        colour.map(|c| (f64::from(c) + (to - f64::from(c)) * share).round() as u8)
+    };
+    [mixed(255.0, 0.6), mixed(0.0, 0.4)]
+}
+
+#[test]
+fn cut_faces_are_flat_and_hatched() {
+    let folder = tempfile::tempdir().unwrap();
+    let draw = |section: &str, options: &[&str]| {
+        let scene = folder.path().join("boxes.toml");
+        std::fs::write(&scene, format!("{BOXES}{section}")).unwrap();
+        let at = [&["--frame", "0"], options].concat();
+        let output = render(folder.path(), scene.to_str().unwrap(), "a.png", &at);
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success(), "{section}: {message}");
+        image::open(folder.path().join("a.png")).unwrap().to_rgba8()
+    };
+    let [left, right] = [[0xc0, 0x20, 0x20], [0x20, 0x20, 0xc0]].map(cut_colours);
+    let whole = draw("", &[]);
+    assert_eq!(count(&whole, left[0]) + count(&whole, right[0]), 0);
+    // The viewer of `front` looks along y: the near halves are taken away.
+    let key = "section = { point = [0, 0, 0], normal = [0, -1, 0] }";
+    let cut = draw(key, &[]);
+    for [face, lines] in [left, right] {
+        let [face, lines] = [count(&cut, face), count(&cut, lines)];
+        assert!(face > 1000 && 40 * lines > face, "{face} {lines}");
+    }
+    // The hole of the ring shows what is behind it.
+    let [width, height] = [cut.width(), cut.height()];
+    let mut columns = (width / 2..width).filter(|x| {
+        let pixel = cut.get_pixel(*x, height / 2);
+        right.iter().any(|colour| pixel.0[..3] == *colour)
+    });
+    let (first, last) = (columns.next().unwrap(), columns.next_back().unwrap());
+    assert!(columns.count() + 20 < (last - first) as usize);
+    assert_eq!(draw(key, &[]), cut);
+    assert_eq!(draw("", &["--section=-y=0"]), cut);
+    // Only one of them; then none of them; then nothing is left.
+    let one = draw(&key.replace(" }", ", bodies = [\"left\"] }"), &[]);
+    assert!(count(&one, left[0]) > 1000 && count(&one, right[0]) == 0);
+    assert_eq!(draw("", &["--section", "y=9"]), whole);
+    let gone = draw("", &["--section", "y=-9"]);
+    assert!(gone.pixels().all(|p| p == gone.get_pixel(0, 0)));
 }
 
 #[test]

@@ -277,3 +277,32 @@ fn surfaces_at_one_depth_do_not_break_through_each_other() {
         assert_eq!(broken, 0, "{case}");
     }
 }
+
+#[test]
+fn meshes_of_a_frame_are_drawn_like_those_of_the_stage() {
+    let meshes = [
+        rectangle([-9.0, -9.0], [3.0, 9.0], 0.0),
+        rectangle([-2.0, -5.0], [9.0, 5.0], 1.0),
+    ];
+    let instances = || [[200, 20, 20], [20, 20, 200]].into_iter().enumerate();
+    let instances = || {
+        instances()
+            .map(|(mesh, colour)| instance(mesh, colour))
+            .collect()
+    };
+    let expected = draw(flat_stage([30, 30], 4, meshes.to_vec()), instances());
+    for own in 0..=2 {
+        let (of_stage, of_frame) = meshes.split_at(2 - own);
+        let frame = Frame {
+            meshes: of_frame.iter().map(|mesh| mesh.clone().into()).collect(),
+            // One more that no mesh exists for.
+            instances: [instances(), vec![instance(2, [0; 3])]].concat(),
+            ..Frame::default()
+        };
+        let stage = flat_stage([30, 30], 4, of_stage.to_vec());
+        let mut image = RgbaImage::new(30, 30);
+        let mut renderer = CpuRenderer::new(Arc::new(stage)).unwrap();
+        renderer.draw(&frame, &mut image).unwrap();
+        assert!(image == expected, "{own} meshes of the frame");
+    }
+}

@@ -101,3 +101,27 @@ fn what_has_no_outline_takes_no_line_and_bodies_of_one_group_have_none_between_t
         assert!(dark.0[0] < colour[0] - 30, "{dark:?}");
     }
 }
+
+/// The parts of a cut face are one surface, whichever lines are drawn; solids of a body are one only in outlines.
+#[test]
+fn stripes_of_a_cut_face_have_no_lines() {
+    use crate::render::edges::FIRST_CUT;
+    let halves = || vec![-30.0, 0.0].into_iter();
+    let halves = || halves().map(|x| rectangle([x, -20.0], [x + 30.0, 20.0], 0.0));
+    for (outline, creases, expected) in [
+        (FIRST_CUT, true, false),
+        (FIRST_CUT, false, false),
+        (3, true, true),
+        (3, false, false),
+    ] {
+        let stage = lined(flat_stage([100, 80], 4, halves().collect()), creases);
+        let bodies = [0, 1].map(|mesh| Instance {
+            outline: Some(outline),
+            ..instance(mesh, [240, 200, 40])
+        });
+        let image = draw(stage, bodies.into());
+        let has_line = (45..55).any(|x| image.get_pixel(x, 40).0[0] < 200);
+        assert_eq!(has_line, expected, "{outline} {creases}");
+        assert!((15..25).any(|x| image.get_pixel(x, 40).0[0] < 200));
+    }
+}

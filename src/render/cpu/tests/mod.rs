@@ -13,7 +13,7 @@ use crate::model::shape::Solid as Shape;
 use crate::render::colour::ToneCurve;
 use crate::render::edges::EdgeStyle;
 use crate::render::look::{ALL_OPEN, Rim, Surroundings};
-use crate::render::{Camera, Ground, Instance, Projection, look};
+use crate::render::{Camera, Ground, Instance, Projection, StageMesh, look};
 use glam::DVec3;
 use image::Rgba;
 
