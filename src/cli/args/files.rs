@@ -20,6 +20,9 @@ pub struct FileArgs {
     /// PNG compression level [default: balanced; fast for sequences].
     #[arg(long, value_enum)]
     pub compression: Option<Compression>,
+    /// Resolution of a PNG in dots per inch, as the file says: its size on paper.
+    #[arg(long, value_name = "N", value_parser = super::values::dots_per_inch)]
+    pub dpi: Option<f64>,
     /// Chroma of a y4m video: full resolution (444, the default), or one sample for 2 by 2 pixels, as most players
     /// expect (420).
     #[arg(long, value_enum)]

@@ -37,6 +37,9 @@ pub fn film_format(args: &FileArgs) -> Result<Format, Failure> {
     if args.compression.is_some() && !format.is_png() {
         return refuse("--compression", "PNG and APNG");
     }
+    if args.dpi.is_some() && !matches!(format, Format::Png | Format::PngSequence(_)) {
+        return refuse("--dpi", "PNGs");
+    }
     if args.repeat.is_some() && !matches!(format, Format::Gif | Format::Apng) {
         return refuse("--loop", "GIF and APNG");
     }
@@ -120,6 +123,8 @@ impl<'a> OpenFilm<'a> {
                 Compression::Balanced => Effort::Balanced,
                 Compression::Small => Effort::Small,
             }),
+            dpi: args.dpi,
+            strip_rows: None,
             chroma: match args.chroma {
                 Some(ChromaArg::C420) => Chroma::Quarter,
                 Some(ChromaArg::C444) | None => Chroma::Full,
@@ -132,6 +137,12 @@ impl<'a> OpenFilm<'a> {
     /// Colours that a palette must hold exactly.
     pub fn with_needed_colours(mut self, colours: Vec<[u8; 3]>) -> Self {
         self.settings.needed_colours = colours;
+        self
+    }
+
+    /// Makes the frames strips, of so many rows, of one picture.
+    pub fn in_strips(mut self, rows: u32) -> Self {
+        self.settings.strip_rows = Some(rows);
         self
     }
 
