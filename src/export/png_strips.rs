@@ -1,7 +1,7 @@
 //! One PNG from strips of rows that arrive one after another: a poster is never in memory as a whole.
 
 use super::error::ExportError;
-use super::png::{PngSettings, check_size, drop_alpha, encoder_of, encoding_error};
+use super::png::{Effort, PngSettings, check_size, drop_alpha, encoder_of, encoding_error};
 use super::spool::Spool;
 use super::target::Output;
 use super::{ExportSummary, FrameCoder, FrameSink};
@@ -37,7 +37,7 @@ impl StripSink {
     ) -> Result<Self, ExportError> {
         check_size(settings.size)?;
         let spool = Spool::default();
-        let encoder = encoder_of(spool.clone(), settings, Filter::NoFilter);
+        let encoder = encoder_of(spool.clone(), settings, filter_of(settings.effort));
         let stream = encoder
             .write_header()
             .and_then(|writer| writer.into_stream_writer_with_size(CHUNK));
@@ -62,6 +62,15 @@ impl StripSink {
         self.bytes += bytes.len() as u64;
         self.spool.give_back(bytes);
         Ok(())
+    }
+}
+
+/// The best filter cannot be found by trying, as for pictures in memory. Large drawn pictures are flat: they take less
+/// without a filter, except with the fastest compression, which packs nothing but runs of zeros.
+fn filter_of(effort: Effort) -> Filter {
+    match effort {
+        Effort::Fast => Filter::Adaptive,
+        Effort::Balanced | Effort::Small => Filter::NoFilter,
     }
 }
 

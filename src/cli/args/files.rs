@@ -7,7 +7,7 @@ use std::path::PathBuf;
 /// What is written, and how.
 #[derive(Debug, Args)]
 pub struct FileArgs {
-    /// Output file or folder: .gif, .apng, .png, .mp4, .webm, .y4m, .rgba, a folder, a pattern such as frame-%04d.png, or `-` for standard
+    /// Output file or folder: .gif, .apng, .png, .mp4, .webm, .webp, .y4m, .rgba, a folder, a pattern such as frame-%04d.png, or `-` for standard
     /// output; for scenes also the 3-D models .glb, .stl and .obj.
     #[arg(long, short, value_name = "FILE")]
     pub out: PathBuf,
@@ -123,6 +123,7 @@ pub enum PictureFormat {
     Png,
     Mp4,
     Webm,
+    Webp,
     Y4m,
     Rgba,
     Glb,

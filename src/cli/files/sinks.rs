@@ -60,6 +60,7 @@ fn named_format(format: PictureFormat, out: &Path) -> Result<Format, Failure> {
         },
         PictureFormat::Mp4 => Format::Video(VideoKind::Mp4),
         PictureFormat::Webm => Format::Video(VideoKind::Webm),
+        PictureFormat::Webp => Format::Video(VideoKind::Webp),
         PictureFormat::Y4m => Format::Y4m,
         PictureFormat::Rgba => Format::Rgba,
         PictureFormat::Glb => Format::Glb,
