@@ -194,7 +194,10 @@ impl<'a> OpenFilm<'a> {
         E: std::error::Error + Send + 'static,
         Failure: From<E>,
     {
-        let progress = Progress::new(self.args.progress, term.quiet());
+        let mut progress = Progress::new(self.args.progress, term.quiet());
+        if self.settings.strip_rows.is_some() {
+            progress = progress.counting("strips");
+        }
         let show = |done, all| progress.show(done, all);
         let result = self.settings.write(prepared, workers, &show, &CANCEL);
         progress.end();

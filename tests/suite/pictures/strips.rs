@@ -63,17 +63,27 @@ fn from_strips(pictures: Pictures, strips: Strips) -> RgbaImage {
 }
 
 fn assert_alike(name: &str, samples: u32, change: impl Fn(&mut View)) {
-    let (scene, trajectory) = solved(name, change);
     let options = PictureOptions {
         size: SIZE,
         samples,
     };
+    assert_alike_in(name, options, &[1, 7, 32, 61, 203, 400], change);
+}
+
+fn assert_alike_in(
+    name: &str,
+    options: PictureOptions,
+    heights: &[u32],
+    change: impl Fn(&mut View),
+) {
+    let (size, samples) = (options.size, options.samples);
+    let (scene, trajectory) = solved(name, change);
     with_pictures(&scene, &trajectory, options, |mut pictures| {
         // A sample in the middle of the motion: trails, arrows and moving cameras have something to show.
         pictures.order = PlayOrder::plain(trajectory.samples.len() / 2, 1);
-        let expected = whole(pictures, SIZE);
-        for rows in [1, 7, 32, 61, 203, 400] {
-            let strips = Strips { size: SIZE, rows };
+        let expected = whole(pictures, size);
+        for rows in heights {
+            let strips = Strips { size, rows: *rows };
             let drawn = from_strips(pictures, strips);
             let differing = drawn.pixels().zip(expected.pixels());
             let differing = differing.filter(|(a, b)| a != b).count();
@@ -93,6 +103,18 @@ fn strips_have_the_pixels_of_the_whole_picture() {
     });
     assert_alike("lifting-arm", 8, |view| view.shadows = Shadows::All);
     assert_alike("four-bar", 2, |view| view.edges = EdgeLines::None);
+}
+
+/// The lines of a poster are 16 pixels wide, and the cells of its shadow maps have 27 pixels.
+#[test]
+fn strips_of_the_highest_pictures_have_the_pixels_of_the_whole() {
+    let options = PictureOptions {
+        size: [90, 14_043],
+        samples: 4,
+    };
+    assert_alike_in("gearshift", options, &[64, 237], |view| {
+        view.shadows = Shadows::All;
+    });
 }
 
 #[test]
