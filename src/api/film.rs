@@ -220,6 +220,8 @@ impl<'m> Film<'m> {
                 alpha: pictures.scene.view.transparent,
                 quality: self.quality,
                 effort: None,
+                dpi: None,
+                strip_rows: None,
                 chroma: Chroma::Full,
                 repeat: true,
             };

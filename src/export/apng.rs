@@ -3,14 +3,12 @@
 use super::changed_area::PixelArea;
 use super::error::ExportError;
 use super::png::{Effort, PngSettings, check_size, smallest_encoding};
+use super::spool::Spool;
 use super::target::Output;
 use super::timing::{FrameTimes, Schedule, rate_fraction};
 use super::{ExportSummary, FrameCoder, FrameSink};
 use ::png::{BitDepth, BlendOp, ColorType, Compression, DisposeOp, Encoder, Filter, Writer};
 use image::RgbaImage;
-use image::codecs::png::FilterType;
-use std::io::{self, Write};
-use std::sync::{Arc, Mutex, PoisonError};
 
 /// Both numbers of a delay are 16-bit fields.
 const LARGEST_NUMBER: u32 = u16::MAX as u32;
@@ -129,11 +127,9 @@ impl ApngSink {
                     size,
                     effort: Effort::Balanced,
                     alpha: true,
+                    dpi: None,
                 };
-                match smallest_encoding(&self.bytes, settings)?.0 {
-                    FilterType::NoFilter => Filter::NoFilter,
-                    _ => Filter::Adaptive,
-                }
+                smallest_encoding(&self.bytes, settings)?.0
             }
         };
         self.writer.set_filter(filter);
@@ -256,34 +252,6 @@ impl FrameCoder for Pixels {
         super::check_frame(frame, self.size)?;
         coded.clear();
         coded.extend_from_slice(frame.as_raw());
-        Ok(())
-    }
-}
-
-/// Buffer between the encoder, which owns its writer, and the output.
-#[derive(Clone, Default)]
-struct Spool(Arc<Mutex<Vec<u8>>>);
-
-impl Spool {
-    fn take(&self) -> Vec<u8> {
-        std::mem::take(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
-    }
-
-    /// Keeps the memory of `bytes` for what comes next.
-    fn give_back(&self, mut bytes: Vec<u8>) {
-        bytes.clear();
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = bytes;
-    }
-}
-
-impl Write for Spool {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let mut spool = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        spool.extend_from_slice(bytes);
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
         Ok(())
     }
 }

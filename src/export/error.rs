@@ -37,7 +37,7 @@ pub enum ExportError {
         source: io::Error,
     },
     /// The path does not determine the format.
-    #[error("{}: {reason}; known are .gif, .png, .apng, .mp4, .webm, .y4m, .rgba, .glb, .stl, .obj, and a folder or a pattern such as frame-%04d.png for single frames", .path.display())]
+    #[error("{}: {reason}; known are .gif, .png, .apng, .mp4, .webm, .webp, .y4m, .rgba, .glb, .stl, .obj, and a folder or a pattern such as frame-%04d.png for single frames", .path.display())]
     UnknownFormat {
         /// The path asked for.
         path: PathBuf,
@@ -45,7 +45,7 @@ pub enum ExportError {
         reason: String,
     },
     /// Videos are written by another program, which cannot be run.
-    #[error("cannot write {}: the program {program} writes videos, and it does not run ({source}); install it, or write a .gif, .apng or .y4m", .path.display())]
+    #[error("cannot write {}: the program {program} writes such files, and it does not run ({source}); install it, or write a .gif, .apng or .y4m", .path.display())]
     NoEncoder {
         /// The file asked for.
         path: PathBuf,

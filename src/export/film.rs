@@ -9,6 +9,7 @@ use super::frame_pipeline::write_frames;
 use super::gif::{GifSettings, GifSink, Quality, sample_indices};
 use super::palette::{MOST_COLOURS, Palette};
 use super::png::{Effort, PngSettings, SequenceSink, StillSink};
+use super::png_strips::StripSink;
 use super::raw::{Chroma, RawKind, RawSink};
 use super::sampled_frames::{DrawnSamples, draw_samples, look_at};
 use super::timing::{FrameTimes, Schedule};
@@ -63,6 +64,10 @@ pub struct FilmSettings<'a> {
     pub quality: Quality,
     /// Compression of PNG and APNG; `None` is balanced, and fast for sequences.
     pub effort: Option<Effort>,
+    /// Pixels of an inch on paper, in PNGs.
+    pub dpi: Option<f64>,
+    /// Rows of the strips of a PNG whose frames are the strips of one picture.
+    pub strip_rows: Option<u32>,
     /// Colour of a y4m video.
     pub chroma: Chroma,
     /// Whether a GIF or APNG repeats forever; otherwise it plays once.
@@ -119,7 +124,11 @@ impl FilmSettings<'_> {
             Format::Gif => return self.gif(file, workers, cancel),
             Format::Apng => Box::new(ApngSink::new(file, self.apng())?),
             Format::Png | Format::PngSequence(_) => {
-                Box::new(StillSink::new(file, self.png(Effort::Balanced))?)
+                let png = self.png(Effort::Balanced);
+                match self.strip_rows {
+                    Some(rows) => Box::new(StripSink::new(file, png, rows)?),
+                    None => Box::new(StillSink::new(file, png)?),
+                }
             }
             Format::Y4m => Box::new(RawSink::new(file, RawKind::Y4m { fps, chroma }, size)?),
             Format::Rgba => Box::new(RawSink::new(file, RawKind::Rgba { fps }, size)?),
@@ -230,6 +239,7 @@ impl FilmSettings<'_> {
             size: self.size,
             effort: self.effort.unwrap_or(usual),
             alpha: self.alpha,
+            dpi: self.dpi,
         }
     }
 }

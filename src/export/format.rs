@@ -42,6 +42,8 @@ pub enum VideoKind {
     Mp4,
     /// VP9 in WebM: plays in browsers, free of patents.
     Webm,
+    /// Animated WebP without losses: shown like a GIF, with all colours.
+    Webp,
 }
 
 impl Format {
@@ -95,6 +97,7 @@ impl Format {
             "y4m" => Self::Y4m,
             "mp4" => Self::Video(VideoKind::Mp4),
             "webm" => Self::Video(VideoKind::Webm),
+            "webp" => Self::Video(VideoKind::Webp),
             "rgba" => Self::Rgba,
             "glb" => Self::Glb,
             "stl" => Self::Stl,
@@ -113,6 +116,7 @@ impl Format {
             Self::Y4m => "a y4m video",
             Self::Video(VideoKind::Mp4) => "an MP4 video",
             Self::Video(VideoKind::Webm) => "a WebM video",
+            Self::Video(VideoKind::Webp) => "an animated WebP",
             Self::Rgba => "a raw video",
             Self::Glb => "a GLB",
             Self::Stl => "an STL",

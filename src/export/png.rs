@@ -6,12 +6,19 @@ use super::target::{
     Output, PendingFile, finish_registered, register_unfinished, temporary_folder,
 };
 use super::{ExportSummary, FrameCoder, FrameSink};
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{ExtendedColorType, ImageEncoder, RgbaImage};
+use ::png::{
+    BitDepth, ColorType, Compression, Encoder, EncodingError, Filter, PixelDimensions,
+    SrgbRenderingIntent, Unit,
+};
+use image::RgbaImage;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Maximum side: PNG allows 2^31 - 1, memory does not.
 pub(super) const LONGEST_SIDE: u32 = 1 << 16;
+
+/// Metres of an inch.
+const INCH: f64 = 0.0254;
 
 /// Effort spent on a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,7 +32,7 @@ pub enum Effort {
 }
 
 /// Size and coding of PNG pictures.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PngSettings {
     /// Size in pixels.
     pub size: [u32; 2],
@@ -33,6 +40,8 @@ pub struct PngSettings {
     pub effort: Effort,
     /// Whether the frames' alpha is kept.
     pub alpha: bool,
+    /// Pixels of an inch on paper, as the file says.
+    pub dpi: Option<f64>,
 }
 
 /// Appends `image` as an RGB PNG file to `out`. The same image gives the same bytes.
@@ -45,6 +54,7 @@ pub fn encode_png(image: &RgbaImage, effort: Effort, out: &mut Vec<u8>) -> Resul
         size: [image.width(), image.height()],
         effort,
         alpha: false,
+        dpi: None,
     };
     encode_bytes(&rgb, settings, out)
 }
@@ -57,10 +67,10 @@ pub(super) fn drop_alpha(rgba: &[u8], rgb: &mut Vec<u8>) {
 
 /// Filters worth trying. Pictures of flat surfaces and text pack a sixth better without one, photographs far better
 /// with one chosen row by row.
-fn filter_types(effort: Effort) -> &'static [FilterType] {
+fn filter_types(effort: Effort) -> &'static [Filter] {
     match effort {
-        Effort::Fast => &[FilterType::Adaptive],
-        Effort::Balanced | Effort::Small => &[FilterType::NoFilter, FilterType::Adaptive],
+        Effort::Fast => &[Filter::Adaptive],
+        Effort::Balanced | Effort::Small => &[Filter::NoFilter, Filter::Adaptive],
     }
 }
 
@@ -79,8 +89,8 @@ fn encode_bytes(bytes: &[u8], settings: PngSettings, out: &mut Vec<u8>) -> Resul
 pub(super) fn smallest_encoding(
     bytes: &[u8],
     settings: PngSettings,
-) -> Result<(FilterType, Vec<u8>), ExportError> {
-    let mut best = (FilterType::Adaptive, Vec::new());
+) -> Result<(Filter, Vec<u8>), ExportError> {
+    let mut best = (Filter::Adaptive, Vec::new());
     for filter in filter_types(settings.effort) {
         let mut file = Vec::new();
         encode_with(*filter, bytes, settings, &mut file)?;
@@ -92,27 +102,54 @@ pub(super) fn smallest_encoding(
 }
 
 fn encode_with(
-    filter: FilterType,
+    filter: Filter,
     bytes: &[u8],
     settings: PngSettings,
     out: &mut Vec<u8>,
 ) -> Result<(), ExportError> {
-    let compression = match settings.effort {
-        Effort::Fast => CompressionType::Fast,
-        Effort::Balanced => CompressionType::Default,
-        Effort::Small => CompressionType::Best,
-    };
-    let colour = if settings.alpha {
-        ExtendedColorType::Rgba8
-    } else {
-        ExtendedColorType::Rgb8
-    };
-    let encoder = PngEncoder::new_with_quality(out, compression, filter);
-    let done = encoder.write_image(bytes, settings.size[0], settings.size[1], colour);
-    done.map_err(|e| ExportError::Encode {
+    let encoder = encoder_of(out, settings, filter);
+    let written = encoder.write_header().and_then(|mut writer| {
+        writer.write_image_data(bytes)?;
+        writer.finish()
+    });
+    written.map_err(encoding_error)
+}
+
+/// The encoder of a picture: its colours are sRGB, and its size on paper is known if the settings say so.
+pub(super) fn encoder_of<W: Write>(
+    out: W,
+    settings: PngSettings,
+    filter: Filter,
+) -> Encoder<'static, W> {
+    let mut encoder = Encoder::new(out, settings.size[0], settings.size[1]);
+    encoder.set_color(match settings.alpha {
+        true => ColorType::Rgba,
+        false => ColorType::Rgb,
+    });
+    encoder.set_depth(BitDepth::Eight);
+    encoder.set_compression(match settings.effort {
+        Effort::Fast => Compression::Fast,
+        Effort::Balanced => Compression::Balanced,
+        Effort::Small => Compression::High,
+    });
+    encoder.set_filter(filter);
+    encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
+    encoder.set_pixel_dims(settings.dpi.map(|dpi| {
+        let of_metre = (dpi / INCH).round() as u32;
+        PixelDimensions {
+            xppu: of_metre,
+            yppu: of_metre,
+            unit: Unit::Meter,
+        }
+    }));
+    encoder
+}
+
+pub(super) fn encoding_error(error: EncodingError) -> ExportError {
+    ExportError::Encode {
         name: "PNG".to_owned(),
-        message: e.to_string(),
-    })
+        message: error.to_string(),
+    }
 }
 
 pub(super) fn check_size([width, height]: [u32; 2]) -> Result<(), ExportError> {

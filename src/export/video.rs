@@ -1,4 +1,4 @@
-//! Compressed video by the program `ffmpeg`, which takes raw frames from a pipe and writes the file beside its place.
+//! Compressed video and animated WebP by the program `ffmpeg`, which takes raw frames from a pipe and writes the file beside its place.
 
 use super::error::ExportError;
 use super::format::VideoKind;
@@ -26,13 +26,21 @@ const MOST_WORDS: u64 = 1 << 12;
 const FILTERS: &str = "crop=trunc(iw/2)*2:trunc(ih/2)*2:0:0,format=yuv420p,\
     setparams=range=tv:colorspace=bt709:color_primaries=bt709:color_trc=bt709";
 
-/// Codec, quality (drawn edges stay clean) and container.
-fn arguments(kind: VideoKind) -> Vec<&'static str> {
-    let text = match kind {
-        VideoKind::Mp4 => "-c:v libx264 -crf 16 -movflags +faststart -f mp4",
-        VideoKind::Webm => "-c:v libvpx-vp9 -crf 24 -b:v 0 -row-mt 1 -f webm",
+/// The same as RGB, as pictures have it: nothing is lost after the frames have arrived.
+const FILTERS_OF_PICTURES: &str = "setparams=range=tv:colorspace=bt709,\
+    scale=in_color_matrix=bt709:in_range=tv,format=bgra";
+
+/// Filters, then codec, quality (drawn edges stay clean) and container.
+fn arguments(kind: VideoKind) -> (&'static str, Vec<&'static str>) {
+    let (filters, text) = match kind {
+        VideoKind::Mp4 => (FILTERS, "-c:v libx264 -crf 16 -movflags +faststart -f mp4"),
+        VideoKind::Webm => (FILTERS, "-c:v libvpx-vp9 -crf 24 -b:v 0 -row-mt 1 -f webm"),
+        VideoKind::Webp => (
+            FILTERS_OF_PICTURES,
+            "-c:v libwebp_anim -lossless 1 -loop 0 -f webp",
+        ),
     };
-    text.split(' ').collect()
+    (filters, text.split(' ').collect())
 }
 
 /// A video under construction: bytes go to the encoder, and its file is moved to its place when it has succeeded.
@@ -55,9 +63,10 @@ impl VideoFile {
         };
         let mut command = Command::new(ENCODER);
         command.args(["-hide_banner", "-nostdin", "-loglevel", "error", "-y"]);
-        command.args(["-f", "yuv4mpegpipe", "-i", "pipe:0", "-an", "-vf", FILTERS]);
+        let (filters, codec) = arguments(kind);
+        command.args(["-f", "yuv4mpegpipe", "-i", "pipe:0", "-an", "-vf", filters]);
         command.args(["-fflags", "+bitexact", "-flags:v", "+bitexact"]);
-        command.args(arguments(kind));
+        command.args(codec);
         // The path is passed as a file name, whatever it looks like.
         command.arg(in_protocol(temporary));
         command

@@ -30,6 +30,8 @@ pub enum Resource {
     Triangles,
     /// Pixels of one picture, read or drawn.
     Pixels,
+    /// Pixels of one picture that is drawn and written in strips; never in memory as a whole.
+    Poster,
     /// Pixels of all frames of a film that is read.
     Film,
     /// Bytes of messages about one file.
@@ -46,13 +48,14 @@ enum Unit {
 
 impl Resource {
     /// All of them, in the order of help texts.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Time,
         Self::Memory,
         Self::Samples,
         Self::Pairs,
         Self::Triangles,
         Self::Pixels,
+        Self::Poster,
         Self::Film,
         Self::Message,
     ];
@@ -66,6 +69,7 @@ impl Resource {
             Self::Pairs => "pairs",
             Self::Triangles => "triangles",
             Self::Pixels => "pixels",
+            Self::Poster => "poster",
             Self::Film => "film",
             Self::Message => "message",
         }
@@ -90,6 +94,8 @@ impl Resource {
             Self::Triangles => 4e6,
             // 8K video has 33 million.
             Self::Pixels => 64e6,
+            // A0 at 300 dots per inch has 139 million, and the longest sides that can be drawn 236 million.
+            Self::Poster => 240e6,
             // Ten thousand frames of 720 x 540, a minute or two.
             Self::Film => 4e9,
             Self::Message => 1048576.0,
@@ -144,11 +150,13 @@ impl Default for Limits {
 }
 
 impl Limits {
-    /// The limits of a text such as `time=10s,memory=512M`; others keep their defaults.
+    /// The limits of a text such as `time=10s,memory=512M`; others keep their defaults. A limit of pixels is also that of
+    /// posters, unless those have their own.
     ///
     /// Errors, as text: an invalid name or amount.
     pub fn parse(text: &str) -> Result<Self, String> {
         let mut limits = Self::default();
+        let (mut pixels, mut own) = (None, false);
         for part in text.split(',').filter(|part| !part.trim().is_empty()) {
             let (name, amount) = part.split_once('=').ok_or("write NAME=AMOUNT,…")?;
             let known = Resource::ALL.into_iter().find(|r| r.name() == name.trim());
@@ -156,10 +164,18 @@ impl Limits {
                 let names = Resource::ALL.map(Resource::name).join(", ");
                 return Err(format!("there is no limit `{}`: {names}", name.trim()));
             };
-            limits.0[resource as usize] =
-                amount_of(resource.unit(), amount.trim()).ok_or_else(|| {
-                    format!("`{}` is not an amount for `{}`", amount.trim(), name.trim())
-                })?;
+            let read = amount_of(resource.unit(), amount.trim()).ok_or_else(|| {
+                format!("`{}` is not an amount for `{}`", amount.trim(), name.trim())
+            })?;
+            limits.0[resource as usize] = read;
+            match resource {
+                Resource::Poster => own = true,
+                Resource::Pixels => pixels = Some(read),
+                _ => {}
+            }
+        }
+        if let Some(most) = pixels.filter(|_| !own) {
+            limits.0[Resource::Poster as usize] = most;
         }
         Ok(limits)
     }
@@ -327,6 +343,18 @@ pub fn allow_picture(
     allow_memory(pixels * bytes_a_pixel, &who)
 }
 
+/// Refuses to draw a picture in strips with more pixels than permitted, or with strips that do not fit into memory.
+pub fn allow_poster(
+    [width, height]: [u32; 2],
+    bytes_of_strips: f64,
+    name: &str,
+) -> Result<(), LimitExceeded> {
+    let pixels = f64::from(width) * f64::from(height);
+    let who = format!("{name}, {width} x {height} pixels,");
+    current_limits().allow(Resource::Poster, pixels, &who)?;
+    allow_memory(bytes_of_strips, &who)
+}
+
 /// Whether the process now uses more memory than permitted.
 pub fn memory_exceeded() -> Option<LimitExceeded> {
     Memory::used().allow(0.0, &"this run", "uses").err()
@@ -361,6 +389,20 @@ mod tests {
             "pairs=0",
         ] {
             assert!(Limits::parse(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_limit_of_pixels_holds_for_posters_without_their_own() {
+        for (text, most) in [
+            ("", Resource::Poster.usual()),
+            ("pixels=4M", 4e6),
+            ("poster=7M,pixels=4M", 7e6),
+            ("pixels=4M,poster=7M", 7e6),
+            ("poster=7M", 7e6),
+        ] {
+            let limits = Limits::parse(text).unwrap();
+            assert_eq!(limits.most(Resource::Poster), most, "{text}");
         }
     }
 

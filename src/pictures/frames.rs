@@ -5,9 +5,10 @@ use crate::kinematics::results::trajectory::Trajectory;
 use crate::plot::companion::Companion;
 use crate::plot::raster::ChartPainter;
 use crate::render::adapter::AdapterChoice;
-use crate::render::open::{RendererChoice, open_renderer};
+use crate::render::open::{RendererChoice, open_renderer, open_strip_renderers};
 use crate::render::overlay::Overlay;
-use crate::render::{RenderError, Renderer, allow_drawing, matte};
+use crate::render::strips::Strips;
+use crate::render::{RenderError, Renderer, Stage, allow_drawing, matte};
 use crate::scene::Scene;
 use crate::staging::marks::Marks;
 use crate::staging::{PictureOptions, Staging, panes};
@@ -91,6 +92,41 @@ impl<'a> Pictures<'a> {
     /// Errors: no adapter of the kind asked for; a size that cannot be drawn.
     pub fn workers(self, by: &DrawnBy) -> Result<Workers<'a>, RenderError> {
         allow_drawing(self.staging.stage.size)?;
+        let open = |stage| open_renderer(by.renderer, by.adapter.clone(), stage, by.threads);
+        let (views, name) = self.open_views(&open)?;
+        let list = views.into_iter().map(|views| self.worker(views));
+        Ok(Workers {
+            list: list.collect(),
+            name,
+        })
+    }
+
+    /// Up to `workers` workers that draw the first picture in strips, by their index. Always the built-in renderer.
+    ///
+    /// Errors: a size that cannot be drawn; a plot beside the motion, which is drawn as a whole.
+    pub fn strip_workers(
+        self,
+        strips: Strips,
+        workers: usize,
+    ) -> Result<Vec<FrameWorker<'a>>, RenderError> {
+        if self.panel.is_some() {
+            let message = "a picture with a plot is not drawn in strips".to_owned();
+            return Err(RenderError::Size(message));
+        }
+        let (views, _) = self.open_views(&|stage| open_strip_renderers(stage, workers))?;
+        let list = views.into_iter().map(|views| {
+            let mut draw = self.drawing(views);
+            let worker: FrameWorker = Box::new(move |strip, image| {
+                let first = strips.first_row(strip);
+                draw(self.order.sample(0), Some(first), image)
+            });
+            worker
+        });
+        Ok(list.collect())
+    }
+
+    /// For every worker its views, and the name of what draws them.
+    fn open_views(&self, open: Opener) -> Result<(Vec<Vec<FrameView<'a>>>, String), RenderError> {
         let parts = self.panes.iter().map(|(corner, pane)| (*corner, pane));
         let mut views: Vec<_> = parts.collect();
         if views.is_empty() {
@@ -99,7 +135,7 @@ impl<'a> Pictures<'a> {
         let view = &self.scene.view;
         let mut workers: Vec<Vec<FrameView<'a>>> = Vec::new();
         for (corner, staging) in views {
-            let layers = open_layers(by, staging, view.transparent)?;
+            let layers = open_layers(open, staging, view.transparent)?;
             workers.resize_with(layers.len(), Vec::new);
             for (worker, layers) in workers.iter_mut().zip(layers) {
                 worker.push(FrameView::new(corner, staging, layers, view.background));
@@ -107,35 +143,41 @@ impl<'a> Pictures<'a> {
         }
         let first = workers.first().and_then(|views| views.first());
         let name = first.map_or_else(String::new, |view| view.layers[0].name().to_owned());
-        let list = workers.into_iter().map(|views| self.worker(views));
-        Ok(Workers {
-            list: list.collect(),
-            name,
-        })
+        Ok((workers, name))
     }
 
-    fn worker(self, mut views: Vec<FrameView<'a>>) -> FrameWorker<'a> {
-        let [width, height] = self.staging.stage.size;
+    /// Draws a sample as a whole, or the rows from one on.
+    fn drawing(
+        self,
+        mut views: Vec<FrameView<'a>>,
+    ) -> impl FnMut(usize, Option<u32>, &mut RgbaImage) -> Result<(), RenderError> + Send + 'a {
         let mut captions = Overlay::new(self.scene.view.background);
-        let mut draw = move |sample: usize, image: &mut RgbaImage| {
+        move |sample, first, image| {
             if self.panes.is_empty() {
-                return views.iter_mut().try_for_each(|v| v.draw(sample, image));
+                let mut views = views.iter_mut();
+                return views.try_for_each(|v| v.draw(sample, first, image));
             }
             for view in &mut views {
-                view.draw_into(sample, image)?;
+                view.draw_into(sample, first, image)?;
             }
             let stage = &self.staging.stage;
             let frame = panes::frame_over(self.scene, self.staging, sample);
-            captions.draw(&frame, &stage.camera, image);
+            let rows = [first.unwrap_or(0), stage.size[1]];
+            captions.draw_strip(&frame, &stage.camera, rows, image);
             Ok(())
-        };
+        }
+    }
+
+    fn worker(self, views: Vec<FrameView<'a>>) -> FrameWorker<'a> {
+        let [width, height] = self.staging.stage.size;
+        let mut draw = self.drawing(views);
         let Some(panel) = self.panel else {
-            return Box::new(move |picture, image| draw(self.order.sample(picture), image));
+            return Box::new(move |picture, image| draw(self.order.sample(picture), None, image));
         };
         let (mut motion, mut painter) = (RgbaImage::new(width, height), ChartPainter::default());
         Box::new(move |picture, image| {
             let sample = self.order.sample(picture);
-            draw(sample, &mut motion)?;
+            draw(sample, None, &mut motion)?;
             panel.compose_frame(&motion, sample, &mut painter, image);
             Ok(())
         })
@@ -160,21 +202,27 @@ impl<'a> FrameView<'a> {
         layers: Vec<Box<dyn Renderer>>,
         background: [u8; 3],
     ) -> Self {
-        let [width, height] = match layers.len() {
-            1 => [0, 0],
-            _ => staging.stage.size,
-        };
         Self {
             corner,
             staging,
             layers,
             overlay: Overlay::new(background),
             own: RgbaImage::new(0, 0),
-            on_black: RgbaImage::new(width, height),
+            on_black: RgbaImage::new(0, 0),
         }
     }
 
-    fn draw(&mut self, sample: usize, image: &mut RgbaImage) -> Result<(), RenderError> {
+    /// Draws a sample as a whole, or the rows from `first` on.
+    fn draw(
+        &mut self,
+        sample: usize,
+        first: Option<u32>,
+        image: &mut RgbaImage,
+    ) -> Result<(), RenderError> {
+        if self.layers.len() > 1 && self.on_black.dimensions() != image.dimensions() {
+            self.on_black = RgbaImage::new(image.width(), image.height());
+        }
+        let rows = [first.unwrap_or(0), self.staging.stage.size[1]];
         let frame = self.staging.frame(sample);
         let camera = &frame.camera(&self.staging.stage);
         for (layer, renderer) in self.layers.iter_mut().enumerate() {
@@ -182,8 +230,11 @@ impl<'a> FrameView<'a> {
                 0 => &mut *image,
                 _ => &mut self.on_black,
             };
-            renderer.draw(&frame, target)?;
-            self.overlay.draw(&frame, camera, target);
+            match first {
+                None => renderer.draw(&frame, target)?,
+                Some(first) => renderer.draw_strip(&frame, first, target)?,
+            }
+            self.overlay.draw_strip(&frame, camera, rows, target);
         }
         if self.layers.len() > 1 {
             matte::extract_alpha(image, &self.on_black);
@@ -191,23 +242,39 @@ impl<'a> FrameView<'a> {
         Ok(())
     }
 
-    /// Draws into a tile of a larger picture.
-    fn draw_into(&mut self, sample: usize, image: &mut RgbaImage) -> Result<(), RenderError> {
+    /// Draws into its part of a larger picture, of which `image` is the whole or the rows from `first` on.
+    fn draw_into(
+        &mut self,
+        sample: usize,
+        first: Option<u32>,
+        image: &mut RgbaImage,
+    ) -> Result<(), RenderError> {
         let [width, height] = self.staging.stage.size;
-        let mut own = std::mem::take(&mut self.own);
-        if own.dimensions() != (width, height) {
-            own = RgbaImage::new(width, height);
+        let [left, top] = self.corner;
+        // The rows that the view and the image have in common, as rows of the whole picture.
+        let start = first.unwrap_or(0);
+        let end = (start + image.height()).min(top + height);
+        let from = start.max(top);
+        if from >= end {
+            return Ok(());
         }
-        self.draw(sample, &mut own)?;
-        let copied = image.copy_from(&own, self.corner[0], self.corner[1]);
+        let mut own = std::mem::take(&mut self.own);
+        if own.dimensions() != (width, end - from) {
+            own = RgbaImage::new(width, end - from);
+        }
+        self.draw(sample, first.map(|_| from - top), &mut own)?;
+        let copied = image.copy_from(&own, left, from - start);
         self.own = own;
         copied.map_err(|error| RenderError::Size(error.to_string()))
     }
 }
 
+/// Opens the renderers of a stage, one for each worker.
+type Opener<'o> = &'o dyn Fn(Arc<Stage>) -> Result<Vec<Box<dyn Renderer>>, RenderError>;
+
 /// For every worker its renderers of one view.
 fn open_layers(
-    by: &DrawnBy,
+    open: Opener,
     staging: &Staging,
     transparent: bool,
 ) -> Result<Vec<Vec<Box<dyn Renderer>>>, RenderError> {
@@ -219,7 +286,7 @@ fn open_layers(
     };
     let mut workers: Vec<Vec<Box<dyn Renderer>>> = Vec::new();
     for stage in stages {
-        let renderers = open_renderer(by.renderer, by.adapter.clone(), stage, by.threads)?;
+        let renderers = open(stage)?;
         workers.resize_with(renderers.len(), Vec::new);
         for (worker, renderer) in workers.iter_mut().zip(renderers) {
             worker.push(renderer);

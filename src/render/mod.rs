@@ -19,6 +19,7 @@ pub mod open;
 pub mod overlay;
 pub mod ramp;
 mod stage_mesh;
+pub mod strips;
 pub mod text;
 
 use crate::limits::{LimitExceeded, allow_picture};
@@ -248,4 +249,19 @@ pub trait Renderer: Send {
 
     /// Draws `frame` into `image`, which has the stage's size; every pixel is written, alpha is 255.
     fn draw(&mut self, frame: &Frame, image: &mut RgbaImage) -> Result<(), RenderError>;
+
+    /// Draws the rows of `frame` from `first` on into `image`, which has the stage's width: the pixels that
+    /// [`draw`](Self::draw) makes there. Rows of the image below the end of the picture have no meaning.
+    ///
+    /// Errors: a renderer that draws whole pictures only; no row of the picture.
+    fn draw_strip(
+        &mut self,
+        frame: &Frame,
+        first: u32,
+        image: &mut RgbaImage,
+    ) -> Result<(), RenderError> {
+        let _ = (frame, first, image);
+        let name = self.name();
+        Err(RenderError::Size(format!("{name} draws no strips")))
+    }
 }

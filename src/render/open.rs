@@ -57,6 +57,17 @@ pub fn open_renderer(
     }
 }
 
+/// Opens `workers` (at least one) built-in renderers that draw pictures of a stage in strips.
+///
+/// Errors: a picture that the renderer cannot draw.
+pub fn open_strip_renderers(
+    stage: Arc<Stage>,
+    workers: usize,
+) -> Result<Vec<Box<dyn Renderer>>, RenderError> {
+    let first = CpuRenderer::for_strips(stage)?;
+    Ok(copies_of(first, workers))
+}
+
 /// The adapters of this machine, best first; empty without drivers or in a build without the `gpu` feature.
 pub fn list_adapters() -> Vec<AdapterInfo> {
     #[cfg(feature = "gpu")]
@@ -68,10 +79,14 @@ pub fn list_adapters() -> Vec<AdapterInfo> {
 fn open_cpu(stage: &Arc<Stage>, workers: usize) -> Result<Vec<Box<dyn Renderer>>, RenderError> {
     // Preparing the stage (closed meshes, the ground) is done by one renderer; the others copy it.
     let first = CpuRenderer::new(Arc::clone(stage))?;
+    Ok(copies_of(first, workers))
+}
+
+fn copies_of(first: CpuRenderer, workers: usize) -> Vec<Box<dyn Renderer>> {
     let copies = (1..workers).map(|_| Box::new(first.clone()) as Box<dyn Renderer>);
     let mut renderers: Vec<Box<dyn Renderer>> = copies.collect();
     renderers.push(Box::new(first));
-    Ok(renderers)
+    renderers
 }
 
 #[cfg(feature = "gpu")]

@@ -43,19 +43,35 @@ impl Overlay {
     /// Parts outside the picture are clipped. A label is omitted if its anchor lies behind the camera or is not finite,
     /// or if its size is not positive. Alpha is not changed.
     pub fn draw(&mut self, frame: &Frame, camera: &Camera, image: &mut RgbaImage) {
+        self.paint(frame, camera, &mut OverlayPainter::new(image));
+    }
+
+    /// The same in the rows from `first` on of a picture `height` pixels high.
+    pub fn draw_strip(
+        &mut self,
+        frame: &Frame,
+        camera: &Camera,
+        [first, height]: [u32; 2],
+        image: &mut RgbaImage,
+    ) {
+        let mut painter = OverlayPainter::on_strip(image, first, height);
+        self.paint(frame, camera, &mut painter);
+    }
+
+    fn paint(&mut self, frame: &Frame, camera: &Camera, painter: &mut OverlayPainter) {
         if frame.no_pose {
-            border::draw_border(image);
+            border::draw_border(painter);
         }
-        let picture = <[u32; 2]>::from(image.dimensions()).map(f64::from);
+        let picture = painter.size().map(f64::from);
         for patch in &frame.patches {
-            patch::draw_patch(&mut OverlayPainter::new(image), patch, picture);
+            patch::draw_patch(painter, patch, picture);
         }
         for stroke in &frame.strokes {
-            stroke::draw_stroke(&mut OverlayPainter::new(image), stroke);
+            stroke::draw_stroke(painter, stroke);
         }
         self.taken.clear();
         for label in &frame.labels {
-            self.draw_label(label, camera, image);
+            self.draw_label(label, camera, painter);
         }
     }
 
@@ -75,12 +91,12 @@ impl Overlay {
         labels.collect()
     }
 
-    fn draw_label(&mut self, label: &Label, camera: &Camera, image: &mut RgbaImage) {
+    fn draw_label(&mut self, label: &Label, camera: &Camera, painter: &mut OverlayPainter) {
         if label.size.is_nan() || label.size <= 0.0 {
             return;
         }
         let setting = set_text(&self.face, &label.text, label.size.min(LARGEST_SIZE));
-        let size = image.dimensions().into();
+        let size = painter.size();
         let Some([left, top]) = place_label(label, &setting, camera, size) else {
             return;
         };
@@ -89,7 +105,6 @@ impl Overlay {
             return;
         }
         self.taken.push(own);
-        let mut painter = OverlayPainter::new(image);
         if let LabelAnchor::Beside(point)
         | LabelAnchor::Placed {
             point, line: true, ..
@@ -101,21 +116,21 @@ impl Overlay {
                 x.clamp(own[0] - AIR, own[2] + AIR),
                 y.clamp(own[1] - AIR, own[3] + AIR),
             ];
-            patch::draw_leader(&mut painter, [[x, y], foot], label.colour);
+            patch::draw_leader(painter, [[x, y], foot], label.colour);
         }
         if label.plate && !setting.glyphs.is_empty() {
             let corner = [left, top].map(|c| c.round() as i32);
-            plate::draw_plate(&mut painter, &setting, corner, self.plate_colour);
+            plate::draw_plate(painter, &setting, corner, self.plate_colour);
         }
         let in_world = !matches!(label.anchor, LabelAnchor::Screen(_));
         if in_world && !label.plate {
             // A halo in the background's colour keeps the text readable in front of dark bodies.
             for shift in SEAM {
                 let place = [left + shift[0], top + shift[1]];
-                self.draw_glyphs(&setting, place, self.plate_colour, &mut painter);
+                self.draw_glyphs(&setting, place, self.plate_colour, painter);
             }
         }
-        self.draw_glyphs(&setting, [left, top], label.colour, &mut painter);
+        self.draw_glyphs(&setting, [left, top], label.colour, painter);
     }
 
     /// The glyphs from `left`, `top` on, in quarters of a pixel: a label that moves slowly does not jump.

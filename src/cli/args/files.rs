@@ -7,7 +7,7 @@ use std::path::PathBuf;
 /// What is written, and how.
 #[derive(Debug, Args)]
 pub struct FileArgs {
-    /// Output file or folder: .gif, .apng, .png, .mp4, .webm, .y4m, .rgba, a folder, a pattern such as frame-%04d.png, or `-` for standard
+    /// Output file or folder: .gif, .apng, .png, .mp4, .webm, .webp, .y4m, .rgba, a folder, a pattern such as frame-%04d.png, or `-` for standard
     /// output; for scenes also the 3-D models .glb, .stl and .obj.
     #[arg(long, short, value_name = "FILE")]
     pub out: PathBuf,
@@ -20,6 +20,9 @@ pub struct FileArgs {
     /// PNG compression level [default: balanced; fast for sequences].
     #[arg(long, value_enum)]
     pub compression: Option<Compression>,
+    /// Resolution of a PNG in dots per inch, as the file says: its size on paper.
+    #[arg(long, value_name = "N", value_parser = super::values::dots_per_inch)]
+    pub dpi: Option<f64>,
     /// Chroma of a y4m video: full resolution (444, the default), or one sample for 2 by 2 pixels, as most players
     /// expect (420).
     #[arg(long, value_enum)]
@@ -120,6 +123,7 @@ pub enum PictureFormat {
     Png,
     Mp4,
     Webm,
+    Webp,
     Y4m,
     Rgba,
     Glb,

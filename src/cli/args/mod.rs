@@ -39,7 +39,7 @@ pub struct Cli {
     /// When to colour messages; NO_COLOR is respected.
     #[arg(long, alias = "color", global = true, value_enum, default_value_t = ColourChoice::Auto)]
     pub colour: ColourChoice,
-    /// Limits on what the run may use, such as time=10s,memory=512M,samples=1M,pairs=10k,triangles=1M,pixels=8M,film=1G,message=64K;
+    /// Limits on what the run may use, such as time=10s,memory=512M,samples=1M,pairs=10k,triangles=1M,pixels=8M,poster=200M,film=1G,message=64K;
     /// they can only be tighter than those of the variable MECHANIM_LIMITS.
     #[arg(long, global = true, value_name = "NAME=AMOUNT,…", value_parser = Limits::parse)]
     pub limits: Option<Limits>,

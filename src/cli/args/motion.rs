@@ -3,7 +3,7 @@
 use super::files::FileArgs;
 use super::scene::SceneArgs;
 use super::study::positive_number;
-use super::values::{frame_count, frame_rate, name_and_text, picture_size, rate_order};
+use super::values::{frame_count, frame_rate, name_and_text, poster_size, rate_order};
 use super::view::ViewArgs;
 use crate::clearance::check::Closely;
 use crate::report::verdict::CheckRequirements;
@@ -21,8 +21,8 @@ pub struct RenderArgs {
     /// What is written.
     #[command(flatten)]
     pub file: FileArgs,
-    /// Size in pixels.
-    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "640x480", value_parser = picture_size)]
+    /// Size in pixels: 64 million at most, and 240 million for a PNG of one picture.
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "640x480", value_parser = poster_size)]
     pub size: [u32; 2],
     /// Frames a second; the scene decides if absent.
     #[arg(long, value_name = "RATE", allow_negative_numbers = true, value_parser = frame_rate)]

@@ -29,6 +29,9 @@ pub const MAX_SIDE: u32 = 16_384;
 /// Most pixels of a picture: 8K video has 33 million.
 pub const MAX_PIXELS: u64 = 64_000_000;
 
+/// Most pixels of a PNG of one picture, which is drawn in strips: A0 at 300 dots per inch has 139 million.
+pub const MAX_POSTER_PIXELS: u64 = 240_000_000;
+
 /// `NAME=VALUE`.
 pub fn name_and_text(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
@@ -41,21 +44,51 @@ pub fn name_and_text(text: &str) -> Result<(String, String), String> {
 
 /// `WIDTHxHEIGHT` in pixels.
 pub fn picture_size(text: &str) -> Result<[u32; 2], String> {
+    let size = sides_of(text)?;
+    match pixels_of(size) {
+        0..=MAX_PIXELS => Ok(size),
+        _ => Err(too_many_pixels()),
+    }
+}
+
+/// `WIDTHxHEIGHT` of a picture that may be a poster.
+pub fn poster_size(text: &str) -> Result<[u32; 2], String> {
+    let size = sides_of(text)?;
+    match pixels_of(size) {
+        0..=MAX_POSTER_PIXELS => Ok(size),
+        _ => Err(too_many_pixels_of_poster()),
+    }
+}
+
+/// Pixels of a picture.
+pub fn pixels_of([width, height]: [u32; 2]) -> u64 {
+    u64::from(width) * u64::from(height)
+}
+
+fn too_many_pixels() -> String {
+    let millions = MAX_PIXELS / 1_000_000;
+    format!("at most {MAX_SIDE} pixels a side and {millions} million in all")
+}
+
+/// What is said of a picture with too many pixels that could be a poster.
+pub fn too_many_pixels_of_poster() -> String {
+    let millions = MAX_POSTER_PIXELS / 1_000_000;
+    let usual = too_many_pixels();
+    format!("{usual}; a PNG of one picture may have {millions} million")
+}
+
+fn sides_of(text: &str) -> Result<[u32; 2], String> {
     let wrong = || "write WIDTHxHEIGHT, for example 640x480".to_owned();
     let (width, height) = text.split_once(['x', '×']).ok_or_else(wrong)?;
     let size = [
         width.trim().parse::<u32>().map_err(|_| wrong())?,
         height.trim().parse().map_err(|_| wrong())?,
     ];
-    let pixels = u64::from(size[0]) * u64::from(size[1]);
     if size.contains(&0) {
         return Err("a picture needs at least one pixel".to_owned());
     }
-    if size.iter().any(|side| *side > MAX_SIDE) || pixels > MAX_PIXELS {
-        return Err(format!(
-            "at most {MAX_SIDE} pixels a side and {} million in all",
-            MAX_PIXELS / 1_000_000
-        ));
+    if size.iter().any(|side| *side > MAX_SIDE) {
+        return Err(too_many_pixels());
     }
     Ok(size)
 }
@@ -65,6 +98,14 @@ pub fn frame_rate(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(rate) if (0.01..=1000.0).contains(&rate) => Ok(rate),
         _ => Err("a frame rate is between 0.01 and 1000".to_owned()),
+    }
+}
+
+/// A resolution on paper.
+pub fn dots_per_inch(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(dpi) if (1.0..=10_000.0).contains(&dpi) => Ok(dpi),
+        _ => Err("a resolution is between 1 and 10000".to_owned()),
     }
 }
 

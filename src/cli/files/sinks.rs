@@ -37,6 +37,9 @@ pub fn film_format(args: &FileArgs) -> Result<Format, Failure> {
     if args.compression.is_some() && !format.is_png() {
         return refuse("--compression", "PNG and APNG");
     }
+    if args.dpi.is_some() && !matches!(format, Format::Png | Format::PngSequence(_)) {
+        return refuse("--dpi", "PNGs");
+    }
     if args.repeat.is_some() && !matches!(format, Format::Gif | Format::Apng) {
         return refuse("--loop", "GIF and APNG");
     }
@@ -57,6 +60,7 @@ fn named_format(format: PictureFormat, out: &Path) -> Result<Format, Failure> {
         },
         PictureFormat::Mp4 => Format::Video(VideoKind::Mp4),
         PictureFormat::Webm => Format::Video(VideoKind::Webm),
+        PictureFormat::Webp => Format::Video(VideoKind::Webp),
         PictureFormat::Y4m => Format::Y4m,
         PictureFormat::Rgba => Format::Rgba,
         PictureFormat::Glb => Format::Glb,
@@ -120,6 +124,8 @@ impl<'a> OpenFilm<'a> {
                 Compression::Balanced => Effort::Balanced,
                 Compression::Small => Effort::Small,
             }),
+            dpi: args.dpi,
+            strip_rows: None,
             chroma: match args.chroma {
                 Some(ChromaArg::C420) => Chroma::Quarter,
                 Some(ChromaArg::C444) | None => Chroma::Full,
@@ -132,6 +138,12 @@ impl<'a> OpenFilm<'a> {
     /// Colours that a palette must hold exactly.
     pub fn with_needed_colours(mut self, colours: Vec<[u8; 3]>) -> Self {
         self.settings.needed_colours = colours;
+        self
+    }
+
+    /// Makes the frames strips, of so many rows, of one picture.
+    pub fn in_strips(mut self, rows: u32) -> Self {
+        self.settings.strip_rows = Some(rows);
         self
     }
 
@@ -182,7 +194,10 @@ impl<'a> OpenFilm<'a> {
         E: std::error::Error + Send + 'static,
         Failure: From<E>,
     {
-        let progress = Progress::new(self.args.progress, term.quiet());
+        let mut progress = Progress::new(self.args.progress, term.quiet());
+        if self.settings.strip_rows.is_some() {
+            progress = progress.counting("strips");
+        }
         let show = |done, all| progress.show(done, all);
         let result = self.settings.write(prepared, workers, &show, &CANCEL);
         progress.end();

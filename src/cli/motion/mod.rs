@@ -6,6 +6,7 @@ pub mod event_messages;
 pub mod models;
 pub mod modes;
 pub mod plot;
+pub mod poster;
 pub mod render;
 pub mod show;
 pub mod solve;

@@ -1,5 +1,6 @@
 //! `mechanim render`: solves, stages, draws and encodes; or writes shapes and their motion.
 
+use super::poster::{Poster, plan_poster};
 use super::solve::up_to;
 use super::{event_messages, models, plot};
 use crate::cli::args::motion::{HighlightArg, RenderArgs, RendererArg};
@@ -53,12 +54,13 @@ pub fn run_render(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
     } = open_scene::open_scene(&args.scene, term)?;
     args.view.apply(&format, &mut scene)?;
     warn_of_missing_glyphs(&scene, term);
+    let poster = plan_poster(args, &format, &drawn_by(args), scene.view.transparent)?;
     clock.end_stage("read");
     let (plan, trajectory, outcome) = if args.trace_iterations {
         trace_iterations(args, &system, &mut scene, &format)?
     } else {
         let plan = RenderPlan::new(args, &scene, &format)?;
-        if !format.is_model() {
+        if !format.is_model() && poster.is_none() {
             let at_once = drawn_by(args).threads.min(plan.count).max(1);
             let bytes = at_once as f64 * BYTES_OF_DRAWN_PIXEL;
             allow_picture(args.size, bytes, "a picture of --size")?;
@@ -123,7 +125,7 @@ pub fn run_render(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
         };
         io::unless_reader_left(draw_film(
             args,
-            &format,
+            (&format, poster),
             &plan,
             &trajectory,
             &pictures,
@@ -190,29 +192,41 @@ fn trace_iterations(
     Ok((plan, trajectory, outcome))
 }
 
-/// Draws and encodes the frames of the plan.
+/// Draws and encodes the frames of the plan, or the strips of a poster.
 fn draw_film(
     args: &RenderArgs,
-    format: &Format,
+    (format, poster): (&Format, Option<Poster>),
     plan: &RenderPlan,
     trajectory: &Trajectory,
     pictures: &Pictures,
     clock: &mut Clock,
     term: &Term,
 ) -> Result<(), Failure> {
-    let mut workers = pictures.workers(&drawn_by(args))?;
-    if args.renderer == RendererArg::Gpu {
-        term.note(&format!("drawing on {}", workers.name));
-    }
+    let mut workers = match poster {
+        Some(poster) => pictures.strip_workers(poster.strips, poster.workers)?,
+        None => {
+            let workers = pictures.workers(&drawn_by(args))?;
+            if args.renderer == RendererArg::Gpu {
+                term.note(&format!("drawing on {}", workers.name));
+            }
+            workers.list
+        }
+    };
     clock.end_stage("renderer");
     let destination = sinks::open_sink(&args.file, format)?;
-    let count = pictures.order.pictures();
-    let film = OpenFilm::new(&args.file, format, args.size, count, plan.fps)
+    let count = match poster {
+        Some(poster) => poster.strips.count(),
+        None => pictures.order.pictures(),
+    };
+    let mut film = OpenFilm::new(&args.file, format, args.size, count, plan.fps)
         .with_needed_colours(pictures.staging.needed_colours())
         .with_alpha(pictures.scene.view.transparent);
-    let prepared = film.sink(destination, &mut workers.list, term)?;
+    if let Some(poster) = poster {
+        film = film.in_strips(poster.strips.rows);
+    }
+    let prepared = film.sink(destination, &mut workers, term)?;
     clock.end_stage("palette");
-    let summary = film.write(prepared, workers.list, term)?;
+    let summary = film.write(prepared, workers, term)?;
     clock.end_stage("draw and encode");
     let worst = trajectory.closure_error();
     film.tell(

@@ -85,6 +85,7 @@ pub fn write_worst_pair(
         size: OPTIONS.size,
         effort: Effort::Balanced,
         alpha: false,
+        dpi: None,
     };
     let mut sink = StillSink::new(Box::new(PendingFile::create(path)?), settings)?;
     let mut coded = Vec::new();

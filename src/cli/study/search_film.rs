@@ -64,6 +64,7 @@ pub fn film_file(out: &Path) -> Result<FileArgs, Failure> {
         format: None,
         quality: None,
         compression: None,
+        dpi: None,
         chroma: None,
         repeat: None,
         threads: None,

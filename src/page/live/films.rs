@@ -106,6 +106,8 @@ impl LiveScene {
                 alpha: pictures.scene.view.transparent,
                 quality: Quality::BEST,
                 effort: None,
+                dpi: None,
+                strip_rows: None,
                 chroma: Chroma::Full,
                 repeat: true,
             };

@@ -8,6 +8,7 @@ use crate::render::colour::ToneCurve;
 use crate::render::edges::{self, BACKDROP};
 use crate::render::look::Rgb;
 use crate::render::{Frame, Instance, MeshList, Stage, StageMesh};
+use std::ops::Range;
 
 /// Set in [`Facet::instance`] when the back of the triangle is seen.
 const BACK: u32 = 1 << 31;
@@ -56,9 +57,14 @@ pub(super) struct TriangleAssembly {
     pub(super) vertices: Vec<LensVertex>,
     pub(super) facets: Vec<Facet>,
     pub(super) paints: Vec<Paint>,
+    /// The tiles that are drawn.
     pub(super) bins: Vec<TileBin>,
     columns: usize,
     size: [i32; 2],
+    /// First and last row of the tiles that are drawn, both as a number of tiles.
+    tile_rows: [i32; 2],
+    /// First and last row of pixels that these tiles depend on.
+    reach: [i32; 2],
     /// Size of a tile in pixels, and the width of the apron that its lines depend on.
     pitch: i32,
     apron: i32,
@@ -81,13 +87,11 @@ impl TriangleAssembly {
     pub(super) fn new(stage: &Stage) -> Self {
         let size = stage.size;
         let pitch = pitch(stage);
-        let [columns, rows] = size.map(|n| n.div_ceil(pitch) as usize);
         Self {
             pitch: pitch as i32,
             apron: line_apron(stage),
             creases: stage.edges.is_some_and(|edges| edges.creases),
-            bins: vec![TileBin::default(); columns * rows],
-            columns,
+            columns: size[0].div_ceil(pitch) as usize,
             size: size.map(|n| n as i32),
             ..Self::default()
         }
@@ -103,13 +107,13 @@ impl TriangleAssembly {
         ]
     }
 
-    /// The pixels of a tile.
+    /// The pixels of a tile, counted from the first that is drawn on.
     pub(super) fn window(&self, tile: usize) -> Window {
         let [column, row] = [tile % self.columns, tile / self.columns].map(|k| k as i32);
         let range = |k: i32, size: i32| [k * self.pitch, ((k + 1) * self.pitch).min(size) - 1];
         Window {
             x: range(column, self.size[0]),
-            y: range(row, self.size[1]),
+            y: range(row + self.tile_rows[0], self.size[1]),
         }
     }
 
@@ -132,6 +136,18 @@ impl TriangleAssembly {
     pub(super) fn surface(&self, facet: i32) -> u32 {
         let facet = self.facets.get(facet as usize);
         facet.map_or(BACKDROP, |facet| facet.surface)
+    }
+
+    /// Selects the tiles that show any of the rows, of which there is at least one.
+    pub(super) fn select_rows(&mut self, rows: &Range<usize>) {
+        let [first, last] = [rows.start, rows.end - 1].map(|y| y as i32 / self.pitch);
+        self.tile_rows = [first, last];
+        self.reach = [
+            (first * self.pitch - self.apron).max(0),
+            ((last + 1) * self.pitch - 1 + self.apron).min(self.size[1] - 1),
+        ];
+        let count = (last - first + 1) as usize * self.columns;
+        self.bins.resize(count, TileBin::default());
     }
 
     /// Fills the bins with a frame's facets. Instances of meshes that do not exist are left out.
@@ -262,7 +278,7 @@ impl TriangleAssembly {
         if area == 0 || (faces == FacesDrawn::Front && !front) {
             return;
         }
-        // The bounding box: without a sample inside, or outside the picture, there is nothing to draw.
+        // The bounding box: without a sample inside, or outside the rows that are drawn, there is nothing to draw.
         let [left, right] = [a[0].min(b[0]).min(c[0]), a[0].max(b[0]).max(c[0])];
         let [top, bottom] = [a[1].min(b[1]).min(c[1]), a[1].max(b[1]).max(c[1])];
         if !(pattern.meets(left, right) && pattern.meets(top, bottom)) {
@@ -271,7 +287,7 @@ impl TriangleAssembly {
         let [x0, x1] = pattern.pixels(left, right);
         let [y0, y1] = pattern.pixels(top, bottom);
         let [x0, x1] = [x0.max(0), x1.min(self.size[0] - 1)];
-        let [y0, y1] = [y0.max(0), y1.min(self.size[1] - 1)];
+        let [y0, y1] = [y0.max(self.reach[0]), y1.min(self.reach[1])];
         if x0 > x1 || y0 > y1 {
             return;
         }
@@ -287,12 +303,14 @@ impl TriangleAssembly {
         let tiles = |first: i32, last: i32, size: i32| {
             let first = (first - self.apron).max(0) / self.pitch;
             let last = (last + self.apron).min(size - 1) / self.pitch;
-            first as usize..=last as usize
+            [first, last]
         };
-        let columns = tiles(x0, x1, self.size[0]);
-        for row in tiles(y0, y1, self.size[1]) {
-            for column in columns.clone() {
-                let bin = &mut self.bins[row * self.columns + column];
+        let [left, right] = tiles(x0, x1, self.size[0]);
+        let [top, bottom] = tiles(y0, y1, self.size[1]);
+        let [first, last] = self.tile_rows;
+        for row in top.max(first)..=bottom.min(last) {
+            let start = (row - first) as usize * self.columns;
+            for bin in &mut self.bins[start + left as usize..=start + right as usize] {
                 if opaque {
                     bin.opaque.push(number);
                 } else {

@@ -1,6 +1,6 @@
 //! The picture behind all bodies: background, ground, grid and contact shadow.
 //!
-//! Everything except the shadow is the same in every frame and computed once.
+//! Everything except the shadow is the same in every frame and computed once, for the rows that are drawn.
 
 use super::window::pitch;
 use crate::render::colour::ToneCurve;
@@ -8,6 +8,7 @@ use crate::render::contact_shadow::{ContactShadow, TexelPlace};
 use crate::render::ground::GroundView;
 use crate::render::look::{self, Rgb};
 use crate::render::{Camera, Stage};
+use std::ops::Range;
 
 /// The ground in one pixel.
 #[derive(Clone, Copy, Debug, Default)]
@@ -23,28 +24,31 @@ struct ShadowSpot {
 /// The picture without bodies.
 #[derive(Clone, Debug)]
 pub(super) struct Backdrop {
-    size: [usize; 2],
+    width: usize,
+    /// The rows of the picture that are held.
+    rows: Range<usize>,
     /// Pixels from tile to tile.
     pitch: usize,
     background: Rgb,
     /// Code of the background.
     bare: [u8; 4],
-    /// Codes without shadow, row by row.
+    /// Codes without shadow, row by row from the first that is held on.
     codes: Vec<[u8; 4]>,
     spots: Vec<ShadowSpot>,
-    /// Range of the ground's coordinates in each tile, `None` where it shows no ground.
+    /// Range of the ground's coordinates in each tile of these rows, `None` where it shows no ground.
     reach: Vec<Option<[[f32; 2]; 2]>>,
     pub(super) view: Option<GroundView>,
 }
 
 impl Backdrop {
+    /// The picture of a stage without bodies, of which no row is held yet.
     pub(super) fn new(stage: &Stage) -> Self {
         let curve = ToneCurve::shared();
-        let size = stage.size.map(|n| n as usize);
         let background = curve.decode_rgb(stage.background);
         let [r, g, b] = stage.background;
-        let mut backdrop = Self {
-            size,
+        Self {
+            width: stage.size[0] as usize,
+            rows: 0..0,
             pitch: pitch(stage) as usize,
             background,
             bare: [r, g, b, 255],
@@ -52,16 +56,19 @@ impl Backdrop {
             spots: Vec::new(),
             reach: Vec::new(),
             view: None,
-        };
-        backdrop.see(stage, &stage.camera);
-        backdrop
+        }
     }
 
-    /// Recomputes everything for another camera.
-    pub(super) fn see(&mut self, stage: &Stage, camera: &Camera) {
-        let [width, height] = self.size;
+    /// The rows that are held.
+    pub(super) fn rows(&self) -> &Range<usize> {
+        &self.rows
+    }
+
+    /// Recomputes everything for another camera or other rows.
+    pub(super) fn see(&mut self, stage: &Stage, camera: &Camera, rows: Range<usize>) {
+        self.rows = rows;
         self.codes.clear();
-        self.codes.resize(width * height, self.bare);
+        self.codes.resize(self.width * self.rows.len(), self.bare);
         self.spots.clear();
         self.reach.clear();
         let ground = stage.ground.as_ref();
@@ -72,16 +79,20 @@ impl Backdrop {
     }
 
     fn lay_ground(&mut self, view: &GroundView, shade: [f32; 2], curve: &ToneCurve) {
-        let [width, height] = self.size;
+        let width = self.width;
         let none = ShadowSpot {
             factor: 1.0,
             ..ShadowSpot::default()
         };
-        self.spots.resize(width * height, none);
+        self.spots.resize(width * self.rows.len(), none);
         let pitch = self.pitch;
         let columns = width.div_ceil(pitch);
-        self.reach.resize(columns * height.div_ceil(pitch), None);
-        for y in 0..height {
+        // Tiles of which the first and the last may be held in part.
+        let first_tile = self.rows.start / pitch;
+        let tile_rows = self.rows.end.div_ceil(pitch) - first_tile;
+        self.reach.resize(columns * tile_rows, None);
+        for y in self.rows.clone() {
+            let start = (y - self.rows.start) * width;
             for x in 0..width {
                 // The point of the ground behind the middle of the pixel, if there is one.
                 let Some(point) = view.at(x as f64 + 0.5, y as f64 + 0.5) else {
@@ -89,15 +100,15 @@ impl Backdrop {
                 };
                 let factor = look::ground_factor(point.fade, point.lines, 0.0, shade);
                 let [u, v] = point.at;
-                self.spots[y * width + x] = ShadowSpot {
+                self.spots[start + x] = ShadowSpot {
                     factor,
                     shadow: point.fade * look::SHADOW_DARKNESS,
                     place: TexelPlace::new(u, v),
                 };
                 let code = self.background.map(|c| curve.encode(c * factor));
-                self.codes[y * width + x] = [code[0], code[1], code[2], 255];
+                self.codes[start + x] = [code[0], code[1], code[2], 255];
                 // The rectangle of shadow coordinates that each tile sees, for skipping tiles without shadow.
-                let reach = &mut self.reach[y / pitch * columns + x / pitch];
+                let reach = &mut self.reach[(y / pitch - first_tile) * columns + x / pitch];
                 let [low, high] = reach.unwrap_or([point.at, point.at]);
                 *reach = Some([
                     [low[0].min(u), low[1].min(v)],
@@ -107,7 +118,7 @@ impl Backdrop {
         }
     }
 
-    /// Whether any pixel of a tile may be in the shadow.
+    /// Whether any pixel of a tile may be in the shadow. Tiles are counted from the first that is held on.
     pub(super) fn shaded(&self, tile: usize, shadow: Option<&ContactShadow>) -> bool {
         let reach = self.reach.get(tile).copied().flatten();
         let (Some([low, high]), Some(shadow)) = (reach, shadow) else {
@@ -119,16 +130,22 @@ impl Backdrop {
         (0..2).all(|k| low[k] <= greatest[k] && high[k] >= least[k])
     }
 
+    /// Where a pixel of the rows that are held is stored.
+    #[inline(always)]
+    fn index(&self, x: usize, y: usize) -> usize {
+        (y - self.rows.start) * self.width + x
+    }
+
     /// Codes of a row of pixels without shadow.
     pub(super) fn codes(&self, x: usize, y: usize, count: usize) -> &[[u8; 4]] {
-        let start = y * self.size[0] + x;
+        let start = self.index(x, y);
         &self.codes[start..start + count]
     }
 
     /// Linear colour of a pixel, with the shadow where there is one, and whether the shadow changes it.
     #[inline(always)]
     pub(super) fn linear(&self, x: usize, y: usize, shadow: Option<&ContactShadow>) -> (Rgb, bool) {
-        let Some(spot) = self.spots.get(y * self.size[0] + x) else {
+        let Some(spot) = self.spots.get(self.index(x, y)) else {
             return (self.background, false);
         };
         let darkness = shadow.map_or(0.0, |shadow| shadow.at(spot.place)) * spot.shadow;

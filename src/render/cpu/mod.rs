@@ -29,12 +29,14 @@ use assembly::TriangleAssembly;
 use backdrop::Backdrop;
 use image::RgbaImage;
 use lens::Lens;
+use std::ops::Range;
 use std::sync::Arc;
 use tile::TileSamples;
 use view::RasterView;
 
-/// Longest side of a picture in pixels: screen coordinates keep 8 bits of fraction in 22 bits.
-pub const MAX_SIDE: u32 = 8192;
+/// Longest side of a picture in pixels: screen coordinates keep 8 bits of fraction in 22 bits, and the guard band
+/// around the picture has its share of them.
+pub const MAX_SIDE: u32 = 15_360;
 
 /// Places of `samples` in a pixel from its top left corner, in pixels: those of graphics interfaces.
 #[cfg(feature = "gpu")]
@@ -46,7 +48,7 @@ pub(super) fn sample_places(samples: u32) -> Vec<[f32; 2]> {
 #[derive(Clone, Debug)]
 pub struct CpuRenderer {
     stage: Arc<Stage>,
-    /// The camera that the next three are made for.
+    /// The camera that the lens and the backdrop are made for.
     camera: Camera,
     lens: Lens,
     backdrop: Backdrop,
@@ -67,11 +69,23 @@ enum AnyTile {
 }
 
 impl CpuRenderer {
-    /// A renderer with its own working memory.
+    /// A renderer of whole pictures with its own working memory.
     ///
     /// Errors: a picture with no pixels or a side above [`MAX_SIDE`]; a number of samples other than 1, 2,
-    /// 4, 8 and 16.
+    /// 4, 8 and 16; more pixels than the run may draw.
     pub fn new(stage: Arc<Stage>) -> Result<Self, RenderError> {
+        allow_drawing(stage.size)?;
+        let mut renderer = Self::for_strips(stage)?;
+        // Copies of this renderer share what is prepared here.
+        let (camera, rows) = (renderer.camera, renderer.all_rows());
+        renderer.backdrop.see(&renderer.stage, &camera, rows);
+        Ok(renderer)
+    }
+
+    /// The same for pictures that are drawn in strips, with memory for one strip.
+    ///
+    /// Errors: as [`new`](Self::new), except that the picture may have any number of pixels.
+    pub fn for_strips(stage: Arc<Stage>) -> Result<Self, RenderError> {
         samples::check_samples(stage.samples)?;
         let [width, height] = stage.size;
         if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
@@ -79,7 +93,6 @@ impl CpuRenderer {
                 "a picture of {width} x {height} pixels cannot be drawn; sides are 1 to {MAX_SIDE}"
             )));
         }
-        allow_drawing(stage.size)?;
         let lens = Lens::new(&stage.camera, stage.size);
         let backdrop = Backdrop::new(&stage);
         // 16 samples fill four vectors of four lanes, 8 fill two.
@@ -101,14 +114,20 @@ impl CpuRenderer {
         })
     }
 
-    /// Makes `camera` the one of the next frame.
-    fn look_through(&mut self, camera: Camera) {
+    fn all_rows(&self) -> Range<usize> {
+        0..self.stage.size[1] as usize
+    }
+
+    /// Makes `camera` the one of the next frame, and `rows` those that are drawn.
+    fn look_through(&mut self, camera: Camera, rows: Range<usize>) {
         if camera != self.camera {
             self.camera = camera;
             self.lens = Lens::new(&camera, self.stage.size);
-            self.backdrop.see(&self.stage, &camera);
             self.around = lens_surroundings(&self.lens, &self.stage);
+        } else if rows == *self.backdrop.rows() {
+            return;
         }
+        self.backdrop.see(&self.stage, &camera, rows);
     }
 
     fn below_ground(&self, frame: &Frame) -> bool {
@@ -157,8 +176,26 @@ impl Renderer for CpuRenderer {
                 image.height()
             )));
         }
+        self.draw_strip(frame, 0, image)
+    }
+
+    fn draw_strip(
+        &mut self,
+        frame: &Frame,
+        first: u32,
+        image: &mut RgbaImage,
+    ) -> Result<(), RenderError> {
+        let [width, height] = self.stage.size;
+        if image.width() != width || first >= height || image.height() == 0 {
+            return Err(RenderError::Size(format!(
+                "a strip of {} x {} pixels from row {first} on is no part of {width} x {height}",
+                image.width(),
+                image.height()
+            )));
+        }
+        let last = height.min(first.saturating_add(image.height()));
         // Shadows first: they depend on the frame and the camera alone.
-        self.look_through(frame.camera(&self.stage));
+        self.look_through(frame.camera(&self.stage), first as usize..last as usize);
         let below_ground = self.below_ground(frame);
         let seen = self.backdrop.view.is_some();
         let caster = self.caster.as_mut().filter(|_| seen);
@@ -175,7 +212,6 @@ impl Renderer for CpuRenderer {
             shade: self.shade.as_ref(),
             around: self.around,
             below_ground,
-            size: self.stage.size,
         };
         let assembly = &mut self.assembly;
         match &mut self.tile {
@@ -200,7 +236,6 @@ struct DrawnScene<'a> {
     shade: Option<&'a MutualShade>,
     around: Surroundings,
     below_ground: bool,
-    size: [u32; 2],
 }
 
 impl DrawnScene<'_> {
@@ -210,6 +245,8 @@ impl DrawnScene<'_> {
         tile: &mut TileSamples<G>,
         image: &mut RgbaImage,
     ) {
+        let rows = self.backdrop.rows();
+        assembly.select_rows(rows);
         assembly.assemble(self.frame, self.solids, self.lens, &tile.pattern);
         let view = RasterView {
             assembly,
@@ -220,13 +257,15 @@ impl DrawnScene<'_> {
             around: self.around,
             below_ground: self.below_ground,
         };
-        let stride = self.size[0] as usize * 4;
+        let stride = image.width() as usize * 4;
         let bytes: &mut [u8] = image;
-        // Tiles one after the other, each with an apron for the lines.
+        let [first, last] = [rows.start, rows.end - 1].map(|y| y as i32);
+        // Tiles one after the other, each with an apron for the lines; those at the ends of a strip in part.
         for number in 0..view.assembly.bins.len() {
-            let inner = view.assembly.window(number);
-            let rows = &mut bytes[inner.y[0] as usize * stride..];
-            tile.draw(&view, number, inner, rows, stride);
+            let mut inner = view.assembly.window(number);
+            inner.y = [inner.y[0].max(first), inner.y[1].min(last)];
+            let own = &mut bytes[(inner.y[0] - first) as usize * stride..];
+            tile.draw(&view, number, inner, own, stride);
         }
     }
 }

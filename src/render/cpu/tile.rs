@@ -121,8 +121,8 @@ impl<const G: usize> TileSamples<G> {
         }
     }
 
-    /// Draws tile number `number` with the pixels `inner`. `bytes` are the picture's from the tile's first row on,
-    /// `stride` bytes a row.
+    /// Draws the pixels `inner` of tile number `number`, all of them or some of its rows. `bytes` are the picture's from
+    /// the first of these rows on, `stride` bytes a row.
     pub(super) fn draw(
         &mut self,
         view: &RasterView,
@@ -141,7 +141,8 @@ impl<const G: usize> TileSamples<G> {
             fill_background(&view, inner, bytes, stride);
             return;
         }
-        let window = view.assembly.with_apron(inner);
+        // That of the whole tile whatever rows are drawn: depths are rounded from its first pixel on.
+        let window = view.assembly.with_apron(view.assembly.window(number));
         let parts = (window, inner);
         // Depth and facet of every sample, then lines, then translucent layers over them.
         self.clear(&view, window);

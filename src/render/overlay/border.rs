@@ -1,7 +1,6 @@
 //! The hatched border that marks a picture without a pose.
 
 use super::paint::OverlayPainter;
-use image::RgbaImage;
 
 /// Width of the band in 480ths of the picture's shorter side, and its least width in pixels.
 const BAND_PER_480: u32 = 16;
@@ -18,23 +17,22 @@ const DARK: [u8; 3] = [0x2e, 0x2c, 0x2a];
 pub const COLOURS: [[u8; 3]; 2] = [AMBER, DARK];
 
 /// Draws the band along the four edges.
-pub fn draw_border(image: &mut RgbaImage) {
-    let (width, height) = image.dimensions();
+pub fn draw_border(painter: &mut OverlayPainter) {
+    let [width, height] = painter.size();
     let band = (width.min(height) / 480 * BAND_PER_480
         + width.min(height) % 480 * BAND_PER_480 / 480)
         .max(BAND_LEAST);
-    let mut painter = OverlayPainter::new(image);
-    for y in 0..height {
+    for y in painter.rows() {
         let in_rows = y < band || y >= height.saturating_sub(band);
         if in_rows {
             for x in 0..width {
-                paint_pixel(&mut painter, x, y, band);
+                paint_pixel(painter, x, y, band);
             }
             continue;
         }
         for x in (0..band.min(width)).chain(width.saturating_sub(band).max(band.min(width))..width)
         {
-            paint_pixel(&mut painter, x, y, band);
+            paint_pixel(painter, x, y, band);
         }
     }
 }

@@ -3,37 +3,57 @@
 use crate::render::colour::ToneCurve;
 use crate::render::text::Mask;
 use image::RgbaImage;
+use std::ops::Range;
 
-/// Writes into one picture.
+/// Writes into one picture, or into some rows of one.
 pub struct OverlayPainter<'a> {
     image: &'a mut RgbaImage,
+    /// Height of the picture, and its first row that `image` holds.
+    height: u32,
+    first: u32,
     curve: &'static ToneCurve,
 }
 
 impl<'a> OverlayPainter<'a> {
     /// A painter on `image`.
     pub fn new(image: &'a mut RgbaImage) -> Self {
+        let height = image.height();
+        Self::on_strip(image, 0, height)
+    }
+
+    /// A painter on `image`, the rows from `first` on of a picture `height` pixels high.
+    pub fn on_strip(image: &'a mut RgbaImage, first: u32, height: u32) -> Self {
         Self {
             image,
+            height,
+            first,
             curve: ToneCurve::shared(),
         }
     }
 
-    /// The part of columns `left..right` and rows `top..bottom` that lies in the picture, as `[x0, y0, x1, y1]`.
-    pub fn clip(&self, left: i32, top: i32, right: i32, bottom: i32) -> [u32; 4] {
-        let (width, height) = self.image.dimensions();
-        let within = |value: i32, limit: u32| value.max(0).unsigned_abs().min(limit);
-        [
-            within(left, width),
-            within(top, height),
-            within(right, width),
-            within(bottom, height),
-        ]
+    /// Width and height of the picture.
+    pub fn size(&self) -> [u32; 2] {
+        [self.image.width(), self.height]
     }
 
-    /// Moves the pixel at (x, y), which must lie in the picture, towards `colour` by `share` 0 to 1.
+    /// The rows of the picture that are drawn.
+    pub fn rows(&self) -> Range<u32> {
+        let last = self.first.saturating_add(self.image.height());
+        self.first..last.min(self.height).max(self.first)
+    }
+
+    /// The part of columns `left..right` and rows `top..bottom` that is drawn, as `[x0, y0, x1, y1]`.
+    pub fn clip(&self, left: i32, top: i32, right: i32, bottom: i32) -> [u32; 4] {
+        let (width, rows) = (self.image.width(), self.rows());
+        let column = |value: i32| value.max(0).unsigned_abs().min(width);
+        let row = |value: i32| value.max(0).unsigned_abs().clamp(rows.start, rows.end);
+        [column(left), row(top), column(right), row(bottom)]
+    }
+
+    /// Moves the pixel at (x, y), which must be one of those that are drawn, towards `colour` by `share` 0 to 1.
     pub fn blend(&mut self, x: u32, y: u32, colour: [u8; 3], share: f32) {
-        let Some(pixel) = self.image.get_pixel_mut_checked(x, y) else {
+        let row = y.checked_sub(self.first);
+        let Some(pixel) = row.and_then(|row| self.image.get_pixel_mut_checked(x, row)) else {
             return;
         };
         for (code, target) in pixel.0.iter_mut().zip(colour) {

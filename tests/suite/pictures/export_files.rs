@@ -18,6 +18,7 @@ fn opaque(size: [u32; 2], effort: Effort) -> PngSettings {
         size,
         effort,
         alpha: false,
+        dpi: None,
     }
 }
 

@@ -178,6 +178,7 @@ fn translucent_frames_keep_their_alpha() {
         size: [20, 14],
         effort: Effort::Balanced,
         alpha: true,
+        dpi: None,
     };
     let (bytes, _) = written(1, translucent, |output| {
         Box::new(StillSink::new(output, settings).unwrap())
@@ -221,6 +222,7 @@ fn smaller_settings_are_smaller_and_the_same_picture() {
                 size: [96, 72],
                 effort,
                 alpha: false,
+                dpi: None,
             };
             let (bytes, _) = written(1, draw, |output| {
                 Box::new(StillSink::new(output, still).unwrap())

@@ -13,6 +13,7 @@ mod plots;
 mod rendering;
 mod scene_pictures;
 mod snapshots;
+mod strips;
 mod study_pictures;
 mod videos;
 mod views;

@@ -34,7 +34,11 @@ const LAST: &str = "for last; do :; done; echo \"$@\" > arguments; to=${last#fil
 
 #[test]
 fn the_encoder_gets_raw_frames_and_its_file_goes_to_its_place() {
-    for (out, codec) in [("a.mp4", "libx264"), ("a.webm", "libvpx-vp9")] {
+    for (out, codec) in [
+        ("a.mp4", "libx264"),
+        ("a.webm", "libvpx-vp9"),
+        ("a.webp", "libwebp_anim"),
+    ] {
         let ws = with_encoder(&format!("{LAST}; cat > \"$to\""));
         let said = film(&ws, out).exits(0).stderr;
         film(&ws, "a.y4m").exits(0);
@@ -70,12 +74,14 @@ fn an_encoder_that_fails_leaves_what_was_there() {
 
 #[test]
 fn without_an_encoder_the_message_says_what_to_do() {
-    let ws = Workspace::new();
-    let mut command = ws.command(&[&FILM[..], &["--out", "a.webm"]].concat());
-    command.env("PATH", ws.path("nowhere"));
-    let run = finish(command.spawn().unwrap());
-    run.exits(2).says(&["a.webm", "ffmpeg", ".y4m"]);
-    assert!(ws.files().is_empty());
+    for out in ["a.webm", "a.webp"] {
+        let ws = Workspace::new();
+        let mut command = ws.command(&[&FILM[..], &["--out", out]].concat());
+        command.env("PATH", ws.path("nowhere"));
+        let run = finish(command.spawn().unwrap());
+        run.exits(2).says(&[out, "ffmpeg", ".y4m"]);
+        assert!(ws.files().is_empty());
+    }
 }
 
 #[test]

@@ -86,6 +86,27 @@ fn a_large_mesh_is_drawn_in_little_memory() {
     assert!(taken < most, "{taken}");
 }
 
+/// A poster is drawn in strips: it takes little more memory than one of a tenth of its pixels.
+#[test]
+fn a_poster_is_drawn_in_the_memory_of_its_strips() {
+    let w = Workspace::new();
+    let size = if is_full() { "9933x14043" } else { "3512x4967" };
+    let poster = [
+        "render",
+        "gearshift",
+        "-q",
+        "--at",
+        "1.45",
+        "--size",
+        size,
+        "--out",
+        "o.png",
+    ];
+    let taken = peak(&w, &poster);
+    println!("a picture of {size} pixels: {:.0} MB", taken / 1e6);
+    assert!(taken < 300e6, "{taken}");
+}
+
 /// Bodies of one file share its mesh: what every one adds are its triangles on the screen. With meshes of their own 20 take six
 /// times as much as one.
 #[test]
