@@ -152,18 +152,34 @@ impl<'a> Pictures<'a> {
         mut views: Vec<FrameView<'a>>,
     ) -> impl FnMut(usize, Option<u32>, &mut RgbaImage) -> Result<(), RenderError> + Send + 'a {
         let mut captions = Overlay::new(self.scene.view.background);
+        // The same picture before black, where one is needed.
+        let mut on_black = RgbaImage::new(0, 0);
+        let is_transparent = self.scene.view.transparent;
         move |sample, first, image| {
+            if is_transparent && on_black.dimensions() != image.dimensions() {
+                on_black = RgbaImage::new(image.width(), image.height());
+            }
+            let mut layers = Vec::from([&mut *image]);
+            if is_transparent {
+                layers.push(&mut on_black);
+            }
             if self.panes.is_empty() {
                 let mut views = views.iter_mut();
-                return views.try_for_each(|v| v.draw(sample, first, image));
+                views.try_for_each(|view| view.draw(sample, first, &mut layers))?;
+            } else {
+                for view in &mut views {
+                    view.draw_into(sample, first, &mut layers)?;
+                }
+                let stage = &self.staging.stage;
+                let frame = panes::frame_over(self.scene, self.staging, sample);
+                let rows = [first.unwrap_or(0), stage.size[1]];
+                for layer in &mut layers {
+                    captions.draw_strip(&frame, &stage.camera, rows, layer);
+                }
             }
-            for view in &mut views {
-                view.draw_into(sample, first, image)?;
+            if is_transparent {
+                matte::extract_alpha(image, &on_black);
             }
-            let stage = &self.staging.stage;
-            let frame = panes::frame_over(self.scene, self.staging, sample);
-            let rows = [first.unwrap_or(0), stage.size[1]];
-            captions.draw_strip(&frame, &stage.camera, rows, image);
             Ok(())
         }
     }
@@ -190,9 +206,8 @@ struct FrameView<'a> {
     staging: &'a Staging<'a>,
     layers: Vec<Box<dyn Renderer>>,
     overlay: Overlay,
-    /// The view by itself, where it is a part of a larger picture.
-    own: RgbaImage,
-    on_black: RgbaImage,
+    /// Its own pictures, layer by layer, where it is a part of larger ones.
+    own: Vec<RgbaImage>,
 }
 
 impl<'a> FrameView<'a> {
@@ -205,66 +220,61 @@ impl<'a> FrameView<'a> {
         Self {
             corner,
             staging,
-            layers,
             overlay: Overlay::new(background),
-            own: RgbaImage::new(0, 0),
-            on_black: RgbaImage::new(0, 0),
+            own: vec![RgbaImage::new(0, 0); layers.len()],
+            layers,
         }
     }
 
-    /// Draws a sample as a whole, or the rows from `first` on.
+    /// Draws a sample as a whole, or the rows from `first` on, layer by layer.
     fn draw(
         &mut self,
         sample: usize,
         first: Option<u32>,
-        image: &mut RgbaImage,
+        images: &mut [&mut RgbaImage],
     ) -> Result<(), RenderError> {
-        if self.layers.len() > 1 && self.on_black.dimensions() != image.dimensions() {
-            self.on_black = RgbaImage::new(image.width(), image.height());
-        }
         let rows = [first.unwrap_or(0), self.staging.stage.size[1]];
         let frame = self.staging.frame(sample);
         let camera = &frame.camera(&self.staging.stage);
-        for (layer, renderer) in self.layers.iter_mut().enumerate() {
-            let target = match layer {
-                0 => &mut *image,
-                _ => &mut self.on_black,
-            };
+        for (renderer, image) in self.layers.iter_mut().zip(images) {
             match first {
-                None => renderer.draw(&frame, target)?,
-                Some(first) => renderer.draw_strip(&frame, first, target)?,
+                None => renderer.draw(&frame, image)?,
+                Some(first) => renderer.draw_strip(&frame, first, image)?,
             }
-            self.overlay.draw_strip(&frame, camera, rows, target);
-        }
-        if self.layers.len() > 1 {
-            matte::extract_alpha(image, &self.on_black);
+            self.overlay.draw_strip(&frame, camera, rows, image);
         }
         Ok(())
     }
 
-    /// Draws into its part of a larger picture, of which `image` is the whole or the rows from `first` on.
+    /// Draws into its part of larger pictures, which are whole or the rows from `first` on.
     fn draw_into(
         &mut self,
         sample: usize,
         first: Option<u32>,
-        image: &mut RgbaImage,
+        images: &mut [&mut RgbaImage],
     ) -> Result<(), RenderError> {
         let [width, height] = self.staging.stage.size;
         let [left, top] = self.corner;
-        // The rows that the view and the image have in common, as rows of the whole picture.
+        let rows = images.first().map_or(0, |image| image.height());
+        // The rows that the view and the images have in common, as rows of the whole picture.
         let start = first.unwrap_or(0);
-        let end = (start + image.height()).min(top + height);
+        let end = (start + rows).min(top + height);
         let from = start.max(top);
         if from >= end {
             return Ok(());
         }
         let mut own = std::mem::take(&mut self.own);
-        if own.dimensions() != (width, end - from) {
-            own = RgbaImage::new(width, end - from);
+        for part in &mut own {
+            if part.dimensions() != (width, end - from) {
+                *part = RgbaImage::new(width, end - from);
+            }
         }
-        self.draw(sample, first.map(|_| from - top), &mut own)?;
-        let copied = image.copy_from(&own, left, from - start);
+        let mut parts: Vec<&mut RgbaImage> = own.iter_mut().collect();
+        let drawn = self.draw(sample, first.map(|_| from - top), &mut parts);
+        let mut pairs = images.iter_mut().zip(&own);
+        let copied = pairs.try_for_each(|(image, part)| image.copy_from(part, left, from - start));
         self.own = own;
+        drawn?;
         copied.map_err(|error| RenderError::Size(error.to_string()))
     }
 }

@@ -11,27 +11,18 @@ use serde_json::{Value, json};
 /// Most intervals that are listed.
 const MOST_LISTED: usize = 100;
 
-/// The part of a motion that a check may step over. A singular pose is passed in far less; where nothing is proved for longer, it
-/// is not known whether the mechanism closes there.
-const LARGEST_SHARE: f64 = 1e-3;
-
-/// What is proved of a motion between its samples.
-pub struct BetweenSamples {
-    /// Intervals that are not proved, in the order of time; `None` if the motion was not examined.
-    unproved: Option<Vec<[f64; 2]>>,
-    /// Seconds of the whole motion.
-    duration: f64,
-}
+/// The intervals of a motion that are not proved, in the order of time; `None` if the motion was not examined.
+pub struct BetweenSamples(Option<Vec<[f64; 2]>>);
 
 impl BetweenSamples {
-    /// Of the intervals that are not proved, in a motion of so many seconds.
-    pub fn new(unproved: Option<Vec<[f64; 2]>>, duration: f64) -> Self {
-        Self { unproved, duration }
+    /// Of these intervals.
+    pub fn new(unproved: Option<Vec<[f64; 2]>>) -> Self {
+        Self(unproved)
     }
 
     /// One line.
     pub fn sentence(&self, mechanism: &Mechanism, actuation: &Actuation) -> String {
-        let Some(places) = &self.unproved else {
+        let Some(places) = &self.0 else {
             return "not examined: too many samples or unknowns without --certify motion"
                 .to_owned();
         };
@@ -48,26 +39,23 @@ impl BetweenSamples {
         )
     }
 
-    /// The question whether the motion is proved between the samples. A proof was not asked for, so that the check passes
-    /// without it if nearly all is proved, or nothing could be examined.
+    /// The question whether the motion is proved between the samples, which was not asked: the check passes without it.
     pub fn case(&self, mechanism: &Mechanism, actuation: &Actuation) -> Case {
-        let status = match &self.unproved {
-            None => Status::Skipped,
-            Some(places) if places.is_empty() => Status::Passed,
-            Some(places) if together(places) <= LARGEST_SHARE * self.duration => Status::Skipped,
-            Some(_) => Status::NotProved,
+        let status = match self.is_proved() {
+            true => Status::Passed,
+            false => Status::Skipped,
         };
         let text = self.sentence(mechanism, actuation);
         Case::new(PROOF, "motion between samples", status, text)
     }
 
     fn is_proved(&self) -> bool {
-        self.unproved.as_ref().is_some_and(Vec::is_empty)
+        self.0.as_ref().is_some_and(Vec::is_empty)
     }
 
     /// For the JSON report; null if the motion was not examined.
     pub fn json(&self) -> Value {
-        let Some(places) = &self.unproved else {
+        let Some(places) = &self.0 else {
             return Value::Null;
         };
         let listed = places.iter().take(MOST_LISTED);

@@ -144,9 +144,7 @@ impl<'a> MotionCheck<'a> {
         let between =
             (trajectory.is_whole() && self.asked.poses && !self.asked.motion).then(|| {
                 let looks = self.looks_between(trajectory.samples.len());
-                let unproved = looks.then(|| unproved(covered.proved()));
-                let [first, last] = covered.proved().span();
-                BetweenSamples::new(unproved, last - first)
+                BetweenSamples::new(looks.then(|| unproved(covered.proved())))
             });
         let report = MotionReport::new(driven, trajectory, self.asked, &measured, clearances)
             .between(between);

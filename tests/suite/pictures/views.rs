@@ -80,6 +80,17 @@ fn a_picture_without_background_gives_the_same_before_white() {
     }
 }
 
+/// Title, values and names of the views are opaque where the background is not.
+#[test]
+fn captions_of_several_views_show_without_a_background() {
+    let folder = tempfile::tempdir().unwrap();
+    let four = ["--view", "four", "--transparent"];
+    let named = picture(folder.path(), &four);
+    let bare = picture(folder.path(), &[&four[..], &["--no-captions"]].concat());
+    let opaque = |image: &image::RgbaImage| image.pixels().filter(|p| p.0[3] > 200).count();
+    assert!(opaque(&named) > opaque(&bare) + 500);
+}
+
 /// A box and a ring beside it, before a camera that looks at the cut.
 const BOXES: &str = r##"
 [inputs]
