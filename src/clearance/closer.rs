@@ -25,8 +25,11 @@ const LEAST_HALVINGS: usize = 3;
 const MOST_ADDED: usize = 6_000;
 const FIRST_ADDED: usize = 2_000;
 
-/// A round must leave less than this fraction of what was not proved before, or the next one must.
+/// A round must leave less than this fraction of what was not proved before, ...
 const LEFT: f64 = 0.7;
+
+/// ... or the next one must, which is tried for at most so many places.
+const MOST_IN_VAIN: usize = 20;
 
 /// Steps that a closer look may take: so many times those of the motion, and so many for every sample.
 const TIMES_THE_STEPS: usize = 4;
@@ -118,7 +121,7 @@ pub fn solve_closely<'m>(
         }
         // Where nothing can be proved more samples do not help.
         let is_in_vain = unproved_seconds(&motion) > LEFT * before;
-        if is_in_vain && was_in_vain {
+        if is_in_vain && (was_in_vain || unproved(&motion).len() > MOST_IN_VAIN) {
             break;
         }
         was_in_vain = is_in_vain;
