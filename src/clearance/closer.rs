@@ -164,7 +164,7 @@ fn instant_without_pose(
         Some(ends.map(|instant| instant.time))
     });
     let inside = gaps.take(most).flat_map(|[from, until]| {
-        let places = (1..OF_GAP).map(|k| binary_fraction(k));
+        let places = (1..OF_GAP).map(binary_fraction);
         places.map(move |part| from + part * (until - from))
     });
     samples.chain(inside).find(|time| !motion.has_pose(*time))
