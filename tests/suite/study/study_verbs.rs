@@ -396,7 +396,7 @@ fn mistakes_of_a_study_are_said_with_their_place() {
     w.write("crank.toml", CRANK);
     w.write(
         "numbers.toml",
-        "duration = 1\n[inputs]\nphi = \"360*t\"\n[chains]\nC = \"Rz(phi) Tx(40)\"\n",
+        "duration = 1\n[inputs]\nphi = \"360*t\"\n[outputs]\nx = \"40*cos(phi)\"\n",
     );
     for (arguments, says) in [
         (
