@@ -39,7 +39,7 @@ const STEPS_OF_SAMPLE: usize = 200;
 /// those that were reached.
 const MOST_DESCENTS: usize = 200;
 
-/// Instants inside a gap that steps did not get over at which a pose is sought: in its middle, and in those of its parts.
+/// Parts of a gap that steps did not get over: a pose is sought between them.
 const OF_GAP: usize = 16;
 
 /// An interval so short is not examined, as a fraction of the motion: times are known to 1e-12 of it.
