@@ -9,8 +9,19 @@ use crate::math::sin_cos;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// Number of halvings of an interval in which a minimum other than the least one is sought.
-const HALVINGS: usize = 7;
+/// Parts into which the turn is divided first, ...
+const PARTS: usize = 8;
+
+/// ... and how often a part is halved that may hold a minimum. The first four times the halves are parts of
+/// [`angle_grid`].
+const HALVINGS: usize = 11;
+
+/// So many parts are not halved any more: they only are so many where the distance hardly changes over the turn, of rims
+/// that are nearly coaxial, and then its minima are as wide as the turn.
+const MOST_PARTS: usize = 64;
+
+/// Steps of one search for a foot; bisection, every third of them, needs 53 to exhaust f64.
+const MOST_STEPS: usize = 160;
 
 /// Directions in which two rims may be separated by less than `limit`: locally, where their circles are nearest to each
 /// other. There a point of the Minkowski difference's rounded surface is nearest to the position of the second core.
@@ -40,17 +51,24 @@ fn minima_on_circle(
     limit: f64,
     f: impl Fn(f64, (f64, f64)) -> CurveSpot,
 ) -> Vec<CurveSpot> {
-    let spot = |k: usize| f(TAU * (k as f64 / FINEST as f64), angle_grid()[k]);
-    let spots: Vec<CurveSpot> = (0..=FINEST).map(spot).collect();
-    let mut pieces: Vec<[CurveSpot; 2]> = spots.windows(2).map(|two| [two[0], two[1]]).collect();
-    let f = |angle: f64| f(angle, sin_cos(angle));
     let hides = |[a, b]: &[CurveSpot; 2]| {
         bend.lowest_between(a, b) < limit && !bend.has_no_minimum_between(a, b)
     };
+    let spot = |k: usize| f(TAU * (k as f64 / FINEST as f64), angle_grid()[k]);
+    let ends: [CurveSpot; PARTS + 1] = std::array::from_fn(|k| spot(k * (FINEST / PARTS)));
+    let mut pieces: Vec<[CurveSpot; 2]> = ends.windows(2).map(|two| [two[0], two[1]]).collect();
     pieces.retain(hides);
-    for _ in 0..HALVINGS {
+    let f = |angle: f64| f(angle, sin_cos(angle));
+    for halving in 1..=HALVINGS {
+        if pieces.len() > MOST_PARTS {
+            break;
+        }
         let halves = pieces.into_iter().flat_map(|[a, b]| {
-            let middle = f(0.5 * (a.at + b.at));
+            let at = 0.5 * (a.at + b.at);
+            let middle = match (PARTS << halving) <= FINEST {
+                true => spot((at * (FINEST as f64 / TAU)).round() as usize),
+                false => f(at),
+            };
             [[a, middle], [middle, b]]
         });
         pieces = halves.filter(hides).collect();
@@ -62,22 +80,31 @@ fn minima_on_circle(
     dips.map(|[a, b]| perpendicular_foot(a, b, &f)).collect()
 }
 
-/// Zero of the slope between a falling and a rising point. By bisection: next to a minimum of zero the values are
-/// rounding long before the slopes are.
+/// Zero of the slope between a falling and a rising point. Only slopes count: next to a minimum of zero the values are
+/// rounding long before them. False position with halved weights (Illinois), and bisection for kinks.
 fn perpendicular_foot(
     mut a: CurveSpot,
     mut b: CurveSpot,
     f: &impl Fn(f64) -> CurveSpot,
 ) -> CurveSpot {
-    loop {
-        let spot = f(0.5 * (a.at + b.at));
-        if spot.at <= a.at || spot.at >= b.at {
-            return spot;
+    let (mut weights, mut replaced, mut last) = ([1.0, 1.0], 2, a);
+    for step in 1..=MOST_STEPS {
+        let [fall, rise] = [-a.slope * weights[0], b.slope * weights[1]];
+        let share = match step % 3 {
+            0 => 0.5,
+            _ => fall / (fall + rise),
+        };
+        let spot = f(a.at + share * (b.at - a.at));
+        let is_settled = (spot.at - last.at).abs() <= f64::EPSILON * spot.at.abs();
+        last = spot;
+        if is_settled || spot.at <= a.at || spot.at >= b.at || spot.slope == 0.0 {
+            break;
         }
-        if spot.slope <= 0.0 {
-            a = spot;
-        } else {
-            b = spot;
-        }
+        // An end that stays a second time counts for half, so that the next place lies beyond the zero.
+        let (new, stays) = if spot.slope < 0.0 { (0, 1) } else { (1, 0) };
+        weights[stays] *= if replaced == new { 0.5 } else { 1.0 };
+        (weights[new], replaced) = (1.0, new);
+        *[&mut a, &mut b][new] = spot;
     }
+    last
 }
