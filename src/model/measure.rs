@@ -17,6 +17,14 @@ pub struct MeasuredTrack {
     pub to: Vec<f64>,
 }
 
+impl MeasuredTrack {
+    /// An input at pose `pose`, counted from zero.
+    pub fn input_at(&self, input: usize, pose: usize) -> f64 {
+        let (from, to) = (self.from[input], self.to[input]);
+        from + (to - from) * pose as f64 / (self.samples - 1) as f64
+    }
+}
+
 /// Everything that is measured of a motion.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measures {

@@ -1,123 +1,260 @@
-//! Rows of eight designs at once, without certificates: from the file's values to the designs, then along the drive, in
-//! steps that are trusted under the usual conditions. A design that violates them is solved in the ordinary way.
+//! Rows of eight designs at once, without certificates: from the file's values to the designs, then along the drive and
+//! the tracks, in steps that are trusted under the usual conditions. Designs that violate them take shorter steps, and are
+//! solved in the ordinary way if these do not help.
 
 use super::row::{Row, RowStatus};
 use super::swept_scene::{RequestedValues, Sweep};
+use crate::analysis::study::LaneMeasures;
 use crate::kinematics::abreast::following::LaneFollower;
 use crate::kinematics::loops::observed::observed_slots;
 use crate::kinematics::results::columns::ValueColumn;
+use crate::model::measure::MeasuredTrack;
 use crate::model::mechanism::OutputSource;
 use crate::numbers::octet::{LANES, LaneMask, Octet};
 
 /// Designs of a group.
 pub(super) const GROUP: u64 = LANES as u64;
 
-/// Steps from the file's values to those of a design. Few ranges are too wide for this number of trusted steps.
+/// Steps from the file's values to those of a design, and from the start of the drive to that of a track.
 const STEPS: usize = 16;
+
+/// Parts of every step: of the first attempt, and of those for designs in which steps were not trusted. More than the last
+/// cost as much as an ordinary row.
+const PARTS: [usize; 3] = [1, 4, 16];
+
+/// Inputs of the scene, and the share of the way from the file's parameters to those of the designs.
+struct Target {
+    own: Vec<f64>,
+    share: f64,
+}
+
+/// Poses of eight designs along a way, one after the other.
+type LanePoses = Vec<Vec<Octet>>;
+
+/// What is asked of the poses of a row.
+enum Asked<'s> {
+    /// Slots of a pose, and their units.
+    Columns(Vec<(usize, f64)>),
+    Measures(LaneMeasures<'s>),
+}
+
+/// A way from the pose at the start of the drive.
+struct Way {
+    targets: Vec<Target>,
+    /// The targets before this one lead to the poses that are asked for.
+    first: usize,
+}
 
 /// Makes rows of eight designs; one for each thread.
 pub(super) struct RowGroup<'s> {
     sweep: &'s Sweep,
     follower: LaneFollower<'s>,
-    /// The scene's own inputs at the start of the drive, then at every instant.
-    drive: Vec<Vec<f64>>,
-    /// Columns of the values among the slots of a pose, and their units.
-    columns: Vec<(usize, f64)>,
+    /// From the file's values to those of the designs.
+    approach: Vec<Target>,
+    /// Along every track, and last along the drive.
+    ways: Vec<Way>,
+    asked: Asked<'s>,
 }
 
 impl<'s> RowGroup<'s> {
-    /// `None` if rows are to be proved, or contain more than named values of the motion.
+    /// `None` if rows are to be proved, or contain what is not computed side by side.
     pub fn new(sweep: &'s Sweep) -> Option<Self> {
         let (family, mechanism) = (sweep.family(), sweep.family().mechanism());
-        let is_asked = matches!(
-            sweep.asked,
-            RequestedValues::Outputs {
-                is_proved: false,
-                ..
-            }
-        );
         let mut outputs = mechanism.outputs.iter();
         let are_formulas = outputs.all(|o| matches!(o.source, OutputSource::Formula(_)));
-        if !is_asked || !are_formulas || sweep.reads_anew() {
+        if sweep.asked.is_proved() || !are_formulas || sweep.reads_anew() {
             return None;
         }
+        let place = |c: &ValueColumn| (c.slot(mechanism), mechanism.file_units(c.kind(mechanism)));
+        let asked = match &sweep.asked {
+            RequestedValues::Outputs { .. } => {
+                Asked::Columns(sweep.shown.iter().map(place).collect())
+            }
+            RequestedValues::Measures { .. } => Asked::Measures(LaneMeasures::new(family)?),
+            RequestedValues::Check => return None,
+        };
         let own = family.own_inputs();
-        let instants = std::iter::once(0.0).chain(sweep.instants(&family.actuation));
-        let at = |time| {
-            let mut inputs = family.actuation.inputs_at(time);
+        let cut = |mut inputs: Vec<f64>| {
             inputs.truncate(own);
             inputs
         };
-        let columns = sweep.shown.iter();
-        let place = |c: &ValueColumn| (c.slot(mechanism), mechanism.file_units(c.kind(mechanism)));
+        let start = cut(family.actuation.inputs_at(0.0));
+        let along = |track: &'s MeasuredTrack| {
+            let pose = move |k| (0..own).map(|input| track.input_at(input, k)).collect();
+            (0..track.samples).map(pose)
+        };
+        let tracks = family.measures.tracks.iter();
+        let tracks: Vec<Way> = match &asked {
+            Asked::Columns(_) => Vec::new(),
+            Asked::Measures(_) => tracks.map(|t| Way::new(&start, along(t))).collect(),
+        };
+        let instants = sweep.instants(&family.actuation, &family.measures);
+        let drive = instants.into_iter();
+        let drive = drive.map(|time| cut(family.actuation.inputs_at(time)));
+        let drive = Way::new(&start, drive);
         Some(Self {
             follower: LaneFollower::new(family.system())?,
-            drive: instants.map(at).collect(),
-            columns: columns.map(place).collect(),
+            approach: parts_of(STEPS).map(|share| Target::new(&start, share)).collect(),
+            ways: tracks.into_iter().chain([drive]).collect(),
+            asked,
             sweep,
         })
     }
 
     /// The rows of at most eight designs with these parameters; `None` for those left to the ordinary method.
     pub fn rows(&mut self, designs: &[Vec<f64>]) -> Vec<Option<Row>> {
-        let origin = &self.sweep.origin;
-        let mut pose: Vec<Octet> = origin.coordinates().map(Octet::splat).collect();
+        let origin: Vec<Octet> = self.sweep.origin.coordinates().map(Octet::splat).collect();
         let mut lanes = LaneMask::first(designs.len());
-        lanes = self.follower.begin(&pose, lanes);
-        let known = &origin.inputs[self.sweep.family().own_inputs()..];
-        for step in 1..=STEPS {
-            let inputs = self.inputs(0, designs, known, step as f64 / STEPS as f64);
-            lanes = self.follower.step(&mut pose, &inputs, lanes);
+        let approach = std::mem::take(&mut self.approach);
+        let mut reached = LanePoses::default();
+        lanes = self.follow(&origin, &approach, designs, lanes, &mut reached);
+        self.approach = approach;
+        let Some(start) = reached.pop() else {
+            return vec![None; designs.len()];
+        };
+        // The poses of every way, as slots of formulas, and how well they close.
+        let ways = std::mem::take(&mut self.ways);
+        let (mut slots, mut closure) = (Vec::new(), Octet::ZERO);
+        for way in &ways {
+            lanes = self.follow(&start, &way.targets, designs, lanes, &mut reached);
+            let asked = reached.get(way.first..).unwrap_or_default().iter();
+            let observed = |pose: &Vec<Octet>| {
+                closure = closure.larger_magnitude(self.follower.closure_error(pose));
+                observed_slots(self.sweep.family().mechanism(), pose)
+            };
+            slots.push(asked.map(observed).collect::<Vec<_>>());
         }
-        let (instants, mechanism) = (self.drive.len() - 1, self.sweep.family().mechanism());
-        let mut values = vec![Octet::ZERO; self.columns.len() * instants];
-        let mut closure = Octet::ZERO;
-        for instant in 0..instants {
-            if !lanes.any() {
-                break;
-            }
-            let inputs = self.inputs(instant + 1, designs, known, 1.0);
-            lanes = self.follower.step(&mut pose, &inputs, lanes);
-            closure = closure.larger_magnitude(self.follower.closure_error(&pose));
-            let slots = observed_slots(mechanism, &pose);
-            for (k, (slot, unit)) in self.columns.iter().enumerate() {
-                values[k * instants + instant] = slots[*slot] * *unit;
-            }
-        }
-        let row = |lane: usize| {
-            let values: Vec<f64> = values.iter().map(|v| v.lane(lane)).collect();
+        self.ways = ways;
+        let values = self.values(&slots, designs);
+        let poses: usize = slots.iter().map(Vec::len).sum();
+        let row = |(lane, values): (usize, Vec<f64>)| {
             let is_whole = closure.lane(lane).is_finite() && values.iter().all(|v| v.is_finite());
-            (lanes.has(lane) && is_whole).then_some(Row {
+            (lanes.has(lane) && is_whole).then(|| Row {
                 status: RowStatus::Ok,
-                is_feasible: true,
-                values,
+                is_feasible: self.sweep.keeps_limits(&values),
+                values: self.sweep.in_file_units(values),
                 closure_error: closure.lane(lane),
                 error_bound: f64::NAN,
-                unproved: instants as f64,
+                unproved: poses as f64,
             })
         };
-        (0..designs.len()).map(row).collect()
+        values.into_iter().enumerate().map(row).collect()
     }
 
-    /// Inputs at an instant, with the parameters at the fraction `share` between the file's and the designs' values.
-    fn inputs(
-        &self,
-        instant: usize,
+    /// What is asked of each design.
+    fn values(&self, slots: &[LanePoses], designs: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let columns = match &self.asked {
+            Asked::Measures(measures) => {
+                let slots: Vec<&[Vec<Octet>]> = slots.iter().map(Vec::as_slice).collect();
+                return measures.of(&slots, designs);
+            }
+            Asked::Columns(columns) => columns,
+        };
+        let of_lane = |lane: usize| {
+            let cells = columns.iter().flat_map(|(slot, unit)| {
+                let poses = slots.iter().flatten();
+                poses.map(move |slots| (slots[*slot] * *unit).lane(lane))
+            });
+            cells.collect()
+        };
+        (0..designs.len()).map(of_lane).collect()
+    }
+
+    /// Follows the designs from closed poses to all targets; fills `reached` with the poses there and returns the lanes
+    /// whose steps were trusted.
+    fn follow(
+        &mut self,
+        from: &[Octet],
+        targets: &[Target],
         designs: &[Vec<f64>],
-        known: &[f64],
-        share: f64,
-    ) -> Vec<Octet> {
+        lanes: LaneMask,
+        reached: &mut LanePoses,
+    ) -> LaneMask {
+        reached.clear();
+        reached.resize(targets.len(), from.to_vec());
+        let mut left = lanes;
+        for parts in PARTS {
+            if !left.any() {
+                break;
+            }
+            let mut pose = from.to_vec();
+            let mut trusted = self.follower.begin(&pose, left);
+            for (target, reached) in targets.iter().zip(reached.iter_mut()) {
+                let before: Vec<Octet> = pose[pose.len() - self.inputs_count()..].to_vec();
+                let inputs = self.inputs(target, designs);
+                for share in parts_of(parts) {
+                    let between = before.iter().zip(&inputs);
+                    let inputs: Vec<Octet> = between
+                        .map(|(from, to)| match share == 1.0 {
+                            true => *to,
+                            false => *from + (*to - *from) * share,
+                        })
+                        .collect();
+                    trusted = self.follower.step(&mut pose, &inputs, trusted);
+                }
+                if !trusted.any() {
+                    break;
+                }
+                let new = reached.iter_mut().zip(&pose);
+                new.for_each(|(old, new)| *old = left.choose(*new, *old));
+            }
+            left = left.without(trusted);
+        }
+        lanes.without(left)
+    }
+
+    fn inputs_count(&self) -> usize {
+        self.sweep.family().mechanism().inputs.len()
+    }
+
+    /// The inputs of a target, one design a lane.
+    fn inputs(&self, target: &Target, designs: &[Vec<f64>]) -> Vec<Octet> {
+        let known = &self.sweep.origin.inputs[self.sweep.family().own_inputs()..];
         let parameter = |k: usize| {
             let of_lane = |lane: usize| {
                 let wanted = designs.get(lane).map_or(known[k], |design| design[k]);
-                match share == 1.0 {
+                match target.share == 1.0 {
                     true => wanted,
-                    false => known[k] + (wanted - known[k]) * share,
+                    false => known[k] + (wanted - known[k]) * target.share,
                 }
             };
             Octet::new(std::array::from_fn(of_lane))
         };
-        let own = self.drive[instant].iter().map(|v| Octet::splat(*v));
+        let own = target.own.iter().map(|v| Octet::splat(*v));
         own.chain((0..known.len()).map(parameter)).collect()
     }
+}
+
+impl Target {
+    fn new(own: &[f64], share: f64) -> Self {
+        let own = own.to_vec();
+        Self { own, share }
+    }
+}
+
+impl Way {
+    /// Through the `poses`, given by the scene's own inputs. If the first one is not the start, steps lead there.
+    fn new(start: &[f64], poses: impl Iterator<Item = Vec<f64>>) -> Self {
+        let poses: Vec<Vec<f64>> = poses.collect();
+        let lead = poses.first().filter(|first| *first != start);
+        let between = |share: f64| {
+            let pairs = start.iter().zip(lead.into_iter().flatten());
+            pairs.map(|(a, b)| a + (b - a) * share).collect::<Vec<f64>>()
+        };
+        let shares = parts_of(STEPS).filter(|share| lead.is_some() && *share < 1.0);
+        let leading: Vec<Target> = shares
+            .map(|share| Target::new(&between(share), 1.0))
+            .collect();
+        let first = leading.len();
+        let poses = poses.iter().map(|pose| Target::new(pose, 1.0));
+        Self {
+            targets: leading.into_iter().chain(poses).collect(),
+            first,
+        }
+    }
+}
+
+/// The ends of so many equal parts of a way.
+fn parts_of(count: usize) -> impl Iterator<Item = f64> {
+    (1..=count).map(move |k| k as f64 / count as f64)
 }

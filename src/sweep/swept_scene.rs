@@ -24,6 +24,8 @@ pub enum RequestedValues {
     Measures {
         /// Poses along the drive, if a measure needs them.
         samples: usize,
+        /// Whether every pose has a certificate.
+        is_proved: bool,
     },
     /// Named values at instants of the drive.
     Outputs {
@@ -45,6 +47,16 @@ pub enum Instants {
     Even(usize),
     /// These, in seconds, ascending.
     At(Vec<f64>),
+}
+
+impl RequestedValues {
+    /// Whether every pose is to have a certificate.
+    pub fn is_proved(&self) -> bool {
+        match self {
+            Self::Measures { is_proved, .. } | Self::Outputs { is_proved, .. } => *is_proved,
+            Self::Check => true,
+        }
+    }
 }
 
 impl Instants {
@@ -146,7 +158,7 @@ impl Sweep {
     /// Values requested besides a check, of a mechanism that is driven along `posed`.
     pub(super) fn answer(&self, posed: &Posed, start: RowStatus) -> Row {
         let mut proved = Proved::default();
-        let times = self.times(posed);
+        let times = self.instants(posed.actuation, posed.measures);
         let motion = solve_motion(posed.system, posed.actuation, &times);
         proved.add(motion.poses());
         let mut status = motion_status(&motion, start);
@@ -182,25 +194,16 @@ impl Sweep {
         }
     }
 
-    fn times(&self, posed: &Posed) -> Vec<f64> {
-        let even = |count| even_times(posed.system.mechanism(), posed.actuation, count);
+    /// The instants of values along a drive.
+    pub(super) fn instants(&self, actuation: &Actuation, measures: &Measures) -> Vec<f64> {
+        let mechanism = self.family.mechanism();
         match &self.asked {
-            RequestedValues::Outputs { at, .. } => {
-                at.times(posed.system.mechanism(), posed.actuation)
-            }
-            RequestedValues::Measures { samples } if looks_along_drive(posed.measures) => {
-                even(*samples)
+            RequestedValues::Outputs { at, .. } => at.times(mechanism, actuation),
+            RequestedValues::Measures { samples, .. } if looks_along_drive(measures) => {
+                even_times(mechanism, actuation, *samples)
             }
             // Only the start of the drive is needed.
             _ => vec![0.0],
-        }
-    }
-
-    /// The instants of values along a drive.
-    pub(super) fn instants(&self, actuation: &Actuation) -> Vec<f64> {
-        match &self.asked {
-            RequestedValues::Outputs { at, .. } => at.times(self.family.mechanism(), actuation),
-            _ => Vec::new(),
         }
     }
 
@@ -218,7 +221,7 @@ impl Sweep {
     }
 
     /// Whether measures meet their own limits and those of the study.
-    fn keeps_limits(&self, values: &[f64]) -> bool {
+    pub(super) fn keeps_limits(&self, values: &[f64]) -> bool {
         match self.asked {
             RequestedValues::Measures { .. } => {
                 let mut pairs = self.family.measures.list.iter().zip(values);
@@ -229,7 +232,7 @@ impl Sweep {
     }
 
     /// Measures are computed in radians; outputs are already in the file's units.
-    fn in_file_units(&self, mut values: Vec<f64>) -> Vec<f64> {
+    pub(super) fn in_file_units(&self, mut values: Vec<f64>) -> Vec<f64> {
         if let RequestedValues::Measures { .. } = self.asked {
             let measures = self.family.measures.list.iter();
             for (value, measure) in values.iter_mut().zip(measures) {

@@ -146,11 +146,14 @@ pub fn minimise_largest(
                 continue;
             };
             // BFGS on the Lagrangian, with the multipliers of this step.
-            let moved: Vec<f64> = (0..x.len()).map(|k| (next[k] - x[k]) / scales[k]).collect();
+            // What bends the peak by itself is known; only the rest is learnt.
+            let moved = (0..x.len()).map(|k| (next[k] - x[k]) / scales[k]);
+            let moved = DVector::from_iterator(x.len(), moved);
             let gradient =
                 |peak_gradients: &PeakGradients| step.lagrangian_gradient(peak_gradients, scales);
             let change = gradient(&new_gradients) - gradient(&peak_gradients);
-            curvature.damped_update(&DVector::from_vec(moved), change);
+            let known = peak_gradients.scaled_bend(scales) * &moved;
+            curvature.damped_update(&moved, change - known);
             (peak_values, peak_gradients) = (new_values, new_gradients);
             x = next;
             accepted += 1;

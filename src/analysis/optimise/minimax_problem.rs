@@ -1,5 +1,7 @@
 //! The problem of a minimax search: many functions at once, their derivatives, and the merit of their values.
 
+use nalgebra::DMatrix;
+
 /// Values at a point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PeakValues {
@@ -16,6 +18,19 @@ pub struct PeakGradients {
     pub peaks: Vec<Vec<f64>>,
     /// Of the limits.
     pub limits: Vec<Vec<f64>>,
+    /// Second derivatives of a single peak, as far as they are known; symmetric and positive semidefinite.
+    pub bend: Option<Vec<Vec<f64>>>,
+}
+
+impl PeakGradients {
+    /// The known second derivatives in scaled variables.
+    pub(super) fn scaled_bend(&self, scales: &[f64]) -> DMatrix<f64> {
+        let n = scales.len();
+        match &self.bend {
+            Some(bend) => DMatrix::from_fn(n, n, |i, j| bend[i][j] * scales[i] * scales[j]),
+            None => DMatrix::zeros(n, n),
+        }
+    }
 }
 
 /// Many functions at once.

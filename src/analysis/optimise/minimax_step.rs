@@ -178,7 +178,8 @@ impl MinimaxPoint<'_> {
         }
         // The objective: curvature of the Lagrangian, a little stiffness, and the two tops.
         let mut bend = DMatrix::zeros(n + 2, n + 2);
-        let known = &self.curvature.matrix * (radius * radius / self.unit);
+        let known = (&self.curvature.matrix + self.gradients.scaled_bend(self.scales))
+            * (radius * radius / self.unit);
         bend.view_mut((0, 0), (n, n)).copy_from(&known);
         for k in 0..n + 2 {
             bend[(k, k)] += STIFFNESS;

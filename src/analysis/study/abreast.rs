@@ -2,15 +2,13 @@
 //! [`TrackPoses`](super::track_poses::TrackPoses). Designs that fail any test are left to the [`Evaluator`], one by
 //! one.
 
+use super::lane_measures::LaneMeasures;
 use super::measure::MeasureValues;
 use super::track_poses::{Evaluator, Rejection, TrackPoses};
 use crate::kinematics::abreast::anchor::AnchorPose;
 use crate::kinematics::abreast::closing::LaneSolver;
 use crate::kinematics::loops::observed::observed_slots;
-use crate::kinematics::measures::reduce::reduce_values;
 use crate::kinematics::solve::pose_solver::largest_correction;
-use crate::model::measure::{Measure, MeasureSource};
-use crate::model::mechanism::OutputSource;
 use crate::numbers::octet::{LANES, LaneMask, Octet};
 
 /// Known poses from which designs are posed side by side; created once, shared by all threads.
@@ -19,26 +17,22 @@ pub struct PoseAnchors<'t> {
     track_poses: &'t TrackPoses,
     /// `None` if some pose cannot be used: every design is then posed individually.
     anchors: Option<Vec<AnchorPose>>,
-    /// Whether measures are formulas of coordinates, traces and outputs, none a derivative or a distance of bodies.
-    are_formulas: bool,
+    /// `None` if measures are computed individually.
+    measures: Option<LaneMeasures<'t>>,
 }
 
 impl<'t> PoseAnchors<'t> {
     /// The poses and their sensitivities.
-    pub fn new(evaluator: &Evaluator, track_poses: &'t TrackPoses) -> Self {
+    pub fn new(evaluator: &Evaluator<'t>, track_poses: &'t TrackPoses) -> Self {
         let system = evaluator.family().system();
         let is_settled = track_poses.sensitivities().is_some();
         let anchors = track_poses
             .poses
             .iter()
             .map(|pose| AnchorPose::new(system, pose));
-        let outputs = &system.mechanism().outputs;
         Self {
             anchors: anchors.collect::<Option<_>>().filter(|_| is_settled),
-            are_formulas: !evaluator.derives_by_inputs()
-                && outputs
-                    .iter()
-                    .all(|o| matches!(o.source, OutputSource::Formula(_))),
+            measures: LaneMeasures::new(evaluator.family()),
             track_poses,
         }
     }
@@ -51,7 +45,6 @@ pub struct LaneEvaluator<'f> {
     anchors: &'f PoseAnchors<'f>,
     /// Coordinates of the designs, pose after pose.
     poses: Vec<Vec<Octet>>,
-    scratch: Vec<Octet>,
     /// Designs that were posed individually.
     pub alone: usize,
 }
@@ -62,7 +55,6 @@ impl<'f> LaneEvaluator<'f> {
         Self {
             solver: LaneSolver::new(plain.family().system()),
             poses: vec![Vec::new(); anchors.track_poses.poses.len()],
-            scratch: Vec::new(),
             alone: 0,
             plain,
             anchors,
@@ -136,14 +128,15 @@ impl<'f> LaneEvaluator<'f> {
 
     /// The measures of `lanes`; none if one has no value or must be computed individually.
     fn measured(&mut self, lanes: LaneMask, designs: &[Vec<f64>]) -> Vec<Option<Vec<f64>>> {
-        if !self.anchors.are_formulas || !lanes.any() {
+        let measures = self.anchors.measures.filter(|_| lanes.any());
+        let Some(measures) = measures else {
             let one = |lane: usize| {
                 lanes
                     .has(lane)
                     .then(|| self.measured_plainly(lane, designs))
             };
             return (0..designs.len()).map(one).map(Option::flatten).collect();
-        }
+        };
         let mechanism = self.plain.family().mechanism();
         // Outputs and traces of all lanes at once.
         let slots: Vec<Vec<Octet>> = self
@@ -151,49 +144,13 @@ impl<'f> LaneEvaluator<'f> {
             .iter()
             .map(|pose| observed_slots(mechanism, pose))
             .collect();
-        let rows: Vec<Vec<Vec<Octet>>> = (self.plain.family().measures.list.iter())
-            .map(|measure| self.rows_of(measure, &slots))
-            .collect();
-        let one = |lane: usize| {
-            let measures = self.reduced(&rows, lane, &designs[lane]);
-            let all = measures.iter().all(|v| v.is_finite());
-            (lanes.has(lane) && all).then_some(measures)
-        };
-        (0..designs.len()).map(one).collect()
-    }
-
-    /// The values of a measure's formulas at its poses; none for a formula of other measures.
-    fn rows_of(&mut self, measure: &Measure, slots: &[Vec<Octet>]) -> Vec<Vec<Octet>> {
-        let MeasureSource::Over { track, of, .. } = &measure.source else {
-            return Vec::new();
-        };
-        let poses = &slots[self.plain.family().poses_of(*track)];
-        let scratch = &mut self.scratch;
-        of.iter()
-            .map(|formula| {
-                let values = poses.iter().map(|slots| formula.value_with(slots, scratch));
-                values.collect()
-            })
+        let tracks = self.plain.family().ranges();
+        let slots: Vec<&[Vec<Octet>]> = tracks.map(|poses| &slots[poses]).collect();
+        let found = measures.of(&slots, designs).into_iter().enumerate();
+        let is_whole = |all: &[f64]| all.iter().all(|v| v.is_finite());
+        found
+            .map(|(lane, all)| (lanes.has(lane) && is_whole(&all)).then_some(all))
             .collect()
-    }
-
-    /// The measures of one lane.
-    fn reduced(&self, rows: &[Vec<Vec<Octet>>], lane: usize, values: &[f64]) -> Vec<f64> {
-        let family = self.plain.family();
-        let (mut numbers, mut scratch) = (family.actuation.inputs_at(0.0), Vec::new());
-        let own = family.own_inputs();
-        numbers[own..].copy_from_slice(values);
-        for (measure, rows) in family.measures.list.iter().zip(rows) {
-            numbers.push(match &measure.source {
-                MeasureSource::Formula(formula) => formula.value_with(&numbers, &mut scratch),
-                MeasureSource::Over { taking, power, .. } => {
-                    let row = |row: &Vec<Octet>| row.iter().map(|v| v.lane(lane)).collect();
-                    let rows: Vec<Vec<f64>> = rows.iter().map(row).collect();
-                    reduce_values(*taking, *power, &rows).map_or(f64::NAN, |r| r.value)
-                }
-            });
-        }
-        numbers.split_off(family.mechanism().inputs.len())
     }
 
     /// The measures of a lane's poses, by the code for single designs.

@@ -388,6 +388,16 @@ impl ParametricMechanism {
         start..start + self.counts[row]
     }
 
+    /// The poses of every track, and last of the drive if a measure refers to it.
+    pub(super) fn ranges(&self) -> impl Iterator<Item = std::ops::Range<usize>> {
+        let mut end = 0;
+        self.counts.iter().map(move |count| {
+            let start = end;
+            end += count;
+            start..end
+        })
+    }
+
     /// Name of the track of pose `index` of all, and its number there from 1.
     pub(super) fn place_of(&self, index: usize) -> (String, usize) {
         let mut rest = index;

@@ -202,6 +202,7 @@ impl<'f, 'w> Peaks<'f, 'w> {
         let Listed {
             values,
             slopes: rows,
+            bend,
         } = match self.objective {
             PeakObjective::Largest => lists.next().unwrap_or_default(),
             PeakObjective::Reduced(reduction) => reduction.of(lists.next().unwrap_or_default()),
@@ -216,6 +217,7 @@ impl<'f, 'w> Peaks<'f, 'w> {
         let mut peak_gradients = PeakGradients {
             peaks: rows,
             limits: Vec::new(),
+            bend,
         };
         // Regularity is also a constraint: no pose may come near a singular one.
         let near = if with_slopes { SLOPES_BELOW } else { 0.0 };
@@ -280,11 +282,13 @@ impl<'f, 'w> Peaks<'f, 'w> {
             return Ok(Listed {
                 values: found.measures,
                 slopes: found.rows,
+                bend: None,
             });
         }
         Ok(Listed {
             values: self.evaluator.measure(track_poses)?.measures,
             slopes: Vec::new(),
+            bend: None,
         })
     }
 }

@@ -2,7 +2,7 @@
 //! and how the values are reduced to a number.
 
 use super::family::ParametricMechanism;
-use crate::kinematics::measures::reduce::reduce_values;
+use crate::kinematics::measures::reduce::{norm_bends, reduce_values};
 use crate::model::expression::Expression;
 use crate::model::measure::{Measure, MeasureSource, Taking};
 use std::ops::Range;
@@ -27,6 +27,8 @@ pub(super) struct StudyRows<'a> {
 pub(super) struct Listed {
     pub values: Vec<f64>,
     pub slopes: Vec<Vec<f64>>,
+    /// Of one number made of many: its second derivatives as far as they follow from the slopes of the many.
+    pub bend: Option<Vec<Vec<f64>>>,
 }
 
 impl Listed {
@@ -39,6 +41,7 @@ impl Listed {
         Self {
             values: vec![self.values[index]],
             slopes,
+            bend: None,
         }
     }
 }
@@ -135,7 +138,7 @@ pub(super) struct Reduction {
 impl Reduction {
     /// The one number, and its slope if those of the values are known.
     pub fn of(self, listed: Listed) -> Listed {
-        let Listed { values, slopes } = listed;
+        let Listed { values, slopes, .. } = listed;
         let rows = [values];
         let Some(reduced) = reduce_values(self.taking, self.power, &rows) else {
             return Listed::default();
@@ -149,7 +152,12 @@ impl Reduction {
             let entries = whole.iter_mut().zip(slope);
             entries.for_each(|(entry, d)| *entry += weight * d);
         }
+        let own = match self.taking {
+            Taking::Norm => norm_bends(&rows[0], self.power, reduced.value),
+            _ => None,
+        };
         Listed {
+            bend: own.map(|own| self.gauss_newton(&own, &slopes, &whole, reduced.value)),
             values: vec![reduced.value],
             slopes: if slopes.is_empty() {
                 Vec::new()
@@ -157,6 +165,27 @@ impl Reduction {
                 vec![whole]
             },
         }
+    }
+}
+
+impl Reduction {
+    /// Second derivatives of a norm whose values are linear, with these `slopes` (Gauss-Newton).
+    fn gauss_newton(
+        self,
+        own: &[f64],
+        slopes: &[Vec<f64>],
+        whole: &[f64],
+        norm: f64,
+    ) -> Vec<Vec<f64>> {
+        let n = whole.len();
+        let entry = |i: usize, j: usize| {
+            let pairs = own.iter().zip(slopes);
+            let sum: f64 = pairs.map(|(own, slope)| own * slope[i] * slope[j]).sum();
+            sum - (self.power - 1.0) / norm * whole[i] * whole[j]
+        };
+        (0..n)
+            .map(|i| (0..n).map(|j| entry(i, j)).collect())
+            .collect()
     }
 }
 

@@ -126,6 +126,7 @@ fn asked_of(asked: &SweepRequestArgs) -> RequestedValues {
     if asked.outputs.is_empty() {
         return RequestedValues::Measures {
             samples: asked.samples.unwrap_or(DRIVE_SAMPLES),
+            is_proved: !asked.unproved,
         };
     }
     let at = match asked.at.is_empty() {
@@ -144,7 +145,7 @@ fn refuse_instants(asked: &RequestedValues, scene: &Scene) -> Result<(), Failure
     let last = scene.actuation.duration;
     let count = match asked {
         RequestedValues::Check => 1,
-        RequestedValues::Measures { samples } => *samples,
+        RequestedValues::Measures { samples, .. } => *samples,
         RequestedValues::Outputs { at, .. } => match at {
             Instants::Even(count) => *count,
             Instants::At(times) => {
@@ -170,18 +171,15 @@ fn arguments_of(asked: &SweepRequestArgs) -> Vec<String> {
     };
     list.push(format!("--design={design}"));
     list.push(format!("--seed={}", asked.seed));
-    match asked_of(asked) {
+    let asked = asked_of(asked);
+    if !asked.is_proved() {
+        list.push("--unproved".to_owned());
+    }
+    match asked {
         RequestedValues::Check => list.push("--check".to_owned()),
-        RequestedValues::Measures { samples } => list.push(format!("--samples={samples}")),
-        RequestedValues::Outputs {
-            names,
-            at,
-            is_proved,
-        } => {
+        RequestedValues::Measures { samples, .. } => list.push(format!("--samples={samples}")),
+        RequestedValues::Outputs { names, at, .. } => {
             list.push(format!("--outputs={}", names.join(",")));
-            if !is_proved {
-                list.push("--unproved".to_owned());
-            }
             list.push(match at {
                 Instants::Even(count) => format!("--samples={count}"),
                 Instants::At(times) => {

@@ -3,7 +3,7 @@
 use super::frames::{left_jacobian_inverse, shift_frame, turn_frame, turn_of};
 use crate::kinematics::loops::residual::residual_of;
 use crate::kinematics::structure::block::Block;
-use crate::kinematics::structure::layout::{BlockPlan, LayoutEntry, PlannedLoop};
+use crate::kinematics::structure::layout::{BlockPlan, LayoutEntry, PlannedLoop, RateShare};
 use crate::linalg::lanes::lane_groups;
 use crate::model::chain::{Argument, ArgumentValue, ElementaryMotion};
 use crate::model::expression::Expression;
@@ -39,6 +39,8 @@ pub(super) struct BlockValues {
     /// By coordinates of other blocks, in the order of the layout, with its padding; only on request.
     outer: Vec<Octet>,
     arguments: Vec<ArgumentValue<Octet>>,
+    /// Of arguments and equations that are formulas: the rates by the coordinates of their shares.
+    rates: Vec<Octet>,
     lines: Vec<JointAxis>,
     columns: Vec<[Octet; 6]>,
     /// Forms that an equation multiplies.
@@ -94,7 +96,7 @@ impl BlockValues {
             let end = self.walk(plan, item);
             let turn = turn_of(&end.axes);
             self.note_residual(item, &turn, &end.origin);
-            self.add_columns(lanes, item, &turn, &end.origin, coordinates);
+            self.add_columns(lanes, item, &turn, &end.origin);
         }
         for equation in 0..plan.equations.len() {
             self.evaluate_equation(lanes, equation, coordinates);
@@ -119,6 +121,7 @@ impl BlockValues {
         let plan = &lanes.block.plan;
         let still = ArgumentValue::default();
         self.arguments.resize(plan.arguments.len(), still);
+        self.rates.resize(plan.shares.len(), Octet::ZERO);
         for (k, argument) in plan.arguments.iter().enumerate() {
             // Arguments that do not depend on the block's unknowns are evaluated once per pose.
             if again && !argument.moves {
@@ -126,9 +129,9 @@ impl BlockValues {
             }
             let value = match &lanes.mechanism.arguments[argument.index] {
                 Argument::Formula(formula) => {
-                    by_lanes(&mut self.plain, coordinates, |plain, slots| {
-                        formula.value_with(slots, &mut plain.values)
-                    })
+                    let shares = argument.shares.clone();
+                    let rates = &mut self.rates[shares.clone()];
+                    value_and_rates(&mut self.plain, formula, &plan.shares[shares], coordinates, rates)
                 }
                 Argument::Affine(_) => {
                     let mut sum = Octet::splat(argument.constant);
@@ -211,7 +214,6 @@ impl BlockValues {
         item: &PlannedLoop,
         turn: &Triple<Octet>,
         shift: &Triple<Octet>,
-        coordinates: &[Octet],
     ) {
         let log_from_spin = left_jacobian_inverse(turn);
         let per_size = 1.0 / item.size;
@@ -240,32 +242,23 @@ impl BlockValues {
             add_entries(&mut self.outer, &item.outside, columns, components);
         }
         for joint in &item.formulas {
-            self.add_formula(lanes, item, *joint, coordinates);
+            self.add_formula(lanes, item, *joint);
         }
     }
 
     /// Adds the column of a joint whose argument is a formula, times the formula's rates.
-    fn add_formula(
-        &mut self,
-        lanes: &LaneBlock,
-        item: &PlannedLoop,
-        joint: usize,
-        coordinates: &[Octet],
-    ) {
+    fn add_formula(&mut self, lanes: &LaneBlock, item: &PlannedLoop, joint: usize) {
         let (plan, rows) = (&lanes.block.plan, lanes.block.rows());
         let argument = plan.joints[item.joints.start + joint].argument;
-        let planned = &plan.arguments[argument];
-        let Argument::Formula(formula) = &lanes.mechanism.arguments[planned.index] else {
-            return;
-        };
+        let shares = plan.arguments[argument].shares.clone();
         let unknowns = lanes.block.unknowns.len();
-        for share in &plan.shares[planned.shares.clone()] {
+        for (share, rate) in plan.shares[shares.clone()].iter().zip(&self.rates[shares]) {
             let is_outside = share.column >= unknowns;
             if is_outside && !lanes.with_outside {
                 continue;
             }
             // Chain rule: the joint's twist times the derivative of its formula.
-            let rate = rate_by(&mut self.plain, formula, share.slot, coordinates) * share.scale;
+            let rate = *rate * share.scale;
             let target = match is_outside {
                 false => &mut self.jacobian[share.column * rows + item.row..],
                 true => {
@@ -301,25 +294,22 @@ impl BlockValues {
             });
             return;
         }
-        // Any other formula lane by lane: its value, ...
-        let value = by_lanes(&mut self.plain, coordinates, |plain, slots| {
-            formula.value_with(slots, &mut plain.values)
-        });
+        // Any other formula lane by lane.
+        let rates = &mut self.rates[planned.shares.clone()];
+        let value = value_and_rates(&mut self.plain, formula, shares, coordinates, rates);
         self.residual[planned.row] = value * planned.scale;
-        // ... then each derivative, by reverse accumulation.
-        for share in shares {
+        for (share, rate) in shares.iter().zip(&self.rates[planned.shares.clone()]) {
             let is_outside = share.column >= unknowns;
             if is_outside && !lanes.with_outside {
                 continue;
             }
-            let rate = rate_by(&mut self.plain, formula, share.slot, coordinates);
             let entry = match is_outside {
                 false => &mut self.jacobian[share.column * rows + planned.row],
                 true => {
                     &mut self.outer[(share.column - unknowns) * outer_stride(rows) + planned.row]
                 }
             };
-            *entry += rate * (planned.scale * share.scale);
+            *entry += *rate * (planned.scale * share.scale);
         }
     }
 }
@@ -329,43 +319,34 @@ fn outer_stride(rows: usize) -> usize {
     4 * lane_groups(rows)
 }
 
-/// Applies a function of plain coordinates in every lane.
-fn by_lanes(
-    plain: &mut PlainValues,
-    coordinates: &[Octet],
-    mut function: impl FnMut(&mut PlainValues, &[f64]) -> f64,
-) -> Octet {
-    let mut slots = std::mem::take(&mut plain.coordinates);
-    let mut values = Octet::ZERO;
-    for lane in 0..LANES {
-        // Formulas are scalar code: one lane after the other.
-        slots.clear();
-        slots.extend(coordinates.iter().map(|c| c.lane(lane)));
-        values.set_lane(lane, function(plain, &slots));
-    }
-    plain.coordinates = slots;
-    values
-}
-
-/// The rate of a formula by a coordinate.
-fn rate_by(
+/// The value of a formula, and its rates by the coordinates of `shares`: formulas are scalar code, one lane after the other.
+fn value_and_rates(
     plain: &mut PlainValues,
     formula: &Expression,
-    slot: usize,
+    shares: &[RateShare],
     coordinates: &[Octet],
+    rates: &mut [Octet],
 ) -> Octet {
-    by_lanes(plain, coordinates, |plain, slots| {
-        plain.gradient.clear();
-        plain.gradient.resize(slots.len(), 0.0);
-        let PlainValues {
-            gradient,
-            values,
-            adjoints,
-            ..
-        } = plain;
-        formula.add_gradient(slots, 1.0, gradient, values, adjoints);
-        gradient[slot]
-    })
+    let mut value = Octet::ZERO;
+    let PlainValues {
+        coordinates: slots,
+        gradient,
+        values,
+        adjoints,
+    } = plain;
+    for lane in 0..LANES {
+        slots.clear();
+        slots.extend(coordinates.iter().map(|c| c.lane(lane)));
+        gradient.clear();
+        gradient.resize(slots.len(), 0.0);
+        // All rates at once, by reverse accumulation.
+        let here = formula.add_gradient(slots, 1.0, gradient, values, adjoints);
+        value.set_lane(lane, here);
+        for (rate, share) in rates.iter_mut().zip(shares) {
+            rate.set_lane(lane, gradient[share.slot]);
+        }
+    }
+    value
 }
 
 /// Adds multiples of joints' columns, of all six rows or of some.

@@ -2,7 +2,8 @@
 //!
 //! A step consists of a prediction along the tangents, corrected for their change during the previous step, and a
 //! correction. It is trusted under the usual conditions: the correction is small compared with it, and the Jacobians at
-//! its ends are similar. A lane that violates them leaves for good.
+//! its ends are similar. Where formulas of the inputs have a kink, the step need only lie between the tangents at its two
+//! ends. A lane that violates this leaves for good.
 
 use super::block_values::{BlockValues, LaneBlock};
 use super::closing::{close_block, largest};
@@ -10,7 +11,7 @@ use super::factors::{LARGEST_BLOCK, OctetElimination};
 use super::frames::turn_of;
 use super::pivoting::PivotedFactors;
 use crate::kinematics::solve::between::MOST_CHANGE;
-use crate::kinematics::solve::pose_solver::largest_correction;
+use crate::kinematics::solve::pose_solver::{MAX_CORRECTION, largest_correction};
 use crate::kinematics::structure::system::System;
 use crate::model::mechanism::Closes;
 use crate::model::outputs::output_arguments;
@@ -36,6 +37,8 @@ pub struct LaneFollower<'s> {
     last: Vec<Octet>,
     drift: Vec<Octet>,
     from: Vec<Octet>,
+    /// Changes of all coordinates along the tangents at the end of a step.
+    ends: Vec<Octet>,
     poses: [Vec<f64>; 2],
 }
 
@@ -58,6 +61,7 @@ impl<'s> LaneFollower<'s> {
             last: Vec::new(),
             drift: Vec::new(),
             from: Vec::new(),
+            ends: Vec::new(),
             poses: [Vec::new(), Vec::new()],
             system,
         })
@@ -99,7 +103,13 @@ impl<'s> LaneFollower<'s> {
             lanes = lanes.and(self.stays_regular(index));
         }
         let allowed = length.each(largest_correction);
-        lanes = lanes.and((first_step + bend).at_most(allowed));
+        let trusted = lanes.and((first_step + bend).at_most(allowed));
+        let is_near = first_step.at_most(Octet::splat(MAX_CORRECTION));
+        let doubted = lanes.without(trusted).and(is_near);
+        lanes = match doubted.any() {
+            true => trusted.or(self.kinked(coordinates, doubted, allowed)),
+            false => trusted,
+        };
         self.unlocked(coordinates, lanes)
     }
 
@@ -157,6 +167,48 @@ impl<'s> LaneFollower<'s> {
             }
         }
         largest
+    }
+
+    /// Those of `lanes` whose step lies between the tangents at its ends, as where one kink is passed. Their next step is
+    /// compared with the tangents at the end.
+    fn kinked(&mut self, coordinates: &[Octet], lanes: LaneMask, allowed: Octet) -> LaneMask {
+        let n = self.system.mechanism().unknowns.len();
+        self.ends.clear();
+        self.ends.resize(n, Octet::ZERO);
+        self.ends.extend_from_slice(&self.rates[n..]);
+        let parts = self.values.iter_mut().zip(&mut self.factors);
+        for (lane_block, (values, factors)) in self.blocks.iter().zip(parts) {
+            values.drift(lane_block, &self.ends, &mut self.drift);
+            factors.solve(&self.drift);
+            let block = lane_block.block;
+            let scaled = block.plan.scales.iter().zip(factors.step());
+            for (unknown, (scale, step)) in block.unknowns.iter().zip(scaled) {
+                self.ends[*unknown] = *step * *scale;
+            }
+        }
+        // In scaled unknowns: the step beyond the first tangent, and the second tangent beyond it.
+        let blocks = self.system.blocks().iter();
+        let slots = blocks.flat_map(|b| b.unknowns.iter().zip(&b.plan.scales));
+        let beyond = slots.map(|(unknown, scale)| {
+            let first = self.rates[*unknown];
+            let step = coordinates[*unknown] - self.from[*unknown];
+            [step - first, self.ends[*unknown] - first].map(|v| v * (1.0 / scale))
+        });
+        let beyond: Vec<[Octet; 2]> = beyond.collect();
+        let dot = |pair: fn(&[Octet; 2]) -> Octet| {
+            let terms = beyond.iter().map(pair);
+            terms.fold(Octet::ZERO, |sum, term| sum + term)
+        };
+        let share = dot(|[step, turn]| *step * *turn) / dot(|[_, turn]| *turn * *turn);
+        let share = share.each(|share| share.clamp(0.0, 1.0));
+        let off = beyond.iter().fold(Octet::ZERO, |off, [step, turn]| {
+            off.larger_magnitude(*step - *turn * share)
+        });
+        let kinked = lanes.and(off.at_most(allowed));
+        for (rate, end) in self.rates.iter_mut().zip(&self.ends) {
+            *rate = kinked.choose(*end, *rate);
+        }
+        kinked
     }
 
     /// The lanes in which the Jacobian of a block has changed little since the previous poses.

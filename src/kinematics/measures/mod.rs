@@ -182,9 +182,8 @@ pub fn driven_along(actuation: &Actuation, track: &MeasuredTrack) -> (Actuation,
     let count = track.samples;
     let times: Vec<f64> = (0..=count).map(|k| k as f64).collect();
     // From the start of the drive to the start of the track in one second, then one second per sample.
-    let drives = start.iter().zip(track.from.iter().zip(&track.to));
-    let drives = drives.map(|(start, (from, to))| {
-        let steps = (0..count).map(|k| from + (to - from) * k as f64 / (count - 1) as f64);
+    let drives = start.iter().enumerate().map(|(input, start)| {
+        let steps = (0..count).map(|k| track.input_at(input, k));
         Drive::Keys {
             times: times.clone(),
             values: std::iter::once(*start).chain(steps).collect(),

@@ -92,6 +92,14 @@ fn power_norm(values: &[f64], power: f64) -> Reduced {
     }
 }
 
+/// What bends a norm N of these values: d²N/dvᵢdvⱼ is the i-th entry where i = j, less (p - 1)/N times the product of the
+/// weights i and j. Without a bend below the power 2, where it is infinite at zero.
+pub fn norm_bends(values: &[f64], power: f64, norm: f64) -> Option<Vec<f64>> {
+    let is_bent = power >= 2.0 && norm > 0.0;
+    let bend = |v: &f64| (power - 1.0) / norm * (v.abs() / norm).powf(power - 2.0);
+    is_bent.then(|| values.iter().map(bend).collect())
+}
+
 /// The fraction of the way on which the values are positive. Between two values of opposite sign the zero is that of
 /// the cubic through four values: the error is of fourth order in the step for smooth values.
 fn positive_part(values: &[f64]) -> Reduced {

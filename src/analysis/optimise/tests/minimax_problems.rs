@@ -31,6 +31,7 @@ impl minimax::MinimaxProblem for Line {
         let peak_gradients = minimax::PeakGradients {
             peaks: rows.collect(),
             limits: self.limit.iter().map(|_| vec![2.0 * x[0], 0.0]).collect(),
+            bend: None,
         };
         Some((self.values_at(x)?, peak_gradients))
     }
@@ -103,7 +104,12 @@ impl<F: Fn(&[f64]) -> Vec<f64>> minimax::MinimaxProblem for Few<F> {
             }
         }
         let limits = Vec::new();
-        Some((peak_values, minimax::PeakGradients { peaks, limits }))
+        let gradients = minimax::PeakGradients {
+            peaks,
+            limits,
+            bend: None,
+        };
+        Some((peak_values, gradients))
     }
 }
 

@@ -13,7 +13,7 @@ use super::form::Form;
 use super::path::TubePath;
 use super::rows::{Bends, JACOBIAN_TERMS, TubeLayout, TubeRows};
 use super::taylor_model::{Polynomial, TERMS, polynomial_size};
-use crate::kinematics::certificate::gaps::LARGEST_GAP_OF_TUBE;
+use crate::kinematics::certificate::gaps::LARGEST_GAP;
 use crate::kinematics::certificate::neighbourhood::BALL;
 use crate::kinematics::results::certificate::Reason;
 use crate::linalg::gauss_jordan::GaussJordan;
@@ -128,7 +128,7 @@ pub fn prove_tube(
     };
     // Angles are exact to their last digits only: no shorter tube makes that error smaller.
     let turns = path.largest_angle(layout.mechanism) / TAU;
-    let largest_gap = LARGEST_GAP_OF_TUBE * turns.max(1.0);
+    let largest_gap = LARGEST_GAP * turns.max(1.0);
     for row in (0..layout.count()).filter(|row| !basis.contains(row)) {
         let bounds = work.of_redundant_row(row, layout, basis, &bends, earlier);
         let explained = bounds.explained(error);
