@@ -21,8 +21,8 @@ pub(super) struct AskedPair<'a> {
     pub(super) hulls: [&'a BodyElements; 2],
     pub(super) ignored: Option<&'a Ignored>,
     pub(super) tolerance: f64,
-    /// Whether the times of violations are requested, too.
-    pub(super) with_times: bool,
+    /// Intervals that may be examined for the times of violations, if these are requested, too.
+    pub(super) looks_for_times: Option<usize>,
 }
 
 /// The result for a pair: neighbours are judged without the shapes at their joint.
@@ -236,9 +236,8 @@ impl<'a> AskedPair<'a> {
     /// Judges the pair, and finds out when it is too near.
     fn judge(&self, motion: &mut ProvedMotion, sweep: &PairSweep) -> Option<PairReport> {
         let mut report = judge_minimum(motion, sweep, self.minimum())?;
-        let is_wanted = self.with_times && !report.judgement.is_kept();
-        if is_wanted {
-            let mut violations = sweep.violations(motion, report.least.is_enclosed);
+        if let Some(looks) = self.looks_for_times.filter(|_| !report.judgement.is_kept()) {
+            let mut violations = sweep.violations(motion, report.least.is_enclosed, looks);
             reconcile_reports(motion, sweep, &mut report, &mut violations);
             report.violations = Some(violations);
         }

@@ -9,6 +9,7 @@ pub use super::found::{
 use super::mesh_faults::{mesh_warnings, without_inside};
 use super::motion::ProvedMotion;
 use super::neighbours::Neighbours;
+use super::violations::looks_of_each;
 use crate::distance::bodies::BodyElements;
 use crate::jobs::Stopwatch;
 use crate::kinematics::results::trajectory::Trajectory;
@@ -175,7 +176,7 @@ impl Searches<'_> {
             hulls: [first, second],
             ignored: self.ignored.get(&[a, b]).copied(),
             tolerance: self.closely.tolerance,
-            with_times: self.closely.times,
+            looks_for_times: (self.closely.times).then(|| looks_of_each(self.pairs.len())),
         };
         // The sooner limit ends the search: the share of the run, or the pair's own.
         let of_run = motion.until;

@@ -9,8 +9,19 @@ use super::motion::ProvedMotion;
 use super::sweep::PairSweep;
 use crate::distance::bodies::{enclosed_shell, nearest_bodies};
 
-/// Maximum number of intervals examined for one pair.
+/// Maximum number of intervals examined for one pair, ...
 const MOST_LOOKS: usize = 6_000;
+
+/// ... and for all pairs together, except that every pair has ...
+const MOST_LOOKS_OF_ALL: usize = 30_000;
+
+/// ... at least so many: enough for a few dozens of times.
+const LEAST_LOOKS: usize = 500;
+
+/// Maximum number of intervals examined for each of so many pairs.
+pub(super) fn looks_of_each(pairs: usize) -> usize {
+    (MOST_LOOKS_OF_ALL / pairs.max(1)).clamp(LEAST_LOOKS, MOST_LOOKS)
+}
 
 /// Resolution of times, as a fraction of an interval of mean length.
 const SHORTEST: f64 = 1.0 / 1024.0;
@@ -50,14 +61,19 @@ struct Low {
 }
 
 impl PairSweep<'_> {
-    /// Times below the minimum. Empty if bodies enclose each other without touching: no distance shows when that began.
-    pub(super) fn violations(&self, motion: &mut ProvedMotion, is_enclosed: bool) -> Violations {
+    /// Times below the minimum, found in at most `most_looks` intervals. Empty if bodies enclose each other without touching: no distance shows when that began.
+    pub(super) fn violations(
+        &self,
+        motion: &mut ProvedMotion,
+        is_enclosed: bool,
+        most_looks: usize,
+    ) -> Violations {
         if is_enclosed {
             return Violations::default();
         }
         let is_certified = motion.is_certified() && motion.roots > 0;
         let goal = self.enough() + self.pose_slack();
-        let mut found = self.low_pieces(motion, goal);
+        let mut found = self.low_pieces(motion, goal, most_looks);
         found.extend(self.low_samples(motion, goal));
         found.sort_by(|p, q| p.violation.from.total_cmp(&q.violation.from));
         // Between two places where a mesh is met a body may be in it, and far from its surface.
@@ -84,7 +100,7 @@ impl PairSweep<'_> {
     }
 
     /// Pieces that are not known to keep the minimum.
-    fn low_pieces(&self, motion: &mut ProvedMotion, goal: f64) -> Vec<Low> {
+    fn low_pieces(&self, motion: &mut ProvedMotion, goal: f64, most_looks: usize) -> Vec<Low> {
         let mut open: Vec<Segment> = (0..motion.roots).map(Segment::whole).collect();
         let (mut low, mut looks) = (Vec::new(), 0);
         let mut memory = self.look_memory();
@@ -108,7 +124,7 @@ impl PairSweep<'_> {
             let highest = look.middle + moved.distance(self.hulls[1].ball);
             // In time, since narrower bounds are had by halving the stretch, not the piece.
             let [from, to] = motion.times(piece.stretch, piece.ends_of());
-            let is_short = to - from <= shortest || looks >= MOST_LOOKS;
+            let is_short = to - from <= shortest || looks >= most_looks;
             let halves = match is_short || highest < goal {
                 true => None,
                 false => split_piece(motion, &piece, &look),

@@ -10,6 +10,9 @@ use std::sync::{Arc, OnceLock};
 /// Up to this size of blocks a step has unit cost; elimination in larger ones costs more, with the cube of the size.
 const CHEAP_BLOCK: usize = 32;
 
+/// So many unknowns in small blocks cost as little.
+const CHEAP_UNKNOWNS: usize = 12;
+
 /// A resolved mechanism and its blocks.
 ///
 /// Drives, duration and start values, which a verb may change, are separate: see
@@ -29,7 +32,8 @@ impl System {
     pub fn step_cost(&self) -> usize {
         let blocks = self.structure.blocks.iter();
         let costs = blocks.map(|b| (b.unknowns.len() / CHEAP_BLOCK).pow(3));
-        costs.sum::<usize>().max(1)
+        let many = self.mechanism.unknowns.len() / CHEAP_UNKNOWNS;
+        costs.sum::<usize>().max(many).max(1)
     }
 
     /// A system of known structure without ball joints: a trial while ranks are being determined, or a chart.
