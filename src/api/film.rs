@@ -221,6 +221,7 @@ impl<'m> Film<'m> {
                 quality: self.quality,
                 effort: None,
                 dpi: None,
+                texts: Vec::new(),
                 strip_rows: None,
                 chroma: Chroma::Full,
                 repeat: true,

@@ -128,8 +128,9 @@ impl ApngSink {
                     effort: Effort::Balanced,
                     alpha: true,
                     dpi: None,
+                    texts: Vec::new(),
                 };
-                smallest_encoding(&self.bytes, settings)?.0
+                smallest_encoding(&self.bytes, &settings)?.0
             }
         };
         self.writer.set_filter(filter);

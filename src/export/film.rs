@@ -66,6 +66,8 @@ pub struct FilmSettings<'a> {
     pub effort: Option<Effort>,
     /// Pixels of an inch on paper, in PNGs.
     pub dpi: Option<f64>,
+    /// Texts in PNGs, each with its keyword.
+    pub texts: Vec<(String, String)>,
     /// Rows of the strips of a PNG whose frames are the strips of one picture.
     pub strip_rows: Option<u32>,
     /// Colour of a y4m video.
@@ -240,6 +242,7 @@ impl FilmSettings<'_> {
             effort: self.effort.unwrap_or(usual),
             alpha: self.alpha,
             dpi: self.dpi,
+            texts: self.texts.clone(),
         }
     }
 }

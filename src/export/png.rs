@@ -32,7 +32,7 @@ pub enum Effort {
 }
 
 /// Size and coding of PNG pictures.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct PngSettings {
     /// Size in pixels.
     pub size: [u32; 2],
@@ -42,6 +42,8 @@ pub struct PngSettings {
     pub alpha: bool,
     /// Pixels of an inch on paper, as the file says.
     pub dpi: Option<f64>,
+    /// Texts in the file, each with its keyword: Title, Software, Source, Comment.
+    pub texts: Vec<(String, String)>,
 }
 
 /// Appends `image` as an RGB PNG file to `out`. The same image gives the same bytes.
@@ -55,8 +57,9 @@ pub fn encode_png(image: &RgbaImage, effort: Effort, out: &mut Vec<u8>) -> Resul
         effort,
         alpha: false,
         dpi: None,
+        texts: Vec::new(),
     };
-    encode_bytes(&rgb, settings, out)
+    encode_bytes(&rgb, &settings, out)
 }
 
 /// Appends the colours of RGBA pixels to `rgb`.
@@ -75,7 +78,11 @@ fn filter_types(effort: Effort) -> &'static [Filter] {
 }
 
 /// Appends the smallest file that the effort finds.
-fn encode_bytes(bytes: &[u8], settings: PngSettings, out: &mut Vec<u8>) -> Result<(), ExportError> {
+fn encode_bytes(
+    bytes: &[u8],
+    settings: &PngSettings,
+    out: &mut Vec<u8>,
+) -> Result<(), ExportError> {
     check_size(settings.size)?;
     if let [only] = filter_types(settings.effort) {
         return encode_with(*only, bytes, settings, out);
@@ -88,7 +95,7 @@ fn encode_bytes(bytes: &[u8], settings: PngSettings, out: &mut Vec<u8>) -> Resul
 /// The filter that makes the smallest file, and the file.
 pub(super) fn smallest_encoding(
     bytes: &[u8],
-    settings: PngSettings,
+    settings: &PngSettings,
 ) -> Result<(Filter, Vec<u8>), ExportError> {
     let mut best = (Filter::Adaptive, Vec::new());
     for filter in filter_types(settings.effort) {
@@ -104,10 +111,10 @@ pub(super) fn smallest_encoding(
 fn encode_with(
     filter: Filter,
     bytes: &[u8],
-    settings: PngSettings,
+    settings: &PngSettings,
     out: &mut Vec<u8>,
 ) -> Result<(), ExportError> {
-    let encoder = encoder_of(out, settings, filter);
+    let encoder = encoder_of(out, settings, filter)?;
     let written = encoder.write_header().and_then(|mut writer| {
         writer.write_image_data(bytes)?;
         writer.finish()
@@ -116,11 +123,13 @@ fn encode_with(
 }
 
 /// The encoder of a picture: its colours are sRGB, and its size on paper is known if the settings say so.
+///
+/// Errors: a keyword that PNG does not allow.
 pub(super) fn encoder_of<W: Write>(
     out: W,
-    settings: PngSettings,
+    settings: &PngSettings,
     filter: Filter,
-) -> Encoder<'static, W> {
+) -> Result<Encoder<'static, W>, ExportError> {
     let mut encoder = Encoder::new(out, settings.size[0], settings.size[1]);
     encoder.set_color(match settings.alpha {
         true => ColorType::Rgba,
@@ -142,7 +151,11 @@ pub(super) fn encoder_of<W: Write>(
             unit: Unit::Meter,
         }
     }));
-    encoder
+    for (keyword, text) in &settings.texts {
+        let added = encoder.add_itxt_chunk(keyword.clone(), text.clone());
+        added.map_err(encoding_error)?;
+    }
+    Ok(encoder)
 }
 
 pub(super) fn encoding_error(error: EncodingError) -> ExportError {
@@ -185,11 +198,11 @@ impl FrameCoder for PngCoder {
         super::check_frame(frame, self.settings.size)?;
         coded.clear();
         if self.settings.alpha {
-            return encode_bytes(frame.as_raw(), self.settings, coded);
+            return encode_bytes(frame.as_raw(), &self.settings, coded);
         }
         self.rgb.clear();
         drop_alpha(frame.as_raw(), &mut self.rgb);
-        encode_bytes(&self.rgb, self.settings, coded)
+        encode_bytes(&self.rgb, &self.settings, coded)
     }
 }
 
@@ -220,7 +233,7 @@ impl FrameSink for StillSink {
     }
 
     fn coder(&self) -> Box<dyn FrameCoder> {
-        PngCoder::boxed_coder(self.settings)
+        PngCoder::boxed_coder(self.settings.clone())
     }
 
     fn write(&mut self, _index: usize, coded: &[u8]) -> Result<(), ExportError> {
@@ -329,7 +342,7 @@ impl FrameSink for SequenceSink {
     }
 
     fn coder(&self) -> Box<dyn FrameCoder> {
-        PngCoder::boxed_coder(self.settings)
+        PngCoder::boxed_coder(self.settings.clone())
     }
 
     fn write(&mut self, index: usize, coded: &[u8]) -> Result<(), ExportError> {

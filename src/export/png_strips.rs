@@ -37,7 +37,7 @@ impl StripSink {
     ) -> Result<Self, ExportError> {
         check_size(settings.size)?;
         let spool = Spool::default();
-        let encoder = encoder_of(spool.clone(), settings, filter_of(settings.effort));
+        let encoder = encoder_of(spool.clone(), &settings, filter_of(settings.effort))?;
         let stream = encoder
             .write_header()
             .and_then(|writer| writer.into_stream_writer_with_size(CHUNK));
@@ -46,9 +46,9 @@ impl StripSink {
             output,
             spool,
             stream: stream.map_err(encoding_error)?,
-            settings,
             rows: rows.max(1),
-            left: width * height * bytes_of_pixel(settings),
+            left: width * height * bytes_of_pixel(&settings),
+            settings,
             bytes: 0,
         };
         sink.drain_output()?;
@@ -74,7 +74,7 @@ fn filter_of(effort: Effort) -> Filter {
     }
 }
 
-fn bytes_of_pixel(settings: PngSettings) -> usize {
+fn bytes_of_pixel(settings: &PngSettings) -> usize {
     if settings.alpha { 4 } else { 3 }
 }
 

@@ -144,7 +144,9 @@ impl<'a> MotionCheck<'a> {
         let between =
             (trajectory.is_whole() && self.asked.poses && !self.asked.motion).then(|| {
                 let looks = self.looks_between(trajectory.samples.len());
-                BetweenSamples::new(looks.then(|| unproved(covered.proved())))
+                let unproved = looks.then(|| unproved(covered.proved()));
+                let [first, last] = covered.proved().span();
+                BetweenSamples::new(unproved, last - first)
             });
         let report = MotionReport::new(driven, trajectory, self.asked, &measured, clearances)
             .between(between);

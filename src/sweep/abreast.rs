@@ -94,7 +94,9 @@ impl<'s> RowGroup<'s> {
         let drive = Way::new(&start, drive);
         Some(Self {
             follower: LaneFollower::new(family.system())?,
-            approach: parts_of(STEPS).map(|share| Target::new(&start, share)).collect(),
+            approach: parts_of(STEPS)
+                .map(|share| Target::new(&start, share))
+                .collect(),
             ways: tracks.into_iter().chain([drive]).collect(),
             asked,
             sweep,
@@ -239,7 +241,9 @@ impl Way {
         let lead = poses.first().filter(|first| *first != start);
         let between = |share: f64| {
             let pairs = start.iter().zip(lead.into_iter().flatten());
-            pairs.map(|(a, b)| a + (b - a) * share).collect::<Vec<f64>>()
+            pairs
+                .map(|(a, b)| a + (b - a) * share)
+                .collect::<Vec<f64>>()
         };
         let shares = parts_of(STEPS).filter(|share| lead.is_some() && *share < 1.0);
         let leading: Vec<Target> = shares

@@ -125,6 +125,7 @@ impl<'a> OpenFilm<'a> {
                 Compression::Small => Effort::Small,
             }),
             dpi: args.dpi,
+            texts: Vec::new(),
             strip_rows: None,
             chroma: match args.chroma {
                 Some(ChromaArg::C420) => Chroma::Quarter,
@@ -138,6 +139,12 @@ impl<'a> OpenFilm<'a> {
     /// Colours that a palette must hold exactly.
     pub fn with_needed_colours(mut self, colours: Vec<[u8; 3]>) -> Self {
         self.settings.needed_colours = colours;
+        self
+    }
+
+    /// Texts in PNGs, each with its keyword.
+    pub fn with_texts(mut self, texts: Vec<(String, String)>) -> Self {
+        self.settings.texts = texts;
         self
     }
 

@@ -8,12 +8,14 @@ use crate::cli::files::sinks;
 use crate::cli::files::sinks::OpenFilm;
 use crate::cli::interrupt::{is_interrupted, refuse_interrupted};
 use crate::cli::io;
+use crate::cli::open::planned::scene_arguments;
 use crate::cli::open::scene::OpenScene;
 use crate::cli::open::{inputs_table, scene as open_scene};
 use crate::cli::pictures::clearance as clearance_picture;
 use crate::cli::term::Term;
 use crate::cli::term::clock::Clock;
 use crate::cli::term::outcome::{Failure, Outcome};
+use crate::diag::shown_text;
 use crate::export::Format;
 use crate::kinematics::motion::continuation::solve_until;
 use crate::kinematics::motion::sampling::{self, even_times, frame_times};
@@ -34,6 +36,7 @@ use crate::staging::marks::Marks;
 use crate::staging::model::Facets;
 use crate::staging::{PictureOptions, Staging, panes};
 use std::ops::Range;
+use std::path::Path;
 use std::sync::Arc;
 
 /// Slow enough to show the effect of every step.
@@ -220,6 +223,7 @@ fn draw_film(
     };
     let mut film = OpenFilm::new(&args.file, format, args.size, count, plan.fps)
         .with_needed_colours(pictures.staging.needed_colours())
+        .with_texts(picture_texts(args, &pictures.scene.mechanism.title))
         .with_alpha(pictures.scene.view.transparent);
     if let Some(poster) = poster {
         film = film.in_strips(poster.strips.rows);
@@ -235,6 +239,25 @@ fn draw_film(
         term,
     );
     Ok(())
+}
+
+/// What a PNG says of itself: the title, the program, the scene and its changes.
+fn picture_texts(args: &RenderArgs, title: &str) -> Vec<(String, String)> {
+    let scene = Path::new(&args.scene.scene);
+    let source = scene.file_name().unwrap_or(scene.as_os_str());
+    let changes = scene_arguments(&args.scene).join(" ");
+    let texts = [
+        ("Title", title.to_owned()),
+        (
+            "Software",
+            concat!("mechanim ", env!("CARGO_PKG_VERSION")).to_owned(),
+        ),
+        ("Source", source.display().to_string()),
+        ("Comment", changes),
+    ];
+    let said = texts.into_iter().filter(|(_, text)| !text.is_empty());
+    said.map(|(keyword, text)| (keyword.to_owned(), shown_text(&text).into_owned()))
+        .collect()
 }
 
 /// The renderer: the adapter chosen with `--adapter` or MECHANIM_ADAPTER, else the default of the renderer.

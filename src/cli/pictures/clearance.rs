@@ -86,6 +86,7 @@ pub fn write_worst_pair(
         effort: Effort::Balanced,
         alpha: false,
         dpi: None,
+        texts: Vec::new(),
     };
     let mut sink = StillSink::new(Box::new(PendingFile::create(path)?), settings)?;
     let mut coded = Vec::new();

@@ -131,7 +131,13 @@ impl BlockValues {
                 Argument::Formula(formula) => {
                     let shares = argument.shares.clone();
                     let rates = &mut self.rates[shares.clone()];
-                    value_and_rates(&mut self.plain, formula, &plan.shares[shares], coordinates, rates)
+                    value_and_rates(
+                        &mut self.plain,
+                        formula,
+                        &plan.shares[shares],
+                        coordinates,
+                        rates,
+                    )
                 }
                 Argument::Affine(_) => {
                     let mut sum = Octet::splat(argument.constant);

@@ -276,6 +276,39 @@ mod tests {
         }
     }
 
+    /// The bends of a norm are the differences of its weights.
+    #[test]
+    fn bends_of_norms_are_the_rates_of_their_weights() {
+        let weights = |power: f64, values: &[f64]| {
+            let reduced = reduce_values(Taking::Norm, power, &[values.to_vec()]).unwrap();
+            (reduced.value, reduced.weights[0].clone())
+        };
+        for power in [2.0, 3.5, 4.0, 8.0] {
+            let values = [0.7, -1.3, 0.0, 0.4];
+            let (norm, slopes) = weights(power, &values);
+            let own = norm_bends(&values, power, norm).unwrap();
+            for k in 0..values.len() {
+                let at = |h: f64| {
+                    let mut moved = values;
+                    moved[k] += h;
+                    weights(power, &moved).1
+                };
+                let (ahead, behind) = (at(1e-5), at(-1e-5));
+                for i in 0..values.len() {
+                    let found = (ahead[i] - behind[i]) / 2e-5;
+                    let common = (power - 1.0) / norm * slopes[i] * slopes[k];
+                    let expected = if i == k { own[k] } else { 0.0 } - common;
+                    assert!(
+                        (found - expected).abs() < 1e-5,
+                        "{power} {i} {k}: {found} {expected}"
+                    );
+                }
+            }
+        }
+        assert!(norm_bends(&[1.0], 1.5, 1.0).is_none());
+        assert!(norm_bends(&[0.0], 4.0, 0.0).is_none());
+    }
+
     #[test]
     fn numbers_are_taken_as_named() {
         let path = [vec![0.0, 1.0, 4.0, 3.0], vec![0.0, 2.0, -1.0, 4.0]];

@@ -10,8 +10,8 @@ use std::sync::{Arc, OnceLock};
 /// Up to this size of blocks a step has unit cost; elimination in larger ones costs more, with the cube of the size.
 const CHEAP_BLOCK: usize = 32;
 
-/// So many unknowns in small blocks cost as little.
-const CHEAP_UNKNOWNS: usize = 12;
+/// A step along a path with so many unknowns in small blocks has unit cost.
+const CHEAP_UNKNOWNS: usize = 6;
 
 /// A resolved mechanism and its blocks.
 ///
@@ -32,8 +32,13 @@ impl System {
     pub fn step_cost(&self) -> usize {
         let blocks = self.structure.blocks.iter();
         let costs = blocks.map(|b| (b.unknowns.len() / CHEAP_BLOCK).pow(3));
+        costs.sum::<usize>().max(1)
+    }
+
+    /// The same of a step along a path, in which many small blocks cost, too.
+    pub fn path_step_cost(&self) -> usize {
         let many = self.mechanism.unknowns.len() / CHEAP_UNKNOWNS;
-        costs.sum::<usize>().max(many).max(1)
+        self.step_cost().max(many)
     }
 
     /// A system of known structure without ball joints: a trial while ranks are being determined, or a chart.

@@ -107,6 +107,7 @@ impl LiveScene {
                 quality: Quality::BEST,
                 effort: None,
                 dpi: None,
+                texts: Vec::new(),
                 strip_rows: None,
                 chroma: Chroma::Full,
                 repeat: true,

@@ -54,12 +54,20 @@ const SHORTENED: &[(&str, &str, &str)] = &[
     ("enclose gearshift", "", "--samples 1 --vary ZR1,L6s"),
     ("mechanim accuracy", "", "--poses 6 --turns 1"),
     ("tests/data/", "tests/data/", ""),
+    (
+        "examples/",
+        "examples/",
+        concat!(env!("CARGO_MANIFEST_DIR"), "/examples/"),
+    ),
+    ("grid:frame_is_shortest", ":16", ":2"),
+    ("grid:x=1.2", ":120", ":8"),
     ("synthesise", "torus-torus", "gearshift"),
     (
         "synthesise",
         "sphere-torus sphere-sphere",
         "gearshift-optimised",
     ),
+    ("--minimise K", "--minimise K", ""),
     ("synthesise", "--starts 256", ""),
     ("synthesise", "--starts 1", ""),
     (

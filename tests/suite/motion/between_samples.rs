@@ -336,3 +336,38 @@ fn narrow_gaps_of_redundant_equations_do_not_pass() {
             .exits(0);
     }
 }
+
+/// A dyad that is nearly stretched all the time, with a peak in the difference of two fast drives: no tube is proved, and so much
+/// of the motion is stepped over that the check does not pass, in any report.
+#[test]
+fn a_motion_that_is_mostly_not_proved_does_not_pass() {
+    let folder = Workspace::new();
+    for peak in ["0.0022067", "0"] {
+        let text = format!(
+            "units = {{ length = \"mm\", angle = \"rad\" }}\nduration = 1\n[inputs]\n\
+             d = \"1000*(2-1e-9+30*sin(5*t)+{peak}*exp(-((t-0.098622354691)/9.244e-10)^4))\"\nq = \"30000*sin(5*t)\"\n\
+             [loops]\nA = \"Rz(a) Tx(1000) Rz(b) Tx(1000) Rz(c) Tx(-(d-q))\"\n[guess]\na = 0.3\nb = -0.6\nc = 0.3\n"
+        );
+        folder.write("dyad.toml", &text);
+        let args = [
+            "check",
+            "dyad.toml",
+            "--samples",
+            "3",
+            "--json",
+            "r.json",
+            "--junit",
+            "r.xml",
+        ];
+        let run = folder.run(&args);
+        assert!(matches!(run.code, 1 | 4), "{peak}\n{}", run.text());
+        if run.text().contains("stepped over") {
+            assert!(run.text().contains("not proved: "), "{}", run.text());
+            let report: Value = serde_json::from_slice(&folder.read("r.json")).unwrap();
+            assert_eq!(report["result"], "not proved");
+            let junit = String::from_utf8(folder.read("r.xml")).unwrap();
+            let case = junit.split("motion between samples").nth(1).unwrap();
+            assert!(case.contains("<error"), "{case}");
+        }
+    }
+}

@@ -19,6 +19,7 @@ fn opaque(size: [u32; 2], effort: Effort) -> PngSettings {
         effort,
         alpha: false,
         dpi: None,
+        texts: Vec::new(),
     }
 }
 

@@ -179,6 +179,7 @@ fn translucent_frames_keep_their_alpha() {
         effort: Effort::Balanced,
         alpha: true,
         dpi: None,
+        texts: Vec::new(),
     };
     let (bytes, _) = written(1, translucent, |output| {
         Box::new(StillSink::new(output, settings).unwrap())
@@ -223,6 +224,7 @@ fn smaller_settings_are_smaller_and_the_same_picture() {
                 effort,
                 alpha: false,
                 dpi: None,
+                texts: Vec::new(),
             };
             let (bytes, _) = written(1, draw, |output| {
                 Box::new(StillSink::new(output, still).unwrap())

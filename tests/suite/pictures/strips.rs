@@ -189,6 +189,7 @@ fn a_file_of_strips_has_all_pixels_of_the_picture() {
                 effort,
                 alpha,
                 dpi: Some(300.0),
+                texts: Vec::new(),
             };
             let output = Box::new(PendingFile::create(&path).unwrap());
             let sink = Box::new(StripSink::new(output, settings, strips.rows).unwrap());
@@ -216,6 +217,7 @@ fn an_incomplete_picture_is_no_file() {
         effort: Effort::Balanced,
         alpha: false,
         dpi: None,
+        texts: Vec::new(),
     };
     let output = Box::new(PendingFile::create(&path).unwrap());
     let mut sink = Box::new(StripSink::new(output, settings, 4).unwrap());
@@ -227,17 +229,52 @@ fn an_incomplete_picture_is_no_file() {
     assert!(!path.exists());
 }
 
-/// The content of the first chunk of a kind.
-fn chunk_of(png: &[u8], kind: &[u8; 4]) -> Option<Vec<u8>> {
-    let mut rest = png.get(8..)?;
+/// The contents of the chunks of a kind.
+fn chunks_of(png: &[u8], kind: &[u8; 4]) -> Vec<Vec<u8>> {
+    let (mut rest, mut found) = (&png[8..], Vec::new());
     while let [a, b, c, d, after @ ..] = rest {
         let length = u32::from_be_bytes([*a, *b, *c, *d]) as usize;
-        if after.get(..4)? == kind {
-            return Some(after.get(4..4 + length)?.to_vec());
+        if &after[..4] == kind {
+            found.push(after[4..4 + length].to_vec());
         }
-        rest = after.get(length + 8..)?;
+        rest = &after[length + 8..];
     }
-    None
+    found
+}
+
+/// The content of the first chunk of a kind.
+fn chunk_of(png: &[u8], kind: &[u8; 4]) -> Option<Vec<u8>> {
+    chunks_of(png, kind).into_iter().next()
+}
+
+/// Title, program, scene and changes stand in every PNG, in pictures and posters: a hostile title as it is shown elsewhere.
+#[test]
+fn pngs_tell_what_they_show() {
+    let w = Workspace::new();
+    let scene = moving().replace("\"moving\"", "\"\\u001b[2J Größe\"");
+    w.write("s.toml", &scene);
+    let input = ["--input", "phi=0.5"];
+    for size in ["64x48", "4200x4100"] {
+        let mut args = vec![
+            "render", "s.toml", "-q", "--at", "0", "--out", "o.png", "--size", size,
+        ];
+        args.extend(input);
+        w.run(&args).exits(0);
+        let png = std::fs::read(w.path("o.png")).unwrap();
+        // Keyword, uncompressed, no language, no translated keyword, text.
+        let said: Vec<String> = chunks_of(&png, b"iTXt")
+            .into_iter()
+            .map(|text| String::from_utf8(text).unwrap().replace("\0\0\0\0\0", ": "))
+            .collect();
+        let software = format!("Software: mechanim {}", env!("CARGO_PKG_VERSION"));
+        let expected = [
+            "Title: \\u{1b}[2J Größe",
+            &software,
+            "Source: s.toml",
+            "Comment: --input=phi=0.5",
+        ];
+        assert_eq!(said, expected, "{size}");
+    }
 }
 
 /// What PNGs say of themselves: the colours are sRGB, and with `--dpi` so many pixels are a metre.

@@ -79,6 +79,84 @@ fn minimax_finds_the_line_of_equal_errors() {
     );
 }
 
+/// The fourth-order norm of the errors of a curve through points, with or without its known curvature.
+struct CurveNorm {
+    is_bent: bool,
+}
+
+impl CurveNorm {
+    /// The error of each point, and its derivatives.
+    fn errors(x: &[f64]) -> Vec<(f64, [f64; 3])> {
+        let of_point = |k: i32| {
+            let t = 0.1 * f64::from(k);
+            let wave = (x[1] * t + x[2]).sin();
+            let slope = x[0] * (x[1] * t + x[2]).cos();
+            (
+                x[0] * wave - 2.0 * (1.3 * t - 0.4).sin() - 0.1 * (7.0 * t).cos(),
+                [wave, slope * t, slope],
+            )
+        };
+        (0..40).map(of_point).collect()
+    }
+
+    fn norm(x: &[f64]) -> f64 {
+        let sum: f64 = Self::errors(x).iter().map(|(e, _)| e.powi(4)).sum();
+        sum.sqrt().sqrt()
+    }
+}
+
+impl minimax::MinimaxProblem for CurveNorm {
+    fn values_at(&mut self, x: &[f64]) -> Option<minimax::PeakValues> {
+        Some(minimax::PeakValues {
+            peaks: vec![Self::norm(x)],
+            limits: Vec::new(),
+        })
+    }
+    fn gradients_at(&mut self, x: &[f64]) -> Option<(minimax::PeakValues, minimax::PeakGradients)> {
+        let (errors, norm) = (Self::errors(x), Self::norm(x));
+        let sum = |term: &dyn Fn(&(f64, [f64; 3])) -> f64| errors.iter().map(term).sum::<f64>();
+        let slope = |i: usize| sum(&|(e, d)| (e / norm).powi(3) * d[i]);
+        let slopes = [0, 1, 2].map(slope);
+        let entry = |i: usize, j: usize| {
+            let own = sum(&|(e, d)| (e / norm).powi(2) * d[i] * d[j]);
+            3.0 / norm * (own - slopes[i] * slopes[j])
+        };
+        let bend = (0..3).map(|i| (0..3).map(|j| entry(i, j)).collect());
+        let gradients = minimax::PeakGradients {
+            peaks: vec![slopes.to_vec()],
+            limits: Vec::new(),
+            bend: self.is_bent.then(|| bend.collect()),
+        };
+        Some((self.values_at(x)?, gradients))
+    }
+}
+
+/// Known curvature leads to the same minimum in fewer steps.
+#[test]
+fn minimax_uses_known_curvature() {
+    let search = minimax::MinimaxSearch {
+        radius: 0.1,
+        smallest_radius: 1e-10,
+        tolerance: 1e-12,
+        iterations: 200,
+    };
+    let [plain, bent] = [false, true].map(|is_bent| {
+        minimax::minimise_largest(
+            &mut CurveNorm { is_bent },
+            &[1.0, 1.0, 0.0],
+            &[1.0; 3],
+            &VariableBounds::none(3),
+            search,
+        )
+    });
+    near(&bent.x, &plain.x, 1e-5);
+    assert!(
+        (bent.value - plain.value).abs() < 1e-9,
+        "{bent:?} {plain:?}"
+    );
+    assert!(bent.iterations < plain.iterations, "{bent:?} {plain:?}");
+}
+
 /// A few smooth functions without limits, with their gradients by central differences of the same formulas.
 struct Few<F>(F);
 

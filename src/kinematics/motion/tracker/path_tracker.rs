@@ -141,7 +141,7 @@ impl<'s> PathTracker<'s> {
             solver: PoseSolver::new(system),
             actuation,
             cancelled,
-            budget: StepBudget::of_cost(system.step_cost()),
+            budget: StepBudget::of_cost(system.path_step_cost()),
             interval: actuation.duration,
             anchor: None,
             recent: [None, None],

@@ -4,8 +4,8 @@
 use std::cell::Cell;
 use std::rc::Rc;
 
-/// Initial and largest budget of steps: fifty thousand turns from one sample to the next.
-const MOST_STEPS: usize = 1_000_000;
+/// Initial and largest budget of steps: a hundred thousand turns from one sample to the next.
+const MOST_STEPS: usize = 2_000_000;
 
 /// Steps added for every sample: many times what one needs, so that a motion as a whole is bounded, however many samples
 /// it has.
@@ -14,9 +14,9 @@ const STEPS_OF_SAMPLE: usize = 1_000;
 /// Steps added for every radian that an input turns between two samples: three times what a crank needs.
 const STEPS_OF_RADIAN: f64 = 20.0;
 
-/// How often the turns of a motion may refill its budget: some hundred thousand turns in all, about five seconds for a small
-/// mechanism.
-const REFILLS_BY_TURNS: usize = 1;
+/// How often the turns of a motion may refill its budget: some two hundred thousand turns in all, about ten seconds for a
+/// small mechanism.
+const REFILLS_BY_TURNS: usize = 2;
 
 /// The same two numbers for mechanisms whose steps are so expensive that they would take hours.
 const FEWEST_STEPS: usize = 500;
