@@ -64,7 +64,7 @@ fn check_one(args: &CheckArgs, term: &Term) -> Result<Outcome, Failure> {
     io::print_beside(term, streamed, &answer.text)?;
     if answer.verdict.result_of(PROOF) == Status::NotProved {
         term.note(
-            "hint: the check fails if a requested proof fails; --certify none requests no proof",
+            "hint: the check fails if a proof fails; more --samples make proofs easier, --certify none requests none",
         );
     }
     Ok(answer.verdict.result().into())

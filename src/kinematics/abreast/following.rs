@@ -3,7 +3,7 @@
 //! A step consists of a prediction along the tangents, corrected for their change during the previous step, and a
 //! correction. It is trusted under the usual conditions: the correction is small compared with it, and the Jacobians at
 //! its ends are similar. Where formulas of the inputs have a kink, the step need only lie between the tangents at its two
-//! ends. A lane that violates this leaves for good.
+//! ends. A lane that violates this, or in which a formula jumps, leaves for good.
 
 use super::block_values::{BlockValues, LaneBlock};
 use super::closing::{close_block, largest};
@@ -13,6 +13,8 @@ use super::pivoting::PivotedFactors;
 use crate::kinematics::solve::between::MOST_CHANGE;
 use crate::kinematics::solve::pose_solver::{MAX_CORRECTION, largest_correction};
 use crate::kinematics::structure::system::System;
+use crate::model::chain::Argument;
+use crate::model::expression::Expression;
 use crate::model::mechanism::Closes;
 use crate::model::outputs::output_arguments;
 use crate::model::walk::WalkFrame;
@@ -27,6 +29,8 @@ const ACROSS: f64 = 1e-12;
 pub struct LaneFollower<'s> {
     system: &'s System,
     blocks: Vec<LaneBlock<'s>>,
+    /// Formulas of joints and equations that may jump.
+    jumping: Vec<&'s Expression>,
     /// At the poses reached.
     values: Vec<BlockValues>,
     factors: Vec<PivotedFactors>,
@@ -50,7 +54,16 @@ impl<'s> LaneFollower<'s> {
             .iter()
             .all(|b| b.rows() == b.unknowns.len() && b.rows() <= LARGEST_BLOCK);
         let mechanism = system.mechanism();
+        let of_joints = mechanism
+            .arguments
+            .iter()
+            .filter_map(|argument| match argument {
+                Argument::Formula(formula) => Some(formula),
+                Argument::Affine(_) => None,
+            });
+        let formulas = of_joints.chain(mechanism.equations.iter().map(|e| &e.expression));
         is_small.then(|| Self {
+            jumping: formulas.filter(|formula| formula.has_jumps()).collect(),
             blocks: (blocks.iter())
                 .map(|block| LaneBlock::new(mechanism, block).with_outside())
                 .collect(),
@@ -110,7 +123,7 @@ impl<'s> LaneFollower<'s> {
             true => trusted.or(self.kinked(coordinates, doubted, allowed)),
             false => trusted,
         };
-        self.unlocked(coordinates, lanes)
+        self.unbroken(coordinates, lanes)
     }
 
     /// Moves all coordinates along the tangents; the largest change of a scaled unknown.
@@ -233,16 +246,20 @@ impl<'s> LaneFollower<'s> {
         square.at_most(Octet::splat(MOST_CHANGE * MOST_CHANGE))
     }
 
-    /// The members of `lanes` in which no ball joint comes near a pose with locked angles.
-    fn unlocked(&mut self, coordinates: &[Octet], mut lanes: LaneMask) -> LaneMask {
+    /// The members of `lanes` in which no formula jumps, and no ball joint comes near a pose with locked angles.
+    fn unbroken(&mut self, coordinates: &[Octet], mut lanes: LaneMask) -> LaneMask {
         let balls = self.system.balls();
-        for lane in (0..LANES).filter(|_| !balls.is_empty()) {
+        let may_break = !balls.is_empty() || !self.jumping.is_empty();
+        let asked = lanes;
+        for lane in (0..LANES).filter(|lane| may_break && asked.has(*lane)) {
             for (pose, octets) in self.poses.iter_mut().zip([&self.from[..], coordinates]) {
                 pose.clear();
                 pose.extend(octets.iter().map(|c| c.lane(lane)));
             }
             let [from, to] = &self.poses;
-            if balls.iter().any(|ball| ball.may_have_locked(from, to)) {
+            let jumps = |formula: &&Expression| formula.jump_on_way(from, to).is_some();
+            let locks = balls.iter().any(|ball| ball.may_have_locked(from, to));
+            if locks || self.jumping.iter().any(jumps) {
                 lanes = lanes.except(lane);
             }
         }

@@ -106,9 +106,12 @@ fn many_change_points_are_passed() {
         );
         folder.write("turns.toml", &text);
         for samples in ["2", "7", "50"] {
-            let run = folder
-                .run(&["check", "turns.toml", "--samples", samples])
-                .exits(0);
+            let run = folder.run(&["check", "turns.toml", "--samples", samples]);
+            // Two samples of forty turns leave most of them unproved: more samples do not.
+            let is_too_few = (turns, samples) == (40, "2");
+            let run = run.exits(if is_too_few { 1 } else { 0 });
+            let unproved = run.text().contains("not proved: motion between samples");
+            assert_eq!(unproved, is_too_few, "{}", run.text());
             // Those that were added for the closer look are no part of the report.
             let text = run.text();
             let line = text
@@ -342,7 +345,7 @@ fn narrow_gaps_of_redundant_equations_do_not_pass() {
 #[test]
 fn a_motion_that_is_mostly_not_proved_does_not_pass() {
     let folder = Workspace::new();
-    for peak in ["0.0022067", "0"] {
+    for peak in ["0.0022067", "0.001"] {
         let text = format!(
             "units = {{ length = \"mm\", angle = \"rad\" }}\nduration = 1\n[inputs]\n\
              d = \"1000*(2-1e-9+30*sin(5*t)+{peak}*exp(-((t-0.098622354691)/9.244e-10)^4))\"\nq = \"30000*sin(5*t)\"\n\

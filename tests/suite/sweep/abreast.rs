@@ -87,6 +87,32 @@ fn measures_without_certificates_are_what_the_others_are() {
     }
 }
 
+/// A dimension that jumps, however little, is not passed on the way to a design.
+#[test]
+fn jumps_are_not_passed_without_certificates() {
+    let space = Workspace::new();
+    for jump in [
+        "0.001*floor(p)",
+        "15*floor(p)",
+        "0.001*mod(p, 1)",
+        "0.1*atan2(sin(p), cos(p))",
+    ] {
+        let text = format!(
+            "duration = 1\n[parameters]\np = 2.5\nq = 60\n[inputs]\nphi = \"2*pi*t\"\n[loops]\n\
+             A = \"Rz(phi) Tx(20) Rz(alpha) Tx(q + {jump}) Rz(mu) Tx(-h)\"\n[guess]\nh = 80\n"
+        );
+        space.write("jump.toml", text);
+        let line = "jump.toml --design lhs:40,p=0..4,q=50..90 --outputs h --samples 12";
+        let proved = compared(&space, line, 12, 1);
+        let status = column(&proved, "status");
+        assert!(status.iter().any(|s| s == "ok"), "{jump}: {status:?}");
+        assert!(
+            status.iter().any(|s| s == "not-reached"),
+            "{jump}: {status:?}"
+        );
+    }
+}
+
 #[test]
 fn rows_do_not_depend_on_threads_company_and_cuts() {
     let space = Workspace::new();
