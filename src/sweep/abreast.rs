@@ -45,10 +45,15 @@ struct Way {
     first: usize,
 }
 
-/// Makes rows of eight designs; one for each thread.
-pub(super) struct RowGroup<'s> {
+/// Follows eight designs from target to target.
+struct LaneRoute<'s> {
     sweep: &'s Sweep,
     follower: LaneFollower<'s>,
+}
+
+/// Makes rows of eight designs; one for each thread.
+pub(super) struct RowGroup<'s> {
+    route: LaneRoute<'s>,
     /// From the file's values to those of the designs.
     approach: Vec<Target>,
     /// Along every track, and last along the drive.
@@ -93,48 +98,48 @@ impl<'s> RowGroup<'s> {
         let drive = drive.map(|time| cut(family.actuation.inputs_at(time)));
         let drive = Way::new(&start, drive);
         Some(Self {
-            follower: LaneFollower::new(family.system())?,
+            route: LaneRoute {
+                follower: LaneFollower::new(family.system())?,
+                sweep,
+            },
             approach: parts_of(STEPS)
                 .map(|share| Target::new(&start, share))
                 .collect(),
             ways: tracks.into_iter().chain([drive]).collect(),
             asked,
-            sweep,
         })
     }
 
     /// The rows of at most eight designs with these parameters; `None` for those left to the ordinary method.
     pub fn rows(&mut self, designs: &[Vec<f64>]) -> Vec<Option<Row>> {
-        let origin: Vec<Octet> = self.sweep.origin.coordinates().map(Octet::splat).collect();
+        let sweep = self.route.sweep;
+        let route = &mut self.route;
+        let origin: Vec<Octet> = sweep.origin.coordinates().map(Octet::splat).collect();
         let mut lanes = LaneMask::first(designs.len());
-        let approach = std::mem::take(&mut self.approach);
         let mut reached = LanePoses::default();
-        lanes = self.follow(&origin, &approach, designs, lanes, &mut reached);
-        self.approach = approach;
+        lanes = route.follow(&origin, &self.approach, designs, lanes, &mut reached);
         let Some(start) = reached.pop() else {
             return vec![None; designs.len()];
         };
         // The poses of every way, as slots of formulas, and how well they close.
-        let ways = std::mem::take(&mut self.ways);
         let (mut slots, mut closure) = (Vec::new(), Octet::ZERO);
-        for way in &ways {
-            lanes = self.follow(&start, &way.targets, designs, lanes, &mut reached);
+        for way in &self.ways {
+            lanes = route.follow(&start, &way.targets, designs, lanes, &mut reached);
             let asked = reached.get(way.first..).unwrap_or_default().iter();
             let observed = |pose: &Vec<Octet>| {
-                closure = closure.larger_magnitude(self.follower.closure_error(pose));
-                observed_slots(self.sweep.family().mechanism(), pose)
+                closure = closure.larger_magnitude(route.follower.closure_error(pose));
+                observed_slots(sweep.family().mechanism(), pose)
             };
             slots.push(asked.map(observed).collect::<Vec<_>>());
         }
-        self.ways = ways;
         let values = self.values(&slots, designs);
         let poses: usize = slots.iter().map(Vec::len).sum();
         let row = |(lane, values): (usize, Vec<f64>)| {
             let is_whole = closure.lane(lane).is_finite() && values.iter().all(|v| v.is_finite());
             (lanes.has(lane) && is_whole).then(|| Row {
                 status: RowStatus::Ok,
-                is_feasible: self.sweep.keeps_limits(&values),
-                values: self.sweep.in_file_units(values),
+                is_feasible: sweep.keeps_limits(&values),
+                values: sweep.in_file_units(values),
                 closure_error: closure.lane(lane),
                 error_bound: f64::NAN,
                 unproved: poses as f64,
@@ -161,7 +166,9 @@ impl<'s> RowGroup<'s> {
         };
         (0..designs.len()).map(of_lane).collect()
     }
+}
 
+impl LaneRoute<'_> {
     /// Follows the designs from closed poses to all targets; fills `reached` with the poses there and returns the lanes
     /// whose steps were trusted.
     fn follow(

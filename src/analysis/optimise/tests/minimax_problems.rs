@@ -79,14 +79,17 @@ fn minimax_finds_the_line_of_equal_errors() {
     );
 }
 
+/// The error of a point, and its derivatives.
+type PointError = (f64, [f64; 3]);
+
 /// The fourth-order norm of the errors of a curve through points, with or without its known curvature.
 struct CurveNorm {
     is_bent: bool,
 }
 
 impl CurveNorm {
-    /// The error of each point, and its derivatives.
-    fn errors(x: &[f64]) -> Vec<(f64, [f64; 3])> {
+    /// The errors of all points.
+    fn errors(x: &[f64]) -> Vec<PointError> {
         let of_point = |k: i32| {
             let t = 0.1 * f64::from(k);
             let wave = (x[1] * t + x[2]).sin();
@@ -114,7 +117,7 @@ impl minimax::MinimaxProblem for CurveNorm {
     }
     fn gradients_at(&mut self, x: &[f64]) -> Option<(minimax::PeakValues, minimax::PeakGradients)> {
         let (errors, norm) = (Self::errors(x), Self::norm(x));
-        let sum = |term: &dyn Fn(&(f64, [f64; 3])) -> f64| errors.iter().map(term).sum::<f64>();
+        let sum = |term: &dyn Fn(&PointError) -> f64| errors.iter().map(term).sum::<f64>();
         let slope = |i: usize| sum(&|(e, d)| (e / norm).powi(3) * d[i]);
         let slopes = [0, 1, 2].map(slope);
         let entry = |i: usize, j: usize| {
