@@ -3,11 +3,12 @@
 //! solved in the ordinary way if these do not help.
 
 use super::row::{Row, RowStatus};
-use super::swept_scene::{RequestedValues, Sweep};
+use super::swept_scene::{RequestedValues, Sweep, looks_along_drive};
 use crate::analysis::study::LaneMeasures;
 use crate::kinematics::abreast::following::LaneFollower;
 use crate::kinematics::loops::observed::observed_slots;
 use crate::kinematics::results::columns::ValueColumn;
+use crate::model::drive::Drive;
 use crate::model::measure::MeasuredTrack;
 use crate::model::mechanism::OutputSource;
 use crate::numbers::octet::{LANES, LaneMask, Octet};
@@ -68,6 +69,18 @@ impl<'s> RowGroup<'s> {
         let mut outputs = mechanism.outputs.iter();
         let are_formulas = outputs.all(|o| matches!(o.source, OutputSource::Formula(_)));
         if sweep.asked.is_proved() || !are_formulas || sweep.reads_anew() {
+            return None;
+        }
+        // A drive that may turn back between two instants is followed in the ordinary way.
+        let along_drive = match &sweep.asked {
+            RequestedValues::Measures { .. } => looks_along_drive(&family.measures),
+            _ => true,
+        };
+        if along_drive
+            && !family.actuation.drives[..family.own_inputs()]
+                .iter()
+                .all(is_straight)
+        {
             return None;
         }
         let place = |c: &ValueColumn| (c.slot(mechanism), mechanism.file_units(c.kind(mechanism)));
@@ -262,6 +275,14 @@ impl Way {
             targets: leading.into_iter().chain(poses).collect(),
             first,
         }
+    }
+}
+
+/// Whether a drive changes steadily with the time.
+fn is_straight(drive: &Drive) -> bool {
+    match drive {
+        Drive::Formula(formula) => formula.affine().is_some(),
+        Drive::Keys { .. } => false,
     }
 }
 

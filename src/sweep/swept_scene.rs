@@ -283,7 +283,7 @@ pub(super) fn motion_status(motion: &Trajectory, start: RowStatus) -> RowStatus 
     }
 }
 
-fn looks_along_drive(measures: &Measures) -> bool {
+pub(super) fn looks_along_drive(measures: &Measures) -> bool {
     let along = |m: &Measure| matches!(m.source, MeasureSource::Over { track: None, .. });
     measures.list.iter().any(along)
 }

@@ -113,6 +113,24 @@ fn jumps_are_not_passed_without_certificates() {
     }
 }
 
+/// What the poses at two samples do not show: a whole turn between them, and a drive that leaves and comes back.
+#[test]
+fn turns_and_ways_between_samples_are_not_stepped_over() {
+    let space = Workspace::new();
+    let turn = "duration = 1\nunits = { length = \"m\", angle = \"deg\" }\n[parameters]\np = 0.001\n[inputs]\nphi = \"90+360*t\"\n\
+         [loops]\nA = \"Rz(phi) Tx(1) Rz(a) Tx(3) Rz(m) inv(Tx(3) Rz(psi) Tx(1+p))\"\n[guess]\na = -90\nm = 90\npsi = 90\n\
+         [tracks]\nturn = { samples = 2, inputs = { phi = [90, 450] } }\n\
+         [measures]\nend = { track = \"turn\", of = \"psi\", take = \"last\" }\n";
+    space.write("turn.toml", turn);
+    compared(&space, "turn.toml --design grid:p=0.002..0.02:7", 3, 0);
+    let back = "duration = 1\n[parameters]\np = 0.5\n[inputs]\nh = \"3 + 2*sin(2*pi*t)\"\n[loops]\n\
+         A = \"Rz(phi) Tx(1.4 + 0.01*p) Rz(alpha) Tx(2.5) Rz(mu) Tx(-h)\"\n[guess]\nphi = 0.9\n";
+    space.write("back.toml", back);
+    let line = "back.toml --design grid:p=0..1:3 --outputs phi --samples 2";
+    let proved = compared(&space, line, 2, 0);
+    assert_eq!(column(&proved, "status"), ["not-closed"; 3]);
+}
+
 #[test]
 fn rows_do_not_depend_on_threads_company_and_cuts() {
     let space = Workspace::new();
