@@ -61,7 +61,8 @@ struct Low {
 }
 
 impl PairSweep<'_> {
-    /// Times below the minimum, found in at most `most_looks` intervals. Empty if bodies enclose each other without touching: no distance shows when that began.
+    /// Times below the minimum, found in at most `most_looks` intervals. Empty if bodies enclose each other without
+    /// touching: no distance shows when that began.
     pub(super) fn violations(
         &self,
         motion: &mut ProvedMotion,

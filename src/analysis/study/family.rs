@@ -384,8 +384,7 @@ impl ParametricMechanism {
     /// The range of poses of a track or of the drive.
     pub(super) fn poses_of(&self, track: Option<usize>) -> std::ops::Range<usize> {
         let row = track.unwrap_or(self.measures.tracks.len());
-        let start: usize = self.counts[..row].iter().sum();
-        start..start + self.counts[row]
+        self.ranges().nth(row).unwrap_or_default()
     }
 
     /// The poses of every track, and last of the drive if a measure refers to it.

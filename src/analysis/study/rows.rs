@@ -166,9 +166,7 @@ impl Reduction {
             },
         }
     }
-}
 
-impl Reduction {
     /// Second derivatives of a norm whose values are linear, with these `slopes` (Gauss-Newton).
     fn gauss_newton(
         self,

@@ -32,8 +32,8 @@ pub struct SweepRequestArgs {
         conflicts_with = "check"
     )]
     pub outputs: Vec<String>,
-    /// Leave out the certificates, which makes rows many times faster: poses are closed and kept on their branch by the same
-    /// tests, but nothing is proved.
+    /// Leave out the certificates, which makes rows many times faster: poses are closed and kept on their branch by tests of
+    /// the steps, but nothing is proved.
     #[arg(long, conflicts_with = "check")]
     pub unproved: bool,
     /// Rows contain the result of `mechanim check`: whether it passes, and the smallest margin of a clearance, as found and as

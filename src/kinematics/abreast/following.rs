@@ -24,7 +24,7 @@ use crate::numbers::octet::{LANES, LaneMask, Octet};
 /// one, squared.
 const ACROSS: f64 = 1e-12;
 
-/// The largest change of a scaled unknown in one step, as between the samples of a motion.
+/// The largest change of a scaled unknown in one step: an eighth of a turn, so that none hides a whole one.
 const LONGEST_STEP: f64 = std::f64::consts::FRAC_PI_4;
 
 /// Follows motions of one system; one per thread.
@@ -119,10 +119,9 @@ impl<'s> LaneFollower<'s> {
             lanes = lanes.and(self.stays_regular(index));
         }
         let allowed = length.each(largest_correction);
-        let trusted = lanes.and((first_step + bend).at_most(allowed));
         // After a whole turn all Jacobians are the same again: longer steps tell nothing.
         lanes = lanes.and(length.at_most(Octet::splat(LONGEST_STEP)));
-        let trusted = trusted.and(lanes);
+        let trusted = lanes.and((first_step + bend).at_most(allowed));
         let is_near = first_step.at_most(Octet::splat(MAX_CORRECTION));
         let doubted = lanes.without(trusted).and(is_near);
         lanes = match doubted.any() {
