@@ -39,6 +39,11 @@ const STEPS_OF_SAMPLE: usize = 200;
 /// those that were reached.
 const MOST_DESCENTS: usize = 200;
 
+/// Most stretches of a motion that is looked at once more, and more of them for every sample: what nobody asked for must not
+/// cost far more than the motion.
+const MOST_STRETCHES: usize = 20_000;
+const STRETCHES_OF_SAMPLE: usize = 20;
+
 /// Parts of a gap that steps did not get over: a pose is sought between them.
 const OF_GAP: usize = 16;
 
@@ -88,7 +93,11 @@ pub fn solve_closely<'m>(
     let mut all = times.to_vec();
     let mut room = FIRST_ADDED;
     let mut was_in_vain = false;
+    let most_stretches = MOST_STRETCHES + STRETCHES_OF_SAMPLE * times.len();
     for round in 0..ROUNDS {
+        if motion.roots > most_stretches {
+            break;
+        }
         let Some(more) = closer_times(&motion, &all, room).filter(|_| !cancelled()) else {
             break;
         };

@@ -5,8 +5,8 @@ use super::meeting::Meeting;
 use super::motion::ProvedMotion;
 use super::one_joint::{ProvedRanges, RoundPair, round_pairs};
 use super::sweep::PairSweep;
-use crate::distance::bodies::{ball_separation, separation_along};
-use crate::distance::pair::signed_distance;
+use crate::distance::bodies::{BodyElements, ball_separation, separation_along};
+use crate::distance::pair::{signed_distance, signed_distance_above};
 use crate::distance::primitive::{Element, Primitive};
 use glam::DVec3;
 use std::rc::Rc;
@@ -38,6 +38,19 @@ impl NearElements {
         list: None,
         others: f64::INFINITY,
     };
+
+    /// Visits these pairs of elements of two bodies.
+    pub(super) fn visit(&self, hulls: [&BodyElements; 2], mut visit: impl FnMut([usize; 2])) {
+        match &self.list {
+            Some(near) => near.iter().for_each(|pair| visit(*pair)),
+            None => {
+                let [rows, columns] = hulls.map(|hull| hull.elements.len());
+                for i in 0..rows {
+                    (0..columns).for_each(|j| visit([i, j]));
+                }
+            }
+        }
+    }
 }
 
 impl Segment {
@@ -81,6 +94,18 @@ impl BoundGoal {
     /// For a part that is not examined.
     pub(super) fn known_of(piece: &Segment) -> Self {
         Self::reached(f64::NEG_INFINITY, piece.known, piece)
+    }
+
+    /// For a part that is known to come below the goal: no farther apart than `upper` in the middle as far as the motion is
+    /// known, to within `blur`.
+    pub(super) fn below(asked: f64, upper: f64, blur: f64, piece: &Segment) -> Self {
+        Self {
+            asked,
+            lowest: f64::NEG_INFINITY,
+            middle: upper + blur,
+            is_blurred: blur.is_nan() || upper + 2.0 * blur >= asked,
+            near: piece.near.clone(),
+        }
     }
 
     /// The bound without examining elements, if it reaches the goal.
@@ -176,7 +201,7 @@ impl PairSweep<'_> {
             round,
         } = memory;
         placed.iter_mut().for_each(|placed| *placed = None);
-        let mut visit = |[i, j]: [usize; 2]| {
+        piece.near.visit(self.hulls, |[i, j]| {
             if self.left_out.contains(&[i, j]) {
                 return;
             }
@@ -235,8 +260,15 @@ impl PairSweep<'_> {
                 }
                 return;
             }
+            // Where solids overlap that should not, how deep they do is of no account.
+            let Some(found) = signed_distance_above(first, second, goal) else {
+                nearest = nearest.min(-(first.radius + second.radius));
+                lowest = lowest.min(far);
+                left.push([i, j]);
+                return;
+            };
             // The distance in the middle, and a bound of the second order over the piece.
-            let meeting = Meeting::new(first, second, mine, &moved);
+            let meeting = Meeting::with(found, [first, second, mine], &moved);
             nearest = nearest.min(meeting.found.distance);
             *normal = meeting.found.normal;
             let below = match (&back, &mine.core) {
@@ -254,15 +286,7 @@ impl PairSweep<'_> {
                 lowest.min(below)
             };
             left.push([i, j]);
-        };
-        match &piece.near.list {
-            Some(near) => near.iter().for_each(|pair| visit(*pair)),
-            None => {
-                for i in 0..self.hulls[0].elements.len() {
-                    (0..self.hulls[1].elements.len()).for_each(|j| visit([i, j]));
-                }
-            }
-        }
+        });
         let is_proved = lowest >= goal && stretch.is_certified;
         if let Some(ranges) = ranges.as_mut().filter(|_| is_proved) {
             ranges.prove(arguments, [s, half], lowest);

@@ -23,12 +23,17 @@ pub struct Meeting<'e> {
 impl<'e> Meeting<'e> {
     /// Measures the distance in the middle.
     pub fn new(a: &'e Element, b: &'e Element, mine: &'e Element, moved: &'e RelativeMove) -> Self {
+        Self::with(signed_distance(a, b), [a, b, mine], moved)
+    }
+
+    /// The same where that distance is known.
+    pub fn with(found: Proximity, [a, b, mine]: [&'e Element; 3], moved: &'e RelativeMove) -> Self {
         Self {
             a,
             b,
             mine,
             moved,
-            found: signed_distance(a, b),
+            found,
         }
     }
 

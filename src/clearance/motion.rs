@@ -267,6 +267,16 @@ impl<'m> ProvedMotion<'m> {
         self.gaps.is_empty() && roots.all(|s| s.is_certified)
     }
 
+    /// How well redundant equations are proved to close where the motion is, in the scene's unit; `None` without any of them.
+    pub fn closes_to(&self) -> Option<f64> {
+        let roots = self.stretches[..self.roots].iter();
+        self.prover
+            .closes_to(roots.filter_map(|stretch| match &stretch.way {
+                StretchMotion::Proved(tube) => Some(&**tube),
+                StretchMotion::Estimated(_) => None,
+            }))
+    }
+
     /// Notes a stretch that is not examined, together with the one before it.
     pub(super) fn leave_out(&mut self, from: f64, to: f64) {
         match self.gaps.last_mut() {

@@ -2,7 +2,7 @@
 
 use super::mesh;
 use super::mesh_tree::{MeshTrees, ShellEnclosure};
-use super::pair::{Proximity, signed_distance};
+use super::pair::{Proximity, signed_distance_below};
 use super::point::point_to;
 use super::primitive::{Element, Primitive, shape_elements};
 use crate::math::Pose;
@@ -160,8 +160,9 @@ pub fn nearest_bodies(
         if best.is_some_and(|b| lowest >= b.proximity.distance) {
             break;
         }
-        let proximity = signed_distance(&a.elements[i], &placed[j]);
-        if best.is_none_or(|b| proximity.distance < b.proximity.distance) {
+        let limit = best.map_or(f64::INFINITY, |b| b.proximity.distance);
+        let proximity = signed_distance_below(&a.elements[i], &placed[j], limit);
+        if best.is_none() || proximity.distance < limit {
             best = Some(BodyProximity {
                 proximity,
                 elements: [i, j],

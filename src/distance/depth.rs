@@ -21,6 +21,9 @@ const SEEN_APART: f64 = 1e-10;
 /// A separating translation may be missed if it is shorter by at most this fraction of the extent: rounding.
 const MISSED: f64 = 1e-12;
 
+/// Bends are computed to within this factor.
+const BEND_ROUNDING: f64 = 1.0 + 1e-9;
+
 /// A direction and the length of the separating translation along it.
 #[derive(Clone, Copy)]
 struct Exit {
@@ -107,8 +110,9 @@ fn exit_along(a: &Primitive, b: &Primitive, n: DVec3) -> Exit {
     Exit { way, n }
 }
 
-/// The shortest translation that separates two convex cores; `near` is the pair of points that showed the overlap.
-pub fn overlap_depth(a: &Primitive, b: &Primitive, near: CorePair) -> CorePair {
+/// The shortest translation that separates two convex cores; `near` is the pair of points that showed the overlap. A depth
+/// of at most `least` is not determined: then the result may be any between it and `least`, with other points.
+pub fn overlap_depth(a: &Primitive, b: &Primitive, near: CorePair, least: f64) -> CorePair {
     let mut best = Exit {
         way: f64::INFINITY,
         n: DVec3::Z,
@@ -121,17 +125,34 @@ pub fn overlap_depth(a: &Primitive, b: &Primitive, near: CorePair) -> CorePair {
         second.iter().for_each(|v| take(u.cross(*v)));
     }
     take(near.normal);
+    // What is no deeper than this needs no search.
+    if best.way <= least {
+        return CorePair {
+            distance: -best.way.max(0.0),
+            normal: best.n,
+            ..near
+        };
+    }
+    let mut take = |n: DVec3| best.take(a, b, n);
     for (round, other, edges) in [(a, b, &second), (b, a, &first)] {
         if let Primitive::Frustum(f) = round {
             // The edges of the other one on the rims, and the side of this one on the corners and rims of the other.
-            let lines = edges.iter().map(|e| DepthRing::about(*e, 0.0));
             let sign = if std::ptr::eq(round, a) { 1.0 } else { -1.0 };
             let side = DepthRing::about(f.axis, sign * side_lean(f));
-            // The edge of another cylinder is its own side.
-            let has_edges = !matches!(other, Primitive::Frustum(_));
-            let lines = lines.filter(|_| has_edges);
-            for ring in lines.chain([side]) {
-                take(ring_direction(a, b, &ring));
+            let [(p, r), (q, s)] = [a.bounds(), b.bounds()];
+            let steepest = p.distance(q) + r + s;
+            match other {
+                // The edge of another cylinder is its own side.
+                Primitive::Frustum(g) => {
+                    let bend = bend_of_rims(f, g, &side).min(steepest);
+                    take(ring_direction(a, b, &side, [bend, steepest]));
+                }
+                _ => {
+                    let lines = edges.iter().map(|e| DepthRing::about(*e, 0.0));
+                    for ring in lines.chain([side]) {
+                        take(ring_direction(a, b, &ring, [steepest; 2]));
+                    }
+                }
             }
         }
     }
@@ -161,13 +182,34 @@ fn touching_points(a: &Primitive, b: &Primitive, way: DVec3, n: DVec3) -> Option
     (parted.distance > 0.0).then(|| [parted.points[0], parted.points[1] - farther])
 }
 
-/// The best direction on a ring.
-fn ring_direction(a: &Primitive, b: &Primitive, ring: &DepthRing) -> DVec3 {
+/// How much the way out, as a function of the angle on the ring of the sides of `f`, may be bent downwards: minus its least
+/// second derivative. The support of `f` itself is that of a point there, up to a constant; that of `g` is the larger of its
+/// two rims: each the support of its centre, which is bent by its distance from the axis of `f`, and R √(1 - y²), where
+/// y = n · axis of `g` = y₀ + A cos φ. The second derivative of that is at least -R (A²/F³ + |y| A/F) with F = √(1 - y²).
+fn bend_of_rims(f: &Frustum, g: &Frustum, ring: &DepthRing) -> f64 {
+    let cosine = ring.u.length();
+    let along = f.axis.cross(g.axis).length() * cosine;
+    let highest = (ring.lift.dot(g.axis).abs() + along).min(1.0);
+    let least = (1.0 - highest * highest).sqrt();
+    let of_unit = along * (along / (least * least) + highest) / least;
+    let bends = g.rims().map(|rim| {
+        let from_axis = f.axis.cross(rim.centre - f.from).length();
+        from_axis * cosine + rim.radius * of_unit
+    });
+    // Where a rim is seen edge on there is no such bound.
+    bends[0].max(bends[1]) * BEND_ROUNDING
+}
+
+/// The best direction on a ring, on which the way out is bent by at most `bend` and changes by at most `steepest`.
+fn ring_direction(
+    a: &Primitive,
+    b: &Primitive,
+    ring: &DepthRing,
+    [bend, steepest]: [f64; 2],
+) -> DVec3 {
     let at = |(sin, cos): (f64, f64)| ring.u * cos + ring.v * sin + ring.lift;
-    let [(p, r), (q, s)] = [a.bounds(), b.bounds()];
-    let steepest = p.distance(q) + r + s;
     // Supports are convex functions of the direction.
-    let lowest = |a: &CurveSpot, b: &CurveSpot| lowest_of_bent(steepest, a, b);
+    let lowest = |a: &CurveSpot, b: &CurveSpot| lowest_of_bent(bend, a, b);
     let best = least_on_circle(lowest, MISSED * steepest, |angle, (sin, cos)| {
         let n = at((sin, cos));
         farthest_direction(a, b, n).map_or(CurveSpot::default(), |x| CurveSpot {

@@ -42,13 +42,29 @@ impl Proximity {
 
 /// Signed distance of two elements in one frame. Their order does not change a single bit of it.
 pub fn signed_distance(a: &Element, b: &Element) -> Proximity {
-    if a.core.order(&b.core) == Ordering::Greater {
-        return in_order(b, a).swapped();
-    }
-    in_order(a, b)
+    signed_distance_below(a, b, f64::INFINITY)
 }
 
-fn in_order(a: &Element, b: &Element) -> Proximity {
+/// Signed distance of two elements, if it is below `limit`; otherwise any number from `limit` to it, with some points.
+pub fn signed_distance_below(a: &Element, b: &Element, limit: f64) -> Proximity {
+    if a.core.order(&b.core) == Ordering::Greater {
+        return in_order(b, a, limit).swapped();
+    }
+    in_order(a, b, limit)
+}
+
+/// Signed distance of two elements; `None` if it is known to be below `floor` before a depth is searched for.
+pub fn signed_distance_above(a: &Element, b: &Element, floor: f64) -> Option<Proximity> {
+    // Solid cores that overlap are no farther apart than their radii reach.
+    let is_low = -(a.radius + b.radius) < floor
+        && is_deep(&a.core, &b.core)
+        && nearest_cores(&a.core, &b.core).distance <= 0.0;
+    (!is_low).then(|| signed_distance(a, b))
+}
+
+fn in_order(a: &Element, b: &Element, limit: f64) -> Proximity {
+    // Radii inflate the cores.
+    let radii = a.radius + b.radius;
     let cores = match (&a.core, &b.core) {
         (Primitive::HalfSpace(half), other) => half_space::nearest_to_half_space(half, other),
         (other, Primitive::HalfSpace(half)) => {
@@ -58,10 +74,10 @@ fn in_order(a: &Element, b: &Element) -> Proximity {
         (other, Primitive::Mesh(tree, pose)) => {
             mesh::nearest_to_mesh(&tree.tree, pose, other).swapped()
         }
-        (first, second) => signed_cores(first, second),
+        (first, second) => signed_cores(first, second, -(limit + radii)),
     };
-    // Radii inflate the cores; overlapping meshes have no depth.
-    let distance = cores.distance - (a.radius + b.radius);
+    // Overlapping meshes have no depth.
+    let distance = cores.distance - radii;
     let is_mesh = |e: &Element| matches!(e.core, Primitive::Mesh(..));
     let is_flat = |e: &Element| matches!(e.core, Primitive::HalfSpace(_));
     Proximity {
@@ -78,20 +94,21 @@ fn in_order(a: &Element, b: &Element) -> Proximity {
     }
 }
 
-fn signed_cores(a: &Primitive, b: &Primitive) -> CorePair {
+/// Depths of at most `least` are not determined.
+fn signed_cores(a: &Primitive, b: &Primitive, least: f64) -> CorePair {
     let cores = nearest_cores(a, b);
-    let convex = |core: &Primitive| !matches!(core, Primitive::Circle(_));
-    let has_inside = |core: &Primitive| matches!(core, Primitive::Box(_) | Primitive::Frustum(_));
-    let is_point = |core: &Primitive| matches!(core, Primitive::Point(_));
-    if cores.distance <= 0.0
-        && convex(a)
-        && convex(b)
-        && (has_inside(a) || has_inside(b))
-        && !(is_point(a) || is_point(b))
-    {
-        return overlap_depth(a, b, cores);
+    match cores.distance <= 0.0 && is_deep(a, b) {
+        true => overlap_depth(a, b, cores, least),
+        false => cores,
     }
-    cores
+}
+
+/// Whether the depth of two cores that overlap is searched for.
+fn is_deep(a: &Primitive, b: &Primitive) -> bool {
+    use Primitive::{Box, Frustum, Segment, Triangle};
+    let is_solid = |core: &Primitive| matches!(core, Box(_) | Frustum(_));
+    let has_extent = |core: &Primitive| is_solid(core) || matches!(core, Segment(_) | Triangle(_));
+    has_extent(a) && has_extent(b) && (is_solid(a) || is_solid(b))
 }
 
 /// Whether `a` lies completely inside `b`. Never reported for meshes, and for solids in a torus.

@@ -21,12 +21,30 @@ pub struct BetweenSamples {
     unproved: Option<Vec<[f64; 2]>>,
     /// Seconds of the whole motion.
     duration: f64,
+    /// How well redundant equations close where the motion is proved, in the scene's unit.
+    closes_to: Option<f64>,
 }
 
 impl BetweenSamples {
-    /// Of the intervals that are not proved, in a motion of so many seconds.
-    pub fn new(unproved: Option<Vec<[f64; 2]>>, duration: f64) -> Self {
-        Self { unproved, duration }
+    /// Of the intervals that are not proved, in a motion of so many seconds; `closes_to` bounds the redundant equations in all
+    /// others.
+    pub fn new(unproved: Option<Vec<[f64; 2]>>, duration: f64, closes_to: Option<f64>) -> Self {
+        Self {
+            unproved,
+            duration,
+            closes_to,
+        }
+    }
+
+    /// What is known of redundant equations, after a word that tells where.
+    fn of_redundant(&self, mechanism: &Mechanism, place: &str) -> String {
+        self.closes_to.map_or(String::new(), |closes_to| {
+            format!(
+                "; {place}redundant equations close to {} {}",
+                at_most(closes_to),
+                mechanism.length_unit
+            )
+        })
     }
 
     /// One line.
@@ -36,15 +54,16 @@ impl BetweenSamples {
                 .to_owned();
         };
         let Some([first, _]) = places.first() else {
-            return "proved everywhere".to_owned();
+            return "proved everywhere".to_owned() + &self.of_redundant(mechanism, "");
         };
         let count = places.len();
         let word = if count == 1 { "place" } else { "places" };
         let inputs = sentences::input_sentence(mechanism, &actuation.inputs_at(*first));
         format!(
-            "stepped over, not proved, in {count} {word} of together {} s, first at t = {} s ({inputs})",
+            "stepped over, not proved, in {count} {word} of together {} s, first at t = {} s ({inputs}){}",
             at_most(together(places)),
-            decimals_of(*first, 9)
+            decimals_of(*first, 9),
+            self.of_redundant(mechanism, "elsewhere ")
         )
     }
 
@@ -75,6 +94,7 @@ impl BetweenSamples {
             "proved": self.is_proved(),
             "places": places.len(),
             "seconds": together(places),
+            "closes_to": self.closes_to,
             "stepped_over": listed.collect::<Vec<_>>(),
         })
     }

@@ -146,7 +146,7 @@ impl<'a> MotionCheck<'a> {
                 let looks = self.looks_between(trajectory.samples.len());
                 let unproved = looks.then(|| unproved(covered.proved()));
                 let [first, last] = covered.proved().span();
-                BetweenSamples::new(unproved, last - first)
+                BetweenSamples::new(unproved, last - first, covered.proved().closes_to())
             });
         let report = MotionReport::new(driven, trajectory, self.asked, &measured, clearances)
             .between(between);

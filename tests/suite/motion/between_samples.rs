@@ -247,10 +247,30 @@ fn redundant_rows_are_bounded_after_any_number_of_turns() {
              [guess]\nx = -1\ny = 2\n"
         );
         folder.write("tilted.toml", &text);
-        let args = ["check", "tilted.toml", "--samples", "90"];
-        let text = folder.run(&args).exits(0).text();
-        let is_proved = text.contains("between samples  proved everywhere");
-        assert!(is_proved, "{rate} rad/s\n{text}");
+        let closes_to = |more: &[&str], place: &str, line: &str| {
+            let args = [
+                "check",
+                "tilted.toml",
+                "--samples",
+                "90",
+                "--json",
+                "r.json",
+            ];
+            let text = folder.run(&[&args[..], more].concat()).exits(0).text();
+            let told = text
+                .lines()
+                .any(|l| l.trim().starts_with(line) && l.contains("redundant equations close to"));
+            assert!(told, "{rate} rad/s\n{text}");
+            let report: Value = serde_json::from_slice(&folder.read("r.json")).unwrap();
+            assert_eq!(report["between"].is_null(), place == "motion", "{text}");
+            report[place]["closes_to"].as_f64().unwrap()
+        };
+        // The same tubes, whether their proof is asked for or not.
+        let line = "between samples  proved everywhere; redundant";
+        let found = closes_to(&[], "between", line);
+        let asked = closes_to(&["--certify", "motion"], "motion", "");
+        assert_eq!(found, asked, "{rate} rad/s");
+        assert!((1e-16..1e-8).contains(&found), "{rate} rad/s: {found}");
     }
 }
 

@@ -125,16 +125,22 @@ impl<'m> Prover<'m> {
         let [least, largest] = self.system.mechanism().distance_units();
         let radius = tubes.iter().map(|t: &Tube| t.radius).fold(0.0, f64::max);
         let unique = tubes.iter().map(|t| t.unique).fold(f64::INFINITY, f64::min);
-        let closes_to = tubes.iter().map(|t| t.closes_to).fold(0.0, f64::max);
-        let is_bounded = self.digits.is_some() && !tubes.is_empty();
         let certificate = IntervalCertificate {
             tubes: tubes.len(),
             radius: radius * largest * (1.0 + 1e-12),
             unique_radius: unique * least * (1.0 - 1e-12),
-            closes_to: is_bounded.then_some(closes_to * largest * (1.0 + 1e-12)),
+            closes_to: self.closes_to(tubes.iter()),
             refused,
         };
         (certificate, tubes)
+    }
+
+    /// How well redundant equations are proved to close along these tubes, in the scene's unit; `None` without any of them.
+    pub fn closes_to<'t>(&self, tubes: impl Iterator<Item = &'t Tube>) -> Option<f64> {
+        let largest = tubes.map(|tube| tube.closes_to).reduce(f64::max);
+        let unit = self.system.mechanism().distance_units()[1];
+        let largest = largest.filter(|_| self.digits.is_some());
+        largest.map(|largest| largest * unit * (1.0 + 1e-12))
     }
 
     /// The tubes of an interval, from its start up to its end or a failure. None is shorter than `floor` of the
