@@ -8,7 +8,7 @@
 //! distance as requested. An interrupted search keeps what was proved so far.
 
 use super::broad_phase::Sweeper;
-use super::look::{BoundGoal, LookMemory, Segment};
+use super::look::{BoundGoal, LookGoal, LookMemory, Segment};
 use super::motion::ProvedMotion;
 use super::sweep::{Least, NearestPose, PairSweep};
 use crate::distance::bodies::nearest_bodies;
@@ -164,9 +164,13 @@ impl PairSweep<'_> {
             search.looks += 1;
             // A whole interval is examined once, for both goals.
             let [asked, target] = [self.value_of(goal, best), self.target(best)];
-            let goals = match piece.half == 1.0 {
-                true => [asked.max(target), target],
-                false => [asked, target],
+            let goals = LookGoal {
+                asked: match piece.half == 1.0 {
+                    true => asked.max(target),
+                    false => asked,
+                },
+                kept: target,
+                is_bound: true,
             };
             let mut look = self.look(motion, &piece, goals, &mut search.memory);
             // A look for a higher goal may tell less.

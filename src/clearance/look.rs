@@ -5,8 +5,8 @@ use super::meeting::Meeting;
 use super::motion::ProvedMotion;
 use super::one_joint::{ProvedRanges, RoundPair, round_pairs};
 use super::sweep::PairSweep;
-use crate::distance::bodies::{BodyElements, ball_separation, separation_along};
-use crate::distance::pair::{signed_distance, signed_distance_above};
+use crate::distance::bodies::{ball_separation, separation_along};
+use crate::distance::pair::{signed_distance, signed_distance_below};
 use crate::distance::primitive::{Element, Primitive};
 use glam::DVec3;
 use std::rc::Rc;
@@ -39,17 +39,8 @@ impl NearElements {
         others: f64::INFINITY,
     };
 
-    /// Visits these pairs of elements of two bodies.
-    pub(super) fn visit(&self, hulls: [&BodyElements; 2], mut visit: impl FnMut([usize; 2])) {
-        match &self.list {
-            Some(near) => near.iter().for_each(|pair| visit(*pair)),
-            None => {
-                let [rows, columns] = hulls.map(|hull| hull.elements.len());
-                for i in 0..rows {
-                    (0..columns).for_each(|j| visit([i, j]));
-                }
-            }
-        }
+    fn has(&self, pair: &[usize; 2]) -> bool {
+        self.list.as_ref().is_none_or(|list| list.contains(pair))
     }
 }
 
@@ -77,6 +68,17 @@ impl Segment {
     }
 }
 
+/// What is asked of a look at a piece.
+#[derive(Clone, Copy)]
+pub(super) struct LookGoal {
+    /// The distance that all of the piece is to keep, ...
+    pub(super) asked: f64,
+    /// ... and one that only pairs of elements that keep it, too, need not reach again.
+    pub(super) kept: f64,
+    /// Whether a bound is needed where the goal is not reached. Otherwise the distance in the middle is enough there.
+    pub(super) is_bound: bool,
+}
+
 /// The bound found for a part.
 pub(super) struct BoundGoal {
     /// The goal of the search.
@@ -94,18 +96,6 @@ impl BoundGoal {
     /// For a part that is not examined.
     pub(super) fn known_of(piece: &Segment) -> Self {
         Self::reached(f64::NEG_INFINITY, piece.known, piece)
-    }
-
-    /// For a part that is known to come below the goal: no farther apart than `upper` in the middle as far as the motion is
-    /// known, to within `blur`.
-    pub(super) fn below(asked: f64, upper: f64, blur: f64, piece: &Segment) -> Self {
-        Self {
-            asked,
-            lowest: f64::NEG_INFINITY,
-            middle: upper + blur,
-            is_blurred: blur.is_nan() || upper + 2.0 * blur >= asked,
-            near: piece.near.clone(),
-        }
     }
 
     /// The bound without examining elements, if it reaches the goal.
@@ -134,6 +124,8 @@ pub(super) struct LookMemory {
     ranges: Option<ProvedRanges>,
     /// Elements that keep their distance, whatever that joint does.
     round: Vec<Option<RoundPair>>,
+    /// The nearest elements of the last look, where the next one begins.
+    nearest_pair: Option<[usize; 2]>,
 }
 
 /// An element of the second body as the first one sees it, its ball, and how far it moves from there.
@@ -157,6 +149,7 @@ impl PairSweep<'_> {
             placed: (0..columns).map(|_| None).collect(),
             ranges: ProvedRanges::of(&self.chain, self.extent),
             round: round_pairs(&self.chain, self.hulls),
+            nearest_pair: None,
         }
     }
 
@@ -165,9 +158,10 @@ impl PairSweep<'_> {
         &self,
         motion: &ProvedMotion,
         piece: &Segment,
-        [goal, last]: [f64; 2],
+        goals: LookGoal,
         memory: &mut LookMemory,
     ) -> BoundGoal {
+        let (goal, last) = (goals.asked, goals.kept);
         let stretch = &motion.stretches[piece.stretch];
         // The pose in the middle, with what the bodies can move within the piece.
         let (arguments, s, half) = (&stretch.arguments, piece.middle, piece.half);
@@ -199,9 +193,11 @@ impl PairSweep<'_> {
             placed,
             ranges,
             round,
+            nearest_pair,
         } = memory;
+        let begin = nearest_pair.filter(|pair| piece.near.has(pair));
         placed.iter_mut().for_each(|placed| *placed = None);
-        piece.near.visit(self.hulls, |[i, j]| {
+        let mut visit = |[i, j]: [usize; 2]| {
             if self.left_out.contains(&[i, j]) {
                 return;
             }
@@ -260,16 +256,22 @@ impl PairSweep<'_> {
                 }
                 return;
             }
-            // Where solids overlap that should not, how deep they do is of no account.
-            let Some(found) = signed_distance_above(first, second, goal) else {
-                nearest = nearest.min(-(first.radius + second.radius));
-                lowest = lowest.min(far);
+            // Once the goal is missed, only what comes nearer in the middle may count.
+            let limit = match lowest < goal && !goals.is_bound {
+                true => nearest,
+                false => f64::INFINITY,
+            };
+            let found = signed_distance_below(first, second, limit);
+            if found.distance >= limit {
+                lowest = lowest.min(found.distance - way);
                 left.push([i, j]);
                 return;
-            };
+            }
             // The distance in the middle, and a bound of the second order over the piece.
             let meeting = Meeting::with(found, [first, second, mine], &moved);
-            nearest = nearest.min(meeting.found.distance);
+            if meeting.found.distance < nearest {
+                (nearest, *nearest_pair) = (meeting.found.distance, Some([i, j]));
+            }
             *normal = meeting.found.normal;
             let below = match (&back, &mine.core) {
                 (Some(back), Primitive::HalfSpace(_)) => {
@@ -286,7 +288,20 @@ impl PairSweep<'_> {
                 lowest.min(below)
             };
             left.push([i, j]);
-        });
+        };
+        begin.into_iter().for_each(&mut visit);
+        let mut visit_other = |pair| match begin == Some(pair) {
+            true => {}
+            false => visit(pair),
+        };
+        match &piece.near.list {
+            Some(near) => near.iter().for_each(|pair| visit_other(*pair)),
+            None => {
+                for i in 0..self.hulls[0].elements.len() {
+                    (0..self.hulls[1].elements.len()).for_each(|j| visit_other([i, j]));
+                }
+            }
+        }
         let is_proved = lowest >= goal && stretch.is_certified;
         if let Some(ranges) = ranges.as_mut().filter(|_| is_proved) {
             ranges.prove(arguments, [s, half], lowest);

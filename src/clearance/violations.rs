@@ -4,14 +4,10 @@
 //! are the times at which the minimum is violated, to within the shortest interval.
 
 use super::branch_and_bound::split_piece;
-use super::look::{BoundGoal, Segment};
+use super::look::{LookGoal, Segment};
 use super::motion::ProvedMotion;
-use super::relative::RelativeMove;
 use super::sweep::PairSweep;
 use crate::distance::bodies::{enclosed_shell, nearest_bodies};
-use crate::distance::inner_capsule::inner_capsule;
-use crate::distance::pair::signed_distance;
-use crate::distance::primitive::Element;
 
 /// Maximum number of intervals examined for one pair, ...
 const MOST_LOOKS: usize = 6_000;
@@ -64,40 +60,6 @@ struct Low {
     piece: Option<Segment>,
 }
 
-/// Capsules inside the elements of two bodies, by their indices: how deep bodies are in each other need not be known to see
-/// that they are too near.
-struct InnerCapsules {
-    all: [Vec<Option<Element>>; 2],
-}
-
-impl InnerCapsules {
-    fn of(sweep: &PairSweep) -> Self {
-        Self {
-            all: sweep
-                .hulls
-                .map(|hull| hull.elements.iter().map(inner_capsule).collect()),
-        }
-    }
-
-    /// Upper bound of the distance of two bodies in the middle of a piece.
-    fn distance(&self, sweep: &PairSweep, piece: &Segment, moved: &RelativeMove) -> f64 {
-        let [first, second] = &self.all;
-        let placed: Vec<Option<Element>> = second
-            .iter()
-            .map(|inner| inner.as_ref().map(|e| e.moved(&moved.pose)))
-            .collect();
-        let mut least = f64::INFINITY;
-        piece.near.visit(sweep.hulls, |[i, j]| {
-            if let (Some(a), Some(b), false) =
-                (&first[i], &placed[j], sweep.left_out.contains(&[i, j]))
-            {
-                least = least.min(signed_distance(a, b).distance);
-            }
-        });
-        least
-    }
-}
-
 impl PairSweep<'_> {
     /// Times below the minimum, found in at most `most_looks` intervals. Empty if bodies enclose each other without
     /// touching: no distance shows when that began.
@@ -145,27 +107,27 @@ impl PairSweep<'_> {
         let mut memory = self.look_memory();
         let [start, end] = motion.span();
         let shortest = SHORTEST * (end - start) / motion.roots.max(1) as f64;
-        let inner = InnerCapsules::of(self);
-        let ball = self.hulls[1].ball;
         while let Some(piece) = open.pop() {
             looks += 1;
             if motion.is_late() {
                 low.push(Low::new(motion, piece, f64::INFINITY));
                 continue;
             }
-            let arguments = &motion.stretches[piece.stretch].arguments;
-            let moved = self.chain.around(arguments, piece.middle, piece.half);
-            let blur = self.chain.blur(arguments, piece.middle, ball);
-            let upper = inner.distance(self, &piece, &moved);
-            // Where the middle is surely too near no bound of the piece can reach the goal.
-            let look = match upper + blur < goal {
-                true => BoundGoal::below(goal, upper, blur, &piece),
-                false => self.look(motion, &piece, [goal; 2], &mut memory),
+            let goals = LookGoal {
+                asked: goal,
+                kept: goal,
+                is_bound: false,
             };
+            let look = self.look(motion, &piece, goals, &mut memory);
             if look.lowest >= goal {
                 continue;
             }
-            let highest = look.middle + moved.distance(ball);
+            let moved = self.chain.around(
+                &motion.stretches[piece.stretch].arguments,
+                piece.middle,
+                piece.half,
+            );
+            let highest = look.middle + moved.distance(self.hulls[1].ball);
             // In time, since narrower bounds are had by halving the stretch, not the piece.
             let [from, to] = motion.times(piece.stretch, piece.ends_of());
             let is_short = to - from <= shortest || looks >= most_looks;

@@ -6,7 +6,6 @@ pub(crate) mod curve_bend;
 mod depth;
 mod flaps;
 mod half_space;
-pub(crate) mod inner_capsule;
 pub mod mesh;
 pub mod mesh_tree;
 pub mod pair;

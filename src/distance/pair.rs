@@ -53,15 +53,6 @@ pub fn signed_distance_below(a: &Element, b: &Element, limit: f64) -> Proximity 
     in_order(a, b, limit)
 }
 
-/// Signed distance of two elements; `None` if it is known to be below `floor` before a depth is searched for.
-pub fn signed_distance_above(a: &Element, b: &Element, floor: f64) -> Option<Proximity> {
-    // Solid cores that overlap are no farther apart than their radii reach.
-    let is_low = -(a.radius + b.radius) < floor
-        && is_deep(&a.core, &b.core)
-        && nearest_cores(&a.core, &b.core).distance <= 0.0;
-    (!is_low).then(|| signed_distance(a, b))
-}
-
 fn in_order(a: &Element, b: &Element, limit: f64) -> Proximity {
     // Radii inflate the cores.
     let radii = a.radius + b.radius;

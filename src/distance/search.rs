@@ -239,7 +239,7 @@ fn refine_valley(mut a: CurveSpot, mut b: CurveSpot, f: &impl Fn(f64) -> CurveSp
     } else {
         (b, a)
     };
-    let mut width_before = f64::INFINITY;
+    let (mut width_before, mut was_bisected) = (f64::INFINITY, true);
     let tells = TELLS * a.value.abs().max(b.value.abs());
     for step in 0..MAX_STEPS {
         let width = b.at - a.at;
@@ -248,12 +248,19 @@ fn refine_valley(mut a: CurveSpot, mut b: CurveSpot, f: &impl Fn(f64) -> CurveSp
             is_slow = width > 0.5 * width_before;
             width_before = width;
         }
-        // Secant of the slope; bisection where it leaves the bracket or the bracket shrinks too slowly.
+        // Secant of the slope. Where it leaves the bracket or the bracket shrinks too slowly, in turn the place where the
+        // tangents at the ends meet, which is next to a kink, and bisection.
         let curvature = (last.slope - before.slope) / (last.at - before.at);
         let secant = last.at - last.slope / curvature;
         let inside = secant > a.at && secant < b.at;
         let at = if is_slow || !inside {
-            0.5 * (a.at + b.at)
+            let meet = a.at + (a.value - b.value + width * b.slope) / (b.slope - a.slope);
+            let is_usable = was_bisected && meet > a.at && meet < b.at;
+            was_bisected = !is_usable;
+            match is_usable {
+                true => meet,
+                false => 0.5 * (a.at + b.at),
+            }
         } else {
             secant
         };

@@ -234,6 +234,12 @@ impl Mechanism {
         uses_any(formula, first, &held)
     }
 
+    /// Whether all outputs follow from a pose alone: none contains rates, or distances of bodies.
+    pub fn has_plain_outputs(&self) -> bool {
+        let mut outputs = self.outputs.iter();
+        outputs.all(|output| matches!(output.source, OutputSource::Formula(_)))
+    }
+
     /// Number of coordinates: unknowns and inputs.
     pub fn coordinate_count(&self) -> usize {
         self.unknowns.len() + self.inputs.len()

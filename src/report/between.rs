@@ -102,5 +102,6 @@ impl BetweenSamples {
 
 /// Seconds of all intervals.
 fn together(places: &[[f64; 2]]) -> f64 {
-    places.iter().map(|[from, to]| to - from).sum()
+    let lengths = places.iter().map(|[from, to]| to - from);
+    lengths.fold(0.0, |sum, length| sum + length)
 }

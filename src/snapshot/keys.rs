@@ -64,5 +64,13 @@ static VIEW: Keys = Keys::new(
         view::AXES,
         view::GAUGE,
         view::JOINTS,
+        snapshot_key(
+            "section",
+            Table(&SECTION),
+            "a plane at which all bodies are cut; cut faces are drawn flat and hatched",
+        ),
+        view::EXPLODE,
     ],
 );
+
+static SECTION: Keys = Keys::new("section", &[view::SECTION_POINT, view::SECTION_NORMAL]);

@@ -3,6 +3,7 @@
 use super::keys::LIST;
 use crate::compare::film::AllowedDifference;
 use crate::diag::{Diagnostic, Diagnostics, SceneError, Source, Span};
+use crate::model::section::{MOST_EXPLODED, SectionPlane};
 use crate::model::theme::Theme;
 use crate::model::view::{
     EdgeLines, Ghosts, NamedView, Shadows, ShownAxes, Trails, ViewProjection,
@@ -13,6 +14,7 @@ use crate::scene::resolve::camera::MOST_ORBIT;
 use crate::scene::resolve::choices::{MOST_GHOSTS, chosen_word};
 use crate::scene::syntax::parse_tables;
 use crate::scene::values::FormulaText;
+use glam::DVec3;
 use std::collections::HashSet;
 use std::path::PathBuf;
 
@@ -243,8 +245,31 @@ fn read_view(r: &mut TableReader) -> ViewChange {
         gauge: r.boolean("gauge"),
         joints: r.boolean("joints"),
         orbit,
+        section: r.table("section", read_section).flatten(),
+        explode: r
+            .formula("explode")
+            .and_then(|text| real_number(r, "explode", &text, 0.0, MOST_EXPLODED)),
         ..ViewChange::default()
     }
+}
+
+fn read_section(r: &mut TableReader) -> Option<SectionPlane> {
+    let [point, normal] = ["point", "normal"].map(|key| {
+        let Some(texts) = r.vector::<3>(key) else {
+            r.missing(key);
+            return None;
+        };
+        let values = texts.map(|text| real_number(r, key, &text, f64::MIN, f64::MAX));
+        let [x, y, z] = values;
+        Some(DVec3::new(x?, y?, z?))
+    });
+    let plane = SectionPlane::new(point?, normal?);
+    if plane.is_none() {
+        let message = "the `normal` of a section has no direction";
+        r.diagnostics
+            .push(Diagnostic::error(message).at(r.span.clone()));
+    }
+    plane
 }
 
 /// One of the words that `key` may have.
@@ -289,7 +314,9 @@ fn real_number(
         .ok()
         .filter(|v| (low..=high).contains(v));
     if value.is_none() {
-        let range = if high == f64::MAX {
+        let range = if low == f64::MIN {
+            "a number".to_owned()
+        } else if high == f64::MAX {
             format!("a number of at least {low}")
         } else {
             format!("a number between {low} and {high}")

@@ -10,7 +10,6 @@ use crate::kinematics::loops::observed::observed_slots;
 use crate::kinematics::results::columns::ValueColumn;
 use crate::model::drive::Drive;
 use crate::model::measure::MeasuredTrack;
-use crate::model::mechanism::OutputSource;
 use crate::numbers::octet::{LANES, LaneMask, Octet};
 
 /// Designs of a group.
@@ -66,9 +65,7 @@ impl<'s> RowGroup<'s> {
     /// `None` if rows are to be proved, or contain what is not computed side by side.
     pub fn new(sweep: &'s Sweep) -> Option<Self> {
         let (family, mechanism) = (sweep.family(), sweep.family().mechanism());
-        let mut outputs = mechanism.outputs.iter();
-        let are_formulas = outputs.all(|o| matches!(o.source, OutputSource::Formula(_)));
-        if sweep.asked.is_proved() || !are_formulas || sweep.reads_anew() {
+        if sweep.asked.is_proved() || !mechanism.has_plain_outputs() || sweep.reads_anew() {
             return None;
         }
         // A drive that may turn back between two instants is followed in the ordinary way.

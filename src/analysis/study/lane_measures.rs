@@ -4,7 +4,6 @@ use super::family::ParametricMechanism;
 use crate::kinematics::measures::reduce::reduce_values;
 use crate::model::expression::Expression;
 use crate::model::measure::{Measure, MeasureSource};
-use crate::model::mechanism::OutputSource;
 use crate::numbers::octet::Octet;
 
 /// Measures that are formulas of coordinates, traces and outputs.
@@ -19,13 +18,12 @@ type Row = Vec<Octet>;
 impl<'f> LaneMeasures<'f> {
     /// `None` if a measure needs more than that: a derivative, a rate, or a distance of bodies.
     pub fn new(family: &'f ParametricMechanism) -> Option<Self> {
-        let mut outputs = family.mechanism().outputs.iter();
         let is_formula = |measure: &Measure| match &measure.source {
             MeasureSource::Formula(_) => true,
             MeasureSource::Over { per, rates, .. } => per.is_none() && rates.is_empty(),
         };
-        let are_formulas = outputs.all(|o| matches!(o.source, OutputSource::Formula(_)))
-            && family.measures.list.iter().all(is_formula);
+        let are_formulas =
+            family.mechanism().has_plain_outputs() && family.measures.list.iter().all(is_formula);
         are_formulas.then_some(Self { family })
     }
 

@@ -103,6 +103,14 @@ pub(crate) const SECTION: Key = Key::new(
     Table(&SECTION_KEYS),
     "a plane at which pictures cut bodies (3-D models stay whole); cut faces are drawn flat and hatched",
 );
+pub(crate) const SECTION_POINT: Key =
+    Key::new("point", Formulas(3), "a point of the plane, in the world").required();
+pub(crate) const SECTION_NORMAL: Key = Key::new(
+    "normal",
+    Formulas(3),
+    "a direction across the plane; it points to the side that is removed",
+)
+.required();
 pub(crate) const EXPLODE: Key = Key::new(
     "explode",
     Formula,
@@ -190,13 +198,8 @@ pub static VIEW: Keys = Keys::new(
 static SECTION_KEYS: Keys = Keys::new(
     "section",
     &[
-        Key::new("point", Formulas(3), "a point of the plane, in the world").required(),
-        Key::new(
-            "normal",
-            Formulas(3),
-            "a direction across the plane; it points to the side that is removed",
-        )
-        .required(),
+        SECTION_POINT,
+        SECTION_NORMAL,
         Key::new(
             "bodies",
             Texts(0),

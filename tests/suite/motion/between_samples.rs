@@ -270,7 +270,9 @@ fn redundant_rows_are_bounded_after_any_number_of_turns() {
         let found = closes_to(&[], "between", line);
         let asked = closes_to(&["--certify", "motion"], "motion", "");
         assert_eq!(found, asked, "{rate} rad/s");
-        assert!((1e-16..1e-8).contains(&found), "{rate} rad/s: {found}");
+        // At most the closure tolerance for every turn.
+        let most = 1e-9 * 10.0 * (1.0 + rate / 6.0);
+        assert!((1e-16..most).contains(&found), "{rate} rad/s: {found}");
     }
 }
 

@@ -606,6 +606,44 @@ fn snapshots_are_written_once_and_kept_to() {
         .says(&["stray.png is not in snapshots.toml"]);
 }
 
+/// A list cuts and explodes as the options of `render` do.
+#[test]
+fn snapshots_show_sections_and_exploded_views() {
+    let w = Workspace::new();
+    let picture = |file: &str, view: &str| {
+        format!(
+            "[[picture]]\nfile = \"{file}\"\nscene = \"hooke-joint\"\nsize = [80, 60]\n{view}\n"
+        )
+    };
+    let cut = "view = { section = { point = [0, 0, 5], normal = [0, 1, 1] } }";
+    let list = [
+        picture("cut.png", cut),
+        picture("apart.png", "view = { explode = 0.7 }"),
+        picture("whole.png", ""),
+    ];
+    w.write("snapshots.toml", list.concat());
+    w.run(&["snapshot", ".", "--update=new"]).exits(0);
+    let still = ["render", "hooke-joint", "--frame", "0", "--size", "80x60"];
+    for (file, options) in [
+        ("cut.png", &["--section", "0,0,5/0,1,1"][..]),
+        ("apart.png", &["--explode", "0.7"]),
+        ("whole.png", &[]),
+    ] {
+        let more = [
+            "--supersample",
+            "4",
+            "--renderer",
+            "cpu",
+            "--out",
+            "still.png",
+        ];
+        w.run(&[&still[..], options, &more].concat()).exits(0);
+        let pixels = |name: &str| image::open(w.path(name)).unwrap().to_rgb8();
+        assert_eq!(pixels(file), pixels("still.png"), "{file}");
+        assert_eq!(file == "whole.png", pixels(file) == pixels("whole.png"));
+    }
+}
+
 #[test]
 fn snapshots_are_not_written_in_ci_nor_without_a_list() {
     let w = workspace();

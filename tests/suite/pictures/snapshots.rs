@@ -196,6 +196,22 @@ fn a_list_says_all_its_mistakes_at_once() {
             "view = { elevation = 100 }",
             "elevation must be a number between -90 and 90",
         ),
+        (
+            "view = { explode = 101 }",
+            "explode must be a number between 0 and 100",
+        ),
+        (
+            "view = { section = { normal = [0, 0, 1] } }",
+            "section needs `point`",
+        ),
+        (
+            "view = { section = { point = [0, 0, \"x\"], normal = [0, 0, 1] } }",
+            "point must be a number, found `x`",
+        ),
+        (
+            "view = { section = { point = [0, 0, 0], normal = [0, 0, 0] } }",
+            "the `normal` of a section has no direction",
+        ),
         ("colour = 1", "unknown key `colour`"),
         (
             "[[picture]]\nfile = \"a.png\"\nscene = \"x\"",
