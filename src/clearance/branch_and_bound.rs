@@ -8,7 +8,7 @@
 //! distance as requested. An interrupted search keeps what was proved so far.
 
 use super::broad_phase::Sweeper;
-use super::look::{BoundGoal, LookGoal, LookMemory, Segment};
+use super::look::{BoundGoal, LookGoal, LookMemory, Missed, Segment};
 use super::motion::ProvedMotion;
 use super::sweep::{Least, NearestPose, PairSweep};
 use crate::distance::bodies::nearest_bodies;
@@ -170,7 +170,7 @@ impl PairSweep<'_> {
                     false => asked,
                 },
                 kept: target,
-                is_bound: true,
+                missed: Missed::Bound,
             };
             let mut look = self.look(motion, &piece, goals, &mut search.memory);
             // A look for a higher goal may tell less.

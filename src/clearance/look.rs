@@ -75,8 +75,19 @@ pub(super) struct LookGoal {
     pub(super) asked: f64,
     /// ... and one that only pairs of elements that keep it, too, need not reach again.
     pub(super) kept: f64,
-    /// Whether a bound is needed where the goal is not reached. Otherwise the distance in the middle is enough there.
-    pub(super) is_bound: bool,
+    /// What is wanted where the goal is missed.
+    pub(super) missed: Missed,
+}
+
+/// What a look tells of a piece that misses its goal.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Missed {
+    /// The bound.
+    Bound,
+    /// The distance in the middle; the bound is less sharp.
+    Distance,
+    /// Neither: of bodies that overlap the distance is a rough one, below the true one.
+    Nothing,
 }
 
 /// The bound found for a part.
@@ -257,15 +268,23 @@ impl PairSweep<'_> {
                 return;
             }
             // Once the goal is missed, only what comes nearer in the middle may count.
-            let limit = match lowest < goal && !goals.is_bound {
-                true => nearest,
-                false => f64::INFINITY,
+            let limit = match goals.missed {
+                Missed::Nothing => f64::NEG_INFINITY,
+                Missed::Distance if lowest < goal => nearest,
+                _ => f64::INFINITY,
             };
-            let found = signed_distance_below(first, second, limit);
+            let mut found = signed_distance_below(first, second, limit);
             if found.distance >= limit {
-                lowest = lowest.min(found.distance - way);
-                left.push([i, j]);
-                return;
+                if found.distance < goal || lowest < goal {
+                    nearest = nearest.min(found.distance);
+                    lowest = lowest.min(found.distance - way);
+                    left.push([i, j]);
+                    return;
+                }
+                // A rough depth is no ground for a bound.
+                if found.distance <= -(first.radius + second.radius) {
+                    found = signed_distance(first, second);
+                }
             }
             // The distance in the middle, and a bound of the second order over the piece.
             let meeting = Meeting::with(found, [first, second, mine], &moved);

@@ -4,7 +4,7 @@
 //! are the times at which the minimum is violated, to within the shortest interval.
 
 use super::branch_and_bound::split_piece;
-use super::look::{LookGoal, Segment};
+use super::look::{LookGoal, Missed, Segment};
 use super::motion::ProvedMotion;
 use super::sweep::PairSweep;
 use crate::distance::bodies::{enclosed_shell, nearest_bodies};
@@ -113,10 +113,15 @@ impl PairSweep<'_> {
                 low.push(Low::new(motion, piece, f64::INFINITY));
                 continue;
             }
+            // A piece that is not halved any more need not be known better.
+            let is_last = looks >= most_looks;
             let goals = LookGoal {
                 asked: goal,
                 kept: goal,
-                is_bound: false,
+                missed: match is_last {
+                    true => Missed::Nothing,
+                    false => Missed::Distance,
+                },
             };
             let look = self.look(motion, &piece, goals, &mut memory);
             if look.lowest >= goal {
@@ -130,7 +135,7 @@ impl PairSweep<'_> {
             let highest = look.middle + moved.distance(self.hulls[1].ball);
             // In time, since narrower bounds are had by halving the stretch, not the piece.
             let [from, to] = motion.times(piece.stretch, piece.ends_of());
-            let is_short = to - from <= shortest || looks >= most_looks;
+            let is_short = to - from <= shortest || is_last;
             let halves = match is_short || highest < goal {
                 true => None,
                 false => split_piece(motion, &piece, &look),

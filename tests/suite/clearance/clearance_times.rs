@@ -78,6 +78,50 @@ fn times_are_those_of_the_formula() {
     }
 }
 
+/// Solids that pass through each other, whatever the minimum: many pieces of the motion need not be halved as often as the
+/// pieces at the ends.
+#[test]
+fn times_of_deep_overlaps_are_those_of_the_formula() {
+    let solids = [
+        "box = { size = [2.6, 4, 4] }",
+        "cylinder = { from = [-1.3, 0, 0], to = [1.3, 0, 0], radius = 2 }",
+        "cylinder = { from = [0, 0, -2], to = [0, 0, 2], radius = 1.3 }",
+        "cone = { from = [-1.3, 0, 0], to = [1.3, 0, 0], radius_from = 2, radius_to = 1.5 }",
+    ];
+    for solid in solids {
+        for (minimum, samples) in [
+            (0.0, 33),
+            (1e-8, 33),
+            (1e-8, 129),
+            (1e-5, 65),
+            (1e-3, 257),
+            (0.1, 9),
+        ] {
+            let text = format!(
+                "duration = 1\n[inputs]\nx = \"2.9*sin(2*pi*t)\"\n\
+                 [[bodies]]\nname = \"wall\"\nshapes = [{{ box = {{ size = [2, 9, 9] }} }}]\n\
+                 [[bodies]]\nname = \"solid\"\nframe = \"Tx(x)\"\nshapes = [{{ {solid} }}]\n\
+                 [clearance]\nminimum = {minimum}\n"
+            );
+            let found = times(&text, samples);
+            let said = format!("{solid}, {minimum}, {samples}: {found:?}");
+            // Nearer than the minimum while |x| < 2.3 + minimum.
+            let end = ((2.3 + minimum) / 2.9_f64).asin() / std::f64::consts::TAU;
+            let expected = [[0.0, end], [0.5 - end, 0.5 + end], [1.0 - end, 1.0]];
+            assert_eq!(found.list.len(), expected.len(), "{said}");
+            let resolution = 4.0 / 1024.0 / (samples - 1) as f64;
+            for (violation, [from, to]) in found.list.iter().zip(expected) {
+                assert!(violation.is_seen, "{said}");
+                let (early, late) = (from - violation.from, violation.to - to);
+                assert!((-1e-9..resolution).contains(&early), "{said} {from}");
+                assert!((-1e-9..resolution).contains(&late), "{said} {to}");
+                // The deepest pose, in the middle, is a sample: 2.3 along x.
+                assert!((violation.distance + 2.3).abs() < 1e-6, "{said}");
+            }
+        }
+    }
+}
+
 /// Short pulses between two samples are among the times.
 #[test]
 fn a_pulse_between_samples_has_its_time() {
