@@ -101,7 +101,7 @@ fn times_of_deep_overlaps_are_those_of_the_formula() {
                 "duration = 1\n[inputs]\nx = \"2.9*sin(2*pi*t)\"\n\
                  [[bodies]]\nname = \"wall\"\nshapes = [{{ box = {{ size = [2, 9, 9] }} }}]\n\
                  [[bodies]]\nname = \"solid\"\nframe = \"Tx(x)\"\nshapes = [{{ {solid} }}]\n\
-                 [clearance]\nminimum = {minimum}\n"
+                 [clearance]\npairs = [{{ pair = [\"wall\", \"solid\"], minimum = {minimum} }}]\n"
             );
             let found = times(&text, samples);
             let said = format!("{solid}, {minimum}, {samples}: {found:?}");

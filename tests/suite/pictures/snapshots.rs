@@ -202,7 +202,7 @@ fn a_list_says_all_its_mistakes_at_once() {
         ),
         (
             "view = { section = { normal = [0, 0, 1] } }",
-            "section needs `point`",
+            "[section] needs `point`",
         ),
         (
             "view = { section = { point = [0, 0, \"x\"], normal = [0, 0, 1] } }",
