@@ -23,8 +23,8 @@ const MOST_AT_END: usize = 10_000;
 /// the rounding of their poses exceeds their margin above the minimum.
 const LOOKS_WITHOUT_PROOF: usize = 400;
 
-/// Of bodies that overlap at most so many stretches are searched for where they do so most deeply: the times at which they
-/// overlap are found by a search of their own.
+/// The place at which bodies overlap most, where they must not, is sought in so many looks: the times at which they overlap
+/// are found by a search of their own.
 const LOOKS_FOR_DEPTH: usize = 10_000;
 
 /// Where motions are too fast for any bound, parts are halved until there is one, or there were so many looks.
@@ -147,8 +147,9 @@ impl PairSweep<'_> {
         best: &mut NearestPose,
     ) {
         while let Some(piece) = search.open.pop() {
-            let is_deep_enough =
-                search.looks >= LOOKS_FOR_DEPTH && best.found.proximity.distance < 0.0;
+            // A depth that is allowed is to be proved.
+            let is_deep_enough = search.looks >= LOOKS_FOR_DEPTH
+                && best.found.proximity.distance < self.enough().min(0.0);
             if is_deep_enough || motion.is_late() {
                 let bodies = [0, 1].map(|k| Sweeper::new(motion, self.bodies[k], self.hulls[k]));
                 search.cut_off(piece, self.enough() + self.pose_slack(), |piece| {
