@@ -197,11 +197,29 @@ pub fn output_arguments<S: Scalar>(
     used: &[usize],
     coordinates: &[S],
 ) -> Vec<ArgumentValue<S>> {
-    let mut all = vec![ArgumentValue::new(S::number(0.0)); mechanism.arguments.len()];
+    let mut all = Vec::new();
+    fill_arguments(mechanism, used, coordinates, &mut all);
+    all
+}
+
+/// The same in a list whose memory is used again.
+pub fn fill_arguments<S: Scalar>(
+    mechanism: &Mechanism,
+    used: &[usize],
+    coordinates: &[S],
+    all: &mut Vec<ArgumentValue<S>>,
+) {
+    let [zero, one] = [0.0, 1.0].map(S::number);
+    let still = ArgumentValue {
+        value: zero,
+        sin: zero,
+        cos: one,
+    };
+    all.clear();
+    all.resize(mechanism.arguments.len(), still);
     let mut scratch = Vec::new();
     for index in used {
         let value = mechanism.arguments[*index].value(coordinates, &mut scratch);
         all[*index] = ArgumentValue::new(value);
     }
-    all
 }

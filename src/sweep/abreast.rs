@@ -6,7 +6,7 @@ use super::row::{Row, RowStatus};
 use super::swept_scene::{RequestedValues, Sweep, looks_along_drive};
 use crate::analysis::study::LaneMeasures;
 use crate::kinematics::abreast::following::LaneFollower;
-use crate::kinematics::loops::observed::observed_slots;
+use crate::kinematics::loops::observed::fill_slots;
 use crate::kinematics::results::columns::ValueColumn;
 use crate::model::drive::Drive;
 use crate::model::measure::MeasuredTrack;
@@ -59,6 +59,10 @@ pub(super) struct RowGroup<'s> {
     /// Along every track, and last along the drive.
     ways: Vec<Way>,
     asked: Asked<'s>,
+    /// The poses reached on every way, as slots of formulas.
+    slots: Vec<LanePoses>,
+    /// The poses of one way, with its lead.
+    reached: LanePoses,
 }
 
 impl<'s> RowGroup<'s> {
@@ -117,6 +121,8 @@ impl<'s> RowGroup<'s> {
                 .collect(),
             ways: tracks.into_iter().chain([drive]).collect(),
             asked,
+            slots: Vec::new(),
+            reached: LanePoses::default(),
         })
     }
 
@@ -126,24 +132,25 @@ impl<'s> RowGroup<'s> {
         let route = &mut self.route;
         let origin: Vec<Octet> = sweep.origin.coordinates().map(Octet::splat).collect();
         let mut lanes = LaneMask::first(designs.len());
-        let mut reached = LanePoses::default();
-        lanes = route.follow(&origin, &self.approach, designs, lanes, &mut reached);
-        let Some(start) = reached.pop() else {
+        let reached = &mut self.reached;
+        lanes = route.follow(&origin, &self.approach, designs, lanes, reached);
+        let Some(start) = reached.last().cloned() else {
             return vec![None; designs.len()];
         };
-        // The poses of every way, as slots of formulas, and how well they close.
-        let (mut slots, mut closure) = (Vec::new(), Octet::ZERO);
-        for way in &self.ways {
-            lanes = route.follow(&start, &way.targets, designs, lanes, &mut reached);
-            let asked = reached.get(way.first..).unwrap_or_default().iter();
-            let observed = |pose: &Vec<Octet>| {
+        // The poses of every way, and how well they close.
+        let (mechanism, mut closure) = (sweep.family().mechanism(), Octet::ZERO);
+        self.slots.resize_with(self.ways.len(), Vec::new);
+        for (way, slots) in self.ways.iter().zip(&mut self.slots) {
+            lanes = route.follow(&start, &way.targets, designs, lanes, reached);
+            let asked = reached.get(way.first..).unwrap_or_default();
+            slots.resize_with(asked.len(), Vec::new);
+            for (pose, slots) in asked.iter().zip(slots) {
                 closure = closure.larger_magnitude(route.follower.closure_error(pose));
-                observed_slots(sweep.family().mechanism(), pose)
-            };
-            slots.push(asked.map(observed).collect::<Vec<_>>());
+                fill_slots(mechanism, pose, |_| true, slots);
+            }
         }
-        let values = self.values(&slots, designs);
-        let poses: usize = slots.iter().map(Vec::len).sum();
+        let values = self.values(&self.slots, designs);
+        let poses: usize = self.slots.iter().map(Vec::len).sum();
         let row = |(lane, values): (usize, Vec<f64>)| {
             let is_whole = closure.lane(lane).is_finite() && values.iter().all(|v| v.is_finite());
             (lanes.has(lane) && is_whole).then(|| Row {
@@ -189,8 +196,11 @@ impl LaneRoute<'_> {
         lanes: LaneMask,
         reached: &mut LanePoses,
     ) -> LaneMask {
-        reached.clear();
-        reached.resize(targets.len(), from.to_vec());
+        reached.resize_with(targets.len(), Vec::new);
+        for pose in reached.iter_mut() {
+            pose.clear();
+            pose.extend_from_slice(from);
+        }
         let mut left = lanes;
         for parts in PARTS {
             if !left.any() {
@@ -199,18 +209,16 @@ impl LaneRoute<'_> {
             let mut pose = from.to_vec();
             let mut trusted = self.follower.begin(&pose, left);
             for (target, reached) in targets.iter().zip(reached.iter_mut()) {
-                let before: Vec<Octet> = pose[pose.len() - self.inputs_count()..].to_vec();
                 let inputs = self.inputs(target, designs);
-                for share in parts_of(parts) {
-                    let between = before.iter().zip(&inputs);
-                    let inputs: Vec<Octet> = between
-                        .map(|(from, to)| match share == 1.0 {
-                            true => *to,
-                            false => *from + (*to - *from) * share,
-                        })
+                let before = pose[pose.len() - inputs.len()..].to_vec();
+                for share in parts_of(parts).take(parts - 1) {
+                    let way = before.iter().zip(&inputs);
+                    let between: Vec<Octet> = way
+                        .map(|(from, to)| *from + (*to - *from) * share)
                         .collect();
-                    trusted = self.follower.step(&mut pose, &inputs, trusted);
+                    trusted = self.follower.step(&mut pose, &between, trusted);
                 }
+                trusted = self.follower.step(&mut pose, &inputs, trusted);
                 if !trusted.any() {
                     break;
                 }
@@ -220,10 +228,6 @@ impl LaneRoute<'_> {
             left = left.without(trusted);
         }
         lanes.without(left)
-    }
-
-    fn inputs_count(&self) -> usize {
-        self.sweep.family().mechanism().inputs.len()
     }
 
     /// The inputs of a target, one design a lane.

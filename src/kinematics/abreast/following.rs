@@ -1,7 +1,7 @@
 //! Eight motions followed side by side from closed poses, each with its own poses and Jacobians.
 //!
-//! A step consists of a prediction along the tangents, corrected for their change during the previous step, and a
-//! correction. It is trusted under the usual conditions: the correction is small compared with it, and the Jacobians at
+//! A step consists of a prediction along the tangents, corrected for the bend of the path during the previous steps, and
+//! a correction. It is trusted under the usual conditions: the correction is small compared with it, and the Jacobians at
 //! its ends are similar. Where formulas of the inputs have a kink, the step need only lie between the tangents at its two
 //! ends. A lane that violates this, or in which a formula jumps, leaves for good.
 
@@ -10,19 +10,16 @@ use super::closing::{close_block, largest};
 use super::factors::{LARGEST_BLOCK, OctetElimination};
 use super::frames::turn_of;
 use super::pivoting::PivotedFactors;
+use super::prediction::RecentSteps;
 use crate::kinematics::solve::between::MOST_CHANGE;
 use crate::kinematics::solve::pose_solver::{MAX_CORRECTION, largest_correction};
 use crate::kinematics::structure::system::System;
-use crate::model::chain::Argument;
+use crate::model::chain::{Argument, ArgumentValue};
 use crate::model::expression::Expression;
 use crate::model::mechanism::Closes;
-use crate::model::outputs::output_arguments;
+use crate::model::outputs::fill_arguments;
 use crate::model::walk::WalkFrame;
 use crate::numbers::octet::{LANES, LaneMask, Octet};
-
-/// Two changes of the inputs have the same direction if the perpendicular part is below this fraction of the longer
-/// one, squared.
-const ACROSS: f64 = 1e-12;
 
 /// The largest change of a scaled unknown in one step: an eighth of a turn, so that none hides a whole one.
 const LONGEST_STEP: f64 = std::f64::consts::FRAC_PI_4;
@@ -39,14 +36,15 @@ pub struct LaneFollower<'s> {
     factors: Vec<PivotedFactors>,
     /// The Jacobian of a block at the poses before.
     before: Vec<Octet>,
-    /// Changes of all coordinates along the tangents of a step, and of the one before; none before the first.
-    rates: Vec<Octet>,
-    last: Vec<Octet>,
+    steps: RecentSteps,
+    bends: Vec<Octet>,
     drift: Vec<Octet>,
-    from: Vec<Octet>,
     /// Changes of all coordinates along the tangents at the end of a step.
     ends: Vec<Octet>,
     poses: [Vec<f64>; 2],
+    /// Arguments of all loops, and their values at a pose.
+    used: Vec<usize>,
+    arguments: Vec<ArgumentValue<Octet>>,
 }
 
 impl<'s> LaneFollower<'s> {
@@ -65,6 +63,10 @@ impl<'s> LaneFollower<'s> {
                 Argument::Affine(_) => None,
             });
         let formulas = of_joints.chain(mechanism.equations.iter().map(|e| &e.expression));
+        let of_loops = mechanism.loops.iter();
+        let mut used: Vec<usize> = of_loops.flat_map(|item| item.chain.arguments()).collect();
+        used.sort_unstable();
+        used.dedup();
         is_small.then(|| Self {
             jumping: formulas.filter(|formula| formula.has_jumps()).collect(),
             blocks: (blocks.iter())
@@ -73,19 +75,20 @@ impl<'s> LaneFollower<'s> {
             values: vec![BlockValues::default(); blocks.len()],
             factors: vec![PivotedFactors::default(); blocks.len()],
             before: Vec::new(),
-            rates: Vec::new(),
-            last: Vec::new(),
+            steps: RecentSteps::default(),
+            bends: Vec::new(),
             drift: Vec::new(),
-            from: Vec::new(),
             ends: Vec::new(),
             poses: [Vec::new(), Vec::new()],
+            used,
+            arguments: Vec::new(),
             system,
         })
     }
 
     /// Starts at closed poses; returns those of `lanes` that are regular.
     pub fn begin(&mut self, coordinates: &[Octet], mut lanes: LaneMask) -> LaneMask {
-        self.rates.clear();
+        self.steps.clear();
         let parts = self.values.iter_mut().zip(&mut self.factors);
         for (block, (values, factors)) in self.blocks.iter().zip(parts) {
             values.evaluate(block, coordinates, false);
@@ -101,8 +104,7 @@ impl<'s> LaneFollower<'s> {
         inputs: &[Octet],
         mut lanes: LaneMask,
     ) -> LaneMask {
-        self.from.clear();
-        self.from.extend_from_slice(coordinates);
+        self.steps.begin(coordinates);
         let length = self.predict(coordinates, inputs);
         let bend = self.bend(coordinates);
         let mut first_step = Octet::ZERO;
@@ -118,6 +120,7 @@ impl<'s> LaneFollower<'s> {
             lanes = closed.lanes.and(is_good);
             lanes = lanes.and(self.stays_regular(index));
         }
+        self.steps.end(first_step, length);
         let allowed = length.each(largest_correction);
         // After a whole turn all Jacobians are the same again: longer steps tell nothing.
         lanes = lanes.and(length.at_most(Octet::splat(LONGEST_STEP)));
@@ -134,52 +137,39 @@ impl<'s> LaneFollower<'s> {
     /// Moves all coordinates along the tangents; the largest change of a scaled unknown.
     fn predict(&mut self, coordinates: &mut [Octet], inputs: &[Octet]) -> Octet {
         let n = coordinates.len() - inputs.len();
-        std::mem::swap(&mut self.last, &mut self.rates);
-        self.rates.clear();
-        self.rates.resize(n, Octet::ZERO);
-        let own = inputs.iter().zip(&coordinates[n..]);
-        self.rates.extend(own.map(|(new, old)| *new - *old));
+        let rates = self.steps.rates_mut();
+        for (rate, (new, old)) in rates[n..]
+            .iter_mut()
+            .zip(inputs.iter().zip(&coordinates[n..]))
+        {
+            *rate = *new - *old;
+        }
         coordinates[n..].copy_from_slice(inputs);
         let mut length = Octet::ZERO;
         // J q' = -∂r/∂u u', block by block: the tangents of one are rates for the later ones.
         let parts = self.values.iter().zip(&mut self.factors);
         for (lane_block, (values, factors)) in self.blocks.iter().zip(parts) {
-            values.drift(lane_block, &self.rates, &mut self.drift);
+            values.drift(lane_block, rates, &mut self.drift);
             factors.solve(&self.drift);
             length = length.larger_magnitude(largest(factors.step()));
             let block = lane_block.block;
             let scaled = block.plan.scales.iter().zip(factors.step());
             for (unknown, (scale, step)) in block.unknowns.iter().zip(scaled) {
-                self.rates[*unknown] = *step * *scale;
-                coordinates[*unknown] += self.rates[*unknown];
+                rates[*unknown] = *step * *scale;
+                coordinates[*unknown] += rates[*unknown];
             }
         }
         length
     }
 
-    /// Corrects the prediction for the change of the tangents since the previous step, if the inputs continue in the
-    /// same direction (Adams-Bashforth); returns the largest resulting change of a scaled unknown.
+    /// Corrects the prediction for the bend of the path; returns the largest resulting change of a scaled unknown.
     fn bend(&mut self, coordinates: &mut [Octet]) -> Octet {
         let n = self.system.mechanism().unknowns.len();
+        self.steps.bends(n, &mut self.bends);
         let mut largest = Octet::ZERO;
-        if self.last.len() != self.rates.len() {
-            return largest;
-        }
-        let (own, last) = (&self.rates[n..], &self.last[n..]);
-        let dot = |a: &[Octet], b: &[Octet]| {
-            let pairs = a.iter().zip(b);
-            pairs.fold(Octet::ZERO, |sum, (a, b)| sum + *a * *b)
-        };
-        let (square, last_square) = (dot(own, own), dot(last, last));
-        // The input step before, scaled to this one, and its perpendicular part.
-        let ratio = dot(own, last) / last_square;
-        let across = square - ratio * ratio * last_square;
-        let is_along = across.at_most(square * ACROSS);
-        // Half the change of the tangents is the second-order term of the path.
         for block in self.system.blocks() {
             for (unknown, scale) in block.unknowns.iter().zip(&block.plan.scales) {
-                let turned = self.rates[*unknown] - self.last[*unknown] * ratio;
-                let bend = is_along.choose(turned * ratio * 0.5, Octet::ZERO);
+                let bend = self.bends[*unknown];
                 coordinates[*unknown] += bend;
                 largest = largest.larger_magnitude(bend * (1.0 / scale));
             }
@@ -193,7 +183,7 @@ impl<'s> LaneFollower<'s> {
         let n = self.system.mechanism().unknowns.len();
         self.ends.clear();
         self.ends.resize(n, Octet::ZERO);
-        self.ends.extend_from_slice(&self.rates[n..]);
+        self.ends.extend_from_slice(&self.steps.rates()[n..]);
         let parts = self.values.iter_mut().zip(&mut self.factors);
         for (lane_block, (values, factors)) in self.blocks.iter().zip(parts) {
             values.drift(lane_block, &self.ends, &mut self.drift);
@@ -208,8 +198,8 @@ impl<'s> LaneFollower<'s> {
         let blocks = self.system.blocks().iter();
         let slots = blocks.flat_map(|b| b.unknowns.iter().zip(&b.plan.scales));
         let beyond = slots.map(|(unknown, scale)| {
-            let first = self.rates[*unknown];
-            let step = coordinates[*unknown] - self.from[*unknown];
+            let first = self.steps.rates()[*unknown];
+            let step = coordinates[*unknown] - self.steps.from()[*unknown];
             [step - first, self.ends[*unknown] - first].map(|v| v * (1.0 / scale))
         });
         let beyond: Vec<[Octet; 2]> = beyond.collect();
@@ -223,7 +213,7 @@ impl<'s> LaneFollower<'s> {
             off.larger_magnitude(*step - *turn * share)
         });
         let kinked = lanes.and(off.at_most(allowed));
-        for (rate, end) in self.rates.iter_mut().zip(&self.ends) {
+        for (rate, end) in self.steps.rates_mut().iter_mut().zip(&self.ends) {
             *rate = kinked.choose(*end, *rate);
         }
         kinked
@@ -257,7 +247,7 @@ impl<'s> LaneFollower<'s> {
         let may_break = !balls.is_empty() || !self.jumping.is_empty();
         let asked = lanes;
         for lane in (0..LANES).filter(|lane| may_break && asked.has(*lane)) {
-            for (pose, octets) in self.poses.iter_mut().zip([&self.from[..], coordinates]) {
+            for (pose, octets) in self.poses.iter_mut().zip([self.steps.from(), coordinates]) {
                 pose.clear();
                 pose.extend(octets.iter().map(|c| c.lane(lane)));
             }
@@ -273,12 +263,12 @@ impl<'s> LaneFollower<'s> {
 
     /// The largest closure error over all loops and equations of every lane, relative to the loop's size, by plain
     /// products; NaN if a loop is rotated by more than a little.
-    pub fn closure_error(&self, coordinates: &[Octet]) -> Octet {
+    pub fn closure_error(&mut self, coordinates: &[Octet]) -> Octet {
         let mechanism = self.system.mechanism();
         let mut largest = Octet::ZERO;
+        fill_arguments(mechanism, &self.used, coordinates, &mut self.arguments);
         for item in &mechanism.loops {
-            let arguments = output_arguments(mechanism, &item.chain.arguments(), coordinates);
-            let end = WalkFrame::at_end_of(&item.chain.steps, &arguments);
+            let end = WalkFrame::at_end_of(&item.chain.steps, &self.arguments);
             let length = |v: [Octet; 3]| (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).root();
             // Loops through a sphere close in a point, without rotation.
             if item.closes == Closes::Frame {

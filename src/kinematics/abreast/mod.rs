@@ -14,3 +14,4 @@ mod factors;
 pub mod following;
 mod frames;
 mod pivoting;
+mod prediction;

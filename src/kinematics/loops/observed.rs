@@ -26,7 +26,21 @@ pub fn needed_slots<S: Scalar>(
     coordinates: &[S],
     is_needed: impl Fn(usize) -> bool,
 ) -> Vec<S> {
-    let mut slots = coordinates.to_vec();
+    let mut slots = Vec::new();
+    fill_slots(mechanism, coordinates, is_needed, &mut slots);
+    slots
+}
+
+/// The same in a list whose memory is used again.
+pub fn fill_slots<S: Scalar>(
+    mechanism: &Mechanism,
+    coordinates: &[S],
+    is_needed: impl Fn(usize) -> bool,
+    slots: &mut Vec<S>,
+) {
+    slots.clear();
+    slots.reserve(coordinates.len() + 3 * mechanism.traces.len() + mechanism.outputs.len());
+    slots.extend_from_slice(coordinates);
     for trace in &mechanism.traces {
         if !(0..3).any(|axis| is_needed(slots.len() + axis)) {
             slots.extend([(); 3].map(|()| S::undefined()));
@@ -41,12 +55,11 @@ pub fn needed_slots<S: Scalar>(
     for output in &mechanism.outputs {
         // Outputs may use earlier ones, which are slots by now.
         let value = match is_needed(slots.len()) {
-            true => output.value_with(mechanism, &slots, &mut scratch),
+            true => output.value_with(mechanism, slots, &mut scratch),
             false => S::undefined(),
         };
         slots.push(value);
     }
-    slots
 }
 
 /// A formula about the motion at coordinates; `needed` are its dependencies.
