@@ -8,7 +8,7 @@ use super::reductions::taken_number;
 use super::tracked::Tracked;
 use crate::analysis::study::Nominal;
 use crate::kinematics::abreast::anchor::AnchorPose;
-use crate::kinematics::enclosure::pose::{Encloser, PoseEnclosure};
+use crate::kinematics::enclosure::pose::{Encloser, PoseEnclosure, REFINING};
 use crate::kinematics::enclosure::quadratic::{BoxFace, QuadraticBound};
 use crate::kinematics::loops::observed::observed_slots;
 use crate::model::expression::Expression;
@@ -83,7 +83,7 @@ fn measure_bands<const N: usize>(
     let mut enclosures = Vec::new();
     for (known, rough) in plain.into_iter().zip(is_rough) {
         enclosures.push(match rough {
-            true => search.finder.refined(&known),
+            true => search.finder.refined(&known, REFINING[1]),
             false => known,
         });
     }

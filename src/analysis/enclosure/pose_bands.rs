@@ -5,7 +5,7 @@ use super::plan::TolerancePlan;
 use crate::kinematics::abreast::anchor::AnchorPose;
 use crate::kinematics::abreast::closing::LaneSolver;
 use crate::kinematics::enclosure::block::Unbounded;
-use crate::kinematics::enclosure::pose::{Encloser, PoseEnclosure, Sought};
+use crate::kinematics::enclosure::pose::{Encloser, PoseEnclosure, REFINING, Sought};
 use crate::kinematics::enclosure::quadratic::{BoxFace, QuadraticBound};
 use crate::kinematics::enclosure::region::ToleranceInterval;
 use crate::kinematics::loops::observed::observed_slots;
@@ -141,9 +141,13 @@ impl<'f> PieceFinder<'f> {
         )
     }
 
-    /// A first-order enclosure that keeps terms of second order.
-    pub fn refined<const N: usize>(&mut self, plain: &PoseEnclosure<N>) -> PoseEnclosure<N> {
-        self.encloser.refined(plain, &mut self.room)
+    /// A first-order enclosure that keeps terms of second order, in so many rounds.
+    pub fn refined<const N: usize>(
+        &mut self,
+        plain: &PoseEnclosure<N>,
+        rounds: usize,
+    ) -> PoseEnclosure<N> {
+        self.encloser.refined(plain, &mut self.room, rounds)
     }
 
     /// The same with first-order forms only; also returns whether second-order forms would be tried.
@@ -171,20 +175,22 @@ impl<'f> PieceFinder<'f> {
             let enclosure = self.enclosed::<N>(pose)?;
             return Ok(self.bands_within(&enclosure, anchor));
         };
-        let first = self.bands_within(&plain, anchor);
+        let mut bands = self.bands_within(&plain, anchor);
         let size = self.plan.family.mechanism().size;
         let sharp =
             |band: &ValueBand| is_sharp([band.lo, band.hi], band.found, band.nominal.abs() + size);
-        if !is_rough || first.list.iter().all(sharp) {
-            return Ok(first);
+        for rounds in REFINING {
+            if !is_rough || bands.list.iter().all(sharp) {
+                break;
+            }
+            // All of them enclose all pieces, so that their intersection does.
+            let enclosure = self.refined(&plain, rounds);
+            let refined = self.bands_within(&enclosure, anchor);
+            for (band, other) in bands.list.iter_mut().zip(&refined.list) {
+                *band = band.narrowed(other);
+            }
         }
-        // Both enclose all pieces, so that their intersection does.
-        let enclosure = self.refined(&plain);
-        let second = self.bands_within(&enclosure, anchor);
-        let pairs = first.list.iter().zip(&second.list);
-        Ok(Bands {
-            list: pairs.map(|(a, b)| a.narrowed(b)).collect(),
-        })
+        Ok(bands)
     }
 
     /// Bands from an enclosure and the pieces at their ends.

@@ -45,11 +45,8 @@ const ATTEMPTS: usize = 10;
 /// A box whose image takes more than this share of it is tight enough.
 const SHARP: f64 = 0.6;
 
-/// How often the maps are repeated with the unknowns known to second order, ...
+/// How often the maps are repeated with the unknowns known to second order.
 const POLISHING: usize = 2;
-
-/// ... and with the unknowns known to first order only: once more.
-const REFINING: usize = 3;
 
 /// Another round must leave less than this share of what was open before.
 const GAINED: f64 = 0.9;
@@ -99,11 +96,17 @@ pub fn enclose_block<F: DimensionForm>(
     Ok(roughness)
 }
 
-/// Encloses the block's unknowns again, with all slots known: to second order if the first left much open.
-pub fn refine_block<F: DimensionForm>(layout: &Layout, known: &BlockBox, region: &mut Region<F>) {
+/// Encloses the block's unknowns again in at most so many rounds, with all slots known: to second order if the first left
+/// much open.
+pub fn refine_block<F: DimensionForm>(
+    layout: &Layout,
+    known: &BlockBox,
+    region: &mut Region<F>,
+    rounds: usize,
+) {
     let open = region.open.clone();
     let centre = Centre::of_box(layout, known, region);
-    if !centre.polish(layout, &known.basis, region, (&known.sides, REFINING)) {
+    if !centre.polish(layout, &known.basis, region, (&known.sides, rounds)) {
         region.open = open;
     }
 }

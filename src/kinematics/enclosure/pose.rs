@@ -23,6 +23,9 @@ const ROUGH: f64 = 1e-3;
 /// Most dimensions of forms of second order: a form takes four times the square of it in bytes.
 const MOST_BENT: usize = 36;
 
+/// Rounds of a refinement: of a quick one, which costs half as much, and of one after which little is gained.
+pub const REFINING: [usize; 2] = [1, 3];
+
 /// What is enclosed.
 #[derive(Clone, Copy, Debug)]
 pub struct Sought<'p> {
@@ -77,7 +80,7 @@ impl<'s> Encloser<'s> {
         let region = match self.region::<AffineForm<N>>((), sought) {
             // If the second order of the Jacobian makes the boxes wide, it is kept.
             Ok((region, roughness)) if Self::is_rough::<N>(roughness) => {
-                self.refined_region(&region, room)
+                self.refined_region(&region, room, REFINING[1])
             }
             Ok((region, _)) => region,
             Err(unbounded) if unbounded.reason == Reason::Singular && N <= MOST_BENT => {
@@ -114,14 +117,15 @@ impl<'s> Encloser<'s> {
         Ok((enclosure, Self::is_rough::<N>(roughness)))
     }
 
-    /// A first-order enclosure that keeps terms of second order.
+    /// A first-order enclosure that keeps terms of second order, in one of the numbers of rounds of [`REFINING`].
     pub fn refined<const N: usize>(
         &self,
         plain: &PoseEnclosure<N>,
         room: &mut FormRoom,
+        rounds: usize,
     ) -> PoseEnclosure<N> {
         PoseEnclosure {
-            region: self.refined_region(&plain.region, room),
+            region: self.refined_region(&plain.region, room, rounds),
             coordinates: plain.coordinates,
         }
     }
@@ -130,6 +134,7 @@ impl<'s> Encloser<'s> {
         &self,
         plain: &Region<AffineForm<N>>,
         room: &mut FormRoom,
+        rounds: usize,
     ) -> Region<AffineForm<N>> {
         room.empty(self.form_size::<N>(plain.count));
         let room = &*room;
@@ -156,7 +161,7 @@ impl<'s> Encloser<'s> {
         // With these forms the blocks are enclosed once more, in the boxes that are proved already.
         for (layout, known) in self.layouts.iter().zip(&plain.boxes) {
             if known.roughness > ROUGH {
-                refine_block(layout, known, &mut region);
+                refine_block(layout, known, &mut region, rounds);
             }
         }
         // Traces and outputs follow from the coordinates; then second-order terms are bounded again.

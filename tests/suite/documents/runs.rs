@@ -61,6 +61,7 @@ const SHORTENED: &[(&str, &str, &str)] = &[
     ),
     ("grid:frame_is_shortest", ":16", ":2"),
     ("grid:x=1.2", ":120", ":8"),
+    ("sobol:", ":100000", ":16"),
     ("synthesise", "torus-torus", "gearshift"),
     (
         "synthesise",
