@@ -102,7 +102,7 @@ impl Octet {
 }
 
 /// Some of eight lanes.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct LaneMask(f64x8);
 
 impl LaneMask {

@@ -213,9 +213,7 @@ impl<'s> LaneFollower<'s> {
             off.larger_magnitude(*step - *turn * share)
         });
         let kinked = lanes.and(off.at_most(allowed));
-        for (rate, end) in self.steps.rates_mut().iter_mut().zip(&self.ends) {
-            *rate = kinked.choose(*end, *rate);
-        }
+        self.steps.turn(kinked, &self.ends);
         kinked
     }
 

@@ -27,7 +27,7 @@ struct BegunStep {
 }
 
 /// The last steps of eight motions.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct RecentSteps {
     /// The present step, then those before.
     steps: [BegunStep; 3],
@@ -43,16 +43,6 @@ struct StepRatio {
     ratio: Octet,
     /// Lanes in which both have the same direction.
     is_along: LaneMask,
-}
-
-impl Default for RecentSteps {
-    fn default() -> Self {
-        Self {
-            steps: Default::default(),
-            count: 0,
-            smooth: [LaneMask::NONE; 2],
-        }
-    }
 }
 
 impl RecentSteps {
@@ -91,6 +81,15 @@ impl RecentSteps {
     /// The present step ended `off` beside its prediction in these lanes, of a length along the tangents.
     pub fn end(&mut self, off: Octet, length: Octet) {
         self.smooth = [off.at_most(length * SMOOTH), self.smooth[0]];
+    }
+
+    /// In these lanes the present step has a kink, and counts with the tangents at its end; three poses are not extrapolated
+    /// across it.
+    pub fn turn(&mut self, kinked: LaneMask, ends: &[Octet]) {
+        self.smooth[0] = self.smooth[0].without(kinked);
+        for (rate, end) in self.steps[0].rates.iter_mut().zip(ends) {
+            *rate = kinked.choose(*end, *rate);
+        }
     }
 
     /// What the unknowns change by beyond the tangents, if the inputs continue in the same direction; `unknowns` are the
