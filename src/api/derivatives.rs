@@ -3,10 +3,11 @@
 use super::error::{Error, ErrorKind, find_column};
 use super::loaded::Loaded;
 use super::motion::Motion;
-use crate::kinematics::rates::variation::Variation;
+use crate::analysis::study::MeasureSlopes;
+use crate::kinematics::abreast::pose_group::PoseGroup;
+use crate::kinematics::loops::observed::{dependencies, needed_slots};
 use crate::kinematics::results::columns::ValueColumn;
 use crate::model::mechanism::Mechanism;
-use crate::numbers::hyper_dual::HyperDual;
 use crate::scene::Overrides;
 use std::sync::Arc;
 
@@ -39,35 +40,40 @@ impl Motion {
         let own = mechanism.inputs.len();
         let nominal = &family.scene.actuation.inputs_at(0.0)[own..];
         let slots: Vec<usize> = columns.iter().map(|c| c.slot(varied)).collect();
+        let needed = dependencies(varied, &slots);
         let units = units(mechanism, varied, &columns);
-        let wanted = slots.iter().max().map_or(0, |last| last + 1);
-        let mut variation = Variation::new(&family.system);
+        let moved: Vec<usize> = (own..own + parameters.len()).collect();
+        let samples = self.trajectory.samples.iter();
+        let places = samples.map(|sample| {
+            let pose = sample.pose.as_ref()?;
+            Some([pose.unknowns.as_slice(), &sample.inputs, nominal].concat())
+        });
+        let places: Vec<Option<Vec<f64>>> = places.collect();
+        let poses: Vec<Vec<f64>> = places.iter().flatten().cloned().collect();
+        let sensitivities = PoseGroup::new(&family.system).sensitivities(&poses, &moved);
         let mut slopes = vec![f64::NAN; self.len() * columns.len() * parameters.len()];
-        let mut tangent = Vec::new();
-        for (row, sample) in slopes
-            .chunks_mut((columns.len() * parameters.len()).max(1))
-            .zip(&self.trajectory.samples)
-        {
-            let Some(pose) = &sample.pose else { continue };
-            let place = [pose.unknowns.as_slice(), &sample.inputs, nominal].concat();
-            let rest = vec![0.0; place.len()];
-            for k in 0..parameters.len() {
-                variation.tangent(&place, own + k, &mut tangent);
-                let values = variation.slots(&place, &tangent, &rest, wanted);
-                for (j, slot) in slots.iter().enumerate() {
+        let rows = slopes.chunks_mut((columns.len() * parameters.len()).max(1));
+        let rows = rows
+            .zip(&places)
+            .filter_map(|(row, place)| Some((row, place.as_ref()?)));
+        for ((row, place), sensitivity) in rows.zip(&sensitivities) {
+            let values = needed_slots(varied, place, |slot| needed[slot]);
+            let known = (&values[..], &needed[..]);
+            let found = MeasureSlopes::new(varied, &moved, known, sensitivity);
+            for (j, slot) in slots.iter().enumerate() {
+                for (k, by_parameter) in found.rows.iter().enumerate() {
                     let entry = j * parameters.len() + k;
-                    row[entry] = first(values, *slot) * units[entry];
+                    let slope = by_parameter[*slot];
+                    row[entry] = if slope.is_finite() {
+                        slope * units[entry]
+                    } else {
+                        f64::NAN
+                    };
                 }
             }
         }
         Ok(slopes)
     }
-}
-
-/// The derivative of a slot; `NaN` if it has none.
-fn first(values: &[HyperDual], slot: usize) -> f64 {
-    let slope = values.get(slot).map_or(f64::NAN, |value| value.first);
-    if slope.is_finite() { slope } else { f64::NAN }
 }
 
 /// The same scene with parameters as additional inputs.

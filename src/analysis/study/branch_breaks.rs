@@ -33,7 +33,7 @@ impl Evaluator<'_> {
 
     fn leads_to(&mut self, from: &[f64], to: &[f64]) -> bool {
         let ends = PARTS.iter().find_map(|parts| self.follow(from, to, *parts));
-        ends.is_some_and(|end| self.solver.apart(&end, to) < SAME) || self.moves_to(from, to)
+        ends.is_some_and(|end| self.group.solver.apart(&end, to) < SAME) || self.moves_to(from, to)
     }
 
     /// The same by a full motion: through locked joints and past change points.
@@ -68,7 +68,7 @@ impl Evaluator<'_> {
             let share = part as f64 / parts as f64;
             let ends = from[n..].iter().zip(&to[n..]);
             let inputs: Vec<f64> = ends.map(|(a, b)| a + (b - a) * share).collect();
-            pose = self.solver.step(&pose, &inputs, 1)?;
+            pose = self.group.solver.step(&pose, &inputs, 1)?;
         }
         Some(pose)
     }

@@ -5,6 +5,7 @@ use super::measure::ShownMeasure;
 use super::slopes::MeasureSlopes;
 use super::track_poses::{Evaluator, Rejection, TrackPoses};
 use crate::jobs;
+use crate::kinematics::loops::observed::dependencies;
 use crate::kinematics::measures::values_along;
 use crate::model::expression::Expression;
 use crate::model::measure::MeasureSource;
@@ -137,13 +138,15 @@ impl Evaluator<'_> {
             }
         };
         let mechanism = self.family.mechanism();
-        let count = track_poses.values.len();
+        let variables = self.variables();
+        let needed = self.needed_slots();
         let work = |index: usize| {
             if track_poses.is_singular(index) {
                 return None;
             }
             let slots = &shown[index].slots;
-            let slopes = MeasureSlopes::new(mechanism, count, slots, &sensitivities[index]);
+            let slots = (&slots[..], &needed[..]);
+            let slopes = MeasureSlopes::new(mechanism, &variables, slots, &sensitivities[index]);
             self.changes_at(index, &track_poses.poses[index], slopes)
         };
         let poses = track_poses.poses.len();
@@ -165,6 +168,17 @@ impl Evaluator<'_> {
         changes
             .map(|(index, changes)| changes.ok_or_else(|| not_reached(index)))
             .collect()
+    }
+
+    /// The slots that measures depend on.
+    fn needed_slots(&self) -> Vec<bool> {
+        let list = self.family.measures.list.iter();
+        let formulas = list.flat_map(|measure| match &measure.source {
+            MeasureSource::Over { of, .. } => &of[..],
+            MeasureSource::Formula(_) => &[],
+        });
+        let slots: Vec<usize> = formulas.flat_map(Expression::slots).collect();
+        dependencies(self.family.mechanism(), &slots)
     }
 
     fn changes_at(&self, index: usize, pose: &[f64], slopes: MeasureSlopes) -> Option<Changes> {

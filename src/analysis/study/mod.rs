@@ -29,5 +29,6 @@ pub use measure::MeasureValues;
 pub use peaks::{Guard, Peaks};
 pub use search::{Refusals, StudySearch, Watch};
 pub use search_steps::FoundOptimum;
+pub use slopes::MeasureSlopes;
 pub use track_poses::{Evaluator, Rejection, TrackPoses};
 pub use whole_limits::KEPT;

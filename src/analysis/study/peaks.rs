@@ -95,9 +95,7 @@ impl<'f, 'w> Peaks<'f, 'w> {
         }
         // The regularity at the start determines how near to singular poses the search may go.
         let base = evaluator.settled(start);
-        let here = row_nearness(&evaluator, &base.poses, 1.0, 0.0)
-            .values
-            .into_iter();
+        let here = row_nearness(&evaluator, &base, 1.0, 0.0).values.into_iter();
         let least_sigma = SHARE_OF_SIGMA * (1.0 - here.fold(0.0, f64::max));
         Ok(Self {
             least_sigma,
@@ -197,7 +195,7 @@ impl<'f, 'w> Peaks<'f, 'w> {
             return Ok(None);
         }
         // The peaks of the objective first, then the limits row by row.
-        let lists = list_rows(&self.evaluator, &self.rows, &track_poses.poses, with_slopes);
+        let lists = list_rows(&self.evaluator, &self.rows, &track_poses, with_slopes);
         let mut lists = lists.into_iter();
         let Listed {
             values,
@@ -221,7 +219,7 @@ impl<'f, 'w> Peaks<'f, 'w> {
         };
         // Regularity is also a constraint: no pose may come near a singular one.
         let near = if with_slopes { SLOPES_BELOW } else { 0.0 };
-        let regular = row_nearness(&self.evaluator, &track_poses.poses, self.least_sigma, near);
+        let regular = row_nearness(&self.evaluator, &track_poses, self.least_sigma, near);
         for mut list in lists.chain([regular]) {
             peak_values.limits.append(&mut list.values);
             peak_gradients.limits.append(&mut list.slopes);

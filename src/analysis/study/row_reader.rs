@@ -3,7 +3,7 @@
 
 use super::family::ParametricMechanism;
 use super::rows::{Listed, StudyRows};
-use super::track_poses::Evaluator;
+use super::track_poses::{Evaluator, TrackPoses};
 use crate::jobs::{core_count, share_work};
 use crate::kinematics::rates::variation::Variation;
 use crate::numbers::hyper_dual::HyperDual;
@@ -54,27 +54,37 @@ impl<'f> Reader<'f> {
         &mut self,
         question: Question,
         pose: &[f64],
+        sensitivity: &[f64],
         with_slope: impl Fn(f64) -> bool,
     ) -> (f64, Vec<f64>) {
         match question {
             Question::Formula(rows) => {
                 let value = self.value(rows, pose);
-                let slope = with_slope(value).then(|| self.slope(rows, pose));
+                let slope = with_slope(value).then(|| self.slope(rows, pose, sensitivity));
                 (value, slope.unwrap_or_default())
             }
             Question::Regularity => {
                 let value = self.variation.regularity(pose);
-                let slope = with_slope(value).then(|| self.regularity_slope(pose));
+                let slope = with_slope(value).then(|| self.regularity_slope(pose, sensitivity));
                 (value, slope.unwrap_or_default())
             }
         }
     }
 
-    fn regularity_slope(&mut self, pose: &[f64]) -> Vec<f64> {
-        let first = self.family.own_inputs();
+    /// The rates of all coordinates for a unit rate of variable `k`.
+    fn move_by(&mut self, k: usize, pose: &[f64], sensitivity: &[f64]) {
+        let unknowns = self.family.mechanism().unknowns.len();
+        self.rates.clear();
+        self.rates
+            .extend_from_slice(&sensitivity[k * unknowns..(k + 1) * unknowns]);
+        self.rates.resize(pose.len(), 0.0);
+        self.rates[unknowns + self.family.own_inputs() + k] = 1.0;
+    }
+
+    fn regularity_slope(&mut self, pose: &[f64], sensitivity: &[f64]) -> Vec<f64> {
         (0..self.family.study.variables.len())
             .map(|k| {
-                self.variation.tangent(pose, first + k, &mut self.rates);
+                self.move_by(k, pose, sensitivity);
                 self.variation.regularity_rate(pose, &self.rates)
             })
             .collect()
@@ -102,16 +112,15 @@ impl<'f> Reader<'f> {
     }
 
     /// Its derivatives by the variables.
-    fn slope(&mut self, rows: &StudyRows, pose: &[f64]) -> Vec<f64> {
+    fn slope(&mut self, rows: &StudyRows, pose: &[f64], sensitivity: &[f64]) -> Vec<f64> {
         let variables = self.family.study.variables.len();
-        let first = self.family.own_inputs();
         // Coordinates alone: the formula's gradient times the rates of the pose.
         if rows.per.is_none() && rows.is_free_of_traces {
             self.fill_gradient(rows, pose);
             let count = pose.len();
             return (0..variables)
                 .map(|k| {
-                    self.variation.tangent(pose, first + k, &mut self.rates);
+                    self.move_by(k, pose, sensitivity);
                     let pairs = self.gradient[..count].iter().zip(&self.rates);
                     pairs.map(|(g, r)| g * r).sum()
                 })
@@ -123,7 +132,7 @@ impl<'f> Reader<'f> {
         }
         (0..variables)
             .map(|k| {
-                self.variation.tangent(pose, first + k, &mut self.rates);
+                self.move_by(k, pose, sensitivity);
                 let slots = self
                     .variation
                     .slots(pose, &self.along, &self.rates, rows.reach);
@@ -176,11 +185,12 @@ impl<'f> Reader<'f> {
     }
 }
 
-/// Values of all rows at the given poses, list by list; fewer after a cancellation.
+/// Values of all rows at the given poses, list by list, with slopes if the poses have sensitivities and they are requested;
+/// fewer after a cancellation.
 pub(super) fn list_rows(
     evaluator: &Evaluator,
     rows: &[StudyRows],
-    poses: &[Vec<f64>],
+    poses: &TrackPoses,
     with_slopes: bool,
 ) -> Vec<Listed> {
     let jobs: Vec<(Question, usize)> = rows
@@ -201,11 +211,11 @@ pub(super) fn list_rows(
 /// at least `least`. Slopes are given only below `slopes_below` times that, otherwise zeros.
 pub(super) fn row_nearness(
     evaluator: &Evaluator,
-    poses: &[Vec<f64>],
+    poses: &TrackPoses,
     least: f64,
     slopes_below: f64,
 ) -> Listed {
-    let jobs: Vec<_> = (0..poses.len())
+    let jobs: Vec<_> = (0..poses.poses.len())
         .map(|k| (Question::Regularity, k))
         .collect();
     let mut listed = Listed::default();
@@ -223,17 +233,21 @@ pub(super) fn row_nearness(
 fn row_answers(
     evaluator: &Evaluator,
     jobs: &[(Question, usize)],
-    poses: &[Vec<f64>],
+    poses: &TrackPoses,
     with_slope: &(dyn Fn(f64) -> bool + Sync),
 ) -> Vec<(f64, Vec<f64>)> {
     let threads = core_count().min(jobs.len().div_ceil(LEAST_PORTION));
     let make = || Reader::new(evaluator.family());
+    let sensitivities = poses.sensitivities();
     let found = share_work(jobs.len(), threads, make, |reader, job| {
         let (question, pose) = jobs[job];
         if evaluator.is_cancelled() {
             return None;
         }
-        Some(reader.answer(question, &poses[pose], with_slope))
+        let sensitivity = sensitivities.map(|known| &known[pose][..]);
+        let with_slope = |value| sensitivity.is_some() && with_slope(value);
+        let pose = &poses.poses[pose];
+        Some(reader.answer(question, pose, sensitivity.unwrap_or_default(), with_slope))
     });
     found.into_iter().map(|(_, answer)| answer).collect()
 }

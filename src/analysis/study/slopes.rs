@@ -1,4 +1,4 @@
-//! First derivatives of a pose's quantities by each variable: coordinates from the factorised loops, traced points from
+//! First derivatives of a pose's quantities by some of its inputs: coordinates from the factorised loops, traced points from
 //! the twists of their chains, outputs by the chain rule.
 
 use crate::math::Pose;
@@ -10,31 +10,39 @@ use glam::DVec3;
 /// Derivatives of the slots of a pose: coordinates, x, y, z of the traces, outputs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeasureSlopes {
-    /// One row per variable.
+    /// One row per input.
     pub rows: Vec<Vec<f64>>,
 }
 
 impl MeasureSlopes {
-    /// The slopes of the quantities `slots` of a pose by the last `count` inputs. `sensitivity` contains
-    /// d(unknown)/d(variable), variable after variable.
-    pub fn new(mechanism: &Mechanism, count: usize, slots: &[f64], sensitivity: &[f64]) -> Self {
+    /// The slopes of the `needed` ones of the quantities `slots` of a pose by some of its inputs; those of other traced
+    /// points and outputs are zero. `sensitivity` contains d(unknown)/d(input), input after input.
+    pub fn new(
+        mechanism: &Mechanism,
+        inputs: &[usize],
+        (slots, needed): (&[f64], &[bool]),
+        sensitivity: &[f64],
+    ) -> Self {
         let (unknowns, coordinates) = (mechanism.unknowns.len(), mechanism.coordinate_count());
-        let mut rows = vec![vec![0.0; slots.len()]; count];
-        for (k, row) in rows.iter_mut().enumerate() {
+        let mut rows = vec![vec![0.0; slots.len()]; inputs.len()];
+        for (k, (row, input)) in rows.iter_mut().zip(inputs).enumerate() {
             row[..unknowns].copy_from_slice(&sensitivity[k * unknowns..(k + 1) * unknowns]);
-            row[coordinates - count + k] = 1.0;
+            row[unknowns + input] = 1.0;
         }
         let mut slopes = Self { rows };
-        slopes.add_traces(mechanism, &slots[..coordinates]);
-        slopes.add_outputs(mechanism, slots);
+        slopes.add_traces(mechanism, &slots[..coordinates], needed);
+        slopes.add_outputs(mechanism, slots, needed);
         slopes
     }
 
-    fn add_traces(&mut self, mechanism: &Mechanism, coordinates: &[f64]) {
+    fn add_traces(&mut self, mechanism: &Mechanism, coordinates: &[f64], needed: &[bool]) {
         let arguments = mechanism.argument_values(coordinates);
         let mut shares = ArgumentShares::new(coordinates.len());
         for (index, trace) in mechanism.traces.iter().enumerate() {
             let first = coordinates.len() + 3 * index;
+            if !needed[first..first + 3].contains(&true) {
+                continue;
+            }
             let chain = &mechanism.bodies[trace.body].world_from_body;
             // Chain rule: the point by every joint argument, the argument by its coordinates, these by the variables.
             for (argument, by_argument) in point_by_arguments(chain, &arguments, trace.point) {
@@ -53,11 +61,12 @@ impl MeasureSlopes {
         }
     }
 
-    fn add_outputs(&mut self, mechanism: &Mechanism, slots: &[f64]) {
+    fn add_outputs(&mut self, mechanism: &Mechanism, slots: &[f64], needed: &[bool]) {
         let first = slots.len() - mechanism.outputs.len();
         let mut gradient = vec![0.0; slots.len()];
         let (mut values, mut adjoints) = (Vec::new(), Vec::new());
-        for (index, output) in mechanism.outputs.iter().enumerate() {
+        let outputs = mechanism.outputs.iter().enumerate();
+        for (index, output) in outputs.filter(|(index, _)| needed[first + index]) {
             gradient.fill(0.0);
             let buffers = [&mut values, &mut adjoints];
             output.add_gradient(mechanism, slots, 1.0, &mut gradient, buffers);

@@ -2,10 +2,12 @@
 //! with the branch checks of any motion.
 
 use super::family::ParametricMechanism;
+use crate::kinematics::abreast::pose_group::PoseGroup;
 use crate::kinematics::motion::tracker::steps::Steps;
 use crate::kinematics::solve::newton::Pace;
-use crate::kinematics::solve::pose_solver::{PoseSolver, follows_prediction};
+use crate::kinematics::solve::pose_solver::follows_prediction;
 use crate::kinematics::solve::predictor::Prediction;
+use crate::numbers::octet::LANES;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Smallest fraction of the way that is tried before a candidate is given up.
@@ -81,7 +83,7 @@ pub enum Rejection {
 #[derive(Clone, Debug)]
 pub struct Evaluator<'f> {
     pub(super) family: &'f ParametricMechanism,
-    pub(super) solver: PoseSolver<'f>,
+    pub(super) group: PoseGroup<'f>,
     cancel: Option<&'f AtomicBool>,
 }
 
@@ -90,7 +92,7 @@ impl<'f> Evaluator<'f> {
     pub fn new(family: &'f ParametricMechanism) -> Self {
         Self {
             family,
-            solver: PoseSolver::new(family.system()),
+            group: PoseGroup::new(family.system()),
             cancel: None,
         }
     }
@@ -128,25 +130,14 @@ impl<'f> Evaluator<'f> {
 
     /// The side of its singular poses on which a pose is, and its distance from them.
     fn side(&mut self, pose: &[f64]) -> (Vec<i8>, f64) {
-        let state = self.solver.observe(pose);
+        let state = self.group.solver.observe(pose);
         (state.signs.into_vec(), state.sigma_min)
     }
 
-    /// d(unknowns)/d(variable) at a pose, variable after variable.
-    fn sensitivity(&mut self, pose: &[f64]) -> Vec<f64> {
-        let family = self.family;
-        let mechanism = family.mechanism();
-        let (n, count) = (mechanism.unknowns.len(), family.study.variables.len());
-        let mut rates = vec![0.0; mechanism.coordinate_count()];
-        let mut all = Vec::with_capacity(n * count);
-        // One column of implicit differentiation per variable: the tangent for its unit rate.
-        for variable in rates.len() - count..rates.len() {
-            rates.fill(0.0);
-            rates[variable] = 1.0;
-            self.solver.tangent(pose, &mut rates);
-            all.extend_from_slice(&rates[..n]);
-        }
-        all
+    /// The variables, as inputs of the mechanism.
+    pub(super) fn variables(&self) -> Vec<usize> {
+        let first = self.family.own_inputs();
+        (first..first + self.family.study.variables.len()).collect()
     }
 
     /// The poses at other values, reached from `track_poses` in as many steps as necessary.
@@ -164,8 +155,8 @@ impl<'f> Evaluator<'f> {
     /// Adds the sensitivities that gradients and further steps need.
     pub fn settled(&mut self, mut track_poses: TrackPoses) -> TrackPoses {
         if track_poses.sensitivities().is_none() {
-            let poses = track_poses.poses.iter();
-            track_poses.sensitivities = poses.map(|pose| self.sensitivity(pose)).collect();
+            let variables = self.variables();
+            track_poses.sensitivities = self.group.sensitivities(&track_poses.poses, &variables);
         }
         track_poses
     }
@@ -231,21 +222,41 @@ impl<'f> Evaluator<'f> {
             .zip(&track_poses.values)
             .map(|(b, a)| b - a)
             .collect();
-        let count = track_poses.poses.len();
+        let (variables, count) = (self.variables(), track_poses.poses.len());
+        let (n, own) = (self.family.mechanism().unknowns.len(), variables[0]);
         let mut poses = Vec::with_capacity(count);
         let mut sensitivities = Vec::with_capacity(if settle { count } else { 0 });
-        for index in 0..count {
+        for first in (0..count).step_by(LANES) {
             if self.is_cancelled() {
-                return Err(index);
+                return Err(first);
             }
-            let pose = self
-                .pose(track_poses, index, &change, values)
-                .ok_or(index)?;
-            if settle {
-                // The correction has just factorised the loops at this pose.
-                sensitivities.push(self.sensitivity(&pose));
+            let group = first..count.min(first + LANES);
+            let from = &track_poses.poses[group.clone()];
+            let input = |lane: usize, k: usize| match k.checked_sub(own) {
+                Some(variable) => values[variable],
+                None => from[lane][n + k],
+            };
+            let least = track_poses.sigmas[group.clone()].iter();
+            let least: Vec<f64> = least.map(|sigma| LEAST_SIGMA * sigma).collect();
+            let trusted = self.group.step(from, input, &least);
+            let mut lanes = match settle && trusted.any() {
+                true => self.group.lane_sensitivities(&variables),
+                false => Vec::new(),
+            };
+            for (lane, index) in group.enumerate() {
+                if trusted.has(lane) {
+                    poses.push(self.group.pose(lane));
+                    sensitivities.extend(lanes.get_mut(lane).map(std::mem::take));
+                    continue;
+                }
+                let pose = self.pose(track_poses, index, &change, values);
+                let pose = pose.ok_or(index)?;
+                if settle {
+                    // The correction has just factorised the loops at this pose.
+                    sensitivities.push(self.group.sensitivity(&pose, &variables));
+                }
+                poses.push(pose);
             }
-            poses.push(pose);
         }
         Ok(TrackPoses {
             sensitivities,
@@ -275,7 +286,7 @@ impl<'f> Evaluator<'f> {
         let first = pose.len() - values.len();
         pose[first..].copy_from_slice(values);
         // ... corrected by Newton steps, and trusted if the correction is small against the step ...
-        let correction = self.solver.correct(&mut pose, Pace::Brisk);
+        let correction = self.group.solver.correct(&mut pose, Pace::Brisk);
         let prediction = Prediction { length, bend: 0.0 };
         let trusted = follows_prediction(&correction, &prediction);
         if !trusted {

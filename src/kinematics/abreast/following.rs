@@ -5,13 +5,10 @@
 //! its ends are similar. Where formulas of the inputs have a kink, the step need only lie between the tangents at its two
 //! ends. A lane that violates this, or in which a formula jumps, leaves for good.
 
-use super::block_values::{BlockValues, LaneBlock};
-use super::closing::{close_block, largest};
-use super::factors::{LARGEST_BLOCK, OctetElimination};
+use super::closing::ClosedLanes;
 use super::frames::turn_of;
-use super::pivoting::PivotedFactors;
+use super::linearised::Linearised;
 use super::prediction::RecentSteps;
-use crate::kinematics::solve::between::MOST_CHANGE;
 use crate::kinematics::solve::pose_solver::{MAX_CORRECTION, largest_correction};
 use crate::kinematics::structure::system::System;
 use crate::model::chain::{Argument, ArgumentValue};
@@ -28,17 +25,12 @@ const LONGEST_STEP: f64 = std::f64::consts::FRAC_PI_4;
 #[derive(Clone, Debug)]
 pub struct LaneFollower<'s> {
     system: &'s System,
-    blocks: Vec<LaneBlock<'s>>,
     /// Formulas of joints and equations that may jump.
     jumping: Vec<&'s Expression>,
     /// At the poses reached.
-    values: Vec<BlockValues>,
-    factors: Vec<PivotedFactors>,
-    /// The Jacobian of a block at the poses before.
-    before: Vec<Octet>,
+    here: Linearised<'s>,
     steps: RecentSteps,
     bends: Vec<Octet>,
-    drift: Vec<Octet>,
     /// Changes of all coordinates along the tangents at the end of a step.
     ends: Vec<Octet>,
     poses: [Vec<f64>; 2],
@@ -50,10 +42,7 @@ pub struct LaneFollower<'s> {
 impl<'s> LaneFollower<'s> {
     /// Buffers for `system`; `None` if it has blocks that cannot be followed side by side.
     pub fn new(system: &'s System) -> Option<Self> {
-        let blocks = system.blocks();
-        let is_small = blocks
-            .iter()
-            .all(|b| b.rows() == b.unknowns.len() && b.rows() <= LARGEST_BLOCK);
+        let here = Linearised::new(system)?;
         let mechanism = system.mechanism();
         let of_joints = mechanism
             .arguments
@@ -67,17 +56,11 @@ impl<'s> LaneFollower<'s> {
         let mut used: Vec<usize> = of_loops.flat_map(|item| item.chain.arguments()).collect();
         used.sort_unstable();
         used.dedup();
-        is_small.then(|| Self {
+        Some(Self {
             jumping: formulas.filter(|formula| formula.has_jumps()).collect(),
-            blocks: (blocks.iter())
-                .map(|block| LaneBlock::new(mechanism, block).with_outside())
-                .collect(),
-            values: vec![BlockValues::default(); blocks.len()],
-            factors: vec![PivotedFactors::default(); blocks.len()],
-            before: Vec::new(),
+            here,
             steps: RecentSteps::default(),
             bends: Vec::new(),
-            drift: Vec::new(),
             ends: Vec::new(),
             poses: [Vec::new(), Vec::new()],
             used,
@@ -86,15 +69,15 @@ impl<'s> LaneFollower<'s> {
         })
     }
 
+    /// The system whose motions are followed.
+    pub fn system(&self) -> &'s System {
+        self.system
+    }
+
     /// Starts at closed poses; returns those of `lanes` that are regular.
-    pub fn begin(&mut self, coordinates: &[Octet], mut lanes: LaneMask) -> LaneMask {
+    pub fn begin(&mut self, coordinates: &[Octet], lanes: LaneMask) -> LaneMask {
         self.steps.clear();
-        let parts = self.values.iter_mut().zip(&mut self.factors);
-        for (block, (values, factors)) in self.blocks.iter().zip(parts) {
-            values.evaluate(block, coordinates, false);
-            lanes = lanes.and(factors.factor(&values.jacobian).0);
-        }
-        lanes
+        self.here.at(coordinates, lanes)
     }
 
     /// One step to other inputs; returns those of `lanes` in which it is trusted.
@@ -102,36 +85,34 @@ impl<'s> LaneFollower<'s> {
         &mut self,
         coordinates: &mut [Octet],
         inputs: &[Octet],
-        mut lanes: LaneMask,
+        lanes: LaneMask,
     ) -> LaneMask {
         self.steps.begin(coordinates);
         let length = self.predict(coordinates, inputs);
         let bend = self.bend(coordinates);
-        let mut first_step = Octet::ZERO;
-        // Corrected block by block; the previous Jacobian is kept for comparison with the new one.
-        for index in 0..self.blocks.len() {
-            let (block, values) = (&self.blocks[index], &mut self.values[index]);
-            let factors = &mut self.factors[index];
-            self.before.clear();
-            self.before.extend_from_slice(&values.jacobian);
-            let closed = close_block(block, values, factors, coordinates, lanes);
-            first_step = first_step.larger_magnitude(closed.first_step);
-            let (is_good, _) = factors.factor(&values.jacobian);
-            lanes = closed.lanes.and(is_good);
-            lanes = lanes.and(self.stays_regular(index));
-        }
+        let ClosedLanes { lanes, first_step } = self.here.close(coordinates, lanes);
         self.steps.end(first_step, length);
         let allowed = length.each(largest_correction);
         // After a whole turn all Jacobians are the same again: longer steps tell nothing.
-        lanes = lanes.and(length.at_most(Octet::splat(LONGEST_STEP)));
+        let lanes = lanes.and(length.at_most(Octet::splat(LONGEST_STEP)));
         let trusted = lanes.and((first_step + bend).at_most(allowed));
         let is_near = first_step.at_most(Octet::splat(MAX_CORRECTION));
         let doubted = lanes.without(trusted).and(is_near);
-        lanes = match doubted.any() {
+        let trusted = match doubted.any() {
             true => trusted.or(self.kinked(coordinates, doubted, allowed)),
             false => trusted,
         };
-        self.unbroken(coordinates, lanes)
+        self.unbroken(coordinates, trusted)
+    }
+
+    /// Rates of the unknowns at the poses reached, for the rates of the inputs in the tail of `rates`.
+    pub fn tangent(&mut self, rates: &mut [Octet]) {
+        self.here.tangent(rates);
+    }
+
+    /// A lower bound of the smallest singular value at the poses reached, except for rounding.
+    pub fn least_sigma(&mut self) -> Octet {
+        self.here.least_sigma()
     }
 
     /// Moves all coordinates along the tangents; the largest change of a scaled unknown.
@@ -144,20 +125,10 @@ impl<'s> LaneFollower<'s> {
         {
             *rate = *new - *old;
         }
+        let length = self.here.tangent(rates);
         coordinates[n..].copy_from_slice(inputs);
-        let mut length = Octet::ZERO;
-        // J q' = -∂r/∂u u', block by block: the tangents of one are rates for the later ones.
-        let parts = self.values.iter().zip(&mut self.factors);
-        for (lane_block, (values, factors)) in self.blocks.iter().zip(parts) {
-            values.drift(lane_block, rates, &mut self.drift);
-            factors.solve(&self.drift);
-            length = length.larger_magnitude(largest(factors.step()));
-            let block = lane_block.block;
-            let scaled = block.plan.scales.iter().zip(factors.step());
-            for (unknown, (scale, step)) in block.unknowns.iter().zip(scaled) {
-                rates[*unknown] = *step * *scale;
-                coordinates[*unknown] += rates[*unknown];
-            }
+        for (unknown, rate) in coordinates[..n].iter_mut().zip(&*rates) {
+            *unknown += *rate;
         }
         length
     }
@@ -184,16 +155,7 @@ impl<'s> LaneFollower<'s> {
         self.ends.clear();
         self.ends.resize(n, Octet::ZERO);
         self.ends.extend_from_slice(&self.steps.rates()[n..]);
-        let parts = self.values.iter_mut().zip(&mut self.factors);
-        for (lane_block, (values, factors)) in self.blocks.iter().zip(parts) {
-            values.drift(lane_block, &self.ends, &mut self.drift);
-            factors.solve(&self.drift);
-            let block = lane_block.block;
-            let scaled = block.plan.scales.iter().zip(factors.step());
-            for (unknown, (scale, step)) in block.unknowns.iter().zip(scaled) {
-                self.ends[*unknown] = *step * *scale;
-            }
-        }
+        self.here.tangent(&mut self.ends);
         // In scaled unknowns: the step beyond the first tangent, and the second tangent beyond it.
         let blocks = self.system.blocks().iter();
         let slots = blocks.flat_map(|b| b.unknowns.iter().zip(&b.plan.scales));
@@ -215,28 +177,6 @@ impl<'s> LaneFollower<'s> {
         let kinked = lanes.and(off.at_most(allowed));
         self.steps.turn(kinked, &self.ends);
         kinked
-    }
-
-    /// The lanes in which the Jacobian of a block has changed little since the previous poses.
-    fn stays_regular(&mut self, index: usize) -> LaneMask {
-        let (values, factors) = (&self.values[index], &mut self.factors[index]);
-        let rows = self.blocks[index].block.rows().max(1);
-        let pairs = values
-            .jacobian
-            .chunks_exact(rows)
-            .zip(self.before.chunks_exact(rows));
-        let mut square = Octet::ZERO;
-        for (new, old) in pairs {
-            self.drift.clear();
-            self.drift
-                .extend(new.iter().zip(old).map(|(new, old)| *new - *old));
-            // J⁻¹ (J - J₀), column by column: while its norm is below one nothing between the two is singular.
-            factors.solve(&self.drift);
-            for entry in factors.step() {
-                square += *entry * *entry;
-            }
-        }
-        square.at_most(Octet::splat(MOST_CHANGE * MOST_CHANGE))
     }
 
     /// The members of `lanes` in which no formula jumps, and no ball joint comes near a pose with locked angles.

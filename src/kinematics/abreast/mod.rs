@@ -13,5 +13,7 @@ pub mod closing;
 mod factors;
 pub mod following;
 mod frames;
+mod linearised;
 mod pivoting;
+pub mod pose_group;
 mod prediction;

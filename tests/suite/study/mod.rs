@@ -2,6 +2,7 @@
 
 mod abreast;
 mod jacobians;
+mod pose_groups;
 mod search_pictures;
 mod studies;
 mod study_verbs;

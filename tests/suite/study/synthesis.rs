@@ -156,7 +156,7 @@ fn any_measure_may_be_made_small() {
         ("gearshift", "F", 0.056, 6.6e-5),
     ];
     for (name, measure, first, below) in cases {
-        let search = ["--starts", "1", "--iterations", "3", "--json", "-"];
+        let search = ["--starts", "1", "--iterations", "10", "--json", "-"];
         let verb = ["synthesise", name, "--minimise", measure];
         let done = mechanim(&[&verb[..], &search].concat());
         let report: Value = serde_json::from_slice(&done.stdout).unwrap();

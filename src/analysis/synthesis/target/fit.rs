@@ -3,14 +3,11 @@
 
 use super::asked::Target;
 use crate::analysis::optimise::least_squares::Residuals;
-use crate::analysis::study::ParametricMechanism;
-use crate::kinematics::loops::observed::observed_slots;
-use crate::kinematics::solve::pose_solver::PoseSolver;
-use crate::numbers::series::Series;
+use crate::analysis::study::{MeasureSlopes, ParametricMechanism};
+use crate::kinematics::abreast::pose_group::PoseGroup;
+use crate::kinematics::loops::observed::{dependencies, observed_slots};
+use crate::numbers::octet::LANES;
 use std::f64::consts::PI;
-
-/// A number and its rate.
-type Rated = Series<f64, 2>;
 
 /// A mechanism at all rows of the table.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,7 +24,7 @@ pub struct Fit {
 pub struct Fitting<'f> {
     pub family: &'f ParametricMechanism,
     pub target: &'f Target,
-    pub solver: PoseSolver<'f>,
+    pub group: PoseGroup<'f>,
     /// Asked between steps.
     pub goes_on: &'f (dyn Fn() -> bool + Sync),
     /// Poses asked for.
@@ -44,7 +41,7 @@ impl<'f> Fitting<'f> {
         Self {
             family,
             target,
-            solver: PoseSolver::new(family.system()),
+            group: PoseGroup::new(family.system()),
             goes_on,
             poses: 0,
         }
@@ -76,13 +73,13 @@ impl<'f> Fitting<'f> {
         if pose[unknowns..] == *inputs {
             return Some(pose.to_vec());
         }
-        let signs = self.solver.observe(pose).signs;
-        let next = match self.solver.step(pose, inputs, 1) {
+        let signs = self.group.solver.observe(pose).signs;
+        let next = match self.group.solver.step(pose, inputs, 1) {
             Some(next) => next,
             None => self.far(pose, inputs)?,
         };
         // Another sign of a determinant means another assembly.
-        (self.solver.observe(&next).signs == signs).then_some(next)
+        (self.group.solver.observe(&next).signs == signs).then_some(next)
     }
 
     /// The same in steps that are halved where they cannot be trusted.
@@ -97,7 +94,7 @@ impl<'f> Fitting<'f> {
                 false => inputs.to_vec(),
             }
         };
-        self.solver.followed(&pose[..unknowns], between)
+        self.group.solver.followed(&pose[..unknowns], between)
     }
 
     /// The weighted deviations of a pose from a row.
@@ -129,37 +126,31 @@ impl<'f> Fitting<'f> {
             poses,
         }
     }
-
-    /// Rates of the targets' quantities at a pose for the rates of its inputs.
-    fn rates(&mut self, pose: &[f64], input_rates: &[f64], row: usize) -> Vec<f64> {
-        let mechanism = self.family.mechanism();
-        let unknowns = mechanism.unknowns.len();
-        // Implicit differentiation of the loops, then series of first order through the observed values.
-        let mut rates = [vec![0.0; unknowns], input_rates.to_vec()].concat();
-        self.solver.tangent(pose, &mut rates);
-        let pairs = pose.iter().zip(&rates);
-        let rated: Vec<Rated> = pairs.map(|(v, r)| Rated::from([*v, *r])).collect();
-        let slots = observed_slots(mechanism, &rated);
-        let weight = self.target.rows[row].weight.sqrt();
-        let columns = self.target.columns.iter();
-        columns
-            .map(|column| weight * column.reach * slots[column.slot].derivative(1))
-            .collect()
-    }
 }
 
 impl Residuals for Fitting<'_> {
     type Point = Fit;
 
     fn at(&mut self, from: &Fit, x: &[f64]) -> Option<Fit> {
-        let rows = 0..self.target.rows.len();
-        let poses: Option<Vec<Vec<f64>>> = rows
-            .map(|row| {
-                let inputs = self.inputs(x, row);
-                self.follow(&from.poses[row], &inputs)
-            })
-            .collect();
-        let fit = self.fit(x.to_vec(), poses?);
+        let rows = self.target.rows.len();
+        let mut poses = Vec::with_capacity(rows);
+        for first in (0..rows).step_by(LANES) {
+            let known = &from.poses[first..rows.min(first + LANES)];
+            let rows = first..first + known.len();
+            let inputs: Vec<Vec<f64>> = rows.map(|row| self.inputs(x, row)).collect();
+            // Side by side where one step suffices, else one after the other.
+            let trusted = self
+                .group
+                .step(known, |lane, k| inputs[lane][k], &[0.0; LANES]);
+            for (lane, (pose, inputs)) in known.iter().zip(&inputs).enumerate() {
+                poses.push(match trusted.has(lane) {
+                    true => self.group.pose(lane),
+                    false => self.follow(pose, inputs)?,
+                });
+                self.poses += usize::from(trusted.has(lane));
+            }
+        }
+        let fit = self.fit(x.to_vec(), poses);
         fit.missed.iter().all(|v| v.is_finite()).then_some(fit)
     }
 
@@ -178,16 +169,24 @@ impl Residuals for Fitting<'_> {
             self.target.columns.len(),
         );
         let columns = fit.x.len();
+        let mechanism = self.family.mechanism();
         let mut jacobian = vec![0.0; fit.missed.len() * columns];
-        for (row, pose) in fit.poses.iter().enumerate() {
-            // The variables, and the row's own input if that is free.
-            let free = self.target.free_input.map(|free| (free.input, count + row));
-            let moved = (0..count).map(|k| (own + k, k)).chain(free);
-            for (input, column) in moved {
-                let mut along = vec![0.0; own + count];
-                along[input] = 1.0;
-                for (k, rate) in self.rates(pose, &along, row).into_iter().enumerate() {
-                    jacobian[(row * width + k) * columns + column] = rate;
+        // The variables, and the row's own input if that is free.
+        let free = self.target.free_input.map(|free| free.input);
+        let moved: Vec<usize> = (own..own + count).chain(free).collect();
+        let targets: Vec<usize> = self.target.columns.iter().map(|c| c.slot).collect();
+        let needed = dependencies(mechanism, &targets);
+        let sensitivities = self.group.sensitivities(&fit.poses, &moved);
+        for (row, (pose, sensitivity)) in fit.poses.iter().zip(&sensitivities).enumerate() {
+            let slots = observed_slots(mechanism, pose);
+            let slots = (&slots[..], &needed[..]);
+            let slopes = MeasureSlopes::new(mechanism, &moved, slots, sensitivity);
+            let places = (0..count).chain(free.map(|_| count + row));
+            let weight = self.target.rows[row].weight.sqrt();
+            for (slopes, column) in slopes.rows.iter().zip(places) {
+                for (k, target) in self.target.columns.iter().enumerate() {
+                    let entry = &mut jacobian[(row * width + k) * columns + column];
+                    *entry = weight * target.reach * slopes[target.slot];
                 }
             }
         }

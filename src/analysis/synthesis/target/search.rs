@@ -256,7 +256,7 @@ impl TargetSearch<'_> {
                 return false;
             };
             let found = [found.unknowns.as_slice(), &sample.inputs].concat();
-            fitting.solver.apart(&found, pose) < SAME
+            fitting.group.solver.apart(&found, pose) < SAME
         })
     }
 
