@@ -7,6 +7,7 @@ pub mod extremes;
 pub mod observer;
 pub mod optimise;
 pub mod piece_sums;
+pub mod point_routes;
 pub mod random;
 pub mod reference;
 pub mod routes;

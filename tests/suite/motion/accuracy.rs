@@ -87,6 +87,80 @@ fn integration_errors_are_those_of_the_independent_computation() {
     assert!(row(&study, "mechanim solve", 90).error < 1e-11);
 }
 
+/// The source's own route: the velocities of the points from system (3), and from the rows of the bars.
+#[test]
+fn points_are_moved_as_in_the_independent_computation() {
+    let table = Table::read("interval_mech10_ode");
+    for name in ["dyads", "dyads-bars"] {
+        let mechanism = builtin(name);
+        let study = compared(&mechanism, 90, 1).unwrap();
+        let size = mechanism.mechanism.size;
+        let mut compared = 0;
+        for line in 0..table.len() {
+            let steps = table.value(line, "steps_or_rhs_evals") as usize;
+            let family = match table.text(line, "method") {
+                "ODE Euler" => "Euler on the bars",
+                "ODE RK4" => "Runge-Kutta 4 on the bars",
+                "ODE RK4; J-form (3) scaled from v8" => "Runge-Kutta 4 on system (3)",
+                _ => continue,
+            };
+            let mut rows = study.rows.iter();
+            let Some(row) = rows.find(|r| r.family == family && r.steps == steps) else {
+                continue;
+            };
+            compared += 1;
+            for (found, expected) in [
+                (row.end_error, "max_position_error_after_run_mm"),
+                (row.closure * size, "max_link_length_error_mm"),
+            ] {
+                let expected = table.value(line, expected);
+                // The reference prints four digits; the smallest errors are partly rounding, and its lengths are
+                // compared at the steps, ours at the poses.
+                let off = (found - expected).abs() - 2e-12;
+                assert!(
+                    off <= 0.6 * expected,
+                    "{name}, {family} {steps}: {found:e} {expected:e}"
+                );
+                let is_position = found == row.end_error;
+                assert!(
+                    !is_position || off <= 2e-3 * expected,
+                    "{name}, {family} {steps}: {found:e} {expected:e}"
+                );
+            }
+            assert_eq!(row.lost, 0);
+        }
+        assert_eq!(compared, 10, "{name}");
+    }
+}
+
+/// Crank and coupler of this four-bar are in line at 0 degrees, within a step: a pole of system (3), beside which it still
+/// gives the velocities of the bars.
+#[test]
+fn steps_over_a_pole_of_system_three_are_those_of_the_bars() {
+    let text = "units = { length = \"mm\", angle = \"deg\" }\nduration = 1\n[inputs]\nphi = \"20*t - 10\"\n[loops]\n\
+                A = \"Rz(phi) Tx(20) Rz(mu) Tx(60) Rz(nu) Tx(-50) Rz(-theta) Ty(40) Tx(-50)\"\n\
+                [guess]\ntheta = 53\n";
+    let source = Source {
+        name: "in-line".to_owned(),
+        text: text.to_owned(),
+    };
+    let study = compared(&mechanism(&source, &[]), 5, 1).unwrap();
+    for steps in [5, 10, 20, 80] {
+        let [bars, three] = ["Runge-Kutta 4 on the bars", "Runge-Kutta 4 on system (3)"]
+            .map(|family| row(&study, family, steps));
+        assert_eq!([bars.lost, three.lost], [0, 0]);
+        assert!(
+            bars.error < 1e-3 / (steps as f64).powi(4),
+            "{steps}: {}",
+            bars.error
+        );
+        assert!((bars.error - three.error).abs() <= 1e-6 * bars.error + 1e-12);
+    }
+    // What is no linkage of dyads has no such routes.
+    let study = compared(&builtin("slider-crank"), 5, 1).unwrap();
+    assert!(study.rows.iter().all(|r| !r.family.contains("bars")));
+}
+
 #[test]
 fn orders_of_the_routes() {
     let study = compared(&builtin("dyads"), 90, 1).unwrap();

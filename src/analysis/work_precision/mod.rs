@@ -3,6 +3,8 @@
 //! Every route delivers the same poses; one with smaller steps in between takes longer. Times are measured and depend
 //! on the machine; errors do not.
 
+mod linkage;
+
 use super::observer::{largest_distance, marked_positions};
 use super::reference::Reference;
 use super::routes::{RotationForm, Route, Walker};
@@ -13,6 +15,7 @@ use crate::kinematics::motion::sampling::is_cyclic;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::Mechanism;
+use linkage::LinkageBench;
 use std::time::Instant;
 
 /// A run is repeated for this many seconds; the fastest run counts.
@@ -35,7 +38,7 @@ pub const DRIFT_STEPS: usize = 180;
 pub struct PrecisionRow {
     /// Name of the group it belongs to; a curve of the chart.
     pub family: &'static str,
-    /// The route; `None` for the program's own solver.
+    /// The route; `None` for the program's own solver, and for those that move the points of a linkage.
     pub route: Option<Route>,
     /// Steps over the whole motion.
     pub steps: usize,
@@ -137,6 +140,7 @@ pub fn study_precision(
     let mut rows = vec![bench.own_row()];
     let settings = route_settings().into_iter();
     rows.extend(settings.map(|(family, route, factor)| bench.row(family, route, poses * factor)));
+    rows.extend(bench.linkage().iter().flat_map(LinkageBench::rows));
     Ok(PrecisionStudy {
         poses,
         unknowns: mechanism.unknowns.len(),
@@ -246,15 +250,21 @@ impl Bench<'_> {
             .zip(truth)
             .map(|(pose, truth)| largest_distance(&marked_positions(self.mechanism(), pose), truth))
             .collect();
-        // An error of this size means another assembly, not inaccuracy.
-        let limit = LOST * self.mechanism().size;
-        let strayed = errors.iter().filter(|e| **e > limit || e.is_nan()).count();
         // The closure error needs no reference: it is small in any assembly.
         let closures = found
             .iter()
             .map(|pose| forward::closure_error(self.mechanism(), pose));
+        self.row_of(&errors, closures)
+    }
+
+    /// The row of a route with these errors at the instants after the start; those after a failure are missing.
+    fn row_of(&self, errors: &[f64], closures: impl Iterator<Item = f64>) -> PrecisionRow {
+        // An error of this size means another assembly, not inaccuracy.
+        let limit = LOST * self.mechanism().size;
+        let strayed = errors.iter().filter(|e| **e > limit || e.is_nan()).count();
+        let wanted = self.truth.len() - 1;
         // After a failure no poses follow, so that there is no error at the end.
-        let is_whole = found.len() == truth.len();
+        let is_whole = errors.len() == wanted;
         PrecisionRow {
             family: "",
             route: None,
@@ -268,7 +278,7 @@ impl Bench<'_> {
                 .unwrap_or(f64::NAN),
             error: errors.iter().copied().fold(0.0, f64::max),
             closure: closures.fold(0.0, f64::max),
-            lost: truth.len() - found.len() + strayed,
+            lost: wanted - errors.len() + strayed,
         }
     }
 
