@@ -1,45 +1,50 @@
 //! Routes of a linkage of dyads that move its points, beside those that move the mechanism's coordinates.
 
-use super::{Bench, PrecisionRow, fastest_run};
+use super::row::{PrecisionRow, fastest_run};
 use crate::analysis::dyads::{PlanarRow, planar_row};
 use crate::analysis::observer::largest_distance;
 use crate::analysis::point_routes::{DrivenLinkage, PlanePoints, VelocityRows};
-
-impl Bench<'_> {
-    /// The mechanism as a linkage of dyads with a crank; `None` if it is none, or not at every instant.
-    pub(super) fn linkage(&self) -> Option<LinkageBench<'_>> {
-        let [input] = self.mechanism().inputs.as_slice() else {
-            return None;
-        };
-        let poses = self.reference.poses.iter();
-        let rows: Option<Vec<PlanarRow>> = poses
-            .map(|pose| planar_row(self.system, pose.as_ref()?, 0).ok())
-            .collect();
-        let rows = rows?;
-        let is_same = rows.iter().all(|row| row.names == rows[0].names);
-        let truth = rows[1..].iter().map(|row| row.chain.points.clone());
-        let truth = truth.collect();
-        let linkage = DrivenLinkage::new(rows[0].clone(), &rows[1])?;
-        is_same.then(|| LinkageBench {
-            bench: self,
-            linkage,
-            truth,
-            unit: self.mechanism().unit_of(input.kind).number(),
-        })
-    }
-}
+use crate::analysis::reference::Reference;
+use crate::kinematics::structure::system::System;
+use crate::model::actuation::Actuation;
 
 /// A linkage whose points are moved by their velocities.
 pub(super) struct LinkageBench<'b> {
-    bench: &'b Bench<'b>,
+    actuation: &'b Actuation,
     linkage: DrivenLinkage,
     /// Places of the points at the instants after the start.
     truth: Vec<PlanePoints>,
     /// The unit of the input's rate.
     unit: f64,
+    /// The mechanism's.
+    size: f64,
 }
 
-impl LinkageBench<'_> {
+impl<'b> LinkageBench<'b> {
+    /// The mechanism as a linkage of dyads with a crank; `None` if it is none, or not at every instant.
+    pub fn new(system: &System, actuation: &'b Actuation, reference: &Reference) -> Option<Self> {
+        let mechanism = system.mechanism();
+        let [input] = mechanism.inputs.as_slice() else {
+            return None;
+        };
+        let poses = reference.poses.iter();
+        let rows: Option<Vec<PlanarRow>> = poses
+            .map(|pose| planar_row(system, pose.as_ref()?, 0).ok())
+            .collect();
+        let rows = rows?;
+        let is_same = rows.iter().all(|row| row.names == rows[0].names);
+        let truth = rows[1..].iter().map(|row| row.chain.points.clone());
+        let truth = truth.collect();
+        let linkage = DrivenLinkage::new(rows[0].clone(), rows.get(1)?)?;
+        is_same.then(|| Self {
+            actuation,
+            linkage,
+            truth,
+            unit: mechanism.unit_of(input.kind).number(),
+            size: mechanism.size,
+        })
+    }
+
     /// All settings.
     pub fn rows(&self) -> Vec<PrecisionRow> {
         let settings: [(&'static str, VelocityRows, usize, &[usize]); 4] = [
@@ -74,28 +79,27 @@ impl LinkageBench<'_> {
         factor: usize,
     ) -> PrecisionRow {
         let (found, time) = fastest_run(|| self.walk(method, factor));
-        let size = self.bench.mechanism().size;
         let pairs = found.iter().zip(&self.truth);
         let errors = pairs
             .map(|(points, truth)| largest_distance(points.as_flattened(), truth.as_flattened()));
         let errors: Vec<f64> = errors.collect();
         let closures = found
             .iter()
-            .map(|points| self.linkage.length_error(points) / size);
+            .map(|points| self.linkage.length_error(points) / self.size);
         PrecisionRow {
             family,
             steps: self.truth.len() * factor,
             time: time * 1e6 / self.truth.len() as f64,
-            ..self.bench.row_of(&errors, closures)
+            ..PrecisionRow::new(&errors, closures, (self.truth.len(), self.size))
         }
     }
 
     /// The points at all instants after the start; those after a failure are missing.
     fn walk(&self, method: (VelocityRows, usize), factor: usize) -> Vec<PlanePoints> {
-        let drive = &self.bench.actuation.drives[0];
+        let drive = &self.actuation.drives[0];
         let rate = |time: f64| drive.series(time, 1).coefficients()[1] / self.unit;
         let steps = self.truth.len() * factor;
-        let time = |k: usize| self.bench.actuation.duration * (k as f64 / steps as f64);
+        let time = |k: usize| self.actuation.duration * (k as f64 / steps as f64);
         let mut points = self.linkage.points().to_vec();
         let mut found = Vec::with_capacity(self.truth.len());
         for k in 0..steps {

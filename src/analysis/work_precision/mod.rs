@@ -4,6 +4,7 @@
 //! on the machine; errors do not.
 
 mod linkage;
+mod row;
 
 use super::observer::{largest_distance, marked_positions};
 use super::reference::Reference;
@@ -16,45 +17,14 @@ use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::Mechanism;
 use linkage::LinkageBench;
-use std::time::Instant;
-
-/// A run is repeated for this many seconds; the fastest run counts.
-const ENOUGH: f64 = 0.03;
-
-/// Most repetitions of a run.
-const MOST_RUNS: usize = 20;
-
-/// A pose that deviates by more than this fraction of the mechanism's size is another assembly, or lost.
-const LOST: f64 = 0.25;
+pub use row::PrecisionRow;
+use row::fastest_run;
 
 /// A motion returns if its start and end differ by no more, relative to the size.
 const RETURNS: f64 = 1e-9;
 
 /// Steps of the integrations in the drift table, per turn.
 pub const DRIFT_STEPS: usize = 180;
-
-/// The measurements of one route.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PrecisionRow {
-    /// Name of the group it belongs to; a curve of the chart.
-    pub family: &'static str,
-    /// The route; `None` for the program's own solver, and for those that move the points of a linkage.
-    pub route: Option<Route>,
-    /// Steps over the whole motion.
-    pub steps: usize,
-    /// Microseconds per pose delivered.
-    pub time: f64,
-    /// Newton iterations per pose, summed over blocks.
-    pub iterations: f64,
-    /// Largest coordinate difference to the reference at the end of the motion, in the scene's unit.
-    pub end_error: f64,
-    /// The same, at the worst instant.
-    pub error: f64,
-    /// Largest closure error at any instant, relative to the size.
-    pub closure: f64,
-    /// Instants without a pose, or with one of another motion.
-    pub lost: usize,
-}
 
 /// The drift of a route after some turns.
 #[derive(Clone, Debug, PartialEq)]
@@ -140,7 +110,11 @@ pub fn study_precision(
     let mut rows = vec![bench.own_row()];
     let settings = route_settings().into_iter();
     rows.extend(settings.map(|(family, route, factor)| bench.row(family, route, poses * factor)));
-    rows.extend(bench.linkage().iter().flat_map(LinkageBench::rows));
+    rows.extend(
+        LinkageBench::new(bench.system, bench.actuation, &bench.reference)
+            .iter()
+            .flat_map(LinkageBench::rows),
+    );
     Ok(PrecisionStudy {
         poses,
         unknowns: mechanism.unknowns.len(),
@@ -254,32 +228,11 @@ impl Bench<'_> {
         let closures = found
             .iter()
             .map(|pose| forward::closure_error(self.mechanism(), pose));
-        self.row_of(&errors, closures)
-    }
-
-    /// The row of a route with these errors at the instants after the start; those after a failure are missing.
-    fn row_of(&self, errors: &[f64], closures: impl Iterator<Item = f64>) -> PrecisionRow {
-        // An error of this size means another assembly, not inaccuracy.
-        let limit = LOST * self.mechanism().size;
-        let strayed = errors.iter().filter(|e| **e > limit || e.is_nan()).count();
-        let wanted = self.truth.len() - 1;
-        // After a failure no poses follow, so that there is no error at the end.
-        let is_whole = errors.len() == wanted;
-        PrecisionRow {
-            family: "",
-            route: None,
-            steps: 0,
-            time: 0.0,
-            iterations: 0.0,
-            end_error: errors
-                .last()
-                .copied()
-                .filter(|_| is_whole)
-                .unwrap_or(f64::NAN),
-            error: errors.iter().copied().fold(0.0, f64::max),
-            closure: closures.fold(0.0, f64::max),
-            lost: wanted - errors.len() + strayed,
-        }
+        PrecisionRow::new(
+            &errors,
+            closures,
+            (self.truth.len() - 1, self.mechanism().size),
+        )
     }
 
     /// What `mechanim solve` does: steps as long as possible, branch checks, every pose proved.
@@ -365,20 +318,4 @@ impl Bench<'_> {
             }
         }
     }
-}
-
-/// The result of `run`, and the shortest time in seconds it took.
-fn fastest_run<T>(mut run: impl FnMut() -> T) -> (T, f64) {
-    let begin = Instant::now();
-    let mut result = run();
-    let mut best = begin.elapsed().as_secs_f64();
-    for _ in 1..MOST_RUNS {
-        if begin.elapsed().as_secs_f64() > ENOUGH {
-            break;
-        }
-        let start = Instant::now();
-        result = run();
-        best = best.min(start.elapsed().as_secs_f64());
-    }
-    (result, best)
 }
