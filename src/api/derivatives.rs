@@ -8,6 +8,7 @@ use crate::kinematics::abreast::pose_group::PoseGroup;
 use crate::kinematics::loops::observed::{dependencies, needed_slots};
 use crate::kinematics::results::columns::ValueColumn;
 use crate::model::mechanism::Mechanism;
+use crate::numbers::octet::LANES;
 use crate::scene::Overrides;
 use std::sync::Arc;
 
@@ -43,29 +44,31 @@ impl Motion {
         let needed = dependencies(varied, &slots);
         let units = units(mechanism, varied, &columns);
         let moved: Vec<usize> = (own..own + parameters.len()).collect();
-        let samples = self.trajectory.samples.iter();
-        let places = samples.map(|sample| {
-            let pose = sample.pose.as_ref()?;
-            Some([pose.unknowns.as_slice(), &sample.inputs, nominal].concat())
-        });
-        let places: Vec<Option<Vec<f64>>> = places.collect();
-        let poses: Vec<Vec<f64>> = places.iter().flatten().cloned().collect();
-        let sensitivities = PoseGroup::new(&family.system).sensitivities(&poses, &moved);
-        let mut slopes = vec![f64::NAN; self.len() * columns.len() * parameters.len()];
-        let rows = slopes.chunks_mut((columns.len() * parameters.len()).max(1));
-        let rows = rows
-            .zip(&places)
-            .filter_map(|(row, place)| Some((row, place.as_ref()?)));
-        for ((row, place), sensitivity) in rows.zip(&sensitivities) {
-            let values = needed_slots(varied, place, |slot| needed[slot]);
-            let known = (&values[..], &needed[..]);
-            let found = MeasureSlopes::new(varied, &moved, known, sensitivity);
-            for (j, slot) in slots.iter().enumerate() {
-                for (k, by_parameter) in found.rows.iter().enumerate() {
-                    let entry = j * parameters.len() + k;
-                    let slope = by_parameter[*slot];
-                    row[entry] = if slope.is_finite() {
-                        slope * units[entry]
+        let mut group = PoseGroup::new(&family.system);
+        let width = columns.len() * parameters.len();
+        let mut slopes = vec![f64::NAN; self.len() * width];
+        // Eight samples at a time, so that memory does not grow with their number.
+        let samples = self.trajectory.samples.chunks(LANES);
+        for (rows, samples) in slopes.chunks_mut((LANES * width).max(1)).zip(samples) {
+            let rows = rows.chunks_mut(width.max(1)).zip(samples);
+            let (mut rows, places): (Vec<_>, Vec<_>) = rows
+                .filter_map(|(row, sample)| {
+                    let pose = sample.pose.as_ref()?;
+                    let place = [pose.unknowns.as_slice(), &sample.inputs, nominal].concat();
+                    Some((row, place))
+                })
+                .unzip();
+            let sensitivities = group.sensitivities(&places, &moved);
+            for ((row, place), sensitivity) in rows.iter_mut().zip(&places).zip(&sensitivities) {
+                let values = needed_slots(varied, place, |slot| needed[slot]);
+                let known = (&values[..], &needed[..]);
+                let found = MeasureSlopes::new(varied, &moved, known, sensitivity);
+                let by_slot = slots
+                    .iter()
+                    .flat_map(|s| found.rows.iter().map(|row| row[*s]));
+                for ((entry, slope), unit) in row.iter_mut().zip(by_slot).zip(&units) {
+                    *entry = if slope.is_finite() {
+                        slope * unit
                     } else {
                         f64::NAN
                     };

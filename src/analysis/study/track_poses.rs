@@ -223,7 +223,10 @@ impl<'f> Evaluator<'f> {
             .map(|(b, a)| b - a)
             .collect();
         let (variables, count) = (self.variables(), track_poses.poses.len());
-        let (n, own) = (self.family.mechanism().unknowns.len(), variables[0]);
+        let (n, own) = (
+            self.family.mechanism().unknowns.len(),
+            self.family.own_inputs(),
+        );
         let mut poses = Vec::with_capacity(count);
         let mut sensitivities = Vec::with_capacity(if settle { count } else { 0 });
         for first in (0..count).step_by(LANES) {
