@@ -3,7 +3,7 @@
 use super::family::{FamilyError, ParametricMechanism};
 use super::peaks::Peaks;
 use super::search::{Refusals, StudySearch, Watch};
-use super::track_poses::Evaluator;
+use super::track_poses::{Evaluator, TrackPoses};
 use super::whole_limits::{WholeLimit, whole_limits};
 use crate::analysis::optimise::{
     Minimum, Objective, StopReason, bfgs, constraints, evolution, minimax, nelder_mead,
@@ -103,6 +103,8 @@ pub struct Optimum {
     pub first_value: f64,
     /// Candidates that were refused.
     pub refusals: Refusals,
+    /// The poses from which the search reached its last points.
+    pub poses: TrackPoses,
 }
 
 /// Minimises the study's objective within bounds and constraints; ends with the best point so far when `cancel` is
@@ -206,6 +208,7 @@ fn search_optimum(
     Ok(Optimum {
         minimum,
         first_value,
+        poses: search.poses().clone(),
         refusals: search.refusals,
     })
 }
@@ -233,6 +236,7 @@ fn least_largest(
     Ok(Optimum {
         minimum,
         first_value,
+        poses: peaks.poses().clone(),
         refusals: peaks.refusals,
     })
 }
@@ -242,6 +246,8 @@ fn least_largest(
 pub struct Verified {
     /// Every measure.
     pub measures: Vec<f64>,
+    /// Its poses.
+    pub track_poses: TrackPoses,
     /// Largest certified error of a coordinate.
     pub error_bound: f64,
     /// Poses without a certificate.
@@ -286,6 +292,7 @@ pub fn verify_optimum(
     let violation = violations.fold(f64::NEG_INFINITY, f64::max);
     Ok(Verified {
         measures,
+        track_poses,
         error_bound,
         unproved,
         poses,

@@ -163,6 +163,11 @@ impl<'f, 'w> Peaks<'f, 'w> {
         Some(pose[..n].to_vec())
     }
 
+    /// The poses from which candidates are reached.
+    pub fn poses(&self) -> &TrackPoses {
+        &self.base
+    }
+
     /// The smallest accepted singular value.
     pub fn least_sigma(&self) -> f64 {
         self.least_sigma

@@ -120,6 +120,11 @@ impl<'f, 'w> StudySearch<'f, 'w> {
         self.base_value
     }
 
+    /// The poses from which candidates are reached.
+    pub fn poses(&self) -> &TrackPoses {
+        &self.base
+    }
+
     /// Number of points evaluated, without those rejected because the search was cancelled.
     pub fn evaluations(&self) -> usize {
         self.looks

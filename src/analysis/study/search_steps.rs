@@ -4,7 +4,9 @@ use super::family::FamilyError;
 use super::kept_clearances::{Clearances, settle_clearances};
 use super::loaded::LoadedStudy;
 use super::optimum::{Improvement, Method, Optimum, Verified, find_optimum, verify_optimum};
+use super::track_poses::Evaluator;
 use super::whole_limits::{KEPT, WholeLimit};
+use crate::analysis::optimise::Minimum;
 use std::sync::atomic::AtomicBool;
 
 /// Accepted difference of an objective that is measured again, as a fraction of it (or of this fraction of the first
@@ -101,16 +103,23 @@ impl FoundOptimum {
         self.improvements.len() < 2 && self.optimum.minimum.iterations == 0
     }
 
-    /// Whether the verifying motion has the optimised objective.
+    /// Whether the verifying motion is the one that was optimised: it has the same objective or, where that is no more than
+    /// rounding, the same poses.
     pub fn agrees(&self, study: &LoadedStudy, verified: &Verified) -> bool {
-        let objective = study.family.study.objective;
-        let again = objective.map(|index| verified.measures[index]);
-        let value = self.optimum.minimum.value;
+        let family = &study.family;
+        let again = family.study.objective.map(|index| verified.measures[index]);
+        let Minimum { value, x, .. } = &self.optimum.minimum;
         let scale = value.abs().max(SAME * self.optimum.first_value.abs());
-        again.is_some_and(|again| (again - value).abs() <= SAME * scale)
+        let is_equal = again.is_some_and(|again| (again - value).abs() <= SAME * scale);
+        let has_same_poses = || {
+            let reached = Evaluator::new(family).approach(&self.optimum.poses, x);
+            let mechanism = family.mechanism();
+            reached.is_ok_and(|poses| poses.are_those_of(&verified.track_poses, mechanism))
+        };
+        is_equal || has_same_poses()
     }
 
-    /// Whether the independent motion has the same objective, all limits are proved for the whole motion, and
+    /// Whether the independent motion is the one that was optimised, all limits are proved for the whole motion, and
     /// clearances are kept.
     pub fn holds(&self, study: &LoadedStudy, verified: &Result<Verified, FamilyError>) -> bool {
         let is_clear = self.clearances.as_ref().is_none_or(|c| c.kept);

@@ -7,7 +7,9 @@ use crate::kinematics::motion::tracker::steps::Steps;
 use crate::kinematics::solve::newton::Pace;
 use crate::kinematics::solve::pose_solver::follows_prediction;
 use crate::kinematics::solve::predictor::Prediction;
+use crate::model::mechanism::{Kind, Mechanism};
 use crate::numbers::octet::LANES;
+use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Smallest fraction of the way that is tried before a candidate is given up.
@@ -17,8 +19,12 @@ const SMALLEST_SHARE: f64 = 1.0 / 256.0;
 /// motion could continue on either side: nothing may be built on it.
 const LEAST_SIGMA: f64 = 1e-5;
 
+/// Largest difference of two poses that are one, in scaled unknowns: closed poses differ by rounding over their smallest
+/// singular value.
+const SAME_POSE: f64 = 1e-9;
+
 /// All poses of all tracks with one set of values, and their derivatives by the values.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct TrackPoses {
     /// Values of the variables.
     pub values: Vec<f64>,
@@ -47,6 +53,22 @@ impl TrackPoses {
             signs: self.signs.clone(),
             sigmas: self.sigmas.clone(),
         }
+    }
+
+    /// Whether the poses are those of another way to the same values, except for rounding and full turns.
+    pub(super) fn are_those_of(&self, other: &Self, mechanism: &Mechanism) -> bool {
+        let is_one = |(a, b): (&Vec<f64>, &Vec<f64>)| {
+            let mut unknowns = mechanism.unknowns.iter().enumerate();
+            unknowns.all(|(k, unknown)| {
+                let apart = match unknown.kind {
+                    Kind::Angle => libm::remainder(a[k] - b[k], TAU),
+                    Kind::Length | Kind::Number => a[k] - b[k],
+                };
+                apart.abs() <= SAME_POSE * mechanism.scale_of(k)
+            })
+        };
+        let mut pairs = self.poses.iter().zip(&other.poses);
+        self.poses.len() == other.poses.len() && pairs.all(is_one)
     }
 
     /// Whether pose `index` is singular, so that sensitivities are meaningless.

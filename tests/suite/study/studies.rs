@@ -1,6 +1,9 @@
 //! Measures of the gearshift's study and their exact gradients, against values computed with forty digits.
 
-use mechanim::analysis::study::{Evaluator, ParametricMechanism};
+use crate::program::Workspace;
+use mechanim::analysis::study::optimum::Method;
+use mechanim::analysis::study::{Evaluator, LoadedStudy, ParametricMechanism};
+use mechanim::diag::Source;
 use mechanim::scene::{Overrides, builtin};
 use std::sync::atomic::AtomicBool;
 
@@ -333,4 +336,74 @@ fn a_raised_flag_leaves_what_was_not_tried_unknown() {
         assert_eq!(ended.found, [ended.nominal; 2]);
         assert_eq!(ended.nominal, whole.nominal);
     }
+}
+
+/// A four-bar; the distance of the crank's end from its axis never changes, that of the coupler's does.
+const CONSTANT: &str = "units = { length = \"mm\", angle = \"deg\" }\nduration = 1\n[parameters]\na = 20\nb = 60\n\
+                        [inputs]\nphi = \"30 + 120*t\"\n[loops]\n\
+                        A = \"Rz(phi) Tx(a) Rz(mu) Tx(b) Rz(nu) Tx(-50) Rz(-theta) Tx(-70)\"\n[guess]\ntheta = 86\n\
+                        [[bodies]]\nname = \"crank\"\nframe = \"Rz(phi) Tx(a)\"\n\
+                        [[bodies]]\nname = \"coupler\"\nframe = \"Rz(phi) Tx(a) Rz(mu) Tx(b)\"\n\
+                        [[traces]]\nname = \"P\"\nbody = \"crank\"\n[[traces]]\nname = \"Q\"\nbody = \"coupler\"\n\
+                        [outputs]\nr = \"hypot(P.x, P.y)\"\nq = \"hypot(Q.x, Q.y)\"\n\
+                        [measures]\nstill = { of = \"r\", take = \"range\" }\nmoves = { of = \"q\", take = \"range\" }\n";
+
+/// An objective that is zero but for rounding differs from itself when it is measured again; the motion does not.
+#[test]
+fn an_objective_of_rounding_is_confirmed_by_its_motion() {
+    let workspace = Workspace::new();
+    for scale in [1e-6, 1.0, 1e6] {
+        let scaled = |number: f64| number * scale;
+        let text = CONSTANT
+            .replace("a = 20", &format!("a = {:e}", scaled(20.3)))
+            .replace("b = 60", &format!("b = {:e}", scaled(60.7)))
+            .replace("-50", &format!("-{:e}", scaled(50.0)))
+            .replace("-70", &format!("-{:e}", scaled(70.0)));
+        let ranges = format!(
+            "a = {{ range = [{:e}, {:e}] }}\nb = {{ range = [{:e}, {:e}] }}\n",
+            scaled(19.0),
+            scaled(22.0),
+            scaled(58.0),
+            scaled(63.0)
+        );
+        let study = format!("[study]\nminimise = \"still\"\n[study.variables]\n{ranges}");
+        workspace.write("still.toml", &(text + &study));
+        for method in ["bfgs", "minimax", "nelder-mead", "evolution"] {
+            let run = workspace.run(&[
+                "optimise",
+                "still.toml",
+                "--method",
+                method,
+                "--iterations",
+                "20",
+            ]);
+            assert!(
+                !run.text().contains("Not confirmed"),
+                "{scale} {method}: {}",
+                run.text()
+            );
+            assert_eq!(run.code, 0, "{scale} {method}");
+        }
+    }
+}
+
+/// A planted fault: the motion of other dimensions does not confirm an optimum.
+#[test]
+fn another_motion_confirms_nothing() {
+    let study = "[study]\nminimise = \"moves\"\n[study.variables]\nb = { range = [58, 63] }\n";
+    let source = Source {
+        name: "four-bar".to_owned(),
+        text: format!("{CONSTANT}{study}"),
+    };
+    let study =
+        LoadedStudy::new(source, Overrides::default(), &[]).unwrap_or_else(|e| panic!("{e}"));
+    let method = Method::Bfgs { tolerance: 1e-9 };
+    let never = AtomicBool::new(false);
+    let found = study
+        .search_optimum(method, 50, &mut |_, _| {}, &never)
+        .unwrap();
+    let best = found.optimum.minimum.x.clone();
+    assert!(found.agrees(&study, &study.verify(&best).unwrap()));
+    let beside = [if best[0] > 60.5 { 60.0 } else { 61.0 }];
+    assert!(!found.agrees(&study, &study.verify(&beside).unwrap()));
 }
