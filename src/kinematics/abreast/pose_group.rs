@@ -67,7 +67,7 @@ impl<'s> PoseGroup<'s> {
             return Vec::new();
         };
         let unknowns = follower.system().mechanism().unknowns.len();
-        let mut lanes = vec![Vec::with_capacity(unknowns * inputs.len()); LANES];
+        let mut lanes = vec![Vec::new(); LANES];
         for input in inputs {
             // One column of implicit differentiation: the tangents for a unit rate of the input.
             self.rates.clear();
