@@ -13,7 +13,7 @@ use std::sync::atomic::AtomicBool;
 pub struct OptimiseOptions {
     /// The method.
     pub method: SearchMethod,
-    /// Maximum number of iterations.
+    /// Maximum number of iterations; of a study with limits, in each of its rounds.
     pub iterations: usize,
     /// Relative accuracy; the default of the method if absent.
     pub tolerance: Option<f64>,

@@ -36,8 +36,8 @@ impl Study {
         }
     }
 
-    /// The study with these parameters as its variables. The default variables are the scene's `[study.variables]` if
-    /// it minimises something, otherwise every length and angle; `"all"` also selects the latter.
+    /// The study with these parameters as its variables. By default, a search varies the scene's `[study.variables]`, and
+    /// everything else every length and angle; `"all"` also selects the latter.
     ///
     /// ```
     /// let study = mechanim::Scene::builtin("gearshift")?.study();

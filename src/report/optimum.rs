@@ -61,10 +61,11 @@ impl OptimumReport<'_> {
         let (minimum, refusals) = (&optimum.minimum, &optimum.refusals);
         let (first, last) = (optimum.first_value, minimum.value);
         let change = match first / last {
-            factor if factor >= 1.0 && factor.is_finite() => {
+            // Factors mean something between positive numbers only.
+            factor if first > 0.0 && factor >= 1.0 && factor.is_finite() => {
                 format!("{} times less", six_digits(factor))
             }
-            factor if factor > 0.0 && factor < 1.0 => {
+            factor if first > 0.0 && factor > 0.0 && factor < 1.0 => {
                 format!("{} times more", six_digits(1.0 / factor))
             }
             _ => format!("by {}", six_digits((last - first) * unit)),

@@ -215,9 +215,10 @@ pub(super) fn row_nearness(
     least: f64,
     slopes_below: f64,
 ) -> Listed {
-    let jobs: Vec<_> = (0..poses.poses.len())
-        .map(|k| (Question::Regularity, k))
-        .collect();
+    // Without unknowns no pose is singular.
+    let is_open = evaluator.family().mechanism().unknowns.is_empty();
+    let count = if is_open { 0 } else { poses.poses.len() };
+    let jobs: Vec<_> = (0..count).map(|k| (Question::Regularity, k)).collect();
     let mut listed = Listed::default();
     let is_near = |sigma: f64| sigma < slopes_below * least;
     for (sigma, mut slope) in row_answers(evaluator, &jobs, poses, &is_near) {

@@ -116,7 +116,8 @@ impl FoundOptimum {
             let mechanism = family.mechanism();
             reached.is_ok_and(|poses| poses.are_those_of(&verified.track_poses, mechanism))
         };
-        is_equal || has_same_poses()
+        // A search that found no value has nothing to confirm.
+        value.is_finite() && (is_equal || has_same_poses())
     }
 
     /// Whether the independent motion is the one that was optimised, all limits are proved for the whole motion, and

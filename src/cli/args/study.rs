@@ -123,7 +123,7 @@ pub struct OptimiseArgs {
     /// the spread of the generation (evolution).
     #[arg(long = "convergence", value_name = "VALUE", value_parser = relative_share)]
     pub tolerance: Option<f64>,
-    /// Maximum number of iterations.
+    /// Maximum number of iterations; of a study with limits, in each of its rounds.
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = iteration_count)]
     pub iterations: usize,
     /// Seed of the random numbers (evolution).

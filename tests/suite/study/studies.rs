@@ -407,3 +407,61 @@ fn another_motion_confirms_nothing() {
     let beside = [if best[0] > 60.5 { 60.0 } else { 61.0 }];
     assert!(!found.agrees(&study, &study.verify(&beside).unwrap()));
 }
+
+/// A parallelogram with a track whose middle sample is in line: nothing can be measured there.
+#[test]
+fn a_search_without_a_value_confirms_nothing() {
+    let text = "units = { length = \"mm\", angle = \"deg\" }\nduration = 2\n[parameters]\na = 30\nb = 100\nc = 30\ng = 100\n\
+                [inputs]\nphi = \"40 + 10*t\"\n[loops]\n\
+                A = \"Rz(phi) Tx(a) Rz(al) Tx(b) Rz(mu) inv(Tx(g) Rz(psi) Tx(c))\"\n\
+                [guess]\nal = -40\npsi = 40\nmu = 40\n\
+                [tracks]\nT = { samples = 9, inputs = { phi = [40, -40] } }\n\
+                [measures]\nm = { track = \"T\", of = \"psi\", take = \"last\" }\n[study]\nminimise = \"m\"\n\
+                [study.variables]\nb = { range = [80, 120] }\ng = { range = [80, 120] }\n";
+    let workspace = Workspace::new();
+    workspace.write("in-line.toml", text);
+    for method in ["bfgs", "nelder-mead", "minimax"] {
+        let run = workspace.run(&[
+            "optimise",
+            "in-line.toml",
+            "--method",
+            method,
+            "--json",
+            "-",
+        ]);
+        let document: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap_or_default();
+        // A value is found by methods that move away from the singular pose, or there is none.
+        let is_found = document["to"].is_number();
+        assert!(
+            is_found || run.code != 0,
+            "{method}: {} {}",
+            run.code,
+            run.text()
+        );
+    }
+}
+
+/// Without loops no pose is singular, and nothing limits the search.
+#[test]
+fn open_chains_are_optimised_by_all_methods() {
+    let text = "units = { length = \"mm\", angle = \"rad\" }\nduration = 2\n[parameters]\na = 36\nb = 20\nk = 0.3\n\
+                [inputs]\nphi = \"0.5*t\"\n[[bodies]]\nname = \"B\"\nframe = \"Rz(phi + k) Tx(a) Rz(k*phi) Tx(b)\"\n\
+                [[traces]]\nname = \"M\"\nbody = \"B\"\n[measures]\nm = { of = \"M.y\", take = \"max\" }\n\
+                [study]\nminimise = \"m\"\n[study.variables]\na = { range = [30, 40] }\nb = { range = [10, 30] }\n";
+    let workspace = Workspace::new();
+    workspace.write("open.toml", text);
+    // At phi = 1: a sin(1.3) + b sin(1.6), least with the shortest links.
+    let right = 30.0 * 1.3_f64.sin() + 10.0 * 1.6_f64.sin();
+    for method in ["bfgs", "minimax", "nelder-mead", "evolution"] {
+        let run = workspace.run(&["optimise", "open.toml", "--method", method, "--json", "-"]);
+        let document: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
+        let found = document["to"].as_f64().unwrap_or(f64::NAN);
+        assert!(
+            (found - right).abs() < 1e-6 * right,
+            "{method}: {found} {right}"
+        );
+        assert_eq!(run.code, 0, "{method}");
+    }
+    let run = workspace.run(&["synthesise", "open.toml", "--starts", "2"]);
+    assert_eq!(run.code, 0, "{}{}", run.text(), run.stderr);
+}
