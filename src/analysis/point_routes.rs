@@ -15,7 +15,7 @@ pub type PlanePoints = Vec<[f64; 2]>;
 pub enum VelocityRows {
     /// u · (v - v') = 0 for every bar with the direction u.
     Bars,
-    /// v = J v' + J' v'' for every dyad, solved for a unit velocity at the end of the lever and scaled to the crank's.
+    /// v = J v' + J' v'' for every dyad, solved for a unit angular velocity of the lever and scaled to the crank's.
     Dyads,
 }
 
