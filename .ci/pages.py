@@ -227,29 +227,73 @@ def judge_sliders(page, program, folder, name):
     assert bytes_of(page, {"ask": "csv"}).decode() == program.table(scene), f"{name}: another table after a move"
 
 
+def judge_pull(page, name):
+    """A link follows the pointer that drags it, and the drive takes it back."""
+    place = page.evaluate("""() => {
+      const report = window.reports[0];
+      if (!report.viewer) return null;
+      const { left, top, width, height } = report.canvas.getBoundingClientRect();
+      for (let y = 6; y < height; y += 6) for (let x = 6; x < width; x += 6) {
+        if (report.linkBelow({ clientX: left + x, clientY: top + y })) return [left + x, top + y];
+      }
+      return null;
+    }""")
+    assert place, f"{name}: no moving link is seen"
+    page.mouse.move(*place)
+    page.mouse.down()
+    for k in range(1, 9):
+        page.mouse.move(place[0] + 3 * k, place[1] + 2 * k)
+        page.wait_for_timeout(60)
+    page.wait_for_timeout(300)
+    assert page.evaluate("window.reports[0].isHeld"), f"{name}: the link does not move"
+    page.mouse.up()
+    page.get_by_role("button", name="Back to the drive").click()
+    settle(page)
+    assert not page.evaluate("window.reports[0].isHeld")
+
+
+def judge_assemblies(page, program, folder, name):
+    """Another assembly is the motion that the program makes of the page's text."""
+    page.get_by_role("button", name="Find the assemblies").click()
+    chooser = page.get_by_label("Assembly", exact=True)
+    chooser.wait_for(timeout=30000)
+    count = chooser.locator("option").count()
+    now = int(chooser.input_value())
+    if count < 2:
+        return
+    chooser.select_option(str((now + 1) % count))
+    settle(page)
+    scene = folder / f"{name}-chosen.toml"
+    scene.write_text(page.evaluate(f"{LIVE}.toml()"), encoding="utf-8")
+    assert bytes_of(page, {"ask": "csv"}).decode() == program.table(scene), f"{name}: another table in assembly {now + 1}"
+
+
 def judge_many_moves(page):
     """Thousands of moves take no more memory than hundreds, and how long one takes."""
     run = """async count => {
       const { live } = window.reports[0];
       const slider = live.sliders[0];
       const at = slider.value;
-      const taken = [];
+      const [taken, computed] = [[], []];
       for (let k = 0; k < count; k += 1) {
         const begun = performance.now();
         await live.enqueue({ ask: "move", name: slider.name, value: String(at * (1 + 0.004 * Math.sin(k / 7))) }, slider, at);
         const gl = window.reports[0].viewer?.gl;
         gl?.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
         taken.push(performance.now() - begun);
+        computed.push(live.engine.milliseconds);
       }
-      taken.sort((a, b) => a - b);
-      return [taken[count >> 1], live.engine.memory];
+      const middle = (list) => list.sort((a, b) => a - b)[count >> 1];
+      return [middle(taken), middle(computed), live.engine.memory];
     }"""
     page.evaluate(run, 100)
-    [_, memory] = page.evaluate(run, 200)
-    [middle, after] = page.evaluate(run, MOVES)
+    [_, _, memory] = page.evaluate(run, 200)
+    [middle, engine, after] = page.evaluate(run, MOVES)
     assert after <= 1.1 * memory, f"memory grows from {memory} to {after}"
-    clearance = page.evaluate("async () => { const b = performance.now(); await window.reports[0].live.ask({ ask: 'settle' }); return performance.now() - b; }")
-    print(f"live: slider to proved picture {middle:.1f} ms, whole article {clearance:.0f} ms, engine memory {after / 1e6:.0f} MB after {MOVES} moves")
+    taken = "async ask => { const b = performance.now(); await window.reports[0].live.ask({ ask }); return performance.now() - b; }"
+    [clearance, article] = [page.evaluate(taken, ask) for ask in ("clearance", "settle")]
+    print(f"live: slider to proved motion {engine:.1f} ms, to its picture {middle:.1f} ms, clearances {clearance:.0f} ms, article {article:.0f} ms, "
+          f"engine memory {after / 1e6:.0f} MB after {MOVES} moves")
 
 
 def judge_text(page):
@@ -343,6 +387,9 @@ def judge_live_pages(browser, names, program, folder):
                 settle(opened.page)
                 opened.shot(folder / f"{name}-live.png")
                 judge_many_moves(opened.page)
+                settle(opened.page)
+                judge_pull(opened.page, name)
+                judge_assemblies(opened.page, program, folder, name)
         print(f"live page {name}: {size} bytes, ok")
     path = folder / "gearshift-live.html"
     with Opened(browser, path, (360, 740), has_touch=True, is_mobile=True) as opened:

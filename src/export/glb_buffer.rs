@@ -1,12 +1,16 @@
 //! The binary part of a GLB: arrays of numbers, the views on them and what they mean.
 //!
-//! Every array is of four-byte numbers, so that everything is aligned as glTF 2.0 section 3.6.2.4 asks.
+//! Every array begins at a multiple of four bytes, as glTF 2.0 section 3.6.2.4 asks of the longest numbers.
 
 use serde_json::{Value, json};
 
 /// Types of numbers.
 const F32: u32 = 5126;
+const U16: u32 = 5123;
 const U32: u32 = 5125;
+
+/// Where arrays begin, in bytes.
+const ALIGNED: usize = 4;
 
 /// What a view is used for.
 const VERTICES: u32 = 34962;
@@ -42,13 +46,19 @@ impl Buffer {
         self.push_floats(values, "VEC3", Some(VERTICES), bounds)
     }
 
-    /// Corners of triangles.
+    /// Corners of triangles: two bytes each where all of them fit. The largest number of a type restarts a primitive.
     pub(super) fn indices(&mut self, values: &[u32]) -> usize {
-        let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+        let short: Option<Vec<u16>> = (values.iter())
+            .map(|v| u16::try_from(*v).ok().filter(|v| *v < u16::MAX))
+            .collect();
+        let (bytes, kind): (Vec<u8>, u32) = match short {
+            Some(short) => (short.iter().flat_map(|v| v.to_le_bytes()).collect(), U16),
+            None => (values.iter().flat_map(|v| v.to_le_bytes()).collect(), U32),
+        };
         let view = self.push_view(&bytes, Some(INDICES));
         self.push_accessor(json!({
             "bufferView": view,
-            "componentType": U32,
+            "componentType": kind,
             "count": values.len(),
             "type": "SCALAR",
         }))
@@ -98,6 +108,8 @@ impl Buffer {
             view["target"] = target.into();
         }
         self.bytes.extend_from_slice(bytes);
+        let end = self.bytes.len().next_multiple_of(ALIGNED);
+        self.bytes.resize(end, 0);
         self.views.push(view);
         self.views.len() - 1
     }

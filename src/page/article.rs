@@ -6,7 +6,7 @@ use super::curves::{Curves, curves_section, transfer_section};
 use super::frames::{nearest_frame, shown_trajectory};
 use super::markup::{Cell, Section, Table};
 use super::mechanism::mechanism_section;
-use super::model::viewer_model;
+use super::model::{motion_value, viewer_model};
 use super::quantities::{ShownQuantity, extreme_table, shown_quantities};
 use super::still::first_picture;
 use crate::diag::decimals_of;
@@ -93,7 +93,11 @@ fn article_of_frames(
         ..
     } = *checked;
     let mut article = article_without_motion(checked.source, &checked.answer.verdict);
-    let model = viewer_model(scene, (trajectory, shown), camera);
+    // A page that shows the mechanism already knows its shapes.
+    let model = match camera {
+        Some(_) => viewer_model(scene, (trajectory, shown), camera),
+        None => Ok(motion_value(&scene.mechanism, (trajectory, shown))),
+    };
     let mut curves = Curves::new(scene, system, shown, number);
     let mut marks = Vec::new();
     let plots = curves_section(&mut curves);

@@ -224,10 +224,15 @@ fn write_view(out: &mut String, article: &Article, still: &[u8]) {
         },
         escaped(article.note.as_deref().unwrap_or_default()),
         if canvas.is_empty() { " disabled" } else { "" },
-        if canvas.is_empty() {
-            ""
-        } else {
-            "<span data-part=\"hint\">Drag to rotate, with Shift or two fingers to move; pinch, or use the wheel with Ctrl, to zoom. Click a curve to select a time.</span>"
+        match canvas.is_empty() {
+            true => String::new(),
+            false => format!(
+                "<span data-part=\"hint\">{} to rotate, with Shift or two fingers to move; pinch, or use the wheel with Ctrl, to zoom. Click a curve to select a time.</span>",
+                match article.is_live() {
+                    true => "Drag a link to pull it; drag beside it",
+                    false => "Drag",
+                }
+            ),
         },
     );
     out.push_str("<noscript><p class=\"faint\">Scripts are disabled: the picture does not move; everything else is here.</p></noscript>\n");

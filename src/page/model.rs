@@ -1,13 +1,13 @@
 //! The bodies and their motion as the page's viewer reads them: meshes in 16 bits a coordinate, placements in 32.
 
-use crate::export::model::{ExportModel, ModelTrace};
+use crate::export::model::{ExportModel, ModelPart, ModelTrace};
 use crate::geometry::Mesh;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::math::{Pose, narrow_rotation, narrow_vector, rotation_quaternions};
 use crate::model::mechanism::Mechanism;
 use crate::render::{Camera, Projection};
 use crate::scene::Scene;
-use crate::staging::model::{Facets, model_traces, of_motion, up_vector};
+use crate::staging::model::{Facets, body_parts, model_traces, of_motion, up_vector};
 use base64::prelude::{BASE64_STANDARD, Engine};
 use glam::{DMat3, DVec3};
 use serde_json::{Value, json};
@@ -41,7 +41,8 @@ pub fn viewer_model(
              mechanim render writes them as .glb."
         ));
     }
-    let mut value = shapes_value(&model);
+    let bodies = model.bodies.iter().map(|body| &body.parts[..]);
+    let mut value = shapes_value(bodies.enumerate());
     let poses = model
         .bodies
         .iter()
@@ -55,15 +56,28 @@ pub fn viewer_model(
     Ok(value)
 }
 
-/// Placements of all bodies at all frames, and the traced paths: everything that changes when a mechanism only moves.
-pub(super) fn motion_value(mechanism: &Mechanism, shown: &Trajectory) -> Value {
+/// The shapes of some bodies in place of those that a viewer has; their meshes suit a picture of this extent.
+pub(super) fn changed_shapes(scene: &Scene, bodies: &[usize], extent: f64) -> Value {
+    let parts = |body: &usize| (*body, body_parts(scene, *body, Facets::Picture, extent));
+    let parts: Vec<(usize, Vec<ModelPart>)> = bodies.iter().map(parts).collect();
+    let mut value = shapes_value(parts.iter().map(|(body, parts)| (*body, &parts[..])));
+    value["replaced"] = json!(bodies);
+    value
+}
+
+/// Placements of all bodies at the frames shown, and the paths traced over the whole motion: everything that changes when a
+/// mechanism only moves.
+pub(super) fn motion_value(
+    mechanism: &Mechanism,
+    (whole, shown): (&Trajectory, &Trajectory),
+) -> Value {
     let bodies = mechanism.bodies.iter().enumerate();
     let poses = |index: usize| -> Vec<Pose> {
         let poses = shown.poses();
         poses.map(|pose| pose.bodies[index]).collect()
     };
     let bodies = bodies.map(|(index, body)| body_value(&body.name, &poses(index)));
-    json!({ "bodies": bodies.collect::<Vec<_>>(), "traces": traces_value(mechanism, shown) })
+    json!({ "bodies": bodies.collect::<Vec<_>>(), "traces": traces_value(mechanism, whole) })
 }
 
 fn traces_value(mechanism: &Mechanism, whole: &Trajectory) -> Value {
@@ -72,11 +86,11 @@ fn traces_value(mechanism: &Mechanism, whole: &Trajectory) -> Value {
 }
 
 /// The meshes and what is made of them.
-fn shapes_value(model: &ExportModel) -> Value {
+fn shapes_value<'m>(bodies: impl Iterator<Item = (usize, &'m [ModelPart])>) -> Value {
     let mut meshes = ModelMeshes::default();
     let mut list = Vec::new();
-    for (body, model_body) in model.bodies.iter().enumerate() {
-        let parts = model_body.parts.iter();
+    for (body, parts) in bodies {
+        let parts = parts.iter();
         for part in parts.filter(|part| !part.mesh.triangles.is_empty()) {
             list.push(json!({
                 "mesh": meshes.index(&part.mesh),

@@ -73,8 +73,7 @@ impl<'a> MotionCheck<'a> {
         cancelled: &dyn Fn() -> bool,
     ) -> Result<(Trajectory, Option<ProvedMotion<'a>>), LimitExceeded> {
         let (system, actuation) = (self.system, &self.scene.actuation);
-        let times = knot_times(system.mechanism(), actuation, self.times);
-        allow_samples(system.mechanism(), times.len())?;
+        let times = self.knots()?;
         let proofs = self.proofs();
         if !self.looks_between(times.len()) {
             let trajectory = solve_proved(system, actuation, &times, proofs, cancelled);
@@ -86,6 +85,32 @@ impl<'a> MotionCheck<'a> {
             trajectory.intervals = certify_motion(system, actuation, &trajectory);
         }
         Ok((trajectory, Some(motion)))
+    }
+
+    /// The same motion with proofs of its poses at most: what can be shown at once.
+    ///
+    /// Errors: more samples than a run may have.
+    pub fn sampled(&self) -> Result<Trajectory, LimitExceeded> {
+        let proofs = match self.proofs() {
+            Proofs::None => Proofs::None,
+            Proofs::Poses | Proofs::Motion => Proofs::Poses,
+        };
+        let (times, actuation) = (self.knots()?, &self.scene.actuation);
+        Ok(solve_proved(
+            self.system,
+            actuation,
+            &times,
+            proofs,
+            &|| false,
+        ))
+    }
+
+    /// The asked times and the keys of the drives.
+    fn knots(&self) -> Result<Vec<f64>, LimitExceeded> {
+        let mechanism = self.system.mechanism();
+        let times = knot_times(mechanism, &self.scene.actuation, self.times);
+        allow_samples(mechanism, times.len())?;
+        Ok(times)
     }
 
     /// Whether the motion between so many samples is examined without a request: where poses are to be proved, and the proofs cost

@@ -78,8 +78,7 @@ pub fn of_motion(
 ) -> ExportModel {
     let mechanism = &scene.mechanism;
     // The extent of the motion bounds the error of facets.
-    let extent = bounds::box_of(&bounds::moving_points(scene, trajectory))
-        .map_or(mechanism.size, |[low, high]| (high - low).length());
+    let extent = extent_of_motion(scene, trajectory);
     // Keys in time; over a gap the pose before it is held.
     let keys = pose_keys(trajectory, samples);
     // A part for every shape shown, and a pose for every key.
@@ -90,11 +89,7 @@ pub fn of_motion(
         });
         ModelBody {
             name: body.name.clone(),
-            parts: scene
-                .view
-                .shown_shapes(mechanism, index)
-                .map(|s| model_part(s, facets.facet_error(&s.solid, extent)))
-                .collect(),
+            parts: body_parts(scene, index, facets, extent),
             poses: poses.collect(),
         }
     });
@@ -107,6 +102,20 @@ pub fn of_motion(
         traces: model_traces(mechanism, trajectory),
         camera: camera.map(|(camera, aspect)| of_camera(&camera, aspect)),
     }
+}
+
+/// The diagonal of the box that all bodies pass through.
+pub fn extent_of_motion(scene: &Scene, trajectory: &Trajectory) -> f64 {
+    let points = bounds::moving_points(scene, trajectory);
+    bounds::box_of(&points).map_or(scene.mechanism.size, |[low, high]| (high - low).length())
+}
+
+/// The visible shapes of a body in its own frame, for a motion of this extent.
+pub fn body_parts(scene: &Scene, body: usize, facets: Facets, extent: f64) -> Vec<ModelPart> {
+    let shapes = scene.view.shown_shapes(&scene.mechanism, body);
+    shapes
+        .map(|s| model_part(s, facets.facet_error(&s.solid, extent)))
+        .collect()
 }
 
 /// One mesh in the world of a scene.

@@ -29,8 +29,8 @@ const STILL: f64 = 1e-10;
 /// Inputs slower than this fraction of their largest rate are at rest.
 const RESTING: f64 = 1e-6;
 
-/// Most steps of the search for a zero; every third one halves the bracket.
-const STEPS: usize = 180;
+/// Most steps of the search for a zero; bisection, every fourth of them, needs 53 to exhaust f64.
+const STEPS: usize = 220;
 
 /// Relative width of the last bracket: a few units in the last place of the time.
 const WIDTH: f64 = 1e-15;
@@ -155,7 +155,7 @@ impl<'m> LimitSearch<'m> {
                 continue;
             }
             match last {
-                Some((from, before)) if before * rate < 0.0 => {
+                Some((from, before)) if before * rate < 0.0 && !self.is_driven_back(from, k) => {
                     self.between(quantity, (from, before), (k, rate));
                 }
                 None if k == 1 && rates[0].is_some() => self.note(quantity, 0, rate < 0.0),
@@ -174,6 +174,15 @@ impl<'m> LimitSearch<'m> {
         }
     }
 
+    /// Whether the only input that moves between two samples reverses there: what follows it reverses with it.
+    fn is_driven_back(&self, low: usize, high: usize) -> bool {
+        let [low, high] = [low, high].map(|k| self.samples[k].time);
+        let drives = self.actuation.drives.iter();
+        let rates = drives.map(|d| [low, high].map(|time| d.series(time, 1).derivative(1)));
+        let mut moving = rates.filter(|ends| *ends != [0.0; 2]);
+        moving.next().is_some_and(|[a, b]| a * b < 0.0) && moving.next().is_none()
+    }
+
     /// A reversal on a sample itself.
     fn note(&mut self, quantity: usize, sample: usize, is_largest: bool) {
         let sample = &self.samples[sample];
@@ -183,15 +192,17 @@ impl<'m> LimitSearch<'m> {
         }
     }
 
-    /// Locates the reversal between two samples with rates of opposite signs: regula falsi alternating with bisection.
+    /// Locates the reversal between two samples with rates of opposite signs: false position with halved weights (Illinois),
+    /// and bisection for kinks.
     fn between(&mut self, quantity: usize, low: (usize, f64), high: (usize, f64)) {
         let (first, last) = (self.samples[low.0].time, self.samples[high.0].time);
         let (mut a, mut fa, mut b, mut fb) = (first, low.1, last, high.1);
         let mut best: Option<(f64, Vec<f64>)> = None;
+        let mut moved_low = None;
         for step in 0..STEPS {
-            // Two secants, then a bisection, which always shrinks the bracket.
+            // Three secants, then a bisection, which always shrinks the bracket.
             let secant = a + (b - a) * (fa / (fa - fb));
-            let time = if step % 3 < 2 && secant > a && secant < b {
+            let time = if step % 4 < 3 && secant > a && secant < b {
                 secant
             } else {
                 0.5 * (a + b)
@@ -203,10 +214,16 @@ impl<'m> LimitSearch<'m> {
             if rate == 0.0 || (b - a) <= WIDTH * (last - first).max(b.abs()) {
                 break;
             }
-            if rate * fa > 0.0 {
-                (a, fa) = (time, rate);
+            // An end that stays for the second time counts half, so that the next secant passes the zero.
+            let is_low = rate * fa > 0.0;
+            let share = if moved_low.replace(is_low) == Some(is_low) {
+                0.5
             } else {
-                (b, fb) = (time, rate);
+                1.0
+            };
+            match is_low {
+                true => (a, fa, fb) = (time, rate, share * fb),
+                false => (b, fb, fa) = (time, rate, share * fa),
             }
         }
         if let Some((time, coordinates)) = best {

@@ -1,10 +1,11 @@
 //! Answers to a live page: its motion while a slider moves, the whole article once it rests, errors with their
 //! positions.
 
-use super::session::{LiveError, LiveScene, Opened};
+use super::session::{JudgedMotion, LiveError, LiveScene, Opened};
 use super::sliders;
 use crate::diag::{Diagnostic, SceneError, Severity};
 use crate::kinematics::results::trajectory::Trajectory;
+use crate::limits::LimitExceeded;
 use crate::page::article::{
     Article, article_in_view, article_without_motion, frame_times, values_at,
 };
@@ -12,32 +13,30 @@ use crate::page::checked::CheckedMotion;
 use crate::page::document::sections_text;
 use crate::page::frames::shown_trajectory;
 use crate::page::markup::state_class;
-use crate::page::model::{motion_value, viewer_model};
+use crate::page::model::{changed_shapes, motion_value, viewer_model};
 use crate::page::still::view_of;
-use crate::report::clearance::pair_sentence;
+use crate::report::clearance::{clearance_cases, pair_sentence};
 use crate::report::proof::PoseProofs;
 use crate::report::rounded::at_most;
 use crate::report::sentences::{counted_things, event_sentence, gap_sentence};
-use crate::report::verdict::{CLEARANCE, Status};
+use crate::report::verdict::{CLEARANCE, Status, Verdict};
 use serde_json::{Value, json};
 
 /// Most sentences about events on the way: more cannot be read while a slider moves.
 const MOST_EVENTS: usize = 3;
 
 /// What a page receives about the bodies' shapes in addition to their placements.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Shapes {
-    /// It knows them.
-    Known,
-    /// They have changed.
-    Changed,
-    /// All shapes are new, and so is the camera.
+    /// Those of some bodies have changed.
+    Changed(Vec<usize>),
+    /// All are new, and so is the camera.
     InView,
 }
 
 impl LiveScene {
     /// What a page shows immediately: poses, values and their proof; also the shapes if they have changed.
-    pub(super) fn state(&self, shapes: Shapes) -> Value {
+    pub(super) fn state(&self, shapes: &Shapes) -> Value {
         let Opened {
             scene,
             system,
@@ -49,15 +48,22 @@ impl LiveScene {
             None => shown_trajectory(system, &scene.actuation, motion, None),
         };
         let mechanism = &scene.mechanism;
-        let view = (shapes == Shapes::InView).then(|| view_of(scene, &shown));
-        let camera = view.as_ref().map(|(camera, aspect)| (camera, *aspect));
-        let model = (shapes != Shapes::Known && shown.poses().next().is_some())
-            .then(|| viewer_model(scene, (motion, &shown), camera).ok());
+        let has_pose = shown.poses().next().is_some();
+        let model = match shapes {
+            Shapes::InView if has_pose => {
+                let (camera, aspect) = view_of(scene, &shown);
+                viewer_model(scene, (motion, &shown), Some((&camera, aspect))).ok()
+            }
+            Shapes::Changed(bodies) if has_pose && !bodies.is_empty() => {
+                Some(changed_shapes(scene, bodies, self.extent))
+            }
+            _ => None,
+        };
         let put = self.overrides.parameters.iter();
         json!({
             "times": frame_times(&shown),
             "values": values_at(mechanism, &shown),
-            "motion": motion_value(mechanism, &shown),
+            "motion": motion_value(mechanism, (&shown, &shown)),
             "model": model,
             "proof": self.proof(held.as_ref().unwrap_or(motion)),
             "parameters": put.map(|(name, text)| (name.clone(), json!(text))).collect::<serde_json::Map<_, _>>(),
@@ -101,55 +107,81 @@ impl LiveScene {
         })
     }
 
-    /// The whole article, clearances and curves included, as `report` writes it, and the worst pair of bodies in words.
+    /// The motion as it is judged, between its samples too, and its clearances.
     ///
     /// Errors: more than a run may use.
-    fn article(&self) -> Result<(Article, Option<Value>), LiveError> {
-        let Opened {
-            scene,
-            system,
-            motion,
-        } = &self.now;
+    fn judge(&mut self) -> Result<JudgedMotion, LimitExceeded> {
+        if let Some(known) = self.judged.take() {
+            return Ok(known);
+        }
+        let Opened { scene, system, .. } = &self.now;
         let times = self.asked.times(scene);
         let check = self.asked.check(scene, system, &times);
-        if motion.poses().next().is_none() {
-            let answer = check.without_pose(motion, None);
-            let article = article_without_motion(&self.source.name, &answer.verdict);
-            return Ok((article, None));
-        }
-        let mut covered = check.cover(motion, None);
-        let clearances = check.clearances(&mut covered, &|_, _| {})?;
-        let answer = check.answer(motion, &mut covered, clearances.as_ref(), 0.0);
-        let checked = CheckedMotion {
-            source: &self.source.name,
-            scene,
-            system,
-            trajectory: motion,
-            clearances: clearances.as_ref(),
-            answer: &answer,
+        let (motion, proved) = check.solve(&|| false)?;
+        let clearances = match motion.poses().next() {
+            Some(_) => check.clearances(&mut check.cover(&motion, proved), &|_, _| {})?,
+            None => None,
         };
-        let worst = clearances.as_ref().and_then(|found| found.worst());
-        let told = worst.map(|pair| {
-            json!({
-                "class": state_class(answer.verdict.result_of(CLEARANCE)),
-                "text": pair_sentence(&scene.mechanism, pair),
-            })
-        });
-        Ok((article_in_view(&checked, self.number), told))
+        Ok(JudgedMotion { motion, clearances })
     }
 
-    /// The article in the form that the page inserts. `depth` is that of its headings.
+    /// The state of the poses, between the samples too, and the worst pair of bodies in words.
     ///
     /// Errors: more than a run may use.
-    pub(super) fn settled(&self, depth: usize) -> Result<Value, LiveError> {
-        let (article, clearance) = self.article()?;
+    pub(super) fn clearance(&mut self) -> Result<Value, LiveError> {
+        let judged = self.judge()?;
+        let mechanism = self.mechanism();
+        let worst = judged.clearances.as_ref().and_then(|found| {
+            let pair = found.worst()?;
+            let verdict = Verdict {
+                title: mechanism.title.clone(),
+                cases: clearance_cases(mechanism, found, self.asked.asked),
+            };
+            Some(json!({
+                "class": state_class(verdict.result_of(CLEARANCE)),
+                "text": pair_sentence(mechanism, pair),
+            }))
+        });
+        let answer = json!({ "clearance": worst, "proof": self.proof(&judged.motion) });
+        self.judged = Some(judged);
+        Ok(answer)
+    }
+
+    /// The whole article, clearances and curves included, as `report` writes it, in the form that the page inserts. `depth` is
+    /// that of its headings.
+    ///
+    /// Errors: more than a run may use.
+    pub(super) fn settled(&mut self, depth: usize) -> Result<Value, LiveError> {
+        let judged = self.judge()?;
+        let article = self.article(&judged);
+        self.judged = Some(judged);
         Ok(json!({
-            "clearance": clearance,
             "class": state_class(article.status),
             "result": article.result,
             "sections": sections_text(&article, depth),
             "data": article.data,
         }))
+    }
+
+    fn article(&self, JudgedMotion { motion, clearances }: &JudgedMotion) -> Article {
+        let Opened { scene, system, .. } = &self.now;
+        let times = self.asked.times(scene);
+        let check = self.asked.check(scene, system, &times);
+        if motion.poses().next().is_none() {
+            let answer = check.without_pose(motion, None);
+            return article_without_motion(&self.source.name, &answer.verdict);
+        }
+        let clearances = clearances.as_ref();
+        let answer = check.answer(motion, &mut check.cover(motion, None), clearances, 0.0);
+        let checked = CheckedMotion {
+            source: &self.source.name,
+            scene,
+            system,
+            trajectory: motion,
+            clearances,
+            answer: &answer,
+        };
+        article_in_view(&checked, self.number)
     }
 }
 

@@ -1,17 +1,16 @@
 //! Pictures and tables of a live scene, byte by byte as the program writes them.
 
+use super::following::motion_until;
 use super::session::{LiveError, LiveScene, Opened};
 use crate::export::film::{Destination, FilmSettings};
 use crate::export::gif::Quality;
 use crate::export::png::{Effort, encode_png};
 use crate::export::raw::Chroma;
 use crate::export::{Format, Stream};
-use crate::kinematics::motion::continuation::solve_until;
 use crate::kinematics::motion::proved::{Proofs, solve_proved};
 use crate::kinematics::motion::sampling::frame_times;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::limits::{Resource, current_limits};
-use crate::model::printed::InputReading;
 use crate::pictures::frames::{DrawnBy, Pictures, with_pictures};
 use crate::render::adapter::AdapterChoice;
 use crate::render::open::RendererChoice;
@@ -43,8 +42,7 @@ impl LiveScene {
         let Opened { scene, system, .. } = &self.now;
         self.held().unwrap_or_else(|| {
             let times = frame_times(&scene.mechanism, &scene.actuation, scene.view.fps);
-            let reading = Some(InputReading::Numbers);
-            solve_until(system, &scene.actuation, &times, reading, &|| false)
+            motion_until(system, &scene.actuation, &times)
         })
     }
 

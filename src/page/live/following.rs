@@ -4,7 +4,7 @@
 use crate::analysis::study::{FamilyError, ParametricMechanism};
 use crate::diag::Source;
 use crate::kinematics::motion::continuation::solve_until;
-use crate::kinematics::results::trajectory::{ClosedPose, EventKind, Trajectory};
+use crate::kinematics::results::trajectory::{EventKind, Trajectory};
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::{Kind, Mechanism};
@@ -86,7 +86,7 @@ impl Follower {
         let motion = follow(self.family.system(), &way);
         match stop_of(&motion) {
             None => match motion.samples.last().and_then(|s| s.pose.as_ref()) {
-                Some(end) => FollowEnd::Reached(named_pose(mechanism, end)),
+                Some(end) => FollowEnd::Reached(named_values(mechanism, &end.unknowns)),
                 None => self.stopped(from, "no pose was found"),
             },
             Some((share, why)) => self.stopped(from + share * (to - from), why),
@@ -109,10 +109,10 @@ fn other_overrides(overrides: &Overrides, name: &str) -> Vec<(String, String)> {
     list.filter(|(other, _)| other != name).cloned().collect()
 }
 
-/// The unknowns of a pose by their names.
-pub(super) fn named_pose(mechanism: &Mechanism, pose: &ClosedPose) -> NamedPose {
+/// The values of the unknowns, which come first in `coordinates`, by their names.
+pub(super) fn named_values(mechanism: &Mechanism, coordinates: &[f64]) -> NamedPose {
     let names = mechanism.unknowns.iter().map(|c| c.name.clone());
-    names.zip(pose.unknowns.iter().copied()).collect()
+    names.zip(coordinates.iter().copied()).collect()
 }
 
 /// A pose's values in the order of a mechanism's unknowns; zero for those that it lacks.
@@ -126,8 +126,13 @@ pub(super) fn by_name(mechanism: &Mechanism, pose: &NamedPose) -> Vec<f64> {
 
 /// A motion of one second, with its ends proved if possible.
 pub(super) fn follow(system: &System, way: &Actuation) -> Trajectory {
+    motion_until(system, way, &[0.0, 1.0])
+}
+
+/// A motion at these times, its poses proved if possible.
+pub(super) fn motion_until(system: &System, way: &Actuation, times: &[f64]) -> Trajectory {
     let reading = Some(InputReading::Numbers);
-    solve_until(system, way, &[0.0, 1.0], reading, &|| false)
+    solve_until(system, way, times, reading, &|| false)
 }
 
 /// Where a motion of one second ends or changes its assembly, as a fraction of it, and why; `None` if it reaches its

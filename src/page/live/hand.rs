@@ -24,18 +24,29 @@ impl LiveScene {
             let kind = self.mechanism().inputs[index].kind;
             inputs[index] = value / self.mechanism().file_units(kind);
         }
-        let way = Actuation::straight(&start.inputs, &inputs, pose.unknowns.clone());
+        Ok(self.follow_by_hand(&start, &pose, &inputs))
+    }
+
+    /// Follows the mechanism from a pose to other inputs, and holds it there. If the motion ends before, the pose stays, and
+    /// the place is returned as a fraction of the way.
+    pub(super) fn follow_by_hand(
+        &mut self,
+        start: &Sample,
+        pose: &ClosedPose,
+        inputs: &[f64],
+    ) -> Option<FollowEnd> {
+        let way = Actuation::straight(&start.inputs, inputs, pose.unknowns.clone());
         let mut motion = follow(&self.now.system, &way);
         if let Some((at, why)) = stop_of(&motion) {
             let why = why.to_owned();
-            return Ok(Some(FollowEnd::Stopped { at, why }));
+            return Some(FollowEnd::Stopped { at, why });
         }
         self.hand = motion.samples.pop();
-        Ok(None)
+        None
     }
 
     /// The present pose: the one set by hand, or that of the sample nearest to a time.
-    fn standing_pose(&self, time: f64) -> Result<(Sample, ClosedPose), LiveError> {
+    pub(super) fn standing_pose(&self, time: f64) -> Result<(Sample, ClosedPose), LiveError> {
         let held = self.hand.as_ref();
         let off = |s: &&Sample| (s.time - time).abs();
         let posed = self.now.motion.samples.iter().filter(|s| s.pose.is_some());

@@ -3,9 +3,11 @@
 //! of browsers.
 
 mod answers;
+mod assemblies;
 mod films;
 mod following;
 mod hand;
+mod pulling;
 mod requirements;
 mod scenes;
 mod session;

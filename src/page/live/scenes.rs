@@ -2,10 +2,12 @@
 
 use super::answers::Shapes;
 use super::following::FollowEnd;
+use super::pulling::Pull;
 use super::requirements::LiveRequirements;
 use super::session::{LiveError, LiveScene};
 use crate::diag::Source;
 use crate::scene::Overrides;
+use glam::DVec3;
 use serde_json::{Value, json};
 use std::collections::HashMap;
 
@@ -48,11 +50,12 @@ impl PageScenes {
         // A scene is opened first; every other request names an open one.
         if word("ask") == "open" {
             let scene = open_scene(number, question)?;
-            let mut state = scene.state(match question["shapes"] == true {
-                true => Shapes::InView,
-                false => Shapes::Known,
-            });
-            state["sliders"] = scene.sliders();
+            // Another engine may have shown it already.
+            let mut state = json!({});
+            if question["shapes"] == true {
+                state = scene.state(&Shapes::InView);
+                state["sliders"] = scene.sliders();
+            }
             self.scenes.insert(number, scene);
             return Ok(LiveAnswer::Text(state));
         }
@@ -70,6 +73,10 @@ impl PageScenes {
                 let stopped = scene.drive(time, &named_numbers(&question["inputs"]))?;
                 LiveAnswer::Text(moved_state(scene, stopped.as_ref()))
             }
+            "pull" => {
+                let stopped = scene.pull(time, &read_pull(question))?;
+                LiveAnswer::Text(moved_state(scene, stopped.as_ref()))
+            }
             "release" => {
                 scene.hand = None;
                 LiveAnswer::Text(moved_state(scene, None))
@@ -79,6 +86,12 @@ impl PageScenes {
                 scene.assemble(name.map(|name| (name, word("value"))))?;
                 LiveAnswer::Text(moved_state(scene, None))
             }
+            "choose" => {
+                scene.choose(named_texts(&question["guess"]))?;
+                LiveAnswer::Text(moved_state(scene, None))
+            }
+            "assemblies" => LiveAnswer::Text(scene.assemblies()?),
+            "clearance" => LiveAnswer::Text(scene.clearance()?),
             "settle" => {
                 let depth = question["depth"].as_u64().unwrap_or(2) as usize;
                 LiveAnswer::Text(scene.settled(depth)?)
@@ -115,11 +128,8 @@ fn open_scene(number: usize, question: &Value) -> Result<LiveScene, LiveError> {
 
 /// The state after a move, and where the motion ended if it did not reach the target.
 fn moved_state(scene: &mut LiveScene, stopped: Option<&FollowEnd>) -> Value {
-    let shapes = match scene.is_reshaped() {
-        true => Shapes::Changed,
-        false => Shapes::Known,
-    };
-    let mut state = scene.state(shapes);
+    let changed = scene.reshaped();
+    let mut state = scene.state(&Shapes::Changed(changed));
     if let Some(FollowEnd::Stopped { at, why }) = stopped {
         state["stopped"] = json!({ "at": at, "why": why });
     }
@@ -138,6 +148,17 @@ fn named_numbers(value: &Value) -> Vec<(String, f64)> {
     let list = value.as_array().into_iter().flatten();
     list.filter_map(|pair| Some((pair[0].as_str()?.to_owned(), pair[1].as_f64()?)))
         .collect()
+}
+
+fn read_pull(question: &Value) -> Pull {
+    let number = |name: &str, k: usize| question[name][k].as_f64().unwrap_or(f64::NAN);
+    let vector = |name: &str| DVec3::from_array([0, 1, 2].map(|k| number(name, k)));
+    Pull {
+        body: question["body"].as_u64().unwrap_or(u64::MAX) as usize,
+        point: vector("point"),
+        to: vector("to"),
+        along: vector("along"),
+    }
 }
 
 /// `[width, height]`, as `render` has it by default.

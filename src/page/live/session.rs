@@ -1,17 +1,19 @@
 //! A scene on a live page: its text, replaced values, and the resulting motion.
 
-use super::following::{FollowEnd, Follower, NamedPose, by_name, named_pose};
+use super::following::{FollowEnd, Follower, NamedPose, by_name, motion_until, named_values};
 use super::requirements::LiveRequirements;
 use super::sliders::typed;
+use crate::clearance::check::ClearanceReport;
 use crate::diag::{SceneError, Source};
-use crate::kinematics::results::trajectory::{Sample, Trajectory};
+use crate::kinematics::results::trajectory::{ClosedPose, Sample, Trajectory};
 use crate::kinematics::structure::block::StructureError;
 use crate::kinematics::structure::system::System;
 use crate::limits::LimitExceeded;
-use crate::model::mechanism::{Kind, Mechanism};
+use crate::model::mechanism::{Body, Kind, Mechanism};
 use crate::model::printed::shortest_decimal;
 use crate::scene::edit::with_values;
 use crate::scene::{Overrides, Scene, load_scene};
+use crate::staging::model::extent_of_motion;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -42,6 +44,25 @@ pub(super) struct Opened {
     pub motion: Trajectory,
 }
 
+/// A motion that was also looked at between its samples, and its clearances.
+pub(super) struct JudgedMotion {
+    pub motion: Trajectory,
+    pub clearances: Option<ClearanceReport>,
+}
+
+impl Opened {
+    /// The pose with which the motion begins.
+    pub fn first_pose(&self) -> Option<&ClosedPose> {
+        first_pose(&self.motion)
+    }
+}
+
+/// The pose with which a motion begins.
+fn first_pose(motion: &Trajectory) -> Option<&ClosedPose> {
+    let first = motion.samples.first()?;
+    first.pose.as_ref().filter(|_| first.time == 0.0)
+}
+
 /// A scene, what is changed in it, and its motion.
 pub struct LiveScene {
     /// Its index on the page.
@@ -52,11 +73,15 @@ pub struct LiveScene {
     own_guess: Vec<(String, String)>,
     pub(super) asked: LiveRequirements,
     pub(super) now: Opened,
+    /// The same motion as it is judged, and its clearances, once they were asked for.
+    pub(super) judged: Option<JudgedMotion>,
     /// A pose set by hand, which replaces the motion.
     pub(super) hand: Option<Sample>,
     follower: Option<Follower>,
     /// The mechanism whose shapes the page has received.
     told: Arc<Mechanism>,
+    /// The extent that its meshes were made for.
+    pub(super) extent: f64,
 }
 
 impl LiveScene {
@@ -77,7 +102,9 @@ impl LiveScene {
             overrides,
             asked,
             told: Arc::clone(&now.scene.mechanism),
+            extent: extent_of_motion(&now.scene, &now.motion),
             now,
+            judged: None,
             hand: None,
             follower: None,
         })
@@ -96,13 +123,19 @@ impl LiveScene {
         })
     }
 
-    /// Whether the bodies' shapes have changed since the last call.
-    pub(super) fn is_reshaped(&mut self) -> bool {
+    /// The bodies whose shapes have changed since the last call.
+    pub(super) fn reshaped(&mut self) -> Vec<usize> {
         let now = Arc::clone(&self.now.scene.mechanism);
         let told = std::mem::replace(&mut self.told, now);
-        let [before, after] = [&told.bodies, &self.told.bodies];
-        let mut pairs = before.iter().zip(after);
-        before.len() != after.len() || pairs.any(|(a, b)| a.shapes != b.shapes)
+        let bodies = self.told.bodies.iter().enumerate();
+        let is_new = |index: usize, body: &Body| {
+            let known = told.bodies.get(index);
+            known.is_none_or(|known| known.shapes != body.shapes)
+        };
+        bodies
+            .filter(|(index, body)| is_new(*index, body))
+            .map(|(index, _)| index)
+            .collect()
     }
 
     /// The value of a parameter as it is now, in the file's unit.
@@ -129,7 +162,8 @@ impl LiveScene {
             .parameters
             .push((name.to_owned(), text.trim().to_owned()));
         changed.guess = self.own_guess.clone();
-        let Some(pose) = self.first_pose() else {
+        let first = self.now.first_pose();
+        let Some(pose) = first.map(|pose| named_values(self.mechanism(), &pose.unknowns)) else {
             // Without a pose there is nothing to follow.
             self.take(changed)?;
             return Ok(None);
@@ -155,22 +189,25 @@ impl LiveScene {
     fn take_at(
         &mut self,
         mut changed: Overrides,
-        scene: Scene,
+        mut scene: Scene,
         pose: &NamedPose,
         (from, name): (f64, &str),
     ) -> Result<Option<FollowEnd>, LiveError> {
-        let mut now = solved_scene(scene, &self.asked)?;
-        if !begins_at(&now, pose) {
-            changed.guess = guess_text(&now.scene.mechanism, pose);
-            now = opened_scene(&self.source, &changed, &self.asked)?;
+        let mut system = System::new(Arc::clone(&scene.mechanism), &scene.actuation)?;
+        let start = motion_until(&system, &scene.actuation, &[0.0]);
+        if !begins_at(&scene.mechanism, &start, pose) {
+            changed.guess = guess_text(&scene.mechanism, pose);
+            scene = load_scene(&self.source, &changed).map_err(Box::new)?;
+            system = System::new(Arc::clone(&scene.mechanism), &scene.actuation)?;
         }
-        if !begins_at(&now, pose) {
+        let now = solved_scene(scene, system, &self.asked)?;
+        if !begins_at(&now.scene.mechanism, &now.motion, pose) {
             let why = format!(
                 "{name}: the pose that was followed is not found again from its own values"
             );
             return Ok(Some(FollowEnd::Stopped { at: from, why }));
         }
-        (self.overrides, self.now, self.hand) = (changed, now, None);
+        self.adopt(changed, now);
         Ok(None)
     }
 
@@ -188,15 +225,15 @@ impl LiveScene {
     }
 
     fn take(&mut self, changed: Overrides) -> Result<(), LiveError> {
-        self.now = opened_scene(&self.source, &changed, &self.asked)?;
-        (self.overrides, self.hand) = (changed, None);
+        let now = opened_scene(&self.source, &changed, &self.asked)?;
+        self.adopt(changed, now);
         Ok(())
     }
 
-    fn first_pose(&self) -> Option<NamedPose> {
-        let first = self.now.motion.samples.first()?;
-        let pose = first.pose.as_ref().filter(|_| first.time == 0.0)?;
-        Some(named_pose(self.mechanism(), pose))
+    /// Shows another motion, which belongs to these values.
+    pub(super) fn adopt(&mut self, changed: Overrides, now: Opened) {
+        (self.overrides, self.now) = (changed, now);
+        (self.judged, self.hand) = (None, None);
     }
 
     /// The text with the present values; `None` if the text is written in a form that cannot be edited.
@@ -212,18 +249,24 @@ impl LiveScene {
 }
 
 /// Reads a scene with changed values and solves it as it is judged.
-fn opened_scene(
+pub(super) fn opened_scene(
     source: &Source,
     overrides: &Overrides,
     asked: &LiveRequirements,
 ) -> Result<Opened, LiveError> {
-    solved_scene(load_scene(source, overrides).map_err(Box::new)?, asked)
+    let scene = load_scene(source, overrides).map_err(Box::new)?;
+    let system = System::new(Arc::clone(&scene.mechanism), &scene.actuation)?;
+    solved_scene(scene, system, asked)
 }
 
-fn solved_scene(scene: Scene, asked: &LiveRequirements) -> Result<Opened, LiveError> {
-    let system = System::new(Arc::clone(&scene.mechanism), &scene.actuation)?;
+/// The motion at its samples; the check of a settled page also looks between them.
+fn solved_scene(
+    scene: Scene,
+    system: System,
+    asked: &LiveRequirements,
+) -> Result<Opened, LiveError> {
     let times = asked.times(&scene);
-    let (motion, _) = asked.check(&scene, &system, &times).solve(&|| false)?;
+    let motion = asked.check(&scene, &system, &times).sampled()?;
     Ok(Opened {
         scene,
         system,
@@ -232,11 +275,9 @@ fn solved_scene(scene: Scene, asked: &LiveRequirements) -> Result<Opened, LiveEr
 }
 
 /// Whether a motion begins at a pose, compared by the scene's unknowns.
-fn begins_at(now: &Opened, pose: &NamedPose) -> bool {
-    let mechanism = &now.scene.mechanism;
+fn begins_at(mechanism: &Mechanism, motion: &Trajectory, pose: &NamedPose) -> bool {
     let wanted = by_name(mechanism, pose);
-    let first = now.motion.samples.first().filter(|s| s.time == 0.0);
-    let Some(found) = first.and_then(|s| s.pose.as_ref()) else {
+    let Some(found) = first_pose(motion) else {
         return false;
     };
     let pairs = found.unknowns.iter().zip(&wanted).zip(&mechanism.unknowns);
@@ -257,7 +298,7 @@ fn turn_between(angle: f64) -> f64 {
 }
 
 /// A pose as start values of the file.
-fn guess_text(mechanism: &Mechanism, pose: &NamedPose) -> Vec<(String, String)> {
+pub(super) fn guess_text(mechanism: &Mechanism, pose: &NamedPose) -> Vec<(String, String)> {
     let values = by_name(mechanism, pose);
     let unknowns = mechanism.unknowns.iter().zip(values);
     unknowns

@@ -8,6 +8,12 @@ const REST = 250;
 /** Milliseconds after which a reader may stop what is computed. */
 const PATIENCE = 3000;
 
+/** Bytes of an engine's memory above which it is replaced once it has answered. */
+const MOST_MEMORY = 2 ** 28;
+
+/** Why an engine is replaced whose answer nobody waits for any more. */
+const MOVED_ON = "the mechanism has moved on";
+
 /** Steps of a slider, about. */
 const STEPS = 200;
 
@@ -35,26 +41,26 @@ async function unpacked(id) {
   return new Response(stream).arrayBuffer();
 }
 
-/** The engine in its worker. One that fails is replaced, and whoever asked it is told. */
+/** An engine in its worker. One that fails is replaced, and whoever asked it is told. */
 class Engine {
-  constructor(bytes) {
-    this.bytes = bytes;
-    this.memory = 0;
-    this.milliseconds = 0;
+  constructor(module) {
+    this.module = module;
     this.waiting = new Map();
     this.count = 0;
     this.restarts = 0;
+    this.milliseconds = 0;
     this.start();
   }
 
   start() {
+    this.memory = 0;
     const text = document.getElementById("worker").textContent;
     const address = URL.createObjectURL(new Blob([text], { type: "text/javascript" }));
     this.worker = new Worker(address);
     URL.revokeObjectURL(address);
     this.worker.onmessage = ({ data }) => this.hear(data);
     this.worker.onerror = (event) => this.fail(event.message || "the worker ended");
-    this.ready = this.send({ engine: this.bytes });
+    this.ready = this.send({ engine: this.module });
     // Whoever asks hears of it.
     this.ready.catch(() => {});
   }
@@ -140,9 +146,11 @@ class Slider {
 
 /** One mechanism of the page, alive. */
 class Live {
-  constructor(report, engine) {
+  /** `engine` answers while sliders move; `judge` makes the article anew meanwhile. */
+  constructor(report, { engine, judge }) {
     this.report = report;
     this.engine = engine;
+    this.judge = judge;
     this.source = report.data.live;
     this.number = report.number;
     this.place = report.root.querySelector('[data-part="bench"]');
@@ -171,10 +179,14 @@ class Live {
     this.told = made("p", { className: "stop", role: "alert", hidden: true });
     this.events = made("ul", { className: "faint" });
     this.force = button("Assemble there anew", () => this.assembleThere());
-    this.halt = button("Stop computing", () => this.engine.fail("stopped"));
+    this.halt = button("Stop computing", () => (this.isJudging ? this.judge : this.engine).fail("stopped"));
+    this.isJudged = true;
     [this.force, this.halt].forEach((element) => { element.hidden = true; });
     this.dimensions = made("div");
     this.hands = made("div");
+    this.counted = made("p", { className: "faint", role: "status" });
+    this.assemblies = made("select", { hidden: true, "aria-label": "Assembly" });
+    this.assemblies.addEventListener("change", () => this.choose());
     this.release = button("Back to the drive", () => this.enqueue({ ask: "release" }));
     this.release.hidden = true;
     this.editor = made("textarea", { value: this.text, rows: 18, spellcheck: false, wrap: "off", "aria-label": "Text of the scene" });
@@ -183,6 +195,8 @@ class Live {
     const save = (kind, type) => button(`Save ${kind.toUpperCase()}`, () => this.save(kind, type));
     this.place.append(
       this.proof, this.clearance, this.told, made("div", { className: "controls" }, this.force, this.halt), this.events,
+      made("h3", {}, "Assemblies"), this.counted,
+      made("div", { className: "controls" }, button("Find the assemblies", () => this.findAssemblies()), this.assemblies),
       made("h3", {}, "Dimensions"), this.dimensions,
       made("div", { className: "controls" }, button("Values of the file", () => this.reset()),
         button("Assemble anew", () => this.enqueue({ ask: "assemble" }))),
@@ -206,12 +220,14 @@ class Live {
     if (!state) return;
     if (!this.tell(state)) return;
     this.showSliders(state.sliders);
+    this.forgetAssemblies();
     this.take(state);
     this.rest();
   }
 
   /** Once nothing is moved for a while, everything is made anew. */
   rest() {
+    this.isJudged = false;
     clearTimeout(this.resting);
     this.resting = setTimeout(() => this.settle(), REST);
   }
@@ -265,6 +281,41 @@ class Live {
     this.enqueue({ ask: "drive", time: this.report.time, inputs: [[slider.name, value]] }, slider, value);
   }
 
+  /** A point of a body is pulled towards a line of sight. */
+  pull({ body, point, sight }) {
+    this.report.stop();
+    this.enqueue({ ask: "pull", time: this.report.time, body, point, to: sight.from, along: sight.along });
+  }
+
+  /** Lists the assemblies of the present values; another value has others. */
+  async findAssemblies() {
+    this.counted.textContent = "Searching …";
+    const found = await this.ask({ ask: "assemblies" });
+    this.forgetAssemblies();
+    if (!found) return;
+    if (found.mistakes) this.tell(found);
+    else this.showAssemblies(found);
+  }
+
+  showAssemblies({ headline, assemblies }) {
+    this.counted.textContent = `${headline}: a count, not a proof.`;
+    this.guesses = assemblies.map(({ guess }) => guess);
+    const options = assemblies.map(({ label }, k) => made("option", { value: String(k) }, label));
+    this.assemblies.replaceChildren(...options);
+    this.assemblies.value = String(assemblies.findIndex(({ now }) => now));
+    this.assemblies.hidden = assemblies.length === 0;
+  }
+
+  forgetAssemblies() {
+    this.counted.textContent = "";
+    this.assemblies.hidden = true;
+  }
+
+  choose() {
+    const guess = this.guesses[Number(this.assemblies.value)];
+    this.enqueue({ ask: "choose", guess });
+  }
+
   /** Asks for the latest wish only: sliders move faster than any mechanism is solved. */
   async enqueue(question, slider = null, value = 0) {
     this.wanted = { question, slider, value };
@@ -272,6 +323,8 @@ class Live {
     if (this.isBusy) return;
     this.isBusy = true;
     clearTimeout(this.resting);
+    // What is computed about the values before is not waited for.
+    if (this.isJudging) this.judge.fail(MOVED_ON);
     while (this.wanted) {
       const wish = this.wanted;
       this.wanted = null;
@@ -293,6 +346,7 @@ class Live {
     this.told.textContent = stopped ? `${stopped.why}. The last pose stays.` : "";
     this.force.hidden = !(stopped && question.ask === "move");
     this.forced = question;
+    if (["move", "assemble"].includes(question.ask)) this.forgetAssemblies();
     this.take(state);
   }
 
@@ -321,10 +375,8 @@ class Live {
 
   /** Shows a motion at once; curves and tables below wait until the slider rests. */
   take(state) {
-    this.proof.className = `verdict ${state.proof.class}`;
-    this.proof.replaceChildren(made("strong", {}, state.proof.head), made("div", {}, state.proof.text));
+    this.showProof(state.proof);
     this.clearance.classList.add("stale");
-    this.events.replaceChildren(...state.proof.events.map((event) => made("li", {}, event)));
     this.parameters = new Map(Object.entries(state.parameters));
     this.guess = state.guess;
     this.release.hidden = !state.held;
@@ -333,13 +385,47 @@ class Live {
     this.report.takeMotion(state);
   }
 
+  /** Closure and certificates of the poses, and what happens on the way. */
+  showProof({ class: state, head, text, events }) {
+    this.proof.className = `verdict ${state}`;
+    this.proof.replaceChildren(made("strong", {}, head), made("div", {}, text));
+    this.events.replaceChildren(...events.map((event) => made("li", {}, event)));
+  }
+
+  /** The clearances first, then the whole article. */
   async settle() {
-    if (this.isBusy || !this.release.hidden) return;
-    const settled = await this.ask({ ask: "settle" });
-    if (!settled || this.isBusy || settled.mistakes) return;
-    this.clearance.hidden = !settled.clearance;
-    this.clearance.className = `verdict ${settled.clearance?.class}`;
-    this.clearance.replaceChildren(made("strong", {}, "Clearance: "), settled.clearance?.text ?? "");
+    if (this.isBusy || this.isJudging || !this.release.hidden) return;
+    this.isJudging = true;
+    const late = setTimeout(() => { this.halt.hidden = false; }, PATIENCE);
+    const asked = (question) => this.judge.ask({ number: this.number, depth: this.report.depth, ...question });
+    try {
+      await asked(this.question());
+      this.showClearance(await asked({ ask: "clearance" }));
+      this.showArticle(await asked({ ask: "settle" }));
+      this.isJudged = true;
+    } catch (error) {
+      this.isJudged = error.message !== MOVED_ON;
+      this.told.hidden = !this.isJudged;
+      this.told.textContent = `The answers below are those of an earlier motion: ${error.message}.`;
+    }
+    clearTimeout(late);
+    this.isJudging = false;
+    this.halt.hidden = true;
+    if (this.judge.memory > MOST_MEMORY) this.judge.fail(MOVED_ON);
+    // Another mechanism of the page may have stopped it.
+    if (!this.isJudged && !this.isBusy) this.rest();
+  }
+
+  showClearance({ mistakes, clearance, proof }) {
+    if (mistakes || this.isBusy) return;
+    this.showProof(proof);
+    this.clearance.hidden = !clearance;
+    this.clearance.className = `verdict ${clearance?.class}`;
+    this.clearance.replaceChildren(made("strong", {}, "Clearance: "), clearance?.text ?? "");
+  }
+
+  showArticle(settled) {
+    if (settled.mistakes || this.isBusy) return;
     this.verdict.className = `verdict ${settled.class}`;
     this.verdict.textContent = settled.result;
     // Markup of the program: every text of a scene in it is escaped, and the policy lets no script in it run.
@@ -423,13 +509,14 @@ class Live {
 async function enliven(reports) {
   const parts = reports.filter((report) => report.data.live);
   try {
-    const engine = new Engine(await unpacked("engine"));
-    await engine.ready;
+    const module = await WebAssembly.compile(await unpacked("engine"));
+    const engines = { engine: new Engine(module), judge: new Engine(module) };
+    await engines.engine.ready;
     for (const report of parts) {
       const watch = new IntersectionObserver((entries) => {
         if (!entries[entries.length - 1].isIntersecting) return;
         watch.disconnect();
-        report.live = new Live(report, engine);
+        report.live = new Live(report, engines);
         report.draw();
       }, { rootMargin: "200px" });
       watch.observe(report.root.querySelector(".stage") ?? report.root);

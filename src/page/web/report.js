@@ -47,13 +47,22 @@ function made(name, properties = {}, ...children) {
   return element;
 }
 
+/** The bodies of a model, each part with its mesh; those of bodies that are not replaced stay. */
+function joinedModel(known, news) {
+  if (!news) return known;
+  const { meshes, parts, replaced, ...others } = news;
+  const stay = replaced && known ? known.parts.filter(({ body }) => !replaced.includes(body)) : [];
+  const fresh = parts.map((part) => ({ ...part, mesh: meshes[part.mesh] }));
+  return { ...known, ...others, parts: [...stay, ...fresh].sort((a, b) => a.body - b.body) };
+}
+
 /** One mechanism on the page. */
 class Report {
   constructor(root, data, number) {
     this.root = root;
     this.number = number;
     this.depth = document.querySelectorAll("article").length > 1 ? 3 : 2;
-    this.data = data;
+    this.data = { ...data, model: joinedModel(data.model, data.model) };
     this.orbit = null;
     this.live = null;
     /** Reports that show the same time from the same side: another version of the mechanism. */
@@ -63,6 +72,8 @@ class Report {
     this.isHeld = false;
     this.frame = 0;
     this.mark = null;
+    /** The point of a body that a reader pulls, and the line of sight that it is pulled to. */
+    this.pulled = null;
     this.viewer = null;
     this.playing = 0;
     if (data.times.length === 0) return;
@@ -138,13 +149,21 @@ class Report {
     this.canvas.addEventListener("pointerdown", (event) => {
       this.canvas.setPointerCapture(event.pointerId);
       fingers.set(event.pointerId, [event.clientX, event.clientY]);
+      this.letGo();
+      if (fingers.size === 1 && event.button === 0 && !event.shiftKey) this.pulled = this.linkBelow(event);
     });
     for (const name of ["pointerup", "pointercancel"]) {
-      this.canvas.addEventListener(name, (event) => fingers.delete(event.pointerId));
+      this.canvas.addEventListener(name, (event) => {
+        fingers.delete(event.pointerId);
+        this.letGo();
+      });
     }
     this.canvas.addEventListener("pointermove", (event) => {
       const before = fingers.get(event.pointerId);
-      if (!before || !this.viewer) return;
+      if (!this.viewer) return;
+      if (!before) this.canvas.classList.toggle("link", this.linkBelow(event) !== null);
+      if (this.pulled) this.pullTo(this.viewer.sightBelow(event));
+      if (!before || this.pulled) return;
       const moved = [event.clientX - before[0], event.clientY - before[1]];
       const width = fingers.size > 1 ? spread() : 1;
       fingers.set(event.pointerId, [event.clientX, event.clientY]);
@@ -161,6 +180,33 @@ class Report {
     }, { passive: false });
     this.canvas.addEventListener("keydown", (event) => this.key(event));
     this.canvas.addEventListener("webglcontextlost", () => this.closeView());
+  }
+
+  /** The moving body below a pointer and the point of it there, on a page that can move it. */
+  linkBelow(event) {
+    if (!this.live || !this.viewer) return null;
+    return this.viewer.bodyOn(this.viewer.sightBelow(event), this.frame);
+  }
+
+  pullTo(sight) {
+    this.pulled.sight = sight;
+    this.live.pull(this.pulled);
+    this.draw();
+  }
+
+  letGo() {
+    if (!this.pulled) return;
+    this.pulled = null;
+    this.draw();
+  }
+
+  /** The line from a pulled point to where it is pulled. */
+  pullMark() {
+    if (!this.pulled?.sight) return null;
+    const { body, point, sight } = this.pulled;
+    const place = this.viewer.placeOf(body, this.frame, point);
+    const there = sum(sight.from, sight.along, dot(sum(place, sight.from, -1), sight.along));
+    return [place, there];
   }
 
   drag([right, down], isShift) {
@@ -293,8 +339,8 @@ class Report {
   }
 
   draw() {
-    this.viewer?.draw(this.frame, this.mark && this.mark.points);
     if (!this.viewer) this.drawStill();
+    else this.viewer.draw(this.frame, this.pullMark() ?? this.mark?.points);
   }
 
   /** Where there is no 3-D view, the program itself draws the pose, as soon as it has time. */
@@ -317,7 +363,7 @@ class Report {
   takeMotion({ times, values, motion, model, held = false }) {
     const known = this.data.model;
     this.data = { ...this.data, times, values };
-    if (known || model) this.data.model = { ...known, ...motion, ...model, camera: model?.camera ?? known?.camera };
+    if (known || model) this.data.model = { ...joinedModel(known, model), ...motion };
     if (model?.camera) this.orbit = null;
     if (model) this.viewer?.takeShapes(this.data.model);
     if (model?.camera && this.viewer) this.orbit = this.viewer.orbit;
@@ -424,4 +470,4 @@ if (typeof document !== "undefined") {
   }
 }
 
-if (typeof module !== "undefined") module.exports = { frameAt, frameNearest, shown };
+if (typeof module !== "undefined") module.exports = { joinedModel, frameAt, frameNearest, shown };

@@ -105,6 +105,19 @@ class Orbit {
     return [0, 1, 2, 3].flatMap((column) => rows.map((row) => row[column]));
   }
 
+  /** The line of sight through a place of the picture, both entries from -1 to 1: a point of it and its direction. */
+  sight(aspect, [across, upwards]) {
+    const { fov, distance } = this.start;
+    const [right, up, back] = this.axes();
+    const narrow = Math.min(1, aspect / this.start.aspect);
+    const eye = sum(this.target, back, distance / this.zoom);
+    const half = (fov === null ? this.span() / 2 : Math.tan(fov / 2)) / narrow;
+    const aside = sum(scaled(right, across * aspect * half), up, upwards * half);
+    return fov === null
+      ? { from: sum(eye, aside), along: scaled(back, -1) }
+      : { from: eye, along: unit(sum(aside, back, -1)) };
+  }
+
   perspective(view, narrow, aspect, [near, far]) {
     const f = narrow / Math.tan(this.start.fov / 2);
     const [a, b] = [(far + near) / (near - far), (2 * far * near) / (near - far)];
@@ -188,18 +201,24 @@ class Viewer {
     this.orbit = orbit ?? new Orbit(model.camera);
     this.solid = program(gl, SOLID_VERTEX, SOLID_FRAGMENT, ["aPosition", "aNormal"]);
     this.line = program(gl, LINE_VERTEX, LINE_FRAGMENT, ["aFrom", "aTo"]);
-    this.meshes = [];
+    /** What the graphics memory holds, by mesh. */
+    this.meshes = new Map();
     this.traces = [];
     this.takeShapes(model);
     this.takeMotion(model);
     this.markLine = this.lineArray(new Float32Array(6));
   }
 
-  /** Other meshes, and with a camera another place to look from. */
+  /** Other shapes, and with a camera another place to look from. Meshes that stay are kept. */
   takeShapes(model) {
-    this.forget(this.meshes);
     this.model = model;
-    this.meshes = model.meshes.map((mesh) => this.upload(mesh));
+    const before = this.meshes;
+    this.meshes = new Map();
+    for (const { mesh } of model.parts) {
+      if (!this.meshes.has(mesh)) this.meshes.set(mesh, before.get(mesh) ?? this.upload(mesh));
+      before.delete(mesh);
+    }
+    this.forget(before.values());
     if (model.camera && model.camera !== this.orbit.start) this.orbit = new Orbit(model.camera);
   }
 
@@ -207,6 +226,9 @@ class Viewer {
   takeMotion({ bodies, traces }) {
     this.forget(this.traces);
     this.poses = bodies.map((body) => numbersOf(body.poses, Float32Array));
+    // A single pose does not tell which bodies move.
+    const moves = this.poses.map((poses) => poses.length > 7);
+    if (moves.includes(true) || !this.moves) this.moves = moves;
     this.traces = traces.map((trace) => this.uploadTrace(trace));
   }
 
@@ -233,13 +255,14 @@ class Viewer {
       gl.enableVertexAttribArray(place);
       gl.vertexAttribPointer(place, size, kind, true, 0, 0);
     };
-    attribute(0, 3, gl.UNSIGNED_SHORT, numbersOf(mesh.positions, Uint16Array));
+    const positions = numbersOf(mesh.positions, Uint16Array);
+    attribute(0, 3, gl.UNSIGNED_SHORT, positions);
     attribute(1, 2, gl.BYTE, numbersOf(mesh.normals, Int8Array));
     const corners = numbersOf(mesh.triangles, mesh.wide ? Uint32Array : Uint16Array);
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, buffer());
     gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, corners, gl.STATIC_DRAW);
     const kind = mesh.wide ? gl.UNSIGNED_INT : gl.UNSIGNED_SHORT;
-    return { array, buffers, count: corners.length, kind, low: mesh.low, size: mesh.size };
+    return { array, buffers, count: corners.length, kind, low: mesh.low, size: mesh.size, positions, corners };
   }
 
   uploadTrace(trace) {
@@ -306,17 +329,48 @@ class Viewer {
 
   drawPart(part, frame) {
     const { gl, solid } = this;
-    const poses = this.poses[part.body];
-    // A body that stands still has one pose.
-    const at = 7 * Math.min(frame, poses.length / 7 - 1);
-    const mesh = this.meshes[part.mesh];
-    gl.uniformMatrix3fv(solid.at("uTurn"), false, turnOf(...poses.subarray(at, at + 4)));
-    gl.uniform3fv(solid.at("uPlace"), poses.subarray(at + 4, at + 7));
+    const { turn, place } = this.poseOf(part.body, frame);
+    const mesh = this.meshes.get(part.mesh);
+    gl.uniformMatrix3fv(solid.at("uTurn"), false, turn);
+    gl.uniform3fv(solid.at("uPlace"), place);
     gl.uniform3fv(solid.at("uLow"), mesh.low);
     gl.uniform3fv(solid.at("uSize"), mesh.size);
     gl.uniform4fv(solid.at("uColour"), [...part.colour.map((v) => v / 255), part.opacity]);
     gl.bindVertexArray(mesh.array);
     gl.drawElements(gl.TRIANGLES, mesh.count, mesh.kind, 0);
+  }
+
+  /** The columns of a body's rotation matrix, and its place. */
+  poseOf(body, frame) {
+    const poses = this.poses[body];
+    // A body that stands still has one pose.
+    const at = 7 * Math.min(frame, poses.length / 7 - 1);
+    return { turn: turnOf(...poses.subarray(at, at + 4)), place: [...poses.subarray(at + 4, at + 7)] };
+  }
+
+  /** Where a point of a body is in the world. */
+  placeOf(body, frame, point) {
+    const { turn, place } = this.poseOf(body, frame);
+    return place.map((v, row) => v + turn[row] * point[0] + turn[row + 3] * point[1] + turn[row + 6] * point[2]);
+  }
+
+  /** The line of sight below a pointer, which is at pixels of the window. */
+  sightBelow({ clientX, clientY }) {
+    const { left, top, width, height } = this.canvas.getBoundingClientRect();
+    return this.orbit.sight(width / height, [(2 * (clientX - left)) / width - 1, 1 - (2 * (clientY - top)) / height]);
+  }
+
+  /** The nearest moving body on a line of sight, and the point of it in the body's frame; null if none is there. */
+  bodyOn({ from, along }, frame) {
+    let nearest = { depth: Infinity, body: -1, point: null };
+    for (const part of this.model.parts) {
+      const { turn, place } = this.poseOf(part.body, frame);
+      const inside = (v) => [0, 3, 6].map((k) => dot(turn.slice(k, k + 3), v));
+      const [start, way] = [inside(sum(from, place, -1)), inside(along)];
+      const depth = depthOfMesh(this.meshes.get(part.mesh), start, way);
+      if (depth < nearest.depth) nearest = { depth, body: part.body, point: sum(start, way, depth) };
+    }
+    return nearest.point && this.moves[nearest.body] ? nearest : null;
   }
 
   drawLines(camera, pixels, ratio, mark) {
@@ -362,6 +416,51 @@ class Viewer {
   }
 }
 
+/** Levels of a mesh's corners within its box. */
+const LEVELS = 65535;
+
+/** Whether a line crosses the box of a mesh, in the levels of its corners. */
+function crossesBox(start, way) {
+  let [near, far] = [0, Infinity];
+  for (let k = 0; k < 3; k += 1) {
+    if (way[k] === 0 && (start[k] < 0 || start[k] > LEVELS)) return false;
+    if (way[k] === 0) continue;
+    const [a, b] = [-start[k] / way[k], (LEVELS - start[k]) / way[k]];
+    near = Math.max(near, Math.min(a, b));
+    far = Math.min(far, Math.max(a, b));
+  }
+  return near <= far;
+}
+
+/** How far a line goes to a mesh's first triangle; infinite if it passes by (Moller and Trumbore, 1997). */
+function depthOfMesh({ positions, corners, low, size }, start, way) {
+  // Shares of the line's length are the same in levels.
+  const levels = size.map((length) => LEVELS / (length || 1));
+  const o = start.map((v, k) => (v - low[k]) * levels[k]);
+  const d = way.map((v, k) => v * levels[k]);
+  let nearest = Infinity;
+  if (!crossesBox(o, d)) return nearest;
+  const [ab, ac, t] = [[0, 0, 0], [0, 0, 0], [0, 0, 0]];
+  for (let k = 0; k < corners.length; k += 3) {
+    const [a, b, c] = [3 * corners[k], 3 * corners[k + 1], 3 * corners[k + 2]];
+    for (let axis = 0; axis < 3; axis += 1) {
+      const at = positions[a + axis];
+      ab[axis] = positions[b + axis] - at;
+      ac[axis] = positions[c + axis] - at;
+      t[axis] = o[axis] - at;
+    }
+    const p = cross(d, ac);
+    const area = dot(ab, p);
+    const u = dot(t, p) / area;
+    if (!(u >= 0 && u <= 1)) continue;
+    const q = cross(t, ab);
+    const v = dot(d, q) / area;
+    const depth = dot(ac, q) / area;
+    if (v >= 0 && u + v <= 1 && depth > 0 && depth < nearest) nearest = depth;
+  }
+  return nearest;
+}
+
 /** Compiles a program; throws what the browser says against it. */
 function program(gl, vertex, fragment, attributes) {
   const built = gl.createProgram();
@@ -384,4 +483,4 @@ function program(gl, vertex, fragment, attributes) {
   return { program: built, at };
 }
 
-if (typeof module !== "undefined") module.exports = { numbersOf, turnOf, Orbit };
+if (typeof module !== "undefined") module.exports = { numbersOf, turnOf, depthOfMesh, Orbit };

@@ -18,7 +18,7 @@ function answerTo(question) {
 self.onmessage = async ({ data }) => {
   try {
     if (data.engine) {
-      engine = (await WebAssembly.instantiate(data.engine, {})).instance.exports;
+      engine = (await WebAssembly.instantiate(data.engine, {})).exports;
       self.postMessage({ id: data.id, answer: { memory: engine.memory.buffer.byteLength } });
       return;
     }

@@ -7,10 +7,11 @@ use mechanim::export::glb::write_glb;
 use mechanim::export::model::ExportModel;
 use mechanim::export::solid::{write_obj, write_stl};
 use mechanim::export::{ExportError, ExportSummary, Output, PendingFile};
+use mechanim::geometry::Mesh;
 use mechanim::kinematics::results::trajectory::Trajectory;
 use mechanim::math::Pose;
 use mechanim::scene::{Overrides, Scene, builtin, load_scene};
-use mechanim::staging::model::{Facets, of_motion};
+use mechanim::staging::model::{Facets, of_mesh, of_motion};
 use mechanim::staging::{PictureOptions, Staging};
 use std::collections::BTreeMap;
 
@@ -187,6 +188,35 @@ fn bounds_alignment_and_units_of_a_glb_are_as_the_format_asks() {
     let camera = document.nodes().find(|n| n.camera().is_some()).unwrap();
     let (_, _, scale) = camera.transform().decomposed();
     assert_eq!(scale, [1.0; 3]);
+}
+
+/// Corners take two bytes where all of them fit, and no corner is the number that restarts a primitive.
+#[test]
+fn corners_of_small_and_large_meshes_are_read_back() {
+    let (scene, _) = solved("four-bar");
+    let mut sizes = Vec::new();
+    for count in [3_u32, 65_534, 65_535, 65_536, 70_000] {
+        let at = |k: u32| DVec3::new(f64::from(k % 300), f64::from(k / 300), 0.0);
+        let mesh = Mesh {
+            positions: (0..count).map(at).collect(),
+            normals: vec![DVec3::Z; count as usize],
+            triangles: (0..count - 2)
+                .step_by(997)
+                .map(|k| [k, k + 1, count - 1])
+                .collect(),
+        };
+        let corners = mesh.triangles.as_flattened().to_vec();
+        let bytes = written(&of_mesh(&scene, "net", mesh), write_glb);
+        let gltf::Gltf { document, blob } = gltf::Gltf::from_slice(&bytes).unwrap();
+        let blob = blob.unwrap();
+        let primitive = document.meshes().next().unwrap().primitives().next();
+        let primitive = primitive.unwrap();
+        let reader = primitive.reader(|_| Some(blob.as_slice()));
+        let read: Vec<u32> = reader.read_indices().unwrap().into_u32().collect();
+        assert_eq!(read, corners, "{count}");
+        sizes.push(primitive.indices().unwrap().data_type().size());
+    }
+    assert_eq!(sizes, [2, 2, 2, 4, 4]);
 }
 
 #[test]

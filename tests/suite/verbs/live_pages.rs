@@ -2,6 +2,7 @@
 //! sliders follow the mechanism and stop where it does. In a browser, as WebAssembly, it is tested by `.ci/browsers`.
 
 use crate::program::Workspace;
+use base64::prelude::{BASE64_STANDARD, Engine as _};
 use mechanim::page::live::{PageScenes, STAMP};
 use mechanim::scene::builtin;
 use serde_json::{Value, json};
@@ -231,6 +232,161 @@ fn inputs_are_led_by_hand_and_given_back_to_the_drive() {
     assert_eq!(live.table(), before);
 }
 
+/// The placement of a body at the only pose that a page shows: a quaternion (x, y, z, w) and a place, as 32-bit numbers.
+fn placement(state: &Value, body: usize) -> (glam::DQuat, glam::DVec3) {
+    let text = words(&state["motion"]["bodies"][body]["poses"]);
+    let bytes = BASE64_STANDARD.decode(text).unwrap();
+    let numbers = bytes.chunks_exact(4);
+    let numbers: Vec<f64> = numbers
+        .map(|b| f64::from(f32::from_le_bytes(b.try_into().unwrap())))
+        .collect();
+    (
+        glam::DQuat::from_array([0, 1, 2, 3].map(|k| numbers[k])),
+        glam::DVec3::from_array([4, 5, 6].map(|k| numbers[k])),
+    )
+}
+
+/// A point of a link is pulled to where it is when the inputs are led there: the link follows, seen along any direction across
+/// which the point moves.
+#[test]
+fn a_pulled_link_follows_the_pointer() {
+    let along = glam::DVec3::new(0.3, -0.2, 1.0).normalize();
+    for (scene, inputs, size) in [
+        ("slider-crank", json!([["phi", 0.9]]), 120.0),
+        ("four-bar", json!([["phi", 100.0]]), 100.0),
+        ("seven-r", json!([["beta1", 25.0]]), 40.0),
+        ("gearshift", json!([["p", 9.0], ["phi", 0.15]]), 900.0),
+    ] {
+        let text = builtin::find_builtin(scene).unwrap().text;
+        let mut live = Live::open(&text);
+        let bodies = live.opened["motion"]["bodies"].as_array().unwrap().len();
+        let point = glam::DVec3::new(0.03, 0.05, -0.02) * size;
+        for body in 0..bodies {
+            let there = live.ask(json!({ "ask": "drive", "time": 0.0, "inputs": inputs }));
+            let (turn, place) = placement(&there, body);
+            let to = turn * point + place;
+            live.ask(json!({ "ask": "release" }));
+            let start = live.ask(json!({ "ask": "drive", "time": 0.0, "inputs": [] }));
+            let miss = |state: &Value| {
+                let (turn, place) = placement(state, body);
+                (turn * point + place - to).reject_from(along).length()
+            };
+            let first = miss(&start);
+            let question = json!({
+                "ask": "pull", "time": 0.0, "body": body, "point": point.to_array(),
+                "to": to.to_array(), "along": along.to_array(),
+            });
+            let mut last = first;
+            for _ in 0..12 {
+                let state = live.ask(question.clone());
+                let now = miss(&state);
+                assert!(
+                    now <= last + 1e-5 * size,
+                    "{scene}, body {body}: {now} after {last}"
+                );
+                last = now;
+            }
+            // Where the point does not move, it stays.
+            assert!(
+                last <= 2e-3 * size.min(first.max(1e-3 * size)) + 2e-4 * size,
+                "{scene}, body {body}: {last} of {first}"
+            );
+            live.ask(json!({ "ask": "release" }));
+        }
+    }
+}
+
+/// The list of assemblies is that of `modes`, and whoever chooses one sees the motion that the program makes of the page's text.
+#[test]
+fn assemblies_are_those_of_modes_and_can_be_chosen() {
+    let w = Workspace::new();
+    for (scene, count) in [("slider-crank", 2), ("seven-r", 8)] {
+        let text = builtin::find_builtin(scene).unwrap().text;
+        let mut live = Live::open(&text);
+        let found = live.ask(json!({ "ask": "assemblies", "number": 0 }));
+        let list = found["assemblies"].as_array().unwrap();
+        assert_eq!(list.len(), count, "{found}");
+        w.write("modes.toml", &text);
+        let told = w.run(&["modes", "modes.toml"]).text();
+        assert!(told.contains(words(&found["headline"])), "{found}: {told}");
+        assert_eq!(
+            list.iter().filter(|a| a["now"] == true).count(),
+            1,
+            "{found}"
+        );
+        let mut tables = Vec::new();
+        for assembly in list {
+            let state = live.ask(json!({ "ask": "choose", "guess": assembly["guess"] }));
+            assert!(state["mistakes"].is_null(), "{state}");
+            w.write("chosen.toml", live.toml());
+            let table = live.table();
+            assert_eq!(table, solved(&w, &["chosen.toml"]), "{scene}: {assembly}");
+            tables.push(table);
+            // The sliders follow this assembly, not the scene's own.
+            let again = live.ask(json!({ "ask": "assemblies" }));
+            let now = again["assemblies"].as_array().unwrap().iter();
+            let now: Vec<&Value> = now.filter(|a| a["now"] == true).collect();
+            assert_eq!(words(&now[0]["label"]), words(&assembly["label"]));
+        }
+        tables.dedup();
+        assert_eq!(tables.len(), count, "{scene}");
+    }
+}
+
+/// The clearances that a page tells before the article is made are those of `check`.
+#[test]
+fn clearances_are_those_of_check() {
+    let w = Workspace::new();
+    for scene in ["four-bar", "torus-torus", "slider-crank"] {
+        let text = builtin::find_builtin(scene).unwrap().text;
+        let mut live = Live::open(&text);
+        let told = live.ask(json!({ "ask": "clearance" }));
+        w.write("scene.toml", &text);
+        let checked = w.run(&["check", "scene.toml", "--json", "report.json"]);
+        let report: Value = serde_json::from_slice(&w.read("report.json")).unwrap();
+        let cases = report["checks"].as_array().unwrap().iter();
+        let mut cases = cases.filter(|case| case["group"] == "clearance");
+        let passed = !cases.any(|case| ["failed", "not proved"].contains(&words(&case["status"])));
+        assert_eq!(
+            told["clearance"]["class"] == "passed",
+            passed,
+            "{scene}: {told}"
+        );
+        let pair = &report["clearance"]["pairs"][0];
+        let text = words(&told["clearance"]["text"]);
+        for body in pair["bodies"].as_array().unwrap() {
+            assert!(text.contains(words(body)), "{text}: {pair}");
+        }
+        assert_eq!(told["proof"]["class"], "passed", "{told}");
+        drop(checked);
+        // The article uses them, and says the same.
+        let settled = live.ask(json!({ "ask": "settle" }));
+        let again = live.ask(json!({ "ask": "settle" }));
+        assert_eq!(settled, again, "{scene}");
+    }
+}
+
+/// A move sends the meshes of those bodies whose shapes have changed, and of no others.
+#[test]
+fn only_changed_bodies_are_meshed_again() {
+    let mut live = Live::open(CRANK);
+    let all = live.opened["model"]["parts"].as_array().unwrap().len();
+    let state = live.slide("L", 90.0);
+    let replaced = state["model"]["replaced"].as_array().unwrap();
+    // The rod alone is as long as L.
+    let names = replaced.iter().map(|k| {
+        let body = k.as_u64().unwrap() as usize;
+        words(&live.opened["motion"]["bodies"][body]["name"])
+    });
+    assert_eq!(names.collect::<Vec<_>>(), ["rod"], "{replaced:?}");
+    let parts = state["model"]["parts"].as_array().unwrap();
+    assert!(!parts.is_empty() && parts.len() < all);
+    assert!(parts.iter().all(|part| replaced.contains(&part["body"])));
+    // A move that changes no shape sends none.
+    let still = live.ask(json!({ "ask": "drive", "time": 0.0, "inputs": [["phi", 0.3]] }));
+    assert!(still["model"].is_null());
+}
+
 #[test]
 fn pictures_are_those_of_render() {
     let w = Workspace::new();
@@ -302,6 +458,8 @@ fn mistakes_have_places_and_change_nothing() {
         (json!({ "ask": "move", "name": "Q", "value": "1" }), "Q"),
         (json!({ "ask": "drive", "inputs": [["Q", 1]] }), "Q"),
         (json!({ "ask": "settle", "number": 7 }), "7"),
+        (json!({ "ask": "pull", "body": 99 }), "no such body"),
+        (json!({ "ask": "choose", "guess": [["h", "far"]] }), "`far`"),
         (json!({ "ask": "fly" }), "fly"),
     ] {
         let told = live.ask(question);
