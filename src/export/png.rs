@@ -50,8 +50,6 @@ pub struct PngSettings {
 ///
 /// Errors: a side of 0 or too long.
 pub fn encode_png(image: &RgbaImage, effort: Effort, out: &mut Vec<u8>) -> Result<(), ExportError> {
-    let mut rgb = Vec::new();
-    drop_alpha(image.as_raw(), &mut rgb);
     let settings = PngSettings {
         size: [image.width(), image.height()],
         effort,
@@ -59,7 +57,23 @@ pub fn encode_png(image: &RgbaImage, effort: Effort, out: &mut Vec<u8>) -> Resul
         dpi: None,
         texts: Vec::new(),
     };
-    encode_bytes(&rgb, &settings, out)
+    encode_picture(image, &settings, out)
+}
+
+/// The same with settings, whose size is that of the image.
+///
+/// Errors: a side of 0 or too long.
+pub fn encode_picture(
+    image: &RgbaImage,
+    settings: &PngSettings,
+    out: &mut Vec<u8>,
+) -> Result<(), ExportError> {
+    if settings.alpha {
+        return encode_bytes(image.as_raw(), settings, out);
+    }
+    let mut rgb = Vec::new();
+    drop_alpha(image.as_raw(), &mut rgb);
+    encode_bytes(&rgb, settings, out)
 }
 
 /// Appends the colours of RGBA pixels to `rgb`.

@@ -2,3 +2,4 @@
 
 pub mod frames;
 pub mod playback;
+pub mod texts;

@@ -15,7 +15,6 @@ use crate::cli::pictures::clearance as clearance_picture;
 use crate::cli::term::Term;
 use crate::cli::term::clock::Clock;
 use crate::cli::term::outcome::{Failure, Outcome};
-use crate::diag::shown_text;
 use crate::export::Format;
 use crate::kinematics::motion::continuation::solve_until;
 use crate::kinematics::motion::sampling::{self, even_times, frame_times};
@@ -27,6 +26,7 @@ use crate::model::printed::InputReading;
 use crate::model::view::Ghosts;
 use crate::pictures::frames::{DrawnBy, Pictures};
 use crate::pictures::playback::PlayOrder;
+use crate::pictures::texts::picture_texts;
 use crate::render::BYTES_OF_DRAWN_PIXEL;
 use crate::render::adapter::AdapterChoice;
 use crate::render::open::RendererChoice;
@@ -223,7 +223,7 @@ fn draw_film(
     };
     let mut film = OpenFilm::new(&args.file, format, args.size, count, plan.fps)
         .with_needed_colours(pictures.staging.needed_colours())
-        .with_texts(picture_texts(args, &pictures.scene.mechanism.title))
+        .with_texts(texts_of(args, &pictures.scene.mechanism.title))
         .with_alpha(pictures.scene.view.transparent);
     if let Some(poster) = poster {
         film = film.in_strips(poster.strips.rows);
@@ -242,22 +242,11 @@ fn draw_film(
 }
 
 /// What a PNG says of itself: the title, the program, the scene and its changes.
-fn picture_texts(args: &RenderArgs, title: &str) -> Vec<(String, String)> {
+fn texts_of(args: &RenderArgs, title: &str) -> Vec<(String, String)> {
     let scene = Path::new(&args.scene.scene);
     let source = scene.file_name().unwrap_or(scene.as_os_str());
-    let changes = scene_arguments(&args.scene).join(" ");
-    let texts = [
-        ("Title", title.to_owned()),
-        (
-            "Software",
-            concat!("mechanim ", env!("CARGO_PKG_VERSION")).to_owned(),
-        ),
-        ("Source", source.display().to_string()),
-        ("Comment", changes),
-    ];
-    let said = texts.into_iter().filter(|(_, text)| !text.is_empty());
-    said.map(|(keyword, text)| (keyword.to_owned(), shown_text(&text).into_owned()))
-        .collect()
+    let changes = scene_arguments(&args.scene);
+    picture_texts(title, &source.display().to_string(), &changes)
 }
 
 /// The renderer: the adapter chosen with `--adapter` or MECHANIM_ADAPTER, else the default of the renderer.

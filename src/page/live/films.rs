@@ -4,7 +4,7 @@ use super::following::motion_until;
 use super::session::{LiveError, LiveScene, Opened};
 use crate::export::film::{Destination, FilmSettings};
 use crate::export::gif::Quality;
-use crate::export::png::{Effort, encode_png};
+use crate::export::png::{Effort, PngSettings, encode_picture};
 use crate::export::raw::Chroma;
 use crate::export::{Format, Stream};
 use crate::kinematics::motion::proved::{Proofs, solve_proved};
@@ -12,13 +12,16 @@ use crate::kinematics::motion::sampling::frame_times;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::limits::{Resource, current_limits};
 use crate::pictures::frames::{DrawnBy, Pictures, with_pictures};
+use crate::pictures::texts::picture_texts;
 use crate::render::adapter::AdapterChoice;
 use crate::render::open::RendererChoice;
 use crate::report::table::{TableColumns, write_csv};
+use crate::scene::Overrides;
 use crate::staging::PictureOptions;
 use image::RgbaImage;
 use std::fmt::Display;
 use std::io::{Result as Written, Write};
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -76,12 +79,31 @@ impl LiveScene {
         )
     }
 
-    /// A picture as PNG.
+    /// A picture as PNG, with the texts that `render` writes into it.
     ///
     /// Errors: a size that cannot be drawn.
     pub fn png(&self, time: f64, size: [u32; 2]) -> Result<Vec<u8>, LiveError> {
+        let file = Path::new(&self.source.name).file_name();
+        let source = file.map_or(self.source.name.clone(), |name| name.display().to_string());
+        let Overrides {
+            parameters, guess, ..
+        } = &self.overrides;
+        let told = |option: &str, pairs: &[(String, String)]| -> Vec<String> {
+            let pairs = pairs.iter();
+            pairs
+                .map(|(name, value)| format!("--{option}={name}={value}"))
+                .collect()
+        };
+        let changes = [told("param", parameters), told("guess", guess)].concat();
+        let settings = PngSettings {
+            size,
+            effort: Effort::Balanced,
+            alpha: self.now.scene.view.transparent,
+            dpi: None,
+            texts: picture_texts(&self.mechanism().title, &source, &changes),
+        };
         let mut png = Vec::new();
-        encode_png(&self.picture(time, size)?, Effort::Balanced, &mut png).map_err(in_words)?;
+        encode_picture(&self.picture(time, size)?, &settings, &mut png).map_err(in_words)?;
         Ok(png)
     }
 
