@@ -219,8 +219,9 @@ def judge_sliders(page, program, folder, name):
     before = first.input_value()
     page.keyboard.press("ArrowRight")
     settle(page)
-    assert first.input_value() != before
-    assert page.locator("[data-part=bench] > .verdict").inner_text() != ""
+    # Where the way ends at once the slider stays, and the page says why.
+    assert first.input_value() != before or page.locator("[data-part=bench] [role=alert]:visible").first.inner_text() != ""
+    assert page.locator("[data-part=bench] > .verdict[role=status]").inner_text() != ""
     text = page.evaluate(f"{LIVE}.toml()")
     scene = folder / f"{name}-moved.toml"
     scene.write_text(text, encoding="utf-8")

@@ -429,6 +429,7 @@ fn undotted_entries((name, value, span): TableEntry) -> Vec<TableEntry> {
             };
             (full, value.get_ref(), value.span())
         })
+        .flat_map(undotted_entries)
         .collect();
     inner.sort_by_key(|(key, _, _)| key.span.start);
     inner

@@ -135,7 +135,7 @@ impl Ball {
         let last = if locked {
             before[2]
         } else {
-            (-s.y_axis.x).atan2(s.x_axis.x)
+            libm::atan2(-s.y_axis.x, s.x_axis.x)
         };
         let triple = |c: f64| {
             let (sin, cos) = sin_cos(c);
@@ -144,7 +144,11 @@ impl Ball {
                 s.x_axis * cos - s.y_axis * sin,
                 s.x_axis * sin + s.y_axis * cos,
             );
-            let found = [y.z.atan2(y.y), s.z_axis.x.atan2(x.x) - self.mu, c];
+            let found = [
+                libm::atan2(y.z, y.y),
+                libm::atan2(s.z_axis.x, x.x) - self.mu,
+                c,
+            ];
             let near = |k: usize| found[k] - TAU * ((found[k] - before[k]) / TAU).round();
             [near(0), near(1), near(2)]
         };

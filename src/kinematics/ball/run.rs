@@ -84,7 +84,7 @@ pub(super) fn axes_of(run: &RotationRun) -> Option<BallAxes> {
     let third = u1.cross(u2);
     Some(BallAxes {
         frame: DMat3::from_cols(u1, u2, third),
-        mu: u3.dot(u1).atan2(u3.dot(third)),
+        mu: libm::atan2(u3.dot(u1), u3.dot(third)),
     })
 }
 

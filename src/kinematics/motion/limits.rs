@@ -1,13 +1,13 @@
 //! Limit positions: where a coordinate or an output reverses while the drive continues, such as the dead points of a
 //! crank's slider. They are found between samples of a refined motion, and located where the exact rate vanishes.
 //!
-//! Where the drive itself reverses or rests, everything does; that is not a limit position. Two reversals of one
-//! quantity within one refined interval are missed.
+//! Where the drive itself reverses, everything does; that is not a limit position. Two reversals of one quantity within one
+//! refined interval are missed.
 
 use super::continuation::solve_motion;
 use super::sampling::is_cyclic;
 use crate::kinematics::loops::forward::Observation;
-use crate::kinematics::loops::observed::dependencies;
+use crate::kinematics::loops::observed::{dependencies, observed_slots};
 use crate::kinematics::rates::columns::{RateColumns, RateVariable, needed_series};
 use crate::kinematics::rates::rated::fill_rated_outputs;
 use crate::kinematics::results::trajectory::{Event, EventKind, Sample, Trajectory};
@@ -15,7 +15,10 @@ use crate::kinematics::solve::newton::Pace;
 use crate::kinematics::solve::pose_solver::PoseSolver;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
-use crate::model::mechanism::Mechanism;
+use crate::model::mechanism::{Kind, Mechanism};
+use crate::numbers::interval::Interval;
+use crate::numbers::rounding::OPERATION;
+use crate::numbers::scalar::Scalar;
 
 /// Fewest intervals over the motion that are searched: half a degree of a turn each.
 const INTERVALS: usize = 720;
@@ -23,14 +26,23 @@ const INTERVALS: usize = 720;
 /// A rate below this fraction of its largest value is zero: a reversal on a sample.
 const ZERO: f64 = 1e-9;
 
-/// A quantity is constant if its largest rate is below this fraction of the largest of all rates.
+/// An unknown is constant if its largest rate is below this fraction of that of the inputs, all over their natural sizes.
 const STILL: f64 = 1e-10;
+
+/// An output is constant if its values differ by no more than so many times the rounding of one of them.
+const ROUNDINGS: f64 = 1e3;
+
+/// One of so many samples tells what the rounding of an output is.
+const SEEN: usize = 8;
 
 /// Inputs slower than this fraction of their largest rate are at rest.
 const RESTING: f64 = 1e-6;
 
 /// Most steps of the search for a zero; bisection, every fourth of them, needs 53 to exhaust f64.
 const STEPS: usize = 220;
+
+/// A place without a rate is a reversal if the bracket around it is narrower than this fraction of the first one.
+const AT_KINK: f64 = 1e-3;
 
 /// Relative width of the last bracket: a few units in the last place of the time.
 const WIDTH: f64 = 1e-15;
@@ -84,8 +96,8 @@ struct LimitSearch<'m> {
     /// The slot of the quantity that is searched, and the slots that it depends on.
     slot: usize,
     needed: Vec<bool>,
-    fastest_input: f64,
-    fastest: f64,
+    /// The largest rate of an input, over its natural size.
+    pace: f64,
     events: Vec<Event>,
 }
 
@@ -111,8 +123,7 @@ impl<'m> LimitSearch<'m> {
             .zip(n + traces..);
         // Scales: what is slow beside them counts as resting.
         let times = samples.iter().map(|s| s.time);
-        let fastest_input = times.map(|t| input_rate(actuation, t)).fold(0.0, f64::max);
-        let all = rates.iter().flatten().flatten().map(|r| r.abs());
+        let paces = times.map(|time| pace_at(mechanism, actuation, time));
         Self {
             system,
             actuation,
@@ -121,8 +132,7 @@ impl<'m> LimitSearch<'m> {
             names: unknowns.chain(outputs).collect(),
             slot: 0,
             needed: Vec::new(),
-            fastest_input,
-            fastest: all.filter(|r| r.is_finite()).fold(0.0, f64::max),
+            pace: paces.fold(0.0, f64::max),
             rates,
             events: Vec::new(),
         }
@@ -132,9 +142,11 @@ impl<'m> LimitSearch<'m> {
     fn run(&mut self, quantity: usize) {
         let at = self.names[quantity].1;
         let rate = |k: usize| self.rates[k].as_ref().map(|r| r[at]);
-        let rates: Vec<Option<f64>> = (0..self.samples.len()).map(rate).collect();
+        let rates: Vec<Option<f64>> = (0..self.samples.len())
+            .map(|k| rate(k).filter(|rate| rate.is_finite()))
+            .collect();
         let largest = rates.iter().flatten().fold(0.0, |m: f64, r| m.max(r.abs()));
-        if largest <= STILL * self.fastest {
+        if largest == 0.0 || self.is_constant(quantity, largest) {
             return;
         }
         // Rates are those of all slots but the inputs, which follow the unknowns.
@@ -144,47 +156,128 @@ impl<'m> LimitSearch<'m> {
             false => at + mechanism.inputs.len(),
         };
         self.needed = dependencies(mechanism, &[self.slot]);
-        // The last sample that moves, or the beginning of an interval with zero rate.
+        // The last sample that moves, and the first one after it that rests or has a kink.
         let mut last: Option<(usize, f64)> = None;
+        let mut still: Option<usize> = None;
         for (k, rate) in rates.iter().enumerate() {
-            let Some(rate) = *rate else {
-                last = None;
-                continue;
+            let rate = match *rate {
+                Some(rate) if rate.abs() > ZERO * largest => rate,
+                // The reversal is on this sample, or very near to it.
+                Some(0.0) => {
+                    still = still.or(Some(k));
+                    continue;
+                }
+                Some(_) => continue,
+                None if self.samples[k].pose.is_some() => {
+                    still = still.or(Some(k));
+                    continue;
+                }
+                None => {
+                    (last, still) = (None, None);
+                    continue;
+                }
             };
-            if rate.abs() <= ZERO * largest {
-                continue;
-            }
-            match last {
-                Some((from, before)) if before * rate < 0.0 && !self.is_driven_back(from, k) => {
+            match (last, still) {
+                (Some((from, before)), None) if before * rate < 0.0 => {
                     self.between(quantity, (from, before), (k, rate));
                 }
-                None if k == 1 && rates[0].is_some() => self.note(quantity, 0, rate < 0.0),
+                (Some((from, before)), Some(still)) if before * rate < 0.0 => {
+                    if self.inputs_between(from, k) != InputsBetween::Return {
+                        self.push_sample(quantity, still, before > 0.0);
+                    }
+                }
+                (None, _) if k == 1 && rates[0].is_some() && !self.starts_moving(0, 1) => {
+                    self.note(quantity, 0, rate < 0.0);
+                }
                 _ => {}
             }
-            last = Some((k, rate));
+            (last, still) = (Some((k, rate)), None);
         }
         // For a motion that is not a cycle, its ends are limits too.
         let end = rates.len().saturating_sub(1);
         if let Some((k, rate)) = last
             && k + 1 == end
             && rates[end].is_some()
+            && !self.starts_moving(end, k)
             && !is_cyclic(self.system.mechanism(), self.actuation)
         {
             self.note(quantity, end, rate > 0.0);
         }
     }
 
-    /// Whether the only input that moves between two samples reverses there: what follows it reverses with it.
-    fn is_driven_back(&self, low: usize, high: usize) -> bool {
-        let [low, high] = [low, high].map(|k| self.samples[k].time);
+    /// Whether a quantity changes by no more than rounding, at this largest rate.
+    fn is_constant(&self, quantity: usize, largest: f64) -> bool {
+        let mechanism = self.system.mechanism();
+        let n = mechanism.unknowns.len();
+        let Some(output) = quantity.checked_sub(n) else {
+            let size = natural_size(mechanism, mechanism.unknowns[quantity].kind);
+            return largest <= STILL * self.pace * size;
+        };
+        let values = self.samples.iter().filter_map(|s| s.pose.as_ref());
+        let values = values.map(|pose| pose.outputs[output]);
+        let ends = values
+            .filter(|v| v.is_finite())
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
+                [low.min(v), high.max(v)]
+            });
+        // Terms may cancel: intervals tell what their rounding is.
+        let slot = mechanism.coordinate_count() + 3 * mechanism.traces.len() + output;
+        let seen = self.samples.iter().step_by(SEEN).filter_map(|sample| {
+            let unknowns = &sample.pose.as_ref()?.unknowns;
+            let coordinates = unknowns.iter().chain(&sample.inputs);
+            let coordinates: Vec<Interval> = coordinates.map(|v| Interval::point(*v)).collect();
+            let value = observed_slots(mechanism, &coordinates)[slot];
+            value.is_finite().then(|| value.hi - value.lo)
+        });
+        let size = ends[0].abs().max(ends[1].abs());
+        let rounding = seen.fold(OPERATION * size, f64::max);
+        ends[1] - ends[0] <= ROUNDINGS * rounding
+    }
+
+    fn input_rates(&self, time: f64) -> Vec<f64> {
         let drives = self.actuation.drives.iter();
-        let rates = drives.map(|d| [low, high].map(|time| d.series(time, 1).derivative(1)));
-        let mut moving = rates.filter(|ends| *ends != [0.0; 2]);
-        moving.next().is_some_and(|[a, b]| a * b < 0.0) && moving.next().is_none()
+        drives.map(|d| d.series(time, 1).derivative(1)).collect()
+    }
+
+    /// Whether an input rests at one sample and moves at its neighbour: what begins or ends there is the drive.
+    fn starts_moving(&self, end: usize, next: usize) -> bool {
+        let [end, next] = [end, next].map(|k| self.input_rates(self.samples[k].time));
+        end.iter()
+            .zip(&next)
+            .any(|(end, next)| *end == 0.0 && *next != 0.0)
+    }
+
+    /// What the inputs do between two samples.
+    fn inputs_between(&self, low: usize, high: usize) -> InputsBetween {
+        let [low, high] = [low, high].map(|k| self.input_rates(self.samples[k].time));
+        let pairs = low
+            .iter()
+            .zip(&high)
+            .filter(|(a, b)| **a != 0.0 || **b != 0.0);
+        let (moving, reversing) = pairs.fold((0, 0), |(moving, reversing), (a, b)| {
+            (moving + 1, reversing + usize::from(a * b < 0.0))
+        });
+        match (moving, reversing) {
+            (1, 1) => InputsBetween::Return,
+            (moving, reversing) if moving == reversing && moving > 0 => InputsBetween::AllReverse,
+            _ => InputsBetween::GoOn,
+        }
+    }
+
+    /// A reversal at an end of the motion, unless the drive rests there: then everything does.
+    fn note(&mut self, quantity: usize, sample: usize, is_largest: bool) {
+        if !self.rests_at(self.samples[sample].time) {
+            self.push_sample(quantity, sample, is_largest);
+        }
+    }
+
+    /// Whether no input moves at a time.
+    fn rests_at(&self, time: f64) -> bool {
+        pace_at(self.system.mechanism(), self.actuation, time) <= RESTING * self.pace
     }
 
     /// A reversal on a sample itself.
-    fn note(&mut self, quantity: usize, sample: usize, is_largest: bool) {
+    fn push_sample(&mut self, quantity: usize, sample: usize, is_largest: bool) {
         let sample = &self.samples[sample];
         if let Some(pose) = &sample.pose {
             let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();
@@ -195,6 +288,11 @@ impl<'m> LimitSearch<'m> {
     /// Locates the reversal between two samples with rates of opposite signs: false position with halved weights (Illinois),
     /// and bisection for kinks.
     fn between(&mut self, quantity: usize, low: (usize, f64), high: (usize, f64)) {
+        let inputs = self.inputs_between(low.0, high.0);
+        // What follows the only input reverses with it.
+        if inputs == InputsBetween::Return {
+            return;
+        }
         let (first, last) = (self.samples[low.0].time, self.samples[high.0].time);
         let (mut a, mut fa, mut b, mut fb) = (first, low.1, last, high.1);
         let mut best: Option<(f64, Vec<f64>)> = None;
@@ -211,6 +309,13 @@ impl<'m> LimitSearch<'m> {
                 return;
             };
             best = Some((time, coordinates));
+            if !rate.is_finite() {
+                // A kink: there, or nowhere that can be told.
+                if b - a > AT_KINK * (last - first) {
+                    return;
+                }
+                break;
+            }
             if rate == 0.0 || (b - a) <= WIDTH * (last - first).max(b.abs()) {
                 break;
             }
@@ -226,12 +331,14 @@ impl<'m> LimitSearch<'m> {
                 false => (b, fb, fa) = (time, rate, share * fa),
             }
         }
-        if let Some((time, coordinates)) = best {
+        if let Some((time, coordinates)) = best
+            && !(inputs == InputsBetween::AllReverse && self.rests_at(time))
+        {
             self.push(quantity, time, &coordinates, low.1 > 0.0);
         }
     }
 
-    /// Rate of the quantity that is searched at a time between two samples, and the coordinates there.
+    /// Rate of the quantity that is searched at a time between two samples, not finite at a kink, and the coordinates there.
     fn rate_at(&mut self, (low, high): (usize, usize), time: f64) -> Option<(f64, Vec<f64>)> {
         let (low, high) = (&self.samples[low], &self.samples[high]);
         let share = (time - low.time) / (high.time - low.time);
@@ -245,16 +352,12 @@ impl<'m> LimitSearch<'m> {
         let driven = (self.actuation, time);
         let needed = |slot: usize| self.needed[slot];
         let RateColumns { order, by } = FIRST;
-        let series = needed_series(self.system, &coordinates, by, driven, order, needed)?;
-        let rate = series[self.slot].derivative(order);
-        rate.is_finite().then_some((rate, coordinates))
+        let series = needed_series(self.system, &coordinates, by, driven, order, needed);
+        let rate = series.map_or(f64::NAN, |series| series[self.slot].derivative(order));
+        Some((rate, coordinates))
     }
 
     fn push(&mut self, quantity: usize, time: f64, coordinates: &[f64], is_largest: bool) {
-        // Where the drive rests everything does: that is no limit position.
-        if input_rate(self.actuation, time) <= RESTING * self.fastest_input {
-            return;
-        }
         let mechanism = self.system.mechanism();
         let n = mechanism.unknowns.len();
         // Outputs are observed at the pose; those that contain rates need the drive, too.
@@ -267,6 +370,9 @@ impl<'m> LimitSearch<'m> {
                 (seen.outputs[output], mechanism.outputs[output].kind)
             }
         };
+        if !value.is_finite() {
+            return;
+        }
         self.events.push(Event {
             time,
             inputs: coordinates[n..].to_vec(),
@@ -280,9 +386,30 @@ impl<'m> LimitSearch<'m> {
     }
 }
 
-/// The largest rate of an input, each in its own unit.
-fn input_rate(actuation: &Actuation, time: f64) -> f64 {
-    let drives = actuation.drives.iter();
-    let rates = drives.map(|d| d.series(time, 1).derivative(1).abs());
+/// What the inputs do between two samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum InputsBetween {
+    /// The only one that moves reverses.
+    Return,
+    /// All that move reverse.
+    AllReverse,
+    /// At least one does not reverse.
+    GoOn,
+}
+
+/// A length, an angle or a number that is neither large nor small in a mechanism.
+fn natural_size(mechanism: &Mechanism, kind: Kind) -> f64 {
+    match kind {
+        Kind::Length => mechanism.size,
+        Kind::Angle | Kind::Number => 1.0,
+    }
+}
+
+/// The largest rate of an input, over its natural size.
+fn pace_at(mechanism: &Mechanism, actuation: &Actuation, time: f64) -> f64 {
+    let inputs = actuation.drives.iter().zip(&mechanism.inputs);
+    let rates = inputs.map(|(drive, input)| {
+        drive.series(time, 1).derivative(1).abs() / natural_size(mechanism, input.kind)
+    });
     rates.filter(|r| r.is_finite()).fold(0.0, f64::max)
 }

@@ -146,7 +146,7 @@ fn subtract_from_unit(column: &mut [Lanes], index: usize) {
 /// Largest eigenvalue of E, from the effect of its powers on a pseudo-random vector.
 fn power_iteration(inverse: &LaneMatrix, before: &[f64], rows: usize, columns: usize) -> f64 {
     // Power iteration on I - A J, from a vector without symmetry.
-    let mut vector: Vec<f64> = (1..=columns).map(|k| (k as f64 * 2.4).sin()).collect();
+    let mut vector: Vec<f64> = (1..=columns).map(|k| libm::sin(k as f64 * 2.4)).collect();
     let mut image = vec![[0.0; 4]; inverse.stride()];
     let mut grown = 0.0;
     for _ in 0..ITERATIONS {

@@ -93,7 +93,7 @@ impl PageScenes {
             "assemblies" => LiveAnswer::Text(scene.assemblies()?),
             "clearance" => LiveAnswer::Text(scene.clearance()?),
             "settle" => {
-                let depth = question["depth"].as_u64().unwrap_or(2) as usize;
+                let depth = question["depth"].as_u64().unwrap_or(2).clamp(1, 6) as usize;
                 LiveAnswer::Text(scene.settled(depth)?)
             }
             "toml" => LiveAnswer::Text(json!({ "text": scene.text() })),

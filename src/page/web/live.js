@@ -221,7 +221,7 @@ class Live {
     if (!this.tell(state)) return;
     this.showSliders(state.sliders);
     this.forgetAssemblies();
-    this.take(state);
+    this.take(state, true);
     this.rest();
   }
 
@@ -325,13 +325,16 @@ class Live {
     clearTimeout(this.resting);
     // What is computed about the values before is not waited for.
     if (this.isJudging) this.judge.fail(MOVED_ON);
-    while (this.wanted) {
-      const wish = this.wanted;
-      this.wanted = null;
-      const state = await this.ask(wish.question);
-      if (state) this.answered(wish, state);
+    try {
+      while (this.wanted) {
+        const wish = this.wanted;
+        this.wanted = null;
+        const state = await this.ask(wish.question);
+        if (state) this.answered(wish, state);
+      }
+    } finally {
+      this.isBusy = false;
     }
-    this.isBusy = false;
     this.rest();
   }
 
@@ -374,7 +377,7 @@ class Live {
   }
 
   /** Shows a motion at once; curves and tables below wait until the slider rests. */
-  take(state) {
+  take(state, isOther = false) {
     this.showProof(state.proof);
     this.clearance.classList.add("stale");
     this.parameters = new Map(Object.entries(state.parameters));
@@ -382,7 +385,7 @@ class Live {
     this.release.hidden = !state.held;
     this.sections.classList.add("stale");
     this.sections.inert = true;
-    this.report.takeMotion(state);
+    this.report.takeMotion(state, isOther);
   }
 
   /** Closure and certificates of the poses, and what happens on the way. */

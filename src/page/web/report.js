@@ -250,7 +250,7 @@ class Report {
     this.isWatched = true;
     const watch = new IntersectionObserver((entries) => {
       const isSeen = entries[entries.length - 1].isIntersecting;
-      if (isSeen && !this.viewer) this.openView();
+      if (isSeen && !this.viewer && this.data.model) this.openView();
       else if (!isSeen && this.viewer && document.querySelectorAll("article").length > 1) this.closeView();
     }, { rootMargin: "200px" });
     watch.observe(this.root.querySelector(".stage"));
@@ -267,6 +267,7 @@ class Report {
       fresh.hidden = false;
       this.viewer = new Viewer(fresh, this.data.model, this.orbit);
       this.orbit = this.viewer.orbit;
+      this.drawing?.remove();
       this.still.hidden = true;
       this.note.hidden = true;
       this.draw();
@@ -355,12 +356,16 @@ class Report {
     }
     if (!this.viewer && !this.drawing.isConnected) this.still.after(this.drawing);
     this.still.hidden = true;
-    this.note.textContent = "Drawn by the program itself: this browser shows no 3-D here.";
+    this.note.textContent = this.data.model
+      ? "Drawn by the program itself: this browser shows no 3-D here."
+      : "Drawn by the program itself.";
     this.isDrawing = false;
   }
 
-  /** Takes another motion over, and with it other shapes; the time stays as near as it can. */
-  takeMotion({ times, values, motion, model, held = false }) {
+  /** Takes another motion over, and with it other shapes; the time stays as near as it can. What is shown of another scene
+      (`isOther`) is forgotten. */
+  takeMotion({ times, values, motion, model, held = false }, isOther = false) {
+    if (isOther && !model) this.forgetModel();
     const known = this.data.model;
     this.data = { ...this.data, times, values };
     if (known || model) this.data.model = { ...joinedModel(known, model), ...motion };
@@ -372,8 +377,16 @@ class Report {
     this.slider.max = String(Math.max(0, times.length - 1));
     this.heads = [];
     this.isHeld = held;
+    if (isOther && model && this.isWatched && !this.viewer) this.openView();
     this.watchView();
     this.show(frameAt(times, this.time + 1e-9));
+  }
+
+  /** The view of a scene without bodies that can be turned: the program draws it. */
+  forgetModel() {
+    this.data.model = null;
+    this.orbit = null;
+    if (this.viewer) this.closeView();
   }
 
   /** Takes over an article made anew: its frames, curves and buttons. */

@@ -329,6 +329,7 @@ class Viewer {
 
   drawPart(part, frame) {
     const { gl, solid } = this;
+    if (!this.hasPose(part.body)) return;
     const { turn, place } = this.poseOf(part.body, frame);
     const mesh = this.meshes.get(part.mesh);
     gl.uniformMatrix3fv(solid.at("uTurn"), false, turn);
@@ -338,6 +339,11 @@ class Viewer {
     gl.uniform4fv(solid.at("uColour"), [...part.colour.map((v) => v / 255), part.opacity]);
     gl.bindVertexArray(mesh.array);
     gl.drawElements(gl.TRIANGLES, mesh.count, mesh.kind, 0);
+  }
+
+  /** Whether a body is anywhere: a motion without poses has no places. */
+  hasPose(body) {
+    return (this.poses[body]?.length ?? 0) > 0;
   }
 
   /** The columns of a body's rotation matrix, and its place. */
@@ -363,7 +369,7 @@ class Viewer {
   /** The nearest moving body on a line of sight, and the point of it in the body's frame; null if none is there. */
   bodyOn({ from, along }, frame) {
     let nearest = { depth: Infinity, body: -1, point: null };
-    for (const part of this.model.parts) {
+    for (const part of this.model.parts.filter(({ body }) => this.hasPose(body))) {
       const { turn, place } = this.poseOf(part.body, frame);
       const inside = (v) => [0, 3, 6].map((k) => dot(turn.slice(k, k + 3), v));
       const [start, way] = [inside(sum(from, place, -1)), inside(along)];

@@ -112,6 +112,72 @@ fn a_drive_that_turns_back_or_rests_makes_no_limit_positions() {
     }
 }
 
+/// Limit positions of outputs of open chains are those of the formula, whatever other outputs there are beside it, how large or
+/// small it is, and whether the drive pauses there; what only rounding changes has none.
+#[test]
+fn outputs_turn_back_where_their_formulas_do() {
+    // (duration, inputs, output `w`, time and value of its limits)
+    type Limits = &'static [(f64, f64)];
+    let smooth = "q = { keys = [[0, 0], [1, 2], [2, 4]], ease = \"smooth\" }";
+    let pause = "q = { keys = [[0, 0], [1, 2], [2, 2], [3, 4]] }";
+    let handed = "p = { keys = [[0, 0], [1, 1], [2, 1]] }\nq = { keys = [[0, 0], [1, 0], [2, 1]] }";
+    let triangle = "q = { keys = [[0, 0], [1, 2], [2, 0]] }";
+    let cases: &[(f64, &str, &str, Limits)] = &[
+        (2.0, "q = \"t\"", "(q-1)^2", &[(1.0, 0.0)]),
+        (2.0, "q = \"t\"", "1e-20*(q-1)^2", &[(1.0, 0.0)]),
+        (2.0, "q = \"t\"", "1e20*(q-1)^2+3", &[(1.0, 3.0)]),
+        (
+            2.0,
+            "q = \"t\"",
+            "3*(q-1)^2*q",
+            &[(1.0, 0.0), (1.0 / 3.0, 4.0 / 9.0)],
+        ),
+        // The drive pauses, or rests for a while, and goes on.
+        (2.0, smooth, "(q-2)^2", &[(1.0, 0.0)]),
+        (3.0, pause, "(q-2)^2", &[(1.0, 0.0)]),
+        // One input hands over to another.
+        (2.0, handed, "p-q", &[(1.0, 1.0)]),
+        // A kink on a sample.
+        (4.0, "q = \"pi*t/2\"", "acos(cos(q))", &[(2.0, PI)]),
+        // The drive turns back, and only it.
+        (2.0, triangle, "q", &[]),
+        (2.0, triangle, "exp(q)", &[]),
+        // Nothing but rounding.
+        (4.0, "q = \"t\"", "sin(q)^2+cos(q)^2", &[]),
+        (4.0, "q = \"t\"", "sin(q)-cos(pi/2-q)", &[]),
+        (2.0, "p = \"t\"\nq = { keys = [[0, 0], [2, 1]] }", "q", &[]),
+    ];
+    for (duration, inputs, output, expected) in cases {
+        for beside in ["0*q", "1e12*q", "tan(q)", "1e-12*q"] {
+            let text = format!(
+                "units = {{ length = \"mm\", angle = \"rad\" }}\nduration = {duration}\n[inputs]\n{inputs}\n\
+                 [outputs]\nbeside = \"{beside}\"\nw = \"{output}\"\n"
+            );
+            let name = "open".to_owned();
+            let open = mechanism(&Source { name, text }, &[]);
+            for samples in [6, 81] {
+                let mut trajectory = solve(&open, &even_times(&open, samples)).unwrap();
+                add_limits(&open, &mut trajectory);
+                let events = trajectory.events.iter().filter_map(|e| match &e.kind {
+                    EventKind::LimitPosition { name, value, .. } if name == "w" => {
+                        Some((e.time, *value))
+                    }
+                    _ => None,
+                });
+                let found: Vec<(f64, f64)> = events.collect();
+                let what = format!("{inputs}, {output} beside {beside}, {samples}: {found:?}");
+                assert_eq!(found.len(), expected.len(), "{what}");
+                for (time, value) in *expected {
+                    let is_there = |(t, v): &(f64, f64)| {
+                        (t - time).abs() < 1e-6 && (v - value).abs() <= 1e-9 * value.abs().max(1.0)
+                    };
+                    assert!(found.iter().any(is_there), "{what}");
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn tables_and_reports_have_the_stretches_without_a_pose() {
     let w = Workspace::new();

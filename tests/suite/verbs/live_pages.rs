@@ -333,6 +333,21 @@ fn assemblies_are_those_of_modes_and_can_be_chosen() {
     }
 }
 
+/// Start values whose names have several dots are written so that they are read again.
+#[test]
+fn chosen_start_values_can_be_read_again() {
+    let w = Workspace::new();
+    let text = builtin::find_builtin("dyads-bars").unwrap().text;
+    let mut live = Live::open(&text);
+    let found = live.ask(json!({ "ask": "assemblies" }));
+    let list = found["assemblies"].as_array().unwrap();
+    let other = list.iter().find(|a| a["now"] == false).unwrap();
+    let state = live.ask(json!({ "ask": "choose", "guess": other["guess"] }));
+    assert!(state["mistakes"].is_null(), "{state}");
+    w.write("chosen.toml", live.toml());
+    assert_eq!(live.table(), solved(&w, &["chosen.toml"]));
+}
+
 /// The clearances that a page tells before the article is made are those of `check`.
 #[test]
 fn clearances_are_those_of_check() {
