@@ -41,9 +41,6 @@ const RESTING: f64 = 1e-6;
 /// Most steps of the search for a zero; bisection, every fourth of them, needs 53 to exhaust f64.
 const STEPS: usize = 220;
 
-/// A place without a rate is a reversal if the bracket around it is narrower than this fraction of the first one.
-const AT_KINK: f64 = 1e-3;
-
 /// Relative width of the last bracket: a few units in the last place of the time.
 const WIDTH: f64 = 1e-15;
 
@@ -309,14 +306,8 @@ impl<'m> LimitSearch<'m> {
                 return;
             };
             best = Some((time, coordinates));
-            if !rate.is_finite() {
-                // A kink: there, or nowhere that can be told.
-                if b - a > AT_KINK * (last - first) {
-                    return;
-                }
-                break;
-            }
-            if rate == 0.0 || (b - a) <= WIDTH * (last - first).max(b.abs()) {
+            // At a kink there is no rate.
+            if !rate.is_finite() || rate == 0.0 || (b - a) <= WIDTH * (last - first).max(b.abs()) {
                 break;
             }
             // An end that stays for the second time counts half, so that the next secant passes the zero.
