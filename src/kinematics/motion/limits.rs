@@ -178,10 +178,11 @@ impl<'m> LimitSearch<'m> {
                 (Some((from, before)), None) if before * rate < 0.0 => {
                     self.between(quantity, (from, before), (k, rate));
                 }
-                (Some((from, before)), Some(still)) if before * rate < 0.0 => {
-                    if self.inputs_between(from, k) != InputsBetween::Return {
-                        self.push_sample(quantity, still, before > 0.0);
-                    }
+                (Some((from, before)), Some(still))
+                    if before * rate < 0.0
+                        && self.inputs_between(from, k) == InputsBetween::GoOn =>
+                {
+                    self.push_sample(quantity, still, before > 0.0);
                 }
                 (None, _) if k == 1 && rates[0].is_some() && !self.starts_moving(0, 1) => {
                     self.note(quantity, 0, rate < 0.0);
@@ -224,7 +225,7 @@ impl<'m> LimitSearch<'m> {
             let coordinates = unknowns.iter().chain(&sample.inputs);
             let coordinates: Vec<Interval> = coordinates.map(|v| Interval::point(*v)).collect();
             let value = observed_slots(mechanism, &coordinates)[slot];
-            value.is_finite().then(|| value.hi - value.lo)
+            value.is_finite().then_some(value.hi - value.lo)
         });
         let size = ends[0].abs().max(ends[1].abs());
         let rounding = seen.fold(OPERATION * size, f64::max);

@@ -122,6 +122,9 @@ fn outputs_turn_back_where_their_formulas_do() {
     let pause = "q = { keys = [[0, 0], [1, 2], [2, 2], [3, 4]] }";
     let handed = "p = { keys = [[0, 0], [1, 1], [2, 1]] }\nq = { keys = [[0, 0], [1, 0], [2, 1]] }";
     let triangle = "q = { keys = [[0, 0], [1, 2], [2, 0]] }";
+    let both = "p = { keys = [[0, 0], [1, 1], [2, 0]] }\nq = { keys = [[0, 0], [1, 2], [2, 0]] }";
+    let both_smooth = "p = { keys = [[0, 0], [1, 1], [2, 0]], ease = \"smooth\" }\n\
+                       q = { keys = [[0, 0], [1, 2], [2, 0]], ease = \"smooth\" }";
     let cases: &[(f64, &str, &str, Limits)] = &[
         (2.0, "q = \"t\"", "(q-1)^2", &[(1.0, 0.0)]),
         (2.0, "q = \"t\"", "1e-20*(q-1)^2", &[(1.0, 0.0)]),
@@ -142,6 +145,8 @@ fn outputs_turn_back_where_their_formulas_do() {
         // The drive turns back, and only it.
         (2.0, triangle, "q", &[]),
         (2.0, triangle, "exp(q)", &[]),
+        (2.0, both, "p+q", &[]),
+        (2.0, both_smooth, "p+2*q", &[]),
         // Nothing but rounding.
         (4.0, "q = \"t\"", "sin(q)^2+cos(q)^2", &[]),
         (4.0, "q = \"t\"", "sin(q)-cos(pi/2-q)", &[]),
