@@ -225,9 +225,15 @@ class Live {
     this.rest();
   }
 
+  /** What is computed about the values before is not waited for. */
+  moveOn() {
+    this.isJudged = false;
+    if (this.isJudging) this.judge.fail(MOVED_ON);
+  }
+
   /** Once nothing is moved for a while, everything is made anew. */
   rest() {
-    this.isJudged = false;
+    this.moveOn();
     clearTimeout(this.resting);
     this.resting = setTimeout(() => this.settle(), REST);
   }
@@ -323,8 +329,7 @@ class Live {
     if (this.isBusy) return;
     this.isBusy = true;
     clearTimeout(this.resting);
-    // What is computed about the values before is not waited for.
-    if (this.isJudging) this.judge.fail(MOVED_ON);
+    this.moveOn();
     try {
       while (this.wanted) {
         const wish = this.wanted;
@@ -462,8 +467,9 @@ class Live {
       return;
     }
     this.showSliders(state.sliders);
-    this.take(state);
-    await this.settle();
+    this.forgetAssemblies();
+    this.take(state, true);
+    this.rest();
   }
 
   async toml() {
