@@ -93,7 +93,8 @@ async function judgeLivePage(browser, scene) {
     await page.focus("[data-part=bench] input[type=range]");
     await page.keyboard.press("ArrowRight");
     await until(page, settled, "the article is not made after a move");
-    assert.equal(await page.evaluate(`${live}.parameters.size > 0`), true, `${scene}: nothing moved`);
+    // Where the way ends at once the slider stays, and the page says why.
+    assert.ok(await page.evaluate(`${live}.parameters.size > 0 || !${live}.told.hidden`), `${scene}: nothing moved`);
   }
   await page.evaluate(`${live}.findAssemblies()`);
   await until(page, `!${live}.assemblies.hidden`, "no assemblies are listed");
