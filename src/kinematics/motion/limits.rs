@@ -5,6 +5,7 @@
 //! refined interval are missed.
 
 use super::continuation::solve_motion;
+use super::input_reversals::{InputsBetween, begins_to_move, natural_size, pace_at};
 use super::sampling::is_cyclic;
 use crate::kinematics::loops::forward::Observation;
 use crate::kinematics::loops::observed::{dependencies, observed_slots};
@@ -15,7 +16,7 @@ use crate::kinematics::solve::newton::Pace;
 use crate::kinematics::solve::pose_solver::PoseSolver;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
-use crate::model::mechanism::{Kind, Mechanism};
+use crate::model::mechanism::Mechanism;
 use crate::numbers::interval::Interval;
 use crate::numbers::rounding::OPERATION;
 use crate::numbers::scalar::Scalar;
@@ -95,6 +96,8 @@ struct LimitSearch<'m> {
     needed: Vec<bool>,
     /// The largest rate of an input, over its natural size.
     pace: f64,
+    /// The rounding of every output, as it is at some samples.
+    roundings: Vec<f64>,
     events: Vec<Event>,
 }
 
@@ -130,6 +133,7 @@ impl<'m> LimitSearch<'m> {
             slot: 0,
             needed: Vec::new(),
             pace: paces.fold(0.0, f64::max),
+            roundings: output_roundings(mechanism, samples),
             rates,
             events: Vec::new(),
         }
@@ -184,7 +188,7 @@ impl<'m> LimitSearch<'m> {
                 {
                     self.push_sample(quantity, still, before > 0.0);
                 }
-                (None, _) if k == 1 && rates[0].is_some() && !self.starts_moving(0, 1) => {
+                (None, _) if k == 1 && rates[0].is_some() && !self.is_drive_end(0, 1) => {
                     self.note(quantity, 0, rate < 0.0);
                 }
                 _ => {}
@@ -196,7 +200,7 @@ impl<'m> LimitSearch<'m> {
         if let Some((k, rate)) = last
             && k + 1 == end
             && rates[end].is_some()
-            && !self.starts_moving(end, k)
+            && !self.is_drive_end(end, k)
             && !is_cyclic(self.system.mechanism(), self.actuation)
         {
             self.note(quantity, end, rate > 0.0);
@@ -218,48 +222,9 @@ impl<'m> LimitSearch<'m> {
             .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
                 [low.min(v), high.max(v)]
             });
-        // Terms may cancel: intervals tell what their rounding is.
-        let slot = mechanism.coordinate_count() + 3 * mechanism.traces.len() + output;
-        let seen = self.samples.iter().step_by(SEEN).filter_map(|sample| {
-            let unknowns = &sample.pose.as_ref()?.unknowns;
-            let coordinates = unknowns.iter().chain(&sample.inputs);
-            let coordinates: Vec<Interval> = coordinates.map(|v| Interval::point(*v)).collect();
-            let value = observed_slots(mechanism, &coordinates)[slot];
-            value.is_finite().then_some(value.hi - value.lo)
-        });
         let size = ends[0].abs().max(ends[1].abs());
-        let rounding = seen.fold(OPERATION * size, f64::max);
+        let rounding = self.roundings[output].max(OPERATION * size);
         ends[1] - ends[0] <= ROUNDINGS * rounding
-    }
-
-    fn input_rates(&self, time: f64) -> Vec<f64> {
-        let drives = self.actuation.drives.iter();
-        drives.map(|d| d.series(time, 1).derivative(1)).collect()
-    }
-
-    /// Whether an input rests at one sample and moves at its neighbour: what begins or ends there is the drive.
-    fn starts_moving(&self, end: usize, next: usize) -> bool {
-        let [end, next] = [end, next].map(|k| self.input_rates(self.samples[k].time));
-        end.iter()
-            .zip(&next)
-            .any(|(end, next)| *end == 0.0 && *next != 0.0)
-    }
-
-    /// What the inputs do between two samples.
-    fn inputs_between(&self, low: usize, high: usize) -> InputsBetween {
-        let [low, high] = [low, high].map(|k| self.input_rates(self.samples[k].time));
-        let pairs = low
-            .iter()
-            .zip(&high)
-            .filter(|(a, b)| **a != 0.0 || **b != 0.0);
-        let (moving, reversing) = pairs.fold((0, 0), |(moving, reversing), (a, b)| {
-            (moving + 1, reversing + usize::from(a * b < 0.0))
-        });
-        match (moving, reversing) {
-            (1, 1) => InputsBetween::Return,
-            (moving, reversing) if moving == reversing && moving > 0 => InputsBetween::AllReverse,
-            _ => InputsBetween::GoOn,
-        }
     }
 
     /// A reversal at an end of the motion, unless the drive rests there: then everything does.
@@ -272,6 +237,17 @@ impl<'m> LimitSearch<'m> {
     /// Whether no input moves at a time.
     fn rests_at(&self, time: f64) -> bool {
         pace_at(self.system.mechanism(), self.actuation, time) <= RESTING * self.pace
+    }
+
+    fn inputs_between(&self, low: usize, high: usize) -> InputsBetween {
+        let times = [low, high].map(|k| self.samples[k].time);
+        InputsBetween::of(self.actuation, times)
+    }
+
+    /// Whether an input rests at an end of the motion but not next to it: what begins or ends there is the drive.
+    fn is_drive_end(&self, end: usize, next: usize) -> bool {
+        let times = [end, next].map(|k| self.samples[k].time);
+        begins_to_move(self.actuation, times)
     }
 
     /// A reversal on a sample itself.
@@ -378,30 +354,22 @@ impl<'m> LimitSearch<'m> {
     }
 }
 
-/// What the inputs do between two samples.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum InputsBetween {
-    /// The only one that moves reverses.
-    Return,
-    /// All that move reverse.
-    AllReverse,
-    /// At least one does not reverse.
-    GoOn,
-}
-
-/// A length, an angle or a number that is neither large nor small in a mechanism.
-fn natural_size(mechanism: &Mechanism, kind: Kind) -> f64 {
-    match kind {
-        Kind::Length => mechanism.size,
-        Kind::Angle | Kind::Number => 1.0,
+/// The largest rounding of each output at some of the samples. Terms may cancel: intervals tell what their rounding is.
+fn output_roundings(mechanism: &Mechanism, samples: &[Sample]) -> Vec<f64> {
+    let first = mechanism.coordinate_count() + 3 * mechanism.traces.len();
+    let mut roundings = vec![0.0_f64; mechanism.outputs.len()];
+    for sample in samples.iter().step_by(SEEN) {
+        let Some(pose) = &sample.pose else {
+            continue;
+        };
+        let coordinates = pose.unknowns.iter().chain(&sample.inputs);
+        let coordinates: Vec<Interval> = coordinates.map(|v| Interval::point(*v)).collect();
+        let slots = observed_slots(mechanism, &coordinates);
+        for (rounding, value) in roundings.iter_mut().zip(&slots[first..]) {
+            if value.is_finite() {
+                *rounding = rounding.max(value.hi - value.lo);
+            }
+        }
     }
-}
-
-/// The largest rate of an input, over its natural size.
-fn pace_at(mechanism: &Mechanism, actuation: &Actuation, time: f64) -> f64 {
-    let inputs = actuation.drives.iter().zip(&mechanism.inputs);
-    let rates = inputs.map(|(drive, input)| {
-        drive.series(time, 1).derivative(1).abs() / natural_size(mechanism, input.kind)
-    });
-    rates.filter(|r| r.is_finite()).fold(0.0, f64::max)
+    roundings
 }

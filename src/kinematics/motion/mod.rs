@@ -2,6 +2,7 @@
 
 pub mod continuation;
 pub mod feasible;
+mod input_reversals;
 pub mod limits;
 pub mod proved;
 pub mod sampling;

@@ -248,7 +248,7 @@ impl LiveScene {
     }
 }
 
-/// Reads a scene with changed values and solves it as it is judged.
+/// Reads a scene with changed values and solves its motion.
 pub(super) fn opened_scene(
     source: &Source,
     overrides: &Overrides,
