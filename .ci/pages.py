@@ -240,6 +240,17 @@ def judge_pull(page, name):
       return null;
     }""")
     assert place, f"{name}: no moving link is seen"
+    # The point that is taken hold of is drawn below the pointer.
+    off = page.evaluate("""([x, y]) => {
+      const { viewer, frame, canvas } = window.reports[0];
+      const { left, top, width, height } = canvas.getBoundingClientRect();
+      const { body, point } = window.reports[0].linkBelow({ clientX: x, clientY: y });
+      const at = [...viewer.placeOf(body, frame, point), 1];
+      const matrix = viewer.orbit.matrix(width / height);
+      const [u, v, , w] = [0, 1, 2, 3].map((row) => at.reduce((sum, c, k) => sum + matrix[4 * k + row] * c, 0));
+      return Math.hypot((0.5 + 0.5 * u / w) * width - (x - left), (0.5 - 0.5 * v / w) * height - (y - top));
+    }""", place)
+    assert off < 0.1, f"{name}: the point is {off} pixels off the pointer"
     page.mouse.move(*place)
     page.mouse.down()
     for k in range(1, 9):
