@@ -65,7 +65,7 @@ impl<'s> SweepPlot<'s> {
         };
         // A grid gets one cell per value, as far as a picture can show them; other designs are binned.
         let count = |axis: &usize| match sweep.design.axes[*axis].count {
-            1 => most.min((sweep.design.count() as f64).powf(1.0 / axes.len() as f64) as usize),
+            1 => most.min(libm::pow(sweep.design.count() as f64, 1.0 / axes.len() as f64) as usize),
             steps => usize::try_from(steps).unwrap_or(most).min(most),
         };
         let counts: Vec<usize> = axes.iter().map(|axis| count(axis).max(1)).collect();

@@ -67,7 +67,7 @@ fn halvings_of_long(motion: &ProvedMotion, root: usize) -> u32 {
     let [from, to] = motion.times(root, [-1.0, 1.0]);
     let short = (to - from) / (SHORT * (end - start));
     if short > 1.0 {
-        short.log2().ceil() as u32
+        libm::log2(short).ceil() as u32
     } else {
         0
     }

@@ -9,7 +9,7 @@ use super::track::PairTrack;
 use crate::distance::bodies::nearest_bodies;
 
 /// Steps from the smallest distance found to smaller ones, each half the previous: down to 1e-4 of an interval.
-const HALVINGS: u32 = 13;
+pub(super) const HALVINGS: u32 = 13;
 
 /// The same for close decisions: the error of a minimum is quadratic in the step.
 const FINE_HALVINGS: u32 = 26;
@@ -26,7 +26,7 @@ impl PairSweep<'_> {
         if let Some(stretch) = self.lowest_middle(motion, &best) {
             self.descend(motion, (stretch, 0.0), HALVINGS, &mut best);
         }
-        for (stretch, s) in ends_at(motion, best.instant) {
+        for (stretch, s) in places_of(motion, best.instant) {
             self.descend(motion, (stretch, s), HALVINGS, &mut best);
         }
         let bound = best.found.proximity.distance;
@@ -63,7 +63,7 @@ impl PairSweep<'_> {
     }
 
     /// Goes from a place of a stretch to lower ones.
-    fn descend(
+    pub(super) fn descend(
         &self,
         motion: &mut ProvedMotion,
         (stretch, start): (usize, f64),
@@ -105,17 +105,13 @@ impl PairSweep<'_> {
     }
 }
 
-/// The stretches that end or begin with an instant, and where on them that is.
-fn ends_at(motion: &ProvedMotion, instant: usize) -> Vec<(usize, f64)> {
-    let Some(place) = motion.samples.iter().position(|k| *k == instant) else {
-        return Vec::new();
+/// The stretches that contain the time of an instant, and where on them that is.
+pub(super) fn places_of(motion: &ProvedMotion, instant: usize) -> Vec<(usize, f64)> {
+    let time = motion.instants[instant].time;
+    let place = |root: usize| {
+        let [start, end] = motion.times(root, [-1.0, 1.0]);
+        let s = (2.0 * time - start - end) / (end - start);
+        (start <= time && time <= end && s.is_finite()).then(|| (root, s.clamp(-1.0, 1.0)))
     };
-    let of = |root: usize| {
-        let ends = motion.stretches[root].ends;
-        let at = [-1.0, 1.0];
-        (0..2)
-            .filter(move |k| ends[*k] == Some(place))
-            .map(move |k| (root, at[k]))
-    };
-    (0..motion.roots).flat_map(of).collect()
+    (0..motion.roots).filter_map(place).collect()
 }

@@ -4,9 +4,10 @@
 //! are the times at which the minimum is violated, to within the shortest interval.
 
 use super::branch_and_bound::split_piece;
+use super::excluded::{HALVINGS, places_of};
 use super::look::{LookGoal, Missed, Segment};
 use super::motion::ProvedMotion;
-use super::sweep::PairSweep;
+use super::sweep::{NearestPose, PairSweep};
 use crate::distance::bodies::{enclosed_shell, nearest_bodies};
 
 /// Maximum number of intervals examined for one pair, ...
@@ -38,7 +39,7 @@ pub struct Violation {
     pub to: f64,
     /// They are closer at some instant of it; otherwise it is only not excluded.
     pub is_seen: bool,
-    /// The smallest distance of a closed pose found there, ...
+    /// The smallest distance of a closed pose found there, from the samples down, ...
     pub distance: f64,
     /// ... and when.
     pub time: f64,
@@ -183,25 +184,38 @@ impl PairSweep<'_> {
         false
     }
 
-    /// The lowest distance of an exact pose among those of a joined piece.
+    /// The lowest distance of a closed pose that is found in an interval: among the samples and the middle of the lowest
+    /// piece, and then down from the lowest of these.
     fn measure_low(&self, motion: &mut ProvedMotion, low: &mut Low, goal: f64) {
-        let samples = motion.samples.iter().copied();
         let violation = &mut low.violation;
+        let within = violation.from..=violation.to;
+        let samples = motion.samples.iter().copied();
         let mut instants: Vec<usize> = samples
-            .filter(|k| (violation.from..=violation.to).contains(&motion.instants[*k].time))
+            .filter(|k| within.contains(&motion.instants[*k].time))
             .collect();
-        if let Some(piece) = &low.piece {
-            instants.extend(motion.pose_at(piece.stretch, piece.middle));
-        }
+        let piece = low.piece.as_ref().map(|p| (p.stretch, p.middle));
+        let middle = piece.and_then(|(stretch, s)| motion.pose_at(stretch, s));
+        instants.extend(middle);
         violation.distance = f64::INFINITY;
-        for instant in instants {
-            let pose = self.relative(motion, instant);
-            let found = nearest_bodies(self.hulls[0], self.hulls[1], &pose, &self.left_out);
-            let distance = found.map_or(f64::INFINITY, |f| f.proximity.distance);
-            if distance < violation.distance {
-                (violation.distance, violation.time) = (distance, motion.instants[instant].time);
+        let Some(mut best) = self.best_of(motion, &instants, None) else {
+            return;
+        };
+        let places = match piece.filter(|_| middle == Some(best.instant)) {
+            Some(place) => vec![place],
+            None => places_of(motion, best.instant),
+        };
+        let mut measure = |best: &NearestPose, motion: &ProvedMotion| {
+            let time = motion.instants[best.instant].time;
+            // The way down may lead out of the interval.
+            if within.contains(&time) {
+                (violation.distance, violation.time) = (best.found.proximity.distance, time);
             }
+        };
+        measure(&best, motion);
+        for place in places {
+            self.descend(motion, place, HALVINGS, &mut best);
         }
+        measure(&best, motion);
         violation.is_seen = violation.distance < goal - self.pose_slack();
     }
 }

@@ -175,7 +175,7 @@ impl Tally {
             over: over(self.tolerance),
             over_ladder: LADDER.map(over),
             rmse: mean.sqrt(),
-            psnr: 10.0 * (255.0 * 255.0 / mean).log10(),
+            psnr: 10.0 * libm::log10(255.0 * 255.0 / mean),
             worst: self.worst,
             worst_at: self.worst_at,
             bounds: self.bounds,

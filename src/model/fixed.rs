@@ -73,7 +73,7 @@ impl FixedPose {
             let (exact_sin, exact_cos) = sin_cos(angle.value());
             let off = [(exact_sin, sin), (exact_cos, cos)]
                 .map(|(exact, stored)| (exact.value() - DoubleDouble::from(stored)).hi);
-            let rounded = SQRT_2 * (off[0].hypot(off[1]) + 2.0 * SIN_COS);
+            let rounded = SQRT_2 * (libm::hypot(off[0], off[1]) + 2.0 * SIN_COS);
             rotation = (SQRT_2 * angle.error() + rounded) * GROW;
         }
         // An angle too large to be reduced has no known digit.

@@ -345,7 +345,7 @@ impl View {
 
     /// Sets a named direction. `Four` keeps the direction, which one of the four views shows.
     pub fn look_from(&mut self, named: NamedView) {
-        let iso = std::f64::consts::FRAC_1_SQRT_2.atan();
+        let iso = libm::atan(std::f64::consts::FRAC_1_SQRT_2);
         let quarter = std::f64::consts::FRAC_PI_2;
         let (azimuth, elevation) = match named {
             NamedView::Iso => (-0.5 * quarter, iso),

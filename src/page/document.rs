@@ -3,6 +3,7 @@
 use super::article::Article;
 use super::engine::PackedEngine;
 use super::markup::{Cell, Section, Table, escaped, script_json, state_class};
+use super::packing::packed_text;
 use base64::prelude::{BASE64_STANDARD, Engine};
 use sha2::{Digest, Sha256};
 use std::fmt::Write;
@@ -12,6 +13,12 @@ const STYLE: &str = include_str!("web/report.css");
 
 /// The 3-D view, then the controls of the page; in this order, since the second uses the first.
 const SCRIPTS: [&str; 2] = [include_str!("web/viewer.js"), include_str!("web/report.js")];
+
+/// Unpacks what a live page holds; before the others, and in the worker.
+const UNPACK: &str = include_str!("web/unpack.js");
+
+/// The type of an element whose text is packed.
+const PACKED: &str = "application/octet-stream";
 
 /// The controls of a live page; after the others.
 const LIVE: &str = include_str!("web/live.js");
@@ -28,7 +35,7 @@ pub fn page_text(title: &str, articles: &[Article], engine: Option<&PackedEngine
     };
     let scripts: Vec<&str> = match engine {
         None => SCRIPTS.to_vec(),
-        Some(_) => [&SCRIPTS[..], &[LIVE]].concat(),
+        Some(_) => [&[UNPACK], &SCRIPTS[..], &[LIVE]].concat(),
     };
     let mut out = page_head(title, &scripts, engine.is_some());
     let depth = match articles {
@@ -92,17 +99,23 @@ fn write_end(
 ) {
     let data = articles.iter().map(|article| article.data.clone());
     let data = script_json(&data.collect());
+    // Only a live page has the script that unpacks.
+    let packed = engine.and_then(|_| packed_text(data.as_bytes()).ok());
+    let [kind, data] = match &packed {
+        Some(packed) => [PACKED, packed],
+        None => ["application/json", &data],
+    };
     let _ = write!(
         out,
         "<footer>Made by mechanim {}. This file needs no network.</footer>\n</main>\n\
-         <script type=\"application/json\" id=\"data\">{data}</script>\n",
+         <script type=\"{kind}\" id=\"data\">{data}</script>\n",
         env!("CARGO_PKG_VERSION"),
     );
     if let Some(engine) = engine {
         let _ = writeln!(
             out,
-            "<script type=\"application/octet-stream\" id=\"engine\">{}</script>\n\
-             <script type=\"text/plain\" id=\"worker\">{WORKER}</script>",
+            "<script type=\"{PACKED}\" id=\"engine\">{}</script>\n\
+             <script type=\"text/plain\" id=\"worker\">{UNPACK}{WORKER}</script>",
             engine.text
         );
     }

@@ -1,8 +1,6 @@
 //! The engine of a live page: a file built from `bindings/web`, encoded as text.
 
-use base64::prelude::{BASE64_STANDARD, Engine as _};
-use flate2::{Compression, GzBuilder};
-use std::io::Write;
+use super::packing::packed_text;
 
 /// A mark in the engine's file by which the program recognises a file of its own version.
 pub const STAMP: &str = concat!("mechanim-web ", env!("CARGO_PKG_VERSION"), "\n");
@@ -28,11 +26,7 @@ impl PackedEngine {
         if !wasm.windows(stamp.len()).any(|part| part == stamp) {
             return Err(format!("it is not the engine `{}`", STAMP.trim_end()));
         }
-        let mut packed = GzBuilder::new().write(Vec::new(), Compression::best());
-        let written = packed.write_all(wasm).and_then(|()| packed.finish());
-        let packed = written.map_err(|error| error.to_string())?;
-        Ok(Self {
-            text: BASE64_STANDARD.encode(packed),
-        })
+        let text = packed_text(wasm).map_err(|error| error.to_string())?;
+        Ok(Self { text })
     }
 }

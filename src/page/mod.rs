@@ -13,6 +13,7 @@ pub mod live;
 mod markup;
 mod mechanism;
 mod model;
+mod packing;
 mod quantities;
 mod site;
 mod still;

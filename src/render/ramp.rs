@@ -19,7 +19,7 @@ pub fn shaded_ramp(colour: [u8; 3], rim: Rim) -> Vec<[u8; 3]> {
     };
     let albedo = curve.decode_rgb(colour);
     let [x, y, _] = look::KEY_DIRECTION.map(f64::from);
-    let length = x.hypot(y);
+    let length = libm::hypot(x, y);
     let steps = (0..STEPS).map(|step| {
         let tilt = TILT * (1.0 - 2.0 * step as f64 / (STEPS - 1) as f64);
         let (sin, cos) = crate::math::sin_cos(tilt);

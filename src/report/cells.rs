@@ -51,7 +51,7 @@ pub fn six_digits(value: f64) -> String {
     if value == 0.0 {
         "0".to_owned()
     } else if (1e-3..1e6).contains(&size) {
-        let digits = (5 - size.log10().floor() as i32).max(0) as usize;
+        let digits = (5 - libm::log10(size).floor() as i32).max(0) as usize;
         format!("{value:.digits$}")
     } else {
         format!("{value:.5e}")

@@ -86,7 +86,7 @@ pub(super) fn violations_sentence(p: &PairReport, has_gaps: bool) -> Option<Stri
 
 /// An interval of time that encloses the given one, with as many decimals as a thousandth of it needs, at least six.
 fn violation_interval(v: &Violation) -> String {
-    let needed = (3.0 - (v.to - v.from).log10()).ceil();
+    let needed = (3.0 - libm::log10(v.to - v.from)).ceil();
     let decimals = needed.clamp(6.0, MOST_DECIMALS) as usize;
     let [from, to] = [not_below(v.from, decimals), not_above(v.to, decimals)];
     format!("{from} to {to} s")

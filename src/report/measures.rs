@@ -95,7 +95,7 @@ fn measure_digits(value: f64) -> String {
 
 /// Decimals that make ten digits; `None` where zeros would fill the line.
 fn shown_decimals(value: f64) -> Option<usize> {
-    let exponent = value.abs().log10().floor();
+    let exponent = libm::log10(value.abs()).floor();
     (-5.0..9.0)
         .contains(&exponent)
         .then_some((9.0 - exponent) as usize)

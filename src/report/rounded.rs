@@ -45,7 +45,7 @@ pub fn not_above(value: f64, decimals: usize) -> String {
 
 /// The value of a unit in the second digit.
 fn last_digit(value: f64) -> f64 {
-    match value.abs().log10().floor() {
+    match libm::log10(value.abs()).floor() {
         power if power.is_finite() => 10.0_f64.powi(power as i32 - 1),
         _ => 0.0,
     }

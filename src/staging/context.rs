@@ -136,7 +136,7 @@ impl ContextSigns {
     }
 
     fn length_text(&self, length: f64) -> String {
-        let digits = (-length.log10().floor()).max(0.0) as usize;
+        let digits = (-libm::log10(length).floor()).max(0.0) as usize;
         let number = if (PLAIN[0]..PLAIN[1]).contains(&length) {
             format!("{length:.digits$}")
         } else {

@@ -133,7 +133,7 @@ fn axis_stretch(points: &[DVec3], pose: &Pose, axis: usize, reach: f64) -> Optio
     let first = *local.first()?;
     let fold = |pick: fn(DVec3, DVec3) -> DVec3| local.iter().fold(first, |a, b| pick(a, *b));
     let (low, high) = (fold(DVec3::min), fold(DVec3::max));
-    let nearest = local.iter().map(|p| p[u].hypot(p[v]));
+    let nearest = local.iter().map(|p| libm::hypot(p[u], p[v]));
     let touches = nearest.fold(f64::INFINITY, f64::min) <= reach;
     let around = [u, v].into_iter().all(|k| {
         low[k] <= reach && high[k] >= -reach && low[k].abs().max(high[k].abs()) <= SOCKET * reach

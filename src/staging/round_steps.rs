@@ -5,10 +5,10 @@ pub fn round_step(step: f64) -> f64 {
     if !(step.is_finite() && step > 0.0) {
         return 0.0;
     }
-    let power = 10f64.powf(step.log10().floor());
+    let power = libm::pow(10.0, libm::log10(step).floor());
     let mantissa = step / power;
     let rounded = [1.0, 2.0, 5.0, 10.0].into_iter().min_by(|a, b| {
-        let far = |x: &f64| (x / mantissa).ln().abs();
+        let far = |x: &f64| libm::log(x / mantissa).abs();
         far(a).total_cmp(&far(b))
     });
     power * rounded.unwrap_or(1.0)

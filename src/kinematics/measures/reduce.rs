@@ -82,9 +82,9 @@ fn power_norm(values: &[f64], power: f64) -> Reduced {
         };
     }
     // d/dv (Σ|v|ᵖ)^(1/p) = |v|^(p-1) sign v · (Σ|v|ᵖ)^(1/p - 1), with values relative to the largest.
-    let share = |v: &f64| (v.abs() / largest).powf(power - 1.0);
+    let share = |v: &f64| libm::pow(v.abs() / largest, power - 1.0);
     let sum: f64 = values.iter().map(|v| share(v) * v.abs() / largest).sum();
-    let root = sum.powf(1.0 / power);
+    let root = libm::pow(sum, 1.0 / power);
     let weight = |v: &f64| share(v) * v.signum() * root / sum;
     Reduced {
         value: largest * root,
@@ -96,7 +96,7 @@ fn power_norm(values: &[f64], power: f64) -> Reduced {
 /// weights i and j. Without a bend below the power 2, where it is infinite at zero.
 pub fn norm_bends(values: &[f64], power: f64, norm: f64) -> Option<Vec<f64>> {
     let is_bent = power >= 2.0 && norm > 0.0;
-    let bend = |v: &f64| (power - 1.0) / norm * (v.abs() / norm).powf(power - 2.0);
+    let bend = |v: &f64| (power - 1.0) / norm * libm::pow(v.abs() / norm, power - 2.0);
     is_bent.then(|| values.iter().map(bend).collect())
 }
 
@@ -196,7 +196,7 @@ impl Crossing {
 fn chord_deviation(x: &[f64], y: &[f64]) -> Reduced {
     let last = x.len() - 1;
     let (a, b) = (x[last] - x[0], y[last] - y[0]);
-    let length = a.hypot(b);
+    let length = libm::hypot(a, b);
     let ends = |share: f64| {
         let mut weights = vec![0.0; x.len()];
         weights[last] += share;
@@ -214,7 +214,7 @@ fn bow_height(x: &[f64], y: &[f64]) -> Reduced {
     let count = x.len();
     let last = count - 1;
     let (a, b) = (x[last] - x[0], y[last] - y[0]);
-    let chord = a.hypot(b);
+    let chord = libm::hypot(a, b);
     let distance = |k: usize| ((y[k] - y[0]) * a - (x[k] - x[0]) * b) / chord;
     let distances: Vec<f64> = (0..count).map(distance).collect();
     let k = extreme_index(&distances, |p, q| p.abs() > q.abs());

@@ -45,6 +45,13 @@ const STEPS: usize = 220;
 /// Relative width of the last bracket: a few units in the last place of the time.
 const WIDTH: f64 = 1e-15;
 
+/// Steps towards what may be a pole: each leaves this part of the way.
+const APPROACH: f64 = 1.0 / 64.0;
+
+/// Towards a cusp like the tenth root a step changes the value by two thirds of what the one before did; towards a logarithm's
+/// pole by as much.
+const BOUNDED: f64 = 0.9;
+
 /// First derivatives by time.
 const FIRST: RateColumns = RateColumns {
     order: 1,
@@ -270,6 +277,7 @@ impl<'m> LimitSearch<'m> {
         let (first, last) = (self.samples[low.0].time, self.samples[high.0].time);
         let (mut a, mut fa, mut b, mut fb) = (first, low.1, last, high.1);
         let mut best: Option<(f64, Vec<f64>)> = None;
+        let mut vanishes = false;
         let mut moved_low = None;
         for step in 0..STEPS {
             // Three secants, then a bisection, which always shrinks the bracket.
@@ -283,6 +291,7 @@ impl<'m> LimitSearch<'m> {
                 return;
             };
             best = Some((time, coordinates));
+            vanishes = rate.abs() < low.1.abs().min(high.1.abs());
             // At a kink there is no rate.
             if !rate.is_finite() || rate == 0.0 || (b - a) <= WIDTH * (last - first).max(b.abs()) {
                 break;
@@ -301,9 +310,32 @@ impl<'m> LimitSearch<'m> {
         }
         if let Some((time, coordinates)) = best
             && !(inputs == InputsBetween::AllReverse && self.rests_at(time))
+            && (vanishes || !self.is_pole(quantity, (low.0, high.0), time))
         {
             self.push(quantity, time, &coordinates, low.1 > 0.0);
         }
+    }
+
+    /// Whether an output grows without bound towards a time between two samples: on the way to a cusp each step, a fixed
+    /// part of the one before, changes it less; on the way to a pole it does not.
+    fn is_pole(&mut self, quantity: usize, samples: (usize, usize), time: f64) -> bool {
+        let Some(output) = quantity.checked_sub(self.system.mechanism().unknowns.len()) else {
+            return false;
+        };
+        let rounding = ROUNDINGS * self.roundings[output];
+        [samples.0, samples.1].into_iter().any(|end| {
+            let whole = self.samples[end].time - time;
+            let values = [1, 2, 3].map(|k| {
+                let near = time + whole * APPROACH.powi(k);
+                let (_, coordinates) = self.rate_at(samples, near)?;
+                Some(self.value_at(quantity, near, &coordinates))
+            });
+            let [Some(far), Some(middle), Some(near)] = values else {
+                return false;
+            };
+            let changes = [(middle - far).abs(), (near - middle).abs()];
+            changes[1] > rounding && changes[1] > BOUNDED * changes[0]
+        })
     }
 
     /// Rate of the quantity that is searched at a time between two samples, not finite at a kink, and the coordinates there.
@@ -325,19 +357,28 @@ impl<'m> LimitSearch<'m> {
         Some((rate, coordinates))
     }
 
-    fn push(&mut self, quantity: usize, time: f64, coordinates: &[f64], is_largest: bool) {
+    /// The value of a quantity at a closed pose. Outputs that contain rates need the drive, too.
+    fn value_at(&self, quantity: usize, time: f64, coordinates: &[f64]) -> f64 {
         let mechanism = self.system.mechanism();
-        let n = mechanism.unknowns.len();
-        // Outputs are observed at the pose; those that contain rates need the drive, too.
-        let (value, kind) = match quantity.checked_sub(n) {
-            None => (coordinates[quantity], mechanism.unknowns[quantity].kind),
+        match quantity.checked_sub(mechanism.unknowns.len()) {
+            None => coordinates[quantity],
             Some(output) => {
                 let mut seen = Observation::new(mechanism, coordinates);
                 let driven = (self.actuation, time);
                 fill_rated_outputs(self.system, driven, coordinates, &mut seen);
-                (seen.outputs[output], mechanism.outputs[output].kind)
+                seen.outputs[output]
             }
+        }
+    }
+
+    fn push(&mut self, quantity: usize, time: f64, coordinates: &[f64], is_largest: bool) {
+        let mechanism = self.system.mechanism();
+        let n = mechanism.unknowns.len();
+        let kind = match quantity.checked_sub(n) {
+            None => mechanism.unknowns[quantity].kind,
+            Some(output) => mechanism.outputs[output].kind,
         };
+        let value = self.value_at(quantity, time, coordinates);
         if !value.is_finite() {
             return;
         }

@@ -97,7 +97,7 @@ fn radius_of_regularity(
         if k == 1 {
             first = size;
         } else {
-            radius = f64::min(radius, (first / size).powf(1.0 / (k as f64 - 1.0)));
+            radius = f64::min(radius, libm::pow(first / size, 1.0 / (k as f64 - 1.0)));
         }
         if !size.is_finite() {
             return f64::NAN;

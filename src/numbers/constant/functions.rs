@@ -160,8 +160,8 @@ impl Scalar for Constant {
     /// tan(θ - θ₀) = (y cos θ₀ - x sin θ₀) / (x cos θ₀ + y sin θ₀), so small that it is the angle itself.
     fn atan2(self, x: Self) -> Self {
         let (a, b) = (self.value, x.value);
-        let size = a.hi.hypot(b.hi);
-        let open = self.error.hypot(x.error);
+        let size = libm::hypot(a.hi, b.hi);
+        let open = libm::hypot(self.error, x.error);
         if self.is_zero() && (b.hi > x.error || x.is_zero()) {
             return Self::exact(libm::atan2(a.hi, b.hi));
         }

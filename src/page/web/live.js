@@ -33,12 +33,24 @@ function multiple(step, count) {
   return Number((step * count).toFixed(Math.min(20, digits)));
 }
 
-/** The bytes that a script element holds as base64 of gzip. */
-async function unpacked(id) {
-  if (typeof DecompressionStream === "undefined") throw new Error("this browser cannot unpack it (no DecompressionStream)");
-  const packed = numbersOf(document.getElementById(id).textContent, Uint8Array);
-  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
-  return new Response(stream).arrayBuffer();
+/** A worker that has no engine yet. */
+function newWorker() {
+  const text = document.getElementById("worker").textContent;
+  const address = URL.createObjectURL(new Blob([text], { type: "text/javascript" }));
+  const worker = new Worker(address);
+  URL.revokeObjectURL(address);
+  return worker;
+}
+
+/** The engine that the page holds, unpacked and compiled in a worker of its own. */
+function compiledEngine() {
+  const worker = newWorker();
+  const compiled = new Promise((resolve, reject) => {
+    worker.onmessage = ({ data }) => (data.fault === undefined ? resolve(data.answer) : reject(new Error(data.fault)));
+    worker.onerror = (event) => reject(new Error(event.message || "the worker ended"));
+  });
+  worker.postMessage({ packed: document.getElementById("engine").textContent });
+  return compiled.finally(() => worker.terminate());
 }
 
 /** An engine in its worker. One that fails is replaced, and whoever asked it is told. */
@@ -54,10 +66,7 @@ class Engine {
 
   start() {
     this.memory = 0;
-    const text = document.getElementById("worker").textContent;
-    const address = URL.createObjectURL(new Blob([text], { type: "text/javascript" }));
-    this.worker = new Worker(address);
-    URL.revokeObjectURL(address);
+    this.worker = newWorker();
     this.worker.onmessage = ({ data }) => this.hear(data);
     this.worker.onerror = (event) => this.fail(event.message || "the worker ended");
     this.ready = this.send({ engine: this.module });
@@ -518,7 +527,7 @@ class Live {
 async function enliven(reports) {
   const parts = reports.filter((report) => report.data.live);
   try {
-    const module = await WebAssembly.compile(await unpacked("engine"));
+    const module = await compiledEngine();
     const engines = { engine: new Engine(module), judge: new Engine(module) };
     await engines.engine.ready;
     for (const report of parts) {

@@ -42,8 +42,8 @@ pub fn estimate_magnitudes(mechanism: &mut Mechanism, actuation: &Actuation) {
     for equation in &mut mechanism.equations {
         let found = equation_size(equation, &mut poses, scales);
         let exponent = equation.length_exponent;
-        let relative = sound_magnitude(found / unit.powf(exponent));
-        equation.weight = unit.powf(-exponent) / relative.unwrap_or(1.0);
+        let relative = sound_magnitude(found / libm::pow(unit, exponent));
+        equation.weight = libm::pow(unit, -exponent) / relative.unwrap_or(1.0);
     }
 }
 

@@ -59,7 +59,7 @@ pub fn estimate_scales(mechanism: &mut Mechanism, actuation: &Actuation) {
     }
     for (equation, unit) in mechanism.equations.iter_mut().zip(of_equations) {
         let exponent = equation.length_exponent;
-        equation.weight = size.powf(-exponent) / (unit / size).powf(exponent);
+        equation.weight = libm::pow(size, -exponent) / libm::pow(unit / size, exponent);
     }
 }
 
@@ -143,5 +143,5 @@ fn of_equation(mechanism: &Mechanism, equation: &Equation, poses: &mut [Vec<f64>
             }
         }
     }
-    reach.powf(1.0 / equation.length_exponent)
+    libm::pow(reach, 1.0 / equation.length_exponent)
 }

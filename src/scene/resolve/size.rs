@@ -75,7 +75,10 @@ fn equation_lengths(mechanism: &Mechanism, actuation: &Actuation) -> impl Iterat
     let pairs = of_lengths.flat_map(|e| INSTANTS.map(|share| (e, share)));
     pairs.map(|(equation, share)| {
         let mut pose = actuation.start_at(share * actuation.duration);
-        equation_terms(equation, &mut pose).powf(1.0 / equation.length_exponent)
+        libm::pow(
+            equation_terms(equation, &mut pose),
+            1.0 / equation.length_exponent,
+        )
     })
 }
 

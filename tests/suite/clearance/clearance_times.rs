@@ -36,43 +36,60 @@ fn times(text: &str, samples: usize) -> Violations {
     report.judged[0].violations.clone().unwrap()
 }
 
-/// Heights above contact, and when they are below half a unit.
+/// Heights above contact, and when they are below half a unit; the closest pose of every such time.
 #[test]
 fn times_are_those_of_the_formula() {
     let half = 0.5_f64;
     let wave = |k: f64| (1.0 + k) / 6.0;
     // 1 + sin(w) < 0.5 between 7 pi / 6 and 11 pi / 6 of every turn, here w = 2 pi t.
     let turns = [[wave(2.5), wave(4.5)], [1.0 + wave(2.5), 1.0 + wave(4.5)]];
-    let rows: [(&str, Vec<[f64; 2]>); 6] = [
-        ("\"2 + sin(2*pi*t)\"", turns.to_vec()),
-        ("\"2 - t\"", vec![[0.5, 2.0]]),
-        ("\"1.4 + t\"", vec![[0.0, 0.1]]),
+    // Height z, the times, and the gap z - 1 of each at its smallest.
+    type Row = (&'static str, Vec<[f64; 2]>, &'static [f64]);
+    let rows: [Row; 7] = [
+        ("\"2 + sin(2*pi*t)\"", turns.to_vec(), &[0.0, 0.0]),
+        // The second time less close than the first.
+        (
+            "\"2 + sin(2*pi*t) + 0.125*floor(t)\"",
+            vec![turns[0], {
+                let reach = 0.625_f64.asin() / std::f64::consts::TAU;
+                [1.5 + reach, 2.0 - reach]
+            }],
+            &[0.0, 0.125],
+        ),
+        ("\"2 - t\"", vec![[0.5, 2.0]], &[-1.0]),
+        ("\"1.4 + t\"", vec![[0.0, 0.1]], &[0.4]),
         (
             "\"1 + 40*abs(t - 1.0112)\"",
             vec![[1.0112 - half / 40.0, 1.0112 + half / 40.0]],
+            &[0.0],
         ),
         (
             "\"1.4 + floor(t + 0.2) - floor(t - 0.3)\"",
             vec![[0.3, 0.8], [1.3, 1.8]],
+            &[0.4, 0.4],
         ),
         (
             "{ keys = [[0, 3], [0.52, 1.2], [1.51, 3], [2, 3]], ease = \"step\" }",
             vec![[0.52, 1.51]],
+            &[0.2],
         ),
     ];
-    for (height, expected) in rows {
+    for (height, expected, closest) in rows {
         for samples in [5, 12, 41] {
             let text = lift(height, half);
             let found = times(&text, samples);
             let said = format!("{height}, {samples}: {found:?}");
             assert!(found.is_certified, "{said}");
             assert_eq!(found.list.len(), expected.len(), "{said}");
-            for (violation, [from, to]) in found.list.iter().zip(expected.iter().copied()) {
+            let all = found.list.iter().zip(expected.iter().copied().zip(closest));
+            for (violation, ([from, to], closest)) in all {
                 assert!(violation.is_seen, "{said}");
                 // Never inside of the truth, and near it.
                 let (early, late) = (from - violation.from, violation.to - to);
                 assert!((-1e-9..2e-3).contains(&early), "{said} {from}");
                 assert!((-1e-9..2e-3).contains(&late), "{said} {to}");
+                let off = violation.distance - closest;
+                assert!((-1e-9..1e-3).contains(&off), "{said} {closest}");
             }
         }
     }

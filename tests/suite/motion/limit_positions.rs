@@ -142,6 +142,19 @@ fn outputs_turn_back_where_their_formulas_do() {
         (2.0, handed, "p-q", &[(1.0, 1.0)]),
         // A kink on a sample.
         (4.0, "q = \"pi*t/2\"", "acos(cos(q))", &[(2.0, PI)]),
+        // Kinks and cusps have a value, poles have none.
+        (4.0, "q = \"t\"", "abs(q-1.777)", &[(1.777, 0.0)]),
+        (
+            4.0,
+            "q = \"t\"",
+            "(abs(q-1.777)+1e-9)^0.5",
+            &[(1.777, 3.16228e-5)],
+        ),
+        (4.0, "q = \"t\"", "1/(q-1.777)^2", &[]),
+        (4.0, "q = \"t\"", "1/(q-2)^2", &[]),
+        (4.0, "q = \"t\"", "-1/abs(q-1.777)", &[]),
+        (4.0, "q = \"t\"", "ln(abs(q-1.777))", &[]),
+        (4.0, "q = \"t\"", "tan(q)^2", &[(PI, 0.0)]),
         // The drive turns back, and only it.
         (2.0, triangle, "q", &[]),
         (2.0, triangle, "exp(q)", &[]),
