@@ -1,9 +1,10 @@
 """Opens the pages of `mechanim report` as a reader does: from a disk, without a network, in a real browser.
 
-    python3 .ci/pages.py PROGRAM FOLDER [--no-browser] [--wasm ENGINE]
+    python3 .ci/pages.py PROGRAM FOLDER [--no-browser] [--wasm ENGINE [--briefly]]
 
-With an engine, live pages too: what they compute is compared with the program. Without a browser the files alone are judged: size, policy, digests, ids, what they would fetch. Screenshots of some pages
-go into FOLDER, to be looked at.
+With an engine, live pages too: what they compute is compared with the program; briefly, those of some scenes with few moves.
+Without a browser the files alone are judged: size, policy, digests, ids, what they would fetch. Screenshots of some pages go
+into FOLDER, to be looked at.
 """
 
 import base64
@@ -17,7 +18,7 @@ import tempfile
 
 MOST_BYTES = 600_000
 MOST_LIVE = 2_200_000
-MOVES = 3000
+MOVES = 60 if "--briefly" in sys.argv else 3000
 LOOKED_AT = ["gearshift", "seven-r", "four-bar", "twin-steer"]
 HOSTILE = """title = "</script><img src=x onerror=document.title='owned'>\u202etxt"
 units = { length = "mm", angle = "deg" }
@@ -480,7 +481,7 @@ def judge_browser(paths, folder, program):
         judge_axe(browser, path)
         judge_comparison(browser, program, folder)
         judge_site(browser, program, folder)
-        names = [name for name in paths if name != "hostile"]
+        names = LOOKED_AT if "--briefly" in sys.argv else [name for name in paths if name != "hostile"]
         more = judge_live_pages(browser, names, program, folder) if program.engine else 0
         browser.close()
         return len(paths) + 2 + more

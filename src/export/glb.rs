@@ -1,12 +1,14 @@
 //! Animated GLB: a node with a mesh for every body, its poses as an animation, paths as line strips.
 //!
-//! Source: glTF 2.0 specification, Khronos 2021; unlit lines by its extension `KHR_materials_unlit`.
+//! Source: glTF 2.0 specification, Khronos 2021; unlit lines by its extension `KHR_materials_unlit`, short numbers by
+//! `KHR_mesh_quantization`.
 
 use super::ExportSummary;
 use super::error::ExportError;
 use super::glb_buffer::Buffer;
 use super::model::{ExportModel, ModelBody, ModelCamera, ModelPart, ModelTrace};
 use super::target::Output;
+use crate::geometry::Mesh;
 use crate::math::{Pose, narrow_rotation, narrow_vector, rotation_quaternions};
 use glam::{DMat3, DVec3};
 use serde_json::{Value, json};
@@ -20,18 +22,36 @@ const BINARY_CHUNK: &[u8; 4] = b"BIN\0";
 /// How matt bodies look: neither metal nor mirror.
 const ROUGHNESS: f64 = 0.55;
 
+/// The extension that allows short numbers in meshes.
+const QUANTIZATION: &str = "KHR_mesh_quantization";
+
 /// Modes of a primitive.
 const LINE_STRIP: u32 = 3;
 const TRIANGLES: u32 = 4;
+
+/// Numbers of the corners and normals of meshes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Corners {
+    /// In f32, for every reader.
+    #[default]
+    Full,
+    /// Corners to 1/65535 of a body's extent, normals to half a degree: half the bytes, for readers of
+    /// `KHR_mesh_quantization`.
+    Quantised,
+}
 
 /// Writes `model` and returns what was written; `frames` counts the keys.
 ///
 /// Errors: more than 4 GiB, a failed write.
 pub fn write_glb(
     model: &ExportModel,
+    corners: Corners,
     mut output: Box<dyn Output>,
 ) -> Result<ExportSummary, ExportError> {
-    let mut file = Document::default();
+    let mut file = Document {
+        corners,
+        ..Document::default()
+    };
     file.add(model);
     let bytes = file.into_bytes(output.name())?;
     output.emit(&bytes)?;
@@ -46,6 +66,7 @@ pub fn write_glb(
 /// The lists of a glTF document under construction; entries refer to each other by index.
 #[derive(Default)]
 struct Document {
+    corners: Corners,
     buffer: Buffer,
     nodes: Vec<Value>,
     roots: Vec<usize>,
@@ -95,12 +116,13 @@ impl Document {
 
     /// The node of a body, with its animation if it moves.
     fn push_body(&mut self, body: &ModelBody, times: Option<usize>) -> usize {
+        let parts = body.parts.iter();
+        let parts = parts.filter(|part| !part.mesh.triangles.is_empty());
+        let parts: Vec<&ModelPart> = parts.collect();
+        let cube = (self.corners == Corners::Quantised).then(|| Cube::around(&parts));
         // A primitive for each part, as parts have colours of their own.
-        let primitives: Vec<Value> = body
-            .parts
-            .iter()
-            .filter(|part| !part.mesh.triangles.is_empty())
-            .map(|part| self.part(part))
+        let primitives: Vec<Value> = (parts.into_iter())
+            .map(|part| self.part(part, cube.as_ref()))
             .collect();
         // Quaternions have the sign nearest to the one before, so that interpolation takes the shorter way.
         let turns: Vec<DMat3> = body.poses.iter().map(|pose| pose.rotation).collect();
@@ -121,7 +143,18 @@ impl Document {
         }
         if !primitives.is_empty() {
             let mesh = json!({ "name": body.name, "primitives": primitives });
-            node["mesh"] = Self::push(&mut self.meshes, mesh).into();
+            let mesh = Self::push(&mut self.meshes, mesh);
+            match cube {
+                None => node["mesh"] = mesh.into(),
+                Some(cube) => {
+                    let shape = json!({
+                        "mesh": mesh,
+                        "translation": narrow_vector(cube.low),
+                        "scale": narrow_vector(DVec3::splat(cube.edge)),
+                    });
+                    node["children"] = json!([Self::push(&mut self.nodes, shape)]);
+                }
+            }
         }
         let index = Self::push(&mut self.nodes, node);
         // Channels only for what changes.
@@ -146,10 +179,22 @@ impl Document {
             .push(json!({ "sampler": sampler, "target": target }));
     }
 
-    fn part(&mut self, part: &ModelPart) -> Value {
+    fn part(&mut self, part: &ModelPart, cube: Option<&Cube>) -> Value {
         let narrowed = |list: &[DVec3]| list.iter().map(|v| narrow_vector(*v)).collect::<Vec<_>>();
-        let positions = self.buffer.vertices(&narrowed(&part.mesh.positions), true);
-        let normals = self.buffer.vertices(&narrowed(&part.mesh.normals), false);
+        let Mesh {
+            positions, normals, ..
+        } = &part.mesh;
+        let [positions, normals] = match cube {
+            None => [
+                self.buffer.vertices(&narrowed(positions), true),
+                self.buffer.vertices(&narrowed(normals), false),
+            ],
+            Some(cube) => {
+                let shares: Vec<_> = positions.iter().map(|p| cube.share(*p)).collect();
+                let normals: Vec<_> = normals.iter().map(|n| short_normal(*n)).collect();
+                self.buffer.quantised(&shares, &normals)
+            }
+        };
         let indices = self.buffer.indices(part.mesh.triangles.as_flattened());
         let mut material = json!({
             "pbrMetallicRoughness": {
@@ -225,6 +270,7 @@ impl Document {
 
     fn into_bytes(self, name: &str) -> Result<Vec<u8>, ExportError> {
         let uses_unlit = self.materials.iter().any(|m| !m["extensions"].is_null());
+        let has_shapes = self.materials.iter().any(|m| m["extensions"].is_null());
         let (views, accessors, binary) = self.buffer.into_parts();
         let mut json = json!({
             "asset": { "version": "2.0", "generator": concat!("mechanim ", env!("CARGO_PKG_VERSION")) },
@@ -251,11 +297,51 @@ impl Document {
         if !binary.is_empty() {
             json["buffers"] = json!([{ "byteLength": binary.len() }]);
         }
+        let mut used = Vec::new();
         if uses_unlit {
-            json["extensionsUsed"] = json!(["KHR_materials_unlit"]);
+            used.push("KHR_materials_unlit");
+        }
+        if has_shapes && self.corners == Corners::Quantised {
+            used.push(QUANTIZATION);
+            json["extensionsRequired"] = json!([QUANTIZATION]);
+        }
+        if !used.is_empty() {
+            json["extensionsUsed"] = json!(used);
         }
         glb_container(json.to_string().into_bytes(), binary, name)
     }
+}
+
+/// The cube in which the corners of a body lie, in its frame.
+struct Cube {
+    low: DVec3,
+    edge: f64,
+}
+
+impl Cube {
+    fn around(parts: &[&ModelPart]) -> Self {
+        let corners = parts.iter().flat_map(|part| &part.mesh.positions);
+        let ends = corners.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], p| {
+            [low.min(*p), high.max(*p)]
+        });
+        let edge = (ends[1] - ends[0]).max_element();
+        Self {
+            low: ends[0],
+            edge: if edge > 0.0 { edge } else { 1.0 },
+        }
+    }
+
+    /// A corner as shares of the edge.
+    fn share(&self, corner: DVec3) -> [u16; 3] {
+        let share = (corner - self.low) / self.edge * f64::from(u16::MAX);
+        share.to_array().map(|v| v.round() as u16)
+    }
+}
+
+/// A unit vector with 1 as the largest byte.
+fn short_normal(normal: DVec3) -> [i8; 3] {
+    let bytes = normal * f64::from(i8::MAX);
+    bytes.to_array().map(|v| v.round() as i8)
 }
 
 /// Header and chunks, each padded to four bytes: JSON with spaces, binary with zeros.

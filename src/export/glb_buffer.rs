@@ -5,6 +5,7 @@
 use serde_json::{Value, json};
 
 /// Types of numbers.
+const I8: u32 = 5120;
 const F32: u32 = 5126;
 const U16: u32 = 5123;
 const U32: u32 = 5125;
@@ -44,6 +45,48 @@ impl Buffer {
     /// Vectors of a mesh; positions need their bounds.
     pub(super) fn vertices(&mut self, values: &[[f32; 3]], bounds: bool) -> usize {
         self.push_floats(values, "VEC3", Some(VERTICES), bounds)
+    }
+
+    /// Corners as shares of a cube, two bytes a coordinate, and their normals, one byte a coordinate: both padded to fours.
+    pub(super) fn quantised(&mut self, shares: &[[u16; 3]], normals: &[[i8; 3]]) -> [usize; 2] {
+        let bytes: Vec<u8> = shares
+            .iter()
+            .flat_map(|[x, y, z]| [*x, *y, *z, 0].map(u16::to_le_bytes))
+            .flatten()
+            .collect();
+        let fold = |start: u16, pick: fn(u16, u16) -> u16| -> [u16; 3] {
+            std::array::from_fn(|i| shares.iter().fold(start, |end, share| pick(end, share[i])))
+        };
+        let view = self.push_rows(&bytes, 8);
+        let corners = self.push_accessor(json!({
+            "bufferView": view,
+            "componentType": U16,
+            "normalized": true,
+            "count": shares.len(),
+            "type": "VEC3",
+            "min": fold(u16::MAX, u16::min),
+            "max": fold(0, u16::max),
+        }));
+        let bytes: Vec<u8> = normals
+            .iter()
+            .flat_map(|[x, y, z]| [*x, *y, *z, 0].map(|v| v as u8))
+            .collect();
+        let view = self.push_rows(&bytes, 4);
+        let normals = self.push_accessor(json!({
+            "bufferView": view,
+            "componentType": I8,
+            "normalized": true,
+            "count": normals.len(),
+            "type": "VEC3",
+        }));
+        [corners, normals]
+    }
+
+    /// A view of vertices that begin so many bytes after each other.
+    fn push_rows(&mut self, bytes: &[u8], stride: usize) -> usize {
+        let view = self.push_view(bytes, Some(VERTICES));
+        self.views[view]["byteStride"] = stride.into();
+        view
     }
 
     /// Corners of triangles: two bytes each where all of them fit. The largest number of a type restarts a primitive.

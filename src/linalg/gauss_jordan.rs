@@ -1,7 +1,7 @@
 //! Gauss-Jordan inverses of regular square matrices, at half the cost of a QR. A nearly singular matrix is rejected and
 //! left to the factorisation that determines ranks.
 
-use super::lanes::{LaneMatrix, Lanes, clear_column, scale_lanes};
+use super::lanes::{LaneMatrix, Lanes, all_lanes, clear_column, scale_lanes};
 use wide::f64x4;
 
 /// Below this ratio of pivots the rank-revealing factorisation is used: six of sixteen digits would be lost.
@@ -164,7 +164,7 @@ fn invert_fixed<const G: usize>(
         own[group][lane] = 1.0;
         let mut pivot = [f64x4::ZERO; G];
         for (pivot, part) in pivot.iter_mut().zip(own) {
-            *pivot = f64x4::new(*part) * f64x4::splat(reciprocal);
+            *pivot = f64x4::new(*part) * all_lanes(reciprocal);
             *part = pivot.to_array();
         }
         for part in [above, below] {
@@ -200,7 +200,7 @@ fn clear_fixed<const G: usize, const K: usize>(
     let kept = f64x4::new(kept);
     for row in rows {
         // The group always exists: the number of the pivot's group is below G.
-        let factor = f64x4::splat(row[K % G][lane]);
+        let factor = all_lanes(row[K % G][lane]);
         for g in 0..G {
             let entries = f64x4::new(row[g]);
             let entries = if g == K { entries & kept } else { entries };

@@ -7,6 +7,12 @@ use wide::f64x4;
 /// Four neighbours of a row.
 pub type Lanes = [f64; 4];
 
+/// The same number in all lanes. Inlined wherever code is made for size, too: `f64x4::splat` is a sixth of a live page's time.
+#[inline(always)]
+pub fn all_lanes(value: f64) -> f64x4 {
+    f64x4::new([value; 4])
+}
+
 /// Number of groups in a row of `length` numbers.
 #[inline]
 pub fn lane_groups(length: usize) -> usize {
@@ -16,7 +22,7 @@ pub fn lane_groups(length: usize) -> usize {
 /// `target += factor · row`.
 #[inline]
 pub fn add_scaled(target: &mut [Lanes], factor: f64, row: &[Lanes]) {
-    let factor = f64x4::splat(factor);
+    let factor = all_lanes(factor);
     for (t, r) in target.iter_mut().zip(row) {
         *t = (f64x4::new(*t) + factor * f64x4::new(*r)).to_array();
     }
@@ -57,7 +63,7 @@ pub fn add_squares(sums: &mut [Lanes], row: &[Lanes]) {
 /// `target · factor`.
 #[inline]
 pub fn scale_lanes(target: &mut [Lanes], factor: f64) {
-    let factor = f64x4::splat(factor);
+    let factor = all_lanes(factor);
     for t in target {
         *t = (f64x4::new(*t) * factor).to_array();
     }
@@ -86,7 +92,7 @@ fn combine_fixed<const G: usize>(target: &mut [Lanes], factors: &[f64], rows: &[
     // The sums stay in registers.
     let mut sums = [f64x4::ZERO; G];
     for (factor, row) in factors.iter().zip(rows.as_chunks::<G>().0) {
-        let factor = f64x4::splat(*factor);
+        let factor = all_lanes(*factor);
         for g in 0..G {
             sums[g] += factor * f64x4::new(row[g]);
         }

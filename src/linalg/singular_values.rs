@@ -10,7 +10,7 @@
 //! part in every direction, so that it cannot stay with a value that has been overtaken.
 
 use super::lanes::{
-    LaneMatrix, Lanes, combine_rows, dot_lanes, lane_groups, lane_sum, scale_lanes,
+    LaneMatrix, Lanes, all_lanes, combine_rows, dot_lanes, lane_groups, lane_sum, scale_lanes,
 };
 use super::ritz_pair::RitzPair;
 use wide::f64x4;
@@ -252,7 +252,7 @@ fn multiply_fixed<const G: usize>(rows: &[Lanes], vector: &[f64], image: &mut [f
     let mut inner = [f64x4::ZERO; G];
     for (row, factor) in rows.iter().zip(vector) {
         for g in 0..G {
-            inner[g] += f64x4::new(row[g]) * f64x4::splat(*factor);
+            inner[g] += f64x4::new(row[g]) * all_lanes(*factor);
         }
     }
     for (row, y) in rows.iter().zip(image) {

@@ -47,7 +47,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
     /// For 3-D models: the largest distance between a round surface and its facets, in the scene's unit; or `picture`:
-    /// as fine as a screen can show, for much smaller files.
+    /// as fine as a screen can show, for much smaller files (a GLB then needs a reader of KHR_mesh_quantization).
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = parse_facets)]
     pub resolution: Option<Facets>,
     /// Colour red, in every frame, the bodies that come closer to each other than the scene's `[clearance]` allows.

@@ -7,7 +7,7 @@ use crate::cli::io;
 use crate::cli::open::scene::OpenScene;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
-use crate::export::glb::write_glb;
+use crate::export::glb::{Corners, write_glb};
 use crate::export::solid::{write_obj, write_stl};
 use crate::export::{Format, PendingFile};
 use crate::report::rounded::at_most_three;
@@ -46,7 +46,7 @@ pub fn write(
     match format {
         Format::Stl => write_stl(&model, output)?,
         Format::Obj => write_obj(&model, output, None)?,
-        _ => write_glb(&model, output)?,
+        _ => write_glb(&model, Corners::Full, output)?,
     };
     let unit = &opened.scene.mechanism.length_unit;
     term.note(&format!(

@@ -5,7 +5,7 @@ use crate::cli::files::sinks;
 use crate::cli::files::sinks::to_stdout;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::Failure;
-use crate::export::glb::write_glb;
+use crate::export::glb::{Corners, write_glb};
 use crate::export::solid::{Library, write_obj, write_stl};
 use crate::export::{ExportSummary, Format, PendingFile};
 use crate::kinematics::results::trajectory::Trajectory;
@@ -35,10 +35,14 @@ pub fn write_model(
     let camera = Some((staging.stage.camera, width / height));
     let model = of_motion(scene, trajectory, samples, camera, facets);
     let output = sinks::open_file(args)?;
+    let corners = match facets {
+        Facets::Picture => Corners::Quantised,
+        Facets::Tool | Facets::Within(_) => Corners::Full,
+    };
     let summary = match format {
         Format::Stl => write_stl(&model, output)?,
         Format::Obj => write_obj(&model, output, material_library(args)?)?,
-        _ => write_glb(&model, output)?,
+        _ => write_glb(&model, corners, output)?,
     };
     if let Some(left_out) = left_out(scene) {
         let name = format.name();

@@ -3,7 +3,7 @@
 //! Plain f64 arithmetic lane by lane in a fixed order.
 
 use crate::kinematics::structure::layout::{LayoutJoint, PlannedGroup};
-use crate::linalg::lanes::{Lanes, lane_sum};
+use crate::linalg::lanes::{Lanes, all_lanes, lane_sum};
 use crate::math::Pose;
 use crate::model::chain::{ArgumentValue, ElementaryMotion};
 use glam::{DMat3, DVec3};
@@ -11,14 +11,22 @@ use std::ops::{Add, AddAssign, Mul, Sub};
 use wide::f64x4;
 
 /// Four vectors: their x, their y, their z.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct Vectors(pub [f64x4; 3]);
+
+impl Default for Vectors {
+    /// Zeros; inlined wherever code is made for size, too.
+    #[inline(always)]
+    fn default() -> Self {
+        Self([f64x4::ZERO; 3])
+    }
+}
 
 impl Vectors {
     /// Four times the same vector.
     #[inline]
     pub fn splat(v: DVec3) -> Self {
-        Self([f64x4::splat(v.x), f64x4::splat(v.y), f64x4::splat(v.z)])
+        Self([all_lanes(v.x), all_lanes(v.y), all_lanes(v.z)])
     }
 
     /// From the numbers of four lanes.
@@ -47,9 +55,7 @@ impl Vectors {
     pub fn mapped(&self, by: &DMat3) -> Self {
         let [x, y, z] = self.0;
         let row = |k: usize| {
-            x * f64x4::splat(by.x_axis[k])
-                + y * f64x4::splat(by.y_axis[k])
-                + z * f64x4::splat(by.z_axis[k])
+            x * all_lanes(by.x_axis[k]) + y * all_lanes(by.y_axis[k]) + z * all_lanes(by.z_axis[k])
         };
         Self([row(0), row(1), row(2)])
     }
@@ -181,7 +187,7 @@ impl JointGroup {
         // A rotation moves the loop's end perpendicular to its arm; a translation along its axis.
         let arms = Vectors::splat(translation) - origin;
         let turn = axis.mapped(log_from_spin) * turns;
-        let shift = (axis.cross(&arms) * turns + axis * slides) * f64x4::splat(per_size);
+        let shift = (axis.cross(&arms) * turns + axis * slides) * all_lanes(per_size);
         let ([a, b, c], [d, e, f]) = (turn.0, shift.0);
         [
             a.to_array(),
@@ -224,7 +230,7 @@ impl LaneFrame {
         if let Some(turn) = &joint.turn {
             self.turn(turn);
         }
-        let axis = self.get(joint.axis) * f64x4::splat(joint.sign);
+        let axis = self.get(joint.axis) * all_lanes(joint.sign);
         (axis.to_array(), self.0[3])
     }
 
@@ -233,14 +239,11 @@ impl LaneFrame {
     pub fn pass(&mut self, joint: &LayoutJoint, value: &ArgumentValue) {
         match joint.motion {
             ElementaryMotion::Translation => {
-                let way = self.get(joint.axis) * f64x4::splat(joint.sign * value.value);
+                let way = self.get(joint.axis) * all_lanes(joint.sign * value.value);
                 self.0[3] = (self.get(3) + way).to_array();
             }
             ElementaryMotion::Rotation => {
-                let (sin, cos) = (
-                    f64x4::splat(joint.sign * value.sin),
-                    f64x4::splat(value.cos),
-                );
+                let (sin, cos) = (all_lanes(joint.sign * value.sin), all_lanes(value.cos));
                 // The axis turned about stays; the other two columns turn in their plane.
                 let (b, c) = OTHERS[joint.axis & 3];
                 let (x, y) = (self.get(b), self.get(c));
@@ -252,9 +255,7 @@ impl LaneFrame {
 
     #[inline(always)]
     fn mapped(&self, v: DVec3) -> f64x4 {
-        self.get(0) * f64x4::splat(v.x)
-            + self.get(1) * f64x4::splat(v.y)
-            + self.get(2) * f64x4::splat(v.z)
+        self.get(0) * all_lanes(v.x) + self.get(1) * all_lanes(v.y) + self.get(2) * all_lanes(v.z)
     }
 
     #[inline]

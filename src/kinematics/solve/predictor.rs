@@ -14,7 +14,7 @@ use crate::kinematics::loops::residual::residual_of;
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::layout::{BlockPlan, PlannedGroup};
 use crate::kinematics::structure::system::System;
-use crate::linalg::lanes::Lanes;
+use crate::linalg::lanes::{Lanes, all_lanes};
 use wide::f64x4;
 
 /// Highest order. One more costs a pass along the joints, one less an iteration of Newton's method.
@@ -186,7 +186,7 @@ impl GroupSeries {
         for i in 0..K {
             next.add_bracket(&self.before[i], &self.own[K - 1 - i]);
         }
-        self.own[K] = next.scaled(f64x4::splat(1.0 / K as f64));
+        self.own[K] = next.scaled(all_lanes(1.0 / K as f64));
         let mut bend = LaneTwists::default();
         for i in 1..=K {
             bend.add_scaled(&self.own[i], rate(K + 1 - i));

@@ -189,14 +189,60 @@ void main() { colour = uColour; }`;
 /** Colour of the line between the two nearest points of a pair. */
 const MARK = [0.85, 0.1, 0.1, 1];
 
+/** Milliseconds of a picture above which edges are left rough while something moves, ... */
+const MOST_MILLISECONDS = 10;
+
+/** ... and after which nothing moves any more. */
+const SETTLED = 150;
+
+/** Samples of a pixel on smooth edges. */
+const SAMPLES = 4;
+
+/** A picture with several samples a pixel, beside that of the canvas. */
+class SmoothTarget {
+  constructor(gl) {
+    this.gl = gl;
+    this.size = [0, 0];
+    this.frame = gl.createFramebuffer();
+    const kinds = [[gl.RGBA8, gl.COLOR_ATTACHMENT0], [gl.DEPTH_COMPONENT24, gl.DEPTH_ATTACHMENT]];
+    this.layers = kinds.map(([kind, place]) => ({ kind, place, buffer: gl.createRenderbuffer() }));
+    this.samples = Math.min(SAMPLES, gl.getParameter(gl.MAX_SAMPLES));
+  }
+
+  /** What is drawn from now on is drawn here. */
+  begin(width, height) {
+    const { gl } = this;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.frame);
+    if (this.size[0] === width && this.size[1] === height) return;
+    this.size = [width, height];
+    for (const { kind, place, buffer } of this.layers) {
+      gl.bindRenderbuffer(gl.RENDERBUFFER, buffer);
+      gl.renderbufferStorageMultisample(gl.RENDERBUFFER, this.samples, kind, width, height);
+      gl.framebufferRenderbuffer(gl.FRAMEBUFFER, place, gl.RENDERBUFFER, buffer);
+    }
+  }
+
+  /** Shows it on the canvas. */
+  end() {
+    const { gl, size: [width, height] } = this;
+    gl.bindFramebuffer(gl.READ_FRAMEBUFFER, this.frame);
+    gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, null);
+    gl.blitFramebuffer(0, 0, width, height, 0, 0, width, height, gl.COLOR_BUFFER_BIT, gl.NEAREST);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+  }
+}
+
 /** Draws one mechanism into one canvas. */
 class Viewer {
   /** Throws where the browser has no WebGL2. */
   constructor(canvas, model, orbit = null) {
-    const gl = canvas.getContext("webgl2", { antialias: true, alpha: true, premultipliedAlpha: false });
+    const gl = canvas.getContext("webgl2", { antialias: false, alpha: true, premultipliedAlpha: false });
     if (!gl) throw new Error("no WebGL2");
     this.canvas = canvas;
     this.gl = gl;
+    this.smooth = new SmoothTarget(gl);
+    /** How long a smooth picture takes, once it is known. */
+    this.milliseconds = null;
     this.model = model;
     this.orbit = orbit ?? new Orbit(model.camera);
     this.solid = program(gl, SOLID_VERTEX, SOLID_FRAGMENT, ["aPosition", "aNormal"]);
@@ -293,12 +339,32 @@ class Viewer {
     gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, count - 1);
   }
 
-  /** Draws a frame; `mark` is a pair of points to be joined by a line, or null. */
+  /** Draws a frame; `mark` is a pair of points to be joined by a line, or null. Where that takes long, edges are smooth only
+      once nothing moves. */
   draw(frame, mark) {
+    clearTimeout(this.settling);
+    const begun = performance.now();
+    const isSlow = this.milliseconds > MOST_MILLISECONDS;
+    this.drawEdged(frame, mark, !isSlow);
+    if (isSlow) this.settling = setTimeout(() => this.drawEdged(frame, mark, true), SETTLED);
+    if (this.milliseconds !== null) return;
+    // The second picture tells: the first one also prepares.
+    this.wait();
+    this.milliseconds = this.isPrepared ? performance.now() - begun : null;
+    this.isPrepared = true;
+  }
+
+  /** Waits until everything is drawn. */
+  wait() {
+    this.gl.readPixels(0, 0, 1, 1, this.gl.RGBA, this.gl.UNSIGNED_BYTE, new Uint8Array(4));
+  }
+
+  drawEdged(frame, mark, isSmooth) {
     const { gl, canvas } = this;
     const ratio = Math.min(window.devicePixelRatio || 1, 2);
     const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((v) => Math.max(1, Math.round(v * ratio)));
     if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
+    if (isSmooth) this.smooth.begin(width, height);
     gl.viewport(0, 0, width, height);
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
@@ -306,6 +372,7 @@ class Viewer {
     const camera = this.orbit.matrix(width / height);
     this.drawSolids(frame, camera);
     this.drawLines(camera, [width, height], ratio, mark);
+    if (isSmooth) this.smooth.end();
   }
 
   drawSolids(frame, camera) {
@@ -418,6 +485,7 @@ class Viewer {
 
   /** Gives the browser's memory back: a page may show many mechanisms, a browser few views at a time. */
   close() {
+    clearTimeout(this.settling);
     this.gl.getExtension("WEBGL_lose_context")?.loseContext();
   }
 }

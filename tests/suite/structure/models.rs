@@ -3,7 +3,7 @@
 use crate::driven::{frame_times, solve};
 use crate::program::LEAVES;
 use glam::{DMat4, DVec3, Mat4, Quat, Vec3};
-use mechanim::export::glb::write_glb;
+use mechanim::export::glb::{Corners, write_glb};
 use mechanim::export::model::ExportModel;
 use mechanim::export::solid::{write_obj, write_stl};
 use mechanim::export::{ExportError, ExportSummary, Output, PendingFile};
@@ -52,6 +52,10 @@ fn written(
     bytes
 }
 
+fn full_glb(model: &ExportModel, output: Box<dyn Output>) -> Result<ExportSummary, ExportError> {
+    write_glb(model, Corners::Full, output)
+}
+
 /// Largest distance between two rigid motions over a ball of radius `reach`.
 fn distance(a: Mat4, b: &Pose, reach: f64) -> f64 {
     let exact = DMat4::from_mat3_translation(b.rotation, b.translation);
@@ -95,7 +99,7 @@ fn tracks(document: &gltf::Document, blob: &[u8]) -> BTreeMap<String, Track> {
 fn every_key_of_a_glb_is_the_pose_of_the_trajectory() {
     for name in NAMES {
         let (scene, trajectory) = solved(name);
-        let bytes = written(&model(&scene, &trajectory), write_glb);
+        let bytes = written(&model(&scene, &trajectory), full_glb);
         let gltf::Gltf { document, blob } = gltf::Gltf::from_slice(&bytes).unwrap();
         let blob = blob.unwrap();
         let tracks = tracks(&document, &blob);
@@ -138,7 +142,7 @@ fn every_key_of_a_glb_is_the_pose_of_the_trajectory() {
 fn bounds_alignment_and_units_of_a_glb_are_as_the_format_asks() {
     let (scene, trajectory) = solved("gearshift");
     let model = model(&scene, &trajectory);
-    let bytes = written(&model, write_glb);
+    let bytes = written(&model, full_glb);
     assert_eq!((&bytes[..4], bytes.len() % 4), (&b"glTF"[..], 0));
     assert_eq!(
         u32::from_le_bytes(bytes[8..12].try_into().unwrap()) as usize,
@@ -190,6 +194,80 @@ fn bounds_alignment_and_units_of_a_glb_are_as_the_format_asks() {
     assert_eq!(scale, [1.0; 3]);
 }
 
+/// Short corners and normals of every body, read from the bytes that the accessors name, are those of the model to their rounding.
+#[test]
+fn a_quantised_glb_has_every_corner_and_normal() {
+    for name in ["gearshift", "torus-torus"] {
+        let (scene, trajectory) = solved(name);
+        let model = model(&scene, &trajectory);
+        let full = written(&model, full_glb);
+        let short = |model: &ExportModel, output| write_glb(model, Corners::Quantised, output);
+        let bytes = written(&model, short);
+        assert!(bytes.len() < 3 * full.len() / 4, "{name}");
+        // The reader does not know the extension.
+        let gltf = gltf::Gltf::from_slice_without_validation(&bytes).unwrap();
+        let required: Vec<&str> = gltf.document.extensions_required().collect();
+        assert_eq!(required, ["KHR_mesh_quantization"]);
+        let blob = gltf.blob.unwrap();
+        for body in &model.bodies {
+            let parts: Vec<_> = body
+                .parts
+                .iter()
+                .filter(|p| !p.mesh.triangles.is_empty())
+                .collect();
+            let node = gltf
+                .document
+                .nodes()
+                .find(|n| n.name() == Some(&body.name))
+                .unwrap();
+            let Some(shape) = node.children().next() else {
+                assert!(parts.is_empty(), "{}", body.name);
+                continue;
+            };
+            let (low, turn, scale) = shape.transform().decomposed();
+            assert_eq!(turn, [0.0, 0.0, 0.0, 1.0]);
+            assert!(scale[0] == scale[1] && scale[1] == scale[2]);
+            let low = DVec3::from(low.map(f64::from));
+            let edge = f64::from(scale[0]);
+            for (primitive, part) in shape.mesh().unwrap().primitives().zip(parts) {
+                let row = |semantic, k: usize| {
+                    let accessor = primitive.get(&semantic).unwrap();
+                    assert!(accessor.normalized());
+                    let view = accessor.view().unwrap();
+                    let stride = view.stride().unwrap();
+                    assert_eq!(
+                        (accessor.count(), stride % 4),
+                        (part.mesh.positions.len(), 0)
+                    );
+                    &blob[view.offset() + k * stride..][..stride]
+                };
+                for (k, (place, normal)) in part
+                    .mesh
+                    .positions
+                    .iter()
+                    .zip(&part.mesh.normals)
+                    .enumerate()
+                {
+                    let bytes = row(gltf::Semantic::Positions, k);
+                    let share =
+                        |i: usize| f64::from(u16::from_le_bytes([bytes[2 * i], bytes[2 * i + 1]]));
+                    let read = low + DVec3::new(share(0), share(1), share(2)) / 65535.0 * edge;
+                    let off = (read - *place).abs().max_element();
+                    assert!(
+                        off <= edge * (0.5 / 65535.0 + 3e-7) + low.length() * 1e-7,
+                        "{name}: {off}"
+                    );
+                    let bytes = row(gltf::Semantic::Normals, k);
+                    let read = [0, 1, 2].map(|i| f64::from(bytes[i] as i8) / 127.0);
+                    assert!(
+                        (DVec3::from(read) - *normal).abs().max_element() <= 0.5 / 127.0 + 1e-9
+                    );
+                }
+            }
+        }
+    }
+}
+
 /// Corners take two bytes where all of them fit, and no corner is the number that restarts a primitive.
 #[test]
 fn corners_of_small_and_large_meshes_are_read_back() {
@@ -206,7 +284,7 @@ fn corners_of_small_and_large_meshes_are_read_back() {
                 .collect(),
         };
         let corners = mesh.triangles.as_flattened().to_vec();
-        let bytes = written(&of_mesh(&scene, "net", mesh), write_glb);
+        let bytes = written(&of_mesh(&scene, "net", mesh), full_glb);
         let gltf::Gltf { document, blob } = gltf::Gltf::from_slice(&bytes).unwrap();
         let blob = blob.unwrap();
         let primitive = document.meshes().next().unwrap().primitives().next();
@@ -222,7 +300,7 @@ fn corners_of_small_and_large_meshes_are_read_back() {
 #[test]
 fn colours_and_paths_are_in_a_glb() {
     let (scene, trajectory) = solved("gearshift");
-    let bytes = written(&model(&scene, &trajectory), write_glb);
+    let bytes = written(&model(&scene, &trajectory), full_glb);
     let gltf::Gltf { document, blob } = gltf::Gltf::from_slice(&bytes).unwrap();
     let blob = blob.unwrap();
     let srgb = |linear: f32| {
@@ -319,7 +397,7 @@ fn nothing_is_invented_where_there_is_no_pose() {
         .position(|t| *t == trajectory.samples[back].time)
         .unwrap();
     assert!(model.times[resumed] - model.times[resumed - 1] < 1e-6);
-    assert!(gltf::Gltf::from_slice(&written(&model, write_glb)).is_ok());
+    assert!(gltf::Gltf::from_slice(&written(&model, full_glb)).is_ok());
 }
 
 fn pose(name: &str, sample: usize) -> (Scene, ExportModel) {
@@ -479,5 +557,5 @@ fn a_model_without_solids_is_no_stl() {
     }
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
     // Paths alone make a GLB.
-    assert!(gltf::Gltf::from_slice(&written(&model, write_glb)).is_ok());
+    assert!(gltf::Gltf::from_slice(&written(&model, full_glb)).is_ok());
 }

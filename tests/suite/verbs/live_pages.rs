@@ -534,10 +534,13 @@ fn a_live_page_holds_its_engine_and_a_stricter_word_for_it() {
         policy.contains(" 'wasm-unsafe-eval'; worker-src blob:; base-uri 'none'"),
         "{policy}"
     );
-    assert_eq!(policy.matches("'sha256-").count(), 4, "{policy}");
+    assert_eq!(policy.matches("'sha256-").count(), 5, "{policy}");
     assert!(!policy.contains("'unsafe"), "{policy}");
-    assert_eq!(page.matches("<script").count(), 6);
-    assert!(page.contains("<script type=\"application/octet-stream\" id=\"engine\">H4sI"));
+    assert_eq!(page.matches("<script").count(), 7);
+    for id in ["engine", "data"] {
+        let packed = format!("<script type=\"application/octet-stream\" id=\"{id}\">");
+        assert!(page.contains(&packed), "{id}");
+    }
     // The page without sliders is the same but for these.
     w.run(&["report", "four-bar", "--out", "q.html"]).exits(0);
     let still = String::from_utf8(w.read("q.html")).unwrap();

@@ -7,7 +7,7 @@ use crate::kinematics::certificate::majorant::{Root, root_within};
 use crate::kinematics::certificate::neighbourhood::BALL;
 use crate::kinematics::results::certificate::Reason;
 use crate::linalg::gauss_jordan::GaussJordan;
-use crate::linalg::lanes::{LaneMatrix, Lanes, add_scaled, lane_groups};
+use crate::linalg::lanes::{LaneMatrix, Lanes, add_scaled, all_lanes, lane_groups};
 use crate::linalg::sparse_lu::{LEAST, SparseLu};
 use crate::numbers::rounding::{GROW, U, largest_or_nan};
 use wide::f64x4;
@@ -315,9 +315,9 @@ impl Kantorovich {
             let column = row_part::<G>(column, first);
             for g in 0..G {
                 let size = column[g].abs();
-                sums[0][g] += column[g] * f64x4::splat(change.step);
-                sums[1][g] += size * f64x4::splat(change.drift);
-                sums[2][g] += size * f64x4::splat(change.own_rate);
+                sums[0][g] += column[g] * all_lanes(change.step);
+                sums[1][g] += size * all_lanes(change.drift);
+                sums[2][g] += size * all_lanes(change.own_rate);
             }
         }
         let rows = &mut self.rows;
@@ -355,7 +355,7 @@ impl Kantorovich {
         // A F and its error terms, four unknowns at a time.
         for (i, row) in self.inverse.rows().enumerate().take(all) {
             let row = row_part::<G>(row, first);
-            let [residual, for_rest, for_q, for_k] = weights.map(|list| f64x4::splat(list[i]));
+            let [residual, for_rest, for_q, for_k] = weights.map(|list| all_lanes(list[i]));
             for g in 0..G {
                 let size = row[g].abs();
                 newton[g] += row[g] * residual;
@@ -373,7 +373,7 @@ impl Kantorovich {
             let mut add = |row: &[Lanes], value: f64| {
                 let row = row_part::<G>(row, first);
                 for g in 0..G {
-                    product[g] += row[g] * f64x4::splat(value);
+                    product[g] += row[g] * all_lanes(value);
                 }
             };
             match self.entries.get(index) {

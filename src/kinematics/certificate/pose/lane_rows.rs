@@ -1,6 +1,6 @@
 //! Rows of numbers four lanes at a time: a few groups taken out, added up, put back.
 
-use crate::linalg::lanes::Lanes;
+use crate::linalg::lanes::{Lanes, all_lanes};
 use wide::f64x4;
 
 /// `G` groups of a row.
@@ -30,7 +30,7 @@ pub(super) fn add_part<const G: usize>(
     factor: f64,
 ) {
     for (lanes, group) in row[first..first + G].iter_mut().zip(add) {
-        *lanes = (f64x4::new(*lanes) + *group * f64x4::splat(factor)).to_array();
+        *lanes = (f64x4::new(*lanes) + *group * all_lanes(factor)).to_array();
     }
 }
 
@@ -38,6 +38,6 @@ pub(super) fn add_part<const G: usize>(
 #[inline(always)]
 pub(super) fn add_sizes<const G: usize>(sums: &mut [f64x4; G], groups: &[f64x4; G], factor: f64) {
     for (sum, group) in sums.iter_mut().zip(groups) {
-        *sum += group.abs() * f64x4::splat(factor);
+        *sum += group.abs() * all_lanes(factor);
     }
 }

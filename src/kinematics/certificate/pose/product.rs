@@ -4,6 +4,7 @@
 //! few of them, are exact in f64, and the rests are small enough for plain arithmetic. An entry is off by less than
 //! 2^-75 (3e-23) after a step.
 
+use crate::linalg::lanes::all_lanes;
 use crate::numbers::double_double::DoubleDouble;
 use crate::numbers::sin_cos::{GRID, SinCosFactor};
 use glam::{DMat3, DVec3};
@@ -27,9 +28,9 @@ impl Splat {
     #[inline(always)]
     fn of(factor: &SinCosFactor) -> Self {
         Self {
-            upper: f64x4::splat(factor.upper),
-            lower: f64x4::splat(factor.lower),
-            whole: f64x4::splat(factor.whole),
+            upper: all_lanes(factor.upper),
+            lower: all_lanes(factor.lower),
+            whole: all_lanes(factor.whole),
         }
     }
 }
@@ -70,7 +71,7 @@ impl ProductColumn {
     /// From an exact part and the rest.
     #[inline(always)]
     fn new(exact: f64x4, rest: f64x4) -> Self {
-        let grid = f64x4::splat(GRID);
+        let grid = all_lanes(GRID);
         let upper = (exact + grid) - grid;
         Self {
             upper,

@@ -9,6 +9,7 @@ use super::form::FormChange;
 use super::taylor_model::{
     Polynomial, TERMS, TaylorModel, Turn, polynomial_size, tail_sums, truncated_part,
 };
+use crate::linalg::lanes::all_lanes;
 use crate::model::chain::{ChainStep, ElementaryMotion};
 use crate::model::fixed::FixedPose;
 use crate::model::walk::{Carried, walk_chain};
@@ -86,7 +87,7 @@ fn squared_lengths(v: &TubeVector) -> Polynomial {
 #[inline]
 fn add_product(sum: &mut TubeVector, v: &TubeVector, factor: &Polynomial) {
     for j in 0..TERMS {
-        let factor = f64x4::splat(factor[j]);
+        let factor = all_lanes(factor[j]);
         for k in 0..TERMS - j {
             sum[j + k] += v[k] * factor;
         }
@@ -126,7 +127,7 @@ impl LoopModel {
                 joints.push(TubeJoint {
                     motion: joint.motion,
                     argument: joint.argument,
-                    axis: here.rotation[joint.axis].map(|c| c * f64x4::splat(joint.sign)),
+                    axis: here.rotation[joint.axis].map(|c| c * all_lanes(joint.sign)),
                     origin: here.translation,
                     rests: here.rests,
                 });
@@ -298,7 +299,7 @@ impl Carried for LoopModel {
         let error = pose.error;
         let old = self.rotation;
         let times = |v: [f64; 3]| -> TubeVector {
-            let v = v.map(f64x4::splat);
+            let v = v.map(all_lanes);
             std::array::from_fn(|k| old[0][k] * v[0] + old[1][k] * v[1] + old[2][k] * v[2])
         };
         let length = pose.translation.length();
