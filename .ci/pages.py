@@ -17,7 +17,7 @@ import sys
 import tempfile
 
 MOST_BYTES = 600_000
-MOST_LIVE = 2_200_000
+MOST_LIVE = 1_700_000
 MOVES = 60 if "--briefly" in sys.argv else 3000
 LOOKED_AT = ["gearshift", "seven-r", "four-bar", "twin-steer"]
 HOSTILE = """title = "</script><img src=x onerror=document.title='owned'>\u202etxt"
@@ -78,7 +78,7 @@ def judge_file(path, most=MOST_BYTES, live=False):
     assert len(page.ids) == len(set(page.ids)), f"{path}: ids are not unique"
     assert all(a.startswith("data:") for a in page.addresses), f"{path}: fetches {page.addresses}"
     assert not page.acts, f"{path}: {page.acts}"
-    assert len(page.scripts) == (3 if live else 2) and len(page.styles) == 1
+    assert len(page.scripts) == (4 if live else 2) and len(page.styles) == 1
     assert len(text.encode()) <= most, f"{path}: {len(text.encode())} bytes"
     return len(text.encode())
 

@@ -90,7 +90,7 @@ impl SeenFacets {
 
 /// Whether two facets have a vertex, and so its normal, in common.
 #[inline(always)]
-fn is_smooth(assembly: &TriangleAssembly, first: i32, second: i32) -> bool {
+pub(super) fn is_smooth(assembly: &TriangleAssembly, first: i32, second: i32) -> bool {
     let [a, b, c] = assembly.facets[first as usize].corners;
     let other = &assembly.facets[second as usize].corners;
     let shared = |v: u32| (v == other[0]) | (v == other[1]) | (v == other[2]);
@@ -174,7 +174,7 @@ impl<const G: usize> TileSamples<G> {
 
     /// Blends the translucent layers over the opaque samples, and finds the lines of the nearest surfaces of both.
     fn blend_layers(&mut self, view: &RasterView, parts: (Window, Window)) {
-        self.lay_under(parts);
+        self.lay_under(view.assembly, parts);
         let lines = self.outlines.as_ref();
         let inked =
             |pixel: usize, rgb: [f32; 3]| lines.map_or(rgb, |lines| lines.with_ink(pixel, rgb));
@@ -216,14 +216,14 @@ impl<const G: usize> TileSamples<G> {
         });
     }
 
-    fn lay_under(&mut self, parts: (Window, Window)) {
+    fn lay_under(&mut self, assembly: &TriangleAssembly, parts: (Window, Window)) {
         let (layers, cells) = (&mut self.layers, self.cells.as_slice());
         match self.pattern.samples {
-            1 => layers.lay_under(parts, |pixel| facets_of::<1, G>(cells, pixel)),
-            2 => layers.lay_under(parts, |pixel| facets_of::<2, G>(cells, pixel)),
-            4 => layers.lay_under(parts, |pixel| facets_of::<4, G>(cells, pixel)),
-            8 => layers.lay_under(parts, |pixel| facets_of::<8, G>(cells, pixel)),
-            _ => layers.lay_under(parts, |pixel| facets_of::<16, G>(cells, pixel)),
+            1 => layers.lay_under(assembly, parts, |pixel| facets_of::<1, G>(cells, pixel)),
+            2 => layers.lay_under(assembly, parts, |pixel| facets_of::<2, G>(cells, pixel)),
+            4 => layers.lay_under(assembly, parts, |pixel| facets_of::<4, G>(cells, pixel)),
+            8 => layers.lay_under(assembly, parts, |pixel| facets_of::<8, G>(cells, pixel)),
+            _ => layers.lay_under(assembly, parts, |pixel| facets_of::<16, G>(cells, pixel)),
         }
     }
 
@@ -336,7 +336,8 @@ impl<const G: usize> TileSamples<G> {
 }
 
 impl ShadingBatch {
-    /// Adds a facet in a pixel, lighting the batch when it is full.
+    /// Adds a facet in a pixel, lighting the batch when it is full. Returns its normal and the direction of the viewer; neither has
+    /// length 1.
     #[inline(always)]
     #[allow(clippy::too_many_arguments)]
     pub(super) fn add(
@@ -348,7 +349,7 @@ impl ShadingBatch {
         weight: f32,
         pixel: usize,
         colour: &mut [[f32; 3]],
-    ) {
+    ) -> [[f32; 3]; 2] {
         let facet = &view.assembly.facets[number as usize];
         let paint = &view.assembly.paints[facet.instance()];
         // Interpolated between the corners, at the centre of the pixel.
@@ -375,6 +376,7 @@ impl ShadingBatch {
         if self.is_full() {
             self.flush(&view.around, colour);
         }
+        [normal, to_viewer]
     }
 }
 

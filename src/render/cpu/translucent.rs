@@ -4,11 +4,12 @@
 //! The order is determined sample by sample, so bodies may intersect or enclose each other, and the order of the
 //! instances does not matter.
 
-use super::assembly::TileBin;
+use super::assembly::{TileBin, TriangleAssembly};
 use super::cell::{NOTHING, PixelCell};
 use super::rasterise::rasterise_block;
 use super::samples::{LANES, SamplePattern};
-use super::shading::{ShadingBatch, normal_at, unit_vector};
+use super::shading::{ShadingBatch, unit_vector};
+use super::tile::is_smooth;
 use super::view::RasterView;
 use super::window::{AREA, TILE, Window, for_inner};
 use crate::render::look::{self, Rgb};
@@ -17,22 +18,28 @@ use wide::f32x4;
 /// Ends a list of fragments.
 const NONE: u32 = u32::MAX;
 
+/// So many surfaces of a pixel are tried for another facet.
+const RECENT: usize = 2;
+
 /// A facet at a sample.
 #[derive(Clone, Copy, Debug)]
 struct Fragment {
     depth: f32,
+    facet: i32,
     /// The surface, an index into the surfaces.
     surface: u32,
     /// The next nearer one.
     next: u32,
 }
 
-/// A facet in a pixel: it is lit once for all samples there.
+/// A smooth surface in a pixel: it is lit once for all samples there, at the facet that was drawn first.
 #[derive(Clone, Copy, Debug)]
 struct LitSurface {
     facet: i32,
     pixel: u32,
     opacity: f32,
+    /// The one before it in its pixel.
+    before: u32,
 }
 
 /// The translucent fragments of one tile. Kept for its memory.
@@ -46,14 +53,17 @@ pub(super) struct Layers {
     colours: Vec<Rgb>,
     /// The opaque surface behind each sample of the pixels that are touched.
     behind: Vec<u32>,
-    touched: Vec<bool>,
+    /// The last surface of each pixel.
+    latest: Vec<u32>,
+    /// The last facet, its pixel, and its surface there.
+    last: [u32; 3],
 }
 
 impl Layers {
     /// Whether a pixel shows anything translucent.
     #[inline(always)]
     pub(super) fn touch(&self, pixel: usize) -> bool {
-        self.touched[pixel]
+        self.latest[pixel] != NONE
     }
 
     /// The nearest translucent facet at a sample and its nearness.
@@ -61,13 +71,13 @@ impl Layers {
         let mut found = None;
         let mut at = self.farthest[sample];
         while let Some(fragment) = self.fragments.get(at as usize) {
-            let surface = &self.surfaces[fragment.surface as usize];
-            found = Some((surface.facet, fragment.depth));
+            found = Some((fragment.facet, fragment.depth));
             at = fragment.next;
         }
         found
     }
 
+    #[inline(never)]
     /// Finds the fragments of a bin's translucent facets in front of the opaque samples of `cells`.
     pub(super) fn collect<const G: usize>(
         &mut self,
@@ -79,10 +89,11 @@ impl Layers {
     ) {
         self.fragments.clear();
         self.surfaces.clear();
+        self.last = [NONE; 3];
         self.farthest.clear();
         self.farthest.resize(AREA * pattern.samples, NONE);
-        self.touched.clear();
-        self.touched.resize(AREA, false);
+        self.latest.clear();
+        self.latest.resize(AREA, NONE);
         for number in &bin.translucent {
             let facet = &view.assembly.facets[*number as usize];
             let opacity = view.assembly.paints[facet.instance()].opacity;
@@ -98,29 +109,59 @@ impl Layers {
                     lanes &= lanes - 1;
                     let sample = (cell * G + g) * LANES + lane;
                     let pixel = (sample / pattern.samples) as u32;
-                    let surface = self.surface(*number as i32, pixel, opacity);
-                    self.insert(sample, depths[lane], surface);
+                    let facet = *number as i32;
+                    let surface = self.surface(view.assembly, facet, pixel, opacity);
+                    self.insert(sample, depths[lane], facet, surface);
                 }
             });
         }
     }
 
-    /// The surface of a facet in a pixel; the samples of a pixel come one after the other.
-    fn surface(&mut self, facet: i32, pixel: u32, opacity: f32) -> u32 {
-        let is_last = |s: &LitSurface| s.facet == facet && s.pixel == pixel;
-        if !self.surfaces.last().is_some_and(is_last) {
-            self.touched[pixel as usize] = true;
-            self.surfaces.push(LitSurface {
-                facet,
-                pixel,
-                opacity,
-            });
+    /// The surface of a facet in a pixel, which it shares with the facets that are smoothly connected to it.
+    fn surface(
+        &mut self,
+        assembly: &TriangleAssembly,
+        facet: i32,
+        pixel: u32,
+        opacity: f32,
+    ) -> u32 {
+        // The samples of a facet in a pixel come one after the other.
+        let [last, its_pixel, its_surface] = self.last;
+        if last == facet as u32 && its_pixel == pixel {
+            return its_surface;
         }
-        self.surfaces.len() as u32 - 1
+        let surface = self
+            .known_surface(assembly, facet, pixel)
+            .unwrap_or_else(|| {
+                let new = self.surfaces.len() as u32;
+                self.surfaces.push(LitSurface {
+                    facet,
+                    pixel,
+                    opacity,
+                    before: std::mem::replace(&mut self.latest[pixel as usize], new),
+                });
+                new
+            });
+        self.last = [facet as u32, pixel, surface];
+        surface
+    }
+
+    /// The one of the last surfaces of a pixel to which a facet belongs: its neighbours are drawn shortly before it.
+    #[inline(always)]
+    fn known_surface(&self, assembly: &TriangleAssembly, facet: i32, pixel: u32) -> Option<u32> {
+        let mut at = self.latest[pixel as usize];
+        for _ in 0..RECENT {
+            let known = self.surfaces.get(at as usize)?;
+            if known.facet == facet || is_one_side(assembly, known.facet, facet) {
+                return Some(at);
+            }
+            at = known.before;
+        }
+        None
     }
 
     /// Inserts a fragment in front of all farther ones; of equally distant ones the later is in front.
-    fn insert(&mut self, sample: usize, depth: f32, surface: u32) {
+    fn insert(&mut self, sample: usize, depth: f32, facet: i32, surface: u32) {
         // A linked list per sample, from the farthest to the nearest; equal depths keep the order of drawing.
         let new = self.fragments.len() as u32;
         let (mut before, mut next) = (NONE, self.farthest[sample]);
@@ -131,6 +172,7 @@ impl Layers {
         }
         self.fragments.push(Fragment {
             depth,
+            facet,
             surface,
             next,
         });
@@ -140,23 +182,27 @@ impl Layers {
         }
     }
 
+    #[inline(never)]
     /// Appends the opaque surfaces behind the fragments; `facets` are those of a pixel's samples.
     pub(super) fn lay_under<const S: usize>(
         &mut self,
+        assembly: &TriangleAssembly,
         (window, inner): (Window, Window),
         facets: impl Fn(usize) -> [i32; S],
     ) {
         self.behind.clear();
         self.behind.resize(AREA * S, NONE);
         for_inner(window, inner, |pixel, _, _| {
-            if self.touched[pixel] {
+            if self.touch(pixel) {
                 for (sample, facet) in facets(pixel).into_iter().enumerate() {
-                    self.behind[pixel * S + sample] = self.surface(facet, pixel as u32, 1.0);
+                    let surface = self.surface(assembly, facet, pixel as u32, 1.0);
+                    self.behind[pixel * S + sample] = surface;
                 }
             }
         });
     }
 
+    #[inline(never)]
     /// Lights all surfaces and blends the samples of the touched pixels, far to near, into `pixels`; `inked` draws the
     /// lines of the opaque surfaces over a colour in a pixel.
     pub(super) fn blend(
@@ -170,7 +216,7 @@ impl Layers {
         self.light(view, window, batch);
         let samples = self.farthest.len() / AREA;
         for_inner(window, inner, |pixel, _, _| {
-            if self.touched[pixel] {
+            if self.touch(pixel) {
                 let own = pixel * samples..(pixel + 1) * samples;
                 let mut sum = [0.0; 3];
                 // The mean over the samples, each blended from the back to the front.
@@ -196,6 +242,7 @@ impl Layers {
         rgb
     }
 
+    #[inline(never)]
     /// Colours of all surfaces, with higher opacity for those seen edge-on.
     fn light(&mut self, view: &RasterView, window: Window, batch: &mut ShadingBatch) {
         self.colours.clear();
@@ -210,21 +257,32 @@ impl Layers {
             }
             let facet = surface.facet;
             // Each surface of a pixel is lit once, whatever number of samples shows it.
-            batch.add(view, facet, x, y, 1.0, index, &mut self.colours);
+            let directions = batch.add(view, facet, x, y, 1.0, index, &mut self.colours);
             if surface.opacity < 1.0 {
-                surface.opacity = seen_opacity(view, facet as usize, x, y, surface.opacity);
+                let facet = &view.assembly.facets[facet as usize];
+                let flat = view.assembly.paints[facet.instance()].flat;
+                surface.opacity = seen_opacity(directions, flat, surface.opacity);
             }
         }
         batch.flush(&view.around, &mut self.colours);
     }
 }
 
-/// Opacity of a facet in a pixel.
-fn seen_opacity(view: &RasterView, number: usize, x: i32, y: i32, opacity: f32) -> f32 {
-    let facet = &view.assembly.facets[number];
-    let flat = view.assembly.paints[facet.instance()].flat;
-    let (normal, _) = normal_at(view.assembly, facet, view.lens, x, y);
-    let to_viewer = view.lens.viewer_from(x as f32 + 0.5, y as f32 + 0.5);
+/// Whether two facets belong to the same side of one smooth surface.
+#[inline(always)]
+fn is_one_side(assembly: &TriangleAssembly, first: i32, second: i32) -> bool {
+    let side = |number: i32| {
+        let facet = &assembly.facets[number as usize];
+        (facet.instance(), facet.side())
+    };
+    first != NOTHING
+        && second != NOTHING
+        && side(first) == side(second)
+        && is_smooth(assembly, first, second)
+}
+
+/// Opacity of a surface from its normal and the direction of the viewer; flat colours have their own.
+fn seen_opacity([normal, to_viewer]: [[f32; 3]; 2], flat: f32, opacity: f32) -> f32 {
     let cosine = look::clamp_unit(look::dot_product(
         unit_vector(normal),
         unit_vector(to_viewer),
