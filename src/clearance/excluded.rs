@@ -24,10 +24,10 @@ impl PairSweep<'_> {
         let samples = motion.samples.clone();
         let mut best = self.best_of(motion, &samples, None)?;
         if let Some(stretch) = self.lowest_middle(motion, &best) {
-            self.descend(motion, (stretch, 0.0), HALVINGS, &mut best);
+            self.descend(motion, (stretch, 0.0), [-1.0, 1.0], HALVINGS, &mut best);
         }
-        for (stretch, s) in places_of(motion, best.instant) {
-            self.descend(motion, (stretch, s), HALVINGS, &mut best);
+        for place in places_of(motion, best.instant) {
+            self.descend(motion, place, [-1.0, 1.0], HALVINGS, &mut best);
         }
         let bound = best.found.proximity.distance;
         Some(self.least(motion, &best, bound, [false; 2]))
@@ -59,17 +59,19 @@ impl PairSweep<'_> {
         place: (usize, f64),
         best: &mut NearestPose,
     ) {
-        self.descend(motion, place, FINE_HALVINGS, best);
+        self.descend(motion, place, [-1.0, 1.0], FINE_HALVINGS, best);
     }
 
-    /// Goes from a place of a stretch to lower ones.
+    /// Goes from a place of a stretch to lower ones within a part of it, down to the last of so many halvings of that part.
     pub(super) fn descend(
         &self,
         motion: &mut ProvedMotion,
         (stretch, start): (usize, f64),
+        ends: [f64; 2],
         halvings: u32,
         best: &mut NearestPose,
     ) {
+        let [low, high] = [ends[0].max(-INNERMOST), ends[1].min(INNERMOST)];
         let arguments = &motion.stretches[stretch].arguments;
         let mut track = PairTrack::new(self.hulls, &self.left_out);
         // Distances above the limit, except for rounding, are irrelevant.
@@ -81,8 +83,8 @@ impl PairSweep<'_> {
         // Compass search along the stretch, with steps that are halved.
         let (mut at, mut lowest) = (start, distance(start, f64::INFINITY));
         for halving in 1..=halvings {
-            let step = 0.5_f64.powi(halving as i32);
-            for s in [at - step, at + step].map(|s| s.clamp(-INNERMOST, INNERMOST)) {
+            let step = 0.5 * (high - low) * 0.5_f64.powi(halving as i32);
+            for s in [at - step, at + step].map(|s| s.max(low).min(high)) {
                 let value = distance(s, lowest);
                 if value < lowest {
                     (at, lowest) = (s, value);
@@ -110,8 +112,14 @@ pub(super) fn places_of(motion: &ProvedMotion, instant: usize) -> Vec<(usize, f6
     let time = motion.instants[instant].time;
     let place = |root: usize| {
         let [start, end] = motion.times(root, [-1.0, 1.0]);
-        let s = (2.0 * time - start - end) / (end - start);
-        (start <= time && time <= end && s.is_finite()).then(|| (root, s.clamp(-1.0, 1.0)))
+        let is_there = start <= time && time <= end && start < end;
+        is_there.then(|| (root, place_at(motion, root, time)))
     };
     (0..motion.roots).filter_map(place).collect()
+}
+
+/// Where a time is on a stretch; at an end of it for times before or after it.
+pub(super) fn place_at(motion: &ProvedMotion, stretch: usize, time: f64) -> f64 {
+    let [start, end] = motion.times(stretch, [-1.0, 1.0]);
+    ((2.0 * time - start - end) / (end - start)).clamp(-1.0, 1.0)
 }

@@ -4,10 +4,10 @@
 //! are the times at which the minimum is violated, to within the shortest interval.
 
 use super::branch_and_bound::split_piece;
-use super::excluded::{HALVINGS, places_of};
+use super::excluded::{HALVINGS, place_at, places_of};
 use super::look::{LookGoal, Missed, Segment};
 use super::motion::ProvedMotion;
-use super::sweep::{NearestPose, PairSweep};
+use super::sweep::PairSweep;
 use crate::distance::bodies::{enclosed_shell, nearest_bodies};
 
 /// Maximum number of intervals examined for one pair, ...
@@ -29,6 +29,9 @@ const SHORTEST: f64 = 1.0 / 1024.0;
 
 /// Rounding of times, and uncertainty of those of jumps, as a fraction of the whole motion.
 const TIMES: f64 = 1e-10;
+
+/// The way down is sought from the middles of so many pieces of an interval of violation, the lowest ones.
+const FEW: usize = 16;
 
 /// An interval in which two bodies are closer than their minimum, or may be.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,8 +60,8 @@ pub struct Violations {
 /// A piece that does not keep the minimum.
 struct Low {
     violation: Violation,
-    /// The lowest one, if it is not a sample.
-    piece: Option<Segment>,
+    /// What it was joined from, with what is known of their distances; samples are not among them.
+    pieces: Vec<(f64, Segment)>,
 }
 
 impl PairSweep<'_> {
@@ -184,8 +187,8 @@ impl PairSweep<'_> {
         false
     }
 
-    /// The lowest distance of a closed pose that is found in an interval: among the samples and the middle of the lowest
-    /// piece, and then down from the lowest of these.
+    /// The lowest distance of a closed pose that is found in an interval: among the samples and the middles of its lowest
+    /// pieces, and then down from the lowest sample and from these middles.
     fn measure_low(&self, motion: &mut ProvedMotion, low: &mut Low, goal: f64) {
         let violation = &mut low.violation;
         let within = violation.from..=violation.to;
@@ -193,29 +196,23 @@ impl PairSweep<'_> {
         let mut instants: Vec<usize> = samples
             .filter(|k| within.contains(&motion.instants[*k].time))
             .collect();
-        let piece = low.piece.as_ref().map(|p| (p.stretch, p.middle));
-        let middle = piece.and_then(|(stretch, s)| motion.pose_at(stretch, s));
-        instants.extend(middle);
+        low.pieces.sort_by(|(p, _), (q, _)| p.total_cmp(q));
+        low.pieces.truncate(FEW);
+        for (_, piece) in &low.pieces {
+            instants.extend(motion.pose_at(piece.stretch, piece.middle));
+        }
         violation.distance = f64::INFINITY;
         let Some(mut best) = self.best_of(motion, &instants, None) else {
             return;
         };
-        let places = match piece.filter(|_| middle == Some(best.instant)) {
-            Some(place) => vec![place],
-            None => places_of(motion, best.instant),
-        };
-        let mut measure = |best: &NearestPose, motion: &ProvedMotion| {
-            let time = motion.instants[best.instant].time;
-            // The way down may lead out of the interval.
-            if within.contains(&time) {
-                (violation.distance, violation.time) = (best.found.proximity.distance, time);
-            }
-        };
-        measure(&best, motion);
-        for place in places {
-            self.descend(motion, place, HALVINGS, &mut best);
+        let pieces = low.pieces.iter().map(|(_, p)| (p.stretch, p.middle));
+        let places = places_of(motion, best.instant).into_iter().chain(pieces);
+        for place in places.collect::<Vec<_>>() {
+            let ends = [violation.from, violation.to].map(|time| place_at(motion, place.0, time));
+            self.descend(motion, place, ends, HALVINGS, &mut best);
         }
-        measure(&best, motion);
+        violation.distance = best.found.proximity.distance;
+        violation.time = motion.instants[best.instant].time;
         violation.is_seen = violation.distance < goal - self.pose_slack();
     }
 }
@@ -242,17 +239,13 @@ impl Low {
                 distance,
                 time: 0.5 * (from + to),
             },
-            piece,
+            pieces: piece.map(|piece| (distance, piece)).into_iter().collect(),
         }
     }
 
     /// Takes in what follows.
     fn join(&mut self, next: Self) {
-        let (mine, theirs) = (&mut self.violation, &next.violation);
-        mine.to = mine.to.max(theirs.to);
-        if theirs.distance < mine.distance {
-            mine.distance = theirs.distance;
-            self.piece = next.piece;
-        }
+        self.violation.to = self.violation.to.max(next.violation.to);
+        self.pieces.extend(next.pieces);
     }
 }

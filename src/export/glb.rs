@@ -36,7 +36,7 @@ pub enum Corners {
     #[default]
     Full,
     /// Corners to 1/65535 of a body's extent, normals to half a degree: half the bytes, for readers of
-    /// `KHR_mesh_quantization`.
+    /// `KHR_mesh_quantization`. Bodies with very thin parts stay full.
     Quantised,
 }
 
@@ -67,6 +67,8 @@ pub fn write_glb(
 #[derive(Default)]
 struct Document {
     corners: Corners,
+    /// Whether any mesh has short numbers.
+    has_short: bool,
     buffer: Buffer,
     nodes: Vec<Value>,
     roots: Vec<usize>,
@@ -119,7 +121,11 @@ impl Document {
         let parts = body.parts.iter();
         let parts = parts.filter(|part| !part.mesh.triangles.is_empty());
         let parts: Vec<&ModelPart> = parts.collect();
-        let cube = (self.corners == Corners::Quantised).then(|| Cube::around(&parts));
+        let cube = match self.corners {
+            Corners::Full => None,
+            Corners::Quantised => Cube::around(&parts),
+        };
+        self.has_short |= cube.is_some();
         // A primitive for each part, as parts have colours of their own.
         let primitives: Vec<Value> = (parts.into_iter())
             .map(|part| self.part(part, cube.as_ref()))
@@ -270,7 +276,6 @@ impl Document {
 
     fn into_bytes(self, name: &str) -> Result<Vec<u8>, ExportError> {
         let uses_unlit = self.materials.iter().any(|m| !m["extensions"].is_null());
-        let has_shapes = self.materials.iter().any(|m| m["extensions"].is_null());
         let (views, accessors, binary) = self.buffer.into_parts();
         let mut json = json!({
             "asset": { "version": "2.0", "generator": concat!("mechanim ", env!("CARGO_PKG_VERSION")) },
@@ -301,7 +306,7 @@ impl Document {
         if uses_unlit {
             used.push("KHR_materials_unlit");
         }
-        if has_shapes && self.corners == Corners::Quantised {
+        if self.has_short {
             used.push(QUANTIZATION);
             json["extensionsRequired"] = json!([QUANTIZATION]);
         }
@@ -312,6 +317,10 @@ impl Document {
     }
 }
 
+/// Short corners are off by 1/131070 of a body's extent: of parts that are thinner than this share of it, they would be a
+/// visible part.
+const THINNEST: f64 = 1e-3;
+
 /// The cube in which the corners of a body lie, in its frame.
 struct Cube {
     low: DVec3,
@@ -319,16 +328,17 @@ struct Cube {
 }
 
 impl Cube {
-    fn around(parts: &[&ModelPart]) -> Self {
-        let corners = parts.iter().flat_map(|part| &part.mesh.positions);
-        let ends = corners.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], p| {
-            [low.min(*p), high.max(*p)]
-        });
-        let edge = (ends[1] - ends[0]).max_element();
-        Self {
-            low: ends[0],
-            edge: if edge > 0.0 { edge } else { 1.0 },
-        }
+    /// `None` for a body without extent, or with a part too thin for short numbers.
+    fn around(parts: &[&ModelPart]) -> Option<Self> {
+        let boxes: Vec<[DVec3; 2]> = parts
+            .iter()
+            .map(|part| box_of(part.mesh.positions.iter().map(|p| [*p; 2])))
+            .collect();
+        let [low, high] = box_of(boxes.iter().copied());
+        let edge = (high - low).max_element();
+        let thinnest = THINNEST * edge;
+        let is_fine = |[low, high]: &[DVec3; 2]| (*high - *low).min_element() >= thinnest;
+        (edge > 0.0 && boxes.iter().all(is_fine)).then_some(Self { low, edge })
     }
 
     /// A corner as shares of the edge.
@@ -336,6 +346,13 @@ impl Cube {
         let share = (corner - self.low) / self.edge * f64::from(u16::MAX);
         share.to_array().map(|v| v.round() as u16)
     }
+}
+
+/// The box around boxes.
+fn box_of(boxes: impl Iterator<Item = [DVec3; 2]>) -> [DVec3; 2] {
+    boxes.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |all, one| {
+        [all[0].min(one[0]), all[1].max(one[1])]
+    })
 }
 
 /// A unit vector with 1 as the largest byte.

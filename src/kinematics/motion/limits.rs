@@ -7,8 +7,9 @@
 use super::continuation::solve_motion;
 use super::input_reversals::{InputsBetween, begins_to_move, natural_size, pace_at};
 use super::sampling::is_cyclic;
+use super::value_roundings::{RESOLVED, ValueRoundings, output_roundings};
 use crate::kinematics::loops::forward::Observation;
-use crate::kinematics::loops::observed::{dependencies, observed_slots};
+use crate::kinematics::loops::observed::dependencies;
 use crate::kinematics::rates::columns::{RateColumns, RateVariable, needed_series};
 use crate::kinematics::rates::rated::fill_rated_outputs;
 use crate::kinematics::results::trajectory::{Event, EventKind, Sample, Trajectory};
@@ -17,24 +18,12 @@ use crate::kinematics::solve::pose_solver::PoseSolver;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::Mechanism;
-use crate::numbers::interval::Interval;
-use crate::numbers::rounding::OPERATION;
-use crate::numbers::scalar::Scalar;
 
 /// Fewest intervals over the motion that are searched: half a degree of a turn each.
 const INTERVALS: usize = 720;
 
-/// A rate below this fraction of its largest value is zero: a reversal on a sample.
-const ZERO: f64 = 1e-9;
-
 /// An unknown is constant if its largest rate is below this fraction of that of the inputs, all over their natural sizes.
 const STILL: f64 = 1e-10;
-
-/// An output is constant if its values differ by no more than so many times the rounding of one of them.
-const ROUNDINGS: f64 = 1e3;
-
-/// One of so many samples tells what the rounding of an output is.
-const SEEN: usize = 8;
 
 /// Inputs slower than this fraction of their largest rate are at rest.
 const RESTING: f64 = 1e-6;
@@ -49,8 +38,8 @@ const WIDTH: f64 = 1e-15;
 const APPROACH: f64 = 1.0 / 64.0;
 
 /// Towards a cusp like the tenth root a step changes the value by two thirds of what the one before did; towards a logarithm's
-/// pole by as much.
-const BOUNDED: f64 = 0.9;
+/// pole by as much, and by nearly as much where a root or a logarithm is taken of it.
+const BOUNDED: f64 = 0.8;
 
 /// First derivatives by time.
 const FIRST: RateColumns = RateColumns {
@@ -103,8 +92,7 @@ struct LimitSearch<'m> {
     needed: Vec<bool>,
     /// The largest rate of an input, over its natural size.
     pace: f64,
-    /// The rounding of every output, as it is at some samples.
-    roundings: Vec<f64>,
+    roundings: ValueRoundings<'m>,
     events: Vec<Event>,
 }
 
@@ -140,7 +128,7 @@ impl<'m> LimitSearch<'m> {
             slot: 0,
             needed: Vec::new(),
             pace: paces.fold(0.0, f64::max),
-            roundings: output_roundings(mechanism, samples),
+            roundings: ValueRoundings::new(mechanism, samples),
             rates,
             events: Vec::new(),
         }
@@ -169,7 +157,7 @@ impl<'m> LimitSearch<'m> {
         let mut still: Option<usize> = None;
         for (k, rate) in rates.iter().enumerate() {
             let rate = match *rate {
-                Some(rate) if rate.abs() > ZERO * largest => rate,
+                Some(rate) if rate.abs() > self.roundings.least_rate(quantity, k) => rate,
                 // The reversal is on this sample, or very near to it.
                 Some(0.0) => {
                     still = still.or(Some(k));
@@ -217,21 +205,10 @@ impl<'m> LimitSearch<'m> {
     /// Whether a quantity changes by no more than rounding, at this largest rate.
     fn is_constant(&self, quantity: usize, largest: f64) -> bool {
         let mechanism = self.system.mechanism();
-        let n = mechanism.unknowns.len();
-        let Some(output) = quantity.checked_sub(n) else {
-            let size = natural_size(mechanism, mechanism.unknowns[quantity].kind);
-            return largest <= STILL * self.pace * size;
-        };
-        let values = self.samples.iter().filter_map(|s| s.pose.as_ref());
-        let values = values.map(|pose| pose.outputs[output]);
-        let ends = values
-            .filter(|v| v.is_finite())
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
-                [low.min(v), high.max(v)]
-            });
-        let size = ends[0].abs().max(ends[1].abs());
-        let rounding = self.roundings[output].max(OPERATION * size);
-        ends[1] - ends[0] <= ROUNDINGS * rounding
+        match mechanism.unknowns.get(quantity) {
+            Some(unknown) => largest <= STILL * self.pace * natural_size(mechanism, unknown.kind),
+            None => self.roundings.is_constant(quantity),
+        }
     }
 
     /// A reversal at an end of the motion, unless the drive rests there: then everything does.
@@ -322,19 +299,20 @@ impl<'m> LimitSearch<'m> {
         let Some(output) = quantity.checked_sub(self.system.mechanism().unknowns.len()) else {
             return false;
         };
-        let rounding = ROUNDINGS * self.roundings[output];
+        let mechanism = self.system.mechanism();
         [samples.0, samples.1].into_iter().any(|end| {
             let whole = self.samples[end].time - time;
-            let values = [1, 2, 3].map(|k| {
+            let values = [3, 4, 5].map(|k| {
                 let near = time + whole * APPROACH.powi(k);
                 let (_, coordinates) = self.rate_at(samples, near)?;
-                Some(self.value_at(quantity, near, &coordinates))
+                let rounding = output_roundings(mechanism, &coordinates)[output];
+                Some((self.value_at(quantity, near, &coordinates), rounding))
             });
-            let [Some(far), Some(middle), Some(near)] = values else {
+            let [Some((far, _)), Some((middle, _)), Some((near, rounding))] = values else {
                 return false;
             };
             let changes = [(middle - far).abs(), (near - middle).abs()];
-            changes[1] > rounding && changes[1] > BOUNDED * changes[0]
+            changes[1] > RESOLVED * rounding && changes[1] > BOUNDED * changes[0]
         })
     }
 
@@ -393,24 +371,4 @@ impl<'m> LimitSearch<'m> {
             },
         });
     }
-}
-
-/// The largest rounding of each output at some of the samples. Terms may cancel: intervals tell what their rounding is.
-fn output_roundings(mechanism: &Mechanism, samples: &[Sample]) -> Vec<f64> {
-    let first = mechanism.coordinate_count() + 3 * mechanism.traces.len();
-    let mut roundings = vec![0.0_f64; mechanism.outputs.len()];
-    for sample in samples.iter().step_by(SEEN) {
-        let Some(pose) = &sample.pose else {
-            continue;
-        };
-        let coordinates = pose.unknowns.iter().chain(&sample.inputs);
-        let coordinates: Vec<Interval> = coordinates.map(|v| Interval::point(*v)).collect();
-        let slots = observed_slots(mechanism, &coordinates);
-        for (rounding, value) in roundings.iter_mut().zip(&slots[first..]) {
-            if value.is_finite() {
-                *rounding = rounding.max(value.hi - value.lo);
-            }
-        }
-    }
-    roundings
 }

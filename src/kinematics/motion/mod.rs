@@ -7,3 +7,4 @@ pub mod limits;
 pub mod proved;
 pub mod sampling;
 pub mod tracker;
+mod value_roundings;

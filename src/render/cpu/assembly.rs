@@ -254,6 +254,15 @@ impl TriangleAssembly {
         }
     }
 
+    /// Whether two facets have a vertex, and so its normal, in common.
+    #[inline(always)]
+    pub(super) fn is_smooth(&self, first: i32, second: i32) -> bool {
+        let [a, b, c] = self.facets[first as usize].corners;
+        let other = &self.facets[second as usize].corners;
+        let shared = |v: u32| (v == other[0]) | (v == other[1]) | (v == other[2]);
+        shared(a) | shared(b) | shared(c)
+    }
+
     /// The surface of the patch of an instance that a vertex belongs to.
     #[inline(always)]
     fn surface_of(&self, index: usize, solid: &StageMesh, vertex: u32) -> u32 {

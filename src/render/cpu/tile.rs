@@ -71,7 +71,7 @@ impl SeenFacets {
             while j < self.count {
                 let other = self.facets[j];
                 // Facets of one smooth surface are shaded as one, at the facet with most samples.
-                if first != NOTHING && other.0 != NOTHING && is_smooth(assembly, first, other.0) {
+                if first != NOTHING && other.0 != NOTHING && assembly.is_smooth(first, other.0) {
                     sum += other.1;
                     if other.1 > most.1 {
                         most = other;
@@ -88,22 +88,13 @@ impl SeenFacets {
     }
 }
 
-/// Whether two facets have a vertex, and so its normal, in common.
-#[inline(always)]
-pub(super) fn is_smooth(assembly: &TriangleAssembly, first: i32, second: i32) -> bool {
-    let [a, b, c] = assembly.facets[first as usize].corners;
-    let other = &assembly.facets[second as usize].corners;
-    let shared = |v: u32| (v == other[0]) | (v == other[1]) | (v == other[2]);
-    shared(a) | shared(b) | shared(c)
-}
-
 /// Whether all samples of a pixel show the first facet or one that is smoothly connected to it.
 #[inline(always)]
 fn one_surface<const S: usize>(assembly: &TriangleAssembly, samples: &[i32; S]) -> bool {
     let first = samples[0];
     samples[1..].iter().all(|facet| {
         *facet == first
-            || (first != NOTHING && *facet != NOTHING && is_smooth(assembly, first, *facet))
+            || (first != NOTHING && *facet != NOTHING && assembly.is_smooth(first, *facet))
     })
 }
 

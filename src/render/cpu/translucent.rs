@@ -9,7 +9,6 @@ use super::cell::{NOTHING, PixelCell};
 use super::rasterise::rasterise_block;
 use super::samples::{LANES, SamplePattern};
 use super::shading::{ShadingBatch, unit_vector};
-use super::tile::is_smooth;
 use super::view::RasterView;
 use super::window::{AREA, TILE, Window, for_inner};
 use crate::render::look::{self, Rgb};
@@ -278,7 +277,7 @@ fn is_one_side(assembly: &TriangleAssembly, first: i32, second: i32) -> bool {
     first != NOTHING
         && second != NOTHING
         && side(first) == side(second)
-        && is_smooth(assembly, first, second)
+        && assembly.is_smooth(first, second)
 }
 
 /// Opacity of a surface from its normal and the direction of the viewer; flat colours have their own.

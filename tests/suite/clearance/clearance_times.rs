@@ -95,6 +95,33 @@ fn times_are_those_of_the_formula() {
     }
 }
 
+/// Many waves between two samples: each has its own closest pose.
+#[test]
+fn the_closest_pose_of_every_wave_is_told() {
+    for (rate, deep, samples) in [
+        (17.5, 2.2, 10),
+        (9.1, 2.05, 10),
+        (19.9, 2.4, 100),
+        (19.9, 2.4, 2),
+    ] {
+        let found = times(
+            &lift(&format!("\"3 + {deep}*cos({rate}*t)\""), 0.1),
+            samples,
+        );
+        let said = format!("{rate}, {deep}, {samples}: {found:?}");
+        let waves = (0..).map(|k| (1.0 + 2.0 * f64::from(k)) * std::f64::consts::PI / rate);
+        let waves: Vec<f64> = waves.take_while(|time| *time < 2.0).collect();
+        assert_eq!(found.list.len(), waves.len(), "{said}");
+        for (violation, time) in found.list.iter().zip(waves) {
+            assert!((violation.time - time).abs() < 1e-3, "{said}");
+            assert!(
+                (violation.distance - (2.0 - deep)).abs() < 1e-3 * deep,
+                "{said}"
+            );
+        }
+    }
+}
+
 /// Solids that pass through each other, whatever the minimum: many pieces of the motion need not be halved as often as the
 /// pieces at the ends.
 #[test]
