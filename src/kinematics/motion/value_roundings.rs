@@ -4,7 +4,7 @@
 use super::input_reversals::natural_size;
 use crate::kinematics::loops::observed::observed_slots;
 use crate::kinematics::results::trajectory::{ClosedPose, Sample};
-use crate::model::mechanism::Mechanism;
+use crate::model::mechanism::{Kind, Mechanism};
 use crate::numbers::interval::Interval;
 use crate::numbers::rounding::OPERATION;
 use crate::numbers::scalar::Scalar;
@@ -42,8 +42,7 @@ impl<'m> ValueRoundings<'m> {
     fn at(&self, quantity: usize, sample: usize) -> f64 {
         let of_pose = |pose: &ClosedPose| match self.mechanism.unknowns.get(quantity) {
             Some(unknown) => {
-                let size = natural_size(self.mechanism, unknown.kind);
-                OPERATION * pose.unknowns[quantity].abs().max(size)
+                unknown_rounding(self.mechanism, unknown.kind, pose.unknowns[quantity])
             }
             None => {
                 let output = quantity - self.mechanism.unknowns.len();
@@ -78,14 +77,27 @@ impl<'m> ValueRoundings<'m> {
     }
 }
 
-/// The rounding of each output at a pose, zero where it cannot be told. Terms may cancel: intervals tell what it is.
+/// The rounding of each output at a pose, that of the unknowns included; zero where it cannot be told. Terms may cancel:
+/// intervals tell what it is.
 pub(super) fn output_roundings(mechanism: &Mechanism, coordinates: &[f64]) -> Vec<f64> {
     let first = mechanism.coordinate_count() + 3 * mechanism.traces.len();
-    let coordinates: Vec<Interval> = coordinates.iter().map(|v| Interval::point(*v)).collect();
+    let rounded = |(k, value): (usize, &f64)| match mechanism.unknowns.get(k) {
+        Some(unknown) => {
+            let rounding = unknown_rounding(mechanism, unknown.kind, *value);
+            Interval::new(value - rounding, value + rounding)
+        }
+        None => Interval::point(*value),
+    };
+    let coordinates: Vec<Interval> = coordinates.iter().enumerate().map(rounded).collect();
     let slots = observed_slots(mechanism, &coordinates);
     let width = |value: &Interval| match value.is_finite() {
         true => value.hi - value.lo,
         false => 0.0,
     };
     slots[first..].iter().map(width).collect()
+}
+
+/// The rounding of an unknown: a small angle follows from lengths and angles that are not.
+fn unknown_rounding(mechanism: &Mechanism, kind: Kind, value: f64) -> f64 {
+    OPERATION * value.abs().max(natural_size(mechanism, kind))
 }

@@ -6,7 +6,7 @@ use mechanim::diag::Source;
 
 use mechanim::kinematics::loops::observed::{dependencies, needed_slots, observed_slots};
 use mechanim::kinematics::results::trajectory::EventKind;
-use mechanim::scene::{Overrides, load_scene};
+use mechanim::scene::{Overrides, builtin, load_scene};
 
 use crate::program::Workspace;
 use crate::reference::{hard, mechanism, turned};
@@ -231,6 +231,57 @@ fn outputs_turn_back_where_their_formulas_do() {
             }
         }
     }
+}
+
+/// An output that is an unknown turns back where the unknown does, in every built-in scene.
+#[test]
+fn an_output_turns_back_with_the_unknown_that_it_is() {
+    let mut compared = 0;
+    for item in builtin::ALL {
+        let model = mechanism(&builtin::find_builtin(item.name).unwrap(), &[]);
+        let mut trajectory = solve(&model, &even_times(&model, 60)).unwrap();
+        add_limits(&model, &mut trajectory);
+        let found = |wanted: &str| {
+            let events = trajectory.events.iter();
+            let limits = events.filter_map(|event| match &event.kind {
+                EventKind::LimitPosition {
+                    name, is_largest, ..
+                } if name == wanted => Some((event.time, *is_largest)),
+                _ => None,
+            });
+            limits.collect::<Vec<_>>()
+        };
+        let poses: Vec<_> = trajectory
+            .samples
+            .iter()
+            .filter_map(|s| s.pose.as_ref())
+            .collect();
+        for (k, output) in model.outputs.iter().enumerate() {
+            let is_it = |u: usize| poses.iter().all(|pose| pose.outputs[k] == pose.unknowns[u]);
+            let Some(unknown) = (0..model.unknowns.len()).find(|u| is_it(*u)) else {
+                continue;
+            };
+            let (of_output, of_unknown) =
+                (found(&output.name), found(&model.unknowns[unknown].name));
+            assert_eq!(
+                of_output.len(),
+                of_unknown.len(),
+                "{}: {}",
+                item.name,
+                output.name
+            );
+            for (a, b) in of_output.iter().zip(&of_unknown) {
+                assert!(
+                    (a.0 - b.0).abs() < 1e-9 && a.1 == b.1,
+                    "{}: {}",
+                    item.name,
+                    output.name
+                );
+            }
+            compared += 1;
+        }
+    }
+    assert!(compared > 10, "{compared}");
 }
 
 #[test]
