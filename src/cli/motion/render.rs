@@ -17,7 +17,7 @@ use crate::cli::term::clock::Clock;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::export::Format;
 use crate::kinematics::motion::continuation::solve_until;
-use crate::kinematics::motion::sampling::{self, even_times, frame_times};
+use crate::kinematics::motion::sampling::{self, even_times, frame_rate, frame_times};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::solve::iterates::{iterate_film, record_iterates};
 use crate::kinematics::structure::system::System;
@@ -284,7 +284,7 @@ struct RenderPlan {
 impl RenderPlan {
     fn new(args: &RenderArgs, scene: &Scene, format: &Format) -> Result<Self, Failure> {
         let (mechanism, actuation) = (&scene.mechanism, &scene.actuation);
-        let fps = args.fps.unwrap_or(scene.view.fps);
+        let fps = frame_rate(actuation, args.fps.unwrap_or(scene.view.fps));
         let frames = match args.frames {
             Some(count) => even_times(mechanism, actuation, count),
             None if args.scene.table.is_some() => inputs_table::row_times(actuation),

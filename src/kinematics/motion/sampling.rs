@@ -54,12 +54,19 @@ pub fn is_cyclic(mechanism: &Mechanism, actuation: &Actuation) -> bool {
     })
 }
 
-/// Times of frames at `fps` from 0 on: the end of the drive is a frame of its own unless the drive is cyclic.
+/// Frames a second, fewer than `fps` where a motion would have more than [`MAX_SAMPLES`] of them.
+pub fn frame_rate(actuation: &Actuation, fps: f64) -> f64 {
+    fps.min(MAX_SAMPLES as f64 / actuation.duration)
+}
+
+/// Times of frames at `fps` from 0 on: the end of the drive is a frame of its own unless the drive is cyclic. A motion that is
+/// too long for that has [`MAX_SAMPLES`] frames, up to its end.
 pub fn frame_times(mechanism: &Mechanism, actuation: &Actuation, fps: f64) -> Vec<f64> {
-    let intervals = (actuation.duration * fps)
-        .round()
-        .max(1.0)
-        .min(MAX_SAMPLES as f64) as usize;
+    let intervals = (actuation.duration * fps).round().max(1.0);
+    if intervals > MAX_SAMPLES as f64 {
+        return even_times(mechanism, actuation, MAX_SAMPLES);
+    }
+    let intervals = intervals as usize;
     // The end of a cycle is its beginning.
     let count = if is_cyclic(mechanism, actuation) {
         intervals

@@ -281,3 +281,23 @@ fn regular_motions_pass_nothing_at_any_samples() {
         assert!(trajectory.events.is_empty(), "{samples}");
     }
 }
+
+/// A motion with more frames than a table has rows is sampled to its end, in fewer of them.
+#[test]
+fn long_motions_are_sampled_to_their_end() {
+    for duration in ["1", "40000", "400000", "3.1e7"] {
+        let text = format!(
+            "units = {{ length = \"mm\", angle = \"rad\" }}\nduration = {duration}\n[inputs]\nq = \"t/3\"\n[outputs]\nw = \"q\"\n"
+        );
+        let scene = scene(&text);
+        let end: f64 = duration.parse().unwrap();
+        let times = frame_times(&scene, 20.0);
+        assert_eq!((times[0], times[times.len() - 1]), (0.0, end));
+        assert!(times.len() <= 1_000_000, "{}", times.len());
+        let longest = times.windows(2).map(|w| w[1] - w[0]).fold(0.0, f64::max);
+        assert!(
+            longest <= 1.001 * f64::max(0.05, end / 999_999.0),
+            "{longest}"
+        );
+    }
+}
