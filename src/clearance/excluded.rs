@@ -72,6 +72,10 @@ impl PairSweep<'_> {
         best: &mut NearestPose,
     ) {
         let [low, high] = [ends[0].max(-INNERMOST), ends[1].min(INNERMOST)];
+        // Only an end of the stretch belongs to that part.
+        if low >= high {
+            return;
+        }
         let arguments = &motion.stretches[stretch].arguments;
         let mut track = PairTrack::new(self.hulls, &self.left_out);
         // Distances above the limit, except for rounding, are irrelevant.

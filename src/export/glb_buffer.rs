@@ -57,36 +57,28 @@ impl Buffer {
         let fold = |start: u16, pick: fn(u16, u16) -> u16| -> [u16; 3] {
             std::array::from_fn(|i| shares.iter().fold(start, |end, share| pick(end, share[i])))
         };
-        let view = self.push_rows(&bytes, 8);
-        let corners = self.push_accessor(json!({
-            "bufferView": view,
-            "componentType": U16,
-            "normalized": true,
-            "count": shares.len(),
-            "type": "VEC3",
-            "min": fold(u16::MAX, u16::min),
-            "max": fold(0, u16::max),
-        }));
+        let mut corners = self.short_vectors(&bytes, 8, U16);
+        corners["min"] = json!(fold(u16::MAX, u16::min));
+        corners["max"] = json!(fold(0, u16::max));
         let bytes: Vec<u8> = normals
             .iter()
             .flat_map(|[x, y, z]| [*x, *y, *z, 0].map(|v| v as u8))
             .collect();
-        let view = self.push_rows(&bytes, 4);
-        let normals = self.push_accessor(json!({
-            "bufferView": view,
-            "componentType": I8,
-            "normalized": true,
-            "count": normals.len(),
-            "type": "VEC3",
-        }));
-        [corners, normals]
+        let normals = self.short_vectors(&bytes, 4, I8);
+        [corners, normals].map(|accessor| self.push_accessor(accessor))
     }
 
-    /// A view of vertices that begin so many bytes after each other.
-    fn push_rows(&mut self, bytes: &[u8], stride: usize) -> usize {
+    /// The accessor of vectors whose numbers are shares of the largest one of their type and begin so many bytes after each other.
+    fn short_vectors(&mut self, bytes: &[u8], stride: usize, kind: u32) -> Value {
         let view = self.push_view(bytes, Some(VERTICES));
         self.views[view]["byteStride"] = stride.into();
-        view
+        json!({
+            "bufferView": view,
+            "componentType": kind,
+            "normalized": true,
+            "count": bytes.len() / stride,
+            "type": "VEC3",
+        })
     }
 
     /// Corners of triangles: two bytes each where all of them fit. The largest number of a type restarts a primitive.

@@ -10,7 +10,7 @@ const CHARACTERS: usize = 11;
 /// Bytes of a number.
 const BYTES: usize = 9;
 
-/// Everything is one window: the page holds all that is unpacked.
+/// The smallest window of the format. Larger ones hold everything, as the page does.
 const LEAST_WINDOW: usize = 1 << 12;
 
 /// The text of packed bytes.

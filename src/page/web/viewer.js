@@ -243,6 +243,7 @@ class Viewer {
     this.smooth = new SmoothTarget(gl);
     /** How long a smooth picture takes, once it is known. */
     this.milliseconds = null;
+    this.isPrepared = false;
     this.model = model;
     this.orbit = orbit ?? new Orbit(model.camera);
     this.solid = program(gl, SOLID_VERTEX, SOLID_FRAGMENT, ["aPosition", "aNormal"]);
@@ -343,20 +344,23 @@ class Viewer {
       once nothing moves. */
   draw(frame, mark) {
     clearTimeout(this.settling);
-    const begun = performance.now();
-    const isSlow = this.milliseconds > MOST_MILLISECONDS;
-    this.drawEdged(frame, mark, !isSlow);
-    if (isSlow) this.settling = setTimeout(() => this.drawEdged(frame, mark, true), SETTLED);
-    if (this.milliseconds !== null) return;
-    // The second picture tells: the first one also prepares.
-    this.wait();
-    this.milliseconds = this.isPrepared ? performance.now() - begun : null;
-    this.isPrepared = true;
+    if (this.milliseconds > MOST_MILLISECONDS) {
+      this.drawEdged(frame, mark, false);
+      this.settling = setTimeout(() => this.drawTimed(frame, mark), SETTLED);
+    } else if (this.milliseconds === null) {
+      this.drawTimed(frame, mark);
+    } else {
+      this.drawEdged(frame, mark, true);
+    }
   }
 
-  /** Waits until everything is drawn. */
-  wait() {
+  /** Draws a frame smoothly, waits for it, and notes how long that took; not of the first one, which also prepares. */
+  drawTimed(frame, mark) {
+    const begun = performance.now();
+    this.drawEdged(frame, mark, true);
     this.gl.readPixels(0, 0, 1, 1, this.gl.RGBA, this.gl.UNSIGNED_BYTE, new Uint8Array(4));
+    if (this.isPrepared) this.milliseconds = performance.now() - begun;
+    this.isPrepared = true;
   }
 
   drawEdged(frame, mark, isSmooth) {

@@ -76,7 +76,6 @@ impl Layers {
         found
     }
 
-    #[inline(never)]
     /// Finds the fragments of a bin's translucent facets in front of the opaque samples of `cells`.
     pub(super) fn collect<const G: usize>(
         &mut self,
@@ -181,7 +180,6 @@ impl Layers {
         }
     }
 
-    #[inline(never)]
     /// Appends the opaque surfaces behind the fragments; `facets` are those of a pixel's samples.
     pub(super) fn lay_under<const S: usize>(
         &mut self,
@@ -201,7 +199,6 @@ impl Layers {
         });
     }
 
-    #[inline(never)]
     /// Lights all surfaces and blends the samples of the touched pixels, far to near, into `pixels`; `inked` draws the
     /// lines of the opaque surfaces over a colour in a pixel.
     pub(super) fn blend(
@@ -241,7 +238,6 @@ impl Layers {
         rgb
     }
 
-    #[inline(never)]
     /// Colours of all surfaces, with higher opacity for those seen edge-on.
     fn light(&mut self, view: &RasterView, window: Window, batch: &mut ShadingBatch) {
         self.colours.clear();

@@ -33,7 +33,15 @@ fn report(scene: &Scene, samples: usize) -> ClearanceReport {
 
 fn times(text: &str, samples: usize) -> Violations {
     let report = report(&open(text), samples);
-    report.judged[0].violations.clone().unwrap()
+    let found = report.judged[0].violations.clone().unwrap();
+    for violation in &found.list {
+        let within = violation.from..=violation.to;
+        assert!(
+            within.contains(&violation.time),
+            "{text}, {samples}: {violation:?}"
+        );
+    }
+    found
 }
 
 /// Heights above contact, and when they are below half a unit; the closest pose of every such time.
@@ -118,6 +126,22 @@ fn the_closest_pose_of_every_wave_is_told() {
                 (violation.distance - (2.0 - deep)).abs() < 1e-3 * deep,
                 "{said}"
             );
+        }
+    }
+}
+
+/// At a cusp or a jump a stretch may have no more than its end in an interval.
+#[test]
+fn the_closest_pose_lies_in_its_interval() {
+    for height in [
+        "1.2 + sqrt(abs(t - 1.2345))",
+        "0.8 + 2.2*sqrt(abs(sin(1.6*t + 2.1))) + 0.3*t",
+        "1.1 + 2*abs(sin(4*t)) - floor(1.046*t)",
+        "min(1.2 + 30*abs(t - 0.7123), 1.3 + sqrt(abs(t - 1.5)))",
+    ] {
+        for samples in [2, 3, 5, 10, 50] {
+            let found = times(&lift(&format!("\"{height}\""), 0.5), samples);
+            assert!(!found.list.is_empty(), "{height}, {samples}");
         }
     }
 }

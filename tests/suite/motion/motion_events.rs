@@ -3,6 +3,7 @@
 use crate::driven::{even_times, frame_times, solve};
 use mechanim::diag::Source;
 
+use mechanim::kinematics::motion::sampling::frame_rate;
 use mechanim::kinematics::results::trajectory::{Ending, EventKind, Trajectory};
 use mechanim::kinematics::structure::block::StructureError;
 use mechanim::scene::{Overrides, Scene, load_scene};
@@ -299,5 +300,8 @@ fn long_motions_are_sampled_to_their_end() {
             longest <= 1.001 * f64::max(0.05, end / 999_999.0),
             "{longest}"
         );
+        // A film of them plays as long as the motion.
+        let plays = times.len() as f64 / frame_rate(&scene.actuation, 20.0);
+        assert!((plays / end - 1.0).abs() < 0.1, "{plays}");
     }
 }
