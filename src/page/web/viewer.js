@@ -190,7 +190,7 @@ void main() { colour = uColour; }`;
 const MARK = [0.85, 0.1, 0.1, 1];
 
 /** Milliseconds of a picture above which edges are left rough while something moves, ... */
-const MOST_MILLISECONDS = 10;
+const MOST_MILLISECONDS = 6;
 
 /** ... and after which nothing moves any more. */
 const SETTLED = 150;
