@@ -232,8 +232,9 @@ impl CutOff {
         });
         let by_run = (!self.by_run.is_empty()).then(|| {
             format!(
-                "the limit `time` cut off the search for {} pairs: the report has what was proved by then",
-                self.by_run.len()
+                "the limit `time` cut off the search for {} of {} pairs: the report has what was proved by then",
+                self.by_run.len(),
+                pairs.len()
             )
         });
         own.chain(by_run).collect()

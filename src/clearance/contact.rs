@@ -23,13 +23,13 @@ pub const BETWEEN_SAMPLES: f64 = 1e-6;
 pub const AT_LEAST: f64 = 1e-4;
 
 /// Initial number of parts of an interval for bodies in contact.
-const PIECES: u32 = 16;
+const PIECES: u32 = 2;
 
 /// How often a piece is halved whose bounds are not near enough.
-const HALVINGS: u32 = 6;
+const HALVINGS: u32 = 9;
 
 /// The same if they are as near as they must be.
-const MORE_HALVINGS: u32 = 4;
+const MORE_HALVINGS: u32 = 7;
 
 /// Stretches of this share of the motion and shorter ones are halved as often as the constants above say, longer ones once
 /// more for each time that they are twice as long: how near the bounds come does not depend on the samples.

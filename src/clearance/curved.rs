@@ -4,17 +4,19 @@
 //! torus may pass through the hole of another one.
 //!
 //! Let f be the distance from the fixed core. Along the path q + u X, -1 ≤ u ≤ 1, of a point the function
-//! f + K u² |X|²/2 is convex: for convex cores with K = 0; for a circle f is concave only inside of it, with a curvature of at
-//! most the inverse distance from its axis. So f is at least 2 f(q) - f(q ± X) - K |X|² on the path, or f(q) - K |X|².
+//! f + K u² |X|²/2 is convex: for convex cores with K = 0; for a circle f is concave only inside of it, with the curvature that
+//! [`ring_bends`] bounds. So f is at least 2 f(q) - f(q ± X) - K |X|² on the path, or f(q) - K |X|².
 
+use super::followed::{Followed, following};
 use super::meeting::Meeting;
 use super::relative::RelativeMove;
-use crate::distance::curve_bend::CurveBend;
+use crate::distance::curve_bend::{CurveBend, ring_bends};
 use crate::distance::point::{PointHit, point_to, to_circle, to_disc};
 use crate::distance::primitive::{Circle, Element, Primitive};
 use crate::distance::search::{
-    CurveSpot, Spot, angle_grid, least_between, least_on_circle, lowest_of_bent,
+    CurveSpot, Nearness, Spot, least_between, least_on_circle, lowest_of_bent,
 };
+use crate::math::sin_cos;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
@@ -40,19 +42,19 @@ impl Still<'_> {
         self.core.circle().filter(|_| !self.is_filled)
     }
 
-    /// Larger moving circles are not searched.
-    fn largest(&self) -> f64 {
-        match self.core {
-            Primitive::Circle(circle) => circle.radius,
-            _ => f64::INFINITY,
-        }
+    /// Whether a moving circle is searched: none that is larger than the fixed one.
+    fn takes(&self, moving: &Circle) -> bool {
+        let largest = self.core.circle().map_or(f64::INFINITY, |own| own.radius);
+        moving.radius > 0.0 && moving.radius <= largest
     }
 }
 
 /// Lower bound of the distance of two elements while the second one, a sphere, capsule or torus, moves; `None` for others, and
-/// where it cannot reach `goal`.
-pub fn lower_bound(meeting: &Meeting, goal: f64) -> Option<f64> {
-    let Meeting { a, moved, .. } = *meeting;
+/// where it cannot reach the first goal. It need not be better than the second.
+pub fn lower_bound(meeting: &Meeting, [goal, enough]: [f64; 2]) -> Option<f64> {
+    let moved = &following(meeting);
+    let meeting = &Meeting { moved, ..*meeting };
+    let a = meeting.a;
     let apart = meeting.found.distance + meeting.radii();
     let near = NearPart::new(meeting, apart);
     let way = moved.distance(near.ball);
@@ -61,32 +63,45 @@ pub fn lower_bound(meeting: &Meeting, goal: f64) -> Option<f64> {
         is_filled: false,
         bends: 0.0,
     };
+    let mut third = None;
     match &a.core {
         Primitive::Circle(circle) => {
-            still.is_filled = off_axis(circle, meeting.core_points()[1]) >= circle.radius;
-            if !still.is_filled {
-                // Points farther away than this cannot come closer than the nearest one.
-                let off_axis = nearest_to_axis(circle, &near.core, apart + 2.0 * way) - way;
-                if off_axis <= 0.0 {
-                    return None;
-                }
-                still.bends = off_axis.recip();
-            }
+            // Points farther away than this cannot come closer than the nearest one.
+            let off_axis = nearest_to_axis(circle, &near.core, apart + 2.0 * way) - way;
+            still.is_filled = off_axis_of(circle, meeting.core_points()[1]) >= circle.radius;
+            still.bends = match still.is_filled {
+                true => 0.0,
+                false => ring_bends(circle.radius, off_axis.max(0.0), apart - way),
+            };
+            let followed = Followed::new(circle, moved);
+            let lost = followed.lost(near.ball, off_axis, apart - way);
+            third = Some((followed, lost));
         }
         Primitive::Mesh(..) | Primitive::HalfSpace(_) => return None,
         _ => {}
     }
-    let lost = still.bends * way * way + moved.bending(near.ball) + moved.deviation(near.ball);
-    if apart - lost - meeting.radii() < goal {
+    let second = still.bends * way * way + moved.bending(near.ball) + moved.deviation(near.ball);
+    // To the order of time that loses less.
+    let third = third.filter(|(_, lost)| *lost < second && !near.is_segment());
+    let lost = third.as_ref().map_or(second, |(_, lost)| *lost);
+    if !lost.is_finite() || apart - lost - meeting.radii() < goal {
         return None;
     }
-    let lowest = match &near.core {
-        Primitive::Point(p) => of_point(&still, *p, moved)?,
-        Primitive::Segment(ends) => of_segment(&still, ends, moved),
+    let search = CoreSearch {
+        still: &still,
+        moved,
+        way,
+        enough: enough + meeting.radii() + lost,
+    };
+    let lowest = match (&near.core, &third) {
+        (Primitive::Point(p), Some((followed, _))) => followed.of_point(*p)[0],
+        (Primitive::Point(p), None) => of_point(&still, *p, moved)?,
+        (Primitive::Segment(ends), _) => search.of_segment(ends),
         // Of a small ring at a large one the least is looked for along the small one, as its distance is.
-        Primitive::Circle(circle) if circle.radius > 0.0 && circle.radius <= still.largest() => {
-            of_circle(&still, circle, moved)
-        }
+        (Primitive::Circle(circle), third) if still.takes(circle) => match third {
+            Some((followed, _)) => followed.of_circle(circle, way, search.nearness(circle.radius)),
+            None => search.of_circle(circle),
+        },
         _ => return None,
     };
     let apart = lowest.min(apart) - lost;
@@ -95,10 +110,32 @@ pub fn lower_bound(meeting: &Meeting, goal: f64) -> Option<f64> {
         a.core,
         Primitive::Box(_) | Primitive::Frustum(_) | Primitive::Triangle(_)
     );
-    if is_solid && matches!(near.core, Primitive::Segment(_)) && apart <= 0.0 {
+    if is_solid && near.is_segment() && apart <= 0.0 {
         return None;
     }
     Some(apart - meeting.radii())
+}
+
+/// Upper bound of the distance of a fixed circle from a moving point or circle: along the path of the point that is nearest in the middle;
+/// `None` for others.
+pub fn upper_bound(meeting: &Meeting) -> Option<f64> {
+    let Primitive::Circle(circle) = &meeting.a.core else {
+        return None;
+    };
+    if !matches!(meeting.b.core, Primitive::Point(_) | Primitive::Circle(_)) {
+        return None;
+    }
+    let moved = following(meeting);
+    let point = meeting.core_points()[1];
+    let ball = (moved.pose.inverse().transform_point(point), 0.0);
+    let way = moved.distance(ball);
+    let [off_axis, apart] = [
+        off_axis_of(circle, point),
+        to_circle(circle, point).distance,
+    ];
+    let followed = Followed::new(circle, &moved);
+    let high = followed.of_point(point)[1] + followed.lost(ball, off_axis - way, apart - way);
+    high.is_finite().then_some(high - meeting.radii())
 }
 
 /// The part of the moving core whose points can come closer than the nearest one: for a long rod at a ring the part
@@ -111,6 +148,10 @@ struct NearPart {
 }
 
 impl NearPart {
+    fn is_segment(&self) -> bool {
+        matches!(self.core, Primitive::Segment(_))
+    }
+
     fn new(meeting: &Meeting, apart: f64) -> Self {
         let Meeting {
             a, b, mine, moved, ..
@@ -198,36 +239,73 @@ fn lowest_part(
 }
 
 /// How far a point is from the axis of a circle.
-fn off_axis(circle: &Circle, point: DVec3) -> f64 {
+fn off_axis_of(circle: &Circle, point: DVec3) -> f64 {
     let offset = point - circle.centre;
     offset.reject_from_normalized(circle.axis).length()
 }
 
-/// No point of a core that is nearer to a circle than `limit` is nearer than this to the circle's axis. Curves are cut.
+/// Arcs of a core are halved until they are no longer than this share of the distance from the axis, or that many times.
+const FINE_ARC: f64 = 0.125;
+const ARC_HALVINGS: u32 = 4;
+
+/// The number of arcs at first.
+const ARCS: usize = 8;
+
+/// No point of a core that is nearer to a circle than `limit` is nearer than this to the circle's axis.
 fn nearest_to_axis(circle: &Circle, core: &Primitive, limit: f64) -> f64 {
-    let look = |q: DVec3| [to_circle(circle, q).distance, off_axis(circle, q)];
-    let parts = (angle_grid().len() - 1) as f64;
-    let (ends, arc): (Vec<[f64; 2]>, f64) = match core {
-        Primitive::Point(p) => return off_axis(circle, *p),
+    match core {
+        Primitive::Point(p) => off_axis_of(circle, *p),
         Primitive::Segment([from, to]) => {
-            let at = |k: usize| *from + (*to - *from) * (k as f64 / parts);
-            let ends = (0..angle_grid().len()).map(|k| look(at(k))).collect();
-            (ends, from.distance(*to) / parts)
+            let span = *to - *from;
+            nearest_arc_to_axis(circle, span.length(), limit, |t| *from + span * t)
         }
         Primitive::Circle(moving) => {
             let [x, y] = moving.directions().map(|d| d * moving.radius);
-            let at = |(sin, cos): &(f64, f64)| moving.centre + x * *cos + y * *sin;
-            let ends = angle_grid().iter().map(|place| look(at(place))).collect();
-            (ends, TAU * moving.radius / parts)
+            nearest_arc_to_axis(circle, TAU * moving.radius, limit, |t| {
+                let (sin, cos) = sin_cos(TAU * t);
+                moving.centre + x * cos + y * sin
+            })
         }
-        _ => return 0.0,
+        _ => 0.0,
+    }
+}
+
+/// The same of a curve of this length, given on [0, 1]: Lipschitz along its arcs, of which only those count that can come nearer
+/// than the limit.
+fn nearest_arc_to_axis(
+    circle: &Circle,
+    length: f64,
+    limit: f64,
+    curve: impl Fn(f64) -> DVec3,
+) -> f64 {
+    let look = |t: f64| {
+        let point = curve(t);
+        [
+            t,
+            to_circle(circle, point).distance,
+            off_axis_of(circle, point),
+        ]
     };
-    // Lipschitz along the core: only arcs that can come nearer than the limit count.
-    let near = ends.windows(2).filter_map(|pair| {
-        let [[f, first], [g, second]] = [pair[0], pair[1]];
-        (0.5 * (f + g - arc) < limit).then_some(0.5 * (first + second - arc))
-    });
-    near.fold(f64::INFINITY, f64::min)
+    let ends: [[f64; 3]; ARCS + 1] = std::array::from_fn(|k| look(k as f64 / ARCS as f64));
+    let mut open: Vec<[[f64; 3]; 2]> = ends.windows(2).map(|pair| [pair[0], pair[1]]).collect();
+    let (mut arc, mut nearest) = (length / ARCS as f64, f64::INFINITY);
+    for halving in 0..=ARC_HALVINGS {
+        let mut halves = Vec::new();
+        for [a, b] in open {
+            let sum = a[2] + b[2];
+            if 0.5 * (a[1] + b[1] - arc) >= limit {
+                continue;
+            }
+            if halving == ARC_HALVINGS || arc <= FINE_ARC * sum {
+                nearest = nearest.min(0.5 * (sum - arc));
+            } else {
+                let middle = look(0.5 * (a[0] + b[0]));
+                halves.extend([[a, middle], [middle, b]]);
+            }
+        }
+        (open, arc) = (halves, 0.5 * arc);
+    }
+    nearest
 }
 
 fn of_point(still: &Still, q: DVec3, moved: &RelativeMove) -> Option<f64> {
@@ -281,9 +359,12 @@ struct MovedBends([CurveBend; 2]);
 
 impl MovedBends {
     /// X changes along a core as fast as the spin takes its points.
-    fn new(still: &Still, moved: &RelativeMove, here: CurveBend) -> Self {
+    fn new(still: &Still, (moved, way): (&RelativeMove, f64), here: CurveBend) -> Self {
         let stretched = 1.0 + moved.spin.length();
-        Self([here, CurveBend::elsewhere(still.ring(), &here, stretched)])
+        Self([
+            here,
+            CurveBend::elsewhere(still.ring(), &here, stretched, way),
+        ])
     }
 
     /// 2 f(q) - f(q ± X) is nowhere between two places lower: f is above its tangents and below its chord, but for what it
@@ -314,36 +395,55 @@ impl MovedBends {
 /// What a search along a core may miss, in its length or radius: far less than bodies in contact are proved to.
 const MISSED: f64 = 1e-8;
 
-/// The least of 2 f(q) - f(q ± X) over the points q of a segment.
-fn of_segment(still: &Still, ends: &[DVec3; 2], moved: &RelativeMove) -> f64 {
-    let span = ends[1] - ends[0];
-    let bends = MovedBends::new(
-        still,
-        moved,
-        CurveBend::of_segment(still.ring(), span.length()),
-    );
-    let missed = MISSED * span.length();
-    let lowest = |a: &MovedSpot, b: &MovedSpot| bends.lowest_between(a, b);
-    let towards = |sign: f64| {
-        let at = |t: f64| moved_spot(still, moved, sign, t, ends[0] + span * t, span);
-        least_between([0.0, 1.0], lowest, missed, at).floor
-    };
-    towards(1.0).min(towards(-1.0))
+/// The search for the least of 2 f(q) - f(q ± X) over the points q of a core.
+struct CoreSearch<'a> {
+    still: &'a Still<'a>,
+    moved: &'a RelativeMove,
+    /// No point moves farther.
+    way: f64,
+    /// What the least need not be better than.
+    enough: f64,
 }
 
-/// The same over those of a circle. Of a circle along which f hardly changes no bound is near enough, so that what was found
-/// counts: what may be missed is then narrower than the places looked at, and no deeper than a circle leaves its chord there.
-fn of_circle(still: &Still, circle: &Circle, moved: &RelativeMove) -> f64 {
-    let [x, y] = circle.directions().map(|d| d * circle.radius);
-    let bends = MovedBends::new(still, moved, CurveBend::of_circle(still.ring(), circle));
-    let missed = MISSED * circle.radius;
-    let lowest = |a: &MovedSpot, b: &MovedSpot| bends.lowest_between(a, b);
-    let towards = |sign: f64| {
-        let at = |angle: f64, (sin, cos): (f64, f64)| {
-            let (q, tangent) = (circle.centre + x * cos + y * sin, y * cos - x * sin);
-            moved_spot(still, moved, sign, angle, q, tangent)
+impl CoreSearch<'_> {
+    /// Along a core of this length or radius.
+    fn nearness(&self, size: f64) -> Nearness {
+        Nearness {
+            tolerance: MISSED * size,
+            enough: self.enough,
+        }
+    }
+
+    fn bends(&self, here: CurveBend) -> MovedBends {
+        MovedBends::new(self.still, (self.moved, self.way), here)
+    }
+
+    /// On a segment.
+    fn of_segment(&self, ends: &[DVec3; 2]) -> f64 {
+        let Self { still, moved, .. } = *self;
+        let span = ends[1] - ends[0];
+        let bends = self.bends(CurveBend::of_segment(still.ring(), span.length()));
+        let lowest = |a: &MovedSpot, b: &MovedSpot| bends.lowest_between(a, b);
+        let towards = |sign: f64| {
+            let at = |t: f64| moved_spot(still, moved, sign, t, ends[0] + span * t, span);
+            least_between([0.0, 1.0], lowest, self.nearness(span.length()), at).floor
         };
-        least_on_circle(lowest, missed, at).spot.value - missed
-    };
-    towards(1.0).min(towards(-1.0))
+        towards(1.0).min(towards(-1.0))
+    }
+
+    /// On a circle.
+    fn of_circle(&self, circle: &Circle) -> f64 {
+        let Self { still, moved, .. } = *self;
+        let [x, y] = circle.directions().map(|d| d * circle.radius);
+        let bends = self.bends(CurveBend::of_circle(still.ring(), circle));
+        let lowest = |a: &MovedSpot, b: &MovedSpot| bends.lowest_between(a, b);
+        let towards = |sign: f64| {
+            let at = |angle: f64, (sin, cos): (f64, f64)| {
+                let (q, tangent) = (circle.centre + x * cos + y * sin, y * cos - x * sin);
+                moved_spot(still, moved, sign, angle, q, tangent)
+            };
+            least_on_circle(lowest, self.nearness(circle.radius), at).floor
+        };
+        towards(1.0).min(towards(-1.0))
+    }
 }

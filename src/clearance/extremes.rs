@@ -25,6 +25,20 @@ const OVERLAP: f64 = 1e-9;
 /// Parts are not halved below this share of the time, or of a second: jumps are known no better.
 const NARROWEST: f64 = 1e-12;
 
+/// A remainder of which halves of a tube keep more than this share is rounding: what comes from the motion goes with the
+/// first power of the time at least.
+const KEPT: f64 = 0.6;
+
+/// So many halvings in a row must have kept the remainder: at a jump in the very middle of a tube both halves keep it once.
+const KEEPING: u32 = 2;
+
+/// The same of bounds that are farther from the best value than [`NEAR`]: several kinks and jumps in one tube keep it as long as they
+/// are not parted, tubes that are too long for their proof as long as they are.
+const KEEPING_FAR: u32 = 12;
+
+/// What rounding may do, as a share like [`SHARE`], without large numbers that cancel.
+const NEAR: f64 = 1e-6;
+
 /// Steps of the golden section that settle the value: each takes 0.6 of the width, and the value goes with its square.
 const SETTLING: u32 = 40;
 
@@ -42,6 +56,8 @@ pub struct Greatest {
     pub bound: f64,
     /// Whether the bound is proved, for the whole motion.
     pub is_certified: bool,
+    /// How many parts of the motion were examined.
+    pub parts: usize,
 }
 
 impl Greatest {
@@ -55,6 +71,7 @@ impl Greatest {
         Self {
             bound: self.bound.max(other.bound),
             is_certified: self.is_certified && other.is_certified,
+            parts: self.parts + other.parts,
             ..greater
         }
     }
@@ -66,6 +83,7 @@ impl Greatest {
             time: None,
             bound: (Interval::point(self.bound) + Interval::point(other.bound)).hi,
             is_certified: self.is_certified && other.is_certified,
+            parts: self.parts + other.parts,
         }
     }
 }
@@ -76,6 +94,11 @@ struct StretchPart {
     stretch: usize,
     from: f64,
     to: f64,
+    /// What the bound owes to slope and curvature, and to the remainder of the tube.
+    moves: f64,
+    off: f64,
+    /// How many halvings of the tube in a row have kept the remainder.
+    keeping: u32,
 }
 
 impl PartialEq for StretchPart {
@@ -111,6 +134,7 @@ struct ExtremeSearch<'a, 'm> {
     least: f64,
     /// What is bounded no better.
     stuck: f64,
+    examined: usize,
 }
 
 /// The best pose, and the part that it was found in.
@@ -137,6 +161,7 @@ pub fn greatest(motion: &mut ProvedMotion, formula: &Expression, sign: f64) -> O
         best: None,
         least: f64::INFINITY,
         stuck: f64::NEG_INFINITY,
+        examined: 0,
     };
     // From below: the best value at a sampled pose.
     search.look_at_samples()?;
@@ -144,13 +169,14 @@ pub fn greatest(motion: &mut ProvedMotion, formula: &Expression, sign: f64) -> O
     let bound = search.bound()?;
     // Golden section in the part of the best pose; it raises the value and leaves the bound.
     search.settle();
-    let best = search.best?;
+    let (best, parts) = (search.best?, search.examined);
     motion.forget(kept);
     Some(Greatest {
         value: best.value,
         time: Some(best.time),
         bound: bound.max(best.value),
         is_certified: is_certified && bound.is_finite(),
+        parts,
     })
 }
 
@@ -182,7 +208,7 @@ impl ExtremeSearch<'_, '_> {
     /// What the formula does not exceed.
     fn bound(&mut self) -> Option<f64> {
         for stretch in 0..self.motion.roots {
-            self.push(stretch, -1.0, 1.0);
+            self.push(stretch, [-1.0, 1.0], 0);
         }
         for _ in 0..MOST_PARTS {
             if self.motion.is_late() {
@@ -197,6 +223,7 @@ impl ExtremeSearch<'_, '_> {
             if top.bound <= best + enough {
                 return Some(top.bound.max(self.stuck));
             }
+            self.examined += 1;
             self.part(&top);
         }
         let rest = self
@@ -215,31 +242,51 @@ impl ExtremeSearch<'_, '_> {
         if let Some(instant) = self.motion.pose_at(stretch, middle) {
             self.look_at(instant, Some((stretch, from, to)));
         }
-        let Some(model) = self.models.get(&stretch) else {
-            return;
-        };
-        let around = model.around(middle, 0.5 * (to - from));
-        let moves = around.way.abs() + around.bend.abs();
         let [start, end] = self.motion.times(stretch, [from, to]);
-        if end - start <= NARROWEST * end.abs().max(1.0) {
+        let is_narrow = end - start <= NARROWEST * end.abs().max(1.0);
+        if is_narrow || self.is_rounding(part) {
             self.stuck = self.stuck.max(part.bound);
         // Halving helps as long as the motion itself opens the bound; else the tube must get thinner.
-        } else if moves > around.off && to - from > OPERATION {
-            self.push(stretch, from, middle);
-            self.push(stretch, middle, to);
+        } else if part.moves > part.off && to - from > OPERATION {
+            self.push(stretch, [from, middle], part.keeping);
+            self.push(stretch, [middle, to], part.keeping);
         } else if let Some(halves) = self.motion.halves(stretch) {
-            for (half, shift) in halves.into_iter().zip([1.0, -1.0]) {
+            let of_halves = halves.into_iter().zip([1.0, -1.0]);
+            let thinner = of_halves.map(|(half, shift)| {
                 let [from, to] = [2.0 * from + shift - OVERLAP, 2.0 * to + shift + OVERLAP];
-                self.push(half, from.max(-1.0), to.min(1.0));
-            }
+                self.bounded(half, [from.max(-1.0), to.min(1.0)])
+            });
+            let thinner: Vec<StretchPart> = thinner.flatten().collect();
+            let has_kept = |half: &StretchPart| half.off > KEPT * part.off;
+            let keeping = match thinner.iter().all(has_kept) {
+                true => part.keeping + 1,
+                false => 0,
+            };
+            let kept = thinner.into_iter();
+            self.parts
+                .extend(kept.map(|half| StretchPart { keeping, ..half }));
         } else {
             self.stuck = self.stuck.max(part.bound);
         }
     }
 
-    fn push(&mut self, stretch: usize, from: f64, to: f64) {
+    /// Whether halving the tube is of no more use: what remains is rounding.
+    fn is_rounding(&self, part: &StretchPart) -> bool {
+        let best = self.best.map_or(f64::INFINITY, |best| best.value);
+        let is_near = part.bound - best <= NEAR * (best - self.least).max(best.abs());
+        part.keeping >= if is_near { KEEPING } else { KEEPING_FAR }
+    }
+
+    fn push(&mut self, stretch: usize, span: [f64; 2], keeping: u32) {
+        let part = self.bounded(stretch, span);
+        self.parts
+            .extend(part.map(|part| StretchPart { keeping, ..part }));
+    }
+
+    /// What the formula does not exceed in a part of a stretch; `None` of a part of no width.
+    fn bounded(&mut self, stretch: usize, [from, to]: [f64; 2]) -> Option<StretchPart> {
         if from >= to {
-            return;
+            return None;
         }
         let model = match self.models.get(&stretch) {
             Some(model) => *model,
@@ -255,13 +302,15 @@ impl ExtremeSearch<'_, '_> {
         let add = |sum: Interval, part: &f64| sum + Interval::point(*part);
         // Value in the middle plus slope, second-order term and remainder over half the part.
         let bound = moves.iter().fold(Interval::point(around.value), add).hi;
-        let bound = if bound.is_nan() { f64::INFINITY } else { bound };
-        self.parts.push(StretchPart {
-            bound,
+        Some(StretchPart {
+            bound: if bound.is_nan() { f64::INFINITY } else { bound },
             stretch,
             from,
             to,
-        });
+            moves: around.way.abs() + around.bend.abs(),
+            off: around.off,
+            keeping: 0,
+        })
     }
 
     /// Finds the greatest value in the part of the best pose to all digits: a golden section.

@@ -11,6 +11,18 @@ use glam::DVec3;
 impl Meeting<'_> {
     /// Lower bound of the distance. Work stops when it reaches the second goal, or cannot reach the first.
     pub fn below(&self, goals: [f64; 2]) -> f64 {
+        let lowest = self.below_planes(goals);
+        let is_ring = |core: &Primitive| matches!(core, Primitive::Circle(_));
+        // No plane separates a body inside a ring from the ring.
+        if lowest < goals[0] && (is_ring(&self.a.core) || is_ring(&self.b.core)) {
+            let low = curved::lower_bound(self, [goals[0]; 2]);
+            return low.map_or(lowest, |low| lowest.max(low));
+        }
+        lowest
+    }
+
+    /// The same from planes between the elements.
+    fn below_planes(&self, goals: [f64; 2]) -> f64 {
         let plain = self.found.distance - self.moved.distance(self.mine.bounds());
         let is = |kind: fn(&Primitive) -> bool| kind(&self.a.core) || kind(&self.b.core);
         // A half-space is as far from a mesh as from its hull.
@@ -27,11 +39,6 @@ impl Meeting<'_> {
                 let gap = slab.gap(goals[0], supports);
                 lowest = gap.map_or(lowest, |gap| lowest.max(gap));
             }
-        }
-        // No plane separates a body inside a ring from the ring.
-        if lowest < goals[0] && is(|core| matches!(core, Primitive::Circle(_))) {
-            let low = curved::lower_bound(self, goals[0]);
-            lowest = low.map_or(lowest, |low| lowest.max(low));
         }
         lowest
     }
@@ -83,8 +90,9 @@ impl Meeting<'_> {
 
     /// The same for bodies in contact, where it pays to look more closely: how surfaces slide along each other counts too.
     pub fn below_in_contact(&self, enough: f64) -> f64 {
-        let flat = self.below([enough; 2]);
-        curved::lower_bound(self, f64::NEG_INFINITY).map_or(flat, |low| flat.max(low))
+        let flat = self.below_planes([enough; 2]);
+        let goals = [f64::NEG_INFINITY, enough];
+        curved::lower_bound(self, goals).map_or(flat, |low| flat.max(low))
     }
 
     /// Upper bound of the distance: that of the points that were nearest.
@@ -102,6 +110,7 @@ impl Meeting<'_> {
                 .min(linear),
         };
         let high = linear + self.beyond_linear() - self.radii();
+        let high = curved::upper_bound(self).map_or(high, |curved| high.min(curved));
         // Contact with a mesh counts as zero, not as a depth.
         let is = |kind: fn(&Primitive) -> bool| kind(&self.a.core) || kind(&self.b.core);
         let has_no_depth = is(|core| matches!(core, Primitive::Mesh(..)));
@@ -162,6 +171,28 @@ mod tests {
             }
         }
 
+        /// Three joints that move.
+        fn motion(&mut self) -> (RelativeChain, [TaylorModel; 3]) {
+            let fixed = [0; 4].map(|_| ChainStep::Fixed(self.pose(1.0).into()));
+            let chain = Chain {
+                steps: vec![
+                    fixed[0],
+                    joint(ElementaryMotion::Rotation, 2, 0),
+                    fixed[1],
+                    joint(ElementaryMotion::Translation, 0, 1),
+                    fixed[2],
+                    joint(ElementaryMotion::Rotation, 1, 2),
+                    fixed[3],
+                ],
+            };
+            let models = [0; 3].map(|_| {
+                let mut model = TaylorModel::constant(self.next());
+                (model.c[1], model.c[2]) = (self.next(), 0.3 * self.next());
+                model
+            });
+            (RelativeChain::new(&Chain::default(), &chain), models)
+        }
+
         fn element(&mut self, kind: usize) -> Element {
             let size = 1.0 + 0.5 * self.next();
             let (axis, centre, from) = (DVec3::Z, DVec3::ZERO, DVec3::ZERO);
@@ -200,6 +231,11 @@ mod tests {
         }
     }
 
+    /// The pose of a motion at a place.
+    fn pose_at(chain: &RelativeChain, models: &[TaylorModel; 3], s: f64) -> Pose {
+        chain.pose(&models.map(|m| ArgumentValue::new(m.c[0] + s * (m.c[1] + s * m.c[2]))))
+    }
+
     fn joint(motion: ElementaryMotion, axis: usize, argument: usize) -> ChainStep {
         ChainStep::Joint {
             motion,
@@ -218,24 +254,7 @@ mod tests {
             let kinds = [0, 1, 2, 3, 4, 5, 6, 7, 7];
             let (kind, moving) = (kinds[round % 9], [0, 1, 2, 3, 4, 5, 7][round / 9 % 7]);
             let (a, mine) = (draws.element(kind), draws.element(moving));
-            let fixed = [0; 4].map(|_| ChainStep::Fixed(draws.pose(1.0).into()));
-            let chain = Chain {
-                steps: vec![
-                    fixed[0],
-                    joint(ElementaryMotion::Rotation, 2, 0),
-                    fixed[1],
-                    joint(ElementaryMotion::Translation, 0, 1),
-                    fixed[2],
-                    joint(ElementaryMotion::Rotation, 1, 2),
-                    fixed[3],
-                ],
-            };
-            let chain = RelativeChain::new(&Chain::default(), &chain);
-            let models = [0; 3].map(|_| {
-                let mut model = TaylorModel::constant(draws.next());
-                (model.c[1], model.c[2]) = (draws.next(), 0.3 * draws.next());
-                model
-            });
+            let (chain, models) = draws.motion();
             let (s, half) = (0.5 * draws.next(), [0.4, 0.1, 0.01][round % 3]);
             let moved = chain.around(&models, s, half);
             let b = mine.moved(&moved.pose);
@@ -260,13 +279,12 @@ mod tests {
                 .count();
             let plain = found.distance - moved.distance(mine.bounds());
             assert!(low >= plain && low <= found.distance);
-            let of_curve = curved::lower_bound(&meeting, f64::NEG_INFINITY);
+            let of_curve = curved::lower_bound(&meeting, [f64::NEG_INFINITY, f64::INFINITY]);
             let mut least = f64::INFINITY;
             for step in -8..=8 {
                 let there = s + half * f64::from(step) / 8.0;
-                let values =
-                    models.map(|m| ArgumentValue::new(m.c[0] + there * (m.c[1] + there * m.c[2])));
-                let d = signed_distance(&a, &mine.moved(&chain.pose(&values))).distance;
+                let there = pose_at(&chain, &models, there);
+                let d = signed_distance(&a, &mine.moved(&there)).distance;
                 least = least.min(d);
                 assert!(parts.is_none_or(|low| low <= d + 1e-12), "{parts:?} > {d}");
                 assert!(
@@ -287,5 +305,42 @@ mod tests {
         // The error is quadratic in the displacement.
         assert!(near[1] > 9 * near[0], "{near:?}");
         assert!(gained[0] > 4000 && gained[1] > 20, "{gained:?}");
+    }
+
+    /// Points and circles beside circles: both bounds of the distance lose with the third power of the time.
+    #[test]
+    fn bounds_beside_circles_are_of_third_order() {
+        let mut draws = Draws(11);
+        let mut gains = [Vec::new(), Vec::new()];
+        for round in 0..400 {
+            let (a, mine) = (draws.element(3), draws.element([0, 2][round % 2]));
+            let (chain, models) = draws.motion();
+            // Apart, as the centre lines of bodies in contact are.
+            let a = a.moved(&Pose::from_translation(draws.vector(20.0)));
+            let lost = [0.04, 0.02].map(|half| {
+                let moved = chain.around(&models, 0.0, half);
+                let b = mine.moved(&moved.pose);
+                let meeting = Meeting::new(&a, &b, &mine, &moved);
+                let steps = (-32..=32).map(|step| {
+                    let there = pose_at(&chain, &models, half * f64::from(step) / 32.0);
+                    signed_distance(&a, &mine.moved(&there)).distance
+                });
+                let [least, most] = steps.fold([f64::INFINITY, f64::NEG_INFINITY], |ends, d| {
+                    [ends[0].min(d), ends[1].max(d)]
+                });
+                let low = curved::lower_bound(&meeting, [f64::NEG_INFINITY, f64::INFINITY])
+                    .unwrap_or(f64::NAN);
+                [least - low, meeting.above() - most]
+            });
+            for k in 0..2 {
+                assert!(lost[0][k] > -1e-12 && lost[1][k] > -1e-12, "{lost:?}");
+                gains[k].push(lost[0][k] / lost[1][k]);
+            }
+        }
+        for gains in &mut gains {
+            gains.sort_by(f64::total_cmp);
+            let middle = gains[gains.len() / 2];
+            assert!(middle > 6.0, "{middle}");
+        }
     }
 }

@@ -20,7 +20,7 @@ const SLACK: f64 = 1e-9;
 pub struct BoundedMeasure {
     /// Found at solved poses, in internal units.
     pub value: f64,
-    /// Its bound, if certified; never on the other side of the value.
+    /// Its bound, if certified; never on the other side of the value. Infinite where parts of the motion are unknown.
     pub bound: f64,
     /// Whether the bound is above the value: of all but minima.
     pub is_upper: bool,
@@ -30,6 +30,8 @@ pub struct BoundedMeasure {
     pub is_certified: bool,
     /// Whether the motion has a pose at all times; nothing is known about times without one.
     pub is_whole: bool,
+    /// Whether the time of the run ended the search: more of it gives a nearer bound.
+    pub is_cut_off: bool,
     /// How far value and bound may exceed a limit that holds: rounding of the poses.
     pub slack: f64,
     /// One body is inside the other somewhere: the distance alone is not sufficient.
@@ -50,6 +52,21 @@ pub fn known(
     measure: &Measure,
     tolerance: f64,
 ) -> Option<BoundedMeasure> {
+    let found = bounded(motion, measure, tolerance)?;
+    let bound = match (motion.gaps.is_empty(), found.is_upper) {
+        (true, _) => found.bound,
+        (false, true) => f64::INFINITY,
+        (false, false) => f64::NEG_INFINITY,
+    };
+    Some(BoundedMeasure {
+        bound,
+        is_cut_off: std::mem::take(&mut motion.is_cut_off),
+        ..found
+    })
+}
+
+/// The same over what is known of the motion.
+fn bounded(motion: &mut ProvedMotion, measure: &Measure, tolerance: f64) -> Option<BoundedMeasure> {
     let mechanism = motion.system.mechanism();
     if let Some(distance) = distance_of(mechanism, measure) {
         return least_distance(motion, distance, measure.min.unwrap_or(0.0), tolerance);
@@ -75,6 +92,7 @@ pub fn known(
         time: found.time,
         is_certified: found.is_certified,
         is_whole: motion.gaps.is_empty(),
+        is_cut_off: false,
         slack: SLACK * found.value.abs().max(unit),
         is_enclosed: false,
         is_distance: false,
@@ -173,6 +191,7 @@ fn of_pair(
         time: Some(time),
         is_certified,
         is_whole: motion.gaps.is_empty(),
+        is_cut_off: false,
         slack: sweep.slack(),
         is_enclosed,
         is_distance: true,

@@ -13,6 +13,7 @@ mod covering;
 mod curved;
 mod excluded;
 pub mod extremes;
+mod followed;
 mod found;
 mod gap;
 pub mod inputs_box;

@@ -255,7 +255,7 @@ impl<'m> ProvedMotion<'m> {
     }
 
     /// Whether a search has to end with what it has proved so far; this is remembered.
-    pub(super) fn is_late(&mut self) -> bool {
+    pub fn is_late(&mut self) -> bool {
         let is_late = self.until.is_over();
         self.is_cut_off |= is_late;
         is_late

@@ -1,7 +1,8 @@
 //! Motion of the points of one body relative to another one, around the middle of a time interval.
 
+use crate::distance::primitive::Circle;
 use crate::kinematics::certificate::tube::TaylorModel;
-use crate::math::Pose;
+use crate::math::{Pose, skew_matrix};
 use crate::model::chain::{ArgumentValue, Chain, ChainStep, ElementaryMotion};
 use crate::model::fixed::FixedPose;
 use crate::model::walk::{Carried, walk_chain};
@@ -40,11 +41,6 @@ fn operator_norm(m: &DMat3) -> f64 {
     m.to_cols_array().iter().map(|v| v * v).sum::<f64>().sqrt()
 }
 
-/// The matrix of v ×.
-fn cross_matrix(v: DVec3) -> DMat3 {
-    DMat3::from_cols(v.cross(DVec3::X), v.cross(DVec3::Y), v.cross(DVec3::Z))
-}
-
 /// The matrix of a × (b ×).
 fn cross_twice(a: DVec3, b: DVec3) -> DMat3 {
     let along = a.dot(b);
@@ -68,6 +64,36 @@ impl RelativeMove {
         self.shift + self.spin.cross(point)
     }
 
+    /// Y of a point in a's frame.
+    pub fn bend_of(&self, point: DVec3) -> DVec3 {
+        self.bend + self.twist * point
+    }
+
+    /// Norms of the linear parts of X and Y.
+    pub fn turning(&self) -> [f64; 2] {
+        self.turning
+    }
+
+    /// The same motion of a circle (in a's frame) that also turns about its own axis, by `turn` times u: the set of its points
+    /// moves as before.
+    pub fn with_own_turn(&self, circle: &Circle, turn: f64) -> Self {
+        // The point c + r turns to c + r + u ω × r + u² ω × (ω × r) / 2, which X and Y move.
+        let own = circle.axis * turn;
+        let second = skew_matrix(self.spin) * skew_matrix(own) + cross_twice(own, own) * 0.5;
+        let (spin, twist) = (self.spin + own, self.twist + second);
+        let (angle, [speed, bending]) = (turn.abs(), self.turning);
+        let third = angle.powi(3) / 6.0 + 0.5 * speed * angle * angle + bending * angle;
+        Self {
+            shift: self.shift - own.cross(circle.centre),
+            spin,
+            bend: self.bend - second * circle.centre,
+            twist,
+            turning: [spin.length(), operator_norm(&twist)],
+            off: self.off + third * circle.radius * (1.0 + 1e-12),
+            ..*self
+        }
+    }
+
     /// Nothing of a ball of b (centre and radius in b's frame) deviates from the two terms by more.
     pub fn deviation(&self, (centre, radius): (DVec3, f64)) -> f64 {
         (self.off + rate_times(self.off_by_reach, centre.length() + radius)) * (1.0 + 1e-12)
@@ -75,7 +101,7 @@ impl RelativeMove {
 
     /// How far Y takes the points of a ball.
     pub fn bending(&self, (centre, radius): (DVec3, f64)) -> f64 {
-        let centre = self.bend + self.twist * self.pose.transform_point(centre);
+        let centre = self.bend_of(self.pose.transform_point(centre));
         (centre.length() + rate_times(self.turning[1], radius)) * (1.0 + 1e-12)
     }
 
@@ -135,7 +161,7 @@ impl Carried for MovingBody {
         let origin = moved.pose.translation;
         // The rotation to second order, and a bound of all higher ones.
         let before = moved.spin + spin * 0.5;
-        let second = cross_matrix(unit * by.bend) + cross_twice(before, spin);
+        let second = skew_matrix(unit * by.bend) + cross_twice(before, spin);
         moved.twist += second;
         moved.bend -= second * origin;
         moved.spin += spin;

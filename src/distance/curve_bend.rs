@@ -1,8 +1,8 @@
 //! Bounds on the downward curvature of the distance from a core along a segment or a circle, between two places.
 //!
 //! A circle curves away from any plane by its radius per squared radian. The signed distance from a convex core adds
-//! nothing to that, because planes support it. The distance from another circle curves downwards only where ρ, the
-//! distance from its axis, is less than its radius R, by at most 1/ρ per squared length; there it is at least R - ρ.
+//! nothing to that, because planes support it. The distance f from another circle curves downwards only where ρ, the
+//! distance from its axis, is less than its radius R, by (R - ρ) / (ρ f) per squared length; there f is at least R - ρ.
 
 use super::primitive::Circle;
 use super::search::{CurveSpot, lowest_of_bent, lowest_of_steep};
@@ -23,6 +23,16 @@ pub struct CurveBend {
     ring: Option<f64>,
     /// No point of the curve is nearer to the axis of that circle.
     off_axis: f64,
+}
+
+/// Bound on the downward curvature of the distance from a circle of radius `ring`, at least `near` from its axis (more than zero) and
+/// `apart` from itself.
+pub fn ring_bends(ring: f64, near: f64, apart: f64) -> f64 {
+    let share = match apart > 0.0 {
+        true => ((ring - near).max(0.0) / apart).min(1.0),
+        false => 1.0,
+    };
+    share / near
 }
 
 impl CurveBend {
@@ -50,13 +60,15 @@ impl CurveBend {
         }
     }
 
-    /// Along the same curve after an affine map that stretches lengths by at most this factor.
-    pub fn elsewhere(ring: Option<&Circle>, curve: &Self, stretched: f64) -> Self {
+    /// Along the same curve after an affine map that stretches lengths by at most this factor and moves no point by more
+    /// than `way`.
+    pub fn elsewhere(ring: Option<&Circle>, curve: &Self, stretched: f64, way: f64) -> Self {
+        let off_axis = curve.off_axis - way;
         Self {
             speed: curve.speed * stretched,
             own: curve.own * stretched,
-            ring: ring.map(|ring| ring.radius),
-            off_axis: 0.0,
+            ring: ring.map(|ring| ring.radius).filter(|r| off_axis < *r),
+            off_axis,
         }
     }
 
@@ -65,14 +77,24 @@ impl CurveBend {
         MISSED[0] * self.speed + MISSED[1] * centre.length()
     }
 
+    /// The same between two places of the curve, where this far from the axis of the circle.
+    pub fn beside_axis(&self, [a, b]: [f64; 2], wide: f64) -> Self {
+        let off_axis = 0.5 * (a + b - self.speed * wide);
+        Self {
+            off_axis: self.off_axis.max(off_axis),
+            ..*self
+        }
+    }
+
     /// Bound on the downward second derivative between two places; `None` if unknown.
     pub fn between(&self, a: &CurveSpot, b: &CurveSpot) -> Option<f64> {
         let Some(ring) = self.ring else {
             return Some(self.own);
         };
-        let farthest = 0.5 * (a.value + b.value + self.speed * (b.at - a.at));
+        let (sum, way) = (a.value + b.value, self.speed * (b.at - a.at));
+        let [nearest, farthest] = [0.5 * (sum - way), 0.5 * (sum + way)];
         let near = self.off_axis.max(ring - farthest);
-        (near > 0.0).then(|| self.own + self.speed * self.speed / near)
+        (near > 0.0).then(|| self.own + self.speed * self.speed * ring_bends(ring, near, nearest))
     }
 
     /// Whether the slope keeps its sign between two places, so that no minimum lies there: it can neither fall from a rise

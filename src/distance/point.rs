@@ -77,6 +77,11 @@ pub fn on_segment(ends: &[DVec3; 2], point: DVec3) -> DVec3 {
 
 /// Distance from a circle.
 pub fn to_circle(circle: &Circle, point: DVec3) -> PointHit {
+    beside_circle(circle, point).0
+}
+
+/// Distance from a circle, and from its axis.
+pub fn beside_circle(circle: &Circle, point: DVec3) -> (PointHit, f64) {
     let offset = point - circle.centre;
     let height = offset.dot(circle.axis);
     let across = offset - circle.axis * height;
@@ -94,11 +99,12 @@ pub fn to_circle(circle: &Circle, point: DVec3) -> PointHit {
     } else {
         DVec3::ZERO
     };
-    PointHit {
+    let hit = PointHit {
         distance,
         nearest,
         normal,
-    }
+    };
+    (hit, rho)
 }
 
 /// Distance from a half-space.

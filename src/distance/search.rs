@@ -39,6 +39,28 @@ const PIECES: usize = 8;
 /// something in every piece wider than the square root of what could be hidden.
 const MOST_SPOTS: usize = 256;
 
+/// The same where it is to be proved that nothing is lower than requested: a function that hardly changes is below its tangents
+/// by the second power of the pieces' width.
+const MOST_PROVING_SPOTS: usize = 8192;
+
+/// How near a search comes.
+#[derive(Clone, Copy, Debug)]
+pub struct Nearness {
+    /// Nothing that is lower by more than this is missed.
+    pub tolerance: f64,
+    /// It need not be told what is above this, but proved as far as that goes.
+    pub enough: f64,
+}
+
+impl From<f64> for Nearness {
+    fn from(tolerance: f64) -> Self {
+        Self {
+            tolerance,
+            enough: f64::INFINITY,
+        }
+    }
+}
+
 /// Parts of a turn for which sine and cosine are tabulated.
 pub const FINEST: usize = 128;
 
@@ -133,11 +155,11 @@ pub fn lowest_of_bent(bends: f64, a: &CurveSpot, b: &CurveSpot) -> f64 {
 /// Least spot of a function of an angle over a whole turn that is nowhere between two spots below `lowest` of them. The
 /// function is given the angle's sine and cosine too.
 ///
-/// Nothing that is lower by more than `tolerance` is missed unless [`MOST_SPOTS`] do not tell, which are enough but for
-/// functions that hardly change over the turn.
+/// Nothing that is lower by more than the tolerance is missed unless [`MOST_SPOTS`] do not tell, which are enough but for
+/// functions that hardly change over the turn. The floor of the result holds in any case.
 pub fn least_on_circle<S: Spot>(
     lowest: impl Fn(&S, &S) -> f64,
-    tolerance: f64,
+    nearness: impl Into<Nearness>,
     f: impl Fn(f64, (f64, f64)) -> S,
 ) -> LeastFound {
     let grid = angle_grid();
@@ -149,18 +171,18 @@ pub fn least_on_circle<S: Spot>(
         }
     };
     let spot = |angle: f64| f(angle, sin_cos(angle)).place();
-    least_of(&lowest, tolerance, at, spot)
+    least_of(&lowest, nearness.into(), at, spot)
 }
 
 /// The same of a function on [low, high].
 pub fn least_between<S: Spot>(
     [low, high]: [f64; 2],
     lowest: impl Fn(&S, &S) -> f64,
-    tolerance: f64,
+    nearness: impl Into<Nearness>,
     f: impl Fn(f64) -> S,
 ) -> LeastFound {
     let at = |k: usize, parts: usize| f(low + (high - low) * (k as f64 / parts as f64));
-    least_of(&lowest, tolerance, at, |t| f(t).place())
+    least_of(&lowest, nearness.into(), at, |t| f(t).place())
 }
 
 /// Sines and cosines of equal parts of a turn, both ends included: of all points that halving visits.
@@ -173,7 +195,7 @@ pub fn angle_grid() -> &'static [(f64, f64); FINEST + 1] {
 /// width before any narrower ones.
 fn least_of<S: Spot>(
     lowest: &impl Fn(&S, &S) -> f64,
-    tolerance: f64,
+    Nearness { tolerance, enough }: Nearness,
     at: impl Fn(usize, usize) -> S,
     f: impl Fn(f64) -> CurveSpot,
 ) -> LeastFound {
@@ -189,7 +211,7 @@ fn least_of<S: Spot>(
     loop {
         open.retain(|(_, [p, q])| {
             let low = lowest(p, q);
-            let hides = low < best.value - tolerance;
+            let hides = low < enough.min(best.value - tolerance);
             if hides {
                 best = lower(best, lowest_valley([p.place(), q.place()], &best, &f));
             } else {
@@ -197,7 +219,11 @@ fn least_of<S: Spot>(
             }
             hides
         });
-        if open.is_empty() || looks + open.len() > MOST_SPOTS {
+        let most = match best.value >= enough {
+            true => MOST_PROVING_SPOTS,
+            false => MOST_SPOTS,
+        };
+        if open.is_empty() || looks + open.len() > most {
             let left = open.iter().map(|(_, [p, q])| lowest(p, q));
             let floor = left.fold(floor.min(best.value), f64::min);
             return LeastFound { spot: best, floor };

@@ -22,6 +22,11 @@ pub fn in_unit(value: f64, unit: Constant) -> f64 {
     value * (1.0 / unit.number())
 }
 
+/// A number as a person would have typed it, without the rounding errors of conversions of its unit.
+pub fn as_typed(value: f64) -> f64 {
+    format!("{value:.13e}").parse().unwrap_or(value)
+}
+
 /// The shortest decimal that reads back as the same number.
 pub fn shortest_decimal(value: f64) -> String {
     let mut text = String::with_capacity(LONGEST_DECIMAL);

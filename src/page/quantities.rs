@@ -66,9 +66,20 @@ pub(super) fn shown_quantities(mechanism: &Mechanism) -> Vec<ShownQuantity> {
         .collect()
 }
 
-/// In six digits, as the page shows it.
+/// Powers of ten that are exact: rounded by them, a number is the nearest one to its decimal.
+const EXACT_POWER: i32 = 22;
+
+/// In six digits, as the page shows it. Thousands of values are rounded at every move of a slider.
 fn six_digits(value: f64) -> f64 {
-    format!("{value:.5e}").parse().unwrap_or(value)
+    let decimals = 5.0 - libm::log10(value.abs()).floor();
+    if decimals.abs() > f64::from(EXACT_POWER) || value == 0.0 {
+        return format!("{value:.5e}").parse().unwrap_or(value);
+    }
+    let power = 10_f64.powi(decimals.abs() as i32);
+    match decimals >= 0.0 {
+        true => (value * power).round() / power,
+        false => (value / power).round() * power,
+    }
 }
 
 /// Smallest and largest values of all quantities among the frames, in the scene's units, by name.

@@ -23,6 +23,8 @@ pub struct BetweenSamples {
     duration: f64,
     /// How well redundant equations close where the motion is proved, in the scene's unit.
     closes_to: Option<f64>,
+    /// Whether the time of the run ended the proof.
+    is_cut_off: bool,
 }
 
 impl BetweenSamples {
@@ -33,7 +35,13 @@ impl BetweenSamples {
             unproved,
             duration,
             closes_to,
+            is_cut_off: false,
         }
+    }
+
+    /// The same if the time of the run may have ended the proof.
+    pub fn cut_off(self, is_cut_off: bool) -> Self {
+        Self { is_cut_off, ..self }
     }
 
     /// What is known of redundant equations, after a word that tells where.
@@ -59,8 +67,12 @@ impl BetweenSamples {
         let count = places.len();
         let word = if count == 1 { "place" } else { "places" };
         let inputs = sentences::input_sentence(mechanism, &actuation.inputs_at(*first));
+        let why = match self.is_cut_off {
+            true => "; the limit `time` ended the proof",
+            false => "",
+        };
         format!(
-            "stepped over, not proved, in {count} {word} of together {} s, first at t = {} s ({inputs}){}",
+            "stepped over, not proved, in {count} {word} of together {} s, first at t = {} s ({inputs}){why}{}",
             at_most(together(places)),
             decimals_of(*first, 9),
             self.of_redundant(mechanism, "elsewhere ")

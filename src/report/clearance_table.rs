@@ -6,6 +6,7 @@ use super::clearance::{
 };
 use super::pieces::piece_table;
 use super::rounded::not_below;
+use super::sentences::counted_things;
 use crate::clearance::check::{ClearanceReport, FarPairs, Judgement, PairReport};
 use crate::clearance::neighbours::Neighbours;
 use crate::diag::decimals_of;
@@ -19,8 +20,8 @@ pub fn clearance_table(mechanism: &Mechanism, found: &ClearanceReport, worst: us
     let unit = &mechanism.length_unit;
     let has_gaps = !found.gaps.is_empty();
     let mut text = format!(
-        "  clearance        {} pairs judged, {} excluded; lengths in {unit}\n",
-        found.judged_count(),
+        "  clearance        {} judged, {} excluded; lengths in {unit}\n",
+        counted_things(found.judged_count(), "pair"),
         found.excluded_count()
     );
     if !found.judged.is_empty() {

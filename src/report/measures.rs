@@ -10,6 +10,7 @@ use crate::kinematics::motion::sampling::only_times;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
 use crate::model::measure::{Measure, MeasureSource};
+use crate::model::printed::as_typed;
 use crate::scene::Scene;
 use serde_json::{Value, json};
 
@@ -225,9 +226,11 @@ impl TakenMeasure<'_> {
         let time = time.map_or_else(String::new, |time| format!(", at {time}"));
         let bound = self.shown_bound(&known);
         if !bound.is_finite() {
-            let why = match known.is_distance {
-                true => "",
-                false => ": the formula may have no value or no slope somewhere",
+            let why = match known {
+                _ if known.is_cut_off => ": the limit `time` ended the search",
+                _ if !known.is_whole => ": the motion was not followed everywhere",
+                _ if known.is_distance => "",
+                _ => ": the formula may have no value or no slope somewhere",
             };
             return format!("{time}; no bound{why}");
         }
@@ -242,7 +245,11 @@ impl TakenMeasure<'_> {
         } else {
             "estimated"
         };
-        format!("{time}; {never} ({sure})")
+        let nearer = match known.is_cut_off {
+            true => "; the limit `time` ended the search",
+            false => "",
+        };
+        format!("{time}; {never} ({sure}){nearer}")
     }
 
     /// The name, as reports of people have it.
@@ -258,7 +265,8 @@ impl TakenMeasure<'_> {
         let mut text = format!("{} {}", measure_digits(value * self.factor), self.unit);
         text.push_str(&self.where_taken());
         if let Some((word, limit)) = self.broken(value).filter(|_| self.is_broken()) {
-            text.push_str(&format!(" is {word} the limit {}", limit * self.factor));
+            let limit = as_typed(limit * self.factor);
+            text.push_str(&format!(" is {word} the limit {limit}"));
             if let Some(why) = &self.measure.why {
                 text.push_str(&format!(": {why}"));
             }
@@ -278,7 +286,7 @@ impl TakenMeasure<'_> {
     /// The question whether its limits are kept.
     pub fn case(&self, estimates: bool) -> Case {
         let limit = |word: &str, limit: Option<f64>| {
-            limit.map(|v| format!("; {word} {} {}", v * self.factor, self.unit))
+            limit.map(|v| format!("; {word} {} {}", as_typed(v * self.factor), self.unit))
         };
         let limits = [
             limit("at least", self.measure.min),
@@ -299,8 +307,8 @@ impl TakenMeasure<'_> {
             "name": self.measure.name,
             "value": scaled(self.value),
             "unit": self.unit,
-            "min": scaled(self.measure.min),
-            "max": scaled(self.measure.max),
+            "min": scaled(self.measure.min).map(as_typed),
+            "max": scaled(self.measure.max).map(as_typed),
             "holds": !matches!(self.status(estimates), Status::Failed | Status::NotProved),
         });
         if let (Some(known), Some(object)) = (&self.known, value.as_object_mut()) {

@@ -171,7 +171,9 @@ impl<'a> MotionCheck<'a> {
                 let looks = self.looks_between(trajectory.samples.len());
                 let unproved = looks.then(|| unproved(covered.proved()));
                 let [first, last] = covered.proved().span();
-                BetweenSamples::new(unproved, last - first, covered.proved().closes_to())
+                let closes_to = covered.proved().closes_to();
+                BetweenSamples::new(unproved, last - first, closes_to)
+                    .cut_off(covered.proved().is_late())
             });
         let report = MotionReport::new(driven, trajectory, self.asked, &measured, clearances)
             .between(between);

@@ -39,7 +39,7 @@ pub fn read_design(text: &str, own: &[OwnRange], seed: u64) -> Result<Design, St
     }
     if axes.is_empty() {
         return Err(format!(
-            "the scene's study gives no ranges: name parameters, such as {kind}:{count},NAME=0..10"
+            "needs parameters, as in {kind}:{count},NAME=0..10: the scene gives no ranges of its own"
         ));
     }
     refuse_doubles(&axes)?;

@@ -116,7 +116,8 @@ pub struct OptimiseArgs {
     /// Method of the search for the minimum.
     #[arg(long, value_enum, default_value_t = MethodArg::Bfgs)]
     pub method: MethodArg,
-    /// Let every variable move by this share of its value (0.2 or 20%), instead of within the study's ranges.
+    /// Let every variable move by this share of its value (0.2 or 20%), instead of within the study's ranges. One whose value is zero keeps its
+    /// range.
     #[arg(long, value_name = "SHARE", value_parser = proper_share)]
     pub within: Option<f64>,
     /// Relative tolerance at which the search stops: on the gradient (bfgs), on values and variables (nelder-mead), on
@@ -206,7 +207,8 @@ pub struct SynthesiseArgs {
     /// What is varied with --target; the study's variables if absent.
     #[command(flatten)]
     pub vary: VaryArgs,
-    /// Let every variable move by this share of its value (0.2 or 20%), instead of within the study's ranges.
+    /// Let every variable move by this share of its value (0.2 or 20%), instead of within the study's ranges. One whose value is zero keeps its
+    /// range.
     #[arg(long, value_name = "SHARE", value_parser = proper_share, requires = "target")]
     pub within: Option<f64>,
     /// Replace a parameter of every scene: NAME=FORMULA. May be repeated.

@@ -23,8 +23,8 @@ pub fn named_word<T: Copy + Send + Sync + 'static, const N: usize>(
     })
 }
 
-/// Longest side of a picture: 16384 squared at 16 samples is already 20 GiB of samples in a naive renderer.
-pub const MAX_SIDE: u32 = 16_384;
+/// Longest side of a picture that the renderers draw.
+pub use crate::render::cpu::MAX_SIDE;
 
 /// Most pixels of a picture: 8K video has 33 million.
 pub const MAX_PIXELS: u64 = 64_000_000;

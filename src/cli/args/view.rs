@@ -222,7 +222,10 @@ fn hide_shapes(name: &str, scene: &mut Scene) -> Result<(), Failure> {
         .iter()
         .map(|body| body.name.as_str())
         .collect();
-    let hint = format!("its bodies are: {}", names.join(", "));
+    let hint = match names.as_slice() {
+        [] => "it has no bodies".to_owned(),
+        names => format!("its bodies are: {}", names.join(", ")),
+    };
     let Some(body) = body else {
         let message = format!("the scene has no body `{name}`");
         return Err(Failure::usage(message, vec![hint]));

@@ -17,6 +17,7 @@ use super::open::patterns::scenes_of;
 use super::term::Term;
 use super::term::outcome::{Failure, Outcome};
 use crate::cli::io;
+use crate::limits::search_deadline;
 use crate::report::verdict::{PROOF, SceneVerdict, Status};
 use judge::judge;
 use std::path::Path;
@@ -63,9 +64,13 @@ fn check_one(args: &CheckArgs, term: &Term) -> Result<Outcome, Failure> {
         files::streamed_report(args).or(args.csv.as_deref().filter(|path| *path == Path::new("-")));
     io::print_beside(term, streamed, &answer.text)?;
     if answer.verdict.result_of(PROOF) == Status::NotProved {
-        term.note(
-            "hint: the check fails if a proof fails; more --samples make proofs easier, --certify none requests none",
-        );
+        let easier = match search_deadline().is_over() {
+            true => "more time in --limits makes proofs possible",
+            false => "more --samples make proofs easier",
+        };
+        term.note(&format!(
+            "hint: the check fails if a proof fails; {easier}, --certify none requests none"
+        ));
     }
     Ok(answer.verdict.result().into())
 }

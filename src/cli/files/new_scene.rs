@@ -23,7 +23,7 @@ pub fn run_new(args: &NewArgs, term: &Term) -> Result<Outcome, Failure> {
     let shown = path.display();
     let head = format!(
         "Made from the built-in scene {}. `mechanim check` judges this file, `mechanim render` draws it,\n\
-         `mechanim report --watch` shows it in a browser; docs/scene-format.md explains every key.",
+         `mechanim report FILE --out page.html --watch` keeps a page of it up to date; docs/scene-format.md explains every key.",
         source.name
     );
     let text = titled_template(&source.text, &title.unwrap_or_default(), &head);

@@ -46,9 +46,11 @@ pub fn write_model(
     };
     if let Some(left_out) = left_out(scene) {
         let name = format.name();
-        term.note(&format!(
-            "{name} contains shapes and their motion, not {left_out}"
-        ));
+        let shapes = match format {
+            Format::Glb => "shapes and their motion",
+            _ => "the shapes of one pose",
+        };
+        term.note(&format!("{name} contains {shapes}, not {left_out}"));
     }
     if !to_stdout(args) {
         let parts = model.bodies.iter().flat_map(|body| &body.parts);

@@ -78,7 +78,7 @@ pub enum StructureError {
         unit: String,
     },
     /// More unknowns than independent equations.
-    #[error("{freedoms} more coordinate(s) are free than the inputs drive: {}", names.join(", "))]
+    #[error("{freedoms} more {} free than the inputs drive: {}", if *freedoms == 1 { "coordinate is" } else { "coordinates are" }, names.join(", "))]
     UnderDetermined {
         /// How many.
         freedoms: usize,

@@ -2,7 +2,6 @@
 
 use super::following::{FollowEnd, Follower, NamedPose, by_name, motion_until, named_values};
 use super::requirements::LiveRequirements;
-use super::sliders::typed;
 use crate::clearance::check::ClearanceReport;
 use crate::diag::{SceneError, Source};
 use crate::kinematics::results::trajectory::{ClosedPose, Sample, Trajectory};
@@ -10,7 +9,7 @@ use crate::kinematics::structure::block::StructureError;
 use crate::kinematics::structure::system::System;
 use crate::limits::LimitExceeded;
 use crate::model::mechanism::{Body, Kind, Mechanism};
-use crate::model::printed::shortest_decimal;
+use crate::model::printed::{as_typed, shortest_decimal};
 use crate::scene::edit::with_values;
 use crate::scene::{Overrides, Scene, load_scene};
 use crate::staging::model::extent_of_motion;
@@ -143,7 +142,7 @@ impl LiveScene {
         let put = self.overrides.parameters.iter().find(|(n, _)| n == name);
         match put.and_then(|(_, text)| text.parse().ok()) {
             Some(value) => Some(value),
-            None => Some(typed(follower.start()? / follower.unit())),
+            None => Some(as_typed(follower.start()? / follower.unit())),
         }
     }
 

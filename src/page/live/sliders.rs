@@ -3,6 +3,7 @@
 use crate::diag::Source;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::model::mechanism::{Kind, Mechanism};
+use crate::model::printed::as_typed;
 use crate::model::study::Variable;
 use crate::scene::{Overrides, Scene, load_scene};
 use serde_json::{Value, json};
@@ -103,14 +104,9 @@ fn slider(
     value: f64,
     [low, high]: [f64; 2],
 ) -> Value {
-    let shown = |v: f64| typed(v * mechanism.file_units(kind));
+    let shown = |v: f64| as_typed(v * mechanism.file_units(kind));
     json!({
         "name": name, "unit": mechanism.unit_name(kind),
         "value": shown(value), "low": shown(low), "high": shown(high),
     })
-}
-
-/// A number as a person would type it, without rounding errors of unit conversions.
-pub(super) fn typed(value: f64) -> f64 {
-    format!("{value:.13e}").parse().unwrap_or(value)
 }

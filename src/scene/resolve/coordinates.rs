@@ -203,7 +203,7 @@ fn resolve_duration(
         Ok(value) => {
             let value = shown_number(value);
             let message =
-                format!("duration must be between 0 and {MAX_DURATION:e} s, found {value}");
+                format!("duration must be above 0 and at most {MAX_DURATION:e} s, found {value}");
             diagnostics.push(Diagnostic::error(message).at(text.span.clone()));
             None
         }

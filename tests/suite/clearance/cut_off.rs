@@ -107,3 +107,34 @@ fn what_is_proved_of_all_pieces_is_reported() {
         assert_eq!(pair["verdict"], "undecided", "{pair}");
     }
 }
+
+/// Whatever of its proof the time leaves, no bound of a measure is below the value that the whole motion has.
+#[test]
+fn bounds_of_measures_hold_when_the_time_is_over() {
+    let w = Workspace::new();
+    let measures = |limits: &[&str]| {
+        let run = [&["check", "twin-steer", "--json", "r.json"][..], limits].concat();
+        let said = w.run(&run);
+        let report = (said.code != 2).then(|| w.read("r.json"))?;
+        let Ok(json) = serde_json::from_slice::<Value>(&report) else {
+            panic!("{}", said.text());
+        };
+        Some((json["measures"].as_array()?.clone(), said.text()))
+    };
+    let Some((whole, _)) = measures(&[]) else {
+        panic!("no report without a limit");
+    };
+    for milliseconds in [1, 10, 30, 60, 100, 150, 250, 400, 800] {
+        let limit = format!("time={milliseconds}ms");
+        // A run that its time ends before the report is written exits with 2.
+        let Some((cut, text)) = measures(&["--limits", &limit]) else {
+            continue;
+        };
+        for (whole, cut) in whole.iter().zip(&cut) {
+            let bound = cut["bound"].as_f64().unwrap_or(f64::INFINITY);
+            assert!(bound >= whole["value"].as_f64().unwrap_or(0.0), "{cut}");
+            let is_told = !bound.is_infinite() || text.contains("the limit `time` ended");
+            assert!(is_told, "{text}");
+        }
+    }
+}

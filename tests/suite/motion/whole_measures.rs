@@ -2,6 +2,11 @@
 //! closed forms and dense values of our own.
 
 use crate::draws::Draws;
+use crate::driven::{Driven, even_times, knots, solve};
+use mechanim::clearance::extremes::greatest;
+use mechanim::clearance::motion::ProvedMotion;
+use mechanim::model::measure::MeasureSource;
+use mechanim::scene::{Overrides, load_scene};
 use mechanim::{Check, CheckOptions, Samples, Scene};
 use serde_json::Value;
 
@@ -288,6 +293,38 @@ fn minima_at_singular_poses_pass_no_limit_unproved() {
             let said = said(&text, 21);
             assert!(said.bound <= said.value, "{of} from {start}");
             assert!(said.is_certified || !said.passed, "{of} from {start}");
+        }
+    }
+}
+
+/// Peaks that are reached again and again, of values that are small differences of large ones: no better bound than rounding
+/// allows is searched for, whatever the dimensions are.
+#[test]
+fn extremes_as_near_as_rounding_allows_need_few_parts() {
+    let source = mechanim::scene::builtin::find_builtin("twin-steer").unwrap();
+    for shift in [0.0, 0.3, 0.9, 1.6, -1.1, 1.92] {
+        let overrides = Overrides {
+            parameters: vec![("XP".to_owned(), (480.0 + shift).to_string())],
+            ..Overrides::default()
+        };
+        let scene = load_scene(&source, &overrides).unwrap();
+        let trajectory = solve(&scene, &knots(&scene, &even_times(&scene, 121))).unwrap();
+        let system = scene.system().unwrap();
+        let mut motion = ProvedMotion::new(&system, &scene.actuation, &trajectory);
+        assert!(motion.is_certified());
+        for measure in &scene.measures.list {
+            let MeasureSource::Over { of, .. } = &measure.source else {
+                panic!("{}", measure.name);
+            };
+            for sign in [1.0, -1.0] {
+                let found = greatest(&mut motion, &of[0], sign).unwrap();
+                // Angles are added up to 1 rad.
+                assert!(
+                    found.is_certified && found.bound <= found.value + 1e-10,
+                    "{found:?}"
+                );
+                assert!(found.parts < 1500, "{} {shift}: {found:?}", measure.name);
+            }
         }
     }
 }

@@ -15,7 +15,7 @@ fn designs_that_cannot_be_meant_are_refused() {
         ("lhs:10000000000000000000,crank=1..2", "whole number"),
         ("sobol:0,crank=1..2", "whole number"),
         ("grid:crank=1..2:1e9,ex=0..1:1e9", "more than"),
-        ("lhs:8", "name parameters"),
+        ("lhs:8", "needs parameters"),
         ("grid:crnak=20..50:5", "no such parameter"),
         ("nowhere.csv", "cannot read"),
         ("grid", "cannot read"),

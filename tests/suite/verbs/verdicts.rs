@@ -501,7 +501,7 @@ t6 = -100
             w.run(verb)
                 .exits(2)
                 .prints_nothing()
-                .says(&["more coordinate(s) are free"]);
+                .says(&[" free than the inputs drive"]);
         }
     }
     // Driven it is fine.
