@@ -8,7 +8,8 @@ use super::relative::RelativeMove;
 use super::sweep::PairSweep;
 use crate::distance::bodies::sphere_separation;
 
-/// Bodies in contact are looked at on this scale, in radii of the smaller one's ball; a mechanism that is smaller has its own.
+/// Bodies in contact are looked at on this scale, in radii of the smaller one's ball; a mechanism that is smaller has its own, but none
+/// below the radius: where formulas give its lengths, its size tells nothing of them.
 const CONTACT_SCALE: f64 = 10.0;
 
 /// How near to touching two bodies in contact should be proved to stay between the samples, on that scale. At the samples
@@ -78,8 +79,10 @@ impl PairSweep<'_> {
     pub(super) fn contact_scale(&self, motion: &ProvedMotion) -> f64 {
         let size = motion.system.mechanism().size;
         match self.smaller_radius() {
-            0.0 => size,
-            radius => size.min(CONTACT_SCALE * radius),
+            radius if radius > 0.0 && radius.is_finite() => {
+                size.clamp(radius, CONTACT_SCALE * radius)
+            }
+            _ => size,
         }
     }
 

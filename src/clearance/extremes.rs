@@ -10,6 +10,7 @@ use crate::kinematics::loops::observed::{dependencies, formula_value};
 use crate::model::expression::Expression;
 use crate::numbers::interval::Interval;
 use crate::numbers::rounding::OPERATION;
+use crate::numbers::scalar::Ring;
 use std::cmp::Ordering;
 use std::collections::{BinaryHeap, HashMap};
 
@@ -29,7 +30,7 @@ const NARROWEST: f64 = 1e-12;
 /// first power of the time at least.
 const KEPT: f64 = 0.6;
 
-/// So many halvings in a row must have kept the remainder: at a jump in the very middle of a tube both halves keep it once.
+/// So many halvings in a row must have kept the remainder in both halves: at a jump in the very middle of a tube they do so once.
 const KEEPING: u32 = 2;
 
 /// The same of bounds that are farther from the best value than [`NEAR`]: several kinks and jumps in one tube keep it as long as they
@@ -121,6 +122,13 @@ impl Ord for StretchPart {
     }
 }
 
+/// The formula over a stretch, and what it does not exceed there.
+#[derive(Clone, Copy)]
+struct StretchModel {
+    model: TaylorModel,
+    most: f64,
+}
+
 /// The search for one formula's greatest value, or that of its negative.
 struct ExtremeSearch<'a, 'm> {
     motion: &'a mut ProvedMotion<'m>,
@@ -128,7 +136,7 @@ struct ExtremeSearch<'a, 'm> {
     /// For every slot, whether the formula depends on it.
     needed: Vec<bool>,
     sign: f64,
-    models: HashMap<usize, TaylorModel>,
+    models: HashMap<usize, StretchModel>,
     parts: BinaryHeap<StretchPart>,
     best: Option<ExtremePose>,
     least: f64,
@@ -251,20 +259,16 @@ impl ExtremeSearch<'_, '_> {
             self.push(stretch, [from, middle], part.keeping);
             self.push(stretch, [middle, to], part.keeping);
         } else if let Some(halves) = self.motion.halves(stretch) {
-            let of_halves = halves.into_iter().zip([1.0, -1.0]);
-            let thinner = of_halves.map(|(half, shift)| {
-                let [from, to] = [2.0 * from + shift - OVERLAP, 2.0 * to + shift + OVERLAP];
-                self.bounded(half, [from.max(-1.0), to.min(1.0)])
-            });
-            let thinner: Vec<StretchPart> = thinner.flatten().collect();
-            let has_kept = |half: &StretchPart| half.off > KEPT * part.off;
-            let keeping = match thinner.iter().all(has_kept) {
+            let rest = KEPT * self.model(stretch).model.rest;
+            let has_kept = |half: &usize| self.model(*half).model.rest > rest;
+            let keeping = match halves.iter().all(has_kept) {
                 true => part.keeping + 1,
                 false => 0,
             };
-            let kept = thinner.into_iter();
-            self.parts
-                .extend(kept.map(|half| StretchPart { keeping, ..half }));
+            for (half, shift) in halves.into_iter().zip([1.0, -1.0]) {
+                let [from, to] = [2.0 * from + shift - OVERLAP, 2.0 * to + shift + OVERLAP];
+                self.push(half, [from.max(-1.0), to.min(1.0)], keeping);
+            }
         } else {
             self.stuck = self.stuck.max(part.bound);
         }
@@ -277,40 +281,40 @@ impl ExtremeSearch<'_, '_> {
         part.keeping >= if is_near { KEEPING } else { KEEPING_FAR }
     }
 
-    fn push(&mut self, stretch: usize, span: [f64; 2], keeping: u32) {
-        let part = self.bounded(stretch, span);
-        self.parts
-            .extend(part.map(|part| StretchPart { keeping, ..part }));
+    /// The formula over a stretch.
+    fn model(&mut self, stretch: usize) -> StretchModel {
+        if let Some(known) = self.models.get(&stretch) {
+            return *known;
+        }
+        let formula = (self.formula, self.needed.as_slice());
+        let model = self.motion.formula(stretch, formula).scaled(self.sign);
+        let range = self.motion.formula_range(stretch, formula);
+        let most = range.scale(self.sign).hi;
+        let most = if most.is_nan() { f64::INFINITY } else { most };
+        let known = StretchModel { model, most };
+        self.models.insert(stretch, known);
+        known
     }
 
-    /// What the formula does not exceed in a part of a stretch; `None` of a part of no width.
-    fn bounded(&mut self, stretch: usize, [from, to]: [f64; 2]) -> Option<StretchPart> {
+    fn push(&mut self, stretch: usize, [from, to]: [f64; 2], keeping: u32) {
         if from >= to {
-            return None;
+            return;
         }
-        let model = match self.models.get(&stretch) {
-            Some(model) => *model,
-            None => {
-                let model = self.motion.formula(stretch, (self.formula, &self.needed));
-                let model = model.scaled(self.sign);
-                self.models.insert(stretch, model);
-                model
-            }
-        };
+        let StretchModel { model, most } = self.model(stretch);
         let around = model.around(0.5 * (from + to), 0.5 * (to - from));
         let moves = [around.way.abs(), around.bend.abs(), around.off];
         let add = |sum: Interval, part: &f64| sum + Interval::point(*part);
         // Value in the middle plus slope, second-order term and remainder over half the part.
         let bound = moves.iter().fold(Interval::point(around.value), add).hi;
-        Some(StretchPart {
-            bound: if bound.is_nan() { f64::INFINITY } else { bound },
+        self.parts.push(StretchPart {
+            bound: if bound < most { bound } else { most },
             stretch,
             from,
             to,
             moves: around.way.abs() + around.bend.abs(),
             off: around.off,
-            keeping: 0,
-        })
+            keeping,
+        });
     }
 
     /// Finds the greatest value in the part of the best pose to all digits: a golden section.

@@ -123,6 +123,7 @@ impl Meeting<'_> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::near_part;
     use super::super::relative::RelativeChain;
     use super::*;
     use crate::distance::mesh_tree::MeshTree;
@@ -267,7 +268,7 @@ mod tests {
             let meeting = Meeting::new(&a, &b, &mine, &moved);
             let found = meeting.found;
             let (low, high) = (meeting.below_in_contact(f64::INFINITY), meeting.above());
-            let parts = curved::in_parts([&a, &b, &mine], &moved, found.distance - 0.1);
+            let parts = near_part::in_parts([&a, &b, &mine], &moved, found.distance - 0.1);
             gained[1] += usize::from(parts.is_some_and(|low| low >= found.distance - 0.1));
             // The requested bound is refined, and stays valid.
             let asked = [1e-3, 1e-2, 0.1, 0.5].map(|off| found.distance - off);

@@ -1,8 +1,8 @@
 //! Lower bound of the distance of two bodies over a part of a time interval, element by element.
 
-use super::curved::in_parts;
 use super::meeting::Meeting;
 use super::motion::ProvedMotion;
+use super::near_part::in_parts;
 use super::one_joint::{ProvedRanges, RoundPair, round_pairs};
 use super::sweep::PairSweep;
 use crate::distance::bodies::{ball_separation, separation_along};

@@ -26,6 +26,7 @@ mod mesh_cut;
 mod mesh_faults;
 mod mesh_meeting;
 pub mod motion;
+mod near_part;
 pub mod neighbours;
 mod one_joint;
 pub mod part;

@@ -16,6 +16,7 @@ use crate::math::Pose;
 use crate::model::actuation::Actuation;
 use crate::model::chain::ArgumentValue;
 use crate::model::expression::Expression;
+use crate::numbers::interval::Interval;
 use std::collections::HashSet;
 use std::sync::Arc;
 
@@ -327,6 +328,15 @@ impl<'m> ProvedMotion<'m> {
                 model.rest = ESTIMATE_SHARE * (b - a).abs();
                 model
             }
+        }
+    }
+
+    /// All values of a formula over a stretch, from the ranges of the coordinates: it holds where a polynomial does not suit the
+    /// formula.
+    pub fn formula_range(&self, stretch: usize, formula: (&Expression, &[bool])) -> Interval {
+        match &self.stretches[stretch].way {
+            StretchMotion::Proved(tube) => tube.formula_range(self.system.mechanism(), formula),
+            StretchMotion::Estimated(_) => Interval::ENTIRE,
         }
     }
 

@@ -2,7 +2,7 @@
 //! `Rz(pi/2*floor(u))` jumps when its input passes a whole number.
 
 use super::actuation::Actuation;
-use super::chain::Argument;
+use super::chain::{Argument, ElementaryMotion};
 use super::drive::{Drive, Ease};
 use super::expression::continuity::Jumps;
 use super::expression::{Expression, Op};
@@ -20,16 +20,21 @@ pub struct TimedArgument {
 }
 
 impl TimedArgument {
-    /// Of every argument; `None` for those without kinks and jumps, and those that the inputs alone do not tell.
+    /// Of every argument; `None` for those without kinks and jumps, and those that the inputs alone do not tell. An angle that jumps
+    /// by whole turns does not jump.
     pub fn of_all(mechanism: &Mechanism, actuation: &Actuation) -> Vec<Option<Self>> {
         let first = mechanism.unknowns.len();
-        let of = |argument: &Argument| match argument {
-            Argument::Formula(formula) if formula.has_kinks() => {
-                Self::of_formula(formula, first, actuation)
-            }
-            _ => None,
+        let of = |(k, argument): (usize, &Argument)| {
+            let Argument::Formula(formula) = argument else {
+                return None;
+            };
+            let turns_on = || formula.turned().is_some() && only_turns(mechanism, k);
+            let is_timed = formula.has_kinks() || (formula.has_jumps() && !turns_on());
+            is_timed
+                .then(|| Self::of_formula(formula, first, actuation))
+                .flatten()
         };
-        mechanism.arguments.iter().map(of).collect()
+        mechanism.arguments.iter().enumerate().map(of).collect()
     }
 
     fn of_formula(formula: &Expression, first: usize, actuation: &Actuation) -> Option<Self> {
@@ -90,6 +95,16 @@ impl TimedArgument {
     pub fn jumps_between(&self, from: f64, to: f64) -> Jumps {
         self.piece(0.5 * from + 0.5 * to).jumps_between(from, to)
     }
+}
+
+/// Whether an argument moves rotations only.
+pub fn only_turns(mechanism: &Mechanism, argument: usize) -> bool {
+    let bodies = mechanism.bodies.iter().map(|body| &body.world_from_body);
+    let loops = mechanism.loops.iter().flat_map(|l| [&l.base, &l.chain]);
+    let mut joints = bodies
+        .chain(loops)
+        .flat_map(|chain| chain.steps.iter().filter_map(|step| step.joint()));
+    joints.all(|j| j.argument != argument || j.motion == ElementaryMotion::Rotation)
 }
 
 /// What a drive is from an instant up to its next key, as a formula of the time.

@@ -273,10 +273,13 @@ impl<T: Scalar, const N: usize> Scalar for Series<T, N> {
         self.integrated_product(&rate, self.coefficients[0].atan())
     }
 
-    /// From (x y' - y x') / (x² + y²).
+    /// From (x y' - y x') / (x² + y²). Where the cut may be met, the angle is not a series but jumps.
     fn atan2(self, x: Self) -> Self {
         let square = x.square() + self.square();
         let angle = self.coefficients[0].atan2(x.coefficients[0]);
+        if !angle.is_finite() {
+            return Self::undefined();
+        }
         let from_y = self.integrated_product(&(x / square), angle);
         let from_x = x.integrated_product(&(self / square), T::number(0.0));
         from_y - from_x

@@ -3,6 +3,7 @@
 use crate::driven::{check, even_times, knots, solve};
 use mechanim::clearance::check::{BETWEEN_SAMPLES, ClearanceReport, Judgement};
 use mechanim::diag::Source;
+use mechanim::distance::bodies::BodyElements;
 
 use mechanim::scene::{Overrides, Scene, builtin, load_scene};
 use std::process::Command;
@@ -192,7 +193,14 @@ touching = [{{ pair = ["still", "moving"] }}]
         let pair = &report(&scene, 60).judged[0];
         assert_eq!(pair.judgement, Judgement::Passed, "{name}: {pair:?}");
         assert!(pair.least.is_certified, "{name}: {pair:?}");
-        let allowed = BETWEEN_SAMPLES * scene.mechanism.size;
+        // Ten radii of the smaller body, or the size if that is between one and ten.
+        let radii = scene.mechanism.bodies.iter().map(|body| {
+            let elements = BodyElements::new(body).unwrap();
+            elements.ball.1
+        });
+        let radius = radii.fold(f64::INFINITY, f64::min);
+        let scale = scene.mechanism.size.clamp(radius, 10.0 * radius);
+        let allowed = BETWEEN_SAMPLES * scale;
         assert!(pair.least.bound >= -allowed, "{name}: {pair:?}");
         assert!(pair.farthest.unwrap() <= allowed, "{name}: {pair:?}");
     }

@@ -6,7 +6,7 @@ use crate::solids::{BOX_TRIANGLES, box_corner, stl_text};
 /// A drive, the frame of a ball of radius 1, the places of a post like it, and whether 0.5 is kept there.
 type Row = (&'static str, &'static str, &'static [(f64, f64, bool)]);
 
-const ROWS: [Row; 7] = [
+const ROWS: [Row; 10] = [
     // Places 50, 20 and -10.
     (
         "\"1.3*t\"",
@@ -49,6 +49,37 @@ const ROWS: [Row; 7] = [
             (0.0, 6.0, true),
             (18.0, 12.0, true),
             (18.0, 18.0, false),
+        ],
+    ),
+    // Half of an angle that jumps by a turn: from above to below.
+    (
+        "\"2*t\"",
+        "Rz(0.5*atan2(sin(u), cos(u))) Tx(20)",
+        &[
+            (-2.4, 20.0, false),
+            (-2.6, 20.0, true),
+            (-2.4, -20.0, false),
+            (-2.6, -20.0, true),
+            (-20.0, 0.0, true),
+        ],
+    ),
+    // The angle itself turns on.
+    (
+        "\"2*t\"",
+        "Rz(atan2(sin(u), cos(u))) Tx(20)",
+        &[(-22.4, 0.0, false), (-22.6, 0.0, true)],
+    ),
+    // From 10 π to -10 π, and back to 40 - 20 π.
+    (
+        "\"2*t\"",
+        "Tx(10*atan2(sin(u), cos(u)))",
+        &[
+            (33.9, 0.0, false),
+            (33.95, 0.0, true),
+            (-33.9, 0.0, false),
+            (-33.95, 0.0, true),
+            (-20.4, 0.0, false),
+            (-20.2, 0.0, true),
         ],
     ),
     // At 9 for a thousandth of a second.

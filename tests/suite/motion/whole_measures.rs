@@ -220,7 +220,16 @@ fn bounds_hold_for_formulas_with_kinks_and_steps() {
 fn kinks_and_jumps_are_bounded_as_near_as_anything_else() {
     let saw = |x: f64, y: f64| x - y * (x / y).floor();
     type Case = (&'static str, &'static str, fn([f64; 2]) -> f64);
-    let cases: [Case; 8] = [
+    let cases: [Case; 11] = [
+        ("atan2(sin(3*phi + 1), cos(3*phi + 1))", "max", |[p, _]| {
+            (3.0 * p + 1.0).sin().atan2((3.0 * p + 1.0).cos())
+        }),
+        ("atan2(sin(3*phi + 1), cos(3*phi + 1))", "min", |[p, _]| {
+            (3.0 * p + 1.0).sin().atan2((3.0 * p + 1.0).cos())
+        }),
+        ("h/20 - atan2(h - 100, -phi - 1)", "max", |[p, h]| {
+            h / 20.0 - (h - 100.0).atan2(-p - 1.0)
+        }),
         ("-abs(h - 101.3)", "max", |[_, h]| -(h - 101.3).abs()),
         ("abs(abs(h - 95) - 20)", "max", |[_, h]| {
             ((h - 95.0).abs() - 20.0).abs()

@@ -3,9 +3,9 @@
 
 use super::form::Form;
 use crate::model::actuation::Actuation;
-use crate::model::chain::{Argument, ElementaryMotion};
+use crate::model::chain::Argument;
 use crate::model::mechanism::Mechanism;
-use crate::model::timed_argument::TimedArgument;
+use crate::model::timed_argument::{TimedArgument, only_turns};
 
 /// What tells the value of an argument where its formula as it is written has none over a stretch.
 #[derive(Clone, Debug, Default)]
@@ -34,14 +34,4 @@ pub(super) fn placed_arguments(
     };
     let arguments = mechanism.arguments.iter().zip(timed);
     arguments.enumerate().map(of).collect()
-}
-
-/// Whether an argument moves rotations only.
-fn only_turns(mechanism: &Mechanism, argument: usize) -> bool {
-    let bodies = mechanism.bodies.iter().map(|body| &body.world_from_body);
-    let loops = mechanism.loops.iter().flat_map(|l| [&l.base, &l.chain]);
-    let mut joints = bodies
-        .chain(loops)
-        .flat_map(|chain| chain.steps.iter().filter_map(|step| step.joint()));
-    joints.all(|j| j.argument != argument || j.motion == ElementaryMotion::Rotation)
 }

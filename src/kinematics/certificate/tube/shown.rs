@@ -30,4 +30,15 @@ impl Tube {
         let coordinates: Vec<ShownValue> = coordinates.iter().enumerate().map(shown).collect();
         formula_value(mechanism, &coordinates, (formula, needed)).model()
     }
+
+    /// All values of a formula over the motion in it, as far as the ranges of the coordinates tell them.
+    pub fn formula_range(
+        &self,
+        mechanism: &Mechanism,
+        formula: (&Expression, &[bool]),
+    ) -> Interval {
+        let coordinates = self.coordinates(mechanism);
+        let ranges: Vec<Interval> = coordinates.iter().map(TaylorModel::range).collect();
+        formula_value(mechanism, &ranges, formula)
+    }
 }

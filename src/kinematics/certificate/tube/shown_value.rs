@@ -10,6 +10,7 @@ use crate::numbers::constant::Constant;
 use crate::numbers::interval::Interval;
 use crate::numbers::scalar::{Ring, Scalar};
 use crate::numbers::series::Series;
+use std::f64::consts::PI;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// From the path towards the motion: value and derivative along the line between them.
@@ -232,6 +233,12 @@ impl Scalar for ShownValue {
     }
 
     fn atan2(self, x: Self) -> Self {
+        let (height, across) = (self.range(), x.range());
+        // On the negative x axis the angle jumps by a whole turn; its values are on both sides.
+        if height.lo < 0.0 && height.hi >= 0.0 && across.lo < 0.0 {
+            let most = PI.next_up();
+            return Self::any_of(Interval::new(-most, most));
+        }
         self.zip(x, Series::atan2, Series::atan2)
     }
 
