@@ -324,6 +324,8 @@ def judge_text(page):
     lines = [line for line in text.splitlines() if not line.startswith("title")]
     editor.fill("\n".join([f'title = "{title}"', *lines]))
     page.get_by_role("button", name="Read the text").click()
+    # Nothing is computed, either, before the engine has begun to read.
+    page.locator("h1").filter(has_text=title).wait_for(timeout=30000)
     settle(page)
     assert page.locator("h1").inner_text() == title
     assert page.locator("img").count() == 1 and "owned" not in page.title()

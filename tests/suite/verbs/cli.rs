@@ -283,9 +283,9 @@ fn numbers_out_of_range_are_refused_with_the_range() {
         (["--size", "640"], "640x480"),
         (
             ["--size", "100000x100000"],
-            "at most 16384 pixels a side and 64 million in all",
+            "at most 15360 pixels a side and 64 million in all",
         ),
-        (["--size", "16384x16384"], "64 million in all"),
+        (["--size", "15360x15360"], "64 million in all"),
         (["--size", "4294967296x1"], "WIDTHxHEIGHT"),
         (["--renderer", "magic"], "possible values: auto, gpu, cpu"),
     ] {
@@ -302,7 +302,7 @@ fn a_huge_picture_is_refused_without_memory() {
     let w = workspace();
     let mut shell = w.command::<&str>(&[]);
     let program = shell.get_program().to_owned();
-    for size in ["100000x100000", "16384x16384"] {
+    for size in ["100000x100000", "15360x15360"] {
         let line = "ulimit -v 600000; exec \"$0\" render moving.toml --out x.gif --size \"$1\"";
         let mut command = std::process::Command::new("sh");
         command.args(["-c", line]).arg(&program).arg(size);
