@@ -185,7 +185,7 @@ mod tests {
         assert!(
             read_design("lhs:8", &[], 1)
                 .unwrap_err()
-                .contains("name parameters")
+                .contains("needs parameters")
         );
         assert!(is_written_out("lhs:8") && !is_written_out("table.csv"));
     }
