@@ -42,8 +42,8 @@ struct ShapeWays {
 }
 
 /// A pose and the enclosure of all poses around it.
-pub struct PieceView<'e, const N: usize> {
-    observer: Observer<'e, N>,
+pub struct PieceView<'e> {
+    observer: Observer<'e>,
     /// Arguments with their errors.
     spread: Vec<TaylorModel>,
     middle: Vec<ArgumentValue>,
@@ -69,9 +69,9 @@ struct Facing<'f> {
     way: f64,
 }
 
-impl<'e, const N: usize> PieceView<'e, N> {
+impl<'e> PieceView<'e> {
     /// Of an observer that knows the arguments in `used`.
-    pub fn new(observer: Observer<'e, N>, mechanism: &Mechanism, used: &[usize]) -> Self {
+    pub fn new(observer: Observer<'e>, mechanism: &Mechanism, used: &[usize]) -> Self {
         let count = mechanism.arguments.len();
         let mut spread = vec![TaylorModel::constant(0.0); count];
         let mut middle = vec![ArgumentValue::new(0.0); count];
@@ -149,7 +149,7 @@ impl<'p> PartWays<'p> {
     }
 
     /// Lower bound over all pieces; pairs that stay above `goal` are not refined.
-    pub fn look<const N: usize>(&self, view: &PieceView<N>, goal: f64) -> PieceLook {
+    pub fn look(&self, view: &PieceView, goal: f64) -> PieceLook {
         if !view.is_bounded {
             return PieceLook {
                 lowest: f64::NEG_INFINITY,
@@ -209,7 +209,7 @@ impl<'p> PartWays<'p> {
     }
 
     /// How far the points of a shape are from where they are drawn in their body, at most.
-    fn grown<const N: usize>(&self, view: &PieceView<N>, side: usize, shape: usize) -> f64 {
+    fn grown(&self, view: &PieceView, side: usize, shape: usize) -> f64 {
         let ways = &self.shapes[side][shape];
         let (centre, radius) = self.part.hulls[side].ball;
         let reach = (DVec3::ZERO, 2.0 * radius + centre.length());
@@ -220,13 +220,13 @@ impl<'p> PartWays<'p> {
     }
 
     /// Bound on how much a shape can exceed its nominal size.
-    fn swollen<const N: usize>(&self, view: &PieceView<N>, side: usize, shape: usize) -> f64 {
+    fn swollen(&self, view: &PieceView, side: usize, shape: usize) -> f64 {
         let sizes = self.shapes[side][shape].sizes.iter();
         sizes.map(|way| view.off(way, (DVec3::ZERO, 0.0))).sum()
     }
 
     /// How far the line between two points of a shape may turn in its body.
-    fn tilt<const N: usize>(&self, view: &PieceView<N>, side: usize, shape: usize) -> f64 {
+    fn tilt(&self, view: &PieceView, side: usize, shape: usize) -> f64 {
         let spans = self.shapes[side][shape].spans.iter();
         spans
             .map(|span| span.tilt(&view.spread, &view.middle))
@@ -234,24 +234,14 @@ impl<'p> PartWays<'p> {
     }
 
     /// How far a direction of the first body is turned against a shape, at most: the length by which what the shape sees of it changes.
-    fn turned<const N: usize>(
-        &self,
-        view: &PieceView<N>,
-        [side, shape]: [usize; 2],
-        n: DVec3,
-    ) -> f64 {
+    fn turned(&self, view: &PieceView, [side, shape]: [usize; 2], n: DVec3) -> f64 {
         let ways = self.shapes[side][shape].points.iter();
         let turned = ways.map(|way| way.turned(&view.spread, n));
         turned.fold(0.0, f64::max) + self.tilt(view, side, shape)
     }
 
     /// Bound of the distance of two elements, and where it is attained about.
-    fn gap<const N: usize>(
-        &self,
-        view: &PieceView<N>,
-        facing: &Facing,
-        goal: f64,
-    ) -> (f64, Option<Vec<f64>>) {
+    fn gap(&self, view: &PieceView, facing: &Facing, goal: f64) -> (f64, Option<Vec<f64>>) {
         let [a, b] = facing.elements;
         let n = facing.found.normal;
         let is = |kind: fn(&Primitive) -> bool| kind(&a.core) || kind(&b.core);
@@ -278,11 +268,7 @@ impl<'p> PartWays<'p> {
     }
 
     /// What a plane square to the normal parts the elements by, over all corners; `None` where they have none.
-    fn along_normal<const N: usize>(
-        &self,
-        view: &PieceView<N>,
-        facing: &Facing,
-    ) -> Option<(f64, Vec<f64>)> {
+    fn along_normal<'e>(&self, view: &PieceView<'e>, facing: &Facing) -> Option<(f64, Vec<f64>)> {
         let n = facing.found.normal;
         let [i, j] = facing.index;
         let shape = |side: usize, k: usize| self.part.hulls[side].elements[k].shape;
@@ -298,14 +284,15 @@ impl<'p> PartWays<'p> {
         let radii = facing.elements[0].radius + facing.elements[1].radius;
         let swollen = self.swollen(view, 0, of_first) + self.swollen(view, 1, of_second);
         let lost = lost + lost_here + radii + swollen;
-        let add = |corner: &Corner, side: usize, shape: usize, sign: f64, sum: &mut Directed<N>| {
-            for (way, share) in corner.on.iter().filter(|(_, share)| *share != 0.0) {
-                let steps = self.shapes[side][shape].points[*way].steps();
-                let direction = (n * (sign * share)).to_array();
-                view.observer
-                    .add_along(steps, corner.offset.to_array(), direction, sum);
-            }
-        };
+        let add =
+            |corner: &Corner, side: usize, shape: usize, sign: f64, sum: &mut Directed<'e>| {
+                for (way, share) in corner.on.iter().filter(|(_, share)| *share != 0.0) {
+                    let steps = self.shapes[side][shape].points[*way].steps();
+                    let direction = (n * (sign * share)).to_array();
+                    view.observer
+                        .add_along(steps, corner.offset.to_array(), direction, sum);
+                }
+            };
         let mut lowest: Option<(f64, Vec<f64>)> = None;
         let mut take = |low: f64, place: Vec<f64>| {
             if lowest.as_ref().is_none_or(|(known, _)| low < *known) {
@@ -332,9 +319,9 @@ impl<'p> PartWays<'p> {
     }
 
     /// Corners of an element, one of which is farthest along `n` for every piece, to within what is given beside.
-    fn corners<const N: usize>(
+    fn corners(
         &self,
-        view: &PieceView<N>,
+        view: &PieceView,
         facing: &Facing,
         side: usize,
         n: DVec3,
@@ -371,11 +358,7 @@ impl<'p> PartWays<'p> {
     }
 
     /// The distance of the bodies of one piece at a pose of its own, with its own solids; `None` where these are not known exactly.
-    pub fn distance<const N: usize>(
-        &self,
-        view: &PieceView<N>,
-        arguments: &[ArgumentValue],
-    ) -> Option<f64> {
+    pub fn distance(&self, view: &PieceView, arguments: &[ArgumentValue]) -> Option<f64> {
         // Solids whose sizes depend on the pose are not placed here.
         let mut sizes = self.shapes.iter().flatten().flat_map(|s| &s.sizes);
         if sizes.any(|way| way.joints() > 0) {

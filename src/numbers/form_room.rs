@@ -6,16 +6,28 @@ use std::cell::{Cell, OnceCell, RefCell};
 #[derive(Debug, Default)]
 pub struct FormRoom {
     count: usize,
-    shelves: Vec<OnceCell<Vec<OnceCell<Vec<f64>>>>>,
+    slopes: CoefficientLists,
+    bends: CoefficientLists,
+}
+
+/// Lists of one length.
+#[derive(Debug, Default)]
+pub struct CoefficientLists {
+    length: usize,
+    /// Each shelf is twice as long as the one before.
+    shelves: [OnceCell<Vec<OnceCell<Vec<f64>>>>; SHELVES],
     kept: Cell<usize>,
     /// Lists that hold nothing any more.
     spare: RefCell<Vec<Vec<f64>>>,
 }
 
-/// Lists on a shelf.
-const ON_SHELF: usize = 256;
+/// Shelves, more than [`MOST_VALUES`] needs.
+const SHELVES: usize = 24;
 
-/// Most values in all lists together: 2 GB. Coefficients beyond that are bounded instead of stored.
+/// Lists on the first shelf.
+const ON_FIRST: usize = 256;
+
+/// Most values in all lists of one length: 2 GB. Coefficients beyond that are bounded instead of stored.
 const MOST_VALUES: usize = 1 << 28;
 
 impl FormRoom {
@@ -28,31 +40,57 @@ impl FormRoom {
 
     /// Gives up all lists; forms then depend on `count` numbers.
     pub fn empty(&mut self, count: usize) {
+        self.count = count;
+        self.slopes.empty(count);
+        self.bends.empty(count * (count + 1) / 2);
+    }
+
+    /// How many numbers forms change with.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Lists of first order.
+    pub fn slopes(&self) -> &CoefficientLists {
+        &self.slopes
+    }
+
+    /// Lists of second order: one value for every pair, each number with itself among them.
+    pub fn bends(&self) -> &CoefficientLists {
+        &self.bends
+    }
+
+    /// Index of the pair (k, l), k ≤ l, in a packed list.
+    pub fn place(&self, k: usize, l: usize) -> usize {
+        k * (2 * self.count + 1 - k) / 2 + l - k
+    }
+}
+
+impl CoefficientLists {
+    fn empty(&mut self, length: usize) {
+        self.length = length;
         let spare = self.spare.get_mut();
-        for index in 0..self.kept.take() {
-            let shelf = self.shelves[index / ON_SHELF].get_mut();
-            spare.extend(shelf.and_then(|shelf| shelf[index % ON_SHELF].take()));
-        }
-        if self.count != count || self.shelves.is_empty() {
-            let lists = MOST_VALUES / (count * (count + 1) / 2).max(1);
-            let shelves = (lists / ON_SHELF).clamp(1, 1 << 14);
-            self.shelves.resize(shelves, OnceCell::new());
-            self.count = count;
+        let mut left = self.kept.take();
+        for shelf in &mut self.shelves {
+            let lists = shelf.get_mut().into_iter().flatten().take(left);
+            let before = spare.len();
+            spare.extend(lists.filter_map(OnceCell::take));
+            left -= spare.len() - before;
         }
     }
 
-    /// A list without values, with space for all pairs.
+    /// A list without values, with space for all.
     pub fn blank(&self) -> Vec<f64> {
         let mut list = self.spare.borrow_mut().pop().unwrap_or_default();
         list.clear();
-        list.reserve_exact(self.bends());
+        list.reserve_exact(self.length);
         list
     }
 
     /// A list of zeros.
     pub fn zeros(&self) -> Vec<f64> {
         let mut list = self.blank();
-        list.resize(self.bends(), 0.0);
+        list.resize(self.length, 0.0);
         list
     }
 
@@ -63,27 +101,18 @@ impl FormRoom {
         }
     }
 
-    /// How many numbers forms change with.
-    pub fn count(&self) -> usize {
-        self.count
-    }
-
-    /// Number of pairs of them, including each with itself.
-    pub fn bends(&self) -> usize {
-        self.count * (self.count + 1) / 2
-    }
-
-    /// Index of the pair (k, l), k ≤ l, in a packed list.
-    pub fn place(&self, k: usize, l: usize) -> usize {
-        k * (2 * self.count + 1 - k) / 2 + l - k
-    }
-
     /// Stores a list; `None` if there is no more space.
     pub fn keep(&self, list: Vec<f64>) -> Option<&[f64]> {
         let index = self.kept.get();
-        let shelf = self.shelves.get(index / ON_SHELF)?;
-        let shelf = shelf.get_or_init(|| vec![OnceCell::new(); ON_SHELF]);
-        let place = shelf.get(index % ON_SHELF)?;
+        if index * self.length > MOST_VALUES {
+            return None;
+        }
+        // Shelf s holds 256 2ˢ lists, and those before it 256 (2ˢ - 1).
+        let shelf = (index / ON_FIRST + 1).ilog2();
+        let size = ON_FIRST << shelf;
+        let lists = self.shelves.get(shelf as usize)?;
+        let lists = lists.get_or_init(|| vec![OnceCell::new(); size]);
+        let place = lists.get(index + ON_FIRST - size)?;
         self.kept.set(index + 1);
         Some(place.get_or_init(|| list))
     }
@@ -93,13 +122,16 @@ impl FormRoom {
 mod tests {
     use super::*;
 
+    /// More lists than the first three shelves hold.
+    const MANY: usize = 8 * ON_FIRST;
+
     #[test]
     fn lists_stay_where_they_are() {
         let room = FormRoom::new(2);
-        let kept: Vec<&[f64]> = (0..3 * ON_SHELF)
-            .filter_map(|k| room.keep(vec![k as f64; room.bends()]))
+        let kept: Vec<&[f64]> = (0..MANY)
+            .filter_map(|k| room.bends().keep(vec![k as f64; 3]))
             .collect();
-        assert_eq!(kept.len(), 3 * ON_SHELF);
+        assert_eq!(kept.len(), MANY);
         for (k, list) in kept.iter().enumerate() {
             assert_eq!(*list, [k as f64; 3]);
         }
@@ -111,17 +143,22 @@ mod tests {
     fn lists_given_up_are_used_again_as_if_they_were_new() {
         let mut room = FormRoom::new(3);
         let addresses = |room: &FormRoom, value: f64| {
-            let kept = (0..2 * ON_SHELF).filter_map(|_| {
-                let mut list = room.zeros();
-                assert_eq!(list, vec![0.0; room.bends()]);
+            let lists = [
+                (room.bends(), room.count() * (room.count() + 1) / 2),
+                (room.slopes(), room.count()),
+            ];
+            let kept = (0..MANY).flat_map(|_| lists).filter_map(|(lists, length)| {
+                let mut list = lists.zeros();
+                assert_eq!(list, vec![0.0; length]);
                 list.fill(value);
-                room.keep(list)
+                lists.keep(list)
             });
             let mut all: Vec<usize> = kept.map(|list| list.as_ptr().addr()).collect();
             all.sort_unstable();
             all
         };
         let first = addresses(&room, 7.0);
+        assert_eq!(first.len(), 2 * MANY);
         room.empty(3);
         assert_eq!(addresses(&room, 8.0), first);
         // Fewer numbers fit into the same lists, more do not.

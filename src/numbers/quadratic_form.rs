@@ -1,26 +1,25 @@
-//! Quadratic forms: value + Σ slopesₖ δₖ + Σ bendsₖₗ δₖ δₗ ± error encloses a function of δ in [-1, 1]ᴺ, as
+//! Quadratic forms: value + Σ slopesₖ δₖ + Σ bendsₖₗ δₖ δₗ ± error encloses a function of δ in [-1, 1]ⁿ, as
 //! [`AffineForm`] does to first order. Products and sines are of second order, other functions of first order. A
-//! product takes N² operations, which pays if shared terms of second order cancel.
+//! product takes n² operations, which pays if shared terms of second order cancel.
 //!
-//! Second-order coefficients of the δ that occur are packed in a [`FormRoom`], row after row from the diagonal on: a
-//! form itself is small and cheap to copy.
+//! Second-order coefficients are packed in a [`FormRoom`], row after row from the diagonal on.
 
-use super::affine_form::{AffineForm, sum_of_magnitudes};
+use super::affine_form::{AffineForm, AffineSum, sum_of_magnitudes};
 use super::form_room::FormRoom;
 use super::interval::Interval;
 use super::rounding::{GROW, OPERATION, UNDERFLOW};
+use super::scalar::Scalar;
 
-/// An enclosure of a function of δ in [-1, 1]ᴺ.
+/// An enclosure of a function of δ in [-1, 1]ⁿ.
 #[derive(Clone, Copy, Debug)]
-pub struct QuadraticForm<'r, const N: usize> {
-    /// Value at δ = 0, slope along each δ, and a bound of everything that is not of first or second order.
-    pub line: AffineForm<N>,
+pub struct QuadraticForm<'r> {
+    /// Value at δ = 0, slope along each δ, and a bound of everything that is not of first or second order. Its room is
+    /// where results keep their coefficients of second order, too.
+    pub line: AffineForm<'r>,
     /// Factors of δₖ δₗ for k ≤ l; empty if all are zero.
     bends: &'r [f64],
     /// Bound of the quadratic part.
     bend: f64,
-    /// Storage for the second-order coefficients of results; a plain number needs none.
-    room: Option<&'r FormRoom>,
 }
 
 /// Roundings in a coefficient of a product, generously: four products and their sum.
@@ -29,110 +28,64 @@ const OF_PRODUCT: f64 = 8.0 * OPERATION;
 /// A value below this share of a form's slopes does not multiply second-order coefficients one by one.
 const NEGLIGIBLE: f64 = 1e-6;
 
-/// A sum under construction: its second-order coefficients are changed in place.
-struct QuadraticSum<'r, const N: usize> {
-    line: AffineForm<N>,
+/// A sum under construction: its coefficients are changed in place.
+struct QuadraticSum<'r> {
+    line: AffineSum<'r>,
     bends: Vec<f64>,
-    room: Option<&'r FormRoom>,
-    /// Terms, and the sum of their magnitudes: no partial sum is larger.
-    count: f64,
-    size: f64,
 }
 
-impl<'r, const N: usize> QuadraticSum<'r, N> {
+impl<'r> QuadraticSum<'r> {
     fn new(start: f64) -> Self {
         Self {
-            line: AffineForm::within(start, 0.0),
+            line: AffineSum::new(start),
             bends: Vec::new(),
-            room: None,
-            count: 1.0,
-            size: start.abs(),
         }
     }
 
-    /// The second-order coefficients, if there is space for them.
-    fn unfold(&mut self) {
-        if let (true, Some(room)) = (self.bends.is_empty(), self.room) {
-            self.bends = room.zeros();
-        }
-    }
-
-    fn add_scaled(&mut self, factor: f64, form: &QuadraticForm<'r, N>) {
-        self.room = self.room.or(form.room);
-        let line = &form.line;
-        if factor == 0.0 || line.is_zero() && form.bend == 0.0 {
-            // An unknown number stays unknown.
-            let open = line.error + form.bend;
-            self.line.error += if open.is_finite() { 0.0 } else { f64::INFINITY };
+    fn add_bends(&mut self, factor: f64, form: &QuadraticForm<'r>) {
+        if self.bends.is_empty() {
+            self.bends = form.blank();
+            self.bends.extend(form.bends.iter().map(|added| factor * added));
             return;
         }
-        self.line.value += factor * line.value;
-        for (s, slope) in self.line.slopes.iter_mut().zip(&line.slopes) {
-            *s += factor * slope;
+        for (bend, added) in self.bends.iter_mut().zip(form.bends) {
+            *bend += factor * added;
         }
-        if !form.bends.is_empty() {
-            self.unfold();
-            for (bend, added) in self.bends.iter_mut().zip(form.bends) {
-                *bend += factor * added;
-            }
+    }
+
+    fn add_scaled(&mut self, factor: f64, form: &QuadraticForm<'r>) {
+        // An unknown number stays unknown.
+        if factor == 0.0 && !form.bend.is_finite() {
+            self.line.error = f64::INFINITY;
         }
-        self.count += 1.0;
-        self.size += factor.abs() * (line.value.abs() + line.radius() + form.bend);
-        self.line.error += factor.abs() * line.error;
+        self.line.add_scaled(factor, &form.line);
+        if factor != 0.0 && form.bend != 0.0 {
+            self.add_bends(factor, form);
+            self.line.count(1.0, factor.abs() * form.bend);
+        }
     }
 
     /// Adds a product, its terms up to the second order multiplied out in place.
-    fn add_product(&mut self, a: &QuadraticForm<'r, N>, b: &QuadraticForm<'r, N>) {
+    fn add_product(&mut self, a: &QuadraticForm<'r>, b: &QuadraticForm<'r>) {
         for (number, other) in [(a, b), (b, a)] {
             if number.is_number() {
                 return self.add_scaled(number.line.value, other);
             }
         }
-        self.room = self.room.or(a.room).or(b.room);
+        self.line.note_room(&a.line);
+        self.line.note_room(&b.line);
         let (u, v) = (a.line.value, b.line.value);
-        let (x, y) = (&a.line.slopes, &b.line.slopes);
         let (rx, ry) = (a.line.radius(), b.line.radius());
-        let mut lost = 0.0;
-        if rx > 0.0 && ry > 0.0 {
-            self.unfold();
-            match self.room {
-                // Without space the product of the slopes goes into the error.
-                None => lost = rx * ry,
-                Some(room) => {
-                    // So does that of slopes along δ without storage.
-                    let outside = |slopes: &[f64]| sum_of_magnitudes(&slopes[room.count()..]);
-                    lost = outside(x) * ry + rx * outside(y);
-                    let mut rows = &mut self.bends[..];
-                    for k in 0..room.count() {
-                        let (row, rest) = rows.split_at_mut(room.count() - k);
-                        let (p, q) = (x[k], y[k]);
-                        row[0] += p * q;
-                        let slopes = x[k + 1..].iter().zip(&y[k + 1..]);
-                        for (bend, (x, y)) in row[1..].iter_mut().zip(slopes) {
-                            *bend += p * y + x * q;
-                        }
-                        rows = rest;
-                    }
-                }
-            }
-        }
+        let mut lost = self.add_product_of_slopes(&a.line, &b.line);
         for (factor, reach, form) in [(u, rx, b), (v, ry, a)] {
-            let bends = form.bends;
             // Beside its slopes such a value is nothing, and their product with the second order is an error below.
-            if factor.abs() <= NEGLIGIBLE * reach {
-                lost += factor.abs() * form.bend;
-            } else if !bends.is_empty() {
-                self.unfold();
-                for (bend, added) in self.bends.iter_mut().zip(bends) {
-                    *bend += factor * added;
-                }
+            match factor.abs() <= NEGLIGIBLE * reach {
+                true => lost += factor.abs() * form.bend,
+                false => self.add_bends(factor, form),
             }
         }
         let line = &mut self.line;
-        for (k, slope) in line.slopes.iter_mut().enumerate() {
-            *slope += u * y[k] + v * x[k];
-        }
-        line.value += u * v;
+        line.add_line(&a.line, &b.line);
         let (qx, qy) = (a.bend, b.bend);
         let (ex, ey) = (a.line.error, b.line.error);
         let (far, wide) = (u.abs() + rx + qx, v.abs() + ry + qy);
@@ -147,86 +100,85 @@ impl<'r, const N: usize> QuadraticSum<'r, N> {
         ];
         line.error += open.iter().sum::<f64>();
         // Three sums for a coefficient.
-        self.count += 3.0;
-        self.size += far * wide;
+        line.count(3.0, far * wide);
     }
 
-    fn finish(self) -> QuadraticForm<'r, N> {
-        let Self {
-            mut line,
-            bends,
-            room,
-            count,
-            size,
-        } = self;
-        // A sum of products loses at most this many roundings of the sum of their magnitudes; errors are summed with as
-        // many roundings.
-        if count > 1.0 {
-            let grown = 1.0 + count * GROWN;
-            line.error =
-                (line.error * grown + count * (OPERATION * size * GROW + UNDERFLOW)) * GROW;
+    /// Adds the terms of second order from the slopes of both factors; returns a bound of what finds no space.
+    fn add_product_of_slopes(&mut self, a: &AffineForm<'r>, b: &AffineForm<'r>) -> f64 {
+        let (x, y) = (a.slopes(), b.slopes());
+        if x.is_empty() || y.is_empty() {
+            return 0.0;
         }
-        QuadraticForm::from(line).bent(bends, room)
+        let Some(room) = self.line.room() else {
+            return a.radius() * b.radius();
+        };
+        let after = |k: usize| x[k + 1..].iter().zip(&y[k + 1..]);
+        if self.bends.is_empty() {
+            self.bends = room.bends().blank();
+            for (k, (p, q)) in x.iter().zip(y).enumerate() {
+                self.bends.push(p * q);
+                self.bends.extend(after(k).map(|(x, y)| p * y + x * q));
+            }
+            return 0.0;
+        }
+        let mut rows = &mut self.bends[..];
+        for (k, (p, q)) in x.iter().zip(y).enumerate() {
+            let (row, rest) = rows.split_at_mut(x.len() - k);
+            row[0] += p * q;
+            for (bend, (x, y)) in row[1..].iter_mut().zip(after(k)) {
+                *bend += p * y + x * q;
+            }
+            rows = rest;
+        }
+        0.0
+    }
+
+    fn finish(self) -> QuadraticForm<'r> {
+        QuadraticForm::from(self.line.finish()).bent(self.bends)
     }
 }
 
-/// Rounding of an addition to an error, generously.
-const GROWN: f64 = 8.0 * OPERATION;
-
-impl<const N: usize> From<AffineForm<N>> for QuadraticForm<'_, N> {
-    fn from(line: AffineForm<N>) -> Self {
+impl<'r> From<AffineForm<'r>> for QuadraticForm<'r> {
+    fn from(line: AffineForm<'r>) -> Self {
         Self {
             line,
             bends: &[],
             bend: 0.0,
-            room: None,
         }
     }
 }
 
-impl<const N: usize> PartialEq for QuadraticForm<'_, N> {
+impl PartialEq for QuadraticForm<'_> {
     fn eq(&self, b: &Self) -> bool {
-        self.line == b.line && self.bend == b.bend && (self.bend == 0.0 || self.bends == b.bends)
+        self.line == b.line && self.bend == b.bend && self.bends == b.bends
     }
 }
 
-impl<'r, const N: usize> QuadraticForm<'r, N> {
+impl<'r> QuadraticForm<'r> {
     /// Exactly zero.
     pub const ZERO: Self = Self {
         line: AffineForm::ZERO,
         bends: &[],
         bend: 0.0,
-        room: None,
     };
 
-    /// A form without second-order coefficients; those of products with it go into the storage. Its slopes are those of
-    /// the storage.
-    pub fn within(line: AffineForm<N>, room: &'r FormRoom) -> Self {
-        Self {
-            room: Some(room),
-            ..Self::from(line)
-        }
-    }
-
     /// The same with these second-order coefficients, packed; without space they go into the error.
-    pub fn bent(mut self, bends: Vec<f64>, room: Option<&'r FormRoom>) -> Self {
-        self.room = self.room.or(room);
-        self.bend = sum_of_magnitudes(&bends) * GROW;
-        if self.bend == 0.0 {
-            (self.bends, self.bend) = (&[], 0.0);
-            if let Some(room) = self.room {
-                room.give_back(bends);
+    pub fn bent(self, bends: Vec<f64>) -> Self {
+        let mut line = self.line;
+        let bend = sum_of_magnitudes(&bends) * GROW;
+        if bend == 0.0 {
+            if let Some(room) = line.room() {
+                room.bends().give_back(bends);
             }
-            return self;
+            return Self::from(line);
         }
-        match self.room.and_then(|room| room.keep(bends)) {
-            Some(bends) => self.bends = bends,
+        match line.room().and_then(|room| room.bends().keep(bends)) {
+            Some(bends) => Self { line, bends, bend },
             None => {
-                self.line.error = (self.line.error + self.bend) * GROW;
-                (self.bends, self.bend) = (&[], 0.0);
+                line.error = (line.error + bend) * GROW;
+                Self::from(line)
             }
         }
-        self
     }
 
     /// Bound of the quadratic part.
@@ -236,18 +188,21 @@ impl<'r, const N: usize> QuadraticForm<'r, N> {
 
     /// Factor of δₖ δₗ for k ≤ l.
     pub fn bend_of(&self, k: usize, l: usize) -> f64 {
-        let place = self.room.map_or(0, |room| room.place(k, l));
+        let place = self.room().map_or(0, |room| room.place(k, l));
         self.bends.get(place).copied().unwrap_or(0.0)
     }
 
-    /// Number of δ for which it has second-order coefficients.
-    pub fn span(&self) -> usize {
-        self.room.map_or(0, FormRoom::count)
+    /// Where coefficients are stored.
+    pub fn room(&self) -> Option<&'r FormRoom> {
+        self.line.room()
     }
 
-    /// Where second-order coefficients are stored.
-    pub fn room(&self) -> Option<&'r FormRoom> {
-        self.room
+    /// A list for coefficients of second order, if there are some.
+    fn blank(&self) -> Vec<f64> {
+        match (self.bends, self.room()) {
+            ([], _) | (_, None) => Vec::new(),
+            (_, Some(room)) => room.bends().blank(),
+        }
     }
 
     /// All bends, packed.
@@ -255,8 +210,35 @@ impl<'r, const N: usize> QuadraticForm<'r, N> {
         self.bends
     }
 
+    /// The same with everything that depends on numbers from `first` on moved into the error.
+    pub fn folded(self, first: usize) -> Self {
+        let line = self.line.folded(first);
+        let Some(span) = self
+            .room()
+            .map(FormRoom::count)
+            .filter(|span| first < *span)
+        else {
+            return Self { line, ..self };
+        };
+        let mut bends = self.blank();
+        bends.extend_from_slice(self.bends);
+        let mut folded = Self::from(line);
+        let (mut sum, mut rows) = (0.0, &mut bends[..]);
+        for k in 0..span {
+            let Some((row, rest)) = rows.split_at_mut_checked(span - k) else {
+                break;
+            };
+            for bend in row.iter_mut().skip(first.saturating_sub(k)) {
+                sum += std::mem::take(bend).abs();
+            }
+            rows = rest;
+        }
+        folded.line.error = (folded.line.error + sum * GROW) * GROW;
+        folded.bent(bends)
+    }
+
     /// The same to first order: the quadratic part goes into the error.
-    pub fn affine(&self) -> AffineForm<N> {
+    pub fn affine(&self) -> AffineForm<'r> {
         let mut line = self.line;
         line.error = (line.error + self.bend) * GROW;
         line
@@ -289,15 +271,12 @@ impl<'r, const N: usize> QuadraticForm<'r, N> {
 
     /// Whether it is a number without an error.
     fn is_number(&self) -> bool {
-        self.bend == 0.0 && self.line == AffineForm::within(self.line.value, 0.0)
+        self.bend == 0.0 && self.line.as_number().is_some()
     }
 
     /// A function that is known to the first order.
-    fn by_line(self, of: impl Fn(AffineForm<N>) -> AffineForm<N>) -> Self {
-        Self {
-            room: self.room,
-            ..Self::from(of(self.affine()))
-        }
+    fn by_line(self, of: impl Fn(AffineForm<'r>) -> AffineForm<'r>) -> Self {
+        Self::from(of(self.affine()))
     }
 
     /// value + slope y - ½ (that function) y² and a third-order remainder: sine or cosine, whose second derivative is
@@ -307,24 +286,25 @@ impl<'r, const N: usize> QuadraticForm<'r, N> {
         let line = &self.line;
         let (radius, beyond) = (line.radius(), self.bend + line.error);
         let wide = (radius + beyond) * GROW;
-        let mut bends = Vec::new();
-        let lost = match self.room {
-            None => 0.5 * here.abs() * radius * radius,
-            Some(room) => {
-                bends = room.blank();
-                for k in 0..room.count() {
-                    let slope = line.slopes[k];
+        let (mut bends, mut lost) = (Vec::new(), 0.0);
+        match self.room() {
+            None => lost = 0.5 * here.abs() * radius * radius,
+            Some(room) if !line.slopes().is_empty() => {
+                bends = room.bends().blank();
+                for (k, slope) in line.slopes().iter().enumerate() {
                     bends.push(-0.5 * here * slope * slope);
-                    let others = &line.slopes[k + 1..room.count()];
+                    let others = &line.slopes()[k + 1..];
                     bends.extend(others.iter().map(|other| -here * slope * other));
                 }
                 for (bend, own) in bends.iter_mut().zip(self.bends) {
                     *bend += rate * own;
                 }
-                let outside = sum_of_magnitudes(&line.slopes[room.count()..]);
-                here.abs() * radius * outside
             }
-        };
+            Some(_) => {
+                bends = self.blank();
+                bends.extend(self.bends.iter().map(|own| rate * own));
+            }
+        }
         let open = [
             value.distance(here) * (1.0 + wide * wide),
             slope.distance(rate) * wide,
@@ -336,12 +316,9 @@ impl<'r, const N: usize> QuadraticForm<'r, N> {
             lost,
             UNDERFLOW,
         ];
-        let line = AffineForm {
-            value: here,
-            slopes: line.slopes.map(|s| rate * s),
-            error: open.iter().sum::<f64>() * GROW,
-        };
-        Self::from(line).bent(bends, self.room)
+        let error = open.iter().sum::<f64>() * GROW;
+        let line = line.with_each_slope(|slope| rate * slope, here, error);
+        Self::from(line).bent(bends)
     }
 }
 

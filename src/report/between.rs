@@ -107,6 +107,7 @@ impl BetweenSamples {
             "places": places.len(),
             "seconds": together(places),
             "closes_to": self.closes_to,
+            "cut_off": self.is_cut_off && !self.is_proved(),
             "stepped_over": listed.collect::<Vec<_>>(),
         })
     }

@@ -317,6 +317,7 @@ impl TakenMeasure<'_> {
                 json!(Some(self.shown_bound(known)).filter(|b| b.is_finite())),
             );
             object.insert("certified".to_owned(), json!(known.is_certified));
+            object.insert("cut_off".to_owned(), json!(known.is_cut_off));
             object.insert("time".to_owned(), json!(known.time));
             if !self.place.is_empty() {
                 let inputs = self

@@ -2,17 +2,15 @@
 //! the poses of all pieces at all times of the interval. Intervals that are too long are halved.
 
 use super::motion::{NominalPose, SpanBands, samples_at};
-use super::plan::{TolerancePlan, sized};
-use super::pose_bands::{BandObstacle, pose_enclosure};
+use super::plan::TolerancePlan;
+use super::pose_bands::{BandObstacle, EnclosureSpace, pose_enclosure};
 use crate::jobs::share_work;
 use crate::kinematics::certificate::tube::input_range;
-use crate::kinematics::enclosure::pose::Encloser;
+use crate::kinematics::enclosure::pose::{Encloser, Rooms};
 use crate::kinematics::enclosure::region::ToleranceInterval;
 use crate::kinematics::motion::sampling::knot_times;
 use crate::kinematics::results::certificate::Reason;
-use crate::kinematics::solve::pose_solver::PoseSolver;
 use crate::model::drive::Drive;
-use crate::numbers::form_room::FormRoom;
 use crate::numbers::interval::Interval;
 use crate::numbers::rounding::GROW;
 use crate::numbers::scalar::Scalar;
@@ -29,7 +27,7 @@ pub fn enclose_between(plan: &TolerancePlan, times: &[f64], threads: usize) -> V
     let middles: Vec<f64> = ends.iter().map(|[a, b]| 0.5 * a + 0.5 * b).collect();
     let samples = samples_at(plan, &middles);
     let encloser = Encloser::new(family.system());
-    let work = |solver: &mut PoseSolver, index: usize| {
+    let work = |space: &mut EnclosureSpace, index: usize| {
         let [from, until] = ends[index];
         // Bands of an interval are proved around the pose in its middle.
         let bands = match NominalPose::of(&samples[index]) {
@@ -40,12 +38,12 @@ pub fn enclose_between(plan: &TolerancePlan, times: &[f64], threads: usize) -> V
                     encloser: &encloser,
                     pose,
                 };
-                place.bands(solver, [from, until], MOST_HALVINGS)
+                place.bands(space, [from, until], MOST_HALVINGS)
             }
         };
         Some(SpanBands { from, until, bands })
     };
-    let make = || PoseSolver::new(family.system());
+    let make = || EnclosureSpace::new(family.system());
     let list = share_work(ends.len(), threads, make, work);
     list.into_iter().map(|(_, stretch)| stretch).collect()
 }
@@ -61,12 +59,12 @@ impl PoseBetween<'_> {
     /// The bands over an interval, by halves if necessary.
     fn bands(
         &self,
-        solver: &mut PoseSolver,
+        space: &mut EnclosureSpace,
         [from, until]: [f64; 2],
         halvings: u32,
     ) -> Result<Vec<[f64; 2]>, BandObstacle> {
         // One enclosure over the whole interval, if its test succeeds.
-        let refusal = match self.whole(solver, [from, until]) {
+        let refusal = match self.whole(space, [from, until]) {
             Ok(bands) => return Ok(bands),
             Err(refusal) if halvings == 0 => return Err(refusal),
             Err(refusal) => refusal,
@@ -76,10 +74,10 @@ impl PoseBetween<'_> {
         let mut all: Option<Vec<[f64; 2]>> = None;
         for half in [[from, middle], [middle, until]] {
             let middle = 0.5 * half[0] + 0.5 * half[1];
-            let pose = self.pose.followed_to(solver, self.plan, middle);
+            let pose = self.pose.followed_to(&mut space.solver, self.plan, middle);
             let pose = pose.ok_or(refusal)?;
             let place = PoseBetween { pose, ..*self };
-            let bands = place.bands(solver, half, halvings - 1)?;
+            let bands = place.bands(space, half, halvings - 1)?;
             // The hull of both halves holds for the whole; if one half has no proof, the whole has none.
             all = Some(match all {
                 None => bands,
@@ -95,23 +93,26 @@ impl PoseBetween<'_> {
 
     fn whole(
         &self,
-        solver: &mut PoseSolver,
+        space: &mut EnclosureSpace,
         stretch: [f64; 2],
     ) -> Result<Vec<[f64; 2]>, BandObstacle> {
         let pose = &self.pose.coordinates;
         let tolerances = stretch_tolerances(self.plan, pose, stretch)?;
-        sized!(self.plan.room_for(tolerances.len()), N => {
-            // All coordinates and derived values over the whole interval, for every piece.
-            let enclosure = pose_enclosure::<N>(self.plan, self.encloser, (solver, &mut FormRoom::default()), pose, &tolerances)?;
-            let mechanism = self.plan.family.mechanism();
-            let unknowns = 0..mechanism.unknowns.len();
-            let shown = unknowns.chain(mechanism.coordinate_count()..enclosure.len());
-            let ends = shown.map(|slot| {
-                let range = enclosure.slot(slot).range();
-                [range.lo, range.hi]
-            });
-            Ok(ends.collect())
-        })
+        // All coordinates and derived values over the whole interval, for every piece.
+        let EnclosureSpace { solver, rooms } = space;
+        let [work, kept] = rooms;
+        kept.empty(self.plan.room_for(tolerances.len()));
+        let rooms = Rooms { work, kept };
+        let enclosure =
+            pose_enclosure(self.plan, self.encloser, (solver, rooms), pose, &tolerances)?;
+        let mechanism = self.plan.family.mechanism();
+        let unknowns = 0..mechanism.unknowns.len();
+        let shown = unknowns.chain(mechanism.coordinate_count()..enclosure.len());
+        let ends = shown.map(|slot| {
+            let range = enclosure.slot(slot).range();
+            [range.lo, range.hi]
+        });
+        Ok(ends.collect())
     }
 }
 

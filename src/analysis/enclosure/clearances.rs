@@ -6,19 +6,18 @@
 
 use super::between::stretch_tolerances;
 use super::motion::{NominalPose, samples_at};
-use super::plan::{TolerancePlan, sized};
-use super::pose_bands::{BandObstacle, pose_enclosure};
+use super::plan::TolerancePlan;
+use super::pose_bands::{BandObstacle, EnclosureSpace, pose_enclosure};
 use crate::clearance::part::{JudgedPart, Missing, PieceClearance, PieceRefusal};
 use crate::clearance::piece_gap::{PartWays, PieceView};
 use crate::jobs::share_work;
 use crate::kinematics::enclosure::observer::Observer;
-use crate::kinematics::enclosure::pose::{Encloser, PoseEnclosure};
+use crate::kinematics::enclosure::pose::{Encloser, PoseEnclosure, Rooms};
 use crate::kinematics::enclosure::region::ToleranceInterval;
 use crate::kinematics::motion::sampling::knot_times;
 use crate::kinematics::solve::newton::Pace;
 use crate::kinematics::solve::pose_solver::PoseSolver;
 use crate::model::drive::Drive;
-use crate::numbers::form_room::FormRoom;
 
 /// Maximum number of halvings of a time interval.
 const MOST_HALVINGS: u32 = 12;
@@ -226,9 +225,9 @@ impl ClearanceSearch<'_> {
         is_last: bool,
     ) -> Vec<TimeSpan> {
         let goals: Vec<f64> = found.iter().map(|pair| pair.found).collect();
-        let make = || PoseSolver::new(self.plan.family.system());
-        let work = |solver: &mut PoseSolver, index: usize| {
-            Some(self.examine(solver, &open[index], &goals))
+        let make = || EnclosureSpace::new(self.plan.family.system());
+        let work = |space: &mut EnclosureSpace, index: usize| {
+            Some(self.examine(space, &open[index], &goals))
         };
         let results = share_work(open.len(), threads, make, work);
         // The nearest pieces of all intervals come first: they determine which bounds are close enough.
@@ -308,28 +307,36 @@ impl ClearanceSearch<'_> {
 
     fn examine(
         &self,
-        solver: &mut PoseSolver,
+        space: &mut EnclosureSpace,
         stretch: &TimeSpan,
         goals: &[f64],
     ) -> Result<PartBounds, BandObstacle> {
+        let EnclosureSpace { solver, rooms } = space;
+        let [work, kept] = rooms;
         let [from, until] = stretch.ends;
         // The pose in the middle of the interval, followed from a near one.
         let middle = 0.5 * from + 0.5 * until;
         let pose = stretch.near.followed_to(solver, self.plan, middle);
         let pose = pose.ok_or(BandObstacle::NoPose)?.coordinates;
         let tolerances = stretch_tolerances(self.plan, &pose, stretch.ends)?;
-        sized!(self.plan.room_for(tolerances.len()), N => {
-            let enclosure = pose_enclosure::<N>(self.plan, &self.encloser, (solver, &mut FormRoom::default()), &pose, &tolerances)?;
-            Ok(self.examine_parts(solver, stretch, goals, &enclosure, &tolerances))
-        })
+        kept.empty(self.plan.room_for(tolerances.len()));
+        let rooms = Rooms { work, kept };
+        let enclosure = pose_enclosure(
+            self.plan,
+            &self.encloser,
+            (&mut *solver, rooms),
+            &pose,
+            &tolerances,
+        )?;
+        Ok(self.examine_parts(solver, stretch, goals, &enclosure, &tolerances))
     }
 
-    fn examine_parts<const N: usize>(
+    fn examine_parts(
         &self,
         solver: &mut PoseSolver,
         stretch: &TimeSpan,
         goals: &[f64],
-        enclosure: &PoseEnclosure<N>,
+        enclosure: &PoseEnclosure,
         tolerances: &[ToleranceInterval],
     ) -> PartBounds {
         let mechanism = self.plan.family.mechanism();
@@ -356,10 +363,10 @@ impl ClearanceSearch<'_> {
     }
 
     /// The pose at a time of the piece whose dimensions are at δ; `None` if it does not close within the box.
-    fn piece<const N: usize>(
+    fn piece(
         &self,
         solver: &mut PoseSolver,
-        enclosure: &PoseEnclosure<N>,
+        enclosure: &PoseEnclosure,
         tolerances: &[ToleranceInterval],
         (place, time): (&[f64], f64),
     ) -> Option<Vec<f64>> {

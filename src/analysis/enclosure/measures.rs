@@ -2,7 +2,7 @@
 //! inserted into the formulas of the measures. If the derivatives show at which corner of the tolerances a measure has
 //! its extreme, all poses of that piece are solved and proved.
 
-use super::plan::{TolerancePlan, sized};
+use super::plan::TolerancePlan;
 use super::pose_bands::{BandObstacle, PieceFinder, is_sharp};
 use super::reductions::taken_number;
 use super::tracked::Tracked;
@@ -14,6 +14,7 @@ use crate::kinematics::loops::observed::observed_slots;
 use crate::model::expression::Expression;
 use crate::model::measure::{Measure, MeasureSource};
 use crate::numbers::affine_form::AffineForm;
+use crate::numbers::form_room::FormRoom;
 use crate::numbers::interval::Interval;
 use crate::numbers::scalar::{Ring, Scalar};
 
@@ -34,23 +35,8 @@ pub fn enclose_measures(
     plan: &TolerancePlan,
     nominal: &Nominal,
 ) -> Result<Vec<MeasureBand>, (usize, BandObstacle)> {
-    sized!(plan.room_for(plan.dimensions.len()), N => measure_bands::<N>(plan, nominal))
-}
-
-/// A band, and the least and greatest values that pieces take at its ends.
-struct Reached {
-    band: MeasureBand,
-    found: [f64; 2],
-}
-
-/// Numbers of the forms that represent plain intervals: none.
-const OF_ONE: usize = 4;
-
-fn measure_bands<const N: usize>(
-    plan: &TolerancePlan,
-    nominal: &Nominal,
-) -> Result<Vec<MeasureBand>, (usize, BandObstacle)> {
     let encloser = Encloser::new(plan.family.system());
+    let room = FormRoom::new(plan.room_for(plan.dimensions.len()));
     let mut search = MeasureSearch {
         plan,
         encloser: &encloser,
@@ -61,17 +47,17 @@ fn measure_bands<const N: usize>(
     // Poses that first-order forms cannot enclose are enclosed with second-order forms at once.
     let (mut plain, mut is_rough) = (Vec::new(), Vec::new());
     for (index, pose) in nominal.poses.iter().enumerate() {
-        let (enclosure, rough) = match search.finder.enclosed_plainly::<N>(pose) {
+        let (enclosure, rough) = match search.finder.enclosed_plainly(pose, &room) {
             Ok(enclosed) => enclosed,
             Err(_) => {
-                let bent = search.finder.enclosed::<N>(pose);
+                let bent = search.finder.enclosed(pose, &room);
                 (bent.map_err(|obstacle| (index, obstacle))?, false)
             }
         };
         plain.push(enclosure);
         is_rough.push(rough);
     }
-    let first = search.reached(&plain);
+    let first = search.reached(&plain, &room);
     let list = |reached: &[Reached]| reached.iter().map(|r| r.band).collect::<Vec<_>>();
     let sharp = |r: &Reached| {
         let size = r.band.lo.abs().max(r.band.hi.abs());
@@ -83,17 +69,23 @@ fn measure_bands<const N: usize>(
     let mut enclosures = Vec::new();
     for (known, rough) in plain.into_iter().zip(is_rough) {
         enclosures.push(match rough {
-            true => search.finder.refined(&known, REFINING[1]),
+            true => search.finder.refined(&known, &room, REFINING[1]),
             false => known,
         });
     }
-    let second = list(&search.reached(&enclosures));
+    let second = list(&search.reached(&enclosures, &room));
     let pairs = first.iter().zip(second);
     let tighter = pairs.map(|(a, b)| MeasureBand {
         lo: a.band.lo.max(b.lo),
         hi: a.band.hi.min(b.hi),
     });
     Ok(tighter.collect())
+}
+
+/// A band, and the least and greatest values that pieces take at its ends.
+struct Reached {
+    band: MeasureBand,
+    found: [f64; 2],
 }
 
 struct MeasureSearch<'p> {
@@ -107,9 +99,13 @@ struct MeasureSearch<'p> {
 
 impl MeasureSearch<'_> {
     /// Bands from the enclosures of all poses, and the values of the pieces at their ends.
-    fn reached<const N: usize>(&mut self, enclosures: &[PoseEnclosure<N>]) -> Vec<Reached> {
+    fn reached<'r>(
+        &mut self,
+        enclosures: &[PoseEnclosure<'r>],
+        room: &'r FormRoom,
+    ) -> Vec<Reached> {
         let count = self.plan.dimensions.len();
-        let inputs = plan_inputs::<N>(self.plan);
+        let inputs = plan_inputs(self.plan, room);
         let value = |pose: usize, formula: &Expression| {
             let (form, rates) = enclosures[pose].formula(formula);
             Tracked { form, rates }
@@ -141,7 +137,7 @@ impl MeasureSearch<'_> {
             let known = places.iter().position(|known| *known == place)?;
             Some(at[known].as_ref()?[index]).filter(|range| range.is_finite())
         };
-        let one = |(index, number): (usize, &Tracked<N>)| {
+        let one = |(index, number): (usize, &Tracked)| {
             let mut range = match number.form.is_finite() {
                 true => number.form.range(),
                 false => Interval::ENTIRE,
@@ -171,11 +167,11 @@ impl MeasureSearch<'_> {
     }
 
     /// All measures of the pieces at δ; none of a piece with a pose that is not proved.
-    fn measured_pieces<const N: usize>(
+    fn measured_pieces(
         &mut self,
-        enclosures: &[PoseEnclosure<N>],
+        enclosures: &[PoseEnclosure],
         places: &[&[f64]],
-        inputs: &[Tracked<N>],
+        inputs: &[Tracked],
     ) -> Vec<Option<Vec<Interval>>> {
         let system = self.plan.family.system();
         if self.anchors.is_empty() {
@@ -198,10 +194,7 @@ impl MeasureSearch<'_> {
             let poses = poses?;
             let inputs = inputs.iter().map(|input| of_piece(input, place)).collect();
             let value = |pose: usize, formula: &Expression| {
-                Tracked::<OF_ONE>::without_rates(
-                    AffineForm::of_interval(formula.value(poses[pose])),
-                    0,
-                )
+                Tracked::without_rates(AffineForm::of_interval(formula.value(poses[pose])), 0)
             };
             let numbers = measure_numbers(self.plan, inputs, 0, value);
             Some(numbers.iter().map(|number| number.form.range()).collect())
@@ -211,14 +204,10 @@ impl MeasureSearch<'_> {
 }
 
 /// An input of the piece at δ.
-fn of_piece<const N: usize>(input: &Tracked<N>, place: &[f64]) -> Tracked<OF_ONE> {
-    let AffineForm {
-        value,
-        slopes,
-        error,
-    } = &input.form;
-    let drawn = Interval::point(*value) + Interval::around_zero(*error);
-    let moved = slopes.iter().zip(place);
+fn of_piece(input: &Tracked, place: &[f64]) -> Tracked<'static> {
+    let form = &input.form;
+    let drawn = Interval::point(form.value) + Interval::around_zero(form.error);
+    let moved = form.slopes().iter().zip(place);
     let value = moved.fold(drawn, |sum, (slope, d)| {
         sum + Interval::point(*slope).scale(*d)
     });
@@ -226,12 +215,12 @@ fn of_piece<const N: usize>(input: &Tracked<N>, place: &[f64]) -> Tracked<OF_ONE
 }
 
 /// All measures, from the inputs at the start of the drive and the values of formulas at the poses of the tracks.
-fn measure_numbers<const N: usize>(
+fn measure_numbers<'r>(
     plan: &TolerancePlan,
-    inputs: Vec<Tracked<N>>,
+    inputs: Vec<Tracked<'r>>,
     count: usize,
-    value: impl Fn(usize, &Expression) -> Tracked<N>,
-) -> Vec<Tracked<N>> {
+    value: impl Fn(usize, &Expression) -> Tracked<'r>,
+) -> Vec<Tracked<'r>> {
     let rows = plan.family.rows();
     let first = inputs.len();
     let mut numbers = inputs;
@@ -245,7 +234,7 @@ fn measure_numbers<const N: usize>(
                 of, taking, power, ..
             } => {
                 let poses = row_of(measure, rows.len()).map_or(0..0, |row| rows[row].1.clone());
-                let values: Vec<Vec<Tracked<N>>> = (of.iter())
+                let values: Vec<Vec<Tracked>> = (of.iter())
                     .map(|formula| poses.clone().map(|pose| value(pose, formula)).collect())
                     .collect();
                 taken_number(*taking, *power, &values, count)
@@ -257,8 +246,8 @@ fn measure_numbers<const N: usize>(
 }
 
 /// A formula of numbers.
-fn of_formula<const N: usize>(formula: &Expression, numbers: &[Tracked<N>]) -> Tracked<N> {
-    let forms: Vec<AffineForm<N>> = numbers.iter().map(|number| number.form).collect();
+fn of_formula<'r>(formula: &Expression, numbers: &[Tracked<'r>]) -> Tracked<'r> {
+    let forms: Vec<AffineForm> = numbers.iter().map(|number| number.form).collect();
     let value = formula.value(&forms);
     let count = numbers.iter().map(|number| number.rates.len()).max();
     if count.unwrap_or(0) == 0 {
@@ -267,7 +256,7 @@ fn of_formula<const N: usize>(formula: &Expression, numbers: &[Tracked<N>]) -> T
     // Chain rule: the rates of a formula from its gradient over the whole box and the rates of its slots.
     let gradient = formula.gradient(&forms);
     let used = formula.slots();
-    let parts: Vec<(AffineForm<N>, &Tracked<N>)> = (used.iter())
+    let parts: Vec<(AffineForm, &Tracked)> = (used.iter())
         .map(|slot| (gradient[*slot], &numbers[*slot]))
         .collect();
     let mut number = Tracked::through(value, &parts);
@@ -276,7 +265,7 @@ fn of_formula<const N: usize>(formula: &Expression, numbers: &[Tracked<N>]) -> T
 }
 
 /// The inputs at the start of the drive, as functions of the dimensions.
-fn plan_inputs<const N: usize>(plan: &TolerancePlan) -> Vec<Tracked<N>> {
+fn plan_inputs<'r>(plan: &TolerancePlan, room: &'r FormRoom) -> Vec<Tracked<'r>> {
     let family = plan.family;
     let unknowns = family.mechanism().unknowns.len();
     let start = family.actuation.inputs_at(0.0);
@@ -288,10 +277,12 @@ fn plan_inputs<const N: usize>(plan: &TolerancePlan) -> Vec<Tracked<N>> {
         form: AffineForm::within(*value, open),
         rates: still.clone(),
     };
-    let mut inputs: Vec<Tracked<N>> = start.iter().zip(open).map(one).collect();
+    let mut inputs: Vec<Tracked> = start.iter().zip(open).map(one).collect();
     for (k, tolerance) in plan.tolerances(&pose).iter().enumerate() {
         let input = &mut inputs[tolerance.slot - unknowns];
-        input.form = input.form.moving(k, tolerance.half_width);
+        let mut slopes = vec![0.0; plan.dimensions.len()];
+        slopes[k] = tolerance.half_width;
+        input.form = AffineForm::linear(room, input.form.value, &slopes, input.form.error);
         input.rates[k] = AffineForm::within(tolerance.half_width, 0.0);
     }
     inputs

@@ -1,7 +1,7 @@
 //! Bands of a motion: at every sample, for every unknown, traced point and output, a range that contains every piece,
 //! and the range that pieces attain.
 
-use super::plan::{TolerancePlan, sized};
+use super::plan::TolerancePlan;
 use super::pose_bands::{BandObstacle, Bands, PieceFinder};
 use crate::jobs::share_work;
 use crate::kinematics::enclosure::pose::Encloser;
@@ -59,7 +59,7 @@ pub fn enclose_motion(
             None => Err(BandObstacle::NoPose),
             Some(pose) => {
                 let pose = [pose.unknowns.as_slice(), &sample.inputs].concat();
-                sized!(plan.room_for(plan.dimensions.len()), N => finder.bands::<N>(&pose))
+                finder.bands(&pose)
             }
         };
         let bands = bands.map(|bands| {

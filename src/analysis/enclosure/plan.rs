@@ -122,29 +122,3 @@ impl<'f> TolerancePlan<'f> {
             .collect()
     }
 }
-
-/// Runs `$call` with N the smallest size of affine forms that holds `$count` dimensions. Everything is compiled once
-/// per size, so there are few sizes.
-macro_rules! sized {
-    ($count:expr, $N:ident => $call:expr) => {
-        match $count {
-            0..=12 => {
-                const $N: usize = 12;
-                $call
-            }
-            13..=36 => {
-                const $N: usize = 36;
-                $call
-            }
-            37..=48 => {
-                const $N: usize = 48;
-                $call
-            }
-            _ => {
-                const $N: usize = crate::analysis::enclosure::plan::MOST_DIMENSIONS;
-                $call
-            }
-        }
-    };
-}
-pub(super) use sized;

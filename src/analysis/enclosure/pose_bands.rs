@@ -5,13 +5,14 @@ use super::plan::TolerancePlan;
 use crate::kinematics::abreast::anchor::AnchorPose;
 use crate::kinematics::abreast::closing::LaneSolver;
 use crate::kinematics::enclosure::block::Unbounded;
-use crate::kinematics::enclosure::pose::{Encloser, PoseEnclosure, REFINING, Sought};
+use crate::kinematics::enclosure::pose::{Encloser, PoseEnclosure, REFINING, Rooms, Sought};
 use crate::kinematics::enclosure::quadratic::{BoxFace, QuadraticBound};
 use crate::kinematics::enclosure::region::ToleranceInterval;
 use crate::kinematics::loops::observed::observed_slots;
 use crate::kinematics::results::certificate::Reason;
 use crate::kinematics::solve::newton::Pace;
 use crate::kinematics::solve::pose_solver::PoseSolver;
+use crate::kinematics::structure::system::System;
 use crate::numbers::form_room::FormRoom;
 use crate::numbers::interval::Interval;
 use crate::numbers::octet::{LANES, LaneMask, Octet};
@@ -79,13 +80,13 @@ const SHARP: f64 = 1e-2;
 const NARROW: f64 = 1e-9;
 
 /// The enclosure of all pieces near a closed pose, with individual tolerances.
-pub(super) fn pose_enclosure<const N: usize>(
+pub(super) fn pose_enclosure<'r>(
     plan: &TolerancePlan,
     encloser: &Encloser,
-    (solver, room): (&mut PoseSolver, &mut FormRoom),
+    (solver, rooms): (&mut PoseSolver, Rooms<'_, 'r>),
     pose: &[f64],
     tolerances: &[ToleranceInterval],
-) -> Result<PoseEnclosure<N>, BandObstacle> {
+) -> Result<PoseEnclosure<'r>, BandObstacle> {
     if plan.is_cancelled() {
         return Err(BandObstacle::Interrupted);
     }
@@ -95,7 +96,7 @@ pub(super) fn pose_enclosure<const N: usize>(
         tolerances,
         bases: &solver.best_rows(pose),
     };
-    Ok(encloser.enclose(sought, room)?)
+    Ok(encloser.enclose(sought, rooms)?)
 }
 
 /// Whether a band is hardly wider than the values of the pieces, so that another enclosure would gain nothing. `size`
@@ -104,13 +105,31 @@ pub(super) fn is_sharp([lo, hi]: [f64; 2], found: [f64; 2], size: f64) -> bool {
     hi - lo <= (1.0 + SHARP) * (found[1] - found[0]) + NARROW * size
 }
 
+/// What a thread needs to enclose poses.
+pub(super) struct EnclosureSpace<'s> {
+    pub solver: PoseSolver<'s>,
+    /// Forms on the way to an enclosure, and those of the enclosure.
+    pub rooms: [FormRoom; 2],
+}
+
+impl<'s> EnclosureSpace<'s> {
+    /// For poses of this system.
+    pub fn new(system: &'s System) -> Self {
+        Self {
+            solver: PoseSolver::new(system),
+            rooms: Default::default(),
+        }
+    }
+}
+
 /// Finds pieces and their bands; one per thread.
 pub(super) struct PieceFinder<'f> {
     plan: &'f TolerancePlan<'f>,
     encloser: &'f Encloser<'f>,
     solver: PoseSolver<'f>,
     lanes: LaneSolver<'f>,
-    room: FormRoom,
+    work: FormRoom,
+    kept: FormRoom,
 }
 
 impl<'f> PieceFinder<'f> {
@@ -122,57 +141,77 @@ impl<'f> PieceFinder<'f> {
             encloser,
             solver: PoseSolver::new(system),
             lanes: LaneSolver::new(system),
-            room: FormRoom::default(),
+            work: FormRoom::default(),
+            kept: FormRoom::default(),
         }
     }
 
     /// The enclosure of all pieces near a closed pose.
-    pub fn enclosed<const N: usize>(
+    pub fn enclosed<'r>(
         &mut self,
         pose: &[f64],
-    ) -> Result<PoseEnclosure<N>, BandObstacle> {
+        kept: &'r FormRoom,
+    ) -> Result<PoseEnclosure<'r>, BandObstacle> {
         let tolerances = self.plan.tolerances(pose);
+        let work = &mut self.work;
+        let rooms = Rooms { work, kept };
         pose_enclosure(
             self.plan,
             self.encloser,
-            (&mut self.solver, &mut self.room),
+            (&mut self.solver, rooms),
             pose,
             &tolerances,
         )
     }
 
     /// A first-order enclosure that keeps terms of second order, in so many rounds.
-    pub fn refined<const N: usize>(
+    pub fn refined<'r>(
         &mut self,
-        plain: &PoseEnclosure<N>,
+        plain: &PoseEnclosure,
+        kept: &'r FormRoom,
         rounds: usize,
-    ) -> PoseEnclosure<N> {
-        self.encloser.refined(plain, &mut self.room, rounds)
+    ) -> PoseEnclosure<'r> {
+        let work = &mut self.work;
+        self.encloser.refined(plain, Rooms { work, kept }, rounds)
     }
 
     /// The same with first-order forms only; also returns whether second-order forms would be tried.
-    pub fn enclosed_plainly<const N: usize>(
+    pub fn enclosed_plainly<'r>(
         &mut self,
         pose: &[f64],
-    ) -> Result<(PoseEnclosure<N>, bool), BandObstacle> {
+        kept: &'r FormRoom,
+    ) -> Result<(PoseEnclosure<'r>, bool), BandObstacle> {
         if self.plan.is_cancelled() {
             return Err(BandObstacle::Interrupted);
         }
-        Ok(self.encloser.enclose_plainly(Sought {
+        let sought = Sought {
             pose,
             input_open: &self.plan.input_open(pose),
             tolerances: &self.plan.tolerances(pose),
             bases: &self.solver.best_rows(pose),
-        })?)
+        };
+        let work = &mut self.work;
+        Ok(self
+            .encloser
+            .enclose_plainly(sought, Rooms { work, kept })?)
     }
 
     /// The bands of all pieces near a closed pose.
-    pub fn bands<const N: usize>(&mut self, pose: &[f64]) -> Result<Bands, BandObstacle> {
+    pub fn bands(&mut self, pose: &[f64]) -> Result<Bands, BandObstacle> {
+        let mut room = std::mem::take(&mut self.kept);
+        room.empty(self.plan.room_for(self.plan.dimensions.len()));
+        let bands = self.bands_in(&room, pose);
+        self.kept = room;
+        bands
+    }
+
+    /// The same, with all forms in a room.
+    fn bands_in(&mut self, room: &FormRoom, pose: &[f64]) -> Result<Bands, BandObstacle> {
         let anchor = AnchorPose::new(self.plan.family.system(), pose);
         let anchor = anchor.as_ref();
         // The plain enclosure first; the refined one costs several times as much.
-        let Ok((plain, is_rough)) = self.enclosed_plainly::<N>(pose) else {
-            let enclosure = self.enclosed::<N>(pose)?;
+        let Ok((plain, is_rough)) = self.enclosed_plainly(pose, room) else {
+            let enclosure = self.enclosed(pose, room)?;
             return Ok(self.bands_within(&enclosure, anchor));
         };
         let mut bands = self.bands_within(&plain, anchor);
@@ -184,7 +223,7 @@ impl<'f> PieceFinder<'f> {
                 break;
             }
             // All of them enclose all pieces, so that their intersection does.
-            let enclosure = self.refined(&plain, rounds);
+            let enclosure = self.refined(&plain, room, rounds);
             let refined = self.bands_within(&enclosure, anchor);
             for (band, other) in bands.list.iter_mut().zip(&refined.list) {
                 *band = band.narrowed(other);
@@ -194,15 +233,11 @@ impl<'f> PieceFinder<'f> {
     }
 
     /// Bands from an enclosure and the pieces at their ends.
-    fn bands_within<const N: usize>(
-        &mut self,
-        enclosure: &PoseEnclosure<N>,
-        anchor: Option<&AnchorPose>,
-    ) -> Bands {
+    fn bands_within(&mut self, enclosure: &PoseEnclosure, anchor: Option<&AnchorPose>) -> Bands {
         let mechanism = self.plan.family.mechanism();
         let unknowns = 0..mechanism.unknowns.len();
         let shown = unknowns.chain(mechanism.coordinate_count()..enclosure.len());
-        let functions: Vec<(usize, QuadraticBound<N>)> =
+        let functions: Vec<(usize, QuadraticBound)> =
             shown.map(|slot| (slot, enclosure.slot(slot))).collect();
         // Least and greatest of every number.
         let faces: Vec<[BoxFace; 2]> = functions
@@ -220,7 +255,7 @@ impl<'f> PieceFinder<'f> {
             let index = places.iter().position(|known| *known == place)?;
             pieces[index].as_deref()
         };
-        let band = |((slot, function), faces): (&(usize, QuadraticBound<N>), &[BoxFace; 2])| {
+        let band = |((slot, function), faces): (&(usize, QuadraticBound), &[BoxFace; 2])| {
             let nominal = function.value;
             let (mut found, mut ends) = ([nominal; 2], [None; 2]);
             for ((face, sign), end) in faces.iter().zip([-1.0, 1.0]).zip(&mut ends) {
@@ -269,9 +304,9 @@ impl<'f> PieceFinder<'f> {
     }
 
     /// Coordinates of the pieces at δ, eight at a time; none for pieces that do not close within the enclosure.
-    pub fn pieces<const N: usize>(
+    pub fn pieces(
         &mut self,
-        enclosure: &PoseEnclosure<N>,
+        enclosure: &PoseEnclosure,
         places: &[&[f64]],
         anchor: Option<&AnchorPose>,
     ) -> Vec<Option<Vec<f64>>> {
@@ -302,11 +337,7 @@ impl<'f> PieceFinder<'f> {
     }
 
     /// Predicted positions along the tangent; the dimensions are exactly those of the requested pieces.
-    fn predicted<const N: usize>(
-        &self,
-        enclosure: &PoseEnclosure<N>,
-        places: &[&[f64]],
-    ) -> Vec<Octet> {
+    fn predicted(&self, enclosure: &PoseEnclosure, places: &[&[f64]]) -> Vec<Octet> {
         let along = |k: usize| {
             let of_lane = |lane: usize| places.get(lane).map_or(0.0, |place| place[k]);
             Octet::new(std::array::from_fn(of_lane))

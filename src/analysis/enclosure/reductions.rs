@@ -8,12 +8,12 @@ use crate::numbers::rounding::GROW;
 use crate::numbers::scalar::{Ring, Scalar};
 
 /// One number of `values[formula][pose]`, which depend on `count` dimensions.
-pub(super) fn taken_number<const N: usize>(
+pub(super) fn taken_number<'r>(
     taking: Taking,
     power: f64,
-    values: &[Vec<Tracked<N>>],
+    values: &[Vec<Tracked<'r>>],
     count: usize,
-) -> Tracked<N> {
+) -> Tracked<'r> {
     let unknown = || Tracked::undefined(count);
     let [Some(first), second] = [values.first(), values.get(1)] else {
         return unknown();
@@ -34,7 +34,7 @@ pub(super) fn taken_number<const N: usize>(
         Taking::Max => greatest_of(first),
         Taking::Range => greatest_of(first).plus(&greatest_of(&opposite().collect::<Vec<_>>())),
         Taking::Largest => {
-            let both: Vec<Tracked<N>> = first.iter().cloned().chain(opposite()).collect();
+            let both: Vec<Tracked<'r>> = first.iter().cloned().chain(opposite()).collect();
             greatest_of(&both)
         }
         Taking::Sum => sum(),
@@ -60,7 +60,7 @@ pub(super) fn taken_number<const N: usize>(
 }
 
 /// The maximum of functions: the one that is greatest at δ = 0, and by how much others can exceed it.
-fn greatest_of<const N: usize>(list: &[Tracked<N>]) -> Tracked<N> {
+fn greatest_of<'r>(list: &[Tracked<'r>]) -> Tracked<'r> {
     let best = list
         .iter()
         .max_by(|a, b| a.form.value.total_cmp(&b.form.value));
@@ -69,7 +69,7 @@ fn greatest_of<const N: usize>(list: &[Tracked<N>]) -> Tracked<N> {
     };
     // The maximum is the form of the largest nominal value plus what any other can exceed it by.
     let others = || list.iter().filter(|other| !std::ptr::eq(*other, best));
-    let beyond = |other: &Tracked<N>| (other.form - best.form).range().hi;
+    let beyond = |other: &Tracked<'r>| (other.form - best.form).range().hi;
     let excess = others().map(beyond).fold(0.0, f64::max);
     let form = match excess > 0.0 {
         true => best.form + AffineForm::of_interval(Interval::new(0.0, excess * GROW)),
@@ -79,9 +79,9 @@ fn greatest_of<const N: usize>(list: &[Tracked<N>]) -> Tracked<N> {
 }
 
 /// (Σ |v|ᵖ)^(1/p)
-fn power_norm<const N: usize>(values: &[Tracked<N>], power: f64) -> Tracked<N> {
+fn power_norm<'r>(values: &[Tracked<'r>], power: f64) -> Tracked<'r> {
     let (p, less) = (AffineForm::number(power), AffineForm::number(power - 1.0));
-    let raised = |v: &Tracked<N>| {
+    let raised = |v: &Tracked<'r>| {
         // |v| where the sign is known; otherwise the range of the magnitude, and a slope between 0 and 1.
         let (size, sign) = match v.form.is_below_zero() {
             Some(true) => (-v.form, AffineForm::number(-1.0)),
@@ -110,10 +110,10 @@ fn power_norm<const N: usize>(values: &[Tracked<N>], power: f64) -> Tracked<N> {
 }
 
 /// Distance from the first to the last point of a path, and the vector.
-fn chord_deviation<const N: usize>(
-    x: &[Tracked<N>],
-    y: &[Tracked<N>],
-) -> Option<(Tracked<N>, [Tracked<N>; 2])> {
+fn chord_deviation<'r>(
+    x: &[Tracked<'r>],
+    y: &[Tracked<'r>],
+) -> Option<(Tracked<'r>, [Tracked<'r>; 2])> {
     match (x, y) {
         ([a, .., b], [c, .., d]) => {
             let (along, up) = (b.minus(a), d.minus(c));
@@ -124,21 +124,21 @@ fn chord_deviation<const N: usize>(
 }
 
 /// Signed distance from the chord to the point farthest from it.
-fn bow_height<const N: usize>(x: &[Tracked<N>], y: &[Tracked<N>]) -> Option<Tracked<N>> {
+fn bow_height<'r>(x: &[Tracked<'r>], y: &[Tracked<'r>]) -> Option<Tracked<'r>> {
     let (length, [a, b]) = chord_deviation(x, y)?;
     let distance = |k: usize| {
         let across = y[k].minus(&y[0]).times(&a);
         let along = x[k].minus(&x[0]).times(&b);
         across.minus(&along).over(&length)
     };
-    let all: Vec<Tracked<N>> = (0..x.len().min(y.len())).map(distance).collect();
+    let all: Vec<Tracked<'r>> = (0..x.len().min(y.len())).map(distance).collect();
     if !all.iter().all(|number| number.form.is_finite()) {
         return None;
     }
-    let size = |number: &Tracked<N>| number.form.value.abs();
+    let size = |number: &Tracked<'r>| number.form.value.abs();
     let nominal = all.iter().max_by(|p, q| size(p).total_cmp(&size(q)))?;
     // The points that may be the farthest for some piece.
-    let least = |number: &Tracked<N>| (size(number) - number.form.deviation()).max(0.0);
+    let least = |number: &Tracked<'r>| (size(number) - number.form.deviation()).max(0.0);
     let needed = all.iter().map(least).fold(0.0, f64::max);
     let rivals = || {
         let others = all.iter().filter(|other| !std::ptr::eq(*other, nominal));

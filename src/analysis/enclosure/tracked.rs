@@ -6,16 +6,16 @@ use crate::numbers::scalar::Scalar;
 
 /// A function of the dimensions. Without derivatives it is the number of one piece.
 #[derive(Clone, Debug)]
-pub(super) struct Tracked<const N: usize> {
+pub(super) struct Tracked<'r> {
     /// Its values.
-    pub form: AffineForm<N>,
+    pub form: AffineForm<'r>,
     /// Derivatives by every δ.
-    pub rates: Vec<AffineForm<N>>,
+    pub rates: Vec<AffineForm<'r>>,
 }
 
-impl<const N: usize> Tracked<N> {
+impl<'r> Tracked<'r> {
     /// A value of which no derivative is known.
-    pub fn without_rates(form: AffineForm<N>, count: usize) -> Self {
+    pub fn without_rates(form: AffineForm<'r>, count: usize) -> Self {
         Self {
             form,
             rates: vec![AffineForm::undefined(); count],
@@ -28,18 +28,14 @@ impl<const N: usize> Tracked<N> {
     }
 
     /// A value that depends on others with the given slopes.
-    pub fn through(form: AffineForm<N>, parts: &[(AffineForm<N>, &Self)]) -> Self {
+    pub fn through(form: AffineForm<'r>, parts: &[(AffineForm<'r>, &Self)]) -> Self {
         let count = parts.iter().map(|(_, part)| part.rates.len()).max();
         let mut rates = vec![AffineForm::ZERO; count.unwrap_or(0)];
         // Chain rule: rates of the parts, weighted by the slopes.
-        for (slope, part) in parts {
-            let number = slope.as_number();
-            for (sum, rate) in rates.iter_mut().zip(&part.rates) {
-                match number {
-                    Some(number) => sum.add_scaled(number, rate),
-                    None => *sum = *sum + *slope * *rate,
-                }
-            }
+        for (k, rate) in rates.iter_mut().enumerate() {
+            let terms = parts.iter();
+            let terms = terms.filter_map(|(slope, part)| Some((slope, part.rates.get(k)?)));
+            *rate = AffineForm::sum_of_products(terms);
         }
         Self { form, rates }
     }
@@ -83,11 +79,14 @@ impl<const N: usize> Tracked<N> {
     /// `form` has the derivatives of this one, or of any rival that may replace it, or anything in between.
     pub fn rivalled<'t>(
         &self,
-        form: AffineForm<N>,
+        form: AffineForm<'r>,
         rivals: impl Iterator<Item = &'t Self> + Clone,
-    ) -> Self {
+    ) -> Self
+    where
+        'r: 't,
+    {
         // The maximum may follow any rival: its rate lies in the hull of the differences.
-        let of = |(k, rate): (usize, &AffineForm<N>)| {
+        let of = |(k, rate): (usize, &AffineForm<'r>)| {
             let apart = rivals.clone().map(|rival| (rival.rates[k] - *rate).range());
             let hull = apart.fold(Interval::ZERO, Interval::hull);
             match hull == Interval::ZERO {
@@ -105,15 +104,14 @@ impl<const N: usize> Tracked<N> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::numbers::form_room::FormRoom;
     use crate::numbers::rounding::GROW;
 
-    type Number = Tracked<4>;
+    type Number<'r> = Tracked<'r>;
 
-    fn moving(value: f64, slopes: [f64; 2]) -> Number {
-        let mut form = AffineForm::within(value, 0.0);
-        form.slopes[..2].copy_from_slice(&slopes);
+    fn moving(room: &FormRoom, value: f64, slopes: [f64; 2]) -> Number<'_> {
         Number {
-            form,
+            form: AffineForm::linear(room, value, &slopes, 0.0),
             rates: slopes.map(|s| AffineForm::within(s, 0.0)).to_vec(),
         }
     }
@@ -130,7 +128,11 @@ mod tests {
             (Number::over, |a, b| a / b),
             (Number::hypotenuse, |a, b| libm::hypot(a, b)),
         ];
-        let (a, b) = (moving(2.0, [0.3, -0.1]), moving(1.0, [0.1, 0.2]));
+        let room = FormRoom::new(2);
+        let (a, b) = (
+            moving(&room, 2.0, [0.3, -0.1]),
+            moving(&room, 1.0, [0.1, 0.2]),
+        );
         let at = |[p, q]: [f64; 2]| (2.0 + 0.3 * p - 0.1 * q, 1.0 + 0.1 * p + 0.2 * q);
         for (index, (tracked, plain)) in rows.into_iter().enumerate() {
             let found = tracked(&a, &b);
@@ -144,7 +146,7 @@ mod tests {
                     };
                     let slope = (value(1e-5) - value(-1e-5)) / 2e-5;
                     let rate = &found.rates[k];
-                    let line = rate.value + rate.slopes[0] * place[0] + rate.slopes[1] * place[1];
+                    let line = rate.value + rate.slope(0) * place[0] + rate.slope(1) * place[1];
                     let off = (slope - line).abs();
                     assert!(
                         off <= rate.error * GROW + 1e-9,
@@ -157,7 +159,11 @@ mod tests {
 
     #[test]
     fn rivals_widen_derivatives_to_their_own() {
-        let (a, b) = (moving(2.0, [0.3, -0.1]), moving(1.9, [0.1, -0.1]));
+        let room = FormRoom::new(2);
+        let (a, b) = (
+            moving(&room, 2.0, [0.3, -0.1]),
+            moving(&room, 1.9, [0.1, -0.1]),
+        );
         let either = a.rivalled(a.form, std::iter::once(&b));
         let range = either.rates[0].range();
         assert!(range.lo <= 0.1 && range.hi >= 0.3 && range.hi - range.lo < 0.2001);

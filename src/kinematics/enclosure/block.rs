@@ -19,12 +19,13 @@
 
 use super::block_box::BlockBox;
 use super::centre::{Centre, Varying};
-use super::form::DimensionForm;
+use super::form::{DimensionForm, StoredForm};
 use super::mapped::{Mapped, SWEEPS, image_ratio};
 use super::region::Region;
 use super::rows::Layout;
 use crate::kinematics::results::certificate::Reason;
 use crate::model::mechanism::Mechanism;
+use crate::numbers::form_room::FormRoom;
 use crate::numbers::rounding::GROW;
 
 /// The first box, as a multiple of its image if the Jacobian varied as along the tangent.
@@ -71,11 +72,11 @@ impl From<Reason> for Unbounded {
 
 /// Encloses the block's unknowns in `region`, which contains the enclosures of everything the block depends on. `basis`
 /// has as many rows as unknowns. Returns the largest share of the unknowns' range that remains open.
-pub fn enclose_block<F: DimensionForm>(
+pub fn enclose_block<'r, F: StoredForm<'r>>(
     mechanism: &Mechanism,
     layout: &Layout,
     basis: &[usize],
-    region: &mut Region<F>,
+    region: &mut Region<'r, F>,
 ) -> Result<f64, Unbounded> {
     let centre = Centre::new(layout, basis, region)?;
     let (mapped, box_of) = centre.proved_box(mechanism, layout, basis, region)?;
@@ -98,10 +99,10 @@ pub fn enclose_block<F: DimensionForm>(
 
 /// Encloses the block's unknowns again in at most so many rounds, with all slots known: to second order if the first left
 /// much open.
-pub fn refine_block<F: DimensionForm>(
+pub fn refine_block<'r, F: StoredForm<'r>>(
     layout: &Layout,
     known: &BlockBox,
-    region: &mut Region<F>,
+    region: &mut Region<'r, F>,
     rounds: usize,
 ) {
     let open = region.open.clone();
@@ -114,11 +115,11 @@ pub fn refine_block<F: DimensionForm>(
 impl Centre {
     /// The present bounds on the unknowns are of higher order than the box, so that the same maps over them are
     /// tighter. Returns whether anything was gained.
-    fn polish<F: DimensionForm>(
+    fn polish<'r, F: StoredForm<'r>>(
         &self,
         layout: &Layout,
         basis: &[usize],
-        region: &mut Region<F>,
+        region: &mut Region<'r, F>,
         (box_of, rounds): (&[f64], usize),
     ) -> bool {
         let mut open = self.open(layout, region);
@@ -165,12 +166,12 @@ impl Centre {
     }
 
     /// A box that is mapped into itself.
-    fn proved_box<F: DimensionForm>(
+    fn proved_box<'r, F: StoredForm<'r>>(
         &self,
         mechanism: &Mechanism,
         layout: &Layout,
         basis: &[usize],
-        region: &mut Region<F>,
+        region: &mut Region<'r, F>,
     ) -> Result<(Mapped<F>, Vec<f64>), Unbounded> {
         let (n, m) = (self.n, region.count);
         let mut farthest = self.farthest(layout, mechanism, m);
@@ -257,9 +258,9 @@ impl Centre {
 
     /// z = dx/dδ - S = -G + A G - A A z as forms, unknown after unknown: with the product A G if forms have a second
     /// order, otherwise with bounds.
-    fn rate_bends<F: DimensionForm>(
+    fn rate_bends<'r, F: StoredForm<'r>>(
         &self,
-        room: F::Room,
+        room: &'r FormRoom,
         mapped: &Mapped<F>,
         box_of: &[f64],
     ) -> Vec<F> {
@@ -294,7 +295,12 @@ impl Centre {
     }
 
     /// Sets the region in which the block's unknowns are sought.
-    fn place<F: DimensionForm>(&self, layout: &Layout, region: &mut Region<F>, box_of: &[f64]) {
+    fn place<'r, F: StoredForm<'r>>(
+        &self,
+        layout: &Layout,
+        region: &mut Region<'r, F>,
+        box_of: &[f64],
+    ) {
         let m = region.count;
         for (i, slot) in layout.block.unknowns.iter().enumerate() {
             let rates = &self.rates[i * m..][..m];
@@ -304,10 +310,10 @@ impl Centre {
     }
 
     /// Writes the unknowns and their derivatives into the region.
-    fn settle<F: DimensionForm>(
+    fn settle<'r, F: StoredForm<'r>>(
         &self,
         layout: &Layout,
-        region: &mut Region<F>,
+        region: &mut Region<'r, F>,
         mapped: &Mapped<F>,
         box_of: &[f64],
     ) {

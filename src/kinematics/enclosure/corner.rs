@@ -11,9 +11,9 @@ impl Encloser<'_> {
     ///
     /// From R F(x̃) = R J(ξ) (x̃ - x) = (1 + A) (x̃ - x), with ξ between two poses of the box: |x̃ - x| ≤ |R F(x̃)| +
     /// |A| |x̃ - x|.
-    pub fn piece<const N: usize>(
+    pub fn piece(
         &self,
-        enclosure: &PoseEnclosure<N>,
+        enclosure: &PoseEnclosure,
         place: &[f64],
         coordinates: &[f64],
     ) -> Option<Vec<Interval>> {
@@ -23,7 +23,7 @@ impl Encloser<'_> {
         for slot in inputs {
             let form = &region.slots[slot];
             let drawn = Interval::point(form.value) + Interval::around_zero(region.open[slot]);
-            let moved = form.slopes.iter().zip(place).filter(|(s, _)| **s != 0.0);
+            let moved = form.slopes().iter().zip(place).filter(|(s, _)| **s != 0.0);
             known[slot] = moved.fold(drawn, |sum, (slope, d)| {
                 sum + Interval::point(*slope).scale(*d)
             });

@@ -13,23 +13,23 @@ use crate::numbers::interval::Interval;
 use crate::numbers::scalar::{Ring, Scalar};
 
 /// Looks at the poses of an enclosure.
-pub struct Observer<'e, const N: usize> {
-    enclosure: &'e PoseEnclosure<N>,
+pub struct Observer<'e> {
+    enclosure: &'e PoseEnclosure<'e>,
     /// All arguments in use, and their values at δ = 0.
-    forms: Vec<ArgumentValue<AffineForm<N>>>,
+    forms: Vec<ArgumentValue<AffineForm<'e>>>,
     centre: Vec<ArgumentValue<Interval>>,
-    rates: Rates<AffineForm<N>>,
+    rates: Rates<AffineForm<'e>>,
 }
 
 /// A sum of components along directions, each of a point that a chain carries.
 #[derive(Clone, Debug)]
-pub struct Directed<const N: usize> {
+pub struct Directed<'e> {
     centre: Interval,
     /// Derivatives by coordinates.
-    gradient: Vec<(usize, AffineForm<N>)>,
+    gradient: Vec<(usize, AffineForm<'e>)>,
 }
 
-impl<const N: usize> Default for Directed<N> {
+impl Default for Directed<'_> {
     fn default() -> Self {
         Self {
             centre: Interval::ZERO,
@@ -38,9 +38,9 @@ impl<const N: usize> Default for Directed<N> {
     }
 }
 
-impl<'e, const N: usize> Observer<'e, N> {
+impl<'e> Observer<'e> {
     /// For chains with the arguments in `used`.
-    pub fn new(enclosure: &'e PoseEnclosure<N>, mechanism: &Mechanism, used: &[usize]) -> Self {
+    pub fn new(enclosure: &'e PoseEnclosure<'e>, mechanism: &Mechanism, used: &[usize]) -> Self {
         let known = &enclosure.region.slots[..mechanism.coordinate_count()];
         let centre = enclosure.region.centre();
         Self {
@@ -63,7 +63,7 @@ impl<'e, const N: usize> Observer<'e, N> {
         steps: &[ChainStep],
         point: [f64; 3],
         direction: [f64; 3],
-        sum: &mut Directed<N>,
+        sum: &mut Directed<'e>,
     ) {
         let exact = ChainTwists::new(steps, &self.centre, [0.0; 3])
             .end
@@ -88,7 +88,7 @@ impl<'e, const N: usize> Observer<'e, N> {
     }
 
     /// A sum as a function of the dimensions; `None` if it is not bounded.
-    pub fn function(&self, sum: &Directed<N>) -> Option<QuadraticBound<N>> {
+    pub fn function(&self, sum: &Directed<'e>) -> Option<QuadraticBound<'e>> {
         let value = sum.centre.middle();
         let rates = self.enclosure.region.chain(&sum.gradient);
         let bounded = sum.centre.is_finite() && rates.iter().all(|rate| rate.is_finite());

@@ -1,7 +1,7 @@
 //! A pose for all dimensions in their intervals: unknowns, traced points, outputs, and any formula of them.
 
 use super::block::{Unbounded, enclose_block, refine_block};
-use super::form::DimensionForm;
+use super::form::StoredForm;
 use super::quadratic::QuadraticBound;
 use super::region::{Region, ToleranceInterval};
 use super::rows::{Layout, Rates, argument_values, expression_gradient, turning_arguments};
@@ -20,7 +20,7 @@ use crate::numbers::scalar::Scalar;
 /// Poses whose boxes leave more than this share of the unknowns' range open are enclosed to second order.
 const ROUGH: f64 = 1e-3;
 
-/// Most dimensions of forms of second order: a form takes four times the square of it in bytes.
+/// Most numbers of forms of second order: a form takes four times the square of it in bytes.
 const MOST_BENT: usize = 36;
 
 /// Rounds of a refinement: one makes nearly all bands of poses as narrow as their pieces; measures over many poses need the
@@ -40,6 +40,15 @@ pub struct Sought<'p> {
     pub bases: &'p [Vec<usize>],
 }
 
+/// Where forms are kept.
+#[derive(Debug)]
+pub struct Rooms<'w, 'r> {
+    /// Those on the way to a result: given up by the next one.
+    pub work: &'w mut FormRoom,
+    /// Those of the result; its size is theirs.
+    pub kept: &'r FormRoom,
+}
+
 /// Encloses poses of one system. Its layout is computed once.
 #[derive(Clone, Debug)]
 pub struct Encloser<'s> {
@@ -49,8 +58,8 @@ pub struct Encloser<'s> {
 
 /// The poses of all pieces at one place of the drive.
 #[derive(Clone, Debug)]
-pub struct PoseEnclosure<const N: usize> {
-    pub(super) region: Region<AffineForm<N>>,
+pub struct PoseEnclosure<'r> {
+    pub(super) region: Region<'r, AffineForm<'r>>,
     coordinates: usize,
 }
 
@@ -65,84 +74,83 @@ impl<'s> Encloser<'s> {
         }
     }
 
-    /// Encloses the poses near a closed one. Forms of second order are kept in `room`.
+    /// Encloses the poses near a closed one, in forms as large as those of `rooms`.
     ///
     /// # Errors
     /// No box is proved.
-    pub fn enclose<const N: usize>(
+    pub fn enclose<'r>(
         &self,
         sought: Sought,
-        room: &mut FormRoom,
-    ) -> Result<PoseEnclosure<N>, Unbounded> {
-        if sought.tolerances.len() > N {
-            // No form has room for them.
-            return Err(Reason::Formula.into());
-        }
-        let region = match self.region::<AffineForm<N>>((), sought) {
+        rooms: Rooms<'_, 'r>,
+    ) -> Result<PoseEnclosure<'r>, Unbounded> {
+        let Rooms { work, kept } = rooms;
+        match self.enclose_plainly(sought, Rooms { work, kept }) {
             // If the second order of the Jacobian makes the boxes wide, it is kept.
-            Ok((region, roughness)) if Self::is_rough::<N>(roughness) => {
-                self.refined_region(&region, room, REFINING[1])
+            Ok((plain, true)) => Ok(self.refined(&plain, Rooms { work, kept }, REFINING[1])),
+            Ok((plain, false)) => Ok(plain),
+            Err(unbounded) if unbounded.reason == Reason::Singular && kept.count() <= MOST_BENT => {
+                work.empty(kept.count());
+                let (region, _) = self
+                    .region::<QuadraticForm>(&*work, sought)
+                    .map_err(|_| unbounded)?;
+                Ok(self.kept(plain_region(region), kept))
             }
-            Ok((region, _)) => region,
-            Err(unbounded) if unbounded.reason == Reason::Singular && N <= MOST_BENT => {
-                self.bent_region(sought, room).ok_or(unbounded)?
-            }
-            Err(unbounded) => return Err(unbounded),
-        };
-        Ok(PoseEnclosure {
-            region,
-            coordinates: sought.pose.len(),
-        })
-    }
-
-    fn is_rough<const N: usize>(roughness: f64) -> bool {
-        roughness > ROUGH && N <= MOST_BENT
+            Err(unbounded) => Err(unbounded),
+        }
     }
 
     /// The same with first-order forms only; also returns whether second-order forms would be tried.
     ///
     /// # Errors
     /// No box is proved.
-    pub fn enclose_plainly<const N: usize>(
+    pub fn enclose_plainly<'r>(
         &self,
         sought: Sought,
-    ) -> Result<(PoseEnclosure<N>, bool), Unbounded> {
-        if sought.tolerances.len() > N {
-            return Err(Reason::Formula.into());
+        Rooms { work, kept }: Rooms<'_, 'r>,
+    ) -> Result<(PoseEnclosure<'r>, bool), Unbounded> {
+        work.empty(kept.count());
+        let (region, roughness) = self.region::<AffineForm>(&*work, sought)?;
+        let is_rough = roughness > ROUGH && kept.count() <= MOST_BENT;
+        Ok((self.kept(region, kept), is_rough))
+    }
+
+    /// The result in a room of its own: what led to it is given up.
+    fn kept<'r>(&self, region: Region<AffineForm>, room: &'r FormRoom) -> PoseEnclosure<'r> {
+        let forms = |list: &[AffineForm]| list.iter().map(|form| form.kept_in(room)).collect();
+        PoseEnclosure {
+            coordinates: self.system.mechanism().coordinate_count(),
+            region: Region {
+                room,
+                count: region.count,
+                slots: forms(&region.slots),
+                rates: forms(&region.rates),
+                open: region.open,
+                boxes: region.boxes,
+            },
         }
-        let (region, roughness) = self.region::<AffineForm<N>>((), sought)?;
-        let enclosure = PoseEnclosure {
-            region,
-            coordinates: sought.pose.len(),
-        };
-        Ok((enclosure, Self::is_rough::<N>(roughness)))
     }
 
     /// A first-order enclosure that keeps terms of second order, in one of the numbers of rounds of [`REFINING`].
-    pub fn refined<const N: usize>(
+    pub fn refined<'r>(
         &self,
-        plain: &PoseEnclosure<N>,
-        room: &mut FormRoom,
+        plain: &PoseEnclosure,
+        Rooms { work, kept }: Rooms<'_, 'r>,
         rounds: usize,
-    ) -> PoseEnclosure<N> {
-        PoseEnclosure {
-            region: self.refined_region(&plain.region, room, rounds),
-            coordinates: plain.coordinates,
-        }
+    ) -> PoseEnclosure<'r> {
+        work.empty(kept.count());
+        self.kept(self.refined_region(&plain.region, &*work, rounds), kept)
     }
 
-    fn refined_region<const N: usize>(
+    fn refined_region<'w>(
         &self,
-        plain: &Region<AffineForm<N>>,
-        room: &mut FormRoom,
+        plain: &Region<'w, AffineForm<'w>>,
+        room: &'w FormRoom,
         rounds: usize,
-    ) -> Region<AffineForm<N>> {
-        room.empty(self.form_size::<N>(plain.count));
-        let room = &*room;
+    ) -> Region<'w, AffineForm<'w>> {
         let mechanism = self.system.mechanism();
         let (unknowns, coordinates) = (mechanism.unknowns.len(), mechanism.coordinate_count());
         // The coordinates as second-order forms whose coefficients of second order are still zero.
-        let lifted = |form: &AffineForm<N>| QuadraticForm::within(*form, room);
+        let lifted = |form: &AffineForm<'w>| QuadraticForm::from(form.working_in(room));
         let mut region = Region {
             room,
             count: plain.count,
@@ -157,7 +165,7 @@ impl<'s> Encloser<'s> {
         // Each unknown as the integral of its known rates: their slopes become terms of second order.
         for slot in 0..unknowns {
             let (value, rates) = (plain.slots[slot].value, region.rates_of(slot));
-            region.slots[slot] = DimensionForm::integral(room, value, plain.open[slot], rates);
+            region.slots[slot] = StoredForm::integral(room, value, plain.open[slot], rates);
         }
         // With these forms the blocks are enclosed once more, in the boxes that are proved already.
         for (layout, known) in self.layouts.iter().zip(&plain.boxes) {
@@ -170,29 +178,12 @@ impl<'s> Encloser<'s> {
         plain_region(region)
     }
 
-    /// How much forms of this many dimensions and of the sides of a block's box depend on.
-    fn form_size<const N: usize>(&self, dimensions: usize) -> usize {
-        let largest = self.layouts.iter().map(Layout::own).max();
-        (dimensions + largest.unwrap_or(0)).min(N)
-    }
-
-    /// Everything with forms of second order.
-    fn bent_region<const N: usize>(
-        &self,
-        sought: Sought,
-        room: &mut FormRoom,
-    ) -> Option<Region<AffineForm<N>>> {
-        room.empty(self.form_size::<N>(sought.tolerances.len()));
-        let (region, _) = self.region::<QuadraticForm<N>>(&*room, sought).ok()?;
-        Some(plain_region(region))
-    }
-
     /// Enclosures of all slots, and the largest share of the unknowns' range that remains open.
-    fn region<F: DimensionForm>(
+    fn region<'r, F: StoredForm<'r>>(
         &self,
-        room: F::Room,
+        room: &'r FormRoom,
         sought: Sought,
-    ) -> Result<(Region<F>, f64), Unbounded> {
+    ) -> Result<(Region<'r, F>, f64), Unbounded> {
         let mechanism = self.system.mechanism();
         let unknowns = mechanism.unknowns.len();
         let Sought {
@@ -212,10 +203,10 @@ impl<'s> Encloser<'s> {
 }
 
 /// The same to the first order, with the rest bounded.
-fn plain_region<const N: usize>(region: Region<QuadraticForm<N>>) -> Region<AffineForm<N>> {
-    let lines = |forms: &[QuadraticForm<N>]| forms.iter().map(QuadraticForm::affine).collect();
+fn plain_region<'r>(region: Region<'r, QuadraticForm<'r>>) -> Region<'r, AffineForm<'r>> {
+    let lines = |forms: &[QuadraticForm<'r>]| forms.iter().map(QuadraticForm::affine).collect();
     Region {
-        room: (),
+        room: region.room,
         count: region.count,
         slots: lines(&region.slots),
         rates: lines(&region.rates),
@@ -225,7 +216,7 @@ fn plain_region<const N: usize>(region: Region<QuadraticForm<N>>) -> Region<Affi
 }
 
 /// Appends x, y, z of every trace and all outputs.
-fn show_all<F: DimensionForm>(mechanism: &Mechanism, region: &mut Region<F>) {
+fn show_all<'r, F: StoredForm<'r>>(mechanism: &Mechanism, region: &mut Region<'r, F>) {
     let centre = observed_slots(mechanism, &region.centre());
     show_traces(mechanism, region, &centre);
     for (output, place) in mechanism.outputs.iter().zip(region.slots.len()..) {
@@ -241,9 +232,9 @@ fn show_all<F: DimensionForm>(mechanism: &Mechanism, region: &mut Region<F>) {
 }
 
 /// Appends x, y, z of every trace.
-fn show_traces<F: DimensionForm>(
+fn show_traces<'r, F: StoredForm<'r>>(
     mechanism: &Mechanism,
-    region: &mut Region<F>,
+    region: &mut Region<'r, F>,
     centre: &[Interval],
 ) {
     let coordinates = region.slots.len();
@@ -278,9 +269,9 @@ fn show_traces<F: DimensionForm>(
     }
 }
 
-impl<const N: usize> PoseEnclosure<N> {
+impl<'r> PoseEnclosure<'r> {
     /// Slot `index` (coordinates, x, y, z of the traces, outputs) as a function of the dimensions.
-    pub fn slot(&self, index: usize) -> QuadraticBound<N> {
+    pub fn slot(&self, index: usize) -> QuadraticBound<'r> {
         QuadraticBound {
             value: self.region.slots[index].value,
             open: self.region.open[index],
@@ -289,12 +280,12 @@ impl<const N: usize> PoseEnclosure<N> {
     }
 
     /// Derivatives of slot `index` by every δ.
-    pub fn rates(&self, index: usize) -> &[AffineForm<N>] {
+    pub fn rates(&self, index: usize) -> &[AffineForm<'r>] {
         self.region.rates_of(index)
     }
 
     /// Slot `index` to the first order.
-    pub fn form(&self, index: usize) -> AffineForm<N> {
+    pub fn form(&self, index: usize) -> AffineForm<'r> {
         self.region.slots[index]
     }
 
@@ -309,13 +300,13 @@ impl<const N: usize> PoseEnclosure<N> {
     }
 
     /// A formula of the slots as a function of the dimensions, to the first order, and its derivatives by every δ.
-    pub fn formula(&self, expression: &Expression) -> (AffineForm<N>, Vec<AffineForm<N>>) {
+    pub fn formula(&self, expression: &Expression) -> (AffineForm<'r>, Vec<AffineForm<'r>>) {
         let region = &self.region;
         let rates = region.chain(&expression_gradient(expression, &region.slots));
         let centre = expression.value(&region.centre());
         let value = centre.middle();
         let form = match centre.is_finite() {
-            true => DimensionForm::integral((), value, centre.distance(value), &rates),
+            true => StoredForm::integral(region.room, value, centre.distance(value), &rates),
             false => AffineForm::undefined(),
         };
         (form, rates)
@@ -332,7 +323,7 @@ impl<const N: usize> PoseEnclosure<N> {
         let of = |slot: usize| {
             let mut value = self.region.slots[slot].value;
             for (rate, d) in self.region.rates_of(slot).iter().zip(place) {
-                let bend: f64 = rate.slopes.iter().zip(place).map(|(s, e)| s * e).sum();
+                let bend: f64 = rate.slopes().iter().zip(place).map(|(s, e)| s * e).sum();
                 value += d * (rate.value + 0.5 * bend);
             }
             value

@@ -8,13 +8,13 @@ use crate::numbers::rounding::{GROW, SUMS};
 
 /// A function of δ in [-1, 1]ⁿ.
 #[derive(Clone, Debug, PartialEq)]
-pub struct QuadraticBound<const N: usize> {
+pub struct QuadraticBound<'r> {
     /// At δ = 0.
     pub value: f64,
     /// Bound of the error of that.
     pub open: f64,
     /// Derivatives by every δ.
-    pub rates: Vec<AffineForm<N>>,
+    pub rates: Vec<AffineForm<'r>>,
 }
 
 /// A range, and approximate positions of its ends.
@@ -44,7 +44,7 @@ pub struct BoxFace {
 /// Number of passes over all dimensions that improve the position.
 const ROUNDS: usize = 6;
 
-impl<const N: usize> QuadraticBound<N> {
+impl QuadraticBound<'_> {
     /// Its range.
     pub fn range(&self) -> Range {
         let (above, highest) = self.greatest(1.0);
@@ -86,11 +86,11 @@ impl<const N: usize> QuadraticBound<N> {
         let (mut sum, mut rest, mut size) = (0.0, 0.0, 0.0);
         let open = |j: usize| fixed[j].is_none();
         for (k, rate) in self.rates.iter().enumerate().filter(|(k, _)| open(*k)) {
-            let moved = rate.slopes.iter().zip(middle);
+            let moved = rate.slopes().iter().zip(middle);
             let linear = moved.fold(rate.value, |sum, (slope, at)| sum + slope * at);
-            sum += greatest_of(sign * linear, 0.5 * sign * rate.slopes[k]);
+            sum += greatest_of(sign * linear, 0.5 * sign * rate.slope(k));
             let others = (0..fixed.len()).filter(|j| *j != k && open(*j));
-            rest += rate.error + others.map(|j| 0.5 * rate.slopes[j].abs()).sum::<f64>();
+            rest += rate.error + others.map(|j| 0.5 * rate.slope(j).abs()).sum::<f64>();
             size += rate.value.abs() + rate.radius();
         }
         (sum + rest + SUMS * size) * GROW
@@ -107,9 +107,9 @@ impl<const N: usize> QuadraticBound<N> {
 
     /// Ends at which dimensions must be where the function is greatest; `None` if undecided.
     fn monotone_ends(&self, sign: f64) -> Vec<Option<f64>> {
-        let slack = |rate: &AffineForm<N>| SUMS * (rate.value.abs() + rate.radius());
+        let slack = |rate: &AffineForm| SUMS * (rate.value.abs() + rate.radius());
         // Most derivatives have one sign on the whole box.
-        let on_all = |rate: &AffineForm<N>| {
+        let on_all = |rate: &AffineForm| {
             let open = rate.radius() + rate.error + slack(rate);
             (rate.value.abs() > open * GROW).then(|| (sign * rate.value).signum())
         };
@@ -123,7 +123,7 @@ impl<const N: usize> QuadraticBound<N> {
                 let (mut middle, mut open) = (rate.value, rate.error);
                 // Derivative by dimension k over the rest of the box: fixed dimensions move its middle, open ones
                 // widen it.
-                for (slope, at) in rate.slopes.iter().zip(&fixed) {
+                for (slope, at) in rate.slopes().iter().zip(&fixed) {
                     middle += slope * at.unwrap_or(0.0);
                     open += if at.is_none() { slope.abs() } else { 0.0 };
                 }
@@ -144,7 +144,7 @@ impl<const N: usize> QuadraticBound<N> {
         for (k, rate) in self.rates.iter().enumerate() {
             size += rate.value.abs() + rate.radius();
             rest += rate.error;
-            let half = |j: usize| 0.5 * sign * rate.slopes[j];
+            let half = |j: usize| 0.5 * sign * rate.slope(j);
             let Some(here) = fixed[k] else {
                 // Both halves of what this one shares with the fixed ones.
                 let (linear, square) = (self.along(sign, k, fixed), half(k));
@@ -167,7 +167,7 @@ impl<const N: usize> QuadraticBound<N> {
         let mut slope = self.rates[k].value;
         for (j, place) in at.iter().enumerate() {
             if j != k {
-                let both = 0.5 * (self.rates[k].slopes[j] + self.rates[j].slopes[k]);
+                let both = 0.5 * (self.rates[k].slope(j) + self.rates[j].slope(k));
                 slope += both * place.unwrap_or(0.0);
             }
         }
@@ -179,7 +179,7 @@ impl<const N: usize> QuadraticBound<N> {
         let open: Vec<usize> = (0..at.len()).filter(|k| at[*k].is_none()).collect();
         for _ in 0..ROUNDS {
             for &k in &open {
-                let (linear, square) = (self.along(sign, k, at), sign * self.rates[k].slopes[k]);
+                let (linear, square) = (self.along(sign, k, at), sign * self.rates[k].slope(k));
                 let end = if linear < 0.0 { -1.0 } else { 1.0 };
                 // Along one axis the function is a parabola: its vertex, or the better end.
                 let inside = -linear / square;

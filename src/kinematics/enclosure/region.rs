@@ -1,7 +1,8 @@
 //! The ranges of the coordinates for all values of some dimensions, and their dependence on them.
 
 use super::block_box::BlockBox;
-use super::form::DimensionForm;
+use super::form::{DimensionForm, StoredForm};
+use crate::numbers::form_room::FormRoom;
 use crate::numbers::interval::Interval;
 use crate::numbers::scalar::Scalar;
 
@@ -17,9 +18,9 @@ pub struct ToleranceInterval {
 /// Enclosures of slots (coordinates, then what is computed from them) as functions of δ: dimension k is its value plus
 /// δₖ times its half width.
 #[derive(Clone, Debug)]
-pub struct Region<F: DimensionForm> {
+pub struct Region<'r, F> {
     /// The storage of the forms' coefficients.
-    pub room: F::Room,
+    pub room: &'r FormRoom,
     /// Number of dimensions.
     pub count: usize,
     /// Every slot.
@@ -32,11 +33,11 @@ pub struct Region<F: DimensionForm> {
     pub boxes: Vec<BlockBox>,
 }
 
-impl<F: DimensionForm> Region<F> {
+impl<'r, F: StoredForm<'r>> Region<'r, F> {
     /// Inputs of a pose with their tolerances; the unknowns are not enclosed yet. Input k as written is within
     /// `input_open[k]` of its value.
     pub fn new(
-        room: F::Room,
+        room: &'r FormRoom,
         pose: &[f64],
         unknowns: usize,
         input_open: &[f64],
@@ -68,6 +69,20 @@ impl<F: DimensionForm> Region<F> {
         region
     }
 
+    /// Appends a slot whose value at δ = 0 is in `centre` and whose derivatives are `rates`.
+    pub fn push(&mut self, centre: Interval, rates: Vec<F>) {
+        let value = centre.middle();
+        let open = centre.distance(value);
+        self.slots.push(match centre.is_finite() {
+            true => F::integral(self.room, value, open, &rates),
+            false => F::undefined(),
+        });
+        self.open.push(open);
+        self.rates.extend(rates);
+    }
+}
+
+impl<F: DimensionForm> Region<'_, F> {
     /// Derivatives of a slot by every δ.
     pub fn rates_of(&self, slot: usize) -> &[F] {
         &self.rates[slot * self.count..(slot + 1) * self.count]
@@ -88,17 +103,5 @@ impl<F: DimensionForm> Region<F> {
             F::sum_of_products(terms.map(|(slot, by_slot)| (by_slot, &self.rates_of(*slot)[k])))
         };
         (0..self.count).map(along).collect()
-    }
-
-    /// Appends a slot whose value at δ = 0 is in `centre` and whose derivatives are `rates`.
-    pub fn push(&mut self, centre: Interval, rates: Vec<F>) {
-        let value = centre.middle();
-        let open = centre.distance(value);
-        self.slots.push(match centre.is_finite() {
-            true => F::integral(self.room, value, open, &rates),
-            false => F::undefined(),
-        });
-        self.open.push(open);
-        self.rates.extend(rates);
     }
 }

@@ -1,13 +1,13 @@
 //! Sums, products and quotients of affine forms.
 
-use super::{AffineForm, OF_PRODUCT, sum_of_magnitudes};
+use super::{AffineForm, AffineSum};
 use crate::numbers::constant::Constant;
 use crate::numbers::interval::Interval;
 use crate::numbers::rounding::{GROW, OPERATION, UNDERFLOW};
 use crate::numbers::scalar::{Ring, Scalar};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-impl<const N: usize> Ring for AffineForm<N> {
+impl Ring for AffineForm<'_> {
     fn number(value: f64) -> Self {
         Self::within(value, 0.0)
     }
@@ -20,13 +20,10 @@ impl<const N: usize> Ring for AffineForm<N> {
         if factor == 0.0 && self.is_finite() || self.is_zero() {
             return Self::ZERO;
         }
-        let size = self.value.abs() + self.radius();
+        let size = self.value.abs() + self.radius;
         let rounding = OPERATION * size + self.error;
-        Self {
-            value: factor * self.value,
-            slopes: self.slopes.map(|s| factor * s),
-            error: (factor.abs() * rounding + UNDERFLOW) * GROW,
-        }
+        let error = (factor.abs() * rounding + UNDERFLOW) * GROW;
+        self.with_each_slope(|slope| factor * slope, factor * self.value, error)
     }
 
     fn scale_by(self, factor: Constant) -> Self {
@@ -37,75 +34,75 @@ impl<const N: usize> Ring for AffineForm<N> {
     }
 }
 
-impl<const N: usize> Neg for AffineForm<N> {
+impl Neg for AffineForm<'_> {
     type Output = Self;
     #[inline]
     fn neg(self) -> Self {
-        Self {
-            value: -self.value,
-            slopes: self.slopes.map(|s| -s),
-            error: self.error,
-        }
+        self.with_each_slope(|slope| -slope, -self.value, self.error)
     }
 }
 
-impl<const N: usize> Add for AffineForm<N> {
+impl Add for AffineForm<'_> {
     type Output = Self;
     #[inline]
     fn add(self, b: Self) -> Self {
-        let mut sum = self;
-        sum.value += b.value;
-        for (s, slope) in sum.slopes.iter_mut().zip(&b.slopes) {
-            *s += slope;
-        }
+        let room = self.room.or(b.room);
         // Adding to zero causes no rounding.
-        if !(self.is_zero() || b.is_zero()) {
-            let size = sum.value.abs() + sum_of_magnitudes(&sum.slopes);
-            sum.error = (self.error + b.error + OPERATION * size) * GROW;
-        } else {
-            sum.error = self.error + b.error;
+        match (self.is_zero(), b.is_zero()) {
+            (true, _) => return Self { room, ..b },
+            (_, true) => return Self { room, ..self },
+            _ => {}
         }
+        let value = self.value + b.value;
+        let error = |size: f64| (self.error + b.error + OPERATION * size) * GROW;
+        // Nor does it to slopes that are none.
+        let alone = match (self.slopes, b.slopes) {
+            (_, []) => Some(self),
+            ([], _) => Some(b),
+            _ => None,
+        };
+        if let Some(sloped) = alone {
+            return Self {
+                value,
+                error: error(value.abs()),
+                room,
+                ..sloped
+            };
+        }
+        let mut slopes = self.blank();
+        let pairs = self.slopes.iter().zip(b.slopes);
+        slopes.extend(pairs.map(|(own, added)| own + added));
+        let mut sum = Self::within(value, 0.0).sloped(slopes, room);
+        sum.error = error(value.abs() + sum.radius) + sum.error;
         sum
     }
 }
 
-impl<const N: usize> Sub for AffineForm<N> {
+impl Sub for AffineForm<'_> {
     type Output = Self;
     #[inline]
     fn sub(self, b: Self) -> Self {
-        self + -b
+        match b.slopes {
+            [] => self + -b,
+            _ => Self::combination(0.0, [(1.0, &self), (-1.0, &b)].into_iter()),
+        }
     }
 }
 
-impl<const N: usize> Mul for AffineForm<N> {
+impl Mul for AffineForm<'_> {
     type Output = Self;
     #[inline]
     fn mul(self, b: Self) -> Self {
         if self.is_zero() && b.is_finite() || b.is_zero() && self.is_finite() {
             return Self::ZERO;
         }
-        let (u, v) = (self.value, b.value);
-        let mut slopes = [0.0; N];
-        for ((slope, x), y) in slopes.iter_mut().zip(&self.slopes).zip(&b.slopes) {
-            *slope = u * y + v * x;
-        }
-        let (of_self, of_b) = (
-            sum_of_magnitudes(&self.slopes),
-            sum_of_magnitudes(&b.slopes),
-        );
-        // The product of the deviations is of second order: it goes into the error term.
-        let (far, wide) = (of_self + self.error, of_b + b.error);
-        let rounding = OF_PRODUCT * (u.abs() * (v.abs() + of_b) + v.abs() * of_self);
-        let open = u.abs() * b.error + v.abs() * self.error + far * wide;
-        Self {
-            value: u * v,
-            slopes,
-            error: (open + rounding + UNDERFLOW) * GROW,
-        }
+        let mut product = AffineSum::new(0.0);
+        product.add_product(&self, &b);
+        product.finish()
     }
 }
 
-impl<const N: usize> Div for AffineForm<N> {
+impl Div for AffineForm<'_> {
     type Output = Self;
     fn div(self, b: Self) -> Self {
         let one = Interval::ONE;

@@ -6,7 +6,7 @@ use crate::numbers::interval::Interval;
 use crate::numbers::rounding::{GROW, OPERATION, UNDERFLOW};
 use crate::numbers::scalar::{Ring, Scalar};
 
-impl<const N: usize> AffineForm<N> {
+impl AffineForm<'_> {
     /// A function of it: its value at the centre and its derivative on the whole range.
     fn through(self, value: Interval, derivative: Interval) -> Self {
         let slope = derivative.middle();
@@ -14,14 +14,10 @@ impl<const N: usize> AffineForm<N> {
             return Self::undefined();
         }
         let middle = value.middle();
-        let slopes = self.slopes.map(|s| slope * s);
         let open = derivative.distance(slope) * self.deviation() + slope.abs() * self.error;
-        let rounding = OPERATION * slope.abs() * self.radius();
-        Self {
-            value: middle,
-            slopes,
-            error: (value.distance(middle) + open + rounding + UNDERFLOW) * GROW,
-        }
+        let rounding = OPERATION * slope.abs() * self.radius;
+        let error = (value.distance(middle) + open + rounding + UNDERFLOW) * GROW;
+        self.with_each_slope(|own| slope * own, middle, error)
     }
 
     /// A function of it: its value and its derivative at the centre, and a bound of its second derivative on the whole
@@ -32,13 +28,10 @@ impl<const N: usize> AffineForm<N> {
         // The error of the tangent: the uncertainty of its slope over the range, and the curvature (Taylor, second
         // order).
         let open = derivative.distance(slope) * wide + slope.abs() * self.error;
-        let rounding = OPERATION * slope.abs() * self.radius();
+        let rounding = OPERATION * slope.abs() * self.radius;
         let bent = 0.5 * bend * wide * wide;
-        Self {
-            value: middle,
-            slopes: self.slopes.map(|s| slope * s),
-            error: (value.distance(middle) + open + bent + rounding + UNDERFLOW) * GROW,
-        }
+        let error = (value.distance(middle) + open + bent + rounding + UNDERFLOW) * GROW;
+        self.with_each_slope(|own| slope * own, middle, error)
     }
 
     /// A function of intervals and its derivative.
@@ -54,7 +47,7 @@ impl<const N: usize> AffineForm<N> {
     }
 }
 
-impl<const N: usize> Scalar for AffineForm<N> {
+impl Scalar for AffineForm<'_> {
     fn from_constant(constant: Constant) -> Self {
         match constant.is_exact() {
             true => Self::number(constant.number()),
@@ -71,7 +64,7 @@ impl<const N: usize> Scalar for AffineForm<N> {
     }
 
     fn as_number(self) -> Option<f64> {
-        (self.error == 0.0 && self.slopes == [0.0; N]).then_some(self.value)
+        self.is_number().then_some(self.value)
     }
 
     fn nominal(self) -> f64 {

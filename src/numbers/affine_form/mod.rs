@@ -6,24 +6,29 @@
 
 mod arithmetic;
 mod functions;
+mod sum;
 
+pub(super) use sum::AffineSum;
+
+use super::form_room::FormRoom;
 use super::interval::Interval;
-use super::rounding::{GROW, OPERATION, UNDERFLOW};
-use super::scalar::{Ring, Scalar};
+use super::rounding::GROW;
+use super::scalar::Scalar;
 
-/// An enclosure of a function of δ in [-1, 1]ᴺ.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AffineForm<const N: usize> {
+/// An enclosure of a function of δ in [-1, 1]ⁿ. Its slopes lie in a [`FormRoom`]: a form is small and cheap to copy.
+#[derive(Clone, Copy, Debug)]
+pub struct AffineForm<'r> {
     /// At δ = 0.
     pub value: f64,
-    /// Change along each δ.
-    pub slopes: [f64; N],
     /// Bound of the difference between the function and the linear one.
     pub error: f64,
+    /// Change along each δ; empty if all are zero.
+    slopes: &'r [f64],
+    /// Bound of the linear part.
+    radius: f64,
+    /// Where results keep their slopes; a plain number needs nothing.
+    room: Option<&'r FormRoom>,
 }
-
-/// Operations in one slope of a product.
-const OF_PRODUCT: f64 = 4.0 * OPERATION;
 
 /// Number of parallel partial sums: in a single sum every addition would wait for the previous one.
 const AT_ONCE: usize = 8;
@@ -42,21 +47,28 @@ pub(super) fn sum_of_magnitudes(slopes: &[f64]) -> f64 {
     rest + parts.iter().sum::<f64>()
 }
 
-impl<const N: usize> AffineForm<N> {
+impl<'r> AffineForm<'r> {
     /// Exactly zero.
-    pub const ZERO: Self = Self {
-        value: 0.0,
-        slopes: [0.0; N],
-        error: 0.0,
-    };
+    pub const ZERO: Self = Self::within(0.0, 0.0);
 
     /// A number that stays within `error` of `value`.
     pub const fn within(value: f64, error: f64) -> Self {
         Self {
             value,
-            slopes: [0.0; N],
             error,
+            slopes: &[],
+            radius: 0.0,
+            room: None,
         }
+    }
+
+    /// A number within `error` of `value`, plus `slopes` times the first δ.
+    pub fn linear(room: &'r FormRoom, value: f64, slopes: &[f64], error: f64) -> Self {
+        let mut all = room.slopes().zeros();
+        for (all, slope) in all.iter_mut().zip(slopes) {
+            *all = *slope;
+        }
+        Self::within(value, error).sloped(all, Some(room))
     }
 
     /// All numbers of an interval.
@@ -68,71 +80,152 @@ impl<const N: usize> AffineForm<N> {
         }
     }
 
-    /// The same plus `half_width` δ of number `index`.
-    pub fn moving(mut self, index: usize, half_width: f64) -> Self {
-        self.slopes[index] += half_width;
-        self
+    /// The same with other slopes, of the length of the room's lists or none; without space they go into the error.
+    pub(super) fn sloped(self, slopes: Vec<f64>, room: Option<&'r FormRoom>) -> Self {
+        let radius = sum_of_magnitudes(&slopes) * GROW;
+        let flat = Self {
+            slopes: &[],
+            radius: 0.0,
+            room,
+            ..self
+        };
+        if radius == 0.0 {
+            if let Some(room) = room {
+                room.slopes().give_back(slopes);
+            }
+            return flat;
+        }
+        match room.and_then(|room| room.slopes().keep(slopes)) {
+            Some(slopes) => Self {
+                slopes,
+                radius,
+                ..flat
+            },
+            None => Self {
+                error: (flat.error + radius) * GROW,
+                ..flat
+            },
+        }
+    }
+
+    /// Another form with the slopes of this one, each changed by `of`.
+    pub(super) fn with_each_slope(&self, of: impl Fn(f64) -> f64, value: f64, error: f64) -> Self {
+        let list = Self::within(value, error);
+        let mut slopes = self.blank();
+        slopes.extend(self.slopes.iter().map(|slope| of(*slope)));
+        list.sloped(slopes, self.room)
+    }
+
+    /// The same with its error as the change along a number of its own, `index`, if there is room for it.
+    pub fn marked(self, index: usize) -> Self {
+        match self.room {
+            Some(room) if index < room.count() => {
+                let mut slopes = room.slopes().blank();
+                slopes.extend_from_slice(self.slopes);
+                slopes.resize(room.count(), 0.0);
+                slopes[index] = self.error;
+                Self::within(self.value, 0.0).sloped(slopes, self.room)
+            }
+            _ => self,
+        }
+    }
+
+    /// The same with everything that depends on numbers from `first` on moved into the error.
+    pub fn folded(self, first: usize) -> Self {
+        let Some((kept, moved)) = self.slopes.split_at_checked(first) else {
+            return self;
+        };
+        let beyond = sum_of_magnitudes(moved);
+        if beyond == 0.0 {
+            return self;
+        }
+        let error = (self.error + beyond * GROW) * GROW;
+        let mut slopes = self.blank();
+        slopes.extend_from_slice(kept);
+        slopes.resize(self.slopes.len(), 0.0);
+        Self::within(self.value, error).sloped(slopes, self.room)
+    }
+
+    /// A list for slopes, if there are some.
+    fn blank(&self) -> Vec<f64> {
+        match (self.slopes, self.room) {
+            ([], _) | (_, None) => Vec::new(),
+            (_, Some(room)) => room.slopes().blank(),
+        }
+    }
+
+    /// The same with its slopes in another room, which outlives this one.
+    pub fn kept_in<'k>(&self, room: &'k FormRoom) -> AffineForm<'k> {
+        match self.slopes {
+            [] => AffineForm {
+                room: Some(room),
+                ..AffineForm::within(self.value, self.error)
+            },
+            slopes => AffineForm::linear(room, self.value, slopes, self.error),
+        }
+    }
+
+    /// The same, so that results go into another room.
+    pub fn working_in(self, room: &'r FormRoom) -> Self {
+        Self {
+            room: Some(room),
+            ..self
+        }
+    }
+
+    /// Where results keep their slopes.
+    pub(super) fn room(&self) -> Option<&'r FormRoom> {
+        self.room
+    }
+
+    /// Change along each δ; empty if all are zero.
+    #[inline]
+    pub fn slopes(&self) -> &'r [f64] {
+        self.slopes
+    }
+
+    /// Change along one δ.
+    #[inline]
+    pub fn slope(&self, index: usize) -> f64 {
+        self.slopes.get(index).copied().unwrap_or(0.0)
     }
 
     /// Adds `factor` times `b`.
     #[inline]
     pub fn add_scaled(&mut self, factor: f64, b: &Self) {
-        if factor == 0.0 {
-            // An unknown number stays unknown.
-            self.error += if b.error.is_finite() { 0.0 } else { b.error };
-            return;
-        }
-        let before = self.value.abs();
-        self.value += factor * b.value;
-        for (s, slope) in self.slopes.iter_mut().zip(&b.slopes) {
-            *s += factor * slope;
-        }
-        let (own, added) = (
-            sum_of_magnitudes(&self.slopes),
-            sum_of_magnitudes(&b.slopes),
-        );
-        let size = before + 2.0 * (factor * b.value).abs() + own + factor.abs() * added;
-        self.error += (factor.abs() * b.error + OPERATION * size + UNDERFLOW) * GROW;
-        self.error *= GROW;
+        *self = Self::combination(0.0, [(1.0, &*self), (factor, b)].into_iter());
     }
 
     /// `start` and the sum of all forms times their factors, rounded as a whole.
-    pub fn combination<'f>(start: f64, terms: impl Iterator<Item = (f64, &'f Self)>) -> Self {
-        let mut sum = Self::number(start);
-        let (mut count, mut size, mut open) = (1.0, start.abs(), 0.0);
-        for (factor, form) in terms {
-            if factor == 0.0 || form.is_zero() {
-                // An unknown number stays unknown.
-                open += if form.error.is_finite() {
-                    0.0
-                } else {
-                    form.error
-                };
-                continue;
-            }
-            sum.value += factor * form.value;
-            for (s, slope) in sum.slopes.iter_mut().zip(&form.slopes) {
-                *s += factor * slope;
-            }
-            count += 1.0;
-            size += factor.abs() * (form.value.abs() + sum_of_magnitudes(&form.slopes));
-            open += factor.abs() * form.error;
-        }
-        // A sum of products loses at most this many roundings of the sum of their magnitudes.
-        sum.error = (open + count * (OPERATION * size + UNDERFLOW)) * GROW;
-        sum
+    pub fn combination<'f>(start: f64, terms: impl Iterator<Item = (f64, &'f Self)>) -> Self
+    where
+        'r: 'f,
+    {
+        let mut sum = AffineSum::new(start);
+        terms.for_each(|(factor, form)| sum.add_scaled(factor, form));
+        sum.finish()
+    }
+
+    /// The sum of products, rounded as a whole.
+    pub fn sum_of_products<'f>(terms: impl Iterator<Item = (&'f Self, &'f Self)>) -> Self
+    where
+        'r: 'f,
+    {
+        let mut sum = AffineSum::new(0.0);
+        terms.for_each(|(a, b)| sum.add_product(a, b));
+        sum.finish()
     }
 
     /// Bound of the linear part.
     #[inline]
     pub fn radius(&self) -> f64 {
-        sum_of_magnitudes(&self.slopes) * GROW
+        self.radius
     }
 
     /// Bound of the difference from the value.
     #[inline]
     pub fn deviation(&self) -> f64 {
-        (self.radius() + self.error) * GROW
+        (self.radius + self.error) * GROW
     }
 
     /// Bound of the magnitude.
@@ -147,15 +240,27 @@ impl<const N: usize> AffineForm<N> {
 
     /// Exactly zero, so that products with it are zero too.
     pub(super) fn is_zero(&self) -> bool {
-        self.value == 0.0 && self.error == 0.0 && self.slopes == [0.0; N]
+        self.value == 0.0 && self.is_number()
+    }
+
+    /// Exactly its value.
+    fn is_number(&self) -> bool {
+        self.error == 0.0 && self.slopes.is_empty()
+    }
+}
+
+impl PartialEq for AffineForm<'_> {
+    fn eq(&self, b: &Self) -> bool {
+        self.value == b.value && self.error == b.error && self.slopes == b.slopes
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::numbers::scalar::Ring;
 
-    type Form = AffineForm<2>;
+    type Form<'r> = AffineForm<'r>;
 
     fn random(state: &mut u64) -> f64 {
         *state ^= *state << 13;
@@ -167,7 +272,7 @@ mod tests {
     /// Values of x + 0.1 δ₀ and y + 0.2 δ₁ through every operation lie within the form's linear part and its error.
     #[test]
     fn forms_hold_what_they_enclose() {
-        let mut state = 0x51_ced1;
+        let (mut state, room) = (0x51_ced1, FormRoom::new(2));
         for _ in 0..2000 {
             let (x, y) = (
                 0.5 + 0.2 * random(&mut state),
@@ -177,12 +282,13 @@ mod tests {
                 0.1 * random(&mut state).abs(),
                 0.2 * random(&mut state).abs(),
             );
-            let a = Form::number(x).moving(0, tx) + Form::number(0.25).moving(1, 0.5 * ty);
-            let b = Form::number(y).moving(1, ty);
+            let linear = |value, slopes: &[f64]| Form::linear(&room, value, slopes, 0.0);
+            let a = linear(x, &[tx]) + linear(0.25, &[0.0, 0.5 * ty]);
+            let b = linear(y, &[0.0, ty]);
             let d = [random(&mut state), random(&mut state)];
             let (p, q) = (x + 0.25 + tx * d[0] + 0.5 * ty * d[1], y + ty * d[1]);
             let holds = |form: Form, value: f64| {
-                let line = form.value + form.slopes[0] * d[0] + form.slopes[1] * d[1];
+                let line = form.value + form.slope(0) * d[0] + form.slope(1) * d[1];
                 let off = (line - value).abs();
                 assert!(off <= form.error + 4e-16, "{form:?} at {d:?}: {value}");
             };
@@ -205,12 +311,23 @@ mod tests {
             let terms = [(1.5, &a), (0.0, &b), (-0.3, &b), (2.0, &Form::ZERO)];
             let sum = Form::combination(-1.0, terms.into_iter());
             holds(sum, -1.0 + 1.5 * p - 0.3 * q);
+            let (two, c) = (Form::number(2.0), Form::within(0.1, 0.2));
+            let products = [(&a, &b), (&two, &a), (&b, &b), (&c, &a), (&Form::ZERO, &b)];
+            let sum = Form::sum_of_products(products.into_iter());
+            holds(sum, p * q + 2.0 * p + q * q + (0.1 + 0.2 * d[0]) * p);
+            // Elsewhere it is the same; without storage only sharpness is lost.
+            let other = FormRoom::new(2);
+            assert_eq!(sum.kept_in(&other), sum);
+            holds(a.kept_in(&other).working_in(&room) * b, p * q);
+            holds(Form { room: None, ..a } * Form { room: None, ..b }, p * q);
+            holds(Form { room: None, ..a }.sin(), libm::sin(p));
         }
     }
 
     #[test]
     fn errors_are_of_second_order_and_common_parts_cancel() {
-        let [wide, narrow] = [1e-2, 1e-3].map(|t| Form::number(0.7).moving(0, t));
+        let room = FormRoom::new(2);
+        let [wide, narrow] = [1e-2, 1e-3].map(|t| Form::linear(&room, 0.7, &[t], 0.0));
         for f in [
             Scalar::sin,
             Scalar::exp,
@@ -226,7 +343,8 @@ mod tests {
 
     #[test]
     fn nothing_is_made_up() {
-        let around_zero = Form::number(0.0).moving(0, 1.0);
+        let room = FormRoom::new(2);
+        let around_zero = Form::linear(&room, 0.0, &[1.0], 0.0);
         for none in [
             Form::number(1.0) / around_zero,
             around_zero.ln(),

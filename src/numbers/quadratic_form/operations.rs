@@ -3,13 +3,12 @@
 use super::QuadraticForm;
 use crate::numbers::affine_form::AffineForm;
 use crate::numbers::constant::Constant;
-use crate::numbers::form_room::FormRoom;
 use crate::numbers::interval::Interval;
 use crate::numbers::rounding::{GROW, OPERATION};
 use crate::numbers::scalar::{Ring, Scalar};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-impl<const N: usize> Ring for QuadraticForm<'_, N> {
+impl Ring for QuadraticForm<'_> {
     fn number(value: f64) -> Self {
         Self::from(AffineForm::within(value, 0.0))
     }
@@ -32,7 +31,7 @@ impl<const N: usize> Ring for QuadraticForm<'_, N> {
     }
 }
 
-impl<const N: usize> Scalar for QuadraticForm<'_, N> {
+impl Scalar for QuadraticForm<'_> {
     fn from_constant(constant: Constant) -> Self {
         Self::from(AffineForm::from_constant(constant))
     }
@@ -64,11 +63,7 @@ impl<const N: usize> Scalar for QuadraticForm<'_, N> {
     fn sin_cos(self) -> (Self, Self) {
         if self.is_number() || !self.is_finite() {
             let (sin, cos) = self.line.sin_cos();
-            let within = |line| Self {
-                room: self.room,
-                ..Self::from(line)
-            };
-            return (within(sin), within(cos));
+            return (Self::from(sin), Self::from(cos));
         }
         let (sin, cos) = Interval::point(self.line.value).sin_cos();
         (self.wave_form(sin, cos), self.wave_form(cos, -sin))
@@ -107,19 +102,18 @@ impl<const N: usize> Scalar for QuadraticForm<'_, N> {
     }
 }
 
-impl<const N: usize> Neg for QuadraticForm<'_, N> {
+impl Neg for QuadraticForm<'_> {
     type Output = Self;
     fn neg(self) -> Self {
-        let mut turned = self.room.map_or(Vec::new(), FormRoom::blank);
+        let mut turned = self.blank();
         turned.extend(self.bends.iter().map(|b| -b));
-        Self::from(-self.line).bent(turned, self.room)
+        Self::from(-self.line).bent(turned)
     }
 }
 
-impl<const N: usize> Add for QuadraticForm<'_, N> {
+impl Add for QuadraticForm<'_> {
     type Output = Self;
     fn add(self, b: Self) -> Self {
-        let room = self.room.or(b.room);
         let line = self.line + b.line;
         if self.bends.is_empty() || b.bends.is_empty() {
             // Adding to nothing causes no rounding and no copy.
@@ -127,45 +121,36 @@ impl<const N: usize> Add for QuadraticForm<'_, N> {
                 true => (b.bends, b.bend),
                 false => (self.bends, self.bend),
             };
-            return Self {
-                line,
-                bends,
-                bend,
-                room,
-            };
+            return Self { line, bends, bend };
         }
+        let mut bends = self.blank();
         let pairs = self.bends.iter().zip(b.bends);
-        let mut bends = room.map_or(Vec::new(), FormRoom::blank);
         bends.extend(pairs.map(|(own, added)| own + added));
-        let mut sum = Self::from(line).bent(bends, room);
+        let mut sum = Self::from(line).bent(bends);
         // Rounding of every sum of second-order terms.
         sum.line.error = (sum.line.error + OPERATION * (self.bend + b.bend)) * GROW;
         sum
     }
 }
 
-impl<const N: usize> Sub for QuadraticForm<'_, N> {
+impl Sub for QuadraticForm<'_> {
     type Output = Self;
     fn sub(self, b: Self) -> Self {
         Self::combination(0.0, [(1.0, &self), (-1.0, &b)].into_iter())
     }
 }
 
-impl<const N: usize> Mul for QuadraticForm<'_, N> {
+impl Mul for QuadraticForm<'_> {
     type Output = Self;
     fn mul(self, b: Self) -> Self {
         Self::sum_of_products(std::iter::once((&self, &b)))
     }
 }
 
-impl<const N: usize> Div for QuadraticForm<'_, N> {
+impl Div for QuadraticForm<'_> {
     type Output = Self;
     fn div(self, b: Self) -> Self {
         let inverse = AffineForm::number(1.0) / b.affine();
-        let inverse = Self {
-            room: b.room,
-            ..Self::from(inverse)
-        };
-        self * inverse
+        self * Self::from(inverse)
     }
 }

@@ -131,10 +131,12 @@ fn bounds_of_measures_hold_when_the_time_is_over() {
             continue;
         };
         for (whole, cut) in whole.iter().zip(&cut) {
+            assert_eq!(whole["cut_off"], false, "{whole}");
             let bound = cut["bound"].as_f64().unwrap_or(f64::INFINITY);
             assert!(bound >= whole["value"].as_f64().unwrap_or(0.0), "{cut}");
             let is_told = !bound.is_infinite() || text.contains("the limit `time` ended");
             assert!(is_told, "{text}");
+            assert!(!bound.is_infinite() || cut["cut_off"] == true, "{cut}");
         }
     }
 }

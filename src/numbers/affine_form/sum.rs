@@ -1,0 +1,111 @@
+//! Sums of affine forms under construction: their slopes are changed in place, and rounding is counted once.
+
+use super::AffineForm;
+use crate::numbers::form_room::FormRoom;
+use crate::numbers::rounding::{GROW, OPERATION, UNDERFLOW};
+
+/// Rounding of an addition to an error, generously.
+const GROWN: f64 = 8.0 * OPERATION;
+
+/// A sum so far.
+pub struct AffineSum<'r> {
+    pub value: f64,
+    pub error: f64,
+    slopes: Vec<f64>,
+    room: Option<&'r FormRoom>,
+    /// Terms, and the sum of their magnitudes: no partial sum is larger.
+    count: f64,
+    size: f64,
+}
+
+impl<'r> AffineSum<'r> {
+    pub fn new(start: f64) -> Self {
+        Self {
+            value: start,
+            error: 0.0,
+            slopes: Vec::new(),
+            room: None,
+            count: 1.0,
+            size: start.abs(),
+        }
+    }
+
+    /// Where the result is kept.
+    pub fn room(&self) -> Option<&'r FormRoom> {
+        self.room
+    }
+
+    /// Notes where the result may be kept.
+    pub fn note_room(&mut self, form: &AffineForm<'r>) {
+        self.room = self.room.or(form.room);
+    }
+
+    /// Counts terms and their magnitude.
+    pub fn count(&mut self, terms: f64, size: f64) {
+        self.count += terms;
+        self.size += size;
+    }
+
+    /// Adds `factor` times `b`.
+    pub fn add_scaled(&mut self, factor: f64, b: &AffineForm<'r>) {
+        self.note_room(b);
+        if factor == 0.0 || b.is_zero() {
+            // An unknown number stays unknown.
+            self.error += if b.error.is_finite() { 0.0 } else { b.error };
+            return;
+        }
+        self.value += factor * b.value;
+        self.add_slopes(factor, b);
+        self.count(1.0, factor.abs() * (b.value.abs() + b.radius));
+        self.error += factor.abs() * b.error;
+    }
+
+    /// Adds a product.
+    pub fn add_product(&mut self, a: &AffineForm<'r>, b: &AffineForm<'r>) {
+        for (number, other) in [(a, b), (b, a)] {
+            if number.is_number() {
+                return self.add_scaled(number.value, other);
+            }
+        }
+        self.note_room(a);
+        self.note_room(b);
+        self.add_line(a, b);
+        // Errors times values, what is of second order, underflow.
+        let (far, wide) = (a.radius + a.error, b.radius + b.error);
+        let (u, v) = (a.value.abs(), b.value.abs());
+        self.error += u * b.error + v * a.error + far * wide + UNDERFLOW;
+        // Three sums for a slope.
+        self.count(3.0, (u + a.radius) * (v + b.radius));
+    }
+
+    /// Adds value and slopes of a product.
+    pub fn add_line(&mut self, a: &AffineForm<'r>, b: &AffineForm<'r>) {
+        self.value += a.value * b.value;
+        self.add_slopes(a.value, b);
+        self.add_slopes(b.value, a);
+    }
+
+    fn add_slopes(&mut self, factor: f64, b: &AffineForm<'r>) {
+        if self.slopes.is_empty() {
+            self.slopes = b.blank();
+            self.slopes
+                .extend(b.slopes.iter().map(|slope| factor * slope));
+            return;
+        }
+        for (sum, slope) in self.slopes.iter_mut().zip(b.slopes) {
+            *sum += factor * slope;
+        }
+    }
+
+    /// The sum with all its roundings.
+    pub fn finish(self) -> AffineForm<'r> {
+        let (count, mut error) = (self.count, self.error);
+        // A sum of products loses at most this many roundings of the sum of their magnitudes; errors are summed with as
+        // many roundings.
+        if count > 1.0 {
+            let grown = 1.0 + count * GROWN;
+            error = (error * grown + count * (OPERATION * self.size * GROW + UNDERFLOW)) * GROW;
+        }
+        AffineForm::within(self.value, error).sloped(self.slopes, self.room)
+    }
+}
