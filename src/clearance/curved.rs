@@ -196,6 +196,25 @@ impl MovedBends {
         ])
     }
 
+    /// The same along centre + x cos φ + y sin φ, moved by ± X.
+    fn around(
+        &self,
+        still: &Still,
+        (moved, sign): (&RelativeMove, f64),
+        [centre, x, y]: [DVec3; 3],
+    ) -> Self {
+        let [here, there] = self.0;
+        let turned = |v: DVec3| v + moved.spin.cross(v) * sign;
+        Self([
+            here.around(still.core, centre, [x, y]),
+            there.around(
+                still.core,
+                centre + moved.rate(centre) * sign,
+                [turned(x), turned(y)],
+            ),
+        ])
+    }
+
     /// 2 f(q) - f(q ± X) is nowhere between two places lower: f is above its tangents and below its chord, but for what it
     /// bends down.
     fn lowest_between(&self, a: &MovedSpot, b: &MovedSpot) -> f64 {
@@ -264,9 +283,10 @@ impl CoreSearch<'_> {
     fn of_circle(&self, circle: &Circle) -> f64 {
         let Self { still, moved, .. } = *self;
         let [x, y] = circle.directions().map(|d| d * circle.radius);
-        let bends = self.bends(CurveBend::of_circle(still.ring(), circle));
-        let lowest = |a: &MovedSpot, b: &MovedSpot| bends.lowest_between(a, b);
+        let plain = self.bends(CurveBend::of_circle(still.ring(), circle));
         let towards = |sign: f64| {
+            let bends = plain.around(still, (moved, sign), [circle.centre, x, y]);
+            let lowest = |a: &MovedSpot, b: &MovedSpot| bends.lowest_between(a, b);
             let at = |angle: f64, (sin, cos): (f64, f64)| {
                 let (q, tangent) = (circle.centre + x * cos + y * sin, y * cos - x * sin);
                 moved_spot(still, moved, sign, angle, q, tangent)

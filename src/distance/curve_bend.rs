@@ -4,7 +4,8 @@
 //! nothing to that, because planes support it. The distance f from another circle curves downwards only where ρ, the
 //! distance from its axis, is less than its radius R, by (R - ρ) / (ρ f) per squared length; there f is at least R - ρ.
 
-use super::primitive::Circle;
+use super::axis_distance::AxisDistance;
+use super::primitive::{Circle, Primitive};
 use super::search::{CurveSpot, lowest_of_bent, lowest_of_steep};
 use glam::DVec3;
 
@@ -23,6 +24,8 @@ pub struct CurveBend {
     ring: Option<f64>,
     /// No point of the curve is nearer to the axis of that circle.
     off_axis: f64,
+    /// If the core has an axis that the curve may go around.
+    axis: Option<AxisDistance>,
 }
 
 /// Bound on the downward curvature of the distance from a circle of radius `ring`, at least `near` from its axis (more than zero) and
@@ -47,6 +50,7 @@ impl CurveBend {
             own: circle.radius,
             ring: ring.map(|ring| ring.radius).filter(|r| off_axis < *r),
             off_axis,
+            axis: None,
         }
     }
 
@@ -57,6 +61,7 @@ impl CurveBend {
             own: 0.0,
             ring: ring.map(|ring| ring.radius),
             off_axis: 0.0,
+            axis: None,
         }
     }
 
@@ -69,7 +74,14 @@ impl CurveBend {
             own: curve.own * stretched,
             ring: ring.map(|ring| ring.radius).filter(|r| off_axis < *r),
             off_axis,
+            axis: None,
         }
+    }
+
+    /// The same where a core has an axis, along centre + x cos φ + y sin φ.
+    pub fn around(self, core: &Primitive, centre: DVec3, directions: [DVec3; 2]) -> Self {
+        let axis = AxisDistance::along(core, centre, directions);
+        Self { axis, ..self }
     }
 
     /// Error allowed in a search on a curve about `centre`.
@@ -89,7 +101,8 @@ impl CurveBend {
     /// Bound on the downward second derivative between two places; `None` if unknown.
     pub fn between(&self, a: &CurveSpot, b: &CurveSpot) -> Option<f64> {
         let Some(ring) = self.ring else {
-            return Some(self.own);
+            let around = self.axis.and_then(|axis| axis.bends([a, b], self.speed));
+            return Some(around.map_or(self.own, |bends| bends.min(self.own)));
         };
         let (sum, way) = (a.value + b.value, self.speed * (b.at - a.at));
         let [nearest, farthest] = [0.5 * (sum - way), 0.5 * (sum + way)];

@@ -1,5 +1,6 @@
 //! Signed distances of solids: exact, not faceted. Independent of motions.
 
+mod axis_distance;
 pub mod bodies;
 pub(crate) mod boxes;
 pub(crate) mod curve_bend;

@@ -45,7 +45,8 @@ impl<'r> QuadraticSum<'r> {
     fn add_bends(&mut self, factor: f64, form: &QuadraticForm<'r>) {
         if self.bends.is_empty() {
             self.bends = form.blank();
-            self.bends.extend(form.bends.iter().map(|added| factor * added));
+            self.bends
+                .extend(form.bends.iter().map(|added| factor * added));
             return;
         }
         for (bend, added) in self.bends.iter_mut().zip(form.bends) {

@@ -12,6 +12,7 @@ use crate::model::mechanism::Mechanism;
 use crate::plot::chart::Chart;
 use crate::report::clearance::{body_names, judgement_reason, judgement_word, pair_sentence};
 use crate::report::rounded::not_below;
+use crate::report::sentences::counted_things;
 use crate::report::verdict::Status;
 use serde_json::{Value, json};
 
@@ -30,8 +31,8 @@ pub fn clearance_section(
 ) -> Section {
     let mut section = Section::new("Clearance");
     section.text(&format!(
-        "{} pairs of bodies judged, {} excluded; lengths in {}. A bound holds at every instant, between the samples too.",
-        found.judged_count(),
+        "{} of bodies judged, {} excluded; lengths in {}. A bound holds at every instant, between the samples too.",
+        counted_things(found.judged_count(), "pair"),
         found.excluded_count(),
         mechanism.length_unit,
     ));

@@ -73,6 +73,15 @@ pub struct PlotText {
 
 /// Substitutes the values of the command line for those of the file.
 pub fn apply_overrides(overrides: &Overrides, file: &mut SceneFile, diagnostics: &mut Diagnostics) {
+    for (what, list) in [
+        ("parameter or chain", &overrides.parameters),
+        ("input", &overrides.inputs),
+        ("start value", &overrides.guess),
+    ] {
+        given_twice(what, list)
+            .into_iter()
+            .for_each(|d| diagnostics.push(d));
+    }
     let mut unknown = |what: &str, name: &str, known: Vec<&str>| {
         diagnostics.push(
             Diagnostic::error(format!("the scene has no {what} `{name}`"))
@@ -131,4 +140,14 @@ pub fn apply_overrides(overrides: &Overrides, file: &mut SceneFile, diagnostics:
             ..PlotFile::default()
         }];
     }
+}
+
+/// A mistake for each name that has two values.
+fn given_twice(what: &str, list: &[(String, String)]) -> Vec<Diagnostic> {
+    let again = list.iter().enumerate().filter_map(|(k, (name, text))| {
+        let (_, before) = list[..k].iter().find(|(known, _)| known == name)?;
+        let message = format!("the {what} `{name}` is replaced twice");
+        Some(Diagnostic::error(message).hint(format!("by `{before}` and by `{text}`: leave one")))
+    });
+    again.collect()
 }

@@ -299,10 +299,12 @@ pub(super) fn thread_count(text: &str) -> Result<usize, String> {
 }
 
 pub(super) fn whole_between(text: &str, low: usize, high: usize) -> Result<usize, String> {
-    match text.parse::<usize>() {
-        Ok(n) if (low..=high).contains(&n) => Ok(n),
-        _ => Err(format!("a whole number from {low} to {high}")),
-    }
+    // Also such as 1e4.
+    let written = text.parse::<f64>().ok().filter(|v| v.fract() == 0.0);
+    let number = text.parse().ok().or(written.map(|v| v as usize));
+    number
+        .filter(|n| (low..=high).contains(n))
+        .ok_or_else(|| format!("a whole number from {low} to {high}"))
 }
 
 pub(super) fn positive_number(text: &str) -> Result<f64, String> {

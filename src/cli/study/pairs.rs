@@ -11,6 +11,7 @@ use crate::cli::term::progress::Progress;
 use crate::jobs::{core_count, share_watched};
 use crate::report::cells::{aligned_rows, six_digits};
 use crate::report::optimum::{SCHEMA, ending_word};
+use crate::report::sentences::counted_things;
 use serde_json::{Value, json};
 use std::sync::atomic::Ordering;
 use std::time::Instant;
@@ -139,9 +140,9 @@ fn pair_ranking(study: &LoadedStudy, ranked: &[Pair], most: usize, seconds: f64)
         rows.push(row);
     }
     format!(
-        "{}\n  {} pairs optimised in {seconds:.2} s, the best {} of them:\n\n{}",
+        "{}\n  {} optimised in {seconds:.2} s, the best {} of them:\n\n{}",
         study.family.mechanism().title,
-        ranked.len(),
+        counted_things(ranked.len(), "pair"),
         rows.len() - 1,
         aligned_rows(&rows)
     )

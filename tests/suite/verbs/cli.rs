@@ -214,23 +214,30 @@ fn overrides_with_mistakes_are_refused_by_name() {
     );
     for (arguments, says) in [
         (
-            ["--param", "lenght=2"],
+            &["--param", "lenght=2"][..],
             ["no parameter or chain `lenght`", "did you mean `length`?"],
         ),
-        (["--input", "fhi=2"], ["no input `fhi`", "it has: phi"]),
-        (["--guess", "aplha=2"], ["`aplha`", "did you mean `alpha`?"]),
+        (&["--input", "fhi=2"], ["no input `fhi`", "it has: phi"]),
         (
-            ["--param", "length=2*"],
+            &["--param", "length=2", "--param", "length=3"],
+            ["`length` is replaced twice", "by `2` and by `3`"],
+        ),
+        (
+            &["--guess", "aplha=2"],
+            ["`aplha`", "did you mean `alpha`?"],
+        ),
+        (
+            &["--param", "length=2*"],
             ["which is not from the file", "found the end"],
         ),
         (
-            ["--param", "length=1/0"],
+            &["--param", "length=1/0"],
             ["this formula has the value inf", "finite"],
         ),
-        (["--param", "length"], ["NAME=VALUE", "--param"]),
-        (["--input", "phi=nan"], ["not a finite number", "nan"]),
+        (&["--param", "length"], ["NAME=VALUE", "--param"]),
+        (&["--input", "phi=nan"], ["not a finite number", "nan"]),
     ] {
-        let run = [&["check", "p.toml"], &arguments[..]].concat();
+        let run = [&["check", "p.toml"], arguments].concat();
         w.run(&run).exits(2).prints_nothing().says(&says);
     }
     w.run(&[
