@@ -1,7 +1,7 @@
 //! Bodies that are meant to touch: how far apart, or how deep in each other, they can come between the samples.
 
 use super::branch_and_bound::split_piece;
-use super::look::{BoundGoal, NearElements, Segment};
+use super::look::{BoundGoal, NearElements, Segment, lower_of};
 use super::meeting::Meeting;
 use super::motion::ProvedMotion;
 use super::relative::RelativeMove;
@@ -114,7 +114,7 @@ impl PairSweep<'_> {
                 let back = || back.around(arguments, piece.middle, piece.half);
                 let [below, above] = self.contact_around(&moved, back, slack - allowed);
                 let [low, high] = [below - slack, above + slack];
-                if low > allowed || high < -allowed {
+                if low.is_finite() && low > allowed || high < -allowed {
                     contact.broken = Some((piece.stretch, piece.middle));
                 }
                 let is_within = |allowed: f64| low >= -allowed && high <= allowed;
@@ -174,7 +174,8 @@ impl PairSweep<'_> {
                     let b = first.moved(&back.pose);
                     least = least.max(Meeting::new(mine, &b, first, back).below_in_contact(enough));
                 }
-                low = low.min(least);
+                low = lower_of(low, least);
+                // An upper bound is one however many others are none.
                 high = high.min(meeting.above());
             }
         }

@@ -197,7 +197,7 @@ impl MovedBends {
     }
 
     /// The same along centre + x cos φ + y sin φ, moved by ± X.
-    fn around(
+    fn beside(
         &self,
         still: &Still,
         (moved, sign): (&RelativeMove, f64),
@@ -206,8 +206,8 @@ impl MovedBends {
         let [here, there] = self.0;
         let turned = |v: DVec3| v + moved.spin.cross(v) * sign;
         Self([
-            here.around(still.core, centre, [x, y]),
-            there.around(
+            here.beside(still.core, centre, [x, y]),
+            there.beside(
                 still.core,
                 centre + moved.rate(centre) * sign,
                 [turned(x), turned(y)],
@@ -285,7 +285,7 @@ impl CoreSearch<'_> {
         let [x, y] = circle.directions().map(|d| d * circle.radius);
         let plain = self.bends(CurveBend::of_circle(still.ring(), circle));
         let towards = |sign: f64| {
-            let bends = plain.around(still, (moved, sign), [circle.centre, x, y]);
+            let bends = plain.beside(still, (moved, sign), [circle.centre, x, y]);
             let lowest = |a: &MovedSpot, b: &MovedSpot| bends.lowest_between(a, b);
             let at = |angle: f64, (sin, cos): (f64, f64)| {
                 let (q, tangent) = (circle.centre + x * cos + y * sin, y * cos - x * sin);

@@ -213,10 +213,20 @@ impl ExtremeSearch<'_, '_> {
         value
     }
 
-    /// What the formula does not exceed.
+    /// What the formula does not exceed; no number where that is unknown.
     fn bound(&mut self) -> Option<f64> {
         for stretch in 0..self.motion.roots {
             self.push(stretch, [-1.0, 1.0], 0);
+        }
+        // Between jumps there may be poses that belong to no stretch.
+        let formula = (self.formula, self.needed.as_slice());
+        for range in self.motion.formula_ranges_alone(formula) {
+            let most = range.scale(self.sign).hi;
+            self.stuck = if most > self.stuck || most.is_nan() {
+                most
+            } else {
+                self.stuck
+            };
         }
         for _ in 0..MOST_PARTS {
             if self.motion.is_late() {

@@ -132,35 +132,36 @@ impl Spot for PathSpot {
     }
 }
 
-/// The bounds of curvature along a circle, in the middle and at the ends of its paths.
-struct PathBends {
-    here: CurveBend,
-    there: CurveBend,
-}
+/// The bounds of curvature along a circle at one end of its paths, in the middle and at the other end.
+struct PathBends([CurveBend; 3]);
 
 impl PathBends {
     fn new(followed: &Followed, circle: &Circle, way: f64) -> Self {
         let (still, moved) = (Some(followed.still), followed.moved);
         let here = CurveBend::of_circle(still, circle);
         let [spin, twist] = moved.turning();
-        Self {
-            here,
-            there: CurveBend::elsewhere(still, &here, 1.0 + spin + twist, way),
-        }
+        let there = CurveBend::elsewhere(still, &here, 1.0 + spin + twist, way);
+        let core = Primitive::Circle(*followed.still);
+        let [x, y] = circle.directions().map(|d| d * circle.radius);
+        Self([-1.0, 0.0, 1.0].map(|u| {
+            let placed = |q: DVec3| q + moved.rate(q) * u + moved.bend_of(q) * (u * u);
+            let centre = placed(circle.centre);
+            let axes = [x, y].map(|axis| placed(circle.centre + axis) - centre);
+            let plain = if u == 0.0 { here } else { there };
+            plain.beside(&core, centre, axes)
+        }))
     }
 
     /// Nowhere between two places is any of the four functions lower whose least is searched.
     fn lowest_between(&self, a: &PathSpot, b: &PathSpot) -> f64 {
         let wide = b.here.at - a.here.at;
-        let beside = |bend: &CurveBend, k: usize| {
+        let beside = |k: usize| {
             Between::new(
-                bend.beside_axis([a.off_axis[k], b.off_axis[k]], wide),
+                self.0[k].beside_axis([a.off_axis[k], b.off_axis[k]], wide),
                 [[a.back, a.here, a.ahead][k], [b.back, b.here, b.ahead][k]],
             )
         };
-        let back = beside(&self.there, 0);
-        let here = beside(&self.here, 1);
-        let ahead = beside(&self.there, 2);
+        let [back, here, ahead] = [0, 1, 2].map(beside);
         let falling = here.lowest_leaning(&back, &ahead);
         let rising = here.lowest_leaning(&ahead, &back);
         let ends = back.lowest().min(ahead.lowest());

@@ -146,6 +146,14 @@ struct PlacedElement {
     way: f64,
 }
 
+/// The lower of two lower bounds: no number is no bound, which `f64::min` would pass over.
+pub(super) fn lower_of(known: f64, bound: f64) -> f64 {
+    match bound.is_nan() {
+        true => f64::NEG_INFINITY,
+        false => known.min(bound),
+    }
+}
+
 impl PairSweep<'_> {
     /// Nothing is known of any pair of elements.
     pub(super) fn look_memory(&self) -> LookMemory {
@@ -233,7 +241,7 @@ impl PairSweep<'_> {
                 pair.distance = Some(distance);
                 let low = distance - pair.wobble;
                 nearest = nearest.min(distance);
-                lowest = lowest.min(low);
+                lowest = lower_of(lowest, low);
                 match low < last {
                     true => left.push([i, j]),
                     false => others = others.min(low),
@@ -260,7 +268,7 @@ impl PairSweep<'_> {
                 far = parts.map_or(far, |low| far.max(low));
             }
             if far >= goal {
-                lowest = lowest.min(far);
+                lowest = lower_of(lowest, far);
                 match far < last {
                     true => left.push([i, j]),
                     false => others = others.min(far),
@@ -277,7 +285,7 @@ impl PairSweep<'_> {
             if found.distance >= limit {
                 if found.distance < goal || lowest < goal {
                     nearest = nearest.min(found.distance);
-                    lowest = lowest.min(found.distance - way);
+                    lowest = lower_of(lowest, found.distance - way);
                     left.push([i, j]);
                     return;
                 }
@@ -298,13 +306,10 @@ impl PairSweep<'_> {
                 }
                 _ => meeting.below([goal, last]),
             };
-            // No number is no bound, and where a mesh is met nothing is known of the depth.
-            lowest = if self.meets([i, j], meeting.found.distance) {
-                lowest.min(self.deepest())
-            } else if below.is_nan() {
-                f64::NEG_INFINITY
-            } else {
-                lowest.min(below)
+            // Where a mesh is met nothing is known of the depth.
+            lowest = match self.meets([i, j], meeting.found.distance) {
+                true => lower_of(lowest, self.deepest()),
+                false => lower_of(lowest, below),
             };
             left.push([i, j]);
         };

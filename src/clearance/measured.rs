@@ -38,6 +38,8 @@ pub struct BoundedMeasure {
     pub is_enclosed: bool,
     /// It is a distance of bodies.
     pub is_distance: bool,
+    /// It is a formula of such distances, of which only the least is bounded.
+    pub uses_distances: bool,
 }
 
 /// Whether a measure is taken over the whole motion, which requires certified poses.
@@ -96,6 +98,7 @@ fn bounded(motion: &mut ProvedMotion, measure: &Measure, tolerance: f64) -> Opti
         slack: SLACK * found.value.abs().max(unit),
         is_enclosed: false,
         is_distance: false,
+        uses_distances: motion.system.mechanism().uses_distances(formula),
     })
 }
 
@@ -195,5 +198,6 @@ fn of_pair(
         slack: sweep.slack(),
         is_enclosed,
         is_distance: true,
+        uses_distances: false,
     })
 }

@@ -4,6 +4,7 @@
 //! plane bounds the distance of all triangles of two nodes, by their boxes or their support; only nodes that it does
 //! not separate are split, down to pairs of triangles with their own planes.
 
+use super::look::lower_of;
 use super::meeting::Meeting;
 use super::slab::Slab;
 use crate::distance::boxes::OrientedBox;
@@ -202,14 +203,8 @@ impl<'e> MeetingSearch<'e> {
         of_balls.max(flat) - self.meeting.radii()
     }
 
-    /// No number is no bound.
     fn lower(&mut self, bound: f64) {
-        let known = if bound.is_nan() {
-            f64::NEG_INFINITY
-        } else {
-            bound
-        };
-        self.lowest = self.lowest.min(known);
+        self.lowest = lower_of(self.lowest, bound);
     }
 
     /// Lowers the bound to that of two parts, as far as needed.

@@ -16,6 +16,7 @@ use crate::math::Pose;
 use crate::model::actuation::Actuation;
 use crate::model::chain::ArgumentValue;
 use crate::model::expression::Expression;
+use crate::model::mechanism::Kind;
 use crate::numbers::interval::Interval;
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -102,6 +103,8 @@ pub struct ProvedMotion<'m> {
     pub roots: usize,
     /// Times between samples that could not be followed.
     pub gaps: Vec<[f64; 2]>,
+    /// Whether all sampled poses are.
+    has_certified_poses: bool,
     /// Bound on the deviation of the samples' unknowns from the exact pose: lengths, and angles times the size.
     pub pose_error: f64,
     /// Maximum number of stretches, ...
@@ -160,6 +163,7 @@ impl<'m> ProvedMotion<'m> {
             stretches: Vec::new(),
             roots: 0,
             gaps: Vec::new(),
+            has_certified_poses: trajectory.poses().all(|p| p.certificate.bounds().is_some()),
             pose_error: pose_error(mechanism.size, trajectory),
             anew: HashSet::new(),
             assembled: None,
@@ -265,7 +269,42 @@ impl<'m> ProvedMotion<'m> {
     /// Whether all of it is proved.
     pub fn is_certified(&self) -> bool {
         let mut roots = self.stretches[..self.roots].iter();
-        self.gaps.is_empty() && roots.all(|s| s.is_certified)
+        self.gaps.is_empty()
+            && roots.all(|s| s.is_certified)
+            && (self.has_certified_poses || self.alone().is_empty())
+    }
+
+    /// All values of a formula at poses that are at the end of no stretch.
+    pub fn formula_ranges_alone(&self, formula: (&Expression, &[bool])) -> Vec<Interval> {
+        let mechanism = self.system.mechanism();
+        let count = mechanism.unknowns.len();
+        let of_pose = |instant: usize| {
+            let SampledInstant {
+                time, coordinates, ..
+            } = &self.instants[instant];
+            let unknowns = coordinates[..count]
+                .iter()
+                .enumerate()
+                .map(|(slot, value)| {
+                    let error = match mechanism.kind_of(slot) {
+                        Kind::Angle => self.pose_error / mechanism.size,
+                        _ => self.pose_error,
+                    };
+                    Interval::point(*value) + Interval::around_zero(error)
+                });
+            // With play an input may be elsewhere.
+            let drives = self
+                .actuation
+                .drives
+                .iter()
+                .map(|drive| match self.prover.has_play() {
+                    true => Interval::ENTIRE,
+                    false => drive.range_at(*time),
+                });
+            let known: Vec<Interval> = unknowns.chain(drives).collect();
+            formula_value(mechanism, &known, formula)
+        };
+        self.alone().into_iter().map(of_pose).collect()
     }
 
     /// How well redundant equations are proved to close where the motion is, in the scene's unit; `None` without any of them.

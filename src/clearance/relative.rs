@@ -59,6 +59,29 @@ fn rate_times(rate: f64, length: f64) -> f64 {
 }
 
 impl RelativeMove {
+    /// Nothing is known but the pose in the middle.
+    fn unknown(pose: Pose) -> Self {
+        Self {
+            pose,
+            shift: DVec3::ZERO,
+            spin: DVec3::ZERO,
+            bend: DVec3::ZERO,
+            twist: DMat3::ZERO,
+            turning: [0.0; 2],
+            off: f64::INFINITY,
+            off_by_reach: f64::INFINITY,
+        }
+    }
+
+    /// Whether all of it are numbers: where bounds overflow, their differences are none, and comparisons would pass over them.
+    fn is_known(&self) -> bool {
+        let vectors = [self.shift, self.spin, self.bend];
+        let bounds = [self.off, self.off_by_reach];
+        vectors.iter().all(|v| v.is_finite())
+            && self.twist.is_finite()
+            && bounds.iter().all(|b| b.is_finite())
+    }
+
     /// X of a point in a's frame.
     pub fn rate(&self, point: DVec3) -> DVec3 {
         self.shift + self.spin.cross(point)
@@ -304,14 +327,9 @@ impl RelativeChain {
             s,
             half,
             moved: RelativeMove {
-                pose: Pose::IDENTITY,
-                shift: DVec3::ZERO,
-                spin: DVec3::ZERO,
-                bend: DVec3::ZERO,
-                twist: DMat3::ZERO,
-                turning: [0.0; 2],
                 off: 0.0,
                 off_by_reach: 0.0,
+                ..RelativeMove::unknown(Pose::IDENTITY)
             },
             turned: 0.0,
             linear: 0.0,
@@ -324,7 +342,10 @@ impl RelativeChain {
         moved.turning = [moved.spin.length(), operator_norm(&moved.twist)];
         let whole = moved.off_by_reach * moving.length;
         moved.off += (whole - moving.off_by_length).max(0.0) + 1e-12 * whole;
-        moved
+        match moved.is_known() {
+            true => moved,
+            false => RelativeMove::unknown(moved.pose),
+        }
     }
     /// What the bounds of the arguments alone let the points of a ball deviate by at the place `s`, however short the time.
     pub fn blur(&self, arguments: &[TaylorModel], s: f64, ball: (DVec3, f64)) -> f64 {

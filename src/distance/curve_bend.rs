@@ -4,7 +4,7 @@
 //! nothing to that, because planes support it. The distance f from another circle curves downwards only where ρ, the
 //! distance from its axis, is less than its radius R, by (R - ρ) / (ρ f) per squared length; there f is at least R - ρ.
 
-use super::axis_distance::AxisDistance;
+use super::distance_along::DistanceAlong;
 use super::primitive::{Circle, Primitive};
 use super::search::{CurveSpot, lowest_of_bent, lowest_of_steep};
 use glam::DVec3;
@@ -24,8 +24,8 @@ pub struct CurveBend {
     ring: Option<f64>,
     /// No point of the curve is nearer to the axis of that circle.
     off_axis: f64,
-    /// If the core has an axis that the curve may go around.
-    axis: Option<AxisDistance>,
+    /// If the core has an axis that the curve may go around, or a face that it may lie on.
+    along: Option<DistanceAlong>,
 }
 
 /// Bound on the downward curvature of the distance from a circle of radius `ring`, at least `near` from its axis (more than zero) and
@@ -50,7 +50,7 @@ impl CurveBend {
             own: circle.radius,
             ring: ring.map(|ring| ring.radius).filter(|r| off_axis < *r),
             off_axis,
-            axis: None,
+            along: None,
         }
     }
 
@@ -61,7 +61,7 @@ impl CurveBend {
             own: 0.0,
             ring: ring.map(|ring| ring.radius),
             off_axis: 0.0,
-            axis: None,
+            along: None,
         }
     }
 
@@ -74,14 +74,14 @@ impl CurveBend {
             own: curve.own * stretched,
             ring: ring.map(|ring| ring.radius).filter(|r| off_axis < *r),
             off_axis,
-            axis: None,
+            along: None,
         }
     }
 
-    /// The same where a core has an axis, along centre + x cos φ + y sin φ.
-    pub fn around(self, core: &Primitive, centre: DVec3, directions: [DVec3; 2]) -> Self {
-        let axis = AxisDistance::along(core, centre, directions);
-        Self { axis, ..self }
+    /// The same along centre + x cos φ + y sin φ, beside this core.
+    pub fn beside(self, core: &Primitive, centre: DVec3, directions: [DVec3; 2]) -> Self {
+        let along = DistanceAlong::new(core, centre, directions);
+        Self { along, ..self }
     }
 
     /// Error allowed in a search on a curve about `centre`.
@@ -101,13 +101,17 @@ impl CurveBend {
     /// Bound on the downward second derivative between two places; `None` if unknown.
     pub fn between(&self, a: &CurveSpot, b: &CurveSpot) -> Option<f64> {
         let Some(ring) = self.ring else {
-            let around = self.axis.and_then(|axis| axis.bends([a, b], self.speed));
-            return Some(around.map_or(self.own, |bends| bends.min(self.own)));
+            let beside = self.along.and_then(|known| known.bends([a, b], self.speed));
+            return Some(beside.map_or(self.own, |bends| bends.min(self.own)));
         };
         let (sum, way) = (a.value + b.value, self.speed * (b.at - a.at));
         let [nearest, farthest] = [0.5 * (sum - way), 0.5 * (sum + way)];
         let near = self.off_axis.max(ring - farthest);
-        (near > 0.0).then(|| self.own + self.speed * self.speed * ring_bends(ring, near, nearest))
+        let beside = self.along.and_then(|known| known.bends_of_ring(near));
+        (near > 0.0).then(|| {
+            let bends = self.own + self.speed * self.speed * ring_bends(ring, near, nearest);
+            beside.map_or(bends, |beside| beside.min(bends))
+        })
     }
 
     /// Whether the slope keeps its sign between two places, so that no minimum lies there: it can neither fall from a rise

@@ -1,10 +1,10 @@
 //! Signed distances of solids: exact, not faceted. Independent of motions.
 
-mod axis_distance;
 pub mod bodies;
 pub(crate) mod boxes;
 pub(crate) mod curve_bend;
 mod depth;
+mod distance_along;
 mod flaps;
 mod half_space;
 pub mod mesh;

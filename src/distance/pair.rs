@@ -171,7 +171,7 @@ fn farthest_of_circle(core: &Primitive, circle: &super::primitive::Circle) -> f6
         return farthest_reach(core, &[circle.centre]);
     }
     let [x, y] = circle.directions().map(|d| d * circle.radius);
-    let bend = CurveBend::of_circle(core.circle(), circle).around(core, circle.centre, [x, y]);
+    let bend = CurveBend::of_circle(core.circle(), circle).beside(core, circle.centre, [x, y]);
     let lowest = |p: &CurveSpot, q: &CurveSpot| lowest_backward(&bend, p, q);
     let found = least_on_circle(lowest, bend.missed(circle.centre), |angle, (sin, cos)| {
         let point = circle.centre + x * cos + y * sin;

@@ -118,7 +118,7 @@ fn of_circle(a: &Primitive, circle: &Circle) -> CorePair {
     }
     let [x, y] = circle.directions().map(|d| d * circle.radius);
     let point = |(sin, cos): (f64, f64)| circle.centre + x * cos + y * sin;
-    let bend = CurveBend::of_circle(a.circle(), circle).around(a, circle.centre, [x, y]);
+    let bend = CurveBend::of_circle(a.circle(), circle).beside(a, circle.centre, [x, y]);
     let lowest = |p: &CurveSpot, q: &CurveSpot| bend.lowest_between(p, q);
     let found = least_on_circle(lowest, bend.missed(circle.centre), |angle, (sin, cos)| {
         core_spot(a, angle, point((sin, cos)), y * cos - x * sin)

@@ -100,6 +100,24 @@ impl Drive {
         }
     }
 
+    /// All values that it may have at an instant, beside the rounding of the formula; all numbers where that is open.
+    pub fn range_at(&self, time: f64) -> Interval {
+        let here = Interval::point(time);
+        let range = match self {
+            Self::Formula(formula) => {
+                // At one instant all that jumps there has jumped; of a kink both sides count.
+                let sided = formula.on_sides_of(time, here);
+                let whole = || formula.range(&[here]).unwrap_or(Interval::ENTIRE);
+                if sided.is_finite() { sided } else { whole() }
+            }
+            Self::Keys { .. } => self.value_beside(here, time),
+        };
+        match range.is_finite() {
+            true => range.hull(Interval::point(self.value(time))),
+            false => Interval::ENTIRE,
+        }
+    }
+
     /// The value from `time` on, as a series of the seconds since then, up to the power `order`.
     ///
     /// At a key it is the piece that begins there, at the last key the piece that ends there; held values have no

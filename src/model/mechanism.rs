@@ -222,13 +222,24 @@ pub struct Mechanism {
 impl Mechanism {
     /// Whether a formula of slots uses outputs that contain rates, directly or through other outputs.
     pub fn uses_rates(&self, formula: &Expression) -> bool {
+        self.uses(formula, |source| matches!(source, OutputSource::Rated(_)))
+    }
+
+    /// The same of distances of bodies.
+    pub fn uses_distances(&self, formula: &Expression) -> bool {
+        self.uses(formula, |source| {
+            matches!(source, OutputSource::Distance(_))
+        })
+    }
+
+    fn uses(&self, formula: &Expression, is_such: impl Fn(&OutputSource) -> bool) -> bool {
         let first = self.coordinate_count() + 3 * self.traces.len();
         let mut held: Vec<bool> = Vec::with_capacity(self.outputs.len());
         for output in &self.outputs {
-            held.push(match &output.source {
-                OutputSource::Rated(_) => true,
+            let source = &output.source;
+            held.push(match source {
                 OutputSource::Formula(formula) => uses_any(formula, first, &held),
-                OutputSource::Distance(_) => false,
+                _ => is_such(source),
             });
         }
         uses_any(formula, first, &held)

@@ -4,7 +4,8 @@
 //!
 //! Second-order coefficients are packed in a [`FormRoom`], row after row from the diagonal on.
 
-use super::affine_form::{AffineForm, AffineSum, sum_of_magnitudes};
+use super::affine_form::sum::AffineSum;
+use super::affine_form::{AffineForm, sum_of_magnitudes};
 use super::form_room::FormRoom;
 use super::interval::Interval;
 use super::rounding::{GROW, OPERATION, UNDERFLOW};

@@ -230,6 +230,9 @@ impl TakenMeasure<'_> {
                 _ if known.is_cut_off => ": the limit `time` ended the search",
                 _ if !known.is_whole => ": the motion was not followed everywhere",
                 _ if known.is_distance => "",
+                _ if known.uses_distances => {
+                    ": of distances between bodies only the least is bounded, this is a value at samples"
+                }
                 _ => ": the formula may have no value or no slope somewhere",
             };
             return format!("{time}; no bound{why}");

@@ -10,7 +10,6 @@ use crate::kinematics::enclosure::pose::{Encloser, Rooms};
 use crate::kinematics::enclosure::region::ToleranceInterval;
 use crate::kinematics::motion::sampling::knot_times;
 use crate::kinematics::results::certificate::Reason;
-use crate::model::drive::Drive;
 use crate::numbers::interval::Interval;
 use crate::numbers::rounding::GROW;
 use crate::numbers::scalar::Scalar;
@@ -129,12 +128,9 @@ pub(super) fn stretch_tolerances(
     let middle = 0.5 * from + 0.5 * until;
     let drives = family.actuation.drives.iter().enumerate();
     for (k, drive) in drives.take(family.own_inputs()) {
-        let range: Interval = match drive {
-            // At one instant all that jumps there has jumped.
-            Drive::Formula(formula) if from == until => {
-                formula.on_sides_of(from, Interval::point(from))
-            }
-            _ => drive.value_beside(Interval::new(from, until), middle),
+        let range = match from == until {
+            true => drive.range_at(from),
+            false => drive.value_beside(Interval::new(from, until), middle),
         };
         // Kinks and jumps at its ends are no part of it.
         let range = match range.is_finite() {

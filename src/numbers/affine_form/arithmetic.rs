@@ -1,6 +1,7 @@
 //! Sums, products and quotients of affine forms.
 
-use super::{AffineForm, AffineSum};
+use super::AffineForm;
+use super::sum::AffineSum;
 use crate::numbers::constant::Constant;
 use crate::numbers::interval::Interval;
 use crate::numbers::rounding::{GROW, OPERATION, UNDERFLOW};

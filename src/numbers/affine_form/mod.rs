@@ -6,9 +6,7 @@
 
 mod arithmetic;
 mod functions;
-mod sum;
-
-pub(super) use sum::AffineSum;
+pub(super) mod sum;
 
 use super::form_room::FormRoom;
 use super::interval::Interval;
@@ -188,32 +186,6 @@ impl<'r> AffineForm<'r> {
     #[inline]
     pub fn slope(&self, index: usize) -> f64 {
         self.slopes.get(index).copied().unwrap_or(0.0)
-    }
-
-    /// Adds `factor` times `b`.
-    #[inline]
-    pub fn add_scaled(&mut self, factor: f64, b: &Self) {
-        *self = Self::combination(0.0, [(1.0, &*self), (factor, b)].into_iter());
-    }
-
-    /// `start` and the sum of all forms times their factors, rounded as a whole.
-    pub fn combination<'f>(start: f64, terms: impl Iterator<Item = (f64, &'f Self)>) -> Self
-    where
-        'r: 'f,
-    {
-        let mut sum = AffineSum::new(start);
-        terms.for_each(|(factor, form)| sum.add_scaled(factor, form));
-        sum.finish()
-    }
-
-    /// The sum of products, rounded as a whole.
-    pub fn sum_of_products<'f>(terms: impl Iterator<Item = (&'f Self, &'f Self)>) -> Self
-    where
-        'r: 'f,
-    {
-        let mut sum = AffineSum::new(0.0);
-        terms.for_each(|(a, b)| sum.add_product(a, b));
-        sum.finish()
     }
 
     /// Bound of the linear part.

@@ -109,3 +109,31 @@ impl<'r> AffineSum<'r> {
         AffineForm::within(self.value, error).sloped(self.slopes, self.room)
     }
 }
+
+impl<'r> AffineForm<'r> {
+    /// Adds `factor` times `b`.
+    #[inline]
+    pub fn add_scaled(&mut self, factor: f64, b: &Self) {
+        *self = Self::combination(0.0, [(1.0, &*self), (factor, b)].into_iter());
+    }
+
+    /// `start` and the sum of all forms times their factors, rounded as a whole.
+    pub fn combination<'f>(start: f64, terms: impl Iterator<Item = (f64, &'f Self)>) -> Self
+    where
+        'r: 'f,
+    {
+        let mut sum = AffineSum::new(start);
+        terms.for_each(|(factor, form)| sum.add_scaled(factor, form));
+        sum.finish()
+    }
+
+    /// The sum of products, rounded as a whole.
+    pub fn sum_of_products<'f>(terms: impl Iterator<Item = (&'f Self, &'f Self)>) -> Self
+    where
+        'r: 'f,
+    {
+        let mut sum = AffineSum::new(0.0);
+        terms.for_each(|(a, b)| sum.add_product(a, b));
+        sum.finish()
+    }
+}

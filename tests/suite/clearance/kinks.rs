@@ -160,3 +160,81 @@ fn a_pulse_beside_a_jump_is_proved_at_any_samples() {
         }
     }
 }
+
+/// A turn about z by an angle whose bounds overflow between two samples: its kink lies in an `atan2`.
+const TURNS: [&str; 5] = [
+    "atan2(sin(u)*abs(cos(u)), cos(u)+0.01)",
+    "atan2(abs(u-1)-0.01, u-1)",
+    "atan2(abs(cos(u)), cos(u)+0.1)",
+    "atan2(sin(u)*abs(cos(u)), cos(u)+0.3)",
+    "atan2(abs(cos(u)), sin(u)-0.7)",
+];
+
+/// A ball that turns above a plane: it keeps its height, whatever the angle. `pairs` is the rest of the section.
+fn turning_ball(turn: &str, clearance: &str) -> String {
+    format!(
+        r#"
+units = {{ length = "mm" }}
+duration = 3
+[inputs]
+u = "t"
+[[bodies]]
+name = "arm"
+frame = "Rz({turn})"
+shapes = [{{ sphere = {{ center = [-0.5, 1.313, 0.75], radius = 0.25 }} }}]
+[[bodies]]
+name = "floor"
+shapes = [{{ half_space = {{ point = [0, 0, 0], size = 10 }} }}]
+[clearance]
+{clearance}
+"#
+    )
+}
+
+/// Where nothing is known of a motion, nothing is said of it: a distance that is below its minimum all the time is so in the report,
+/// and bodies in contact all the time are never said to part.
+#[test]
+fn what_is_not_known_of_a_motion_is_not_told_of_it() {
+    let w = Workspace::new();
+    let report = |scene: &str, samples: &str| {
+        w.write("scene.toml", scene);
+        let said = w.run(&[
+            "check",
+            "scene.toml",
+            "--samples",
+            samples,
+            "--json",
+            "r.json",
+        ]);
+        let json: Value = serde_json::from_slice(&w.read("r.json")).expect("JSON");
+        (json["clearance"]["pairs"][0].clone(), said.text())
+    };
+    for turn in TURNS {
+        for samples in ["2", "4", "5", "7", "20", "61"] {
+            let case = format!("{turn}, {samples} samples");
+            // Half a millimetre above the plane, at all times.
+            let (pair, _) = report(&turning_ball(turn, "minimum = 0.51"), samples);
+            assert_eq!(pair["verdict"], "failed", "{case}");
+            let violations = &pair["violations"];
+            let told: f64 = violations["intervals"]
+                .as_array()
+                .into_iter()
+                .flatten()
+                .filter_map(|one| Some(one["to"].as_f64()? - one["from"].as_f64()?))
+                .sum();
+            let is_all = (told - 3.0).abs() < 1e-6;
+            assert!(
+                is_all || violations["certified"] == false,
+                "{case}: {violations}"
+            );
+            let clear = turning_ball(turn, "minimum = 0.49");
+            assert_ne!(report(&clear, samples).0["verdict"], "failed", "{case}");
+            // In contact, at all times.
+            let touching = turning_ball(turn, "touching = [{ pair = [\"arm\", \"floor\"] }]");
+            let touching = touching.replace("0.75]", "0.25]");
+            let (pair, text) = report(&touching, samples);
+            assert_ne!(pair["verdict"], "failed", "{case}: {pair}");
+            assert!(!text.contains("inf "), "{case}: {text}");
+        }
+    }
+}

@@ -337,3 +337,41 @@ fn extremes_as_near_as_rounding_allows_need_few_parts() {
         }
     }
 }
+
+/// A drive that is elsewhere at one sample only, and formulas that lose all digits there: no bound is below the value, computed by hand.
+#[test]
+fn bounds_hold_at_a_pose_that_stands_alone() {
+    let drives = [
+        // At the last instant, at the first, and behind each whole second.
+        (r#"{ keys = [[0, 0], [4, 1]], ease = "step" }"#, 1.0),
+        (r#""max(0, 1+floor(-t))""#, 1.0),
+        (r#""floor(t)""#, 4.0),
+    ];
+    let formulas: [(&str, fn(f64) -> f64); 4] = [
+        ("(1e17*u+7*u)-1e17*u", |u| 7.0 * u),
+        ("(1e8*u+0.1*u)^2-1e16*u^2-2e7*u^2", |u| 0.01 * u * u),
+        ("1e9*((1e8+u/7)-1e8)", |u| 1e9 * u / 7.0),
+        // √((10⁶ + u/7)² + 9) - 10⁶, but for less than 1e-15.
+        ("hypot(1e6+u/7, 3)-1e6", |u| u / 7.0 + 4.5 / (1e6 + u / 7.0)),
+    ];
+    for (drive, last) in drives {
+        for (formula, exact) in formulas {
+            let text = format!(
+                "duration = 4\n[inputs]\nu = {drive}\n[[bodies]]\nname = \"a\"\nframe = \"Tx(u)\"\n\
+                 shapes = [{{ sphere = {{ radius = 1 }} }}]\n\
+                 [measures]\na = {{ of = \"{formula}\", take = \"max\", max = {:?} }}\n",
+                0.9 * exact(last)
+            );
+            for samples in [2, 5, 40] {
+                let case = format!("{drive} {formula} {samples}");
+                let said = said(&text, samples);
+                assert!(
+                    said.bound >= exact(last) * (1.0 - 1e-15),
+                    "{case}: {}",
+                    said.bound
+                );
+                assert!(!said.passed, "{case}");
+            }
+        }
+    }
+}

@@ -81,13 +81,18 @@ impl<'m> Prover<'m> {
         self
     }
 
+    /// Whether inputs may deviate from their drives.
+    pub fn has_play(&self) -> bool {
+        self.play.iter().any(|play| *play > 0.0)
+    }
+
     /// Allows every input to deviate from its drive by its play at every instant: results hold for all such motions.
     pub fn with_play(mut self, play: Vec<f64>) -> Self {
-        if play.iter().any(|play| *play > 0.0) {
+        self.play = play;
+        if self.has_play() {
             // The time alone does not tell the inputs.
             self.placed.iter_mut().for_each(|p| p.timed = None);
         }
-        self.play = play;
         self
     }
 
