@@ -115,12 +115,14 @@ fn write_end(
         let _ = writeln!(
             out,
             "<script type=\"{PACKED}\" id=\"engine\">{}</script>\n\
-             <script type=\"text/plain\" id=\"worker\">{UNPACK}{WORKER}</script>",
+             <script type=\"text/plain\" id=\"worker\">{WORKER}</script>",
             engine.text
         );
     }
     for script in scripts {
-        let _ = writeln!(out, "<script>{script}</script>");
+        // The worker takes a copy of the script that unpacks.
+        let id = if *script == UNPACK { " id=\"unpack\"" } else { "" };
+        let _ = writeln!(out, "<script{id}>{script}</script>");
     }
     out.push_str("</body>\n</html>\n");
 }

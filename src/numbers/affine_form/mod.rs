@@ -1,6 +1,6 @@
-//! Affine forms: the first-order dependence of a number on N others, and a bound of everything else.
+//! Affine forms: the first-order dependence of a number on n others, and a bound of everything else.
 //!
-//! A form `value + Σ slopesₖ δₖ ± error` encloses a function of δ in [-1, 1]ᴺ. First-order terms that two forms share
+//! A form `value + Σ slopesₖ δₖ ± error` encloses a function of δ in [-1, 1]ⁿ. First-order terms that two forms share
 //! cancel, unlike in interval arithmetic; terms of second order and rounding go into the error. Affine arithmetic of de
 //! Figueiredo and Stolfi (Numerical Algorithms 37, 2004) with functions by the mean value theorem.
 
@@ -60,12 +60,16 @@ impl<'r> AffineForm<'r> {
         }
     }
 
-    /// A number within `error` of `value`, plus `slopes` times the first δ.
+    /// A number within `error` of `value`, plus `slopes` times the first δ; slopes that the room has no place for go into the error.
     pub fn linear(room: &'r FormRoom, value: f64, slopes: &[f64], error: f64) -> Self {
-        let mut all = room.slopes().zeros();
-        for (all, slope) in all.iter_mut().zip(slopes) {
-            *all = *slope;
-        }
+        let (own, others) = slopes.split_at(slopes.len().min(room.count()));
+        let mut all = room.slopes().blank();
+        all.extend_from_slice(own);
+        all.resize(room.count(), 0.0);
+        let error = match sum_of_magnitudes(others) {
+            0.0 => error,
+            beyond => (error + beyond * GROW) * GROW,
+        };
         Self::within(value, error).sloped(all, Some(room))
     }
 
@@ -288,8 +292,9 @@ mod tests {
             let sum = Form::sum_of_products(products.into_iter());
             holds(sum, p * q + 2.0 * p + q * q + (0.1 + 0.2 * d[0]) * p);
             // Elsewhere it is the same; without storage only sharpness is lost.
-            let other = FormRoom::new(2);
+            let (other, small) = (FormRoom::new(2), FormRoom::new(1));
             assert_eq!(sum.kept_in(&other), sum);
+            holds(a.kept_in(&small), p);
             holds(a.kept_in(&other).working_in(&room) * b, p * q);
             holds(Form { room: None, ..a } * Form { room: None, ..b }, p * q);
             holds(Form { room: None, ..a }.sin(), libm::sin(p));

@@ -35,8 +35,8 @@ function multiple(step, count) {
 
 /** A worker that has no engine yet. */
 function newWorker() {
-  const text = document.getElementById("worker").textContent;
-  const address = URL.createObjectURL(new Blob([text], { type: "text/javascript" }));
+  const texts = ["unpack", "worker"].map((id) => document.getElementById(id).textContent);
+  const address = URL.createObjectURL(new Blob(texts, { type: "text/javascript" }));
   const worker = new Worker(address);
   URL.revokeObjectURL(address);
   return worker;
