@@ -100,6 +100,8 @@ struct StretchPart {
     off: f64,
     /// How many halvings of the tube in a row have kept the remainder.
     keeping: u32,
+    /// Only the ranges of the coordinates were looked at, which is far quicker than the formula's Taylor model.
+    is_rough: bool,
 }
 
 impl PartialEq for StretchPart {
@@ -216,7 +218,7 @@ impl ExtremeSearch<'_, '_> {
     /// What the formula does not exceed; no number where that is unknown.
     fn bound(&mut self) -> Option<f64> {
         for stretch in 0..self.motion.roots {
-            self.push(stretch, [-1.0, 1.0], 0);
+            self.push_roughly(stretch);
         }
         // Between jumps there may be poses that belong to no stretch.
         let formula = (self.formula, self.needed.as_slice());
@@ -228,11 +230,8 @@ impl ExtremeSearch<'_, '_> {
                 self.stuck
             };
         }
-        for _ in 0..MOST_PARTS {
-            if self.motion.is_late() {
-                break;
-            }
-            let Some(top) = self.parts.pop() else {
+        while self.examined < MOST_PARTS && !self.motion.is_late() {
+            let Some(top) = self.next_part() else {
                 return Some(self.stuck);
             };
             let best = self.best?.value;
@@ -244,11 +243,21 @@ impl ExtremeSearch<'_, '_> {
             self.examined += 1;
             self.part(&top);
         }
-        let rest = self
-            .parts
-            .peek()
-            .map_or(f64::NEG_INFINITY, |part| part.bound);
+        let rest = self.next_part();
+        let rest = rest.map_or(f64::NEG_INFINITY, |part| part.bound);
         Some(rest.max(self.stuck))
+    }
+
+    /// The part with the greatest bound, by its model unless its range tells enough.
+    fn next_part(&mut self) -> Option<StretchPart> {
+        loop {
+            let top = self.parts.pop()?;
+            let best = self.best.map_or(f64::INFINITY, |best| best.value);
+            if !top.is_rough || top.bound <= best {
+                return Some(top);
+            }
+            self.push(top.stretch, [top.from, top.to], top.keeping);
+        }
     }
 
     /// Looks into a part, and parts it.
@@ -298,12 +307,32 @@ impl ExtremeSearch<'_, '_> {
         }
         let formula = (self.formula, self.needed.as_slice());
         let model = self.motion.formula(stretch, formula).scaled(self.sign);
-        let range = self.motion.formula_range(stretch, formula);
-        let most = range.scale(self.sign).hi;
-        let most = if most.is_nan() { f64::INFINITY } else { most };
+        let most = self.most_over(stretch);
         let known = StretchModel { model, most };
         self.models.insert(stretch, known);
         known
+    }
+
+    /// What the formula does not exceed over a stretch, by the ranges of the coordinates.
+    fn most_over(&self, stretch: usize) -> f64 {
+        let formula = (self.formula, self.needed.as_slice());
+        let range = self.motion.formula_range(stretch, formula);
+        let most = range.scale(self.sign).hi;
+        if most.is_nan() { f64::INFINITY } else { most }
+    }
+
+    fn push_roughly(&mut self, stretch: usize) {
+        let bound = self.most_over(stretch);
+        self.parts.push(StretchPart {
+            bound,
+            stretch,
+            from: -1.0,
+            to: 1.0,
+            moves: 0.0,
+            off: 0.0,
+            keeping: 0,
+            is_rough: true,
+        });
     }
 
     fn push(&mut self, stretch: usize, [from, to]: [f64; 2], keeping: u32) {
@@ -324,6 +353,7 @@ impl ExtremeSearch<'_, '_> {
             moves: around.way.abs() + around.bend.abs(),
             off: around.off,
             keeping,
+            is_rough: false,
         });
     }
 

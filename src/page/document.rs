@@ -121,7 +121,11 @@ fn write_end(
     }
     for script in scripts {
         // The worker takes a copy of the script that unpacks.
-        let id = if *script == UNPACK { " id=\"unpack\"" } else { "" };
+        let id = if *script == UNPACK {
+            " id=\"unpack\""
+        } else {
+            ""
+        };
         let _ = writeln!(out, "<script{id}>{script}</script>");
     }
     out.push_str("</body>\n</html>\n");
