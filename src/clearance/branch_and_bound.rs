@@ -123,7 +123,7 @@ impl PairSweep<'_> {
         let has_mesh = self.hulls.iter().any(|hull| hull.has_mesh());
         // A mesh that is met at a sample may be in the other body as deep as may be.
         let value = |place: Option<usize>| match place.map(|place| distances[place]) {
-            Some(distance) if distance > 0.0 || !has_mesh => distance,
+            Some(distance) if distance.is_finite() && (distance > 0.0 || !has_mesh) => distance,
             _ => f64::NEG_INFINITY,
         };
         let whole = |root: usize| {

@@ -295,13 +295,15 @@ impl<'a> PairSweep<'a> {
                 (None, Some(least)) => least - self.pose_slack(),
                 _ => f64::INFINITY,
             };
-            let Some(found) = track.at(&self.relative(motion, instant), limit) else {
+            let found = track.at(&self.relative(motion, instant), limit);
+            // One for each instant: bodies that are beyond all numbers are infinitely far apart.
+            let distance = found.as_ref().map(|found| found.proximity.distance);
+            if let Some(list) = &mut distances {
+                list.push(distance.unwrap_or(f64::INFINITY));
+            }
+            let (Some(found), Some(distance)) = (found, distance) else {
                 continue;
             };
-            let distance = found.proximity.distance;
-            if let Some(list) = &mut distances {
-                list.push(distance);
-            }
             if least.is_none_or(|least| distance < least) {
                 best = Some(NearestPose {
                     found,

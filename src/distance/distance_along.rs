@@ -1,5 +1,9 @@
 //! The curvature of the distance from a core along a circle or an ellipse that goes around it, or lies on one of its faces.
 //!
+//! A distance f is often the length of a vector of parts that are no less than zero (beyond the faces of a box, beyond the end and the side
+//! of a cylinder, across and along the axis of a ring). Then f f'' is at least the sum of the products of the parts and their second
+//! derivatives: a part that is small beside f bends it little, however much it is bent itself.
+//!
 //! Along c + x cos φ + y sin φ the square of the distance from a line is a trigonometric polynomial of second degree, and the distance
 //! from a plane one of first degree. Where the curve goes around the line nearly coaxially, or lies nearly flat on the plane, their
 //! coefficients nearly vanish, and so does the curvature of the distance, however far the curve bends away from its tangents. Beyond an end
@@ -19,8 +23,9 @@ use libm::hypot;
 pub enum DistanceAlong {
     /// From a point, a segment or the side of a cylinder.
     Axis(AxisDistance),
-    /// From a face: a bound of the second derivative.
-    Face(f64),
+    /// From a box or from beyond the end of a cylinder: for each part of the distance its greatest value, if that is more than zero,
+    /// and how much it may be bent.
+    Parts([[f64; 2]; 3]),
     /// From another circle: the distance from its axis, and how far the curve sways along that.
     Ring(AxisDistance, f64),
 }
@@ -59,7 +64,7 @@ impl DistanceAlong {
                 Some(Self::Axis(AxisDistance::of_segment(ends, centre, axes)))
             }
             Primitive::Frustum(frustum) => Self::of_cylinder(frustum, centre, axes),
-            Primitive::Box(block) => Self::of_box(block, centre, axes),
+            Primitive::Box(block) => Some(Self::of_box(block, centre, axes)),
             Primitive::Circle(ring) => {
                 let around =
                     AxisDistance::of_line(centre - ring.centre, axes, ring.axis, f64::INFINITY);
@@ -69,7 +74,7 @@ impl DistanceAlong {
         }
     }
 
-    /// From the side of a cylinder, or an end of a frustum, if the whole curve is beside it.
+    /// From a cylinder, or from beyond an end of a frustum.
     fn of_cylinder(frustum: &Frustum, centre: DVec3, axes: [DVec3; 2]) -> Option<Self> {
         let Frustum {
             from,
@@ -88,25 +93,38 @@ impl DistanceAlong {
             }));
         }
         let across = |v: DVec3| v - axis * v.dot(axis);
-        let reach = across(centre - from).length() + widest(axes.map(across));
-        let is_beyond = |end: f64, radius: f64| end - sway >= 0.0 && reach <= radius;
-        let is_above = is_beyond(-along, first) || is_beyond(along - length, second);
-        is_above.then(|| Self::Face(sway + SUMS * reach))
+        let widest = widest(axes.map(across));
+        let reach = across(centre - from).length() + widest;
+        let end = [
+            (sway - along).max(along + sway - length),
+            sway + SUMS * reach,
+        ];
+        if first == second && first > 0.0 {
+            let around = AxisDistance::of_line(centre - from, axes, axis, f64::INFINITY);
+            let speed = 0.5 * around.rises / first;
+            let bent = (speed + speed * speed / first).min(widest);
+            let side = [reach - first, bent];
+            return Some(Self::Parts([end, side, [0.0; 2]]));
+        }
+        // A cone's side leans: the whole curve must be beyond one end, and within its rim.
+        let is_above = |beyond: f64, radius: f64| beyond >= sway && reach <= radius;
+        let is_above = is_above(-along, first) || is_above(along - length, second);
+        is_above.then_some(Self::Parts([end, [0.0; 2], [0.0; 2]]))
     }
 
-    /// From a face of a box, if the whole curve is above it.
-    fn of_box(block: &BoxCore, centre: DVec3, [x, y]: [DVec3; 2]) -> Option<Self> {
+    /// From a box.
+    fn of_box(block: &BoxCore, centre: DVec3, axes: [DVec3; 2]) -> Self {
         let Pose {
             rotation,
             translation,
         } = block.from_box;
         let inside = |v: DVec3| rotation.transpose() * v;
-        let (offset, [x, y]) = (inside(centre - translation).abs(), [x, y].map(inside));
-        let sway = DVec3::from_array([0, 1, 2].map(|k| hypot(x[k], y[k])));
-        let face = (0..3).find(|k| offset[*k] - sway[*k] >= block.half[*k])?;
-        let mut others = (0..3).filter(|k| *k != face);
-        let is_above = others.all(|k| offset[k] + sway[k] <= block.half[k]);
-        is_above.then(|| Self::Face(sway[face] + SUMS * (offset.length() + sway.length())))
+        let (offset, [x, y]) = (inside(centre - translation).abs(), axes.map(inside));
+        let rounding = SUMS * (offset.length() + x.length() + y.length());
+        Self::Parts([0, 1, 2].map(|k| {
+            let sway = hypot(x[k], y[k]);
+            [offset[k] + sway - block.half[k], sway + rounding]
+        }))
     }
 
     /// Bound on the downward second derivative of the distance between two places of the curve, which has at most this speed; `None`
@@ -114,7 +132,12 @@ impl DistanceAlong {
     pub fn bends(&self, spots: [&CurveSpot; 2], speed: f64) -> Option<f64> {
         match self {
             Self::Axis(around) => around.bends(spots, speed),
-            Self::Face(bends) => Some(*bends),
+            Self::Parts(parts) => {
+                let [a, b] = spots;
+                let near = 0.5 * (a.value + b.value - speed * (b.at - a.at));
+                let bends = parts.map(|[most, bent]| bent * (most / near).clamp(0.0, 1.0));
+                (near > 0.0).then(|| bends.iter().sum())
+            }
             Self::Ring(..) => None,
         }
     }
@@ -261,13 +284,13 @@ mod tests {
                 rotation: DMat3::from_cols(x, y, axis),
                 translation: from,
             },
-            half: DVec3::new(2.0, 3.0, 0.5),
+            half: DVec3::new(1.1, 3.0, 0.5),
         };
         [
             Primitive::Point(from),
             Primitive::Segment([from, from + axis * length]),
             cylinder(radius),
-            cylinder(2.0),
+            cylinder(1.2),
             Primitive::Box(block),
             Primitive::Circle(Circle {
                 centre: from,

@@ -37,7 +37,7 @@ const PIECES: usize = 8;
 
 /// Maximum number of evaluations of one search, apart from those in valleys. A nearly constant function may hide
 /// something in every piece wider than the square root of what could be hidden.
-const MOST_SPOTS: usize = 256;
+const MOST_SPOTS: usize = 2048;
 
 /// The same where it is to be proved that nothing is lower than requested: a function that hardly changes is below its tangents
 /// by the second power of the pieces' width.

@@ -100,3 +100,34 @@ fn rings_that_graze_each_other_are_seen_to_meet() {
         }
     }
 }
+
+/// A ring that lies nearly flat on a box, or on the end of a cylinder, and overhangs the edge a little: the nearest points are two valleys
+/// beside the place of symmetry.
+#[test]
+fn a_ring_that_overhangs_a_face_is_as_near_as_its_valleys() {
+    let tube = 0.01;
+    let slab = cuboid(v(0.0, 0.0, -0.5), v(6.0, 2.0, 1.0));
+    for tilt in [0.0, 1e-6, 1e-5, 5e-5, 1.5e-4, 2e-4, 3e-4, 1e-3, 1e-2] {
+        for over in [0.0, 2e-5, 3e-5, 7e-5, 1e-4, 2e-4, 1e-3] {
+            for height in [0.0105, 0.02, 0.03, 0.2] {
+                let placed = Pose {
+                    rotation: DMat3::from_quat(DQuat::from_rotation_x(tilt)),
+                    translation: v(0.0, -over, height),
+                };
+                let ring = torus(DVec3::ZERO, DVec3::Z, 1.0, tube).moved(&placed);
+                let found = signed_distance(&slab, &ring).distance;
+                // The lower half of the ring, from its lowest place.
+                let truth = dense(1.5, |angle| {
+                    let y = -angle.cos();
+                    let z = height + y * f64::sin(tilt);
+                    let y = y * f64::cos(tilt) - over;
+                    (y.abs() - 1.0).max(0.0).hypot(z.max(0.0))
+                }) - tube;
+                assert!(
+                    (found - truth).abs() < 1e-10,
+                    "{tilt} {over} {height}: {found} {truth}"
+                );
+            }
+        }
+    }
+}

@@ -238,3 +238,31 @@ fn what_is_not_known_of_a_motion_is_not_told_of_it() {
         }
     }
 }
+
+/// Bodies that go beyond all numbers between or at samples: nothing is proved there, and nothing ends the program.
+#[test]
+fn bodies_beyond_all_numbers_are_no_reason_to_stop() {
+    let w = Workspace::new();
+    for frame in [
+        "Tx(1/((u-0.5)^2+1e-200))",
+        "Tx(exp(800*u))",
+        "Rz(u) Tx(1/((u-0.5)^2+1e-300))",
+        "Tz(tan(3*u))",
+    ] {
+        let scene = format!(
+            "units = {{ length = \"m\" }}\nduration = 1\n[inputs]\nu = \"t\"\n\
+             [[bodies]]\nname = \"a\"\nshapes = [{{ sphere = {{ radius = 0.1 }} }}]\n\
+             [[bodies]]\nname = \"b\"\nframe = \"{frame}\"\nshapes = [{{ sphere = {{ radius = 0.1 }} }}]\n\
+             [clearance]\nminimum = 0\n"
+        );
+        w.write("scene.toml", scene);
+        for samples in ["2", "3", "4", "5", "24"] {
+            let said = w.run(&["check", "scene.toml", "--samples", samples]);
+            assert!(
+                matches!(said.code, 1 | 4),
+                "{frame} {samples}: {}",
+                said.text()
+            );
+        }
+    }
+}
