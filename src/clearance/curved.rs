@@ -256,10 +256,7 @@ struct CoreSearch<'a> {
 impl CoreSearch<'_> {
     /// Along a core of this length or radius.
     fn nearness(&self, size: f64) -> Nearness {
-        Nearness {
-            tolerance: MISSED * size,
-            enough: self.enough,
-        }
+        Nearness::up_to(self.enough, MISSED * size)
     }
 
     fn bends(&self, here: CurveBend) -> MovedBends {

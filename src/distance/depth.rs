@@ -11,7 +11,7 @@ use super::primitive::{Frustum, Primitive};
 use super::primitive_distance::nearest_cores;
 use super::primitive_pair::CorePair;
 use super::rims::rim_directions;
-use super::search::{CurveSpot, least_on_circle, lowest_of_bent};
+use super::search::{CurveSpot, Nearness, least_on_circle, lowest_of_bent};
 use crate::math::{Pose, sin_cos};
 use glam::DVec3;
 
@@ -210,13 +210,17 @@ fn ring_direction(
     let at = |(sin, cos): (f64, f64)| ring.u * cos + ring.v * sin + ring.lift;
     // Supports are convex functions of the direction.
     let lowest = |a: &CurveSpot, b: &CurveSpot| lowest_of_bent(bend, a, b);
-    let best = least_on_circle(lowest, MISSED * steepest, |angle, (sin, cos)| {
-        let n = at((sin, cos));
-        farthest_direction(a, b, n).map_or(CurveSpot::default(), |x| CurveSpot {
-            at: angle,
-            value: n.dot(x),
-            slope: x.dot(ring.v * cos - ring.u * sin),
-        })
-    });
+    let best = least_on_circle(
+        lowest,
+        Nearness::roughly(MISSED * steepest),
+        |angle, (sin, cos)| {
+            let n = at((sin, cos));
+            farthest_direction(a, b, n).map_or(CurveSpot::default(), |x| CurveSpot {
+                at: angle,
+                value: n.dot(x),
+                slope: x.dot(ring.v * cos - ring.u * sin),
+            })
+        },
+    );
     at(sin_cos(best.spot.at))
 }
