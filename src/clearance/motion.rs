@@ -286,9 +286,12 @@ impl<'m> ProvedMotion<'m> {
                 .iter()
                 .enumerate()
                 .map(|(slot, value)| {
+                    // A number has the scale of its own magnitude.
+                    let share = self.pose_error / mechanism.size;
                     let error = match mechanism.kind_of(slot) {
-                        Kind::Angle => self.pose_error / mechanism.size,
-                        _ => self.pose_error,
+                        Kind::Angle => share,
+                        Kind::Length => self.pose_error,
+                        Kind::Number => self.pose_error.max(share * mechanism.scale_of(slot)),
                     };
                     Interval::point(*value) + Interval::around_zero(error)
                 });

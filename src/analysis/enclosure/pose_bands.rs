@@ -126,10 +126,8 @@ impl<'s> EnclosureSpace<'s> {
 pub(super) struct PieceFinder<'f> {
     plan: &'f TolerancePlan<'f>,
     encloser: &'f Encloser<'f>,
-    solver: PoseSolver<'f>,
+    space: EnclosureSpace<'f>,
     lanes: LaneSolver<'f>,
-    work: FormRoom,
-    kept: FormRoom,
 }
 
 impl<'f> PieceFinder<'f> {
@@ -139,10 +137,8 @@ impl<'f> PieceFinder<'f> {
         Self {
             plan,
             encloser,
-            solver: PoseSolver::new(system),
+            space: EnclosureSpace::new(system),
             lanes: LaneSolver::new(system),
-            work: FormRoom::default(),
-            kept: FormRoom::default(),
         }
     }
 
@@ -153,12 +149,12 @@ impl<'f> PieceFinder<'f> {
         kept: &'r FormRoom,
     ) -> Result<PoseEnclosure<'r>, BandObstacle> {
         let tolerances = self.plan.tolerances(pose);
-        let work = &mut self.work;
+        let [work, _] = &mut self.space.rooms;
         let rooms = Rooms { work, kept };
         pose_enclosure(
             self.plan,
             self.encloser,
-            (&mut self.solver, rooms),
+            (&mut self.space.solver, rooms),
             pose,
             &tolerances,
         )
@@ -171,7 +167,7 @@ impl<'f> PieceFinder<'f> {
         kept: &'r FormRoom,
         rounds: usize,
     ) -> PoseEnclosure<'r> {
-        let work = &mut self.work;
+        let [work, _] = &mut self.space.rooms;
         self.encloser.refined(plain, Rooms { work, kept }, rounds)
     }
 
@@ -188,9 +184,9 @@ impl<'f> PieceFinder<'f> {
             pose,
             input_open: &self.plan.input_open(pose),
             tolerances: &self.plan.tolerances(pose),
-            bases: &self.solver.best_rows(pose),
+            bases: &self.space.solver.best_rows(pose),
         };
-        let work = &mut self.work;
+        let [work, _] = &mut self.space.rooms;
         Ok(self
             .encloser
             .enclose_plainly(sought, Rooms { work, kept })?)
@@ -198,10 +194,10 @@ impl<'f> PieceFinder<'f> {
 
     /// The bands of all pieces near a closed pose.
     pub fn bands(&mut self, pose: &[f64]) -> Result<Bands, BandObstacle> {
-        let mut room = std::mem::take(&mut self.kept);
+        let mut room = std::mem::take(&mut self.space.rooms[1]);
         room.empty(self.plan.room_for(self.plan.dimensions.len()));
         let bands = self.bands_in(&room, pose);
-        self.kept = room;
+        self.space.rooms[1] = room;
         bands
     }
 
@@ -328,7 +324,7 @@ impl<'f> PieceFinder<'f> {
                     piece.truncate(piece.len() - inputs.len());
                     piece.extend(inputs);
                 }
-                let closes = closed.has(lane) || self.solver.closed(&mut piece, Pace::Brisk);
+                let closes = closed.has(lane) || self.space.solver.closed(&mut piece, Pace::Brisk);
                 // A closed pose outside the enclosure is another assembly.
                 all.push((closes && enclosure.holds(&piece)).then_some(piece));
             }
