@@ -256,7 +256,10 @@ struct CoreSearch<'a> {
 impl CoreSearch<'_> {
     /// Along a core of this length or radius.
     fn nearness(&self, size: f64) -> Nearness {
-        Nearness::up_to(self.enough, MISSED * size)
+        Nearness {
+            tolerance: MISSED * size,
+            enough: self.enough,
+        }
     }
 
     fn bends(&self, here: CurveBend) -> MovedBends {

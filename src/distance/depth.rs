@@ -11,7 +11,7 @@ use super::primitive::{Frustum, Primitive};
 use super::primitive_distance::nearest_cores;
 use super::primitive_pair::CorePair;
 use super::rims::rim_directions;
-use super::search::{CurveSpot, Nearness, least_on_circle, lowest_of_bent};
+use super::search::{CurveSpot, least_on_circle, lowest_of_bent};
 use crate::math::{Pose, sin_cos};
 use glam::DVec3;
 

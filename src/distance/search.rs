@@ -37,10 +37,7 @@ const PIECES: usize = 8;
 
 /// Maximum number of evaluations of one search, apart from those in valleys. A nearly constant function may hide
 /// something in every piece wider than the square root of what could be hidden.
-const MOST_SPOTS: usize = 2048;
-
-/// The same of the depth of bodies in each other, of which no bound is told.
-const FEW_SPOTS: usize = 256;
+const MOST_SPOTS: usize = 256;
 
 /// The same where it is to be proved that nothing is lower than requested: a function that hardly changes is below its tangents
 /// by the second power of the pieces' width.
@@ -53,26 +50,6 @@ pub struct Nearness {
     pub tolerance: f64,
     /// It need not be told what is above this, but proved as far as that goes.
     pub enough: f64,
-    /// Evaluations after which a function that hardly changes is given up.
-    pub most: usize,
-}
-
-impl Nearness {
-    /// Up to a value that is enough.
-    pub fn up_to(enough: f64, tolerance: f64) -> Self {
-        Self {
-            enough,
-            ..Self::from(tolerance)
-        }
-    }
-
-    /// With few evaluations.
-    pub fn roughly(tolerance: f64) -> Self {
-        Self {
-            most: FEW_SPOTS,
-            ..Self::from(tolerance)
-        }
-    }
 }
 
 impl From<f64> for Nearness {
@@ -80,7 +57,6 @@ impl From<f64> for Nearness {
         Self {
             tolerance,
             enough: f64::INFINITY,
-            most: MOST_SPOTS,
         }
     }
 }
@@ -219,11 +195,7 @@ pub fn angle_grid() -> &'static [(f64, f64); FINEST + 1] {
 /// width before any narrower ones.
 fn least_of<S: Spot>(
     lowest: &impl Fn(&S, &S) -> f64,
-    Nearness {
-        tolerance,
-        enough,
-        most,
-    }: Nearness,
+    Nearness { tolerance, enough }: Nearness,
     at: impl Fn(usize, usize) -> S,
     f: impl Fn(f64) -> CurveSpot,
 ) -> LeastFound {
@@ -249,7 +221,7 @@ fn least_of<S: Spot>(
         });
         let most = match best.value >= enough {
             true => MOST_PROVING_SPOTS,
-            false => most,
+            false => MOST_SPOTS,
         };
         if open.is_empty() || looks + open.len() > most {
             let left = open.iter().map(|(_, [p, q])| lowest(p, q));
