@@ -210,17 +210,13 @@ fn ring_direction(
     let at = |(sin, cos): (f64, f64)| ring.u * cos + ring.v * sin + ring.lift;
     // Supports are convex functions of the direction.
     let lowest = |a: &CurveSpot, b: &CurveSpot| lowest_of_bent(bend, a, b);
-    let best = least_on_circle(
-        lowest,
-        Nearness::roughly(MISSED * steepest),
-        |angle, (sin, cos)| {
-            let n = at((sin, cos));
-            farthest_direction(a, b, n).map_or(CurveSpot::default(), |x| CurveSpot {
-                at: angle,
-                value: n.dot(x),
-                slope: x.dot(ring.v * cos - ring.u * sin),
-            })
-        },
-    );
+    let best = least_on_circle(lowest, MISSED * steepest, |angle, (sin, cos)| {
+        let n = at((sin, cos));
+        farthest_direction(a, b, n).map_or(CurveSpot::default(), |x| CurveSpot {
+            at: angle,
+            value: n.dot(x),
+            slope: x.dot(ring.v * cos - ring.u * sin),
+        })
+    });
     at(sin_cos(best.spot.at))
 }
