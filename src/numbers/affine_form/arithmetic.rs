@@ -74,7 +74,7 @@ impl Add for AffineForm<'_> {
         let pairs = self.slopes.iter().zip(b.slopes);
         slopes.extend(pairs.map(|(own, added)| own + added));
         let mut sum = Self::within(value, 0.0).sloped(slopes, room);
-        sum.error = error(value.abs() + sum.radius) + sum.error;
+        sum.error += error(value.abs() + sum.radius);
         sum
     }
 }

@@ -347,7 +347,8 @@ fn bounds_hold_at_a_pose_that_stands_alone() {
         (r#""max(0, 1+floor(-t))""#, 1.0),
         (r#""floor(t)""#, 4.0),
     ];
-    let formulas: [(&str, fn(f64) -> f64); 4] = [
+    type Exact = fn(f64) -> f64;
+    let formulas: [(&str, Exact); 4] = [
         ("(1e17*u+7*u)-1e17*u", |u| 7.0 * u),
         ("(1e8*u+0.1*u)^2-1e16*u^2-2e7*u^2", |u| 0.01 * u * u),
         ("1e9*((1e8+u/7)-1e8)", |u| 1e9 * u / 7.0),
