@@ -25,7 +25,11 @@ pub enum DistanceAlong {
     Axis(AxisDistance),
     /// From a box or from beyond the end of a cylinder: for each part of the distance its greatest value, if that is more than zero,
     /// and how much it may be bent.
-    Parts([[f64; 2]; 3]),
+    Parts {
+        parts: [[f64; 2]; 3],
+        /// No place of the curve is nearer.
+        least: f64,
+    },
     /// From another circle: the distance from its axis, and how far the curve sways along that.
     Ring(AxisDistance, f64),
 }
@@ -99,17 +103,24 @@ impl DistanceAlong {
             (sway - along).max(along + sway - length),
             sway + SUMS * reach,
         ];
+        let least = (-along).max(along - length) - sway;
         if first == second && first > 0.0 {
             let around = AxisDistance::of_line(centre - from, axes, axis, f64::INFINITY);
             let speed = 0.5 * around.rises / first;
             let bent = (speed + speed * speed / first).min(widest);
             let side = [reach - first, bent];
-            return Some(Self::Parts([end, side, [0.0; 2]]));
+            return Some(Self::Parts {
+                parts: [end, side, [0.0; 2]],
+                least,
+            });
         }
         // A cone's side leans: the whole curve must be beyond one end, and within its rim.
         let is_above = |beyond: f64, radius: f64| beyond >= sway && reach <= radius;
         let is_above = is_above(-along, first) || is_above(along - length, second);
-        is_above.then_some(Self::Parts([end, [0.0; 2], [0.0; 2]]))
+        is_above.then_some(Self::Parts {
+            parts: [end, [0.0; 2], [0.0; 2]],
+            least,
+        })
     }
 
     /// From a box.
@@ -121,10 +132,12 @@ impl DistanceAlong {
         let inside = |v: DVec3| rotation.transpose() * v;
         let (offset, [x, y]) = (inside(centre - translation).abs(), axes.map(inside));
         let rounding = SUMS * (offset.length() + x.length() + y.length());
-        Self::Parts([0, 1, 2].map(|k| {
-            let sway = hypot(x[k], y[k]);
-            [offset[k] + sway - block.half[k], sway + rounding]
-        }))
+        let sway = [0, 1, 2].map(|k| hypot(x[k], y[k]));
+        let least = [0, 1, 2].map(|k| offset[k] - sway[k] - block.half[k]);
+        Self::Parts {
+            parts: [0, 1, 2].map(|k| [offset[k] + sway[k] - block.half[k], sway[k] + rounding]),
+            least: least.into_iter().fold(f64::NEG_INFINITY, f64::max),
+        }
     }
 
     /// Bound on the downward second derivative of the distance between two places of the curve, which has at most this speed; `None`
@@ -132,9 +145,9 @@ impl DistanceAlong {
     pub fn bends(&self, spots: [&CurveSpot; 2], speed: f64) -> Option<f64> {
         match self {
             Self::Axis(around) => around.bends(spots, speed),
-            Self::Parts(parts) => {
+            Self::Parts { parts, least } => {
                 let [a, b] = spots;
-                let near = 0.5 * (a.value + b.value - speed * (b.at - a.at));
+                let near = least.max(0.5 * (a.value + b.value - speed * (b.at - a.at)));
                 let bends = parts.map(|[most, bent]| bent * (most / near).clamp(0.0, 1.0));
                 (near > 0.0).then(|| bends.iter().sum())
             }
