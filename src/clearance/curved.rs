@@ -257,8 +257,8 @@ impl CoreSearch<'_> {
     /// Along a core of this length or radius.
     fn nearness(&self, size: f64) -> Nearness {
         Nearness {
+            tolerance: MISSED * size,
             enough: self.enough,
-            ..Nearness::from(MISSED * size)
         }
     }
 

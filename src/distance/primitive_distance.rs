@@ -8,7 +8,7 @@ use super::curve_bend::CurveBend;
 use super::point::{PointHit, on_segment, point_to, to_segment};
 use super::primitive::{BOX_EDGES, Circle, Frustum, Primitive};
 use super::primitive_pair::CorePair;
-use super::search::{CurveSpot, Nearness, least_convex, least_near, least_on_circle};
+use super::search::{CurveSpot, least_convex, least_near, least_on_circle};
 use super::triangles;
 use crate::math::sin_cos;
 use glam::DVec3;
@@ -120,12 +120,7 @@ fn of_circle(a: &Primitive, circle: &Circle) -> CorePair {
     let point = |(sin, cos): (f64, f64)| circle.centre + x * cos + y * sin;
     let bend = CurveBend::of_circle(a.circle(), circle).beside(a, circle.centre, [x, y]);
     let lowest = |p: &CurveSpot, q: &CurveSpot| bend.lowest_between(p, q);
-    let missed = bend.missed(circle.centre);
-    let nearness = Nearness {
-        apart: missed,
-        ..Nearness::from(missed)
-    };
-    let found = least_on_circle(lowest, nearness, |angle, (sin, cos)| {
+    let found = least_on_circle(lowest, bend.missed(circle.centre), |angle, (sin, cos)| {
         core_spot(a, angle, point((sin, cos)), y * cos - x * sin)
     });
     of_point(a, point(sin_cos(found.spot.at)))

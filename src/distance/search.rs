@@ -39,9 +39,6 @@ const PIECES: usize = 8;
 /// something in every piece wider than the square root of what could be hidden.
 const MOST_SPOTS: usize = 256;
 
-/// The same of the distance of bodies that are apart. Of those that touch nothing is lower.
-const SPOTS_APART: usize = 2048;
-
 /// The same where it is to be proved that nothing is lower than requested: a function that hardly changes is below its tangents
 /// by the second power of the pieces' width.
 const MOST_PROVING_SPOTS: usize = 8192;
@@ -53,8 +50,6 @@ pub struct Nearness {
     pub tolerance: f64,
     /// It need not be told what is above this, but proved as far as that goes.
     pub enough: f64,
-    /// A least value above this is worth [`SPOTS_APART`] evaluations.
-    pub apart: f64,
 }
 
 impl From<f64> for Nearness {
@@ -62,7 +57,6 @@ impl From<f64> for Nearness {
         Self {
             tolerance,
             enough: f64::INFINITY,
-            apart: f64::INFINITY,
         }
     }
 }
@@ -201,11 +195,7 @@ pub fn angle_grid() -> &'static [(f64, f64); FINEST + 1] {
 /// width before any narrower ones.
 fn least_of<S: Spot>(
     lowest: &impl Fn(&S, &S) -> f64,
-    Nearness {
-        tolerance,
-        enough,
-        apart,
-    }: Nearness,
+    Nearness { tolerance, enough }: Nearness,
     at: impl Fn(usize, usize) -> S,
     f: impl Fn(f64) -> CurveSpot,
 ) -> LeastFound {
@@ -229,10 +219,9 @@ fn least_of<S: Spot>(
             }
             hides
         });
-        let most = match best.value {
-            value if value >= enough => MOST_PROVING_SPOTS,
-            value if value > apart => SPOTS_APART,
-            _ => MOST_SPOTS,
+        let most = match best.value >= enough {
+            true => MOST_PROVING_SPOTS,
+            false => MOST_SPOTS,
         };
         if open.is_empty() || looks + open.len() > most {
             let left = open.iter().map(|(_, [p, q])| lowest(p, q));
