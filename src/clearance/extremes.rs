@@ -215,7 +215,7 @@ impl ExtremeSearch<'_, '_> {
         value
     }
 
-    /// What the formula does not exceed; no number where that is unknown.
+    /// What the formula does not exceed.
     fn bound(&mut self) -> Option<f64> {
         for stretch in 0..self.motion.roots {
             self.push_roughly(stretch);
@@ -223,12 +223,7 @@ impl ExtremeSearch<'_, '_> {
         // Between jumps there may be poses that belong to no stretch.
         let formula = (self.formula, self.needed.as_slice());
         for range in self.motion.formula_ranges_alone(formula) {
-            let most = range.scale(self.sign).hi;
-            self.stuck = if most > self.stuck || most.is_nan() {
-                most
-            } else {
-                self.stuck
-            };
+            self.stuck = self.stuck.max(self.most_of(range));
         }
         while self.examined < MOST_PARTS && !self.motion.is_late() {
             let Some(top) = self.next_part() else {
@@ -316,7 +311,11 @@ impl ExtremeSearch<'_, '_> {
     /// What the formula does not exceed over a stretch, by the ranges of the coordinates.
     fn most_over(&self, stretch: usize) -> f64 {
         let formula = (self.formula, self.needed.as_slice());
-        let range = self.motion.formula_range(stretch, formula);
+        self.most_of(self.motion.formula_range(stretch, formula))
+    }
+
+    /// The upper end of a range of the formula; no number is no bound, which `f64::max` would pass over.
+    fn most_of(&self, range: Interval) -> f64 {
         let most = range.scale(self.sign).hi;
         if most.is_nan() { f64::INFINITY } else { most }
     }

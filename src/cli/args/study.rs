@@ -300,7 +300,10 @@ pub(super) fn thread_count(text: &str) -> Result<usize, String> {
 
 pub(super) fn whole_between(text: &str, low: usize, high: usize) -> Result<usize, String> {
     // Also such as 1e4.
-    let written = text.parse::<f64>().ok().filter(|v| v.fract() == 0.0);
+    let written = text
+        .parse::<f64>()
+        .ok()
+        .filter(|v| *v >= 0.0 && v.fract() == 0.0);
     let number = text.parse().ok().or(written.map(|v| v as usize));
     number
         .filter(|n| (low..=high).contains(n))

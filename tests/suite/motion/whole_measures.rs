@@ -348,10 +348,12 @@ fn bounds_hold_at_a_pose_that_stands_alone() {
         (r#""floor(t)""#, 4.0),
     ];
     type Exact = fn(f64) -> f64;
-    let formulas: [(&str, Exact); 4] = [
+    let formulas: [(&str, Exact); 5] = [
         ("(1e17*u+7*u)-1e17*u", |u| 7.0 * u),
         ("(1e8*u+0.1*u)^2-1e16*u^2-2e7*u^2", |u| 0.01 * u * u),
         ("1e9*((1e8+u/7)-1e8)", |u| 1e9 * u / 7.0),
+        // What may be undefined there has no bound.
+        ("(1e17*u+7*u)-1e17*u+0*atan2(u-1, u-1)", |u| 7.0 * u),
         // √((10⁶ + u/7)² + 9) - 10⁶, but for less than 1e-15.
         ("hypot(1e6+u/7, 3)-1e6", |u| u / 7.0 + 4.5 / (1e6 + u / 7.0)),
     ];
