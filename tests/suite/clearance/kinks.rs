@@ -63,10 +63,10 @@ pairs = [{{ pair = ["coupler", "post"], minimum = {minimum} }}]
     )
 }
 
-/// The verdict of the pair at so many samples.
-fn verdict(w: &Workspace, scene: &str, samples: &str) -> String {
+/// What is said of the pair at so many samples, and the whole text.
+fn judged(w: &Workspace, scene: &str, samples: &str) -> (Value, String) {
     w.write("scene.toml", scene);
-    w.run(&[
+    let said = w.run(&[
         "check",
         "scene.toml",
         "--samples",
@@ -75,8 +75,13 @@ fn verdict(w: &Workspace, scene: &str, samples: &str) -> String {
         "r.json",
     ]);
     let json: Value = serde_json::from_slice(&w.read("r.json")).expect("JSON");
-    let word = &json["clearance"]["pairs"][0]["verdict"];
-    word.as_str().expect("a word").to_owned()
+    (json["clearance"]["pairs"][0].clone(), said.text())
+}
+
+/// The verdict of the pair at so many samples.
+fn verdict(w: &Workspace, scene: &str, samples: &str) -> String {
+    let (pair, _) = judged(w, scene, samples);
+    pair["verdict"].as_str().expect("a word").to_owned()
 }
 
 /// The ball is nearest where the drive is at its least, 0.5, which it only touches, jumps to or rests at.
@@ -196,24 +201,11 @@ shapes = [{{ half_space = {{ point = [0, 0, 0], size = 10 }} }}]
 #[test]
 fn what_is_not_known_of_a_motion_is_not_told_of_it() {
     let w = Workspace::new();
-    let report = |scene: &str, samples: &str| {
-        w.write("scene.toml", scene);
-        let said = w.run(&[
-            "check",
-            "scene.toml",
-            "--samples",
-            samples,
-            "--json",
-            "r.json",
-        ]);
-        let json: Value = serde_json::from_slice(&w.read("r.json")).expect("JSON");
-        (json["clearance"]["pairs"][0].clone(), said.text())
-    };
     for turn in TURNS {
         for samples in ["2", "4", "5", "7", "20", "61"] {
             let case = format!("{turn}, {samples} samples");
             // Half a millimetre above the plane, at all times.
-            let (pair, _) = report(&turning_ball(turn, "minimum = 0.51"), samples);
+            let (pair, _) = judged(&w, &turning_ball(turn, "minimum = 0.51"), samples);
             assert_eq!(pair["verdict"], "failed", "{case}");
             let violations = &pair["violations"];
             let told: f64 = violations["intervals"]
@@ -228,11 +220,11 @@ fn what_is_not_known_of_a_motion_is_not_told_of_it() {
                 "{case}: {violations}"
             );
             let clear = turning_ball(turn, "minimum = 0.49");
-            assert_ne!(report(&clear, samples).0["verdict"], "failed", "{case}");
+            assert_ne!(verdict(&w, &clear, samples), "failed", "{case}");
             // In contact, at all times.
             let touching = turning_ball(turn, "touching = [{ pair = [\"arm\", \"floor\"] }]");
             let touching = touching.replace("0.75]", "0.25]");
-            let (pair, text) = report(&touching, samples);
+            let (pair, text) = judged(&w, &touching, samples);
             assert_ne!(pair["verdict"], "failed", "{case}: {pair}");
             assert!(!text.contains("inf "), "{case}: {text}");
         }
