@@ -336,7 +336,8 @@ fn judge_touching(motion: &mut ProvedMotion, sweep: &PairSweep) -> Option<PairRe
     {
         (least, judgement) = (between, Judgement::Failed);
     }
-    least.bound = sweep.told(contact.low.min(least.distance));
+    let lowest = contact.low.min(sweep.lowest_alone(motion));
+    least.bound = sweep.told(lowest.min(least.distance));
     least.is_certified = contact.is_certified;
     Some(PairReport {
         pair: sweep.bodies(),

@@ -59,7 +59,7 @@ impl PairSweep<'_> {
         let samples = motion.samples.clone();
         let mut best = self.best_of(motion, &samples, Some(distances))?;
         let mut search = SegmentSearch {
-            open: self.roots(motion, distances),
+            open: self.roots(motion, (distances, best.missed)),
             settled: Vec::new(),
             looks: 0,
             memory: self.look_memory(),
@@ -76,12 +76,12 @@ impl PairSweep<'_> {
         let bound = match self.is_cut(&best) && near >= 0.0 {
             // A mesh has no depth.
             true => self.deepest(),
-            false => lowest.fold(near, f64::min),
+            false => lowest.fold(near.min(self.lowest_alone(motion)), f64::min),
         };
         let is_proved = all().all(|(piece, _)| motion.stretches[piece.stretch].is_certified);
         // A depth is not a distance: only the overlap of the bodies is proved.
         let is_certified = is_proved && near >= -self.slack() && motion.gaps.is_empty();
-        let is_refined = bound >= self.target(&best);
+        let is_refined = bound >= self.target(&best) + best.missed;
         let bound = self.told(bound - self.pose_slack());
         Some(self.least(motion, &best, bound, [is_certified, is_refined]))
     }
@@ -119,11 +119,13 @@ impl PairSweep<'_> {
     }
 
     /// All stretches of the motion, each as one piece, the one with the lowest distances at its ends last.
-    fn roots(&self, motion: &ProvedMotion, distances: &[f64]) -> Vec<Segment> {
+    fn roots(&self, motion: &ProvedMotion, (distances, missed): (&[f64], f64)) -> Vec<Segment> {
         let has_mesh = self.hulls.iter().any(|hull| hull.has_mesh());
         // A mesh that is met at a sample may be in the other body as deep as may be.
         let value = |place: Option<usize>| match place.map(|place| distances[place]) {
-            Some(distance) if distance.is_finite() && (distance > 0.0 || !has_mesh) => distance,
+            Some(distance) if distance.is_finite() && (distance > 0.0 || !has_mesh) => {
+                distance - missed
+            }
             _ => f64::NEG_INFINITY,
         };
         let whole = |root: usize| {
@@ -184,7 +186,7 @@ impl PairSweep<'_> {
                 false => MAX_LOOKS,
             };
             let is_bounded = look.lowest > f64::NEG_INFINITY;
-            let is_open = look.lowest < self.value_of(goal, best)
+            let is_open = look.falls_short_of(self.value_of(goal, best))
                 && (is_bounded || search.looks < LOOKS_WITHOUT_BOUND)
                 && search.looks < most;
             // Halved while the halves may be bounded better.
@@ -250,7 +252,7 @@ impl SegmentSearch {
         self.settled
             .sort_by(|(_, p), (_, q)| q.lowest.total_cmp(&p.lowest));
         for (piece, look) in self.settled.drain(..) {
-            let is_low = look.lowest < goal && look.lowest > f64::NEG_INFINITY;
+            let is_low = look.falls_short_of(goal) && look.lowest > f64::NEG_INFINITY;
             if !is_low || self.looks + self.open.len() >= MAX_LOOKS {
                 kept.push((piece, look));
             } else if look.asked < goal {

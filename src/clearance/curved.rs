@@ -57,6 +57,8 @@ pub fn lower_bound(meeting: &Meeting, [goal, enough]: [f64; 2]) -> Option<f64> {
     let apart = meeting.found.distance + meeting.radii();
     let near = NearPart::new(meeting, apart);
     let way = moved.distance(near.ball);
+    // No point comes nearer.
+    let nearest = apart - meeting.found.missed - way;
     let mut still = Still {
         core: &a.core,
         is_filled: false,
@@ -70,10 +72,10 @@ pub fn lower_bound(meeting: &Meeting, [goal, enough]: [f64; 2]) -> Option<f64> {
             still.is_filled = off_axis_of(circle, meeting.core_points()[1]) >= circle.radius;
             still.bends = match still.is_filled {
                 true => 0.0,
-                false => ring_bends(circle.radius, off_axis.max(0.0), apart - way),
+                false => ring_bends(circle.radius, off_axis.max(0.0), nearest),
             };
             let followed = Followed::new(circle, moved);
-            let lost = followed.lost(near.ball, off_axis, apart - way);
+            let lost = followed.lost(near.ball, off_axis, nearest);
             third = Some((followed, lost));
         }
         Primitive::Mesh(..) | Primitive::HalfSpace(_) => return None,

@@ -23,7 +23,7 @@ impl Meeting<'_> {
 
     /// The same from planes between the elements.
     fn below_planes(&self, goals: [f64; 2]) -> f64 {
-        let plain = self.found.distance - self.moved.distance(self.mine.bounds());
+        let plain = self.found.lowest() - self.moved.distance(self.mine.bounds());
         let is = |kind: fn(&Primitive) -> bool| kind(&self.a.core) || kind(&self.b.core);
         // A half-space is as far from a mesh as from its hull.
         if is(|core| matches!(core, Primitive::Mesh(..)))

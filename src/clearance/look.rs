@@ -98,6 +98,8 @@ pub(super) struct BoundGoal {
     pub(super) lowest: f64,
     /// No pose of the motion in the middle of the piece is farther apart than this.
     pub(super) middle: f64,
+    /// How much of the bound is due to what the distances in the middle may have missed: shorter pieces do not help.
+    pub(super) missed: f64,
     /// Narrower bounds of the motion would help more than shorter pieces.
     pub(super) is_blurred: bool,
     pub(super) near: NearElements,
@@ -115,9 +117,15 @@ impl BoundGoal {
             asked,
             lowest,
             middle: f64::INFINITY,
+            missed: 0.0,
             is_blurred: false,
             near: piece.near.clone(),
         }
+    }
+
+    /// Whether shorter pieces may reach a goal that this one misses.
+    pub(super) fn falls_short_of(&self, goal: f64) -> bool {
+        self.lowest < goal && self.lowest + self.missed < goal
     }
 }
 
@@ -203,7 +211,7 @@ impl PairSweep<'_> {
         // Element by element: only those that could come below `last` are kept for the halves.
         let back = self.back.as_ref().map(|b| b.around(arguments, s, half));
         let mut others = piece.near.others;
-        let (mut lowest, mut nearest) = (others, f64::INFINITY);
+        let (mut lowest, mut nearest, mut missed) = (others, f64::INFINITY, 0.0_f64);
         let mut left: Vec<[usize; 2]> = Vec::new();
         let LookMemory {
             columns,
@@ -236,11 +244,12 @@ impl PairSweep<'_> {
             });
             let place = i * *columns + j;
             if let Some(Some(pair)) = round.get_mut(place) {
-                let known = pair.distance;
-                let distance = known.unwrap_or_else(|| signed_distance(first, second).distance);
-                pair.distance = Some(distance);
-                let low = distance - pair.wobble;
-                nearest = nearest.min(distance);
+                let found = *pair
+                    .found
+                    .get_or_insert_with(|| signed_distance(first, second));
+                let low = found.lowest() - pair.wobble;
+                missed = missed.max(found.missed);
+                nearest = nearest.min(found.distance);
                 lowest = lower_of(lowest, low);
                 match low < last {
                     true => left.push([i, j]),
@@ -285,7 +294,8 @@ impl PairSweep<'_> {
             if found.distance >= limit {
                 if found.distance < goal || lowest < goal {
                     nearest = nearest.min(found.distance);
-                    lowest = lower_of(lowest, found.distance - way);
+                    missed = missed.max(found.missed);
+                    lowest = lower_of(lowest, found.lowest() - way);
                     left.push([i, j]);
                     return;
                 }
@@ -295,6 +305,7 @@ impl PairSweep<'_> {
                 }
             }
             // The distance in the middle, and a bound of the second order over the piece.
+            missed = missed.max(found.missed);
             let meeting = Meeting::with(found, [first, second, mine], &moved);
             if meeting.found.distance < nearest {
                 (nearest, *nearest_pair) = (meeting.found.distance, Some([i, j]));
@@ -335,6 +346,7 @@ impl PairSweep<'_> {
             asked: goal,
             lowest,
             middle: nearest + blur,
+            missed,
             // No number is no bound of the motion.
             is_blurred: blur.is_nan() || nearest - 2.0 * blur < goal,
             near: NearElements {

@@ -3,6 +3,7 @@
 
 use super::relative::RelativeChain;
 use crate::distance::bodies::BodyElements;
+use crate::distance::pair::Proximity;
 use crate::distance::primitive::{Element, Primitive};
 use crate::kinematics::certificate::tube::TaylorModel;
 use crate::math::Pose;
@@ -217,8 +218,8 @@ fn wobble(element: &Element, [origin, direction]: AxisLine) -> Option<f64> {
 pub(super) struct RoundPair {
     /// Their distance is the same at all times but for this.
     pub(super) wobble: f64,
-    /// What it is, once it was asked for.
-    pub(super) distance: Option<f64>,
+    /// Where they are nearest, once it was asked for.
+    pub(super) found: Option<Proximity>,
 }
 
 /// Of every pair of elements, row by row, what is known of its roundness; nothing where no two elements are known to keep their
@@ -242,7 +243,7 @@ pub(super) fn round_pairs(
         };
         Some(RoundPair {
             wobble,
-            distance: None,
+            found: None,
         })
     };
     let rows = first.iter();

@@ -250,7 +250,7 @@ impl<'p> PartWays<'p> {
         // Of what meets a mesh no depth is known.
         let plain = match is_mesh && !is_flat && facing.found.distance <= 0.0 {
             true => f64::NEG_INFINITY,
-            false => facing.found.distance - facing.way,
+            false => facing.found.lowest() - facing.way,
         };
         let exact = match plain < goal && n != DVec3::ZERO {
             true => self.along_normal(view, facing),

@@ -74,6 +74,8 @@ pub struct PairSweep<'a> {
 pub(super) struct NearestPose {
     pub(super) found: BodyProximity,
     pub(super) instant: usize,
+    /// At none of the poses looked at anything is nearer than this below the distance found there.
+    pub(super) missed: f64,
     /// A mesh encloses the other body, or is enclosed: the distance is zero then.
     pub(super) is_enclosed: bool,
 }
@@ -252,7 +254,7 @@ impl<'a> PairSweep<'a> {
         self.off
     }
 
-    /// The value that the bound must reach to be as close to the smallest distance as requested.
+    /// The value that the bound must reach to be as close to the smallest distance as requested, and as known.
     pub(super) fn target(&self, best: &NearestPose) -> f64 {
         let near = best.found.proximity.distance;
         let scale = if self.minimum == 0.0 {
@@ -260,7 +262,7 @@ impl<'a> PairSweep<'a> {
         } else {
             self.minimum.abs()
         };
-        near - self.tolerance * scale.max(self.least_scale)
+        near - best.missed - self.tolerance * scale.max(self.least_scale)
     }
 
     pub(super) fn relative(&self, motion: &ProvedMotion, instant: usize) -> Pose {
@@ -276,8 +278,15 @@ impl<'a> PairSweep<'a> {
         distances: Option<&mut Vec<f64>>,
     ) -> Option<Least> {
         let best = self.best_of(motion, instants, distances)?;
-        let bound = best.found.proximity.distance;
+        let bound = best.found.proximity.distance - best.missed;
         Some(self.least(motion, &best, bound, [false; 2]))
+    }
+
+    /// No pose that stands alone, and belongs to no stretch, is nearer.
+    pub(super) fn lowest_alone(&self, motion: &ProvedMotion) -> f64 {
+        // All of their distances, since those that are not the least may be known less well.
+        let best = self.best_of(motion, &motion.alone(), Some(&mut Vec::new()));
+        best.map_or(f64::INFINITY, |best| best.found.proximity.distance - best.missed)
     }
 
     pub(super) fn best_of(
@@ -304,12 +313,18 @@ impl<'a> PairSweep<'a> {
             let (Some(found), Some(distance)) = (found, distance) else {
                 continue;
             };
-            if least.is_none_or(|least| distance < least) {
-                best = Some(NearestPose {
-                    found,
-                    instant,
-                    is_enclosed: false,
-                });
+            let missed = best.as_ref().map_or(0.0, |best| best.missed);
+            let missed = missed.max(found.proximity.missed);
+            match &mut best {
+                Some(best) if least.is_some_and(|least| distance >= least) => best.missed = missed,
+                _ => {
+                    best = Some(NearestPose {
+                        found,
+                        instant,
+                        missed,
+                        is_enclosed: false,
+                    });
+                }
             }
         }
         // Surfaces that never touch stay inside or outside of each other over a continuous motion: one pose decides.

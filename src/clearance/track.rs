@@ -75,18 +75,23 @@ impl<'a> PairTrack<'a> {
             let proximity = signed_distance(first, second);
             // Depths are found by a search and known less well than distances.
             self.lower[k] = if proximity.distance > 0.0 {
-                proximity.distance
+                proximity.lowest()
             } else {
                 f64::NEG_INFINITY
             };
             self.normals[k] = proximity.normal;
-            if proximity.distance < limit || limit == f64::INFINITY {
+            let found = BodyProximity {
+                proximity,
+                elements: [i, j],
+            };
+            let is_nearest = proximity.distance < limit || limit == f64::INFINITY;
+            if is_nearest {
                 self.nearest = k;
-                best = Some(BodyProximity {
-                    proximity,
-                    elements: [i, j],
-                });
             }
+            best = match best {
+                Some(best) => Some(best.or(found)),
+                None => is_nearest.then_some(found),
+            };
         }
         best
     }

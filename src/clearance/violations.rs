@@ -139,7 +139,7 @@ impl PairSweep<'_> {
             let highest = look.middle + moved.distance(self.hulls[1].ball);
             // In time, since narrower bounds are had by halving the stretch, not the piece.
             let [from, to] = motion.times(piece.stretch, piece.ends_of());
-            let is_short = to - from <= shortest || is_last;
+            let is_short = to - from <= shortest || is_last || !look.falls_short_of(goal);
             let halves = match is_short || highest < goal {
                 true => None,
                 false => split_piece(motion, &piece, &look),
@@ -159,8 +159,8 @@ impl PairSweep<'_> {
             let pose = self.relative(motion, instant);
             let found = nearest_bodies(self.hulls[0], self.hulls[1], &pose, &self.left_out);
             let time = motion.instants[instant].time;
-            let near = found.map(|f| f.proximity.distance).filter(|d| *d < goal);
-            low.extend(near.map(|distance| Low::over(motion, [time; 2], distance, None)));
+            let near = found.map(|f| f.proximity).filter(|p| p.lowest() < goal);
+            low.extend(near.map(|p| Low::over(motion, [time; 2], p.distance, None)));
         }
         low
     }

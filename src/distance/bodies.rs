@@ -28,6 +28,20 @@ pub struct BodyProximity {
     pub elements: [usize; 2],
 }
 
+impl BodyProximity {
+    /// The nearer of two pairs of elements; of neither anything is nearer than what it then tells.
+    pub fn or(self, other: Self) -> Self {
+        let lowest = self.proximity.lowest().min(other.proximity.lowest());
+        let mut nearer = match other.proximity.distance < self.proximity.distance {
+            true => other,
+            false => self,
+        };
+        // The difference of infinite distances is no number.
+        nearer.proximity.missed = (nearer.proximity.distance - lowest).max(0.0);
+        nearer
+    }
+}
+
 impl BodyElements {
     /// The hull of a body; `None` if it has no solids.
     pub fn new(body: &Body) -> Option<Self> {
@@ -162,12 +176,11 @@ pub fn nearest_bodies(
         }
         let limit = best.map_or(f64::INFINITY, |b| b.proximity.distance);
         let proximity = signed_distance_below(&a.elements[i], &placed[j], limit);
-        if best.is_none() || proximity.distance < limit {
-            best = Some(BodyProximity {
-                proximity,
-                elements: [i, j],
-            });
-        }
+        let found = BodyProximity {
+            proximity,
+            elements: [i, j],
+        };
+        best = Some(best.map_or(found, |best| best.or(found)));
     }
     best
 }

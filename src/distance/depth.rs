@@ -130,6 +130,7 @@ pub fn overlap_depth(a: &Primitive, b: &Primitive, near: CorePair, least: f64) -
         return CorePair {
             distance: -best.way.max(0.0),
             normal: best.n,
+            missed: 0.0,
             ..near
         };
     }
@@ -170,6 +171,7 @@ pub fn overlap_depth(a: &Primitive, b: &Primitive, near: CorePair, least: f64) -
         distance: -way,
         points: touching_points(a, b, best.n * way, best.n).unwrap_or(near.points),
         normal: best.n,
+        missed: 0.0,
     }
 }
 

@@ -21,6 +21,7 @@ pub fn nearest_to_half_space(half: &HalfSpace, other: &Primitive) -> CorePair {
                     distance: f64::NEG_INFINITY,
                     points: [half.point; 2],
                     normal: n,
+                    missed: 0.0,
                 };
             }
             second.point
@@ -32,6 +33,7 @@ pub fn nearest_to_half_space(half: &HalfSpace, other: &Primitive) -> CorePair {
         distance: hit.distance,
         points: [hit.nearest, point],
         normal: n,
+        missed: 0.0,
     }
 }
 

@@ -41,8 +41,9 @@ impl ToCore<'_> {
             &Primitive::Triangle(self.tree.triangles[triangle]),
             self.core,
         );
-        if pair.distance < self.best.distance {
-            self.best = pair;
+        let is_nearer = pair.distance < self.best.distance;
+        self.best.take(pair);
+        if is_nearer {
             self.reach = match self.core.support(-pair.normal) {
                 Some(reach) if pair.normal != DVec3::ZERO => reach,
                 _ => f64::INFINITY,
@@ -252,6 +253,7 @@ pub(crate) fn nearest_to_mesh(tree: &TriangleTree, pose: &Pose, other: &Primitiv
         distance: best.distance.max(0.0),
         points: best.points.map(|p| pose.transform_point(p)),
         normal: pose.transform_vector(best.normal),
+        missed: best.missed,
     }
 }
 

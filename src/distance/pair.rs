@@ -27,15 +27,24 @@ pub struct Proximity {
     pub points: [DVec3; 2],
     /// Unit vector from the first element to the second; zero where it is not known.
     pub normal: DVec3,
+    /// No points are nearer, or deeper, by more than this: zero, unless the search along a circle ended before that was
+    /// known.
+    pub missed: f64,
 }
 
 impl Proximity {
+    /// No points are nearer.
+    pub fn lowest(&self) -> f64 {
+        self.distance - self.missed
+    }
+
     /// The same from the other element's side.
     fn swapped(self) -> Self {
         Self {
             distance: self.distance,
             points: [self.points[1], self.points[0]],
             normal: -self.normal,
+            missed: self.missed,
         }
     }
 }
@@ -82,6 +91,7 @@ fn in_order(a: &Element, b: &Element, limit: f64) -> Proximity {
             cores.points[1] - cores.normal * b.radius,
         ],
         normal: cores.normal,
+        missed: cores.missed,
     }
 }
 
@@ -130,7 +140,7 @@ pub fn is_inside(a: &Element, b: &Element) -> bool {
             let found = least_between([0.0, 1.0], lowest, bend.missed(ends[0]), |t| {
                 backward_spot(&b.core, t, ends[0] + span * t, span)
             });
-            -found.spot.value
+            found.missed() - found.spot.value
         }
         (Primitive::Segment(ends), _) => farthest_reach(&b.core, ends),
         (Primitive::Triangle(corners), Primitive::Box(_) | Primitive::Frustum(_)) => {
@@ -177,5 +187,5 @@ fn farthest_of_circle(core: &Primitive, circle: &super::primitive::Circle) -> f6
         let point = circle.centre + x * cos + y * sin;
         backward_spot(core, angle, point, y * cos - x * sin)
     });
-    -found.spot.value
+    found.missed() - found.spot.value
 }

@@ -123,7 +123,21 @@ fn of_circle(a: &Primitive, circle: &Circle) -> CorePair {
     let found = least_on_circle(lowest, bend.missed(circle.centre), |angle, (sin, cos)| {
         core_spot(a, angle, point((sin, cos)), y * cos - x * sin)
     });
-    of_point(a, point(sin_cos(found.spot.at)))
+    let pair = of_point(a, point(sin_cos(found.spot.at)));
+    let missed = match found.is_cut_off {
+        // A plane may part the core from the whole disc.
+        true => found.missed().min(pair.distance - parted_by(a, &Primitive::Circle(*circle), pair.normal)),
+        false => 0.0,
+    };
+    CorePair { missed: missed.max(0.0), ..pair }
+}
+
+/// How far apart two planes square to `n`, from the first core to the second, keep them.
+fn parted_by(a: &Primitive, b: &Primitive, n: DVec3) -> f64 {
+    match (a.support(n), b.support(-n)) {
+        (Some(reach), Some(back)) if n != DVec3::ZERO => -reach - back,
+        _ => f64::NEG_INFINITY,
+    }
 }
 
 /// Whether a core turns into itself about a circle's axis, to rounding: all points of the circle are as near then.
@@ -238,7 +252,7 @@ fn of_solids(a: &Primitive, b: &Primitive) -> CorePair {
         if !is_proved(a, b, &best) {
             rims_and_spines([(a, f), (b, g)], &mut best);
         }
-        return best;
+        return known_by_planes(a, b, best);
     }
     let far = [
         corners_of_second(a, b, &mut best),
@@ -247,7 +261,15 @@ fn of_solids(a: &Primitive, b: &Primitive) -> CorePair {
     if !is_proved(a, b, &best) && !edges_of_second(a, b, &far[0], &mut best) {
         with_swapped(&mut best, |best| edges_of_second(b, a, &far[1], best));
     }
-    best
+    known_by_planes(a, b, best)
+}
+
+/// What a search along a rim has not ruled out, the planes may.
+fn known_by_planes(a: &Primitive, b: &Primitive, best: CorePair) -> CorePair {
+    match best.missed > 0.0 && is_proved(a, b, &best) {
+        true => CorePair { missed: 0.0, ..best },
+        false => best,
+    }
 }
 
 /// Looks at a pair from the other side.
@@ -394,6 +416,7 @@ fn compare_sides(f: &Frustum, g: &Frustum, best: &mut CorePair) {
                     distance,
                     points,
                     normal: n,
+                    missed: 0.0,
                 });
             }
         }

@@ -119,6 +119,18 @@ pub struct LeastFound {
     pub spot: CurveSpot,
     /// Lower bound of the function everywhere.
     pub floor: f64,
+    /// Whether the search ended before it was known that nothing is lower by more than the tolerance.
+    pub is_cut_off: bool,
+}
+
+impl LeastFound {
+    /// By how much more than the tolerance the function may be lower somewhere.
+    pub fn missed(&self) -> f64 {
+        match self.is_cut_off {
+            true => self.spot.value - self.floor,
+            false => 0.0,
+        }
+    }
 }
 
 /// A point of a curve, with what a bound between two of them needs.
@@ -225,8 +237,11 @@ fn least_of<S: Spot>(
         };
         if open.is_empty() || looks + open.len() > most {
             let left = open.iter().map(|(_, [p, q])| lowest(p, q));
-            let floor = left.fold(floor.min(best.value), f64::min);
-            return LeastFound { spot: best, floor };
+            return LeastFound {
+                spot: best,
+                floor: left.fold(floor.min(best.value), f64::min),
+                is_cut_off: !open.is_empty(),
+            };
         }
         looks += open.len();
         let mut halves = Vec::with_capacity(2 * open.len());
@@ -381,7 +396,7 @@ mod tests {
             });
             let dense = dense.fold(f64::INFINITY, f64::min);
             let lowest = |a: &CurveSpot, b: &CurveSpot| lowest_of_bent(radius, a, b);
-            let LeastFound { spot, floor } = least_on_circle(lowest, 1e-12, f);
+            let LeastFound { spot, floor, .. } = least_on_circle(lowest, 1e-12, f);
             assert!(
                 (spot.value - dense).abs() < 1e-3 * radius,
                 "{round}: {spot:?} {dense}"

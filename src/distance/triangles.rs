@@ -74,6 +74,7 @@ impl NearestFeature {
             } else {
                 DVec3::ZERO
             },
+            missed: 0.0,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Two valleys of a distance side by side on a large ring, one of them deeper: the deeper one counts.
 
 use crate::dense::golden;
-use crate::solids::{cuboid, torus, v};
+use crate::solids::{Random, cone, cuboid, torus, v};
 use glam::{DMat3, DQuat, DVec3};
 use mechanim::distance::pair::signed_distance;
 use mechanim::distance::primitive::Element;
@@ -130,4 +130,58 @@ fn a_ring_that_overhangs_a_face_is_as_near_as_its_valleys() {
             }
         }
     }
+}
+
+/// How far a point is from a cone around z, from its profile, a convex polygon: negative inside.
+fn off_cone(point: DVec3, [low, high]: [f64; 2], half: f64) -> f64 {
+    let p = [point.x.hypot(point.y), point.z];
+    let corners = [[0.0, -half], [low, -half], [high, half], [0.0, half]];
+    let mut outside = f64::INFINITY;
+    let mut inside = f64::NEG_INFINITY;
+    for k in 0..3 {
+        let [a, b] = [corners[k], corners[k + 1]];
+        let [along, to] = [[b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]];
+        let length = along[0].hypot(along[1]);
+        let share = ((to[0] * along[0] + to[1] * along[1]) / length.powi(2)).clamp(0.0, 1.0);
+        let off = (to[0] - share * along[0]).hypot(to[1] - share * along[1]);
+        outside = outside.min(off);
+        inside = inside.max((to[0] * along[1] - to[1] * along[0]) / length);
+    }
+    if inside > 0.0 { outside } else { inside }
+}
+
+/// A ring around a cone, hardly tilted, bent or off its axis: the distance hardly changes along the ring, and a search may end
+/// before it is known. Nothing is nearer than what it then tells.
+#[test]
+fn nothing_is_nearer_to_a_ring_than_is_told() {
+    let mut random = Random(7);
+    let (mut cut_off, mut wide) = (0, 0.0_f64);
+    for round in 0..600 {
+        let size = 10f64.powf(random.range(-3.0, 3.0));
+        let (low, high) = (size * random.range(0.3, 2.0), size * random.range(0.0, 2.0));
+        let (half, ring) = (size * random.range(0.3, 2.0), size * random.range(0.3, 3.0));
+        let tube = 1e-4 * size;
+        let off = 10f64.powf(random.range(-12.0, -0.5));
+        let placed = Pose {
+            rotation: DMat3::from_quat(DQuat::from_scaled_axis(random.vector(off))),
+            translation: size * (DVec3::Z * random.range(-2.5, 2.5) + random.vector(off)),
+        };
+        let tapered = cone(DVec3::Z * -half, DVec3::Z * half, low, high);
+        let found = signed_distance(
+            &tapered,
+            &torus(DVec3::ZERO, DVec3::Z, ring, tube).moved(&placed),
+        );
+        let truth = dense(TAU / 2.0, |angle| {
+            let p = v(ring * angle.cos(), ring * angle.sin(), 0.0);
+            off_cone(placed.transform_point(p), [low, high], half)
+        }) - tube;
+        let reach = ring + placed.translation.length() + size;
+        assert!(
+            found.lowest() <= truth + 3e-11 * reach && found.distance >= truth - 1e-13 * reach,
+            "{round}: {found:?} {truth}"
+        );
+        cut_off += usize::from(found.missed > 0.0);
+        wide = wide.max(found.missed / ring);
+    }
+    assert!(cut_off > 20 && wide < 1e-3, "{cut_off} {wide}");
 }
