@@ -6,12 +6,12 @@ use super::loaded::Loaded;
 use super::pose::Pose;
 use crate::charts::motion::{default_plot, motion_chart};
 use crate::export::{Output, Stream};
-use crate::kinematics::measures::measure_motion;
+use crate::kinematics::measures::{DriveSamples, measure_motion};
 use crate::kinematics::motion::proved::{Proofs, solve_proved};
 use crate::kinematics::motion::sampling::{
     MAX_SAMPLES, allow_samples, even_times, frame_times, only_times,
 };
-use crate::kinematics::results::trajectory::{EventKind, Trajectory};
+use crate::kinematics::results::trajectory::{EventKind, Sample, Trajectory};
 use crate::plot::svg::write_svg;
 use crate::plot::{ChartTheme, draw_chart, usual_size};
 use crate::report::sentences::{event_sentence, gap_sentence};
@@ -74,6 +74,8 @@ impl Samples {
 pub struct Motion {
     pub(super) loaded: Arc<Loaded>,
     pub(super) trajectory: Trajectory,
+    /// The end of the motion, where measures depend on it and it is no sample.
+    end: Option<Sample>,
 }
 
 impl fmt::Debug for Motion {
@@ -89,14 +91,24 @@ impl Motion {
         samples: &Samples,
         cancelled: &dyn Fn() -> bool,
     ) -> Result<Self, Error> {
-        let [kept, solved] = samples.times(&loaded)?;
+        let [kept, mut solved] = samples.times(&loaded)?;
         let actuation = &loaded.scene.actuation;
+        let is_whole = !matches!(samples, Samples::At(_));
+        let needs_end = is_whole && loaded.scene.measures.look_at_end();
+        if needs_end && solved.last().is_some_and(|last| *last < actuation.duration) {
+            solved.push(actuation.duration);
+        }
         let all = solve_proved(&loaded.system, actuation, &solved, Proofs::Poses, cancelled);
+        let end = all.samples.last().filter(|_| needs_end).cloned();
         let trajectory = match kept.len() == solved.len() {
             true => all,
             false => only_times(actuation, &all, &kept),
         };
-        Ok(Self { loaded, trajectory })
+        Ok(Self {
+            loaded,
+            trajectory,
+            end,
+        })
     }
 
     /// Number of samples.
@@ -205,8 +217,12 @@ impl Motion {
     /// ```
     pub fn measures(&self) -> Vec<(String, Option<f64>)> {
         let scene = &self.loaded.scene;
-        let (system, trajectory) = (&self.loaded.system, &self.trajectory);
-        let values = measure_motion(system, &scene.actuation, &scene.measures, trajectory);
+        let along = DriveSamples {
+            samples: &self.trajectory.samples,
+            end: self.end.as_ref(),
+        };
+        let (system, measures) = (&self.loaded.system, &scene.measures);
+        let values = measure_motion(system, &scene.actuation, measures, along);
         let named = scene.measures.list.iter().zip(values);
         let units =
             |measure: &crate::model::measure::Measure| scene.mechanism.file_units(measure.kind);

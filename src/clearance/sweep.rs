@@ -286,7 +286,9 @@ impl<'a> PairSweep<'a> {
     pub(super) fn lowest_alone(&self, motion: &ProvedMotion) -> f64 {
         // All of their distances, since those that are not the least may be known less well.
         let best = self.best_of(motion, &motion.alone(), Some(&mut Vec::new()));
-        best.map_or(f64::INFINITY, |best| best.found.proximity.distance - best.missed)
+        best.map_or(f64::INFINITY, |best| {
+            best.found.proximity.distance - best.missed
+        })
     }
 
     pub(super) fn best_of(

@@ -126,10 +126,15 @@ fn of_circle(a: &Primitive, circle: &Circle) -> CorePair {
     let pair = of_point(a, point(sin_cos(found.spot.at)));
     let missed = match found.is_cut_off {
         // A plane may part the core from the whole disc.
-        true => found.missed().min(pair.distance - parted_by(a, &Primitive::Circle(*circle), pair.normal)),
+        true => found
+            .missed()
+            .min(pair.distance - parted_by(a, &Primitive::Circle(*circle), pair.normal)),
         false => 0.0,
     };
-    CorePair { missed: missed.max(0.0), ..pair }
+    CorePair {
+        missed: missed.max(0.0),
+        ..pair
+    }
 }
 
 /// How far apart two planes square to `n`, from the first core to the second, keep them.
@@ -267,7 +272,10 @@ fn of_solids(a: &Primitive, b: &Primitive) -> CorePair {
 /// What a search along a rim has not ruled out, the planes may.
 fn known_by_planes(a: &Primitive, b: &Primitive, best: CorePair) -> CorePair {
     match best.missed > 0.0 && is_proved(a, b, &best) {
-        true => CorePair { missed: 0.0, ..best },
+        true => CorePair {
+            missed: 0.0,
+            ..best
+        },
         false => best,
     }
 }

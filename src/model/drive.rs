@@ -235,6 +235,16 @@ impl Drive {
         }
     }
 
+    /// Whether it jumps at an instant, its formula or to a key.
+    pub fn steps_at(&self, time: f64) -> bool {
+        match self {
+            Self::Formula(_) => self.jumps_at(time),
+            Self::Keys { .. } => {
+                self.may_jump() && self.value(time) != self.value(time.next_down())
+            }
+        }
+    }
+
     /// Whether its formula jumps at an instant.
     pub fn jumps_at(&self, time: f64) -> bool {
         matches!(self, Self::Formula(formula) if formula.has_pieces() && formula.jumps_at(time))

@@ -120,6 +120,18 @@ pub enum MeasureSource {
     },
 }
 
+impl Measures {
+    /// Whether some depend on the pose at the end of the drive.
+    pub fn look_at_end(&self) -> bool {
+        self.list.iter().any(|measure| {
+            let MeasureSource::Over { track, taking, .. } = &measure.source else {
+                return false;
+            };
+            track.is_none() && taking.is_of_ends() && *taking != Taking::First
+        })
+    }
+}
+
 impl MeasureSource {
     /// Index of its track.
     pub fn track(&self) -> Option<usize> {

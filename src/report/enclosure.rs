@@ -13,6 +13,9 @@ use crate::numbers::rounding::GROW;
 use crate::numbers::scalar::Scalar;
 use serde_json::{Map, Value, json};
 
+/// What has no bound.
+const UNBOUNDED: &str = "unbounded";
+
 /// The lower (-1) or upper (+1) end of a band as a decimal in the scene's unit, rounded outwards.
 pub fn rounded_end(value: f64, kind: Kind, mechanism: &Mechanism, side: f64) -> String {
     let unit = Interval::from_constant(mechanism.unit_of(kind));
@@ -26,6 +29,9 @@ pub fn rounded_end(value: f64, kind: Kind, mechanism: &Mechanism, side: f64) -> 
 
 /// The same with six digits, for tables.
 pub fn outer_end(value: f64, kind: Kind, mechanism: &Mechanism, side: f64) -> String {
+    if !value.is_finite() {
+        return UNBOUNDED.to_owned();
+    }
     let exact: f64 = rounded_end(value, kind, mechanism, side)
         .parse()
         .unwrap_or(value);
@@ -278,7 +284,7 @@ pub fn enclosure_summary(plan: &TolerancePlan, motion: &[Enclosed], searched: bo
 /// Six digits, rounded away from zero.
 fn outer_text(value: f64) -> String {
     if !value.is_finite() {
-        return "unbounded".to_owned();
+        return UNBOUNDED.to_owned();
     }
     let shown = six_digits(value);
     let reads: f64 = shown.parse().unwrap_or(value);

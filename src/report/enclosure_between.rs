@@ -19,20 +19,25 @@ pub fn between_lines(plan: &TolerancePlan, stretches: &[SpanBands]) -> String {
         stretches.len()
     );
     let mut rows = vec![
-        ["over the motion", "never below", "never above"]
-            .map(str::to_owned)
-            .to_vec(),
+        [
+            match proved.len() == stretches.len() {
+                true => "over the motion",
+                false => "over what is proved",
+            },
+            "never below",
+            "never above",
+        ]
+        .map(str::to_owned)
+        .to_vec(),
     ];
     for (index, (name, kind)) in shown_names(mechanism).into_iter().enumerate() {
         let ends = proved.iter().filter_map(|bands| bands.get(index));
         let all = ends.fold([f64::INFINITY, f64::NEG_INFINITY], |all, [lo, hi]| {
             [all[0].min(*lo), all[1].max(*hi)]
         });
-        if all.iter().all(|v| v.is_finite()) {
-            let [lo, hi] = [(all[0], -1.0), (all[1], 1.0)]
-                .map(|(v, side)| outer_end(v, kind, mechanism, side));
-            rows.push(vec![name, lo, hi]);
-        }
+        let [lo, hi] =
+            [(all[0], -1.0), (all[1], 1.0)].map(|(v, side)| outer_end(v, kind, mechanism, side));
+        rows.push(vec![name, lo, hi]);
     }
     text.push_str(&aligned_rows(&rows));
     let refused = stretches.iter().find(|s| s.bands.is_err());

@@ -5,7 +5,7 @@ use super::verdict::{Case, MEASURES, Status};
 use crate::clearance::covered::CoveredMotion;
 use crate::clearance::measured::{BoundedMeasure, is_of_whole_motion, known};
 use crate::diag::decimals_of;
-use crate::kinematics::measures::{formula_value, measure_motion};
+use crate::kinematics::measures::{DriveSamples, formula_value, measure_motion};
 use crate::kinematics::motion::sampling::only_times;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
@@ -38,7 +38,13 @@ pub fn take_whole<'s>(
     tolerance: f64,
 ) -> Vec<TakenMeasure<'s>> {
     let (mechanism, actuation) = (&*scene.mechanism, &scene.actuation);
-    let mut list = take_measures(system, scene, &only_times(actuation, trajectory, times));
+    let asked = only_times(actuation, trajectory, times);
+    let along = DriveSamples {
+        samples: &asked.samples,
+        // That of the whole motion, which is no sample of a cyclic one.
+        end: trajectory.samples.last(),
+    };
+    let mut list = take_measures(system, scene, along);
     if !needs_certified_poses(scene) {
         return list;
     }
@@ -63,13 +69,13 @@ pub fn needs_certified_poses(scene: &Scene) -> bool {
 }
 
 /// Evaluates the measures of a motion.
-pub fn take_measures<'s>(
+fn take_measures<'s>(
     system: &System,
     scene: &'s Scene,
-    trajectory: &Trajectory,
+    along: DriveSamples,
 ) -> Vec<TakenMeasure<'s>> {
     let mechanism = &*scene.mechanism;
-    let values = measure_motion(system, &scene.actuation, &scene.measures, trajectory);
+    let values = measure_motion(system, &scene.actuation, &scene.measures, along);
     let pairs = scene.measures.list.iter().zip(values);
     let list = pairs.map(|(measure, value)| TakenMeasure {
         measure,
@@ -78,7 +84,7 @@ pub fn take_measures<'s>(
         unit: mechanism.unit_name(measure.kind),
         poses: match &measure.source {
             MeasureSource::Over { track: Some(k), .. } => scene.measures.tracks[*k].samples,
-            _ => trajectory.samples.len(),
+            _ => along.samples.len(),
         },
         known: None,
         place: Vec::new(),

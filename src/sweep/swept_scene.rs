@@ -5,9 +5,9 @@ use super::posing::{FirstPose, Proved};
 use super::row::{Row, RowStatus};
 use crate::analysis::study::{FamilyError, ParametricMechanism};
 use crate::diag::Source;
-use crate::kinematics::measures::measure_watched;
+use crate::kinematics::measures::{DriveSamples, measure_watched};
 use crate::kinematics::motion::continuation::solve_motion;
-use crate::kinematics::motion::sampling::even_times;
+use crate::kinematics::motion::sampling::{even_times, measured_times};
 use crate::kinematics::results::certificate::{Certificate, Reason};
 use crate::kinematics::results::columns::ValueColumn;
 use crate::kinematics::results::trajectory::{ClosedPose, EventKind, Sample, Trajectory};
@@ -169,12 +169,12 @@ impl Sweep {
                     proved.add(track.poses());
                     status = status.worse(motion_status(track, start));
                 };
-                let samples = &motion.samples;
+                let along = DriveSamples::all(&motion.samples);
                 let found = measure_watched(
                     posed.system,
                     posed.actuation,
                     posed.measures,
-                    samples,
+                    along,
                     &mut seen,
                 );
                 found.into_iter().map(|v| v.unwrap_or(f64::NAN)).collect()
@@ -200,7 +200,7 @@ impl Sweep {
         match &self.asked {
             RequestedValues::Outputs { at, .. } => at.times(mechanism, actuation),
             RequestedValues::Measures { samples, .. } if looks_along_drive(measures) => {
-                even_times(mechanism, actuation, *samples)
+                measured_times(mechanism, actuation, measures, *samples)
             }
             // Only the start of the drive is needed.
             _ => vec![0.0],

@@ -10,6 +10,7 @@ use crate::kinematics::enclosure::pose::{Encloser, Rooms};
 use crate::kinematics::enclosure::region::ToleranceInterval;
 use crate::kinematics::motion::sampling::knot_times;
 use crate::kinematics::results::certificate::Reason;
+use crate::model::expression::continuity::Jumps;
 use crate::numbers::interval::Interval;
 use crate::numbers::rounding::GROW;
 use crate::numbers::scalar::Scalar;
@@ -22,7 +23,7 @@ pub fn enclose_between(plan: &TolerancePlan, times: &[f64], threads: usize) -> V
     let family = plan.family;
     // The samples and all times at which a drive changes its formula: between them drives are smooth.
     let all = knot_times(family.mechanism(), &family.actuation, times);
-    let ends: Vec<[f64; 2]> = all.windows(2).map(|pair| [pair[0], pair[1]]).collect();
+    let ends = spans_of(plan, &all);
     let middles: Vec<f64> = ends.iter().map(|[a, b]| 0.5 * a + 0.5 * b).collect();
     let samples = samples_at(plan, &middles);
     let encloser = Encloser::new(family.system());
@@ -37,7 +38,8 @@ pub fn enclose_between(plan: &TolerancePlan, times: &[f64], threads: usize) -> V
                     encloser: &encloser,
                     pose,
                 };
-                place.bands(space, [from, until], MOST_HALVINGS)
+                let halvings = if from < until { MOST_HALVINGS } else { 0 };
+                place.bands(space, [from, until], halvings)
             }
         };
         Some(SpanBands { from, until, bands })
@@ -45,6 +47,26 @@ pub fn enclose_between(plan: &TolerancePlan, times: &[f64], threads: usize) -> V
     let make = || EnclosureSpace::new(family.system());
     let list = share_work(ends.len(), threads, make, work);
     list.into_iter().map(|(_, stretch)| stretch).collect()
+}
+
+/// The intervals between adjacent times, and among them the instants whose poses belong to neither side: where drives jump from the
+/// pose before, and to the pose after.
+fn spans_of(plan: &TolerancePlan, times: &[f64]) -> Vec<[f64; 2]> {
+    let actuation = &plan.family.actuation;
+    let pairs = times.windows(2);
+    let jumps: Vec<Jumps> = pairs
+        .map(|pair| actuation.jumps_between(pair[0], pair[1]))
+        .collect();
+    let mut spans = Vec::new();
+    for (k, time) in times.iter().enumerate() {
+        let before = k.checked_sub(1).is_none_or(|k| jumps[k].at_end);
+        let after = jumps.get(k).is_none_or(|jumps| jumps.at_start);
+        if before && after {
+            spans.push([*time; 2]);
+        }
+        spans.extend(times.get(k + 1).map(|next| [*time, *next]));
+    }
+    spans
 }
 
 /// A pose in the middle of an interval.

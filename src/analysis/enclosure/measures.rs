@@ -10,6 +10,7 @@ use crate::analysis::study::Nominal;
 use crate::kinematics::abreast::anchor::AnchorPose;
 use crate::kinematics::enclosure::pose::{Encloser, PoseEnclosure, REFINING};
 use crate::kinematics::enclosure::quadratic::{BoxFace, QuadraticBound};
+use crate::kinematics::enclosure::rows::expression_gradient;
 use crate::kinematics::loops::observed::observed_slots;
 use crate::model::expression::Expression;
 use crate::model::measure::{Measure, MeasureSource};
@@ -254,10 +255,9 @@ fn of_formula<'r>(formula: &Expression, numbers: &[Tracked<'r>]) -> Tracked<'r> 
         return Tracked::without_rates(value, 0);
     }
     // Chain rule: the rates of a formula from its gradient over the whole box and the rates of its slots.
-    let gradient = formula.gradient(&forms);
-    let used = formula.slots();
-    let parts: Vec<(AffineForm, &Tracked)> = (used.iter())
-        .map(|slot| (gradient[*slot], &numbers[*slot]))
+    let gradient = expression_gradient(formula, &forms).into_iter();
+    let parts: Vec<(AffineForm, &Tracked)> = gradient
+        .map(|(slot, by_slot)| (by_slot, &numbers[slot]))
         .collect();
     let mut number = Tracked::through(value, &parts);
     number.rates.resize(count.unwrap_or(0), AffineForm::ZERO);

@@ -251,8 +251,13 @@ impl<'f> PieceFinder<'f> {
             let index = places.iter().position(|known| *known == place)?;
             pieces[index].as_deref()
         };
+        // What has no bound at δ = 0, at a jump say, has a value there.
+        let middle = enclosure.middle();
         let band = |((slot, function), faces): (&(usize, QuadraticBound), &[BoxFace; 2])| {
-            let nominal = function.value;
+            let nominal = match function.open.is_finite() {
+                true => function.value,
+                false => self.shown(&middle, *slot).unwrap_or(f64::NAN),
+            };
             let (mut found, mut ends) = ([nominal; 2], [None; 2]);
             for ((face, sign), end) in faces.iter().zip([-1.0, 1.0]).zip(&mut ends) {
                 let best = piece_at(&face.best).and_then(|piece| self.shown(piece, *slot));

@@ -4,7 +4,7 @@ use super::reshaped::{self, Reading};
 use crate::diag::{SceneError, Source};
 use crate::kinematics::measures::{driven_along, poses_of};
 use crate::kinematics::motion::continuation::{solve_motion, solve_whole};
-use crate::kinematics::motion::sampling::even_times;
+use crate::kinematics::motion::sampling::measured_times;
 use crate::kinematics::results::certificate::Certificate;
 use crate::kinematics::results::trajectory::Sample;
 use crate::kinematics::structure::block::StructureError;
@@ -293,13 +293,19 @@ impl ParametricMechanism {
             let samples = match self.measures.tracks.get(row) {
                 Some(track) => poses_of(&self.system, &self.actuation, track),
                 None => {
-                    let times = even_times(self.mechanism(), &self.actuation, DRIVE_SAMPLES);
+                    let times = self.drive_times();
                     solve_motion(&self.system, &self.actuation, &times).of_one_motion()
                 }
             };
             self.add_samples(row, &samples, &mut nominal)?;
         }
         Ok(nominal)
+    }
+
+    /// The times of the poses along the drive.
+    fn drive_times(&self) -> Vec<f64> {
+        let (mechanism, actuation) = (self.mechanism(), &self.actuation);
+        measured_times(mechanism, actuation, &self.measures, DRIVE_SAMPLES)
     }
 
     /// The same family with the pose at the start of its drive as start values; `None` where there is none.
@@ -320,7 +326,7 @@ impl ParametricMechanism {
                     (solve_whole(&self.system, &moved, &times)?.samples, 1)
                 }
                 None => {
-                    let times = even_times(self.mechanism(), &self.actuation, DRIVE_SAMPLES);
+                    let times = self.drive_times();
                     let motion = solve_whole(&self.system, &self.actuation, &times)?;
                     (motion.samples, 0)
                 }

@@ -7,7 +7,7 @@ use crate::analysis::observer::{largest_distance, marked_positions};
 use crate::analysis::study::FamilyError;
 use crate::clearance::check::{ClearanceReport, Closely, check_clearance};
 use crate::diag::Source;
-use crate::kinematics::measures::measure_motion;
+use crate::kinematics::measures::{DriveSamples, measure_motion};
 use crate::kinematics::motion::continuation::solve_motion;
 use crate::kinematics::motion::sampling::{is_cyclic, knot_times};
 use crate::kinematics::structure::system::System;
@@ -86,7 +86,12 @@ pub fn prove_found(source: &Source, overrides: &Overrides) -> Result<Proof, Fami
         one_branch: true,
         open: None,
         closed: true,
-        measures: measure_motion(&system, actuation, &scene.measures, &trajectory),
+        measures: measure_motion(
+            &system,
+            actuation,
+            &scene.measures,
+            DriveSamples::all(&trajectory.samples),
+        ),
         cutting: Vec::new(),
         meeting: Vec::new(),
         pairs: 0,

@@ -246,9 +246,15 @@ impl<S: Scalar> Rates<S> {
     }
 }
 
-/// The derivatives of a formula by the slots that it depends on.
+/// The derivatives of a formula by the slots that it depends on. Where it may jump or is undefined it has none.
 pub fn expression_gradient<S: Scalar>(expression: &Expression, slots: &[S]) -> Vec<(usize, S)> {
-    let all = expression.gradient(slots);
+    let (one, mut values, mut adjoints) = (S::number(1.0), Vec::new(), Vec::new());
+    let mut all = vec![S::number(0.0); slots.len()];
+    let value = expression.add_gradient(slots, one, &mut all, &mut values, &mut adjoints);
+    let of = |slot: usize| match value.is_finite() {
+        true => all[slot],
+        false => S::undefined(),
+    };
     let used = expression.slots().into_iter();
-    used.map(|slot| (slot, all[slot])).collect()
+    used.map(|slot| (slot, of(slot))).collect()
 }

@@ -17,21 +17,36 @@ use crate::numbers::series::TaylorSeries;
 use reduce::reduce_values;
 use std::collections::HashMap;
 
+/// The poses along a drive, or a track, that measures are taken at.
+#[derive(Clone, Copy)]
+pub struct DriveSamples<'s> {
+    /// The samples.
+    pub samples: &'s [Sample],
+    /// The end of the motion, where it is none of them: that of a cyclic one.
+    pub end: Option<&'s Sample>,
+}
+
+impl<'s> DriveSamples<'s> {
+    /// Samples with the end of the motion.
+    pub const fn all(samples: &'s [Sample]) -> Self {
+        Self { samples, end: None }
+    }
+
+    /// The first and the last pose.
+    fn ends(self) -> [Option<&'s Sample>; 2] {
+        [self.samples.first(), self.end.or(self.samples.last())]
+    }
+}
+
 /// Values of all measures in internal units, in the order of the list; `None` if a pose on the way is missing or a
-/// formula is undefined. `trajectory` is the motion along `actuation`.
+/// formula is undefined. `along` is the motion along `actuation`.
 pub fn measure_motion(
     system: &System,
     actuation: &Actuation,
     measures: &Measures,
-    trajectory: &Trajectory,
+    along: DriveSamples,
 ) -> Vec<Option<f64>> {
-    measure_watched(
-        system,
-        actuation,
-        measures,
-        &trajectory.samples,
-        &mut |_| (),
-    )
+    measure_watched(system, actuation, measures, along, &mut |_| ())
 }
 
 /// The same from the samples along the drive; `seen` is called with the motion along every track, including the way to
@@ -40,16 +55,17 @@ pub fn measure_watched(
     system: &System,
     actuation: &Actuation,
     measures: &Measures,
-    samples: &[Sample],
+    along: DriveSamples,
     seen: &mut dyn FnMut(&Trajectory),
 ) -> Vec<Option<f64>> {
-    let mut over = measure_over((system, actuation), measures, None, samples);
+    let mut over = measure_over((system, actuation), measures, None, along);
     for (k, track) in measures.tracks.iter().enumerate() {
         // The poses of one track at a time: together they could fill the memory.
         let motion = motion_along(system, actuation, track);
         seen(&motion);
         let poses = poses_along(motion);
-        over.extend(measure_over((system, actuation), measures, Some(k), &poses));
+        let along = DriveSamples::all(&poses);
+        over.extend(measure_over((system, actuation), measures, Some(k), along));
     }
     let inputs = actuation.inputs_at(0.0);
     let mut values: Vec<Option<f64>> = Vec::new();
@@ -78,7 +94,7 @@ fn measure_over(
     driven: (&System, &Actuation),
     measures: &Measures,
     wanted: Option<usize>,
-    samples: &[Sample],
+    along: DriveSamples,
 ) -> HashMap<usize, f64> {
     let list = measures.list.iter().enumerate();
     let values = list.filter_map(|(index, measure)| match &measure.source {
@@ -90,11 +106,18 @@ fn measure_over(
             taking,
             power,
         } if *track == wanted => {
-            // Values of the formulas at all samples of the track, then their reduction to one number.
-            let at = |formula: &Expression| -> Option<Vec<f64>> {
-                let one = |s: &Sample| value_at(driven, s, (formula, rates), *per);
-                samples.iter().map(one).collect()
+            // Values of the formulas at all samples of the track, or at its ends, then their reduction to one number.
+            let poses: Vec<&Sample> = match taking.is_of_ends() {
+                true => along.ends().into_iter().flatten().collect(),
+                false => along.samples.iter().collect(),
             };
+            let at = |formula: &Expression| -> Option<Vec<f64>> {
+                let one = |s: &&Sample| value_at(driven, s, (formula, rates), *per);
+                poses.iter().map(one).collect()
+            };
+            if along.samples.iter().any(|sample| sample.pose.is_none()) {
+                return None;
+            }
             let rows: Option<Vec<Vec<f64>>> = of.iter().map(at).collect();
             let reduced = reduce_values(*taking, *power, &rows?)?;
             Some((index, reduced.value))

@@ -4,6 +4,7 @@ use crate::kinematics::results::trajectory::{Sample, Trajectory};
 use crate::limits::{LimitExceeded, Resource, allow_memory, current_limits};
 use crate::model::actuation::Actuation;
 use crate::model::drive::Drive;
+use crate::model::measure::Measures;
 use crate::model::mechanism::{Kind, Mechanism};
 use crate::model::timed_argument::TimedArgument;
 use std::f64::consts::TAU;
@@ -91,6 +92,21 @@ pub fn even_times(mechanism: &Mechanism, actuation: &Actuation, count: usize) ->
         .collect()
 }
 
+/// The same for measures: with both ends if some depend on the pose at the end.
+pub fn measured_times(
+    mechanism: &Mechanism,
+    actuation: &Actuation,
+    measures: &Measures,
+    count: usize,
+) -> Vec<f64> {
+    if !measures.look_at_end() {
+        return even_times(mechanism, actuation, count);
+    }
+    let steps = count.saturating_sub(1).max(1);
+    let times = (0..=steps).map(|k| actuation.duration * (k as f64 / steps as f64));
+    times.collect()
+}
+
 /// The given times with both ends of the drive and every time at which an input has a key, a kink or a jump, or the formula
 /// of a joint jumps, ascending: the samples needed for a statement about the whole motion.
 pub fn knot_times(mechanism: &Mechanism, actuation: &Actuation, times: &[f64]) -> Vec<f64> {
@@ -99,19 +115,44 @@ pub fn knot_times(mechanism: &Mechanism, actuation: &Actuation, times: &[f64]) -
     let own = actuation.drives.iter().flat_map(breaks);
     let timed = TimedArgument::of_all(mechanism, actuation);
     let timed = timed.iter().flatten().filter(|timed| timed.may_jump());
-    let own = own.chain(timed.flat_map(|timed| timed.breaks(0.0, last)));
-    let own = own.chain([0.0, last]).map(|t| (t, true));
-    let mut all: Vec<(f64, bool)> = own.chain(times.iter().map(|t| (*t, false))).collect();
+    let own = own.chain(timed.clone().flat_map(|timed| timed.breaks(0.0, last)));
+    let jumps = |time: f64| {
+        let mut drives = actuation.drives.iter();
+        let mut timed = timed.clone();
+        drives.any(|drive| drive.steps_at(time)) || timed.any(|t| t.piece(time).jumps_at(time))
+    };
+    let own = own.map(|time| match jumps(time) {
+        true => (time, KnotWeight::Pose),
+        false => (time, KnotWeight::Piece),
+    });
+    let own = own.chain([0.0, last].map(|time| (time, KnotWeight::Pose)));
+    let asked = times.iter().map(|time| (*time, KnotWeight::Sample));
+    let mut all: Vec<(f64, KnotWeight)> = own.chain(asked).collect();
     all.sort_by(|(p, _), (q, _)| p.total_cmp(q));
-    // Different pieces of a drive meet only at these times.
-    all.dedup_by(|(b, is_own), (a, was_own)| {
+    // Different pieces of a drive meet only at these times. Of those that are nearly one, a jump counts more than a kink, and that
+    // more than a sample; two jumps are two.
+    all.dedup_by(|(b, weight), (a, known)| {
         let is_same = *b - *a <= SAME_TIME * last;
-        if is_same && *is_own && !*was_own {
-            (*a, *was_own) = (*b, true);
+        if is_same && *known == KnotWeight::Pose && *weight == KnotWeight::Pose {
+            return *a == *b;
+        }
+        if is_same && *weight > *known {
+            (*a, *known) = (*b, *weight);
         }
         is_same
     });
     all.into_iter().map(|(time, _)| time).collect()
+}
+
+/// What a time is needed for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum KnotWeight {
+    /// It was asked for.
+    Sample,
+    /// Pieces of a drive meet there.
+    Piece,
+    /// The pose there may be on neither side: where a drive jumps, and where the motion ends.
+    Pose,
 }
 
 /// The samples of a trajectory at the given times, ascending, without additional ones.

@@ -28,6 +28,7 @@ mod joint_gaps;
 mod joint_jumps;
 mod joint_meshes;
 mod kinks;
+mod lone_poses;
 mod mesh_shells;
 mod narrow_gaps;
 mod neighbour_scenes;

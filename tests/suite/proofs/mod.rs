@@ -5,6 +5,7 @@ mod certificate_bounds;
 mod certificates;
 mod dyads;
 mod enclosure;
+mod enclosure_jumps;
 mod interval_systems;
 mod jumps;
 mod pieces;
