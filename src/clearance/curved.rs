@@ -15,7 +15,7 @@ use crate::distance::curve_bend::{CurveBend, ring_bends};
 use crate::distance::point::{PointHit, point_to, to_circle, to_disc};
 use crate::distance::primitive::{Circle, Primitive};
 use crate::distance::search::{
-    CurveSpot, Nearness, Spot, least_between, least_on_circle, lowest_of_bent,
+    CurveSpot, MOST_PROVING_SPOTS, Nearness, Spot, least_between, least_on_circle, lowest_of_bent,
 };
 use glam::DVec3;
 
@@ -261,6 +261,7 @@ impl CoreSearch<'_> {
         Nearness {
             tolerance: MISSED * size,
             enough: self.enough,
+            most: MOST_PROVING_SPOTS,
         }
     }
 

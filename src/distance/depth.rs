@@ -11,7 +11,7 @@ use super::primitive::{Frustum, Primitive};
 use super::primitive_distance::nearest_cores;
 use super::primitive_pair::CorePair;
 use super::rims::rim_directions;
-use super::search::{CurveSpot, least_on_circle, lowest_of_bent};
+use super::search::{CurveSpot, MOST_SPOTS, Nearness, least_on_circle, lowest_of_bent};
 use crate::math::{Pose, sin_cos};
 use glam::DVec3;
 
@@ -42,6 +42,14 @@ impl Exit {
                 }
             }
         }
+    }
+}
+
+impl Exit {
+    /// Tries the best direction of a ring.
+    fn take_from(&mut self, a: &Primitive, b: &Primitive, ring: &DepthRing, bends: [f64; 2]) {
+        let n = ring_direction([a, b], ring, bends, self.way);
+        self.take(a, b, n);
     }
 }
 
@@ -134,7 +142,6 @@ pub fn overlap_depth(a: &Primitive, b: &Primitive, near: CorePair, least: f64) -
             ..near
         };
     }
-    let mut take = |n: DVec3| best.take(a, b, n);
     for (round, other, edges) in [(a, b, &second), (b, a, &first)] {
         if let Primitive::Frustum(f) = round {
             // The edges of the other one on the rims, and the side of this one on the corners and rims of the other.
@@ -146,12 +153,12 @@ pub fn overlap_depth(a: &Primitive, b: &Primitive, near: CorePair, least: f64) -
                 // The edge of another cylinder is its own side.
                 Primitive::Frustum(g) => {
                     let bend = bend_of_rims(f, g, &side).min(steepest);
-                    take(ring_direction(a, b, &side, [bend, steepest]));
+                    best.take_from(a, b, &side, [bend, steepest]);
                 }
                 _ => {
                     let lines = edges.iter().map(|e| DepthRing::about(*e, 0.0));
                     for ring in lines.chain([side]) {
-                        take(ring_direction(a, b, &ring, [steepest; 2]));
+                        best.take_from(a, b, &ring, [steepest; 2]);
                     }
                 }
             }
@@ -202,17 +209,23 @@ fn bend_of_rims(f: &Frustum, g: &Frustum, ring: &DepthRing) -> f64 {
     bends[0].max(bends[1]) * BEND_ROUNDING
 }
 
-/// The best direction on a ring, on which the way out is bent by at most `bend` and changes by at most `steepest`.
+/// The best direction on a ring, on which the way out is bent by at most `bend` and changes by at most `steepest`; any one if
+/// none has a way shorter than `least`.
 fn ring_direction(
-    a: &Primitive,
-    b: &Primitive,
+    [a, b]: [&Primitive; 2],
     ring: &DepthRing,
     [bend, steepest]: [f64; 2],
+    least: f64,
 ) -> DVec3 {
     let at = |(sin, cos): (f64, f64)| ring.u * cos + ring.v * sin + ring.lift;
     // Supports are convex functions of the direction.
     let lowest = |a: &CurveSpot, b: &CurveSpot| lowest_of_bent(bend, a, b);
-    let best = least_on_circle(lowest, MISSED * steepest, |angle, (sin, cos)| {
+    let nearness = Nearness {
+        tolerance: MISSED * steepest,
+        enough: least,
+        most: MOST_SPOTS,
+    };
+    let best = least_on_circle(lowest, nearness, |angle, (sin, cos)| {
         let n = at((sin, cos));
         farthest_direction(a, b, n).map_or(CurveSpot::default(), |x| CurveSpot {
             at: angle,

@@ -37,11 +37,11 @@ const PIECES: usize = 8;
 
 /// Maximum number of evaluations of one search, apart from those in valleys. A nearly constant function may hide
 /// something in every piece wider than the square root of what could be hidden.
-const MOST_SPOTS: usize = 256;
+pub const MOST_SPOTS: usize = 256;
 
 /// The same where it is to be proved that nothing is lower than requested: a function that hardly changes is below its tangents
 /// by the second power of the pieces' width.
-const MOST_PROVING_SPOTS: usize = 8192;
+pub const MOST_PROVING_SPOTS: usize = 8192;
 
 /// How near a search comes.
 #[derive(Clone, Copy, Debug)]
@@ -50,6 +50,8 @@ pub struct Nearness {
     pub tolerance: f64,
     /// It need not be told what is above this, but proved as far as that goes.
     pub enough: f64,
+    /// Maximum number of evaluations where nothing below that is found.
+    pub most: usize,
 }
 
 impl From<f64> for Nearness {
@@ -57,6 +59,7 @@ impl From<f64> for Nearness {
         Self {
             tolerance,
             enough: f64::INFINITY,
+            most: MOST_SPOTS,
         }
     }
 }
@@ -207,7 +210,11 @@ pub fn angle_grid() -> &'static [(f64, f64); FINEST + 1] {
 /// width before any narrower ones.
 fn least_of<S: Spot>(
     lowest: &impl Fn(&S, &S) -> f64,
-    Nearness { tolerance, enough }: Nearness,
+    Nearness {
+        tolerance,
+        enough,
+        most,
+    }: Nearness,
     at: impl Fn(usize, usize) -> S,
     f: impl Fn(f64) -> CurveSpot,
 ) -> LeastFound {
@@ -232,7 +239,7 @@ fn least_of<S: Spot>(
             hides
         });
         let most = match best.value >= enough {
-            true => MOST_PROVING_SPOTS,
+            true => most,
             false => MOST_SPOTS,
         };
         if open.is_empty() || looks + open.len() > most {

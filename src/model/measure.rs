@@ -127,7 +127,8 @@ impl Measures {
             let MeasureSource::Over { track, taking, .. } = &measure.source else {
                 return false;
             };
-            track.is_none() && taking.is_of_ends() && *taking != Taking::First
+            let reaches_end = taking.is_of_ends() || *taking == Taking::Positive;
+            track.is_none() && reaches_end && *taking != Taking::First
         })
     }
 }

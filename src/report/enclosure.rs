@@ -2,6 +2,7 @@
 //! as well.
 
 use super::cells::{aligned_rows, quoted_cell, six_digits};
+use super::sentences::counted_things;
 use crate::analysis::enclosure::{
     AllowedTolerance, BandObstacle, Enclosed, MeasureBand, TolerancePlan, ValueBand, shown_names,
 };
@@ -239,9 +240,9 @@ pub fn enclosure_summary(plan: &TolerancePlan, motion: &[Enclosed], searched: bo
     let mechanism = plan.family.mechanism();
     let done = motion.iter().filter(|e| e.bands.is_ok()).count();
     let mut text = format!(
-        "{}\n  {} dimensions, {done} of {} samples enclosed\n\n",
+        "{}\n  {}, {done} of {} samples enclosed\n\n",
         mechanism.title,
-        plan.dimensions.len(),
+        counted_things(plan.dimensions.len(), "dimension"),
         motion.len()
     );
     let mut rows = vec![vec!["relative to the nominal motion".to_owned()]];
@@ -299,9 +300,6 @@ fn over_motion(motion: &[Enclosed], index: usize) -> Option<BandSummary> {
     for enclosed in motion {
         let Ok(bands) = &enclosed.bands else { continue };
         let band = bands.list.get(index)?;
-        if !band.nominal.is_finite() {
-            continue;
-        }
         let one = of_band(band, enclosed.time);
         all = Some(match all {
             None => one,
@@ -321,6 +319,15 @@ fn over_motion(motion: &[Enclosed], index: usize) -> Option<BandSummary> {
 }
 
 fn of_band(band: &ValueBand, time: f64) -> BandSummary {
+    if !band.nominal.is_finite() {
+        return BandSummary {
+            below: f64::INFINITY,
+            above: f64::INFINITY,
+            found: [0.0; 2],
+            ratio: f64::NEG_INFINITY,
+            time,
+        };
+    }
     let width = band.found[1] - band.found[0];
     // A quantity that does not move is bounded by rounding alone.
     let still = 1e-9 * band.nominal.abs().max(1.0);

@@ -11,7 +11,7 @@ use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::drive::{Drive, Ease};
 use crate::model::expression::Expression;
-use crate::model::measure::{MeasureSource, MeasuredTrack, Measures};
+use crate::model::measure::{MeasureSource, MeasuredTrack, Measures, Taking};
 use crate::model::rate::RateOrder;
 use crate::numbers::series::TaylorSeries;
 use reduce::reduce_values;
@@ -30,6 +30,13 @@ impl<'s> DriveSamples<'s> {
     /// Samples with the end of the motion.
     pub const fn all(samples: &'s [Sample]) -> Self {
         Self { samples, end: None }
+    }
+
+    /// The whole way.
+    fn way(self) -> impl Iterator<Item = &'s Sample> {
+        let last = self.samples.last().map_or(f64::INFINITY, |last| last.time);
+        let end = self.end.filter(|end| end.time > last);
+        self.samples.iter().chain(end)
     }
 
     /// The first and the last pose.
@@ -109,6 +116,7 @@ fn measure_over(
             // Values of the formulas at all samples of the track, or at its ends, then their reduction to one number.
             let poses: Vec<&Sample> = match taking.is_of_ends() {
                 true => along.ends().into_iter().flatten().collect(),
+                false if *taking == Taking::Positive => along.way().collect(),
                 false => along.samples.iter().collect(),
             };
             let at = |formula: &Expression| -> Option<Vec<f64>> {

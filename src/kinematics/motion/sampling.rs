@@ -130,11 +130,16 @@ pub fn knot_times(mechanism: &Mechanism, actuation: &Actuation, times: &[f64]) -
     let mut all: Vec<(f64, KnotWeight)> = own.chain(asked).collect();
     all.sort_by(|(p, _), (q, _)| p.total_cmp(q));
     // Different pieces of a drive meet only at these times. Of those that are nearly one, a jump counts more than a kink, and that
-    // more than a sample; two jumps are two.
+    // more than a sample; two jumps are two, but at neighbouring numbers.
     all.dedup_by(|(b, weight), (a, known)| {
         let is_same = *b - *a <= SAME_TIME * last;
         if is_same && *known == KnotWeight::Pose && *weight == KnotWeight::Pose {
-            return *a == *b;
+            let is_one = *b <= a.next_up();
+            // The end is the end, even if a jump is just before.
+            if is_one && *b == last {
+                *a = last;
+            }
+            return is_one;
         }
         if is_same && *weight > *known {
             (*a, *known) = (*b, *weight);

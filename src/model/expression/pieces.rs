@@ -25,10 +25,6 @@ const NARROWEST: f64 = 1e-13;
 /// A break wider than this many narrowest parts is not at a single time.
 const MOST_NARROW: f64 = 8.0;
 
-/// Most numbers that are examined in a narrow part at whose ends everything is on the same sides: all that it has, unless it is
-/// at less than half a second.
-const MOST_NUMBERS: f64 = 16_384.0;
-
 /// Maximum number of parts examined together: beyond it the search for breaks ends.
 const MOST_PARTS: usize = 10_000;
 
@@ -198,19 +194,12 @@ impl Expression {
         false
     }
 
-    /// The numbers from `from` to `to` at which functions change their sides: each the first one on new sides. Where the sides
-    /// at both ends are the same, those that some number between has for itself, or else `to`.
+    /// The numbers from `from` to `to` at which functions change their sides, each the first one on new sides; `to` if they are the
+    /// same at both.
     fn changes(&self, from: f64, to: f64) -> Vec<f64> {
         let mut places = Vec::new();
         let ends = [from, to].map(|time| (time, self.jump_state(time)));
-        match self.lone_place(&ends) {
-            Some(lone) => {
-                let [low, high] = ends;
-                self.add_changes([low, lone.clone()], &mut places);
-                self.add_changes([lone, high], &mut places);
-            }
-            None => self.add_changes(ends, &mut places),
-        }
+        self.add_changes(ends, &mut places);
         // A single number on sides of its own is one place.
         places.dedup_by(|b, a| *b == a.next_up());
         if places.is_empty() {
@@ -231,20 +220,6 @@ impl Expression {
         let middle = (middle, self.jump_state(middle));
         self.add_changes([low, middle.clone()], places);
         self.add_changes([middle, high], places);
-    }
-
-    /// A number between two others on the same sides that is on other ones.
-    fn lone_place(&self, ends: &[(f64, Vec<f64>); 2]) -> Option<(f64, Vec<f64>)> {
-        let [(from, sides), (to, others)] = ends;
-        if sides != others || !self.has_jumps() {
-            return None;
-        }
-        let wide = to - from;
-        let count = wide / (f64::EPSILON * from.abs().max(to.abs()));
-        let count = (2.0 * count).min(MOST_NUMBERS) as usize;
-        let numbers = (1..count).map(|k| from + wide * (k as f64 / count as f64));
-        let mut numbers = numbers.map(|time| (time, self.jump_state(time)));
-        numbers.find(|(_, own)| own != sides)
     }
 
     /// On which sides the functions are.

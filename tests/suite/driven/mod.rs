@@ -145,7 +145,12 @@ pub fn feasible_inputs(driven: &impl Driven) -> Vec<Feasible> {
 pub fn measures(model: &Model, trajectory: &Trajectory) -> Vec<Option<f64>> {
     let system = model.system().unwrap();
     let (actuation, measures) = (&model.actuation, &model.measures);
-    mechanim::kinematics::measures::measure_motion(&system, actuation, measures, trajectory)
+    mechanim::kinematics::measures::measure_motion(
+        &system,
+        actuation,
+        measures,
+        mechanim::kinematics::measures::DriveSamples::all(&trajectory.samples),
+    )
 }
 
 /// The clearances that a scene asks for, in a report that keeps its word.

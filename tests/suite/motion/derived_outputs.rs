@@ -4,7 +4,7 @@ use crate::driven::{Driven, Model, solve};
 use crate::program::Workspace;
 use crate::reference::mechanism;
 use mechanim::diag::Source;
-use mechanim::kinematics::measures::measure_motion;
+use mechanim::kinematics::measures::{DriveSamples, measure_motion};
 use mechanim::scene::builtin::find_builtin;
 
 /// x² = p = (1 + t)²: everything is a polynomial of the time or a quotient of two.
@@ -90,7 +90,12 @@ fn measures_hold_derivatives() {
     let times: Vec<f64> = (0..7).map(|k| 0.5 * k as f64).collect();
     let trajectory = solve(&model, &times).unwrap();
     let system = model.system().unwrap();
-    let found = measure_motion(&system, &model.actuation, &model.measures, &trajectory);
+    let found = measure_motion(
+        &system,
+        &model.actuation,
+        &model.measures,
+        DriveSamples::all(&trajectory.samples),
+    );
     let exact = [0.5, 0.5, 8.0, 0.25, 2.5, 0.5, 0.375, 8.5];
     for ((found, exact), measure) in found.into_iter().zip(exact).zip(&model.measures.list) {
         let found = found.unwrap();

@@ -18,6 +18,7 @@ mod hard_motions;
 mod hard_rows;
 mod kinks;
 mod limit_positions;
+mod measures_of_ends;
 mod motion_events;
 mod random_starts;
 mod rates;

@@ -27,7 +27,7 @@ const FORMULAS: [Formula; 14] = [
     ("abs(p - 1)*floor(q + u)", |p, q, u| {
         (p - 1.0).abs() * (q + u).floor()
     }),
-    ("sqrt(1 + floor(p))", |p, _, _| (1.0 + p.floor()).sqrt()),
+    ("sqrt(9 + floor(p))", |p, _, _| (9.0 + p.floor()).sqrt()),
     ("p*q + u", |p, q, u| p * q + u),
 ];
 
