@@ -21,8 +21,13 @@ pub struct HistogramBins {
 }
 
 impl HistogramBins {
-    /// Bins for values that deviate from `nominal` by up to twice the `worst` linear case.
+    /// Bins for values that deviate from `nominal` by up to twice the `worst` linear case; by as much as the value itself where
+    /// that tells nothing.
     pub fn new(nominal: f64, worst: f64) -> Self {
+        let worst = match worst > 0.0 && worst.is_finite() {
+            true => worst,
+            false => nominal.abs().max(1.0),
+        };
         Self {
             nominal,
             low: nominal - 2.0 * worst,

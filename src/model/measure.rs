@@ -88,6 +88,12 @@ impl Taking {
         matches!(self, Self::First | Self::Last | Self::Change | Self::Chord)
     }
 
+    /// Whether the end counts even if it is where the motion began.
+    pub const fn reaches_end(self) -> bool {
+        let is_of_way = matches!(self, Self::Positive | Self::Bow);
+        is_of_way || matches!(self, Self::Last | Self::Change | Self::Chord)
+    }
+
     /// How many values a pose gives: a path has two coordinates.
     pub const fn width(self) -> usize {
         match self {
@@ -121,14 +127,33 @@ pub enum MeasureSource {
 }
 
 impl Measures {
+    /// Which of them depend on the number of poses: sums, means and norms, and formulas of them. The slots of formulas begin
+    /// with so many inputs.
+    pub fn depend_on_count(&self, inputs: usize) -> Vec<bool> {
+        let mut list: Vec<bool> = Vec::with_capacity(self.list.len());
+        for measure in &self.list {
+            let depends = match &measure.source {
+                MeasureSource::Over { taking, .. } => {
+                    matches!(taking, Taking::Sum | Taking::Mean | Taking::Norm)
+                }
+                MeasureSource::Formula(formula) => {
+                    let earlier = formula.slots().into_iter();
+                    let earlier = earlier.filter_map(|slot| slot.checked_sub(inputs));
+                    earlier.into_iter().any(|index| list[index])
+                }
+            };
+            list.push(depends);
+        }
+        list
+    }
+
     /// Whether some depend on the pose at the end of the drive.
     pub fn look_at_end(&self) -> bool {
         self.list.iter().any(|measure| {
             let MeasureSource::Over { track, taking, .. } = &measure.source else {
                 return false;
             };
-            let reaches_end = taking.is_of_ends() || *taking == Taking::Positive;
-            track.is_none() && reaches_end && *taking != Taking::First
+            track.is_none() && taking.reaches_end()
         })
     }
 }

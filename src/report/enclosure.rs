@@ -404,7 +404,11 @@ pub fn allowed_lines(
     text += &format!(
         "\n  every piece keeps `{name}` within {} of the nominal motion with these tolerances ({} reached)\n\n",
         six_digits(limit),
-        outer_text(found.reached)
+        // Never more than was asked.
+        match found.reached < limit * (1.0 - 2e-5) {
+            true => outer_text(found.reached),
+            false => six_digits(limit),
+        }
     );
     let rows: Vec<Vec<String>> = plan
         .dimensions

@@ -71,11 +71,11 @@ pub fn target_text(found: &FoundTarget) -> String {
         if synthesis.stopped { ", stopped" } else { "" }
     );
     let sum = found.sum();
-    let mean = (sum / target.rows.len() as f64).sqrt();
+    let typical = (sum / target.rows.len() as f64).sqrt();
     text += &format!(
-        "  missed           sum of squares {}, mean {} {unit}, farthest {} {unit} (line {})\n",
+        "  missed           sum of squares {}, root mean square {} {unit}, farthest {} {unit} (line {})\n",
         six_digits(sum),
-        six_digits(mean),
+        six_digits(typical),
         six_digits(found.rows.worst()),
         found.worst_line()
     );

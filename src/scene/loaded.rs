@@ -18,10 +18,14 @@ use std::sync::Arc;
 pub enum KeptIn {
     /// In the drive of an input.
     Drive,
-    /// In the ends of a track.
+    /// In the ends of a track, or the number of its poses.
     Track,
-    /// In a measure, through a parameter computed from it.
-    Measure,
+    /// In the power of a norm.
+    Power,
+    /// In the limits of a measure.
+    Limit,
+    /// In the duration.
+    Duration,
     /// In the axis of a rotation.
     Direction,
 }
@@ -30,8 +34,10 @@ impl fmt::Display for KeptIn {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Drive => "in a drive",
-            Self::Track => "in the ends of a track",
-            Self::Measure => "in a measure, by a parameter that is computed from it",
+            Self::Track => "in a track",
+            Self::Power => "in the power of a norm",
+            Self::Limit => "in the limits of a measure",
+            Self::Duration => "in the duration",
             Self::Direction => "in the axis of a rotation",
         })
     }

@@ -37,6 +37,8 @@ pub struct Overrides {
     pub notation: bool,
     /// Whether a study differentiates the measures by its variables.
     pub derives_measures: bool,
+    /// Whether parameters may lie outside their ranges in the study: those of a neighbouring design.
+    pub outside_ranges: bool,
     /// Whether solids depend on the varied parameters, for enclosures of clearances.
     pub carries_shapes: bool,
 }

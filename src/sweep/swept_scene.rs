@@ -7,7 +7,7 @@ use crate::analysis::study::{FamilyError, ParametricMechanism};
 use crate::diag::Source;
 use crate::kinematics::measures::{DriveSamples, measure_watched};
 use crate::kinematics::motion::continuation::solve_motion;
-use crate::kinematics::motion::sampling::{even_times, measured_times};
+use crate::kinematics::motion::sampling::{end_apart, even_times, measured_times};
 use crate::kinematics::results::certificate::{Certificate, Reason};
 use crate::kinematics::results::columns::ValueColumn;
 use crate::kinematics::results::trajectory::{ClosedPose, EventKind, Sample, Trajectory};
@@ -169,7 +169,8 @@ impl Sweep {
                     proved.add(track.poses());
                     status = status.worse(motion_status(track, start));
                 };
-                let along = DriveSamples::all(&motion.samples);
+                let end = end_apart(self.family.mechanism(), posed.actuation, posed.measures);
+                let along = DriveSamples::with_end(&motion.samples, end.is_some());
                 let found = measure_watched(
                     posed.system,
                     posed.actuation,

@@ -13,7 +13,7 @@ use crate::kinematics::enclosure::quadratic::{BoxFace, QuadraticBound};
 use crate::kinematics::enclosure::rows::expression_gradient;
 use crate::kinematics::loops::observed::observed_slots;
 use crate::model::expression::Expression;
-use crate::model::measure::{Measure, MeasureSource};
+use crate::model::measure::MeasureSource;
 use crate::numbers::affine_form::AffineForm;
 use crate::numbers::form_room::FormRoom;
 use crate::numbers::interval::Interval;
@@ -222,7 +222,6 @@ fn measure_numbers<'r>(
     count: usize,
     value: impl Fn(usize, &Expression) -> Tracked<'r>,
 ) -> Vec<Tracked<'r>> {
-    let rows = plan.family.rows();
     let first = inputs.len();
     let mut numbers = inputs;
     for measure in &plan.family.measures.list {
@@ -232,9 +231,13 @@ fn measure_numbers<'r>(
             MeasureSource::Over { per: Some(_), .. } => Tracked::undefined(count),
             MeasureSource::Over { rates, .. } if !rates.is_empty() => Tracked::undefined(count),
             MeasureSource::Over {
-                of, taking, power, ..
+                track,
+                of,
+                taking,
+                power,
+                ..
             } => {
-                let poses = row_of(measure, rows.len()).map_or(0..0, |row| rows[row].1.clone());
+                let poses = plan.family.poses_taken(*track, *taking);
                 let values: Vec<Vec<Tracked>> = (of.iter())
                     .map(|formula| poses.clone().map(|pose| value(pose, formula)).collect())
                     .collect();
@@ -286,12 +289,4 @@ fn plan_inputs<'r>(plan: &TolerancePlan, room: &'r FormRoom) -> Vec<Tracked<'r>>
         input.rates[k] = AffineForm::within(tolerance.half_width, 0.0);
     }
     inputs
-}
-
-/// The member of `rows` over whose poses a measure is taken: its track, or the drive, which is last.
-fn row_of(measure: &Measure, rows: usize) -> Option<usize> {
-    match &measure.source {
-        MeasureSource::Formula(_) => None,
-        MeasureSource::Over { track, .. } => Some(track.unwrap_or(rows.saturating_sub(1))),
-    }
 }

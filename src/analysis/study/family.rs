@@ -4,7 +4,7 @@ use super::reshaped::{self, Reading};
 use crate::diag::{SceneError, Source};
 use crate::kinematics::measures::{driven_along, poses_of};
 use crate::kinematics::motion::continuation::{solve_motion, solve_whole};
-use crate::kinematics::motion::sampling::measured_times;
+use crate::kinematics::motion::sampling::{end_apart, measured_times};
 use crate::kinematics::results::certificate::Certificate;
 use crate::kinematics::results::trajectory::Sample;
 use crate::kinematics::structure::block::StructureError;
@@ -12,7 +12,7 @@ use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::carried::CarriedShape;
 use crate::model::drive::Drive;
-use crate::model::measure::{Measure, MeasureSource, Measures};
+use crate::model::measure::{Measure, MeasureSource, Measures, Taking};
 use crate::model::mechanism::{Kind, Mechanism};
 use crate::model::study::{Study, Variable};
 use crate::scene::{KeptParameter, Overrides, load_scene};
@@ -39,6 +39,8 @@ pub struct ParametricMechanism {
     pub carried: Vec<CarriedShape>,
     /// Number of poses of every track, and last of the drive if a measure refers to it.
     counts: Vec<usize>,
+    /// The last pose of the drive is its end, which only some measures take.
+    ends_apart: bool,
 }
 
 /// The poses of a study with the file's values, and their proofs.
@@ -81,7 +83,7 @@ pub enum FamilyError {
     #[error("there is no tolerance for {0}")]
     NoTolerance(String),
     /// A dimension in a place that keeps the file's value.
-    #[error("`{}` appears {}, where its tolerance would be ignored", .0.name, .0.place)]
+    #[error("`{}` appears {}, where it would keep the file's value", .0.name, .0.place)]
     Kept(KeptParameter),
     /// A measure that the scene does not have.
     #[error("the scene has no measure `{name}`")]
@@ -117,7 +119,8 @@ impl ParametricMechanism {
     /// Reads the scene with the parameters called `vary` as variables, or with those of its `[study]`.
     ///
     /// # Errors
-    /// Mistakes in the scene; nothing to vary or to measure; a mechanism that is not determined.
+    /// Mistakes in the scene; nothing to vary or to measure; a variable in a place that it cannot be followed to; a mechanism
+    /// that is not determined.
     pub fn load(
         source: &Source,
         overrides: &Overrides,
@@ -138,12 +141,15 @@ impl ParametricMechanism {
         if names.is_empty() {
             return Err(FamilyError::nothing_to_vary(&nominal.dimensions));
         }
-        let family = Self::of(source, overrides, names, nominal.mechanism.size)?;
+        let mut family = Self::of(source, overrides, names, nominal.mechanism.size)?;
         if family.measures.list.is_empty() {
             let message = "the scene has no `[measures]`: a study evaluates them";
             return Err(FamilyError::Lacks(message.to_owned()));
         }
-        Ok(family)
+        match family.kept.pop() {
+            Some(kept) => Err(FamilyError::Kept(kept)),
+            None => Ok(family),
+        }
     }
 
     /// The scene with the parameters called `names` as variables, whether it has measures or not.
@@ -198,8 +204,9 @@ impl ParametricMechanism {
         }
         let mut counts: Vec<usize> = measures.tracks.iter().map(|t| t.samples).collect();
         let along_drive = |m: &Measure| matches!(m.source, MeasureSource::Over { track: None, .. });
+        let end = end_apart(system.mechanism(), &scene.actuation, &measures);
         if measures.list.iter().any(along_drive) {
-            counts.push(DRIVE_SAMPLES);
+            counts.push(DRIVE_SAMPLES + usize::from(end.is_some()));
         }
         Ok(Self {
             system: Arc::new(system),
@@ -209,6 +216,7 @@ impl ParametricMechanism {
             kept: scene.kept,
             carried: scene.carried,
             counts,
+            ends_apart: end.is_some(),
         })
     }
 
@@ -391,6 +399,18 @@ impl ParametricMechanism {
     pub(super) fn poses_of(&self, track: Option<usize>) -> std::ops::Range<usize> {
         let row = track.unwrap_or(self.measures.tracks.len());
         self.ranges().nth(row).unwrap_or_default()
+    }
+
+    /// The range of poses that a measure is reduced from.
+    pub fn poses_taken(&self, track: Option<usize>, taking: Taking) -> std::ops::Range<usize> {
+        let poses = self.poses_of(track);
+        let is_left_out = self.ends_apart && track.is_none() && !taking.reaches_end();
+        poses.start..poses.end - usize::from(is_left_out)
+    }
+
+    /// Whether the last pose of the drive is its end, which only some measures take.
+    pub fn ends_apart(&self) -> bool {
+        self.ends_apart
     }
 
     /// The poses of every track, and last of the drive if a measure refers to it.

@@ -31,7 +31,8 @@ impl<'f> LaneMeasures<'f> {
     /// track by track and last those along the drive.
     pub fn of(self, slots: &[&[Vec<Octet>]], designs: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let list = self.family.measures.list.iter();
-        let rows: Vec<Vec<Row>> = list.map(|measure| rows_of(measure, slots)).collect();
+        let rows = list.map(|measure| self.rows_of(measure, slots));
+        let rows: Vec<Vec<Row>> = rows.collect();
         let one = |(lane, values): (usize, &Vec<f64>)| self.reduced(&rows, lane, values);
         designs.iter().enumerate().map(one).collect()
     }
@@ -53,20 +54,25 @@ impl<'f> LaneMeasures<'f> {
         }
         numbers.split_off(family.mechanism().inputs.len())
     }
-}
 
-/// The values of a measure's formulas at its poses; none for a formula of other measures.
-fn rows_of(measure: &Measure, slots: &[&[Vec<Octet>]]) -> Vec<Row> {
-    let MeasureSource::Over { track, of, .. } = &measure.source else {
-        return Vec::new();
-    };
-    let poses = slots[track.unwrap_or(slots.len() - 1)];
-    let mut scratch = Vec::new();
-    let mut row = |formula: &Expression| -> Row {
-        let values = poses.iter();
-        values
-            .map(|slots| formula.value_with(slots, &mut scratch))
-            .collect()
-    };
-    of.iter().map(&mut row).collect()
+    /// The values of a measure's formulas at its poses; none for a formula of other measures.
+    fn rows_of(self, measure: &Measure, slots: &[&[Vec<Octet>]]) -> Vec<Row> {
+        let MeasureSource::Over {
+            track, of, taking, ..
+        } = &measure.source
+        else {
+            return Vec::new();
+        };
+        let poses = slots[track.unwrap_or(slots.len() - 1)];
+        let is_left_out = self.family.ends_apart() && track.is_none() && !taking.reaches_end();
+        let poses = &poses[..poses.len() - usize::from(is_left_out)];
+        let mut scratch = Vec::new();
+        let mut row = |formula: &Expression| -> Row {
+            let values = poses.iter();
+            values
+                .map(|slots| formula.value_with(slots, &mut scratch))
+                .collect()
+        };
+        of.iter().map(&mut row).collect()
+    }
 }

@@ -173,7 +173,7 @@ impl Evaluator<'_> {
                     power,
                     ..
                 } => {
-                    let poses = &shown[self.family.poses_of(*track)];
+                    let poses = &shown[self.family.poses_taken(*track, *taking)];
                     let rows: Vec<Vec<f64>> = of
                         .iter()
                         .map(|f| {

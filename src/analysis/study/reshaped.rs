@@ -39,6 +39,7 @@ impl Reading {
             let text = format!("{:?}", value * unit);
             overrides.parameters.push((variable.name.clone(), text));
         }
+        overrides.outside_ranges = true;
         let scene = load_scene(&self.source, &overrides).ok()?;
         Some(scene.mechanism.bodies.clone())
     }

@@ -65,7 +65,8 @@ impl<'f> StudyRows<'f> {
             Taking::Largest => &[1.0, -1.0],
             _ => return None,
         };
-        Some(Self::rows_along(family, *track, &of[0], *per, signs))
+        let poses = family.poses_taken(*track, *taking);
+        Some(Self::rows_along(family, poses, &of[0], *per, signs))
     }
 
     /// The rows of a measure that is reduced to one number from one value per pose, and the reduction.
@@ -94,13 +95,14 @@ impl<'f> StudyRows<'f> {
             power: *power,
         };
         // The values as they are; other signs only turn minima and magnitudes into maxima.
-        let rows = Self::rows_along(family, *track, formula, *per, &[1.0]);
+        let poses = family.poses_taken(*track, *taking);
+        let rows = Self::rows_along(family, poses, formula, *per, &[1.0]);
         Some((rows, reduction))
     }
 
     fn rows_along(
         family: &'f ParametricMechanism,
-        track: Option<usize>,
+        poses: Range<usize>,
         formula: &'f Expression,
         per: Option<usize>,
         signs: &'static [f64],
@@ -109,7 +111,7 @@ impl<'f> StudyRows<'f> {
         Self {
             formula,
             per,
-            poses: family.poses_of(track),
+            poses,
             signs,
             factor: 1.0,
             shift: 0.0,

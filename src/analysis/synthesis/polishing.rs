@@ -133,14 +133,20 @@ fn tighten_bounds(
     found: &FinishedStart,
 ) -> Option<bool> {
     // Measured on finer tracks: the violations between the samples of the study.
-    let fine = standing_family(asked, found)?.with_finer_tracks(FINER);
-    let mut evaluator = Evaluator::new(&fine);
-    let track_poses = evaluator.nominal(fine.nominal().ok()?.poses);
-    let measures = evaluator.measure(&track_poses).ok()?.measures;
+    let standing = standing_family(asked, found)?;
+    let measured = |family: &ParametricMechanism| {
+        let mut evaluator = Evaluator::new(family);
+        let track_poses = evaluator.nominal(family.nominal().ok()?.poses);
+        Some(evaluator.measure(&track_poses).ok()?.measures)
+    };
+    let measures = measured(&standing.with_finer_tracks(FINER))?;
+    // Those that depend on the number of poses have no others.
+    let inputs = asked.mechanism().inputs.len();
+    let counted = asked.measures.depend_on_count(inputs);
     let limits = &asked.study.limits;
     let mut missed = false;
     // Each violated limit is tightened by a multiple of its violation.
-    for (index, [min, max]) in limits {
+    for (index, [min, max]) in limits.iter().filter(|(index, _)| !counted[*index]) {
         let (value, measure) = (measures[*index], &mut family.measures.list[*index]);
         if let (Some(max), Some(present)) = (max, &mut measure.max)
             && value > *max

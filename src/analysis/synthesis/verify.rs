@@ -4,13 +4,16 @@
 
 use super::plan::FINER;
 use crate::analysis::observer::{largest_distance, marked_positions};
-use crate::analysis::study::FamilyError;
+use crate::analysis::study::{DRIVE_SAMPLES, FamilyError};
 use crate::clearance::check::{ClearanceReport, Closely, check_clearance};
 use crate::diag::Source;
 use crate::kinematics::measures::{DriveSamples, measure_motion};
 use crate::kinematics::motion::continuation::solve_motion;
-use crate::kinematics::motion::sampling::{is_cyclic, knot_times};
+use crate::kinematics::motion::sampling::{end_apart, is_cyclic, knot_times, measured_times};
+use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
+use crate::model::actuation::Actuation;
+use crate::model::measure::Measures;
 use crate::model::mechanism::Mechanism;
 use crate::scene::{Overrides, load_scene};
 use std::sync::Arc;
@@ -62,6 +65,31 @@ impl Proof {
     }
 }
 
+/// Measures on the finer tracks, and along the fine motion; those that depend on the number of poses at the poses of the study.
+fn proved_measures(
+    system: &System,
+    actuation: &Actuation,
+    [asked, finer]: [&Measures; 2],
+    fine: &Trajectory,
+) -> Vec<Option<f64>> {
+    let mut list = measure_motion(system, actuation, finer, DriveSamples::all(&fine.samples));
+    let counted = asked.depend_on_count(actuation.drives.len());
+    if counted.contains(&true) {
+        let mechanism = system.mechanism();
+        let times = measured_times(mechanism, actuation, asked, DRIVE_SAMPLES);
+        let motion = solve_motion(system, actuation, &times);
+        let is_apart = end_apart(mechanism, actuation, asked).is_some();
+        let along = DriveSamples::with_end(&motion.samples, is_apart);
+        let own = measure_motion(system, actuation, asked, along);
+        for (value, (own, counted)) in list.iter_mut().zip(own.into_iter().zip(counted)) {
+            if counted {
+                *value = own;
+            }
+        }
+    }
+    list
+}
+
 /// Follows the scene with the given overrides.
 ///
 /// # Errors
@@ -69,6 +97,7 @@ impl Proof {
 pub fn prove_found(source: &Source, overrides: &Overrides) -> Result<Proof, FamilyError> {
     // Solved again on a finer grid than that of the search.
     let mut scene = load_scene(source, overrides).map_err(Box::new)?;
+    let asked = Arc::clone(&scene.measures);
     for track in &mut Arc::make_mut(&mut scene.measures).tracks {
         track.samples = FINER * (track.samples - 1) + 1;
     }
@@ -86,12 +115,7 @@ pub fn prove_found(source: &Source, overrides: &Overrides) -> Result<Proof, Fami
         one_branch: true,
         open: None,
         closed: true,
-        measures: measure_motion(
-            &system,
-            actuation,
-            &scene.measures,
-            DriveSamples::all(&trajectory.samples),
-        ),
+        measures: proved_measures(&system, actuation, [&asked, &scene.measures], &trajectory),
         cutting: Vec::new(),
         meeting: Vec::new(),
         pairs: 0,

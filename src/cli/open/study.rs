@@ -10,7 +10,7 @@ use crate::cli::term::outcome::Failure;
 use crate::diag::Source;
 use crate::kinematics::structure::system::System;
 use crate::model::measure::{Measure, MeasureSource};
-use crate::scene::{Overrides, Scene, load_scene};
+use crate::scene::{KeptIn, Overrides, Scene, load_scene};
 use std::sync::Arc;
 
 /// Reads the scene; `all_by_default` decides what is varied by default.
@@ -91,10 +91,13 @@ impl From<FamilyError> for Failure {
             FamilyError::Structure(error) => Self::Structure(error),
             FamilyError::Lacks(message) => Self::usage(message, Vec::new()),
             FamilyError::NoTolerance(_) => without_tolerance(error.to_string(), "--tolerance 0.1"),
-            FamilyError::Kept(_) => Self::usage(
-                error.to_string(),
-                vec!["leave it out with --vary, or write the number there".to_owned()],
-            ),
+            FamilyError::Kept(ref kept) => {
+                let hint = match kept.place {
+                    KeptIn::Drive => "put what is added to an input into the chain: Rz(phi + phi0)",
+                    _ => "leave it out with --vary, or write the number there",
+                };
+                Self::usage(error.to_string(), vec![hint.to_owned()])
+            }
             FamilyError::NoMeasure { ref known, .. } => {
                 let hint = format!("measures: {}", known.join(", "));
                 Self::usage(error.to_string(), vec![hint])

@@ -122,13 +122,7 @@ fn refuse_driven(family: &ParametricMechanism) -> Result<(), Failure> {
     let is_lost = |place: KeptIn| matches!(place, KeptIn::Drive | KeptIn::Direction);
     match family.kept.iter().find(|kept| is_lost(kept.place)) {
         None => Ok(()),
-        Some(kept) => Err(Failure::usage(
-            format!(
-                "`{}` appears {}, where it would keep the file's value",
-                kept.name, kept.place
-            ),
-            vec!["put what is added to an input into the chain: Rz(phi + phi0)".to_owned()],
-        )),
+        Some(kept) => Err(FamilyError::Kept(kept.clone()).into()),
     }
 }
 

@@ -11,7 +11,7 @@ use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::drive::{Drive, Ease};
 use crate::model::expression::Expression;
-use crate::model::measure::{MeasureSource, MeasuredTrack, Measures, Taking};
+use crate::model::measure::{MeasureSource, MeasuredTrack, Measures};
 use crate::model::rate::RateOrder;
 use crate::numbers::series::TaylorSeries;
 use reduce::reduce_values;
@@ -37,6 +37,17 @@ impl<'s> DriveSamples<'s> {
         let last = self.samples.last().map_or(f64::INFINITY, |last| last.time);
         let end = self.end.filter(|end| end.time > last);
         self.samples.iter().chain(end)
+    }
+
+    /// Samples, the last of which is the end of the motion and none of the others if `is_apart`.
+    pub fn with_end(samples: &'s [Sample], is_apart: bool) -> Self {
+        match samples.split_last() {
+            Some((end, samples)) if is_apart => Self {
+                samples,
+                end: Some(end),
+            },
+            _ => Self::all(samples),
+        }
     }
 
     /// The first and the last pose.
@@ -116,7 +127,7 @@ fn measure_over(
             // Values of the formulas at all samples of the track, or at its ends, then their reduction to one number.
             let poses: Vec<&Sample> = match taking.is_of_ends() {
                 true => along.ends().into_iter().flatten().collect(),
-                false if *taking == Taking::Positive => along.way().collect(),
+                false if taking.reaches_end() => along.way().collect(),
                 false => along.samples.iter().collect(),
             };
             let at = |formula: &Expression| -> Option<Vec<f64>> {

@@ -37,6 +37,9 @@ const SAME_INPUT: f64 = 1e-9;
 /// Times nearer than this (relative to the duration) are one.
 const SAME_TIME: f64 = 1e-12;
 
+/// Jumps nearer than this (relative to the duration) differ by rounding.
+const ROUNDED_TIME: f64 = 1e-15;
+
 /// Whether the drive ends where it began, angles up to whole turns: a cyclic animation then needs no last frame.
 pub fn is_cyclic(mechanism: &Mechanism, actuation: &Actuation) -> bool {
     let (start, end) = (
@@ -92,19 +95,22 @@ pub fn even_times(mechanism: &Mechanism, actuation: &Actuation, count: usize) ->
         .collect()
 }
 
-/// The same for measures: with both ends if some depend on the pose at the end.
+/// The same for measures: and then the end of a cyclic motion, if some depend on it.
 pub fn measured_times(
     mechanism: &Mechanism,
     actuation: &Actuation,
     measures: &Measures,
     count: usize,
 ) -> Vec<f64> {
-    if !measures.look_at_end() {
-        return even_times(mechanism, actuation, count);
-    }
-    let steps = count.saturating_sub(1).max(1);
-    let times = (0..=steps).map(|k| actuation.duration * (k as f64 / steps as f64));
-    times.collect()
+    let mut times = even_times(mechanism, actuation, count);
+    times.extend(end_apart(mechanism, actuation, measures));
+    times
+}
+
+/// The end of the motion, if measures depend on it and it is none of the even times.
+pub fn end_apart(mechanism: &Mechanism, actuation: &Actuation, measures: &Measures) -> Option<f64> {
+    let is_apart = measures.look_at_end() && is_cyclic(mechanism, actuation);
+    is_apart.then_some(actuation.duration)
 }
 
 /// The given times with both ends of the drive and every time at which an input has a key, a kink or a jump, or the formula
@@ -130,11 +136,11 @@ pub fn knot_times(mechanism: &Mechanism, actuation: &Actuation, times: &[f64]) -
     let mut all: Vec<(f64, KnotWeight)> = own.chain(asked).collect();
     all.sort_by(|(p, _), (q, _)| p.total_cmp(q));
     // Different pieces of a drive meet only at these times. Of those that are nearly one, a jump counts more than a kink, and that
-    // more than a sample; two jumps are two, but at neighbouring numbers.
+    // more than a sample; two jumps are two, but for rounding.
     all.dedup_by(|(b, weight), (a, known)| {
         let is_same = *b - *a <= SAME_TIME * last;
         if is_same && *known == KnotWeight::Pose && *weight == KnotWeight::Pose {
-            let is_one = *b <= a.next_up();
+            let is_one = *b - *a <= ROUNDED_TIME * last;
             // The end is the end, even if a jump is just before.
             if is_one && *b == last {
                 *a = last;

@@ -10,6 +10,7 @@ use super::names::Names;
 use super::outputs::{Scope, dimension_of};
 use super::parsing::parsed_expression;
 use super::rates::{FoundRates, TIME, find_derivative};
+use super::varied::Dependents;
 use crate::diag::{Diagnostic, Diagnostics, Span, shown_number};
 use crate::model::dimension::PhysicalDimension;
 use crate::model::expression::Expression;
@@ -106,14 +107,15 @@ fn fixed_point(
 /// Resolves the measures in the order of the file; in a study they are differentiated by its variables.
 pub fn resolve_measures(
     file: &SceneFile,
-    scope: &Scope,
+    (scope, dependents): (&Scope, &Dependents),
     (tracks, is_studied): (&[MeasuredTrack], bool),
     diagnostics: &mut Diagnostics,
 ) -> Vec<Measure> {
     let mut measures: Vec<Measure> = Vec::new();
     for item in &file.measures {
         let among = (tracks, measures.as_slice(), is_studied);
-        if let Some(measure) = resolve_measure(item, file, scope, among, diagnostics) {
+        let scopes = (scope, dependents);
+        if let Some(measure) = resolve_measure(item, file, scopes, among, diagnostics) {
             measures.push(measure);
         }
     }
@@ -123,17 +125,19 @@ pub fn resolve_measures(
 fn resolve_measure(
     item: &MeasureFile,
     file: &SceneFile,
-    scope: &Scope,
+    (scope, dependents): (&Scope, &Dependents),
     (tracks, earlier, is_studied): (&[MeasuredTrack], &[Measure], bool),
     diagnostics: &mut Diagnostics,
 ) -> Option<Measure> {
     // A formula of earlier measures, or values over poses that are reduced to one.
     let (source, kind) = match item.source.as_ref()? {
         MeasureSourceFile::Formula(text) => {
-            measure_formula(text, file, scope.names, earlier, diagnostics)?
+            let names = (scope.names, dependents);
+            measure_formula(text, file, names, earlier, diagnostics)?
         }
         source @ MeasureSourceFile::Over { .. } => {
-            resolve_over(source, file, scope, (tracks, is_studied), diagnostics)?
+            let scopes = (scope, dependents);
+            resolve_over(source, file, scopes, (tracks, is_studied), diagnostics)?
         }
     };
     // Limits are constants of the same kind: `None` after an error, `Some(None)` for no limit.
@@ -154,7 +158,7 @@ fn resolve_measure(
 fn resolve_over(
     source: &MeasureSourceFile,
     file: &SceneFile,
-    scope: &Scope,
+    (scope, dependents): (&Scope, &Dependents),
     (tracks, is_studied): (&[MeasuredTrack], bool),
     diagnostics: &mut Diagnostics,
 ) -> Option<(MeasureSource, Kind)> {
@@ -177,6 +181,7 @@ fn resolve_over(
     let taking = resolve_taking(take, of.len(), diagnostics)?;
     let nodes = of.iter().map(|text| parsed_expression(text, diagnostics));
     let mut nodes: Vec<FormulaNode> = nodes.collect::<Option<_>>()?;
+    nodes.iter_mut().for_each(|node| dependents.expand(node));
     // Derivatives by a single input are written as `per`, whether or not the file does so.
     let per = match per {
         None => derived_by_all(&mut nodes, scope.names),
@@ -393,11 +398,12 @@ fn track_index(
 fn measure_formula(
     text: &FormulaText,
     file: &SceneFile,
-    names: &Names,
+    (names, dependents): (&Names, &Dependents),
     earlier: &[Measure],
     diagnostics: &mut Diagnostics,
 ) -> Option<(MeasureSource, Kind)> {
-    let node = parsed_expression(text, diagnostics)?;
+    let mut node = parsed_expression(text, diagnostics)?;
+    dependents.expand(&mut node);
     // What it measures follows from the measures that it uses.
     let known = |used: &str| {
         let measure = earlier.iter().find(|m| m.name == used);

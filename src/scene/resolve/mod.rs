@@ -134,7 +134,7 @@ pub fn resolve_scene(
     };
     let measures = measures::resolve_measures(
         file,
-        &scope,
+        (&scope, &varied::Dependents::new(&parsed, varied)),
         (&tracks, overrides.derives_measures),
         diagnostics,
     );
@@ -143,8 +143,8 @@ pub fn resolve_scene(
     if is_empty && outputs.is_empty() && !diagnostics.has_errors() {
         diagnostics.push(nothing_to_solve());
     }
-    let asked = (varied, overrides.minimise.as_deref());
-    let study = study::resolve_study(file, &names, &angle_unit, &measures, asked, diagnostics);
+    let units = (&names, &angle_unit);
+    let study = study::resolve_study(file, units, &measures, overrides, diagnostics);
     let coordinates = coordinates?;
     // All errors have been collected; from here on nothing can fail.
     if diagnostics.has_errors() {

@@ -4,11 +4,12 @@ use super::super::file::{InputFile, SceneFile};
 use super::super::formula::chain::{Item, parse_chain};
 use super::super::formula::expansion::Factor;
 use super::super::formula::node::FormulaNode;
-use super::super::measures::MeasureFile;
+use super::super::measures::MeasureSourceFile;
 use super::bars::parsed::ParsedBars;
 use super::contacts::chains::{ContactItems, ParsedContact};
 use super::parsing::{Named, NamedChains, note_diagnostic, parsed_expression};
 use crate::diag::Diagnostics;
+use crate::scene::loaded::KeptIn;
 use crate::scene::reader::Spanned;
 use crate::scene::values::FormulaText;
 
@@ -27,9 +28,8 @@ pub struct Parsed {
     pub frames: Vec<Vec<Factor>>,
     /// Coordinates of the traced points.
     pub points: Vec<FormulaNode>,
-    /// The formulas that define further poses and their measures: ends of tracks, and measures.
-    pub tracks: Vec<FormulaNode>,
-    pub measures: Vec<FormulaNode>,
+    /// Formulas whose values are those of the file, whatever is varied.
+    pub fixed: Vec<(KeptIn, FormulaNode)>,
     /// Named chains, for placing shapes.
     pub chains: NamedChains,
     /// Every loop and equation could be read; only then are the unknowns known.
@@ -110,11 +110,9 @@ impl Parsed {
         // Chains that nothing refers to have not been checked yet.
         chains.judge_all(diagnostics);
         let points = file.traces.iter().flat_map(|trace| trace.point.iter());
-        let ends = file.tracks.iter().flat_map(|track| &track.inputs);
         Self {
             points: unreported_nodes(points.flatten()),
-            tracks: unreported_nodes(ends.flat_map(|(_, ends)| ends)),
-            measures: unreported_nodes(file.measures.iter().flat_map(MeasureFile::formulas)),
+            fixed: fixed_formulas(file),
             parameters,
             inputs,
             loops,
@@ -173,4 +171,36 @@ fn expanded_chains(
 ) -> Option<Vec<Factor>> {
     let items = note_diagnostic(parse_chain, text, diagnostics)?;
     chains.expand(&items, diagnostics)
+}
+
+/// Tracks, limits, powers of norms and the duration.
+fn fixed_formulas(file: &SceneFile) -> Vec<(KeptIn, FormulaNode)> {
+    let ends = file.tracks.iter().flat_map(|track| &track.inputs);
+    let ends = ends.flat_map(|(_, ends)| ends);
+    let tracks = ends.chain(
+        file.tracks
+            .iter()
+            .filter_map(|track| track.samples.as_ref()),
+    );
+    let limits = file.measures.iter().flat_map(|measure| &measure.limits);
+    let of_study = file.study.iter().flat_map(|study| &study.limits);
+    let limits = limits
+        .chain(of_study.flat_map(|(_, limits)| limits))
+        .flatten();
+    let powers = file
+        .measures
+        .iter()
+        .filter_map(|measure| match &measure.source {
+            Some(MeasureSourceFile::Over { power, .. }) => power.as_ref(),
+            _ => None,
+        });
+    let mut list = Vec::new();
+    let mut add = |place: KeptIn, texts: Vec<FormulaNode>| {
+        list.extend(texts.into_iter().map(|node| (place, node)));
+    };
+    add(KeptIn::Track, unreported_nodes(tracks));
+    add(KeptIn::Limit, unreported_nodes(limits));
+    add(KeptIn::Power, unreported_nodes(powers));
+    add(KeptIn::Duration, unreported_nodes(file.duration.iter()));
+    list
 }

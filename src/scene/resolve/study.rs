@@ -10,6 +10,7 @@ use crate::diag::{Diagnostic, Diagnostics, shown_number};
 use crate::model::measure::Measure;
 use crate::model::mechanism::{AngleUnit, Kind};
 use crate::model::study::{Study, Variable};
+use crate::scene::overrides::Overrides;
 use crate::scene::reader::Spanned;
 use crate::scene::values::FormulaText;
 
@@ -20,13 +21,12 @@ const DEFAULT_RANGE: f64 = 0.2;
 /// objective is `minimised` or that of the file.
 pub fn resolve_study(
     file: &SceneFile,
-    names: &Names,
-    unit: &AngleUnit,
+    (names, unit): (&Names, &AngleUnit),
     measures: &[Measure],
-    (varied, minimised): (&[String], Option<&str>),
+    overrides: &Overrides,
     diagnostics: &mut Diagnostics,
 ) -> Option<Study> {
-    let empty = StudyFile::default();
+    let (empty, varied) = (StudyFile::default(), overrides.vary.as_slice());
     let study = match &file.study {
         Some(study) => study,
         None if varied.is_empty() => return None,
@@ -35,11 +35,12 @@ pub fn resolve_study(
     let mut resolver = Resolver {
         names,
         unit,
+        outside_ranges: overrides.outside_ranges,
         diagnostics,
     };
     // Options of the command line take precedence over the file.
     let variables = resolver.study_variables(study, varied);
-    let objective = match minimised {
+    let objective = match overrides.minimise.as_deref() {
         Some(name) => resolver.other_objective(name, measures),
         None => resolver.objective(study, file, measures),
     };
@@ -57,6 +58,7 @@ pub fn resolve_study(
 struct Resolver<'a, 'd> {
     names: &'a Names,
     unit: &'a AngleUnit,
+    outside_ranges: bool,
     diagnostics: &'d mut Diagnostics,
 }
 
@@ -233,7 +235,7 @@ impl Resolver<'_, '_> {
             self.diagnostics.push(Diagnostic::error(message).at(place));
             return None;
         }
-        if !(lower..=upper).contains(&start) {
+        if !self.outside_ranges && !(lower..=upper).contains(&start) {
             let message = format!("`{name}` starts outside its range");
             let hint = "the range must contain the parameter's own value";
             self.diagnostics

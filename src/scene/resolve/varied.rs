@@ -159,26 +159,14 @@ pub fn expand_dependents(parsed: &mut Parsed, varied: &[String], diagnostics: &m
     formulas.for_each(|(_, node)| expand(node));
 }
 
-/// Varied parameters whose file values are still used somewhere: in drives, ends of tracks and axes of rotations, and
-/// in measures that use a parameter computed from them. Results for a motion or a measure hold for these values only.
+/// Varied parameters whose file values are still used somewhere: in drives, tracks, axes of rotations, limits of measures, powers of
+/// norms and the duration. Results for a motion or a measure hold for these values only.
 pub fn kept_parameters(parsed: &Parsed, varied: &[String]) -> Vec<KeptParameter> {
     let dependents = dependent_parameters(&parsed.parameters, varied);
     let mut kept: Vec<KeptParameter> = Vec::new();
     // Records which variables a formula uses, directly or through a computed parameter.
-    let mut note = |node: &FormulaNode, place: KeptIn, directly: bool| {
+    let mut note = |node: &FormulaNode, place: KeptIn| {
         let mut node = node.clone();
-        let mut used: Vec<String> = Vec::new();
-        node.visit_names(&mut |name, _| {
-            if dependents.iter().any(|(d, _)| d == name)
-                || directly && varied.iter().any(|v| v == name)
-            {
-                used.push(name.to_owned());
-            }
-        });
-        if used.is_empty() {
-            return;
-        }
-        // The parameters computed from variables are written out to find the variables themselves.
         substitute_names(&mut node, &dependents, MAX_DEPTH);
         node.visit_names(&mut |name, _| {
             let item = KeptParameter {
@@ -190,32 +178,22 @@ pub fn kept_parameters(parsed: &Parsed, varied: &[String]) -> Vec<KeptParameter>
             }
         });
     };
-    // Drives, tracks and axes keep the file's values whatever way a variable enters.
     for (_, input) in &parsed.inputs {
         match input {
-            ParsedInput::Formula(node) => note(node, KeptIn::Drive, true),
-            ParsedInput::Keys(keys) => keys
-                .iter()
-                .flatten()
-                .for_each(|node| note(node, KeptIn::Drive, true)),
+            ParsedInput::Formula(node) => note(node, KeptIn::Drive),
+            ParsedInput::Keys(keys) => {
+                let nodes = keys.iter().flatten();
+                nodes.for_each(|node| note(node, KeptIn::Drive));
+            }
         }
     }
-    parsed
-        .tracks
-        .iter()
-        .for_each(|node| note(node, KeptIn::Track, true));
-    parsed
-        // Measures follow variables, but not parameters computed from them.
-        .measures
-        .iter()
-        .for_each(|node| note(node, KeptIn::Measure, false));
+    let fixed = parsed.fixed.iter();
+    fixed.for_each(|(place, node)| note(node, *place));
     let loops = parsed.loops.iter().map(|(_, factors)| factors);
     let pins = parsed.bars.pins.iter().map(|pin| &pin.closing);
     for factor in loops.chain(pins).chain(&parsed.frames).flatten() {
         if let Factor::Direction(nodes, _) = factor {
-            nodes
-                .iter()
-                .for_each(|node| note(node, KeptIn::Direction, true));
+            nodes.iter().for_each(|node| note(node, KeptIn::Direction));
         }
     }
     kept

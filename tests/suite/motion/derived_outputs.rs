@@ -196,9 +196,10 @@ fn studies_say_which_derivatives_they_cannot_derive() {
     let w = Workspace::new();
     let scene = |of: &str| {
         format!("{SQUARE}[measures]\nm = {{ {of}, take = \"max\" }}\n")
-            .replace("x^2 - p", "x^2 - k*p")
+            .replace("k = 2\n", "k = 2\nc = 2\n")
+            .replace("x^2 - p", "x^2 - c*p")
     };
-    let arguments = ["sensitivity", "s.toml", "--vary", "k", "--out", "out.csv"];
+    let arguments = ["sensitivity", "s.toml", "--vary", "c", "--out", "out.csv"];
     let table = |of: &str| {
         w.write("s.toml", scene(of));
         w.run(&arguments).exits(0);

@@ -11,7 +11,7 @@ use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::drive::{Drive, Ease};
 use crate::scene::{Overrides, load_scene};
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 /// What was found out.
@@ -116,10 +116,46 @@ pub fn verify_target(
 
 /// Whether free inputs ascend or descend with the rows; inputs of the table follow the table.
 fn in_order(target: &Target, fit: &Fit) -> bool {
-    if target.free_input.is_none() {
-        return true;
+    let free = target.free_input.as_ref();
+    free.is_none_or(|free| {
+        let phases = &fit.x[fit.x.len() - target.rows.len()..];
+        is_one_way(phases, free.is_cyclic)
+    })
+}
+
+/// Whether numbers ascend or descend; angles that go round, by less than a turn in all.
+fn is_one_way(phases: &[f64], is_cyclic: bool) -> bool {
+    let steps = || phases.windows(2).map(|pair| pair[1] - pair[0]);
+    if is_cyclic {
+        let way = |sign: f64| {
+            steps()
+                .map(|step| (sign * step).rem_euclid(TAU))
+                .sum::<f64>()
+        };
+        return way(1.0) < TAU || way(-1.0) < TAU;
     }
-    let phases = &fit.x[fit.x.len() - target.rows.len()..];
-    let mut steps = phases.windows(2).map(|pair| pair[1] - pair[0]);
-    steps.clone().all(|step| step >= 0.0) || steps.all(|step| step <= 0.0)
+    steps().all(|step| step >= 0.0) || steps().all(|step| step <= 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_that_pass_the_end_of_a_turn_are_in_order() {
+        let rows: [(&[f64], [bool; 2]); 5] = [
+            (&[5.0, 5.6, 6.2, 0.517, 1.117], [true, false]),
+            (&[1.117, 0.517, 6.2, 5.6, 5.0], [true, false]),
+            (&[0.1, 0.2, 4.0], [true, true]),
+            (&[0.1, 4.0, 2.0, 3.0], [false, false]),
+            (&[5.0, 0.5, 4.9, 0.4, 4.8], [false, false]),
+        ];
+        for (phases, known) in rows {
+            assert_eq!(
+                [true, false].map(|cyclic| is_one_way(phases, cyclic)),
+                known,
+                "{phases:?}"
+            );
+        }
+    }
 }
