@@ -1,5 +1,6 @@
 //! The variables and the objective of a study; measures and their limits belong to the mechanism.
 
+use super::measure::Measures;
 use super::mechanism::Kind;
 
 /// A parameter that may change.
@@ -32,4 +33,15 @@ pub struct Study {
     pub printed: Vec<(usize, f64)>,
     /// One line about what is studied.
     pub note: Option<String>,
+}
+
+impl Study {
+    /// Puts its limits in place of the measures' own.
+    pub fn limit(&self, measures: &mut Measures) {
+        for (index, [min, max]) in &self.limits {
+            let measure = &mut measures.list[*index];
+            measure.min = min.or(measure.min);
+            measure.max = max.or(measure.max);
+        }
+    }
 }

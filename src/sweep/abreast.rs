@@ -155,7 +155,7 @@ impl<'s> RowGroup<'s> {
             let is_whole = closure.lane(lane).is_finite() && values.iter().all(|v| v.is_finite());
             (lanes.has(lane) && is_whole).then(|| Row {
                 status: RowStatus::Ok,
-                is_feasible: sweep.keeps_limits(&values),
+                is_feasible: sweep.keeps_limits(&sweep.family().measures, &values),
                 values: sweep.in_file_units(values),
                 closure_error: closure.lane(lane),
                 error_bound: f64::NAN,

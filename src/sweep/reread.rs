@@ -34,10 +34,14 @@ pub(super) fn row(sweep: &Sweep, design: &[f64], internal: &[f64]) -> Row {
     if sweep.asked == RequestedValues::Check {
         return checked_row(sweep, &scene, &system, start.status);
     }
+    let mut measures = (*scene.measures).clone();
+    if let Some(study) = &scene.study {
+        study.limit(&mut measures);
+    }
     let posed = Posed {
         system: &system,
         actuation: &scene.actuation,
-        measures: &scene.measures,
+        measures: &measures,
     };
     sweep.answer(&posed, start.status)
 }
@@ -50,6 +54,7 @@ fn scene_with(sweep: &Sweep, design: &[f64]) -> Option<Scene> {
     }
     let overrides = Overrides {
         parameters,
+        outside_ranges: true,
         ..sweep.overrides.clone()
     };
     load_scene(&sweep.source, &overrides).ok()

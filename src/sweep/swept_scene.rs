@@ -184,7 +184,7 @@ impl Sweep {
         if status == RowStatus::Ok && values.iter().any(|v: &f64| !v.is_finite()) {
             status = RowStatus::Refused;
         }
-        let is_feasible = status == RowStatus::Ok && self.keeps_limits(&values);
+        let is_feasible = status == RowStatus::Ok && self.keeps_limits(posed.measures, &values);
         Row {
             status,
             is_feasible,
@@ -222,10 +222,10 @@ impl Sweep {
     }
 
     /// Whether measures meet their own limits and those of the study.
-    pub(super) fn keeps_limits(&self, values: &[f64]) -> bool {
+    pub(super) fn keeps_limits(&self, measures: &Measures, values: &[f64]) -> bool {
         match self.asked {
             RequestedValues::Measures { .. } => {
-                let mut pairs = self.family.measures.list.iter().zip(values);
+                let mut pairs = measures.list.iter().zip(values);
                 pairs.all(|(measure, value)| measure.allows(*value))
             }
             _ => true,

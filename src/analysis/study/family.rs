@@ -197,11 +197,7 @@ impl ParametricMechanism {
         reshaped::follow(own, &reading);
         let system = System::new(mechanism, &scene.actuation)?;
         let mut measures = Arc::unwrap_or_clone(scene.measures);
-        for (index, [min, max]) in &study.limits {
-            let measure = &mut measures.list[*index];
-            measure.min = min.or(measure.min);
-            measure.max = max.or(measure.max);
-        }
+        study.limit(&mut measures);
         let mut counts: Vec<usize> = measures.tracks.iter().map(|t| t.samples).collect();
         let along_drive = |m: &Measure| matches!(m.source, MeasureSource::Over { track: None, .. });
         let end = end_apart(system.mechanism(), &scene.actuation, &measures);
