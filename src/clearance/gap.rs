@@ -278,7 +278,7 @@ mod tests {
                 .zip(reached)
                 .filter(|(goal, low)| low >= goal)
                 .count();
-            let plain = found.distance - moved.distance(mine.bounds());
+            let plain = found.lowest() - moved.distance(mine.bounds());
             assert!(low >= plain && low <= found.distance);
             let of_curve = curved::lower_bound(&meeting, [f64::NEG_INFINITY, f64::INFINITY]);
             let mut least = f64::INFINITY;
