@@ -73,10 +73,11 @@ impl Study {
 
     /// The exact derivatives of all measures with respect to all variables.
     ///
-    /// Errors: the scene has no measures; no parameter has that name; a pose does not exist.
+    /// Errors: the scene has no measures; no parameter has that name; a variable where it cannot be followed (a drive, a track,
+    /// the limits of a measure); a pose does not exist.
     ///
     /// ```
-    /// let study = mechanim::Scene::builtin("rope-drum")?.study();
+    /// let study = mechanim::Scene::builtin("twin-steer")?.study();
     /// let sensitivity = study.sensitivity()?;
     /// assert!(!sensitivity.variables().is_empty());
     /// # Ok::<(), mechanim::Error>(())
