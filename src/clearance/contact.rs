@@ -130,7 +130,7 @@ impl PairSweep<'_> {
                     asked: low,
                     lowest: low,
                     middle: high,
-                    missed: 0.0,
+                    at_best: low,
                     is_blurred: self.chain.blur(arguments, piece.middle, self.hulls[1].ball)
                         > BLURRED * allowed,
                     near: NearElements::ALL,

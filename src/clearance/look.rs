@@ -98,8 +98,8 @@ pub(super) struct BoundGoal {
     pub(super) lowest: f64,
     /// No pose of the motion in the middle of the piece is farther apart than this.
     pub(super) middle: f64,
-    /// How much of the bound is due to what the distances in the middle may have missed: shorter pieces do not help.
-    pub(super) missed: f64,
+    /// The same if the distances in the middle had missed nothing: what shorter pieces can reach at best.
+    pub(super) at_best: f64,
     /// Narrower bounds of the motion would help more than shorter pieces.
     pub(super) is_blurred: bool,
     pub(super) near: NearElements,
@@ -117,7 +117,7 @@ impl BoundGoal {
             asked,
             lowest,
             middle: f64::INFINITY,
-            missed: 0.0,
+            at_best: lowest,
             is_blurred: false,
             near: piece.near.clone(),
         }
@@ -125,7 +125,7 @@ impl BoundGoal {
 
     /// Whether shorter pieces may reach a goal that this one misses.
     pub(super) fn falls_short_of(&self, goal: f64) -> bool {
-        self.lowest < goal && self.lowest + self.missed < goal
+        self.lowest < goal && self.at_best < goal
     }
 }
 
@@ -211,7 +211,7 @@ impl PairSweep<'_> {
         // Element by element: only those that could come below `last` are kept for the halves.
         let back = self.back.as_ref().map(|b| b.around(arguments, s, half));
         let mut others = piece.near.others;
-        let (mut lowest, mut nearest, mut missed) = (others, f64::INFINITY, 0.0_f64);
+        let (mut lowest, mut nearest, mut at_best) = (others, f64::INFINITY, others);
         let mut left: Vec<[usize; 2]> = Vec::new();
         let LookMemory {
             columns,
@@ -248,7 +248,7 @@ impl PairSweep<'_> {
                     .found
                     .get_or_insert_with(|| signed_distance(first, second));
                 let low = found.lowest() - pair.wobble;
-                missed = missed.max(found.missed);
+                at_best = lower_of(at_best, low + found.missed);
                 nearest = nearest.min(found.distance);
                 lowest = lower_of(lowest, low);
                 match low < last {
@@ -278,6 +278,7 @@ impl PairSweep<'_> {
             }
             if far >= goal {
                 lowest = lower_of(lowest, far);
+                at_best = lower_of(at_best, far);
                 match far < last {
                     true => left.push([i, j]),
                     false => others = others.min(far),
@@ -294,8 +295,8 @@ impl PairSweep<'_> {
             if found.distance >= limit {
                 if found.distance < goal || lowest < goal {
                     nearest = nearest.min(found.distance);
-                    missed = missed.max(found.missed);
                     lowest = lower_of(lowest, found.lowest() - way);
+                    at_best = lower_of(at_best, found.distance - way);
                     left.push([i, j]);
                     return;
                 }
@@ -305,7 +306,7 @@ impl PairSweep<'_> {
                 }
             }
             // The distance in the middle, and a bound of the second order over the piece.
-            missed = missed.max(found.missed);
+            let missed = found.missed;
             let meeting = Meeting::with(found, [first, second, mine], &moved);
             if meeting.found.distance < nearest {
                 (nearest, *nearest_pair) = (meeting.found.distance, Some([i, j]));
@@ -318,10 +319,12 @@ impl PairSweep<'_> {
                 _ => meeting.below([goal, last]),
             };
             // Where a mesh is met nothing is known of the depth.
-            lowest = match self.meets([i, j], meeting.found.distance) {
-                true => lower_of(lowest, self.deepest()),
-                false => lower_of(lowest, below),
+            let below = match self.meets([i, j], meeting.found.distance) {
+                true => self.deepest(),
+                false => below,
             };
+            lowest = lower_of(lowest, below);
+            at_best = lower_of(at_best, below + missed);
             left.push([i, j]);
         };
         begin.into_iter().for_each(&mut visit);
@@ -346,7 +349,7 @@ impl PairSweep<'_> {
             asked: goal,
             lowest,
             middle: nearest + blur,
-            missed,
+            at_best,
             // No number is no bound of the motion.
             is_blurred: blur.is_nan() || nearest - 2.0 * blur < goal,
             near: NearElements {
