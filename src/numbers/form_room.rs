@@ -10,7 +10,7 @@ pub struct FormRoom {
     bends: CoefficientLists,
 }
 
-/// Lists of one length.
+/// Lists up to one length.
 #[derive(Debug, Default)]
 pub struct CoefficientLists {
     length: usize,
@@ -42,7 +42,7 @@ impl FormRoom {
     pub fn empty(&mut self, count: usize) {
         self.count = count;
         self.slopes.empty(count);
-        self.bends.empty(count * (count + 1) / 2);
+        self.bends.empty(pair_count(count));
     }
 
     /// How many numbers forms change with.
@@ -61,9 +61,14 @@ impl FormRoom {
     }
 
     /// Index of the pair (k, l), k ≤ l, in a packed list.
-    pub fn place(&self, k: usize, l: usize) -> usize {
-        k * (2 * self.count + 1 - k) / 2 + l - k
+    pub fn place(k: usize, l: usize) -> usize {
+        pair_count(l) + k
     }
+}
+
+/// Number of pairs of so many numbers, each with itself among them: the length of a packed list.
+pub fn pair_count(numbers: usize) -> usize {
+    numbers * (numbers + 1) / 2
 }
 
 impl CoefficientLists {
@@ -84,13 +89,6 @@ impl CoefficientLists {
         let mut list = self.spare.borrow_mut().pop().unwrap_or_default();
         list.clear();
         list.reserve_exact(self.length);
-        list
-    }
-
-    /// A list of zeros.
-    pub fn zeros(&self) -> Vec<f64> {
-        let mut list = self.blank();
-        list.resize(self.length, 0.0);
         list
     }
 
@@ -135,8 +133,9 @@ mod tests {
         for (k, list) in kept.iter().enumerate() {
             assert_eq!(*list, [k as f64; 3]);
         }
-        let places = [(0, 0), (0, 1), (1, 1)].map(|(k, l)| room.place(k, l));
-        assert_eq!(places, [0, 1, 2]);
+        let pairs = [(0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2)];
+        let places = pairs.map(|(k, l)| FormRoom::place(k, l));
+        assert_eq!(places, [0, 1, 2, 3, 4, 5]);
     }
 
     #[test]
@@ -148,9 +147,9 @@ mod tests {
                 (room.slopes(), room.count()),
             ];
             let kept = (0..MANY).flat_map(|_| lists).filter_map(|(lists, length)| {
-                let mut list = lists.zeros();
-                assert_eq!(list, vec![0.0; length]);
-                list.fill(value);
+                let mut list = lists.blank();
+                assert!(list.is_empty());
+                list.resize(length, value);
                 lists.keep(list)
             });
             let mut all: Vec<usize> = kept.map(|list| list.as_ptr().addr()).collect();

@@ -126,7 +126,7 @@ impl Centre {
         for round in 0..rounds {
             let known = region.slots.clone();
             for (i, slot) in layout.block.unknowns.iter().enumerate() {
-                region.slots[*slot] = region.slots[*slot].marked(region.count + i);
+                region.slots[*slot] = region.slots[*slot].marked(self.span + i);
             }
             let narrower = self
                 .varying(layout, basis, region)
@@ -194,7 +194,7 @@ impl Centre {
             let Ok(varying) = self.varying(layout, basis, region) else {
                 break;
             };
-            farthest = varying.farthest(m).or(farthest);
+            farthest = varying.farthest(m.min(self.span)).or(farthest);
             let image = varying.a.image(&eta, &box_of);
             let inside = image.iter().zip(&box_of).all(|(y, w)| y < w);
             if !inside && passed.is_some() {
@@ -248,7 +248,7 @@ impl Centre {
     ) -> Vec<f64> {
         let (n, m) = (self.n, self.rates.len() / self.n.max(1));
         let mut all = vec![0.0; n * m];
-        for k in 0..m {
+        for k in 0..m.min(self.span) {
             let own: Vec<f64> = (0..n).map(|i| from(i, k)).collect();
             let solved = mapped.a.solved(&own, box_of);
             (0..n).for_each(|i| all[i * m + k] = solved[i]);
@@ -282,7 +282,7 @@ impl Centre {
             return all.into_iter().map(|form| -form).collect();
         }
         let sizes = self.solved_columns(mapped, box_of, |i, k| g(i, k).magnitude());
-        for k in 0..m {
+        for k in 0..m.min(self.span) {
             let once = column(&|i| sizes[i * m + k]);
             let twice = mapped.a.times(&once);
             for i in 0..n {
@@ -305,7 +305,7 @@ impl Centre {
         for (i, slot) in layout.block.unknowns.iter().enumerate() {
             let rates = &self.rates[i * m..][..m];
             let form = F::linear(region.room, region.slots[*slot].nominal(), rates, box_of[i]);
-            region.slots[*slot] = form.marked(m + i);
+            region.slots[*slot] = form.marked(self.span + i);
         }
     }
 

@@ -24,6 +24,8 @@ pub struct Centre {
     pub rates: Vec<f64>,
     /// Points about which the loops are expressed.
     pub about: Vec<[f64; 3]>,
+    /// How many of the first δ the block depends on; the sides of its box are the numbers that follow.
+    pub span: usize,
 }
 
 /// The Jacobian where the unknowns are sought.
@@ -36,7 +38,7 @@ pub struct Varying<F> {
 }
 
 impl<F: DimensionForm> Varying<F> {
-    /// The dimension that changes A most.
+    /// The dimension that changes A most; behind the first `m` numbers are the sides of the box.
     pub fn farthest(&self, m: usize) -> Option<usize> {
         let mut moved = vec![0.0; m];
         for entry in &self.entries {
@@ -94,6 +96,7 @@ impl Centre {
             newton,
             rates,
             about,
+            span: region.span_of(&layout.slots[n..]),
         })
     }
 
@@ -114,6 +117,7 @@ impl Centre {
             inverse: known.inverse.clone(),
             rates: known.rates.clone(),
             about: known.about.clone(),
+            span: region.span_of(&layout.slots[layout.own()..]),
         }
     }
 
@@ -177,6 +181,11 @@ impl Centre {
         for i in 0..n {
             let mut open = 0.0;
             for k in 0..m {
+                // The block does not depend on it.
+                if k >= self.span {
+                    mapped.g.push(zero);
+                    continue;
+                }
                 // S + A S + R Fₖ
                 let inverse = self.inverse[i * n..][..n].iter().copied();
                 let by_rows = inverse.zip(by_dimension.iter().skip(k).step_by(m));
@@ -184,12 +193,13 @@ impl Centre {
                 let by_entries = column.zip(&entries[i * n..][..n]);
                 let g = F::combination(self.rates[i * m + k], by_rows.chain(by_entries));
                 open += g.nominal().abs() + 0.5 * g.radius() + g.beyond();
-                mapped.g.push(g.folded(m));
+                mapped.g.push(g.folded(self.span));
             }
             mapped.eta[i] = (mapped.eta[i] + open) * GROW;
         }
         if F::BENT {
-            mapped.entries = entries.into_iter().map(|entry| entry.folded(m)).collect();
+            let folded = entries.into_iter().map(|entry| entry.folded(self.span));
+            mapped.entries = folded.collect();
         }
         mapped
     }

@@ -1,7 +1,7 @@
 //! Enclosures of functions of the dimensions, to the first or the second order.
 
 use crate::numbers::affine_form::AffineForm;
-use crate::numbers::form_room::FormRoom;
+use crate::numbers::form_room::{FormRoom, pair_count};
 use crate::numbers::quadratic_form::QuadraticForm;
 use crate::numbers::rounding::{GROW, OPERATION};
 use crate::numbers::scalar::Scalar;
@@ -21,8 +21,11 @@ pub trait DimensionForm: Scalar {
     where
         Self: 'f;
 
-    /// Change along each δ; empty if there is none.
+    /// Change along the first δ; that along all others is zero.
     fn slopes(&self) -> &[f64];
+
+    /// How many of the first δ it depends on.
+    fn span(&self) -> usize;
 
     /// Bound of everything except its value and its slopes.
     fn beyond(&self) -> f64;
@@ -78,6 +81,10 @@ impl DimensionForm for AffineForm<'_> {
 
     fn slopes(&self) -> &[f64] {
         Self::slopes(self)
+    }
+
+    fn span(&self) -> usize {
+        Self::slopes(self).len()
     }
 
     fn radius(&self) -> f64 {
@@ -138,6 +145,10 @@ impl DimensionForm for QuadraticForm<'_> {
         self.line.slopes()
     }
 
+    fn span(&self) -> usize {
+        self.span()
+    }
+
     fn radius(&self) -> f64 {
         self.line.radius()
     }
@@ -170,12 +181,18 @@ impl<'r> StoredForm<'r> for QuadraticForm<'r> {
     fn integral(room: &'r FormRoom, value: f64, open: f64, rates: &[Self]) -> Self {
         let rest = rates.iter().map(|rate| rate.line.error + rate.bend() / 3.0);
         let slopes: Vec<f64> = rates.iter().map(|rate| rate.line.value).collect();
-        let mut bends = room.bends().zeros();
+        let mut bends = room.bends().blank();
         let mut size = 0.0;
         for (k, rate) in rates.iter().enumerate() {
-            for (l, slope) in rate.line.slopes().iter().enumerate() {
+            let list = rate.line.slopes();
+            // Of a rate that is constant nothing comes.
+            if !list.is_empty() {
+                let span = list.len().max(k + 1);
+                bends.resize(bends.len().max(pair_count(span)), 0.0);
+            }
+            for (l, slope) in list.iter().enumerate() {
                 // ∂²f/∂k∂l comes from both rates: half from each.
-                bends[room.place(k.min(l), k.max(l))] += 0.5 * slope;
+                bends[FormRoom::place(k.min(l), k.max(l))] += 0.5 * slope;
             }
             size += rate.line.radius();
         }

@@ -88,6 +88,19 @@ impl<F: DimensionForm> Region<'_, F> {
         &self.rates[slot * self.count..(slot + 1) * self.count]
     }
 
+    /// How many of the first δ slots and their derivatives depend on.
+    pub fn span_of(&self, slots: &[usize]) -> usize {
+        let zero = F::number(0.0);
+        let of_slot = |slot: &usize| {
+            let rates = self.rates_of(*slot);
+            let moved = rates.iter().rposition(|rate| *rate != zero);
+            let spans = rates.iter().chain(std::iter::once(&self.slots[*slot]));
+            let forms = spans.map(F::span).max().unwrap_or(0);
+            forms.max(moved.map_or(0, |last| last + 1))
+        };
+        slots.iter().map(of_slot).max().unwrap_or(0)
+    }
+
     /// All slots at δ = 0.
     pub fn centre(&self) -> Vec<Interval> {
         let pairs = self.slots.iter().zip(&self.open);

@@ -70,9 +70,14 @@ impl Add for AffineForm<'_> {
                 ..sloped
             };
         }
-        let mut slopes = self.blank();
-        let pairs = self.slopes.iter().zip(b.slopes);
-        slopes.extend(pairs.map(|(own, added)| own + added));
+        let (longer, shorter) = match self.slopes.len() < b.slopes.len() {
+            true => (b, self),
+            false => (self, b),
+        };
+        let mut slopes = longer.blank();
+        slopes.extend_from_slice(longer.slopes);
+        let pairs = slopes.iter_mut().zip(shorter.slopes);
+        pairs.for_each(|(sum, added)| *sum += added);
         let mut sum = Self::within(value, 0.0).sloped(slopes, room);
         sum.error += error(value.abs() + sum.radius);
         sum

@@ -20,7 +20,7 @@ pub struct AffineForm<'r> {
     pub value: f64,
     /// Bound of the difference between the function and the linear one.
     pub error: f64,
-    /// Change along each δ; empty if all are zero.
+    /// Change along the first δ; that along all others is zero.
     slopes: &'r [f64],
     /// Bound of the linear part.
     radius: f64,
@@ -45,6 +45,22 @@ pub(super) fn sum_of_magnitudes(slopes: &[f64]) -> f64 {
     rest + parts.iter().sum::<f64>()
 }
 
+/// Adds `factor` times a list, which may be longer than the sum.
+#[inline]
+pub(super) fn add_list(sum: &mut Vec<f64>, factor: f64, list: &[f64]) {
+    let (own, more) = list.split_at(sum.len().min(list.len()));
+    for (sum, added) in sum.iter_mut().zip(own) {
+        *sum += factor * added;
+    }
+    sum.extend(more.iter().map(|added| factor * added));
+}
+
+/// A list without the zeros at its end.
+fn trimmed(list: &[f64]) -> &[f64] {
+    let last = list.iter().rposition(|value| *value != 0.0);
+    &list[..last.map_or(0, |last| last + 1)]
+}
+
 impl<'r> AffineForm<'r> {
     /// Exactly zero.
     pub const ZERO: Self = Self::within(0.0, 0.0);
@@ -64,8 +80,7 @@ impl<'r> AffineForm<'r> {
     pub fn linear(room: &'r FormRoom, value: f64, slopes: &[f64], error: f64) -> Self {
         let (own, others) = slopes.split_at(slopes.len().min(room.count()));
         let mut all = room.slopes().blank();
-        all.extend_from_slice(own);
-        all.resize(room.count(), 0.0);
+        all.extend_from_slice(trimmed(own));
         let error = match sum_of_magnitudes(others) {
             0.0 => error,
             beyond => (error + beyond * GROW) * GROW,
@@ -82,7 +97,7 @@ impl<'r> AffineForm<'r> {
         }
     }
 
-    /// The same with other slopes, of the length of the room's lists or none; without space they go into the error.
+    /// The same with other slopes, at most as many as the room's; without space they go into the error.
     pub(super) fn sloped(self, slopes: Vec<f64>, room: Option<&'r FormRoom>) -> Self {
         let radius = sum_of_magnitudes(&slopes) * GROW;
         let flat = Self {
@@ -124,7 +139,7 @@ impl<'r> AffineForm<'r> {
             Some(room) if index < room.count() => {
                 let mut slopes = room.slopes().blank();
                 slopes.extend_from_slice(self.slopes);
-                slopes.resize(room.count(), 0.0);
+                slopes.resize(slopes.len().max(index + 1), 0.0);
                 slopes[index] = self.error;
                 Self::within(self.value, 0.0).sloped(slopes, self.room)
             }
@@ -137,15 +152,13 @@ impl<'r> AffineForm<'r> {
         let Some((kept, moved)) = self.slopes.split_at_checked(first) else {
             return self;
         };
-        let beyond = sum_of_magnitudes(moved);
-        if beyond == 0.0 {
-            return self;
+        let beyond = sum_of_magnitudes(moved) * GROW;
+        Self {
+            slopes: kept,
+            radius: sum_of_magnitudes(kept) * GROW,
+            error: (self.error + beyond) * GROW,
+            ..self
         }
-        let error = (self.error + beyond * GROW) * GROW;
-        let mut slopes = self.blank();
-        slopes.extend_from_slice(kept);
-        slopes.resize(self.slopes.len(), 0.0);
-        Self::within(self.value, error).sloped(slopes, self.room)
     }
 
     /// A list for slopes, if there are some.
@@ -180,7 +193,7 @@ impl<'r> AffineForm<'r> {
         self.room
     }
 
-    /// Change along each δ; empty if all are zero.
+    /// Change along the first δ; that along all others is zero.
     #[inline]
     pub fn slopes(&self) -> &'r [f64] {
         self.slopes

@@ -1,6 +1,6 @@
 //! Sums of affine forms under construction: their slopes are changed in place, and rounding is counted once.
 
-use super::AffineForm;
+use super::{AffineForm, add_list};
 use crate::numbers::form_room::FormRoom;
 use crate::numbers::rounding::{GROW, OPERATION, UNDERFLOW};
 
@@ -86,15 +86,10 @@ impl<'r> AffineSum<'r> {
     }
 
     fn add_slopes(&mut self, factor: f64, b: &AffineForm<'r>) {
-        if self.slopes.is_empty() {
+        if self.slopes.capacity() == 0 {
             self.slopes = b.blank();
-            self.slopes
-                .extend(b.slopes.iter().map(|slope| factor * slope));
-            return;
         }
-        for (sum, slope) in self.slopes.iter_mut().zip(b.slopes) {
-            *sum += factor * slope;
-        }
+        add_list(&mut self.slopes, factor, b.slopes);
     }
 
     /// The sum with all its roundings.

@@ -123,9 +123,14 @@ impl Add for QuadraticForm<'_> {
             };
             return Self { line, bends, bend };
         }
-        let mut bends = self.blank();
-        let pairs = self.bends.iter().zip(b.bends);
-        bends.extend(pairs.map(|(own, added)| own + added));
+        let (longer, shorter) = match self.bends.len() < b.bends.len() {
+            true => (&b, &self),
+            false => (&self, &b),
+        };
+        let mut bends = longer.blank();
+        bends.extend_from_slice(longer.bends);
+        let pairs = bends.iter_mut().zip(shorter.bends);
+        pairs.for_each(|(sum, added)| *sum += added);
         let mut sum = Self::from(line).bent(bends);
         // Rounding of every sum of second-order terms.
         sum.line.error = (sum.line.error + OPERATION * (self.bend + b.bend)) * GROW;
