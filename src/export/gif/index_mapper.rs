@@ -4,9 +4,9 @@ use crate::export::palette::Palette;
 use image::RgbaImage;
 use std::sync::Arc;
 
-/// Colours with the same upper four bits a channel share a page of this many entries, one page of memory:
-/// shaded surfaces touch few of them, and untouched pages cost nothing.
-const ENTRIES: usize = 1 << 24;
+/// Colours that are remembered: several times as many as a frame has, in 256 KB, which stay in a core's own cache.
+const ENTRIES: usize = 1 << REMEMBERED_BITS;
+const REMEMBERED_BITS: u32 = 15;
 
 /// Distance in sRGB levels from which a colour visibly differs: a colour difference of about 3.
 const NOTICED: u8 = 6;
@@ -23,20 +23,30 @@ const LARGE_ERROR_PIXELS: f64 = 640.0 * 480.0;
 /// Pixels compared at once: 64 bytes.
 const BLOCK: usize = 16;
 
+/// A colour met before, with its palette index and how many levels it is off.
+#[derive(Clone, Copy, Default)]
+struct KnownColour {
+    rgb: [u8; 3],
+    index: u8,
+    off: u8,
+    is_known: bool,
+}
+
 /// Maps frames with one palette.
 pub struct Mapper {
     palette: Arc<Palette>,
-    /// By colour: index plus one, 0 for not yet known (palettes have at most 255 colours), and above these eight bits
-    /// the colour's error.
-    known: Vec<u16>,
+    /// Colours met, each where its hash says; a later one takes the place of an earlier.
+    known: Vec<KnownColour>,
     /// Maximum error of a colour, in levels.
     tolerance: u8,
     /// Colours of the last frame whose error is above the maximum, one entry per pixel.
     missed: Vec<[u8; 3]>,
     /// Sum of the squares of their errors.
     missed_by: u64,
-    /// Pixels of the last frame.
-    pixels: usize,
+    /// Pixels of the last frame with their indices.
+    last: Vec<[u8; 4]>,
+    /// Which of its blocks have no missed colour, so that they can be used again.
+    reusable: Vec<bool>,
 }
 
 impl Mapper {
@@ -46,10 +56,11 @@ impl Mapper {
         Self {
             palette,
             tolerance,
-            known: vec![0; ENTRIES],
+            known: vec![KnownColour::default(); ENTRIES],
             missed: Vec::new(),
             missed_by: 0,
-            pixels: 0,
+            last: Vec::new(),
+            reusable: Vec::new(),
         }
     }
 
@@ -58,7 +69,7 @@ impl Mapper {
         let is_seen = if self.palette.is_exact() {
             !self.missed.is_empty()
         } else {
-            let larger = (self.pixels as f64 / LARGE_ERROR_PIXELS).sqrt();
+            let larger = (self.last.len() as f64 / LARGE_ERROR_PIXELS).sqrt();
             self.missed_by as f64 >= LARGE_ERROR * larger || self.has_area()
         };
         is_seen.then_some(&self.missed)
@@ -77,30 +88,30 @@ impl Mapper {
     /// Replaces `indexed` by the pixels of `frame` with the palette index of each in the place of its alpha.
     pub fn map(&mut self, frame: &RgbaImage, indexed: &mut Vec<u8>) {
         let (pixels, _) = frame.as_raw().as_chunks::<4>();
-        indexed.clear();
-        indexed.reserve(frame.as_raw().len());
         self.missed.clear();
         self.missed_by = 0;
-        self.pixels = pixels.len();
-        let (blocks, rest) = pixels.as_chunks::<BLOCK>();
-        let mut mapped = [[0; 4]; BLOCK];
-        let mut before: Option<&[[u8; 4]; BLOCK]> = None;
-        let mut misses = false;
-        for block in blocks {
-            // Flat areas repeat whole blocks: one comparison instead of as many look-ups.
-            if before != Some(block) || misses {
-                let missed = self.missed.len();
-                for (pixel, place) in block.iter().zip(&mut mapped) {
-                    *place = self.with_index(*pixel);
-                }
-                before = Some(block);
-                misses = self.missed.len() > missed;
+        // Much of a frame is as in the one before: one comparison instead of as many look-ups.
+        let mut mapped = std::mem::take(&mut self.last);
+        if mapped.len() != pixels.len() {
+            mapped.clear();
+            mapped.resize(pixels.len(), [0; 4]);
+            self.reusable.clear();
+            self.reusable.resize(pixels.len().div_ceil(BLOCK), false);
+        }
+        let blocks = pixels.chunks(BLOCK).zip(mapped.chunks_mut(BLOCK));
+        for (index, (block, places)) in blocks.enumerate() {
+            if self.reusable[index] && same_colours(block, places) {
+                continue;
             }
-            indexed.extend_from_slice(mapped.as_flattened());
+            let missed = self.missed.len();
+            for (pixel, place) in block.iter().zip(places) {
+                *place = self.with_index(*pixel);
+            }
+            self.reusable[index] = self.missed.len() == missed;
         }
-        for pixel in rest {
-            indexed.extend_from_slice(&self.with_index(*pixel));
-        }
+        indexed.clear();
+        indexed.extend_from_slice(mapped.as_flattened());
+        self.last = mapped;
     }
 
     /// The pixel with its index in the place of its alpha.
@@ -112,26 +123,35 @@ impl Mapper {
     #[inline]
     fn index(&mut self, rgb: [u8; 3]) -> u8 {
         let entry = &mut self.known[cache_place(rgb)];
-        if *entry == 0 {
+        if !entry.is_known || entry.rgb != rgb {
             let index = self.palette.map(rgb);
-            let off = self.palette.miss(rgb, index);
-            *entry = u16::from_be_bytes([off, index.saturating_add(1)]);
+            *entry = KnownColour {
+                rgb,
+                index,
+                off: self.palette.miss(rgb, index),
+                is_known: true,
+            };
         }
-        let [off, index] = entry.to_be_bytes();
+        let KnownColour { index, off, .. } = *entry;
         if off > self.tolerance {
             self.missed.push(rgb);
             self.missed_by += u64::from(off) * u64::from(off);
         }
-        index - 1
+        index
     }
 }
 
-/// Place of a colour in the table: the bits of the three channels in groups of two, so that similar colours share
-/// cache lines (4x4x4 colours) and pages (16x16x16).
+/// Whether two lists of pixels differ in their last channels only.
 #[inline]
-fn cache_place(rgb: [u8; 3]) -> usize {
-    let [r, g, b] = rgb.map(usize::from);
-    let line = (r & 3) << 4 | (g & 3) << 2 | b & 3;
-    let page = (r >> 2 & 3) << 10 | (g >> 2 & 3) << 8 | (b >> 2 & 3) << 6;
-    (r >> 4) << 20 | (g >> 4) << 16 | (b >> 4) << 12 | page | line
+fn same_colours(pixels: &[[u8; 4]], others: &[[u8; 4]]) -> bool {
+    let colour = |pixel: &[u8; 4]| u32::from_le_bytes(*pixel) & 0x00ff_ffff;
+    let pairs = pixels.iter().zip(others);
+    pairs.fold(0, |bits, (a, b)| bits | (colour(a) ^ colour(b))) == 0
+}
+
+/// Place of a colour in the table: multiplicative hashing (Knuth) with the golden ratio.
+#[inline]
+fn cache_place([r, g, b]: [u8; 3]) -> usize {
+    let colour = u32::from_le_bytes([r, g, b, 0]);
+    (colour.wrapping_mul(0x9e37_79b9) >> (u32::BITS - REMEMBERED_BITS)) as usize
 }

@@ -3,7 +3,8 @@
 use super::assembly::TriangleAssembly;
 use super::cell::{NOTHING, PixelCell};
 use super::lens::Lens;
-use super::samples::{LANES, SUBPIXELS, SamplePattern};
+use super::near_samples::{NearPixel, near_pixels};
+use super::samples::{LANES, SamplePattern};
 use super::translucent::Layers;
 use super::view::RasterView;
 use super::window::{AREA, TILE, Window, for_inner, line_apron};
@@ -15,9 +16,6 @@ use crate::render::look::{Rgb, mix_values};
 /// The samples of a pixel show several surfaces.
 const MIXED: u32 = 2;
 
-/// Another sample near one of a pixel: columns and rows away, and which of that pixel's.
-type Neighbour = (i32, i32, usize);
-
 /// Finds the lines of tiles; kept for its memory.
 #[derive(Clone, Debug)]
 pub(super) struct OutlineFinder {
@@ -25,8 +23,8 @@ pub(super) struct OutlineFinder {
     /// Pixels that a line covers on each side of the border that it follows.
     reach: i32,
     ink: Rgb,
-    /// For each sample of a pixel all others within half a line's width.
-    near: Vec<Vec<Neighbour>>,
+    /// A pixel and those around it that have samples within half a line's width of its own.
+    near: Vec<NearPixel>,
     /// Surface and nearness of every sample.
     surface: Vec<u32>,
     depth: Vec<f32>,
@@ -46,35 +44,11 @@ impl OutlineFinder {
         let reach = line_apron(stage);
         let half_width = EdgeStyle::half_width(stage.size[1], stage.samples);
         let samples = pattern.samples;
-        let place = |s: usize| {
-            let unit = f64::from(SUBPIXELS);
-            let (x, y) = (pattern.x.as_flattened()[s], pattern.y.as_flattened()[s]);
-            [f64::from(x) / unit, f64::from(y) / unit]
-        };
-        // For every sample the other samples within half the width of a line, in this pixel and those around.
-        let near = (0..samples).map(|s| {
-            let own = place(s);
-            let mut list = Vec::new();
-            for dy in -reach..=reach {
-                for dx in -reach..=reach {
-                    for other in 0..samples {
-                        let there = place(other);
-                        let x = f64::from(dx) + there[0] - own[0];
-                        let y = f64::from(dy) + there[1] - own[1];
-                        let itself = (dx, dy, other) == (0, 0, s);
-                        if !itself && x * x + y * y <= half_width * half_width {
-                            list.push((dx, dy, other));
-                        }
-                    }
-                }
-            }
-            list
-        });
         Some(Self {
             samples,
             reach,
             ink: ToneCurve::shared().decode_rgb(edges.ink),
-            near: near.collect(),
+            near: near_pixels(pattern, reach, half_width),
             surface: vec![BACKDROP; AREA * samples],
             depth: vec![0.0; AREA * samples],
             whole: vec![BACKDROP; AREA],
@@ -218,25 +192,40 @@ impl OutlineFinder {
 
     /// Samples near to another surface.
     fn border_samples(&self, window: Window, (pixel, x, y): (usize, i32, i32), over: bool) -> u16 {
-        let mut marks = 0;
-        for (s, near) in self.near.iter().enumerate() {
-            let own = self.surface[pixel * self.samples + s];
-            if own == NO_LINES {
+        let of = |pixel: usize| &self.surface[pixel * self.samples..][..self.samples];
+        let own = of(pixel);
+        // The samples of this pixel that have a line towards another surface.
+        let lined = |other: u32| {
+            let bits = own.iter().enumerate().map(|(s, own)| {
+                let is_over = other.max(*own) >= TRANSLUCENT;
+                let is_lined = other != *own && *own != NO_LINES && (!over || is_over);
+                u16::from(is_lined) << s
+            });
+            let bits = bits.fold(0, |all, bit| all | bit);
+            if other == NO_LINES { 0 } else { bits }
+        };
+        let (mut marks, mut known) = (0, (NO_LINES, 0));
+        for near in &self.near {
+            let (x, y) = (x + near.away[0], y + near.away[1]);
+            let within =
+                window.x[0] <= x && x <= window.x[1] && window.y[0] <= y && y <= window.y[1];
+            if !within {
                 continue;
             }
-            // A sample is on a line if a sample of another surface is near.
-            let other = near.iter().any(|(dx, dy, other)| {
-                let (x, y) = (x + dx, y + dy);
-                let within =
-                    window.x[0] <= x && x <= window.x[1] && window.y[0] <= y && y <= window.y[1];
-                let there = pixel as i32 + dy * TILE as i32 + dx;
-                within && {
-                    let surface = self.surface[there as usize * self.samples + other];
-                    let is_over = surface.max(own) >= TRANSLUCENT;
-                    surface != own && surface != NO_LINES && (!over || is_over)
+            let there = (pixel as i32 + near.away[1] * TILE as i32 + near.away[0]) as usize;
+            let mut add = |surface: u32, reached: u16| {
+                if surface != known.0 {
+                    known = (surface, lined(surface));
                 }
-            });
-            marks |= u16::from(other) << s;
+                marks |= known.1 & reached;
+            };
+            match self.whole[there] {
+                MIXED => {
+                    let others = of(there).iter().zip(&near.reached);
+                    others.for_each(|(surface, reached)| add(*surface, *reached));
+                }
+                surface => add(surface, near.by_any),
+            }
         }
         marks
     }
