@@ -24,11 +24,15 @@ const COAXIAL: f64 = 1e-9;
 /// Shapes shorter than this many thicknesses are not cut.
 const LONG: f64 = 2.0;
 
-/// A shape that goes along the joint's axis, to this sine, is not carried away from it.
-const ALONG: f64 = 0.5;
+/// A shape whose sine to the joint's axis is below this one is carried away from it slowly: the region is longer on it, so that
+/// it is as wide about the axis.
+const STEEP: f64 = 0.5;
 
 /// How often the region is doubled until the parts outside of it are clear of each other at the first pose.
 const DOUBLINGS: u32 = 3;
+
+/// Cuts of a shape that are closer than this share of its length are one.
+const SAME_CUT: f64 = 1e-9;
 
 /// Shapes touch where they miss each other by this part of their thickness.
 const TOUCH: f64 = 1e-9;
@@ -93,22 +97,23 @@ impl JointLocus {
         }
     }
 
-    /// How far along a line from `from` in the direction `along`, unit, the joint is; `None` if turning about it carries
-    /// nothing of that line away.
-    fn along(&self, from: DVec3, along: DVec3) -> Option<f64> {
+    /// How far along a line from `from` in the direction `along`, unit, the joint is, and by what factor the region is longer on
+    /// it; `None` if turning about it carries nothing of that line away.
+    fn along(&self, from: DVec3, along: DVec3) -> Option<(f64, f64)> {
         match self {
             Self::Anywhere => None,
-            Self::Point(centre) => Some((*centre - from).dot(along)),
+            Self::Point(centre) => Some(((*centre - from).dot(along), 1.0)),
             Self::Lines(lines) => {
-                let sine = |line: &&[DVec3; 2]| line[1].cross(along).length();
+                let sine = |line: &[DVec3; 2]| line[1].cross(along).length();
                 let [origin, direction] = lines
                     .iter()
                     .max_by(|p, q| sine(p).total_cmp(&sine(q)))
-                    .filter(|line| sine(line) > ALONG)?;
+                    .filter(|line| sine(line) > COAXIAL)?;
                 // Nearest points of two lines.
                 let across = direction.cross(along);
                 let towards = (*origin - from).cross(*direction).dot(across);
-                Some(-towards / across.length_squared())
+                let longer = (STEEP / across.length()).max(1.0);
+                Some((-towards / across.length_squared(), longer))
             }
         }
     }
@@ -177,21 +182,21 @@ fn element_part(element: &Element, low: f64, high: f64) -> Element {
     Element { core, ..*element }
 }
 
-/// The parts of an element within `reach` of a place, and those beyond.
-fn element_parts(element: &Element, place: &JointLocus, reach: f64) -> (Element, Vec<Element>) {
-    let whole = (element.clone(), Vec::new());
-    let Some(spine) = Spine::of(element) else {
-        return whole;
-    };
-    let Some(at) = place.along(spine.from, spine.along) else {
-        return whole;
-    };
-    // The part near the joint, as shares of the element's length.
+/// Which part of an element is within `reach` of a place, as shares of its length; `None` if it is not cut.
+fn near_shares(element: &Element, place: &JointLocus, reach: f64) -> Option<[f64; 2]> {
+    let spine = Spine::of(element)?;
+    let (at, longer) = place.along(spine.from, spine.along)?;
+    let reach = reach * longer;
     let low = ((at - reach) / spine.length).clamp(0.0, 1.0);
     let high = ((at + reach) / spine.length).clamp(0.0, 1.0);
-    if low >= high {
-        return whole;
-    }
+    (low < high && [low, high] != [0.0, 1.0]).then_some([low, high])
+}
+
+/// The parts of an element within `reach` of a place, and those beyond.
+fn element_parts(element: &Element, place: &JointLocus, reach: f64) -> (Element, Vec<Element>) {
+    let Some([low, high]) = near_shares(element, place, reach) else {
+        return (element.clone(), Vec::new());
+    };
     let mut beyond = Vec::new();
     beyond.extend((low > 0.0).then(|| element_part(element, 0.0, low)));
     beyond.extend((high < 1.0).then(|| element_part(element, high, 1.0)));
@@ -205,8 +210,6 @@ pub struct JointRegion {
     pub hulls: [BodyElements; 2],
     /// Parts that touch at the joint.
     pub touching: Vec<[usize; 2]>,
-    /// Parts of either body that were cut off, each with the number of the element that remains of it.
-    beyond: [Vec<[usize; 2]>; 2],
     /// The location of the joint in the frame of either body.
     places: [JointLocus; 2],
     /// Nothing slides in the joint.
@@ -226,42 +229,12 @@ impl JointRegion {
         // A pair whose parts near the joint do not touch meets elsewhere and does not belong to the joint.
         let is_there =
             |pair: &&[usize; 2]| touches_near(hulls, **pair, places, first_from_second, minimum);
-        let touching: Vec<[usize; 2]> = touching.iter().filter(is_there).copied().collect();
-        let mut reach = REACH * thickest_element(hulls, &touching);
-        let first = Self::cut(hulls, &touching, places, reach);
-        for _ in 0..DOUBLINGS {
-            let cut = Self::cut(hulls, &touching, places, reach);
-            if cut.is_clear_beyond(first_from_second, minimum) {
-                return cut;
-            }
-            reach *= 2.0;
-        }
-        first
-    }
-
-    /// Whether the parts of touching shapes are clear of each other but for those at the joint.
-    fn is_clear_beyond(&self, first_from_second: &Pose, minimum: f64) -> bool {
-        let [first, second] = [0, 1].map(|side| &self.hulls[side].elements);
-        let far = |mine: &Element, other: &Element| {
-            signed_distance(mine, &other.moved(first_from_second)).distance > minimum
-        };
-        self.touching.iter().all(|pair| {
-            let [mine, others] = [0, 1].map(|side| self.parts_of(side, pair[side]));
-            let all = mine
-                .iter()
-                .flat_map(|i| others.iter().map(move |j| [*i, *j]));
-            all.filter(|parts| parts != pair)
-                .all(|[i, j]| far(&first[i], &second[j]))
-        })
-    }
-
-    /// The parts of an element that was cut, the near one first.
-    fn parts_of(&self, side: usize, element: usize) -> Vec<usize> {
-        let beyond = self.beyond[side].iter();
-        let beyond = beyond
-            .filter(|[_, of]| *of == element)
-            .map(|[part, _]| *part);
-        std::iter::once(element).chain(beyond).collect()
+        let pairs = touching.iter().filter(is_there);
+        // Each pair has a region of its own: a wide hub does not hide the bars beside it.
+        let regions: Vec<PairRegion> = pairs
+            .map(|pair| PairRegion::new(hulls, *pair, places, first_from_second, minimum))
+            .collect();
+        Self::cut(hulls, &regions, places)
     }
 
     /// By how much two parts that touch may come deeper into each other than at the first pose.
@@ -281,44 +254,122 @@ impl JointRegion {
         Self { only_turns, ..self }
     }
 
-    fn cut(
-        hulls: [&BodyElements; 2],
-        touching: &[[usize; 2]],
-        places: &[JointLocus; 2],
-        reach: f64,
-    ) -> Self {
-        let mut new: [Vec<Element>; 2] = hulls.map(|hull| hull.elements.clone());
-        let mut far: [Vec<[usize; 2]>; 2] = Default::default();
-        for side in 0..2 {
-            for k in 0..hulls[side].elements.len() {
-                if touching.iter().any(|pair| pair[side] == k) {
-                    let (near, beyond) =
-                        element_parts(&hulls[side].elements[k], &places[side], reach);
-                    // The near part keeps the number.
-                    new[side][k] = near;
-                    let parts = new[side].len()..new[side].len() + beyond.len();
-                    far[side].extend(parts.map(|part| [part, k]));
-                    new[side].extend(beyond);
-                }
+    /// Cuts every element at the ends of all regions on it.
+    fn cut(hulls: [&BodyElements; 2], regions: &[PairRegion], places: &[JointLocus; 2]) -> Self {
+        let parts = [0, 1].map(|side| ElementParts::of_body(hulls[side], side, regions));
+        let mut touching = Vec::new();
+        for region in regions {
+            let [mine, others] =
+                [0, 1].map(|side| parts[side].within(region.pair[side], region.shares[side]));
+            for i in &mine {
+                touching.extend(others.iter().map(|j| [*i, *j]));
             }
         }
-        let [first, second] = new;
+        touching.sort_unstable();
+        touching.dedup();
+        let [first, second] = parts;
         Self {
             hulls: [
                 BodyElements {
-                    elements: first,
+                    elements: first.elements,
                     ball: hulls[0].ball,
                 },
                 BodyElements {
-                    elements: second,
+                    elements: second.elements,
                     ball: hulls[1].ball,
                 },
             ],
-            touching: touching.to_vec(),
-            beyond: far,
+            touching,
             places: places.clone(),
             only_turns: false,
         }
+    }
+}
+
+/// The region of two elements that touch at a joint.
+struct PairRegion {
+    pair: [usize; 2],
+    /// The part of either within it, as shares of its length.
+    shares: [[f64; 2]; 2],
+}
+
+impl PairRegion {
+    /// Reaches so far that the parts of both beyond it keep `minimum` at the first pose, if doubling it helps.
+    fn new(
+        hulls: [&BodyElements; 2],
+        pair: [usize; 2],
+        places: &[JointLocus; 2],
+        first_from_second: &Pose,
+        minimum: f64,
+    ) -> Self {
+        let elements = [0, 1].map(|side| &hulls[side].elements[pair[side]]);
+        let first = REACH * (thickness(elements[0]) + thickness(elements[1]));
+        let is_clear = |reach: &f64| {
+            let [mine, others] = [0, 1].map(|side| {
+                let (near, beyond) = element_parts(elements[side], &places[side], *reach);
+                std::iter::once(near).chain(beyond).collect::<Vec<_>>()
+            });
+            let others: Vec<Element> = others.iter().map(|e| e.moved(first_from_second)).collect();
+            let far = |a: &Element, b: &Element| signed_distance(a, b).distance > minimum;
+            let beside = |i: usize, j: usize| i + j == 0 || far(&mine[i], &others[j]);
+            (0..mine.len()).all(|i| (0..others.len()).all(|j| beside(i, j)))
+        };
+        let mut reaches = (0..DOUBLINGS).map(|k| first * f64::from(1 << k));
+        let reach = reaches.find(is_clear).unwrap_or(first);
+        let shares = [0, 1].map(|side| {
+            let shares = near_shares(elements[side], &places[side], reach);
+            shares.unwrap_or([0.0, 1.0])
+        });
+        Self { pair, shares }
+    }
+}
+
+/// The elements of a body, cut.
+struct ElementParts {
+    /// The first part of each keeps its number.
+    elements: Vec<Element>,
+    /// Of each part the element that it is of, and where it lies on it, as shares of its length.
+    places: Vec<(usize, [f64; 2])>,
+}
+
+impl ElementParts {
+    fn of_body(hull: &BodyElements, side: usize, regions: &[PairRegion]) -> Self {
+        let whole = (0..hull.elements.len()).map(|k| (k, [0.0, 1.0]));
+        let mut parts = Self {
+            elements: hull.elements.clone(),
+            places: whole.collect(),
+        };
+        for (k, element) in hull.elements.iter().enumerate() {
+            let own = regions.iter().filter(|region| region.pair[side] == k);
+            let mut cuts: Vec<f64> = own.flat_map(|region| region.shares[side]).collect();
+            cuts.extend([0.0, 1.0]);
+            cuts.sort_by(f64::total_cmp);
+            cuts.dedup_by(|next, before| *next - *before <= SAME_CUT);
+            if let Some(last) = cuts.last_mut() {
+                *last = 1.0;
+            }
+            for (index, ends) in cuts.windows(2).enumerate().filter(|_| cuts.len() > 2) {
+                let part = element_part(element, ends[0], ends[1]);
+                let place = (k, [ends[0], ends[1]]);
+                match index {
+                    0 => (parts.elements[k], parts.places[k]) = (part, place),
+                    _ => {
+                        parts.elements.push(part);
+                        parts.places.push(place);
+                    }
+                }
+            }
+        }
+        parts
+    }
+
+    /// The parts of an element between two shares of its length.
+    fn within(&self, element: usize, [low, high]: [f64; 2]) -> Vec<usize> {
+        let places = self.places.iter().enumerate();
+        let (low, high) = (low - SAME_CUT, high + SAME_CUT);
+        let own =
+            places.filter(|(_, (of, ends))| *of == element && ends[0] >= low && ends[1] <= high);
+        own.map(|(part, _)| part).collect()
     }
 }
 
@@ -349,13 +400,6 @@ fn thinnest(element: &Element) -> f64 {
         Primitive::Frustum(f) => (0.5 * f.length).min(f.radii[0].max(f.radii[1])) + element.radius,
         _ => thickness(element),
     }
-}
-
-/// The largest sum of thicknesses of two shapes that touch.
-fn thickest_element(hulls: [&BodyElements; 2], touching: &[[usize; 2]]) -> f64 {
-    let of = |side: usize, k: usize| thickness(&hulls[side].elements[k]);
-    let both = touching.iter().map(|[i, j]| of(0, *i) + of(1, *j));
-    both.fold(0.0, f64::max)
 }
 
 /// Thickness of an element: half the cross-section of a long one, half the size of any other.

@@ -9,11 +9,7 @@ use crate::distance::solids::left_out;
 use crate::model::distance::{Distance, SolidPair};
 use crate::model::expression::{Expression, Op};
 use crate::model::measure::{Measure, MeasureSource, Taking};
-use crate::model::mechanism::{Kind, Mechanism, OutputSource};
-
-/// A limit holds to within this fraction of the mechanism's size, of a radian or of the value, like minimum distances: a stroke of
-/// exactly 24 may be limited to 24.
-const SLACK: f64 = 1e-9;
+use crate::model::mechanism::{Mechanism, OutputSource};
 
 /// A measure of the whole motion lies between `value` and `bound`.
 #[derive(Clone, Copy, Debug)]
@@ -74,11 +70,6 @@ fn bounded(motion: &mut ProvedMotion, measure: &Measure, tolerance: f64) -> Opti
         return least_distance(motion, distance, measure.min.unwrap_or(0.0), tolerance);
     }
     let (formula, taking) = formula_of(mechanism, measure)?;
-    let unit = match measure.kind {
-        Kind::Length => mechanism.size,
-        Kind::Angle => 1.0,
-        Kind::Number => 0.0,
-    };
     let mut end = |sign: f64| greatest(motion, formula, sign);
     // Maxima are searched; a minimum is the maximum of the negative.
     let (found, sign) = match taking {
@@ -95,7 +86,7 @@ fn bounded(motion: &mut ProvedMotion, measure: &Measure, tolerance: f64) -> Opti
         is_certified: found.is_certified,
         is_whole: motion.gaps.is_empty(),
         is_cut_off: false,
-        slack: SLACK * found.value.abs().max(unit),
+        slack: measure.slack(found.value),
         is_enclosed: false,
         is_distance: false,
         uses_distances: motion.system.mechanism().uses_distances(formula),

@@ -9,6 +9,7 @@ use super::look::{LookGoal, Missed, Segment};
 use super::motion::ProvedMotion;
 use super::sweep::PairSweep;
 use crate::distance::bodies::{enclosed_shell, nearest_bodies};
+use std::collections::VecDeque;
 
 /// Maximum number of intervals examined for one pair, ...
 const MOST_LOOKS: usize = 6_000;
@@ -106,12 +107,13 @@ impl PairSweep<'_> {
 
     /// Pieces that are not known to keep the minimum.
     fn low_pieces(&self, motion: &mut ProvedMotion, goal: f64, most_looks: usize) -> Vec<Low> {
-        let mut open: Vec<Segment> = (0..motion.roots).map(Segment::whole).collect();
+        // Long intervals first, so that all are about as short when the looks end.
+        let mut open: VecDeque<Segment> = (0..motion.roots).map(Segment::whole).collect();
         let (mut low, mut looks) = (Vec::new(), 0);
         let mut memory = self.look_memory();
         let [start, end] = motion.span();
         let shortest = SHORTEST * (end - start) / motion.roots.max(1) as f64;
-        while let Some(piece) = open.pop() {
+        while let Some(piece) = open.pop_front() {
             looks += 1;
             if motion.is_late() {
                 low.push(Low::new(motion, piece, f64::INFINITY));

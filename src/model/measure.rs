@@ -183,12 +183,18 @@ pub struct Measure {
     pub max: Option<f64>,
     /// The meaning of a violated limit, in the words of the scene.
     pub why: Option<String>,
+    /// What rounding is measured by beside the value: the mechanism's size for a length, a radian, nothing for a number.
+    pub size: f64,
 }
+
+/// A limit holds to within this fraction of the mechanism's size, of a radian or of the value, like minimum distances: a stroke of
+/// exactly 24 may be limited to 24.
+const SLACK: f64 = 1e-9;
 
 impl Measure {
     /// By how much `value` violates the limits, as a fraction of the limit; zero or less inside. NaN propagates.
     pub fn violation(&self, value: f64) -> f64 {
-        let share = |over: f64, limit: f64| over / if limit == 0.0 { 1.0 } else { limit.abs() };
+        let share = |over: f64, limit: f64| over / self.scale_of(limit);
         let above = self.max.map(|limit| share(value - limit, limit));
         let below = self.min.map(|limit| share(limit - value, limit));
         let parts = [above, below].into_iter().flatten();
@@ -196,8 +202,24 @@ impl Measure {
         parts.fold(f64::NEG_INFINITY, worse)
     }
 
-    /// Whether `value` keeps the limits.
+    /// What a violation of a limit is a fraction of.
+    pub fn scale_of(&self, limit: f64) -> f64 {
+        match (limit, self.size) {
+            (0.0, 0.0) => 1.0,
+            (0.0, size) => size,
+            (limit, _) => limit.abs(),
+        }
+    }
+
+    /// How far `value` may exceed a limit that holds.
+    pub fn slack(&self, value: f64) -> f64 {
+        SLACK * value.abs().max(self.size)
+    }
+
+    /// Whether `value` keeps the limits, to within the slack.
     pub fn allows(&self, value: f64) -> bool {
-        self.min.is_none_or(|min| value >= min) && self.max.is_none_or(|max| value <= max)
+        let slack = self.slack(value);
+        let above = self.min.is_none_or(|min| value >= min - slack);
+        above && self.max.is_none_or(|max| value <= max + slack)
     }
 }

@@ -348,6 +348,16 @@ impl Mechanism {
         1.0 / self.unit_of(kind).number()
     }
 
+    /// A value in the file's unit, as a number that is read as the value again: without digits that only the conversion adds.
+    pub fn file_value(&self, kind: Kind, value: f64) -> f64 {
+        let unit = self.unit_of(kind).number();
+        let shown = value / unit;
+        let short = format!("{shown:.14e}").parse().unwrap_or(shown);
+        let read = short * unit;
+        let is_same = read.next_down() <= value && value <= read.next_up();
+        if unit != 1.0 && is_same { short } else { shown }
+    }
+
     /// The differences between the inputs as a table prints them and `coordinates`: one entry for every coordinate,
     /// zero for the unknowns.
     pub fn printed_rests(&self, coordinates: &[f64]) -> Vec<f64> {

@@ -5,7 +5,7 @@
 
 use super::chain::ArgumentValue;
 use super::distance::{Distance, NearestPoints, SolidPair};
-use super::mechanism::{Mechanism, MechanismOutput, OutputSource};
+use super::mechanism::{Kind, Mechanism, MechanismOutput, OutputSource};
 use super::walk::WalkFrame;
 use crate::math::Pose;
 use crate::numbers::hyper_dual::HyperDual;
@@ -61,7 +61,7 @@ impl MechanismOutput {
     }
 }
 
-/// Step for the derivative of a shape, as a fraction of the coordinate that shapes it, or of one: the cube root of the
+/// Step for the derivative of a shape, as a fraction of the coordinate that shapes it, or of its usual size: the cube root of the
 /// rounding error.
 const SHAPE_STEP: f64 = 1e-5;
 
@@ -172,14 +172,22 @@ impl NearestFound<'_> {
         }
         // The solids change by the dimensions that they are shaped by.
         for &slot in self.gap.solids.shaped_by() {
-            change = change + coordinates[slot].scale(self.by_shape(numbers, slot));
+            let input = slot.checked_sub(mechanism.unknowns.len());
+            let kind = input.and_then(|k| mechanism.inputs.get(k)).map(|c| c.kind);
+            let scale = if kind == Some(Kind::Length) {
+                mechanism.size
+            } else {
+                1.0
+            };
+            change = change + coordinates[slot].scale(self.by_shape(numbers, slot, scale));
         }
         change.first_order(distance)
     }
 
     /// The derivative by a coordinate through the shapes alone, with fixed bodies.
-    fn by_shape(&self, numbers: &[f64], slot: usize) -> f64 {
-        let step = SHAPE_STEP * numbers[slot].abs().max(1.0);
+    /// `scale` is the usual size of it.
+    fn by_shape(&self, numbers: &[f64], slot: usize, scale: f64) -> f64 {
+        let step = SHAPE_STEP * numbers[slot].abs().max(scale);
         let mut moved = numbers.to_vec();
         let mut at = |value: f64| {
             moved[slot] = value;

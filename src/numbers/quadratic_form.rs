@@ -77,7 +77,10 @@ impl<'r> QuadraticForm<'r> {
 
     /// Factor of δₖ δₗ for k ≤ l.
     pub fn bend_of(&self, k: usize, l: usize) -> f64 {
-        self.bends.get(FormRoom::place(k, l)).copied().unwrap_or(0.0)
+        self.bends
+            .get(FormRoom::place(k, l))
+            .copied()
+            .unwrap_or(0.0)
     }
 
     /// Where coefficients are stored.

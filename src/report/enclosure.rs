@@ -377,7 +377,7 @@ pub fn measure_lines(plan: &TolerancePlan, bands: &[MeasureBand]) -> String {
         let kept = measure.allows(band.lo) && measure.allows(band.hi);
         let verdict = match (limits.is_empty(), kept) {
             (true, _) => String::new(),
-            (false, true) => format!("{}: kept by every piece", limits.join(", ")),
+            (false, true) => format!("{}: kept by every piece at these poses", limits.join(", ")),
             (false, false) => format!("{}: not proved", limits.join(", ")),
         };
         rows.push(vec![measure.name.clone(), shown(lo), shown(hi), verdict]);

@@ -159,7 +159,8 @@ impl TakenMeasure<'_> {
 
     /// Whether a value is beyond the limits by more than rounding.
     fn is_off(&self, value: f64) -> bool {
-        let slack = self.known.map_or(0.0, |known| known.slack);
+        let own = self.measure.slack(value);
+        let slack = self.known.map_or(own, |known| known.slack);
         let below = self.measure.min.is_some_and(|min| value < min - slack);
         below || self.measure.max.is_some_and(|max| value > max + slack)
     }

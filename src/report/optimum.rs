@@ -121,7 +121,7 @@ impl OptimumReport<'_> {
         }
         if verified.violation > KEPT {
             text.push_str(&format!(
-                "No candidate keeps all constraints; with this one `{}` misses its bound by {:.3} %.\n",
+                "The search found no candidate that keeps all constraints; with this one `{}` misses its bound by {:.2e} %.\n",
                 self.worst_limit(verified),
                 100.0 * verified.violation
             ));
@@ -233,7 +233,7 @@ fn clearance_line(clearances: &Clearances, unit: &str) -> String {
     let verdict = match (clearances.kept, clearances.instead) {
         (true, None) => "Clearances are kept".to_owned(),
         (true, Some(iteration)) => format!(
-            "The optimum violates a clearance: the last point of the search that keeps all clearances is used, after iteration {iteration}"
+            "The optimum violates a clearance: an earlier point of the search that keeps all clearances is used, after iteration {iteration}"
         ),
         (false, _) => "Clearances are not kept".to_owned(),
     };

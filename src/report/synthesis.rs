@@ -39,6 +39,7 @@ impl FoundMechanism<'_> {
     pub(super) fn violation(&self, proof: &Proof) -> f64 {
         let pairs = self.family.measures.list.iter().zip(&proof.measures);
         let values = pairs.map(|(m, v)| m.violation(v.unwrap_or(f64::NAN)));
+        let values = values.chain(proof.whole.iter().map(|whole| whole.missed));
         values.fold(f64::NEG_INFINITY, |worst, v| {
             if v > worst || v.is_nan() { v } else { worst }
         })
@@ -227,6 +228,13 @@ fn proof_line(found: &FoundMechanism) -> String {
         text.push_str(&format!(
             "  a limit is violated by {:.2e} of itself between the samples\n",
             found.violation(proof)
+        ));
+    }
+    if let Some(whole) = proof.unkept().filter(|whole| !whole.is_proved) {
+        let measure = &found.family.measures.list[whole.measure];
+        text.push_str(&format!(
+            "  it is not proved that `{}` keeps its limits between the samples\n",
+            measure.name
         ));
     }
     text.push_str(if found.holds() {

@@ -70,7 +70,7 @@ impl ToleranceReport<'_> {
         rows.extend(list.filter_map(|(index, measure)| self.row(index, measure)));
         let samples = pieces.made;
         let mut text = format!(
-            "{}\n  {} dimensions vary, {samples} pieces, {} of them cannot be assembled\n\n",
+            "{}\n  {} dimensions vary, {samples} pieces, {} of them cannot be assembled or lack a value\n\n",
             family.mechanism().title,
             family.study.variables.len(),
             pieces.failed,

@@ -28,6 +28,10 @@ pub enum KeptIn {
     Duration,
     /// In the axis of a rotation.
     Direction,
+    /// In the minimum of a clearance, or the depth that is allowed.
+    Clearance,
+    /// In the range or the tolerance of a variable.
+    Range,
 }
 
 impl fmt::Display for KeptIn {
@@ -39,6 +43,8 @@ impl fmt::Display for KeptIn {
             Self::Limit => "in the limits of a measure",
             Self::Duration => "in the duration",
             Self::Direction => "in the axis of a rotation",
+            Self::Clearance => "in the limits of clearances",
+            Self::Range => "in the range or tolerance of a variable",
         })
     }
 }
@@ -81,6 +87,17 @@ pub struct Scene {
     pub notation: Option<Notation>,
     /// Its solids as functions of the varied parameters, on request.
     pub carried: Vec<CarriedShape>,
+    /// For every body the varied parameters that its shapes depend on, by their number.
+    pub shaped_by: Vec<Vec<usize>>,
     /// Warnings.
     pub warnings: Diagnostics,
+}
+
+impl Scene {
+    /// Gives the measures the limits of `[study.limits]` as well.
+    pub fn keep_limits_of_study(&mut self) {
+        if let Some(study) = &self.study {
+            study.limit(Arc::make_mut(&mut self.measures));
+        }
+    }
 }

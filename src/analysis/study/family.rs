@@ -194,7 +194,7 @@ impl ParametricMechanism {
             first: own.coordinate_count() - study.variables.len(),
             variables: study.variables.iter().map(unit).collect(),
         };
-        reshaped::follow(own, &reading);
+        reshaped::follow(own, &reading, &scene.shaped_by);
         let system = System::new(mechanism, &scene.actuation)?;
         let mut measures = Arc::unwrap_or_clone(scene.measures);
         study.limit(&mut measures);
@@ -229,6 +229,11 @@ impl ParametricMechanism {
     /// Number of the scene's own inputs; the variables follow them.
     pub fn own_inputs(&self) -> usize {
         self.mechanism().inputs.len() - self.study.variables.len()
+    }
+
+    /// A value as a scene writes it.
+    pub fn file_text(&self, kind: Kind, value: f64) -> String {
+        format!("{:?}", self.mechanism().file_value(kind, value))
     }
 
     /// Factor from internal values to the file's units.

@@ -80,7 +80,10 @@ fn judge_clearances(
     }))
 }
 
-/// Judges an optimum. If it violates a minimum, it is replaced by the last point of the search that does not; if there
+/// The last points of a search, which are judged one by one.
+const AT_THE_END: usize = 12;
+
+/// Judges an optimum. If it violates a minimum, it is replaced by an earlier point of the search that does not; if there
 /// is none it stays and counts as a violation.
 pub fn settle_clearances(
     study: &LoadedStudy,
@@ -93,20 +96,28 @@ pub fn settle_clearances(
     if found.kept {
         return Ok(Some(found));
     }
-    // Bisection: usually clearances are lost once on the way.
-    let (mut low, mut high) = (0, improvements.len());
     let mut best = None;
-    while low < high {
+    let (mut low, mut high) = (0, improvements.len().saturating_sub(AT_THE_END));
+    for index in (high..improvements.len()).rev() {
+        let clearances = judge_clearances(study, &improvements[index].values)?;
+        if let Some(clearances) = clearances.filter(|found| found.kept) {
+            best = Some((index, clearances));
+            break;
+        }
+    }
+    // Before these by bisection: usually clearances are lost once on the way.
+    let mut before = None;
+    while best.is_none() && low < high {
         let middle = (low + high) / 2;
         match judge_clearances(study, &improvements[middle].values)? {
             Some(clearances) if clearances.kept => {
-                best = Some((middle, clearances));
+                before = Some((middle, clearances));
                 low = middle + 1;
             }
             _ => high = middle,
         }
     }
-    let Some((index, mut clearances)) = best else {
+    let Some((index, mut clearances)) = best.or(before) else {
         return Ok(Some(found));
     };
     let taken = &improvements[index];

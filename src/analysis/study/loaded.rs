@@ -138,8 +138,8 @@ impl LoadedStudy {
         let mut list = self.overrides.parameters.clone();
         for (variable, value) in self.family.study.variables.iter().zip(values) {
             list.retain(|(name, _)| *name != variable.name);
-            let value = value * self.family.units(variable.kind);
-            list.push((variable.name.clone(), format!("{value:?}")));
+            let text = self.family.file_text(variable.kind, *value);
+            list.push((variable.name.clone(), text));
         }
         list
     }

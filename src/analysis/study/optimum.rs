@@ -287,6 +287,8 @@ pub fn verify_optimum(
         .map_err(|r| FamilyError::Lacks(r.to_string()))?
         .measures;
     let pairs = family.measures.list.iter().zip(&measures);
+    let mut scene = load_scene(source, &overrides).map_err(Box::new)?;
+    scene.keep_limits_of_study();
     // Negative inside of all limits.
     let violations = pairs.map(|(m, value)| m.violation(*value));
     let violation = violations.fold(f64::NEG_INFINITY, f64::max);
@@ -297,6 +299,6 @@ pub fn verify_optimum(
         unproved,
         poses,
         violation,
-        whole: whole_limits(&load_scene(source, &overrides).map_err(Box::new)?)?,
+        whole: whole_limits(&scene)?,
     })
 }

@@ -11,9 +11,6 @@ use crate::scene::{Overrides, load_scene};
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// A value is changed by this fraction of itself, or of one, to find out whether a shape depends on it.
-const LOOK: f64 = 1e-4;
-
 /// Number of shapes that are cached; a gradient needs two per variable.
 const KEPT: usize = 64;
 
@@ -45,43 +42,24 @@ impl Reading {
     }
 }
 
-/// Makes the distances of a mechanism follow the shapes of its bodies.
-pub(super) fn follow(mechanism: &mut Mechanism, reading: &Reading) {
-    let starts: Vec<f64> = reading.variables.iter().map(|(v, _)| v.start).collect();
-    let asks = |source: &OutputSource| matches!(source, OutputSource::Distance(_));
-    if !mechanism.outputs.iter().any(|output| asks(&output.source)) {
-        return;
-    }
-    let changed: Vec<Option<Vec<Body>>> = (0..starts.len())
-        .map(|k| {
-            let mut moved = starts.clone();
-            moved[k] += LOOK * moved[k].abs().max(1.0);
-            reading.bodies(&moved)
-        })
-        .collect();
-    let bodies = &mechanism.bodies;
+/// Makes the distances of a mechanism follow the shapes of its bodies; `shaped_by` has for every body the variables that appear in
+/// its shapes.
+pub(super) fn follow(mechanism: &mut Mechanism, reading: &Reading, shaped_by: &[Vec<usize>]) {
     for output in &mut mechanism.outputs {
         let OutputSource::Distance(distance) = &mut output.source else {
             continue;
         };
         for gap in &mut distance.gaps {
-            // A shape that cannot be read then may depend on the variable.
-            let depends = |other: &Option<Vec<Body>>| {
-                let differs = |all: &Vec<Body>, k: usize| all[k].shapes != bodies[k].shapes;
-                other
-                    .as_ref()
-                    .is_none_or(|all| gap.bodies.iter().any(|k| differs(all, *k)))
-            };
-            let shaped_by: Vec<usize> = (0..starts.len())
-                .filter(|k| depends(&changed[*k]))
-                .map(|k| reading.first + k)
-                .collect();
-            if !shaped_by.is_empty() {
+            let both = gap.bodies.iter().filter_map(|body| shaped_by.get(*body));
+            let mut own: Vec<usize> = both.flatten().map(|k| reading.first + k).collect();
+            own.sort_unstable();
+            own.dedup();
+            if !own.is_empty() {
                 gap.solids = Arc::new(Reshaped {
                     reading: reading.clone(),
                     bodies: gap.bodies,
                     shapes: gap.shapes.clone(),
-                    shaped_by,
+                    shaped_by: own,
                     known: Mutex::default(),
                 });
             }

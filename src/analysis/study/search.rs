@@ -160,11 +160,11 @@ impl<'f, 'w> StudySearch<'f, 'w> {
     /// Typical sizes of the constraints: the measures' limits.
     pub fn constraint_scales(&self) -> Vec<f64> {
         let measures = self.evaluator.family().measures.list.iter();
-        let size = |bound: f64| if bound == 0.0 { 1.0 } else { bound.abs() };
-        measures
-            .flat_map(|m| m.max.into_iter().chain(m.min))
-            .map(size)
-            .collect()
+        let scales = measures.flat_map(|m| {
+            let limits = m.max.into_iter().chain(m.min);
+            limits.map(|limit| m.scale_of(limit))
+        });
+        scales.collect()
     }
 
     /// All measures at `x`, and their gradients if `with_gradients`.

@@ -120,13 +120,14 @@ impl FoundOptimum {
         value.is_finite() && (is_equal || has_same_poses())
     }
 
-    /// Whether the independent motion is the one that was optimised, all limits are proved for the whole motion, and
-    /// clearances are kept.
+    /// Whether the independent motion is the one that was optimised, all its poses and all limits of the whole motion are proved,
+    /// and clearances are kept.
     pub fn holds(&self, study: &LoadedStudy, verified: &Result<Verified, FamilyError>) -> bool {
         let is_clear = self.clearances.as_ref().is_none_or(|c| c.kept);
         let is_verified = |v: &Verified| {
             let is_kept = v.whole.iter().all(WholeLimit::is_kept);
-            v.violation <= KEPT && is_kept && self.agrees(study, v)
+            let is_proved = v.unproved == 0 && is_kept;
+            v.violation <= KEPT && is_proved && self.agrees(study, v)
         };
         verified.as_ref().is_ok_and(is_verified) && is_clear
     }

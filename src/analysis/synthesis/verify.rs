@@ -4,6 +4,7 @@
 
 use super::plan::FINER;
 use crate::analysis::observer::{largest_distance, marked_positions};
+use crate::analysis::study::whole_limits::{WholeLimit, whole_limits};
 use crate::analysis::study::{DRIVE_SAMPLES, FamilyError};
 use crate::clearance::check::{ClearanceReport, Closely, check_clearance};
 use crate::diag::Source;
@@ -49,6 +50,8 @@ pub struct Proof {
     pub closed: bool,
     /// Measures of the finer tracks; `None` where one has no value.
     pub measures: Vec<Option<f64>>,
+    /// Limited measures of the drive over the whole of it.
+    pub whole: Vec<WholeLimit>,
     /// Bodies that are meant to touch but separate or penetrate, by name.
     pub cutting: Vec<[String; 2]>,
     /// Other bodies that penetrate: the shapes do not fit the dimensions found.
@@ -58,10 +61,16 @@ pub struct Proof {
 }
 
 impl Proof {
+    /// A limit of the drive that is not proved to be kept between the samples.
+    pub fn unkept(&self) -> Option<&WholeLimit> {
+        self.whole.iter().find(|whole| !whole.is_kept())
+    }
+
     /// Everything but the drawing.
     pub fn holds(&self) -> bool {
         let moves = self.missing == 0 && self.unproved == 0 && self.one_branch;
-        moves && self.closed && self.cutting.is_empty() && self.measures.iter().all(Option::is_some)
+        let measured = self.measures.iter().all(Option::is_some);
+        moves && self.closed && self.cutting.is_empty() && measured && self.unkept().is_none()
     }
 }
 
@@ -97,6 +106,7 @@ fn proved_measures(
 pub fn prove_found(source: &Source, overrides: &Overrides) -> Result<Proof, FamilyError> {
     // Solved again on a finer grid than that of the search.
     let mut scene = load_scene(source, overrides).map_err(Box::new)?;
+    scene.keep_limits_of_study();
     let asked = Arc::clone(&scene.measures);
     for track in &mut Arc::make_mut(&mut scene.measures).tracks {
         track.samples = FINER * (track.samples - 1) + 1;
@@ -106,6 +116,8 @@ pub fn prove_found(source: &Source, overrides: &Overrides) -> Result<Proof, Fami
     let times: Vec<f64> = (0..=STEPS)
         .map(|k| actuation.duration * k as f64 / STEPS as f64)
         .collect();
+    // Breaks and keys of the drive are poses of their own.
+    let times = knot_times(system.mechanism(), actuation, &times);
     let trajectory = solve_motion(&system, actuation, &times);
     let mut proof = Proof {
         poses: trajectory.samples.len(),
@@ -116,6 +128,7 @@ pub fn prove_found(source: &Source, overrides: &Overrides) -> Result<Proof, Fami
         open: None,
         closed: true,
         measures: proved_measures(&system, actuation, [&asked, &scene.measures], &trajectory),
+        whole: whole_limits(&scene)?,
         cutting: Vec::new(),
         meeting: Vec::new(),
         pairs: 0,

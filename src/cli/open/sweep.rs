@@ -196,11 +196,11 @@ fn arguments_of(asked: &SweepRequestArgs) -> Vec<String> {
 fn own_ranges(scene: &Scene) -> Vec<OwnRange> {
     let variables = scene.study.iter().flat_map(|study| &study.variables);
     let range = |v: &Variable| {
-        let unit = scene.mechanism.file_units(v.kind);
+        let shown = |value: f64| scene.mechanism.file_value(v.kind, value);
         OwnRange {
             name: v.name.clone(),
-            low: v.lower * unit,
-            high: v.upper * unit,
+            low: shown(v.lower),
+            high: shown(v.upper),
         }
     };
     let finite = |range: &OwnRange| range.low.is_finite() && range.high.is_finite();

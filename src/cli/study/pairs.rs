@@ -1,7 +1,9 @@
 //! `mechanim optimise --pairs`: optimises every pair of the variables on its own, and ranks the pairs.
 
-use crate::analysis::study::optimum::{Optimum, find_optimum};
-use crate::analysis::study::{FamilyError, LoadedStudy, ParametricMechanism};
+use crate::analysis::optimise::Minimum;
+use crate::analysis::study::optimum::{Optimum, Verified, find_optimum, verify_optimum};
+use crate::analysis::study::whole_limits::WholeLimit;
+use crate::analysis::study::{FamilyError, KEPT, LoadedStudy, ParametricMechanism};
 use crate::cli::args::study::OptimiseArgs;
 use crate::cli::interrupt::{CANCEL, save_results};
 use crate::cli::io;
@@ -19,7 +21,20 @@ use std::time::Instant;
 /// One pair of variables with its optimum.
 struct Pair {
     names: [String; 2],
-    found: Result<Optimum, FamilyError>,
+    found: Result<PairOptimum, FamilyError>,
+}
+
+/// The optimum of two variables, solved again.
+struct PairOptimum {
+    optimum: Optimum,
+    verified: Verified,
+}
+
+impl PairOptimum {
+    /// Whether all limits are kept, over the whole motion as well.
+    fn keeps_limits(&self) -> bool {
+        self.verified.violation <= KEPT && self.verified.whole.iter().all(WholeLimit::is_kept)
+    }
 }
 
 /// Runs all pairs; after an interrupt the finished ones are ranked.
@@ -66,8 +81,16 @@ pub fn run_pairs(
     if done.is_empty() {
         return Err(Failure::Interrupted);
     }
-    let value = |p: &Pair| p.found.as_ref().map_or(f64::INFINITY, |o| o.minimum.value);
-    done.sort_by(|(i, a), (j, b)| value(a).total_cmp(&value(b)).then(i.cmp(j)));
+    // Those that keep all limits first.
+    let rank = |p: &Pair| match &p.found {
+        Ok(found) => (!found.keeps_limits(), found.optimum.minimum.value),
+        Err(_) => (true, f64::INFINITY),
+    };
+    done.sort_by(|(i, a), (j, b)| {
+        let ((missed, value), (other_missed, other)) = (rank(a), rank(b));
+        let by_value = value.total_cmp(&other).then(i.cmp(j));
+        missed.cmp(&other_missed).then(by_value)
+    });
     let ranked: Vec<Pair> = done.into_iter().map(|(_, pair)| pair).collect();
     let seconds = start.elapsed().as_secs_f64();
     if let Some(path) = &args.json {
@@ -99,19 +122,27 @@ fn optimise_pair(
     args: &OptimiseArgs,
     study: &LoadedStudy,
     names: &[String; 2],
-) -> Result<Optimum, FamilyError> {
+) -> Result<PairOptimum, FamilyError> {
     let mut family = ParametricMechanism::load(&study.source, &study.overrides, names)?;
     if let Some(share) = args.within {
         family.free_within(share);
     }
     let watch = Box::new(|_: usize, _: &[f64], _: f64| true);
-    find_optimum(
+    let optimum = find_optimum(
         &family,
         args.search_method(),
         args.iterations,
         watch,
         &CANCEL,
-    )
+    )?;
+    // Solved again with the values found.
+    let mut parameters = study.overrides.parameters.clone();
+    for (variable, x) in family.study.variables.iter().zip(&optimum.minimum.x) {
+        parameters.retain(|(name, _)| *name != variable.name);
+        parameters.push((variable.name.clone(), family.file_text(variable.kind, *x)));
+    }
+    let verified = verify_optimum(&study.source, &study.overrides, parameters, names)?;
+    Ok(PairOptimum { optimum, verified })
 }
 
 fn pair_ranking(study: &LoadedStudy, ranked: &[Pair], most: usize, seconds: f64) -> String {
@@ -119,20 +150,26 @@ fn pair_ranking(study: &LoadedStudy, ranked: &[Pair], most: usize, seconds: f64)
     let unit = objective.map_or(1.0, |m| study.family.units(m.kind));
     let name = objective.map_or("objective", |m| &m.name);
     let mut rows = vec![
-        ["pair", name, "first", "second", "evaluations"]
+        ["pair", name, "first", "second", "limits", "evaluations"]
             .map(str::to_owned)
             .to_vec(),
     ];
     for pair in ranked.iter().take(most) {
         let mut row = vec![pair.names.join(" + ")];
         match &pair.found {
-            Ok(o) => {
-                let [a, b] = pair_places(study, pair, o);
+            Ok(found) => {
+                let minimum = &found.optimum.minimum;
+                let [a, b] = pair_places(study, pair, minimum);
+                let limits = match found.keeps_limits() {
+                    true => "kept",
+                    false => "NOT KEPT",
+                };
                 row.extend([
-                    six_digits(o.minimum.value * unit),
+                    six_digits(minimum.value * unit),
                     six_digits(a),
                     six_digits(b),
-                    o.minimum.evaluations.to_string(),
+                    limits.to_owned(),
+                    minimum.evaluations.to_string(),
                 ]);
             }
             Err(error) => row.push(error.to_string()),
@@ -149,25 +186,32 @@ fn pair_ranking(study: &LoadedStudy, ranked: &[Pair], most: usize, seconds: f64)
 }
 
 /// Values of a pair's variables in the file's units.
-fn pair_places(study: &LoadedStudy, pair: &Pair, optimum: &Optimum) -> [f64; 2] {
+fn pair_places(study: &LoadedStudy, pair: &Pair, minimum: &Minimum) -> [f64; 2] {
     let unit = |k: usize| {
         let mut variables = study.family.study.variables.iter();
         let variable = variables.find(|v| v.name == pair.names[k]);
         variable.map_or(1.0, |v| study.family.units(v.kind))
     };
-    [0, 1].map(|k| optimum.minimum.x[k] * unit(k))
+    [0, 1].map(|k| minimum.x[k] * unit(k))
 }
 
 fn pair_document(study: &LoadedStudy, pair: &Pair) -> Value {
+    let objective = study.family.objective();
+    let unit = objective.map_or(1.0, |m| study.family.units(m.kind));
     match &pair.found {
-        Ok(o) => json!({
-            "names": pair.names,
-            "objective": o.minimum.value,
-            "values": pair_places(study, pair, o),
-            "iterations": o.minimum.iterations,
-            "evaluations": o.minimum.evaluations,
-            "ended": ending_word(o.minimum.ended),
-        }),
+        Ok(found) => {
+            let minimum = &found.optimum.minimum;
+            json!({
+                "names": pair.names,
+                "objective": minimum.value * unit,
+                "values": pair_places(study, pair, minimum),
+                "violation": found.verified.violation.max(0.0),
+                "limits_kept": found.keeps_limits(),
+                "iterations": minimum.iterations,
+                "evaluations": minimum.evaluations,
+                "ended": ending_word(minimum.ended),
+            })
+        }
         Err(error) => json!({ "names": pair.names, "error": error.to_string() }),
     }
 }

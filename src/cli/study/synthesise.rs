@@ -202,12 +202,7 @@ fn write_found(
         Some(values) => unknowns
             .iter()
             .zip(values)
-            .map(|(u, value)| {
-                (
-                    u.name.clone(),
-                    format!("{:?}", value * opened.family.units(u.kind)),
-                )
-            })
+            .map(|(u, value)| (u.name.clone(), opened.family.file_text(u.kind, *value)))
             .collect(),
     };
     let text = with_values(&opened.source, &parameters, &guess);

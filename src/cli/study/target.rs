@@ -132,10 +132,9 @@ fn write_found(
     synthesis: &TargetSynthesis,
     (source, overrides): (&Source, &Overrides),
 ) -> Result<(Overrides, String), Failure> {
-    let text = |value: f64| format!("{value:?}");
     let variables = family.study.variables.iter().zip(&synthesis.fit.x);
     let parameters: Vec<(String, String)> = variables
-        .map(|(v, x)| (v.name.clone(), text(x * family.units(v.kind))))
+        .map(|(v, x)| (v.name.clone(), family.file_text(v.kind, *x)))
         .collect();
     let mechanism = family.mechanism();
     let first = synthesis
@@ -148,7 +147,7 @@ fn write_found(
         .unknowns
         .iter()
         .zip(start)
-        .map(|(u, value)| (u.name.clone(), text(value * family.units(u.kind))))
+        .map(|(u, value)| (u.name.clone(), family.file_text(u.kind, *value)))
         .collect();
     let scene = with_values(source, &parameters, &guess);
     let scene = scene.ok_or_else(|| {

@@ -138,7 +138,9 @@ impl<'a> NonZeros<'a> {
         if factor == 0.0 || self.first >= end {
             return;
         }
-        let pairs = column[self.first..end].iter_mut().zip(&self.slopes[self.first..end]);
+        let pairs = column[self.first..end]
+            .iter_mut()
+            .zip(&self.slopes[self.first..end]);
         pairs.for_each(|(sum, slope)| *sum += factor * slope);
     }
 }

@@ -11,6 +11,7 @@ mod blocks;
 mod cell;
 mod clip;
 mod lens;
+mod near_samples;
 mod outlines;
 mod raster;
 mod rasterise;

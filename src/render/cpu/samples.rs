@@ -62,6 +62,9 @@ fn places(samples: u32) -> &'static [[i32; 2]] {
     }
 }
 
+/// Most samples of a pixel.
+pub(super) const MOST_SAMPLES: usize = 16;
+
 /// Lanes of a vector.
 pub(super) const LANES: usize = 4;
 

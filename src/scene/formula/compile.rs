@@ -49,7 +49,7 @@ fn emit_node(
             }
         },
         NodeKind::Negate(inner) => Op::Negate(emit_node(inner, lookup, ops)?),
-        NodeKind::Angle(inner) => return emit_node(inner, lookup, ops),
+        NodeKind::Of(_, inner) => return emit_node(inner, lookup, ops),
         NodeKind::Binary(sign, a, b) => {
             let (a, b) = (emit_node(a, lookup, ops)?, emit_node(b, lookup, ops)?);
             match sign {

@@ -4,6 +4,7 @@ use super::chain::{Item, Transform};
 use super::node::FormulaNode;
 use crate::diag::{Diagnostic, Span};
 use crate::model::chain::ElementaryMotion;
+use crate::model::mechanism::Kind;
 use crate::numbers::constant::Constant;
 use std::collections::HashSet;
 
@@ -198,14 +199,14 @@ fn elementary_factors(transform: Transform, arguments: &[FormulaNode]) -> Vec<Fa
 
 /// pitch·angle/2π.
 fn screw_advance(pitch: FormulaNode, angle: FormulaNode) -> FormulaNode {
-    use super::node::NodeKind::{Angle, Binary, Radians};
+    use super::node::NodeKind::{Binary, Of, Radians};
     let span = pitch.span.start..angle.span.end;
     let turn = FormulaNode {
         kind: Radians(Constant::PI * Constant::exact(2.0)),
         span: span.clone(),
     };
     let angle = FormulaNode {
-        kind: Angle(Box::new(angle)),
+        kind: Of(Kind::Angle, Box::new(angle)),
         span: span.clone(),
     };
     let turns = FormulaNode {

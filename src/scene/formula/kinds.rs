@@ -1,14 +1,19 @@
 //! Infers the kinds (length, angle, number) of the parts of a formula, and converts its numbers from the file's angle
 //! unit to radians.
 //!
-//! Rule: in a position where an angle is expected, a part that contains no angle itself (`Ry(180)`, `beta + 30`) is in
-//! the file's angle unit. In a file in radians nothing is converted.
+//! Rule: where an angle is expected, a part that contains no angle itself (`Ry(180)`, `beta + 30`) is in the file's angle
+//! unit. An angle is expected where the position says so, and beside the angles of a sum. In a file in radians nothing is
+//! converted.
 
 use super::node::{FormulaNode, NodeKind};
 use crate::diag::Span;
+use crate::model::dimension::PhysicalDimension;
 use crate::model::expression::Function;
 use crate::model::mechanism::Kind;
 use crate::numbers::constant::Constant;
+
+/// What a name measures, if that is known.
+pub type DimensionOfName<'a> = &'a dyn Fn(&str) -> Option<PhysicalDimension>;
 
 /// Reports to `note` the kind of each name in `node`, if the position requires the kind `wanted`.
 pub fn infer_kind(
@@ -24,7 +29,7 @@ pub fn infer_kind(
             }
         }
         NodeKind::Negate(inner) => infer_kind(inner, wanted, note),
-        NodeKind::Angle(inner) => infer_kind(inner, Some(Kind::Angle), note),
+        NodeKind::Of(kind, inner) => infer_kind(inner, Some(*kind), note),
         NodeKind::Binary('+' | '-', a, b) => {
             infer_kind(a, wanted, note);
             infer_kind(b, wanted, note);
@@ -62,61 +67,150 @@ fn is_literal(node: &FormulaNode) -> bool {
     }
 }
 
-/// Converts angles from the file's unit to radians: `radians` is the size of one unit, `is_angle` recognises names of
-/// angles.
+/// The dimension of a formula, from the leaves to the root; names that `of_name` does not know are plain numbers.
+pub fn dimension_of(node: &FormulaNode, of_name: DimensionOfName) -> PhysicalDimension {
+    let of = |node: &FormulaNode| dimension_of(node, of_name);
+    match &node.kind {
+        NodeKind::Number(_) | NodeKind::Derivative(_) => PhysicalDimension::NUMBER,
+        NodeKind::Radians(_) => PhysicalDimension::of(Kind::Angle),
+        NodeKind::Of(kind, _) => PhysicalDimension::of(*kind),
+        NodeKind::Name(name) => of_name(name).unwrap_or_default(),
+        NodeKind::Negate(inner) => of(inner),
+        // Sums have the dimension of their first term that has one; products add dimensions.
+        NodeKind::Binary('+' | '-', a, b) => first_measured([of(a), of(b)]),
+        NodeKind::Binary('*', a, b) => of(a) + of(b),
+        NodeKind::Binary('/', a, b) => of(a) - of(b),
+        // Only whole powers have a dimension.
+        NodeKind::Binary(_, base, power) => match power.kind {
+            NodeKind::Number(power) if power.number().fract() == 0.0 => {
+                of(base) * power.number().clamp(-99.0, 99.0) as i32
+            }
+            _ => PhysicalDimension::NUMBER,
+        },
+        NodeKind::Call(function, args) => match function {
+            Function::Asin | Function::Acos | Function::Atan | Function::Atan2 => {
+                PhysicalDimension::of(Kind::Angle)
+            }
+            Function::Abs | Function::Min | Function::Max | Function::Mod | Function::Hypot => {
+                first_measured(args.iter().map(of))
+            }
+            Function::Sqrt => of(&args[0]).half_powers(),
+            _ => PhysicalDimension::NUMBER,
+        },
+    }
+}
+
+/// Among terms that are added or compared, the first that is not a plain number, as in `x + 3`.
+fn first_measured(parts: impl IntoIterator<Item = PhysicalDimension>) -> PhysicalDimension {
+    let mut measured = parts
+        .into_iter()
+        .filter(|part| *part != PhysicalDimension::NUMBER);
+    measured.next().unwrap_or_default()
+}
+
+/// Whether a formula is an angle by itself, wherever it stands: all its terms are angles or plain numbers, and one is an
+/// angle.
+pub fn is_angle_by_itself(node: &FormulaNode, of_name: DimensionOfName) -> bool {
+    let angle = PhysicalDimension::of(Kind::Angle);
+    let (mut found, mut others) = (false, false);
+    visit_terms(node, &mut |term| {
+        let dimension = dimension_of(term, of_name);
+        found |= dimension == angle;
+        others |= dimension != angle && dimension != PhysicalDimension::NUMBER;
+    });
+    found && !others
+}
+
+/// Calls `visit` on everything that is added or compared in a formula.
+fn visit_terms(node: &FormulaNode, visit: &mut dyn FnMut(&FormulaNode)) {
+    match &node.kind {
+        NodeKind::Negate(inner) => visit_terms(inner, visit),
+        NodeKind::Binary('+' | '-', a, b) => {
+            visit_terms(a, visit);
+            visit_terms(b, visit);
+        }
+        NodeKind::Call(_, args) if is_sum(&node.kind) => {
+            args.iter().for_each(|arg| visit_terms(arg, visit));
+        }
+        _ => visit(node),
+    }
+}
+
+/// Converts angles from the file's unit to radians: `radians` is the size of one unit, `of_name` tells what names measure.
 pub fn to_radians(
     node: FormulaNode,
     wanted: Option<Kind>,
     radians: Constant,
-    is_angle: &dyn Fn(&str) -> bool,
+    of_name: DimensionOfName,
 ) -> FormulaNode {
     if radians == Constant::exact(1.0) {
         return node;
     }
-    convert_kind(node, wanted, radians, is_angle)
+    AngleConversion { radians, of_name }.converted(node, wanted)
 }
 
-fn convert_kind(
-    node: FormulaNode,
-    wanted: Option<Kind>,
+struct AngleConversion<'a> {
     radians: Constant,
-    is_angle: &dyn Fn(&str) -> bool,
-) -> FormulaNode {
-    let recurse = |n: Box<FormulaNode>, kind: Option<Kind>| {
-        Box::new(convert_kind(*n, kind, radians, is_angle))
-    };
-    let wants_angle = wanted == Some(Kind::Angle);
-    // An angle is wanted and a plain number found: it is in the file's unit, and is multiplied once, as a whole.
-    if wants_angle && !is_sum(&node.kind) && !holds_angle(&node, is_angle) {
-        let span = node.span.clone();
-        let factor = Box::new(FormulaNode::number(radians, span.clone()));
-        let inner = Box::new(convert_kind(node, None, radians, is_angle));
-        return FormulaNode {
-            kind: NodeKind::Binary('*', inner, factor),
-            span,
+    of_name: DimensionOfName<'a>,
+}
+
+impl AngleConversion<'_> {
+    fn converted(&self, node: FormulaNode, wanted: Option<Kind>) -> FormulaNode {
+        let is_sum = is_sum(&node.kind);
+        // A sum of angles is one in every position that does not tell.
+        let wanted = match wanted {
+            None if is_sum && is_angle_by_itself(&node, self.of_name) => Some(Kind::Angle),
+            wanted => wanted,
         };
+        // An angle is wanted and a plain number found: it is in the file's unit, and is multiplied once, as a whole.
+        if wanted == Some(Kind::Angle) && !is_sum && !self.holds_angle(&node) {
+            let span = node.span.clone();
+            let factor = Box::new(FormulaNode::number(self.radians, span.clone()));
+            let inner = Box::new(self.converted(node, None));
+            return FormulaNode {
+                kind: NodeKind::Binary('*', inner, factor),
+                span,
+            };
+        }
+        let boxed = |node: Box<FormulaNode>, kind| Box::new(self.converted(*node, kind));
+        // Terms of a sum are of the kind of the sum, and factors are plain or tell their own.
+        let kind = match node.kind {
+            NodeKind::Negate(inner) => NodeKind::Negate(boxed(inner, wanted)),
+            NodeKind::Of(kind, inner) => NodeKind::Of(kind, boxed(inner, Some(kind))),
+            NodeKind::Binary(sign @ ('+' | '-'), a, b) => {
+                NodeKind::Binary(sign, boxed(a, wanted), boxed(b, wanted))
+            }
+            NodeKind::Binary(sign, a, b) => NodeKind::Binary(sign, boxed(a, None), boxed(b, None)),
+            NodeKind::Call(function, args) => {
+                let inner = argument_kind(function, wanted);
+                let args = args.into_iter().map(|arg| self.converted(arg, inner));
+                NodeKind::Call(function, args.collect())
+            }
+            leaf => leaf,
+        };
+        FormulaNode {
+            kind,
+            span: node.span,
+        }
     }
-    let span = node.span;
-    // Terms of a sum are of the kind of the sum, and factors are plain.
-    let kind = match node.kind {
-        NodeKind::Negate(inner) => NodeKind::Negate(recurse(inner, wanted)),
-        NodeKind::Angle(inner) => NodeKind::Angle(recurse(inner, Some(Kind::Angle))),
-        NodeKind::Binary(sign @ ('+' | '-'), a, b) => {
-            NodeKind::Binary(sign, recurse(a, wanted), recurse(b, wanted))
+
+    fn holds_angle(&self, node: &FormulaNode) -> bool {
+        match &node.kind {
+            NodeKind::Number(_) | NodeKind::Derivative(_) => false,
+            NodeKind::Radians(_) => true,
+            NodeKind::Of(kind, _) => *kind == Kind::Angle,
+            NodeKind::Name(name) => {
+                (self.of_name)(name).map(PhysicalDimension::kind) == Some(Kind::Angle)
+            }
+            NodeKind::Negate(inner) => self.holds_angle(inner),
+            NodeKind::Binary(_, a, b) => self.holds_angle(a) || self.holds_angle(b),
+            NodeKind::Call(function, args) => match function {
+                Function::Asin | Function::Acos | Function::Atan | Function::Atan2 => true,
+                Function::Sin | Function::Cos | Function::Tan => false,
+                _ => args.iter().any(|arg| self.holds_angle(arg)),
+            },
         }
-        NodeKind::Binary(sign, a, b) => NodeKind::Binary(sign, recurse(a, None), recurse(b, None)),
-        NodeKind::Call(function, args) => {
-            let inner = argument_kind(function, wanted);
-            NodeKind::Call(
-                function,
-                args.into_iter()
-                    .map(|a| convert_kind(a, inner, radians, is_angle))
-                    .collect(),
-            )
-        }
-        leaf => leaf,
-    };
-    FormulaNode { kind, span }
+    }
 }
 
 /// Operations whose operands all have the kind of the result.
@@ -127,22 +221,6 @@ fn is_sum(kind: &NodeKind) -> bool {
             argument_kind(*function, Some(Kind::Length)) == Some(Kind::Length)
         }
         _ => false,
-    }
-}
-
-fn holds_angle(node: &FormulaNode, is_angle: &dyn Fn(&str) -> bool) -> bool {
-    match &node.kind {
-        NodeKind::Number(_) => false,
-        NodeKind::Radians(_) | NodeKind::Angle(_) => true,
-        NodeKind::Name(name) => is_angle(name),
-        NodeKind::Negate(inner) => holds_angle(inner, is_angle),
-        NodeKind::Binary(_, a, b) => holds_angle(a, is_angle) || holds_angle(b, is_angle),
-        NodeKind::Derivative(_) => false,
-        NodeKind::Call(function, args) => match function {
-            Function::Asin | Function::Acos | Function::Atan | Function::Atan2 => true,
-            Function::Sin | Function::Cos | Function::Tan => false,
-            _ => args.iter().any(|a| holds_angle(a, is_angle)),
-        },
     }
 }
 
@@ -159,7 +237,7 @@ mod tests {
             parse_expression(text, 0).unwrap(),
             Some(Kind::Angle),
             Constant::PI / Constant::exact(180.0),
-            &|n| n == "a",
+            &|n| (n == "a").then_some(PhysicalDimension::of(Kind::Angle)),
         );
         let lookup = |name: &str, _: &Span| {
             Ok(CompiledValue::Constant(Constant::exact(if name == "a" {
@@ -184,6 +262,10 @@ mod tests {
             ("atan2(1, 1)", 45.0 * degree),
             ("2*sin(30)", 2.0 * 0.5 * degree),
             ("-(n + 10)", -13.0 * degree),
+            // A sum with an angle is one, in a product as well.
+            ("2*(a - 10)", 2.0 * (1.0 - 10.0 * degree)),
+            ("(max(a, 5) - 10)/2", 0.5 * (1.0 - 10.0 * degree)),
+            ("n*(10 + 20)", 90.0 * degree),
         ] {
             assert!(
                 (in_degrees(text) - radians).abs() < 1e-12,

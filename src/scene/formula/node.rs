@@ -2,6 +2,7 @@
 
 use crate::diag::Span;
 use crate::model::expression::Function;
+use crate::model::mechanism::Kind;
 use crate::numbers::constant::Constant;
 
 /// A node and its position in the file.
@@ -20,8 +21,8 @@ pub enum NodeKind {
     Number(Constant),
     /// A literal with an explicit angle unit, already in radians.
     Radians(Constant),
-    /// A part that is an angle, whatever surrounds it.
-    Angle(Box<FormulaNode>),
+    /// A part of a known kind, whatever surrounds it.
+    Of(Kind, Box<FormulaNode>),
     /// A name, to be looked up.
     Name(String),
     /// Sign change.
@@ -77,11 +78,12 @@ impl FormulaNode {
 
     /// Whether both are written alike, wherever they are written.
     pub fn is_alike(&self, other: &Self) -> bool {
-        use NodeKind::{Angle, Binary, Call, Derivative, Name, Negate, Number, Radians};
+        use NodeKind::{Binary, Call, Derivative, Name, Negate, Number, Of, Radians};
         match (&self.kind, &other.kind) {
             (Number(a), Number(b)) | (Radians(a), Radians(b)) => a == b,
             (Name(a), Name(b)) => a == b,
-            (Negate(a), Negate(b)) | (Angle(a), Angle(b)) => a.is_alike(b),
+            (Negate(a), Negate(b)) => a.is_alike(b),
+            (Of(kind, a), Of(other, b)) => kind == other && a.is_alike(b),
             (Binary(sign, a, b), Binary(other, c, d)) => {
                 sign == other && a.is_alike(c) && b.is_alike(d)
             }
@@ -102,7 +104,7 @@ impl FormulaNode {
         match &self.kind {
             NodeKind::Number(_) | NodeKind::Radians(_) => {}
             NodeKind::Name(name) => visit(name, &self.span),
-            NodeKind::Negate(inner) | NodeKind::Angle(inner) => inner.visit_names(visit),
+            NodeKind::Negate(inner) | NodeKind::Of(_, inner) => inner.visit_names(visit),
             NodeKind::Binary(_, a, b) => {
                 a.visit_names(visit);
                 b.visit_names(visit);

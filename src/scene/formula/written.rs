@@ -24,7 +24,7 @@ fn written_node(node: &FormulaNode) -> (String, Precedence) {
         NodeKind::Number(value) => written_number(value.number()),
         NodeKind::Radians(value) => written_angle(*value),
         NodeKind::Name(name) => (name.clone(), Precedence::Atom),
-        NodeKind::Angle(inner) => written_node(inner),
+        NodeKind::Of(_, inner) => written_node(inner),
         NodeKind::Negate(inner) => (
             format!("-{}", held_in(inner, Precedence::Sign)),
             Precedence::Sign,

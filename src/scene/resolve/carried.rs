@@ -4,7 +4,7 @@
 use super::super::file::SceneFile;
 use super::super::formula::expansion::Factor;
 use super::super::formula::node::FormulaNode;
-use super::super::solids::SolidFile;
+use super::super::solids::{ShapeFile, SolidFile};
 use super::joints::FoldedJoints;
 use super::parsed::Parsed;
 use super::parsing::parsed_expression;
@@ -101,6 +101,46 @@ pub fn lengths_of_solids(file: &SceneFile) -> Vec<FormulaNode> {
         nodes.extend(lengths);
     }
     nodes
+}
+
+/// For every body the varied parameters, by their number, that appear in its shapes.
+pub fn variables_of_shapes(
+    (file, parsed): (&SceneFile, &Parsed),
+    dependents: &Dependents,
+) -> Vec<Vec<usize>> {
+    let of_body = |shapes: &[ShapeFile]| {
+        let mut used = Vec::new();
+        let mut note = |mut node: FormulaNode| {
+            dependents.expand(&mut node);
+            dependents.note_used(&node, &mut used);
+        };
+        // Mistakes are reported where the solids are resolved.
+        let silent = &mut Diagnostics::default();
+        for shape in shapes {
+            let typed = Typed::new(&shape.solid);
+            let points = typed.points.iter().flat_map(|point| point.iter());
+            let texts = points.chain(typed.sizes.iter().chain(&typed.fixed).copied());
+            texts
+                .filter_map(|text| parsed_expression(text, silent))
+                .for_each(&mut note);
+            let frame = shape.frame.as_ref();
+            for factor in frame
+                .and_then(|text| parsed.factors(text, silent))
+                .into_iter()
+                .flatten()
+            {
+                match factor {
+                    Factor::Elementary(_, _, node) => note(node),
+                    Factor::Direction(nodes, _) => nodes.into_iter().for_each(&mut note),
+                }
+            }
+        }
+        used
+    };
+    file.bodies
+        .iter()
+        .map(|body| of_body(&body.shapes))
+        .collect()
 }
 
 /// The solids of all bodies, with chains that depend on the `dependents`.

@@ -72,13 +72,14 @@ fn resolve_drive(
     unit: &AngleUnit,
     wanted: Option<Kind>,
 ) -> Result<Drive, Diagnostic> {
-    let radians =
-        |node: &FormulaNode| to_radians(node.clone(), wanted, unit.radians, &|n| names.is_angle(n));
+    let radians = |node: &FormulaNode| {
+        to_radians(node.clone(), wanted, unit.radians, &|n| names.dimension(n))
+    };
     match (input, file) {
         (ParsedInput::Keys(keys), InputFile::Keys { keys: place, ease }) => {
             // Keys: an easing, and times that ascend.
             let ease = match ease {
-                None => Ease::Smooth,
+                None => Ease::Linear,
                 Some(word) => {
                     let known = Ease::NAMES.iter().find(|(name, _)| *name == word.value);
                     known.map(|(_, ease)| *ease).ok_or_else(|| {
@@ -162,7 +163,7 @@ fn resolve_guess(
         };
         // Start values are constants in the file's units.
         let wanted = Some(names.unknowns[index].kind);
-        let node = to_radians(node.clone(), wanted, unit.radians, &|n| names.is_angle(n));
+        let node = to_radians(node.clone(), wanted, unit.radians, &|n| names.dimension(n));
         match constant_node(&node, &|n, s| names.constant(n, s)) {
             Ok(value) => (guess[index], named[index]) = (value, true),
             Err(diagnostic) => diagnostics.push(diagnostic),

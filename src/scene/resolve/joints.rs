@@ -26,7 +26,7 @@ const MOST_MOTIONS: usize = 1000;
 
 /// Compiles chains and keeps the list of their arguments.
 pub struct FoldedJoints<'a> {
-    names: &'a Names,
+    pub(super) names: &'a Names,
     unit: &'a AngleUnit,
     /// Every different argument once.
     pub arguments: Vec<Argument>,
@@ -99,7 +99,7 @@ impl<'a> FoldedJoints<'a> {
         let mut equations = Vec::new();
         for (name, node) in &parsed.equations {
             let node = to_radians(node.clone(), None, self.unit.radians, &|n| {
-                self.names.is_angle(n)
+                self.names.dimension(n)
             });
             match compile_formula(&node, &|n, s| self.names.coordinate(n, s)) {
                 Ok(expression) => equations.push(Equation {
@@ -117,11 +117,9 @@ impl<'a> FoldedJoints<'a> {
     /// The dimension of a formula as a power of length, if the kinds of its names are known.
     fn length_exponent(&self, node: &FormulaNode) -> f64 {
         match &node.kind {
-            NodeKind::Number(_)
-            | NodeKind::Radians(_)
-            | NodeKind::Angle(_)
-            | NodeKind::Derivative(_) => 0.0,
+            NodeKind::Number(_) | NodeKind::Radians(_) | NodeKind::Derivative(_) => 0.0,
             NodeKind::Name(name) => f64::from(self.names.kind(name) == Some(Kind::Length)),
+            NodeKind::Of(kind, _) => f64::from(*kind == Kind::Length),
             NodeKind::Negate(inner) => self.length_exponent(inner),
             // Products and quotients add exponents; terms of a sum should agree, so the largest is taken.
             NodeKind::Binary(sign, a, b) => {
@@ -261,7 +259,7 @@ impl<'a> FoldedJoints<'a> {
     ) -> Result<Expression, Diagnostic> {
         let wanted = Some(kind_of_motion(motion));
         let converted = to_radians(node.clone(), wanted, self.unit.radians, &|n| {
-            self.names.is_angle(n)
+            self.names.dimension(n)
         });
         compile_formula(&converted, &|n, s| self.names.coordinate(n, s))
     }

@@ -2,12 +2,12 @@
 
 use super::super::file::SceneFile;
 use super::super::formula::compile::{CompiledValue, compile_formula, constant_node};
-use super::super::formula::kinds::to_radians;
+use super::super::formula::kinds::{dimension_of, to_radians};
 use super::super::formula::node::{FormulaNode, NodeKind};
 use super::super::measures::{MeasureFile, MeasureSourceFile, TrackFile};
 use super::body_constants::BodyConstants;
 use super::names::Names;
-use super::outputs::{Scope, dimension_of};
+use super::outputs::Scope;
 use super::parsing::parsed_expression;
 use super::rates::{FoundRates, TIME, find_derivative};
 use super::varied::Dependents;
@@ -97,7 +97,7 @@ fn fixed_point(
 ) -> Option<f64> {
     let node = parsed_expression(text, diagnostics)?;
     let radians = scope.unit.radians;
-    let node = to_radians(node, Some(kind), radians, &|n| scope.names.is_angle(n));
+    let node = to_radians(node, Some(kind), radians, &|n| scope.names.dimension(n));
     let value = constant_node(&node, &|n, s| scope.names.constant(n, s));
     value
         .map_err(|diagnostic| diagnostics.push(diagnostic))
@@ -132,8 +132,8 @@ fn resolve_measure(
     // A formula of earlier measures, or values over poses that are reduced to one.
     let (source, kind) = match item.source.as_ref()? {
         MeasureSourceFile::Formula(text) => {
-            let names = (scope.names, dependents);
-            measure_formula(text, file, names, earlier, diagnostics)?
+            let scopes = (scope, dependents);
+            measure_formula(text, file, scopes, earlier, diagnostics)?
         }
         source @ MeasureSourceFile::Over { .. } => {
             let scopes = (scope, dependents);
@@ -152,6 +152,10 @@ fn resolve_measure(
         min: min?,
         max: max?,
         why: item.why.clone(),
+        size: match kind {
+            Kind::Angle => 1.0,
+            Kind::Length | Kind::Number => 0.0,
+        },
     })
 }
 
@@ -205,14 +209,12 @@ fn resolve_over(
         kind = dimension.kind();
         formulas.push(formula);
     }
-    // Length by length, or angle by angle, is a plain number.
-    if let Some(input) = per
-        && scope.names.inputs[input].kind != Kind::Number
-    {
-        kind = match kind == scope.names.inputs[input].kind {
-            true => Kind::Number,
-            false => kind,
-        };
+    // A share of the poses is a number, and so are length by length and angle by anything, in radians.
+    let by = per.map(|input| scope.names.inputs[input].kind);
+    let is_plain =
+        taking == Taking::Positive || by.is_some_and(|by| kind == by || kind == Kind::Angle);
+    if is_plain {
+        kind = Kind::Number;
     }
     let source = MeasureSource::Over {
         track,
@@ -398,18 +400,23 @@ fn track_index(
 fn measure_formula(
     text: &FormulaText,
     file: &SceneFile,
-    (names, dependents): (&Names, &Dependents),
+    (scope, dependents): (&Scope, &Dependents),
     earlier: &[Measure],
     diagnostics: &mut Diagnostics,
 ) -> Option<(MeasureSource, Kind)> {
+    let names = scope.names;
     let mut node = parsed_expression(text, diagnostics)?;
     dependents.expand(&mut node);
     // What it measures follows from the measures that it uses.
-    let known = |used: &str| {
+    let of_name = |used: &str| {
         let measure = earlier.iter().find(|m| m.name == used);
-        measure.map(|m| PhysicalDimension::of(m.kind))
+        measure.map_or_else(
+            || names.dimension(used),
+            |m| Some(PhysicalDimension::of(m.kind)),
+        )
     };
-    let kind = dimension_of(&node, names, &known).kind();
+    let kind = dimension_of(&node, &of_name).kind();
+    let node = to_radians(node, Some(kind), scope.unit.radians, &of_name);
     // Slots are the inputs, then the earlier measures.
     let lookup = |used: &str, span: &Span| {
         if let Some(slot) = earlier.iter().position(|m| m.name == used) {

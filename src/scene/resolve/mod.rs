@@ -44,7 +44,7 @@ use crate::model::actuation::Actuation;
 use crate::model::drive::Drive;
 use crate::model::joints::Joints;
 use crate::model::measure::Measures;
-use crate::model::mechanism::{AngleUnit, Bar, Equation, Loop, Mechanism};
+use crate::model::mechanism::{AngleUnit, Bar, Equation, Kind, Loop, Mechanism};
 use crate::numbers::constant::Constant;
 use bars::equations::resolve_bars;
 use contacts::closure::Contacts;
@@ -75,8 +75,8 @@ pub fn resolve_scene(
     }
     names.evaluate_parameters(&parsed, &angle_unit, diagnostics);
     // Variables of a study become constant inputs, with parameters computed from them written out.
-    let kept = varied::kept_parameters(&parsed, varied);
-    varied::expand_dependents(&mut parsed, varied, diagnostics);
+    let kept = varied::kept_parameters(&parsed, &names, varied);
+    varied::expand_dependents(&mut parsed, &names, varied, diagnostics);
     let varied_values = names.promote_parameters(varied);
     // Equations: the file's loops and equations, then those of bars and contacts.
     contacts::parallel::settle_parallel(&parsed, &mut names, &angle_unit);
@@ -95,9 +95,10 @@ pub fn resolve_scene(
         let points = (&mut bodies, &mut traces[..]);
         varied::carry_points(file, &parsed, varied, &mut joints, points, diagnostics);
     }
+    let dependents = varied::Dependents::new(&parsed, &names, varied);
+    let shaped_by = carried::variables_of_shapes((file, &parsed), &dependents);
     let mut carried = Vec::new();
     if overrides.carries_shapes && !diagnostics.has_errors() {
-        let dependents = varied::Dependents::new(&parsed, varied);
         carried = carried::carry_shapes((file, &parsed), &dependents, &mut joints, diagnostics);
     }
     // Outputs come last of the formulas on poses, since they may use contacts and traced points.
@@ -132,9 +133,9 @@ pub fn resolve_scene(
         true => measures::resolve_tracks(file, &scope, &start, diagnostics),
         false => Vec::new(),
     };
-    let measures = measures::resolve_measures(
+    let mut measures = measures::resolve_measures(
         file,
-        (&scope, &varied::Dependents::new(&parsed, varied)),
+        (&scope, &dependents),
         (&tracks, overrides.derives_measures),
         diagnostics,
     );
@@ -190,6 +191,8 @@ pub fn resolve_scene(
         (&parsed, &names),
         overrides.size,
     );
+    let lengths = measures.iter_mut().filter(|m| m.kind == Kind::Length);
+    lengths.for_each(|measure| measure.size = mechanism.size);
     mechanism.sliding = mechanism.sliding_arguments();
     // The table of joints and links is built once, from the finished chains.
     mechanism.joints = Joints::new(&mechanism);
@@ -215,6 +218,7 @@ pub fn resolve_scene(
         plots: plots.into(),
         notation,
         carried,
+        shaped_by,
         warnings: Diagnostics::default(),
     })
 }

@@ -3,10 +3,12 @@
 use super::super::file::SceneFile;
 use super::super::formula::compile::{CompiledValue, exact_constant};
 use super::super::formula::expansion::Factor;
-use super::super::formula::kinds::to_radians;
+use super::super::formula::kinds::{is_angle_by_itself, to_radians};
+use super::super::formula::node::FormulaNode;
 use super::parsed::Parsed;
 use super::words::{TIME, refuse_double_and_reserved};
 use crate::diag::{Diagnostic, Diagnostics, Span};
+use crate::model::dimension::PhysicalDimension;
 use crate::model::mechanism::{AngleUnit, Coordinate, Kind};
 use crate::numbers::constant::Constant;
 use std::cell::Cell;
@@ -16,6 +18,8 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 pub struct Parameter {
     pub name: String,
     pub kind: Option<Kind>,
+    /// Whether a use tells its kind, in a chain for example, and not only its definition.
+    pub is_placed: bool,
     pub value: Constant,
 }
 
@@ -67,6 +71,7 @@ impl Names {
                 .map(|(name, _)| Parameter {
                     name: name.value.clone(),
                     kind: None,
+                    is_placed: true,
                     value: Constant::default(),
                 })
                 .collect(),
@@ -247,9 +252,12 @@ impl Names {
         }
     }
 
-    /// Whether `name` is an angle.
-    pub fn is_angle(&self, name: &str) -> bool {
-        self.kind(name) == Some(Kind::Angle)
+    /// What `name` measures, if known; coordinates of traced points are lengths.
+    pub fn dimension(&self, name: &str) -> Option<PhysicalDimension> {
+        match self.kind(name) {
+            None if name.contains('.') => Some(PhysicalDimension::of(Kind::Length)),
+            kind => kind.map(PhysicalDimension::of),
+        }
     }
 
     /// The kind of `name`, if known.
@@ -267,6 +275,7 @@ impl Names {
         self.parameters.push(Parameter {
             name,
             kind: Some(kind),
+            is_placed: true,
             value,
         });
         self.index();
@@ -276,6 +285,20 @@ impl Names {
     pub fn is_settled(&self, name: &str, parsed: &Parsed) -> bool {
         let is_own = parsed.parameters.iter().any(|(own, _)| own.value == name);
         !is_own && matches!(self.meaning(name), Some(Meaning::Parameter(_)))
+    }
+
+    /// A parameter whose uses do not tell its kind is an angle if its definition is one: `30deg`, or a sum with an angle.
+    fn take_kind_of_definition(&mut self, own: usize, node: &FormulaNode) {
+        let parameter = &mut self.parameters[own];
+        if parameter.kind.is_some() {
+            return;
+        }
+        let name = parameter.name.clone();
+        if is_angle_by_itself(node, &|used| self.dimension(used)) {
+            self.parameters[own].kind = Some(Kind::Angle);
+            self.parameters[own].is_placed = false;
+            self.kinds.insert(name, (Kind::Angle, node.span.clone()));
+        }
     }
 
     /// Evaluates the parameters in order.
@@ -290,12 +313,9 @@ impl Names {
                 continue;
             };
             // A parameter may use earlier parameters only; each wrong use has its own message.
-            let node = to_radians(
-                node.clone(),
-                self.parameters[own].kind,
-                unit.radians,
-                &|n| self.is_angle(n),
-            );
+            self.take_kind_of_definition(own, node);
+            let kind = self.parameters[own].kind;
+            let node = to_radians(node.clone(), kind, unit.radians, &|n| self.dimension(n));
             let place = |used: &str| match self.meaning(used) {
                 Some(Meaning::Parameter(index)) => Some(index),
                 _ => None,

@@ -2,8 +2,8 @@
 
 use super::super::file::SceneFile;
 use super::super::formula::compile::{CompiledValue, compile_formula};
-use super::super::formula::kinds::to_radians;
-use super::super::formula::node::{FormulaNode, NodeKind};
+use super::super::formula::kinds::{dimension_of, to_radians};
+use super::super::formula::node::FormulaNode;
 use super::body_constants::BodyConstants;
 use super::clearance::asked_distance;
 use super::contacts::closure::Contacts;
@@ -11,7 +11,7 @@ use super::names::Names;
 use super::parsed::Parsed;
 use crate::diag::{Diagnostic, Diagnostics, Span};
 use crate::model::dimension::PhysicalDimension;
-use crate::model::expression::{Expression, Function};
+use crate::model::expression::Expression;
 use crate::model::mechanism::{AngleUnit, Body, Kind, MechanismOutput, OutputSource, Trace};
 use crate::model::rate::{Per, RateOrder, RatedFormula};
 use std::collections::HashMap;
@@ -155,14 +155,15 @@ impl<'a> Scope<'a> {
             let extra = extra(used).map(|extra| extra.dimension);
             extra.or(earlier).or_else(contact)
         };
-        let dimension = dimension_of(node, self.names, &known);
-        // Angles of the file's unit become radians before the formula is compiled.
-        let is_angle = |n: &str| {
-            let kind = known(n).map(PhysicalDimension::kind);
-            self.names.is_angle(n) || kind == Some(Kind::Angle)
+        let of_name = |used: &str| {
+            let own = self.names.kind(used).map(PhysicalDimension::of);
+            own.or_else(|| known(used))
+                .or_else(|| self.names.dimension(used))
         };
+        let dimension = dimension_of(node, &of_name);
+        // Angles of the file's unit become radians before the formula is compiled.
         let wanted = Some(dimension.kind());
-        let node = to_radians(node.clone(), wanted, self.unit.radians, &is_angle);
+        let node = to_radians(node.clone(), wanted, self.unit.radians, &of_name);
         // Slots: those of additional names are given, others are found by name.
         let formula = compile_formula(&node, &|used, span| match extra(used) {
             Some(extra) => Ok(CompiledValue::Slot(extra.slot)),
@@ -228,56 +229,4 @@ fn trace_slot(name: &str, traces: &[Trace]) -> Option<usize> {
     let component = ["x", "y", "z"].iter().position(|c| *c == component)?;
     let index = traces.iter().position(|t| t.name == trace)?;
     Some(3 * index + component)
-}
-
-/// The kind of a formula, from the leaves to the root.
-pub fn dimension_of(
-    node: &FormulaNode,
-    names: &Names,
-    known: &dyn Fn(&str) -> Option<PhysicalDimension>,
-) -> PhysicalDimension {
-    let of = |node: &FormulaNode| dimension_of(node, names, known);
-    match &node.kind {
-        NodeKind::Number(_) | NodeKind::Derivative(_) => PhysicalDimension::NUMBER,
-        NodeKind::Radians(_) | NodeKind::Angle(_) => PhysicalDimension::of(Kind::Angle),
-        NodeKind::Name(name) => {
-            let coordinate = names.kind(name).map(PhysicalDimension::of);
-            let traced = || {
-                name.contains('.')
-                    .then_some(PhysicalDimension::of(Kind::Length))
-            };
-            let found = coordinate.or_else(|| known(name)).or_else(traced);
-            found.unwrap_or_default()
-        }
-        NodeKind::Negate(inner) => of(inner),
-        // Sums have the dimension of their first term that has one; products add dimensions.
-        NodeKind::Binary('+' | '-', a, b) => first_measured([of(a), of(b)]),
-        NodeKind::Binary('*', a, b) => of(a) + of(b),
-        NodeKind::Binary('/', a, b) => of(a) - of(b),
-        // Only whole powers have a dimension.
-        NodeKind::Binary(_, base, power) => match power.kind {
-            NodeKind::Number(power) if power.number().fract() == 0.0 => {
-                of(base) * power.number().clamp(-99.0, 99.0) as i32
-            }
-            _ => PhysicalDimension::NUMBER,
-        },
-        NodeKind::Call(function, args) => match function {
-            Function::Asin | Function::Acos | Function::Atan | Function::Atan2 => {
-                PhysicalDimension::of(Kind::Angle)
-            }
-            Function::Abs | Function::Min | Function::Max | Function::Mod | Function::Hypot => {
-                first_measured(args.iter().map(of))
-            }
-            Function::Sqrt => of(&args[0]).half_powers(),
-            _ => PhysicalDimension::NUMBER,
-        },
-    }
-}
-
-/// Among terms that are added or compared, the first that is not a plain number, as in `x + 3`.
-fn first_measured(parts: impl IntoIterator<Item = PhysicalDimension>) -> PhysicalDimension {
-    let mut measured = parts
-        .into_iter()
-        .filter(|part| *part != PhysicalDimension::NUMBER);
-    measured.next().unwrap_or_default()
 }

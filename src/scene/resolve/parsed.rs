@@ -173,7 +173,7 @@ fn expanded_chains(
     chains.expand(&items, diagnostics)
 }
 
-/// Tracks, limits, powers of norms and the duration.
+/// Tracks, limits, powers of norms, the duration, clearances, and the ranges of variables.
 fn fixed_formulas(file: &SceneFile) -> Vec<(KeptIn, FormulaNode)> {
     let ends = file.tracks.iter().flat_map(|track| &track.inputs);
     let ends = ends.flat_map(|(_, ends)| ends);
@@ -202,5 +202,21 @@ fn fixed_formulas(file: &SceneFile) -> Vec<(KeptIn, FormulaNode)> {
     add(KeptIn::Limit, unreported_nodes(limits));
     add(KeptIn::Power, unreported_nodes(powers));
     add(KeptIn::Duration, unreported_nodes(file.duration.iter()));
+    let clearance = file.clearance.iter();
+    let minima = clearance.flat_map(|rules| {
+        let pairs = rules.pairs.iter().map(|(_, minimum)| minimum);
+        let depths = rules
+            .ignored
+            .iter()
+            .filter_map(|pair| pair.down_to.as_ref());
+        rules.minimum.iter().chain(pairs).chain(depths)
+    });
+    add(KeptIn::Clearance, unreported_nodes(minima));
+    let variables = file.study.iter().flat_map(|study| &study.variables);
+    let ranges = variables.flat_map(|(_, variable)| {
+        let ends = variable.range.iter().flatten();
+        ends.chain(&variable.tolerance)
+    });
+    add(KeptIn::Range, unreported_nodes(ranges));
     list
 }

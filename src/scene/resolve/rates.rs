@@ -77,7 +77,7 @@ impl Scope<'_> {
     fn take_rates(&self, node: &mut FormulaNode, found: &mut FoundRates) -> Result<(), Diagnostic> {
         match &mut node.kind {
             NodeKind::Number(_) | NodeKind::Radians(_) | NodeKind::Name(_) => {}
-            NodeKind::Negate(inner) | NodeKind::Angle(inner) => self.take_rates(inner, found)?,
+            NodeKind::Negate(inner) | NodeKind::Of(_, inner) => self.take_rates(inner, found)?,
             NodeKind::Binary(_, a, b) => {
                 self.take_rates(a, found)?;
                 self.take_rates(b, found)?;
@@ -128,7 +128,7 @@ pub fn find_derivative<'n>(
 ) -> Option<&'n FormulaNode> {
     match &node.kind {
         NodeKind::Number(_) | NodeKind::Radians(_) | NodeKind::Name(_) => None,
-        NodeKind::Negate(inner) | NodeKind::Angle(inner) => find_derivative(inner, wanted),
+        NodeKind::Negate(inner) | NodeKind::Of(_, inner) => find_derivative(inner, wanted),
         NodeKind::Binary(_, a, b) => {
             find_derivative(a, wanted).or_else(|| find_derivative(b, wanted))
         }

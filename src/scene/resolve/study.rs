@@ -249,7 +249,7 @@ impl Resolver<'_, '_> {
     fn value(&mut self, text: &FormulaText, kind: Kind) -> Option<f64> {
         let node = parsed_expression(text, self.diagnostics)?;
         let names = self.names;
-        let node = to_radians(node, Some(kind), self.unit.radians, &|n| names.is_angle(n));
+        let node = to_radians(node, Some(kind), self.unit.radians, &|n| names.dimension(n));
         match constant_node(&node, &|n, s| names.constant(n, s)) {
             Ok(value) => Some(value),
             Err(diagnostic) => {

@@ -74,7 +74,8 @@ impl Names {
             }
             plain
         };
-        let measured = |p: &&Parameter| matches!(p.kind, Some(Kind::Length | Kind::Angle));
+        let measured =
+            |p: &&Parameter| p.is_placed && matches!(p.kind, Some(Kind::Length | Kind::Angle));
         let list = self.parameters.iter().filter(measured);
         list.filter(|p| is_number(&p.name))
             .map(|p| p.name.clone())
@@ -90,10 +91,10 @@ pub struct Dependents {
 
 impl Dependents {
     /// The names in `varied`.
-    pub fn new(parsed: &Parsed, varied: &[String]) -> Self {
+    pub fn new(parsed: &Parsed, names: &Names, varied: &[String]) -> Self {
         Self {
             varied: varied.to_vec(),
-            list: dependent_parameters(&parsed.parameters, varied),
+            list: dependent_parameters(&parsed.parameters, names, varied),
         }
     }
 
@@ -108,6 +109,14 @@ impl Dependents {
             Factor::Elementary(_, _, node) => self.expand(node),
             Factor::Direction(nodes, _) => nodes.iter_mut().for_each(|node| self.expand(node)),
         }
+    }
+
+    /// Adds the numbers of the varied parameters that an expanded formula uses.
+    pub fn note_used(&self, node: &FormulaNode, used: &mut Vec<usize>) {
+        node.visit_names(&mut |name, _| {
+            let number = self.varied.iter().position(|v| v == name);
+            used.extend(number.filter(|k| !used.contains(k)));
+        });
     }
 
     /// A varied parameter that an expanded formula uses.
@@ -127,7 +136,12 @@ const MAX_DEPTH: usize = 100;
 
 /// Replaces every parameter that depends on one of `varied` by its formula, wherever coordinates may appear; the names
 /// that remain are those in `varied` and constants.
-pub fn expand_dependents(parsed: &mut Parsed, varied: &[String], diagnostics: &mut Diagnostics) {
+pub fn expand_dependents(
+    parsed: &mut Parsed,
+    names: &Names,
+    varied: &[String],
+    diagnostics: &mut Diagnostics,
+) {
     // Every name on the list must be a parameter of the file.
     for name in varied {
         if !parsed.parameters.iter().any(|(n, _)| n.value == *name) {
@@ -141,7 +155,7 @@ pub fn expand_dependents(parsed: &mut Parsed, varied: &[String], diagnostics: &m
         }
     }
     // Loops, frames, bars, contacts, equations and outputs follow the variables.
-    let dependents = Dependents::new(parsed, varied);
+    let dependents = Dependents::new(parsed, names, varied);
     if dependents.list.is_empty() {
         return;
     }
@@ -159,10 +173,10 @@ pub fn expand_dependents(parsed: &mut Parsed, varied: &[String], diagnostics: &m
     formulas.for_each(|(_, node)| expand(node));
 }
 
-/// Varied parameters whose file values are still used somewhere: in drives, tracks, axes of rotations, limits of measures, powers of
-/// norms and the duration. Results for a motion or a measure hold for these values only.
-pub fn kept_parameters(parsed: &Parsed, varied: &[String]) -> Vec<KeptParameter> {
-    let dependents = dependent_parameters(&parsed.parameters, varied);
+/// Varied parameters whose file values are still used somewhere: in drives, tracks, axes of rotations, limits of measures and clearances,
+/// powers of norms, ranges of variables and the duration. Results for a motion or a measure hold for these values only.
+pub fn kept_parameters(parsed: &Parsed, names: &Names, varied: &[String]) -> Vec<KeptParameter> {
+    let dependents = dependent_parameters(&parsed.parameters, names, varied);
     let mut kept: Vec<KeptParameter> = Vec::new();
     // Records which variables a formula uses, directly or through a computed parameter.
     let mut note = |node: &FormulaNode, place: KeptIn| {
@@ -202,6 +216,7 @@ pub fn kept_parameters(parsed: &Parsed, varied: &[String]) -> Vec<KeptParameter>
 /// Parameters that are not varied themselves but use a varied one in their formulas.
 fn dependent_parameters(
     parameters: &[Named<FormulaNode>],
+    names: &Names,
     varied: &[String],
 ) -> Vec<(String, FormulaNode)> {
     let mut found: Vec<(String, FormulaNode)> = Vec::new();
@@ -213,7 +228,11 @@ fn dependent_parameters(
         if depends && !varied.contains(&name.value) {
             let mut node = node.clone();
             substitute_names(&mut node, &found, MAX_DEPTH);
-            found.push((name.value.clone(), node));
+            // In its own kind, wherever it is used.
+            let kind = names.kind(&name.value).unwrap_or(Kind::Number);
+            let span = node.span.clone();
+            let kind = NodeKind::Of(kind, Box::new(node));
+            found.push((name.value.clone(), FormulaNode { kind, span }));
         }
     }
     found
@@ -230,7 +249,7 @@ fn substitute_names(node: &mut FormulaNode, formulas: &[(String, FormulaNode)], 
                 node.kind = formula.kind.clone();
             }
         }
-        NodeKind::Negate(inner) | NodeKind::Angle(inner) => {
+        NodeKind::Negate(inner) | NodeKind::Of(_, inner) => {
             substitute_names(inner, formulas, depth - 1)
         }
         NodeKind::Binary(_, a, b) => {
@@ -253,7 +272,7 @@ pub fn carry_points(
     (bodies, traces): (&mut Vec<Body>, &mut [Trace]),
     diagnostics: &mut Diagnostics,
 ) {
-    let dependents = Dependents::new(parsed, varied);
+    let dependents = Dependents::new(parsed, joints.names, varied);
     for (trace, typed) in traces.iter_mut().zip(&file.traces) {
         let Some(point) = &typed.point else { continue };
         let mut factors = parsed.frames[trace.body].clone();

@@ -27,6 +27,7 @@ mod grazing;
 mod joint_gaps;
 mod joint_jumps;
 mod joint_meshes;
+mod joint_reach;
 mod kinks;
 mod lone_poses;
 mod mesh_shells;

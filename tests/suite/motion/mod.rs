@@ -5,6 +5,7 @@ mod bars;
 mod between_samples;
 mod change_points;
 mod contacts;
+mod degrees;
 mod dense_nets;
 mod derived_outputs;
 mod driven_excursions;

@@ -25,15 +25,17 @@ name = "crank"
 frame = "DIRECTION(phi) Tx(r)"
 [tracks]
 turn = { samples = "SAMPLES", inputs = { phi = [0, "END"] } }
+[clearance]
+minimum = "MINIMUM"
 [measures]
 far = { track = "turn", of = "h", take = "max", max = "LIMIT" }
 size = { track = "turn", of = "h/L", take = "norm", power = "POWER" }
 STUDY
 [study.variables]
-r = { range = [35, 45] }
+r = { range = RANGE }
 "#;
 
-const PLAIN: [(&str, &str); 8] = [
+const PLAIN: [(&str, &str); 10] = [
     ("DURATION", "2"),
     ("DRIVE", "t"),
     ("DIRECTION", "Rz"),
@@ -42,6 +44,8 @@ const PLAIN: [(&str, &str); 8] = [
     ("LIMIT", "300"),
     ("POWER", "4"),
     ("STUDY", ""),
+    ("MINIMUM", "0.1"),
+    ("RANGE", "[35, 45]"),
 ];
 
 fn crank(place: &str, text: &str) -> String {
@@ -62,6 +66,12 @@ fn a_variable_where_it_cannot_be_followed_is_refused() {
         ("END", "3*r/40", "in a track"),
         ("LIMIT", "twice + 40", "in the limits of a measure"),
         ("POWER", "r/10", "in the power of a norm"),
+        ("MINIMUM", "twice/800", "in the limits of clearances"),
+        (
+            "RANGE",
+            "[\"r - 5\", 45]",
+            "in the range or tolerance of a variable",
+        ),
         (
             "STUDY",
             "[study.limits]\nfar = { max = \"r + L\" }",

@@ -9,3 +9,4 @@ mod studies;
 mod study_verbs;
 mod synthesis;
 mod targets;
+mod verdicts;

@@ -461,7 +461,7 @@ fn mistakes_of_a_study_are_said_with_their_place() {
     w.write("far.toml", far);
     let text = w.run(&["optimise", "far.toml"]).exits(1).text();
     assert!(
-        text.contains("No candidate keeps all constraints; with this one `stroke` misses its bound by 72.000 %"),
+        text.contains("The search found no candidate that keeps all constraints; with this one `stroke` misses its bound by 7.20e1 %"),
         "{text}"
     );
 }

@@ -89,7 +89,7 @@ fn resolve_bar(
     // A constant length becomes the divisor of the equation, so it must be positive.
     let mut length = None;
     let length_node = to_radians(bar.length.clone(), Some(Kind::Length), unit.radians, &|n| {
-        names.is_angle(n)
+        names.dimension(n)
     });
     if is_fixed(&length_node) {
         match constant_node(&length_node, &|n, s| names.constant(n, s)) {
@@ -125,7 +125,7 @@ fn resolve_bar(
     }
     // The equation itself; without a divisor its value is a squared length.
     let gap = to_radians(bar_gap(bar, length), None, unit.radians, &|n| {
-        names.is_angle(n)
+        names.dimension(n)
     });
     match compile_formula(&gap, &|n, s| names.coordinate(n, s)) {
         Ok(expression) => {

@@ -1,0 +1,65 @@
+//! What a joint hides: only the parts of two shapes that lie near it. Two bars of one joint that come to lie in each other are seen,
+//! whatever else touches there, and whatever angle they have to the joint's axis.
+
+use crate::program::Workspace;
+
+/// Two bars from the origin, at an angle to the axis z, the second turned by `end` degrees in the end.
+fn bars(tilt: f64, end: f64, hub: &str) -> String {
+    let (sine, cosine) = tilt.to_radians().sin_cos();
+    let (x, z) = (100.0 * sine, 100.0 * cosine);
+    format!(
+        r#"
+units = {{ length = "mm", angle = "deg" }}
+duration = 1
+[inputs]
+a = "{end}*t"
+[[bodies]]
+name = "frame"
+shapes = [{hub}{{ capsule = {{ from = [0, 0, 0], to = [{}, 0, {z}], radius = 3 }} }}]
+[[bodies]]
+name = "arm"
+frame = "Rz(a)"
+shapes = [{{ capsule = {{ from = [0, 0, 0], to = [{x}, 0, {z}], radius = 3 }} }}]
+[[bodies]]
+name = "post"
+shapes = [{{ sphere = {{ center = [0, 0, -300], radius = 3 }} }}]
+[clearance]
+minimum = 0
+"#,
+        -x
+    )
+}
+
+const HUBS: [&str; 3] = [
+    "",
+    "{ cylinder = { from = [0, 0, -5], to = [0, 0, -2], radius = 40 } }, ",
+    "{ sphere = { radius = 12 } }, { box = { center = [0, 0, -4], size = [60, 60, 4] } }, ",
+];
+
+#[test]
+fn bars_that_meet_beyond_their_joint_are_seen() {
+    let w = Workspace::new();
+    for hub in HUBS {
+        for tilt in [90.0, 60.0, 35.0, 25.0, 15.0, 8.0] {
+            for left in [0.0, 6.0, 40.0] {
+                w.write("bars.toml", bars(tilt, 180.0 - left, hub));
+                let run = w.run(&["check", "bars.toml"]);
+                // The angle between the bars, from that about the axis: below 30 degrees they are in each other outside of the
+                // excluded parts.
+                let radius: f64 = tilt.to_radians().sin();
+                let between = 2.0 * (radius * (0.5_f64 * left.to_radians()).sin()).asin();
+                let code = match between.to_degrees() {
+                    between if between < 20.0 => 1,
+                    between if between > 32.0 => 0,
+                    _ => continue,
+                };
+                assert_eq!(
+                    run.code,
+                    code,
+                    "{hub} tilted by {tilt}, {left} left: {}",
+                    run.text()
+                );
+            }
+        }
+    }
+}
