@@ -3,12 +3,12 @@
 //! A long shape that is held by a joint is cut into the part that is near the joint and the parts that are not, so that only
 //! the near parts of two shapes are left out of a check. A bar that folds onto its neighbour far from their pin is seen.
 
+use super::joint_locus::{JointLocus, NearPart, element_part, element_parts, thickness, thinnest};
 use crate::distance::bodies::BodyElements;
 use crate::distance::mesh;
 use crate::distance::pair::signed_distance;
-use crate::distance::primitive::{BoxCore, Element, Frustum, Primitive};
+use crate::distance::primitive::Element;
 use crate::math::Pose;
-use glam::DVec3;
 
 /// The region reaches this many thicknesses of both shapes from the joint: two equal bars leave it, and are judged, where
 /// the angle between them is below 29 degrees.
@@ -18,16 +18,6 @@ const REACH: f64 = 2.0;
 /// least way that parts two shapes changes as they turn.
 const GROWTH: f64 = 0.05;
 
-/// A shape is on the joint's axis, or along it, to this part of its thickness.
-const COAXIAL: f64 = 1e-9;
-
-/// Shapes shorter than this many thicknesses are not cut.
-const LONG: f64 = 2.0;
-
-/// A shape whose sine to the joint's axis is below this one is carried away from it slowly: the region is longer on it, so that
-/// it is as wide about the axis.
-const STEEP: f64 = 0.5;
-
 /// How often the region is doubled until the parts outside of it are clear of each other at the first pose.
 const DOUBLINGS: u32 = 3;
 
@@ -36,172 +26,6 @@ const SAME_CUT: f64 = 1e-9;
 
 /// Shapes touch where they miss each other by this part of their thickness.
 const TOUCH: f64 = 1e-9;
-
-/// Where a joint is, in the frame of one body.
-#[derive(Clone, Debug)]
-pub enum JointLocus {
-    /// On these lines: points and directions.
-    Lines(Vec<[DVec3; 2]>),
-    /// In this point.
-    Point(DVec3),
-    /// Wherever the bodies touch: sliders have no place of their own.
-    Anywhere,
-}
-
-impl JointLocus {
-    /// The same as seen from a body.
-    pub fn seen_from(&self, world_from_body: &Pose) -> Self {
-        let body_from_world = world_from_body.inverse();
-        let line = |[origin, direction]: &[DVec3; 2]| {
-            [
-                body_from_world.transform_point(*origin),
-                body_from_world.transform_vector(*direction),
-            ]
-        };
-        match self {
-            Self::Lines(lines) => Self::Lines(lines.iter().map(line).collect()),
-            Self::Point(point) => Self::Point(body_from_world.transform_point(*point)),
-            Self::Anywhere => Self::Anywhere,
-        }
-    }
-
-    /// Whether a point is within `reach` of it.
-    pub fn is_near(&self, point: DVec3, reach: f64) -> bool {
-        match self {
-            Self::Anywhere => true,
-            Self::Point(centre) => point.distance(*centre) <= reach,
-            Self::Lines(lines) => lines.iter().any(|[origin, direction]| {
-                let arm = point - *origin;
-                (arm - *direction * arm.dot(*direction)).length() <= reach
-            }),
-        }
-    }
-
-    /// Whether an element looks the same however the joint turns.
-    fn turns_into_itself(&self, element: &Element) -> bool {
-        let (axis, points) = match &element.core {
-            Primitive::Point(p) => (None, vec![*p]),
-            Primitive::Segment([a, b]) => ((*b - *a).try_normalize(), vec![*a, *b]),
-            Primitive::Frustum(f) => (Some(f.axis), vec![f.from]),
-            Primitive::Circle(c) => (Some(c.axis), vec![c.centre]),
-            _ => return false,
-        };
-        let play = COAXIAL * thickness(element);
-        match self {
-            Self::Point(centre) => axis.is_none() && points[0].distance(*centre) <= play,
-            Self::Lines(lines) if lines.len() == 1 => {
-                let is_along = axis.is_none_or(|axis| axis.cross(lines[0][1]).length() <= COAXIAL);
-                is_along && points.iter().all(|point| self.is_near(*point, play))
-            }
-            _ => false,
-        }
-    }
-
-    /// How far along a line from `from` in the direction `along`, unit, the joint is, and by what factor the region is longer on
-    /// it; `None` if turning about it carries nothing of that line away.
-    fn along(&self, from: DVec3, along: DVec3) -> Option<(f64, f64)> {
-        match self {
-            Self::Anywhere => None,
-            Self::Point(centre) => Some(((*centre - from).dot(along), 1.0)),
-            Self::Lines(lines) => {
-                let sine = |line: &[DVec3; 2]| line[1].cross(along).length();
-                let [origin, direction] = lines
-                    .iter()
-                    .max_by(|p, q| sine(p).total_cmp(&sine(q)))
-                    .filter(|line| sine(line) > COAXIAL)?;
-                // Nearest points of two lines.
-                let across = direction.cross(along);
-                let towards = (*origin - from).cross(*direction).dot(across);
-                let longer = (STEEP / across.length()).max(1.0);
-                Some((-towards / across.length_squared(), longer))
-            }
-        }
-    }
-}
-
-/// The middle line of a long shape, and how thick that is.
-struct Spine {
-    from: DVec3,
-    along: DVec3,
-    length: f64,
-    thickness: f64,
-}
-
-impl Spine {
-    fn of(element: &Element) -> Option<Self> {
-        let (from, way, thickness) = match &element.core {
-            Primitive::Segment([a, b]) => (*a, *b - *a, 0.0),
-            Primitive::Frustum(f) => (f.from, f.axis * f.length, f.radii[0].max(f.radii[1])),
-            Primitive::Box(b) => {
-                let axis = longest_axis(b.half);
-                let way = b.from_box.rotation.col(axis) * (2.0 * b.half[axis]);
-                let mut across = b.half;
-                across[axis] = 0.0;
-                (b.from_box.translation - way * 0.5, way, across.length())
-            }
-            _ => return None,
-        };
-        let (length, thickness) = (way.length(), thickness + element.radius);
-        (length > LONG * thickness && length > 0.0).then(|| Self {
-            from,
-            along: way / length,
-            length,
-            thickness,
-        })
-    }
-}
-
-fn longest_axis(half: DVec3) -> usize {
-    (0..3).fold(0, |best, k| if half[k] > half[best] { k } else { best })
-}
-
-/// A part of a long element: between two shares of its length.
-fn element_part(element: &Element, low: f64, high: f64) -> Element {
-    // The part of a primitive between two shares of its longest direction.
-    let core = match &element.core {
-        Primitive::Segment([a, b]) => Primitive::Segment([a.lerp(*b, low), a.lerp(*b, high)]),
-        Primitive::Frustum(f) => {
-            let radius = |share: f64| f.radii[0] + share * (f.radii[1] - f.radii[0]);
-            Primitive::Frustum(Frustum {
-                from: f.from + f.axis * (low * f.length),
-                axis: f.axis,
-                length: (high - low) * f.length,
-                radii: [radius(low), radius(high)],
-            })
-        }
-        Primitive::Box(b) => {
-            let axis = longest_axis(b.half);
-            let (mut half, mut from_box) = (b.half, b.from_box);
-            half[axis] *= high - low;
-            let shift = (low + high - 1.0) * b.half[axis];
-            from_box.translation += b.from_box.rotation.col(axis) * shift;
-            Primitive::Box(BoxCore { from_box, half })
-        }
-        other => other.clone(),
-    };
-    Element { core, ..*element }
-}
-
-/// Which part of an element is within `reach` of a place, as shares of its length; `None` if it is not cut.
-fn near_shares(element: &Element, place: &JointLocus, reach: f64) -> Option<[f64; 2]> {
-    let spine = Spine::of(element)?;
-    let (at, longer) = place.along(spine.from, spine.along)?;
-    let reach = reach * longer;
-    let low = ((at - reach) / spine.length).clamp(0.0, 1.0);
-    let high = ((at + reach) / spine.length).clamp(0.0, 1.0);
-    (low < high && [low, high] != [0.0, 1.0]).then_some([low, high])
-}
-
-/// The parts of an element within `reach` of a place, and those beyond.
-fn element_parts(element: &Element, place: &JointLocus, reach: f64) -> (Element, Vec<Element>) {
-    let Some([low, high]) = near_shares(element, place, reach) else {
-        return (element.clone(), Vec::new());
-    };
-    let mut beyond = Vec::new();
-    beyond.extend((low > 0.0).then(|| element_part(element, 0.0, low)));
-    beyond.extend((high < 1.0).then(|| element_part(element, high, 1.0)));
-    (element_part(element, low, high), beyond)
-}
 
 /// Two bodies with the parts of their shapes that touch at their joint apart from all others.
 #[derive(Clone, Debug)]
@@ -305,20 +129,22 @@ impl PairRegion {
         let elements = [0, 1].map(|side| &hulls[side].elements[pair[side]]);
         let first = REACH * (thickness(elements[0]) + thickness(elements[1]));
         let is_clear = |reach: &f64| {
-            let [mine, others] = [0, 1].map(|side| {
-                let (near, beyond) = element_parts(elements[side], &places[side], *reach);
-                std::iter::once(near).chain(beyond).collect::<Vec<_>>()
-            });
-            let others: Vec<Element> = others.iter().map(|e| e.moved(first_from_second)).collect();
-            let far = |a: &Element, b: &Element| signed_distance(a, b).distance > minimum;
-            let beside = |i: usize, j: usize| i + j == 0 || far(&mine[i], &others[j]);
-            (0..mine.len()).all(|i| (0..others.len()).all(|j| beside(i, j)))
+            let [(near, mine), (other, others)] =
+                [0, 1].map(|side| element_parts(elements[side], &places[side], *reach));
+            let far = |a: &Element, b: &Element| {
+                signed_distance(a, &b.moved(first_from_second)).distance > minimum
+            };
+            // All pairs of parts but the two near ones.
+            let of_mine = mine
+                .iter()
+                .all(|a| others.iter().chain(&other).all(|b| far(a, b)));
+            of_mine && near.iter().all(|a| others.iter().all(|b| far(a, b)))
         };
         let mut reaches = (0..DOUBLINGS).map(|k| first * f64::from(1 << k));
         let reach = reaches.find(is_clear).unwrap_or(first);
         let shares = [0, 1].map(|side| {
-            let shares = near_shares(elements[side], &places[side], reach);
-            shares.unwrap_or([0.0, 1.0])
+            let near = NearPart::of(elements[side], &places[side], reach);
+            near.shares().unwrap_or([0.0, 0.0])
         });
         Self { pair, shares }
     }
@@ -386,23 +212,12 @@ fn touches_near(
     let reach = REACH * (thinnest(first) + thinnest(second));
     let (mine, _) = element_parts(first, &places[0], reach);
     let (other, _) = element_parts(second, &places[1], reach);
+    let (Some(mine), Some(other)) = (mine, other) else {
+        return false;
+    };
     let other = other.moved(first_from_second);
     if mesh::is_any([&mine, &other]) && mesh::one_inside(&mine.core, &other.core) {
         return true;
     }
     signed_distance(&mine, &other).distance <= minimum + TOUCH * thinnest(first)
-}
-
-/// Half of an element's smallest extent.
-fn thinnest(element: &Element) -> f64 {
-    match &element.core {
-        Primitive::Box(b) => b.half.min_element() + element.radius,
-        Primitive::Frustum(f) => (0.5 * f.length).min(f.radii[0].max(f.radii[1])) + element.radius,
-        _ => thickness(element),
-    }
-}
-
-/// Thickness of an element: half the cross-section of a long one, half the size of any other.
-fn thickness(element: &Element) -> f64 {
-    Spine::of(element).map_or_else(|| element.bounds().1, |spine| spine.thickness)
 }

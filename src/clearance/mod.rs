@@ -17,6 +17,7 @@ mod followed;
 mod found;
 mod gap;
 pub mod inputs_box;
+mod joint_locus;
 mod joint_region;
 mod line_turn;
 mod look;

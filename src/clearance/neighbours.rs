@@ -3,7 +3,8 @@
 //!
 //! A body on a link between two others separates them, however close their axes are: these two must keep their clearance.
 
-use super::joint_region::{JointLocus, JointRegion};
+use super::joint_locus::JointLocus;
+use super::joint_region::JointRegion;
 use super::motion::ProvedMotion;
 use crate::distance::bodies::BodyElements;
 use crate::distance::mesh;

@@ -48,6 +48,11 @@ impl PhysicalDimension {
         }
     }
 
+    /// Whether it is of an angle, of a power of one, or of a product with one.
+    pub fn holds_angle(self) -> bool {
+        self.angle != 0
+    }
+
     /// Half of every power, if there is one.
     pub fn half_powers(self) -> Self {
         let even = [self.length, self.angle, self.time];

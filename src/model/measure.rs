@@ -1,5 +1,6 @@
 //! Scalars of a whole motion: tracks of poses apart from the drive, and what is measured over them.
 
+use super::dimension::PhysicalDimension;
 use super::expression::Expression;
 use super::mechanism::Kind;
 use super::rate::RateOrder;
@@ -175,6 +176,8 @@ pub struct Measure {
     pub name: String,
     /// What it measures.
     pub kind: Kind,
+    /// The same in powers of the units.
+    pub dimension: PhysicalDimension,
     /// Where it comes from.
     pub source: MeasureSource,
     /// Smallest allowed value.
@@ -213,7 +216,10 @@ impl Measure {
 
     /// How far `value` may exceed a limit that holds.
     pub fn slack(&self, value: f64) -> f64 {
-        SLACK * value.abs().max(self.size)
+        match value.is_finite() {
+            true => SLACK * value.abs().max(self.size),
+            false => 0.0,
+        }
     }
 
     /// Whether `value` keeps the limits, to within the slack.

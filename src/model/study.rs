@@ -16,6 +16,8 @@ pub struct Variable {
     pub lower: f64,
     /// Largest value allowed.
     pub upper: f64,
+    /// What a number in the file's unit needs behind it to be read as the same: the unit, where only the definition tells it.
+    pub suffix: &'static str,
     /// Half the width of its tolerance, if the scene states one.
     pub tolerance: Option<f64>,
 }

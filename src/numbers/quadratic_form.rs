@@ -10,7 +10,6 @@ use super::form_room::{FormRoom, pair_count};
 use super::interval::Interval;
 use super::rounding::{GROW, OPERATION, UNDERFLOW};
 use super::scalar::Scalar;
-use sum::QuadraticSum;
 
 /// An enclosure of a function of δ in [-1, 1]ⁿ.
 #[derive(Clone, Copy, Debug)]
@@ -128,31 +127,6 @@ impl<'r> QuadraticForm<'r> {
         let mut line = self.line;
         line.error = (line.error + self.bend) * GROW;
         line
-    }
-
-    /// Adds `factor` times `b`.
-    pub fn add_scaled(&mut self, factor: f64, b: &Self) {
-        *self = Self::combination(0.0, [(1.0, &*self), (factor, b)].into_iter());
-    }
-
-    /// `start` and the sum of all forms times their factors, rounded as a whole.
-    pub fn combination<'f>(start: f64, terms: impl Iterator<Item = (f64, &'f Self)>) -> Self
-    where
-        'r: 'f,
-    {
-        let mut sum = QuadraticSum::new(start);
-        terms.for_each(|(factor, form)| sum.add_scaled(factor, form));
-        sum.finish()
-    }
-
-    /// The sum of products.
-    pub fn sum_of_products<'f>(terms: impl Iterator<Item = (&'f Self, &'f Self)>) -> Self
-    where
-        'r: 'f,
-    {
-        let mut sum = QuadraticSum::new(0.0);
-        terms.for_each(|(a, b)| sum.add_product(a, b));
-        sum.finish()
     }
 
     /// Whether it is a number without an error.

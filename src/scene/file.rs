@@ -34,6 +34,8 @@ pub struct SceneFile {
     pub duration: Option<FormulaText>,
     /// `[parameters]`
     pub parameters: Vec<NamedFormula>,
+    /// What the command line replaces in them.
+    pub replaced: Vec<(String, FormulaText)>,
     /// `[inputs]`
     pub inputs: Vec<(Spanned<String>, InputFile)>,
     /// `[chains]`
@@ -146,6 +148,7 @@ fn scene_tables<'t>(r: &mut TableReader<'t, '_>, text: &'t str) -> SceneFile {
         angle_unit,
         duration: r.formula("duration"),
         parameters: r.named_formulas("parameters"),
+        replaced: Vec::new(),
         inputs: read_inputs(r, text),
         chains: r.named_formulas("chains"),
         loops: r.named_formulas("loops"),

@@ -95,11 +95,15 @@ pub fn apply_overrides(overrides: &Overrides, file: &mut SceneFile, diagnostics:
                 }),
         );
     };
+    let mut replaced = Vec::new();
     // Names must be those of the file, ...
     for (name, text) in &overrides.parameters {
         let mut formulas = file.parameters.iter_mut().chain(&mut file.chains);
         match formulas.find(|(n, _)| n.value == *name) {
-            Some((_, formula)) => *formula = FormulaText::outside(text),
+            Some((_, formula)) => {
+                let own = std::mem::replace(formula, FormulaText::outside(text));
+                replaced.push((name.clone(), own));
+            }
             None => {
                 let known = file.parameters.iter().chain(&file.chains);
                 let known = known.map(|(n, _)| n.value.as_str()).collect();
@@ -107,6 +111,7 @@ pub fn apply_overrides(overrides: &Overrides, file: &mut SceneFile, diagnostics:
             }
         }
     }
+    file.replaced = replaced;
     for (name, text) in &overrides.inputs {
         match file.inputs.iter_mut().find(|(n, _)| n.value == *name) {
             Some((_, input)) => *input = InputFile::Formula(FormulaText::outside(text)),

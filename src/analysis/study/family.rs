@@ -236,6 +236,11 @@ impl ParametricMechanism {
         format!("{:?}", self.mechanism().file_value(kind, value))
     }
 
+    /// The value of a variable as a scene writes it.
+    pub fn variable_text(&self, variable: &Variable, value: f64) -> String {
+        self.file_text(variable.kind, value) + variable.suffix
+    }
+
     /// Factor from internal values to the file's units.
     pub fn units(&self, kind: Kind) -> f64 {
         self.mechanism().file_units(kind)

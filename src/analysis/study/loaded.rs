@@ -138,7 +138,7 @@ impl LoadedStudy {
         let mut list = self.overrides.parameters.clone();
         for (variable, value) in self.family.study.variables.iter().zip(values) {
             list.retain(|(name, _)| *name != variable.name);
-            let text = self.family.file_text(variable.kind, *value);
+            let text = self.family.variable_text(variable, *value);
             list.push((variable.name.clone(), text));
         }
         list

@@ -139,7 +139,7 @@ fn optimise_pair(
     let mut parameters = study.overrides.parameters.clone();
     for (variable, x) in family.study.variables.iter().zip(&optimum.minimum.x) {
         parameters.retain(|(name, _)| *name != variable.name);
-        parameters.push((variable.name.clone(), family.file_text(variable.kind, *x)));
+        parameters.push((variable.name.clone(), family.variable_text(variable, *x)));
     }
     let verified = verify_optimum(&study.source, &study.overrides, parameters, names)?;
     Ok(PairOptimum { optimum, verified })

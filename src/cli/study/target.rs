@@ -134,7 +134,7 @@ fn write_found(
 ) -> Result<(Overrides, String), Failure> {
     let variables = family.study.variables.iter().zip(&synthesis.fit.x);
     let parameters: Vec<(String, String)> = variables
-        .map(|(v, x)| (v.name.clone(), family.file_text(v.kind, *x)))
+        .map(|(v, x)| (v.name.clone(), family.variable_text(v, *x)))
         .collect();
     let mechanism = family.mechanism();
     let first = synthesis

@@ -203,18 +203,32 @@ fn chord_deviation(x: &[f64], y: &[f64]) -> Reduced {
         weights[0] -= share;
         weights
     };
+    // A path that closes has a chord of zero, with zero among its subgradients.
+    let share = |way: f64| if length == 0.0 { 0.0 } else { way / length };
     Reduced {
         value: length,
-        weights: vec![ends(a / length), ends(b / length)],
+        weights: vec![ends(share(a)), ends(share(b))],
     }
 }
+
+/// Ends of a path that are nearer to each other than this fraction of its extent are one point: poses are closed to rounding.
+const CLOSED: f64 = 1e-12;
 
 /// The distance from the chord that is largest, signed: [(y-y₀)(x₁-x₀) - (x-x₀)(y₁-y₀)] / |chord|.
 fn bow_height(x: &[f64], y: &[f64]) -> Reduced {
     let count = x.len();
     let last = count - 1;
     let (a, b) = (x[last] - x[0], y[last] - y[0]);
-    let chord = libm::hypot(a, b);
+    let first = [x[0], y[0]];
+    let extent = x
+        .iter()
+        .zip(y)
+        .map(|(x, y)| (x - first[0]).abs().max((y - first[1]).abs()));
+    // A path that closes has no chord, only the rounding of its ends.
+    let chord = match libm::hypot(a, b) {
+        chord if chord <= CLOSED * extent.fold(0.0, f64::max) => f64::NAN,
+        chord => chord,
+    };
     let distance = |k: usize| ((y[k] - y[0]) * a - (x[k] - x[0]) * b) / chord;
     let distances: Vec<f64> = (0..count).map(distance).collect();
     let k = extreme_index(&distances, |p, q| p.abs() > q.abs());

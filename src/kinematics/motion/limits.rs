@@ -223,6 +223,14 @@ impl<'m> LimitSearch<'m> {
         pace_at(self.system.mechanism(), self.actuation, time) <= RESTING * self.pace
     }
 
+    /// Whether all inputs reverse at a time between samples that are `step` apart: they rest there, or turn at a kink.
+    fn turns_at(&self, time: f64, step: f64) -> bool {
+        let width = 4.0 * WIDTH * step.max(time.abs());
+        let around = [time - width, time + width];
+        self.rests_at(time)
+            || InputsBetween::of(self.actuation, around) == InputsBetween::AllReverse
+    }
+
     fn inputs_between(&self, low: usize, high: usize) -> InputsBetween {
         let times = [low, high].map(|k| self.samples[k].time);
         InputsBetween::of(self.actuation, times)
@@ -286,7 +294,7 @@ impl<'m> LimitSearch<'m> {
             }
         }
         if let Some((time, coordinates)) = best
-            && !(inputs == InputsBetween::AllReverse && self.rests_at(time))
+            && !(inputs == InputsBetween::AllReverse && self.turns_at(time, last - first))
             && (vanishes || !self.is_pole(quantity, (low.0, high.0), time))
         {
             self.push(quantity, time, &coordinates, low.1 > 0.0);

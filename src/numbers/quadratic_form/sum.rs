@@ -10,13 +10,13 @@ use crate::numbers::rounding::UNDERFLOW;
 const NEGLIGIBLE: f64 = 1e-6;
 
 /// A sum so far.
-pub(super) struct QuadraticSum<'r> {
+struct QuadraticSum<'r> {
     line: AffineSum<'r>,
     bends: Vec<f64>,
 }
 
 impl<'r> QuadraticSum<'r> {
-    pub(super) fn new(start: f64) -> Self {
+    fn new(start: f64) -> Self {
         Self {
             line: AffineSum::new(start),
             bends: Vec::new(),
@@ -30,7 +30,7 @@ impl<'r> QuadraticSum<'r> {
         add_list(&mut self.bends, factor, form.bends);
     }
 
-    pub(super) fn add_scaled(&mut self, factor: f64, form: &QuadraticForm<'r>) {
+    fn add_scaled(&mut self, factor: f64, form: &QuadraticForm<'r>) {
         // An unknown number stays unknown.
         if factor == 0.0 && !form.bend.is_finite() {
             self.line.error = f64::INFINITY;
@@ -43,7 +43,7 @@ impl<'r> QuadraticSum<'r> {
     }
 
     /// Adds a product, its terms up to the second order multiplied out in place.
-    pub(super) fn add_product(&mut self, a: &QuadraticForm<'r>, b: &QuadraticForm<'r>) {
+    fn add_product(&mut self, a: &QuadraticForm<'r>, b: &QuadraticForm<'r>) {
         for (number, other) in [(a, b), (b, a)] {
             if number.is_number() {
                 return self.add_scaled(number.line.value, other);
@@ -107,7 +107,7 @@ impl<'r> QuadraticSum<'r> {
         0.0
     }
 
-    pub(super) fn finish(self) -> QuadraticForm<'r> {
+    fn finish(self) -> QuadraticForm<'r> {
         QuadraticForm::from(self.line.finish()).bent(self.bends)
     }
 }
@@ -142,5 +142,32 @@ impl<'a> NonZeros<'a> {
             .iter_mut()
             .zip(&self.slopes[self.first..end]);
         pairs.for_each(|(sum, slope)| *sum += factor * slope);
+    }
+}
+
+impl<'r> QuadraticForm<'r> {
+    /// Adds `factor` times `b`.
+    pub fn add_scaled(&mut self, factor: f64, b: &Self) {
+        *self = Self::combination(0.0, [(1.0, &*self), (factor, b)].into_iter());
+    }
+
+    /// `start` and the sum of all forms times their factors, rounded as a whole.
+    pub fn combination<'f>(start: f64, terms: impl Iterator<Item = (f64, &'f Self)>) -> Self
+    where
+        'r: 'f,
+    {
+        let mut sum = QuadraticSum::new(start);
+        terms.for_each(|(factor, form)| sum.add_scaled(factor, form));
+        sum.finish()
+    }
+
+    /// The sum of products.
+    pub fn sum_of_products<'f>(terms: impl Iterator<Item = (&'f Self, &'f Self)>) -> Self
+    where
+        'r: 'f,
+    {
+        let mut sum = QuadraticSum::new(0.0);
+        terms.for_each(|(a, b)| sum.add_product(a, b));
+        sum.finish()
     }
 }

@@ -121,6 +121,29 @@ pub fn is_angle_by_itself(node: &FormulaNode, of_name: DimensionOfName) -> bool 
     found && !others
 }
 
+/// Whether no unit is written in a formula and no name in it is an angle, so that only `pi` can make it one.
+pub fn has_plain_angles(node: &FormulaNode, of_name: DimensionOfName) -> bool {
+    let plain = |node: &FormulaNode| has_plain_angles(node, of_name);
+    match &node.kind {
+        NodeKind::Number(_) | NodeKind::Derivative(_) => true,
+        NodeKind::Radians(value) => *value == Constant::PI,
+        NodeKind::Of(kind, _) => *kind != Kind::Angle,
+        NodeKind::Name(name) => of_name(name) != Some(PhysicalDimension::of(Kind::Angle)),
+        NodeKind::Negate(inner) => plain(inner),
+        NodeKind::Binary(_, a, b) => plain(a) && plain(b),
+        NodeKind::Call(_, args) => args.iter().all(plain),
+    }
+}
+
+/// The kind in which a formula that no position tells the kind of is converted: its own. In a sum of lengths and angles numbers
+/// are plain, in any order.
+pub fn own_kind(node: &FormulaNode, of_name: DimensionOfName) -> Option<Kind> {
+    match dimension_of(node, of_name).kind() {
+        Kind::Angle if !is_angle_by_itself(node, of_name) => None,
+        kind => Some(kind),
+    }
+}
+
 /// Calls `visit` on everything that is added or compared in a formula.
 fn visit_terms(node: &FormulaNode, visit: &mut dyn FnMut(&FormulaNode)) {
     match &node.kind {
@@ -200,7 +223,7 @@ impl AngleConversion<'_> {
             NodeKind::Radians(_) => true,
             NodeKind::Of(kind, _) => *kind == Kind::Angle,
             NodeKind::Name(name) => {
-                (self.of_name)(name).map(PhysicalDimension::kind) == Some(Kind::Angle)
+                (self.of_name)(name).is_some_and(PhysicalDimension::holds_angle)
             }
             NodeKind::Negate(inner) => self.holds_angle(inner),
             NodeKind::Binary(_, a, b) => self.holds_angle(a) || self.holds_angle(b),

@@ -4,104 +4,16 @@
 use super::super::file::SceneFile;
 use super::super::formula::expansion::Factor;
 use super::super::formula::node::FormulaNode;
-use super::super::solids::{ShapeFile, SolidFile};
+use super::super::solids::ShapeFile;
 use super::joints::FoldedJoints;
 use super::parsed::Parsed;
 use super::parsing::parsed_expression;
+use super::solid_formulas::SolidFormulas;
 use super::varied::Dependents;
 use crate::diag::Diagnostics;
 use crate::model::carried::CarriedShape;
 use crate::model::chain::ElementaryMotion;
 use crate::scene::values::FormulaText;
-
-/// The formulas of a solid.
-#[derive(Default)]
-struct Typed<'f> {
-    /// Its defining points.
-    points: Vec<&'f [FormulaText; 3]>,
-    /// Radii and edges.
-    sizes: Vec<&'f FormulaText>,
-    /// Directions and scales.
-    fixed: Vec<&'f FormulaText>,
-}
-
-impl<'f> Typed<'f> {
-    fn new(solid: &'f SolidFile) -> Self {
-        let typed = Self::default();
-        let at = |centre: &'f Option<[FormulaText; 3]>| centre.iter().collect();
-        let along = |axis: &'f Option<[FormulaText; 3]>| axis.iter().flatten().collect();
-        // Points are followed by chains, sizes by lengths; directions and scales cannot be followed.
-        match solid {
-            SolidFile::Sphere { centre, radius } => Self {
-                points: at(centre),
-                sizes: vec![radius],
-                ..typed
-            },
-            SolidFile::Capsule { from, to, radius } | SolidFile::Cylinder { from, to, radius } => {
-                Self {
-                    points: vec![from, to],
-                    sizes: vec![radius],
-                    ..typed
-                }
-            }
-            SolidFile::Cone {
-                from,
-                to,
-                radius_from,
-                radius_to,
-            } => Self {
-                points: vec![from, to],
-                sizes: vec![radius_from, radius_to],
-                ..typed
-            },
-            SolidFile::Box { centre, size } => Self {
-                points: at(centre),
-                sizes: size.iter().collect(),
-                ..typed
-            },
-            SolidFile::Torus {
-                centre,
-                axis,
-                ring,
-                tube,
-            } => Self {
-                points: at(centre),
-                sizes: vec![ring, tube],
-                fixed: along(axis),
-            },
-            SolidFile::Tube { points, radius, .. } => Self {
-                points: points.value.iter().collect(),
-                sizes: vec![radius],
-                ..typed
-            },
-            SolidFile::HalfSpace { point, normal, .. } => Self {
-                points: at(point),
-                fixed: along(normal),
-                ..typed
-            },
-            SolidFile::Stl { scale, .. } => Self {
-                fixed: scale.iter().collect(),
-                ..typed
-            },
-        }
-    }
-}
-
-/// The formulas of all lengths of solids: those of their points, and their sizes.
-pub fn lengths_of_solids(file: &SceneFile) -> Vec<FormulaNode> {
-    let shapes = file.bodies.iter().flat_map(|body| &body.shapes);
-    let mut nodes = Vec::new();
-    for shape in shapes {
-        let typed = Typed::new(&shape.solid);
-        let texts = typed.points.iter().flat_map(|point| point.iter());
-        // Errors in them are reported where the solids are resolved.
-        let lengths = texts
-            .chain(typed.sizes.iter().copied())
-            .filter_map(|text| parsed_expression(text, &mut Diagnostics::default()));
-        nodes.extend(lengths);
-    }
-    nodes
-}
 
 /// For every body the varied parameters, by their number, that appear in its shapes.
 pub fn variables_of_shapes(
@@ -117,7 +29,7 @@ pub fn variables_of_shapes(
         // Mistakes are reported where the solids are resolved.
         let silent = &mut Diagnostics::default();
         for shape in shapes {
-            let typed = Typed::new(&shape.solid);
+            let typed = SolidFormulas::new(&shape.solid);
             let points = typed.points.iter().flat_map(|point| point.iter());
             let texts = points.chain(typed.sizes.iter().chain(&typed.fixed).copied());
             texts
@@ -153,7 +65,7 @@ pub fn carry_shapes(
     let mut carried = Vec::new();
     for (body, typed_body) in file.bodies.iter().enumerate() {
         for (shape, typed_shape) in typed_body.shapes.iter().enumerate() {
-            let typed = Typed::new(&typed_shape.solid);
+            let typed = SolidFormulas::new(&typed_shape.solid);
             // The frame of the shape: that of its body, then its own.
             let mut frame = parsed.frames[body].clone();
             let own = typed_shape.frame.as_ref();

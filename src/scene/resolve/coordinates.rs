@@ -2,7 +2,6 @@
 
 use super::super::file::{InputFile, SceneFile};
 use super::super::formula::compile::{CompiledValue, compile_formula, constant_node};
-use super::super::formula::kinds::to_radians;
 use super::super::formula::node::FormulaNode;
 use super::names::{Meaning, Names};
 use super::parsed::{Parsed, ParsedInput};
@@ -10,7 +9,7 @@ use super::parsing::parsed_expression;
 use super::words::TIME;
 use crate::diag::{Diagnostic, Diagnostics, shown_number};
 use crate::model::drive::{Drive, Ease};
-use crate::model::mechanism::{AngleUnit, Kind};
+use crate::model::mechanism::Kind;
 use std::collections::HashMap;
 
 /// The drives and the start of the motion.
@@ -33,7 +32,6 @@ pub fn resolve_coordinates(
     file: &SceneFile,
     parsed: &Parsed,
     names: &Names,
-    unit: &AngleUnit,
     diagnostics: &mut Diagnostics,
 ) -> Option<Coordinates> {
     let mut drives = Vec::new();
@@ -48,13 +46,13 @@ pub fn resolve_coordinates(
             continue;
         };
         let wanted = Some(coordinate.kind);
-        match resolve_drive(input, &file.inputs[index].1, names, unit, wanted) {
+        match resolve_drive(input, &file.inputs[index].1, names, wanted) {
             Ok(drive) => drives.push(drive),
             Err(diagnostic) => diagnostics.push(diagnostic),
         }
     }
     let is_whole = drives.len() == file.inputs.len();
-    let (guess, named) = resolve_guess(parsed, names, unit, diagnostics);
+    let (guess, named) = resolve_guess(parsed, names, diagnostics);
     let known_drives = is_whole.then_some(drives.as_slice());
     let duration = resolve_duration(file, names, known_drives, diagnostics)?;
     Some(Coordinates {
@@ -69,12 +67,9 @@ fn resolve_drive(
     input: &ParsedInput,
     file: &InputFile,
     names: &Names,
-    unit: &AngleUnit,
     wanted: Option<Kind>,
 ) -> Result<Drive, Diagnostic> {
-    let radians = |node: &FormulaNode| {
-        to_radians(node.clone(), wanted, unit.radians, &|n| names.dimension(n))
-    };
+    let radians = |node: &FormulaNode| names.in_radians(node.clone(), wanted);
     match (input, file) {
         (ParsedInput::Keys(keys), InputFile::Keys { keys: place, ease }) => {
             // Keys: an easing, and times that ascend.
@@ -94,7 +89,8 @@ fn resolve_drive(
             };
             let (mut times, mut values) = (Vec::new(), Vec::new());
             for [time, value] in keys {
-                let at = constant_node(time, &|n, s| names.constant(n, s))?;
+                let time_node = names.in_radians(time.clone(), Some(Kind::Number));
+                let at = constant_node(&time_node, &|n, s| names.constant(n, s))?;
                 if times.last().is_some_and(|last| at <= *last) {
                     return Err(Diagnostic::error("the times of the keys must ascend")
                         .at(time.span.clone()));
@@ -130,7 +126,6 @@ fn resolve_drive(
 fn resolve_guess(
     parsed: &Parsed,
     names: &Names,
-    unit: &AngleUnit,
     diagnostics: &mut Diagnostics,
 ) -> (Vec<f64>, Vec<bool>) {
     let mut guess = vec![0.0; names.unknowns.len()];
@@ -163,7 +158,7 @@ fn resolve_guess(
         };
         // Start values are constants in the file's units.
         let wanted = Some(names.unknowns[index].kind);
-        let node = to_radians(node.clone(), wanted, unit.radians, &|n| names.dimension(n));
+        let node = names.in_radians(node.clone(), wanted);
         match constant_node(&node, &|n, s| names.constant(n, s)) {
             Ok(value) => (guess[index], named[index]) = (value, true),
             Err(diagnostic) => diagnostics.push(diagnostic),
@@ -198,7 +193,7 @@ fn resolve_duration(
         return Some(if last > 0.0 { last } else { 1.0 });
     };
     // With the key: a constant number of seconds in the accepted range.
-    let node = parsed_expression(text, diagnostics)?;
+    let node = names.in_radians(parsed_expression(text, diagnostics)?, Some(Kind::Number));
     match constant_node(&node, &|n, s| names.constant(n, s)) {
         Ok(value) if (MIN_DURATION..=MAX_DURATION).contains(&value) => Some(value),
         Ok(value) => {

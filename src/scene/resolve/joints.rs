@@ -2,7 +2,7 @@
 
 use super::super::formula::compile::{compile_formula, exact_constant};
 use super::super::formula::expansion::Factor;
-use super::super::formula::kinds::to_radians;
+use super::super::formula::kinds::own_kind;
 use super::super::formula::node::{FormulaNode, NodeKind};
 use super::kinds_of_names::kind_of_motion;
 use super::names::Names;
@@ -14,7 +14,7 @@ use crate::math::Pose;
 use crate::model::chain::{Argument, ArgumentValue, Chain, ChainStep, ElementaryMotion};
 use crate::model::expression::{Affine, Expression, Function};
 use crate::model::fixed::FixedPose;
-use crate::model::mechanism::{AngleUnit, Closes, Equation, Kind, Loop};
+use crate::model::mechanism::{Closes, Equation, Kind, Loop};
 use crate::numbers::constant::Constant;
 use glam::DVec3;
 use std::collections::HashMap;
@@ -27,7 +27,6 @@ const MOST_MOTIONS: usize = 1000;
 /// Compiles chains and keeps the list of their arguments.
 pub struct FoldedJoints<'a> {
     pub(super) names: &'a Names,
-    unit: &'a AngleUnit,
     /// Every different argument once.
     pub arguments: Vec<Argument>,
     /// Those with the same hash, by number.
@@ -36,10 +35,9 @@ pub struct FoldedJoints<'a> {
 
 impl<'a> FoldedJoints<'a> {
     /// Starts without arguments.
-    pub fn new(names: &'a Names, unit: &'a AngleUnit) -> Self {
+    pub fn new(names: &'a Names) -> Self {
         Self {
             names,
-            unit,
             arguments: Vec::new(),
             alike: HashMap::new(),
         }
@@ -98,9 +96,8 @@ impl<'a> FoldedJoints<'a> {
     pub fn equations(&self, parsed: &Parsed, diagnostics: &mut Diagnostics) -> Vec<Equation> {
         let mut equations = Vec::new();
         for (name, node) in &parsed.equations {
-            let node = to_radians(node.clone(), None, self.unit.radians, &|n| {
-                self.names.dimension(n)
-            });
+            let wanted = own_kind(node, &|name| self.names.dimension(name));
+            let node = self.names.in_radians(node.clone(), wanted);
             match compile_formula(&node, &|n, s| self.names.coordinate(n, s)) {
                 Ok(expression) => equations.push(Equation {
                     name: name.value.clone(),
@@ -228,7 +225,8 @@ impl<'a> FoldedJoints<'a> {
     fn direction(&self, nodes: &[FormulaNode; 3], back: bool) -> Result<FixedPose, Diagnostic> {
         let mut direction = [Constant::default(); 3];
         for (k, node) in nodes.iter().enumerate() {
-            direction[k] = exact_constant(node, &|n, s| self.names.constant(n, s))?;
+            let node = self.names.in_radians(node.clone(), None);
+            direction[k] = exact_constant(&node, &|n, s| self.names.constant(n, s))?;
         }
         if DVec3::from(direction.map(Constant::number))
             .try_normalize()
@@ -258,9 +256,7 @@ impl<'a> FoldedJoints<'a> {
         node: &FormulaNode,
     ) -> Result<Expression, Diagnostic> {
         let wanted = Some(kind_of_motion(motion));
-        let converted = to_radians(node.clone(), wanted, self.unit.radians, &|n| {
-            self.names.dimension(n)
-        });
+        let converted = self.names.in_radians(node.clone(), wanted);
         compile_formula(&converted, &|n, s| self.names.coordinate(n, s))
     }
 

@@ -42,8 +42,10 @@ impl Names {
         let lengths = parsed.bars.lengths();
         sites.extend(lengths.map(|node| (node, Some(Kind::Length))));
         sites.extend(parsed.points.iter().map(|node| (node, Some(Kind::Length))));
+        sites.extend(parsed.solids.iter().map(|node| (node, None)));
         for (node, wanted) in sites {
             self.note(node, wanted, diagnostics);
+            self.note_place(node, wanted);
         }
         // Drives, start values and parameters take the kind of their name.
         for (name, input) in &parsed.inputs {
@@ -61,8 +63,26 @@ impl Names {
         // A parameter is used only after its definition, so going backwards every use is met before the definition.
         for (name, node) in parsed.parameters.iter().rev() {
             self.note(node, self.kind(&name.value), diagnostics);
+            for (k, kind) in [Kind::Length, Kind::Angle].into_iter().enumerate() {
+                if self.stands_in[k].contains(&name.value) {
+                    self.note_place(node, Some(kind));
+                }
+            }
         }
         self.store_kinds();
+    }
+
+    /// Notes that the names of a formula appear where a length or an angle is expected.
+    fn note_place(&mut self, node: &FormulaNode, wanted: Option<Kind>) {
+        let [lengths, angles] = &mut self.stands_in;
+        let place = match wanted {
+            Some(Kind::Length) => lengths,
+            Some(Kind::Angle) => angles,
+            _ => return,
+        };
+        node.visit_names(&mut |name, _| {
+            place.insert(name.to_owned());
+        });
     }
 
     /// Takes names that no other use has told the kind of for lengths where these formulas of lengths use them.

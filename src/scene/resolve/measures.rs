@@ -2,7 +2,7 @@
 
 use super::super::file::SceneFile;
 use super::super::formula::compile::{CompiledValue, compile_formula, constant_node};
-use super::super::formula::kinds::{dimension_of, to_radians};
+use super::super::formula::kinds::{dimension_of, own_kind, to_radians};
 use super::super::formula::node::{FormulaNode, NodeKind};
 use super::super::measures::{MeasureFile, MeasureSourceFile, TrackFile};
 use super::body_constants::BodyConstants;
@@ -96,8 +96,7 @@ fn fixed_point(
     diagnostics: &mut Diagnostics,
 ) -> Option<f64> {
     let node = parsed_expression(text, diagnostics)?;
-    let radians = scope.unit.radians;
-    let node = to_radians(node, Some(kind), radians, &|n| scope.names.dimension(n));
+    let node = scope.names.in_radians(node, Some(kind));
     let value = constant_node(&node, &|n, s| scope.names.constant(n, s));
     value
         .map_err(|diagnostic| diagnostics.push(diagnostic))
@@ -130,7 +129,7 @@ fn resolve_measure(
     diagnostics: &mut Diagnostics,
 ) -> Option<Measure> {
     // A formula of earlier measures, or values over poses that are reduced to one.
-    let (source, kind) = match item.source.as_ref()? {
+    let (source, dimension) = match item.source.as_ref()? {
         MeasureSourceFile::Formula(text) => {
             let scopes = (scope, dependents);
             measure_formula(text, file, scopes, earlier, diagnostics)?
@@ -140,6 +139,7 @@ fn resolve_measure(
             resolve_over(source, file, scopes, (tracks, is_studied), diagnostics)?
         }
     };
+    let kind = dimension.kind();
     // Limits are constants of the same kind: `None` after an error, `Some(None)` for no limit.
     let [min, max] = item.limits.each_ref().map(|text| match text {
         None => Some(None),
@@ -148,6 +148,7 @@ fn resolve_measure(
     Some(Measure {
         name: item.name.value.clone(),
         kind,
+        dimension,
         source,
         min: min?,
         max: max?,
@@ -165,7 +166,7 @@ fn resolve_over(
     (scope, dependents): (&Scope, &Dependents),
     (tracks, is_studied): (&[MeasuredTrack], bool),
     diagnostics: &mut Diagnostics,
-) -> Option<(MeasureSource, Kind)> {
+) -> Option<(MeasureSource, PhysicalDimension)> {
     let MeasureSourceFile::Over {
         track,
         of,
@@ -192,7 +193,7 @@ fn resolve_over(
         Some(name) => Some(input_index(name, scope.names, diagnostics)?),
     };
     // The formulas, with the rates they contain; some positions do not allow rates.
-    let mut kind = Kind::Number;
+    let mut whole = PhysicalDimension::NUMBER;
     let (mut formulas, mut rates) = (Vec::new(), FoundRates::default());
     for node in &nodes {
         let compiled = scope.compile_beside(node, &mut rates).and_then(|compiled| {
@@ -206,15 +207,15 @@ fn resolve_over(
         });
         let compiled = compiled.map_err(|d| diagnostics.push(d));
         let (formula, dimension) = compiled.ok()?;
-        kind = dimension.kind();
+        whole = dimension;
         formulas.push(formula);
     }
-    // A share of the poses is a number, and so are length by length and angle by anything, in radians.
+    // A share of the poses is a number. So are length by length, and angle by anything, in radians.
     let by = per.map(|input| scope.names.inputs[input].kind);
-    let is_plain =
-        taking == Taking::Positive || by.is_some_and(|by| kind == by || kind == Kind::Angle);
+    let is_plain = taking == Taking::Positive
+        || by.is_some_and(|by| whole.kind() == by || whole.kind() == Kind::Angle);
     if is_plain {
-        kind = Kind::Number;
+        whole = PhysicalDimension::NUMBER;
     }
     let source = MeasureSource::Over {
         track,
@@ -224,7 +225,7 @@ fn resolve_over(
         taking,
         power: resolve_power(power.as_ref(), scope, diagnostics)?,
     };
-    Some((source, kind))
+    Some((source, whole))
 }
 
 /// If all formulas are first derivatives by the same input, the input and the formulas themselves: `of = "d(h, phi)"`
@@ -403,20 +404,18 @@ fn measure_formula(
     (scope, dependents): (&Scope, &Dependents),
     earlier: &[Measure],
     diagnostics: &mut Diagnostics,
-) -> Option<(MeasureSource, Kind)> {
+) -> Option<(MeasureSource, PhysicalDimension)> {
     let names = scope.names;
     let mut node = parsed_expression(text, diagnostics)?;
     dependents.expand(&mut node);
     // What it measures follows from the measures that it uses.
     let of_name = |used: &str| {
         let measure = earlier.iter().find(|m| m.name == used);
-        measure.map_or_else(
-            || names.dimension(used),
-            |m| Some(PhysicalDimension::of(m.kind)),
-        )
+        measure.map_or_else(|| names.dimension(used), |m| Some(m.dimension))
     };
-    let kind = dimension_of(&node, &of_name).kind();
-    let node = to_radians(node, Some(kind), scope.unit.radians, &of_name);
+    let dimension = dimension_of(&node, &of_name);
+    let wanted = own_kind(&node, &of_name);
+    let node = to_radians(node, wanted, scope.unit.radians, &of_name);
     // Slots are the inputs, then the earlier measures.
     let lookup = |used: &str, span: &Span| {
         if let Some(slot) = earlier.iter().position(|m| m.name == used) {
@@ -439,7 +438,7 @@ fn measure_formula(
         })
     };
     match compile_formula(&node, &lookup) {
-        Ok(formula) => Some((MeasureSource::Formula(formula), kind)),
+        Ok(formula) => Some((MeasureSource::Formula(formula), dimension)),
         Err(diagnostic) => {
             diagnostics.push(diagnostic);
             None

@@ -28,6 +28,7 @@ mod scales;
 mod section;
 mod shown_dimensions;
 mod size;
+mod solid_formulas;
 mod solids;
 mod study;
 mod symbolic;
@@ -68,19 +69,19 @@ pub fn resolve_scene(
     let angle_unit = angle_unit(file, diagnostics);
     // Names: parse everything, then find out what each name is and what it measures.
     let mut parsed = Parsed::new(file, diagnostics);
-    let mut names = Names::collect(file, &parsed, diagnostics);
+    let mut names = Names::collect(file, &parsed, &angle_unit, diagnostics);
     names.infer_kinds(&parsed, diagnostics);
     if overrides.carries_shapes {
-        names.infer_lengths(&carried::lengths_of_solids(file), &parsed);
+        names.infer_lengths(&solid_formulas::lengths_of_solids(file), &parsed);
     }
-    names.evaluate_parameters(&parsed, &angle_unit, diagnostics);
+    names.evaluate_parameters(&parsed, diagnostics);
     // Variables of a study become constant inputs, with parameters computed from them written out.
     let kept = varied::kept_parameters(&parsed, &names, varied);
     varied::expand_dependents(&mut parsed, &names, varied, diagnostics);
     let varied_values = names.promote_parameters(varied);
     // Equations: the file's loops and equations, then those of bars and contacts.
-    contacts::parallel::settle_parallel(&parsed, &mut names, &angle_unit);
-    let mut joints = FoldedJoints::new(&names, &angle_unit);
+    contacts::parallel::settle_parallel(&parsed, &mut names);
+    let mut joints = FoldedJoints::new(&names);
     let ClosureConditions {
         loops,
         equations,
@@ -112,8 +113,7 @@ pub fn resolve_scene(
         diagnostics,
     );
     // Drives and start values; the variables of a study are constant drives.
-    let mut coordinates =
-        coordinates::resolve_coordinates(file, &parsed, &names, &angle_unit, diagnostics);
+    let mut coordinates = coordinates::resolve_coordinates(file, &parsed, &names, diagnostics);
     if let Some(coordinates) = &mut coordinates {
         let resting = varied_values.into_iter().map(Drive::constant);
         coordinates.drives.extend(resting);
@@ -199,7 +199,7 @@ pub fn resolve_scene(
     loops::warn_of_loops(&mechanism, &parsed, diagnostics);
     let notation = overrides
         .notation
-        .then(|| written::resolve_notation(file, &parsed, (&names, &angle_unit), &mechanism));
+        .then(|| written::resolve_notation(file, &parsed, &names, &mechanism));
     let description = file.description.clone().unwrap_or_default();
     Some(Scene {
         description,
@@ -240,7 +240,7 @@ fn resolve_closure(
 ) -> ClosureConditions {
     let mut loops = joints.loops(parsed, diagnostics);
     let mut equations = joints.equations(parsed, diagnostics);
-    let mut bars = resolve_bars(&parsed.bars, named, joints, diagnostics);
+    let mut bars = resolve_bars(&parsed.bars, named.0, joints, diagnostics);
     loops.append(&mut bars.loops);
     equations.append(&mut bars.equations);
     let mut contacts = Contacts::resolve(&parsed.contacts, named.0, joints, diagnostics);

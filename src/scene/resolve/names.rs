@@ -3,7 +3,7 @@
 use super::super::file::SceneFile;
 use super::super::formula::compile::{CompiledValue, exact_constant};
 use super::super::formula::expansion::Factor;
-use super::super::formula::kinds::{is_angle_by_itself, to_radians};
+use super::super::formula::kinds::{has_plain_angles, is_angle_by_itself, to_radians};
 use super::super::formula::node::FormulaNode;
 use super::parsed::Parsed;
 use super::words::{TIME, refuse_double_and_reserved};
@@ -42,6 +42,10 @@ pub struct Names {
     suggestions: Cell<usize>,
     /// Parameters that are inputs in a study, as (parameter, input).
     pub varied: Vec<(usize, usize)>,
+    /// The file's unit of angles.
+    radians: Constant,
+    /// Parameters that appear where a length is expected, and those where an angle is.
+    pub(super) stands_in: [BTreeSet<String>; 2],
 }
 
 /// Most undefined names for which a similar one is sought: more than are shown, and few enough for a file of nothing
@@ -58,7 +62,12 @@ pub enum Meaning {
 
 impl Names {
     /// Collects all names: parameters and inputs are defined; every other name in a loop is an unknown.
-    pub fn collect(file: &SceneFile, parsed: &Parsed, diagnostics: &mut Diagnostics) -> Self {
+    pub fn collect(
+        file: &SceneFile,
+        parsed: &Parsed,
+        unit: &AngleUnit,
+        diagnostics: &mut Diagnostics,
+    ) -> Self {
         refuse_double_and_reserved(file, diagnostics);
         let coordinate = |name: &str| Coordinate {
             name: name.to_owned(),
@@ -89,6 +98,8 @@ impl Names {
             meanings: HashMap::new(),
             suggestions: Cell::new(MOST_SUGGESTIONS),
             varied: Vec::new(),
+            radians: unit.radians,
+            stands_in: Default::default(),
         };
         // Unknowns: every undefined name in an equation, in the order of first appearance.
         names.index();
@@ -252,6 +263,11 @@ impl Names {
         }
     }
 
+    /// A formula with its angles in radians, in a position that expects `wanted`.
+    pub fn in_radians(&self, node: FormulaNode, wanted: Option<Kind>) -> FormulaNode {
+        to_radians(node, wanted, self.radians, &|name| self.dimension(name))
+    }
+
     /// What `name` measures, if known; coordinates of traced points are lengths.
     pub fn dimension(&self, name: &str) -> Option<PhysicalDimension> {
         match self.kind(name) {
@@ -287,14 +303,26 @@ impl Names {
         !is_own && matches!(self.meaning(name), Some(Meaning::Parameter(_)))
     }
 
-    /// A parameter whose uses do not tell its kind is an angle if its definition is one: `30deg`, or a sum with an angle.
-    fn take_kind_of_definition(&mut self, own: usize, node: &FormulaNode) {
-        let parameter = &mut self.parameters[own];
+    /// A parameter whose uses do not tell its kind is an angle if its definition is one, or that of the file which another value
+    /// replaces: `30deg`, or a sum with an angle. `pi` times something is a length where a length is expected.
+    fn take_kind_of_definition(
+        &mut self,
+        own: usize,
+        node: &FormulaNode,
+        replaced: Option<&FormulaNode>,
+    ) {
+        let parameter = &self.parameters[own];
         if parameter.kind.is_some() {
             return;
         }
         let name = parameter.name.clone();
-        if is_angle_by_itself(node, &|used| self.dimension(used)) {
+        let of_name = |used: &str| self.dimension(used);
+        let [lengths, angles] = &self.stands_in;
+        let is_length = lengths.contains(&name) && !angles.contains(&name);
+        let is_angle = |node: &FormulaNode| {
+            is_angle_by_itself(node, &of_name) && !(is_length && has_plain_angles(node, &of_name))
+        };
+        if is_angle(node) || replaced.is_some_and(is_angle) {
             self.parameters[own].kind = Some(Kind::Angle);
             self.parameters[own].is_placed = false;
             self.kinds.insert(name, (Kind::Angle, node.span.clone()));
@@ -302,20 +330,15 @@ impl Names {
     }
 
     /// Evaluates the parameters in order.
-    pub fn evaluate_parameters(
-        &mut self,
-        parsed: &Parsed,
-        unit: &AngleUnit,
-        diagnostics: &mut Diagnostics,
-    ) {
+    pub fn evaluate_parameters(&mut self, parsed: &Parsed, diagnostics: &mut Diagnostics) {
         for (name, node) in &parsed.parameters {
             let Some(Meaning::Parameter(own)) = self.meaning(&name.value) else {
                 continue;
             };
             // A parameter may use earlier parameters only; each wrong use has its own message.
-            self.take_kind_of_definition(own, node);
-            let kind = self.parameters[own].kind;
-            let node = to_radians(node.clone(), kind, unit.radians, &|n| self.dimension(n));
+            let replaced = parsed.replaced.iter().find(|(n, _)| *n == name.value);
+            self.take_kind_of_definition(own, node, replaced.map(|(_, node)| node));
+            let node = self.in_radians(node.clone(), self.parameters[own].kind);
             let place = |used: &str| match self.meaning(used) {
                 Some(Meaning::Parameter(index)) => Some(index),
                 _ => None,

@@ -2,7 +2,7 @@
 
 use super::super::file::SceneFile;
 use super::super::formula::compile::{CompiledValue, compile_formula};
-use super::super::formula::kinds::{dimension_of, to_radians};
+use super::super::formula::kinds::{dimension_of, own_kind, to_radians};
 use super::super::formula::node::FormulaNode;
 use super::body_constants::BodyConstants;
 use super::clearance::asked_distance;
@@ -162,7 +162,7 @@ impl<'a> Scope<'a> {
         };
         let dimension = dimension_of(node, &of_name);
         // Angles of the file's unit become radians before the formula is compiled.
-        let wanted = Some(dimension.kind());
+        let wanted = own_kind(node, &of_name);
         let node = to_radians(node.clone(), wanted, self.unit.radians, &of_name);
         // Slots: those of additional names are given, others are found by name.
         let formula = compile_formula(&node, &|used, span| match extra(used) {

@@ -8,6 +8,7 @@ use super::super::measures::MeasureSourceFile;
 use super::bars::parsed::ParsedBars;
 use super::contacts::chains::{ContactItems, ParsedContact};
 use super::parsing::{Named, NamedChains, note_diagnostic, parsed_expression};
+use super::solid_formulas::formulas_of_solids;
 use crate::diag::Diagnostics;
 use crate::scene::loaded::KeptIn;
 use crate::scene::reader::Spanned;
@@ -15,6 +16,10 @@ use crate::scene::values::FormulaText;
 
 /// The parsed formulas of a file.
 pub struct Parsed {
+    /// Definitions of the file that the command line replaces.
+    pub replaced: Vec<(String, FormulaNode)>,
+    /// Formulas of points, sizes and directions of solids.
+    pub solids: Vec<FormulaNode>,
     pub parameters: Vec<Named<FormulaNode>>,
     pub inputs: Vec<Named<ParsedInput>>,
     pub loops: Vec<Named<Vec<Factor>>>,
@@ -110,7 +115,14 @@ impl Parsed {
         // Chains that nothing refers to have not been checked yet.
         chains.judge_all(diagnostics);
         let points = file.traces.iter().flat_map(|trace| trace.point.iter());
+        let replaced = file.replaced.iter();
+        let replaced = replaced.filter_map(|(name, text)| {
+            let node = parsed_expression(text, &mut Diagnostics::default())?;
+            Some((name.clone(), node))
+        });
         Self {
+            replaced: replaced.collect(),
+            solids: formulas_of_solids(file),
             points: unreported_nodes(points.flatten()),
             fixed: fixed_formulas(file),
             parameters,

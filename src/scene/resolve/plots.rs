@@ -2,6 +2,7 @@
 
 use super::super::file::SceneFile;
 use super::super::formula::compile::constant_node;
+use super::super::formula::kinds::is_angle_by_itself;
 use super::super::formula::node::{DerivativeNode, FormulaNode, NodeKind};
 use super::super::plots::PlotFile;
 use super::derivative_text::{rate_label, text_part};
@@ -102,8 +103,15 @@ impl TextSite<'_> {
     fn number(&self, text: &FormulaText, diagnostics: &mut Diagnostics) -> Option<f64> {
         let node = parsed_expression(text, diagnostics)?;
         let names = self.scope.names;
+        // What is an angle by itself is shown in the plot's unit; a number is in it.
+        let is_angle = is_angle_by_itself(&node, &|name| names.dimension(name));
+        let unit = match is_angle {
+            true => self.angle_unit.radians.number(),
+            false => 1.0,
+        };
+        let node = names.in_radians(node, None);
         match constant_node(&node, &|n, s| names.constant(n, s)) {
-            Ok(value) => Some(value),
+            Ok(value) => Some(value / unit),
             Err(diagnostic) => {
                 diagnostics.push(diagnostic);
                 None

@@ -2,7 +2,6 @@
 
 use super::super::file::SceneFile;
 use super::super::formula::compile::constant_node;
-use super::super::formula::kinds::to_radians;
 use super::super::studies::{StudyFile, VariableFile};
 use super::names::{Meaning, Names};
 use super::parsing::parsed_expression;
@@ -10,6 +9,7 @@ use crate::diag::{Diagnostic, Diagnostics, shown_number};
 use crate::model::measure::Measure;
 use crate::model::mechanism::{AngleUnit, Kind};
 use crate::model::study::{Study, Variable};
+use crate::numbers::constant::Constant;
 use crate::scene::overrides::Overrides;
 use crate::scene::reader::Spanned;
 use crate::scene::values::FormulaText;
@@ -163,7 +163,12 @@ impl Resolver<'_, '_> {
             let kind = parameter.kind.unwrap_or(Kind::Number);
             let blank = VariableFile::default();
             let file = typed.map_or(&blank, |(_, file)| file);
-            if let Some(variable) = self.variable(name, kind, parameter.value.number(), file) {
+            let is_told = parameter.is_placed || kind != Kind::Angle;
+            let value = parameter.value.number();
+            if let Some(mut variable) = self.variable(name, kind, value, file) {
+                if !is_told && self.unit.radians != Constant::exact(1.0) {
+                    variable.suffix = "deg";
+                }
                 variables.push(variable);
             }
         }
@@ -217,6 +222,7 @@ impl Resolver<'_, '_> {
             start,
             lower,
             upper,
+            suffix: "",
             tolerance,
         })
     }
@@ -249,7 +255,7 @@ impl Resolver<'_, '_> {
     fn value(&mut self, text: &FormulaText, kind: Kind) -> Option<f64> {
         let node = parsed_expression(text, self.diagnostics)?;
         let names = self.names;
-        let node = to_radians(node, Some(kind), self.unit.radians, &|n| names.dimension(n));
+        let node = names.in_radians(node, Some(kind));
         match constant_node(&node, &|n, s| names.constant(n, s)) {
             Ok(value) => Some(value),
             Err(diagnostic) => {

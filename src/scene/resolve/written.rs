@@ -12,7 +12,7 @@ use super::parsed::Parsed;
 use super::parsing::parsed_expression;
 use crate::diag::Diagnostics;
 use crate::model::chain::{Argument, ChainStep, ElementaryMotion};
-use crate::model::mechanism::{AngleUnit, Closes, Mechanism};
+use crate::model::mechanism::{Closes, Mechanism};
 use crate::model::notation::{
     Notation, WrittenChain, WrittenContact, WrittenFactor, WrittenLength, WrittenSurface,
     WrittenTerm,
@@ -23,11 +23,11 @@ use std::collections::HashMap;
 pub fn resolve_notation(
     file: &SceneFile,
     parsed: &Parsed,
-    (names, unit): (&Names, &AngleUnit),
+    names: &Names,
     mechanism: &Mechanism,
 ) -> Notation {
     let mut writer = ChainWriter {
-        joints: FoldedJoints::new(names, unit),
+        joints: FoldedJoints::new(names),
         names,
         terms: TermList::default(),
     };

@@ -63,3 +63,55 @@ fn bars_that_meet_beyond_their_joint_are_seen() {
         }
     }
 }
+
+/// Shapes that lie in each other away from their joint are no parts of it, wherever they begin, and at whatever distance they pass
+/// it. The first angle counts, so that they touch in the assembled pose already.
+#[test]
+fn what_touches_away_from_the_joint_is_judged() {
+    let w = Workspace::new();
+    let capsule = |from: [f64; 3], to: [f64; 3]| {
+        format!("{{ capsule = {{ from = {from:?}, to = {to:?}, radius = 1 }} }}")
+    };
+    let boxed = |x: f64| {
+        format!(
+            "{{ box = {{ center = [{}, 0, 0], size = [{}, 2, 2] }} }}",
+            0.5 * (x + 120.0),
+            120.0 - x
+        )
+    };
+    let mut pairs = Vec::new();
+    for start in [5.2, 9.0, 20.0, 60.0] {
+        pairs.push([
+            capsule([start, 0.0, 0.0], [120.0, 0.0, 0.0]),
+            capsule([start, 0.0, 0.0], [120.0, 2.0, 0.0]),
+        ]);
+        pairs.push([boxed(start), capsule([start, 0.0, 0.0], [120.0, 1.0, 0.0])]);
+    }
+    // A rod beside the axis, crossed by a post that is parallel to it.
+    pairs.push([
+        capsule([60.0, -50.0, 0.0], [60.0, 50.0, 0.0]),
+        capsule([60.0, 0.0, -50.0], [60.0, 0.0, 50.0]),
+    ]);
+    pairs.push([
+        capsule([60.0, 0.0, -50.0], [60.0, 0.0, 50.0]),
+        capsule([61.0, 0.0, -50.0], [61.0, 0.0, 50.0]),
+    ]);
+    for chain in [
+        "Rz(phi)",
+        "Rz(phi) Tz(0*phi)",
+        "Rz(phi) Rx(0.1*phi)",
+        "Rz(phi) Ry(0.1*phi) Rx(0.1*phi)",
+    ] {
+        for [first, second] in &pairs {
+            let text = format!(
+                "units = {{ length = \"mm\", angle = \"rad\" }}\nduration = 1\n[inputs]\nphi = \"0.01*t\"\n\
+                 [[bodies]]\nname = \"A\"\nshapes = [{{ sphere = {{ radius = 1 }} }}, {first}]\n\
+                 [[bodies]]\nname = \"B\"\nframe = \"{chain}\"\n\
+                 shapes = [{{ sphere = {{ radius = 1 }} }}, {second}]\n[clearance]\nminimum = 0\n"
+            );
+            w.write("away.toml", &text);
+            let run = w.run(&["check", "away.toml"]);
+            assert_eq!(run.code, 1, "{chain}: {first} and {second}: {}", run.text());
+        }
+    }
+}

@@ -238,3 +238,188 @@ fn keys_are_joined_by_straight_lines() {
         );
     }
 }
+
+/// Constants of shapes, points, directions, contacts and clearances are read as chains are; the same mechanism in radians has the
+/// same numbers.
+#[test]
+fn constants_of_bodies_are_in_degrees() {
+    let scene = |unit: &str, of: &dyn Fn(f64) -> String| {
+        format!(
+            r#"
+units = {{ length = "mm", angle = "{unit}" }}
+duration = 1
+[parameters]
+R = 20
+alpha = {alpha}
+[inputs]
+u = "t"
+[outputs]
+gap = {{ distance = ["ball", "wall"] }}
+[[bodies]]
+name = "ball"
+frame = "Tz(u)"
+shapes = [{{ sphere = {{ center = ["R*cos({sixty})", "R*sin(alpha)", 0], radius = "R*sin({thirty})/10" }} }}]
+[[bodies]]
+name = "wall"
+frame = "R(cos({sixty}), sin({sixty}), 0, {ninety})"
+shapes = [{{ box = {{ center = [60, 0, 0], size = [2, 400, 400] }} }}]
+[[traces]]
+name = "M"
+body = "ball"
+point = ["R*cos({sixty})", "R*tan(alpha - {thirty})", "{ten}/{five}"]
+[measures]
+x = {{ of = "M.x", take = "first" }}
+y = {{ of = "M.y", take = "first" }}
+z = {{ of = "M.z", take = "first" }}
+gap = {{ of = "gap", take = "first" }}
+[clearance]
+minimum = "R*sin({thirty})/100"
+"#,
+            alpha = of(60.0),
+            sixty = of(60.0),
+            thirty = of(30.0),
+            ninety = of(90.0),
+            ten = of(10.0),
+            five = of(5.0),
+        )
+    };
+    let degrees = measured(&scene("deg", &|angle| format!("{angle}")));
+    let radians = measured(&scene("rad", &|angle| format!("{:?}", angle.to_radians())));
+    for ((name, a, _), (_, b, _)) in degrees.iter().zip(&radians) {
+        assert!(
+            (a - b).abs() < 1e-9,
+            "{name}: {a} in degrees, {b} in radians"
+        );
+    }
+    assert!((degrees[0].1 - 10.0).abs() < 1e-12 && degrees.len() == 4);
+}
+
+/// Outputs that hold an angle in a product or a power, and sums of lengths and angles in any order.
+#[test]
+fn angles_inside_other_quantities_keep_their_unit() {
+    let text = r#"
+units = { length = "mm", angle = "deg" }
+duration = 1
+[parameters]
+L = 20
+dia = 10
+circ = "pi*dia + 3"
+[inputs]
+phi = "50*t"
+s = "7 + t"
+[outputs]
+arc = "L*phi"
+back = "arc/L"
+square = "phi^2"
+root = "sqrt(square)"
+one = "s - 4*phi + 5"
+other = "5 - 4*phi + s"
+[[bodies]]
+name = "arm"
+frame = "Rz(phi) Tx(L) Tx(2*circ) Ty(s)"
+[[traces]]
+name = "M"
+body = "arm"
+[measures]
+back = { of = "back", take = "last" }
+root = { of = "root", take = "last" }
+late = { of = "arc/L - 20", take = "positive" }
+arc = { of = "arc", take = "last" }
+turns = "arc/L + 1"
+one = { of = "one", take = "last" }
+other = { of = "other", take = "last" }
+far = { of = "sqrt(M.x^2 + M.y^2 - s^2)", take = "first" }
+"#;
+    let mixed = 8.0 - 4.0 * 50.0_f64.to_radians() + 5.0;
+    let far = 20.0 + 2.0 * (10.0 * std::f64::consts::PI + 3.0);
+    let expected = [
+        50.0,
+        50.0,
+        0.6,
+        20.0 * 50.0_f64.to_radians(),
+        51.0,
+        mixed,
+        mixed,
+        far,
+    ];
+    for ((name, value, _), expected) in measured(text).iter().zip(expected) {
+        assert!(
+            (value - expected).abs() < 1e-8,
+            "{name}: {value} {expected}"
+        );
+    }
+}
+
+/// An angle that only its definition tells stays one in every study, on the command line and in the files that are written.
+#[test]
+fn angles_that_their_definition_tells_stay_angles() {
+    let text = r#"
+units = { length = "mm", angle = "deg" }
+[parameters]
+al = "30deg"
+LL = 10
+[inputs]
+phi = "40*t"
+[[bodies]]
+name = "B"
+frame = "Rz(phi) Tx(LL) Ty(LL*al)"
+[[traces]]
+name = "M"
+body = "B"
+[measures]
+p = { of = "M.y", take = "first", min = 3, max = 10 }
+[study]
+minimise = "p"
+[study.variables]
+al = { range = [20, 40], tolerance = 1 }
+"#;
+    let w = Workspace::new();
+    w.write("told.toml", text);
+    let at = |al: f64| 10.0 * al.to_radians();
+    for (values, al) in [
+        (&[][..], 30.0),
+        (&["--param", "al=20"], 20.0),
+        (&["--param", "al=20deg"], 20.0),
+    ] {
+        let run = w.run(&[&["check", "told.toml", "--json", "c.json"], values].concat());
+        run.exits(0);
+        let report: Value = serde_json::from_slice(&w.read("c.json")).unwrap();
+        let value = report["measures"][0]["value"].as_f64().unwrap();
+        assert!((value - at(al)).abs() < 1e-9, "{values:?}: {value}");
+    }
+    for more in [&[][..], &["--unproved"]] {
+        let sweep = [
+            "sweep",
+            "told.toml",
+            "--design",
+            "grid:al=20..40:3",
+            "--out",
+            "-",
+        ];
+        let table = w.run(&[&sweep, more].concat()).exits(0).text();
+        for (line, al) in table.lines().skip(1).zip([20.0, 30.0, 40.0]) {
+            let cells: Vec<&str> = line.split(',').collect();
+            assert!(
+                (cells[4].parse::<f64>().unwrap() - at(al)).abs() < 1e-9,
+                "{line}"
+            );
+        }
+    }
+    w.run(&["optimise", "told.toml", "--out", "best.toml"])
+        .exits(0);
+    let report = w.run(&["check", "best.toml", "--json", "b.json"]);
+    report.exits(0);
+    let report: Value = serde_json::from_slice(&w.read("b.json")).unwrap();
+    let value = report["measures"][0]["value"].as_f64().unwrap();
+    assert!((value - at(20.0)).abs() < 1e-6, "{value}");
+    for asked in [&[][..], &["--param", "al=30+-1"]] {
+        let enclose = ["enclose", "told.toml", "--samples", "2", "--json", "e.json"];
+        w.run(&[&enclose, asked].concat()).exits(0);
+        let report = String::from_utf8(w.read("e.json")).unwrap();
+        let report: Value = serde_json::from_str(&report).unwrap();
+        let band = &report["measures"][0];
+        let ends = ["lo", "hi"].map(|end| band[end].as_f64().unwrap());
+        assert!(ends[0] <= at(29.0) && at(31.0) <= ends[1], "{band}");
+        assert!(ends[1] - ends[0] < 1.01 * (at(31.0) - at(29.0)), "{band}");
+    }
+}

@@ -881,3 +881,33 @@ fn limits_of_measures_are_judged_on_the_bound() {
         );
     }
 }
+
+/// What has no bound keeps no limit, on whichever side it is.
+#[test]
+fn measures_without_a_bound_keep_no_limit() {
+    let w = Workspace::new();
+    for measure in [
+        "{ of = \"C.x - 48\", take = \"positive\", max = 2 }",
+        "{ of = \"floor(C.x/10)\", take = \"max\", max = 1e300 }",
+        "{ of = \"floor(C.x/10)\", take = \"min\", min = -1e300 }",
+        "{ of = \"C.x\", per = \"phi\", take = \"max\", max = 1e300 }",
+        "{ of = \"exp(800*C.x)\", take = \"max\", max = 1e308 }",
+    ] {
+        w.write(
+            "open.toml",
+            format!("{FOUR_BAR}[measures]\nopen = {measure}\n"),
+        );
+        let run = w.run(&[
+            "enclose",
+            "open.toml",
+            "--vary",
+            "a",
+            "--tolerance",
+            "0.1",
+            "--samples",
+            "2",
+        ]);
+        let text = run.exits(1).text();
+        assert!(!text.contains("kept by every piece"), "{measure}: {text}");
+    }
+}

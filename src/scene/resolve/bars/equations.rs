@@ -2,7 +2,6 @@
 
 use super::super::super::formula::compile::{compile_formula, constant_node};
 use super::super::super::formula::expansion::Factor;
-use super::super::super::formula::kinds::to_radians;
 use super::super::super::formula::node::{FormulaNode, NodeKind};
 use super::super::joints::FoldedJoints;
 use super::super::names::{Meaning, Names};
@@ -10,7 +9,7 @@ use super::parsed::{ParsedBar, ParsedBars, ParsedEnd};
 use crate::diag::{Diagnostic, Diagnostics, Span, shown_number};
 use crate::model::chain::ElementaryMotion;
 use crate::model::function::Function;
-use crate::model::mechanism::{AngleUnit, Bar, BarEnd, Closes, Equation, Kind, Loop};
+use crate::model::mechanism::{Bar, BarEnd, Closes, Equation, Kind, Loop};
 use crate::numbers::constant::Constant;
 
 /// The contribution of bars to the mechanism.
@@ -24,7 +23,7 @@ pub struct ResolvedBars {
 /// Equations and loops of the valid bars.
 pub fn resolve_bars(
     parsed: &ParsedBars,
-    (names, unit): (&Names, &AngleUnit),
+    names: &Names,
     joints: &mut FoldedJoints,
     diagnostics: &mut Diagnostics,
 ) -> ResolvedBars {
@@ -37,7 +36,7 @@ pub fn resolve_bars(
         }
     }
     for bar in &parsed.list {
-        if let Some((equation, bar)) = resolve_bar(bar, (names, unit), joints, diagnostics) {
+        if let Some((equation, bar)) = resolve_bar(bar, names, joints, diagnostics) {
             resolved.equations.push(equation);
             resolved.list.push(bar);
         }
@@ -48,7 +47,7 @@ pub fn resolve_bars(
 /// The equation of a valid bar.
 fn resolve_bar(
     bar: &ParsedBar,
-    (names, unit): (&Names, &AngleUnit),
+    names: &Names,
     joints: &mut FoldedJoints,
     diagnostics: &mut Diagnostics,
 ) -> Option<(Equation, Bar)> {
@@ -88,9 +87,7 @@ fn resolve_bar(
     }
     // A constant length becomes the divisor of the equation, so it must be positive.
     let mut length = None;
-    let length_node = to_radians(bar.length.clone(), Some(Kind::Length), unit.radians, &|n| {
-        names.dimension(n)
-    });
+    let length_node = names.in_radians(bar.length.clone(), Some(Kind::Length));
     if is_fixed(&length_node) {
         match constant_node(&length_node, &|n, s| names.constant(n, s)) {
             Ok(value) if value > 0.0 => length = Some(value),
@@ -124,9 +121,7 @@ fn resolve_bar(
         return None;
     }
     // The equation itself; without a divisor its value is a squared length.
-    let gap = to_radians(bar_gap(bar, length), None, unit.radians, &|n| {
-        names.dimension(n)
-    });
+    let gap = names.in_radians(bar_gap(bar, length), None);
     match compile_formula(&gap, &|n, s| names.coordinate(n, s)) {
         Ok(expression) => {
             let equation = Equation {

@@ -249,6 +249,7 @@ fn is_sound(contact: &ParsedContact, names: &Names, diagnostics: &mut Diagnostic
         // Only a sphere may have radius zero: it is a point.
         let may_vanish = matches!(surface, ContactSurface::Sphere { .. });
         for (what, node) in surface.sizes() {
+            let node = &names.in_radians(node.clone(), Some(Kind::Length));
             let message = match constant_node(node, &|n, s| names.constant(n, s)) {
                 Ok(value) if value > 0.0 || (may_vanish && value == 0.0) => continue,
                 Ok(value) => {
@@ -312,7 +313,8 @@ fn sizes_of(contact: &ParsedContact) -> impl Iterator<Item = &FormulaNode> {
 
 /// A valid size as a formula.
 fn formula_size<'l>(formulas: &'l Formulas, node: &FormulaNode, names: &Names) -> SymbolicTerm<'l> {
-    match compile_formula(node, &|n, s| names.coordinate(n, s)) {
+    let converted = names.in_radians(node.clone(), Some(Kind::Length));
+    match compile_formula(&converted, &|n, s| names.coordinate(n, s)) {
         Ok(expression) => formulas.inline(&expression),
         Err(_) => SymbolicTerm::Constant(constant_value(node, names)),
     }
@@ -320,5 +322,6 @@ fn formula_size<'l>(formulas: &'l Formulas, node: &FormulaNode, names: &Names) -
 
 /// A valid size.
 fn constant_value(node: &FormulaNode, names: &Names) -> Constant {
-    exact_constant(node, &|n, s| names.constant(n, s)).unwrap_or_default()
+    let node = names.in_radians(node.clone(), Some(Kind::Length));
+    exact_constant(&node, &|n, s| names.constant(n, s)).unwrap_or_default()
 }

@@ -16,7 +16,6 @@ use crate::math::Pose;
 use crate::model::chain::{ChainStep, ElementaryMotion};
 use crate::model::fixed::FixedPose;
 use crate::model::joints::EXACT;
-use crate::model::mechanism::AngleUnit;
 use crate::numbers::constant::Constant;
 use glam::DVec3;
 
@@ -29,10 +28,10 @@ struct Arrangement {
 }
 
 /// Makes constants of the unknowns of contacts that parallel axes determine.
-pub fn settle_parallel(parsed: &Parsed, names: &mut Names, unit: &AngleUnit) {
+pub fn settle_parallel(parsed: &Parsed, names: &mut Names) {
     let mut settled: Vec<(String, Constant)> = Vec::new();
     for contact in &parsed.contacts {
-        let Some(arrangement) = axis_arrangement(contact, names, unit) else {
+        let Some(arrangement) = axis_arrangement(contact, names) else {
             continue;
         };
         let zero = Constant::exact(0.0);
@@ -70,13 +69,9 @@ pub fn factors_across(contact: &ParsedContact) -> Option<Vec<Factor>> {
 }
 
 /// `None` unless both surfaces are cylinders and all rotations from one to the other are about their axes.
-fn axis_arrangement(
-    contact: &ParsedContact,
-    names: &Names,
-    unit: &AngleUnit,
-) -> Option<Arrangement> {
+fn axis_arrangement(contact: &ParsedContact, names: &Names) -> Option<Arrangement> {
     // Errors in a chain are reported where it is resolved.
-    let mut joints = FoldedJoints::new(names, unit);
+    let mut joints = FoldedJoints::new(names);
     let chain = joints.chain(&factors_across(contact)?, &mut Diagnostics::default())?;
     // Rotations about the axis change neither its direction nor the axes of other rotations that are parallel to it.
     // One pose, with all coordinates zero, therefore shows whether all axes are parallel.
