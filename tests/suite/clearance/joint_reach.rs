@@ -98,13 +98,19 @@ fn what_touches_away_from_the_joint_is_judged() {
     ]);
     for chain in [
         "Rz(phi)",
-        "Rz(phi) Tz(0*phi)",
-        "Rz(phi) Rx(0.1*phi)",
-        "Rz(phi) Ry(0.1*phi) Rx(0.1*phi)",
+        "Rz(phi) Tz(lift)",
+        "Rz(phi) Rx(nod)",
+        "Rz(phi) Ry(tilt) Rx(nod)",
     ] {
+        let others = ["lift", "nod", "tilt"]
+            .into_iter()
+            .filter(|input| chain.contains(input));
+        let inputs: String = others
+            .map(|input| format!("{input} = \"0.001*t\"\n"))
+            .collect();
         for [first, second] in &pairs {
             let text = format!(
-                "units = {{ length = \"mm\", angle = \"rad\" }}\nduration = 1\n[inputs]\nphi = \"0.01*t\"\n\
+                "units = {{ length = \"mm\", angle = \"rad\" }}\nduration = 1\n[inputs]\nphi = \"0.01*t\"\n{inputs}\
                  [[bodies]]\nname = \"A\"\nshapes = [{{ sphere = {{ radius = 1 }} }}, {first}]\n\
                  [[bodies]]\nname = \"B\"\nframe = \"{chain}\"\n\
                  shapes = [{{ sphere = {{ radius = 1 }} }}, {second}]\n[clearance]\nminimum = 0\n"

@@ -163,10 +163,11 @@ fn studies_see_the_angles_that_a_check_sees() {
                 "",
             )
     };
-    for (formula, _) in ANGLES {
+    for (index, (formula, _)) in ANGLES.into_iter().enumerate() {
         let text = studied(formula);
         w.write("studied.toml", &text);
-        for a in ["30", "33"] {
+        // The file's own value, and another one.
+        for a in [["30", "33"][index % 2]] {
             let known = measured(&text.replace("a = 30", &format!("a = {a}")));
             let design = format!("grid:a={a}..40:2");
             let run = w.run(&["sweep", "studied.toml", "--design", &design, "--out", "-"]);
@@ -254,7 +255,7 @@ alpha = {alpha}
 [inputs]
 u = "t"
 [outputs]
-gap = {{ distance = ["ball", "wall"] }}
+far = {{ distance = ["ball", "wall"] }}
 [[bodies]]
 name = "ball"
 frame = "Tz(u)"
@@ -271,7 +272,7 @@ point = ["R*cos({sixty})", "R*tan(alpha - {thirty})", "{ten}/{five}"]
 x = {{ of = "M.x", take = "first" }}
 y = {{ of = "M.y", take = "first" }}
 z = {{ of = "M.z", take = "first" }}
-gap = {{ of = "gap", take = "first" }}
+gap = {{ of = "far", take = "first" }}
 [clearance]
 minimum = "R*sin({thirty})/100"
 "#,
@@ -309,11 +310,11 @@ phi = "50*t"
 s = "7 + t"
 [outputs]
 arc = "L*phi"
-back = "arc/L"
+of_arc = "arc/L"
 square = "phi^2"
-root = "sqrt(square)"
-one = "s - 4*phi + 5"
-other = "5 - 4*phi + s"
+of_square = "sqrt(square)"
+sum = "s - 4*phi + 5"
+same_sum = "5 - 4*phi + s"
 [[bodies]]
 name = "arm"
 frame = "Rz(phi) Tx(L) Tx(2*circ) Ty(s)"
@@ -321,13 +322,13 @@ frame = "Rz(phi) Tx(L) Tx(2*circ) Ty(s)"
 name = "M"
 body = "arm"
 [measures]
-back = { of = "back", take = "last" }
-root = { of = "root", take = "last" }
+back = { of = "of_arc", take = "last" }
+root = { of = "of_square", take = "last" }
 late = { of = "arc/L - 20", take = "positive" }
-arc = { of = "arc", take = "last" }
-turns = "arc/L + 1"
-one = { of = "one", take = "last" }
-other = { of = "other", take = "last" }
+length = { of = "arc", take = "last" }
+turns = "length/L + 1"
+one = { of = "sum", take = "last" }
+other = { of = "same_sum", take = "last" }
 far = { of = "sqrt(M.x^2 + M.y^2 - s^2)", take = "first" }
 "#;
     let mixed = 8.0 - 4.0 * 50.0_f64.to_radians() + 5.0;
@@ -355,6 +356,7 @@ far = { of = "sqrt(M.x^2 + M.y^2 - s^2)", take = "first" }
 fn angles_that_their_definition_tells_stay_angles() {
     let text = r#"
 units = { length = "mm", angle = "deg" }
+duration = 1
 [parameters]
 al = "30deg"
 LL = 10
