@@ -14,6 +14,9 @@ const LONG: f64 = 2.0;
 /// it is as wide about the axis.
 const STEEP: f64 = 0.5;
 
+/// Below this sine a shape is nearly along the axis.
+const SLANTED: f64 = 0.1;
+
 /// Where a joint is, in the frame of one body.
 #[derive(Clone, Debug)]
 pub enum JointLocus {
@@ -76,12 +79,12 @@ impl JointLocus {
 
     /// The part of a long shape that is within `reach` of it.
     fn near_part(&self, spine: &Spine, reach: f64) -> NearPart {
-        // Where the shape's middle line is nearest, how far that is, and by what factor the region is longer on the line.
-        let (at, away, longer) = match self {
+        // Where the shape's middle line is nearest, how far that is, and how far the region reaches along the line.
+        let (at, away, reach_along) = match self {
             Self::Anywhere => return NearPart::Whole,
             Self::Point(centre) => {
                 let at = (*centre - spine.from).dot(spine.along);
-                (at, centre.distance(spine.from + spine.along * at), 1.0)
+                (at, centre.distance(spine.from + spine.along * at), reach)
             }
             Self::Lines(lines) => {
                 let sine = |line: &[DVec3; 2]| line[1].cross(spine.along).length();
@@ -102,10 +105,13 @@ impl JointLocus {
                 // Nearest points of two lines.
                 let at = -arm.cross(*direction).dot(across) / across.length_squared();
                 let away = arm.dot(across).abs() / across.length();
-                (at, away, (STEEP / across.length()).max(1.0))
+                (
+                    at,
+                    away,
+                    width_about(across.length(), reach, spine) / across.length(),
+                )
             }
         };
-        let reach_along = reach * longer;
         let low = ((at - reach_along) / spine.length).clamp(0.0, 1.0);
         let high = ((at + reach_along) / spine.length).clamp(0.0, 1.0);
         match low < high && away <= reach + spine.thickness {
@@ -113,6 +119,17 @@ impl JointLocus {
             true if [low, high] == [0.0, 1.0] => NearPart::Whole,
             true => NearPart::Shares([low, high]),
         }
+    }
+}
+
+/// How far from a joint's axis the region reaches on a shape at this sine to it. On one that is steep it is as long as the reach,
+/// on one along the axis as wide as the reach beside it, and between them it narrows.
+fn width_about(sine: f64, reach: f64, spine: &Spine) -> f64 {
+    let steep = reach * sine.max(STEEP);
+    let beside = reach + spine.thickness;
+    match sine < SLANTED {
+        true => beside + (steep - beside) * (sine / SLANTED),
+        false => steep,
     }
 }
 

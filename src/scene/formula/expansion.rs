@@ -206,7 +206,7 @@ fn screw_advance(pitch: FormulaNode, angle: FormulaNode) -> FormulaNode {
         span: span.clone(),
     };
     let angle = FormulaNode {
-        kind: Of(Kind::Angle, Box::new(angle)),
+        kind: Of(Some(Kind::Angle), Box::new(angle)),
         span: span.clone(),
     };
     let turns = FormulaNode {

@@ -1,9 +1,10 @@
 //! Infers the kinds (length, angle, number) of the parts of a formula, and converts its numbers from the file's angle
 //! unit to radians.
 //!
-//! Rule: where an angle is expected, a part that contains no angle itself (`Ry(180)`, `beta + 30`) is in the file's angle
-//! unit. An angle is expected where the position says so, and beside the angles of a sum. In a file in radians nothing is
-//! converted.
+//! Rules: where the position expects an angle, a part that contains no angle itself (`Ry(180)`, `beta + 30`) is in the file's
+//! angle unit. Where no position tells, or in a product of an angle, a number beside an angle in a sum is (`2*(beta - 30)`), but
+//! no function and no ratio, which are in radians as in `beta - sin(beta)`. Where a length is expected nothing is converted. In a
+//! file in radians nothing is converted at all.
 
 use super::node::{FormulaNode, NodeKind};
 use crate::diag::Span;
@@ -29,7 +30,7 @@ pub fn infer_kind(
             }
         }
         NodeKind::Negate(inner) => infer_kind(inner, wanted, note),
-        NodeKind::Of(kind, inner) => infer_kind(inner, Some(*kind), note),
+        NodeKind::Of(kind, inner) => infer_kind(inner, *kind, note),
         NodeKind::Binary('+' | '-', a, b) => {
             infer_kind(a, wanted, note);
             infer_kind(b, wanted, note);
@@ -73,11 +74,11 @@ pub fn dimension_of(node: &FormulaNode, of_name: DimensionOfName) -> PhysicalDim
     match &node.kind {
         NodeKind::Number(_) | NodeKind::Derivative(_) => PhysicalDimension::NUMBER,
         NodeKind::Radians(_) => PhysicalDimension::of(Kind::Angle),
-        NodeKind::Of(kind, _) => PhysicalDimension::of(*kind),
+        NodeKind::Of(kind, _) => kind.map_or(PhysicalDimension::NUMBER, PhysicalDimension::of),
         NodeKind::Name(name) => of_name(name).unwrap_or_default(),
         NodeKind::Negate(inner) => of(inner),
-        // Sums have the dimension of their first term that has one; products add dimensions.
-        NodeKind::Binary('+' | '-', a, b) => first_measured([of(a), of(b)]),
+        // Sums have the dimension of their terms that have one; products add dimensions.
+        NodeKind::Binary('+' | '-', a, b) => common_dimension([of(a), of(b)]),
         NodeKind::Binary('*', a, b) => of(a) + of(b),
         NodeKind::Binary('/', a, b) => of(a) - of(b),
         // Only whole powers have a dimension.
@@ -92,7 +93,7 @@ pub fn dimension_of(node: &FormulaNode, of_name: DimensionOfName) -> PhysicalDim
                 PhysicalDimension::of(Kind::Angle)
             }
             Function::Abs | Function::Min | Function::Max | Function::Mod | Function::Hypot => {
-                first_measured(args.iter().map(of))
+                common_dimension(args.iter().map(of))
             }
             Function::Sqrt => of(&args[0]).half_powers(),
             _ => PhysicalDimension::NUMBER,
@@ -100,25 +101,60 @@ pub fn dimension_of(node: &FormulaNode, of_name: DimensionOfName) -> PhysicalDim
     }
 }
 
-/// Among terms that are added or compared, the first that is not a plain number, as in `x + 3`.
-fn first_measured(parts: impl IntoIterator<Item = PhysicalDimension>) -> PhysicalDimension {
-    let mut measured = parts
-        .into_iter()
-        .filter(|part| *part != PhysicalDimension::NUMBER);
-    measured.next().unwrap_or_default()
+/// The dimension of terms that are added or compared: that of those that are no plain numbers, as in `x + 3`. Where they differ
+/// it is that of a length among them.
+fn common_dimension(parts: impl IntoIterator<Item = PhysicalDimension>) -> PhysicalDimension {
+    let measured = |part: &PhysicalDimension| *part != PhysicalDimension::NUMBER;
+    let either = |a: PhysicalDimension, b: PhysicalDimension| match [a.kind(), b.kind()] {
+        [first, second] if first == second => a,
+        [Kind::Length, _] => a,
+        [_, Kind::Length] => b,
+        _ => PhysicalDimension::NUMBER,
+    };
+    let parts = parts.into_iter().filter(measured);
+    parts.reduce(either).unwrap_or_default()
 }
 
-/// Whether a formula is an angle by itself, wherever it stands: all its terms are angles or plain numbers, and one is an
-/// angle.
+/// Whether a formula is an angle by itself, where no position tells: one of its terms is an angle, and none is anything else. `pi`
+/// alone makes a number an angle only where one is expected.
 pub fn is_angle_by_itself(node: &FormulaNode, of_name: DimensionOfName) -> bool {
     let angle = PhysicalDimension::of(Kind::Angle);
     let (mut found, mut others) = (false, false);
     visit_terms(node, &mut |term| {
         let dimension = dimension_of(term, of_name);
-        found |= dimension == angle;
+        found |= dimension == angle && !has_plain_angles(term, of_name);
         others |= dimension != angle && dimension != PhysicalDimension::NUMBER;
     });
     found && !others
+}
+
+/// Whether the definition of a parameter makes it an angle: a sum of angles and mere numbers, a single term such as `pi/2`, or a
+/// multiple of what has an explicit unit.
+pub fn defines_angle(node: &FormulaNode, of_name: DimensionOfName) -> bool {
+    let angle = PhysicalDimension::of(Kind::Angle);
+    let (mut terms, mut others) = (0, false);
+    visit_terms(node, &mut |term| {
+        terms += 1;
+        others |= dimension_of(term, of_name) != angle && !is_mere_number(term, of_name);
+    });
+    let is_known = !has_unknown(node, of_name) || !has_plain_angles(node, of_name);
+    let is_single = terms == 1 && dimension_of(node, of_name) == angle && is_known;
+    !others && (is_single || is_angle_by_itself(node, of_name))
+}
+
+/// Whether a formula consists of numbers, and parameters that are numbers, alone.
+fn is_mere_number(node: &FormulaNode, of_name: DimensionOfName) -> bool {
+    let is_mere = |node: &FormulaNode| is_mere_number(node, of_name);
+    let is_number = |dimension| dimension == PhysicalDimension::NUMBER;
+    match &node.kind {
+        NodeKind::Number(_) => true,
+        NodeKind::Name(name) => of_name(name).is_none_or(is_number),
+        NodeKind::Of(kind, _) => kind.is_none_or(|kind| kind == Kind::Number),
+        NodeKind::Negate(inner) => is_mere(inner),
+        NodeKind::Binary(_, a, b) => is_mere(a) && is_mere(b),
+        NodeKind::Radians(_) | NodeKind::Derivative(_) => false,
+        NodeKind::Call(function, args) => !gives_angle(*function) && args.iter().all(is_mere),
+    }
 }
 
 /// Whether no unit is written in a formula and no name in it is an angle, so that only `pi` can make it one.
@@ -127,21 +163,25 @@ pub fn has_plain_angles(node: &FormulaNode, of_name: DimensionOfName) -> bool {
     match &node.kind {
         NodeKind::Number(_) | NodeKind::Derivative(_) => true,
         NodeKind::Radians(value) => *value == Constant::PI,
-        NodeKind::Of(kind, _) => *kind != Kind::Angle,
+        NodeKind::Of(kind, _) => *kind != Some(Kind::Angle),
         NodeKind::Name(name) => of_name(name) != Some(PhysicalDimension::of(Kind::Angle)),
         NodeKind::Negate(inner) => plain(inner),
         NodeKind::Binary(_, a, b) => plain(a) && plain(b),
-        NodeKind::Call(_, args) => args.iter().all(plain),
+        NodeKind::Call(function, args) => !gives_angle(*function) && args.iter().all(plain),
     }
 }
 
-/// The kind in which a formula that no position tells the kind of is converted: its own. In a sum of lengths and angles numbers
-/// are plain, in any order.
+/// Whether nothing is known of a name in a formula.
+pub fn has_unknown(node: &FormulaNode, of_name: DimensionOfName) -> bool {
+    let mut unknown = false;
+    node.visit_names(&mut |name, _| unknown |= of_name(name).is_none());
+    unknown
+}
+
+/// The kind in which a formula that no position tells the kind of is converted; `None` if numbers in it may stand beside angles.
 pub fn own_kind(node: &FormulaNode, of_name: DimensionOfName) -> Option<Kind> {
-    match dimension_of(node, of_name).kind() {
-        Kind::Angle if !is_angle_by_itself(node, of_name) => None,
-        kind => Some(kind),
-    }
+    let kind = dimension_of(node, of_name).kind();
+    (kind == Kind::Length).then_some(kind)
 }
 
 /// Calls `visit` on everything that is added or compared in a formula.
@@ -169,7 +209,30 @@ pub fn to_radians(
     if radians == Constant::exact(1.0) {
         return node;
     }
-    AngleConversion { radians, of_name }.converted(node, wanted)
+    AngleConversion { radians, of_name }.converted(node, Expected::of(wanted))
+}
+
+/// What a plain number is in a place of a formula.
+#[derive(Clone, Copy, PartialEq)]
+enum Expected {
+    /// An angle in the file's unit, and so is everything without an angle.
+    Angle,
+    /// An angle in the file's unit if it is a mere number: it stands beside angles.
+    BesideAngles,
+    /// A number.
+    Number,
+    /// What its surroundings make it.
+    Open,
+}
+
+impl Expected {
+    fn of(wanted: Option<Kind>) -> Self {
+        match wanted {
+            None => Self::Open,
+            Some(Kind::Angle) => Self::Angle,
+            Some(Kind::Length | Kind::Number) => Self::Number,
+        }
+    }
 }
 
 struct AngleConversion<'a> {
@@ -178,34 +241,45 @@ struct AngleConversion<'a> {
 }
 
 impl AngleConversion<'_> {
-    fn converted(&self, node: FormulaNode, wanted: Option<Kind>) -> FormulaNode {
+    fn converted(&self, node: FormulaNode, expected: Expected) -> FormulaNode {
         let is_sum = is_sum(&node.kind);
-        // A sum of angles is one in every position that does not tell.
-        let wanted = match wanted {
-            None if is_sum && is_angle_by_itself(&node, self.of_name) => Some(Kind::Angle),
-            wanted => wanted,
+        let expected = match expected {
+            Expected::Open if is_sum => self.expected_in_sum(&node),
+            // A single term beside nothing.
+            expected => expected,
         };
-        // An angle is wanted and a plain number found: it is in the file's unit, and is multiplied once, as a whole.
-        if wanted == Some(Kind::Angle) && !is_sum && !self.holds_angle(&node) {
+        let is_number = match expected {
+            Expected::Angle => !is_sum && !self.holds_angle(&node),
+            Expected::BesideAngles => !is_sum && is_mere_number(&node, self.of_name),
+            Expected::Number | Expected::Open => false,
+        };
+        // It is in the file's unit, and is multiplied once, as a whole.
+        if is_number {
             let span = node.span.clone();
             let factor = Box::new(FormulaNode::number(self.radians, span.clone()));
-            let inner = Box::new(self.converted(node, None));
+            let inner = Box::new(self.converted(node, Expected::Number));
             return FormulaNode {
                 kind: NodeKind::Binary('*', inner, factor),
                 span,
             };
         }
-        let boxed = |node: Box<FormulaNode>, kind| Box::new(self.converted(*node, kind));
-        // Terms of a sum are of the kind of the sum, and factors are plain or tell their own.
+        let boxed = |node: Box<FormulaNode>, expected| Box::new(self.converted(*node, expected));
         let kind = match node.kind {
-            NodeKind::Negate(inner) => NodeKind::Negate(boxed(inner, wanted)),
-            NodeKind::Of(kind, inner) => NodeKind::Of(kind, boxed(inner, Some(kind))),
+            NodeKind::Negate(inner) => NodeKind::Negate(boxed(inner, expected)),
+            NodeKind::Of(kind, inner) => NodeKind::Of(kind, boxed(inner, Expected::of(kind))),
             NodeKind::Binary(sign @ ('+' | '-'), a, b) => {
-                NodeKind::Binary(sign, boxed(a, wanted), boxed(b, wanted))
+                NodeKind::Binary(sign, boxed(a, expected), boxed(b, expected))
             }
-            NodeKind::Binary(sign, a, b) => NodeKind::Binary(sign, boxed(a, None), boxed(b, None)),
+            NodeKind::Binary(sign, a, b) => {
+                let [first, second] = [&a, &b].map(|node| self.expected_of_factor(node, expected));
+                NodeKind::Binary(sign, boxed(a, first), boxed(b, second))
+            }
             NodeKind::Call(function, args) => {
-                let inner = argument_kind(function, wanted);
+                let inner = match function {
+                    Function::Sin | Function::Cos | Function::Tan => Expected::Angle,
+                    _ if is_sum || expected == Expected::Number => expected,
+                    _ => Expected::Open,
+                };
                 let args = args.into_iter().map(|arg| self.converted(arg, inner));
                 NodeKind::Call(function, args.collect())
             }
@@ -217,23 +291,57 @@ impl AngleConversion<'_> {
         }
     }
 
+    /// What numbers are in a sum in a position that does not tell: a sum with terms of other dimensions is no sum of angles.
+    fn expected_in_sum(&self, node: &FormulaNode) -> Expected {
+        if is_angle_by_itself(node, self.of_name) {
+            return Expected::BesideAngles;
+        }
+        let mut is_measured = false;
+        visit_terms(node, &mut |term| {
+            is_measured |= dimension_of(term, self.of_name) != PhysicalDimension::NUMBER;
+        });
+        match is_measured {
+            true => Expected::Number,
+            false => Expected::Open,
+        }
+    }
+
+    /// The same for a factor: in a product of an angle the one that is an angle by itself.
+    fn expected_of_factor(&self, node: &FormulaNode, expected: Expected) -> Expected {
+        match expected {
+            Expected::Angle | Expected::BesideAngles => {
+                match is_angle_by_itself(node, self.of_name) {
+                    true => Expected::BesideAngles,
+                    false => Expected::Number,
+                }
+            }
+            other => other,
+        }
+    }
+
     fn holds_angle(&self, node: &FormulaNode) -> bool {
         match &node.kind {
             NodeKind::Number(_) | NodeKind::Derivative(_) => false,
             NodeKind::Radians(_) => true,
-            NodeKind::Of(kind, _) => *kind == Kind::Angle,
+            NodeKind::Of(kind, _) => *kind == Some(Kind::Angle),
             NodeKind::Name(name) => {
                 (self.of_name)(name).is_some_and(PhysicalDimension::holds_angle)
             }
             NodeKind::Negate(inner) => self.holds_angle(inner),
             NodeKind::Binary(_, a, b) => self.holds_angle(a) || self.holds_angle(b),
             NodeKind::Call(function, args) => match function {
-                Function::Asin | Function::Acos | Function::Atan | Function::Atan2 => true,
+                _ if gives_angle(*function) => true,
                 Function::Sin | Function::Cos | Function::Tan => false,
                 _ => args.iter().any(|arg| self.holds_angle(arg)),
             },
         }
     }
+}
+
+/// Functions whose values are angles.
+fn gives_angle(function: Function) -> bool {
+    use Function::{Acos, Asin, Atan, Atan2};
+    matches!(function, Asin | Acos | Atan | Atan2)
 }
 
 /// Operations whose operands all have the kind of the result.

@@ -21,8 +21,8 @@ pub enum NodeKind {
     Number(Constant),
     /// A literal with an explicit angle unit, already in radians.
     Radians(Constant),
-    /// A part of a known kind, whatever surrounds it.
-    Of(Kind, Box<FormulaNode>),
+    /// A part whose kind, or that it has none, does not depend on what surrounds it.
+    Of(Option<Kind>, Box<FormulaNode>),
     /// A name, to be looked up.
     Name(String),
     /// Sign change.

@@ -5,6 +5,7 @@ use super::names::Names;
 use super::parsing::parsed_expression;
 use super::range::within_range;
 use crate::diag::{Diagnostic, Diagnostics, shown_number};
+use crate::model::mechanism::Kind;
 use crate::scene::values::FormulaText;
 use glam::DVec3;
 
@@ -18,7 +19,7 @@ impl BodyConstants<'_> {
     /// The value of a formula of parameters.
     pub fn value(&self, text: &FormulaText, diagnostics: &mut Diagnostics) -> Option<f64> {
         let node = parsed_expression(text, diagnostics)?;
-        let node = self.names.in_radians(node, None);
+        let node = self.names.in_radians(node, Some(Kind::Number));
         let value = constant_node(&node, &|n, s| self.names.constant(n, s));
         let in_range = |value: f64| within_range(value, &text.span).map(|()| value);
         match value.and_then(in_range) {

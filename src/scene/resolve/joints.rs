@@ -116,7 +116,7 @@ impl<'a> FoldedJoints<'a> {
         match &node.kind {
             NodeKind::Number(_) | NodeKind::Radians(_) | NodeKind::Derivative(_) => 0.0,
             NodeKind::Name(name) => f64::from(self.names.kind(name) == Some(Kind::Length)),
-            NodeKind::Of(kind, _) => f64::from(*kind == Kind::Length),
+            NodeKind::Of(kind, _) => f64::from(*kind == Some(Kind::Length)),
             NodeKind::Negate(inner) => self.length_exponent(inner),
             // Products and quotients add exponents; terms of a sum should agree, so the largest is taken.
             NodeKind::Binary(sign, a, b) => {
@@ -225,7 +225,7 @@ impl<'a> FoldedJoints<'a> {
     fn direction(&self, nodes: &[FormulaNode; 3], back: bool) -> Result<FixedPose, Diagnostic> {
         let mut direction = [Constant::default(); 3];
         for (k, node) in nodes.iter().enumerate() {
-            let node = self.names.in_radians(node.clone(), None);
+            let node = self.names.in_radians(node.clone(), Some(Kind::Number));
             direction[k] = exact_constant(&node, &|n, s| self.names.constant(n, s))?;
         }
         if DVec3::from(direction.map(Constant::number))

@@ -47,6 +47,9 @@ impl Names {
             self.note(node, wanted, diagnostics);
             self.note_place(node, wanted);
         }
+        for node in &parsed.solids {
+            self.note_place(node, Some(Kind::Length));
+        }
         // Drives, start values and parameters take the kind of their name.
         for (name, input) in &parsed.inputs {
             let wanted = self.kind(&name.value);

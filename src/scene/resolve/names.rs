@@ -3,7 +3,7 @@
 use super::super::file::SceneFile;
 use super::super::formula::compile::{CompiledValue, exact_constant};
 use super::super::formula::expansion::Factor;
-use super::super::formula::kinds::{has_plain_angles, is_angle_by_itself, to_radians};
+use super::super::formula::kinds::{defines_angle, has_plain_angles, has_unknown, to_radians};
 use super::super::formula::node::FormulaNode;
 use super::parsed::Parsed;
 use super::words::{TIME, refuse_double_and_reserved};
@@ -319,13 +319,20 @@ impl Names {
         let of_name = |used: &str| self.dimension(used);
         let [lengths, angles] = &self.stands_in;
         let is_length = lengths.contains(&name) && !angles.contains(&name);
-        let is_angle = |node: &FormulaNode| {
-            is_angle_by_itself(node, &of_name) && !(is_length && has_plain_angles(node, &of_name))
+        let is_open =
+            |node: &FormulaNode| has_plain_angles(node, &of_name) || has_unknown(node, &of_name);
+        let is_angle =
+            |node: &FormulaNode| defines_angle(node, &of_name) && !(is_length && is_open(node));
+        let kind = match is_angle(node) || replaced.is_some_and(is_angle) {
+            true => Kind::Angle,
+            // In a product of a length numbers are plain.
+            false if is_length => Kind::Number,
+            false => return,
         };
-        if is_angle(node) || replaced.is_some_and(is_angle) {
-            self.parameters[own].kind = Some(Kind::Angle);
+        self.kinds.insert(name, (kind, node.span.clone()));
+        if kind == Kind::Angle {
+            self.parameters[own].kind = Some(kind);
             self.parameters[own].is_placed = false;
-            self.kinds.insert(name, (Kind::Angle, node.span.clone()));
         }
     }
 
@@ -338,7 +345,7 @@ impl Names {
             // A parameter may use earlier parameters only; each wrong use has its own message.
             let replaced = parsed.replaced.iter().find(|(n, _)| *n == name.value);
             self.take_kind_of_definition(own, node, replaced.map(|(_, node)| node));
-            let node = self.in_radians(node.clone(), self.parameters[own].kind);
+            let node = self.in_radians(node.clone(), self.kind(&name.value));
             let place = |used: &str| match self.meaning(used) {
                 Some(Meaning::Parameter(index)) => Some(index),
                 _ => None,

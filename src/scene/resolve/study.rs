@@ -55,6 +55,9 @@ pub fn resolve_study(
     })
 }
 
+/// Share of a range by which a start may be outside: units are converted back and forth.
+const ROUNDING: f64 = 1e-12;
+
 struct Resolver<'a, 'd> {
     names: &'a Names,
     unit: &'a AngleUnit,
@@ -241,7 +244,9 @@ impl Resolver<'_, '_> {
             self.diagnostics.push(Diagnostic::error(message).at(place));
             return None;
         }
-        if !self.outside_ranges && !(lower..=upper).contains(&start) {
+        let rounding = ROUNDING * lower.abs().max(upper.abs());
+        let is_inside = lower - rounding <= start && start <= upper + rounding;
+        if !self.outside_ranges && !is_inside {
             let message = format!("`{name}` starts outside its range");
             let hint = "the range must contain the parameter's own value";
             self.diagnostics

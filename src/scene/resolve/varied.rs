@@ -229,7 +229,7 @@ fn dependent_parameters(
             let mut node = node.clone();
             substitute_names(&mut node, &found, MAX_DEPTH);
             // In its own kind, wherever it is used.
-            let kind = names.kind(&name.value).unwrap_or(Kind::Number);
+            let kind = names.kind(&name.value);
             let span = node.span.clone();
             let kind = NodeKind::Of(kind, Box::new(node));
             found.push((name.value.clone(), FormulaNode { kind, span }));

@@ -31,7 +31,7 @@ const ANGLES: [(&str, f64); 20] = [
     ("k*step", 90.0),
     ("step/2 + 5", 20.0),
     ("turn/4", 45.0),
-    ("radian*k - 100", 3.0 * 180.0 / std::f64::consts::PI - 100.0),
+    ("3*radian - 100", 3.0 * 180.0 / std::f64::consts::PI - 100.0),
     ("max(a, 5) - 10", 20.0),
     ("abs(a - 40)", 10.0),
     ("mod(a + 45, 20)", 15.0),
@@ -415,7 +415,7 @@ al = { range = [20, 40], tolerance = 1 }
     let value = report["measures"][0]["value"].as_f64().unwrap();
     assert!((value - at(20.0)).abs() < 1e-6, "{value}");
     for asked in [&[][..], &["--param", "al=30+-1"]] {
-        let enclose = ["enclose", "told.toml", "--samples", "2", "--json", "e.json"];
+        let enclose = ["enclose", "told.toml", "--samples", "2", "--out", "e.json"];
         w.run(&[&enclose, asked].concat()).exits(0);
         let report = String::from_utf8(w.read("e.json")).unwrap();
         let report: Value = serde_json::from_str(&report).unwrap();
@@ -423,5 +423,139 @@ al = { range = [20, 40], tolerance = 1 }
         let ends = ["lo", "hi"].map(|end| band[end].as_f64().unwrap());
         assert!(ends[0] <= at(29.0) && at(31.0) <= ends[1], "{band}");
         assert!(ends[1] - ends[0] < 1.01 * (at(31.0) - at(29.0)), "{band}");
+    }
+}
+
+/// Functions and ratios beside angles are in radians, and nothing in a length becomes an angle: cycloids, involutes, arcs and Kepler's
+/// equation, against their formulas.
+#[test]
+fn functions_and_ratios_are_in_radians() {
+    let text = r#"
+units = { length = "mm", angle = "deg" }
+duration = "pi/2 - 0.5"
+[parameters]
+r = 10
+R = 20
+h = 30
+beta = 120
+wrap = 90
+m = 2
+k = 3
+ecc = 0.5
+line = "8*pi + 5"
+ring = "pi*k + 5"
+tooth = "pi*m/2 - 0.5"
+al = "20deg"
+iv = "tan(al) - al"
+[inputs]
+phi = "90*t/(pi/2 - 0.5)"
+s = "7 + t/(pi/2 - 0.5)"
+[equations]
+kepler = "E1 - ecc*sin(E1) - phi"
+rolls = "turn - s/r"
+[guess]
+E1 = 90
+[bars]
+bb = { from = [0, 0, 0], to = "Tx(s) Ty(yy)", length = "8*pi + 5" }
+[[bodies]]
+name = "wheel"
+frame = "Tx(r*(phi - sin(phi))) Ty(r*(1 - cos(phi))) Tz(iv*100)"
+[[bodies]]
+name = "follower"
+frame = "Rz(beta - 120) Tz(h/(2*pi)*(2*pi*phi/beta - sin(2*pi*phi/beta))) Tx(m*line) Ty(2*(8*pi + 5))"
+[[bodies]]
+name = "involute"
+frame = "Tx(r*(cos(phi) + phi*sin(phi))) Ty(r*(sin(phi) - phi*cos(phi))) Tz(m*ring)"
+[[bodies]]
+name = "told"
+frame = "Rz(E1) Rx(turn) Ry(wrap)"
+shapes = [{ sphere = { center = [300, 0, 0], radius = "R*wrap + 16 + tooth" } }]
+[[bodies]]
+name = "far"
+shapes = [{ sphere = { center = [400, 0, 0], radius = "3 + 2*pi*m" } }]
+[outputs]
+x = "r*(phi - sin(phi))"
+[[traces]]
+name = "C"
+body = "wheel"
+[[traces]]
+name = "F"
+body = "follower"
+[[traces]]
+name = "I"
+body = "involute"
+[[traces]]
+name = "P"
+body = "far"
+point = ["2*pi*10 + 5", "pi + 1", "R*wrap + 1"]
+[measures]
+C_x = { of = "C.x", take = "last" }
+C_y = { of = "C.y", take = "last" }
+C_z = { of = "C.z", take = "last" }
+F_x = { of = "F.x", take = "last" }
+F_y = { of = "F.y", take = "last" }
+F_z = { of = "F.z", take = "last" }
+I_x = { of = "I.x", take = "last" }
+I_y = { of = "I.y", take = "last" }
+I_z = { of = "I.z", take = "last" }
+P_x = { of = "P.x", take = "last" }
+P_y = { of = "P.y", take = "last" }
+P_z = { of = "P.z", take = "last" }
+out = { of = "x", take = "last" }
+kepler = { of = "E1", take = "last", max = "2*(50 + pi)" }
+turn = { of = "turn", take = "last" }
+bar = { of = "yy", take = "last" }
+"#;
+    use std::f64::consts::PI;
+    let (phi, beta, line) = (PI / 2.0, PI / 1.5, 8.0 * PI + 5.0);
+    let al = 20.0_f64.to_radians();
+    let cycloid = 10.0 * (phi - phi.sin());
+    let share = 2.0 * PI * phi / beta;
+    // Newton's method for the anomaly.
+    let anomaly = (0..50).fold(2.0_f64, |e, _| {
+        e - (e - 0.5 * e.sin() - phi) / (1.0 - 0.5 * e.cos())
+    });
+    let expected = [
+        cycloid,
+        10.0,
+        100.0 * (al.tan() - al),
+        2.0 * line,
+        2.0 * line,
+        30.0 / (2.0 * PI) * (share - share.sin()),
+        10.0 * phi,
+        10.0,
+        2.0 * (3.0 * PI + 5.0),
+        20.0 * PI + 5.0,
+        PI + 1.0,
+        20.0 * phi + 1.0,
+        cycloid,
+        anomaly.to_degrees(),
+        0.8_f64.to_degrees(),
+        (line * line - 64.0).sqrt(),
+    ];
+    for ((name, value, _), expected) in measured(text).iter().zip(expected) {
+        assert!(
+            (value - expected).abs() < 1e-8,
+            "{name}: {value} {expected}"
+        );
+    }
+    let radians = text
+        .replace("\"deg\"", "\"rad\"")
+        .replace("beta - 120", "beta - 2*pi/3");
+    let radians = radians
+        .replace("90*t/", "pi/2*t/")
+        .replace("beta = 120", "beta = \"2*pi/3\"");
+    let radians = radians
+        .replace("wrap = 90", "wrap = \"pi/2\"")
+        .replace("E1 = 90", "E1 = 1.5");
+    for ((name, value, _), expected) in measured(&radians).iter().zip(expected) {
+        let expected = match name.as_str() {
+            "kepler" | "turn" => expected.to_radians(),
+            _ => expected,
+        };
+        assert!(
+            (value - expected).abs() < 1e-8,
+            "{name} in radians: {value} {expected}"
+        );
     }
 }

@@ -121,7 +121,7 @@ fn resolve_bar(
         return None;
     }
     // The equation itself; without a divisor its value is a squared length.
-    let gap = names.in_radians(bar_gap(bar, length), None);
+    let gap = names.in_radians(bar_gap(bar, length), Some(Kind::Number));
     match compile_formula(&gap, &|n, s| names.coordinate(n, s)) {
         Ok(expression) => {
             let equation = Equation {
