@@ -164,7 +164,7 @@ pub fn has_plain_angles(node: &FormulaNode, of_name: DimensionOfName) -> bool {
         NodeKind::Number(_) | NodeKind::Derivative(_) => true,
         NodeKind::Radians(value) => *value == Constant::PI,
         NodeKind::Of(kind, _) => *kind != Some(Kind::Angle),
-        NodeKind::Name(name) => of_name(name) != Some(PhysicalDimension::of(Kind::Angle)),
+        NodeKind::Name(name) => !of_name(name).is_some_and(PhysicalDimension::holds_angle),
         NodeKind::Negate(inner) => plain(inner),
         NodeKind::Binary(_, a, b) => plain(a) && plain(b),
         NodeKind::Call(function, args) => !gives_angle(*function) && args.iter().all(plain),
@@ -219,6 +219,8 @@ enum Expected {
     Angle,
     /// An angle in the file's unit if it is a mere number: it stands beside angles.
     BesideAngles,
+    /// A number, but in a sum that is an angle by itself: a factor of an angle.
+    Factor,
     /// A number.
     Number,
     /// What its surroundings make it.
@@ -245,13 +247,16 @@ impl AngleConversion<'_> {
         let is_sum = is_sum(&node.kind);
         let expected = match expected {
             Expected::Open if is_sum => self.expected_in_sum(&node),
-            // A single term beside nothing.
+            Expected::Factor if is_sum => match is_angle_by_itself(&node, self.of_name) {
+                true => Expected::BesideAngles,
+                false => Expected::Number,
+            },
             expected => expected,
         };
         let is_number = match expected {
             Expected::Angle => !is_sum && !self.holds_angle(&node),
             Expected::BesideAngles => !is_sum && is_mere_number(&node, self.of_name),
-            Expected::Number | Expected::Open => false,
+            Expected::Factor | Expected::Number | Expected::Open => false,
         };
         // It is in the file's unit, and is multiplied once, as a whole.
         if is_number {
@@ -271,8 +276,11 @@ impl AngleConversion<'_> {
                 NodeKind::Binary(sign, boxed(a, expected), boxed(b, expected))
             }
             NodeKind::Binary(sign, a, b) => {
-                let [first, second] = [&a, &b].map(|node| self.expected_of_factor(node, expected));
-                NodeKind::Binary(sign, boxed(a, first), boxed(b, second))
+                let inner = match expected {
+                    Expected::Number | Expected::Open => expected,
+                    _ => Expected::Factor,
+                };
+                NodeKind::Binary(sign, boxed(a, inner), boxed(b, inner))
             }
             NodeKind::Call(function, args) => {
                 let inner = match function {
@@ -303,19 +311,6 @@ impl AngleConversion<'_> {
         match is_measured {
             true => Expected::Number,
             false => Expected::Open,
-        }
-    }
-
-    /// The same for a factor: in a product of an angle the one that is an angle by itself.
-    fn expected_of_factor(&self, node: &FormulaNode, expected: Expected) -> Expected {
-        match expected {
-            Expected::Angle | Expected::BesideAngles => {
-                match is_angle_by_itself(node, self.of_name) {
-                    true => Expected::BesideAngles,
-                    false => Expected::Number,
-                }
-            }
-            other => other,
         }
     }
 
