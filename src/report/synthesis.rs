@@ -39,7 +39,9 @@ impl FoundMechanism<'_> {
     pub(super) fn violation(&self, proof: &Proof) -> f64 {
         let pairs = self.family.measures.list.iter().zip(&proof.measures);
         let values = pairs.map(|(m, v)| m.violation(v.unwrap_or(f64::NAN)));
-        let values = values.chain(proof.whole.iter().map(|whole| whole.missed));
+        // What has no bound is told as such.
+        let whole = proof.whole.iter().map(|whole| whole.missed);
+        let values = values.chain(whole.filter(|missed| missed.is_finite()));
         values.fold(f64::NEG_INFINITY, |worst, v| {
             if v > worst || v.is_nan() { v } else { worst }
         })
@@ -230,7 +232,8 @@ fn proof_line(found: &FoundMechanism) -> String {
             found.violation(proof)
         ));
     }
-    if let Some(whole) = proof.unkept().filter(|whole| !whole.is_proved) {
+    let open = proof.unkept();
+    if let Some(whole) = open.filter(|whole| !whole.is_proved || !whole.missed.is_finite()) {
         let measure = &found.family.measures.list[whole.measure];
         text.push_str(&format!(
             "  it is not proved that `{}` keeps its limits between the samples\n",

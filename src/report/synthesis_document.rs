@@ -85,6 +85,7 @@ fn scene_document(found: &FoundMechanism) -> Value {
             "poses": p.poses, "missing": p.missing, "unproved": p.unproved, "error_bound": p.error_bound,
             "one_branch": p.one_branch, "open": p.open, "cutting": p.cutting, "meeting": p.meeting,
             "violation": found.violation(p).max(0.0),
+            "unkept_limit": p.unkept().map(|whole| &family.measures.list[whole.measure].name),
         })
     });
     json!({

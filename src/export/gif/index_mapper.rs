@@ -4,7 +4,7 @@ use crate::export::palette::Palette;
 use image::RgbaImage;
 use std::sync::Arc;
 
-/// Colours that are remembered: several times as many as a frame has, in 256 KB, which stay in a core's own cache.
+/// Colours that are remembered: several times as many as a frame has, in 192 KB, which stay in a core's own cache.
 const ENTRIES: usize = 1 << REMEMBERED_BITS;
 const REMEMBERED_BITS: u32 = 15;
 

@@ -3,8 +3,8 @@
 //!
 //! Rules: where the position expects an angle, a part that contains no angle itself (`Ry(180)`, `beta + 30`) is in the file's
 //! angle unit. Where no position tells, or in a product of an angle, a number beside an angle in a sum is (`2*(beta - 30)`), but
-//! no function and no ratio, which are in radians as in `beta - sin(beta)`. Where a length is expected nothing is converted. In a
-//! file in radians nothing is converted at all.
+//! no function and no ratio, which are in radians as in `beta - sin(beta)`. Where a length is expected only
+//! arguments of sines are converted. In a file in radians nothing is converted at all.
 
 use super::node::{FormulaNode, NodeKind};
 use crate::diag::Span;
@@ -89,9 +89,7 @@ pub fn dimension_of(node: &FormulaNode, of_name: DimensionOfName) -> PhysicalDim
             _ => PhysicalDimension::NUMBER,
         },
         NodeKind::Call(function, args) => match function {
-            Function::Asin | Function::Acos | Function::Atan | Function::Atan2 => {
-                PhysicalDimension::of(Kind::Angle)
-            }
+            _ if gives_angle(*function) => PhysicalDimension::of(Kind::Angle),
             Function::Abs | Function::Min | Function::Max | Function::Mod | Function::Hypot => {
                 common_dimension(args.iter().map(of))
             }
