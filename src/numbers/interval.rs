@@ -267,11 +267,28 @@ impl Scalar for Interval {
         Self::ONE.atan2(Self::ZERO) - self.asin()
     }
 
+    /// Magnitudes; about zero those of both signs.
+    fn abs(self) -> Self {
+        Self::new(self.lo.max(-self.hi).max(0.0), self.magnitude())
+    }
+
+    /// Unknown if one of them is: it may have no value.
+    fn min(self, other: Self) -> Self {
+        match self.is_finite() && other.is_finite() {
+            true => Self::new(self.lo.min(other.lo), self.hi.min(other.hi)),
+            false => Self::ENTIRE,
+        }
+    }
+
+    fn max(self, other: Self) -> Self {
+        -(-self).min(-other)
+    }
+
     fn atan(self) -> Self {
         self.monotone_image(libm::atan)
     }
 
-    /// The sign, if it is the same for all members.
+    /// The whole number, if it is the same for all members.
     fn floor(self) -> Self {
         let (lo, hi) = (self.lo.floor(), self.hi.floor());
         if lo == hi {

@@ -3,7 +3,7 @@
 //! A series contains the coefficients c₀ … cₙ of Σ cₖ hᵏ, so that the k-th derivative is k! cₖ. The recurrences come
 //! from the differential equations of the functions (Griewank and Walther, Evaluating Derivatives, 2nd ed., chapter
 //! 13). At a kink of a function (abs, min, max, mod, floor) the series is that of one side; an enclosure that contains
-//! both sides is undefined.
+//! both sides is undefined where it changes.
 
 use super::constant::Constant;
 use super::interval::Interval;
@@ -85,6 +85,11 @@ impl<T: Scalar, const N: usize> Series<T, N> {
         self.length = self.length.min(order + 1);
         self.coefficients[self.length..].fill(T::number(0.0));
         self
+    }
+
+    /// Whether it is known not to change.
+    fn is_constant(&self) -> bool {
+        self.used()[1..].iter().all(|c| *c == T::number(0.0))
     }
 
     fn used(&self) -> &[T] {
@@ -193,8 +198,8 @@ impl<T: Scalar, const N: usize> Scalar for Series<T, N> {
     }
 
     fn as_number(self) -> Option<f64> {
-        let still = self.used()[1..].iter().all(|c| *c == T::number(0.0));
-        self.coefficients[0].as_number().filter(|_| still)
+        let number = self.coefficients[0].as_number();
+        number.filter(|_| self.is_constant())
     }
 
     fn nominal(self) -> f64 {
@@ -283,6 +288,28 @@ impl<T: Scalar, const N: usize> Scalar for Series<T, N> {
         let from_y = self.integrated_product(&(x / square), angle);
         let from_x = x.integrated_product(&(self / square), T::number(0.0));
         from_y - from_x
+    }
+
+    /// At a kink an enclosure that does not change has values: those of both sides.
+    fn abs(self) -> Self {
+        match self.is_constant() {
+            true => Self::constant(self.coefficients[0].abs()),
+            false => self.choose(-self, self),
+        }
+    }
+
+    fn min(self, other: Self) -> Self {
+        match self.is_constant() && other.is_constant() {
+            true => Self::constant(self.coefficients[0].min(other.coefficients[0])),
+            false => (other - self).choose(other, self),
+        }
+    }
+
+    fn max(self, other: Self) -> Self {
+        match self.is_constant() && other.is_constant() {
+            true => Self::constant(self.coefficients[0].max(other.coefficients[0])),
+            false => (self - other).choose(other, self),
+        }
     }
 
     fn floor(self) -> Self {
@@ -400,6 +427,18 @@ mod tests {
         assert_eq!(x.abs(), -x);
         let unsure = Series::<Interval, 4>::linear(Interval::new(-1.0, 1.0), Interval::ONE, 3);
         assert_eq!(unsure.abs(), Series::undefined());
+        // What rests has the values of both sides, and rates of zero.
+        let resting = Series::<Interval, 4>::constant(Interval::new(-1.0, 2.0));
+        let [magnitude, below, above] =
+            [resting.abs(), resting.min(-resting), resting.max(-resting)];
+        for (found, [lo, hi]) in [
+            (magnitude, [0.0, 2.0]),
+            (below, [-2.0, 1.0]),
+            (above, [-1.0, 2.0]),
+        ] {
+            assert_eq!(found, Series::constant(Interval::new(lo, hi)));
+        }
+        assert!(!resting.min(Series::undefined()).is_finite());
         assert!(!unsure.floor().is_finite());
     }
 

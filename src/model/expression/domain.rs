@@ -60,7 +60,7 @@ impl Expression {
     }
 }
 
-/// All values of an operation, those on both sides of a kink or a jump included.
+/// All values of an operation, those on both sides of a jump included.
 fn all_values(op: Op, values: &[Interval], slots: &[Interval]) -> Interval {
     let value = apply_op(op, values, slots);
     if value.is_finite() {
@@ -71,7 +71,7 @@ fn all_values(op: Op, values: &[Interval], slots: &[Interval]) -> Interval {
     };
     let (a, b) = (values[a], values[b]);
     match function {
-        Function::Abs => Interval::new(a.lo.max(-a.hi).max(0.0), a.magnitude()),
+        // Both have values, which may be beyond all bounds.
         Function::Min => Interval::new(a.lo.min(b.lo), a.hi.min(b.hi)),
         Function::Max => Interval::new(a.lo.max(b.lo), a.hi.max(b.hi)),
         Function::Floor => Interval::new(a.lo.floor(), a.hi.floor()),

@@ -1,6 +1,7 @@
 //! Equations with a kink, or an infinite rate, that the motion meets at a sample or between two.
 
 use crate::driven;
+use crate::program::Workspace;
 use crate::reference::scenes::written;
 
 /// An unknown that a formula of the input gives, its value, and a start value.
@@ -53,4 +54,54 @@ fn a_formula_that_jumps_is_not_taken_for_a_kink() {
         let trajectory = driven::solve(&model, &driven::even_times(&model, 4)).unwrap();
         assert!(!trajectory.is_whole(), "{step}");
     }
+}
+
+/// Formulas of one input, their values, and where they have a kink.
+type KinkedInput = (&'static str, fn(f64) -> f64, f64);
+
+const OF_INPUTS: [KinkedInput; 6] = [
+    ("abs(a - 0.3)", |a| (a - 0.3).abs(), 0.3),
+    ("max(a, 0.3)", |a| a.max(0.3), 0.3),
+    ("min(0.3, a)*a", |a| a.min(0.3) * a, 0.3),
+    ("abs(a)", f64::abs, 0.0),
+    (
+        "hypot(max(0, a - 2), 1)",
+        |a| (a - 2.0).max(0.0).hypot(1.0),
+        2.0,
+    ),
+    ("abs(abs(a) - 40)", |a| (a.abs() - 40.0).abs(), -40.0),
+];
+
+/// An input that rests at the kink, within rounding of it, for the whole motion or for a while: a cam that dwells. Every pose is
+/// found and proved, and so is the motion between.
+#[test]
+fn an_input_may_rest_at_a_kink() {
+    let workspace = Workspace::new();
+    let mut wrong = Vec::new();
+    for (formula, exact, kink) in OF_INPUTS {
+        for off in [0, 1, -1, 3] {
+            let place = (0..off).fold(kink, |x: f64, _| x.next_up());
+            let place = (off..0).fold(place, |x, _| x.next_down());
+            let drives = [
+                format!("{place:?}"),
+                format!("{place:?} + max(0, t - 0.5)"),
+                format!("{place:?} - max(0, 0.5 - t)"),
+                format!("{place:?} + max(0, t - 0.7) - max(0, 0.3 - t)"),
+            ];
+            for drive in drives {
+                let scene = format!(
+                    "duration = 1\n[inputs]\na = \"{drive}\"\n[equations]\ne = \"x - {formula}\"\n[guess]\nx = {}\n",
+                    exact(kink - 0.4)
+                );
+                workspace.write("kink.toml", &scene);
+                let run = workspace.run_within(5, &["check", "kink.toml"]);
+                let text = run.text();
+                if run.code != 0 || !text.contains("refused 0 of 21") {
+                    wrong.push((formula, drive, text));
+                }
+            }
+        }
+    }
+    let first = wrong.first();
+    assert!(wrong.is_empty(), "{} {first:?}", wrong.len());
 }

@@ -177,7 +177,12 @@ impl BoundedFormula {
             // Without any term nothing can be said.
             Some(terms) => {
                 let unit = terms.unit_at(coordinates).unwrap_or(f64::INFINITY);
-                self.bound.scaled(unit)
+                let bound = self.bound.scaled(unit);
+                // Rounding is no way: not even at a kink, where all terms of a resting formula may be nothing else.
+                StepBound {
+                    stray: bound.stray.max(terms.noise),
+                    ..bound
+                }
             }
         }
     }
