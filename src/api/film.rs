@@ -50,7 +50,7 @@ impl<'m> Film<'m> {
             } else {
                 USUAL_RATE
             },
-            quality: Quality::BEST,
+            quality: Quality::USUAL,
             theme: None,
             drawn_by: DrawnBy::default(),
             cancel: Arc::default(),
@@ -86,7 +86,7 @@ impl<'m> Film<'m> {
         self
     }
 
-    /// Quality of a GIF, from 1 to 100 (default): lower values allow small colour errors for smaller files.
+    /// Quality of a GIF, from 1 to 100, by default 88: lower values allow small colour errors for smaller files.
     ///
     /// ```
     /// # use mechanim::{Samples, Scene};

@@ -3,6 +3,7 @@
 
 use super::gaps::{gap_shades, leave_out_outliers, short_number};
 use crate::kinematics::rates::columns::{RateVariable, slot_series};
+use crate::kinematics::rates::rated::rate_values;
 use crate::kinematics::results::trajectory::{Event, EventKind, Sample, Trajectory};
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
@@ -276,9 +277,20 @@ impl ChartedMotion<'_> {
     /// A rate of a formula at all samples.
     fn curve_rates(&mut self, formula: &Expression, rate: RateOrder) -> Vec<Option<f64>> {
         let order = rate.order;
-        let all = self.sample_series(rate);
-        let value = |slots: &Vec<TaylorSeries>| formula.value(slots).derivative(order);
-        all.iter().map(|s| s.as_ref().map(value)).collect()
+        let (system, actuation, samples) = (self.system, self.actuation, &self.trajectory.samples);
+        let all = self.sample_series(rate).iter().zip(samples);
+        let value = |(slots, sample): (&Option<Vec<TaylorSeries>>, &Sample)| {
+            let known = formula.value(slots.as_ref()?).derivative(order);
+            let pose = sample.pose.as_ref()?;
+            if !known.is_nan() {
+                return Some(known);
+            }
+            // At zeros of roots a rate depends on higher orders.
+            let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();
+            let asked = [(formula.clone(), rate)];
+            rate_values(system, (actuation, sample.time), &coordinates, &asked).pop()
+        };
+        all.map(value).collect()
     }
 
     /// Taylor series of all slots with respect to the variable of `rate`; computed once for each kind.

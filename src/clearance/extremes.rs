@@ -157,6 +157,7 @@ struct ExtremePose {
 
 /// The greatest value of `sign` times a formula; `None` where it has no value at some sampled pose.
 pub fn greatest(motion: &mut ProvedMotion, formula: &Expression, sign: f64) -> Option<Greatest> {
+    motion.make_room();
     let kept = motion.instants.len();
     let is_certified = motion.is_certified();
     // The slots that the formula depends on: at a pose only they are evaluated.

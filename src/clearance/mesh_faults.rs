@@ -64,8 +64,8 @@ pub(super) fn without_inside(
             let why = match tree.open_edges {
                 _ if is_tangled => "too many of its shells are nested".to_owned(),
                 0 => "its triangles enclose nothing".to_owned(),
-                1 => "an edge lacks a triangle on one side".to_owned(),
-                edges => format!("{edges} edges lack a triangle on one side"),
+                1 => "an edge has more triangles on one side than on the other".to_owned(),
+                edges => format!("{edges} edges have more triangles on one side than on the other"),
             };
             let text = format!(
                 "the mesh of `{name}` ({source}) has no inside: {why}; bodies inside it are not detected: repair the file, or write `surface = true` if it is a surface"

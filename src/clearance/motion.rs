@@ -34,6 +34,9 @@ const STRETCHES_WITH_PLAY: usize = 1_000;
 /// ... and of arguments of joints in all of them together (about 100 MB); beyond it bounds are not refined.
 const MAX_ARGUMENTS: usize = 1_200_000;
 
+/// A search that finds more than this share of them begins without those of the searches before it.
+const CROWDED: f64 = 0.5;
+
 /// An estimated motion may deviate from a line by this fraction of its length.
 pub(super) const ESTIMATE_SHARE: f64 = 0.1;
 
@@ -140,19 +143,16 @@ impl<'m> ProvedMotion<'m> {
         let has_play = play.iter().any(|play| *play > 0.0);
         let ends = [trajectory.samples.first(), trajectory.samples.last()];
         let [start, end] = ends.map(|sample| sample.map_or(0.0, |sample| sample.time));
+        let (most_stretches, shortest) = match has_play {
+            true => (STRETCHES_WITH_PLAY, f64::INFINITY),
+            false => (MAX_STRETCHES, SHORTEST * (end - start)),
+        };
         let mut motion = Self {
             system,
             actuation: actuation.clone(),
             solver: PoseSolver::new(system),
-            most_stretches: if has_play {
-                STRETCHES_WITH_PLAY
-            } else {
-                MAX_STRETCHES
-            },
-            shortest: match has_play {
-                true => f64::INFINITY,
-                false => SHORTEST * (end - start),
-            },
+            most_stretches,
+            shortest,
             prover: Prover::new(system, actuation)
                 .through(&trajectory.passed)
                 .up_to_jumps()
@@ -252,6 +252,21 @@ impl<'m> ProvedMotion<'m> {
         if self.stretches.iter().all(|s| s.is_certified) {
             self.instants.truncate(from);
         }
+    }
+
+    /// Forgets the halves of stretches if another search would lack its own: it does not depend on those before it.
+    pub fn make_room(&mut self) {
+        let halves = self.stretches.len() - self.roots;
+        if halves as f64 > CROWDED * self.most_stretches() as f64 {
+            self.stretches.truncate(self.roots);
+            self.stretches.iter_mut().for_each(|s| s.halves = None);
+        }
+    }
+
+    /// Memory limits the number of stretches: each keeps a Taylor model of every argument.
+    fn most_stretches(&self) -> usize {
+        let arguments = self.stretches.first().map_or(1, |s| s.arguments.len());
+        (MAX_ARGUMENTS / arguments.max(1)).min(self.most_stretches)
     }
 
     /// Leaves all but one of this many equal shares of its time to others.
@@ -400,10 +415,7 @@ impl<'m> ProvedMotion<'m> {
     }
 
     fn halve(&mut self, stretch: usize) -> Option<usize> {
-        let arguments = self.stretches[stretch].arguments.len();
-        // Memory limits the number of stretches: each keeps a Taylor model of every argument.
-        let most = (MAX_ARGUMENTS / arguments.max(1)).min(self.most_stretches);
-        if self.stretches.len() >= most {
+        if self.stretches.len() >= self.most_stretches() {
             return None;
         }
         let ends = self.stretches[stretch].ends;

@@ -18,6 +18,7 @@ mod rims;
 pub(crate) mod search;
 mod shell_boxes;
 mod shell_surface;
+mod shell_volume;
 mod shells;
 pub mod solids;
 mod surface_edges;

@@ -2,6 +2,7 @@
 
 use super::shell_boxes::ShellBoxes;
 use super::shell_surface::{Parts, ShellSurface};
+use super::shell_volume::six_volumes;
 use super::triangle_tree::TriangleTree;
 use super::winding::turns_around;
 use crate::model::shape::TriangleSoup;
@@ -68,8 +69,12 @@ impl Shells {
             open_edges = 0;
         }
         drop(edges);
-        // A closed mesh has an inside; the sign of its volume says whether it is inside out.
-        let is_hollow = !soup.is_surface && open_edges == 0 && !triangles.is_empty();
+        // A closed mesh has an inside, unless all of it are sheets with two sides.
+        let mut is_hollow = !soup.is_surface && open_edges == 0 && !triangles.is_empty();
+        if is_hollow {
+            is_hollow = surface.take_sheets(&mut triangles, &mut flaps);
+        }
+        // The sign of its volume says whether it is inside out.
         let mut enclosure = match (soup.is_surface, is_hollow) {
             (true, _) => ShellEnclosure::Surface,
             (false, false) => ShellEnclosure::Open,
@@ -135,12 +140,4 @@ fn turn_outside_out(triangles: &mut [[DVec3; 3]], shells: &Parts) -> bool {
         }
     }
     true
-}
-
-fn six_volumes<'t>(triangles: impl Iterator<Item = &'t [DVec3; 3]> + Clone) -> f64 {
-    let origin = triangles.clone().next().map_or(DVec3::ZERO, |t| t[0]);
-    triangles.fold(0.0, |sum, t| {
-        let [a, b, c] = t.map(|p| p - origin);
-        sum + a.dot(b.cross(c))
-    })
 }

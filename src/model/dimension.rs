@@ -1,7 +1,28 @@
-//! The dimension of a formula: powers of length, angle and time, and the corresponding unit on an axis.
+//! What coordinates and formulas measure: lengths, angles and numbers, powers and products of these, and their units.
 
-use super::mechanism::Kind;
 use std::ops::{Add, Mul, Sub};
+
+/// The kind of a coordinate or an output.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// In the scene's length unit.
+    Length,
+    /// In radians inside the program, in the scene's angle unit in files.
+    Angle,
+    /// A plain number.
+    Number,
+}
+
+impl Kind {
+    /// The word used in messages.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Length => "length",
+            Self::Angle => "angle",
+            Self::Number => "number",
+        }
+    }
+}
 
 /// Powers of the three units that a scene has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -85,7 +106,12 @@ impl PhysicalDimension {
         let product = |sign: i32| {
             let parts = powers.iter().filter(|(_, power)| power * sign > 0);
             let parts = parts.map(|(unit, power)| format!("{unit}{}", raised_power(power.abs())));
-            parts.collect::<Vec<_>>().join("·")
+            let parts: Vec<String> = parts.collect();
+            // A product below the line is one thing.
+            match sign < 0 && parts.len() > 1 {
+                true => format!("({})", parts.join("·")),
+                false => parts.join("·"),
+            }
         };
         let text = match (product(1), product(-1)) {
             (above, below) if below.is_empty() => above,

@@ -1,6 +1,8 @@
 //! The whole mechanism as resolved: coordinates, loops, bodies, outputs. Immutable; names are for people only.
 
 use super::chain::{Argument, ArgumentValue, Chain, ChainStep, ElementaryMotion};
+pub use super::dimension::Kind;
+use super::dimension::PhysicalDimension;
 use super::distance::Distance;
 use super::expression::Expression;
 use super::joints::Joints;
@@ -9,28 +11,6 @@ use super::rate::RatedFormula;
 use super::shape::Shape;
 use crate::numbers::constant::Constant;
 use glam::DVec3;
-
-/// The kind of a coordinate or an output.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// In the scene's length unit.
-    Length,
-    /// In radians inside the program, in the scene's angle unit in files.
-    Angle,
-    /// A plain number.
-    Number,
-}
-
-impl Kind {
-    /// The word used in messages.
-    pub const fn word(self) -> &'static str {
-        match self {
-            Self::Length => "length",
-            Self::Angle => "angle",
-            Self::Number => "number",
-        }
-    }
-}
 
 /// A joint coordinate: an unknown or an input.
 #[derive(Clone, Debug, PartialEq)]
@@ -143,6 +123,8 @@ pub struct MechanismOutput {
     pub source: OutputSource,
     /// What it measures.
     pub kind: Kind,
+    /// The same with powers and products: a number may be an area.
+    pub dimension: PhysicalDimension,
 }
 
 /// The definition of an output.

@@ -14,4 +14,5 @@ pub mod quadratic_form;
 pub mod rounding;
 pub mod scalar;
 pub mod series;
+mod series_roots;
 pub mod sin_cos;

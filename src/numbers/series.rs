@@ -145,6 +145,17 @@ impl<T: Scalar, const N: usize> Series<T, N> {
         Self::number(1.0)
     }
 
+    /// The square root of a series that does not start at zero: the square of the root gives coefficient after coefficient.
+    pub(super) fn plain_root(self) -> Self {
+        Self::built(self.length, |k, known| match k {
+            0 => self.coefficients[0].sqrt(),
+            _ => {
+                let products = sum_terms((1..k).map(|j| known[j] * known[k - j]));
+                (self.coefficients[k] - products) / known[0].scale(2.0)
+            }
+        })
+    }
+
     /// 1 / sqrt(1 - u²): the rate of the inverse sine.
     fn arc_rate(self) -> Self {
         Self::one() / (Self::one() - self.square()).sqrt()
@@ -252,17 +263,11 @@ impl<T: Scalar, const N: usize> Scalar for Series<T, N> {
     }
 
     fn sqrt(self) -> Self {
-        // Zero all the way, as `max(t, 0)` is before its kink, has a root with rates.
-        if self.as_number() == Some(0.0) {
-            return Self::constant(T::number(0.0));
-        }
-        Self::built(self.length, |k, known| match k {
-            0 => self.coefficients[0].sqrt(),
-            _ => {
-                let products = sum_terms((1..k).map(|j| known[j] * known[k - j]));
-                (self.coefficients[k] - products) / known[0].scale(2.0)
-            }
-        })
+        self.root()
+    }
+
+    fn hypot(self, other: Self) -> Self {
+        self.length_with(other)
     }
 
     fn asin(self) -> Self {

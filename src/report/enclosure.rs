@@ -402,7 +402,8 @@ pub fn allowed_lines(
         return text;
     }
     text += &format!(
-        "\n  every piece keeps `{name}` within {} of the nominal motion with these tolerances ({} reached)\n\n",
+        "\n  at each of {} poses every piece keeps `{name}` within {} of the nominal motion with these tolerances ({} reached)\n\n",
+        found.poses,
         six_digits(limit),
         // Never more than was asked.
         match found.reached < limit * (1.0 - 2e-5) {

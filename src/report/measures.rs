@@ -273,6 +273,7 @@ impl TakenMeasure<'_> {
             return "no value: a pose is missing, or a formula is undefined".to_owned();
         };
         let mut text = format!("{} {}", measure_digits(value * self.factor), self.unit);
+        text.truncate(text.trim_end().len());
         text.push_str(&self.where_taken());
         if let Some((word, limit)) = self.broken(value).filter(|_| self.is_broken()) {
             let limit = as_typed(limit * self.factor);

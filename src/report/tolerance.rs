@@ -39,7 +39,8 @@ const HEADS: [&str; 15] = [
 const LEGEND: &str = "
 RSS and linear sum: effect of the tolerances by the linear rule; pieces can exceed them. Deviation: that of the pieces, and what \
 the linear rule expects.
-Found: extremes of the pieces and of corners of the tolerances. Never beyond: proved for all pieces within their tolerances.
+Found: extremes of the pieces and of corners of the tolerances. Never beyond: proved for all pieces within their tolerances, at the \
+poses of the measures.
 ";
 
 /// The meaning of a quantile's two ends if pieces were counted in bins.
@@ -70,10 +71,12 @@ impl ToleranceReport<'_> {
         rows.extend(list.filter_map(|(index, measure)| self.row(index, measure)));
         let samples = pieces.made;
         let mut text = format!(
-            "{}\n  {} dimensions vary, {samples} pieces, {} of them cannot be assembled or lack a value\n\n",
+            "{}\n  {} dimensions vary, {samples} pieces, {} of them cannot be assembled or lack a value\n  measures are of {} poses, \
+             and of nothing between them\n\n",
             family.mechanism().title,
             family.study.variables.len(),
             pieces.failed,
+            self.study.nominal.poses.poses.len(),
         );
         text.push_str(&aligned_rows(&rows));
         text.push_str(LEGEND);
@@ -81,7 +84,7 @@ impl ToleranceReport<'_> {
         if family.measures.list.iter().any(limited) {
             let share = 100.0 * pieces.good as f64 / samples as f64;
             text.push_str(&format!(
-                "Yield: {} of {samples} ({share:.3} %) keep the limits of all measures.\n",
+                "Yield: {} of {samples} ({share:.3} %) keep the limits of all measures at these poses.\n",
                 pieces.good
             ));
         }
@@ -160,6 +163,7 @@ impl ToleranceReport<'_> {
             "title": family.mechanism().title,
             "dimensions": variables.map(|v| v.name.as_str()).collect::<Vec<_>>(),
             "samples": pieces.made,
+            "poses": self.study.nominal.poses.poses.len(),
             "first": self.first,
             "seed": self.study.batch().seed,
             "failed": pieces.failed,

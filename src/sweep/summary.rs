@@ -62,10 +62,16 @@ impl<'s> Summary<'s> {
         let kinds = kinds.filter(|(_, count)| **count > 0);
         let kinds: Vec<String> = kinds.map(|(s, n)| format!("{n} {}", s.word())).collect();
         let mut text = format!(
-            "{}\n  {all} designs: {}; {} feasible\n",
+            "{}\n  {all} designs: {}; {} feasible{}\n",
             self.sweep.title(),
             kinds.join(", "),
-            self.feasible
+            self.feasible,
+            // `mechanim check` judges limits of the whole motion.
+            if self.sweep.has_limits() {
+                " at the samples"
+            } else {
+                ""
+            },
         );
         if self.counts[0] > 0 {
             let proved = match self.error_bound.is_nan() {

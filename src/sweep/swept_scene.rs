@@ -232,6 +232,13 @@ impl Sweep {
         }
     }
 
+    /// Whether measures with limits are among what is asked for, each of which is judged at its samples.
+    pub(super) fn has_limits(&self) -> bool {
+        let mut measures = self.family.measures.list.iter();
+        matches!(self.asked, RequestedValues::Measures { .. })
+            && measures.any(|measure| measure.min.is_some() || measure.max.is_some())
+    }
+
     /// Measures are computed in radians; outputs are already in the file's units.
     pub(super) fn in_file_units(&self, mut values: Vec<f64>) -> Vec<f64> {
         if let RequestedValues::Measures { .. } = self.asked {

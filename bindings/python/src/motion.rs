@@ -314,19 +314,23 @@ impl Motion {
 
     /// Writes the motion as an animation or a picture, depending on the extension of `path` (.gif, .png, .apng …); returns the
     /// number of bytes. Ctrl-C takes effect within 50 ms and leaves an existing file unchanged.
-    #[pyo3(signature = (path, *, size = (640, 480), rate = None, quality = 100, dark = false))]
+    #[pyo3(signature = (path, *, size = (640, 480), rate = None, quality = None, dark = false))]
     fn save(
         &self,
         py: Python<'_>,
         path: std::path::PathBuf,
         size: (u32, u32),
         rate: Option<f64>,
-        quality: u8,
+        quality: Option<u8>,
         dark: bool,
     ) -> PyResult<u64> {
         let motion = Arc::clone(&self.inner);
         let written = watched(py, move |flag| {
-            let film = motion.film().size(size.0, size.1).quality(quality);
+            let film = motion.film().size(size.0, size.1);
+            let film = match quality {
+                Some(quality) => film.quality(quality),
+                None => film,
+            };
             let film = film.built_in_renderer().until(flag);
             let film = if dark { film.dark() } else { film };
             match rate {
@@ -338,14 +342,14 @@ impl Motion {
     }
 
     /// The same in memory: the bytes of a file with the extension `format`, "gif", "png", "apng", "mp4" …
-    #[pyo3(signature = (format = "gif", *, size = (640, 480), rate = None, quality = 100, dark = false))]
+    #[pyo3(signature = (format = "gif", *, size = (640, 480), rate = None, quality = None, dark = false))]
     fn encode<'py>(
         &self,
         py: Python<'py>,
         format: &str,
         size: (u32, u32),
         rate: Option<f64>,
-        quality: u8,
+        quality: Option<u8>,
         dark: bool,
     ) -> PyResult<Bound<'py, PyBytes>> {
         let folder = tempfile::tempdir()?;

@@ -15,6 +15,8 @@ pub struct AllowedTolerance {
     pub too_large: f64,
     /// Largest deviation from the nominal motion with the first factor, in the file's unit.
     pub reached: f64,
+    /// At how many poses of the motion.
+    pub poses: usize,
 }
 
 /// Relative accuracy of the bisection between a factor that is small enough and one that is too large.
@@ -47,19 +49,20 @@ pub fn allowed_motion(
     let mut measures = plan.family.measures.list.iter();
     let measure = measures.position(|m| m.name == name);
     // Largest deviation of the output with all tolerances multiplied by a factor.
-    let reach: Box<dyn Fn(f64) -> f64> = if !wanted.is_empty() {
-        Box::new(|factor| of_motion(&plan.scaled(factor), &wanted, times, threads))
-    } else if let Some(index) = measure {
-        let nominal = plan.family.nominal()?;
-        Box::new(move |factor| of_measure(&plan.scaled(factor), &nominal, index))
-    } else {
+    if !wanted.is_empty() {
+        let reach = |factor| of_motion(&plan.scaled(factor), &wanted, times, threads);
+        return Ok(Some(search_allowed(&reach, limit, times.len())));
+    }
+    let Some(index) = measure else {
         return Ok(None);
     };
-    Ok(Some(search_allowed(&reach, limit)))
+    let nominal = plan.family.nominal()?;
+    let reach = |factor| of_measure(&plan.scaled(factor), &nominal, index);
+    Ok(Some(search_allowed(&reach, limit, nominal.poses.len())))
 }
 
-/// The largest factor that keeps the limit.
-fn search_allowed(reach: &dyn Fn(f64) -> f64, limit: f64) -> AllowedTolerance {
+/// The largest factor that keeps the limit at so many poses.
+fn search_allowed(reach: &dyn Fn(f64) -> f64, limit: f64, poses: usize) -> AllowedTolerance {
     let (mut low, mut at_low, mut high) = (0.0, 0.0, f64::INFINITY);
     let mut share = 1.0;
     loop {
@@ -84,6 +87,7 @@ fn search_allowed(reach: &dyn Fn(f64) -> f64, limit: f64) -> AllowedTolerance {
         factor: low,
         too_large: high,
         reached: at_low,
+        poses,
     }
 }
 

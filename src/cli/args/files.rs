@@ -14,7 +14,7 @@ pub struct FileArgs {
     /// Format, if the file name does not determine it; `-` alone is a GIF.
     #[arg(long, value_enum)]
     pub format: Option<PictureFormat>,
-    /// Quality of a GIF, 1 to 100 (the default): lower values allow small colour errors for smaller files.
+    /// Quality of a GIF, 1 to 100 (88 if absent): lower values allow small colour errors for smaller files.
     #[arg(long, value_name = "N", value_parser = super::values::gif_quality)]
     pub quality: Option<u8>,
     /// PNG compression level [default: balanced; fast for sequences].

@@ -118,7 +118,10 @@ impl<'a> OpenFilm<'a> {
             needed_colours: Vec::new(),
             at_hand: false,
             alpha: false,
-            quality: args.quality.and_then(Quality::new).unwrap_or(Quality::BEST),
+            quality: args
+                .quality
+                .and_then(Quality::new)
+                .unwrap_or(Quality::USUAL),
             effort: args.compression.map(|compression| match compression {
                 Compression::Fast => Effort::Fast,
                 Compression::Balanced => Effort::Balanced,

@@ -134,13 +134,12 @@ fn measures_of(plan: &TolerancePlan) -> Result<Option<(usize, Vec<MeasureBand>)>
     let poses = nominal.poses.len();
     match enclose_measures(plan, &nominal) {
         Ok(bands) => Ok(Some((poses, bands))),
-        Err((pose, _)) => {
+        Err(_) => {
             let count = plan.family.measures.list.len();
             let unknown = MeasureBand {
                 lo: f64::NEG_INFINITY,
                 hi: f64::INFINITY,
             };
-            let _ = pose;
             Ok(Some((poses, vec![unknown; count])))
         }
     }

@@ -13,7 +13,7 @@ use crate::model::drive::{Drive, Ease};
 use crate::model::expression::Expression;
 use crate::model::measure::{MeasureSource, MeasuredTrack, Measures};
 use crate::model::rate::RateOrder;
-use crate::numbers::series::TaylorSeries;
+use crate::numbers::series::{HIGHEST_ORDER, TaylorSeries};
 use reduce::reduce_values;
 use std::collections::HashMap;
 
@@ -165,9 +165,14 @@ fn value_at(
         ));
         return Some(formula.value(&slots));
     };
-    // The derivative by the input: a series of first order along it.
-    let series = values_along(system, &coordinates, &[input], 1)?;
-    Some(formula.value(&series).coefficients()[1])
+    // The derivative by the input: a series of first order along it; at zeros of roots it depends on higher orders.
+    let rate = |order: usize| {
+        let series = values_along(system, &coordinates, &[input], order)?;
+        Some(formula.value(&series).coefficients()[1])
+    };
+    rate(1)
+        .filter(|known| !known.is_nan())
+        .or_else(|| rate(HIGHEST_ORDER))
 }
 
 /// The slots of formulas of a pose: coordinates, x, y, z of the traces, outputs.

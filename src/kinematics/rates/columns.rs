@@ -6,8 +6,10 @@ use crate::kinematics::loops::observed::needed_slots;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
+use crate::model::dimension::PhysicalDimension;
 use crate::model::mechanism::{Coordinate, Kind, Mechanism};
 use crate::model::rate::Per;
+use crate::numbers::scalar::Scalar;
 use crate::numbers::series::{HIGHEST_ORDER, TaylorSeries};
 
 /// The variable of differentiation.
@@ -95,13 +97,27 @@ pub fn needed_series(
 ) -> Option<Vec<TaylorSeries>> {
     let mechanism = system.mechanism();
     let given = &coordinates[mechanism.unknowns.len()..];
-    let inputs = by.inputs(actuation, given, time, order);
-    if let Some(series) = higher_rates(system, coordinates, &inputs, order) {
-        return Some(needed_slots(mechanism, &series, is_needed));
-    }
-    let inputs = by.inputs(actuation, given, time, HIGHEST_ORDER);
-    let way = by.way(mechanism, actuation, given);
-    series_beside_fold(system, coordinates, &inputs, way, order)
+    let of_order = |highest: usize| {
+        let inputs = by.inputs(actuation, given, time, highest);
+        let series = higher_rates(system, coordinates, &inputs, highest)?;
+        let slots = needed_slots(mechanism, &series, &is_needed).into_iter();
+        Some(slots.map(|slot| slot.truncated(order)).collect())
+    };
+    let is_whole = |slots: &Vec<TaylorSeries>| {
+        let mut numbered = slots.iter().enumerate();
+        numbered.all(|(slot, series)| !is_needed(slot) || series.is_finite())
+    };
+    // At zeros of roots a rate depends on higher orders: that of √(t²) is the root of the second.
+    let first = of_order(order);
+    let known = match first.as_ref().is_some_and(is_whole) || order == HIGHEST_ORDER {
+        true => first,
+        false => of_order(HIGHEST_ORDER).or(first),
+    };
+    known.or_else(|| {
+        let inputs = by.inputs(actuation, given, time, HIGHEST_ORDER);
+        let way = by.way(mechanism, actuation, given);
+        series_beside_fold(system, coordinates, &inputs, way, order)
+    })
 }
 
 /// The rates that a table shows.
@@ -136,11 +152,28 @@ impl RateColumns {
 
     /// Units of the same columns: `mm/deg^2`; empty where there is none.
     pub fn units(&self, mechanism: &Mechanism) -> Vec<String> {
-        let below = match self.by {
-            RateVariable::Time => "s",
-            RateVariable::Input(k) => mechanism.unit_name(mechanism.inputs[k].kind),
+        let (below, variable) = match self.by {
+            RateVariable::Time => ("s", PhysicalDimension::TIME),
+            RateVariable::Input(k) => {
+                let kind = mechanism.inputs[k].kind;
+                (mechanism.unit_name(kind), PhysicalDimension::of(kind))
+            }
         };
-        self.of_orders(mechanism, |_, kind, k| {
+        let lengths = mechanism.unit_name(Kind::Length);
+        self.of_orders(mechanism, |name, kind, k| {
+            // Products and powers have units of their own; those with angles are in radians whatever the file's unit is.
+            let output = mechanism.outputs.iter().find(|output| output.name == name);
+            let own = output.map_or(PhysicalDimension::of(kind), |output| output.dimension);
+            if kind == Kind::Number && own != PhysicalDimension::NUMBER {
+                return match own.holds_angle() {
+                    true => String::new(),
+                    false => {
+                        (own - variable * k as i32)
+                            .unit_words(lengths, below, 1.0)
+                            .0
+                    }
+                };
+            }
             let above = mechanism.unit_name(kind);
             let one = if above.is_empty() { "1" } else { above };
             match (below, k) {

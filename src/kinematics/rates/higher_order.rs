@@ -15,7 +15,8 @@ use crate::numbers::series::TaylorSeries;
 /// Series of all coordinates (unknowns, then inputs) at a closed pose, up to `order`.
 ///
 /// `coordinates` are the pose's; the constant coefficients of `inputs`, which go up to `order` too, are its inputs. `None` at a singular
-/// pose, where the unknowns have no such series, or where a formula has no value.
+/// pose, where the unknowns have no such series, or where they have no first derivatives; higher ones that are infinite or not known
+/// are NaN.
 pub fn higher_rates(
     system: &System,
     coordinates: &[f64],
@@ -47,6 +48,6 @@ pub fn higher_rates(
             }
         }
     }
-    let all_finite = series.iter().all(|s| s.is_finite());
-    all_finite.then_some(series)
+    let have_rates = series[..n].iter().all(|s| s.truncated(1).is_finite());
+    have_rates.then_some(series)
 }

@@ -7,7 +7,7 @@ use crate::model::actuation::Actuation;
 use crate::model::expression::Expression;
 use crate::model::mechanism::OutputSource;
 use crate::model::rate::RateOrder;
-use crate::numbers::series::TaylorSeries;
+use crate::numbers::series::{HIGHEST_ORDER, TaylorSeries};
 
 /// Rates of formulas at a pose of the motion with this actuation, at its time; NaN if they are infinite or
 /// undetermined.
@@ -19,16 +19,25 @@ pub fn rate_values(
 ) -> Vec<f64> {
     // Series are shared by rates of one kind.
     let mut known: Vec<(RateOrder, Option<Vec<TaylorSeries>>)> = Vec::new();
-    let value = |(formula, rate): &(Expression, RateOrder)| {
-        let place = known.iter().position(|(r, _)| r == rate);
+    let mut derivative = |formula: &Expression, kind: RateOrder, order: usize| {
+        let place = known.iter().position(|(known, _)| *known == kind);
         let place = place.unwrap_or_else(|| {
-            let by = RateVariable::from(rate.per);
-            let series = slot_series(system, coordinates, by, driven, rate.order);
-            known.push((*rate, series));
+            let by = RateVariable::from(kind.per);
+            let series = slot_series(system, coordinates, by, driven, kind.order);
+            known.push((kind, series));
             known.len() - 1
         });
         let series = known[place].1.as_ref();
-        series.map_or(f64::NAN, |s| formula.value(s).derivative(rate.order))
+        series.map_or(f64::NAN, |s| formula.value(s).derivative(order))
+    };
+    let value = |(formula, rate): &(Expression, RateOrder)| {
+        let mut of_order = |order| derivative(formula, RateOrder { order, ..*rate }, rate.order);
+        // At zeros of roots a rate depends on higher orders.
+        let found = of_order(rate.order);
+        match found.is_nan() && rate.order < HIGHEST_ORDER {
+            true => of_order(HIGHEST_ORDER),
+            false => found,
+        }
     };
     rates.iter().map(value).collect()
 }

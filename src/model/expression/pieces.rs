@@ -144,7 +144,7 @@ impl Expression {
             return Vec::new();
         }
         let narrowest = NARROWEST * from.abs().max(to.abs()).max(1.0);
-        let mut parts = vec![[from, to]];
+        let (mut parts, mut met) = (vec![[from, to]], Vec::new());
         // Bisection: halves on which the formula certainly has no kink or jump are dropped.
         loop {
             parts.retain(|[a, b]| self.is_open(Interval::new(*a, *b)));
@@ -152,10 +152,13 @@ impl Expression {
             if width <= narrowest || 2 * parts.len() > MOST_PARTS {
                 break;
             }
-            let halves = |[a, b]: [f64; 2]| {
-                let middle = 0.5 * a + 0.5 * b;
-                [[a, middle], [middle, b]]
-            };
+            // Of two halves that meet at a kink neither has it inside.
+            let middle = |[a, b]: &[f64; 2]| 0.5 * a + 0.5 * b;
+            for time in parts.iter().map(middle) {
+                let beside = [time.next_down(), time.next_up()];
+                self.add_changes(beside.map(|t| (t, self.jump_state(t))), &mut met);
+            }
+            let halves = |part: [f64; 2]| [[part[0], middle(&part)], [middle(&part), part[1]]];
             parts = parts.into_iter().flat_map(halves).collect();
         }
         // What remains around one place is that break; a wider part, where the formula touches a kink, gives both of
@@ -168,7 +171,12 @@ impl Expression {
                 vec![a, b]
             }
         });
-        places.filter(|t| from < *t && *t < to).collect()
+        let inside = places.chain(met).filter(|t| from < *t && *t < to);
+        let mut places: Vec<f64> = inside.collect();
+        places.sort_by(f64::total_cmp);
+        // The same place may be found as a middle, and beside it by the sides.
+        places.dedup_by(|b, a| *b <= a.next_up());
+        places
     }
 
     /// Whether some function may be on either side of a kink or a jump.

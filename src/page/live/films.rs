@@ -124,7 +124,7 @@ impl LiveScene {
                 needed_colours: pictures.staging.needed_colours(),
                 at_hand: false,
                 alpha: pictures.scene.view.transparent,
-                quality: Quality::BEST,
+                quality: Quality::USUAL,
                 effort: None,
                 dpi: None,
                 texts: Vec::new(),

@@ -209,11 +209,11 @@ impl<const G: usize> TileSamples<G> {
 
     fn lay_under(&mut self, assembly: &TriangleAssembly, parts: (Window, Window)) {
         let (layers, cells) = (&mut self.layers, self.cells.as_slice());
-        match self.pattern.samples {
-            1 => layers.lay_under(assembly, parts, |pixel| facets_of::<1, G>(cells, pixel)),
-            2 => layers.lay_under(assembly, parts, |pixel| facets_of::<2, G>(cells, pixel)),
-            4 => layers.lay_under(assembly, parts, |pixel| facets_of::<4, G>(cells, pixel)),
-            8 => layers.lay_under(assembly, parts, |pixel| facets_of::<8, G>(cells, pixel)),
+        match (G, self.pattern.samples) {
+            (1, 1) => layers.lay_under(assembly, parts, |pixel| facets_of::<1, G>(cells, pixel)),
+            (1, 2) => layers.lay_under(assembly, parts, |pixel| facets_of::<2, G>(cells, pixel)),
+            (1, _) => layers.lay_under(assembly, parts, |pixel| facets_of::<4, G>(cells, pixel)),
+            (2, _) => layers.lay_under(assembly, parts, |pixel| facets_of::<8, G>(cells, pixel)),
             _ => layers.lay_under(assembly, parts, |pixel| facets_of::<16, G>(cells, pixel)),
         }
     }
@@ -242,11 +242,12 @@ impl<const G: usize> TileSamples<G> {
     ///
     /// If something translucent is visible, the layers do this.
     fn light(&mut self, view: &RasterView, parts: (Window, Window), layers: bool) {
-        match self.pattern.samples {
-            1 => self.light_samples::<1>(view, parts, layers),
-            2 => self.light_samples::<2>(view, parts, layers),
-            4 => self.light_samples::<4>(view, parts, layers),
-            8 => self.light_samples::<8>(view, parts, layers),
+        // So many vectors have so many samples: nothing else is compiled.
+        match (G, self.pattern.samples) {
+            (1, 1) => self.light_samples::<1>(view, parts, layers),
+            (1, 2) => self.light_samples::<2>(view, parts, layers),
+            (1, _) => self.light_samples::<4>(view, parts, layers),
+            (2, _) => self.light_samples::<8>(view, parts, layers),
             _ => self.light_samples::<16>(view, parts, layers),
         }
     }

@@ -3,8 +3,8 @@
 //!
 //! Rules: where the position expects an angle, a part that contains no angle itself (`Ry(180)`, `beta + 30`) is in the file's
 //! angle unit. Where no position tells, or in a product of an angle, a number beside an angle in a sum is (`2*(beta - 30)`), but
-//! no function and no ratio, which are in radians as in `beta - sin(beta)`. Where a length is expected only
-//! arguments of sines are converted. In a file in radians nothing is converted at all.
+//! no function and no ratio, which are in radians as in `beta - sin(beta)`. A sum inside a product, a power or a function is looked at
+//! by itself (`R*(beta - 30)` is an arc), whatever stands around it. In a file in radians nothing is converted at all.
 
 use super::node::{FormulaNode, NodeKind};
 use crate::diag::Span;
@@ -217,9 +217,9 @@ enum Expected {
     Angle,
     /// An angle in the file's unit if it is a mere number: it stands beside angles.
     BesideAngles,
-    /// A number, but in a sum that is an angle by itself: a factor of an angle.
+    /// A number, but in a sum that is an angle by itself: a factor, or the base of a power.
     Factor,
-    /// A number.
+    /// A number, and so are the numbers added to it.
     Number,
     /// What its surroundings make it.
     Open,
@@ -275,7 +275,7 @@ impl AngleConversion<'_> {
             }
             NodeKind::Binary(sign, a, b) => {
                 let inner = match expected {
-                    Expected::Number | Expected::Open => expected,
+                    Expected::Open => expected,
                     _ => Expected::Factor,
                 };
                 NodeKind::Binary(sign, boxed(a, inner), boxed(b, inner))
@@ -283,7 +283,7 @@ impl AngleConversion<'_> {
             NodeKind::Call(function, args) => {
                 let inner = match function {
                     Function::Sin | Function::Cos | Function::Tan => Expected::Angle,
-                    _ if is_sum || expected == Expected::Number => expected,
+                    _ if is_sum => expected,
                     _ => Expected::Open,
                 };
                 let args = args.into_iter().map(|arg| self.converted(arg, inner));

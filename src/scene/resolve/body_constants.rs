@@ -1,6 +1,8 @@
 //! Numbers and points of bodies, which are constants of the scene.
 
 use super::super::formula::compile::constant_node;
+use super::super::formula::kinds::defines_angle;
+use super::super::formula::node::FormulaNode;
 use super::names::Names;
 use super::parsing::parsed_expression;
 use super::range::within_range;
@@ -19,7 +21,17 @@ impl BodyConstants<'_> {
     /// The value of a formula of parameters.
     pub fn value(&self, text: &FormulaText, diagnostics: &mut Diagnostics) -> Option<f64> {
         let node = parsed_expression(text, diagnostics)?;
-        let node = self.names.in_radians(node, Some(Kind::Number));
+        self.value_of(node, Kind::Number, text, diagnostics)
+    }
+
+    fn value_of(
+        &self,
+        node: FormulaNode,
+        wanted: Kind,
+        text: &FormulaText,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<f64> {
+        let node = self.names.in_radians(node, Some(wanted));
         let value = constant_node(&node, &|n, s| self.names.constant(n, s));
         let in_range = |value: f64| within_range(value, &text.span).map(|()| value);
         match value.and_then(in_range) {
@@ -31,7 +43,40 @@ impl BodyConstants<'_> {
         }
     }
 
-    /// Three of them.
+    /// The number at `what`, if there is one and it is in its range.
+    pub fn within(
+        &self,
+        what: &str,
+        text: &Option<FormulaText>,
+        range: [f64; 2],
+        diagnostics: &mut Diagnostics,
+    ) -> Option<f64> {
+        let text = text.as_ref()?;
+        let value = self.value(text, diagnostics)?;
+        in_range(what, text, value, range, diagnostics)
+    }
+
+    /// The angle at `what` in radians, if there is one and it is in its range of degrees. Mere numbers are degrees, whatever the
+    /// unit of the scene is; a formula that defines an angle has its own.
+    pub fn angle_within(
+        &self,
+        what: &str,
+        text: &Option<FormulaText>,
+        degrees: [f64; 2],
+        diagnostics: &mut Diagnostics,
+    ) -> Option<f64> {
+        let text = text.as_ref()?;
+        let node = parsed_expression(text, diagnostics)?;
+        let value = match defines_angle(&node, &|name| self.names.dimension(name)) {
+            true => self
+                .value_of(node, Kind::Angle, text, diagnostics)?
+                .to_degrees(),
+            false => self.value_of(node, Kind::Number, text, diagnostics)?,
+        };
+        in_range(what, text, value, degrees, diagnostics).map(f64::to_radians)
+    }
+
+    /// Three numbers.
     pub fn vector(&self, texts: &[FormulaText; 3], diagnostics: &mut Diagnostics) -> Option<DVec3> {
         let [x, y, z] = texts.each_ref().map(|text| self.value(text, diagnostics));
         Some(DVec3::new(x?, y?, z?))
@@ -68,4 +113,21 @@ impl BodyConstants<'_> {
         );
         None
     }
+}
+
+/// A value, or the message that it is out of range.
+fn in_range(
+    what: &str,
+    text: &FormulaText,
+    value: f64,
+    [low, high]: [f64; 2],
+    diagnostics: &mut Diagnostics,
+) -> Option<f64> {
+    if (low..=high).contains(&value) {
+        return Some(value);
+    }
+    let value = shown_number(value);
+    let message = format!("{what} must be between {low} and {high}, found {value}");
+    diagnostics.push(Diagnostic::error(message).at(text.span.clone()));
+    None
 }

@@ -4,7 +4,6 @@ use super::super::views::{CameraKeyFile, ViewFile};
 use super::body_constants::BodyConstants;
 use crate::diag::{Diagnostic, Diagnostics, shown_number};
 use crate::model::camera_path::{CameraKey, CameraPath};
-use crate::scene::values::FormulaText;
 
 /// Largest orbit in degrees.
 pub const MOST_ORBIT: f64 = 36_000.0;
@@ -21,14 +20,8 @@ pub fn resolve_camera(
     constants: &BodyConstants,
     diagnostics: &mut Diagnostics,
 ) -> CameraPath {
-    // The turn of the camera over the motion, in degrees as written.
-    let orbit = within_range(
-        "orbit",
-        &view.orbit,
-        [-MOST_ORBIT, MOST_ORBIT],
-        constants,
-        diagnostics,
-    );
+    let turns = [-MOST_ORBIT, MOST_ORBIT];
+    let orbit = constants.angle_within("orbit", &view.orbit, turns, diagnostics);
     let mut keys: Vec<CameraKey> = Vec::new();
     // Keys are interpolated in time: all but a single one need a time, in ascending order.
     let alone = view.camera_path.len() == 1;
@@ -47,7 +40,7 @@ pub fn resolve_camera(
     }
     CameraPath {
         keys,
-        orbit: orbit.unwrap_or(0.0).to_radians(),
+        orbit: orbit.unwrap_or(0.0),
     }
 }
 
@@ -58,23 +51,17 @@ fn camera_key(
     diagnostics: &mut Diagnostics,
 ) -> Option<CameraKey> {
     let all = [-f64::MAX, f64::MAX];
-    let time = within_range("t", &file.t, all, constants, diagnostics);
+    let time = constants.within("t", &file.t, all, diagnostics);
     // A single key needs no time: the camera stays there.
     if file.t.is_none() && !alone {
         let message = "a camera key needs `t`, its time in seconds";
         diagnostics.push(Diagnostic::error(message).at(file.span.clone()));
         return None;
     }
-    let degrees = [-MOST_AZIMUTH, MOST_AZIMUTH];
-    let azimuth = within_range("azimuth", &file.azimuth, degrees, constants, diagnostics);
-    let elevation = within_range(
-        "elevation",
-        &file.elevation,
-        [-90.0, 90.0],
-        constants,
-        diagnostics,
-    );
-    let zoom = within_range("zoom", &file.zoom, ZOOMS, constants, diagnostics);
+    let [turns, heights] = [MOST_AZIMUTH, 90.0].map(|most| [-most, most]);
+    let azimuth = constants.angle_within("azimuth", &file.azimuth, turns, diagnostics);
+    let elevation = constants.angle_within("elevation", &file.elevation, heights, diagnostics);
+    let zoom = constants.within("zoom", &file.zoom, ZOOMS, diagnostics);
     let distance = file.distance.as_ref();
     // Both determine the distance of the eye.
     if let (Some(_), Some(distance)) = (&file.zoom, distance) {
@@ -86,29 +73,10 @@ fn camera_key(
     let target = target.and_then(|target| constants.vector(target, diagnostics));
     Some(CameraKey {
         time: time.unwrap_or(0.0),
-        azimuth: azimuth.map(f64::to_radians),
-        elevation: elevation.map(f64::to_radians),
+        azimuth,
+        elevation,
         zoom,
         distance,
         target,
     })
-}
-
-/// The number at `what`, if it is present and in its range.
-fn within_range(
-    what: &str,
-    text: &Option<FormulaText>,
-    [low, high]: [f64; 2],
-    constants: &BodyConstants,
-    diagnostics: &mut Diagnostics,
-) -> Option<f64> {
-    let text = text.as_ref()?;
-    let value = constants.value(text, diagnostics)?;
-    if (low..=high).contains(&value) {
-        return Some(value);
-    }
-    let value = shown_number(value);
-    let message = format!("{what} must be between {low} and {high}, found {value}");
-    diagnostics.push(Diagnostic::error(message).at(text.span.clone()));
-    None
 }

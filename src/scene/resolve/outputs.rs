@@ -71,6 +71,7 @@ impl<'a> Scope<'a> {
                     name: item.name.value.clone(),
                     source: OutputSource::Distance(distance),
                     kind: Kind::Length,
+                    dimension: PhysicalDimension::of(Kind::Length),
                 }));
         }
         // Formulas in order: each may use the outputs before it.
@@ -89,6 +90,7 @@ impl<'a> Scope<'a> {
                             false => OutputSource::Rated(formula),
                         },
                         kind: dimension.kind(),
+                        dimension,
                     });
                 }
                 Err(diagnostic) => diagnostics.push(diagnostic),

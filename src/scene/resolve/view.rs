@@ -8,7 +8,7 @@ use super::body_constants::BodyConstants;
 use super::choices::{MOST_LABELS, chosen_word};
 use super::names::Names;
 use super::shown_dimensions;
-use crate::diag::{Diagnostic, Diagnostics, shown_number};
+use crate::diag::{Diagnostic, Diagnostics};
 use crate::model::camera_path::CameraPath;
 use crate::model::mechanism::{Body, Trace};
 use crate::model::section::MOST_EXPLODED;
@@ -83,12 +83,11 @@ impl ViewReader<'_, '_> {
     /// The view without labels, decor and camera path.
     fn plain_view(&mut self) -> View {
         let view = self.view;
-        // Angles are written in degrees, whatever the unit of the scene is.
         let [azimuth, elevation] = [
             (&view.azimuth, DEFAULT_AZIMUTH_DEG, 720.0, "azimuth"),
             (&view.elevation, DEFAULT_ELEVATION_DEG, 90.0, "elevation"),
         ]
-        .map(|(text, default, most, what)| self.number(text, default, [-most, most], what));
+        .map(|(text, default, most, what)| self.angle(text, default, [-most, most], what));
         let projection = self.projection();
         // Numbers outside their range are reported, and defaults take their place.
         let margin = self.number(&view.margin, DEFAULT_MARGIN, [0.0, 0.4], "margin");
@@ -102,8 +101,8 @@ impl ViewReader<'_, '_> {
         let theme = chosen_word(&view.theme, &Theme::NAMES, "theme", diagnostics);
         let (edges, shadows) = (&EdgeLines::NAMES, &Shadows::NAMES);
         View {
-            azimuth: azimuth.to_radians(),
-            elevation: elevation.to_radians(),
+            azimuth,
+            elevation,
             is_aimed: view.azimuth.is_some() || view.elevation.is_some(),
             up: chosen_word(&view.up, &UpAxis::NAMES, "up axis", diagnostics),
             projection,
@@ -134,31 +133,33 @@ impl ViewReader<'_, '_> {
         &mut self,
         text: &Option<FormulaText>,
         default: f64,
-        [low, high]: [f64; 2],
+        range: [f64; 2],
         what: &str,
     ) -> f64 {
-        let Some(text) = text else { return default };
-        let Some(value) = self.constants.value(text, self.diagnostics) else {
-            return default;
-        };
-        if (low..=high).contains(&value) {
-            return value;
-        }
-        let value = shown_number(value);
-        let message = format!("{what} must be between {low} and {high}, found {value}");
-        let diagnostic = Diagnostic::error(message).at(text.span.clone());
-        self.diagnostics.push(diagnostic);
-        default
+        let number = self.constants.within(what, text, range, self.diagnostics);
+        number.unwrap_or(default)
+    }
+
+    /// An angle of the view in radians; the default and the range are degrees.
+    fn angle(
+        &mut self,
+        text: &Option<FormulaText>,
+        default: f64,
+        range: [f64; 2],
+        what: &str,
+    ) -> f64 {
+        let angle = self
+            .constants
+            .angle_within(what, text, range, self.diagnostics);
+        angle.unwrap_or(default.to_radians())
     }
 
     fn projection(&mut self) -> ViewProjection {
-        let fov_y = self.number(&self.view.fov, DEFAULT_FOV_DEG, [1.0, 120.0], "fov");
+        let fov_y = self.angle(&self.view.fov, DEFAULT_FOV_DEG, [1.0, 120.0], "fov");
         let (word, names) = (&self.view.projection, &ViewProjection::NAMES);
         match chosen_word(word, names, "projection", self.diagnostics) {
             true => ViewProjection::Orthographic,
-            false => ViewProjection::Perspective {
-                fov_y: fov_y.to_radians(),
-            },
+            false => ViewProjection::Perspective { fov_y },
         }
     }
 

@@ -226,7 +226,7 @@ fn meshes_are_checked_and_odd_ones_are_named() {
         (
             "mesh.toml",
             "open",
-            "has no inside: 4 edges lack a triangle on one side",
+            "has no inside: 4 edges have more triangles on one side than on the other",
             1,
         ),
         ("mesh.toml", "inside out", "is inside out", 0),

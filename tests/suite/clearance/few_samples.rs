@@ -189,3 +189,30 @@ fn bounds_of_pieces_do_not_stall_above_the_minimum() {
         folder.run(&args).exits(0);
     }
 }
+
+/// Corners of drives are samples of a check, at binary fractions of the duration as elsewhere.
+#[test]
+fn corners_at_halves_are_sampled() {
+    let workspace = Workspace::new();
+    for corner in ["0.25", "0.5", "0.26", "0.75", "0.125", "0.2+0.05", "1/3"] {
+        for drive in [
+            "max(t, {})",
+            "abs(t - ({}))",
+            "min(t, {})",
+            "floor(t + 1 - ({}))",
+        ] {
+            let drive = drive.replace("{}", corner);
+            workspace.write("corner.toml", format!("duration = 1\n[inputs]\nu = \"{drive}\"\n[[bodies]]\nname = \"b\"\nframe = \"Tx(u)\"\n"));
+            let run = workspace
+                .run(&["check", "corner.toml", "--samples", "2"])
+                .exits(0);
+            let samples = run
+                .text()
+                .lines()
+                .find_map(|line| line.trim().strip_prefix("samples").map(str::to_owned))
+                .unwrap();
+            let count: usize = samples.split_whitespace().next().unwrap().parse().unwrap();
+            assert!(count >= 3, "{drive}: {count} samples");
+        }
+    }
+}

@@ -239,3 +239,67 @@ fn shells_in_each_other_without_end_are_given_up() {
     assert_eq!(many.enclosure, ShellEnclosure::Tangled);
     assert!(!many.encloses(DVec3::ZERO));
 }
+
+/// A sheet with two sides.
+fn two_sided(sheet: Triangles) -> Triangles {
+    let back = turned(sheet.clone());
+    [sheet, back].concat()
+}
+
+/// Programs with two-sided faces write every triangle twice, once on either side. What such a shell encloses is counted once.
+#[test]
+fn shells_with_two_sides_enclose_what_single_ones_do() {
+    let doubled = two_sided(cube());
+    let mut mixed = doubled.clone();
+    mixed.sort_by_key(|t| (t[0].x + 3.0 * t[1].y + 9.0 * t[2].z).to_bits());
+    let halves_turned: Triangles = doubled
+        .iter()
+        .copied()
+        .skip(1)
+        .step_by(2)
+        .chain(doubled.iter().copied().step_by(2))
+        .collect();
+    for mesh in [doubled, mixed, halves_turned] {
+        let mesh = tree(&mesh);
+        assert!(matches!(
+            mesh.enclosure,
+            ShellEnclosure::Solid | ShellEnclosure::InsideOut
+        ));
+        assert_eq!((mesh.flaps, mesh.len()), (0, 12));
+        judges_the_cube(&mesh);
+    }
+    // Beside others, whichever of them is doubled.
+    let far = cuboid(v(5.0, 5.0, 5.0), v(5.001, 9.0, 9.0));
+    for beside in [far.clone(), two_sided(far)] {
+        for own in [cube(), two_sided(cube())] {
+            let mesh = tree(&[own, beside.clone()].concat());
+            judges_the_cube(&mesh);
+            assert!(mesh.encloses(v(5.0005, 6.0, 7.0)));
+            assert!(!mesh.encloses(v(5.002, 6.0, 7.0)));
+        }
+    }
+}
+
+/// A sheet with two sides encloses nothing: beside a shell it is told as what belongs to none, and alone it has no inside.
+#[test]
+fn sheets_with_two_sides_enclose_nothing() {
+    let flat = vec![[v(3.0, 0.0, 0.0), v(4.0, 0.0, 0.0), v(3.0, 1.0, 0.0)]];
+    let bent: Triangles = cube()
+        .into_iter()
+        .skip(4)
+        .map(|t| t.map(|p| p + v(4.0, 0.0, 0.0)))
+        .collect();
+    for sheet in [flat, bent] {
+        let count = 2 * sheet.len();
+        let sheet = two_sided(sheet);
+        let mesh = tree(&[cube(), sheet.clone()].concat());
+        assert_eq!((mesh.enclosure, mesh.flaps), (ShellEnclosure::Solid, count));
+        judges_the_cube(&mesh);
+        let alone = tree(&sheet);
+        assert_eq!(
+            (alone.enclosure, alone.open_edges),
+            (ShellEnclosure::Open, 0)
+        );
+        assert!(!alone.encloses(v(4.0, 0.0, 0.0)));
+    }
+}

@@ -2,6 +2,8 @@
 //! written out by hand; nothing is read from another scene.
 
 use crate::program::Workspace;
+use mechanim::diag::Source;
+use mechanim::scene::{Overrides, load_scene};
 use mechanim::{CheckOptions, Scene};
 use serde_json::Value;
 
@@ -554,4 +556,141 @@ bar = { of = "yy", take = "last" }
             "{name} in radians: {value} {expected}"
         );
     }
+}
+
+/// Numbers in a view are degrees in every file; what is an angle has its own unit.
+#[test]
+fn views_are_in_degrees_and_take_angles_as_they_are() {
+    let mut wrong = Vec::new();
+    for (unit, angle) in [("deg", 30.0), ("rad", 30.0_f64.to_radians())] {
+        for (text, degrees) in [
+            ("30", 30.0),
+            ("\"3*k\"", 30.0),
+            ("\"30deg\"", 30.0),
+            ("\"pi/6\"", 30.0),
+            ("\"a\"", 30.0),
+            ("\"2*a - 0.5*a\"", 45.0),
+            ("\"0.5rad\"", 0.5_f64.to_degrees()),
+            ("\"acos(0.5)\"", 60.0),
+        ] {
+            let text_of_scene = format!(
+                "units = {{ angle = \"{unit}\" }}\nduration = 1\n[parameters]\na = {angle:?}\nk = 10\n\
+                 [[bodies]]\nname = \"b\"\nframe = \"Rz(a) Tx(1)\"\nshapes = [{{ sphere = {{ radius = 1 }} }}]\n\
+                 [view]\nazimuth = {text}\nelevation = {text}\norbit = {text}\nprojection = \"perspective\"\nfov = {text}\n"
+            );
+            let source = Source {
+                name: "view".to_owned(),
+                text: text_of_scene,
+            };
+            let loaded = load_scene(&source, &Overrides::default()).unwrap();
+            let view = &loaded.view;
+            let found = [view.azimuth, view.elevation, view.camera_path.orbit];
+            if found
+                .iter()
+                .any(|found| (found.to_degrees() - degrees).abs() > 1e-12)
+            {
+                wrong.push((unit, text, found));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:?}");
+}
+
+/// Formulas of sums of angles inside products, powers, roots and quotients, and the same in radians by hand; `phi` is 90 degrees, `a`
+/// 30, and the length `R` is 20.
+type Nested = (&'static str, fn(f64, f64, f64) -> f64);
+
+const D: f64 = std::f64::consts::PI / 180.0;
+
+const NESTED: [Nested; 17] = [
+    ("(phi - 30)*(phi - 60)", |p, _, _| {
+        (p - 30.0 * D) * (p - 60.0 * D)
+    }),
+    ("(phi - 30)*(phi - 60) + 0", |p, _, _| {
+        (p - 30.0 * D) * (p - 60.0 * D)
+    }),
+    ("k*(phi - 30)^2/2 + 0.1", |p, _, _| {
+        (p - 30.0 * D).powi(2) + 0.1
+    }),
+    ("exp(phi - 30) + (phi - 30)^2", |p, _, _| {
+        (p - 30.0 * D).exp() + (p - 30.0 * D).powi(2)
+    }),
+    ("1/(phi - 30) + 0", |p, _, _| 1.0 / (p - 30.0 * D)),
+    ("R*(1 + (phi - 30)/(phi + 30))", |p, _, r| {
+        r * (1.0 + (p - 30.0 * D) / (p + 30.0 * D))
+    }),
+    ("R*(phi - 30)", |p, _, r| r * (p - 30.0 * D)),
+    ("R*(phi - 30) + R", |p, _, r| r * (p - 30.0 * D) + r),
+    ("R - (10 + a)*R/2", |_, a, r| r - (10.0 * D + a) * r / 2.0),
+    ("R*min(phi, 30)", |p, _, r| r * p.min(30.0 * D)),
+    ("mod(phi, 40)*R", |p, _, r| r * p.rem_euclid(40.0 * D)),
+    ("hypot((phi - 30)*R, 3)", |p, _, r| {
+        (r * (p - 30.0 * D)).hypot(3.0)
+    }),
+    ("sqrt(R^2 + (R*(phi - 30))^2)", |p, _, r| {
+        r.hypot(r * (p - 30.0 * D))
+    }),
+    ("R*sqrt((phi - 30)^2 + (a - 60)^2)", |p, a, r| {
+        r * (p - 30.0 * D).hypot(a - 60.0 * D)
+    }),
+    ("-(R*(abs(a - 80) - 20))", |_, a, r| {
+        -r * ((a - 80.0 * D).abs() - 20.0 * D)
+    }),
+    ("R*(phi - sin(phi))", |p, _, r| r * (p - p.sin())),
+    ("R*(a + 2*(phi - 30))", |p, a, r| {
+        r * (a + 2.0 * (p - 30.0 * D))
+    }),
+];
+
+/// In outputs, measures, equations, lengths of chains, and in measures of traced points: a sum inside a product is looked at by
+/// itself, whatever else there is in the scene.
+#[test]
+fn sums_of_angles_inside_products_are_in_degrees() {
+    let mut wrong = Vec::new();
+    for (formula, exact) in NESTED {
+        let expected = exact(90.0 * D, 30.0 * D, 20.0);
+        let text = format!(
+            r#"
+units = {{ length = "mm", angle = "deg" }}
+duration = 1
+[parameters]
+R = 20
+k = 2
+a = 30
+[inputs]
+phi = "90*t"
+[equations]
+e = "u - ({formula})"
+twice = "0 - 2*({formula}) + w"
+[guess]
+u = {start}
+w = {twice}
+[outputs]
+out = "{formula}"
+[[bodies]]
+name = "b"
+frame = "Rz(phi) Rx(a) Tx(R)"
+[[bodies]]
+name = "slide"
+frame = "Tx({formula})"
+[[traces]]
+name = "K"
+body = "slide"
+[measures]
+u = {{ of = "u", take = "last" }}
+w = {{ of = "w/2", take = "last" }}
+out_of = {{ of = "out", take = "last" }}
+of = {{ of = "{formula}", take = "last" }}
+x = {{ of = "K.x", take = "last" }}
+"#,
+            start = exact(0.0, 30.0 * D, 20.0),
+            twice = 2.0 * exact(0.0, 30.0 * D, 20.0),
+        );
+        for (name, value, _) in measured(&text) {
+            if (value - expected).abs() > 1e-9 * expected.abs().max(1.0) {
+                wrong.push((formula, name, value, expected));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
 }

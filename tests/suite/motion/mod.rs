@@ -23,6 +23,7 @@ mod measures_of_ends;
 mod motion_events;
 mod random_starts;
 mod rates;
+mod root_rates;
 mod singular_starts;
 mod solve_references;
 mod sources;

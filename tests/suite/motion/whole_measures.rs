@@ -378,3 +378,80 @@ fn bounds_hold_at_a_pose_that_stands_alone() {
         }
     }
 }
+
+/// What is found of a measure does not depend on those before it, however much these had to look at.
+#[test]
+fn measures_do_not_depend_on_each_other() {
+    let scene = |measures: &[(&str, &str)]| {
+        let list = measures
+            .iter()
+            .map(|(name, of)| format!("{name} = {{ of = \"{of}\", take = \"min\" }}\n"));
+        format!(
+            "duration = 3\n[inputs]\nx = \"(-7*abs(sin(2*pi*t/3)))+(10*min(abs(t-0.3),abs(t-0.3)))\"\ny = \"(3*abs(sin(2*pi*t/3)))\"\n\
+             [[bodies]]\nname = \"ball\"\nframe = \"Tx(x) Ty(y)\"\n[measures]\n{}",
+            list.collect::<String>()
+        )
+    };
+    let all = [
+        ("a", "min(x,y)"),
+        ("b", "x*y"),
+        ("c", "abs(x)-abs(y)"),
+        ("d", "x*y - 3"),
+        ("e", "abs(x)-2*abs(y)"),
+    ];
+    let check = checked(&scene(&all), 21);
+    let report: Value = serde_json::from_str(check.to_json()).expect("JSON");
+    for (k, measure) in all.into_iter().enumerate() {
+        let together = report["measures"][k]["value"].as_f64().expect("value");
+        let alone = said(&scene(&[measure]), 21);
+        assert_eq!(together, alone.value, "{measure:?}");
+        // Our own values are never below it, nor far above.
+        let dense = (0..=300_000).map(|k| {
+            let t = 3.0 * f64::from(k) / 300_000.0;
+            let wave = (2.0 * std::f64::consts::PI * t / 3.0).sin().abs();
+            let (x, y) = (-7.0 * wave + 10.0 * (t - 0.3).abs(), 3.0 * wave);
+            match measure.0 {
+                "a" => x.min(y),
+                "b" => x * y,
+                "c" => x.abs() - y.abs(),
+                "d" => x * y - 3.0,
+                _ => x.abs() - 2.0 * y.abs(),
+            }
+        });
+        let least = dense.fold(f64::INFINITY, f64::min);
+        assert!(
+            (together - least).abs() < 1e-4 && together <= least + 1e-9,
+            "{measure:?}: {together} {least}"
+        );
+    }
+}
+
+/// A formula that touches its kink, or rests at it, has a bound there.
+#[test]
+fn touched_kinks_have_bounds() {
+    for (drive, formula, most) in [
+        ("3+sin(pi*t)^2", "max(u,3)", 4.0),
+        ("3+sin(pi*t)^2", "abs(u-3)", 1.0),
+        ("40*sin(6*pi*t)", "max(u,u)", 40.0),
+        ("3-max(0,t-1)^2", "min(u,3)", 3.0),
+        ("max(1,t)", "abs(u-1)", 1.0),
+        ("2-t", "max(u,max(u,1))", 2.0),
+    ] {
+        for samples in [2, 3, 5, 20, 21] {
+            let text = format!(
+                "duration = 2\n[inputs]\nu = \"{drive}\"\n[[bodies]]\nname = \"b\"\nframe = \"Tx(u)\"\n[measures]\nm = {{ of = \"{formula}\", take = \"max\", max = {} }}\n",
+                most + 1e-3
+            );
+            let said = said(&text, samples);
+            let is_right = said.is_certified
+                && said.passed
+                && (said.bound - most).abs() < 1e-6
+                && (said.value - most).abs() < 1e-9;
+            assert!(
+                is_right,
+                "{drive}, {formula}, {samples} samples: {} {}",
+                said.value, said.bound
+            );
+        }
+    }
+}

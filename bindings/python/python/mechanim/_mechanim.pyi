@@ -116,7 +116,7 @@ class Motion:
         *,
         size: tuple[int, int] = ...,
         rate: float | None = None,
-        quality: int = 100,
+        quality: int | None = None,
         dark: bool = False,
     ) -> int: ...
     def encode(
@@ -125,7 +125,7 @@ class Motion:
         *,
         size: tuple[int, int] = ...,
         rate: float | None = None,
-        quality: int = 100,
+        quality: int | None = None,
         dark: bool = False,
     ) -> bytes: ...
     def plot(self, *curves: str, against: str | None = None) -> str: ...

@@ -1,0 +1,119 @@
+//! Square roots of series and of sums of squares, where their first coefficients may vanish: `sqrt((t - 1)^2)` has a kink at its
+//! zero, and the series is that of the side just after it.
+
+use super::scalar::Scalar;
+use super::series::Series;
+
+impl<T: Scalar, const N: usize> Series<T, N> {
+    /// Coefficients that vanish before the first one that does not; all that are kept if none is known to differ from zero.
+    fn leading_zeros(&self) -> usize {
+        let all = self.coefficients().iter();
+        let zeros = all.take_while(|c| **c == T::number(0.0)).count();
+        zeros.min(N)
+    }
+
+    /// Zero, of which nothing else is known unless the series is zero as far as can be told: a constant, or of the highest
+    /// order, as `max(t, 0)` is before its kink.
+    fn zero_of_order(order: usize) -> Self {
+        let mut zero = Self::constant(T::number(0.0));
+        if order + 1 < N {
+            (1..=order).for_each(|k| zero.set(k, T::undefined()));
+        }
+        zero
+    }
+
+    /// The series over the power `zeros`, of which that many coefficients are zero.
+    fn lowered(&self, zeros: usize) -> Self {
+        let order = self.order().saturating_sub(zeros);
+        let mut lowered = Self::constant(self.coefficients()[zeros]);
+        (1..=order).for_each(|k| lowered.set(k, self.coefficients()[k + zeros]));
+        lowered
+    }
+
+    /// The series times a power, up to an order; what lies between is not known.
+    fn raised(&self, power: usize, order: usize) -> Self {
+        let mut raised = Self::constant(T::number(0.0));
+        for k in 1..=order {
+            let known = k.checked_sub(power).filter(|k| *k <= self.order());
+            let zero = T::number(0.0);
+            let unknown = if k < power { zero } else { T::undefined() };
+            raised.set(k, known.map_or(unknown, |k| self.coefficients()[k]));
+        }
+        raised
+    }
+
+    /// The square root: that of t²ʲ s is tʲ √s, whose last j coefficients depend on what is not kept.
+    pub(super) fn root(self) -> Self {
+        let (zeros, order) = (self.leading_zeros(), self.order());
+        match zeros {
+            _ if zeros > order => Self::zero_of_order(order),
+            0 => self.plain_root(),
+            _ if zeros % 2 == 0 => self.lowered(zeros).plain_root().raised(zeros / 2, order),
+            // The root of an odd power has infinite rates.
+            _ => self.plain_root(),
+        }
+    }
+
+    /// √(self² + other²): a common power is taken out, so that no coefficient is lost.
+    pub(super) fn length_with(self, other: Self) -> Self {
+        let zeros = self.leading_zeros().min(other.leading_zeros());
+        let order = self.order().max(other.order());
+        let sum = |a: Self, b: Self| (a.square() + b.square()).root();
+        match zeros {
+            0 => sum(self, other),
+            _ if zeros > order => Self::zero_of_order(order),
+            _ => {
+                let [a, b] = [self, other].map(|series| series.lowered(zeros));
+                sum(a, b).raised(zeros, order)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numbers::scalar::Ring;
+    use crate::numbers::series::TaylorSeries;
+
+    /// Just after its zero, |c h| is |c| h, whichever way it is written, and nothing is told that is not known.
+    #[test]
+    fn roots_of_squares_are_one_sided() {
+        for slope in [3.0, -0.5] {
+            let x = TaylorSeries::linear(0.0, slope, 4);
+            let exact = TaylorSeries::linear(0.0, f64::abs(slope), 4);
+            let hypot = x.hypot(TaylorSeries::number(0.0));
+            assert_eq!(hypot, exact);
+            let root = x.square().sqrt();
+            assert_eq!(root.coefficients()[..4], exact.coefficients()[..4]);
+            assert!(root.coefficients()[4].is_nan());
+            let longer = x.hypot(x.scale(4.0 / 3.0));
+            assert!((longer.derivative(1) - f64::abs(slope) * 5.0 / 3.0).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn a_zero_that_is_not_known_to_remain_has_no_rates() {
+        // (t - 1)² to the first order is zero twice.
+        let short = TaylorSeries::linear(0.0, 0.0, 1);
+        assert!(short.sqrt().derivative(1).is_nan() && short.sqrt().derivative(0) == 0.0);
+        for rest in [TaylorSeries::number(0.0), TaylorSeries::linear(0.0, 0.0, 8)] {
+            assert_eq!(rest.sqrt(), TaylorSeries::number(0.0));
+            assert_eq!(rest.hypot(rest), TaylorSeries::number(0.0));
+        }
+        assert!(
+            !TaylorSeries::linear(0.0, 2.0, 3)
+                .sqrt()
+                .derivative(1)
+                .is_finite()
+        );
+        assert!(
+            TaylorSeries::linear(0.0, 1.0, 3)
+                .square()
+                .scale(-1.0)
+                .sqrt()
+                .derivative(1)
+                .is_nan()
+        );
+    }
+}

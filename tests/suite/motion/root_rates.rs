@@ -1,0 +1,80 @@
+//! Rates where a root or a length is zero, against series by hand.
+
+use crate::driven::{add_derivatives, solve};
+use crate::reference::scenes::written;
+use mechanim::kinematics::rates::columns::{RateColumns, RateVariable};
+
+/// Roots and lengths have a kink at their zeros: the rates there are those just after, of any order.
+#[test]
+fn rates_at_zeros_of_roots_are_those_just_after() {
+    // The formula, and the same just after its zero at t = 0.
+    type After = fn(f64) -> [f64; 3];
+    let cases: [(&str, After); 9] = [
+        ("hypot(X, Y)", |_| [5.0, 0.0, 0.0]),
+        ("sqrt(X^2 + Y^2)", |_| [5.0, 0.0, 0.0]),
+        ("sqrt(X^2)", |_| [3.0, 0.0, 0.0]),
+        ("hypot(X, 0)", |_| [3.0, 0.0, 0.0]),
+        ("abs(X)", |_| [3.0, 0.0, 0.0]),
+        ("hypot(X^2, Y^2)", |_| {
+            [0.0, 2.0 * f64::hypot(9.0, 16.0), 0.0]
+        }),
+        ("sqrt(X^2 + X^3)", |_| [3.0, 9.0, 3.0 * -6.75]),
+        ("hypot(M.x, M.y)", |_| [5.0, 0.0, 0.0]),
+        ("sqrt(X^4)*X", |_| [0.0, 0.0, 27.0 * 6.0]),
+    ];
+    for (formula, after) in cases {
+        let of = |x: &str, y: &str| formula.replace('X', x).replace('Y', y);
+        let is_of_point = formula.contains('M');
+        let driven = if is_of_point {
+            "t".to_owned()
+        } else {
+            of("(3*t)", "(4*t)")
+        };
+        let formula = of("x", "y");
+        let scene = written(&format!(
+            "duration = 1\n[inputs]\nx = \"3*t\"\ny = \"4*t\"\ndriven = \"{driven}\"\n[[bodies]]\nname = \"b\"\nframe = \"Tx(x) Ty(y)\"\n\
+             [[traces]]\nname = \"M\"\nbody = \"b\"\n[outputs]\nr = \"{formula}\"\nv = \"d(r, t)\"\nw = \"d({formula}, t, 2)\"\nu = \"d({formula}, t)\"\n\
+             dd = \"d(driven, t)\"\n",
+        ));
+        let mut trajectory = solve(&scene, &[0.0]).unwrap();
+        let pose = trajectory.samples[0].pose.clone().unwrap();
+        let [first, second, third] = after(0.0);
+        let known = [first, second, first];
+        for (found, exact) in pose.outputs[1..4].iter().zip(known) {
+            assert!(
+                (found - exact).abs() < 1e-12,
+                "{formula}: {:?}",
+                pose.outputs
+            );
+        }
+        if !is_of_point {
+            assert!(
+                (pose.outputs[4] - first).abs() < 1e-12,
+                "{formula}: {:?}",
+                pose.outputs
+            );
+        }
+        // The columns of a table, of three orders at once.
+        let columns = RateColumns {
+            order: 3,
+            by: RateVariable::Time,
+        };
+        add_derivatives(&scene, &mut trajectory, columns);
+        let pose = trajectory.samples[0].pose.as_ref().unwrap();
+        let place = columns
+            .headings(&scene)
+            .iter()
+            .position(|(name, _)| name == "d(r)/dt")
+            .unwrap();
+        for (found, exact) in pose.derivatives[place..place + 3]
+            .iter()
+            .zip([first, second, third])
+        {
+            assert!(
+                (found - exact).abs() < 1e-11,
+                "{formula}: {:?}",
+                &pose.derivatives[place..place + 3]
+            );
+        }
+    }
+}
