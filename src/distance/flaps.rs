@@ -51,7 +51,11 @@ pub(crate) fn find_flaps(
 }
 
 /// Reports every set of triangles that are connected by edges with two sides.
-fn each_sheet(triangles: &[[u32; 3]], edges: &SurfaceEdges, mut tell: impl FnMut(&[usize])) {
+pub(super) fn each_sheet(
+    triangles: &[[u32; 3]],
+    edges: &SurfaceEdges,
+    mut tell: impl FnMut(&[usize]),
+) {
     let mut is_done = vec![false; triangles.len()];
     let mut sheet = Vec::new();
     for seed in 0..triangles.len() {

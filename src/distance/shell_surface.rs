@@ -1,12 +1,10 @@
 //! The triangles of a mesh with merged corners: open edges, connected parts, consistent orientation.
 
 use super::flaps::find_flaps;
-use super::shell_volume::encloses_space;
 use super::surface_edges::{SurfaceEdges, triangle_edges};
 use crate::model::shape::TriangleSoup;
 use crate::weld::{FlatTable, first_equal, point_bits};
 use glam::DVec3;
-use std::collections::HashSet;
 
 /// Open edges are joined where their ends are nearer than this fraction of the largest coordinate: files hold single
 /// precision, seven digits.
@@ -33,7 +31,7 @@ fn cells_between(low: DVec3, high: DVec3) -> impl Iterator<Item = DVec3> {
 
 /// Triangles by corners, with equal corners merged.
 pub(crate) struct ShellSurface {
-    triangles: Vec<[u32; 3]>,
+    pub(super) triangles: Vec<[u32; 3]>,
 }
 
 /// The triangles of every connected part, stored consecutively.
@@ -109,60 +107,6 @@ impl ShellSurface {
         true
     }
 
-    /// Takes what encloses nothing out of a closed surface: sheets with two sides. A shell that stands there twice, once outwards
-    /// and once inwards as programs with two-sided faces write it, becomes a single one. Returns whether any shell is left; if
-    /// none is, nothing is changed.
-    pub(crate) fn take_sheets(
-        &mut self,
-        triangles: &mut Vec<[DVec3; 3]>,
-        flaps: &mut Vec<[DVec3; 3]>,
-    ) -> bool {
-        let parts = self.parts();
-        let is_hollow = |part: &[u32]| encloses_space(part.iter().map(|k| &triangles[*k as usize]));
-        if parts.each().all(is_hollow) {
-            return true;
-        }
-        let (mut shells, mut places, mut sheets) = (Vec::new(), Vec::new(), Vec::new());
-        for part in parts.each() {
-            let of = |k: &u32| (self.triangles[*k as usize], triangles[*k as usize]);
-            if is_hollow(part) {
-                shells.extend(part.iter().map(|k| of(k).0));
-                places.extend(part.iter().map(|k| of(k).1));
-                continue;
-            }
-            // One triangle of those with the same corners, all oriented like their neighbours.
-            let mut known = HashSet::new();
-            let single: Vec<u32> = part
-                .iter()
-                .copied()
-                .filter(|k| known.insert(sorted(of(k).0)))
-                .collect();
-            let own = Self {
-                triangles: single.iter().map(|k| of(k).0).collect(),
-            };
-            let turned = own.agreed();
-            let pairs = single
-                .iter()
-                .zip(own.triangles.iter().zip(&turned.triangles));
-            let shell: Vec<[DVec3; 3]> = pairs
-                .map(|(k, (old, new))| oriented(of(k).1, old == new))
-                .collect();
-            let is_closed = turned.edges().open().next().is_none();
-            if is_closed && encloses_space(shell.iter()) {
-                shells.extend(turned.triangles);
-                places.extend(shell);
-            } else {
-                sheets.extend(part.iter().map(|k| of(k).1));
-            }
-        }
-        if shells.is_empty() {
-            return false;
-        }
-        (self.triangles, *triangles) = (shells, places);
-        flaps.extend(sheets);
-        true
-    }
-
     /// Merges corners of open edges within the error of the numbers in the file.
     pub(crate) fn weld(&mut self, vertices: &[DVec3], edges: &SurfaceEdges) {
         let near = weld_distance(vertices);
@@ -212,7 +156,7 @@ impl ShellSurface {
 
     /// The same triangles, oriented so that neighbours run along their common edge in opposite directions, if possible;
     /// in each connected part the minority is reversed.
-    fn agreed(&self) -> Self {
+    pub(super) fn agreed(&self) -> Self {
         let mut triangles = self.triangles.clone();
         let edges = self.edges();
         let mut is_done = vec![false; triangles.len()];
@@ -300,14 +244,8 @@ impl ShellSurface {
 }
 
 /// A triangle as it is, or reversed.
-fn oriented([a, b, c]: [DVec3; 3], as_it_is: bool) -> [DVec3; 3] {
+pub(super) fn oriented([a, b, c]: [DVec3; 3], as_it_is: bool) -> [DVec3; 3] {
     if as_it_is { [a, b, c] } else { [b, a, c] }
-}
-
-/// The corners of a triangle, whichever way round it is written.
-fn sorted(mut corners: [u32; 3]) -> [u32; 3] {
-    corners.sort_unstable();
-    corners
 }
 
 /// The distance below which corners of open edges are merged.

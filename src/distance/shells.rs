@@ -2,8 +2,8 @@
 
 use super::shell_boxes::ShellBoxes;
 use super::shell_surface::{Parts, ShellSurface};
-use super::shell_volume::six_volumes;
 use super::triangle_tree::TriangleTree;
+use super::two_sided::{halved, six_volumes};
 use super::winding::turns_around;
 use crate::model::shape::TriangleSoup;
 use glam::DVec3;
@@ -69,12 +69,11 @@ impl Shells {
             open_edges = 0;
         }
         drop(edges);
-        // A closed mesh has an inside, unless all of it are sheets with two sides.
-        let mut is_hollow = !soup.is_surface && open_edges == 0 && !triangles.is_empty();
+        // A closed mesh has an inside; the sign of its volume says whether it is inside out.
+        let is_hollow = !soup.is_surface && open_edges == 0 && !triangles.is_empty();
         if is_hollow {
-            is_hollow = surface.take_sheets(&mut triangles, &mut flaps);
+            surface = halved(surface, &mut triangles);
         }
-        // The sign of its volume says whether it is inside out.
         let mut enclosure = match (soup.is_surface, is_hollow) {
             (true, _) => ShellEnclosure::Surface,
             (false, false) => ShellEnclosure::Open,

@@ -123,6 +123,9 @@ impl Interval {
 
     /// A function of `libm` that grows on the whole interval.
     fn monotone_image(self, f: impl Fn(f64) -> f64) -> Self {
+        if !self.is_finite() {
+            return Self::ENTIRE;
+        }
         let wide = Self::widened(f(self.lo), f(self.hi), FUNCTION_WIDENING);
         Self::new(wide.lo - UNDERFLOW, wide.hi + UNDERFLOW)
     }
@@ -160,6 +163,8 @@ impl Ring for Interval {
 }
 
 impl Scalar for Interval {
+    const IS_ENCLOSURE: bool = true;
+
     /// All values that the constant may have.
     fn from_constant(constant: Constant) -> Self {
         let number = constant.number();
@@ -205,6 +210,9 @@ impl Scalar for Interval {
     /// Square: never negative.
     fn square(self) -> Self {
         let product = self * self;
+        if !product.is_finite() {
+            return Self::ENTIRE;
+        }
         let lo = if self.holds_zero() { 0.0 } else { product.lo };
         Self::new(lo.max(0.0), product.hi)
     }
@@ -212,7 +220,7 @@ impl Scalar for Interval {
     /// Sine and cosine.
     fn sin_cos(self) -> (Self, Self) {
         if !self.is_finite() {
-            return (Self::new(-1.0, 1.0), Self::new(-1.0, 1.0));
+            return (Self::ENTIRE, Self::ENTIRE);
         }
         let (s, c) = (sin_cos(self.lo), sin_cos(self.hi));
         (
@@ -223,6 +231,9 @@ impl Scalar for Interval {
 
     /// Square root.
     fn sqrt(self) -> Self {
+        if !(self.is_finite() && self.lo >= 0.0) {
+            return Self::ENTIRE;
+        }
         Self::widened(self.lo.sqrt(), self.hi.sqrt(), WIDENING)
     }
 
@@ -269,7 +280,10 @@ impl Scalar for Interval {
 
     /// Magnitudes; about zero those of both signs.
     fn abs(self) -> Self {
-        Self::new(self.lo.max(-self.hi).max(0.0), self.magnitude())
+        match self.is_finite() {
+            true => Self::new(self.lo.max(-self.hi).max(0.0), self.magnitude()),
+            false => Self::ENTIRE,
+        }
     }
 
     /// Unknown if one of them is: it may have no value.

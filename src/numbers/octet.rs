@@ -262,7 +262,8 @@ impl Scalar for Octet {
     }
 
     fn choose(self, negative: Self, other: Self) -> Self {
-        LaneMask(self.0.simd_lt(f64x8::splat(0.0))).choose(negative, other)
+        let chosen = LaneMask(self.0.simd_lt(f64x8::splat(0.0))).choose(negative, other);
+        self.is_nan().choose(Self::undefined(), chosen)
     }
 
     fn sin_cos(self) -> (Self, Self) {

@@ -32,6 +32,9 @@ pub trait Ring:
 
 /// A number, or a type that represents one.
 pub trait Scalar: Ring + PartialEq + Div<Output = Self> {
+    /// Whether a number of this type stands for all that it contains.
+    const IS_ENCLOSURE: bool = false;
+
     /// A constant of the scene: enclosures contain the number as written, others use the nearest f64.
     fn from_constant(constant: Constant) -> Self {
         Self::number(constant.number())
@@ -215,7 +218,7 @@ impl Scalar for f64 {
 
     #[inline]
     fn is_below_zero(self) -> Option<bool> {
-        Some(self < 0.0)
+        (!self.is_nan()).then_some(self < 0.0)
     }
 
     fn sin_cos(self) -> (Self, Self) {
@@ -276,6 +279,21 @@ impl Scalar for f64 {
 
     fn abs(self) -> Self {
         Self::abs(self)
+    }
+
+    /// `f64::min` would pass over what is no number.
+    fn min(self, other: Self) -> Self {
+        match self.is_nan() || other.is_nan() {
+            true => Self::NAN,
+            false => Self::min(self, other),
+        }
+    }
+
+    fn max(self, other: Self) -> Self {
+        match self.is_nan() || other.is_nan() {
+            true => Self::NAN,
+            false => Self::max(self, other),
+        }
     }
 
     fn slope_by_exponent(self) -> Self {

@@ -328,6 +328,9 @@ impl<T: Scalar, const N: usize> Scalar for Series<T, N> {
 
     /// From u v' = r u' v.
     fn real_power(self, exponent: f64) -> Self {
+        if let Some(power) = self.power_of_zero(exponent) {
+            return power;
+        }
         let (u, r) = (&self.coefficients, T::number(exponent));
         Self::built(self.length, |k, known| match k {
             0 => u[0].power(r),

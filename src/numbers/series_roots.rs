@@ -12,13 +12,15 @@ impl<T: Scalar, const N: usize> Series<T, N> {
         zeros.min(N)
     }
 
-    /// Zero, of which nothing else is known unless the series is zero as far as can be told: a constant, or of the highest
-    /// order, as `max(t, 0)` is before its kink.
-    fn zero_of_order(order: usize) -> Self {
+    /// The root of what is zero up to an order: it is zero up to half of that order, and not known beyond. An enclosure of the
+    /// highest order that is zero is zero everywhere, as `max(t, 0)` is before its kink.
+    fn root_of_zero(order: usize) -> Self {
         let mut zero = Self::constant(T::number(0.0));
-        if order + 1 < N {
-            (1..=order).for_each(|k| zero.set(k, T::undefined()));
-        }
+        let known = match T::IS_ENCLOSURE && order + 1 == N {
+            true => order,
+            false => order / 2,
+        };
+        (known + 1..=order).for_each(|k| zero.set(k, T::undefined()));
         zero
     }
 
@@ -46,12 +48,23 @@ impl<T: Scalar, const N: usize> Series<T, N> {
     pub(super) fn root(self) -> Self {
         let (zeros, order) = (self.leading_zeros(), self.order());
         match zeros {
-            _ if zeros > order => Self::zero_of_order(order),
+            _ if zeros > order => Self::root_of_zero(order),
             0 => self.plain_root(),
             _ if zeros % 2 == 0 => self.lowered(zeros).plain_root().raised(zeros / 2, order),
             // The root of an odd power has infinite rates.
             _ => self.plain_root(),
         }
+    }
+
+    /// A power with an exponent above zero of what starts at zero: that of tᵐ s is tᵐᵖ sᵖ, where m p is a whole number.
+    pub(super) fn power_of_zero(self, exponent: f64) -> Option<Self> {
+        let (zeros, order) = (self.leading_zeros(), self.order());
+        let whole = zeros as f64 * exponent;
+        let is_told = (1..=order).contains(&zeros) && exponent > 0.0 && whole.fract() == 0.0;
+        is_told.then(|| {
+            let rest = self.lowered(zeros).real_power(exponent);
+            rest.raised(whole as usize, order)
+        })
     }
 
     /// √(self² + other²): a common power is taken out, so that no coefficient is lost.
@@ -61,7 +74,7 @@ impl<T: Scalar, const N: usize> Series<T, N> {
         let sum = |a: Self, b: Self| (a.square() + b.square()).root();
         match zeros {
             0 => sum(self, other),
-            _ if zeros > order => Self::zero_of_order(order),
+            _ if zeros > order => Self::constant(T::number(0.0)),
             _ => {
                 let [a, b] = [self, other].map(|series| series.lowered(zeros));
                 sum(a, b).raised(zeros, order)
@@ -97,10 +110,13 @@ mod tests {
         // (t - 1)² to the first order is zero twice.
         let short = TaylorSeries::linear(0.0, 0.0, 1);
         assert!(short.sqrt().derivative(1).is_nan() && short.sqrt().derivative(0) == 0.0);
-        for rest in [TaylorSeries::number(0.0), TaylorSeries::linear(0.0, 0.0, 8)] {
-            assert_eq!(rest.sqrt(), TaylorSeries::number(0.0));
-            assert_eq!(rest.hypot(rest), TaylorSeries::number(0.0));
-        }
+        let rest = TaylorSeries::number(0.0);
+        assert_eq!(rest.sqrt(), rest);
+        assert_eq!(rest.hypot(rest), rest);
+        // √(t¹⁰) = |t|⁵.
+        let long = TaylorSeries::linear(0.0, 0.0, 8);
+        assert!(long.sqrt().derivative(4) == 0.0 && long.sqrt().derivative(5).is_nan());
+        assert_eq!(long.hypot(long), rest);
         assert!(
             !TaylorSeries::linear(0.0, 2.0, 3)
                 .sqrt()

@@ -1,7 +1,7 @@
 //! The folder of a study: its plan, and its finished parts.
 
 use super::error::PartsError;
-use super::part::{PartFile, part_name};
+use super::part::{PartFile, is_whole, part_name};
 use super::plan::StudyPlan;
 use super::stored::read_text;
 use crate::export::PendingFile;
@@ -88,13 +88,13 @@ impl Folder {
         self.path.join(LEASES).join(format!("unit-{unit}"))
     }
 
-    /// Whether a unit is done.
+    /// Whether a unit is done: its part is there, and its bytes are those that were written.
     pub fn has(&self, unit: u64) -> bool {
         let name = part_name(&self.plan.items_of(unit));
-        self.parts_folder().join(name).is_file()
+        is_whole(&self.parts_folder().join(name))
     }
 
-    /// Units without a part of their own, ascending.
+    /// Units without an undamaged part of their own, ascending.
     pub fn missing_units(&self) -> Vec<u64> {
         (0..self.plan.units())
             .filter(|unit| !self.has(*unit))

@@ -41,7 +41,19 @@ pub(super) fn part_name(items: &Range<u64>) -> String {
     format!("items-{:012}-{:012}.part", items.start, items.end)
 }
 
-/// Writes the part with these items into `folder`, completely or not at all. An existing one is kept.
+/// Whether the bytes of a file are those that were written: what was damaged since is to be made again.
+pub(super) fn is_whole(path: &Path) -> bool {
+    let content = fs::read(path).ok();
+    content.is_some_and(|bytes| digested(&bytes).is_some())
+}
+
+/// The bytes before the digest at the end, if it is theirs.
+fn digested(bytes: &[u8]) -> Option<&[u8]> {
+    let (content, sum) = bytes.split_at_checked(bytes.len().checked_sub(DIGEST)?)?;
+    (digest(content) == *sum).then_some(content)
+}
+
+/// Writes the part with these items into `folder`, completely or not at all. An existing one is kept unless it is damaged.
 ///
 /// Errors: it cannot be written, or the existing one contains other numbers.
 pub(super) fn write_part(
@@ -67,6 +79,9 @@ pub(super) fn write_part(
     let mut target = PendingFile::create(&path)?;
     let written = target.write_all(&bytes);
     written.map_err(|e| PartsError::io(&path, e))?;
+    if path.is_file() && !is_whole(&path) {
+        fs::remove_file(&path).map_err(|e| PartsError::io(&path, e))?;
+    }
     if target.commit_new()? {
         return Ok(());
     }
@@ -121,7 +136,9 @@ impl PartFile {
         }
         let body = plan.numbers(end - start) * 8;
         if length != line.len() as u64 + body + DIGEST as u64 {
-            return Err(foreign("is broken: it is not as long as its items"));
+            return Err(foreign(
+                "is broken: it is not as long as its items; another run makes it again",
+            ));
         }
         Ok(Self {
             path: path.to_owned(),
@@ -136,13 +153,10 @@ impl PartFile {
         let bytes = fs::read(&self.path).map_err(|e| PartsError::io(&self.path, e))?;
         let broken = || PartsError::Foreign {
             path: self.path.clone(),
-            why: "is broken: its bytes are not those that were written".to_owned(),
+            why: "is broken: its bytes are not those that were written; another run makes it again"
+                .to_owned(),
         };
-        let end = bytes.len().checked_sub(DIGEST).ok_or_else(broken)?;
-        let (content, sum) = bytes.split_at(end);
-        if digest(content) != *sum {
-            return Err(broken());
-        }
+        let content = digested(&bytes).ok_or_else(broken)?;
         let head = content
             .iter()
             .position(|b| *b == b'\n')

@@ -185,13 +185,24 @@ impl FormalPair<'_> {
     }
 }
 
-/// The cube of the method of the centre.
-pub fn centre_text(tolerance: f64, radius: f64, united: f64, side: f64) -> String {
+/// Widths that differ by no more than this share are the same but for rounding.
+const SAME_WIDTH: f64 = 1e-9;
+
+/// The cube of the method of the centre; `sides` are the half widths of the right-hand sides, least and greatest.
+pub fn centre_text(tolerance: f64, radius: f64, united: f64, sides: [f64; 2]) -> String {
+    let [side, widest] = sides;
     let lines = [
-        format!(
-            "all right sides are {} wide on either side",
-            six_digits(side)
-        ),
+        match widest > side * (1.0 + SAME_WIDTH) {
+            true => format!(
+                "right sides are {} wide on either side, and up to {} where they hold the given velocity times uncertain coefficients",
+                six_digits(side),
+                six_digits(widest)
+            ),
+            false => format!(
+                "all right sides are {} wide on either side",
+                six_digits(side)
+            ),
+        },
         match radius > 0.0 {
             true => format!(
                 "tolerable set: the cube of half width {} about the centre lies in it",
@@ -336,7 +347,12 @@ impl TiedReport<'_> {
 }
 
 /// A cube as intervals, for the document of the method of the centre.
-pub fn centre_document(centre: &[f64], tolerance: f64, radius: f64, united: f64) -> Value {
+pub fn centre_document(
+    centre: &[f64],
+    tolerance: f64,
+    (radius, united): (f64, f64),
+    sides: [f64; 2],
+) -> Value {
     let cube = |r: f64| {
         (r > 0.0).then(|| {
             let sides = centre.iter().map(|c| Kaucher::new(c - r, c + r));
@@ -346,6 +362,7 @@ pub fn centre_document(centre: &[f64], tolerance: f64, radius: f64, united: f64)
     json!({
         "schema": document_schema(),
         "derived": "centre",
+        "half_widths_of_sides": sides,
         "centre": centre,
         "functional": tolerance,
         "tolerable_radius": radius,

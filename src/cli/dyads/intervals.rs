@@ -177,9 +177,11 @@ fn run_centre(args: &IntervalsArgs, row: &OpenRow) -> Result<Answered, Failure> 
         true => Outcome::Done,
         false => Outcome::CheckFailed,
     };
+    let half_widths = system.b.iter().map(|b| 0.5 * (b.hi - b.lo).abs());
+    let sides = [side, half_widths.fold(side, f64::max)];
     Ok((
-        centre_text(tolerance, radius, united, side),
-        centre_document(&centre, tolerance, radius, united),
+        centre_text(tolerance, radius, united, sides),
+        centre_document(&centre, tolerance, (radius, united), sides),
         outcome,
     ))
 }

@@ -1,7 +1,8 @@
 //! Of which coordinates a whole turn changes something.
 
 use crate::model::chain::{Argument, ChainStep, ElementaryMotion};
-use crate::model::mechanism::Mechanism;
+use crate::model::mechanism::{Coordinate, Kind, Mechanism};
+use std::f64::consts::TAU;
 
 /// By coordinate: whether a whole turn of it changes anything, because it drives a translation, a gear or an equation.
 pub(crate) struct WholeTurns(Vec<bool>);
@@ -41,6 +42,18 @@ impl WholeTurns {
             equation.expression.slots().into_iter().for_each(&mut note);
         }
         Self(list)
+    }
+
+    /// The whole turns, in radians, by which the unknowns of a pose differ from those of one nearby without changing anything.
+    pub fn between(mechanism: &Mechanism, near: &[f64], coordinates: &[f64]) -> Vec<f64> {
+        let whole = Self::of(mechanism);
+        let turns = |(slot, unknown): (usize, &Coordinate)| match unknown.kind {
+            Kind::Angle if !whole.matter(slot) => {
+                TAU * ((coordinates[slot] - near[slot]) / TAU).round()
+            }
+            _ => 0.0,
+        };
+        mechanism.unknowns.iter().enumerate().map(turns).collect()
     }
 
     /// Whether a whole turn of the coordinate changes anything.

@@ -3,7 +3,7 @@
 use super::{Expression, Function, Op, apply_op};
 use crate::numbers::interval::Interval;
 use crate::numbers::scalar::Scalar;
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Operands of roots, logarithms and powers with a fraction.
 const NOT_BELOW_ZERO: Interval = Interval {
@@ -71,7 +71,10 @@ fn all_values(op: Op, values: &[Interval], slots: &[Interval]) -> Interval {
     };
     let (a, b) = (values[a], values[b]);
     match function {
-        // Both have values, which may be beyond all bounds.
+        // The operands have values, which may be beyond all bounds.
+        Function::Sin | Function::Cos => Interval::around_zero(1.0),
+        Function::Atan => Interval::around_zero(FRAC_PI_2.next_up()),
+        Function::Abs => Interval::new(a.lo.max(-a.hi).max(0.0), a.magnitude()),
         Function::Min => Interval::new(a.lo.min(b.lo), a.hi.min(b.hi)),
         Function::Max => Interval::new(a.lo.max(b.lo), a.hi.max(b.hi)),
         Function::Floor => Interval::new(a.lo.floor(), a.hi.floor()),

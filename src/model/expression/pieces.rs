@@ -144,22 +144,28 @@ impl Expression {
             return Vec::new();
         }
         let narrowest = NARROWEST * from.abs().max(to.abs()).max(1.0);
+        let is_open = |[a, b]: &[f64; 2]| self.is_open(Interval::new(*a, *b));
         let (mut parts, mut met) = (vec![[from, to]], Vec::new());
+        parts.retain(is_open);
         // Bisection: halves on which the formula certainly has no kink or jump are dropped.
         loop {
-            parts.retain(|[a, b]| self.is_open(Interval::new(*a, *b)));
             let width = parts.first().map_or(0.0, |[a, b]| b - a);
             if width <= narrowest || 2 * parts.len() > MOST_PARTS {
                 break;
             }
-            // Of two halves that meet at a kink neither has it inside.
-            let middle = |[a, b]: &[f64; 2]| 0.5 * a + 0.5 * b;
-            for time in parts.iter().map(middle) {
-                let beside = [time.next_down(), time.next_up()];
-                self.add_changes(beside.map(|t| (t, self.jump_state(t))), &mut met);
+            let mut open = Vec::with_capacity(2 * parts.len());
+            for [a, b] in parts {
+                let middle = 0.5 * a + 0.5 * b;
+                let halves = [[a, middle], [middle, b]];
+                let before = open.len();
+                open.extend(halves.into_iter().filter(is_open));
+                // Of two halves that meet at a kink neither has it inside.
+                if open.len() == before {
+                    let beside = [middle.next_down(), middle.next_up()];
+                    self.add_changes(beside.map(|t| (t, self.jump_state(t))), &mut met);
+                }
             }
-            let halves = |part: [f64; 2]| [[part[0], middle(&part)], [middle(&part), part[1]]];
-            parts = parts.into_iter().flat_map(halves).collect();
+            parts = open;
         }
         // What remains around one place is that break; a wider part, where the formula touches a kink, gives both of
         // its ends.
@@ -395,7 +401,10 @@ pub(super) fn within<const N: usize>(
         Op::Call(Function::Abs, a, _) => {
             let mut size = greater(values[a], -values[a]);
             let Interval { lo, hi } = size.coefficients()[0];
-            size.set(0, Interval::new(lo.max(0.0), hi));
+            // What may have no value is no magnitude.
+            if values[a].is_finite() {
+                size.set(0, Interval::new(lo.max(0.0), hi));
+            }
             size
         }
         Op::Call(Function::Max, a, b) => greater(values[a], values[b]),

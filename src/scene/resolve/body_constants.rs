@@ -1,13 +1,14 @@
 //! Numbers and points of bodies, which are constants of the scene.
 
 use super::super::formula::compile::constant_node;
-use super::super::formula::kinds::defines_angle;
+use super::super::formula::kinds::{defines_angle, to_radians};
 use super::super::formula::node::FormulaNode;
 use super::names::Names;
 use super::parsing::parsed_expression;
 use super::range::within_range;
 use crate::diag::{Diagnostic, Diagnostics, shown_number};
 use crate::model::mechanism::Kind;
+use crate::numbers::constant::Constant;
 use crate::scene::values::FormulaText;
 use glam::DVec3;
 
@@ -21,18 +22,17 @@ impl BodyConstants<'_> {
     /// The value of a formula of parameters.
     pub fn value(&self, text: &FormulaText, diagnostics: &mut Diagnostics) -> Option<f64> {
         let node = parsed_expression(text, diagnostics)?;
-        self.value_of(node, Kind::Number, text, diagnostics)
+        let node = self.names.in_radians(node, Some(Kind::Number));
+        self.value_of(&node, text, diagnostics)
     }
 
     fn value_of(
         &self,
-        node: FormulaNode,
-        wanted: Kind,
+        node: &FormulaNode,
         text: &FormulaText,
         diagnostics: &mut Diagnostics,
     ) -> Option<f64> {
-        let node = self.names.in_radians(node, Some(wanted));
-        let value = constant_node(&node, &|n, s| self.names.constant(n, s));
+        let value = constant_node(node, &|n, s| self.names.constant(n, s));
         let in_range = |value: f64| within_range(value, &text.span).map(|()| value);
         match value.and_then(in_range) {
             Ok(value) => Some(value),
@@ -67,11 +67,15 @@ impl BodyConstants<'_> {
     ) -> Option<f64> {
         let text = text.as_ref()?;
         let node = parsed_expression(text, diagnostics)?;
-        let value = match defines_angle(&node, &|name| self.names.dimension(name)) {
-            true => self
-                .value_of(node, Kind::Angle, text, diagnostics)?
-                .to_degrees(),
-            false => self.value_of(node, Kind::Number, text, diagnostics)?,
+        let of_name = |name: &str| self.names.dimension(name);
+        // Numbers beside angles are degrees here, too.
+        let degree = Constant::PI / Constant::exact(180.0);
+        let value = match defines_angle(&node, &of_name) {
+            true => {
+                let node = to_radians(node, Some(Kind::Angle), degree, &of_name);
+                self.value_of(&node, text, diagnostics)?.to_degrees()
+            }
+            false => self.value(text, diagnostics)?,
         };
         in_range(what, text, value, degrees, diagnostics).map(f64::to_radians)
     }

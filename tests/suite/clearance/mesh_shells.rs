@@ -280,26 +280,58 @@ fn shells_with_two_sides_enclose_what_single_ones_do() {
     }
 }
 
-/// A sheet with two sides encloses nothing: beside a shell it is told as what belongs to none, and alone it has no inside.
+/// A sheet with two sides encloses nothing, beside a shell or alone.
 #[test]
 fn sheets_with_two_sides_enclose_nothing() {
     let flat = vec![[v(3.0, 0.0, 0.0), v(4.0, 0.0, 0.0), v(3.0, 1.0, 0.0)]];
-    let bent: Triangles = cube()
-        .into_iter()
-        .skip(4)
-        .map(|t| t.map(|p| p + v(4.0, 0.0, 0.0)))
-        .collect();
+    let moved = |t: [DVec3; 3]| t.map(|p| p + v(4.0, 0.0, 0.0));
+    let bent: Triangles = cube().into_iter().skip(4).map(moved).collect();
     for sheet in [flat, bent] {
-        let count = 2 * sheet.len();
         let sheet = two_sided(sheet);
         let mesh = tree(&[cube(), sheet.clone()].concat());
-        assert_eq!((mesh.enclosure, mesh.flaps), (ShellEnclosure::Solid, count));
-        judges_the_cube(&mesh);
-        let alone = tree(&sheet);
         assert_eq!(
-            (alone.enclosure, alone.open_edges),
-            (ShellEnclosure::Open, 0)
+            (mesh.enclosure, mesh.len()),
+            (ShellEnclosure::Solid, 12 + sheet.len())
         );
-        assert!(!alone.encloses(v(4.0, 0.0, 0.0)));
+        judges_the_cube(&mesh);
+        assert!(!tree(&sheet).encloses(v(4.0, 0.0, 0.0)));
+    }
+}
+
+/// Shells that share a face, an edge or a corner, each of them single, doubled or inside out, beside a third one: what either of
+/// them encloses counts.
+#[test]
+fn shells_that_touch_keep_their_insides() {
+    let third = cuboid(v(10.0, -1.0, -1.0), v(12.0, 1.0, 1.0));
+    let shapes: [fn(Triangles) -> Triangles; 3] = [|own| own, two_sided, turned];
+    for (low, high) in [
+        (v(1.0, -1.0, -1.0), v(3.0, 1.0, 1.0)),
+        (v(1.0, 1.0, -1.0), v(3.0, 3.0, 1.0)),
+        (v(1.0, 1.0, 1.0), v(3.0, 3.0, 3.0)),
+    ] {
+        for first in shapes {
+            for second in shapes {
+                let own = [first(cube()), second(cuboid(low, high))].concat();
+                for mesh in [own.clone(), [own, third.clone()].concat()] {
+                    let mesh = tree(&mesh);
+                    let known = (mesh.enclosure, mesh.flaps, mesh.open_edges);
+                    assert!(
+                        matches!(
+                            known,
+                            (ShellEnclosure::Solid | ShellEnclosure::InsideOut, 0, 0)
+                        ),
+                        "{known:?}"
+                    );
+                    for inside in [v(0.0, 0.1, 0.2), 0.5 * (low + high) + v(0.1, 0.2, 0.3)] {
+                        assert!(
+                            mesh.encloses(inside),
+                            "{low:?} {inside:?} of {} triangles",
+                            mesh.len()
+                        );
+                    }
+                    assert!(!mesh.encloses(v(-1.1, 0.0, 0.0)) && !mesh.encloses(v(0.0, 0.0, 3.1)));
+                }
+            }
+        }
     }
 }

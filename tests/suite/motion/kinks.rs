@@ -105,3 +105,30 @@ fn an_input_may_rest_at_a_kink() {
     let first = wrong.first();
     assert!(wrong.is_empty(), "{} {first:?}", wrong.len());
 }
+
+/// Drives whose kinks are nothing but rounding, at every time: neither the search for corners nor that for poses is lost in them.
+#[test]
+fn kinks_of_rounding_cost_nothing() {
+    let workspace = Workspace::new();
+    for drive in [
+        "max(0.1*t + 0.2*t, 0.3*t)",
+        "min(1, sin(t)^2+cos(t)^2)+t",
+        "max(0.5*(1+cos(t)), cos(t/2)^2)",
+        "abs(sin(t)^2+cos(t)^2-1)+t",
+        "abs(3*t-2*t-t)+t",
+        "abs(0.3*t-0.1*t-0.2*t)+t",
+    ] {
+        workspace.write(
+            "rounding.toml",
+            format!("duration = 1\n[inputs]\na = \"{drive}\"\n[equations]\ne = \"x-a\"\n"),
+        );
+        let run = workspace
+            .run_within(5, &["check", "rounding.toml", "--samples", "5"])
+            .exits(0);
+        assert!(
+            run.text().contains("(0 without a pose)"),
+            "{drive}: {}",
+            run.text()
+        );
+    }
+}

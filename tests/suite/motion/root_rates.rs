@@ -3,6 +3,7 @@
 use crate::driven::{add_derivatives, solve};
 use crate::reference::scenes::written;
 use mechanim::kinematics::rates::columns::{RateColumns, RateVariable};
+use mechanim::{CheckOptions, Samples, Scene};
 
 /// Roots and lengths have a kink at their zeros: the rates there are those just after, of any order.
 #[test]
@@ -76,5 +77,51 @@ fn rates_at_zeros_of_roots_are_those_just_after() {
                 &pose.derivatives[place..place + 3]
             );
         }
+    }
+}
+
+/// What has no value keeps its measure without one: no function, and no second argument, makes a number of it.
+#[test]
+fn what_is_undefined_stays_undefined() {
+    let formulas = [
+        "1/(1 + abs(ln(u)))",
+        "abs(sqrt(u))",
+        "exp(-abs(sqrt(u)))",
+        "1/(2 + abs(asin(1 - u)))",
+        "sin(sqrt(u))",
+        "u^0.5",
+        "atan(ln(u))",
+        "1/(1 + hypot(ln(u), 1))",
+        "max(0, sqrt(u))",
+        "min(1, ln(u))",
+        "max(sqrt(u), 0)",
+        "min(max(ln(u), 0), 1)",
+        "cos(acos(1 - u))",
+    ];
+    for formula in formulas {
+        let scene = |drive: &str, measure: &str| {
+            format!(
+                "duration = 2\n[inputs]\nu = \"{drive}\"\n[equations]\ne = \"y - u\"\n[outputs]\no = \"{formula}\"\n[measures]\n\
+                 m = {{ of = \"{formula}\", take = \"{measure}\", max = 1e9, min = -1e9 }}\n"
+            )
+        };
+        // Between two samples, and at one.
+        for (drive, samples) in [("(t-1.003)^2-1e-6", 21), ("t-1", 5)] {
+            for measure in ["max", "min"] {
+                let text = scene(drive, measure);
+                let check = Scene::parse("undefined", &text)
+                    .unwrap()
+                    .check(&CheckOptions {
+                        samples: Samples::Even(samples),
+                        ..CheckOptions::default()
+                    });
+                let check = check.unwrap();
+                assert!(!check.passed(), "{formula}, {drive}: {}", check.to_json());
+            }
+        }
+        let model = written(&scene("t-1", "max"));
+        let trajectory = solve(&model, &[0.0]).unwrap();
+        let pose = trajectory.samples[0].pose.as_ref().unwrap();
+        assert!(pose.outputs[0].is_nan(), "{formula}: {:?}", pose.outputs);
     }
 }

@@ -406,3 +406,28 @@ fn mistakes_of_a_table_are_told_with_their_places() {
     ];
     run(&workspace, &arguments).exits(2);
 }
+
+/// An angle of the first row may be whole turns away from where the mechanism is assembled: wherever the table begins, a path of the
+/// mechanism itself is met.
+#[test]
+fn a_table_may_begin_anywhere_on_the_path() {
+    let scene = Source { name: "four-bar".to_owned(), text: builtin::find_builtin("four-bar").unwrap().text };
+    let w = Workspace::new();
+    // Rows of the built-in four-bar over a turn, one a degree; a fit starts from other dimensions nearby.
+    let all = motion_table(&scene, &[("K", "x"), ("K", "y")], 361);
+    let rows: Vec<&str> = all.lines().skip(1).collect();
+    for first in [10, 190, 250, 300, 340] {
+        let mut table = String::from("phi,K.x,K.y\n");
+        for k in 0..5 {
+            let angle = first + 4 * k;
+            let (_, place) = rows[angle].split_once(',').unwrap();
+            writeln!(table, "{angle},{place}").unwrap();
+        }
+        w.write("target.csv", table);
+        let arguments = ["synthesise", "four-bar", "--target", "target.csv", "--vary", "crank,coupler", "--within", "15%", "--starts", "2", "--json", "fit.json"];
+        run(&w, &arguments).exits(0);
+        let fit = document(&w, "fit.json");
+        let rows = fit["rows"].as_array().unwrap();
+        assert!(rows.len() == 5 && rows.iter().all(|row| row["missed"].as_f64().unwrap() < 1e-6), "{first}: {fit:#}");
+    }
+}

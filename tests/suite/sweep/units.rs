@@ -125,6 +125,32 @@ fn a_flipped_bit_is_named() {
     run(&space, "study merge study").exits(0);
 }
 
+/// What is damaged is not done: it is counted as missing everywhere, and the next run makes it again.
+#[test]
+fn damaged_parts_are_made_again() {
+    let space = Workspace::new();
+    done(&space, 7);
+    run(&space, "study merge study --out whole.csv").exits(0);
+    let part = &parts(&space)[3];
+    let bytes = std::fs::read(part).unwrap();
+    let flipped = |place: usize| {
+        let mut flipped = bytes.clone();
+        flipped[place] ^= 4;
+        flipped
+    };
+    let half = bytes[..bytes.len() / 2].to_vec();
+    for damaged in [flipped(30), flipped(bytes.len() / 2), flipped(bytes.len() - 1), half, Vec::new()] {
+        std::fs::write(part, damaged).unwrap();
+        assert_eq!(run(&space, "study merge study --missing").text(), "3\n");
+        let status = run(&space, "study status study").exits(0).text();
+        assert!(status.contains("6 of 7 units done") && status.contains("missing: 3"), "{status}");
+        let again = run(&space, "study run study").exits(0).text();
+        assert!(again.contains("7 of 7 units are done"), "{again}");
+        run(&space, "study merge study --out again.csv").exits(0);
+        assert!(space.read("again.csv") == space.read("whole.csv"));
+    }
+}
+
 #[test]
 fn a_part_of_another_study_is_named() {
     let space = Workspace::new();

@@ -12,6 +12,8 @@ use crate::analysis::synthesis::plan::{From, SearchPlan};
 use crate::analysis::synthesis::starts::StartOrigin;
 use crate::jobs::share_work;
 use crate::kinematics::motion::continuation::solve_unproved;
+use crate::kinematics::results::trajectory::Sample;
+use crate::kinematics::solve::turns::WholeTurns;
 use crate::model::actuation::Actuation;
 use crate::model::drive::{Drive, Ease};
 use std::time::Instant;
@@ -250,13 +252,22 @@ impl TargetSearch<'_> {
             ..self.family.actuation.clone()
         };
         let motion = solve_unproved(self.family.system(), &actuation, &times);
+        let found = |sample: &Sample| {
+            let pose = sample.pose.as_ref()?;
+            Some([pose.unknowns.as_slice(), &sample.inputs].concat())
+        };
+        // The first pose is assembled anew, maybe whole turns away, and keeps them.
+        let Some(first) = motion.samples.first().and_then(found) else {
+            return false;
+        };
+        let turns = WholeTurns::between(mechanism, &fit.poses[0], &first);
         let mut pairs = motion.samples.iter().zip(&fit.poses);
         pairs.all(|(sample, pose)| {
-            let Some(found) = &sample.pose else {
+            let Some(mut here) = found(sample) else {
                 return false;
             };
-            let found = [found.unknowns.as_slice(), &sample.inputs].concat();
-            fitting.group.solver.apart(&found, pose) < SAME
+            here.iter_mut().zip(&turns).for_each(|(q, turn)| *q -= turn);
+            fitting.group.solver.apart(&here, pose) < SAME
         })
     }
 

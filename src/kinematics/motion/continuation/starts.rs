@@ -6,8 +6,6 @@ use crate::kinematics::motion::tracker::path_tracker::PathPoint;
 use crate::kinematics::results::trajectory::EventKind;
 use crate::kinematics::solve::assembly::shake_start;
 use crate::kinematics::solve::turns::WholeTurns;
-use crate::model::mechanism::{Kind, Mechanism};
-use std::f64::consts::TAU;
 
 /// After a singular start poses are sought at this fraction of the sampling interval: late enough for the branches to
 /// have separated.
@@ -102,19 +100,10 @@ impl Recorder<'_> {
         let mut found = solver.assembled(&start, None).ok()?;
         solver.iterations += found.iterations;
         // Whole turns away from the old pose are not another assembly.
-        unwind_turns(mechanism, &from.coordinates, &mut found.coordinates);
+        let turns = WholeTurns::between(mechanism, &from.coordinates, &found.coordinates);
+        let pairs = found.coordinates.iter_mut().zip(turns);
+        pairs.for_each(|(q, turn)| *q -= turn);
         let is_near = solver.apart(&found.coordinates, &from.coordinates) <= OTHER_ASSEMBLY;
         is_near.then(|| self.tracker.point(time, found.coordinates))
-    }
-}
-
-/// Removes whole turns from angles that differ from those of `near` only by them.
-fn unwind_turns(mechanism: &Mechanism, near: &[f64], coordinates: &mut [f64]) {
-    let whole = WholeTurns::of(mechanism);
-    for (slot, unknown) in mechanism.unknowns.iter().enumerate() {
-        if unknown.kind == Kind::Angle && !whole.matter(slot) {
-            let turns = ((coordinates[slot] - near[slot]) / TAU).round();
-            coordinates[slot] -= TAU * turns;
-        }
     }
 }
