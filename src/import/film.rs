@@ -1,12 +1,11 @@
 //! Frame sources: a PNG, an APNG, a GIF, or a folder of PNGs, read frame by frame.
 
+use super::apng::ApngPictures;
 use super::order::natural_order;
 use super::picture::{ImportError, decoder_limits, open_head};
 use super::rows::FramePicture;
 use crate::limits::{Resource, allow_memory, current_limits};
 use image::codecs::gif::GifDecoder;
-use image::codecs::png::PngDecoder;
-use image::metadata::LoopCount;
 use image::{AnimationDecoder, Frames, ImageDecoder, Limits};
 use std::fs::File;
 use std::io::{BufRead, BufReader};
@@ -127,22 +126,29 @@ impl FilmReader {
     }
 
     fn of_png(path: &Path, file: BufReader<File>, size: [u64; 2]) -> Result<Self, ImportError> {
-        let refuse = |e| ImportError::decode(path, e);
-        let decoder = PngDecoder::with_limits(file, decoder_limits(size)).map_err(refuse)?;
-        if !decoder.is_apng().map_err(refuse)? {
+        let beside = decoder_limits(size)
+            .max_alloc
+            .and_then(|bytes| usize::try_from(bytes).ok());
+        let Some(pictures) = ApngPictures::open(path, file, beside.unwrap_or(usize::MAX))? else {
             let still = FilmFrame {
                 name: String::new(),
                 picture: FramePicture::of_png(path)?,
                 seconds: 0.0,
             };
             return Ok(Self::new(path, "a PNG", None, std::iter::once(Ok(still))));
-        }
-        let decoder = decoder.apng().map_err(refuse)?;
-        let plays = match decoder.loop_count() {
-            LoopCount::Infinite => Plays::Forever,
-            LoopCount::Finite(times) => Plays::Times(times.get()),
         };
-        let frames = timed_frames(path, decoder.into_frames());
+        let plays = match pictures.plays() {
+            0 => Plays::Forever,
+            times => Plays::Times(times),
+        };
+        let frames = pictures.map(|picture| {
+            let (picture, seconds) = picture?;
+            Ok(FilmFrame {
+                name: String::new(),
+                picture: FramePicture::Held(picture),
+                seconds,
+            })
+        });
         Ok(Self::new(path, "an APNG", Some(plays), frames).held(size))
     }
 

@@ -1,6 +1,7 @@
 //! Reading of picture files: PNG row by row, APNG and GIF frame by frame, file names in numerical order. Draws and writes
 //! nothing.
 
+mod apng;
 pub mod film;
 pub mod order;
 mod picture;

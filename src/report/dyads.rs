@@ -159,12 +159,15 @@ impl DyadReport<'_> {
         });
         format!(
             "System of the velocities: {n} x {n}, columns {}; v{} on the right\n  condition {}, determinant {}, \
-             solution off by {} at most\n",
+             {}\n",
             self.column_order(),
             self.row.names[chain.given()],
             six_digits(singular.sigma_max / singular.sigma_min),
             six_digits(determinant(&table.rows)),
-            off.map_or_else(|| "?".to_owned(), |off| format!("{off:.0e}")),
+            off.map_or_else(
+                || "singular to rounding: no solution".to_owned(),
+                |off| format!("solution off by {off:.0e} at most")
+            ),
         )
     }
 

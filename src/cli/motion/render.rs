@@ -56,7 +56,10 @@ pub fn run_render(args: &RenderArgs, term: &Term) -> Result<Outcome, Failure> {
         mut scene, system, ..
     } = open_scene::open_scene(&args.scene, term)?;
     args.view.apply(&format, &mut scene)?;
-    warn_of_missing_glyphs(&scene, term);
+    // Models hold no text.
+    if !format.is_model() {
+        warn_of_missing_glyphs(&scene, term);
+    }
     let poster = plan_poster(args, &format, &drawn_by(args), scene.view.transparent)?;
     clock.end_stage("read");
     let (plan, trajectory, outcome) = if args.trace_iterations {

@@ -154,7 +154,12 @@ fn synthesise_one<'a>(
             six_digits(start.first * unit),
             six_digits(start.value() * unit),
         );
-        term.note(&format!("  start {}, {from}: {first} to {last}", index + 1));
+        // Behind the starts come the best of them, once more.
+        let what = match index < plan.starts {
+            true => format!("start {}, {from}", index + 1),
+            false => "polished".to_owned(),
+        };
+        term.note(&format!("  {what}: {first} to {last}"));
     };
     let own = own_measures(opened)?;
     let goes_on = || !is_interrupted();

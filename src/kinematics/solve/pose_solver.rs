@@ -163,7 +163,16 @@ impl<'s> PoseSolver<'s> {
     /// One step to new inputs: predicted, corrected, and rejected if the correction is not small compared with the
     /// step.
     pub fn step(&mut self, from: &[f64], inputs: &[f64], order: usize) -> Option<Vec<f64>> {
-        let (mut coordinates, prediction) = self.predict(from, inputs, order);
+        let (mut coordinates, mut prediction) = self.predict(from, inputs, order);
+        // At a kink, such as that of a length at zero, there is no tangent: then the pose itself is the prediction.
+        if (prediction.length + prediction.bend).is_nan() {
+            let unknowns = coordinates.len() - inputs.len();
+            coordinates[..unknowns].copy_from_slice(&from[..unknowns]);
+            prediction = Prediction {
+                length: 0.0,
+                bend: 0.0,
+            };
+        }
         let correction = self.correct(&mut coordinates, Pace::Brisk);
         follows_prediction(&correction, &prediction).then_some(coordinates)
     }

@@ -132,3 +132,35 @@ fn kinks_of_rounding_cost_nothing() {
         );
     }
 }
+
+/// A length that rests at zero has no tangent there; its poses are found all the same, with any number of samples.
+#[test]
+fn lengths_may_rest_at_zero() {
+    let mut wrong = Vec::new();
+    for formula in [
+        "hypot(a, 0)",
+        "hypot(a, 2*a)",
+        "sqrt(a^2)",
+        "2*hypot(0, a) + a",
+    ] {
+        for drive in [
+            "max(0, t-0.5)",
+            "max(0, 0.5-t)",
+            "0",
+            "0*t",
+            "max(0, abs(t-0.5)-0.2)",
+        ] {
+            for samples in [2, 5, 20, 21] {
+                let model = written(&format!(
+                    "duration = 1\n[inputs]\na = \"{drive}\"\n[equations]\ne = \"x - ({formula})\"\n[guess]\nx = 0.5\n"
+                ));
+                let trajectory =
+                    driven::solve(&model, &driven::even_times(&model, samples)).unwrap();
+                if trajectory.missing() > 0 || !trajectory.is_whole() {
+                    wrong.push((formula, drive, samples, trajectory.missing()));
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:?}");
+}

@@ -411,7 +411,10 @@ fn mistakes_of_a_table_are_told_with_their_places() {
 /// mechanism itself is met.
 #[test]
 fn a_table_may_begin_anywhere_on_the_path() {
-    let scene = Source { name: "four-bar".to_owned(), text: builtin::find_builtin("four-bar").unwrap().text };
+    let scene = Source {
+        name: "four-bar".to_owned(),
+        text: builtin::find_builtin("four-bar").unwrap().text,
+    };
     let w = Workspace::new();
     // Rows of the built-in four-bar over a turn, one a degree; a fit starts from other dimensions nearby.
     let all = motion_table(&scene, &[("K", "x"), ("K", "y")], 361);
@@ -424,10 +427,29 @@ fn a_table_may_begin_anywhere_on_the_path() {
             writeln!(table, "{angle},{place}").unwrap();
         }
         w.write("target.csv", table);
-        let arguments = ["synthesise", "four-bar", "--target", "target.csv", "--vary", "crank,coupler", "--within", "15%", "--starts", "2", "--json", "fit.json"];
+        let arguments = [
+            "synthesise",
+            "four-bar",
+            "--target",
+            "target.csv",
+            "--vary",
+            "crank,coupler",
+            "--within",
+            "15%",
+            "--starts",
+            "2",
+            "--json",
+            "fit.json",
+        ];
         run(&w, &arguments).exits(0);
         let fit = document(&w, "fit.json");
         let rows = fit["rows"].as_array().unwrap();
-        assert!(rows.len() == 5 && rows.iter().all(|row| row["missed"].as_f64().unwrap() < 1e-6), "{first}: {fit:#}");
+        assert!(
+            rows.len() == 5
+                && rows
+                    .iter()
+                    .all(|row| row["missed"].as_f64().unwrap() < 1e-6),
+            "{first}: {fit:#}"
+        );
     }
 }

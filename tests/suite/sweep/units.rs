@@ -139,11 +139,20 @@ fn damaged_parts_are_made_again() {
         flipped
     };
     let half = bytes[..bytes.len() / 2].to_vec();
-    for damaged in [flipped(30), flipped(bytes.len() / 2), flipped(bytes.len() - 1), half, Vec::new()] {
+    for damaged in [
+        flipped(30),
+        flipped(bytes.len() / 2),
+        flipped(bytes.len() - 1),
+        half,
+        Vec::new(),
+    ] {
         std::fs::write(part, damaged).unwrap();
         assert_eq!(run(&space, "study merge study --missing").text(), "3\n");
         let status = run(&space, "study status study").exits(0).text();
-        assert!(status.contains("6 of 7 units done") && status.contains("missing: 3"), "{status}");
+        assert!(
+            status.contains("6 of 7 units done") && status.contains("missing: 3"),
+            "{status}"
+        );
         let again = run(&space, "study run study").exits(0).text();
         assert!(again.contains("7 of 7 units are done"), "{again}");
         run(&space, "study merge study --out again.csv").exits(0);

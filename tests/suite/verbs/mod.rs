@@ -1,5 +1,6 @@
 //! The program as a stranger meets it: commands, messages, hostile files.
 
+mod apngs;
 mod bad_scenes;
 mod bombs;
 mod cli;
