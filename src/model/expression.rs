@@ -246,7 +246,24 @@ fn operand_places(op: Op) -> [Option<usize>; 2] {
     }
 }
 
+/// The value of an operation; unknown if an operand may have none, whatever the operation would make of it.
 fn apply_op<S: Scalar>(op: Op, v: &[S], slots: &[S]) -> S {
+    let lacks = |k: usize| v[k].may_lack_value();
+    let may_lack = match op {
+        Op::Divide(_, b) => lacks(b),
+        Op::Multiply(a, b) => a == b && lacks(a),
+        Op::Power(a, b) => lacks(a) || lacks(b),
+        Op::Call(f, a, b) => lacks(a) || f.accepts(2) && lacks(b),
+        _ => false,
+    };
+    match may_lack {
+        true => S::undefined(),
+        false => extended_op(op, v, slots),
+    }
+}
+
+/// The same where the operands have values, which may be beyond all bounds.
+fn extended_op<S: Scalar>(op: Op, v: &[S], slots: &[S]) -> S {
     match op {
         Op::Constant(c) => S::from_constant(c),
         Op::Slot(i) => slots[i],

@@ -123,9 +123,6 @@ impl Interval {
 
     /// A function of `libm` that grows on the whole interval.
     fn monotone_image(self, f: impl Fn(f64) -> f64) -> Self {
-        if !self.is_finite() {
-            return Self::ENTIRE;
-        }
         let wide = Self::widened(f(self.lo), f(self.hi), FUNCTION_WIDENING);
         Self::new(wide.lo - UNDERFLOW, wide.hi + UNDERFLOW)
     }
@@ -164,6 +161,10 @@ impl Ring for Interval {
 
 impl Scalar for Interval {
     const IS_ENCLOSURE: bool = true;
+
+    fn may_lack_value(self) -> bool {
+        !self.is_finite()
+    }
 
     /// All values that the constant may have.
     fn from_constant(constant: Constant) -> Self {
@@ -210,9 +211,6 @@ impl Scalar for Interval {
     /// Square: never negative.
     fn square(self) -> Self {
         let product = self * self;
-        if !product.is_finite() {
-            return Self::ENTIRE;
-        }
         let lo = if self.holds_zero() { 0.0 } else { product.lo };
         Self::new(lo.max(0.0), product.hi)
     }
@@ -220,7 +218,7 @@ impl Scalar for Interval {
     /// Sine and cosine.
     fn sin_cos(self) -> (Self, Self) {
         if !self.is_finite() {
-            return (Self::ENTIRE, Self::ENTIRE);
+            return (Self::new(-1.0, 1.0), Self::new(-1.0, 1.0));
         }
         let (s, c) = (sin_cos(self.lo), sin_cos(self.hi));
         (
@@ -231,9 +229,6 @@ impl Scalar for Interval {
 
     /// Square root.
     fn sqrt(self) -> Self {
-        if !(self.is_finite() && self.lo >= 0.0) {
-            return Self::ENTIRE;
-        }
         Self::widened(self.lo.sqrt(), self.hi.sqrt(), WIDENING)
     }
 
@@ -278,20 +273,27 @@ impl Scalar for Interval {
         Self::ONE.atan2(Self::ZERO) - self.asin()
     }
 
-    /// Magnitudes; about zero those of both signs.
-    fn abs(self) -> Self {
-        match self.is_finite() {
-            true => Self::new(self.lo.max(-self.hi).max(0.0), self.magnitude()),
-            false => Self::ENTIRE,
+    /// Unknown where a member may have no such power.
+    fn real_power(self, exponent: f64) -> Self {
+        let power = |base: Self| (base.ln() * Self::number(exponent)).exp();
+        match self {
+            Self { lo, hi } if lo > 0.0 && hi.is_finite() => power(self),
+            // From zero on it rises.
+            Self { lo: 0.0, hi } if exponent > 0.0 && hi.is_finite() => match hi > 0.0 {
+                true => Self::new(0.0, power(Self::point(hi)).hi),
+                false => Self::ZERO,
+            },
+            _ => Self::ENTIRE,
         }
     }
 
-    /// Unknown if one of them is: it may have no value.
+    /// Magnitudes; about zero those of both signs.
+    fn abs(self) -> Self {
+        Self::new(self.lo.max(-self.hi).max(0.0), self.magnitude())
+    }
+
     fn min(self, other: Self) -> Self {
-        match self.is_finite() && other.is_finite() {
-            true => Self::new(self.lo.min(other.lo), self.hi.min(other.hi)),
-            false => Self::ENTIRE,
-        }
+        Self::new(self.lo.min(other.lo), self.hi.min(other.hi))
     }
 
     fn max(self, other: Self) -> Self {

@@ -35,6 +35,11 @@ pub trait Scalar: Ring + PartialEq + Div<Output = Self> {
     /// Whether a number of this type stands for all that it contains.
     const IS_ENCLOSURE: bool = false;
 
+    /// Whether it is an enclosure of what may have no value: without finite ends nothing tells.
+    fn may_lack_value(self) -> bool {
+        false
+    }
+
     /// A constant of the scene: enclosures contain the number as written, others use the nearest f64.
     fn from_constant(constant: Constant) -> Self {
         Self::number(constant.number())
@@ -149,7 +154,10 @@ pub trait Scalar: Ring + PartialEq + Div<Output = Self> {
     /// Power. Small whole exponents are products; variable exponents need a positive base.
     fn power(self, exponent: Self) -> Self {
         match exponent.as_number() {
-            None => (self.ln() * exponent).exp(),
+            None => match self.ln() {
+                log if log.may_lack_value() => Self::undefined(),
+                log => (log * exponent).exp(),
+            },
             // Whole exponents work for negative bases, too.
             Some(e) if e.fract() == 0.0 && e.abs() <= LARGEST_PRODUCT => {
                 let product = self.whole_power(e.abs() as u32);

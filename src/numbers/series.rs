@@ -193,6 +193,10 @@ impl<T: Scalar, const N: usize> Ring for Series<T, N> {
 }
 
 impl<T: Scalar, const N: usize> Scalar for Series<T, N> {
+    fn may_lack_value(self) -> bool {
+        self.coefficients[0].may_lack_value()
+    }
+
     fn from_constant(constant: Constant) -> Self {
         Self::constant(T::from_constant(constant))
     }

@@ -1,9 +1,9 @@
 //! Domains of formulas: the root of a negative number is undefined, whatever the rest of the formula contains.
 
-use super::{Expression, Function, Op, apply_op};
+use super::{Expression, Function, Op, extended_op};
 use crate::numbers::interval::Interval;
 use crate::numbers::scalar::Scalar;
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::PI;
 
 /// Operands of roots, logarithms and powers with a fraction.
 const NOT_BELOW_ZERO: Interval = Interval {
@@ -62,7 +62,7 @@ impl Expression {
 
 /// All values of an operation, those on both sides of a jump included.
 fn all_values(op: Op, values: &[Interval], slots: &[Interval]) -> Interval {
-    let value = apply_op(op, values, slots);
+    let value = extended_op(op, values, slots);
     if value.is_finite() {
         return value;
     }
@@ -71,12 +71,6 @@ fn all_values(op: Op, values: &[Interval], slots: &[Interval]) -> Interval {
     };
     let (a, b) = (values[a], values[b]);
     match function {
-        // The operands have values, which may be beyond all bounds.
-        Function::Sin | Function::Cos => Interval::around_zero(1.0),
-        Function::Atan => Interval::around_zero(FRAC_PI_2.next_up()),
-        Function::Abs => Interval::new(a.lo.max(-a.hi).max(0.0), a.magnitude()),
-        Function::Min => Interval::new(a.lo.min(b.lo), a.hi.min(b.hi)),
-        Function::Max => Interval::new(a.lo.max(b.lo), a.hi.max(b.hi)),
         Function::Floor => Interval::new(a.lo.floor(), a.hi.floor()),
         // A remainder lies between zero and its divisor.
         Function::Mod => b.hull(Interval::ZERO),

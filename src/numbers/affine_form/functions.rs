@@ -48,6 +48,10 @@ impl AffineForm<'_> {
 }
 
 impl Scalar for AffineForm<'_> {
+    fn may_lack_value(self) -> bool {
+        !self.is_finite()
+    }
+
     fn from_constant(constant: Constant) -> Self {
         match constant.is_exact() {
             true => Self::number(constant.number()),

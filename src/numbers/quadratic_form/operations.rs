@@ -32,6 +32,10 @@ impl Ring for QuadraticForm<'_> {
 }
 
 impl Scalar for QuadraticForm<'_> {
+    fn may_lack_value(self) -> bool {
+        !self.is_finite()
+    }
+
     fn from_constant(constant: Constant) -> Self {
         Self::from(AffineForm::from_constant(constant))
     }

@@ -90,6 +90,8 @@ fn what_is_undefined_stays_undefined() {
         "1/(2 + abs(asin(1 - u)))",
         "sin(sqrt(u))",
         "u^0.5",
+        "u^(1 + u)",
+        "1/(1 + u^1.5)",
         "atan(ln(u))",
         "1/(1 + hypot(ln(u), 1))",
         "max(0, sqrt(u))",

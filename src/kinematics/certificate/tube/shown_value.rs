@@ -149,6 +149,10 @@ impl Ring for ShownValue {
 }
 
 impl Scalar for ShownValue {
+    fn may_lack_value(self) -> bool {
+        !self.range().is_finite()
+    }
+
     fn from_constant(constant: Constant) -> Self {
         Self {
             middle: Series::from_constant(constant),
