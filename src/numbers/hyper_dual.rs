@@ -63,6 +63,10 @@ impl Ring for HyperDual {
 }
 
 impl Scalar for HyperDual {
+    fn may_lack_value(self) -> bool {
+        self.value.is_nan()
+    }
+
     fn undefined() -> Self {
         let value = f64::NAN;
         Self {

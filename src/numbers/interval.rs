@@ -21,6 +21,9 @@ pub struct Interval {
     pub hi: f64,
 }
 
+/// What lies below zero by no more than this share of the upper end is rounding: that of a stretch is some 1e-13 of its coordinates.
+const TOUCHING: f64 = 1e-11;
+
 /// Quotients below this have a unit in the last place below one: 2 to the power of 52.
 const MOST_WHOLE: f64 = 4_503_599_627_370_496.0;
 
@@ -71,6 +74,14 @@ impl Interval {
     /// All numbers up to `radius` from zero.
     pub fn around_zero(radius: f64) -> Self {
         Self::new(-radius, radius)
+    }
+
+    /// Without what lies below zero by no more than rounding leaves there: a root may begin or touch at zero.
+    fn from_zero(self) -> Self {
+        match self.lo < 0.0 && -self.lo <= TOUCHING * self.hi {
+            true => Self { lo: 0.0, ..self },
+            false => self,
+        }
     }
 
     fn widened(lo: f64, hi: f64, by: f64) -> Self {
@@ -229,7 +240,8 @@ impl Scalar for Interval {
 
     /// Square root.
     fn sqrt(self) -> Self {
-        Self::widened(self.lo.sqrt(), self.hi.sqrt(), WIDENING)
+        let Self { lo, hi } = self.from_zero();
+        Self::widened(lo.sqrt(), hi.sqrt(), WIDENING)
     }
 
     /// Exponential.
@@ -276,7 +288,7 @@ impl Scalar for Interval {
     /// Unknown where a member may have no such power.
     fn real_power(self, exponent: f64) -> Self {
         let power = |base: Self| (base.ln() * Self::number(exponent)).exp();
-        match self {
+        match self.from_zero() {
             Self { lo, hi } if lo > 0.0 && hi.is_finite() => power(self),
             // From zero on it rises.
             Self { lo: 0.0, hi } if exponent > 0.0 && hi.is_finite() => match hi > 0.0 {

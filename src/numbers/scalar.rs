@@ -35,7 +35,7 @@ pub trait Scalar: Ring + PartialEq + Div<Output = Self> {
     /// Whether a number of this type stands for all that it contains.
     const IS_ENCLOSURE: bool = false;
 
-    /// Whether it is an enclosure of what may have no value: without finite ends nothing tells.
+    /// Whether it stands for what has no value, or encloses what may have none: without finite ends nothing tells.
     fn may_lack_value(self) -> bool {
         false
     }
@@ -204,6 +204,10 @@ impl Ring for f64 {
 }
 
 impl Scalar for f64 {
+    fn may_lack_value(self) -> bool {
+        self.is_nan()
+    }
+
     fn undefined() -> Self {
         Self::NAN
     }

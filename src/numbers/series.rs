@@ -232,7 +232,9 @@ impl<T: Scalar, const N: usize> Scalar for Series<T, N> {
     fn is_below_zero(self) -> Option<bool> {
         let mut used = self.used().iter();
         let leading = used.find(|c| **c != T::number(0.0));
-        leading.map_or(Some(false), |c| c.is_below_zero())
+        // An infinite rate tells of no side: it may be that of an end.
+        let leading = leading.map(|c| c.is_below_zero().filter(|_| c.is_finite()));
+        leading.unwrap_or(Some(false))
     }
 
     /// The product with itself, whose value is a square.
@@ -330,11 +332,17 @@ impl<T: Scalar, const N: usize> Scalar for Series<T, N> {
         }
     }
 
-    /// From u v' = r u' v.
     fn real_power(self, exponent: f64) -> Self {
-        if let Some(power) = self.power_of_zero(exponent) {
-            return power;
+        match exponent > 0.0 {
+            true => self.power_at_zero(exponent, |series| series.plain_power(exponent)),
+            false => self.plain_power(exponent),
         }
+    }
+}
+
+impl<T: Scalar, const N: usize> Series<T, N> {
+    /// A power of a series that does not start at zero: from u v' = r u' v.
+    fn plain_power(self, exponent: f64) -> Self {
         let (u, r) = (&self.coefficients, T::number(exponent));
         Self::built(self.length, |k, known| match k {
             0 => u[0].power(r),

@@ -12,15 +12,23 @@ impl<T: Scalar, const N: usize> Series<T, N> {
         zeros.min(N)
     }
 
-    /// The root of what is zero up to an order: it is zero up to half of that order, and not known beyond. An enclosure of the
-    /// highest order that is zero is zero everywhere, as `max(t, 0)` is before its kink.
-    fn root_of_zero(order: usize) -> Self {
-        let mut zero = Self::constant(T::number(0.0));
-        let known = match T::IS_ENCLOSURE && order + 1 == N {
-            true => order,
-            false => order / 2,
+    /// A power above zero of what is zero up to an order: zero below the power of the first order that is not known, and not known
+    /// from there on. An enclosure of the highest order that is zero is zero everywhere, as `max(t, 0)` is before its kink.
+    fn power_of_nothing(exponent: f64, order: usize) -> Self {
+        let is_zero = T::IS_ENCLOSURE && order + 1 == N;
+        let known = if is_zero {
+            f64::INFINITY
+        } else {
+            (order + 1) as f64 * exponent
         };
-        (known + 1..=order).for_each(|k| zero.set(k, T::undefined()));
+        Self::zero_below(known, order)
+    }
+
+    /// Zero in all coefficients below a power, up to an order; the others are infinite or not known.
+    fn zero_below(power: f64, order: usize) -> Self {
+        let mut zero = Self::constant(T::number(0.0));
+        let open = (1..=order).filter(|k| *k as f64 >= power);
+        open.for_each(|k| zero.set(k, T::undefined()));
         zero
     }
 
@@ -32,39 +40,44 @@ impl<T: Scalar, const N: usize> Series<T, N> {
         lowered
     }
 
-    /// The series times a power, up to an order; what lies between is not known.
+    /// The series times a power, up to an order; what lies between is not known, and nothing of what has no value.
     fn raised(&self, power: usize, order: usize) -> Self {
         let mut raised = Self::constant(T::number(0.0));
+        let has_value = self.coefficients()[0].is_finite();
         for k in 1..=order {
             let known = k.checked_sub(power).filter(|k| *k <= self.order());
             let zero = T::number(0.0);
-            let unknown = if k < power { zero } else { T::undefined() };
+            let unknown = if k < power && has_value {
+                zero
+            } else {
+                T::undefined()
+            };
             raised.set(k, known.map_or(unknown, |k| self.coefficients()[k]));
         }
         raised
     }
 
-    /// The square root: that of t²ʲ s is tʲ √s, whose last j coefficients depend on what is not kept.
+    /// The square root.
     pub(super) fn root(self) -> Self {
-        let (zeros, order) = (self.leading_zeros(), self.order());
-        match zeros {
-            _ if zeros > order => Self::root_of_zero(order),
-            0 => self.plain_root(),
-            _ if zeros % 2 == 0 => self.lowered(zeros).plain_root().raised(zeros / 2, order),
-            // The root of an odd power has infinite rates.
-            _ => self.plain_root(),
-        }
+        self.power_at_zero(0.5, Self::plain_root)
     }
 
-    /// A power with an exponent above zero of what starts at zero: that of tᵐ s is tᵐᵖ sᵖ, where m p is a whole number.
-    pub(super) fn power_of_zero(self, exponent: f64) -> Option<Self> {
+    /// A power above zero, which `plain` tells of series that do not start at zero: that of tᵐ s is tᵐᵖ sᵖ, whose last coefficients
+    /// depend on what is not kept; where m p is no whole number, those above it are infinite.
+    pub(super) fn power_at_zero(self, exponent: f64, plain: impl Fn(Self) -> Self) -> Self {
         let (zeros, order) = (self.leading_zeros(), self.order());
-        let whole = zeros as f64 * exponent;
-        let is_told = (1..=order).contains(&zeros) && exponent > 0.0 && whole.fract() == 0.0;
-        is_told.then(|| {
-            let rest = self.lowered(zeros).real_power(exponent);
-            rest.raised(whole as usize, order)
-        })
+        let power = zeros as f64 * exponent;
+        match zeros {
+            0 => plain(self),
+            _ if zeros > order => Self::power_of_nothing(exponent, order),
+            _ => {
+                let rest = plain(self.lowered(zeros));
+                match power.fract() == 0.0 || !rest.coefficients()[0].is_finite() {
+                    true => rest.raised(power as usize, order),
+                    false => Self::zero_below(power, order),
+                }
+            }
+        }
     }
 
     /// √(self² + other²): a common power is taken out, so that no coefficient is lost.

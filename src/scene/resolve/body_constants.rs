@@ -1,12 +1,13 @@
 //! Numbers and points of bodies, which are constants of the scene.
 
 use super::super::formula::compile::constant_node;
-use super::super::formula::kinds::{defines_angle, to_radians};
+use super::super::formula::kinds::{dimension_of, to_radians};
 use super::super::formula::node::FormulaNode;
 use super::names::Names;
 use super::parsing::parsed_expression;
 use super::range::within_range;
 use crate::diag::{Diagnostic, Diagnostics, shown_number};
+use crate::model::dimension::PhysicalDimension;
 use crate::model::mechanism::Kind;
 use crate::numbers::constant::Constant;
 use crate::scene::values::FormulaText;
@@ -70,7 +71,8 @@ impl BodyConstants<'_> {
         let of_name = |name: &str| self.names.dimension(name);
         // Numbers beside angles are degrees here, too.
         let degree = Constant::PI / Constant::exact(180.0);
-        let value = match defines_angle(&node, &of_name) {
+        let is_angle = dimension_of(&node, &of_name) == PhysicalDimension::of(Kind::Angle);
+        let value = match is_angle {
             true => {
                 let node = to_radians(node, Some(Kind::Angle), degree, &of_name);
                 self.value_of(&node, text, diagnostics)?.to_degrees()

@@ -572,6 +572,10 @@ fn views_are_in_degrees_and_take_angles_as_they_are() {
             ("\"2*a - 0.5*a\"", 45.0),
             ("\"0.5rad\"", 0.5_f64.to_degrees()),
             ("\"acos(0.5)\"", 60.0),
+            ("\"pi/6+10\"", 40.0),
+            ("\"a+15\"", 45.0),
+            ("\"min(a, 20)\"", 20.0),
+            ("\"2*asin(0.5)-30\"", 30.0),
         ] {
             let text_of_scene = format!(
                 "units = {{ angle = \"{unit}\" }}\nduration = 1\n[parameters]\na = {angle:?}\nk = 10\n\
