@@ -77,7 +77,7 @@ impl Interval {
     }
 
     /// Without what lies below zero by no more than rounding leaves there: a root may begin or touch at zero.
-    fn from_zero(self) -> Self {
+    fn cut_at_zero(self) -> Self {
         match self.lo < 0.0 && -self.lo <= TOUCHING * self.hi {
             true => Self { lo: 0.0, ..self },
             false => self,
@@ -240,7 +240,7 @@ impl Scalar for Interval {
 
     /// Square root.
     fn sqrt(self) -> Self {
-        let Self { lo, hi } = self.from_zero();
+        let Self { lo, hi } = self.cut_at_zero();
         Self::widened(lo.sqrt(), hi.sqrt(), WIDENING)
     }
 
@@ -288,7 +288,7 @@ impl Scalar for Interval {
     /// Unknown where a member may have no such power.
     fn real_power(self, exponent: f64) -> Self {
         let power = |base: Self| (base.ln() * Self::number(exponent)).exp();
-        match self.from_zero() {
+        match self.cut_at_zero() {
             Self { lo, hi } if lo > 0.0 && hi.is_finite() => power(self),
             // From zero on it rises.
             Self { lo: 0.0, hi } if exponent > 0.0 && hi.is_finite() => match hi > 0.0 {
