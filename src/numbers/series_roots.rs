@@ -1,5 +1,5 @@
-//! Square roots of series and of sums of squares, where their first coefficients may vanish: `sqrt((t - 1)^2)` has a kink at its
-//! zero, and the series is that of the side just after it.
+//! Roots and powers of series, and lengths of two of them, where the first coefficients may vanish: `sqrt((t - 1)^2)` has a kink at
+//! its zero, and the series is that of the side just after it.
 
 use super::scalar::Scalar;
 use super::series::Series;
