@@ -244,7 +244,7 @@ impl ShellSurface {
 }
 
 /// A triangle as it is, or reversed.
-pub(super) fn oriented([a, b, c]: [DVec3; 3], as_it_is: bool) -> [DVec3; 3] {
+pub(super) fn oriented<T>([a, b, c]: [T; 3], as_it_is: bool) -> [T; 3] {
     if as_it_is { [a, b, c] } else { [b, a, c] }
 }
 

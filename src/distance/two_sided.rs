@@ -51,12 +51,7 @@ pub(super) fn halved(surface: ShellSurface, triangles: &mut Vec<[DVec3; 3]>) -> 
     kept.choose(&surface, triangles, &even);
     let (mut own, mut places) = (Vec::new(), Vec::new());
     for k in (0..count).filter(|k| !kept.is_left_out[*k]) {
-        let [a, b, c] = surface.triangles[k];
-        own.push(if kept.is_turned[k] {
-            [b, a, c]
-        } else {
-            [a, b, c]
-        });
+        own.push(oriented(surface.triangles[k], !kept.is_turned[k]));
         places.push(oriented(triangles[k], !kept.is_turned[k]));
     }
     *triangles = places;

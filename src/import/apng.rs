@@ -1,5 +1,5 @@
-//! The pictures of an APNG, each composed with those before it. Written after the PNG specification, third edition, section 12.1:
-//! what `dispose_op` clears is cleared before a later part is put aside.
+//! The pictures of an APNG, each composed with those before it as the PNG specification, third edition, describes the chunk `fcTL`:
+//! what `dispose_op` clears is cleared before the picture is kept for a later part that is taken back.
 
 use super::picture::ImportError;
 use image::{Pixel, Rgba, RgbaImage};
@@ -45,7 +45,7 @@ impl ApngPictures {
         };
         Ok(Some(Self {
             path: path.to_owned(),
-            canvas: RgbaImage::new(info.width, info.height),
+            canvas: RgbaImage::new(0, 0),
             disposal: None,
             part: Vec::new(),
             left: animation.num_frames,
@@ -63,6 +63,11 @@ impl ApngPictures {
 
     fn picture(&mut self) -> Result<(RgbaImage, f64), ImportError> {
         let control = self.next_part()?;
+        // Made with the first picture, for which memory has been asked.
+        if self.canvas.is_empty() {
+            let info = self.reader.info();
+            self.canvas = RgbaImage::new(info.width, info.height);
+        }
         match self.disposal.take() {
             None => {}
             Some(Disposal::Restored(picture)) => self.canvas = picture,

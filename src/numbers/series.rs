@@ -98,7 +98,7 @@ impl<T: Scalar, const N: usize> Series<T, N> {
 
     /// Computes the coefficients one after the other, each from those before it.
     #[inline]
-    fn built(length: usize, mut coefficient: impl FnMut(usize, &[T; N]) -> T) -> Self {
+    pub(super) fn built(length: usize, mut coefficient: impl FnMut(usize, &[T; N]) -> T) -> Self {
         let mut coefficients = [T::number(0.0); N];
         for k in 0..length {
             coefficients[k] = coefficient(k, &coefficients);
@@ -145,17 +145,6 @@ impl<T: Scalar, const N: usize> Series<T, N> {
         Self::number(1.0)
     }
 
-    /// The square root of a series that does not start at zero: the square of the root gives coefficient after coefficient.
-    pub(super) fn plain_root(self) -> Self {
-        Self::built(self.length, |k, known| match k {
-            0 => self.coefficients[0].sqrt(),
-            _ => {
-                let products = sum_terms((1..k).map(|j| known[j] * known[k - j]));
-                (self.coefficients[k] - products) / known[0].scale(2.0)
-            }
-        })
-    }
-
     /// 1 / sqrt(1 - u²): the rate of the inverse sine.
     fn arc_rate(self) -> Self {
         Self::one() / (Self::one() - self.square()).sqrt()
@@ -173,7 +162,7 @@ impl<T: Scalar, const N: usize> From<[T; N]> for Series<T, N> {
 
 /// The sum of the terms in their order.
 #[inline]
-fn sum_terms<T: Scalar>(mut terms: impl Iterator<Item = T>) -> T {
+pub(super) fn sum_terms<T: Scalar>(mut terms: impl Iterator<Item = T>) -> T {
     let first = terms.next().unwrap_or(T::number(0.0));
     terms.fold(first, |sum, term| sum + term)
 }
@@ -337,21 +326,6 @@ impl<T: Scalar, const N: usize> Scalar for Series<T, N> {
             true => self.power_at_zero(exponent, |series| series.plain_power(exponent)),
             false => self.plain_power(exponent),
         }
-    }
-}
-
-impl<T: Scalar, const N: usize> Series<T, N> {
-    /// A power of a series that does not start at zero: from u v' = r u' v.
-    fn plain_power(self, exponent: f64) -> Self {
-        let (u, r) = (&self.coefficients, T::number(exponent));
-        Self::built(self.length, |k, known| match k {
-            0 => u[0].power(r),
-            _ => {
-                let weight = |j: usize| r.scale(j as f64) - T::number((k - j) as f64);
-                let terms = (1..=k).map(|j| weight(j) * u[j] * known[k - j]);
-                sum_terms(terms) / u[0].scale(k as f64)
-            }
-        })
     }
 }
 

@@ -2,7 +2,7 @@
 //! its zero, and the series is that of the side just after it.
 
 use super::scalar::Scalar;
-use super::series::Series;
+use super::series::{Series, sum_terms};
 
 impl<T: Scalar, const N: usize> Series<T, N> {
     /// Coefficients that vanish before the first one that does not; all that are kept if none is known to differ from zero.
@@ -10,6 +10,30 @@ impl<T: Scalar, const N: usize> Series<T, N> {
         let all = self.coefficients().iter();
         let zeros = all.take_while(|c| **c == T::number(0.0)).count();
         zeros.min(N)
+    }
+
+    /// The square root of a series that does not start at zero: the square of the root gives coefficient after coefficient.
+    fn plain_root(self) -> Self {
+        Self::built(self.order() + 1, |k, known| match k {
+            0 => self.coefficients()[0].sqrt(),
+            _ => {
+                let products = sum_terms((1..k).map(|j| known[j] * known[k - j]));
+                (self.coefficients()[k] - products) / known[0].scale(2.0)
+            }
+        })
+    }
+
+    /// A power of a series that does not start at zero: from u v' = r u' v.
+    pub(super) fn plain_power(self, exponent: f64) -> Self {
+        let (u, r) = (self.coefficients(), T::number(exponent));
+        Self::built(self.order() + 1, |k, known| match k {
+            0 => u[0].power(r),
+            _ => {
+                let weight = |j: usize| r.scale(j as f64) - T::number((k - j) as f64);
+                let terms = (1..=k).map(|j| weight(j) * u[j] * known[k - j]);
+                sum_terms(terms) / u[0].scale(k as f64)
+            }
+        })
     }
 
     /// A power above zero of what is zero up to an order: zero below the power of the first order that is not known, and not known

@@ -137,7 +137,7 @@ impl PartFile {
         let body = plan.numbers(end - start) * 8;
         if length != line.len() as u64 + body + DIGEST as u64 {
             return Err(foreign(
-                "is broken: it is not as long as its items; another run makes it again",
+                "is broken: it is not as long as its items; a run makes damaged parts of units again",
             ));
         }
         Ok(Self {
@@ -151,10 +151,12 @@ impl PartFile {
     /// Errors: bytes have changed since it was written.
     pub fn numbers(&self) -> Result<Vec<f64>, PartsError> {
         let bytes = fs::read(&self.path).map_err(|e| PartsError::io(&self.path, e))?;
-        let broken = || PartsError::Foreign {
+        let broken = || {
+            PartsError::Foreign {
             path: self.path.clone(),
-            why: "is broken: its bytes are not those that were written; another run makes it again"
+            why: "is broken: its bytes are not those that were written; a run makes damaged parts of units again"
                 .to_owned(),
+        }
         };
         let content = digested(&bytes).ok_or_else(broken)?;
         let head = content

@@ -57,8 +57,8 @@ impl BodyConstants<'_> {
         in_range(what, text, value, range, diagnostics)
     }
 
-    /// The angle at `what` in radians, if there is one and it is in its range of degrees. Mere numbers are degrees, whatever the
-    /// unit of the scene is; a formula that defines an angle has its own.
+    /// The angle at `what` in radians, if there is one and it is in its range of degrees. Numbers are degrees whatever the unit of
+    /// the scene is, alone and beside an angle; what is an angle is that angle.
     pub fn angle_within(
         &self,
         what: &str,

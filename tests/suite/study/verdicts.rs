@@ -227,3 +227,119 @@ z = { range = [0, 3] }
     assert_eq!(kept, [true, true, false], "{found}");
     assert_eq!(pairs[2]["names"], serde_json::json!(["x", "y"]));
 }
+
+/// A measure whose minimum lies between the poses of a study: what is said of these poses says so, and `check`, which judges the whole
+/// motion, fails.
+#[test]
+fn studies_say_that_they_are_of_poses() {
+    let w = Workspace::new();
+    w.write(
+        "between.toml",
+        "units = { length = \"mm\" }\nduration = 1\n[parameters]\na = 1\n[inputs]\nx = \"10*t\"\n[outputs]\ngap = \"abs(x - 5.02) + 0*a\"\n\
+         [[bodies]]\nname = \"b\"\nframe = \"Tx(x) Ty(a)\"\n[measures]\nclear = { of = \"gap + a\", take = \"min\", min = 1.01 }\n",
+    );
+    // |x - 5.02| is zero at t = 0.502, which is none of 180 poses: the least value is a itself.
+    w.run(&["check", "between.toml", "--param", "a=1.005"])
+        .exits(1);
+    let tolerance = [
+        "tolerance",
+        "between.toml",
+        "--vary",
+        "a",
+        "--tolerance",
+        "0.005",
+        "--pieces",
+        "100",
+    ];
+    let tolerance = w.run(&tolerance).exits(0).text();
+    for words in [
+        "measures are of 180 poses, and of nothing between them",
+        "at these poses",
+        "at the poses of the measures",
+    ] {
+        let plain = tolerance.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(plain.contains(words), "{words}: {tolerance}");
+    }
+    let sweep = w
+        .run(&["sweep", "between.toml", "--design", "grid:a=0.99..1.02:3"])
+        .exits(0)
+        .text();
+    assert!(sweep.contains("feasible at the samples"), "{sweep}");
+    let judged = w
+        .run(&[
+            "sweep",
+            "between.toml",
+            "--design",
+            "grid:a=0.99..1.02:3",
+            "--check",
+        ])
+        .exits(0)
+        .text();
+    assert!(judged.contains("1 feasible\n"), "{judged}");
+    let allowed = [
+        "enclose",
+        "four-bar",
+        "--allow",
+        "psi=1",
+        "--vary",
+        "crank,coupler",
+        "--samples",
+        "4",
+    ];
+    let allowed = w.run(&allowed).exits(0).text();
+    assert!(
+        allowed.contains("at each of 4 poses every piece keeps"),
+        "{allowed}"
+    );
+}
+
+/// Units of products of lengths and of their rates, by hand; what is told of is never a number's rate where it is an area's.
+#[test]
+fn products_of_lengths_have_their_units() {
+    let w = Workspace::new();
+    w.write(
+        "units.toml",
+        "units = { length = \"mm\" }\nduration = 1\n[inputs]\nx = \"10*t\"\n[outputs]\narea = \"x^2\"\ncurv = \"1/(x+5)\"\nvel = \"d(x, t)\"\nratio = \"x/(x+1)\"\n\
+         [[bodies]]\nname = \"b\"\nframe = \"Tx(x)\"\n",
+    );
+    for (arguments, units) in [
+        (
+            &["--order", "1"][..],
+            &[
+                ("area", "mm²"),
+                ("curv", "1/mm"),
+                ("vel", "mm/s"),
+                ("d(area)/dt", "mm²/s"),
+                ("d(curv)/dt", "1/(mm·s)"),
+                ("d(vel)/dt", "mm/s²"),
+                ("d(ratio)/dt", "1/s"),
+            ][..],
+        ),
+        (
+            &["--order", "1", "--per", "x"],
+            &[
+                ("d(area)/d(x)", "mm"),
+                ("d(curv)/d(x)", "1/mm²"),
+                ("d(ratio)/d(x)", "1/mm"),
+            ],
+        ),
+    ] {
+        let all = [
+            &[
+                "solve",
+                "units.toml",
+                "--samples",
+                "3",
+                "--out",
+                "rows.json",
+            ],
+            arguments,
+        ]
+        .concat();
+        w.run(&all).exits(0);
+        let document: Value = serde_json::from_slice(&w.read("rows.json")).unwrap();
+        for (column, unit) in units {
+            assert_eq!(document["column_units"][column], *unit, "{column}");
+        }
+    }
+}
