@@ -93,13 +93,10 @@ impl Diagnostic {
     /// Adds "did you mean" if one of `known` is close to `word`; otherwise all of them, if they are few.
     pub fn suggest<'a>(self, word: &str, known: impl IntoIterator<Item = &'a str>) -> Self {
         let known: Vec<&str> = known.into_iter().collect();
-        let hints = self.hints.len();
-        let suggested = self.did_you_mean(word, known.iter().copied());
-        let are_few = (1..=MOST_LISTED).contains(&known.len());
-        if suggested.hints.len() > hints || !are_few {
-            return suggested;
+        if known.is_empty() || known.len() > MOST_LISTED {
+            return self.did_you_mean(word, known);
         }
-        suggested.hint(format!("known are `{}`", known.join("`, `")))
+        self.hint(name_hint(word, known))
     }
 
     /// Adds "did you mean" if one of `known` is close to `word`.
@@ -116,6 +113,16 @@ const MOST_LISTED: usize = 6;
 
 /// Smallest similarity (Jaro-Winkler, 0 to 1) at which another name is suggested.
 const SIMILAR: f64 = 0.75;
+
+/// A hint for an unknown name: the known name that resembles it, or else all known names.
+pub fn name_hint<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> String {
+    let known: Vec<&str> = known.into_iter().collect();
+    match nearest_name(word, known.iter().copied()) {
+        Some(near) => format!("did you mean `{near}`?"),
+        None if known.is_empty() => "there are none".to_owned(),
+        None => format!("known names: `{}`", known.join("`, `")),
+    }
+}
 
 /// The known name most similar to `word`, if any is.
 pub fn nearest_name<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {

@@ -3,9 +3,10 @@
 use super::error::Error;
 use super::loaded::Loaded;
 use super::motion::Samples;
-use crate::clearance::check::{ClearanceReport, Closely, PairReport};
+use crate::clearance::check::{ClearanceEffort, ClearanceReport, PairReport};
 use crate::jobs::Stopwatch;
 use crate::kinematics::results::trajectory::Trajectory;
+use crate::model::asked_ranges::{AGREEMENT, POSITIVE};
 use crate::page::{CheckedMotion, article_of, page_text};
 use crate::report::clearance;
 use crate::report::junit::to_junit;
@@ -18,11 +19,11 @@ use std::sync::Arc;
 pub struct CheckOptions {
     /// Times at which the motion is sampled; the verdict on clearances covers all times in between.
     pub samples: Samples,
-    /// Largest permitted closure error, relative to the mechanism's size.
+    /// Largest permitted closure error, relative to the mechanism's size; positive.
     pub closure: f64,
     /// Whether the motion between the samples must be proved as well.
     pub motion: bool,
-    /// Required agreement of the proved bound with the distance found, as a fraction of the pair's minimum.
+    /// Required agreement of the proved bound with the distance found, as a fraction of the pair's minimum; between 1e-9 and 1.
     pub tolerance: f64,
 }
 
@@ -32,7 +33,7 @@ impl Default for CheckOptions {
             samples: Samples::Frames,
             closure: CheckRequirements::CLOSURE,
             motion: false,
-            tolerance: Closely::TOLERANCE,
+            tolerance: ClearanceEffort::TOLERANCE,
         }
     }
 }
@@ -43,13 +44,13 @@ impl Default for CheckOptions {
 pub struct PairClearance {
     /// Names of the bodies.
     pub bodies: [String; 2],
-    /// Smallest permitted distance.
+    /// Smallest permitted distance, in the scene's length unit.
     pub minimum: f64,
     /// Smallest distance found, in the scene's length unit; negative if the bodies penetrate each other.
     pub distance: f64,
     /// Time of this distance in seconds.
     pub time: f64,
-    /// Lower bound of the distance over the whole motion, proved if `is_proved`; negative infinity if nothing is known, or if the
+    /// Lower bound of the distance over the whole motion in the same unit, proved if `is_proved`; negative infinity if nothing is known, or if the
     /// bodies penetrate each other.
     pub bound: f64,
     /// Whether the bound is proved for the whole motion.
@@ -71,6 +72,8 @@ pub struct Check {
 
 impl Check {
     pub(super) fn run(loaded: Arc<Loaded>, options: &CheckOptions) -> Result<Self, Error> {
+        Error::unless_in(&POSITIVE, "closure", options.closure)?;
+        Error::unless_in(&AGREEMENT, "tolerance", options.tolerance)?;
         let [times, _] = options.samples.times(&loaded)?;
         let check = asked_check(&loaded, options, &times);
         let begun = Stopwatch::start();
@@ -202,7 +205,7 @@ fn asked_check<'a>(
             empty: false,
             band: None,
         },
-        closely: Closely {
+        closely: ClearanceEffort {
             tolerance: options.tolerance,
             pairs: usize::MAX,
             times: true,

@@ -7,6 +7,7 @@ use crate::analysis::enclosure::{
     Enclosed, PieceTolerances, TolerancePlan, enclose_motion, shown_names,
 };
 use crate::jobs::core_count;
+use crate::model::asked_ranges::TOLERANCE;
 use crate::model::mechanism::{Kind, Mechanism};
 use crate::report::enclosure::{enclosure_document, rounded_end};
 use std::sync::atomic::AtomicBool;
@@ -39,6 +40,9 @@ impl Enclosure {
         (tolerance, samples): (Option<f64>, &Samples),
         cancel: &AtomicBool,
     ) -> Result<Self, Error> {
+        if let Some(tolerance) = tolerance {
+            Error::unless_in(&TOLERANCE, "tolerance", tolerance)?;
+        }
         let asked = PieceTolerances {
             vary,
             own: &[],

@@ -1,16 +1,18 @@
 //! The error type of the library.
 
 use crate::analysis::study::FamilyError;
-use crate::diag::{Diagnostic, SceneError, Severity, Source, Span, nearest_name};
+use crate::diag::{Diagnostic, SceneError, Severity, Source, Span, name_hint};
 use crate::export::ExportError;
 use crate::export::error::PipelineError;
 use crate::kinematics::results::columns::ValueColumn;
 use crate::kinematics::structure::block::StructureError;
 use crate::limits::LimitExceeded;
+use crate::model::asked_ranges::range_words;
 use crate::model::mechanism::Mechanism;
 use crate::render::RenderError;
 use crate::scene::source::SourceError;
 use std::fmt;
+use std::ops::RangeInclusive;
 
 /// Kinds of errors that a program can distinguish.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,17 +61,21 @@ impl Error {
         name: &str,
         known: impl IntoIterator<Item = &'a str>,
     ) -> Self {
-        let known: Vec<&str> = known.into_iter().collect();
-        let mut hints = Vec::new();
-        if let Some(near) = nearest_name(name, known.iter().copied()) {
-            hints.push(format!("did you mean `{near}`?"));
-        }
-        hints.push(match known.is_empty() {
-            true => format!("it has no {what} at all"),
-            false => format!("it has: {}", known.join(", ")),
-        });
         let message = format!("the scene has no {what} `{name}`");
-        Self::new(ErrorKind::Argument, message, hints)
+        Self::new(ErrorKind::Argument, message, vec![name_hint(name, known)])
+    }
+
+    /// Refuses a number outside its range.
+    pub(super) fn unless_in(
+        range: &RangeInclusive<f64>,
+        what: &str,
+        value: f64,
+    ) -> Result<(), Self> {
+        if range.contains(&value) {
+            return Ok(());
+        }
+        let message = format!("`{what}` is {value}, but must be {}", range_words(range));
+        Err(Self::new(ErrorKind::Argument, message, Vec::new()))
     }
 
     /// The kind of the error.
@@ -123,30 +129,27 @@ impl From<StructureError> for Error {
     fn from(error: StructureError) -> Self {
         match error {
             StructureError::Limit(limit) => limit.into(),
-            other => Self::new(ErrorKind::Mechanism, other.to_string(), Vec::new()),
+            other => {
+                let hints = other.hint().map(str::to_owned);
+                Self::new(
+                    ErrorKind::Mechanism,
+                    other.to_string(),
+                    Vec::from_iter(hints),
+                )
+            }
         }
     }
 }
 
 impl From<FamilyError> for Error {
     fn from(error: FamilyError) -> Self {
+        let hints = Vec::from_iter(error.hint());
         let message = error.to_string();
         match error {
             FamilyError::Scene(error) => (*error).into(),
             FamilyError::Structure(error) => error.into(),
-            FamilyError::Track { .. } => Self::new(ErrorKind::Mechanism, message, Vec::new()),
-            FamilyError::NoMeasure { name, known } => {
-                Self::unknown_name("measure", &name, known.iter().map(String::as_str))
-            }
-            FamilyError::NoTolerance(_) => {
-                let hint = "give one for all, or each its own: `[study.variables]` NAME = { tolerance = 0.5 }";
-                Self::new(ErrorKind::Argument, message, vec![hint.to_owned()])
-            }
-            FamilyError::Kept(_) => {
-                let hint = "leave it out of what varies, or write the number there";
-                Self::new(ErrorKind::Argument, message, vec![hint.to_owned()])
-            }
-            FamilyError::Lacks(_) => Self::new(ErrorKind::Argument, message, Vec::new()),
+            FamilyError::Track { .. } => Self::new(ErrorKind::Mechanism, message, hints),
+            _ => Self::new(ErrorKind::Argument, message, hints),
         }
     }
 }

@@ -11,7 +11,7 @@ use crate::kinematics::motion::proved::{Proofs, solve_proved};
 use crate::kinematics::motion::sampling::{
     MAX_SAMPLES, allow_samples, even_times, frame_times, only_times,
 };
-use crate::kinematics::results::trajectory::{EventKind, Sample, Trajectory};
+use crate::kinematics::results::trajectory::{Sample, Trajectory};
 use crate::plot::svg::write_svg;
 use crate::plot::{ChartTheme, draw_chart, usual_size};
 use crate::report::sentences::{event_sentence, gap_sentence};
@@ -123,7 +123,7 @@ impl Motion {
         self.trajectory.samples.len()
     }
 
-    /// Whether there are no samples; a solved motion always has some.
+    /// Whether there are no samples: only if the solution was cancelled before the first.
     ///
     /// ```
     /// # use mechanim::{Samples, Scene};
@@ -231,7 +231,7 @@ impl Motion {
             .collect()
     }
 
-    /// Events between the samples, one sentence each: ends of the motion, singular poses, dead points.
+    /// Events between the samples, one sentence each: gaps of the motion, singular poses, changes of branch.
     ///
     /// ```
     /// # use mechanim::{Samples, Scene};
@@ -244,15 +244,8 @@ impl Motion {
         let mechanism = &self.loaded.scene.mechanism;
         let gaps = self.trajectory.gaps.iter();
         let gaps = gaps.map(|gap| gap_sentence(mechanism, gap));
-        // Events that a gap already reports are omitted.
-        let ends = |kind: &EventKind| {
-            matches!(
-                kind,
-                EventKind::MotionEnds(_) | EventKind::MotionResumes { same_branch: true }
-            )
-        };
         let events = self.trajectory.events.iter();
-        let events = events.filter(|event| !ends(&event.kind));
+        let events = events.filter(|event| !event.kind.is_told_by_gap());
         gaps.chain(events.map(|event| event_sentence(mechanism, event)))
             .collect()
     }

@@ -1,9 +1,10 @@
 //! The optimal values of a study's variables.
 
-use super::error::{Error, ErrorKind};
+use super::error::Error;
 use crate::analysis::study::optimum::{SearchMethod, Verified};
 use crate::analysis::study::{FamilyError, FoundOptimum, LoadedStudy};
 use crate::jobs::Stopwatch;
+use crate::model::asked_ranges::{ACCURACY, WITHIN};
 use crate::report::optimum::OptimumReport;
 use crate::scene::edit::with_values;
 use std::sync::atomic::AtomicBool;
@@ -15,9 +16,9 @@ pub struct OptimiseOptions {
     pub method: SearchMethod,
     /// Maximum number of iterations; of a study with limits, in each of its rounds.
     pub iterations: usize,
-    /// Relative accuracy; the default of the method if absent.
+    /// Relative accuracy, positive and at most 1; the default of the method if absent.
     pub tolerance: Option<f64>,
-    /// Lets every variable move by this fraction of its value, instead of within the study's ranges.
+    /// Lets every variable move by this fraction of its value, positive and at most 1000, instead of within the study's ranges.
     pub within: Option<f64>,
     /// Seed of the random numbers ([`SearchMethod::Evolution`]).
     pub seed: u64,
@@ -49,7 +50,11 @@ impl Optimum {
         options: &OptimiseOptions,
         cancel: &AtomicBool,
     ) -> Result<Self, Error> {
+        if let Some(tolerance) = options.tolerance {
+            Error::unless_in(&ACCURACY, "tolerance", tolerance)?;
+        }
         if let Some(share) = options.within {
+            Error::unless_in(&WITHIN, "within", share)?;
             study.family.free_within(share);
         }
         let begun = Stopwatch::start();
@@ -127,10 +132,7 @@ impl Optimum {
             source, overrides, ..
         } = &self.study;
         let parameters = self.study.parameters(self.best());
-        with_values(source, &parameters, &overrides.guess).ok_or_else(|| {
-            let why = "the scene's text cannot be given these values";
-            Error::new(ErrorKind::Scene, why, Vec::new())
-        })
+        Ok(with_values(source, &parameters, &overrides.guess)?)
     }
 
     /// The report that `mechanim optimise` prints.

@@ -124,7 +124,7 @@ impl<'m> Pose<'m> {
         self.pose.closure_error
     }
 
-    /// Smallest singular value of the Jacobian for scaled unknowns and residuals; zero at a singular pose.
+    /// Smallest singular value of the Jacobian for scaled unknowns and residuals, without unit; zero at a singular pose.
     ///
     /// ```
     /// # use mechanim::{Samples, Scene};
@@ -136,7 +136,7 @@ impl<'m> Pose<'m> {
         self.pose.sigma_min
     }
 
-    /// Largest condition number of any block of equations.
+    /// Largest condition number (ratio of singular values) of the scaled Jacobian of any block of equations.
     ///
     /// ```
     /// # use mechanim::{Samples, Scene};

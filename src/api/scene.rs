@@ -79,7 +79,8 @@ impl Scene {
 
     /// Reads the scene file at `path`; mesh files are relative to it.
     ///
-    /// Errors: a file that cannot be read or has errors; the message lists them, each with line and column.
+    /// Errors: a file that cannot be read or has errors; the message lists them, each with line and column. A mechanism that
+    /// is not determined.
     ///
     /// ```
     /// let scene = mechanim::Scene::open("scenes/peaucellier.toml")?;
@@ -97,7 +98,7 @@ impl Scene {
 
     /// Reads a scene from `text`; messages call it `name`.
     ///
-    /// Errors: errors in the text; the message lists them, each with line and column.
+    /// Errors: errors in the text; the message lists them, each with line and column. A mechanism that is not determined.
     ///
     /// ```
     /// let text = r#"
@@ -147,7 +148,7 @@ impl Scene {
 
     /// The scene with a changed parameter: a number in the scene's units, or a formula.
     ///
-    /// Errors: no parameter has that name; the mechanism does not allow the value.
+    /// Errors: no parameter has that name; an invalid formula; the mechanism does not allow the value.
     ///
     /// ```
     /// let scene = mechanim::Scene::builtin("slider-crank")?;
@@ -192,9 +193,10 @@ impl Scene {
         Ok(Self { loaded })
     }
 
-    /// The scene with a start value for an unknown; the assembly closest to the named start values is used.
+    /// The scene with a start value for an unknown, a number in the scene's units or a formula; the assembly closest to the
+    /// named start values is used.
     ///
-    /// Errors: no unknown has that name.
+    /// Errors: no unknown has that name; an invalid formula.
     ///
     /// ```
     /// let scene = mechanim::Scene::builtin("four-bar")?;
@@ -326,7 +328,7 @@ impl Scene {
 
     /// Solves the motion along the drive. It may contain samples without a pose: see [`Motion::is_whole`].
     ///
-    /// Errors: times outside the motion, or out of order.
+    /// Errors: no times, times outside the motion or out of order; more samples than the limits allow.
     ///
     /// ```
     /// let motion = mechanim::Scene::builtin("gearshift")?.solve(mechanim::Samples::Even(20))?;
@@ -340,7 +342,7 @@ impl Scene {
     /// The same, but ends as soon as `cancelled` returns true. It is called between the steps; the motion then has
     /// fewer samples.
     ///
-    /// Errors: times outside the motion, or out of order.
+    /// Errors: no times, times outside the motion or out of order; more samples than the limits allow.
     ///
     /// ```
     /// let scene = mechanim::Scene::builtin("gearshift")?;
@@ -380,7 +382,7 @@ impl Scene {
         Study::new(Arc::clone(&self.loaded))
     }
 
-    /// The assembly modes for the inputs at a given time, as far as a search from many starts finds them.
+    /// The assembly modes for the inputs at `time` (s), as far as a search from many starts finds them.
     ///
     /// Errors: an input that has no value at this time.
     ///

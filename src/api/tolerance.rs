@@ -6,6 +6,7 @@ use crate::analysis::tolerance::{Distribution, SampleBatch};
 use crate::analysis::tolerance_study::ToleranceStudy;
 use crate::jobs::Stopwatch;
 use crate::jobs::core_count;
+use crate::model::asked_ranges::TOLERANCE;
 use crate::report::tolerance::{SHARES, ToleranceReport};
 use std::sync::atomic::AtomicBool;
 
@@ -69,6 +70,9 @@ impl Tolerance {
         options: &ToleranceOptions,
         cancel: &AtomicBool,
     ) -> Result<Self, Error> {
+        if let Some(tolerance) = options.tolerance {
+            Error::unless_in(&TOLERANCE, "tolerance", tolerance)?;
+        }
         let batch = SampleBatch {
             samples: options.pieces.max(1),
             first: 0,

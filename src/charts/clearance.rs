@@ -104,7 +104,7 @@ fn mark_worst(mechanism: &Mechanism, worst: &PairReport, panel: &mut Panel, char
     let known = chart_bound(worst).map_or_else(
         || match least.distance > 0.0 {
             true => "not above zero".to_owned(),
-            false => "a depth has no bound".to_owned(),
+            false => "the depth of the overlap has no bound".to_owned(),
         },
         |bound| format!("never below {} {unit} ({how})", not_below(bound, 4)),
     );

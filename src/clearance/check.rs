@@ -20,18 +20,18 @@ use crate::model::clearance::{ClearanceRules, Ignored};
 use crate::model::mechanism::Mechanism;
 use std::collections::{HashMap, HashSet};
 
-/// How closely a check looks.
+/// The effort of a check.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Closely {
-    /// Asked nearness of distance and bound, relative.
+pub struct ClearanceEffort {
+    /// Relative agreement required between the least distance found and its bound.
     pub tolerance: f64,
-    /// Of more pairs of bodies those that are far apart are proved to be so together, and only counted.
+    /// With more pairs of bodies than this, distant ones are proved together and only counted.
     pub pairs: usize,
-    /// When pairs are too near is found out, too.
+    /// Whether to locate the times at which a pair is below its minimum.
     pub times: bool,
 }
 
-impl Closely {
+impl ClearanceEffort {
     /// Number of pairs examined one by one: nobody reads longer reports line by line.
     pub const PAIRS: usize = 200;
 
@@ -41,7 +41,7 @@ impl Closely {
     /// Default agreement of bound and distance: a report shows three digits.
     pub const TOLERANCE: f64 = 1e-3;
 
-    /// To a tolerance.
+    /// With the given tolerance, and no times.
     pub const fn to(tolerance: f64) -> Self {
         Self {
             tolerance,
@@ -58,7 +58,7 @@ pub fn check_clearance(
     actuation: &Actuation,
     rules: &ClearanceRules,
     trajectory: &Trajectory,
-    closely: Closely,
+    closely: ClearanceEffort,
     progress: &dyn Fn(usize, usize),
 ) -> ClearanceReport {
     // Proving the motion and sorting the triangles of meshes may take a while.
@@ -71,7 +71,7 @@ pub fn check_clearance(
 pub fn check_over(
     motion: &mut ProvedMotion,
     rules: &ClearanceRules,
-    closely: Closely,
+    closely: ClearanceEffort,
     progress: &dyn Fn(usize, usize),
 ) -> ClearanceReport {
     let mechanism = motion.system.mechanism();
@@ -125,7 +125,7 @@ struct Searches<'a> {
     rules: &'a ClearanceRules,
     hulls: &'a [Option<BodyElements>],
     ignored: &'a HashMap<[usize; 2], &'a Ignored>,
-    closely: Closely,
+    closely: ClearanceEffort,
     pairs: &'a [[usize; 2]],
 }
 
@@ -180,7 +180,7 @@ impl Searches<'_> {
         };
         // The sooner limit ends the search: the share of the run, or the pair's own.
         let of_run = motion.until;
-        motion.until = of_run.or(Deadline::after(Closely::SECONDS));
+        motion.until = of_run.or(Deadline::after(ClearanceEffort::SECONDS));
         let mut found = asked.look(motion);
         // Poses that were solved for this pair are of no use to others.
         motion.forget(poses);
@@ -227,7 +227,7 @@ impl CutOff {
             let [a, b] = pairs[*place].map(name);
             format!(
                 "the search for `{a}` and `{b}` was cut off after {} s: the report has what was proved by then",
-                Closely::SECONDS
+                ClearanceEffort::SECONDS
             )
         });
         let by_run = (!self.by_run.is_empty()).then(|| {

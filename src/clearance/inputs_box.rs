@@ -4,13 +4,14 @@
 //! one may be anywhere in the strip at every instant: the proofs of the motion take its play in, and so all that rests on
 //! them. Strips that leave a pair open are halved.
 
-use super::check::{Closely, Judgement, PairReport, check_over};
+use super::check::{ClearanceEffort, Judgement, PairReport, check_over};
 use super::motion::ProvedMotion;
 use crate::kinematics::motion::continuation::solve_motion;
 use crate::kinematics::structure::system::System;
 use crate::limits::search_deadline;
 use crate::model::actuation::Actuation;
 use crate::model::clearance::ClearanceRules;
+use crate::numbers::rounding::GROW;
 
 /// Strips to begin with.
 const STRIPS: usize = 4;
@@ -149,9 +150,9 @@ fn look(
         return Some(strip.open.clone().unwrap_or_default());
     };
     let gaps = motion.gaps.clone();
-    let closely = Closely {
+    let closely = ClearanceEffort {
         pairs: usize::MAX,
-        ..Closely::to(tolerance)
+        ..ClearanceEffort::to(tolerance)
     };
     let found = check_over(&mut motion, rules, closely, &|_, _| {});
     // Empty after a strip that was not reached: all pairs then.
@@ -282,7 +283,7 @@ fn motion_along<'m>(
     // The second input may be anywhere in the strip at every instant.
     let mut play = vec![0.0; start.len()];
     if sides[0].input != sides[1].input {
-        play[sides[1].input] = 0.5 * (range[1] - range[0]) * (1.0 + 1e-12);
+        play[sides[1].input] = 0.5 * (range[1] - range[0]) * GROW;
     }
     let motion = ProvedMotion::with_play(system, &along, &trajectory, play);
     Some((along, motion.assembled_at(assembled)))

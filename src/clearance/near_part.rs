@@ -5,6 +5,7 @@ use super::relative::RelativeMove;
 use crate::distance::point::to_circle;
 use crate::distance::primitive::{Circle, Element, Primitive};
 use crate::math::sin_cos;
+use crate::numbers::rounding::GROW;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
@@ -46,7 +47,7 @@ impl NearPart {
             let [from, to] = [low, high].map(|t| here[0].lerp(here[1], t));
             part = Self {
                 core: Primitive::Segment([low, high].map(|t| there[0].lerp(there[1], t))),
-                ball: (0.5 * (from + to), 0.5 * from.distance(to) * (1.0 + 1e-12)),
+                ball: (0.5 * (from + to), 0.5 * from.distance(to) * GROW),
             };
         }
         part

@@ -6,6 +6,7 @@ use crate::math::{Pose, skew_matrix};
 use crate::model::chain::{ArgumentValue, Chain, ChainStep, ElementaryMotion};
 use crate::model::fixed::FixedPose;
 use crate::model::walk::{Carried, walk_chain};
+use crate::numbers::rounding::GROW;
 use glam::{DMat3, DVec3};
 
 /// The chain from one body to another, without their common part.
@@ -112,27 +113,27 @@ impl RelativeMove {
             bend: self.bend - second * circle.centre,
             twist,
             turning: [spin.length(), operator_norm(&twist)],
-            off: self.off + third * circle.radius * (1.0 + 1e-12),
+            off: self.off + third * circle.radius * GROW,
             ..*self
         }
     }
 
     /// Nothing of a ball of b (centre and radius in b's frame) deviates from the two terms by more.
     pub fn deviation(&self, (centre, radius): (DVec3, f64)) -> f64 {
-        (self.off + rate_times(self.off_by_reach, centre.length() + radius)) * (1.0 + 1e-12)
+        (self.off + rate_times(self.off_by_reach, centre.length() + radius)) * GROW
     }
 
     /// How far Y takes the points of a ball.
     pub fn bending(&self, (centre, radius): (DVec3, f64)) -> f64 {
         let centre = self.bend_of(self.pose.transform_point(centre));
-        (centre.length() + rate_times(self.turning[1], radius)) * (1.0 + 1e-12)
+        (centre.length() + rate_times(self.turning[1], radius)) * GROW
     }
 
     /// No point of a ball of b moves farther.
     pub fn distance(&self, ball: (DVec3, f64)) -> f64 {
         let centre = self.rate(self.pose.transform_point(ball.0));
         let linear = centre.length() + rate_times(self.turning[0], ball.1);
-        linear * (1.0 + 1e-12) + self.bending(ball) + self.deviation(ball)
+        linear * GROW + self.bending(ball) + self.deviation(ball)
     }
 }
 

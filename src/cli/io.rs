@@ -135,9 +135,13 @@ fn write_bytes(mut output: Box<dyn Output>, bytes: &[u8]) -> Result<(), Failure>
     Ok(output.commit()?)
 }
 
-/// Prints the text of a verb, unless its `report` goes to standard output, or the text is empty.
-pub fn print_beside(term: &Term, report: Option<&Path>, text: &str) -> Result<(), Failure> {
-    if term.quiet() || report == Some(Path::new("-")) {
+/// Prints the text of a verb, unless one of its `reports` goes to standard output, or the text is empty.
+pub fn print_beside<'a>(
+    term: &Term,
+    reports: impl IntoIterator<Item = &'a Path>,
+    text: &str,
+) -> Result<(), Failure> {
+    if term.quiet() || reports.into_iter().any(|path| path == Path::new("-")) {
         return Ok(());
     }
     let mut out = std::io::stdout().lock();

@@ -26,7 +26,7 @@ pub fn run_again(
     }
     let mut seen = watched_files(scene, more)?;
     if seen.is_empty() {
-        let message = "--watch waits for changes of a file, and there is none: built-in scenes and pipes do not change";
+        let message = "--watch needs a file: built-in scenes and pipes do not change";
         return Err(Failure::usage(
             message,
             vec!["write one: mechanim new NAME --from SCENE".to_owned()],

@@ -2,7 +2,7 @@
 //! and boxes inside and around the sets; and the sequence of dyads whose velocities are the solution of such a system.
 //!
 //! Whether a point or a box belongs to a set is decided with outward rounding; hulls and best centres are computed by
-//! linear programmes in plain f64, which the reports state. After S. P. Shary (Reliable Computing 8, 2002; the
+//! linear programmes in plain f64 and are no bounds. After S. P. Shary (Reliable Computing 8, 2002; the
 //! subdifferential Newton method: SIAM J. Numer. Anal. 32, 1995) and the Russian source of the scene `dyads`.
 
 pub mod auxiliary;

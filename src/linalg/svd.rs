@@ -93,9 +93,6 @@ fn conditioning_of_two([a, b, c, d]: [f64; 4], scale: f64) -> Conditioning {
     }
 }
 
-/// A column belongs to a free motion if its component of a null vector is above this.
-const SHARE_OF_NULL_VECTOR: f64 = 1e-6;
-
 /// Orthonormal basis of the null space of a matrix of the given rank.
 pub fn null_space(jacobian: &[f64], rows: usize, columns: usize, rank: usize) -> Vec<Vec<f64>> {
     // Rows of zeros make the decomposition return all right singular vectors.
@@ -125,13 +122,6 @@ pub fn null_space(jacobian: &[f64], rows: usize, columns: usize, rank: usize) ->
     by_size.sort_by(|a, b| svd.singular_values[*b].total_cmp(&svd.singular_values[*a]));
     let vector = |k: &usize| v_t.row(*k).iter().copied().collect();
     by_size[rank.min(columns)..].iter().map(vector).collect()
-}
-
-/// Columns that take part in the null space of a matrix of the given rank, ascending.
-pub fn free_columns(jacobian: &[f64], rows: usize, columns: usize, rank: usize) -> Vec<usize> {
-    let null = null_space(jacobian, rows, columns, rank);
-    let is_free = |j: &usize| null.iter().any(|v| v[*j].abs() > SHARE_OF_NULL_VECTOR);
-    (0..columns).filter(is_free).collect()
 }
 
 #[cfg(test)]
@@ -178,12 +168,5 @@ mod tests {
             assert!(c.rank <= 2 && !c.sigma_min.is_nan());
             assert_eq!(null_space(&[1.0, bad, 0.0, 0.5], 2, 2, 1).len(), 1);
         }
-    }
-
-    #[test]
-    fn free_columns_are_those_of_the_null_space() {
-        // x + y = 0 leaves (1, -1, 0); z is held.
-        let free = free_columns(&[1.0, 0.0, 1.0, 0.0, 0.0, 1.0], 2, 3, 2);
-        assert_eq!(free, vec![0, 1]);
     }
 }

@@ -168,6 +168,12 @@ impl Expression {
         gradient
     }
 
+    /// Whether it consists of sums, products and quotients.
+    pub fn is_arithmetic(&self) -> bool {
+        let is_plain = |op: &Op| !matches!(op, Op::Power(..) | Op::Call(..));
+        self.ops.iter().all(is_plain)
+    }
+
     /// The value, and `scale` times its gradient added to `gradient` (one entry per slot), by reverse accumulation.
     pub fn add_gradient<S: Scalar>(
         &self,
@@ -272,7 +278,7 @@ fn extended_op<S: Scalar>(op: Op, v: &[S], slots: &[S]) -> S {
         Op::Subtract(a, b) => v[a] - v[b],
         Op::Multiply(a, b) if a == b => v[a].square(),
         Op::Multiply(a, b) => v[a] * v[b],
-        Op::Divide(a, b) => v[a] / v[b],
+        Op::Divide(a, b) => v[a].over(v[b]),
         Op::Power(a, b) => v[a].power(v[b]),
         Op::Call(f, a, b) => f.value(v[a], v[b]),
     }

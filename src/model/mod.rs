@@ -1,6 +1,7 @@
 //! The mechanism as resolved: immutable, without names to look up or units to convert.
 
 pub mod actuation;
+pub mod asked_ranges;
 pub mod bar_ends;
 pub mod camera_path;
 pub mod carried;

@@ -299,6 +299,11 @@ impl Scalar for Octet {
         self.each_of(x, Scalar::atan2)
     }
 
+    fn over(self, divisor: Self) -> Self {
+        let is_zero = divisor.magnitude().at_most(Self::splat(0.0));
+        is_zero.choose(Self::splat(f64::NAN), self / divisor)
+    }
+
     fn floor(self) -> Self {
         self.each(Scalar::floor)
     }

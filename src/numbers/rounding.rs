@@ -42,6 +42,9 @@ pub const SUMS: f64 = 1e-12;
 /// Compensates the rounding of sums of positive terms in bounds themselves.
 pub const GROW: f64 = 1.0 + SUMS;
 
+/// The same for bounds from below.
+pub const SHRINK: f64 = 1.0 - SUMS;
+
 /// Error of a sine or a cosine of [`super::sin_cos`], and so of the angle they represent (radians): only the rest's
 /// cube over six matters, computed in f64 to five units in the last place.
 pub const SIN_COS: f64 = 4e-21;

@@ -64,6 +64,11 @@ pub trait Scalar: Ring + PartialEq + Div<Output = Self> {
     /// Whether it is negative (just after a zero for a series); `None` if undecided.
     fn is_below_zero(self) -> Option<bool>;
 
+    /// The quotient; a number has none by zero.
+    fn over(self, divisor: Self) -> Self {
+        self / divisor
+    }
+
     /// Square.
     fn square(self) -> Self {
         self * self
@@ -124,7 +129,7 @@ pub trait Scalar: Ring + PartialEq + Div<Output = Self> {
 
     /// Remainder of the division by `divisor`, with the sign of the divisor.
     fn modulo(self, divisor: Self) -> Self {
-        self - divisor * (self / divisor).floor()
+        self - divisor * self.over(divisor).floor()
     }
 
     /// `negative` if this is below zero, otherwise `other`; undefined if the sign is undecided.
@@ -162,7 +167,7 @@ pub trait Scalar: Ring + PartialEq + Div<Output = Self> {
             Some(e) if e.fract() == 0.0 && e.abs() <= LARGEST_PRODUCT => {
                 let product = self.whole_power(e.abs() as u32);
                 if e < 0.0 {
-                    Self::number(1.0) / product
+                    Self::number(1.0).over(product)
                 } else {
                     product
                 }
@@ -233,6 +238,14 @@ impl Scalar for f64 {
         (!self.is_nan()).then_some(self < 0.0)
     }
 
+    #[inline]
+    fn over(self, divisor: Self) -> Self {
+        match divisor == 0.0 {
+            true => Self::NAN,
+            false => self / divisor,
+        }
+    }
+
     fn sin_cos(self) -> (Self, Self) {
         crate::math::sin_cos(self)
     }
@@ -241,7 +254,11 @@ impl Scalar for f64 {
         libm::exp(self)
     }
 
+    /// Zero has none.
     fn ln(self) -> Self {
+        if self == 0.0 {
+            return Self::NAN;
+        }
         libm::log(self)
     }
 
@@ -261,7 +278,11 @@ impl Scalar for f64 {
         libm::atan(self)
     }
 
+    /// The origin has none.
     fn atan2(self, x: Self) -> Self {
+        if self == 0.0 && x == 0.0 {
+            return Self::NAN;
+        }
         libm::atan2(self, x)
     }
 
@@ -269,7 +290,11 @@ impl Scalar for f64 {
         Self::floor(self)
     }
 
+    /// Zero has no negative one.
     fn real_power(self, exponent: f64) -> Self {
+        if self == 0.0 && exponent < 0.0 {
+            return Self::NAN;
+        }
         libm::pow(self, exponent)
     }
 
@@ -338,5 +363,22 @@ mod tests {
         assert!(Scalar::min(f64::NAN, 2.0).is_nan());
         assert_eq!(Scalar::min(f64::INFINITY, f64::INFINITY), f64::INFINITY);
         assert_eq!(Scalar::modulo(-1.0, 3.0), 2.0);
+    }
+
+    #[test]
+    fn what_has_no_value_is_no_number() {
+        let none = [
+            1.0.over(0.0),
+            Scalar::ln(0.0),
+            Scalar::power(0.0, -1.0),
+            Scalar::power(0.0, -0.5),
+            Scalar::atan2(0.0, 0.0),
+            Scalar::atan2(0.0, -0.0),
+            Scalar::modulo(1.0, 0.0),
+        ];
+        assert!(none.iter().all(|value| value.is_nan()), "{none:?}");
+        // What is too large for a number is one beyond all bounds.
+        assert_eq!(Scalar::exp(1e3), f64::INFINITY);
+        assert_eq!(1e300.over(1e-300), f64::INFINITY);
     }
 }

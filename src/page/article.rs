@@ -225,8 +225,10 @@ fn motion_section(checked: &CheckedMotion, shown: &Trajectory) -> Section {
             },
         ]
     };
+    let told = trajectory.events.iter();
+    let told = told.filter(|event| !event.kind.is_told_by_gap());
     let mut rows: Vec<(f64, Vec<Cell>)> = turning
-        .chain(&trajectory.events)
+        .chain(told)
         .map(|event| {
             (
                 event.time,

@@ -64,15 +64,14 @@ impl BetweenSamples {
         let Some([first, _]) = places.first() else {
             return "proved everywhere".to_owned() + &self.of_redundant(mechanism, "");
         };
-        let count = places.len();
-        let word = if count == 1 { "place" } else { "places" };
         let inputs = sentences::input_sentence(mechanism, &actuation.inputs_at(*first));
         let why = match self.is_cut_off {
             true => "; the limit `time` ended the proof",
             false => "",
         };
         format!(
-            "stepped over, not proved, in {count} {word} of together {} s, first at t = {} s ({inputs}){why}{}",
+            "stepped over, not proved, in {}, {} s in total, first at t = {} s ({inputs}){why}{}",
+            sentences::counted_things(places.len(), "place"),
             at_most(together(places)),
             decimals_of(*first, 9),
             self.of_redundant(mechanism, "elsewhere ")

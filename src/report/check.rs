@@ -83,7 +83,7 @@ impl<'a> MotionReport<'a> {
         cases.extend(motion.map(|proof| proof.case(mechanism, self.actuation)));
         let between = self.between.iter();
         cases.extend(between.map(|found| found.case(mechanism, self.actuation)));
-        cases.extend(self.measured.iter().map(|m| m.case(self.asked.estimates)));
+        cases.extend(self.measured.iter().map(|m| m.case(self.asked)));
         if let Some(report) = self.clearances {
             cases.extend(clearance::clearance_cases(mechanism, report, self.asked));
         }
@@ -191,7 +191,7 @@ impl<'a> MotionReport<'a> {
             "locked": self.poses.locked,
             "consistent": self.poses.consistent,
             "closes_to": (self.poses.consistent > 0).then_some(self.poses.closes_to),
-            "measures": self.measured.iter().map(|m| m.json(self.asked.estimates)).collect::<Vec<_>>(),
+            "measures": self.measured.iter().map(|m| m.json(self.asked)).collect::<Vec<_>>(),
             "assumed": self.assumptions,
             "motion": self.motion.as_ref().map(MotionProof::json),
             "between": self.between.as_ref().map(BetweenSamples::json),

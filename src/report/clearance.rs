@@ -262,7 +262,7 @@ pub(super) fn bound_text(mechanism: &Mechanism, p: &PairReport, has_gaps: bool) 
         }
         (None, None) if least.distance > 0.0 => NO_BOUND.to_owned(),
         // It is only known that the bodies overlap, not how deeply.
-        (None, None) => "a depth has no bound".to_owned(),
+        (None, None) => "the depth of the overlap has no bound".to_owned(),
     }
 }
 

@@ -2,6 +2,7 @@
 //! as well.
 
 use super::cells::{aligned_rows, quoted_cell, six_digits};
+use super::rounded::{at_least_six, at_most_six};
 use super::sentences::counted_things;
 use crate::analysis::enclosure::{
     AllowedTolerance, BandObstacle, Enclosed, MeasureBand, TolerancePlan, ValueBand, shown_names,
@@ -36,12 +37,9 @@ pub fn outer_end(value: f64, kind: Kind, mechanism: &Mechanism, side: f64) -> St
     let exact: f64 = rounded_end(value, kind, mechanism, side)
         .parse()
         .unwrap_or(value);
-    let shown = six_digits(exact);
-    let reads: f64 = shown.parse().unwrap_or(exact);
-    match side * (reads - exact) >= 0.0 {
-        true => shown,
-        // One unit in the sixth digit farther outwards.
-        false => six_digits(exact + side * exact.abs() * 1.1e-5),
+    match side < 0.0 {
+        true => at_least_six(exact),
+        false => at_most_six(exact),
     }
 }
 
@@ -284,14 +282,10 @@ pub fn enclosure_summary(plan: &TolerancePlan, motion: &[Enclosed], searched: bo
 
 /// Six digits, rounded away from zero.
 fn outer_text(value: f64) -> String {
-    if !value.is_finite() {
-        return UNBOUNDED.to_owned();
-    }
-    let shown = six_digits(value);
-    let reads: f64 = shown.parse().unwrap_or(value);
-    match reads.abs() >= value.abs() {
-        true => shown,
-        false => six_digits(value * (1.0 + 1.1e-5)),
+    match value {
+        value if !value.is_finite() => UNBOUNDED.to_owned(),
+        value if value < 0.0 => at_least_six(value),
+        value => at_most_six(value),
     }
 }
 
@@ -405,11 +399,7 @@ pub fn allowed_lines(
         "\n  at each of {} poses every piece keeps `{name}` within {} of the nominal motion with these tolerances ({} reached)\n\n",
         found.poses,
         six_digits(limit),
-        // Never more than was asked.
-        match found.reached < limit * (1.0 - 2e-5) {
-            true => outer_text(found.reached),
-            false => six_digits(limit),
-        }
+        reached_text(found.reached, limit)
     );
     let rows: Vec<Vec<String>> = plan
         .dimensions
@@ -418,7 +408,7 @@ pub fn allowed_lines(
             let value = d.tolerance * found.factor * mechanism.file_units(d.kind);
             vec![
                 d.name.clone(),
-                format!("+-{}", inner_text(value)),
+                format!("+-{}", at_least_six(value)),
                 mechanism.unit_name(d.kind).to_owned(),
             ]
         })
@@ -427,12 +417,11 @@ pub fn allowed_lines(
     text
 }
 
-/// Six digits, rounded towards zero.
-fn inner_text(value: f64) -> String {
-    let shown = six_digits(value);
-    let reads: f64 = shown.parse().unwrap_or(value);
-    match reads <= value {
-        true => shown,
-        false => six_digits(value * (1.0 - 1.1e-5)),
+/// An upper bound of what is reached that does not read as more than the limit that it keeps.
+fn reached_text(reached: f64, limit: f64) -> String {
+    let shown = at_most_six(reached);
+    match shown.parse::<f64>() {
+        Ok(reads) if reads > limit => six_digits(limit),
+        _ => shown,
     }
 }

@@ -1,6 +1,7 @@
 //! Clearances over a box of inputs: cases of a verdict and lines for people.
 
 use super::rounded::not_below;
+use super::sentences::beside_unit;
 use super::verdict::{CLEARANCE, Case, Status};
 use crate::clearance::inputs_box::{BoxPair, BoxReport, InputRange};
 use crate::diag::decimals_of;
@@ -16,7 +17,8 @@ fn part_in_words(mechanism: &Mechanism, sides: [InputRange; 2], part: &[[f64; 2]
         let input = &mechanism.inputs[side.input];
         let unit = mechanism.file_units(input.kind);
         let name = mechanism.unit_name(input.kind);
-        format!("{} {} to {} {name}", input.name, low * unit, high * unit)
+        let range = format!("{} {} to {}", input.name, low * unit, high * unit);
+        beside_unit(range, name)
     };
     let mut words = vec![one(&sides[0], part[0])];
     if sides[1].input != sides[0].input {

@@ -1,7 +1,8 @@
 //! Measures of a motion as `check` and `solve` show them.
 
 use super::rounded::{not_above, not_below};
-use super::verdict::{Case, MEASURES, Status};
+use super::sentences::beside_unit;
+use super::verdict::{Case, CheckRequirements, MEASURES, Status};
 use crate::clearance::covered::CoveredMotion;
 use crate::clearance::measured::{BoundedMeasure, is_of_whole_motion, known};
 use crate::diag::decimals_of;
@@ -146,11 +147,11 @@ impl<'m> TakenMeasure<'m> {
 
 impl TakenMeasure<'_> {
     /// Whether it has a value within its limits. A value without limits is only reported.
-    fn status(&self, estimates: bool) -> Status {
+    fn status(&self, asked: CheckRequirements) -> Status {
         let is_limited = self.measure.min.is_some() || self.measure.max.is_some();
         match self.value {
             Some(_) if self.is_broken() => Status::Failed,
-            Some(_) if is_limited && !self.is_proved(estimates) => Status::NotProved,
+            Some(_) if is_limited && !self.is_proved(asked) => Status::NotProved,
             Some(_) if is_limited => Status::Passed,
             Some(_) => Status::Skipped,
             None => Status::Failed,
@@ -178,15 +179,18 @@ impl TakenMeasure<'_> {
 
     /// Whether every value between the found value and its bound satisfies the limits. The found value is that of a
     /// pose, so a limit on its other side needs no proof; measures of the samples need none either.
-    fn is_proved(&self, estimates: bool) -> bool {
+    fn is_proved(&self, asked: CheckRequirements) -> bool {
         self.known.is_none_or(|known| {
             let is_limited = match known.is_upper {
                 true => self.measure.max.is_some(),
                 false => self.measure.min.is_some(),
             };
-            let bound_keeps =
-                estimates && known.is_whole || known.is_certified && !self.is_off(known.bound);
-            !self.is_off(known.value) && (bound_keeps || !is_limited)
+            // Without any proof the value alone counts; otherwise a bound, even if it is estimated.
+            let is_asked = asked.poses || asked.motion || !asked.estimates;
+            let is_sure = known.is_certified || asked.estimates && known.is_whole;
+            let bound_keeps = is_sure && !self.is_off(known.bound);
+            let is_kept = bound_keeps || !is_limited || !is_asked && known.is_whole;
+            !self.is_off(known.value) && is_kept
         })
     }
 
@@ -220,10 +224,9 @@ impl TakenMeasure<'_> {
         let time = known
             .time
             .map(|time| format!("t = {} s", decimals_of(time, 6)));
-        let place = self
-            .place
-            .iter()
-            .map(|(name, value, unit)| format!("{name} = {} {unit}", decimals_of(*value, 5)));
+        let place = self.place.iter().map(|(name, value, unit)| {
+            format!("{name} = {}", beside_unit(decimals_of(*value, 5), unit))
+        });
         let place: Vec<String> = place.collect();
         let time = time.or((!place.is_empty()).then(|| place.join(", ")));
         // Where bodies touch or overlap only the time of the deepest place found is named.
@@ -295,7 +298,7 @@ impl TakenMeasure<'_> {
     }
 
     /// The question whether its limits are kept.
-    pub fn case(&self, estimates: bool) -> Case {
+    pub fn case(&self, asked: CheckRequirements) -> Case {
         let limit = |word: &str, limit: Option<f64>| {
             limit.map(|v| format!("; {word} {} {}", as_typed(v * self.factor), self.unit))
         };
@@ -308,11 +311,11 @@ impl TakenMeasure<'_> {
             true => format!("{}; no limit", self.sentence()),
             false => self.sentence() + &limits,
         };
-        Case::new(MEASURES, self.name(), self.status(estimates), text)
+        Case::new(MEASURES, self.name(), self.status(asked), text)
     }
 
     /// The same for machines.
-    pub fn json(&self, estimates: bool) -> Value {
+    pub fn json(&self, asked: CheckRequirements) -> Value {
         let scaled = |value: Option<f64>| value.map(|v| v * self.factor);
         let mut value = json!({
             "name": self.measure.name,
@@ -320,7 +323,7 @@ impl TakenMeasure<'_> {
             "unit": self.unit,
             "min": scaled(self.measure.min).map(as_typed),
             "max": scaled(self.measure.max).map(as_typed),
-            "holds": !matches!(self.status(estimates), Status::Failed | Status::NotProved),
+            "holds": !matches!(self.status(asked), Status::Failed | Status::NotProved),
         });
         if let (Some(known), Some(object)) = (&self.known, value.as_object_mut()) {
             object.insert(

@@ -5,7 +5,7 @@ use super::between::BetweenSamples;
 use super::check::{MotionReport, without_pose};
 use super::verdict::{CheckRequirements, Verdict};
 use super::{closure, measures};
-use crate::clearance::check::{ClearanceReport, Closely, check_over};
+use crate::clearance::check::{ClearanceEffort, ClearanceReport, check_over};
 use crate::clearance::closer::{is_cheap, solve_closely, unproved};
 use crate::clearance::covered::CoveredMotion;
 use crate::clearance::motion::ProvedMotion;
@@ -30,7 +30,7 @@ pub struct MotionCheck<'a> {
     /// The requirements, and the requested proofs.
     pub asked: CheckRequirements,
     /// Requested accuracy of the bounds of distances.
-    pub closely: Closely,
+    pub closely: ClearanceEffort,
     /// Whether swept volumes are requested as well, which need tubes.
     pub is_swept: bool,
     /// Rows of the table of pairs in the text.

@@ -63,10 +63,10 @@ impl OptimumReport<'_> {
         let change = match first / last {
             // Factors mean something between positive numbers only.
             factor if first > 0.0 && factor >= 1.0 && factor.is_finite() => {
-                format!("{} times less", six_digits(factor))
+                format!("lower by a factor of {}", six_digits(factor))
             }
             factor if first > 0.0 && factor > 0.0 && factor < 1.0 => {
-                format!("{} times more", six_digits(1.0 / factor))
+                format!("higher by a factor of {}", six_digits(1.0 / factor))
             }
             _ => format!("by {}", six_digits((last - first) * unit)),
         };
@@ -138,7 +138,7 @@ impl OptimumReport<'_> {
             |value| six_digits(family.shown(measure, value)),
         );
         let verdict = match limit.missed {
-            _ if !limit.is_proved => "that its limits are kept there is not proved".to_owned(),
+            _ if !limit.is_proved => "it is not proved that its limits are kept there".to_owned(),
             missed if missed <= 0.0 => "its limits are kept (proved)".to_owned(),
             missed => {
                 let share = 100.0 * missed;

@@ -1,5 +1,7 @@
 //! Bounds in few digits: printed bounds are rounded to the safe side.
 
+use super::cells::six_digits;
+
 /// Tries until the decimal is on the safe side: one is enough unless f64 itself rounds.
 const TRIES: u32 = 4;
 
@@ -19,6 +21,16 @@ pub fn at_most_three(value: f64) -> String {
 pub fn at_least_three(value: f64) -> String {
     let unit = 0.1 * last_digit(value);
     safe_text(value, -unit, |v| format!("{v:.2e}"))
+}
+
+/// An upper bound with six digits, as tables show numbers.
+pub fn at_most_six(value: f64) -> String {
+    safe_text(value, 1e-4 * last_digit(value), six_digits)
+}
+
+/// A lower bound with six digits, as tables show numbers.
+pub fn at_least_six(value: f64) -> String {
+    safe_text(value, -1e-4 * last_digit(value), six_digits)
 }
 
 /// A lower bound: two digits of small ones, else three decimals.
@@ -88,6 +100,11 @@ mod tests {
                     upper >= value && upper <= value * most,
                     "{value:e} {upper:e}"
                 );
+            }
+            for signed in [value, -value] {
+                let [below, above] = [at_least_six(signed), at_most_six(signed)].map(read);
+                assert!(below <= signed && signed <= above, "{below:e} {above:e}");
+                assert!(above - below <= 1.1e-5 * value, "{below:e} {above:e}");
             }
             let lower = read(at_least(value));
             assert!(

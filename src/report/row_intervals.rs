@@ -3,6 +3,7 @@
 use super::cells::{aligned_rows, six_digits};
 use super::rounded::not_below;
 use crate::analysis::dyads::{PlanarRow, Trials};
+use crate::analysis::tolerance::sorted_quantile;
 use crate::intervals::Kaucher;
 use crate::intervals::formal::Formal;
 use crate::intervals::paving::{Paving, PavingWindow};
@@ -41,7 +42,7 @@ pub fn trials_text(row: &PlanarRow, trials: &Trials, asked: usize, given: f64) -
     let lists = trials.velocities.iter().chain(&trials.positions).flatten();
     let names = [component_names(row, "v"), component_names(row, "p")].concat();
     for (name, list) in names.into_iter().zip(lists) {
-        let cells = SHARES.map(|s| six_digits(Trials::quantile(list, s)));
+        let cells = SHARES.map(|s| six_digits(sorted_quantile(list, s)));
         rows.push([name].into_iter().chain(cells).collect());
     }
     let speeds: Vec<String> = (SPEEDS.iter())
@@ -57,13 +58,13 @@ pub fn trials_text(row: &PlanarRow, trials: &Trials, asked: usize, given: f64) -
         100.0 * trials.same_sign,
         aligned_rows(&rows),
         speeds.join(", "),
-        six_digits(Trials::quantile(&trials.lever, 0.5)),
+        six_digits(sorted_quantile(&trials.lever, 0.5)),
     )
 }
 
 /// The same for machines.
 pub fn trials_document(row: &PlanarRow, trials: &Trials, given: f64) -> Value {
-    let quantiles = |list: &Vec<f64>| SHARES.map(|s| Trials::quantile(list, s));
+    let quantiles = |list: &Vec<f64>| SHARES.map(|s| sorted_quantile(list, s));
     let named = |letter: &str, lists: &[[Vec<f64>; 2]]| {
         let names = component_names(row, letter).into_iter();
         let pairs = names.zip(lists.iter().flatten().map(quantiles));
@@ -80,7 +81,7 @@ pub fn trials_document(row: &PlanarRow, trials: &Trials, given: f64) -> Value {
         "velocities": named("v", &trials.velocities),
         "positions": named("p", &trials.positions),
         "speeds": SPEEDS.map(|k| json!({ "times": k, "share": trials.share_below(k * given) })),
-        "lever": SHARES.map(|s| Trials::quantile(&trials.lever, s)),
+        "lever": SHARES.map(|s| sorted_quantile(&trials.lever, s)),
     })
 }
 
@@ -133,7 +134,7 @@ impl FormalPair<'_> {
                 "spectral radius of |mid A^-1| rad A: {shown} < 1: every matrix in A is regular (proved)"
             ),
             false => format!(
-                "spectral radius of |mid A^-1| rad A: {shown}: that every matrix in A is regular is not proved"
+                "spectral radius of |mid A^-1| rad A: {shown}: it is not proved that every matrix in A is regular"
             ),
         }
     }

@@ -11,7 +11,7 @@ const RULES: [(&str, &str); 5] = [
     (MEASURES, "Measures keep their limits."),
     (
         CLEARANCE,
-        "Bodies keep their least distance at every instant.",
+        "Bodies keep their minimum distance at every instant.",
     ),
     ("scene", "The scene can be checked."),
 ];

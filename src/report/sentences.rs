@@ -31,34 +31,9 @@ pub fn gap_sentence(mechanism: &Mechanism, gap: &MotionGap) -> String {
         (None, None) => "at any sample".to_owned(),
     };
     let lack = gap.widest.as_ref().map_or_else(String::new, |lack| {
-        let unit = &mechanism.length_unit;
-        let turned = if lack.angle > SEEN_ANGLE {
-            format!(" and {} rad", shown_amount(lack.angle))
-        } else {
-            String::new()
-        };
-        if !lack.distance.is_finite() {
-            let at = input_sentence(mechanism, &lack.at.inputs);
-            return format!("; `{}` has no value at {at}", lack.name);
-        }
         let at = input_sentence(mechanism, &lack.at.inputs);
-        if mechanism.equations.iter().any(|e| e.name == lack.name)
-            && !mechanism.contacts.contains(&lack.name)
-        {
-            let left = shown_amount(lack.distance);
-            return match mechanism.bars.iter().any(|b| b.name == lack.name) {
-                true => format!(
-                    "; bar `{}` is {left} {unit} off its length at {at}",
-                    lack.name
-                ),
-                false => format!("; equation `{}` leaves {left} at {at}", lack.name),
-            };
-        }
-        format!(
-            "; the best pose found leaves `{}` {} {unit}{turned} open at {at}",
-            lack.name,
-            shown_amount(lack.distance)
-        )
+        let words = lack_words(mechanism, &at, &lack.name, [lack.angle, lack.distance]);
+        format!("; {words}")
     });
     let ends = [("ends", &gap.ending), ("begins again", &gap.beginning)];
     let ends = ends.map(|(verb, ending)| {
@@ -91,13 +66,13 @@ fn ending_words(ending: &Ending) -> String {
             } else {
                 "located, not proved"
             };
-            format!("where equation `{name}` has no value beyond ({how})")
+            format!("where equation `{name}` ceases to have a value ({how})")
         }
         Ending::InputUndefined { name, proved: true } => {
-            format!("where input `{name}` has no value beyond (proved)")
+            format!("where input `{name}` ceases to have a value (proved)")
         }
         Ending::InputUndefined { name, .. } => {
-            format!("where input `{name}` has no finite value in numbers beyond")
+            format!("where input `{name}` can no longer be evaluated to a finite number")
         }
         Ending::GivenUp { sigma_min } => format!(
             "undecided: steps became too small, or too many, near a smallest singular value of {sigma_min:.1e}, and poses may exist beyond"
@@ -127,7 +102,7 @@ pub fn event_sentence(mechanism: &Mechanism, event: &Event) -> String {
             format!("poses exist again from {at} on, on another branch than before")
         }
         EventKind::SingularPosePassed => format!(
-            "singular pose near {at}, passed straight on: that the motion takes this branch behind it is not proved"
+            "singular pose near {at}: the motion continues straight through it, but it is not proved that it stays on this branch"
         ),
         EventKind::SingularPoseMet => format!(
             "singular pose at {at}, where the drive turns back: the motion returns on its branch, though another one begins there"
@@ -157,7 +132,7 @@ pub fn event_sentence(mechanism: &Mechanism, event: &Event) -> String {
             proved: false,
         } => {
             format!(
-                "input `{name}` has no finite value in numbers at {at}: that it has none is not proved"
+                "input `{name}` cannot be evaluated to a finite number at {at}; it is not proved that it has no value"
             )
         }
         EventKind::StartNotClosed {
@@ -166,10 +141,10 @@ pub fn event_sentence(mechanism: &Mechanism, event: &Event) -> String {
             angle,
             distance,
         } => {
-            let lack = start_lack(mechanism, &at, name, [*angle, *distance]);
+            let lack = lack_words(mechanism, &at, name, [*angle, *distance]);
             match proved {
                 true => format!("{lack}; no pose exists (proved)"),
-                false => format!("{lack}; that no pose exists is not proved"),
+                false => format!("{lack}; it is not proved that no pose exists"),
             }
         }
         EventKind::GimbalLock { names, distance } => {
@@ -187,7 +162,7 @@ pub fn event_sentence(mechanism: &Mechanism, event: &Event) -> String {
             "the motion starts at a singular pose at {at}: rates that are not given are infinite or not determined there, and assemblies may meet"
         ),
         EventKind::AxesParallel { contact } => format!(
-            "the two cylinders of contact `{contact}` have parallel axes at {at}: they touch along a line, and its coordinates say nothing; write `sphere` for both where centres stay in one plane"
+            "the two cylinders of contact `{contact}` have parallel axes at {at}: they touch along a line, so the coordinates of the contact are not determined; if the centres stay in one plane, write `sphere` for both"
         ),
         EventKind::StartMoved {
             name,
@@ -209,41 +184,36 @@ pub fn event_sentence(mechanism: &Mechanism, event: &Event) -> String {
     }
 }
 
-/// The remaining closure error at the best pose found: radians and distance.
-fn start_lack(mechanism: &Mechanism, at: &str, name: &str, [angle, distance]: [f64; 2]) -> String {
+/// What does not close at the best pose found `at` some inputs, by how many radians and length units.
+fn lack_words(mechanism: &Mechanism, at: &str, name: &str, [angle, distance]: [f64; 2]) -> String {
     let unit = &mechanism.length_unit;
+    let left = shown_amount(distance);
+    let best = "the best pose found leaves";
     if mechanism.contacts.iter().any(|c| c == name) {
         return format!(
-            "contact `{name}` cannot be made at {at}: the best pose found leaves {} {unit} between the surfaces",
-            shown_amount(distance)
+            "contact `{name}` cannot be made at {at}: {best} {left} {unit} between the surfaces"
         );
     }
     if !distance.is_finite() {
         return format!("`{name}` has no value at {at} where the search ended");
     }
     if let Some(bar) = mechanism.bars.iter().find(|b| b.name == name) {
-        let left = shown_amount(distance);
         // The equation of a variable length is one of squares.
-        let unit = if bar.length.is_some() {
-            unit.clone()
-        } else {
-            format!("{unit}²")
+        let off = match bar.length {
+            Some(_) => format!("{left} {unit} off its length"),
+            None => format!("with a squared length that is {left} {unit}² off"),
         };
-        return format!(
-            "bar `{name}` does not fit at {at}: the best pose found leaves it {left} {unit} off its length"
-        );
+        return format!("bar `{name}` does not fit at {at}: {best} it {off}");
     }
     if mechanism.equations.iter().any(|e| e.name == name) {
-        let left = shown_amount(distance);
-        return format!(
-            "equation `{name}` does not hold at {at}: the best pose found gives {left} instead of zero"
-        );
+        return format!("equation `{name}` does not hold at {at}: {best} {left} instead of zero");
     }
-    format!(
-        "loop `{name}` does not close at {at}: the best pose found leaves {} {unit} and {} rad",
-        shown_amount(distance),
-        shown_amount(angle)
-    )
+    let turned = if angle > SEEN_ANGLE {
+        format!(" and {} rad", shown_amount(angle))
+    } else {
+        String::new()
+    };
+    format!("loop `{name}` does not close at {at}: {best} {left} {unit}{turned}")
 }
 
 /// What is lacking.
@@ -269,7 +239,12 @@ pub fn input_sentence(mechanism: &Mechanism, values: &[f64]) -> String {
 /// A value with its unit: `-17.000000000 mm`.
 pub fn with_unit(mechanism: &Mechanism, kind: Kind, value: f64) -> String {
     let text = decimals_of(value * mechanism.file_units(kind), 9);
-    match mechanism.unit_name(kind) {
+    beside_unit(text, mechanism.unit_name(kind))
+}
+
+/// A number and its unit, if it has one.
+pub fn beside_unit(text: String, unit: &str) -> String {
+    match unit {
         "" => text,
         unit => format!("{text} {unit}"),
     }

@@ -2,6 +2,7 @@
 
 use super::file;
 use super::reader::NamedFormula;
+use super::source::SourceError;
 use crate::diag::{Diagnostics, Source};
 
 /// Header of the section of start values.
@@ -10,8 +11,20 @@ const GUESS: &str = "[guess]";
 /// The text of `source` with new values, formulas of the file, for some parameters and start values. Missing start
 /// values are added.
 ///
-/// `None` if the text has errors or no such parameter.
+/// # Errors
+/// The text has errors or no such parameter, or its start values are an inline table.
 pub fn with_values(
+    source: &Source,
+    parameters: &[(String, String)],
+    guess: &[(String, String)],
+) -> Result<String, SourceError> {
+    edited_text(source, parameters, guess).ok_or_else(|| SourceError {
+        message: "the values cannot be written into the text of the scene".to_owned(),
+        hints: vec!["write start values as a section of their own: [guess]".to_owned()],
+    })
+}
+
+fn edited_text(
     source: &Source,
     parameters: &[(String, String)],
     guess: &[(String, String)],
@@ -87,7 +100,7 @@ mod tests {
             text: text.to_owned(),
         };
         let pair = |name: &str, value: &str| (name.to_owned(), value.to_owned());
-        with_values(
+        edited_text(
             &source,
             &[pair("r", "41.5")],
             &[pair("h", "100"), pair("alpha", "pi/2")],

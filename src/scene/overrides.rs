@@ -4,7 +4,7 @@ use super::file::{InputFile, SceneFile};
 use super::plots::PlotFile;
 use super::reader::Spanned;
 use super::values::FormulaText;
-use crate::diag::{Diagnostic, Diagnostics};
+use crate::diag::{Diagnostic, Diagnostics, name_hint};
 use crate::model::actuation::Actuation;
 use crate::model::drive::Drive;
 use std::path::PathBuf;
@@ -87,12 +87,7 @@ pub fn apply_overrides(overrides: &Overrides, file: &mut SceneFile, diagnostics:
     let mut unknown = |what: &str, name: &str, known: Vec<&str>| {
         diagnostics.push(
             Diagnostic::error(format!("the scene has no {what} `{name}`"))
-                .suggest(name, known.iter().copied())
-                .hint(if known.is_empty() {
-                    format!("it has no {what} at all")
-                } else {
-                    format!("it has: {}", known.join(", "))
-                }),
+                .hint(name_hint(name, known)),
         );
     };
     let mut replaced = Vec::new();

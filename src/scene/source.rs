@@ -1,7 +1,7 @@
 //! The text of a scene: a built-in one by name, a file by path, or any reader.
 
 use super::builtin;
-use crate::diag::{Source, nearest_name, shown_text};
+use crate::diag::{Source, name_hint, shown_text};
 use std::ffi::OsStr;
 use std::fs::File;
 use std::io::{ErrorKind, Read};
@@ -76,23 +76,18 @@ fn missing_source(name: &str, error: &std::io::Error) -> SourceError {
         return SourceError::unreadable(name, error);
     }
     let mut error = no_builtin(name);
-    if let Some(hint) = error.hints.last_mut() {
-        hint.push_str("; or give the path of a .toml file");
-    }
+    error.message = format!("there is no scene `{name}`");
+    let files = "`mechanim scenes` lists the built-in scenes; others need the path of a .toml file";
+    error.hints.push(files.to_owned());
     error
 }
 
 /// The message that there is no built-in scene of that name, with a list of those that exist.
 pub fn no_builtin(name: &str) -> SourceError {
     let names = builtin::ALL.map(|scene| scene.name);
-    let mut hints = Vec::new();
-    if let Some(near) = nearest_name(name, names) {
-        hints.push(format!("did you mean `{near}`?"));
-    }
-    hints.push(format!("built-in scenes: {}", names.join(", ")));
     SourceError {
-        message: format!("there is no scene `{name}`"),
-        hints,
+        message: format!("there is no built-in scene `{name}`"),
+        hints: vec![name_hint(name, names)],
     }
 }
 

@@ -35,7 +35,10 @@ pub fn read_design(text: &str, own: &[OwnRange], seed: u64) -> Result<Design, St
         .map(|part| read_axis(part, own, false))
         .collect::<Result<Vec<_>, _>>()?;
     if axes.is_empty() {
-        axes = own.iter().map(OwnRange::axis).collect();
+        axes = own
+            .iter()
+            .map(OwnRange::axis)
+            .collect::<Result<Vec<_>, _>>()?;
     }
     if axes.is_empty() {
         return Err(format!(
@@ -51,13 +54,24 @@ pub fn read_design(text: &str, own: &[OwnRange], seed: u64) -> Result<Design, St
 }
 
 impl OwnRange {
-    fn axis(&self) -> DesignAxis {
-        DesignAxis {
+    fn is_bounded(&self) -> bool {
+        self.low.is_finite() && self.high.is_finite()
+    }
+
+    /// Errors: the scene gives it no range.
+    fn axis(&self) -> Result<DesignAxis, String> {
+        if !self.is_bounded() {
+            return Err(format!(
+                "the scene gives `{0}` no range: write {0}=LOW..HIGH",
+                self.name
+            ));
+        }
+        Ok(DesignAxis {
             name: self.name.clone(),
             low: self.low,
             high: self.high,
             count: 1,
-        }
+        })
     }
 }
 
@@ -77,7 +91,8 @@ fn read_axis(text: &str, own: &[OwnRange], is_grid: bool) -> Result<DesignAxis, 
     };
     let (name, low, high) = match range.split_once('=') {
         None => {
-            let known = own.iter().find(|o| o.name == range.trim());
+            let mut bounded = own.iter().filter(|o| o.is_bounded());
+            let known = bounded.find(|o| o.name == range.trim());
             let known = known.ok_or_else(|| {
                 format!("`{text}`: write NAME=LOW..HIGH; the scene's study gives no range for it")
             })?;

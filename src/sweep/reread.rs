@@ -3,7 +3,7 @@
 use super::posing::{DesignStart, Proved};
 use super::row::{Row, RowStatus};
 use super::swept_scene::{Posed, RequestedValues, Sweep, motion_status};
-use crate::clearance::check::{ClearanceReport, Closely, PairReport};
+use crate::clearance::check::{ClearanceEffort, ClearanceReport, PairReport};
 use crate::kinematics::motion::sampling::frame_times;
 use crate::kinematics::structure::system::System;
 use crate::report::motion_check::MotionCheck;
@@ -86,7 +86,7 @@ fn checked_row(sweep: &Sweep, scene: &Scene, system: &System, start: RowStatus) 
             empty: false,
             band: None,
         },
-        closely: Closely::to(Closely::TOLERANCE),
+        closely: ClearanceEffort::to(ClearanceEffort::TOLERANCE),
         is_swept: false,
         worst: 0,
     };

@@ -304,10 +304,12 @@ fn shown_columns(
         return Ok(Vec::new());
     };
     let find = |name: &String| {
-        ValueColumn::find(family.mechanism(), name).map_err(|known| {
-            let known = known.join(", ");
-            FamilyError::Lacks(format!("the scene has no value `{name}`; it has: {known}"))
-        })
+        let unknown = |known| FamilyError::Unknown {
+            what: "value",
+            name: name.clone(),
+            known,
+        };
+        ValueColumn::find(family.mechanism(), name).map_err(unknown)
     };
     names.iter().map(find).collect()
 }

@@ -4,7 +4,7 @@
 //! Trial n is the same for any number of threads.
 
 use crate::analysis::random::Random;
-use crate::analysis::tolerance::sorted_quantile;
+
 use crate::intervals::chain::{Directions, DyadChain};
 use crate::intervals::sweep::{Projector, RowSweep, SolvedRow};
 use crate::jobs::share_work;
@@ -47,11 +47,6 @@ impl Trials {
     /// The share of trials in which no point is faster.
     pub fn share_below(&self, speed: f64) -> f64 {
         self.speeds.partition_point(|v| *v <= speed) as f64 / self.solved.max(1) as f64
-    }
-
-    /// The value below which `share` of an ascending list lies.
-    pub fn quantile(list: &[f64], share: f64) -> f64 {
-        sorted_quantile(list, share)
     }
 }
 

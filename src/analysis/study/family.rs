@@ -1,13 +1,13 @@
 //! A mechanism with variables, and its poses along the tracks of its study.
 
+use super::family_error::FamilyError;
 use super::reshaped::{self, Reading};
-use crate::diag::{SceneError, Source};
+use crate::diag::Source;
 use crate::kinematics::measures::{driven_along, poses_of};
 use crate::kinematics::motion::continuation::{solve_motion, solve_whole};
 use crate::kinematics::motion::sampling::{end_apart, measured_times};
 use crate::kinematics::results::certificate::Certificate;
 use crate::kinematics::results::trajectory::Sample;
-use crate::kinematics::structure::block::StructureError;
 use crate::kinematics::structure::system::System;
 use crate::model::actuation::Actuation;
 use crate::model::carried::CarriedShape;
@@ -64,54 +64,6 @@ impl Nominal {
             }
             Certificate::Locked { .. } | Certificate::Refused { .. } => self.unproved += 1,
         }
-    }
-}
-
-/// Why a study cannot be made.
-#[derive(Debug, thiserror::Error)]
-pub enum FamilyError {
-    /// The scene has mistakes.
-    #[error(transparent)]
-    Scene(#[from] Box<SceneError>),
-    /// The mechanism is ill-posed.
-    #[error(transparent)]
-    Structure(#[from] StructureError),
-    /// Something the study needs is missing.
-    #[error("{0}")]
-    Lacks(String),
-    /// Dimensions without a tolerance.
-    #[error("there is no tolerance for {0}")]
-    NoTolerance(String),
-    /// A dimension in a place that keeps the file's value.
-    #[error("`{}` appears {}, where it would keep the file's value", .0.name, .0.place)]
-    Kept(KeptParameter),
-    /// A measure that the scene does not have.
-    #[error("the scene has no measure `{name}`")]
-    NoMeasure {
-        /// What was asked for.
-        name: String,
-        /// What there is.
-        known: Vec<String>,
-    },
-    /// A pose of a track does not exist with the file's own values.
-    #[error("track `{track}`: {message}")]
-    Track {
-        /// Name of the track.
-        track: String,
-        /// Which pose, and why.
-        message: String,
-    },
-}
-
-impl FamilyError {
-    /// The refusal of a study without variables: what to do depends on whether the scene has `dimensions`.
-    pub fn nothing_to_vary(dimensions: &[String]) -> Self {
-        let message = if dimensions.is_empty() {
-            "there is nothing to vary: the scene has no parameters; write its dimensions as `[parameters]`"
-        } else {
-            "there is nothing to vary: name parameters in `[study.variables]` or with --vary"
-        };
-        Self::Lacks(message.to_owned())
     }
 }
 

@@ -1,11 +1,11 @@
 //! Checks whether an optimised mechanism keeps the clearances of its scene; if not, finds the last candidate that does.
 
-use super::family::FamilyError;
+use super::family_error::FamilyError;
 use super::loaded::LoadedStudy;
 use super::optimum::Improvement;
 use super::track_poses::Evaluator;
 use crate::analysis::optimise::Minimum;
-use crate::clearance::check::{Closely, check_clearance};
+use crate::clearance::check::{ClearanceEffort, check_clearance};
 use crate::kinematics::motion::continuation::solve_motion;
 use crate::kinematics::motion::sampling::{frame_times, knot_times};
 use crate::kinematics::structure::system::System;
@@ -63,7 +63,7 @@ fn judge_clearances(
         actuation,
         rules,
         &trajectory,
-        Closely::to(COARSE),
+        ClearanceEffort::to(COARSE),
         &|_, _| {},
     );
     Ok(report.worst().map(|pair| {

@@ -1,6 +1,7 @@
 //! A study as requested: the text of a scene, the changes to it, and the mechanism with its variables as inputs.
 
-use super::family::{FamilyError, Nominal, ParametricMechanism};
+use super::family::{Nominal, ParametricMechanism};
+use super::family_error::FamilyError;
 use super::gradient::Gradients;
 use super::track_poses::{Evaluator, TrackPoses};
 use crate::diag::Source;
@@ -97,7 +98,8 @@ impl LoadedStudy {
     pub fn measure(&self, name: &str) -> Result<usize, FamilyError> {
         let names = self.family.measures.list.iter().map(|m| &m.name);
         let found = names.clone().position(|known| known == name);
-        found.ok_or_else(|| FamilyError::NoMeasure {
+        found.ok_or_else(|| FamilyError::Unknown {
+            what: "measure",
             name: name.to_owned(),
             known: names.cloned().collect(),
         })

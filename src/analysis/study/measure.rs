@@ -1,7 +1,7 @@
 //! Measures at given poses: the quantities of every pose, reduced along the tracks, inserted into the measures'
 //! formulas.
 
-use super::family::FamilyError;
+use super::family_error::FamilyError;
 use super::track_poses::{Evaluator, Rejection, TrackPoses};
 use crate::kinematics::measures::reduce::{Reduced, reduce_values};
 use crate::kinematics::measures::values_along;

@@ -4,6 +4,7 @@
 mod abreast;
 mod branch_breaks;
 mod family;
+mod family_error;
 mod gradient;
 pub mod kept_clearances;
 mod lane_measures;
@@ -21,7 +22,8 @@ mod track_poses;
 pub mod whole_limits;
 
 pub use abreast::{AT_A_TIME, LaneEvaluator, PoseAnchors};
-pub use family::{DRIVE_SAMPLES, FamilyError, Nominal, ParametricMechanism};
+pub use family::{DRIVE_SAMPLES, Nominal, ParametricMechanism};
+pub use family_error::FamilyError;
 pub use gradient::Gradients;
 pub use lane_measures::LaneMeasures;
 pub use loaded::{LoadedStudy, NominalStudy, varied_names};

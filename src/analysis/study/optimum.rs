@@ -1,6 +1,7 @@
 //! Searches the optimum of a study by the chosen method, and verifies it afterwards.
 
-use super::family::{FamilyError, ParametricMechanism};
+use super::family::ParametricMechanism;
+use super::family_error::FamilyError;
 use super::peaks::Peaks;
 use super::search::{Refusals, StudySearch, Watch};
 use super::track_poses::{Evaluator, TrackPoses};

@@ -1,7 +1,8 @@
 //! A study as a minimax problem: one function per pose if the objective is the largest value along a track, otherwise a
 //! single function.
 
-use super::family::{FamilyError, ParametricMechanism};
+use super::family::ParametricMechanism;
+use super::family_error::FamilyError;
 use super::row_reader::{list_rows, row_nearness};
 use super::rows::{Listed, Reduction, StudyRows};
 use super::search::{Refusals, Watch};

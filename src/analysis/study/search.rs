@@ -1,7 +1,8 @@
 //! A study as a function for the minimisers: poses are reached from the best ones so far, rejected candidates are
 //! counted by cause.
 
-use super::family::{FamilyError, ParametricMechanism};
+use super::family::ParametricMechanism;
+use super::family_error::FamilyError;
 use super::track_poses::{Evaluator, Rejection, TrackPoses};
 use crate::analysis::optimise::constraints::Constrained;
 use crate::analysis::optimise::{Objective, VariableBounds};

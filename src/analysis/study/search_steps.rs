@@ -1,6 +1,6 @@
 //! The optimisation of a study from the search to the verification, shared by the program and the library.
 
-use super::family::FamilyError;
+use super::family_error::FamilyError;
 use super::kept_clearances::{Clearances, settle_clearances};
 use super::loaded::LoadedStudy;
 use super::optimum::{Improvement, Method, Optimum, Verified, find_optimum, verify_optimum};

@@ -1,7 +1,7 @@
 //! Checks whether values keep the limits of the measures over the whole motion, not only at the poses used by a search:
 //! with the bounds of `check`.
 
-use super::family::FamilyError;
+use super::family_error::FamilyError;
 use crate::clearance::closer::solve_closely;
 use crate::clearance::measured::{BoundedMeasure, is_of_whole_motion, known};
 use crate::kinematics::motion::sampling::{frame_times, knot_times};

@@ -6,7 +6,7 @@ use super::plan::FINER;
 use crate::analysis::observer::{largest_distance, marked_positions};
 use crate::analysis::study::whole_limits::{WholeLimit, whole_limits};
 use crate::analysis::study::{DRIVE_SAMPLES, FamilyError};
-use crate::clearance::check::{ClearanceReport, Closely, check_clearance};
+use crate::clearance::check::{ClearanceEffort, ClearanceReport, check_clearance};
 use crate::diag::Source;
 use crate::kinematics::measures::{DriveSamples, measure_motion};
 use crate::kinematics::motion::continuation::solve_motion;
@@ -173,7 +173,7 @@ pub fn prove_found(source: &Source, overrides: &Overrides) -> Result<Proof, Fami
             actuation,
             rules,
             &coarse,
-            Closely::to(tolerance),
+            ClearanceEffort::to(tolerance),
             &|_, _| {},
         );
         proof.note(mechanism, &rules.touching, &report);

@@ -1,7 +1,7 @@
 //! `mechanim scenes`: the list of built-in scenes, or the file of one.
 
 use crate::cli::term::outcome::{Failure, Outcome};
-use crate::diag::nearest_name;
+use crate::scene::source::no_builtin;
 use crate::scene::{Overrides, builtin, load_scene};
 use std::io::Write;
 
@@ -11,7 +11,7 @@ pub fn print_scenes(name: Option<&str>) -> Result<Outcome, Failure> {
     match name {
         Some(name) => {
             let Some(source) = builtin::find_builtin(name) else {
-                return Err(unknown_scene(name));
+                return Err(no_builtin(name).into());
             };
             out.write_all(source.text.as_bytes())?;
         }
@@ -23,7 +23,7 @@ pub fn print_scenes(name: Option<&str>) -> Result<Outcome, Failure> {
                 .unwrap_or(0);
             for scene in builtin::ALL {
                 let source =
-                    builtin::find_builtin(scene.name).ok_or_else(|| unknown_scene(scene.name))?;
+                    builtin::find_builtin(scene.name).ok_or_else(|| no_builtin(scene.name))?;
                 let loaded = load_scene(&source, &Overrides::default()).map_err(Box::new)?;
                 writeln!(out, "{:width$}  {}", scene.name, loaded.description)?;
             }
@@ -31,13 +31,4 @@ pub fn print_scenes(name: Option<&str>) -> Result<Outcome, Failure> {
     }
     out.flush()?;
     Ok(Outcome::Done)
-}
-
-fn unknown_scene(name: &str) -> Failure {
-    let names = builtin::ALL.map(|scene| scene.name);
-    let hint = match nearest_name(name, names) {
-        Some(near) => format!("did you mean `{near}`?"),
-        None => format!("built-in scenes: {}", names.join(", ")),
-    };
-    Failure::usage(format!("there is no built-in scene `{name}`"), vec![hint])
 }

@@ -23,7 +23,7 @@ pub struct DrawArgs {
     /// The scene.
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Output file or folder: .svg, .pdf or .png; `-` for SVG on standard output.
+    /// Where to write: .svg, .pdf or .png; `-` for SVG on standard output.
     #[arg(long, short, value_name = "FILE")]
     pub out: PathBuf,
     /// Time in seconds of the pose that is drawn; if absent, the one of 24 poses whose loops enclose the largest area.
@@ -71,7 +71,7 @@ pub struct ShowArgs {
     /// Format, if the file name does not determine it: text if absent.
     #[arg(long, value_enum)]
     pub format: Option<BoardFormat>,
-    /// Output file or folder: .txt, .json, .tex or .html; standard output if absent.
+    /// Where to write: .txt, .json, .tex or .html; standard output if absent.
     #[arg(long, short, value_name = "FILE")]
     pub out: Option<PathBuf>,
 }

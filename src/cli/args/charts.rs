@@ -12,7 +12,7 @@ pub struct PlotArgs {
     /// The scene.
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Output file or folder: .svg, .pdf or .png; `-` for SVG on standard output.
+    /// Where to write: .svg, .pdf or .png; `-` for SVG on standard output.
     #[arg(long, short, value_name = "FILE")]
     pub out: PathBuf,
     /// Run again whenever a scene, a mesh that it names or its table of inputs changes, until Ctrl-C.
@@ -53,7 +53,7 @@ pub struct AccuracyArgs {
     /// The scene.
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Output file or folder: the report as .json or .csv, or a chart as .svg or .png; `-` for JSON on standard output.
+    /// Where to write: the report as .json or .csv, or a chart as .svg or .png; `-` for JSON on standard output.
     #[arg(long, short, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Number of poses that each solver computes, spread evenly over the motion.

@@ -31,7 +31,7 @@ pub struct DyadsArgs {
     /// The row.
     #[command(flatten)]
     pub row: RowArgs,
-    /// Output file or folder: the table of the velocities as .csv, .md or .tex, or everything as .json; `-` for JSON on standard
+    /// Where to write: the table of the velocities as .csv, .md or .tex, or everything as .json; `-` for JSON on standard
     /// output.
     #[arg(long, short, value_name = "FILE")]
     pub out: Option<PathBuf>,
@@ -87,7 +87,7 @@ pub struct IntervalsArgs {
     /// How often the squares of a paving are halved.
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = halving_count)]
     pub halvings: u32,
-    /// Output file or folder: the result as .json; `-` for standard output.
+    /// Where to write: the result as .json; `-` for standard output.
     #[arg(long, short, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Draw a chart (.svg or .png): the paved sets in the plane of the mechanism. With --derive tied.

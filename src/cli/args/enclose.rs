@@ -44,7 +44,7 @@ pub struct EncloseArgs {
     /// Worker threads; all cores if absent. The numbers do not depend on it.
     #[arg(long, value_name = "N", value_parser = thread_count)]
     pub threads: Option<usize>,
-    /// Output file or folder: the bands of every sample as .csv or .json; `-` for CSV on standard output.
+    /// Where to write: the bands of every sample as .csv or .json; `-` for CSV on standard output.
     #[arg(long, short, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Draw a chart (.svg or .png): the bands over time, relative to the nominal motion.

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 /// What is written, and how.
 #[derive(Debug, Args)]
 pub struct FileArgs {
-    /// Output file or folder: .gif, .apng, .png, .mp4, .webm, .webp, .y4m, .rgba, a folder, a pattern such as frame-%04d.png, or `-` for standard
+    /// Where to write: .gif, .apng, .png, .mp4, .webm, .webp, .y4m, .rgba, a folder, a pattern such as frame-%04d.png, or `-` for standard
     /// output; for scenes also the 3-D models .glb, .stl and .obj.
     #[arg(long, short, value_name = "FILE")]
     pub out: PathBuf,
@@ -85,7 +85,7 @@ pub struct DiffArgs {
     /// Maximum number of pixels of a picture that may differ by more.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub max_pixels: u64,
-    /// Output file or folder: a PNG of A, the difference and B side by side; of several frames the worst.
+    /// Where to write: a PNG of A, the difference and B side by side; of several frames the worst.
     #[arg(long, short, value_name = "FILE.png")]
     pub out: Option<PathBuf>,
     /// Write the report as JSON to this file (`-` for standard output).

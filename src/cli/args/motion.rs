@@ -2,10 +2,11 @@
 
 use super::files::FileArgs;
 use super::scene::SceneArgs;
-use super::study::positive_number;
+use super::study::{number_in, positive_number};
 use super::values::{frame_count, frame_rate, name_and_text, poster_size, rate_order};
 use super::view::ViewArgs;
-use crate::clearance::check::Closely;
+use crate::clearance::check::ClearanceEffort;
+use crate::model::asked_ranges::AGREEMENT;
 use crate::report::verdict::CheckRequirements;
 use crate::staging::model::Facets;
 use clap::{Args, ValueEnum};
@@ -77,7 +78,7 @@ pub struct SolveArgs {
     /// The scene.
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Output file or folder: the table as .csv or .json; `-` for CSV on standard output.
+    /// Where to write: the table as .csv or .json; `-` for CSV on standard output.
     #[arg(long, short, value_name = "FILE")]
     pub out: PathBuf,
     /// Number of samples, spread evenly over the motion; the scene's frames if absent.
@@ -144,7 +145,7 @@ pub struct RequirementArgs {
     pub worst: usize,
     /// How close the proved bound must come to the least distance found, as a fraction of the pair's minimum (of that
     /// distance where the minimum is 0).
-    #[arg(long = "bound-tolerance", value_name = "E", default_value_t = Closely::TOLERANCE, value_parser = proper_share)]
+    #[arg(long = "bound-tolerance", value_name = "E", default_value_t = ClearanceEffort::TOLERANCE, value_parser = proper_share)]
     pub tolerance: f64,
 }
 
@@ -287,10 +288,7 @@ fn parse_facets(text: &str) -> Result<Facets, String> {
 }
 
 fn proper_share(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(share) if (1e-9..=1.0).contains(&share) => Ok(share),
-        _ => Err("between 1e-9 and 1".to_owned()),
-    }
+    number_in(text, &AGREEMENT)
 }
 
 fn input_range(text: &str) -> Result<(String, [f64; 2]), String> {

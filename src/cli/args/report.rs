@@ -18,7 +18,7 @@ pub struct ReportArgs {
     /// More scenes for the same page; a name may be a pattern, such as designs/*.toml.
     #[arg(value_name = "SCENE")]
     pub more: Vec<OsString>,
-    /// Output file or folder: one .html page that needs no network (`-` for standard output).
+    /// Where to write: one .html page that needs no network (`-` for standard output).
     #[arg(long, short, value_name = "FILE.html")]
     pub out: PathBuf,
     /// Add sliders for dimensions and inputs: the page holds the program itself as WebAssembly, which follows the mechanism
@@ -45,7 +45,7 @@ pub struct CompareArgs {
     /// The scene as it is.
     #[command(flatten)]
     pub new: SceneArgs,
-    /// Output file or folder: one .html page that needs no network (`-` for standard output).
+    /// Where to write: one .html page that needs no network (`-` for standard output).
     #[arg(long, short, value_name = "FILE.html")]
     pub out: PathBuf,
     /// What is asked of both.
@@ -63,7 +63,7 @@ pub struct SiteArgs {
     /// More scenes; a name may be a pattern, such as designs/*.toml.
     #[arg(value_name = "SCENE")]
     pub more: Vec<OsString>,
-    /// Output file or folder: the folder, with index.html and a page for each scene beside it. Other files there are left alone.
+    /// Where to write: the folder, with index.html and a page for each scene beside it. Other files there are left alone.
     #[arg(long, short, value_name = "DIR")]
     pub out: PathBuf,
     /// Title of the front page; the number of mechanisms if absent.

@@ -3,9 +3,11 @@
 use super::files::ProgressArg;
 use super::scene::SceneArgs;
 use crate::analysis::study::optimum::{Method, SearchMethod};
+use crate::model::asked_ranges::{ACCURACY, POSITIVE, TOLERANCE, WITHIN, range_words};
 use crate::report::requirement::Requirement;
 use clap::{Args, ValueEnum};
 use std::ffi::OsString;
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 /// Which parameters change.
@@ -35,7 +37,7 @@ pub struct SensitivityArgs {
     /// Draw a chart (.svg or .png): the derivatives as bars, ranked.
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
-    /// Output file or folder: the whole table as .csv or .json; `-` for JSON on standard output.
+    /// Where to write: the whole table as .csv or .json; `-` for JSON on standard output.
     #[arg(long, short, value_name = "FILE")]
     pub out: Option<PathBuf>,
 }
@@ -161,7 +163,7 @@ pub struct OptimiseArgs {
     /// none.
     #[arg(long, value_enum, default_value_t = ProgressArg::Auto)]
     pub progress: ProgressArg,
-    /// Output file or folder: the scene with the best values, which solves and renders.
+    /// Where to write: the scene with the best values, which solves and renders.
     #[arg(long, short, value_name = "FILE.toml", conflicts_with = "pairs")]
     pub out: Option<PathBuf>,
     /// Write the report as JSON to this file (`-` for standard output).
@@ -241,7 +243,7 @@ pub struct SynthesiseArgs {
     /// Worker threads; all cores if absent. Without --time the numbers do not depend on it.
     #[arg(long, value_name = "N", value_parser = thread_count)]
     pub threads: Option<usize>,
-    /// Output file or folder: the scene with the best values, or a folder for it (a path that ends with `/`); of several scenes always
+    /// Where to write: the scene with the best values, or a folder for it (a path that ends with `/`); of several scenes always
     /// a folder.
     #[arg(long, short, value_name = "FILE.toml|FOLDER")]
     pub out: Option<PathBuf>,
@@ -311,41 +313,27 @@ pub(super) fn whole_between(text: &str, low: usize, high: usize) -> Result<usize
 }
 
 pub(super) fn positive_number(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(v) if v > 0.0 && v.is_finite() => Ok(v),
-        _ => Err("a positive number".to_owned()),
-    }
+    number_in(text, &POSITIVE)
 }
 
 /// Largest enlargement of a deviation: a picture resolves a ten-thousandth, rounding a 1e16th.
 const MOST_ENLARGED: f64 = 1e12;
 
-/// Largest tolerance of a dimension, in the scene's unit: more than any mechanism measures.
-const MOST_TOLERANCE: f64 = 1e9;
-
-/// Largest share of its value by which a variable may leave it: what is more is no change of a dimension any more.
-const MOST_WITHIN: f64 = 1e3;
-
-fn between_zero_and(text: &str, most: f64) -> Result<f64, String> {
-    let value = positive_number(text).ok().filter(|v| *v <= most);
-    value.ok_or_else(|| {
-        format!(
-            "a positive number, at most {}",
-            crate::diag::shown_number(most)
-        )
-    })
+pub(super) fn number_in(text: &str, range: &RangeInclusive<f64>) -> Result<f64, String> {
+    let value = text.parse::<f64>().ok().filter(|v| range.contains(v));
+    value.ok_or_else(|| format!("it must be {}", range_words(range)))
 }
 
 fn parse_enlargement(text: &str) -> Result<f64, String> {
-    between_zero_and(text, MOST_ENLARGED)
+    number_in(text, &(f64::MIN_POSITIVE..=MOST_ENLARGED))
 }
 
 fn half_width(text: &str) -> Result<f64, String> {
-    between_zero_and(text, MOST_TOLERANCE)
+    number_in(text, &TOLERANCE)
 }
 
 fn relative_share(text: &str) -> Result<f64, String> {
-    between_zero_and(text, 1.0)
+    number_in(text, &ACCURACY)
 }
 
 fn proper_share(text: &str) -> Result<f64, String> {
@@ -353,8 +341,8 @@ fn proper_share(text: &str) -> Result<f64, String> {
         Some(percent) => positive_number(percent.trim()).map(|v| v / 100.0),
         None => positive_number(text),
     };
-    let value = value.ok().filter(|v| *v <= MOST_WITHIN);
-    value.ok_or_else(|| format!("a positive share, 0.2 or 20%, at most {MOST_WITHIN}"))
+    let value = value.ok().filter(|v| WITHIN.contains(v));
+    value.ok_or_else(|| format!("a share, 0.2 or 20%, {}", range_words(&WITHIN)))
 }
 
 pub(super) fn named_limit(text: &str) -> Result<(String, f64), String> {

@@ -60,7 +60,7 @@ pub struct SweepRequestArgs {
 /// Where rows go once they are there.
 #[derive(Clone, Debug, Args)]
 pub struct RowsArgs {
-    /// Output file or folder: the rows as .csv, .jsonl or .parquet; `-` for CSV on standard output.
+    /// Where to write: the rows as .csv, .jsonl or .parquet; `-` for CSV on standard output.
     #[arg(long, short, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Draw a chart (.svg or .png): a curve over one parameter, or a map over two, with the feasible region.
@@ -180,7 +180,7 @@ pub struct CutArgs {
     /// Number of units, at most; units of about half a minute if absent.
     #[arg(long, value_name = "N", value_parser = read_count)]
     pub units: Option<u64>,
-    /// Output file or folder: the folder of the study, which must not exist yet.
+    /// Where to write: the folder of the study, which must not exist yet.
     #[arg(long, short, value_name = "DIR")]
     pub out: PathBuf,
 }
@@ -234,7 +234,7 @@ pub struct SubmitArgs {
     /// Container image with the program (kubernetes).
     #[arg(long, value_name = "IMAGE", default_value = "mechanim:latest")]
     pub image: String,
-    /// Write and print the script, but do not submit it.
+    /// Print the script, but do not submit it.
     #[arg(long)]
     pub dry_run: bool,
 }

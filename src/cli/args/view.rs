@@ -217,18 +217,9 @@ fn hide_shapes(name: &str, scene: &mut Scene) -> Result<(), Failure> {
         }
         (None, None) => (None, None),
     };
-    let names: Vec<&str> = mechanism
-        .bodies
-        .iter()
-        .map(|body| body.name.as_str())
-        .collect();
-    let hint = match names.as_slice() {
-        [] => "it has no bodies".to_owned(),
-        names => format!("its bodies are: {}", names.join(", ")),
-    };
     let Some(body) = body else {
-        let message = format!("the scene has no body `{name}`");
-        return Err(Failure::usage(message, vec![hint]));
+        let names = mechanism.bodies.iter().map(|body| body.name.as_str());
+        return Err(Failure::unknown_name("body", name, names));
     };
     let mut shown = scene.view.shown_shapes(mechanism, body);
     if let Some(kind) = kind

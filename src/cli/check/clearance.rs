@@ -36,10 +36,9 @@ pub fn refuse_without_rules(args: &CheckArgs, scene: &Scene) -> Result<(), Failu
     let asked = asked.or(args.made_within.map(|_| "--made-within"));
     match asked.filter(|_| scene.clearance.is_none()) {
         None => Ok(()),
-        Some(option) => Err(Failure::usage(
-            format!("{option} reports clearances, but the scene has no section [clearance]"),
-            vec!["add a section: [clearance] with minimum = 0.5".to_owned()],
-        )),
+        Some(option) => Err(Failure::without_clearance(format!(
+            "{option} reports clearances, but the scene has no section [clearance]"
+        ))),
     }
 }
 

@@ -14,10 +14,8 @@ pub fn check(args: &CheckArgs, opened: &OpenScene) -> Result<CheckAnswer, Failur
     let OpenScene { scene, system, .. } = opened;
     let mechanism = &scene.mechanism;
     let Some(rules) = &scene.clearance else {
-        return Err(Failure::usage(
-            "--inputs-box reports clearances, but the scene has no section [clearance]",
-            vec!["add a section: [clearance] with minimum = 0.5".to_owned()],
-        ));
+        let message = "--inputs-box reports clearances, but the scene has no section [clearance]";
+        return Err(Failure::without_clearance(message));
     };
     let sides: Vec<InputRange> = args
         .inputs_box
@@ -75,9 +73,8 @@ fn input_side(opened: &OpenScene, name: &str, range: [f64; 2]) -> Result<InputRa
     let mechanism = &opened.scene.mechanism;
     let input = mechanism.inputs.iter().position(|input| input.name == name);
     let input = input.ok_or_else(|| {
-        let names: Vec<&str> = mechanism.inputs.iter().map(|i| i.name.as_str()).collect();
-        let hint = format!("inputs: {}", names.join(", "));
-        Failure::usage(format!("the scene has no input `{name}`"), vec![hint])
+        let names = mechanism.inputs.iter().map(|i| i.name.as_str());
+        Failure::unknown_name("input", name, names)
     })?;
     let unit = mechanism.file_units(mechanism.inputs[input].kind);
     let range = range.map(|value| value / unit);

@@ -2,7 +2,7 @@
 
 use super::answer::CheckAnswer;
 use super::{clearance, pieces, swept};
-use crate::clearance::check::Closely;
+use crate::clearance::check::ClearanceEffort;
 use crate::cli::args::motion::{CertifyArg, CheckArgs, RequirementArgs};
 use crate::cli::args::scene::SceneArgs;
 use crate::cli::interrupt::{is_interrupted, refuse_interrupted};
@@ -109,10 +109,10 @@ pub fn asked_questions(asked: &RequirementArgs) -> CheckRequirements {
 }
 
 /// Requested accuracy of the bounds of distances.
-pub fn nearness(asked: &RequirementArgs) -> Closely {
-    Closely {
+pub fn nearness(asked: &RequirementArgs) -> ClearanceEffort {
+    ClearanceEffort {
         tolerance: asked.tolerance,
-        pairs: asked.worst.max(Closely::PAIRS),
+        pairs: asked.worst.max(ClearanceEffort::PAIRS),
         times: true,
     }
 }

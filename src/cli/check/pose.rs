@@ -3,7 +3,6 @@
 use super::answer::CheckAnswer;
 use crate::cli::args::motion::CheckArgs;
 use crate::cli::term::outcome::Failure;
-use crate::diag::nearest_name;
 use crate::kinematics::solve::pose_check::judge_pose;
 use crate::report::closure::{offered_case, offered_json};
 use crate::report::verdict::Verdict;
@@ -54,16 +53,8 @@ fn offered_coordinates(args: &CheckArgs, scene: &Scene) -> Result<Vec<f64>, Fail
     let mut values = vec![None; mechanism.unknowns.len()];
     for (name, text) in &args.pose {
         let Some(index) = mechanism.unknowns.iter().position(|c| c.name == *name) else {
-            let names: Vec<&str> = mechanism.unknowns.iter().map(|c| c.name.as_str()).collect();
-            let mut hints = vec![format!("its unknowns are: {}", names.join(", "))];
-            hints.extend(
-                nearest_name(name, names.iter().copied())
-                    .map(|near| format!("did you mean `{near}`?")),
-            );
-            return Err(Failure::usage(
-                format!("the scene has no unknown `{name}`"),
-                hints,
-            ));
+            let names = mechanism.unknowns.iter().map(|c| c.name.as_str());
+            return Err(Failure::unknown_name("unknown", name, names));
         };
         let value = text.parse::<f64>().ok().filter(|v| v.is_finite());
         let value = value.ok_or_else(|| {

@@ -62,9 +62,8 @@ fn body_index(opened: &OpenScene, name: &str) -> Result<usize, Failure> {
         .iter()
         .position(|body| body.name == name)
         .ok_or_else(|| {
-            let names: Vec<&str> = bodies.iter().map(|b| b.name.as_str()).collect();
-            let hint = format!("bodies: {}", names.join(", "));
-            Failure::usage(format!("the scene has no body `{name}`"), vec![hint])
+            let names = bodies.iter().map(|b| b.name.as_str());
+            Failure::unknown_name("body", name, names)
         })
 }
 
@@ -77,9 +76,10 @@ fn format_of(path: &Path) -> Result<Format, Failure> {
         "stl" => Ok(Format::Stl),
         "obj" => Ok(Format::Obj),
         "glb" => Ok(Format::Glb),
-        _ => Err(Failure::usage(
-            format!("`{}` is not an .stl, .obj or .glb file", path.display()),
-            Vec::new(),
+        _ => Err(Failure::unknown_kind(
+            path,
+            "model",
+            "known kinds: .stl, .obj and .glb",
         )),
     }
 }

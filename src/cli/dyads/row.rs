@@ -67,10 +67,10 @@ fn refuse_kind(path: &Path) -> Result<(), Failure> {
         || ["csv", "md", "tex", "json"].contains(&file_extension(path).as_str());
     match is_known {
         true => Ok(()),
-        false => Err(Failure::usage(
-            format!("{}: unknown kind of table", path.display()),
-            vec!["known are .csv, .md, .tex and .json".to_owned()],
-        )),
+        false => {
+            let known = "known kinds: .csv, .md, .tex and .json";
+            Err(Failure::unknown_kind(path, "table", known))
+        }
     }
 }
 
@@ -104,8 +104,8 @@ pub fn open_row(args: &RowArgs, term: &Term) -> Result<OpenRow, Failure> {
     let row = planar_row(&open.system, &coordinates, moving.unwrap_or(0))
         .map_err(|error| Failure::usage(error.to_string(), Vec::new()))?;
     let moving = moving.ok_or_else(|| {
-        let names = mechanism.inputs.iter().map(|i| i.name.as_str());
-        let hint = format!("there are: {}", names.collect::<Vec<_>>().join(", "));
+        let names: Vec<&str> = mechanism.inputs.iter().map(|i| i.name.as_str()).collect();
+        let hint = format!("inputs: {}", names.join(", "));
         Failure::usage(
             "the scene has several inputs: name one with --per",
             vec![hint],
@@ -130,13 +130,12 @@ pub fn open_row(args: &RowArgs, term: &Term) -> Result<OpenRow, Failure> {
 fn moving_input(args: &RowArgs, open: &OpenScene) -> Result<Option<usize>, Failure> {
     let inputs = &open.scene.mechanism.inputs;
     let names: Vec<&str> = inputs.iter().map(|i| i.name.as_str()).collect();
-    let hint = || vec![format!("there are: {}", names.join(", "))];
     match &args.per {
         Some(name) => names
             .iter()
             .position(|n| n == name)
             .map(Some)
-            .ok_or_else(|| Failure::usage(format!("`{name}` is not an input"), hint())),
+            .ok_or_else(|| Failure::unknown_name("input", name, names.iter().copied())),
         None if inputs.len() == 1 => Ok(Some(0)),
         None if inputs.is_empty() => Err(Failure::usage(
             "nothing moves: the scene has no input",

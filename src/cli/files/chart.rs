@@ -34,9 +34,10 @@ impl PlotFormat {
             Some("svg") => Ok(Self::Svg),
             Some("pdf") => Ok(Self::Pdf),
             Some("png") => Ok(Self::Png),
-            _ => Err(Failure::usage(
-                format!("{}: unknown kind of plot", path.display()),
-                vec!["known are .svg, .pdf and .png".to_owned()],
+            _ => Err(Failure::unknown_kind(
+                path,
+                "plot",
+                "known kinds: .svg, .pdf and .png",
             )),
         }
     }

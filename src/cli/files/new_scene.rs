@@ -3,15 +3,15 @@
 use crate::cli::args::files::NewArgs;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
-use crate::diag::nearest_name;
-use crate::scene::builtin::{ALL, find_builtin};
+use crate::scene::builtin::find_builtin;
+use crate::scene::source::no_builtin;
 use crate::scene::template::titled_template;
 use std::io::{ErrorKind, Write};
 
 /// Runs the verb.
 pub fn run_new(args: &NewArgs, term: &Term) -> Result<Outcome, Failure> {
     let Some(source) = find_builtin(&args.from) else {
-        return Err(unknown_template(&args.from));
+        return Err(no_builtin(&args.from).into());
     };
     let mut path = args.name.clone();
     if path.extension().is_none_or(|e| e != "toml") {
@@ -43,14 +43,4 @@ pub fn run_new(args: &NewArgs, term: &Term) -> Result<Outcome, Failure> {
     term.note(&format!("{shown}: a scene made from {}", source.name));
     term.note(&format!("next: mechanim check {shown}"));
     Ok(Outcome::Done)
-}
-
-fn unknown_template(name: &str) -> Failure {
-    let names = ALL.map(|scene| scene.name);
-    let mut hints: Vec<String> = nearest_name(name, names)
-        .map(|near| format!("did you mean `{near}`?"))
-        .into_iter()
-        .collect();
-    hints.push(format!("built-in scenes: {}", names.join(", ")));
-    Failure::usage(format!("there is no built-in scene `{name}`"), hints)
 }

@@ -104,10 +104,8 @@ fn wanted_pictures<'a>(
     if wanted.is_empty() {
         let names: Vec<&str> = manifest.pictures.iter().map(|p| p.file.as_str()).collect();
         let message = format!("no picture is called {}", args.only.join(" or "));
-        return Err(Failure::usage(
-            message,
-            vec![format!("there are: {}", names.join(", "))],
-        ));
+        let hint = format!("available: {}", names.join(", "));
+        return Err(Failure::usage(message, vec![hint]));
     }
     Ok(wanted)
 }

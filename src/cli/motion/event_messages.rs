@@ -25,15 +25,8 @@ pub fn tell_events(
         return Err(never_closed(system, actuation, trajectory));
     }
     let mechanism = system.mechanism();
-    // Events that a gap already reports are omitted.
-    let told = |e: &&Event| {
-        !matches!(
-            e.kind,
-            EventKind::MotionEnds(_)
-                | EventKind::MotionResumes { same_branch: true }
-                | EventKind::LimitPosition { .. }
-        )
-    };
+    let is_limit = |e: &&Event| matches!(e.kind, EventKind::LimitPosition { .. });
+    let told = |e: &&Event| !e.kind.is_told_by_gap() && !is_limit(e);
     let gaps = trajectory.gaps.iter().map(|g| gap_sentence(mechanism, g));
     let events = trajectory.events.iter().filter(told);
     let lines: Vec<String> = gaps
@@ -46,7 +39,7 @@ pub fn tell_events(
         term.warning(&format!("and {} more events", lines.len() - MAX_LINES));
     }
     let limits = trajectory.events.iter();
-    for event in limits.filter(|e| matches!(e.kind, EventKind::LimitPosition { .. })) {
+    for event in limits.filter(is_limit) {
         term.note(&event_sentence(mechanism, event));
     }
     let missing = trajectory.missing();

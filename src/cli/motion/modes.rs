@@ -56,7 +56,7 @@ pub fn run_modes(args: &ModesArgs, term: &Term) -> Result<Outcome, Failure> {
         term.note("no pose exists (proved)");
         return Ok(Outcome::NotClosed);
     }
-    term.note("that no pose exists is not proved");
+    term.note("it is not proved that no pose exists");
     Ok(Outcome::Undecided)
 }
 

@@ -98,16 +98,13 @@ pub fn chosen_plots(title: Option<&str>, scene: &Scene) -> Result<Vec<Plot>, Fai
     };
     let found = scene.plots.iter().find(|plot| plot.title == title);
     found.map(|plot| vec![plot.clone()]).ok_or_else(|| {
-        let titles: Vec<String> = scene
-            .plots
-            .iter()
-            .map(|p| format!("`{}`", p.title))
-            .collect();
-        let hint = match titles.as_slice() {
-            [] => "it has no [[plots]]; leave the title out for its outputs".to_owned(),
-            titles => format!("its plots: {}", titles.join(", ")),
-        };
-        Failure::usage(format!("the scene has no plot `{title}`"), vec![hint])
+        if scene.plots.is_empty() {
+            let hint = "it has no [[plots]]; leave the title out for its outputs";
+            let message = format!("the scene has no plot `{title}`");
+            return Failure::usage(message, vec![hint.to_owned()]);
+        }
+        let titles = scene.plots.iter().map(|plot| plot.title.as_str());
+        Failure::unknown_name("plot", title, titles)
     })
 }
 

@@ -6,7 +6,6 @@ use crate::cli::open::pose::coordinates_at;
 use crate::cli::open::scene::open_changed;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
-use crate::diag::nearest_name;
 use crate::model::notation::{Notation, WrittenChain};
 use crate::report::matrices::ShownChains;
 use std::path::Path;
@@ -51,13 +50,6 @@ fn named_chain<'n>(name: &str, notation: &'n Notation) -> Result<&'n WrittenChai
     notation.find(name).ok_or_else(|| {
         let all = notation.chains.iter().chain(&notation.loops);
         let names = all.map(|chain| chain.name.as_str());
-        let hint = match nearest_name(name, names.clone()) {
-            Some(near) => format!("did you mean `{near}`?"),
-            None => format!("it has: {}", names.collect::<Vec<_>>().join(", ")),
-        };
-        Failure::usage(
-            format!("the scene has no chain or loop `{name}`"),
-            vec![hint],
-        )
+        Failure::unknown_name("chain or loop", name, names)
     })
 }

@@ -172,11 +172,8 @@ fn rate_columns(args: &SolveArgs, mechanism: &Mechanism) -> Result<Option<RateCo
     };
     let inputs = mechanism.inputs.iter();
     let Some(index) = inputs.clone().position(|input| input.name == *name) else {
-        let names: Vec<&str> = inputs.map(|input| input.name.as_str()).collect();
-        return Err(Failure::usage(
-            format!("there is no input `{name}`"),
-            vec![format!("inputs: {}", names.join(", "))],
-        ));
+        let names = inputs.map(|input| input.name.as_str());
+        return Err(Failure::unknown_name("input", name, names));
     };
     let by = RateVariable::Input(index);
     Ok(Some(RateColumns { order, by }))
@@ -194,9 +191,9 @@ fn table_format(args: &SolveArgs) -> Result<TableFormat, Failure> {
         Some("csv") => Ok(TableFormat::Csv),
         Some("json") => Ok(TableFormat::Json),
         None if args.out == Path::new("-") => Ok(TableFormat::Csv),
-        _ => Err(Failure::usage(
-            format!("{}: unknown kind of table", args.out.display()),
-            vec!["known are .csv and .json; or say --format csv".to_owned()],
-        )),
+        _ => {
+            let known = "known kinds: .csv and .json; or use --format csv";
+            Err(Failure::unknown_kind(&args.out, "table", known))
+        }
     }
 }

@@ -83,7 +83,7 @@ fn signed_mode(
     known.dedup();
     Err(Failure::usage(
         format!("no mode with signature `{signature}` was found at the start of the drive"),
-        vec![format!("found were: {}", known.join(", "))],
+        vec![format!("signatures found: {}", known.join(", "))],
     ))
 }
 

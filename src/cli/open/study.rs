@@ -10,7 +10,7 @@ use crate::cli::term::outcome::Failure;
 use crate::diag::Source;
 use crate::kinematics::structure::system::System;
 use crate::model::measure::{Measure, MeasureSource};
-use crate::scene::{KeptIn, Overrides, Scene, load_scene};
+use crate::scene::{Overrides, Scene, load_scene};
 use std::sync::Arc;
 
 /// Reads the scene; `all_by_default` decides what is varied by default.
@@ -70,8 +70,8 @@ fn apply_variables(
         let along_drive = |m: &Measure| matches!(m.source, MeasureSource::Over { track: None, .. });
         if !scene.measures.list.iter().any(along_drive) {
             return Err(Failure::usage(
-                "all measures of the scene look along tracks: --input-table would change nothing",
-                vec!["a measure without `track` looks along the drive".to_owned()],
+                "every measure follows a track, so --input-table would have no effect",
+                vec!["a measure without `track` follows the drive".to_owned()],
             ));
         }
         inputs_table::apply_inputs(mechanism, actuation, path)?;
@@ -89,19 +89,7 @@ impl From<FamilyError> for Failure {
         match error {
             FamilyError::Scene(error) => Self::Scene(error),
             FamilyError::Structure(error) => Self::Structure(error),
-            FamilyError::Lacks(message) => Self::usage(message, Vec::new()),
             FamilyError::NoTolerance(_) => without_tolerance(error.to_string(), "--tolerance 0.1"),
-            FamilyError::Kept(ref kept) => {
-                let hint = match kept.place {
-                    KeptIn::Drive => "put what is added to an input into the chain: Rz(phi + phi0)",
-                    _ => "leave it out with --vary, or write the number there",
-                };
-                Self::usage(error.to_string(), vec![hint.to_owned()])
-            }
-            FamilyError::NoMeasure { ref known, .. } => {
-                let hint = format!("measures: {}", known.join(", "));
-                Self::usage(error.to_string(), vec![hint])
-            }
             FamilyError::Track { .. } => Self::Undecided {
                 message: error.to_string(),
                 hints: vec![
@@ -109,6 +97,7 @@ impl From<FamilyError> for Failure {
                         .to_owned(),
                 ],
             },
+            other => Self::usage(other.to_string(), Vec::from_iter(other.hint())),
         }
     }
 }

@@ -192,7 +192,7 @@ fn arguments_of(asked: &SweepRequestArgs) -> Vec<String> {
     list
 }
 
-/// Ranges of the scene's study, in the file's units.
+/// Ranges of the scene's study, in the file's units; infinite for a variable without one.
 fn own_ranges(scene: &Scene) -> Vec<OwnRange> {
     let variables = scene.study.iter().flat_map(|study| &study.variables);
     let range = |v: &Variable| {
@@ -203,8 +203,7 @@ fn own_ranges(scene: &Scene) -> Vec<OwnRange> {
             high: shown(v.upper),
         }
     };
-    let finite = |range: &OwnRange| range.low.is_finite() && range.high.is_finite();
-    variables.map(range).filter(finite).collect()
+    variables.map(range).collect()
 }
 
 /// Relative excess over a range that is accepted: units are converted back and forth.

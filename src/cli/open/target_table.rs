@@ -139,7 +139,7 @@ impl TargetTable<'_> {
                     let what = format!(
                         "`{name}` is not an input, unknown, output or coordinate of a traced point"
                     );
-                    let hint = format!("there are: {}", self.known_names());
+                    let hint = format!("available: {}", self.known_names());
                     return Err(self.wrong(&header, k, &what, &hint));
                 }
             };
@@ -156,7 +156,7 @@ impl TargetTable<'_> {
         }
         if self.target.columns.is_empty() {
             let what = "no column has targets";
-            let hint = format!("there are: {}", self.known_names());
+            let hint = format!("available: {}", self.known_names());
             return Err(self.wrong(&header, 0, what, &hint));
         }
         Ok(())

@@ -1,6 +1,6 @@
 //! Pictures of clearances: the worst instant of a check, and bodies that change colour in an animation.
 
-use crate::clearance::check::{ClearanceReport, Closely, PairReport, check_clearance};
+use crate::clearance::check::{ClearanceEffort, ClearanceReport, PairReport, check_clearance};
 use crate::cli::args::motion::CheckArgs;
 use crate::cli::io;
 use crate::cli::open::scene::OpenScene;
@@ -47,10 +47,7 @@ pub fn write_worst_pair(
         return Ok(());
     };
     if Format::from_path(path)? != Format::Png {
-        return Err(Failure::usage(
-            format!("{} is not a .png file", path.display()),
-            Vec::new(),
-        ));
+        return Err(Failure::unknown_kind(path, "picture", "known kind: .png"));
     }
     io::refuse_input(&args.scene, path)?;
     let least = &worst.least;
@@ -120,9 +117,8 @@ pub fn alarm_marks(
     trajectory: &Trajectory,
 ) -> Result<Marks, Failure> {
     let Some(rules) = &scene.clearance else {
-        return Err(Failure::usage(
+        return Err(Failure::without_clearance(
             "the scene has no section [clearance]",
-            vec!["add a section: [clearance] with minimum = 0.5".to_owned()],
         ));
     };
     let times: Vec<f64> = trajectory.samples.iter().map(|s| s.time).collect();
@@ -132,7 +128,7 @@ pub fn alarm_marks(
         actuation,
         rules,
         trajectory,
-        Closely::to(COARSE),
+        ClearanceEffort::to(COARSE),
         &|_, _| {},
     );
     let alarmed = times.iter().map(|time| report.offenders(*time)).collect();

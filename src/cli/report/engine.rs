@@ -39,7 +39,7 @@ pub fn refuse_files(args: &SceneArgs, scene: &Scene) -> Result<(), Failure> {
     if args.scene == "-" {
         let hint = "write the scene into a file".to_owned();
         return Err(Failure::usage(
-            "a live page is made from a file",
+            "a live page needs a scene file, not standard input",
             vec![hint],
         ));
     }

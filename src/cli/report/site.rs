@@ -23,7 +23,7 @@ pub fn run_site(args: &SiteArgs, term: &Term) -> Result<Outcome, Failure> {
     };
     let scenes = scenes_of(&args.scene, &args.more)?;
     std::fs::create_dir_all(&args.out).map_err(|error| {
-        let message = format!("the folder {} cannot be made: {error}", args.out.display());
+        let message = format!("cannot create the folder {}: {error}", args.out.display());
         Failure::usage(message, Vec::new())
     })?;
     let (mut entries, mut outcome, mut failed) = (Vec::new(), Outcome::Done, None);

@@ -70,10 +70,10 @@ fn accuracy_format(path: &Path) -> Result<StudyFormat, Failure> {
         Some("csv") => Ok(StudyFormat::Csv),
         Some("svg") => Ok(StudyFormat::Chart(PlotFormat::Svg)),
         Some("png") => Ok(StudyFormat::Chart(PlotFormat::Png)),
-        _ => Err(Failure::usage(
-            format!("{}: unknown kind of report", path.display()),
-            vec!["known are .json, .csv, .svg and .png".to_owned()],
-        )),
+        _ => {
+            let known = "known kinds: .json, .csv, .svg and .png";
+            Err(Failure::unknown_kind(path, "report", known))
+        }
     }
 }
 

@@ -21,6 +21,9 @@ use crate::report::enclosure as report;
 use crate::report::enclosure_between::{between_lines, between_objects};
 use std::path::Path;
 
+/// What `--show` and `--allow` name.
+const SHOWN: &str = "unknown, traced point or output";
+
 /// Refusals that are listed one by one.
 const MOST_TOLD: usize = 5;
 
@@ -89,7 +92,7 @@ pub fn run_enclose(args: &EncloseArgs, term: &Term) -> Result<Outcome, Failure> 
         text += &format!("\n  {line}");
     }
     if refused.len() > MOST_TOLD {
-        text += &format!("\n  and at {} samples more", refused.len() - MOST_TOLD);
+        text += &format!("\n  and at {} more samples", refused.len() - MOST_TOLD);
     }
     if !refused.is_empty() {
         text.push('\n');
@@ -211,17 +214,11 @@ fn wanted_slots(only: &[String], mechanism: &Mechanism) -> Result<Vec<usize>, Fa
                 .map(|(k, _)| k),
         );
         if wanted.len() == before {
-            return Err(unknown_name(name, &names));
+            let known = names.iter().map(String::as_str);
+            return Err(Failure::unknown_name(SHOWN, name, known));
         }
     }
     Ok(wanted)
-}
-
-fn unknown_name(name: &str, names: &[String]) -> Failure {
-    Failure::usage(
-        format!("`{name}` is not an unknown, traced point or output"),
-        vec![format!("there are: {}", names.join(", "))],
-    )
 }
 
 /// `--allow`: how large all tolerances may be together.
@@ -241,7 +238,8 @@ fn allow_pieces(
             .map(|(n, _)| n);
         let measures = plan.family.measures.list.iter().map(|m| m.name.clone());
         let all: Vec<String> = names.chain(measures).collect();
-        return Err(unknown_name(name, &all));
+        let all = all.iter().map(String::as_str);
+        return Err(Failure::unknown_name(SHOWN, name, all));
     };
     io::print_beside(
         term,

@@ -18,7 +18,7 @@ pub fn target_files(args: &SynthesiseArgs) -> Result<Vec<PathBuf>, Failure> {
         return Ok(vec![out.clone()]);
     }
     std::fs::create_dir_all(out).map_err(|error| {
-        let message = format!("the folder {} cannot be made: {error}", out.display());
+        let message = format!("cannot create the folder {}: {error}", out.display());
         Failure::usage(message, Vec::new())
     })?;
     let names = args.scenes.iter().map(|scene| {

@@ -80,18 +80,10 @@ pub fn run_optimise(args: &OptimiseArgs, term: &Term) -> Result<Outcome, Failure
         let history = search_paths::search_history(&study, &found.improvements);
         io::write_text(&args.scene, &complete(path), &history)?;
     }
-    let on_output = [&args.json, &args.history];
-    let on_output = on_output
-        .into_iter()
-        .flatten()
-        .find(|path| *path == Path::new("-"));
-    io::print_beside(term, on_output.map(PathBuf::as_path), &report.text())?;
+    let reports = [&args.json, &args.history].into_iter().flatten();
+    io::print_beside(term, reports.map(PathBuf::as_path), &report.text())?;
     if is_stopped {
-        let kept = out.map_or_else(
-            || "the best result so far was reported".to_owned(),
-            |out| format!("the best result so far was written to {}", out.display()),
-        );
-        return Err(Failure::Stopped(kept));
+        return Err(Failure::best_so_far(out.as_deref()));
     }
     save_results(false);
     if let (Some(path), Some(format)) = (&args.plot, chart) {
@@ -118,13 +110,7 @@ fn write_scene(
     term: &Term,
 ) -> Result<(), Failure> {
     let parameters = study.parameters(values);
-    let text = with_values(&study.source, &parameters, &study.overrides.guess);
-    let text = text.ok_or_else(|| {
-        Failure::usage(
-            "the scene's text cannot be given these start values",
-            vec!["write them as a section of their own: [guess]".to_owned()],
-        )
-    })?;
+    let text = with_values(&study.source, &parameters, &study.overrides.guess)?;
     io::write_text(&args.scene, out, &text)?;
     if !study.overrides.inputs.is_empty() || study.overrides.drives.is_some() {
         let out = out.display();

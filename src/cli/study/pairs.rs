@@ -100,7 +100,8 @@ pub fn run_pairs(
             "title": study.family.mechanism().title,
             "pairs": rows,
         });
-        io::write_json(&args.scene, path, &document)?;
+        let path = io::unless_complete(path, ranked.len() == jobs.len());
+        io::write_json(&args.scene, &path, &document)?;
     }
     io::print_beside(
         term,

@@ -39,24 +39,24 @@ fn kind_of(path: &Path) -> Result<RowFileFormat, Failure> {
     if path == Path::new("-") {
         return Ok(RowFileFormat::Lines(RowFormat::Csv));
     }
-    let refuse = |why: &str, hint: &str| {
-        let message = format!("{}: {why}", path.display());
-        Err(Failure::usage(message, vec![hint.to_owned()]))
-    };
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
     match extension.as_deref() {
         Some("csv") => Ok(RowFileFormat::Lines(RowFormat::Csv)),
         Some("jsonl") => Ok(RowFileFormat::Lines(RowFormat::JsonLines)),
         Some("parquet") if cfg!(feature = "parquet") => Ok(RowFileFormat::Parquet),
-        Some("parquet") => refuse(
-            "this program was built without Parquet",
-            "build it with `--features parquet`, or install the Python package, whose program has it",
-        ),
-        _ => refuse(
-            "unknown kind of table",
-            "known are .csv, .jsonl and .parquet",
-        ),
+        Some("parquet") => Err(without_parquet(path)),
+        _ => {
+            let known = "known kinds: .csv, .jsonl and .parquet";
+            Err(Failure::unknown_kind(path, "table", known))
+        }
     }
+}
+
+fn without_parquet(path: &Path) -> Failure {
+    let message = format!("{}: this program was built without Parquet", path.display());
+    let hint =
+        "build it with `--features parquet`, or install the Python package, whose program has it";
+    Failure::usage(message, vec![hint.to_owned()])
 }
 
 impl<'s> RowFile<'s> {
@@ -74,8 +74,7 @@ impl<'s> RowFile<'s> {
 
     #[cfg(not(feature = "parquet"))]
     fn columns(_: &'s Sweep, _: &StudyPlan, path: &Path) -> Result<Self, Failure> {
-        let message = format!("{}: this program writes no Parquet", path.display());
-        Err(Failure::usage(message, Vec::new()))
+        Err(without_parquet(path))
     }
 
     #[cfg(feature = "parquet")]

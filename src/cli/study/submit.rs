@@ -27,14 +27,13 @@ pub fn submit(args: &SubmitArgs, term: &Term) -> Result<Outcome, Failure> {
             vec!["kubectl", "create", "-f"],
         ),
     };
-    let path = job.folder.join(name);
-    let mut target = PendingFile::create(&path)?;
-    target.emit(script.as_bytes())?;
     if args.dry_run {
-        target.commit()?;
         io::print_beside(term, None, &script)?;
         return Ok(Outcome::Done);
     }
+    let path = job.folder.join(name);
+    let mut target = PendingFile::create(&path)?;
+    target.emit(script.as_bytes())?;
     // If a study were submitted twice at once, half of the workers would wait for the others.
     if !target.commit_new()? {
         let message = format!("{} exists: the study was submitted", path.display());
@@ -57,7 +56,7 @@ fn hand_over(command: &[&str], script: &Path) -> Result<(), Failure> {
     };
     // Nothing was submitted, so that it can be tried again.
     let _ = std::fs::remove_file(script);
-    let hint = "--dry-run writes the script without submitting it";
+    let hint = "--dry-run prints the script without submitting it";
     Err(Failure::usage(why, vec![hint.to_owned()]))
 }
 

@@ -5,7 +5,7 @@ use crate::cli::args::sweep::RowsArgs;
 use crate::cli::files::chart::{PlotFormat, write_drawing};
 use crate::cli::io;
 use crate::cli::term::outcome::Failure;
-use crate::diag::nearest_name;
+use crate::diag::name_hint;
 use crate::export::Output;
 use crate::model::theme::Theme;
 use crate::plot::{ChartTheme, draw_chart, usual_size};
@@ -73,13 +73,8 @@ fn drawn_value(sweep: &Sweep, only: Option<&str>) -> Result<usize, Failure> {
     let names = || sweep.columns.iter().map(|(name, _)| name.as_str());
     match only {
         Some(name) => names().position(|known| known == name).ok_or_else(|| {
-            let mut hints = Vec::new();
-            hints.extend(nearest_name(name, names()).map(|near| format!("did you mean `{near}`?")));
-            hints.push(format!(
-                "rows contain {}",
-                names().collect::<Vec<_>>().join(", ")
-            ));
-            Failure::usage(format!("rows contain no value `{name}`"), hints)
+            let message = format!("rows contain no value `{name}`");
+            Failure::usage(message, vec![name_hint(name, names())])
         }),
         // For a check, the clearance says more than whether it passed.
         None if sweep.asked == RequestedValues::Check => Ok(1),

@@ -14,6 +14,7 @@ use crate::cli::open::study::open_search;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::diag::Source;
+use crate::diag::name_hint;
 use crate::report::cells::six_digits;
 use crate::report::requirement::{Requirement, simplest_of, simplest_text};
 use crate::report::synthesis::{FoundMechanism, restart_ladder, synthesis_text};
@@ -21,6 +22,7 @@ use crate::report::synthesis_document::{found_rows, synthesis_document};
 use crate::scene::Overrides;
 use crate::scene::edit::with_values;
 use std::ffi::OsStr;
+use std::path::PathBuf;
 
 /// Runs the verb.
 pub fn run_synthesise(args: &SynthesiseArgs, term: &Term) -> Result<Outcome, Failure> {
@@ -87,10 +89,10 @@ pub fn run_synthesise(args: &SynthesiseArgs, term: &Term) -> Result<Outcome, Fai
     if !args.demands.is_empty() {
         report.push_str(&simplest_text(&found, &args.demands));
     }
-    io::print_beside(term, args.json.as_deref(), &report)?;
+    let reports = [&args.json, &args.csv].into_iter().flatten();
+    io::print_beside(term, reports.map(PathBuf::as_path), &report)?;
     if stopped {
-        let kept = "the best result so far was reported and written";
-        return Err(Failure::Stopped(kept.to_owned()));
+        return Err(Failure::best_so_far(None));
     }
     // The demands determine the exit code; without a demand every mechanism must be proved.
     let is_answered = match args.demands.is_empty() {
@@ -115,7 +117,7 @@ fn refuse_unknown(args: &SynthesiseArgs, opened: &[LoadedStudy]) -> Result<(), F
         None => Ok(()),
         Some(demand) => Err(Failure::usage(
             format!("--require: there is no measure `{}`", demand.measure),
-            vec![format!("there are: {}", known.join(", "))],
+            vec![name_hint(&demand.measure, known)],
         )),
     }
 }
@@ -210,13 +212,7 @@ fn write_found(
             .map(|(u, value)| (u.name.clone(), opened.family.file_text(u.kind, *value)))
             .collect(),
     };
-    let text = with_values(&opened.source, &parameters, &guess);
-    let text = text.ok_or_else(|| {
-        Failure::usage(
-            "the scene's text cannot be given start values",
-            vec!["write them as a section of their own: [guess]".to_owned()],
-        )
-    })?;
+    let text = with_values(&opened.source, &parameters, &guess)?;
     let overrides = Overrides {
         parameters,
         guess,

@@ -71,13 +71,14 @@ pub fn run_target(
         Err(_) if is_interrupted() => return Err(Failure::Interrupted),
         found => found?,
     };
+    let is_whole = !is_interrupted();
     let (found, text) = write_found(&family, &synthesis, (&source, &overrides))?;
     let begins = synthesis.unknowns.is_some();
     let rows = verify_target((&source, &found), &target, &synthesis.fit, begins)?;
     let proof = prove_found(&source, &found);
+    let out = out.map(|path| io::unless_complete(&path, is_whole));
     if let Some(path) = &out {
-        let path = io::unless_complete(path, !is_interrupted());
-        io::write_text(scene, &path, &text)?;
+        io::write_text(scene, path, &text)?;
     }
     let answer = FoundTarget {
         family: &family,
@@ -88,12 +89,12 @@ pub fn run_target(
         proof,
     };
     if let Some(path) = &args.json {
-        io::write_document(path, &target_document(&answer))?;
+        let path = io::unless_complete(path, is_whole);
+        io::write_document(&path, &target_document(&answer))?;
     }
     io::print_beside(term, args.json.as_deref(), &target_text(&answer))?;
-    if is_interrupted() {
-        let kept = "the best result so far was reported and written";
-        return Err(Failure::Stopped(kept.to_owned()));
+    if !is_whole {
+        return Err(Failure::best_so_far(out.as_deref()));
     }
     Ok(match answer.rows.holds() {
         true => Outcome::Done,
@@ -149,13 +150,7 @@ fn write_found(
         .zip(start)
         .map(|(u, value)| (u.name.clone(), family.file_text(u.kind, *value)))
         .collect();
-    let scene = with_values(source, &parameters, &guess);
-    let scene = scene.ok_or_else(|| {
-        Failure::usage(
-            "the scene's text cannot be given start values",
-            vec!["write them as a section of their own: [guess]".to_owned()],
-        )
-    })?;
+    let scene = with_values(source, &parameters, &guess)?;
     let mut all = overrides.parameters.clone();
     all.retain(|(name, _)| !parameters.iter().any(|(n, _)| n == name));
     all.extend(parameters);

@@ -10,16 +10,17 @@ use crate::cli::pictures::tolerance_cloud;
 use crate::cli::term::Term;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::cli::term::progress::Progress;
-use crate::export::{ExportError, Output, PendingFile};
+use crate::export::ExportError;
 use crate::jobs::core_count;
 use crate::report::tolerance::{SHARES, ToleranceReport};
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// Runs the verb.
 pub fn run_tolerance(args: &ToleranceArgs, term: &Term) -> Result<Outcome, Failure> {
     tolerance_cloud::refuse_cloud(args)?;
     if args.first.checked_add(args.samples).is_none() {
-        let message = "--skip and --pieces together are more pieces than can be numbered";
+        let message = "--skip plus --pieces is too large a number";
         return Err(Failure::usage(message, Vec::new()));
     }
     let reports = [
@@ -55,7 +56,7 @@ pub fn run_tolerance(args: &ToleranceArgs, term: &Term) -> Result<Outcome, Failu
         seconds: Some(start.elapsed().as_secs_f64()),
     };
     if let Some(path) = &args.csv {
-        let mut target = PendingFile::create(&io::unless_complete(path, is_whole))?;
+        let mut target = io::open_output(&io::unless_complete(path, is_whole))?;
         let written = report.write_csv(&pieces, &mut target);
         written.map_err(|source| ExportError::write(target.name(), source))?;
         target.commit()?;
@@ -64,7 +65,8 @@ pub fn run_tolerance(args: &ToleranceArgs, term: &Term) -> Result<Outcome, Failu
         let path = io::unless_complete(path, is_whole);
         io::write_json(&scatter.scene, &path, &report.document())?;
     }
-    io::print_beside(term, args.json.as_deref(), &report.text())?;
+    let reports = [&args.json, &args.csv].into_iter().flatten();
+    io::print_beside(term, reports.map(PathBuf::as_path), &report.text())?;
     if !is_whole {
         let done = pieces.made;
         return Err(Failure::Stopped(format!(

@@ -10,7 +10,6 @@ use crate::diag::{
     Diagnostic, Diagnostics, MOST_QUOTED, Severity, Source, cut_text, shorten_text, shown_text,
 };
 use crate::import::ImportError;
-use crate::kinematics::structure::block::StructureError;
 use crate::limits::{Resource, current_limits};
 use crate::parts::PartsError;
 use codespan_reporting::term::termcolor::{
@@ -114,7 +113,7 @@ impl Term {
             | Failure::NeverClosed { hints, .. }
             | Failure::Undecided { hints, .. } => hints,
             Failure::Structure(error) => {
-                of_structure = hint_of(error);
+                of_structure = Vec::from_iter(error.hint().map(str::to_owned));
                 &of_structure
             }
             Failure::Import(ImportError::Transparent { .. }) => {
@@ -218,22 +217,6 @@ impl Term {
             None => drop(BufferWriter::stderr(self.colour).print(&said)),
         }
     }
-}
-
-fn hint_of(error: &StructureError) -> Vec<String> {
-    let hint = match error {
-        StructureError::Impossible { .. } => "check the constant offsets of this loop: they must cancel".to_owned(),
-        StructureError::UnderDetermined { .. } => {
-            "drive them as inputs, add a loop or an equation, or look for a misspelt parameter: an undefined name \
-             is an unknown"
-                .to_owned()
-        }
-        StructureError::Unheld { .. } => {
-            "give it a loop or an equation that changes with it, drive it as an input, or take it out".to_owned()
-        }
-        StructureError::Limit(_) => return Vec::new(),
-    };
-    vec![hint]
 }
 
 /// The part of a message outside of quotes.

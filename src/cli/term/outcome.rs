@@ -1,6 +1,6 @@
 //! The outcome of a command, and its exit code.
 
-use crate::diag::SceneError;
+use crate::diag::{SceneError, name_hint};
 use crate::export::{ExportError, finished_count};
 use crate::import::ImportError;
 use crate::kinematics::structure::block::StructureError;
@@ -9,6 +9,7 @@ use crate::parts::PartsError;
 use crate::render::RenderError;
 use crate::report::verdict::Status;
 use crate::scene::source::SourceError;
+use std::path::Path;
 
 /// Done.
 pub const DONE: i32 = 0;
@@ -79,7 +80,7 @@ pub enum Failure {
     /// The scene has mistakes.
     #[error(transparent)]
     Scene(#[from] Box<SceneError>),
-    /// There is no such scene, or its file cannot be read.
+    /// The command line, a table or a file does not fit what was requested.
     #[error("{message}")]
     Usage {
         /// What is wrong.
@@ -165,6 +166,36 @@ impl Failure {
             message: message.into(),
             hints,
         }
+    }
+
+    /// The scene has nothing of that name.
+    pub fn unknown_name<'a>(
+        what: &str,
+        name: &str,
+        known: impl IntoIterator<Item = &'a str>,
+    ) -> Self {
+        let message = format!("the scene has no {what} `{name}`");
+        Self::usage(message, vec![name_hint(name, known)])
+    }
+
+    /// A search was stopped; `out` is the file that has its best result.
+    pub fn best_so_far(out: Option<&Path>) -> Self {
+        Self::Stopped(match out {
+            None => "the best result so far was reported".to_owned(),
+            Some(out) => format!("the best result so far was written to {}", out.display()),
+        })
+    }
+
+    /// The extension of an output is not one that the command writes.
+    pub fn unknown_kind(path: &Path, what: &str, known: &str) -> Self {
+        let message = format!("{}: unknown kind of {what}", path.display());
+        Self::usage(message, vec![known.to_owned()])
+    }
+
+    /// The scene requests no clearances.
+    pub fn without_clearance(message: impl Into<String>) -> Self {
+        let hint = "add a section: [clearance] with minimum = 0.5";
+        Self::usage(message, vec![hint.to_owned()])
     }
 
     /// Its exit code.

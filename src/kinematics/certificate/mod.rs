@@ -41,7 +41,7 @@ use super::results::certificate::{Certificate, Reason};
 use super::solve::newton::Corrector;
 use crate::kinematics::structure::system::System;
 use crate::numbers::double_double::DoubleDouble;
-use crate::numbers::rounding::U;
+use crate::numbers::rounding::{GROW, SHRINK, U};
 use pose::prover::PoseProver;
 use tube::Standing;
 
@@ -137,13 +137,13 @@ impl<'m> Certifier<'m> {
     /// Converts from radians and sizes, so that both hold for every unknown in its own unit.
     fn certificate(&self, error: f64, radius: f64, closes_to: f64) -> Certificate {
         let [least, largest] = self.system.mechanism().distance_units();
-        let error_bound = error * largest * (1.0 + 1e-12);
-        let unique_radius = radius * least * (1.0 - 1e-12);
+        let error_bound = error * largest * GROW;
+        let unique_radius = radius * least * SHRINK;
         if self.system.redundant_rows() > 0 {
             return Certificate::Consistent {
                 error_bound,
                 unique_radius,
-                closes_to: closes_to * largest * (1.0 + 1e-12),
+                closes_to: closes_to * largest * GROW,
             };
         }
         Certificate::Certified {

@@ -4,7 +4,7 @@ use crate::kinematics::loops::residual::{BlockWorkspace, Want};
 use crate::kinematics::solve::assembly::{assemble_pose, shake_start};
 use crate::kinematics::solve::newton::{Corrector, Pace};
 use crate::kinematics::solve::wishes::assemble_as_meant;
-use crate::kinematics::structure::block::{Block, StructureError, slot_names};
+use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::ordering::{BlockGroup, Incidence, of_group};
 use crate::kinematics::structure::system::System;
 use crate::limits::LimitExceeded;
@@ -247,18 +247,5 @@ impl<'a> Ranks<'a> {
         Ok(blocks
             .map(|g| of_group(self.mechanism, incidence, g))
             .collect())
-    }
-
-    /// Names the unknowns that move while all equations hold.
-    pub fn under_determined(&self, block: &Block) -> StructureError {
-        let mut workspace = BlockWorkspace::default();
-        workspace.evaluate(self.mechanism, block, &self.poses[0], Want::Jacobian);
-        let (rows, columns, rank) = (block.rows(), block.unknowns.len(), self.of(block));
-        let free = crate::linalg::svd::free_columns(&workspace.jacobian, rows, columns, rank);
-        let slots = free.iter().map(|column| block.unknowns[*column]);
-        StructureError::UnderDetermined {
-            freedoms: columns - rank,
-            names: slot_names(self.mechanism, slots),
-        }
     }
 }

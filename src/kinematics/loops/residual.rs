@@ -8,7 +8,7 @@
 use super::joint_lanes::{JointGroup, LaneFrame};
 use crate::kinematics::structure::block::Block;
 use crate::kinematics::structure::layout::{BlockPlan, LayoutEntry, PlannedEquation, PlannedLoop};
-use crate::linalg::lanes::{Lanes, combine_rows, lane_groups};
+use crate::linalg::lanes::{Lanes, add_scaled, combine_rows, lane_groups};
 use crate::math::Pose;
 use crate::math::{left_jacobian_inverse, rotation_log};
 use crate::model::chain::{Argument, ArgumentValue};
@@ -124,6 +124,15 @@ impl BlockWorkspace {
         self.drift
             .resize(lane_groups(self.residual.len()), [0.0; 4]);
         combine_rows(&mut self.drift, &self.outer_rates, &self.outer);
+        // The slope of a root at zero is infinite: what does not move adds nothing all the same.
+        if self.drift.as_flattened().iter().any(|v| v.is_nan()) {
+            let stride = self.drift.len().max(1);
+            self.drift.fill([0.0; 4]);
+            let rows = self.outer_rates.iter().zip(self.outer.chunks_exact(stride));
+            for (rate, row) in rows.filter(|(rate, _)| **rate != 0.0) {
+                add_scaled(&mut self.drift, *rate, row);
+            }
+        }
     }
 
     fn evaluate_arguments(&mut self, site: UnknownSite) {

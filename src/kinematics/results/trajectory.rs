@@ -60,6 +60,16 @@ pub struct Event {
     pub kind: EventKind,
 }
 
+impl EventKind {
+    /// Whether the gap that begins or ends there says the same.
+    pub fn is_told_by_gap(&self) -> bool {
+        matches!(
+            self,
+            Self::MotionEnds(_) | Self::MotionResumes { same_branch: true }
+        )
+    }
+}
+
 /// Kinds of events.
 #[derive(Clone, Debug, PartialEq)]
 pub enum EventKind {
@@ -166,7 +176,7 @@ pub enum Ending {
         /// Proofs were asked for.
         asked: bool,
     },
-    /// An input has no value beyond.
+    /// An input ceases to have a value.
     InputUndefined {
         /// Its name.
         name: String,

@@ -164,17 +164,26 @@ impl<'s> PoseSolver<'s> {
     /// step.
     pub fn step(&mut self, from: &[f64], inputs: &[f64], order: usize) -> Option<Vec<f64>> {
         let (mut coordinates, mut prediction) = self.predict(from, inputs, order);
-        // At a kink, such as that of a length at zero, there is no tangent: then the pose itself is the prediction.
-        if (prediction.length + prediction.bend).is_nan() {
-            let unknowns = coordinates.len() - inputs.len();
-            coordinates[..unknowns].copy_from_slice(&from[..unknowns]);
-            prediction = Prediction {
-                length: 0.0,
-                bend: 0.0,
-            };
+        if !(prediction.length + prediction.bend).is_finite() {
+            prediction = self.without_tangent(from, &mut coordinates);
         }
         let correction = self.correct(&mut coordinates, Pace::Brisk);
         follows_prediction(&correction, &prediction).then_some(coordinates)
+    }
+
+    /// Replaces the unknowns of a prediction that have no tangent, as at the kink of a length at zero, by those of the pose
+    /// itself.
+    fn without_tangent(&self, from: &[f64], predicted: &mut [f64]) -> Prediction {
+        let mechanism = self.system.mechanism();
+        let mut length: f64 = 0.0;
+        let own = predicted.iter_mut().zip(from).enumerate();
+        for (k, (predicted, from)) in own.take(mechanism.unknowns.len()) {
+            match predicted.is_finite() {
+                true => length = length.max((*predicted - from).abs() / mechanism.scale_of(k)),
+                false => *predicted = *from,
+            }
+        }
+        Prediction { length, bend: 0.0 }
     }
 
     /// The closed pose at `inputs` that is corrected from the straight line between two others, at the fraction

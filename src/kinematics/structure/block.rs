@@ -96,6 +96,25 @@ pub enum StructureError {
     Limit(#[from] LimitExceeded),
 }
 
+impl StructureError {
+    /// A suggested remedy.
+    pub fn hint(&self) -> Option<&'static str> {
+        match self {
+            Self::Impossible { .. } => {
+                Some("check the constant offsets of this loop: they must cancel")
+            }
+            Self::UnderDetermined { .. } => Some(
+                "drive them as inputs, add a loop or an equation, or look for a misspelt parameter: \
+                 an undefined name is an unknown",
+            ),
+            Self::Unheld { .. } => Some(
+                "give it a loop or an equation that changes with it, drive it as an input, or take it out",
+            ),
+            Self::Limit(_) => None,
+        }
+    }
+}
+
 impl Structure {
     /// The block that solves the loop or equation `name`, if it has more equations than unknowns.
     pub fn overfull_block(&self, mechanism: &Mechanism, name: &str) -> Option<&Block> {

@@ -11,6 +11,7 @@ use super::sides::{SideNumbers, on_one_side, takes_whole};
 use super::{Expression, Op, ZERO};
 use crate::numbers::constant::Constant;
 use crate::numbers::interval::Interval;
+use crate::numbers::rounding::GROW;
 use crate::numbers::scalar::Scalar;
 use crate::numbers::series::Series;
 
@@ -185,7 +186,7 @@ impl Expression {
         let least = slope.lo.abs().min(slope.hi.abs());
         match off(without_error(time)) {
             Some(off) if off.is_finite() => {
-                let radius = off.largest() / least * (1.0 + 1e-12);
+                let radius = off.largest() / least * GROW;
                 without_error(time) + Constant::within(0.0, radius)
             }
             _ => unknown,

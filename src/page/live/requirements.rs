@@ -1,6 +1,6 @@
 //! The options for every motion of a live page: those of the command line.
 
-use crate::clearance::check::Closely;
+use crate::clearance::check::ClearanceEffort;
 use crate::kinematics::motion::sampling::{even_times, frame_times};
 use crate::kinematics::structure::system::System;
 use crate::report::motion_check::MotionCheck;
@@ -14,7 +14,7 @@ pub struct LiveRequirements {
     /// What must be so.
     pub asked: CheckRequirements,
     /// Requested accuracy of the bounds of distances.
-    pub closely: Closely,
+    pub closely: ClearanceEffort,
     /// Samples, spread evenly; the scene's frames if absent.
     pub samples: Option<usize>,
 }
@@ -50,9 +50,9 @@ impl LiveRequirements {
                 empty: is("empty", false),
                 band: number("band"),
             },
-            closely: Closely {
-                tolerance: number("tolerance").unwrap_or(Closely::TOLERANCE),
-                pairs: count("pairs").unwrap_or(Closely::PAIRS),
+            closely: ClearanceEffort {
+                tolerance: number("tolerance").unwrap_or(ClearanceEffort::TOLERANCE),
+                pairs: count("pairs").unwrap_or(ClearanceEffort::PAIRS),
                 times: true,
             },
             samples: count("samples"),

@@ -242,7 +242,7 @@ impl LiveScene {
         } = &self.overrides;
         match parameters.is_empty() && guess.is_empty() {
             true => Some(self.source.text.clone()),
-            false => with_values(&self.source, parameters, guess),
+            false => with_values(&self.source, parameters, guess).ok(),
         }
     }
 }

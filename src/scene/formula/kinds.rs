@@ -4,7 +4,8 @@
 //! Rules: where the position expects an angle, a part that contains no angle itself (`Ry(180)`, `beta + 30`) is in the file's
 //! angle unit. Where no position tells, or in a product of an angle, a number beside an angle in a sum is (`2*(beta - 30)`), but
 //! no function and no ratio, which are in radians as in `beta - sin(beta)`. A sum inside a product, a power or a function is looked at
-//! by itself (`R*(beta - 30)` is an arc), whatever stands around it. In a file in radians nothing is converted at all.
+//! by itself (`R*(beta - 30)` is an arc), whatever stands around it. Sines, cosines and tangents take mere numbers in the file's unit, and
+//! ratios in radians. In a file in radians nothing is converted at all.
 
 use super::node::{FormulaNode, NodeKind};
 use crate::diag::Span;
@@ -126,6 +127,19 @@ pub fn is_angle_by_itself(node: &FormulaNode, of_name: DimensionOfName) -> bool 
     found && !others
 }
 
+/// Whether numbers stand beside an angle in a sum: one of its terms is an angle, and none is a length. Terms of other dimensions,
+/// such as products of angles, change nothing.
+fn has_angle_term(node: &FormulaNode, of_name: DimensionOfName) -> bool {
+    let (mut found, mut lengths) = (false, false);
+    visit_terms(node, &mut |term| {
+        let dimension = dimension_of(term, of_name);
+        let is_angle = dimension == PhysicalDimension::of(Kind::Angle);
+        found |= is_angle && !has_plain_angles(term, of_name);
+        lengths |= dimension.kind() == Kind::Length;
+    });
+    found && !lengths
+}
+
 /// Whether the definition of a parameter makes it an angle: a sum of angles and mere numbers, a single term such as `pi/2`, or a
 /// multiple of what has an explicit unit.
 pub fn defines_angle(node: &FormulaNode, of_name: DimensionOfName) -> bool {
@@ -245,7 +259,7 @@ impl AngleConversion<'_> {
         let is_sum = is_sum(&node.kind);
         let expected = match expected {
             Expected::Open if is_sum => self.expected_in_sum(&node),
-            Expected::Factor if is_sum => match is_angle_by_itself(&node, self.of_name) {
+            Expected::Factor if is_sum => match has_angle_term(&node, self.of_name) {
                 true => Expected::BesideAngles,
                 false => Expected::Number,
             },
@@ -282,7 +296,8 @@ impl AngleConversion<'_> {
             }
             NodeKind::Call(function, args) => {
                 let inner = match function {
-                    Function::Sin | Function::Cos | Function::Tan => Expected::Angle,
+                    // `sin(30)` is that of an angle, but `sin(s/R)` that of a ratio.
+                    Function::Sin | Function::Cos | Function::Tan => Expected::BesideAngles,
                     _ if is_sum => expected,
                     _ => Expected::Open,
                 };
@@ -297,9 +312,9 @@ impl AngleConversion<'_> {
         }
     }
 
-    /// What numbers are in a sum in a position that does not tell: a sum with terms of other dimensions is no sum of angles.
+    /// What numbers are in a sum in a position that does not tell: a sum of lengths, or without an angle, is no sum of angles.
     fn expected_in_sum(&self, node: &FormulaNode) -> Expected {
-        if is_angle_by_itself(node, self.of_name) {
+        if has_angle_term(node, self.of_name) {
             return Expected::BesideAngles;
         }
         let mut is_measured = false;

@@ -3,7 +3,7 @@
 
 use crate::driven::{check, check_closely, even_times, knots, solve};
 use crate::program::Workspace;
-use mechanim::clearance::check::{ClearanceReport, Closely, Judgement};
+use mechanim::clearance::check::{ClearanceEffort, ClearanceReport, Judgement};
 use mechanim::diag::Source;
 use mechanim::kinematics::results::trajectory::Trajectory;
 use mechanim::scene::{Overrides, Scene, builtin, load_scene};
@@ -13,7 +13,7 @@ use std::fmt::Write;
 const MINIMUM: f64 = 0.5;
 
 /// As few pairs one by one as may be.
-const FEWEST: Closely = Closely {
+const FEWEST: ClearanceEffort = ClearanceEffort {
     tolerance: 1.0,
     pairs: 0,
     times: false,
@@ -129,7 +129,7 @@ fn what_is_far_passes_alone_too() {
             for samples in [4, 33] {
                 let motion = motion(&scene, samples);
                 let few = check_closely(&scene, &motion, FEWEST);
-                let all = check_closely(&scene, &motion, Closely::to(1.0));
+                let all = check_closely(&scene, &motion, ClearanceEffort::to(1.0));
                 assert!(all.far.is_none() && all.counted.is_empty());
                 agree(
                     &few,
@@ -156,7 +156,7 @@ fn built_in_scenes_have_the_same_verdict_by_either_way() {
         let all = check_closely(
             &scene,
             &motion,
-            Closely {
+            ClearanceEffort {
                 pairs: 1000,
                 ..FEWEST
             },

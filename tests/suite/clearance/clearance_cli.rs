@@ -156,7 +156,7 @@ fn reports_of_clearances_need_a_section() {
     w.write("bad.toml", swing(30.0));
     w.run(&["check", "bad.toml", "--render", "x.gif"])
         .exits(2)
-        .says(&["not a .png file"]);
+        .says(&["unknown kind of picture"]);
 }
 
 /// A closed ball of triangles in the text form, or one with a hole, or one inside out.

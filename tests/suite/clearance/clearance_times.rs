@@ -3,7 +3,7 @@
 use crate::driven;
 use crate::driven::{check, even_times, knots, solve};
 use crate::program::Workspace;
-use mechanim::clearance::check::{ClearanceReport, Closely, Violations};
+use mechanim::clearance::check::{ClearanceEffort, ClearanceReport, Violations};
 use mechanim::diag::Source;
 use mechanim::scene::{Overrides, Scene, load_scene};
 
@@ -209,7 +209,7 @@ fn a_pulse_between_samples_has_its_time() {
 fn times_are_found_on_request() {
     let scene = open(&lift("\"2 - t\"", 0.5));
     let motion = solve(&scene, &knots(&scene, &even_times(&scene, 5))).unwrap();
-    let report = driven::check_closely(&scene, &motion, Closely::to(1e-2));
+    let report = driven::check_closely(&scene, &motion, ClearanceEffort::to(1e-2));
     assert!(report.judged[0].violations.is_none());
 }
 
@@ -244,7 +244,11 @@ fn every_report_says_when() {
     assert!(first["seen"] == true && first["to"] == 2.0, "{times}");
     assert!(read("r.xml").contains(words));
     let plot = read("r.svg");
-    for words in ["floor / ball", "a depth has no bound", "the minimum is 0.5"] {
+    for words in [
+        "floor / ball",
+        "the depth of the overlap has no bound",
+        "the minimum is 0.5",
+    ] {
         assert!(plot.contains(words), "{words}: {plot}");
     }
     let matrix = read("m.svg");

@@ -1,7 +1,7 @@
 //! Mechanisms with what drives them, as most tests use them: read, changed here and there, solved at some times.
 
 use glam::DVec3;
-use mechanim::clearance::check::{ClearanceReport, Closely, Judgement, PairReport};
+use mechanim::clearance::check::{ClearanceEffort, ClearanceReport, Judgement, PairReport};
 use mechanim::distance::bodies::{BodyElements, nearest_bodies};
 use mechanim::kinematics::certificate::tube;
 use mechanim::kinematics::motion::feasible::Feasible;
@@ -155,15 +155,19 @@ pub fn measures(model: &Model, trajectory: &Trajectory) -> Vec<Option<f64>> {
 
 /// The clearances that a scene asks for, in a report that keeps its word.
 pub fn check(scene: &Scene, trajectory: &Trajectory, tolerance: f64) -> ClearanceReport {
-    let closely = Closely {
+    let closely = ClearanceEffort {
         times: true,
-        ..Closely::to(tolerance)
+        ..ClearanceEffort::to(tolerance)
     };
     check_closely(scene, trajectory, closely)
 }
 
 /// The same, with as many pairs looked at one by one as are wanted.
-pub fn check_closely(scene: &Scene, trajectory: &Trajectory, closely: Closely) -> ClearanceReport {
+pub fn check_closely(
+    scene: &Scene,
+    trajectory: &Trajectory,
+    closely: ClearanceEffort,
+) -> ClearanceReport {
     let system = scene.system().unwrap();
     let (actuation, rules) = (&scene.actuation, scene.clearance.as_ref().unwrap());
     let clearance = mechanim::clearance::check::check_clearance;

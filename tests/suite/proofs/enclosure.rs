@@ -580,7 +580,7 @@ fn the_program_writes_bands_and_says_what_it_refuses() {
         (&["--vary", "q", "--tolerance", "1"], "no such parameter"),
         (
             &["--tolerance", "0.1", "--allow", "z=1"],
-            "not an unknown, traced point or output",
+            "the scene has no unknown, traced point or output",
         ),
     ] {
         let all = [&["enclose", "slider-crank"][..], arguments].concat();

@@ -4,7 +4,7 @@ use crate::draws::Draws;
 use crate::program::Workspace;
 use mechanim::analysis::enclosure::{TolerancePlan, enclose_clearances};
 use mechanim::analysis::study::ParametricMechanism;
-use mechanim::clearance::check::{Closely, check_clearance};
+use mechanim::clearance::check::{ClearanceEffort, check_clearance};
 use mechanim::clearance::part::{JudgedPart, PieceClearance};
 use mechanim::diag::Source;
 use mechanim::distance::bodies::{BodyElements, nearest_bodies};
@@ -31,9 +31,9 @@ impl Case {
         let times = even_times(&scene.mechanism, &scene.actuation, samples);
         let motion = solve_motion(&system, &scene.actuation, &times);
         let rules = scene.clearance.clone().unwrap();
-        let closely = Closely {
+        let closely = ClearanceEffort {
             pairs: usize::MAX,
-            ..Closely::to(1e-3)
+            ..ClearanceEffort::to(1e-3)
         };
         let silent = |_, _| {};
         let report = check_clearance(&system, &scene.actuation, &rules, &motion, closely, &silent);

@@ -291,7 +291,7 @@ fn studies_start_from_other_assemblies_and_drives() {
     w.write("rows.csv", "phi\n0\n30\n60\n");
     w.run(&["sensitivity", "crank.toml", "--inputs", "rows.csv"])
         .exits(2)
-        .says(&["--input-table would change nothing"]);
+        .says(&["--input-table would have no effect"]);
     let along = CRANK.replace("swing = { track = \"back\",", "swing = {");
     w.write(
         "along.toml",

@@ -24,7 +24,9 @@ fn designs_that_cannot_be_meant_are_refused() {
         run(&space, &line).exits(2).says(&[why]);
     }
     let line = "sweep four-bar --design grid:crank=1..2:3 --outputs K.w --out rows.csv";
-    run(&space, line).exits(2).says(&["no value `K.w`", "K.x"]);
+    run(&space, line)
+        .exits(2)
+        .says(&["no value `K.w`", "`K.z`"]);
     let line = "sweep four-bar --design grid:crank=1..2:3 --out rows.csv";
     run(&space, line).exits(2).says(&["no `[measures]`"]);
     let line = "sweep gearshift --design grid:ZR1=100..300:3 --out rows.csv";

@@ -217,7 +217,10 @@ fn overrides_with_mistakes_are_refused_by_name() {
             &["--param", "lenght=2"][..],
             ["no parameter or chain `lenght`", "did you mean `length`?"],
         ),
-        (&["--input", "fhi=2"], ["no input `fhi`", "it has: phi"]),
+        (
+            &["--input", "fhi=2"],
+            ["no input `fhi`", "did you mean `phi`?"],
+        ),
         (
             &["--param", "length=2", "--param", "length=3"],
             ["`length` is replaced twice", "by `2` and by `3`"],

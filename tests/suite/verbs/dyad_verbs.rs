@@ -171,7 +171,10 @@ fn what_is_no_row_of_dyads_is_refused_with_its_reason() {
             &["dyads", "dyads", "--delta", "170..10"][..],
             "is above the upper end",
         ),
-        (&["dyads", "dyads", "--per", "psi"], "`psi` is not an input"),
+        (
+            &["dyads", "dyads", "--per", "psi"],
+            "the scene has no input `psi`",
+        ),
         (&["dyads", "dyads", "--at", "9"], "lasts from 0 to 4 s"),
         (
             &[

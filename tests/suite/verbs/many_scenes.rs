@@ -192,7 +192,7 @@ fn watching_needs_a_file() {
     let w = Workspace::new();
     w.run(&["check", "four-bar", "--watch"])
         .exits(2)
-        .says(&["--watch waits for changes of a file"]);
+        .says(&["--watch needs a file"]);
 }
 
 /// Runs after a change, shows a mistake and waits for its end, and ends by Ctrl-C.

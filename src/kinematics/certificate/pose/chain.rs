@@ -9,7 +9,7 @@ use crate::kinematics::structure::proof_plan::ProofArgument;
 use crate::model::chain::ElementaryMotion;
 use crate::model::expression::Affine;
 use crate::numbers::double_double::DoubleDouble;
-use crate::numbers::rounding::{DECIMAL, LONG_STEP, SIN_COS, U};
+use crate::numbers::rounding::{DECIMAL, GROW, LONG_STEP, SIN_COS, U};
 use crate::numbers::sin_cos::{SinCosFactor, sin_cos};
 use glam::{DMat3, DVec3};
 
@@ -210,7 +210,7 @@ impl LoopAtPose {
             add(planned.open_behind, reach);
             reach += planned.length_behind / size;
             // Grown for the rounding of the sum.
-            joint.reach = reach * (1.0 + 1e-12);
+            joint.reach = reach * GROW;
             // A slide counts with its largest length in the ball.
             if joint.motion == ElementaryMotion::Translation {
                 let length = arguments[joint.argument].value.whole.abs() + play(joint.argument);

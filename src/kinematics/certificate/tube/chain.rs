@@ -345,7 +345,7 @@ impl Reaches {
                 ChainStep::Joint {
                     motion, argument, ..
                 } => {
-                    joints.push((*motion, *argument, reach * (1.0 + 1e-12)));
+                    joints.push((*motion, *argument, reach * GROW));
                     if *motion == ElementaryMotion::Translation {
                         reach += farthest(*argument) / size;
                     }

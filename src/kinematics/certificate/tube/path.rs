@@ -6,6 +6,7 @@ use crate::model::actuation::Actuation;
 use crate::model::expression::Expression;
 use crate::model::mechanism::{Kind, Mechanism};
 use crate::numbers::interval::Interval;
+use crate::numbers::rounding::GROW;
 use crate::numbers::scalar::Scalar;
 use std::cell::OnceCell;
 
@@ -69,7 +70,7 @@ impl InputPath {
     pub fn admit(&mut self, k: usize, time: f64, value: f64, open: f64) -> f64 {
         let here = self.at(k, time);
         let below = (here.lo - value).max(0.0);
-        let off = ((value - here.hi).max(below) + open) * (1.0 + 1e-12);
+        let off = ((value - here.hi).max(below) + open) * GROW;
         let play = Interval::around_zero(off);
         for series in &mut self.inputs {
             series[k] = series[k] + TaylorEnclosure::constant(play);

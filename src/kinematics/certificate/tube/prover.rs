@@ -20,6 +20,7 @@ use crate::model::expression::continuity::Jumps;
 use crate::model::expression::pieces::around_instant;
 use crate::model::mechanism::Kind;
 use crate::model::printed;
+use crate::numbers::rounding::{GROW, SHRINK};
 use std::sync::Arc;
 
 /// Shortest time interval, as a fraction of the interval between two samples: near a singular pose tubes are as short
@@ -132,8 +133,8 @@ impl<'m> Prover<'m> {
         let unique = tubes.iter().map(|t| t.unique).fold(f64::INFINITY, f64::min);
         let certificate = IntervalCertificate {
             tubes: tubes.len(),
-            radius: radius * largest * (1.0 + 1e-12),
-            unique_radius: unique * least * (1.0 - 1e-12),
+            radius: radius * largest * GROW,
+            unique_radius: unique * least * SHRINK,
             closes_to: self.closes_to(tubes.iter()),
             refused,
         };
@@ -145,7 +146,7 @@ impl<'m> Prover<'m> {
         let largest = tubes.map(|tube| tube.closes_to).reduce(f64::max);
         let unit = self.system.mechanism().distance_units()[1];
         let largest = largest.filter(|_| self.digits.is_some());
-        largest.map(|largest| largest * unit * (1.0 + 1e-12))
+        largest.map(|largest| largest * unit * GROW)
     }
 
     /// The tubes of an interval, from its start up to its end or a failure. None is shorter than `floor` of the
@@ -257,7 +258,7 @@ impl<'m> Prover<'m> {
             rates: Some(pose.rates.clone()),
             sample: Some((
                 sample.inputs.clone(),
-                error / self.system.mechanism().distance_units()[1] * (1.0 + 1e-12),
+                error / self.system.mechanism().distance_units()[1] * GROW,
             )),
         })
     }
@@ -430,6 +431,6 @@ impl<'m> Prover<'m> {
             let distance = tube.path.at(k, place.time).distance(*q);
             distance / self.system.mechanism().scale_of(k)
         });
-        largest_value(gap) * (1.0 + 1e-12) + error < tube.unique
+        largest_value(gap) * GROW + error < tube.unique
     }
 }

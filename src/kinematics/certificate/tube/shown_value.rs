@@ -238,6 +238,9 @@ impl Scalar for ShownValue {
 
     fn atan2(self, x: Self) -> Self {
         let (height, across) = (self.range(), x.range());
+        if height.holds_zero() && across.holds_zero() {
+            return Self::undefined();
+        }
         // On the negative x axis the angle jumps by a whole turn; its values are on both sides.
         if height.lo < 0.0 && height.hi >= 0.0 && across.lo < 0.0 {
             let most = PI.next_up();

@@ -3,6 +3,7 @@
 use super::path::TubePath;
 use super::taylor_model::TaylorModel;
 use crate::model::mechanism::Mechanism;
+use crate::numbers::rounding::GROW;
 use std::sync::Arc;
 
 /// The rows that every block is proved on.
@@ -38,7 +39,7 @@ impl Tube {
     pub(super) fn coordinates(&self, mechanism: &Mechanism) -> Vec<TaylorModel> {
         let mut coordinates = self.path.coordinates.clone();
         for (k, rest) in self.rest.iter().enumerate() {
-            coordinates[k].rest += rest * mechanism.scale_of(k) * (1.0 + 1e-12);
+            coordinates[k].rest += rest * mechanism.scale_of(k) * GROW;
         }
         coordinates
     }
@@ -65,7 +66,7 @@ impl Tube {
             let (a, b) = (before.path.at(k, self.start), self.path.at(k, self.start));
             (a - b).magnitude() / mechanism.scale_of(k)
         });
-        let gap = largest_value(gap) * (1.0 + 1e-12);
+        let gap = largest_value(gap) * GROW;
         gap + before.radius < self.unique || gap + self.radius < before.unique
     }
 }
