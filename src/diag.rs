@@ -139,6 +139,26 @@ pub fn nearest_name<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) ->
         .map(|(_, name)| name)
 }
 
+/// A text for attributes and contents of XML and HTML.
+pub fn xml_text(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\'' => out.push_str("&#39;"),
+            '\n' => out.push_str("&#10;"),
+            // XML 1.0 cannot represent other control characters, nor the last two code points of the basic plane.
+            c if c.is_control() => out.push(' '),
+            '\u{fffe}' | '\u{ffff}' => out.push(char::REPLACEMENT_CHARACTER),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
 /// A number as messages show it: in full if it is short.
 pub fn shown_number(value: f64) -> String {
     let size = value.abs();
@@ -328,6 +348,12 @@ pub struct SceneError {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn texts_cannot_break_a_document() {
+        let text = xml_text("a<b & \"c\"'\u{0}\n>\u{fffe}");
+        assert_eq!(text, "a&lt;b &amp; &quot;c&quot;&#39; &#10;&gt;\u{fffd}");
+    }
 
     #[test]
     fn nearest_name_is_offered_only_when_near() {

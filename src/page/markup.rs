@@ -1,24 +1,13 @@
 //! Texts in markup: escaped, with invisible and control characters spelled out. Every text of a scene reaches the page
 //! through this file.
 
-use crate::diag::shown_lines;
+use crate::diag::{shown_lines, xml_text};
 use crate::report::verdict::Status;
 use std::fmt::Write;
 
 /// A text as contents or as an attribute in double quotes.
 pub fn escaped(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in shown_lines(text).chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\'' => out.push_str("&#39;"),
-            c => out.push(c),
-        }
-    }
-    out
+    xml_text(&shown_lines(text))
 }
 
 /// JSON inside a script element: nothing in it can end the element or open a comment.

@@ -4,6 +4,7 @@ use super::decimal::trimmed_decimal;
 use super::drawing::Drawing;
 use super::primitive::{DrawnPrimitive, LineStyle, TextAnchor};
 use super::theme::Colour;
+use crate::diag::xml_text;
 use std::fmt::Write;
 
 /// Height of the capitals in sizes of the font, for the preferred font.
@@ -23,12 +24,12 @@ pub fn write_svg(drawing: &Drawing) -> String {
     let _ = writeln!(
         text,
         "<title id=\"title\">{}</title>",
-        escape_text(&drawing.title)
+        xml_text(&drawing.title)
     );
     let _ = writeln!(
         text,
         "<desc id=\"desc\">{}</desc>",
-        escape_text(&drawing.description)
+        xml_text(&drawing.description)
     );
     for primitive in &drawing.primitives {
         write_element(primitive, &mut text);
@@ -111,7 +112,7 @@ fn write_element(primitive: &DrawnPrimitive, out: &mut String) {
                 TextAnchor::End => " text-anchor=\"end\"",
             },
             paint_attributes("fill", *colour),
-            escape_text(text)
+            xml_text(text)
         ),
     };
 }
@@ -131,7 +132,7 @@ fn write_line(
     if name.is_empty() {
         out.write_str("/>")
     } else {
-        write!(out, "><title>{}</title></polyline>", escape_text(name))
+        write!(out, "><title>{}</title></polyline>", xml_text(name))
     }
 }
 
@@ -170,33 +171,9 @@ fn short_number(value: f64) -> String {
     trimmed_decimal(value, 2)
 }
 
-/// Escapes characters that XML would interpret, and removes those it forbids.
-fn escape_text(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for character in text.chars() {
-        match character {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            c if c.is_control() => out.push(' '),
-            c => out.push(c),
-        }
-    }
-    out
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn texts_cannot_break_the_document() {
-        assert_eq!(
-            escape_text("a<b & \"c\"\u{0}\n>"),
-            "a&lt;b &amp; &quot;c&quot;  &gt;"
-        );
-    }
 
     #[test]
     fn numbers_are_short() {

@@ -48,7 +48,7 @@ pub fn scale_ticks(scale: &Scale, most: usize, unit: &str) -> Ticks {
 }
 
 /// The smallest round step of which no more than `most` fit into `range`.
-pub fn round_step(range: f64, most: usize, unit: &str) -> f64 {
+pub fn least_round_step(range: f64, most: usize, unit: &str) -> f64 {
     let least = range / most as f64;
     let is_angle = unit == "deg" || unit == "°";
     let parts = DEGREES
@@ -107,7 +107,7 @@ fn linear_ticks(low: f64, high: f64, most: usize, unit: &str) -> Ticks {
     {
         return ticks;
     }
-    let step = round_step(high - low, most, unit);
+    let step = least_round_step(high - low, most, unit);
     // Counted, not summed up; a little beyond the ends so that rounding loses none.
     let first = libm::ceil(low / step - 1e-6);
     let last = libm::floor(high / step + 1e-6);

@@ -2,6 +2,7 @@
 //! document.
 
 use super::cells::{aligned_rows, quoted_cell, six_digits};
+use super::sentences::counted_things;
 use crate::analysis::dyads::PlanarRow;
 use crate::intervals::Kaucher;
 use crate::intervals::chain::WHOLE_TURN;
@@ -58,13 +59,13 @@ impl DyadReport<'_> {
     pub fn headline(&self) -> String {
         let chain = &self.row.chain;
         format!(
-            "{}\n  {}\n  {} points, {} of them fixed, {} bars: {} dyads and the lever {}\n",
+            "{}\n  {}\n  {} points, {} of them fixed, {} bars: {} and the lever {}\n",
             self.mechanism.title,
             self.place,
             chain.points.len(),
             chain.fixed.len(),
             self.row.bars.len(),
-            chain.dyads.len(),
+            counted_things(chain.dyads.len(), "dyad"),
             self.lever_name()
         )
     }
@@ -148,20 +149,12 @@ impl DyadReport<'_> {
         let n = table.sides.len();
         let columns: Vec<f64> = (0..n * n).map(|k| table.rows[k % n][k / n]).collect();
         let singular = jacobian_conditioning(&columns, n, n);
-        let chain = &self.row.chain;
-        let off = solved_numbers(&table.rows, &table.sides).map(|solution| {
-            let known = chain
-                .unknowns()
-                .into_iter()
-                .flat_map(|k| chain.velocities[k]);
-            let pairs = solution.iter().zip(known);
-            pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
-        });
+        let off = self.velocity_error(&table);
         format!(
             "System of the velocities: {n} x {n}, columns {}; v{} on the right\n  condition {}, determinant {}, \
              {}\n",
             self.column_order(),
-            self.row.names[chain.given()],
+            self.row.names[self.row.chain.given()],
             six_digits(singular.sigma_max / singular.sigma_min),
             six_digits(determinant(&table.rows)),
             off.map_or_else(
@@ -169,6 +162,22 @@ impl DyadReport<'_> {
                 |off| format!("solution off by {off:.0e} at most")
             ),
         )
+    }
+
+    /// Largest difference between the solution of the velocity equations and the velocities of the pose; `None` if they are singular
+    /// to rounding.
+    fn velocity_error(&self, table: &VelocityTable) -> Option<f64> {
+        let solution = solved_numbers(&table.rows, &table.sides)?;
+        let chain = &self.row.chain;
+        let known = chain.unknowns().into_iter();
+        let pairs = solution.iter().zip(known.flat_map(|k| chain.velocities[k]));
+        Some(pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max))
+    }
+
+    /// Whether the velocity equations determine all velocities.
+    pub fn is_determined(&self) -> bool {
+        let table = self.velocity_table();
+        table.is_none_or(|table| self.velocity_error(&table).is_some())
     }
 
     /// The points of the columns: 8 7 6 5 4 3 2 1.

@@ -2,6 +2,7 @@
 //! one an error, so that a green suite means exit code zero, and nothing else does.
 
 use super::verdict::{Case, SceneVerdict, Status};
+use crate::diag::xml_text;
 
 /// The whole file, one suite for each scene.
 pub fn to_junit(judged: &[SceneVerdict]) -> String {
@@ -18,7 +19,7 @@ fn suite_element(one: &SceneVerdict) -> String {
     let cases: String = all.iter().map(|case| case_element(case)).collect();
     format!(
         "  <testsuite name=\"{}\" {}>\n{cases}  </testsuite>\n",
-        escape_text(&one.verdict.title),
+        xml_text(&one.verdict.title),
         suite_totals(&all, one.seconds),
     )
 }
@@ -39,11 +40,11 @@ fn case_element(case: &Case) -> String {
     let time = case.seconds.map(|s| format!(" time=\"{s:.3}\""));
     let head = format!(
         "    <testcase classname=\"{}\" name=\"{}\"{}>",
-        escape_text(case.group),
-        escape_text(&case.name),
+        xml_text(case.group),
+        xml_text(&case.name),
         time.unwrap_or_default(),
     );
-    let text = escape_text(&case.text);
+    let text = xml_text(&case.text);
     // Some readers show the attribute, others the text inside.
     let body = match case.status {
         Status::Passed => format!("<system-out>{text}</system-out>"),
@@ -57,24 +58,4 @@ fn case_element(case: &Case) -> String {
         }
     };
     format!("{head}{body}</testcase>\n")
-}
-
-/// A text for XML attributes and contents.
-fn escape_text(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\'' => out.push_str("&apos;"),
-            '\n' => out.push_str("&#10;"),
-            // XML 1.0 cannot represent other control characters, nor the last two code points of the basic plane.
-            c if c.is_control() => out.push(' '),
-            '\u{fffe}' | '\u{ffff}' => out.push(char::REPLACEMENT_CHARACTER),
-            c => out.push(c),
-        }
-    }
-    out
 }

@@ -2,7 +2,7 @@
 
 use super::axes::COLOURS;
 use super::fitting;
-use super::round_steps::round_step;
+use super::round_steps::nearest_round_length;
 use super::value_text::VALUE_SIZE;
 use crate::model::theme::Theme;
 use crate::render::{Camera, Frame, Ground, Label, LabelAnchor, OverlayStroke};
@@ -102,7 +102,7 @@ impl ContextSigns {
         } else {
             // A bar of a round length, with a line across each end.
             let pixels = camera.pixels_per_unit(room.size);
-            let length = round_step(BAR * width.min(height) * room.enlarged / pixels);
+            let length = nearest_round_length(BAR * width.min(height) * room.enlarged / pixels);
             let left = right - length * pixels;
             let middle = bottom - HALF_END * tall;
             let mut line = |ends| {

@@ -1,7 +1,7 @@
 //! The ground under the motion.
 
 use super::bounds;
-use super::round_steps::round_step;
+use super::round_steps::nearest_round_length;
 use crate::model::theme::Theme;
 use crate::model::view::{GroundPlace, View};
 use crate::render::Ground;
@@ -36,7 +36,7 @@ pub fn view_ground(view: &View, points: &[DVec3], up: DVec3) -> Option<Ground> {
         centre,
         normal: up,
         radius,
-        grid: round_step(extent / GRID_LINES),
+        grid: nearest_round_length(extent / GRID_LINES),
         // Without a background nothing can be lighter than it.
         shade: if view.theme == Theme::Dark && !view.transparent {
             Ground::LIGHTER

@@ -1,7 +1,7 @@
 //! Round lengths of grids and scales.
 
 /// The nearest of 1, 2, 5 times a power of ten.
-pub fn round_step(step: f64) -> f64 {
+pub fn nearest_round_length(step: f64) -> f64 {
     if !(step.is_finite() && step > 0.0) {
         return 0.0;
     }
@@ -22,11 +22,11 @@ mod tests {
     fn grid_steps_are_round() {
         for (step, round) in [(97.0, 100.0), (3.0, 2.0), (0.06, 0.05), (8.0, 10.0)] {
             assert!(
-                (round_step(step) - round).abs() < 1e-12 * round,
+                (nearest_round_length(step) - round).abs() < 1e-12 * round,
                 "{step} {}",
-                round_step(step)
+                nearest_round_length(step)
             );
         }
-        assert_eq!(round_step(0.0), 0.0);
+        assert_eq!(nearest_round_length(0.0), 0.0);
     }
 }

@@ -54,7 +54,10 @@ pub fn run_dyads(args: &DyadsArgs, term: &Term) -> Result<Outcome, Failure> {
         }
     }
     io::print_beside(term, args.out.as_deref(), &report.text())?;
-    Ok(Outcome::Done)
+    Ok(match report.is_determined() {
+        true => Outcome::Done,
+        false => Outcome::CheckFailed,
+    })
 }
 
 fn file_extension(path: &Path) -> String {

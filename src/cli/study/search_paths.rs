@@ -15,6 +15,7 @@ use crate::model::plot::Plot;
 use crate::model::theme::Theme;
 use crate::model::view::LabelPlace;
 use crate::plot::Chart;
+use crate::report::cells::quoted_cell;
 use crate::scene::Scene;
 use std::fmt::Write;
 use std::path::Path;
@@ -96,10 +97,10 @@ fn improvement_chart(
 pub fn search_history(study: &LoadedStudy, improvements: &[Improvement]) -> String {
     let unit = study.objective_unit();
     let variables = &study.family.study.variables;
-    let mut text = format!("iteration,{}", study.objective_name());
+    let mut text = format!("iteration,{}", quoted_cell(study.objective_name()));
     variables
         .iter()
-        .for_each(|variable| _ = write!(text, ",{}", variable.name));
+        .for_each(|variable| _ = write!(text, ",{}", quoted_cell(&variable.name)));
     text.push('\n');
     for improvement in improvements {
         _ = write!(

@@ -5,6 +5,7 @@ pub mod product;
 mod style;
 pub mod symbol;
 
+use crate::diag::xml_text;
 use crate::math::Pose;
 use crate::model::mechanism::{Kind, Mechanism};
 use crate::model::notation::{Notation, WrittenChain, WrittenFactor};
@@ -109,18 +110,18 @@ impl<'a> ShownChains<'a> {
 
     /// A self-contained page.
     pub fn html(&self) -> String {
-        let title = escaped_text(&self.mechanism.title);
+        let title = xml_text(&self.mechanism.title);
         let mut out = format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<title>{title}</title>\n\
              <style>body {{ font-family: sans-serif; margin: 2em }} math {{ margin: 0.6em 0 }}</style>\n\
              <h1>{title}</h1>\n<p>{}</p>\n",
-            escaped_text(&self.instant_line())
+            xml_text(&self.instant_line())
         );
         for shown in &self.chains {
             let style = MatrixStyle::MathMl;
             let name = style.name(&shown.chain.name);
             let product = written_factors(shown.chain, style).join("<mo>&#x2062;</mo>");
-            out.push_str(&format!("<h2>{}</h2>\n", escaped_text(&shown.chain.name)));
+            out.push_str(&format!("<h2>{}</h2>\n", xml_text(&shown.chain.name)));
             out.push_str(&mathml_block(&format!("{name}<mo>=</mo>{product}")));
             if let Some(matrix) = &shown.symbolic {
                 out.push_str(&mathml_block(&format!(
@@ -293,10 +294,4 @@ fn mathml_matrix(entries: &[Vec<String>]) -> String {
 
 fn mathml_block(inner: &str) -> String {
     format!("<math display=\"block\"><mrow>{inner}</mrow></math>\n")
-}
-
-fn escaped_text(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
 }

@@ -1,6 +1,7 @@
 //! The notation of symbols: plain text, LaTeX, MathML.
 
 use super::symbol::{AngleSum, Symbol, SymbolSum};
+use crate::diag::xml_text;
 use crate::model::notation::WrittenTerm;
 use crate::plot::decimal::trimmed_decimal;
 use crate::staging::quantity_names::{greek_word, split_symbol, written_symbol};
@@ -135,7 +136,7 @@ impl MatrixStyle {
             Self::MathMl if is_name => mathml_name(text),
             Self::MathMl => format!(
                 "<mrow><mo>(</mo><mtext>{}</mtext><mo>)</mo></mrow>",
-                text.replace('&', "&amp;").replace('<', "&lt;")
+                xml_text(text)
             ),
         }
     }

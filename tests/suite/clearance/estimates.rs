@@ -306,3 +306,20 @@ fn a_mesh_that_is_cut_fails_where_only_an_overlap_is_forbidden() {
         assert_eq!((code, result.as_str()), expected, "{shape} at {height}");
     }
 }
+
+/// An estimated bound is one; a value without any bound passes only where nothing is to be proved.
+#[test]
+fn measures_without_a_bound_do_not_pass_as_estimates() {
+    let w = Workspace::new();
+    let measured = "[outputs]\ngap = { distance = [\"ball\", \"post\"] }\n[measures]\nm = { of = \"gap\", take = \"max\", max = 50 }\n";
+    let scene = turning("0.5*sin(t)", "[0, 0, 3]", 0.1);
+    w.write("scene.toml", scene.clone() + measured);
+    for (options, code) in [
+        (&[][..], 1),
+        (&["--allow-estimates"], 1),
+        (&["--certify", "none"], 0),
+    ] {
+        let line = [&["check", "scene.toml"][..], options].concat();
+        w.run(&line).exits(code).says(&["no bound"]);
+    }
+}

@@ -698,3 +698,67 @@ x = {{ of = "K.x", take = "last" }}
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
+
+/// Numbers beside an angle are degrees in every sum that has one, whatever else is added: products of angles, ratios, powers. Ratios
+/// of lengths are radians, also in a sine.
+#[test]
+fn sums_with_an_angle_hold_degrees_whatever_else_they_hold() {
+    let degree = std::f64::consts::PI / 180.0;
+    let [phi, psi, thirty] = [60.0 * degree, 25.0 * degree, 30.0 * degree];
+    let square = (phi - thirty).powi(2);
+    let cases = [
+        ("(phi-30)^2 + (phi-30)", square + phi - thirty),
+        ("(phi-30) + (phi-30)^2", square + phi - thirty),
+        ("(phi-30)^2 + phi - 30", square + phi - thirty),
+        ("(phi-30)^2 + 1*(phi-30)", square + phi - thirty),
+        ("(phi-30)^2 - (30-phi)", square + phi - thirty),
+        ("(phi-30)^2 + abs(phi-90)", square + thirty),
+        ("(phi-30)^2 + max(phi-90, 10)", square + 10.0 * degree),
+        ("1/(phi-30) + (phi-30)", 1.0 / (phi - thirty) + phi - thirty),
+        (
+            "(phi-30)*psi + (phi-30)",
+            (phi - thirty) * psi + phi - thirty,
+        ),
+        ("S/R - (phi-30)", 0.7 - (phi - thirty)),
+        ("sin(phi - L/R)", (phi - 0.3).sin()),
+        ("sin(L/R)", 0.3_f64.sin()),
+        ("cos(2*L/R + phi - 30)", (0.6 + phi - thirty).cos()),
+        ("tan(k*15)", (45.0 * degree).tan()),
+        ("sin(q)", (phi - 0.3).sin()),
+    ];
+    for (formula, expected) in cases {
+        let text = format!(
+            r#"
+units = {{ length = "mm", angle = "deg" }}
+duration = 1
+[parameters]
+R = 10
+L = 3
+S = 7
+k = 3
+[inputs]
+phi = 60
+psi = 25
+[equations]
+tie = "u - ({formula})"
+[outputs]
+q = "phi - L/R"
+[[bodies]]
+name = "b"
+frame = "Rz(phi) Rx(psi) Tx(R) Ty(L)"
+[measures]
+m = {{ of = "1*({formula}) + 0*u^2", take = "first" }}
+tied = {{ of = "1*u + 0*phi^2", take = "first" }}
+"#
+        );
+        for (name, value, _) in measured(&text) {
+            // Whether a sum is shown as an angle is another question.
+            let fits = [1.0, 1.0 / degree].iter();
+            let mut off = fits.map(|unit| (value - expected * unit).abs());
+            assert!(
+                off.any(|off| off < 1e-9),
+                "{formula}: {name} = {value}, {expected}"
+            );
+        }
+    }
+}

@@ -246,3 +246,61 @@ fn enclosures_say_nothing_of_derivatives() {
         "{said}"
     );
 }
+
+/// What has no value at a pose has none after any function of it: an output is empty there, and a measure that needs it fails.
+#[test]
+fn what_is_undefined_stays_undefined() {
+    let formulas = [
+        "1/u",
+        "min(1/u, 5)",
+        "max(ln(abs(u)), -4)",
+        "atan(1/u)",
+        "exp(-1/u^2)",
+        "1/(1/u)",
+        "2^(-1/u^2)",
+        "u^(-1)",
+        "abs(u)^(-0.5)",
+        "atan2(1, 1/u)",
+        "atan2(u, u)",
+        "hypot(1/u, 1)",
+        "min(5, hypot(1/u, 1))",
+        "mod(1, u)",
+        "max(sqrt(u - 1), 0)",
+        "0*(0/u)",
+    ];
+    let w = Workspace::new();
+    for formula in formulas {
+        let text = |limit: &str| {
+            format!(
+                "duration = 4\n[inputs]\nu = \"t - 2\"\n[outputs]\no = \"{formula}\"\n[measures]\nm = {{ of = \"o\", take = \"mean\" }}\n{limit}"
+            )
+        };
+        w.write("undefined.toml", text(""));
+        let run = w.run(&[
+            "solve",
+            "undefined.toml",
+            "--at",
+            "2",
+            "--at",
+            "3.5",
+            "--out",
+            "-",
+        ]);
+        let table = run.exits(0).text();
+        let mut rows = table
+            .lines()
+            .map(|line| line.split(',').collect::<Vec<_>>());
+        let place = rows
+            .next()
+            .and_then(|h| h.iter().position(|name| *name == "o"));
+        let values: Vec<&str> = rows.map(|row| row[place.unwrap()]).collect();
+        let is_number = values[1].parse::<f64>().is_ok() || formula.contains("u - 1");
+        assert!(values[0].is_empty() && is_number, "{formula}: {values:?}");
+        w.write(
+            "undefined.toml",
+            text("most = { of = \"o\", take = \"max\", max = 1e9 }\n"),
+        );
+        let run = w.run(&["check", "undefined.toml"]);
+        assert_ne!(run.code, 0, "{formula}");
+    }
+}

@@ -445,3 +445,42 @@ fn a_drive_passes_zero_without_a_jump() {
         assert!(x.abs() < 1e-9 * rate.max(1.0), "{rate}: {x}");
     }
 }
+
+/// A drive that ends exactly where a formula does, as its decimals say: 0.1*3 is 0.3, though not in f64.
+#[test]
+fn a_motion_may_end_where_a_formula_ends() {
+    type Ended = (&'static str, &'static str, fn(f64) -> f64);
+    let cases: [Ended; 7] = [
+        ("0.1*t", "x - sqrt(0.3 - u)", |t| {
+            (0.3 - 0.1 * t).max(0.0).sqrt()
+        }),
+        ("0.1*t", "x - sqrt(0.3^2 - u^2)", |t| {
+            (0.09 - 0.01 * t * t).max(0.0).sqrt()
+        }),
+        ("0.1*t", "x - acos(u/0.3)", |t| (t / 3.0).min(1.0).acos()),
+        ("0.1*t - 0.3", "x - asin(u/0.3)", |t| (t / 3.0 - 1.0).asin()),
+        ("sqrt(0.3 - 0.1*t)", "x - u", |t| {
+            (0.3 - 0.1 * t).max(0.0).sqrt()
+        }),
+        ("acos(0.1*t/0.3)", "x - u", |t| (t / 3.0).min(1.0).acos()),
+        ("asin(t/3)", "x - u", |t| (t / 3.0).min(1.0).asin()),
+    ];
+    for (drive, equation, exact) in cases {
+        let model = written(&format!(
+            "duration = 3\n[inputs]\nu = \"{drive}\"\n[equations]\ne = \"{equation}\"\n"
+        ));
+        for count in [3, 10, 61] {
+            let trajectory = solve(&model, &even_times(&model, count)).unwrap();
+            for sample in &trajectory.samples {
+                let pose = sample.pose.as_ref();
+                let value = pose.map(|pose| pose.unknowns[0]);
+                // Beside the end a root loses half of the digits.
+                assert!(
+                    value.is_some_and(|x| (x - exact(sample.time)).abs() < 1e-7),
+                    "{drive}, {equation}, t = {}: {value:?}",
+                    sample.time
+                );
+            }
+        }
+    }
+}

@@ -164,3 +164,31 @@ fn lengths_may_rest_at_zero() {
     }
     assert!(wrong.is_empty(), "{wrong:?}");
 }
+
+/// An input that rests where a root of it is zero has no slope there, and needs none: what else moves, beside it or in the same
+/// loop, keeps all its poses.
+#[test]
+fn roots_may_rest_at_zero_while_something_moves() {
+    let crank = "[loops]\nA = \"Rz(u) Tx(30) Rz(b) Tx(80 + ROOT) Rz(c) Tx(-x)\"\n[guess]\nb = -0.3\nc = 0.3\nx = 110\n";
+    let beside = "[equations]\ne = \"x - u\"\nf = \"w - ROOT\"\n";
+    let mut lost = Vec::new();
+    for scene in [crank, beside] {
+        for root in ["sqrt(v)", "v^0.5", "v^0.75", "acos(1 - v)", "hypot(v, v)"] {
+            for count in [5, 20] {
+                let equations = scene.replace("ROOT", root);
+                let model = written(&format!(
+                    "duration = 4\n[inputs]\nu = \"0.5*(t - 2)\"\nv = 0\n{equations}"
+                ));
+                let trajectory = driven::solve(&model, &driven::even_times(&model, count)).unwrap();
+                let moves = |sample: &mechanim::kinematics::results::trajectory::Sample| {
+                    let pose = sample.pose.as_ref();
+                    pose.is_some_and(|p| p.closure_error < 1e-12)
+                };
+                if !trajectory.samples.iter().all(moves) || !trajectory.is_whole() {
+                    lost.push((scene == crank, root, count, trajectory.missing()));
+                }
+            }
+        }
+    }
+    assert!(lost.is_empty(), "{lost:?}");
+}

@@ -35,6 +35,15 @@ fn designs_that_cannot_be_meant_are_refused() {
         .says(&["the scene's study allows 200 to 340"]);
     let line = "sweep gearshift --design grid:ZR1=240..300:3 --out rows.ods";
     run(&space, line).exits(2).says(&["unknown kind of table"]);
+    // A variable whose value is zero has no range of its own, and is not left out without a word.
+    let text = "duration = 1\n[parameters]\na = 2\nb = 0\n[inputs]\np = \"t + a + b\"\n[equations]\ne = \"x - p - a - b\"\n\
+                [measures]\nm = { of = \"x\", take = \"last\" }\n[study.variables]\na = {}\nb = {}\n";
+    space.write("zero.toml", text.replace("t + a + b", "t"));
+    for design in ["lhs:3", "grid:b:2"] {
+        let line = format!("sweep zero.toml --design {design} --out rows.csv");
+        run(&space, &line).exits(2).says(&["b", "range"]);
+    }
+    run(&space, "sweep zero.toml --design lhs:3,a,b=0..1 --out -").exits(0);
     if cfg!(not(feature = "parquet")) {
         let line = "sweep gearshift --design grid:ZR1=240..300:3 --out rows.parquet";
         run(&space, line).exits(2).says(&["built without Parquet"]);
