@@ -230,6 +230,17 @@ pub fn narrow_pose(pose: &Pose) -> [[f32; 4]; 3] {
     [row(r.x_axis, t.x), row(r.y_axis, t.y), row(r.z_axis, t.z)]
 }
 
+/// Distance of a point of the plane from the segment between two others.
+pub fn segment_distance(point: [f64; 2], [from, to]: [[f64; 2]; 2]) -> f64 {
+    let [along, off] = [to, point].map(|end| [end[0] - from[0], end[1] - from[1]]);
+    let square = along[0] * along[0] + along[1] * along[1];
+    let share = match square > 0.0 {
+        true => ((off[0] * along[0] + off[1] * along[1]) / square).clamp(0.0, 1.0),
+        false => 0.0,
+    };
+    libm::hypot(off[0] - share * along[0], off[1] - share * along[1])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -10,7 +10,6 @@ use crate::kinematics::results::trajectory::Trajectory;
 use crate::model::theme::Theme;
 use crate::model::view_change::ViewChange;
 use crate::pictures::frames::{DrawnBy, Pictures, with_pictures};
-use crate::pictures::playback::PlayOrder;
 use crate::render::open::RendererChoice;
 use crate::staging::PictureOptions;
 use image::RgbaImage;
@@ -209,7 +208,7 @@ impl<'m> Film<'m> {
         };
         self.staged(|mut pictures| {
             let playback = pictures.scene.view.playback;
-            pictures.order = PlayOrder::plain(0, count).played(playback, self.rate);
+            pictures.order = pictures.order.shortened(count).played(playback, self.rate);
             let settings = FilmSettings {
                 format: &format,
                 size: self.size,
@@ -245,6 +244,7 @@ impl<'m> Film<'m> {
             size: self.size,
             samples: SMOOTHNESS,
         };
-        with_pictures(&scene, self.trajectory, options, draw)
+        let motion = (&*self.loaded.system, self.trajectory);
+        with_pictures(&scene, motion, options, draw)
     }
 }

@@ -1,7 +1,8 @@
 //! Spatial index of a sheet: lines and boxes filed by the squares that they cross, so that queries for what is near
 //! stay cheap however much is drawn.
 
-use super::plane::{DrawnSpot, distance_to};
+use super::plane::DrawnSpot;
+use crate::math::segment_distance;
 use crate::plot::primitive::Rect;
 use std::collections::HashMap;
 
@@ -81,7 +82,7 @@ impl SpatialBins {
         self.squares(&around).any(|square| {
             let filed = self.filed.get(&square);
             let mut lines = filed.into_iter().flat_map(|f| &f.lines);
-            lines.any(|k| distance_to(at, self.lines[*k as usize]) < within)
+            lines.any(|k| segment_distance(at, self.lines[*k as usize]) < within)
         })
     }
 
@@ -110,7 +111,7 @@ impl SpatialBins {
                     continue;
                 };
                 for k in &filed.lines {
-                    room = room.min(distance_to(at, self.lines[*k as usize]));
+                    room = room.min(segment_distance(at, self.lines[*k as usize]));
                 }
                 for k in &filed.boxes {
                     room = room.min(from_box(at, &self.boxes[*k as usize]));
@@ -232,7 +233,7 @@ mod tests {
             .for_each(|f| f.lines.retain(|k| *k < 300));
         for _ in 0..500 {
             let at = [draw(1000.0) - 50.0, draw(700.0) - 50.0];
-            let lines = bins.lines.iter().map(|line| distance_to(at, *line));
+            let lines = bins.lines.iter().map(|line| segment_distance(at, *line));
             let nearest = lines.clone().fold(f64::INFINITY, f64::min);
             let boxes = bins.boxes.iter().map(|b| from_box(at, b));
             let room = boxes.fold(nearest, f64::min).min(50.0);
@@ -241,7 +242,10 @@ mod tests {
                 assert_eq!(bins.is_line_within(at, within), nearest < within);
                 let near = box_around(at, within);
                 let found: Vec<_> = bins.lines_in(&near).collect();
-                let missed = bins.lines.iter().filter(|l| distance_to(at, **l) < within);
+                let missed = bins
+                    .lines
+                    .iter()
+                    .filter(|l| segment_distance(at, **l) < within);
                 assert!(missed.into_iter().all(|l| found.contains(l)));
             }
         }

@@ -33,18 +33,6 @@ pub fn quarter_turn(d: DrawnSpot) -> DrawnSpot {
     [-d[1], d[0]]
 }
 
-/// Distance of a point from the segment between two others.
-pub fn distance_to(at: DrawnSpot, [a, b]: [DrawnSpot; 2]) -> f64 {
-    let along = spot_difference(b, a);
-    let square = along[0] * along[0] + along[1] * along[1];
-    let from = spot_difference(at, a);
-    let share = match square > 0.0 {
-        true => ((from[0] * along[0] + from[1] * along[1]) / square).clamp(0.0, 1.0),
-        false => 0.0,
-    };
-    spot_length(spot_difference(at, spot_ahead(a, along, share)))
-}
-
 /// A parallel projection onto the drawing.
 #[derive(Clone, Copy, Debug)]
 pub struct DrawingPlane {

@@ -168,10 +168,24 @@ impl Expression {
         gradient
     }
 
-    /// Whether it consists of sums, products and quotients.
+    /// Whether it consists of sums, products, quotients, whole powers and choices among them.
     pub fn is_arithmetic(&self) -> bool {
-        let is_plain = |op: &Op| !matches!(op, Op::Power(..) | Op::Call(..));
+        let is_plain = |op: &Op| match op {
+            Op::Power(_, exponent) => self.whole_exponent(*exponent).is_some(),
+            Op::Call(function, ..) => {
+                matches!(function, Function::Abs | Function::Min | Function::Max)
+            }
+            _ => true,
+        };
         self.ops.iter().all(is_plain)
+    }
+
+    /// The exponent that operation `place` is, if it is a whole constant.
+    fn whole_exponent(&self, place: usize) -> Option<f64> {
+        match self.ops[place] {
+            Op::Constant(exponent) => Some(exponent.number()).filter(|e| e.fract() == 0.0),
+            _ => None,
+        }
     }
 
     /// The value, and `scale` times its gradient added to `gradient` (one entry per slot), by reverse accumulation.
@@ -279,7 +293,7 @@ fn extended_op<S: Scalar>(op: Op, v: &[S], slots: &[S]) -> S {
         Op::Multiply(a, b) if a == b => v[a].square(),
         Op::Multiply(a, b) => v[a] * v[b],
         Op::Divide(a, b) => v[a].over(v[b]),
-        Op::Power(a, b) => v[a].power(v[b]),
+        Op::Power(a, b) => v[a].existing_power(v[b]),
         Op::Call(f, a, b) => f.value(v[a], v[b]),
     }
 }

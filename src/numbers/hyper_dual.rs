@@ -67,6 +67,13 @@ impl Scalar for HyperDual {
         self.value.is_nan()
     }
 
+    fn over(self, divisor: Self) -> Self {
+        match divisor.value == 0.0 {
+            true => Self::undefined(),
+            false => self / divisor,
+        }
+    }
+
     fn undefined() -> Self {
         let value = f64::NAN;
         Self {

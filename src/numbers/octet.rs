@@ -312,6 +312,10 @@ impl Scalar for Octet {
         self.each_of(exponent, Scalar::power)
     }
 
+    fn existing_power(self, exponent: Self) -> Self {
+        self.each_of(exponent, Scalar::existing_power)
+    }
+
     fn hypot(self, other: Self) -> Self {
         self.each_of(other, Scalar::hypot)
     }

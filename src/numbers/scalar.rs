@@ -167,13 +167,18 @@ pub trait Scalar: Ring + PartialEq + Div<Output = Self> {
             Some(e) if e.fract() == 0.0 && e.abs() <= LARGEST_PRODUCT => {
                 let product = self.whole_power(e.abs() as u32);
                 if e < 0.0 {
-                    Self::number(1.0).over(product)
+                    Self::number(1.0) / product
                 } else {
                     product
                 }
             }
             Some(e) => self.real_power(e),
         }
+    }
+
+    /// The power; zero has none with a negative exponent, and slopes there are infinite.
+    fn existing_power(self, exponent: Self) -> Self {
+        self.power(exponent)
     }
 
     /// A power as a product of squares.
@@ -290,12 +295,16 @@ impl Scalar for f64 {
         Self::floor(self)
     }
 
-    /// Zero has no negative one.
     fn real_power(self, exponent: f64) -> Self {
-        if self == 0.0 && exponent < 0.0 {
-            return Self::NAN;
-        }
         libm::pow(self, exponent)
+    }
+
+    fn existing_power(self, exponent: Self) -> Self {
+        let is_none = self.is_nan() || exponent.is_nan() || self == 0.0 && exponent < 0.0;
+        match is_none {
+            true => Self::NAN,
+            false => self.power(exponent),
+        }
     }
 
     fn sin(self) -> Self {
@@ -370,8 +379,10 @@ mod tests {
         let none = [
             1.0.over(0.0),
             Scalar::ln(0.0),
-            Scalar::power(0.0, -1.0),
-            Scalar::power(0.0, -0.5),
+            Scalar::existing_power(0.0, -1.0),
+            Scalar::existing_power(0.0, -0.5),
+            Scalar::existing_power(f64::NAN, 0.0),
+            Scalar::existing_power(1.0, f64::NAN),
             Scalar::atan2(0.0, 0.0),
             Scalar::atan2(0.0, -0.0),
             Scalar::modulo(1.0, 0.0),

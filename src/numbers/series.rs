@@ -186,6 +186,15 @@ impl<T: Scalar, const N: usize> Scalar for Series<T, N> {
         self.coefficients[0].may_lack_value()
     }
 
+    /// Where the divisor begins at zero there is no value, whatever follows.
+    fn over(self, divisor: Self) -> Self {
+        let begins = divisor.coefficients[0];
+        match !T::IS_ENCLOSURE && begins.nominal() == 0.0 {
+            true => Self::undefined(),
+            false => self / divisor,
+        }
+    }
+
     fn from_constant(constant: Constant) -> Self {
         Self::constant(T::from_constant(constant))
     }

@@ -183,7 +183,7 @@ fn values_section(old: &CheckedMotion, new: &CheckedMotion) -> Section {
                 Some((_, _, was)) => [
                     number(was[end]),
                     number(now[end]),
-                    number(now[end] - was[end]),
+                    Cell::number(signed_change(now[end] - was[end])),
                 ],
                 None => [Cell::Empty, number(now[end]), Cell::Empty],
             });
@@ -307,11 +307,17 @@ fn clearance_section(
         ],
         None => [Cell::text("not judged"), Cell::Empty, Cell::Empty],
     };
+    // Lengths in another unit are not compared.
+    let is_alike = old.scene.mechanism.length_unit == *unit;
+    if !is_alike {
+        section.text(&format!(
+            "The old version is in {}: its distances are not compared.",
+            old.scene.mechanism.length_unit
+        ));
+    }
     let of = |pair: &PairReport| {
-        before
-            .judged
-            .iter()
-            .find(|p| names(old, p) == names(new, pair))
+        let mut alike = before.judged.iter().filter(|_| is_alike);
+        alike.find(|p| names(old, p) == names(new, pair))
     };
     // First the pairs of the new version, ...
     for pair in &after.judged {
@@ -320,7 +326,7 @@ fn clearance_section(
         row.extend(cells(was));
         row.extend(cells(Some(pair)));
         let change = was.map(|was| pair.least.distance - was.least.distance);
-        row.push(change.map_or(Cell::Empty, |c| Cell::number(format!("{c:+.6}"))));
+        row.push(change.map_or(Cell::Empty, |c| Cell::number(signed_change(c))));
         table.rows.push(row);
     }
     // ... then those that only the old one judges.
@@ -330,7 +336,7 @@ fn clearance_section(
             .iter()
             .all(|p| names(new, p) != names(old, pair))
     };
-    for pair in before.judged.iter().filter(is_gone) {
+    for pair in before.judged.iter().filter(|_| is_alike).filter(is_gone) {
         let mut row = vec![Cell::text(names(old, pair).join(" / "))];
         row.extend(cells(Some(pair)));
         row.extend(cells(None));
@@ -343,11 +349,20 @@ fn clearance_section(
         // Both versions in one chart.
         let chart = clearance_chart(&new.scene.mechanism, after, MOST_CURVES);
         let other = clearance_chart(&old.scene.mechanism, before, before.judged.len().max(1));
-        let both = with_pairs_of(chart, &other);
+        let both = match is_alike {
+            true => with_pairs_of(chart, &other),
+            false => chart,
+        };
         let frames = at_frames(&both, shown);
         section.blocks.push(curves.add(both, &frames));
     }
     section
+}
+
+/// A difference with its sign.
+fn signed_change(change: f64) -> String {
+    let sign = if change > 0.0 { "+" } else { "" };
+    format!("{sign}{}", decimals_of(change, 6))
 }
 
 /// The curves of the same pairs in the old version, dashed.

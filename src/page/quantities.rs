@@ -1,8 +1,10 @@
 //! The quantities that a page shows: their values at all frames, the least and the greatest.
 
 use super::markup::{Cell, Table};
+use crate::diag::decimals_of;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::model::mechanism::{Kind, Mechanism};
+use crate::report::sentences::beside_unit;
 
 /// Quantities whose values follow the slider.
 const MOST_VALUES: usize = 24;
@@ -25,11 +27,16 @@ enum QuantityPlace {
 impl ShownQuantity {
     /// Values at all frames in the scene's unit, in six digits.
     pub fn values(&self, shown: &Trajectory) -> Vec<Option<f64>> {
+        self.exact_values(shown)
+            .map(|v| v.map(rounded_to_six))
+            .collect()
+    }
+
+    fn exact_values(&self, shown: &Trajectory) -> impl Iterator<Item = Option<f64>> {
         let value = |frame: usize| self.value(shown, frame);
         (0..shown.samples.len())
             .map(value)
-            .map(|v| v.filter(|v| v.is_finite()).map(six_digits))
-            .collect()
+            .map(|v| v.filter(|v| v.is_finite()))
     }
 
     fn value(&self, shown: &Trajectory, frame: usize) -> Option<f64> {
@@ -70,7 +77,7 @@ pub(super) fn shown_quantities(mechanism: &Mechanism) -> Vec<ShownQuantity> {
 const EXACT_POWER: i32 = 22;
 
 /// In six digits, as the page shows it. Thousands of values are rounded at every move of a slider.
-fn six_digits(value: f64) -> f64 {
+fn rounded_to_six(value: f64) -> f64 {
     let decimals = 5.0 - libm::log10(value.abs()).floor();
     if decimals.abs() > f64::from(EXACT_POWER) || value == 0.0 {
         return format!("{value:.5e}").parse().unwrap_or(value);
@@ -88,7 +95,7 @@ pub(super) fn extreme_values(
     shown: &Trajectory,
 ) -> Vec<(String, String, [f64; 2])> {
     let ends = |quantity: ShownQuantity| {
-        let [least, greatest] = ends_of(&quantity.values(shown))?;
+        let [least, greatest] = ends_of(quantity.exact_values(shown))?;
         Some((quantity.name, quantity.unit, [least.1, greatest.1]))
     };
     shown_quantities(mechanism)
@@ -98,16 +105,14 @@ pub(super) fn extreme_values(
 }
 
 /// The frames and values at which a quantity is least and greatest.
-fn ends_of(values: &[Option<f64>]) -> Option<[(usize, f64); 2]> {
-    let known = || {
-        values
-            .iter()
-            .enumerate()
-            .filter_map(|(k, v)| Some((k, (*v)?)))
-    };
-    let least = known().min_by(|a, b| a.1.total_cmp(&b.1))?;
-    let greatest = known().max_by(|a, b| a.1.total_cmp(&b.1))?;
-    Some([least, greatest])
+fn ends_of(values: impl Iterator<Item = Option<f64>>) -> Option<[(usize, f64); 2]> {
+    let known: Vec<(usize, f64)> = values
+        .enumerate()
+        .filter_map(|(k, v)| Some((k, v?)))
+        .collect();
+    let least = known.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let greatest = known.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    Some([*least, *greatest])
 }
 
 /// Smallest and largest values of all quantities among the frames.
@@ -126,13 +131,13 @@ pub(super) fn extreme_table(mechanism: &Mechanism, shown: &Trajectory) -> Table 
     );
     for quantity in shown_quantities(mechanism) {
         let mut row = vec![Cell::text(&quantity.name)];
-        let ends = ends_of(&quantity.values(shown));
+        let ends = ends_of(quantity.exact_values(shown));
         let words = ["least", "greatest"];
         for (word, (frame, value)) in words.into_iter().zip(ends.into_iter().flatten()) {
             let time = shown.samples[frame].time;
             let about = format!("the {word} {}", quantity.name);
             row.extend([
-                Cell::number(format!("{value:.6} {}", quantity.unit).trim_end()),
+                Cell::number(beside_unit(decimals_of(value, 6), &quantity.unit)),
                 Cell::number(format!("{time:.4}")),
                 Cell::Show {
                     frame,

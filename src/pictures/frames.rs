@@ -1,7 +1,10 @@
 //! Workers that draw any sample of a motion: panes drawn and laid side by side, captions and plots added.
 
 use super::playback::PlayOrder;
+use crate::kinematics::motion::continuation::solve_motion;
+use crate::kinematics::motion::sampling::path_times;
 use crate::kinematics::results::trajectory::Trajectory;
+use crate::kinematics::structure::system::System;
 use crate::plot::companion::Companion;
 use crate::plot::raster::ChartPainter;
 use crate::render::adapter::AdapterChoice;
@@ -30,13 +33,18 @@ pub struct Pictures<'a> {
     pub panel: Option<&'a Companion>,
 }
 
-/// Stages a motion with its panes, and hands its pictures to `draw`.
+/// Stages a motion with its panes, and hands the pictures of its samples to `draw`. The paths in them go through more poses, where
+/// the samples are far apart.
 pub fn with_pictures<T>(
     scene: &Scene,
-    trajectory: &Trajectory,
+    (system, samples): (&System, &Trajectory),
     options: PictureOptions,
     draw: impl FnOnce(Pictures) -> T,
 ) -> T {
+    let times: Vec<f64> = samples.samples.iter().map(|s| s.time).collect();
+    let (times, stride) = path_times(&scene.mechanism, &scene.actuation, &times);
+    let finer = (stride > 1).then(|| solve_motion(system, &scene.actuation, &times));
+    let trajectory = finer.as_ref().unwrap_or(samples);
     let views = match scene.view.four {
         true => panes::pane_scenes(scene),
         false => Vec::new(),
@@ -47,7 +55,7 @@ pub fn with_pictures<T>(
         scene,
         staging: &staging,
         panes: &panes,
-        order: PlayOrder::plain(0, trajectory.samples.len()),
+        order: PlayOrder::plain(0, samples.samples.len()).divided(stride),
         panel: None,
     })
 }

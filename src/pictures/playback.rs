@@ -7,6 +7,8 @@ use crate::model::view::Playback;
 pub struct PlayOrder {
     first: usize,
     count: usize,
+    /// Samples from one picture to the next.
+    stride: usize,
     /// Pictures that repeat each end.
     held: usize,
     bounce: bool,
@@ -18,9 +20,20 @@ impl PlayOrder {
         Self {
             first,
             count,
+            stride: 1,
             held: 0,
             bounce: false,
         }
+    }
+
+    /// The same of a motion whose intervals are divided into `stride` steps.
+    pub fn divided(self, stride: usize) -> Self {
+        Self { stride, ..self }
+    }
+
+    /// The first `count` of these samples.
+    pub fn shortened(self, count: usize) -> Self {
+        Self { count, ..self }
     }
 
     /// The same as a view plays it, at `fps` pictures a second; a single sample is one picture.
@@ -49,6 +62,6 @@ impl PlayOrder {
         let last = self.count.saturating_sub(1);
         let forwards = picture.saturating_sub(self.held);
         let turned = forwards.saturating_sub(last + self.held);
-        self.first + forwards.min(last) - turned.min(last)
+        (self.first + forwards.min(last) - turned.min(last)) * self.stride
     }
 }

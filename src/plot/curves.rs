@@ -6,6 +6,7 @@ use super::headings::curve_stroke;
 use super::layout::Sizes;
 use super::primitive::{DrawnPrimitive, LineStyle};
 use super::theme::ChartTheme;
+use crate::math::segment_distance;
 
 /// Points of a curve nearer than this to the line through their neighbours are left out, in pixels.
 const FLATNESS: f64 = 0.02;
@@ -72,7 +73,10 @@ fn thin_line(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
         let (a, b) = (points[start], points[end]);
         let between = &points[start + 1..end];
         // Without a limit, the time for long straight parts would grow with the square of their length.
-        let far = between.len() > 64 || between.iter().any(|p| chord_distance(*p, a, b) > FLATNESS);
+        let far = between.len() > 64
+            || between
+                .iter()
+                .any(|p| segment_distance(*p, [a, b]) > FLATNESS);
         if far {
             kept.push(points[end - 1]);
             start = end - 1;
@@ -80,16 +84,4 @@ fn thin_line(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     }
     kept.push(points[points.len() - 1]);
     kept
-}
-
-/// Distance of `p` from the piece from `a` to `b`.
-fn chord_distance(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
-    let (d, e) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
-    let length = d[0] * d[0] + d[1] * d[1];
-    let share = if length > 0.0 {
-        ((d[0] * e[0] + d[1] * e[1]) / length).clamp(0.0, 1.0)
-    } else {
-        0.0
-    };
-    libm::hypot(e[0] - share * d[0], e[1] - share * d[1])
 }

@@ -3,7 +3,7 @@
 use super::manifest::{GoldenPicture, PictureInstant};
 use crate::diag::SceneError;
 use crate::kinematics::motion::continuation::solve_motion;
-use crate::kinematics::motion::sampling::{allow_samples, frame_times};
+use crate::kinematics::motion::sampling::{allow_samples, frame_times, path_times};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::block::StructureError;
 use crate::kinematics::structure::system::System;
@@ -69,7 +69,9 @@ pub fn draw_with(
     open: OpenRenderer,
 ) -> Result<RgbaImage, DrawError> {
     let scene = picture_scene(picture, folder)?;
-    let (times, index) = picture_times(&scene, picture.instant)?;
+    let (frames, frame) = picture_times(&scene, picture.instant)?;
+    let (times, stride) = path_times(&scene.mechanism, &scene.actuation, &frames);
+    let index = frame * stride;
     allow_picture(picture.size, BYTES_OF_DRAWN_PIXEL, &picture.file)?;
     allow_samples(&scene.mechanism, times.len())?;
     let system = System::new(Arc::clone(&scene.mechanism), &scene.actuation)?;

@@ -1,11 +1,12 @@
-//! Velocity arrows on traced points. Speeds are differences between neighbouring samples.
+//! Velocity arrows on traced points, from the rates of the pose. At a singular pose, which has none, they are differences between
+//! neighbouring samples.
 
 use super::solids::{arrow_solids, merged_mesh, sign_instance};
-use crate::kinematics::results::trajectory::Trajectory;
+use crate::kinematics::loops::forward::{body_poses, trace_points};
+use crate::kinematics::results::trajectory::{Sample, Trajectory};
 use crate::math::Pose;
-use crate::model::mechanism::Trace;
-use crate::model::view::Decor;
 use crate::render::{Instance, StageMesh};
+use crate::scene::Scene;
 use glam::DVec3;
 
 /// Length of the fastest arrow as a fraction of the motion's extent, if the scene gives no scale.
@@ -34,21 +35,22 @@ pub struct Arrows {
 impl Arrows {
     /// Adds the meshes; `None` if arrows are not requested or nothing moves.
     pub fn new(
-        traces: &[Trace],
+        scene: &Scene,
         trajectory: &Trajectory,
-        decor: &Decor,
         [extent, pixel]: [f64; 2],
         meshes: &mut Vec<StageMesh>,
     ) -> Option<Self> {
+        let (traces, decor) = (&scene.mechanism.traces, &scene.view.decor);
         if !decor.arrows {
             return None;
         }
-        let count = trajectory.samples.len();
         // Velocities of all traced points, of which the fastest sets the scale.
-        let velocities: Vec<Vec<DVec3>> = (0..count)
-            .map(|index| {
-                let along = |trace| trace_velocity(trajectory, index, trace);
-                (0..traces.len()).map(along).collect()
+        let samples = trajectory.samples.iter().enumerate();
+        let velocities: Vec<Vec<DVec3>> = samples
+            .map(|(index, sample)| {
+                let differences = |trace| trace_difference(trajectory, index, trace);
+                trace_velocities(scene, sample)
+                    .unwrap_or_else(|| (0..traces.len()).map(differences).collect())
             })
             .collect();
         let speeds = velocities.iter().flatten().map(|v| v.length());
@@ -94,8 +96,37 @@ impl Arrows {
     }
 }
 
+/// The part of the mechanism that a step for a velocity moves: a point leaves its tangent by the square of that.
+const STEP: f64 = 1e-5;
+
+/// Velocities of the traced points at a pose: central differences of their places along the rates of the coordinates. `None` without
+/// a pose, or where a rate is undefined.
+fn trace_velocities(scene: &Scene, sample: &Sample) -> Option<Vec<DVec3>> {
+    let (mechanism, pose) = (&scene.mechanism, sample.pose.as_ref()?);
+    let coordinates = [pose.unknowns.as_slice(), &sample.inputs].concat();
+    let of_inputs = scene.actuation.rates_at(sample.time);
+    let rates = [pose.rates.as_slice(), &of_inputs].concat();
+    if rates.len() != coordinates.len() || !rates.iter().all(|rate| rate.is_finite()) {
+        return None;
+    }
+    let scaled = rates.iter().enumerate();
+    let scaled = scaled.map(|(k, rate)| rate.abs() / mechanism.scale_of(k));
+    let fastest = scaled.fold(0.0, f64::max);
+    if fastest == 0.0 {
+        return Some(vec![DVec3::ZERO; mechanism.traces.len()]);
+    }
+    let step = STEP / fastest;
+    let moved = |by: f64| {
+        let pairs = coordinates.iter().zip(&rates);
+        let moved: Vec<f64> = pairs.map(|(at, rate)| at + by * rate).collect();
+        trace_points(mechanism, &body_poses(mechanism, &moved))
+    };
+    let pairs = moved(-step).into_iter().zip(moved(step));
+    Some(pairs.map(|(a, b)| (b - a) / (2.0 * step)).collect())
+}
+
 /// From the samples on both sides if they have poses, otherwise from the one that has.
-fn trace_velocity(trajectory: &Trajectory, index: usize, trace: usize) -> DVec3 {
+fn trace_difference(trajectory: &Trajectory, index: usize, trace: usize) -> DVec3 {
     let at = |k: usize| {
         let sample = trajectory.samples.get(k)?;
         Some((sample.time, sample.pose.as_ref()?.traces[trace]))

@@ -3,6 +3,7 @@
 use super::fitting::{self, Fitted, fit_pieces};
 use super::gauge::{self, Gauges};
 use super::quantity_names::written_symbol;
+use super::ticks::path_point;
 use super::value_text::{VALUE_SIZE, value_text};
 use crate::kinematics::results::trajectory::{ClosedPose, Sample, Trajectory};
 use crate::model::mechanism::Mechanism;
@@ -157,12 +158,15 @@ fn input_captions(mechanism: &Mechanism, inputs: &[f64]) -> Vec<String> {
     texts.collect()
 }
 
-/// The traced point of the sample nearest to a label's time, at which the label stays. `None` for a label on a body, or
-/// if there is no pose at all.
+/// The traced point at a label's time, at which the label stays; that of the nearest sample with a pose where there is none. `None`
+/// for a label on a body, or if there is no pose at all.
 pub fn place_on_trace(label: &SceneLabel, trajectory: &Trajectory) -> Option<DVec3> {
     let LabelPlace::OnTrace { trace, time, .. } = label.place else {
         return None;
     };
+    if let Some(point) = path_point(trajectory, trace, time) {
+        return Some(point);
+    }
     let points = trajectory.samples.iter().filter_map(|sample| {
         let pose = sample.pose.as_ref()?;
         Some(((sample.time - time).abs(), pose.traces[trace]))

@@ -64,7 +64,7 @@ impl DecorParts {
         (pixel, height): (f64, f64),
         meshes: &mut Vec<StageMesh>,
     ) {
-        let (mechanism, view) = (&scene.mechanism, &scene.view);
+        let view = &scene.view;
         let look = TrailLook {
             trails: view.decor.trails,
             background: view.background,
@@ -73,9 +73,7 @@ impl DecorParts {
         };
         self.traces = trails::of_traces(scene, trajectory, look, meshes);
         self.ticks = ticks::of_traces(scene, trajectory, &view.decor, look, meshes);
-        let traces = &mechanism.traces;
-        let sizes = [self.extent, pixel];
-        self.arrows = Arrows::new(traces, trajectory, &view.decor, sizes, meshes);
+        self.arrows = Arrows::new(scene, trajectory, [self.extent, pixel], meshes);
     }
 
     /// Colours that appear as they are.

@@ -123,6 +123,21 @@ fn place_joint(joint: &Joint) -> Option<PlacedJoint> {
     };
     let first = joint.steps.iter().find_map(axis)?;
     let before = CarriedFrame::new(&joint.before);
+    // What slides is seen from the frame of the mechanism, which has the guide: its axis is the same from both sides.
+    let slides = matches!(
+        joint.kind,
+        JointKind::Prismatic | JointKind::Cylindrical | JointKind::Helical
+    );
+    if slides && joint.after.link == 0 && joint.before.link != 0 {
+        return Some(PlacedJoint {
+            kind: joint.kind,
+            axis: first,
+            last_axis: first,
+            grounded: true,
+            before: CarriedFrame::new(&joint.after),
+            after: before,
+        });
+    }
     Some(PlacedJoint {
         kind: joint.kind,
         axis: first,

@@ -84,7 +84,7 @@ pub fn of_traces(
 }
 
 /// The traced point at a time, on the straight piece between two samples, as the path is drawn.
-fn path_point(trajectory: &Trajectory, trace: usize, time: f64) -> Option<DVec3> {
+pub fn path_point(trajectory: &Trajectory, trace: usize, time: f64) -> Option<DVec3> {
     let samples = &trajectory.samples;
     let after = samples.partition_point(|sample| sample.time < time);
     let at = |k: usize| {

@@ -156,8 +156,7 @@ pub fn of_traces(
     };
     let complete = trajectory.samples.iter().all(|s| s.pose.is_some());
     // The trail of a cyclic motion goes on across its start.
-    let closed =
-        fading.is_some() && complete && count > 2 && is_cyclic(mechanism, &scene.actuation);
+    let cyclic = complete && count > 2 && is_cyclic(mechanism, &scene.actuation);
     let path = |index: usize| {
         let samples = trajectory.samples.iter();
         samples.map(move |s| s.pose.as_ref().map(|p| p.traces[index]))
@@ -175,6 +174,7 @@ pub fn of_traces(
             continue;
         }
         let (mut kept, steps) = thin_trail(path(index), apart);
+        let closed = cyclic && comes_round(&kept);
         if closed {
             kept.push(kept[0]);
         }
@@ -206,6 +206,15 @@ pub fn of_traces(
         });
     }
     parts
+}
+
+/// Whether a path ends about a step before its start: a point may move on though the drive comes round.
+fn comes_round(points: &[Option<DVec3>]) -> bool {
+    let step = |pair: &[Option<DVec3>]| Some(pair[0]?.distance(pair[1]?));
+    let longest = points.windows(2).filter_map(step).fold(0.0, f64::max);
+    let gap = points.first().zip(points.last());
+    let gap = gap.and_then(|(first, last)| step(&[*last, *first]));
+    gap.is_some_and(|gap| gap <= 2.0 * longest)
 }
 
 /// From nearly the background to the colour itself.

@@ -21,7 +21,10 @@ pub fn amount_text(mechanism: &Mechanism, kind: Kind, value: f64, digits: Option
     let (usual, unit) = match kind {
         Kind::Angle if in_degrees => (1, "°".to_owned()),
         Kind::Angle => (3, " rad".to_owned()),
-        Kind::Length => (1, format!(" {}", mechanism.length_unit)),
+        Kind::Length => (
+            length_digits(mechanism.size),
+            format!(" {}", mechanism.length_unit),
+        ),
         Kind::Number => (3, String::new()),
     };
     let digits = digits.unwrap_or(usual);
@@ -35,6 +38,19 @@ pub fn amount_text(mechanism: &Mechanism, kind: Kind, value: f64, digits: Option
         None => text,
     }
 }
+
+/// Digits behind the point that show a length to a thousandth of the mechanism's `size`, or to a few; at least one.
+fn length_digits(size: f64) -> usize {
+    let digits = (DIGITS_OF_SIZE - libm::log10(size)).ceil();
+    // Not a number for a mechanism without a size.
+    digits.max(1.0).min(MOST_DIGITS) as usize
+}
+
+/// Digits of the mechanism's size in its lengths: one behind the point from 25 on.
+const DIGITS_OF_SIZE: f64 = 2.4;
+
+/// Most digits behind the point: more are not read.
+const MOST_DIGITS: f64 = 9.0;
 
 /// The sign, as wide as a plus.
 const MINUS: char = '−';

@@ -131,7 +131,8 @@ fn refuse_range(axis: &DesignAxis, text: &str, is_grid: bool) -> Result<(), Stri
     }
     if is_grid && axis.low < axis.high && axis.count == 1 {
         return Err(format!(
-            "`{text}`: give the number of values, such as {text}:11"
+            "`{text}`: give the number of values, such as {}={}..{}:11",
+            axis.name, axis.low, axis.high
         ));
     }
     Ok(())

@@ -133,7 +133,7 @@ pub struct RequirementArgs {
     /// A pair counts as near if it is less than this length above its minimum; if absent, below twice its minimum.
     #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
     pub band: Option<f64>,
-    /// Let pairs of bodies pass whose bound is only estimated.
+    /// Let pairs of bodies and measures pass whose bound is only estimated.
     #[arg(long)]
     pub allow_estimates: bool,
     /// Let a check pass that judges no pair of bodies though the scene asks for clearances.

@@ -55,7 +55,7 @@ pub struct ViewArgs {
     /// Show this many earlier poses as translucent bodies.
     #[arg(long, value_name = "N", value_parser = ghost_count)]
     pub ghosts: Option<usize>,
-    /// Show the poses at these times in seconds as translucent bodies.
+    /// Show the poses at these earlier times in seconds as translucent bodies.
     #[arg(
         long,
         value_name = "T,T,…",

@@ -17,7 +17,7 @@ use crate::cli::term::clock::Clock;
 use crate::cli::term::outcome::{Failure, Outcome};
 use crate::export::Format;
 use crate::kinematics::motion::continuation::solve_until;
-use crate::kinematics::motion::sampling::{self, even_times, frame_rate, frame_times};
+use crate::kinematics::motion::sampling::{self, even_times, frame_rate, frame_times, path_times};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::solve::iterates::{iterate_film, record_iterates};
 use crate::kinematics::structure::system::System;
@@ -186,6 +186,7 @@ fn trace_iterations(
     let still = format.is_still();
     let plan = RenderPlan {
         times,
+        stride: 1,
         first: if still { count - 1 } else { 0 },
         count: if still { 1 } else { count },
         fps: args.fps.unwrap_or(ITERATES_A_SECOND),
@@ -278,7 +279,9 @@ fn drawn_by(args: &RenderArgs) -> DrawnBy {
 /// The samples that become pictures, and when they are shown.
 struct RenderPlan {
     times: Vec<f64>,
-    /// First sample that is drawn.
+    /// Steps into which the interval between two frames is divided.
+    stride: usize,
+    /// First frame that is drawn.
     first: usize,
     count: usize,
     fps: f64,
@@ -303,19 +306,20 @@ impl RenderPlan {
             (None, None) if format.is_still() => Some(0.0),
             (None, None) => None,
         };
-        match still {
+        let plan = match still {
             None => {
                 let mut frames = frames;
                 // A model is not shown frame by frame: its last key is the end of the drive, cyclic or not.
                 if format.is_model() && frames.last().is_some_and(|t| *t < actuation.duration) {
                     frames.push(actuation.duration);
                 }
-                Ok(Self {
+                Self {
                     first: 0,
+                    stride: 1,
                     count: frames.len(),
                     times: frames,
                     fps,
-                })
+                }
             }
             Some(at) => {
                 // The frames around it are solved too: the camera frames the whole motion in every still, and the
@@ -323,26 +327,35 @@ impl RenderPlan {
                 let mut times = up_to(at, actuation.duration, &frames)?;
                 let first = times.len() - 1;
                 times.extend(frames.iter().copied().filter(|t| *t > at));
-                Ok(Self {
+                Self {
                     times,
+                    stride: 1,
                     first,
                     count: 1,
                     fps,
-                })
+                }
             }
-        }
+        };
+        let (times, stride) = path_times(mechanism, actuation, &plan.times);
+        Ok(Self {
+            times,
+            stride,
+            ..plan
+        })
     }
 }
 
 impl RenderPlan {
     /// Their timing.
     fn order(&self, scene: &Scene) -> PlayOrder {
-        PlayOrder::plain(self.first, self.count).played(scene.view.playback, self.fps)
+        let order = PlayOrder::plain(self.first, self.count).divided(self.stride);
+        order.played(scene.view.playback, self.fps)
     }
 
-    /// The samples that are shown.
+    /// The samples that are shown, and those between them.
     fn frame_range(&self) -> Range<usize> {
-        self.first..self.first + self.count
+        let last = self.first + self.count.saturating_sub(1);
+        self.first * self.stride..last * self.stride + 1
     }
 }
 
@@ -381,11 +394,11 @@ fn kind_of_output(args: &RenderArgs) -> Result<Format, Failure> {
 
 /// Only frames that were drawn count.
 fn outcome_of_frames(outcome: Outcome, trajectory: &Trajectory, plan: &RenderPlan) -> Outcome {
-    let drawn = &trajectory.samples[plan.frame_range()];
+    let mut drawn = trajectory.samples[plan.frame_range()]
+        .iter()
+        .step_by(plan.stride);
     match outcome {
-        Outcome::NotClosed | Outcome::Undecided
-            if drawn.iter().all(|sample| sample.pose.is_some()) =>
-        {
+        Outcome::NotClosed | Outcome::Undecided if drawn.all(|sample| sample.pose.is_some()) => {
             Outcome::Done
         }
         _ => outcome,

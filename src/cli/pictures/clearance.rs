@@ -46,7 +46,7 @@ pub fn write_worst_pair(
         term.warning("no pair is judged: there is nothing to draw");
         return Ok(());
     };
-    if Format::from_path(path)? != Format::Png {
+    if Format::from_path(path).ok() != Some(Format::Png) {
         return Err(Failure::unknown_kind(path, "picture", "known kind: .png"));
     }
     io::refuse_input(&args.scene, path)?;

@@ -76,7 +76,7 @@ pub fn draw_paths(
 
 /// Refuses a picture that is not a PNG, or would overwrite an input of the command.
 pub fn refuse_other(scene: &SceneArgs, path: &Path) -> Result<(), Failure> {
-    if Format::from_path(path)? != Format::Png {
+    if Format::from_path(path).ok() != Some(Format::Png) {
         return Err(Failure::unknown_kind(path, "picture", "known kind: .png"));
     }
     io::refuse_input(scene, path)

@@ -95,6 +95,55 @@ pub fn even_times(mechanism: &Mechanism, actuation: &Actuation, count: usize) ->
         .collect()
 }
 
+/// Farthest that an input may move between two points of a drawn path, as an angle or a share of the mechanism's size: the arc
+/// of 5 degrees leaves its chord by a thousandth of its radius.
+const PATH_STEP: f64 = 0.0873;
+
+/// Most samples of a drawn path, beside its frames.
+const PATH_SAMPLES: usize = 2000;
+
+/// Places between two frames at which the way of a drive is measured.
+const WAY_PARTS: usize = 8;
+
+/// `times` with others between them, and the number of steps into which each interval is divided: paths through them show
+/// the motion, however few the frames are. After the last frame of a cyclic motion they go on to its end.
+pub fn path_times(
+    mechanism: &Mechanism,
+    actuation: &Actuation,
+    times: &[f64],
+) -> (Vec<f64>, usize) {
+    let slots = mechanism.unknowns.len()..;
+    let scales: Vec<f64> = slots
+        .zip(&actuation.drives)
+        .map(|(slot, _)| mechanism.scale_of(slot))
+        .collect();
+    let way = |from: f64, until: f64| {
+        let at = |k: usize| from + (until - from) * (k as f64 / WAY_PARTS as f64);
+        let parts = (0..WAY_PARTS).map(|k| {
+            let ends = [at(k), at(k + 1)].map(|time| actuation.inputs_at(time));
+            let moved = scales.iter().zip(&ends[0]).zip(&ends[1]);
+            let moved = moved.map(|((scale, a), b)| (b - a).abs() / scale);
+            moved.filter(|m| m.is_finite()).fold(0.0, f64::max)
+        });
+        parts.sum::<f64>()
+    };
+    let last = times.last().copied().unwrap_or_default();
+    let goes_on = last < actuation.duration && is_cyclic(mechanism, actuation);
+    let end = goes_on.then_some(actuation.duration);
+    let all: Vec<f64> = times.iter().copied().chain(end).collect();
+    let farthest = all.windows(2).map(|w| way(w[0], w[1])).fold(0.0, f64::max);
+    let most = (PATH_SAMPLES / times.len().max(1)).max(1);
+    let steps = ((farthest / PATH_STEP).ceil() as usize).clamp(1, most);
+    let within = |from: f64, until: f64| {
+        (0..steps).map(move |k| from + (until - from) * (k as f64 / steps as f64))
+    };
+    let mut finer: Vec<f64> = all.windows(2).flat_map(|w| within(w[0], w[1])).collect();
+    if !goes_on {
+        finer.extend(times.last());
+    }
+    (finer, steps)
+}
+
 /// The same for measures: and then the end of a cyclic motion, if some depend on it.
 pub fn measured_times(
     mechanism: &Mechanism,

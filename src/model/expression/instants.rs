@@ -32,13 +32,17 @@ impl Expression {
         values.pop().unwrap_or(0.0)
     }
 
-    /// The value of a formula of time at an instant without jumps, computed with 31 digits; NaN where these do not tell it.
+    /// The value of a formula of time at an instant without jumps, computed with 31 digits; zero where it differs from that by its rounding
+    /// alone, NaN where the digits do not tell it.
     pub fn long_value_at(&self, time: f64) -> f64 {
         let mut values = SmallVec::<[Constant; FEW]>::new();
         for op in self.ops() {
             values.push(apply_op(*op, &values, &[Constant::exact(time)]));
         }
-        values.pop().map_or(0.0, Scalar::nominal)
+        match values.pop() {
+            Some(value) if value.may_be_zero() => 0.0,
+            value => value.map_or(0.0, Scalar::nominal),
+        }
     }
 
     /// The same at a time of any kind, on the sides of all jumps on which it is at the instant `place`.

@@ -27,6 +27,11 @@ const LARGEST_WHOLE_POWER: f64 = 1e6;
 impl Constant {
     const UNDEFINED: Self = Self::exact(f64::NAN);
 
+    /// Whether it differs from zero by no more than its error.
+    pub fn may_be_zero(self) -> bool {
+        self.value.hi.abs() <= self.error
+    }
+
     fn is_zero(self) -> bool {
         self.value.hi == 0.0 && self.error == 0.0
     }
@@ -60,6 +65,10 @@ impl Ring for Constant {
 }
 
 impl Scalar for Constant {
+    fn may_lack_value(self) -> bool {
+        !Scalar::is_finite(self)
+    }
+
     fn from_constant(constant: Constant) -> Self {
         constant
     }
@@ -159,6 +168,9 @@ impl Scalar for Constant {
 
     /// tan(θ - θ₀) = (y cos θ₀ - x sin θ₀) / (x cos θ₀ + y sin θ₀), so small that it is the angle itself.
     fn atan2(self, x: Self) -> Self {
+        if self.is_zero() && x.is_zero() {
+            return Self::UNDEFINED;
+        }
         let (a, b) = (self.value, x.value);
         let size = libm::hypot(a.hi, b.hi);
         let open = libm::hypot(self.error, x.error);

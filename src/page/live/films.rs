@@ -73,7 +73,7 @@ impl LiveScene {
         let samples = SMOOTHNESS;
         with_pictures(
             &self.now.scene,
-            film,
+            (&self.now.system, film),
             PictureOptions { size, samples },
             draw,
         )

@@ -80,10 +80,14 @@ impl OutlineFinder {
     }
 
     /// Reads the nearest surfaces of the translucent layers.
-    pub(super) fn read_over(&mut self, assembly: &TriangleAssembly, layers: &Layers) {
+    pub(super) fn read_over<const G: usize>(
+        &mut self,
+        assembly: &TriangleAssembly,
+        layers: &Layers<G>,
+    ) {
         for pixel in (0..AREA).filter(|pixel| layers.touch(*pixel)) {
             for sample in pixel * self.samples..(pixel + 1) * self.samples {
-                if let Some((facet, depth)) = layers.nearest(sample) {
+                if let Some((facet, depth)) = layers.nearest(pixel, sample) {
                     self.surface[sample] = assembly.surface(facet);
                     self.depth[sample] = depth;
                 }

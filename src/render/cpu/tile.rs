@@ -27,7 +27,7 @@ pub(super) struct TileSamples<const G: usize> {
     /// Linear colours of the pixels.
     colour: Vec<[f32; 3]>,
     batch: ShadingBatch,
-    layers: Layers,
+    layers: Layers<G>,
     outlines: Option<OutlineFinder>,
 }
 

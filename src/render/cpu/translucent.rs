@@ -1,8 +1,7 @@
-//! Translucent facets over an opaque tile: every sample stores the facets in front of it and blends them by its own
-//! depths.
+//! Translucent facets over an opaque tile: every sample blends the surfaces in front of it by its own depths.
 //!
 //! The order is determined sample by sample, so bodies may intersect or enclose each other, and the order of the
-//! instances does not matter.
+//! instances does not matter. Where all samples of a vector agree on the order, they are blended together.
 
 use super::assembly::{TileBin, TriangleAssembly};
 use super::cell::{NOTHING, PixelCell};
@@ -12,53 +11,58 @@ use super::shading::{ShadingBatch, unit_vector};
 use super::view::RasterView;
 use super::window::{AREA, TILE, Window, for_inner};
 use crate::render::look::{self, Rgb};
-use wide::f32x4;
+use wide::{f32x4, i32x4};
 
-/// Ends a list of fragments.
+/// Ends a list.
 const NONE: u32 = u32::MAX;
 
-/// So many surfaces of a pixel are tried for another facet.
+/// So many layers of a pixel are tried for another facet.
 const RECENT: usize = 2;
 
-/// A facet at a sample.
-#[derive(Clone, Copy, Debug)]
-struct Fragment {
-    depth: f32,
-    facet: i32,
-    /// The surface, an index into the surfaces.
-    surface: u32,
-    /// The next nearer one.
-    next: u32,
-}
+/// Nearness of a layer at samples that it does not cover.
+const UNCOVERED: f32 = f32::NEG_INFINITY;
 
-/// A smooth surface in a pixel: it is lit once for all samples there, at the facet that was drawn first.
+/// A smooth surface in a pixel: lit once for all samples there, at the facet that was drawn first.
 #[derive(Clone, Copy, Debug)]
-struct LitSurface {
+struct Layer<const G: usize> {
     facet: i32,
     pixel: u32,
     opacity: f32,
     /// The one before it in its pixel.
     before: u32,
+    /// Nearness at the samples of its cell, and the facet there.
+    depth: [[f32; LANES]; G],
+    facets: [[i32; LANES]; G],
 }
 
-/// The translucent fragments of one tile. Kept for its memory.
+impl<const G: usize> Layer<G> {
+    /// The lanes of a vector that it covers.
+    #[inline(always)]
+    fn covered(&self, g: usize) -> f32x4 {
+        f32x4::from(self.depth[g]).simd_gt(f32x4::splat(UNCOVERED))
+    }
+}
+
+/// The translucent layers of one tile. Kept for its memory.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Layers {
-    /// The farthest fragment of each sample.
-    farthest: Vec<u32>,
-    fragments: Vec<Fragment>,
-    surfaces: Vec<LitSurface>,
-    /// Linear colours of the surfaces.
-    colours: Vec<Rgb>,
-    /// The opaque surface behind each sample of the pixels that are touched.
-    behind: Vec<u32>,
-    /// The last surface of each pixel.
+pub(super) struct Layers<const G: usize> {
+    samples: usize,
+    layers: Vec<Layer<G>>,
+    /// The last layer of each pixel.
     latest: Vec<u32>,
-    /// The last facet, its pixel, and its surface there.
+    /// The last facet, its pixel, and its layer there.
     last: [u32; 3],
+    /// The opaque surfaces of the pixels that are touched: facet and pixel.
+    under: Vec<(i32, u32)>,
+    /// The one of them behind each sample.
+    behind: Vec<u32>,
+    /// Linear colours of the layers, then of the opaque surfaces.
+    colours: Vec<Rgb>,
+    /// Layers of a pixel with their nearness, from the farthest to the nearest.
+    order: Vec<(f32, u32)>,
 }
 
-impl Layers {
+impl<const G: usize> Layers<G> {
     /// Whether a pixel shows anything translucent.
     #[inline(always)]
     pub(super) fn touch(&self, pixel: usize) -> bool {
@@ -66,18 +70,24 @@ impl Layers {
     }
 
     /// The nearest translucent facet at a sample and its nearness.
-    pub(super) fn nearest(&self, sample: usize) -> Option<(i32, f32)> {
+    pub(super) fn nearest(&self, pixel: usize, sample: usize) -> Option<(i32, f32)> {
+        let (g, lane) = ((sample / LANES) % G, sample % LANES);
         let mut found = None;
-        let mut at = self.farthest[sample];
-        while let Some(fragment) = self.fragments.get(at as usize) {
-            found = Some((fragment.facet, fragment.depth));
-            at = fragment.next;
+        let mut nearest = UNCOVERED;
+        let mut at = self.latest[pixel];
+        // Of equally near ones the last.
+        while let Some(layer) = self.layers.get(at as usize) {
+            if layer.depth[g][lane] > nearest {
+                nearest = layer.depth[g][lane];
+                found = Some((layer.facets[g][lane], nearest));
+            }
+            at = layer.before;
         }
         found
     }
 
-    /// Finds the fragments of a bin's translucent facets in front of the opaque samples of `cells`.
-    pub(super) fn collect<const G: usize>(
+    /// Finds the layers of a bin's translucent facets in front of the opaque samples of `cells`.
+    pub(super) fn collect(
         &mut self,
         view: &RasterView,
         bin: &TileBin,
@@ -85,72 +95,102 @@ impl Layers {
         pattern: &SamplePattern<G>,
         cells: &[PixelCell<G>],
     ) {
-        self.fragments.clear();
-        self.surfaces.clear();
+        self.samples = pattern.samples;
+        self.layers.clear();
         self.last = [NONE; 3];
-        self.farthest.clear();
-        self.farthest.resize(AREA * pattern.samples, NONE);
         self.latest.clear();
         self.latest.resize(AREA, NONE);
         for number in &bin.translucent {
             let facet = &view.assembly.facets[*number as usize];
             let opacity = view.assembly.paints[facet.instance()].opacity;
             let corners = view.assembly.corners(&facet.corners);
+            let drawn = (*number as i32, opacity);
             rasterise_block(corners, &window, pattern, |cell, g, covered, new| {
-                // Fragments in front of all opaque surfaces.
+                // In front of all opaque surfaces.
                 let seen = new.simd_gt(f32x4::from(cells[cell].depth[g])) & covered;
-                let depths = new.to_array();
-                let mut lanes = seen.to_bitmask();
-                // Every covered lane becomes a fragment of its sample.
-                while lanes != 0 {
-                    let lane = lanes.trailing_zeros() as usize;
-                    lanes &= lanes - 1;
-                    let sample = (cell * G + g) * LANES + lane;
-                    let pixel = (sample / pattern.samples) as u32;
-                    let facet = *number as i32;
-                    let surface = self.surface(view.assembly, facet, pixel, opacity);
-                    self.insert(sample, depths[lane], facet, surface);
+                if seen.to_bitmask() == 0 {
+                    return;
+                }
+                let first = cell << pattern.cell_bits;
+                if pattern.cell_bits == 0 {
+                    return self.cover(view.assembly, drawn, first, (g, seen, new));
+                }
+                for pixel in first..first + (1 << pattern.cell_bits) {
+                    let own = seen & pixel_lanes(pixel, pattern.samples);
+                    if own.to_bitmask() != 0 {
+                        self.cover(view.assembly, drawn, pixel, (g, own, new));
+                    }
                 }
             });
         }
     }
 
-    /// The surface of a facet in a pixel, which it shares with the facets that are smoothly connected to it.
-    fn surface(
+    /// Covers lanes of vector `g` of a pixel with a facet.
+    #[inline(always)]
+    fn cover(
         &mut self,
+        assembly: &TriangleAssembly,
+        (facet, opacity): (i32, f32),
+        pixel: usize,
+        (g, lanes, depth): (usize, f32x4, f32x4),
+    ) {
+        let at = self.layer_of(assembly, (facet, opacity), pixel as u32, (g, lanes));
+        let layer = &mut self.layers[at as usize];
+        let mask = lanes.to_bits().cast_signed();
+        layer.depth[g] = lanes
+            .bitselect(depth, f32x4::from(layer.depth[g]))
+            .to_array();
+        let own = i32x4::splat(facet);
+        layer.facets[g] = mask.bitselect(own, i32x4::from(layer.facets[g])).to_array();
+    }
+
+    /// The layer for lanes of a facet in a pixel, which it shares with the facets that are smoothly connected to it.
+    #[inline(always)]
+    fn layer_of(
+        &mut self,
+        assembly: &TriangleAssembly,
+        (facet, opacity): (i32, f32),
+        pixel: u32,
+        (g, lanes): (usize, f32x4),
+    ) -> u32 {
+        // A surface that folds over itself within a pixel needs another layer.
+        let is_free = |layer: &Layer<G>| (layer.covered(g) & lanes).to_bitmask() == 0;
+        // The samples of a facet in a pixel come one after the other.
+        let [last, its_pixel, its_layer] = self.last;
+        if last == facet as u32 && its_pixel == pixel && is_free(&self.layers[its_layer as usize]) {
+            return its_layer;
+        }
+        let known = self.known_layer(assembly, facet, pixel, is_free);
+        let layer = known.unwrap_or_else(|| {
+            let new = self.layers.len() as u32;
+            self.layers.push(Layer {
+                facet,
+                pixel,
+                opacity,
+                before: std::mem::replace(&mut self.latest[pixel as usize], new),
+                depth: [[UNCOVERED; LANES]; G],
+                facets: [[NOTHING; LANES]; G],
+            });
+            new
+        });
+        self.last = [facet as u32, pixel, layer];
+        layer
+    }
+
+    /// The one of the last layers of a pixel to which a facet belongs: its neighbours are drawn shortly before it.
+    #[inline(always)]
+    fn known_layer(
+        &self,
         assembly: &TriangleAssembly,
         facet: i32,
         pixel: u32,
-        opacity: f32,
-    ) -> u32 {
-        // The samples of a facet in a pixel come one after the other.
-        let [last, its_pixel, its_surface] = self.last;
-        if last == facet as u32 && its_pixel == pixel {
-            return its_surface;
-        }
-        let surface = self
-            .known_surface(assembly, facet, pixel)
-            .unwrap_or_else(|| {
-                let new = self.surfaces.len() as u32;
-                self.surfaces.push(LitSurface {
-                    facet,
-                    pixel,
-                    opacity,
-                    before: std::mem::replace(&mut self.latest[pixel as usize], new),
-                });
-                new
-            });
-        self.last = [facet as u32, pixel, surface];
-        surface
-    }
-
-    /// The one of the last surfaces of a pixel to which a facet belongs: its neighbours are drawn shortly before it.
-    #[inline(always)]
-    fn known_surface(&self, assembly: &TriangleAssembly, facet: i32, pixel: u32) -> Option<u32> {
+        is_free: impl Fn(&Layer<G>) -> bool,
+    ) -> Option<u32> {
         let mut at = self.latest[pixel as usize];
         for _ in 0..RECENT {
-            let known = self.surfaces.get(at as usize)?;
-            if known.facet == facet || is_one_side(assembly, known.facet, facet) {
+            let known = self.layers.get(at as usize)?;
+            let is_same = known.facet == facet || is_one_side(assembly, known.facet, facet);
+            if is_same && is_free(known) {
                 return Some(at);
             }
             at = known.before;
@@ -158,42 +198,29 @@ impl Layers {
         None
     }
 
-    /// Inserts a fragment in front of all farther ones; of equally distant ones the later is in front.
-    fn insert(&mut self, sample: usize, depth: f32, facet: i32, surface: u32) {
-        // A linked list per sample, from the farthest to the nearest; equal depths keep the order of drawing.
-        let new = self.fragments.len() as u32;
-        let (mut before, mut next) = (NONE, self.farthest[sample]);
-        while let Some(other) = self.fragments.get(next as usize)
-            && other.depth <= depth
-        {
-            (before, next) = (next, other.next);
-        }
-        self.fragments.push(Fragment {
-            depth,
-            facet,
-            surface,
-            next,
-        });
-        match self.fragments.get_mut(before as usize) {
-            Some(other) => other.next = new,
-            None => self.farthest[sample] = new,
-        }
-    }
-
-    /// Appends the opaque surfaces behind the fragments; `facets` are those of a pixel's samples.
+    /// Finds the opaque surfaces behind the layers; `facets` are those of a pixel's samples.
     pub(super) fn lay_under<const S: usize>(
         &mut self,
         assembly: &TriangleAssembly,
         (window, inner): (Window, Window),
         facets: impl Fn(usize) -> [i32; S],
     ) {
+        self.under.clear();
         self.behind.clear();
         self.behind.resize(AREA * S, NONE);
         for_inner(window, inner, |pixel, _, _| {
             if self.touch(pixel) {
+                let first = self.under.len();
                 for (sample, facet) in facets(pixel).into_iter().enumerate() {
-                    let surface = self.surface(assembly, facet, pixel as u32, 1.0);
-                    self.behind[pixel * S + sample] = surface;
+                    let mut own = self.under[first..].iter();
+                    let known = own.position(|(known, _)| {
+                        *known == facet || is_one_side(assembly, *known, facet)
+                    });
+                    let at = known.map_or(self.under.len(), |known| first + known);
+                    if at == self.under.len() {
+                        self.under.push((facet, pixel as u32));
+                    }
+                    self.behind[pixel * S + sample] = at as u32;
                 }
             }
         });
@@ -210,57 +237,131 @@ impl Layers {
         pixels: &mut [Rgb],
     ) {
         self.light(view, window, batch);
-        let samples = self.farthest.len() / AREA;
+        let samples = self.samples;
         for_inner(window, inner, |pixel, _, _| {
-            if self.touch(pixel) {
-                let own = pixel * samples..(pixel + 1) * samples;
-                let mut sum = [0.0; 3];
-                // The mean over the samples, each blended from the back to the front.
-                for rgb in own.map(|sample| self.seen(sample, |rgb| inked(pixel, rgb))) {
-                    sum = [0, 1, 2].map(|k| sum[k] + rgb[k]);
-                }
-                pixels[pixel] = sum.map(|c| c / samples as f32);
+            if !self.touch(pixel) {
+                return;
             }
+            self.sort(pixel);
+            let mut sum = [0.0; 3];
+            // The mean over the samples, each blended from the back to the front.
+            for first in (0..samples).step_by(LANES) {
+                let sample = pixel * samples + first;
+                let seen = self.blended(sample / LANES * LANES, |sample| {
+                    let is_own = sample / samples == pixel;
+                    let behind = if is_own { self.behind[sample] } else { NONE };
+                    let under = self.layers.len() + behind as usize;
+                    let rgb = self.colours.get(under).copied().unwrap_or_default();
+                    inked(pixel, rgb)
+                });
+                for sample in sample..sample + samples.min(LANES) {
+                    sum = [0, 1, 2].map(|k| sum[k] + seen[k][sample % LANES]);
+                }
+            }
+            pixels[pixel] = sum.map(|c| c / samples as f32);
         });
     }
 
-    /// The colour of a sample.
-    fn seen(&self, sample: usize, inked: impl Fn(Rgb) -> Rgb) -> Rgb {
-        let behind = self.behind[sample] as usize;
-        let mut rgb = inked(self.colours.get(behind).copied().unwrap_or_default());
-        let mut at = self.farthest[sample];
-        while let Some(fragment) = self.fragments.get(at as usize) {
-            let surface = fragment.surface as usize;
-            let (over, opacity) = (self.colours[surface], self.surfaces[surface].opacity);
-            rgb = [0, 1, 2].map(|k| look::mix_values(rgb[k], over[k], opacity));
-            at = fragment.next;
+    /// Sorts the layers of a pixel by their nearest samples; of equally near ones the later is in front.
+    fn sort(&mut self, pixel: usize) {
+        self.order.clear();
+        let mut at = self.latest[pixel];
+        while let Some(layer) = self.layers.get(at as usize) {
+            let nearest = layer.depth.as_flattened().iter().copied();
+            let nearest = nearest.fold(UNCOVERED, f32::max);
+            // The chain leads from the last to the first.
+            let place = self.order.iter().position(|(other, _)| *other >= nearest);
+            let place = place.unwrap_or(self.order.len());
+            self.order.insert(place, (nearest, at));
+            at = layer.before;
+        }
+    }
+
+    /// Colours of the four samples from `sample` on, by channels, over those `behind` them.
+    #[inline(always)]
+    fn blended(&self, sample: usize, behind: impl Fn(usize) -> Rgb) -> [[f32; LANES]; 3] {
+        let g = sample / LANES % G;
+        let under: [Rgb; LANES] = std::array::from_fn(|lane| behind(sample + lane));
+        let channel = |k: usize| f32x4::from(under.map(|rgb| rgb[k]));
+        let mut rgb = [channel(0), channel(1), channel(2)];
+        let mut nearest = f32x4::splat(UNCOVERED);
+        let mut disordered = 0;
+        for (_, at) in &self.order {
+            let layer = &self.layers[*at as usize];
+            let (depth, covered) = (f32x4::from(layer.depth[g]), layer.covered(g));
+            disordered |= (depth.simd_lt(nearest) & covered).to_bitmask();
+            nearest = covered.bitselect(depth, nearest);
+            let (over, opacity) = (self.colours[*at as usize], f32x4::splat(layer.opacity));
+            for k in 0..3 {
+                let mixed = rgb[k] + (f32x4::splat(over[k]) - rgb[k]) * opacity;
+                rgb[k] = covered.bitselect(mixed, rgb[k]);
+            }
+        }
+        let mut rgb = rgb.map(f32x4::to_array);
+        // Where surfaces intersect within a pixel, samples are blended one by one.
+        for lane in (0..LANES).filter(|lane| disordered >> lane & 1 == 1) {
+            let alone = self.blended_alone((g, lane), under[lane]);
+            for k in 0..3 {
+                rgb[k][lane] = alone[k];
+            }
         }
         rgb
     }
 
+    /// The colour of one sample over that behind it.
+    #[cold]
+    fn blended_alone(&self, (g, lane): (usize, usize), behind: Rgb) -> Rgb {
+        let depth = |at: &u32| self.layers[*at as usize].depth[g][lane];
+        let all = self.order.iter().map(|(_, at)| *at);
+        let mut own: Vec<u32> = all.filter(|at| depth(at) > UNCOVERED).collect();
+        own.sort_unstable_by(|a, b| depth(a).total_cmp(&depth(b)).then(a.cmp(b)));
+        own.into_iter().fold(behind, |rgb, at| {
+            let (over, opacity) = (self.colours[at as usize], self.layers[at as usize].opacity);
+            [0, 1, 2].map(|k| look::mix_values(rgb[k], over[k], opacity))
+        })
+    }
+
     /// Colours of all surfaces, with higher opacity for those seen edge-on.
     fn light(&mut self, view: &RasterView, window: Window, batch: &mut ShadingBatch) {
-        self.colours.clear();
-        self.colours.resize(self.surfaces.len(), [0.0; 3]);
-        for (index, surface) in self.surfaces.iter_mut().enumerate() {
-            let pixel = surface.pixel as usize;
+        let place = |pixel: u32| {
+            let pixel = pixel as usize;
             let x = window.x[0] + (pixel % TILE) as i32;
-            let y = window.y[0] + (pixel / TILE) as i32;
-            if surface.facet == NOTHING {
+            (x, window.y[0] + (pixel / TILE) as i32)
+        };
+        let count = self.layers.len();
+        self.colours.clear();
+        self.colours.resize(count + self.under.len(), [0.0; 3]);
+        // Each surface of a pixel is lit once, whatever number of samples shows it.
+        for (index, layer) in self.layers.iter_mut().enumerate() {
+            let (x, y) = place(layer.pixel);
+            let colours = &mut self.colours;
+            let directions = batch.add(view, layer.facet, x, y, 1.0, index, colours);
+            let facet = &view.assembly.facets[layer.facet as usize];
+            let flat = view.assembly.paints[facet.instance()].flat;
+            layer.opacity = seen_opacity(directions, flat, layer.opacity);
+        }
+        for (index, (facet, pixel)) in self.under.iter().enumerate() {
+            let (x, y) = place(*pixel);
+            let index = count + index;
+            if *facet == NOTHING {
                 self.colours[index] = view.backdrop.linear(x as usize, y as usize, view.shadow).0;
-                continue;
-            }
-            let facet = surface.facet;
-            // Each surface of a pixel is lit once, whatever number of samples shows it.
-            let directions = batch.add(view, facet, x, y, 1.0, index, &mut self.colours);
-            if surface.opacity < 1.0 {
-                let facet = &view.assembly.facets[facet as usize];
-                let flat = view.assembly.paints[facet.instance()].flat;
-                surface.opacity = seen_opacity(directions, flat, surface.opacity);
+            } else {
+                batch.add(view, *facet, x, y, 1.0, index, &mut self.colours);
             }
         }
         batch.flush(&view.around, &mut self.colours);
     }
+}
+
+/// The lanes of a pixel in a vector that covers several.
+#[inline(always)]
+fn pixel_lanes(pixel: usize, samples: usize) -> f32x4 {
+    let own = pixel * samples % LANES;
+    let lane = |lane: usize| {
+        let is_own = (own..own + samples).contains(&lane);
+        f32::from_bits(if is_own { u32::MAX } else { 0 })
+    };
+    f32x4::from([lane(0), lane(1), lane(2), lane(3)])
 }
 
 /// Whether two facets belong to the same side of one smooth surface.

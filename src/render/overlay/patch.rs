@@ -1,6 +1,7 @@
 //! Plain rectangles and the leaders of labels.
 
 use super::paint::OverlayPainter;
+use crate::math::segment_distance;
 use crate::render::Patch;
 
 /// Half the width of a leader in pixels.
@@ -39,23 +40,9 @@ pub fn draw_leader(painter: &mut OverlayPainter<'_>, [from, to]: [[f64; 2]; 2], 
         painter.clip(low[0] as i32, low[1] as i32, high[0] as i32, high[1] as i32);
     for y in y0..y1 {
         for x in x0..x1 {
-            let away = segment_distance([f64::from(x) + 0.5, f64::from(y) + 0.5], from, to);
+            let away = segment_distance([f64::from(x) + 0.5, f64::from(y) + 0.5], [from, to]);
             let share = (LEADER_HALF_WIDTH + 0.5 - away).clamp(0.0, 1.0);
             painter.blend(x, y, colour, share as f32);
         }
     }
-}
-
-/// Distance of a point from a segment.
-fn segment_distance(point: [f64; 2], from: [f64; 2], to: [f64; 2]) -> f64 {
-    let along = [to[0] - from[0], to[1] - from[1]];
-    let off = [point[0] - from[0], point[1] - from[1]];
-    let squared = along[0] * along[0] + along[1] * along[1];
-    let share = if squared > 0.0 {
-        ((off[0] * along[0] + off[1] * along[1]) / squared).clamp(0.0, 1.0)
-    } else {
-        0.0
-    };
-    let gap = [off[0] - share * along[0], off[1] - share * along[1]];
-    (gap[0] * gap[0] + gap[1] * gap[1]).sqrt()
 }

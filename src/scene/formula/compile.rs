@@ -97,7 +97,10 @@ fn append_op(
             Op::Constant(value)
         }
         Some((_, value)) => {
-            let message = format!("this formula has the value {value}");
+            let message = match value.is_nan() {
+                true => "this formula has no value".to_owned(),
+                false => format!("this formula has the value {value}"),
+            };
             return Err(Diagnostic::error(message)
                 .at(node.span.clone())
                 .hint("every constant must be a finite number"));

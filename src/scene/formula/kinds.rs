@@ -78,8 +78,12 @@ pub fn dimension_of(node: &FormulaNode, of_name: DimensionOfName) -> PhysicalDim
         NodeKind::Of(kind, _) => kind.map_or(PhysicalDimension::NUMBER, PhysicalDimension::of),
         NodeKind::Name(name) => of_name(name).unwrap_or_default(),
         NodeKind::Negate(inner) => of(inner),
-        // Sums have the dimension of their terms that have one; products add dimensions.
-        NodeKind::Binary('+' | '-', a, b) => common_dimension([of(a), of(b)]),
+        // Sums have the dimension of their terms that have one, in whatever order; products add dimensions.
+        NodeKind::Binary('+' | '-', ..) => {
+            let mut terms = Vec::new();
+            visit_terms(node, &mut |term| terms.push(of(term)));
+            common_dimension(terms)
+        }
         NodeKind::Binary('*', a, b) => of(a) + of(b),
         NodeKind::Binary('/', a, b) => of(a) - of(b),
         // Only whole powers have a dimension.
@@ -105,9 +109,9 @@ pub fn dimension_of(node: &FormulaNode, of_name: DimensionOfName) -> PhysicalDim
 fn common_dimension(parts: impl IntoIterator<Item = PhysicalDimension>) -> PhysicalDimension {
     let measured = |part: &PhysicalDimension| *part != PhysicalDimension::NUMBER;
     let either = |a: PhysicalDimension, b: PhysicalDimension| match [a.kind(), b.kind()] {
-        [first, second] if first == second => a,
         [Kind::Length, _] => a,
         [_, Kind::Length] => b,
+        _ if a == b => a,
         _ => PhysicalDimension::NUMBER,
     };
     let parts = parts.into_iter().filter(measured);
@@ -231,6 +235,8 @@ enum Expected {
     Angle,
     /// An angle in the file's unit if it is a mere number: it stands beside angles.
     BesideAngles,
+    /// The same if it is written out: it stands beside angles and what is none, such as products of angles.
+    BesideOthers,
     /// A number, but in a sum that is an angle by itself: a factor, or the base of a power.
     Factor,
     /// A number, and so are the numbers added to it.
@@ -256,18 +262,20 @@ struct AngleConversion<'a> {
 
 impl AngleConversion<'_> {
     fn converted(&self, node: FormulaNode, expected: Expected) -> FormulaNode {
-        let is_sum = is_sum(&node.kind);
+        let is_a_sum = is_sum(&node.kind);
         let expected = match expected {
-            Expected::Open if is_sum => self.expected_in_sum(&node),
-            Expected::Factor if is_sum => match has_angle_term(&node, self.of_name) {
+            Expected::Open if is_a_sum => self.expected_in_sum(&node),
+            Expected::Factor if is_a_sum => match is_angle_by_itself(&node, self.of_name) {
                 true => Expected::BesideAngles,
+                false if has_angle_term(&node, self.of_name) => Expected::BesideOthers,
                 false => Expected::Number,
             },
             expected => expected,
         };
         let is_number = match expected {
-            Expected::Angle => !is_sum && !self.holds_angle(&node),
-            Expected::BesideAngles => !is_sum && is_mere_number(&node, self.of_name),
+            Expected::Angle => !is_a_sum && !self.holds_angle(&node),
+            Expected::BesideAngles => !is_a_sum && is_mere_number(&node, self.of_name),
+            Expected::BesideOthers => !is_a_sum && is_literal(&node),
             Expected::Factor | Expected::Number | Expected::Open => false,
         };
         // It is in the file's unit, and is multiplied once, as a whole.
@@ -292,13 +300,25 @@ impl AngleConversion<'_> {
                     Expected::Open => expected,
                     _ => Expected::Factor,
                 };
-                NodeKind::Binary(sign, boxed(a, inner), boxed(b, inner))
+                // A multiple of a sum is what the sum is: `1*(phi + 30)`.
+                let multiple = |other: &FormulaNode, own: &FormulaNode, may: bool| {
+                    may && is_literal(other) && is_sum(&own.kind)
+                };
+                let of_a = match multiple(&b, &a, sign != '^') {
+                    true => expected,
+                    false => inner,
+                };
+                let of_b = match multiple(&a, &b, sign == '*') {
+                    true => expected,
+                    false => inner,
+                };
+                NodeKind::Binary(sign, boxed(a, of_a), boxed(b, of_b))
             }
             NodeKind::Call(function, args) => {
                 let inner = match function {
                     // `sin(30)` is that of an angle, but `sin(s/R)` that of a ratio.
                     Function::Sin | Function::Cos | Function::Tan => Expected::BesideAngles,
-                    _ if is_sum => expected,
+                    _ if is_a_sum => expected,
                     _ => Expected::Open,
                 };
                 let args = args.into_iter().map(|arg| self.converted(arg, inner));
@@ -314,8 +334,11 @@ impl AngleConversion<'_> {
 
     /// What numbers are in a sum in a position that does not tell: a sum of lengths, or without an angle, is no sum of angles.
     fn expected_in_sum(&self, node: &FormulaNode) -> Expected {
-        if has_angle_term(node, self.of_name) {
+        if is_angle_by_itself(node, self.of_name) {
             return Expected::BesideAngles;
+        }
+        if has_angle_term(node, self.of_name) {
+            return Expected::BesideOthers;
         }
         let mut is_measured = false;
         visit_terms(node, &mut |term| {

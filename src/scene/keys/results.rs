@@ -188,7 +188,7 @@ pub static VARIABLE: Keys = Keys::new(
         result_key(
             "range",
             Formulas(2),
-            "smallest and largest value in a search; default: 20 % to both sides",
+            "smallest and largest value in a search; default: 20 % to both sides, none for a parameter of value 0",
         ),
         result_key("tolerance", Formula, "± in its own unit"),
     ],

@@ -163,7 +163,7 @@ pub static VIEW: Keys = Keys::new(
         Key::new(
             "ghost_times",
             Formulas(0),
-            "shows the poses at these times in seconds, in place of `ghosts`",
+            "shows the poses at these times in seconds once they have passed, in place of `ghosts`",
         ),
         ARROWS,
         Key::new(

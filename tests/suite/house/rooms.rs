@@ -60,7 +60,7 @@ const NARROW: &[(&str, &[&str])] = &[
     ("export/", &["math.rs", "geometry/"]),
     ("import/", &["limits/"]),
     ("parts/", &["export/"]),
-    ("plot/", &["render/text/"]),
+    ("plot/", &["diag.rs", "math.rs", "render/text/"]),
     ("compare/", &["import/"]),
 ];
 

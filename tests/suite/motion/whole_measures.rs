@@ -32,10 +32,11 @@ fn said(text: &str, samples: usize) -> Said {
     let report: Value = serde_json::from_str(check.to_json()).expect("JSON");
     let measure = &report["measures"][0];
     Said {
-        value: measure["value"].as_f64().expect("value"),
+        // None where a formula has no value at a pose.
+        value: measure["value"].as_f64().unwrap_or(f64::NAN),
         // None where the formula has no value or no slope, which is no proof then.
         bound: measure["bound"].as_f64().unwrap_or(f64::INFINITY),
-        is_certified: measure["certified"].as_bool().expect("certified"),
+        is_certified: measure["certified"].as_bool().unwrap_or(false),
         passed: check.passed(),
     }
 }

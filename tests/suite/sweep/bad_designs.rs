@@ -44,6 +44,7 @@ fn designs_that_cannot_be_meant_are_refused() {
         run(&space, &line).exits(2).says(&["b", "range"]);
     }
     run(&space, "sweep zero.toml --design lhs:3,a,b=0..1 --out -").exits(0);
+    std::fs::remove_file(space.path("zero.toml")).unwrap();
     if cfg!(not(feature = "parquet")) {
         let line = "sweep gearshift --design grid:ZR1=240..300:3 --out rows.parquet";
         run(&space, line).exits(2).says(&["built without Parquet"]);

@@ -235,7 +235,7 @@ fn overrides_with_mistakes_are_refused_by_name() {
         ),
         (
             &["--param", "length=1/0"],
-            ["this formula has the value inf", "finite"],
+            ["this formula has no value", "finite"],
         ),
         (&["--param", "length"], ["NAME=VALUE", "--param"]),
         (&["--input", "phi=nan"], ["not a finite number", "nan"]),

@@ -16,14 +16,25 @@ use std::sync::Arc;
 /// Largest mechanism whose earlier blocks are followed again.
 const MOST_UNKNOWNS: usize = 60;
 
-/// Whether equation `index` is proved to be undefined with these inputs, beyond the last pose `end`.
-pub(super) fn is_proved(system: &System, inputs: &[f64], end: &PathPoint, index: usize) -> bool {
+/// Whether equation `index` is proved to be undefined at `time`, beyond the last pose `end`.
+pub(super) fn is_proved(
+    system: &System,
+    (actuation, time): (&Actuation, f64),
+    end: &PathPoint,
+    index: usize,
+) -> bool {
     let mechanism = system.mechanism();
+    let inputs = &actuation.inputs_at(time)[..];
     let formula = &mechanism.equations[index].expression;
     if formula.has_value_everywhere() {
         return false;
     }
     let mut known = enclosed_inputs(mechanism, inputs);
+    // Those of the drive itself, not of their numbers alone.
+    let driven = known[mechanism.unknowns.len()..].iter_mut();
+    for (value, drive) in driven.zip(&actuation.drives) {
+        *value = value.hull(drive.range_at(time));
+    }
     if formula.range(&known).is_none() {
         return true;
     }

@@ -98,8 +98,8 @@ impl Recorder<'_> {
 
     /// Instants right beyond the end of a motion, on the way to `time`.
     pub(super) fn beyond(&self, end: f64, time: f64) -> [f64; 3] {
-        let away = (time - end).signum() * self.tracker.interval;
-        BEYOND.map(|share| end + share * away)
+        let (sense, far) = ((time - end).signum(), (time - end).abs());
+        BEYOND.map(|share| end + sense * f64::min(share * self.tracker.interval, far))
     }
 
     /// The end of a motion beyond which an input has no value: proved if it has none at any of these times.
@@ -130,7 +130,7 @@ impl Recorder<'_> {
         let asked = self.is_proof_wanted();
         let (system, actuation) = (self.tracker.system(), self.tracker.actuation());
         let has_none = |equation: usize, time: f64| {
-            asked && domain_proof::is_proved(system, &actuation.inputs_at(time), end, equation)
+            asked && domain_proof::is_proved(system, (actuation, time), end, equation)
         };
         // With the unknowns of the last pose; otherwise an earlier loop may have moved them out of the domain.
         let mut undefined = times.iter().map(|time| self.undefined_equation(end, *time));
