@@ -40,9 +40,18 @@ impl QuantityLettering {
     }
 }
 
+/// Smaller values are zero beside those of any mechanism.
+const LEAST_SHOWN: f64 = 1e-9;
+
 /// A name with its value.
 pub fn valued_name(name: &str, value: f64, unit: &str) -> String {
-    let short = trimmed_decimal(value, 4).replace('-', "\u{2212}");
+    // Four decimals, of small values four digits; what is smaller is rounding.
+    let size = value.abs();
+    let places = match size >= LEAST_SHOWN {
+        true => (3.0 - libm::log10(size).floor()).max(4.0) as usize,
+        false => 4,
+    };
+    let short = trimmed_decimal(value, places).replace('-', "\u{2212}");
     let gap = if unit == "°" || unit.is_empty() {
         ""
     } else {

@@ -6,6 +6,8 @@ use super::verdict::{Case, PROOF, Status};
 use crate::diag::decimals_of;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::Mechanism;
+use crate::numbers::interval::Interval;
+use crate::numbers::scalar::Scalar;
 use serde_json::{Value, json};
 
 /// Most intervals that are listed.
@@ -65,10 +67,13 @@ impl BetweenSamples {
             return "proved everywhere".to_owned() + &self.of_redundant(mechanism, "");
         };
         let inputs = sentences::input_sentence(mechanism, &actuation.inputs_at(*first));
-        let why = match self.is_cut_off {
-            true => "; the limit `time` ended the proof",
-            false => "",
+        let mut why = match self.is_cut_off {
+            true => "; the limit `time` ended the proof".to_owned(),
+            false => String::new(),
         };
+        if let Some(name) = self.unbounded_input(mechanism, actuation) {
+            why += &format!("; input `{name}` may be without a value or a bound there");
+        }
         format!(
             "stepped over, not proved, in {}, {} s in total, first at t = {} s ({inputs}){why}{}",
             sentences::counted_things(places.len(), "place"),
@@ -84,11 +89,31 @@ impl BetweenSamples {
         let status = match &self.unproved {
             None => Status::Skipped,
             Some(places) if places.is_empty() => Status::Passed,
+            Some(_) if self.unbounded_input(mechanism, actuation).is_some() => Status::NotProved,
             Some(places) if together(places) <= LARGEST_SHARE * self.duration => Status::Skipped,
             Some(_) => Status::NotProved,
         };
         let text = self.sentence(mechanism, actuation);
         Case::new(PROOF, "motion between samples", status, text)
+    }
+
+    /// An input that may have no value, or values beyond all bounds, in a place that is not proved: a pole is no part of a motion.
+    fn unbounded_input<'m>(
+        &self,
+        mechanism: &'m Mechanism,
+        actuation: &Actuation,
+    ) -> Option<&'m str> {
+        let places = self.unproved.iter().flatten();
+        let mut found = places.flat_map(|[from, until]| {
+            let times = Interval::new(*from, *until);
+            let drives = actuation.drives.iter().zip(&mechanism.inputs);
+            drives.filter_map(move |(drive, input)| {
+                let range = drive.sharp_range(times).or_else(|| drive.range(times));
+                let is_bounded = range.is_some_and(Scalar::is_finite);
+                (!is_bounded).then_some(input.name.as_str())
+            })
+        });
+        found.next()
     }
 
     fn is_proved(&self) -> bool {

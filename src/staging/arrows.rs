@@ -143,3 +143,37 @@ fn trace_difference(trajectory: &Trajectory, index: usize, trace: usize) -> DVec
         DVec3::ZERO
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::diag::Source;
+    use crate::kinematics::motion::continuation::solve_motion;
+    use crate::kinematics::structure::system::System;
+    use crate::scene::{Overrides, load_scene};
+    use std::sync::Arc;
+
+    /// Those of a circle, at however few samples; a jump of a drive is no velocity.
+    #[test]
+    fn velocities_are_those_of_the_poses() {
+        let text = "duration = 2\n[inputs]\na = \"pi*t\"\ns = { keys = [[0, 0], [1, 50], [2, 20]], ease = \"step\" }\n\
+                    [[bodies]]\nname = \"b\"\nframe = \"Tx(s) Rz(a) Tx(50)\"\n[[traces]]\nname = \"P\"\nbody = \"b\"\n";
+        let source = Source {
+            name: "circle".to_owned(),
+            text: text.to_owned(),
+        };
+        let scene = load_scene(&source, &Overrides::default()).unwrap();
+        let system = System::new(Arc::clone(&scene.mechanism), &scene.actuation).unwrap();
+        let motion = solve_motion(&system, &scene.actuation, &[0.0, 0.99, 1.0, 1.5]);
+        for sample in &motion.samples {
+            let angle = std::f64::consts::PI * sample.time;
+            let speed = 50.0 * std::f64::consts::PI;
+            let exact = DVec3::new(-angle.sin(), angle.cos(), 0.0) * speed;
+            let [found] = trace_velocities(&scene, sample).unwrap()[..] else {
+                unreachable!("one trace");
+            };
+            assert!(found.distance(exact) < 1e-7 * speed, "{found} {exact}");
+        }
+    }
+}

@@ -30,6 +30,9 @@ const HOLD: f64 = 3.0;
 /// Radius of the rod that stands for a link without bodies, over that of a pin.
 const ROD: f64 = 0.9;
 
+/// How far a guide goes on beyond its stroke, in radii of a pin.
+const GUIDE_END: f64 = 6.0;
+
 /// Facet error over the radius of a pin.
 const FACETS: f64 = 0.02;
 
@@ -74,7 +77,7 @@ impl PieceCarrier {
 #[derive(Default)]
 pub struct JointSymbols {
     pieces: Vec<SignPiece>,
-    /// Points of the ground's signs.
+    /// Points of the ground's signs and guides.
     still: Vec<DVec3>,
 }
 
@@ -93,6 +96,7 @@ impl JointSymbols {
         };
         let radius = RADIUS * extent;
         let mut signs = Self::default();
+        let mut guides = Vec::new();
         // A piece of a symbol: its mesh, and what it moves with.
         let mut add = |solids: Vec<Solid>, carrier: PieceCarrier, colour| {
             if solids.is_empty() {
@@ -140,7 +144,20 @@ impl JointSymbols {
             let stroke = strokes.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], s| {
                 [low.min(s), high.max(s)]
             });
-            let (seat, mover) = joint_solids(&joint, radius, stroke);
+            let ram = Ram::of(&joint, stroke).filter(|_| mechanism.bodies.is_empty());
+            let (seat, mover) = match ram {
+                Some(ram) => ram.solids(DVec3::AXES[joint.axis], radius),
+                None => joint_solids(&joint, radius, stroke),
+            };
+            if joint.grounded && joint.kind == JointKind::Prismatic {
+                let at = joint.before.pose(first) * Pose::from_translation(shift);
+                let ends = [
+                    stroke[0] - GUIDE_END * radius,
+                    stroke[1] + GUIDE_END * radius,
+                ];
+                let along = at.rotation.col(joint.axis);
+                guides.extend(ends.map(|end| at.translation + along * end));
+            }
             let carried = |frame| PieceCarrier::Link(shifted_frame(frame, shift));
             add(seat, carried(&joint.before), SEAT);
             add(mover, carried(&joint.after), MOVER);
@@ -160,10 +177,11 @@ impl JointSymbols {
                 );
             }
         }
+        signs.still.extend(guides);
         signs
     }
 
-    /// Points that the camera must hold: the ground's signs.
+    /// Points that the camera must hold: the ground's signs and guides.
     pub fn still_points(&self) -> &[DVec3] {
         &self.still
     }
@@ -197,6 +215,40 @@ fn shifted_frame(frame: &CarriedFrame, by: DVec3) -> CarriedFrame {
     frame.clone().then(&[shift])
 }
 
+/// A driven length between two links without bodies: a barrel at one end, and a rod at the other that always ends in it.
+struct Ram {
+    /// On which side of the joint's frame it lies.
+    sense: f64,
+    /// Lengths from the frame.
+    barrel: f64,
+    rod: f64,
+}
+
+impl Ram {
+    /// Share of the shortest length that the barrel takes, and of it that the rod stays in the barrel.
+    const BARREL: f64 = 0.9;
+    const OVERLAP: f64 = 0.05;
+
+    /// `None` for what is no length: a slider of the frame, or one that passes its own frame.
+    fn of(joint: &PlacedJoint, [low, high]: [f64; 2]) -> Option<Self> {
+        let is_length = joint.kind == JointKind::Prismatic && !joint.grounded && low * high > 0.0;
+        let [shortest, longest] = [low.abs().min(high.abs()), low.abs().max(high.abs())];
+        let barrel = Self::BARREL * shortest;
+        is_length.then_some(Self {
+            sense: low.signum(),
+            barrel,
+            rod: longest - barrel + Self::OVERLAP * shortest,
+        })
+    }
+
+    /// Those of the two links, along `axis`, with the radius `r` of a pin.
+    fn solids(&self, axis: DVec3, r: f64) -> (Vec<Solid>, Vec<Solid>) {
+        let barrel = rod_solid(axis, 0.0, self.sense * self.barrel, 1.6 * r);
+        let rod = rod_solid(axis, 0.0, -self.sense * self.rod, 0.8 * r);
+        (vec![barrel], vec![rod])
+    }
+}
+
 /// Placements at some samples of the motion.
 fn placed_samples(mechanism: &Mechanism, trajectory: &Trajectory) -> Vec<PlacedLinks> {
     let samples = trajectory.samples.iter();
@@ -219,7 +271,7 @@ fn rod_solid(axis: DVec3, from: f64, to: f64, radius: f64) -> Solid {
 /// The parts in the frames on both sides of a joint with pin radius `r`; a translation ranges from `low` to `high`.
 fn joint_solids(joint: &PlacedJoint, r: f64, [low, high]: [f64; 2]) -> (Vec<Solid>, Vec<Solid>) {
     let axis = DVec3::AXES[joint.axis];
-    let guide = rod_solid(axis, low - 6.0 * r, high + 6.0 * r, 0.7 * r);
+    let guide = rod_solid(axis, low - GUIDE_END * r, high + GUIDE_END * r, 0.7 * r);
     match joint.kind {
         JointKind::Revolute => (
             vec![rod_solid(axis, -2.0 * r, 2.0 * r, 1.6 * r)],

@@ -147,3 +147,39 @@ fn place_joint(joint: &Joint) -> Option<PlacedJoint> {
         before,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::kinematics::motion::continuation::solve_motion;
+    use crate::kinematics::structure::system::System;
+    use crate::scene::{Overrides, builtin, load_scene};
+    use std::sync::Arc;
+
+    /// The guide of a slider stands still, and what slides on it is where the rod ends.
+    #[test]
+    fn guides_belong_to_the_frame() {
+        let source = builtin::find_builtin("slider-crank").unwrap();
+        let scene = load_scene(&source, &Overrides::default()).unwrap();
+        let mechanism = &scene.mechanism;
+        let system = System::new(Arc::clone(mechanism), &scene.actuation).unwrap();
+        let motion = solve_motion(&system, &scene.actuation, &[0.0, 0.4, 1.1]);
+        let all = placed_joints(mechanism);
+        let slider = all.iter().find(|joint| joint.kind == JointKind::Prismatic);
+        let slider = slider.unwrap();
+        assert!(slider.grounded);
+        let stroke = mechanism
+            .unknowns
+            .iter()
+            .position(|u| u.name == "h")
+            .unwrap();
+        for sample in &motion.samples {
+            let pose = sample.pose.as_ref().unwrap();
+            let at = PlacedLinks::new(mechanism, sample, pose);
+            assert!(slider.before.pose(&at).translation.length() < 1e-12);
+            let moved = slider.after.pose(&at).translation.length();
+            assert!((moved - pose.unknowns[stroke]).abs() < 1e-9, "{moved}");
+        }
+    }
+}

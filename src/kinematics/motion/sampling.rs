@@ -228,3 +228,40 @@ pub fn only_times(actuation: &Actuation, trajectory: &Trajectory, times: &[f64])
         ..Trajectory::default()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::diag::Source;
+    use crate::scene::{Overrides, load_scene};
+
+    /// Twenty turns in forty frames: a path through the frames would be a line.
+    #[test]
+    fn paths_have_poses_every_few_degrees() {
+        let text = "duration = 2\n[inputs]\na = \"20*pi*t\"\n[[bodies]]\nname = \"b\"\nframe = \"Rz(a)\"\n";
+        let source = Source {
+            name: "spin".to_owned(),
+            text: text.to_owned(),
+        };
+        let scene = load_scene(&source, &Overrides::default()).unwrap();
+        let (mechanism, actuation) = (&scene.mechanism, &scene.actuation);
+        let frames = frame_times(mechanism, actuation, 20.0);
+        assert_eq!(frames.len(), 40);
+        let (times, steps) = path_times(mechanism, actuation, &frames);
+        // The last frame is followed by others up to the end of the cycle.
+        assert_eq!(times.len(), 40 * steps);
+        assert!(
+            frames
+                .iter()
+                .enumerate()
+                .all(|(k, frame)| times[k * steps] == *frame)
+        );
+        let angle = |time: &f64| actuation.inputs_at(*time)[0];
+        let turns = times.windows(2).map(|w| angle(&w[1]) - angle(&w[0]));
+        assert!(turns.fold(0.0, f64::max) <= PATH_STEP * (1.0 + 1e-9));
+        // A slow drive needs no more than its frames.
+        let fine = even_times(mechanism, actuation, 2000);
+        assert_eq!(path_times(mechanism, actuation, &fine).1, 1);
+    }
+}

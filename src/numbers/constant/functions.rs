@@ -29,7 +29,7 @@ impl Constant {
 
     /// Whether it differs from zero by no more than its error.
     pub fn may_be_zero(self) -> bool {
-        self.value.hi.abs() <= self.error
+        Scalar::is_finite(self) && self.value.hi.abs() <= self.error
     }
 
     fn is_zero(self) -> bool {

@@ -302,7 +302,7 @@ impl AngleConversion<'_> {
                 };
                 // A multiple of a sum is what the sum is: `1*(phi + 30)`.
                 let multiple = |other: &FormulaNode, own: &FormulaNode, may: bool| {
-                    may && is_literal(other) && is_sum(&own.kind)
+                    may && is_literal(other) && is_multiple_of_sum(own)
                 };
                 let of_a = match multiple(&b, &a, sign != '^') {
                     true => expected,
@@ -366,6 +366,15 @@ impl AngleConversion<'_> {
                 _ => args.iter().any(|arg| self.holds_angle(arg)),
             },
         }
+    }
+}
+
+/// Whether a formula is a sum, or one times or over a number.
+fn is_multiple_of_sum(node: &FormulaNode) -> bool {
+    match &node.kind {
+        NodeKind::Binary('*', a, b) if is_literal(a) => is_multiple_of_sum(b),
+        NodeKind::Binary('*' | '/', a, b) if is_literal(b) => is_multiple_of_sum(a),
+        kind => is_sum(kind),
     }
 }
 

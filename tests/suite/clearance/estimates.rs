@@ -321,6 +321,6 @@ fn measures_without_a_bound_do_not_pass_as_estimates() {
     ] {
         let line = [&["check", "scene.toml"][..], options].concat();
         let run = w.run(&line).exits(code);
-        assert_eq!(run.text().contains("no bound"), code == 1, "{options:?}");
+        assert!(run.text().contains("no bound"), "{options:?}");
     }
 }

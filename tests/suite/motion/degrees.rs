@@ -758,3 +758,62 @@ tied = {{ of = "1*u + 0*phi^2", take = "first" }}
         }
     }
 }
+
+/// Neither the order of the terms of a sum nor a factor of one changes what it is.
+#[test]
+fn sums_are_the_same_in_any_order() {
+    let value = |formula: &str| {
+        let text = format!(
+            r#"
+units = {{ length = "mm", angle = "deg" }}
+duration = 1
+[parameters]
+R = 10
+S = 5
+[inputs]
+phi = 58
+psi = 40
+[[bodies]]
+name = "b"
+frame = "Rz(phi) Rx(psi) Tx(R) Ty(S)"
+[[bodies]]
+name = "turned"
+frame = "Rz({formula}) Tx(R)"
+[[traces]]
+name = "T"
+body = "turned"
+[measures]
+m = {{ of = "{formula}", take = "first" }}
+x = {{ of = "T.x", take = "first" }}
+"#
+        );
+        measured(&text).iter().map(|m| m.1).collect::<Vec<f64>>()
+    };
+    for alike in [
+        &[
+            "phi - psi - 1/phi",
+            "phi - 1/phi - psi",
+            "-1/phi - psi + phi",
+            "phi - (psi + 1/phi)",
+        ][..],
+        &[
+            "phi*psi - 30 + phi + psi",
+            "phi + psi + phi*psi - 30",
+            "-30 + phi*psi + (psi + phi)",
+        ],
+        &[
+            "phi + 30*sin(phi)",
+            "1*(phi + 30*sin(phi))",
+            "(phi + 30*sin(phi))*1",
+            "2*(phi + 30*sin(phi))/2",
+        ],
+        &["phi + (S/R + 10)", "phi + 1*(S/R + 10)", "phi + S/R + 10"],
+    ] {
+        let first = value(alike[0]);
+        for other in &alike[1..] {
+            let found = value(other);
+            let fits = first.iter().zip(&found).all(|(a, b)| (a - b).abs() < 1e-9);
+            assert!(fits, "{}: {first:?}, {other}: {found:?}", alike[0]);
+        }
+    }
+}

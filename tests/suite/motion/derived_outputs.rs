@@ -293,3 +293,48 @@ fn what_is_undefined_stays_undefined() {
         assert_ne!(run.code, 0, "{formula}");
     }
 }
+
+/// The same in drives, whatever the order of the arguments.
+#[test]
+fn drives_without_a_value_do_not_pass() {
+    // The drive, and an instant at which it has no value.
+    let drives = [
+        ("max(0, sqrt(t - 1))", "0.5"),
+        ("max(sqrt(t - 1), 0)", "0.5"),
+        ("ln(t - 1)^0", "0.5"),
+        ("sqrt(t - 1)^0", "0.5"),
+        ("1^ln(t - 1)", "0.5"),
+        ("(1/(t - 1))^0", "1"),
+        ("max(0, ln(abs(t - 1)))", "1"),
+        ("atan2(t - 1, t - 1)", "1"),
+        ("min(3, 1/abs(t - 1))", "1"),
+        ("atan(1/(t - 1))", "1"),
+    ];
+    let w = Workspace::new();
+    for (drive, at) in drives {
+        w.write(
+            "drive.toml",
+            format!("duration = 3\n[inputs]\nu = \"{drive}\"\n[[bodies]]\nname = \"b\"\nframe = \"Tx(1 + u)\"\n"),
+        );
+        let run = w.run(&["check", "drive.toml", "--samples", "31"]);
+        assert_ne!(run.code, 0, "{drive}");
+        let run = w.run(&["solve", "drive.toml", "--at", at, "--out", "-"]);
+        assert_ne!(run.code, 0, "{drive}");
+    }
+}
+
+/// Derivatives of what has no value have none either.
+#[test]
+fn what_is_undefined_has_no_rate() {
+    let scene = written(
+        "duration = 2\n[inputs]\nx = \"t - 1\"\n[outputs]\ne = \"d((1/x)^0, x)\"\nf = \"d(max(0, 1/x), t)\"\n",
+    );
+    let trajectory = solve(&scene, &[0.0, 1.0, 2.0]).unwrap();
+    let outputs = |k: usize| trajectory.samples[k].pose.as_ref().unwrap().outputs.clone();
+    assert!(
+        outputs(1).iter().all(|value| value.is_nan()),
+        "{:?}",
+        outputs(1)
+    );
+    assert_eq!(outputs(2), [0.0, -1.0]);
+}

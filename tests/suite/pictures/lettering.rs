@@ -45,7 +45,7 @@ fn check(name: &str, staging: &Staging) {
 fn texts_keep_apart_and_inside_in_all_scenes_sizes_and_views() {
     for entry in builtin::ALL {
         let mut scene = scene(entry.name);
-        let trajectory = solve(&scene, &frame_times(&scene, 4.0)).unwrap();
+        let trajectory = solve(&scene, &frame_times(&scene, 20.0)).unwrap();
         let plain = scene.view.clone();
         for (size, named, gauge) in [
             ([640, 480], None, false),

@@ -298,7 +298,7 @@ fn models_come_from_the_command_line() {
     let w = workspace();
     w.run(&["render", "moving.toml", "--out", "a.glb"])
         .exits(0)
-        .says(&["a.glb: 1 bodies, ", "5 keys over 0.50 s"]);
+        .says(&["a.glb: 1 bodies, ", "13 keys over 0.50 s"]);
     let gltf = gltf::Gltf::from_slice(&w.read("a.glb")).unwrap();
     // A drive that ends where it began has its end as a key: viewers repeat without a jump.
     w.run(&["render", "slider-crank", "--out", "b.glb"])

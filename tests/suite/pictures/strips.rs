@@ -8,6 +8,7 @@ use mechanim::export::png::{Effort, PngSettings};
 use mechanim::export::png_strips::StripSink;
 use mechanim::export::{FrameSink, PendingFile};
 use mechanim::kinematics::results::trajectory::Trajectory;
+use mechanim::kinematics::structure::system::System;
 use mechanim::model::view::{Decor, EdgeLines, Ghosts, Shadows, ShownAxes, View};
 use mechanim::pictures::frames::{DrawnBy, Pictures, with_pictures};
 use mechanim::pictures::playback::PlayOrder;
@@ -21,14 +22,15 @@ use std::sync::atomic::AtomicBool;
 /// Even and odd sides: the last strip is shorter, and the halves of four views differ.
 const SIZE: [u32; 2] = [261, 203];
 
-fn solved(name: &str, change: impl Fn(&mut View)) -> (Scene, Trajectory) {
+fn solved(name: &str, fps: f64, change: impl Fn(&mut View)) -> (Scene, System, Trajectory) {
     let source = builtin::find_builtin(name).unwrap();
     let mut scene = load_scene(&source, &Overrides::default())
         .unwrap_or_else(|e| panic!("{:#?}", e.diagnostics));
     change(Arc::make_mut(&mut scene.view));
-    let times = frame_times(&scene, 4.0);
+    let times = frame_times(&scene, fps);
+    let system = System::new(Arc::clone(&scene.mechanism), &scene.actuation).unwrap();
     let trajectory = solve(&scene, &times).unwrap();
-    (scene, trajectory)
+    (scene, system, trajectory)
 }
 
 /// The first picture as a whole.
@@ -77,10 +79,11 @@ fn assert_alike_in(
     change: impl Fn(&mut View),
 ) {
     let (size, samples) = (options.size, options.samples);
-    let (scene, trajectory) = solved(name, change);
-    with_pictures(&scene, &trajectory, options, |mut pictures| {
+    let (scene, system, trajectory) = solved(name, 4.0, change);
+    with_pictures(&scene, (&system, &trajectory), options, |mut pictures| {
         // A sample in the middle of the motion: trails, arrows and moving cameras have something to show.
-        pictures.order = PlayOrder::plain(trajectory.samples.len() / 2, 1);
+        let middle = trajectory.samples.len() / 2;
+        pictures.order = PlayOrder::plain(pictures.order.sample(middle), 1);
         let expected = whole(pictures, size);
         for rows in heights {
             let strips = Strips { size, rows: *rows };
@@ -148,13 +151,14 @@ fn strips_have_the_four_views_and_the_translucent_background() {
 /// A picture without a pose has a border along all sides.
 #[test]
 fn strips_have_the_border_of_a_picture_without_a_pose() {
-    let (scene, mut trajectory) = solved("four-bar", |_| ());
+    // So many frames that the paths need no other poses.
+    let (scene, system, mut trajectory) = solved("four-bar", 30.0, |_| ());
     trajectory.samples[0].pose = None;
     let options = PictureOptions {
         size: SIZE,
         samples: 4,
     };
-    with_pictures(&scene, &trajectory, options, |pictures| {
+    with_pictures(&scene, (&system, &trajectory), options, |pictures| {
         let expected = whole(pictures, SIZE);
         let strips = Strips {
             size: SIZE,
@@ -166,13 +170,13 @@ fn strips_have_the_border_of_a_picture_without_a_pose() {
 
 #[test]
 fn a_file_of_strips_has_all_pixels_of_the_picture() {
-    let (scene, trajectory) = solved("gearshift", |_| ());
+    let (scene, system, trajectory) = solved("gearshift", 4.0, |_| ());
     let options = PictureOptions {
         size: SIZE,
         samples: 4,
     };
     let folder = tempfile::tempdir().unwrap();
-    with_pictures(&scene, &trajectory, options, |pictures| {
+    with_pictures(&scene, (&system, &trajectory), options, |pictures| {
         let expected = whole(pictures, SIZE);
         let path = folder.path().join("poster.png");
         for (effort, alpha, workers) in [
