@@ -187,6 +187,14 @@ impl Drive {
         }
     }
 
+    /// Whether it is known to have a value, and bounds of it, everywhere in an interval of time.
+    pub fn has_values_over(&self, times: Interval) -> bool {
+        match self {
+            Self::Formula(formula) => formula.value(&[times]).is_finite(),
+            Self::Keys { .. } => true,
+        }
+    }
+
     /// Bounds of its values over an interval of time; `None` if it may have none somewhere.
     pub fn range(&self, times: Interval) -> Option<Interval> {
         match self {

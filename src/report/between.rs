@@ -7,7 +7,6 @@ use crate::diag::decimals_of;
 use crate::model::actuation::Actuation;
 use crate::model::mechanism::Mechanism;
 use crate::numbers::interval::Interval;
-use crate::numbers::scalar::Scalar;
 use serde_json::{Value, json};
 
 /// Most intervals that are listed.
@@ -108,9 +107,7 @@ impl BetweenSamples {
             let times = Interval::new(*from, *until);
             let drives = actuation.drives.iter().zip(&mechanism.inputs);
             drives.filter_map(move |(drive, input)| {
-                let range = drive.sharp_range(times).or_else(|| drive.range(times));
-                let is_bounded = range.is_some_and(Scalar::is_finite);
-                (!is_bounded).then_some(input.name.as_str())
+                (!drive.has_values_over(times)).then_some(input.name.as_str())
             })
         });
         found.next()

@@ -153,7 +153,11 @@ fn resolve_guess(
                 name.value
             );
             let diagnostic = Diagnostic::error(message).at(name.span.clone());
-            diagnostics.push(names.suggest(diagnostic, &name.value, unknowns));
+            let is_input = names.inputs.iter().any(|input| input.name == name.value);
+            diagnostics.push(match is_input {
+                true => diagnostic.hint("it is an input, which its drive gives a value"),
+                false => names.suggest(diagnostic, &name.value, unknowns),
+            });
             continue;
         };
         // Start values are constants in the file's units.
