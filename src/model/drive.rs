@@ -66,19 +66,9 @@ impl Drive {
     }
 
     /// The value at `time`; may be not finite where a formula has no value.
-    ///
-    /// That of sums and products, and of what f64 has no value for, is computed with 31 digits: at t = 3, `0.1*t` is 0.3 and
-    /// `sqrt(0.3 - 0.1*t)` zero.
     pub fn value(&self, time: f64) -> f64 {
         match self {
-            Self::Formula(formula) => {
-                let long = || Some(formula.long_value_at(time)).filter(|v| v.is_finite());
-                let sums = formula.is_arithmetic().then(long).flatten();
-                sums.unwrap_or_else(|| match formula.value_at_instant(time) {
-                    value if value.is_finite() => value,
-                    none => long().unwrap_or(none),
-                })
-            }
+            Self::Formula(formula) => formula.value_at_instant(time),
             Self::Keys { .. } => self.value_beside(time, time),
         }
     }
@@ -187,10 +177,13 @@ impl Drive {
         }
     }
 
-    /// Whether it is known to have a value, and bounds of it, everywhere in an interval of time.
-    pub fn has_values_over(&self, times: Interval) -> bool {
+    /// Whether its values are bounded over an interval of time, without a pole in it.
+    pub fn is_bounded_over(&self, times: Interval) -> bool {
         match self {
-            Self::Formula(formula) => formula.value(&[times]).is_finite(),
+            Self::Formula(formula) => {
+                let range = formula.range(&[times]);
+                range.is_some_and(Scalar::is_finite) && !formula.may_have_pole(&[times])
+            }
             Self::Keys { .. } => true,
         }
     }

@@ -168,26 +168,6 @@ impl Expression {
         gradient
     }
 
-    /// Whether it consists of sums, products, quotients, whole powers and choices among them.
-    pub fn is_arithmetic(&self) -> bool {
-        let is_plain = |op: &Op| match op {
-            Op::Power(_, exponent) => self.whole_exponent(*exponent).is_some(),
-            Op::Call(function, ..) => {
-                matches!(function, Function::Abs | Function::Min | Function::Max)
-            }
-            _ => true,
-        };
-        self.ops.iter().all(is_plain)
-    }
-
-    /// The exponent that operation `place` is, if it is a whole constant.
-    fn whole_exponent(&self, place: usize) -> Option<f64> {
-        match self.ops[place] {
-            Op::Constant(exponent) => Some(exponent.number()).filter(|e| e.fract() == 0.0),
-            _ => None,
-        }
-    }
-
     /// The value, and `scale` times its gradient added to `gradient` (one entry per slot), by reverse accumulation.
     pub fn add_gradient<S: Scalar>(
         &self,
@@ -271,8 +251,7 @@ fn apply_op<S: Scalar>(op: Op, v: &[S], slots: &[S]) -> S {
     let lacks = |k: usize| v[k].may_lack_value();
     let may_lack = match op {
         Op::Divide(_, b) => lacks(b),
-        Op::Multiply(a, b) => a == b && lacks(a),
-        Op::Power(a, b) => lacks(a) || lacks(b),
+        Op::Multiply(a, b) | Op::Power(a, b) => lacks(a) || lacks(b),
         Op::Call(f, a, b) => lacks(a) || f.accepts(2) && lacks(b),
         _ => false,
     };

@@ -285,6 +285,19 @@ impl Scalar for Interval {
         Self::ONE.atan2(Self::ZERO) - self.asin()
     }
 
+    /// From zero on powers rise, whatever their positive exponents are.
+    fn variable_power(self, exponent: Self) -> Self {
+        let power = |base: Self| (base.ln() * exponent).exp();
+        match self.cut_at_zero() {
+            base if base.lo > 0.0 && base.hi.is_finite() => power(base),
+            Self { lo: 0.0, hi } if exponent.lo > 0.0 && hi.is_finite() => match hi > 0.0 {
+                true => Self::new(0.0, power(Self::point(hi)).hi),
+                false => Self::ZERO,
+            },
+            _ => Self::ENTIRE,
+        }
+    }
+
     /// Unknown where a member may have no such power.
     fn real_power(self, exponent: f64) -> Self {
         let power = |base: Self| (base.ln() * Self::number(exponent)).exp();

@@ -159,10 +159,7 @@ pub trait Scalar: Ring + PartialEq + Div<Output = Self> {
     /// Power. Small whole exponents are products; variable exponents need a positive base.
     fn power(self, exponent: Self) -> Self {
         match exponent.as_number() {
-            None => match self.ln() {
-                log if log.may_lack_value() => Self::undefined(),
-                log => (log * exponent).exp(),
-            },
+            None => self.variable_power(exponent),
             // Whole exponents work for negative bases, too.
             Some(e) if e.fract() == 0.0 && e.abs() <= LARGEST_PRODUCT => {
                 let product = self.whole_power(e.abs() as u32);
@@ -173,6 +170,14 @@ pub trait Scalar: Ring + PartialEq + Div<Output = Self> {
                 }
             }
             Some(e) => self.real_power(e),
+        }
+    }
+
+    /// A power whose exponent is no single number.
+    fn variable_power(self, exponent: Self) -> Self {
+        match self.ln() {
+            log if log.may_lack_value() => Self::undefined(),
+            log => (log * exponent).exp(),
         }
     }
 

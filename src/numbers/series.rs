@@ -186,6 +186,17 @@ impl<T: Scalar, const N: usize> Scalar for Series<T, N> {
         self.coefficients[0].may_lack_value()
     }
 
+    /// Constants have powers at zero, too.
+    fn variable_power(self, exponent: Self) -> Self {
+        if self.is_constant() && exponent.is_constant() {
+            return Self::constant(self.coefficients[0].power(exponent.coefficients[0]));
+        }
+        match self.ln() {
+            log if log.may_lack_value() => Self::undefined(),
+            log => (log * exponent).exp(),
+        }
+    }
+
     /// Where the divisor begins at zero there is no value, whatever follows.
     fn over(self, divisor: Self) -> Self {
         let begins = divisor.coefficients[0];

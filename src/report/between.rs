@@ -107,7 +107,7 @@ impl BetweenSamples {
             let times = Interval::new(*from, *until);
             let drives = actuation.drives.iter().zip(&mechanism.inputs);
             drives.filter_map(move |(drive, input)| {
-                (!drive.has_values_over(times)).then_some(input.name.as_str())
+                (!drive.is_bounded_over(times)).then_some(input.name.as_str())
             })
         });
         found.next()

@@ -26,7 +26,28 @@ impl Expression {
         Some(values.last().copied().unwrap_or(Interval::ZERO))
     }
 
-    /// The same, sharper over short stretches: also by its values in the middle and its rates (mean value form).
+    /// Whether a division by zero, the logarithm of zero or the angle of the origin may be among the members of the slots: there
+    /// the formula has no value, whatever it makes of it.
+    pub fn may_have_pole(&self, slots: &[Interval]) -> bool {
+        let mut values = Vec::with_capacity(self.ops().len());
+        self.ops().iter().any(|op| {
+            if confine_operands(*op, &mut values).is_none() {
+                return true;
+            }
+            let holds = |k: usize| values[k].holds_zero();
+            let is_pole = match *op {
+                Op::Divide(_, b) | Op::Call(Function::Mod, _, b) => holds(b),
+                Op::Call(Function::Ln, a, _) => values[a].lo <= 0.0,
+                Op::Call(Function::Atan2, a, b) => holds(a) && holds(b),
+                Op::Power(a, b) => values[b].lo < 0.0 && holds(a),
+                _ => false,
+            };
+            values.push(all_values(*op, &values, slots));
+            is_pole
+        })
+    }
+
+    /// The range, sharper over short stretches: also by its values in the middle and its rates (mean value form).
     pub fn sharp_range(&self, slots: &[Interval]) -> Option<Interval> {
         let all = self.range(slots)?;
         let rates = self.gradient(slots);

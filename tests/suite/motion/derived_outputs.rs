@@ -309,6 +309,11 @@ fn drives_without_a_value_do_not_pass() {
         ("atan2(t - 1, t - 1)", "1"),
         ("min(3, 1/abs(t - 1))", "1"),
         ("atan(1/(t - 1))", "1"),
+        ("0*ln((t - 1)^2)", "1"),
+        ("floor(atan(1/(t - 1)))", "1"),
+        ("(1/(0.9 - 0.3*t))^0", "3"),
+        ("atan2(0.9 - 0.3*t, 0)", "3"),
+        ("ln(0.9 - 0.3*t)", "3"),
     ];
     let w = Workspace::new();
     for (drive, at) in drives {

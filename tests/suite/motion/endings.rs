@@ -448,6 +448,31 @@ fn a_drive_passes_zero_without_a_jump() {
     }
 }
 
+/// The digits of a drive are those of what is chosen, not of what is left out.
+#[test]
+fn choices_of_drives_keep_their_values() {
+    let cases = [
+        ("min(1, 1/(t - 0.51234)^2)", 0.5123400001, 1.0),
+        ("min(1e-3, 1/(0.9 - 0.3*t)^2)", 2.9999999999, 1e-3),
+        ("min(1, 1e31*(t + 1))", 2.25, 1.0),
+        ("max(-1, -1e31*t - 1)", 1.0, -1.0),
+        ("max(0.9 - 0.3*t, 1e-30)", 3.0, 1e-30),
+        ("min(0.3*t - 0.9, -1e-31)", 3.0, -1e-31),
+        ("1/max(0.9 - 0.3*t, 1e-30)", 3.0, 1e30),
+        ("sqrt(0.9 - 0.3*t)", 3.0, 0.0),
+        ("acos(0.1 + 0.3*t)", 3.0, 0.0),
+        ("(t + 1)^10 - 1048576 + 1e-25", 3.0, 1e-25),
+        ("abs(2.1 - 0.7*t) + sin(0*t)", 3.0, 0.0),
+        ("0.1*t", 3.0, 0.3),
+    ];
+    for (drive, time, value) in cases {
+        let text = format!("duration = 4\n[inputs]\nu = \"{drive}\"\n");
+        let model = written(&(text + "[[bodies]]\nname = \"b\"\nframe = \"Tx(u)\"\n"));
+        let found = solve(&model, &[time]).unwrap().samples[0].inputs[0];
+        assert_eq!(found, value, "{drive}");
+    }
+}
+
 /// A drive that ends exactly where a formula does, as its decimals say: 0.1*3 is 0.3, though not in f64.
 #[test]
 fn a_motion_may_end_where_a_formula_ends() {

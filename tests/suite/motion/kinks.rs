@@ -173,7 +173,17 @@ fn roots_may_rest_at_zero_while_something_moves() {
     let beside = "[equations]\ne = \"x - u\"\nf = \"w - ROOT\"\n";
     let mut lost = Vec::new();
     for scene in [crank, beside] {
-        for root in ["sqrt(v)", "v^0.5", "v^0.75", "acos(1 - v)", "hypot(v, v)"] {
+        for root in [
+            "sqrt(v)",
+            "v^0.5",
+            "v^0.75",
+            "v^0.3",
+            "v^(1/3)",
+            "v^1.3",
+            "abs(v)^0.3",
+            "acos(1 - v)",
+            "hypot(v, v)",
+        ] {
             for count in [5, 20] {
                 let equations = scene.replace("ROOT", root);
                 let model = written(&format!(
