@@ -42,8 +42,7 @@ pub fn amount_text(mechanism: &Mechanism, kind: Kind, value: f64, digits: Option
 /// Digits behind the point that show a length to a thousandth of the mechanism's `size`, or to a few; at least one.
 fn length_digits(size: f64) -> usize {
     let digits = (DIGITS_OF_SIZE - libm::log10(size)).ceil();
-    // Not a number for a mechanism without a size.
-    digits.max(1.0).min(MOST_DIGITS) as usize
+    digits.clamp(1.0, MOST_DIGITS) as usize
 }
 
 /// Digits of the mechanism's size in its lengths: one behind the point from 25 on.
