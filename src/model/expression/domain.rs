@@ -73,7 +73,12 @@ impl Expression {
             Op::Divide(_, b) => constant(b).abs() > 0.0,
             Op::Power(_, b) => constant(b) >= 0.0 && constant(b).fract() == 0.0,
             Op::Call(
-                Function::Sqrt | Function::Ln | Function::Asin | Function::Acos | Function::Mod,
+                Function::Sqrt
+                | Function::Ln
+                | Function::Asin
+                | Function::Acos
+                | Function::Atan2
+                | Function::Mod,
                 ..,
             ) => false,
             _ => true,
