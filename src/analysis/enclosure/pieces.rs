@@ -31,13 +31,12 @@ impl PieceTolerances<'_> {
         overrides: &Overrides,
         drawn: &Scene,
     ) -> Result<(ParametricMechanism, Vec<(String, f64)>), FamilyError> {
-        let tolerances = self.tolerances(drawn)?;
-        let parameters: Vec<String> = tolerances
-            .iter()
-            .map(|(name, _)| name.clone())
-            .filter(|name| !is_input(&drawn.mechanism, name))
-            .collect();
+        let names = self.names(drawn)?;
+        let mut parameters = names.clone();
+        parameters.retain(|name| !is_input(&drawn.mechanism, name));
+        // A name that the scene does not have is refused here, before it lacks a tolerance.
         let mut family = ParametricMechanism::varying(source, overrides, &parameters)?;
+        let tolerances = self.tolerances(drawn, names)?;
         // Drives and tracks keep the file's dimensions, and measures may contain computed ones: results would be wrong
         // for other pieces.
         match family.kept.pop() {
@@ -60,29 +59,31 @@ impl PieceTolerances<'_> {
         let mut all: Vec<String> = self.own.iter().map(|(name, _)| name.clone()).collect();
         let more = listed.into_iter();
         all.extend(more.filter(|name| !self.own.iter().any(|(n, _)| n == name)));
-        Ok(all)
-    }
-
-    /// Tolerances by name, in internal units.
-    fn tolerances(&self, drawn: &Scene) -> Result<Vec<(String, f64)>, FamilyError> {
-        let mechanism = &drawn.mechanism;
-        let names = self.names(drawn)?;
-        if names.is_empty() {
+        if all.is_empty() {
             return Err(FamilyError::nothing_to_vary(&drawn.dimensions));
         }
         // Between samples the inputs are dimensions as well.
         let inputs = if self.between {
-            mechanism.inputs.len()
+            drawn.mechanism.inputs.len()
         } else {
             0
         };
-        if names.len() + inputs > MOST_DIMENSIONS {
+        if all.len() + inputs > MOST_DIMENSIONS {
             let message = format!(
                 "at most {MOST_DIMENSIONS} dimensions are enclosed together, found {}: name fewer parameters to vary",
-                names.len() + inputs
+                all.len() + inputs
             );
             return Err(FamilyError::Lacks(message));
         }
+        Ok(all)
+    }
+
+    /// Tolerances by name, in internal units.
+    fn tolerances(
+        &self,
+        drawn: &Scene,
+        names: Vec<String>,
+    ) -> Result<Vec<(String, f64)>, FamilyError> {
         let (mut missing, mut list) = (Vec::new(), Vec::new());
         for name in names {
             match self.tolerance_of(drawn, &name) {

@@ -217,9 +217,10 @@ impl<'a> Scope<'a> {
                 .flat_map(|t| ["x", "y", "z"].map(|c| format!("{}.{c}", t.name)))
                 .collect();
             let scalars = self.contacts.scalars.iter().map(|(name, ..)| name.as_str());
-            let known = points.iter().map(String::as_str).chain(scalars);
+            let outputs = self.outputs.iter().map(|output| output.name.as_str());
+            let known = names.all().chain(points.iter().map(String::as_str));
             names
-                .suggest(d, used, known)
+                .suggest(d, used, known.chain(scalars).chain(outputs))
                 .label("no parameter, input, unknown, traced point, contact or earlier output")
         })
     }
