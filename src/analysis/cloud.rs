@@ -60,7 +60,7 @@ pub fn path_clouds(
             return None;
         }
         let values = values_of(nominal, tolerances, batch, item);
-        let Ok(track_poses) = evaluator.approach(nominal, &values) else {
+        let Ok(track_poses) = evaluator.piece(nominal, &values) else {
             continue;
         };
         for (poses, trace, cloud) in &mut clouds {

@@ -26,7 +26,7 @@ pub fn found_extremes(
                 if corner == last || cancel.load(Ordering::Relaxed) {
                     break;
                 }
-                let Ok(track_poses) = evaluator.approach(nominal, &corner) else {
+                let Ok(track_poses) = evaluator.piece(nominal, &corner) else {
                     break;
                 };
                 let track_poses = evaluator.settled(track_poses);

@@ -3,24 +3,24 @@
 use super::error::{Error, ErrorKind, find_column};
 use super::loaded::Loaded;
 use super::motion::Motion;
-use crate::analysis::study::MeasureSlopes;
+use crate::analysis::study::{FamilyError, MeasureSlopes, ParametricMechanism};
 use crate::kinematics::abreast::pose_group::PoseGroup;
 use crate::kinematics::loops::observed::{dependencies, needed_slots};
 use crate::kinematics::results::columns::ValueColumn;
-use crate::model::mechanism::Mechanism;
+use crate::model::mechanism::{Mechanism, OutputSource};
 use crate::numbers::octet::LANES;
-use crate::scene::Overrides;
-use std::sync::Arc;
+use crate::scene::KeptIn;
 
 impl Motion {
     /// The derivatives of values with respect to parameters at every sample, exact to rounding. They solve the
-    /// linearised loop-closure equations; there are no finite differences. They apply to the motion's assembly mode,
-    /// with fixed inputs.
+    /// linearised loop-closure equations; there are no finite differences, except where a parameter changes the solids of a
+    /// distance (about nine digits). They apply to the motion's assembly mode, at fixed times and inputs.
     ///
     /// The result has the shape samples × `names` × `parameters`, the last index varying fastest, in units of the value
     /// per unit of the parameter as used in the scene. It is `NaN` where a sample has no pose, and at singular poses.
     ///
-    /// Errors: an unknown value or parameter; a parameter that is not a plain number or that affects the structure.
+    /// Errors: an unknown value or parameter; a parameter that is not a plain number or that affects the structure, a drive or
+    /// the axis of a rotation; a value that contains rates.
     ///
     /// ```
     /// // h = r cos(phi) + sqrt(L² - r² sin²(phi)): at phi = 0 it grows with L one to one.
@@ -37,14 +37,16 @@ impl Motion {
             .map(|name| find_column(mechanism, name))
             .collect::<Result<_, Error>>()?;
         let family = varied(&self.loaded, parameters)?;
-        let varied = family.system.mechanism();
-        let own = mechanism.inputs.len();
-        let nominal = &family.scene.actuation.inputs_at(0.0)[own..];
+        let varied = family.mechanism();
+        let (own, nominal) = (mechanism.inputs.len(), family.start());
         let slots: Vec<usize> = columns.iter().map(|c| c.slot(varied)).collect();
+        for (name, slot) in names.iter().zip(&slots) {
+            refuse_rates(varied, name, &dependencies(varied, &[*slot]))?;
+        }
         let needed = dependencies(varied, &slots);
         let units = units(mechanism, varied, &columns);
         let moved: Vec<usize> = (own..own + parameters.len()).collect();
-        let mut group = PoseGroup::new(&family.system);
+        let mut group = PoseGroup::new(family.system());
         let width = columns.len() * parameters.len();
         let mut slopes = vec![f64::NAN; self.len() * width];
         // Eight samples at a time, so that memory does not grow with their number.
@@ -54,7 +56,7 @@ impl Motion {
             let (mut rows, places): (Vec<_>, Vec<_>) = rows
                 .filter_map(|(row, sample)| {
                     let pose = sample.pose.as_ref()?;
-                    let place = [pose.unknowns.as_slice(), &sample.inputs, nominal].concat();
+                    let place = [pose.unknowns.as_slice(), &sample.inputs, &nominal].concat();
                     Some((row, place))
                 })
                 .unzip();
@@ -79,21 +81,42 @@ impl Motion {
     }
 }
 
+/// Refuses a value that depends on an output with rates: these exist along a motion only, which its derivatives would change.
+fn refuse_rates(mechanism: &Mechanism, name: &str, needed: &[bool]) -> Result<(), Error> {
+    let is_rated = |k: usize| {
+        let output = ValueColumn::Output(k).slot(mechanism);
+        let rated = matches!(mechanism.outputs[k].source, OutputSource::Rated(_));
+        rated && needed.get(output) == Some(&true)
+    };
+    if !(0..mechanism.outputs.len()).any(is_rated) {
+        return Ok(());
+    }
+    let why = format!("`{name}` contains rates, whose derivatives by parameters are not computed");
+    Err(Error::new(ErrorKind::Argument, why, Vec::new()))
+}
+
 /// The same scene with parameters as additional inputs.
-fn varied(loaded: &Loaded, parameters: &[&str]) -> Result<Loaded, Error> {
+fn varied(loaded: &Loaded, parameters: &[&str]) -> Result<ParametricMechanism, Error> {
     for (k, name) in parameters.iter().enumerate() {
         if parameters[..k].contains(name) {
             let why = format!("the parameter `{name}` is named twice");
             return Err(Error::new(ErrorKind::Argument, why, Vec::new()));
         }
     }
-    let overrides = Overrides {
-        vary: parameters.iter().map(|name| (*name).to_owned()).collect(),
-        // Fixed offsets become joints of this mechanism; its residuals keep their scale.
-        size: Some(loaded.scene.mechanism.size),
-        ..loaded.overrides.clone()
-    };
-    Loaded::new(Arc::clone(&loaded.text), overrides)
+    let names = parameters.iter().map(|name| (*name).to_owned()).collect();
+    let (text, size) = (&loaded.text, loaded.scene.mechanism.size);
+    let family = ParametricMechanism::of(text, &loaded.overrides, names, size)?;
+    // What a formula says of the drive does not matter for rows of inputs.
+    let is_driven_by_rows = loaded.overrides.drives.is_some();
+    let mut kept = family.kept.iter();
+    let lost = kept.find(|kept| match kept.place {
+        KeptIn::Drive => !is_driven_by_rows,
+        place => place == KeptIn::Direction,
+    });
+    match lost {
+        Some(kept) => Err(FamilyError::Kept(kept.clone()).into()),
+        None => Ok(family),
+    }
 }
 
 /// Factors that convert internal derivatives to the file's units, one for each pair of value and parameter.

@@ -120,8 +120,13 @@ impl From<SceneError> for Error {
         let sorted = error.diagnostics.sorted();
         let wrong = sorted.iter().filter(|d| d.severity == Severity::Error);
         let lines: Vec<String> = wrong.clone().map(|d| line(source, d)).collect();
+        // Without a position, what is wrong is not in the text: it was put in its place.
+        let kind = match wrong.clone().all(|d| d.span.is_none()) {
+            true => ErrorKind::Argument,
+            false => ErrorKind::Scene,
+        };
         let hints = wrong.flat_map(|d| d.hints.iter().cloned()).collect();
-        Self::new(ErrorKind::Scene, lines.join("\n"), hints)
+        Self::new(kind, lines.join("\n"), hints)
     }
 }
 

@@ -10,6 +10,7 @@ use crate::kinematics::results::trajectory::Trajectory;
 use crate::model::theme::Theme;
 use crate::model::view_change::ViewChange;
 use crate::pictures::frames::{DrawnBy, Pictures, with_pictures};
+use crate::render::allow_drawing;
 use crate::render::open::RendererChoice;
 use crate::staging::PictureOptions;
 use image::RgbaImage;
@@ -168,13 +169,15 @@ impl<'m> Film<'m> {
             let why = format!("there is no sample {index}: the motion has {samples}, from 0");
             return Err(Error::new(ErrorKind::Argument, why, Vec::new()));
         }
+        allow_drawing(self.size)?;
         let one = DrawnBy {
             threads: 1,
             ..self.drawn_by.clone()
         };
         self.staged(|pictures| {
+            let mut workers = pictures.workers(&one)?.list;
             let mut image = RgbaImage::new(self.size[0], self.size[1]);
-            for worker in pictures.workers(&one)?.list.iter_mut().take(1) {
+            for worker in workers.iter_mut().take(1) {
                 worker(index, &mut image)?;
             }
             Ok(image)

@@ -9,7 +9,7 @@ use crate::export::{Output, Stream};
 use crate::kinematics::measures::{DriveSamples, measure_motion};
 use crate::kinematics::motion::proved::{Proofs, solve_proved};
 use crate::kinematics::motion::sampling::{
-    MAX_SAMPLES, allow_samples, even_times, frame_times, only_times,
+    MAX_SAMPLES, allow_samples, even_times, frame_times, samples_at,
 };
 use crate::kinematics::results::trajectory::{Sample, Trajectory};
 use crate::plot::svg::write_svg;
@@ -29,7 +29,7 @@ pub enum Samples {
     Frames,
     /// This number of samples, spread evenly over the motion; the end of a cyclic motion is not sampled again.
     Even(usize),
-    /// These times in seconds, ascending. The motion is followed from its start to each of them.
+    /// These times in seconds, not descending: one sample each. The motion is followed from its start to each of them.
     At(Vec<f64>),
 }
 
@@ -100,9 +100,12 @@ impl Motion {
         }
         let all = solve_proved(&loaded.system, actuation, &solved, Proofs::Poses, cancelled);
         let end = all.samples.last().filter(|_| needs_end).cloned();
-        let trajectory = match kept.len() == solved.len() {
+        let trajectory = match kept == solved {
             true => all,
-            false => only_times(actuation, &all, &kept),
+            false => Trajectory {
+                samples: samples_at(actuation, &all, &kept),
+                ..all
+            },
         };
         Ok(Self {
             loaded,

@@ -3,6 +3,7 @@
 use super::error::{Error, find_column};
 use super::loaded::Loaded;
 use crate::kinematics::results::certificate::Certificate;
+use crate::kinematics::results::printed::printed_certificate;
 use crate::kinematics::results::trajectory::{ClosedPose, Sample};
 use crate::math;
 
@@ -175,7 +176,8 @@ impl<'m> Pose<'m> {
     }
 
     /// The proof: the distance to the exact pose and the radius within which it is the only one, or the reason why it
-    /// failed.
+    /// failed. As in tables, the exact pose is that of the inputs read as the shortest decimals of their values in the
+    /// scene's units, and the distance includes the rounding of the unknowns to `f64`.
     ///
     /// ```
     /// # use mechanim::{Certificate, Samples, Scene};
@@ -186,7 +188,7 @@ impl<'m> Pose<'m> {
     /// # Ok::<(), mechanim::Error>(())
     /// ```
     pub fn certificate(&self) -> Certificate {
-        self.pose.certificate
+        printed_certificate(&self.loaded.scene.mechanism, self.pose)
     }
 }
 

@@ -7,7 +7,7 @@ use crate::clearance::covered::CoveredMotion;
 use crate::clearance::measured::{BoundedMeasure, is_of_whole_motion, known};
 use crate::diag::decimals_of;
 use crate::kinematics::measures::{DriveSamples, formula_value, measure_motion};
-use crate::kinematics::motion::sampling::only_times;
+use crate::kinematics::motion::sampling::samples_at;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::kinematics::structure::system::System;
 use crate::model::measure::{Measure, MeasureSource};
@@ -39,9 +39,9 @@ pub fn take_whole<'s>(
     tolerance: f64,
 ) -> Vec<TakenMeasure<'s>> {
     let (mechanism, actuation) = (&*scene.mechanism, &scene.actuation);
-    let asked = only_times(actuation, trajectory, times);
+    let asked = samples_at(actuation, trajectory, times);
     let along = DriveSamples {
-        samples: &asked.samples,
+        samples: &asked,
         // That of the whole motion, which is no sample of a cyclic one.
         end: trajectory.samples.last(),
     };

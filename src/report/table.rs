@@ -7,9 +7,10 @@ use crate::export::target::Output;
 use crate::kinematics::certificate::observed;
 use crate::kinematics::rates::columns::RateColumns;
 use crate::kinematics::results::certificate::{CONSISTENT, Certificate, Reason};
-use crate::kinematics::results::trajectory::{ClosedPose, Sample, Trajectory};
+use crate::kinematics::results::printed::printed_certificate;
+use crate::kinematics::results::trajectory::{Sample, Trajectory};
 use crate::model::mechanism::{Kind, Mechanism};
-use crate::model::printed::{printing_unit, push_shortest_decimal};
+use crate::model::printed::push_shortest_decimal;
 use crate::numbers::rounding::GROW;
 use serde_json::{Map, Value, json};
 
@@ -267,7 +268,7 @@ fn sample_cells(mechanism: &Mechanism, sample: &Sample, columns: TableColumns) -
     cells.extend([pose.closure_error, pose.sigma_min, pose.condition].map(TableCell::Number));
     cells.push(TableCell::Whole(pose.rank as u64));
     cells.push(TableCell::Text(pose.branch.clone()));
-    let bounds = printed_bounds(mechanism, pose);
+    let bounds = printed_certificate(mechanism, pose).bounds();
     cells.extend([0, 1].map(|k| number_or_empty(bounds.map(|b| b[k]))));
     if columns.redundant {
         cells.push(number_or_empty(pose.certificate.closes_to()));
@@ -277,26 +278,6 @@ fn sample_cells(mechanism: &Mechanism, sample: &Sample, columns: TableColumns) -
         certificate_word(&pose.certificate).to_owned(),
     ));
     cells
-}
-
-/// Bound of the error, and radius of uniqueness, of the unknowns as the row prints them.
-fn printed_bounds(mechanism: &Mechanism, pose: &ClosedPose) -> Option<[f64; 2]> {
-    let [error, unique] = pose.certificate.bounds()?;
-    // The remaining rotation of three angles is at most the sum of their remainders.
-    let angles = match pose.certificate {
-        Certificate::Locked { .. } => 3.0,
-        _ => 1.0,
-    };
-    let values = mechanism.unknowns.iter().zip(&pose.unknowns);
-    let rounded = values.map(|(unknown, value)| {
-        let rounded = printing_unit(*value, mechanism.unit_of(unknown.kind));
-        match unknown.kind {
-            Kind::Angle => rounded * mechanism.size * angles,
-            Kind::Length | Kind::Number => rounded,
-        }
-    });
-    let rounded = rounded.fold(0.0, f64::max);
-    Some([(error + rounded) * GROW, (unique - rounded).max(0.0)])
 }
 
 /// The status of a pose in one word: if it is proved not to close it is `open`, whatever its closure error.

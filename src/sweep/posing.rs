@@ -5,8 +5,10 @@ use super::row::RowStatus;
 use crate::analysis::study::{FamilyError, ParametricMechanism};
 use crate::kinematics::motion::continuation::{solve_motion, solve_whole};
 use crate::kinematics::results::certificate::Certificate;
+use crate::kinematics::results::printed::printed_certificate;
 use crate::kinematics::results::trajectory::ClosedPose;
 use crate::model::actuation::Actuation;
+use crate::model::mechanism::Mechanism;
 
 /// The first pose of the motion with the file's own values: the start of the path to every design.
 #[derive(Clone, Debug)]
@@ -106,10 +108,10 @@ pub(super) struct Proved {
 }
 
 impl Proved {
-    pub fn add<'p>(&mut self, poses: impl Iterator<Item = &'p ClosedPose>) {
+    pub fn add<'p>(&mut self, mechanism: &Mechanism, poses: impl Iterator<Item = &'p ClosedPose>) {
         for pose in poses {
             self.closure_error = self.closure_error.max(pose.closure_error);
-            match pose.certificate {
+            match printed_certificate(mechanism, pose) {
                 Certificate::Certified { error_bound, .. }
                 | Certificate::Consistent { error_bound, .. } => {
                     self.error_bound = self.error_bound.max(error_bound)

@@ -105,7 +105,7 @@ fn checked_row(sweep: &Sweep, scene: &Scene, system: &System, start: RowStatus) 
     let answer = check.answer(&motion, &mut covered, found.as_ref(), 0.0);
     let is_passed = matches!(answer.verdict.result(), Status::Passed | Status::Skipped);
     let mut proved = Proved::default();
-    proved.add(motion.poses());
+    proved.add(system.mechanism(), motion.poses());
     let [margin, bound] = clearance_margins(found.as_ref());
     Row {
         status,

@@ -160,13 +160,13 @@ impl Sweep {
         let mut proved = Proved::default();
         let times = self.instants(posed.actuation, posed.measures);
         let motion = solve_motion(posed.system, posed.actuation, &times);
-        proved.add(motion.poses());
+        proved.add(posed.system.mechanism(), motion.poses());
         let mut status = motion_status(&motion, start);
         let values = match &self.asked {
             RequestedValues::Outputs { .. } => self.outputs(posed, &motion),
             _ => {
                 let mut seen = |track: &Trajectory| {
-                    proved.add(track.poses());
+                    proved.add(posed.system.mechanism(), track.poses());
                     status = status.worse(motion_status(track, start));
                 };
                 let end = end_apart(self.family.mechanism(), posed.actuation, posed.measures);

@@ -1,5 +1,6 @@
 //! The Python module: scenes, motions as NumPy arrays, checks, pictures.
 
+mod arguments;
 mod arrow;
 mod check;
 mod enclosure;
@@ -16,7 +17,8 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _mechanim {
     use super::{PyResult, Python, pyfunction};
-    use pyo3::types::PyAnyMethods;
+    use pyo3::Bound;
+    use pyo3::types::{PyAnyMethods, PyModule};
 
     #[pymodule_export]
     use super::check::{Assembly, Check, PairClearance};
@@ -30,6 +32,13 @@ mod _mechanim {
     use super::study::{Optimum, Sensitivity, Study, Tolerance};
     #[pymodule_export]
     use super::sweep::Table;
+
+    /// NumPy is looked up here, where no signal can be pending yet: later that could fail.
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        numpy::PyArray1::<f64>::zeros(module.py(), 0, false);
+        Ok(())
+    }
 
     /// Runs the `mechanim` program with the arguments of this process and ends with its exit code.
     #[pyfunction]

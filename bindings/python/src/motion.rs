@@ -1,14 +1,15 @@
 //! Motions as arrays.
 
+use crate::arguments::{NameList, entries, numbers_shaped};
 use crate::arrow::stream;
-use crate::errors::{OrRaise, warn};
+use crate::errors::{OrRaise, argument_error, no_entry, warn};
 use crate::signals::watched;
 use image::{ImageFormat, RgbaImage};
 use mechanim::{Certificate, Pose};
 use numpy::{PyArray1, PyArrayMethods};
-use pyo3::exceptions::{PyRuntimeError, PyTypeError};
+use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyCapsule, PyDict};
+use pyo3::types::{PyBytes, PyCapsule, PyDict, PyMapping, PyString};
 use std::io::Cursor;
 use std::sync::Arc;
 
@@ -71,17 +72,14 @@ impl Motion {
         size: (u32, u32),
         dark: bool,
     ) -> PyResult<RgbaImage> {
-        let film = self.inner.film().size(size.0, size.1).built_in_renderer();
-        let film = if dark { film.dark() } else { film };
-        py.detach(|| film.picture(sample)).or_raise(py)
+        let motion = Arc::clone(&self.inner);
+        let drawn = watched(py, move |_| {
+            let film = motion.film().size(size.0, size.1).built_in_renderer();
+            let film = if dark { film.dark() } else { film };
+            film.picture(sample)
+        })?;
+        drawn.or_raise(py)
     }
-}
-
-/// A name, or a list of names.
-#[derive(FromPyObject)]
-enum Names {
-    One(String),
-    Many(Vec<String>),
 }
 
 #[pymethods]
@@ -99,7 +97,15 @@ impl Motion {
     /// Values by name, shape (n,); the name of a traced point gives all of its coordinates, shape (n, 3).
     fn __getitem__<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Array<'py>> {
         let Some(point) = self.coordinates_of(name) else {
-            let values = self.inner.values(name).or_raise(py)?;
+            let Ok(values) = self.inner.values(name) else {
+                let known = self.columns();
+                return Err(no_entry(
+                    py,
+                    "the motion",
+                    name,
+                    known.iter().map(String::as_str),
+                ));
+            };
             return shaped(py, values, &[self.inner.len()]);
         };
         let columns = point.iter().map(|name| self.inner.values(name));
@@ -112,8 +118,11 @@ impl Motion {
         self.inner.len()
     }
 
-    fn __contains__(&self, name: &str) -> bool {
-        self.coordinates_of(name).is_some()
+    fn __contains__(&self, name: &Bound<'_, PyAny>) -> bool {
+        let Ok(name) = name.extract::<String>() else {
+            return false;
+        };
+        self.coordinates_of(&name).is_some()
             || self.scene.quantities().iter().any(|q| q.name == name)
     }
 
@@ -167,8 +176,9 @@ impl Motion {
         (0..self.inner.len()).map(word).collect()
     }
 
-    /// Proved bound on the distance to an exact closed pose, shape (n,); lengths in the scene's unit, angles in radians times
-    /// the mechanism's size. NaN if the proof failed.
+    /// Proved bound on the distance of the unknowns, as returned, to an exact closed pose, shape (n,); lengths in the scene's
+    /// unit, angles in radians times the mechanism's size. That pose belongs to the inputs read as the decimals that Python
+    /// prints. NaN if the proof failed.
     #[getter]
     fn error_bound<'py>(&self, py: Python<'py>) -> PyResult<Array<'py>> {
         self.each(py, |pose| {
@@ -213,7 +223,7 @@ impl Motion {
         self.inner.is_whole()
     }
 
-    /// Largest closure error of all samples, relative to the mechanism's size.
+    /// Largest closure error of all samples with a pose, relative to the mechanism's size.
     #[getter]
     fn closure_error(&self) -> f64 {
         self.inner.closure_error()
@@ -235,21 +245,33 @@ impl Motion {
         Ok(measures)
     }
 
-    /// Exact derivatives of values with respect to parameters, through the closed loops: shape (n, parameters) for one name,
-    /// (n, names, parameters) for a list, (n, 3, parameters) for a traced point.
+    /// Exact derivatives of values with respect to parameters, through the closed loops, at fixed times and inputs: shape
+    /// (n, parameters) for one name, (n, names, parameters) for a list, (n, 3, parameters) for a traced point, which counts as
+    /// three names in a list.
+    ///
+    /// Raises ArgumentError for values with rates and for parameters in a drive or in the axis of a rotation.
     fn jacobian<'py>(
         &self,
         py: Python<'py>,
-        names: Names,
-        parameters: Vec<String>,
+        names: &Bound<'py, PyAny>,
+        parameters: NameList,
     ) -> PyResult<Array<'py>> {
-        let (list, is_one) = match names {
-            Names::One(name) => match self.coordinates_of(&name) {
-                Some(point) => (point.to_vec(), false),
-                None => (vec![name], true),
-            },
-            Names::Many(list) => (list, false),
+        let columns = |name: String| match self.coordinates_of(&name) {
+            Some(point) => point.to_vec(),
+            None => vec![name],
         };
+        let (list, is_one) = match names.cast::<PyString>() {
+            Ok(name) => {
+                let list = columns(name.extract()?);
+                let is_one = list.len() == 1;
+                (list, is_one)
+            }
+            Err(_) => {
+                let NameList(names) = names.extract()?;
+                (names.into_iter().flat_map(columns).collect(), false)
+            }
+        };
+        let parameters = parameters.0;
         let slopes = self.slopes(py, &list, &parameters)?;
         let [n, q, p] = [self.inner.len(), list.len(), parameters.len()];
         match is_one {
@@ -263,20 +285,19 @@ impl Motion {
     fn vjp<'py>(
         &self,
         py: Python<'py>,
-        cotangents: std::collections::HashMap<String, Bound<'py, PyAny>>,
-        parameters: Vec<String>,
+        cotangents: &Bound<'py, PyMapping>,
+        parameters: NameList,
     ) -> PyResult<Array<'py>> {
-        let mut weights = Vec::new();
+        let (mut weights, parameters) = (Vec::new(), parameters.0);
         let count = self.inner.len();
-        for (name, values) in cotangents {
-            let values = crate::scene::numbers(py, &values)?;
+        for (name, values) in entries(cotangents)? {
             let names = self.coordinates_of(&name);
             let names = names.map_or_else(|| vec![name.clone()], Vec::from);
-            if values.len() != count * names.len() {
-                let [given, wanted] = [values.len(), count * names.len()];
-                let why = format!("`{name}` has {given} cotangents, not {wanted}");
-                return Err(PyTypeError::new_err(why));
-            }
+            let shape: &[usize] = match names.len() {
+                1 => &[count],
+                _ => &[count, 3],
+            };
+            let values = numbers_shaped(py, &name, &values, shape)?;
             for (k, own) in names.iter().enumerate() {
                 let column = values.iter().skip(k).step_by(names.len()).copied();
                 weights.push((own.clone(), column.collect::<Vec<f64>>()));
@@ -312,8 +333,8 @@ impl Motion {
         shaped(py, image.into_raw(), &[size.1 as usize, size.0 as usize, 4])
     }
 
-    /// Writes the motion as an animation or a picture, depending on the extension of `path` (.gif, .png, .apng …); returns the
-    /// number of bytes. Ctrl-C takes effect within 50 ms and leaves an existing file unchanged.
+    /// Writes the motion as an animation, or its first sample as a picture, depending on the extension of `path` (.gif, .apng,
+    /// .png …; frames in a folder without one); returns the number of bytes. Ctrl-C takes effect within 50 ms and leaves an existing file unchanged.
     #[pyo3(signature = (path, *, size = (640, 480), rate = None, quality = None, dark = false))]
     fn save(
         &self,
@@ -324,6 +345,10 @@ impl Motion {
         quality: Option<u8>,
         dark: bool,
     ) -> PyResult<u64> {
+        if let Some(quality) = quality.filter(|q| !(1..=100).contains(q)) {
+            let why = format!("`quality` is {quality}, but must be 1 to 100");
+            return Err(argument_error(py, why));
+        }
         let motion = Arc::clone(&self.inner);
         let written = watched(py, move |flag| {
             let film = motion.film().size(size.0, size.1);
@@ -367,13 +392,18 @@ impl Motion {
         curves: Vec<String>,
         against: Option<String>,
     ) -> PyResult<String> {
-        let curves: Vec<&str> = curves.iter().map(String::as_str).collect();
-        self.inner.plot(&curves, against.as_deref()).or_raise(py)
+        let motion = Arc::clone(&self.inner);
+        let drawn = watched(py, move |_| {
+            let curves: Vec<&str> = curves.iter().map(String::as_str).collect();
+            motion.plot(&curves, against.as_deref())
+        })?;
+        drawn.or_raise(py)
     }
 
     /// The table as the program writes it.
-    fn to_csv(&self) -> String {
-        self.inner.to_csv()
+    fn to_csv(&self, py: Python<'_>) -> PyResult<String> {
+        let motion = Arc::clone(&self.inner);
+        watched(py, move |_| motion.to_csv())
     }
 
     fn _repr_png_<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {

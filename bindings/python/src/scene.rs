@@ -1,5 +1,6 @@
 //! Scenes: read, changed, solved, checked.
 
+use crate::arguments::{NameList, entries, numbers};
 use crate::check::{Assembly, Check};
 use crate::enclosure::Enclosure;
 use crate::errors::{OrRaise, warn};
@@ -8,11 +9,9 @@ use crate::signals::{interruptible, watched};
 use crate::study::Study;
 use crate::sweep::{self, Table};
 use mechanim::Samples;
-use numpy::PyReadonlyArray1;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyString, PyTuple};
-use std::collections::HashMap;
+use pyo3::types::{PyDict, PyMapping, PyString, PyTuple};
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 /// Which value of the text is replaced.
@@ -31,7 +30,7 @@ struct Change(Replaced, String, String);
 /// one.
 ///
 /// Lengths are in the scene's own unit, angles in its angle unit (degrees or radians), times in seconds. Scenes can be
-/// pickled, compared and hashed, by their text and replaced values.
+/// pickled, compared and hashed, by their text, the folder of their meshes and the replaced values.
 #[pyclass(frozen, module = "mechanim")]
 pub struct Scene {
     pub(crate) inner: mechanim::Scene,
@@ -156,10 +155,10 @@ impl Scene {
     }
 
     /// What makes two scenes the same, whatever the order of their changes.
-    fn identity(&self) -> (&str, &str, &str, Vec<&Change>) {
+    fn identity(&self) -> (&str, &str, Vec<&Change>) {
         let mut changes: Vec<&Change> = self.changes.iter().collect();
         changes.sort_by_key(|Change(what, name, _)| (*what as u8, name.clone()));
-        (&self.folder, self.inner.name(), self.inner.text(), changes)
+        (&self.folder, self.inner.text(), changes)
     }
 }
 
@@ -193,7 +192,8 @@ impl Scene {
     }
 
     /// Solves the motion at the scene's own frames, at `samples` evenly spaced times, at `times` in seconds (followed from the
-    /// start of the drive), or through rows of `inputs`, where row k is at `times[k]`, or at k seconds.
+    /// start of the drive), or through rows of `inputs`, where row k is at `times[k]`, or at k seconds. An input that is one
+    /// number has it in every row.
     ///
     /// Samples without a pose are rows of NaN and cause a MotionWarning. Ctrl-C takes effect within 50 ms; other threads continue.
     #[pyo3(signature = (samples = None, *, times = None, inputs = None))]
@@ -202,9 +202,9 @@ impl Scene {
         py: Python<'_>,
         samples: Option<usize>,
         times: Option<&Bound<'_, PyAny>>,
-        inputs: Option<HashMap<String, Bound<'_, PyAny>>>,
+        inputs: Option<Bound<'_, PyMapping>>,
     ) -> PyResult<Motion> {
-        let times = times.map(|t| numbers(py, t)).transpose()?;
+        let times = times.map(|t| numbers(py, "times", t)).transpose()?;
         let (scene, asked) = match (samples, times, inputs) {
             (None, None, None) => (self.inner.clone(), Samples::Frames),
             (Some(count), None, None) => (self.inner.clone(), Samples::Even(count)),
@@ -258,22 +258,22 @@ impl Scene {
     ///
     /// `tolerance`: half the width for every dimension without a tolerance in the scene. `vary`: names in place of the scene's
     /// own choice; "all" for every length and angle.
-    #[pyo3(signature = (tolerance = None, *, vary = Vec::new(), samples = None, times = None))]
+    #[pyo3(signature = (tolerance = None, *, vary = NameList::default(), samples = None, times = None))]
     fn enclose(
         &self,
         py: Python<'_>,
         tolerance: Option<f64>,
-        vary: Vec<String>,
+        vary: NameList,
         samples: Option<usize>,
         times: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Enclosure> {
         let samples = match (samples, times) {
             (None, None) => Samples::Frames,
             (Some(count), None) => Samples::Even(count),
-            (None, Some(times)) => Samples::At(numbers(py, times)?),
+            (None, Some(times)) => Samples::At(numbers(py, "times", times)?),
             _ => return Err(PyTypeError::new_err("one of `samples` and `times`")),
         };
-        let names: Vec<&str> = vary.iter().map(String::as_str).collect();
+        let names: Vec<&str> = vary.0.iter().map(String::as_str).collect();
         let study = self.inner.study().vary(&names);
         let found = watched(py, move |flag| {
             study.until(flag).enclose(tolerance, samples)
@@ -292,23 +292,24 @@ impl Scene {
     /// Solves one design per row: parameters by name as arrays of one length, values by name at `samples` evenly spaced times.
     ///
     /// Every row equals the result of `with_(...)` and `solve(...)`. Rows are shared among threads; the result does not depend
-    /// on their number. A row that cannot be read or closed is NaN, and its status says why.
+    /// on their number. A row that cannot be read or closed is NaN, and its status says why. Without `samples`, a design with a
+    /// shorter motion has fewer of them: NaN follow, and its status says so.
     #[pyo3(signature = (designs, values, *, samples = None, threads = None))]
     fn sweep(
         &self,
         py: Python<'_>,
-        designs: HashMap<String, Bound<'_, PyAny>>,
-        values: Vec<String>,
+        designs: Bound<'_, PyMapping>,
+        values: NameList,
         samples: Option<usize>,
         threads: Option<usize>,
     ) -> PyResult<Table> {
         let mut columns = Vec::new();
-        for (name, column) in designs {
-            columns.push((name, numbers(py, &column)?));
+        for (name, column) in entries(&designs)? {
+            let column = numbers(py, &name, &column)?;
+            columns.push((name, column));
         }
-        columns.sort_by(|a, b| a.0.cmp(&b.0));
         let asked = samples.map_or(Samples::Frames, Samples::Even);
-        sweep::run(py, &self.inner, columns, values, asked, threads)
+        sweep::run(py, &self.inner, columns, values.0, asked, threads)
     }
 
     /// Its title.
@@ -442,34 +443,37 @@ impl Scene {
         &self,
         py: Python<'_>,
         times: Option<Vec<f64>>,
-        inputs: &HashMap<String, Bound<'_, PyAny>>,
+        inputs: &Bound<'_, PyMapping>,
     ) -> PyResult<(mechanim::Scene, Samples)> {
-        let mut columns = Vec::new();
-        for (name, values) in inputs {
-            columns.push((name.as_str(), numbers(py, values)?));
+        let (mut columns, mut numbers_alone) = (Vec::new(), Vec::new());
+        for (name, values) in entries(inputs)? {
+            let column = numbers(py, &name, &values)?;
+            // What has a length is a row, though it be of one.
+            numbers_alone.push(values.len().is_err());
+            columns.push((name, column));
         }
-        let rows = columns.first().map_or(0, |(_, values)| values.len());
+        let of_rows = columns
+            .iter()
+            .zip(&numbers_alone)
+            .find(|(_, alone)| !**alone);
+        let rows = match (&times, of_rows) {
+            (Some(times), _) => times.len(),
+            (None, Some(((_, values), _))) => values.len(),
+            (None, None) => columns.len().min(1),
+        };
+        for ((_, column), _) in columns
+            .iter_mut()
+            .zip(&numbers_alone)
+            .filter(|(_, alone)| **alone)
+        {
+            column.resize(rows, column[0]);
+        }
         let times = times.unwrap_or_else(|| (0..rows).map(|k| k as f64).collect());
-        let slices: Vec<(&str, &[f64])> = columns.iter().map(|(n, v)| (*n, v.as_slice())).collect();
+        let slices: Vec<(&str, &[f64])> = columns
+            .iter()
+            .map(|(n, v)| (n.as_str(), v.as_slice()))
+            .collect();
         let scene = self.inner.with_rows(&times, &slices).or_raise(py)?;
         Ok((scene, Samples::At(times)))
     }
-}
-
-/// Anything that NumPy takes for a row of numbers.
-pub fn numbers(py: Python<'_>, values: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
-    // What is a row of numbers already takes no call of Python.
-    if let Ok(array) = values.extract::<PyReadonlyArray1<'_, f64>>()
-        && let Ok(slice) = array.as_slice()
-    {
-        return Ok(slice.to_vec());
-    }
-    let numpy = py.import("numpy")?;
-    let options = PyDict::new(py);
-    options.set_item("dtype", "float64")?;
-    let array = numpy
-        .getattr("ascontiguousarray")?
-        .call((values,), Some(&options))?;
-    let array: PyReadonlyArray1<'_, f64> = array.getattr("ravel")?.call0()?.extract()?;
-    Ok(array.as_slice()?.to_vec())
 }

@@ -1,10 +1,10 @@
 //! Studies: derivatives of measures, tolerances, optima.
 
-use crate::errors::OrRaise;
+use crate::errors::{OrRaise, no_entry};
 use crate::signals::watched;
 use mechanim::study::{Distribution, OptimiseOptions, SearchMethod, ToleranceOptions};
 use numpy::{IntoPyArray, PyArray1};
-use pyo3::exceptions::{PyKeyError, PyValueError};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -172,7 +172,8 @@ impl Tolerance {
     fn __getitem__<'py>(&self, py: Python<'py>, measure: &str) -> PyResult<Bound<'py, PyDict>> {
         let mut measures = self.inner.measures().iter();
         let Some(m) = measures.find(|m| m.name == measure) else {
-            return Err(PyKeyError::new_err(measure.to_owned()));
+            let known = self.inner.measures().iter().map(|m| m.name.as_str());
+            return Err(no_entry(py, "the analysis", measure, known));
         };
         let figures = [
             ("nominal", m.nominal),

@@ -1,9 +1,9 @@
 //! Many designs in one call, shared among threads.
 
 use crate::arrow::stream;
-use mechanim::{Motion, Samples, Scene};
+use crate::errors::{OrRaise, argument_error, no_entry};
+use mechanim::{ErrorKind, Motion, Samples, Scene};
 use numpy::{PyArray1, PyArrayMethods};
-use pyo3::exceptions::{PyKeyError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::PyCapsule;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -18,15 +18,14 @@ const PERIOD: Duration = Duration::from_millis(20);
 pub struct Table {
     designs: Vec<(String, Vec<f64>)>,
     values: Vec<String>,
-    /// Value after value of every row, all samples of each.
     rows: Vec<Row>,
     samples: usize,
 }
 
-/// One design: all values one after another, and a word for how it went.
+/// One design: its values, all samples of each, and a word for how it went.
 #[derive(Clone)]
 struct Row {
-    values: Vec<f64>,
+    values: Vec<Vec<f64>>,
     status: String,
 }
 
@@ -42,28 +41,37 @@ pub fn run(
     let count = designs.first().map_or(0, |(_, column)| column.len());
     if let Some((name, column)) = designs.iter().find(|(_, column)| column.len() != count) {
         let why = format!("`{name}` has {} designs, others {count}", column.len());
-        return Err(PyTypeError::new_err(why));
+        return Err(argument_error(py, why));
     }
     let known = scene.quantities();
     if let Some(name) = values
         .iter()
         .find(|name| known.iter().all(|q| q.name != **name))
     {
-        return Err(PyKeyError::new_err(format!(
-            "the scene has no value `{name}`"
-        )));
+        let known = known.iter().map(|q| q.name.as_str());
+        return Err(no_entry(py, "the scene", name, known));
+    }
+    // A name that is none is told at once.
+    for (name, column) in &designs {
+        if let Some(value) = column.first() {
+            let changed = scene.with_parameter(name, format!("{value:?}"));
+            if changed
+                .as_ref()
+                .is_err_and(|error| error.kind() == ErrorKind::Argument)
+            {
+                changed.or_raise(py)?;
+            }
+        }
     }
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let threads = threads.unwrap_or(cores).clamp(1, count.max(1));
     let work = |index: usize| row(scene, &designs, &values, &samples, index);
     let stop = AtomicBool::new(false);
-    let rows = share(py, count, threads, &stop, &work)?;
-    let width = values.len().max(1);
-    let samples = rows
-        .iter()
-        .map(|row| row.values.len() / width)
-        .max()
-        .unwrap_or(0);
+    let mut rows = share(py, count, threads, &stop, &work)?;
+    let samples = rows.iter().map(Row::samples).max().unwrap_or(0);
+    for row in &mut rows {
+        row.extend_to(samples);
+    }
     Ok(Table {
         designs,
         values,
@@ -166,8 +174,23 @@ impl Row {
                 .unwrap_or_else(|| "not closed".to_owned())
         };
         Self {
-            values: columns.flatten().collect(),
+            values: columns.collect(),
             status,
+        }
+    }
+
+    fn samples(&self) -> usize {
+        self.values.first().map_or(0, Vec::len)
+    }
+
+    /// Follows the samples of a motion that has fewer of them with NaN.
+    fn extend_to(&mut self, samples: usize) {
+        let own = self.samples();
+        if self.status == "ok" && own < samples {
+            self.status = format!("{own} of {samples} samples: the motion is shorter");
+        }
+        for column in &mut self.values {
+            column.resize(samples, f64::NAN);
         }
     }
 }
@@ -180,19 +203,11 @@ impl Table {
             return Ok(PyArray1::from_slice(py, column).into_any());
         }
         let Some(k) = self.values.iter().position(|own| own == name) else {
-            return Err(PyKeyError::new_err(format!(
-                "the table has no column `{name}`"
-            )));
+            return Err(no_entry(py, "the table", name, self.columns()));
         };
-        let mut all = Vec::with_capacity(self.rows.len() * self.samples);
-        for row in &self.rows {
-            match row.values.get(k * self.samples..(k + 1) * self.samples) {
-                Some(own) => all.extend_from_slice(own),
-                None => all.extend(std::iter::repeat_n(f64::NAN, self.samples)),
-            }
-        }
         let shape = [self.rows.len(), self.samples];
-        Ok(PyArray1::from_vec(py, all).reshape(shape)?.into_any())
+        let all = PyArray1::from_vec(py, self.values_of(k));
+        Ok(all.reshape(shape)?.into_any())
     }
 
     /// How every row went: "ok", or why not.
@@ -212,6 +227,15 @@ impl Table {
 
     fn __len__(&self) -> usize {
         self.rows.len()
+    }
+
+    fn __contains__(&self, name: &Bound<'_, PyAny>) -> bool {
+        let name = name.extract::<String>();
+        name.is_ok_and(|name| self.columns().contains(&name.as_str()))
+    }
+
+    fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.columns().into_pyobject(py)?.call_method0("__iter__")
     }
 
     /// The table as an Arrow stream, one line a design and sample.
@@ -239,15 +263,7 @@ impl Table {
             index.repeat(self.rows.len()),
         ));
         for (k, name) in self.values.iter().enumerate() {
-            let own = self.rows.iter().flat_map(|row| {
-                (0..self.samples).map(move |j| {
-                    row.values
-                        .get(k * self.samples + j)
-                        .copied()
-                        .unwrap_or(f64::NAN)
-                })
-            });
-            columns.push((name.clone(), String::new(), own.collect()));
+            columns.push((name.clone(), String::new(), self.values_of(k)));
         }
         stream(py, columns)
     }
@@ -258,5 +274,19 @@ impl Table {
             "<mechanim.Table {} designs, {failed} not whole>",
             self.rows.len()
         )
+    }
+}
+
+impl Table {
+    /// Value `k` of every row, all samples of each; NaN where a row has none.
+    fn values_of(&self, k: usize) -> Vec<f64> {
+        let mut all = Vec::with_capacity(self.rows.len() * self.samples);
+        for row in &self.rows {
+            match row.values.get(k) {
+                Some(own) => all.extend_from_slice(own),
+                None => all.extend(std::iter::repeat_n(f64::NAN, self.samples)),
+            }
+        }
+        all
     }
 }

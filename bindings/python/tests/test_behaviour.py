@@ -189,6 +189,44 @@ def test_sweeps_do_not_depend_on_threads():
     assert one.status[0] != "ok" and np.isnan(one["h"][0]).any()
     with pytest.raises(KeyError):
         scene.sweep({"L": lengths}, ["hh"])
+    with pytest.raises(mechanim.ArgumentError, match="qq"):
+        scene.sweep({"qq": lengths}, ["h"])
+    with pytest.raises(TypeError, match="list of names"):
+        scene.sweep({"L": lengths}, "h")
+
+
+def test_shorter_motions_of_a_sweep_are_followed_by_nan():
+    text = 'duration = "D"\n' + mechanim.load("slider-crank").text.replace("[parameters]", "[parameters]\nD = 3", 1)
+    text = "\n".join(line for line in text.splitlines() if not line.startswith("duration = 4"))
+    scene = mechanim.loads(text)
+    table = scene.sweep({"D": [1.0, 3.0, 2.0]}, ["h"])
+    lengths = [len(scene.with_(D=d).solve()) for d in (1, 3, 2)]
+    assert table["h"].shape == (3, max(lengths))
+    assert (~np.isnan(table["h"])).sum(axis=1).tolist() == lengths
+    assert table.status[1] == "ok" and all(s.endswith("shorter") for s in (table.status[0], table.status[2]))
+    assert list(table) == ["D", "h"] and "h" in table and 3 not in table
+
+
+def test_names_and_equality():
+    scene = mechanim.load("slider-crank")
+    assert mechanim.loads(scene.text) == scene
+    motion = scene.solve(samples=3)
+    for missing in (KeyError, mechanim.ArgumentError):
+        with pytest.raises(missing, match="hh"):
+            motion["hh"]
+    assert 3 not in motion and "h" in motion
+    for wrong in ({"rr": 4}, {"q": 1.0}):
+        with pytest.raises(mechanim.ArgumentError):
+            scene.with_(**wrong)
+    with pytest.raises(mechanim.ArgumentError, match="quality"):
+        motion.encode("gif", quality=0)
+
+
+@pytest.mark.parametrize("size", [(10**6, 10**6), (2**31, 2**31), (0, 5), (100_000, 100_000)])
+def test_pictures_that_are_too_large_are_refused(size):
+    motion = mechanim.load("slider-crank").solve(samples=2)
+    with pytest.raises(mechanim.MechanimError):
+        motion.render(size=size)
 
 
 def test_arrow():

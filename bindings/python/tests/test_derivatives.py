@@ -54,8 +54,60 @@ def test_a_traced_point_has_three_coordinates():
     weights = np.arange(15.0).reshape(5, 3)
     found = motion.vjp({"M": weights}, ["L6s", "ZR1"])
     assert np.allclose(found, np.einsum("nc,ncp->p", weights, whole), rtol=1e-13)
-    with pytest.raises(TypeError):
-        motion.vjp({"M": weights[:, 0]}, ["L6s"])
+    for wrong in (weights[:, 0], weights.T, weights.ravel()):
+        with pytest.raises(mechanim.ArgumentError, match="shape"):
+            motion.vjp({"M": wrong}, ["L6s"])
+    with pytest.raises(TypeError, match="complex"):
+        motion.vjp({"M": 1j * weights}, ["L6s"])
+    assert (whole == motion.jacobian(["M"], ["L6s", "ZR1"])).all()
+    with pytest.raises(TypeError, match="list of names"):
+        motion.jacobian("M", "L6s")
+
+
+DRIVEN = """
+duration = 1
+units = { length = "mm" }
+[parameters]
+g = 2
+R = 40
+c = 3
+[inputs]
+phi = "g*t"
+[chains]
+crank = "Rz(phi) Tx(R)"
+rod = "Rz(alpha) Tx(100)"
+[loops]
+A = "crank rod Rz(beta) Tx(-h)"
+[guess]
+h = 130
+[[bodies]]
+name = "rod"
+frame = "crank Rz(alpha)"
+shapes = [{ sphere = { center = [50, 0, 0], radius = 5 } }]
+[[bodies]]
+name = "ball"
+frame = "Tx(300)"
+shapes = [{ sphere = { radius = "c" } }]
+[outputs]
+gap = { distance = ["rod", "ball"] }
+v = "d(h, phi)"
+w = "2*v"
+"""
+
+
+def test_what_a_derivative_would_leave_out_is_refused():
+    scene = mechanim.loads(DRIVEN)
+    motion = scene.solve(times=[0.0, 0.5, 1.0])
+    with pytest.raises(mechanim.ArgumentError, match="drive"):
+        motion.jacobian("h", ["g"])
+    for name in ("v", "w"):
+        with pytest.raises(mechanim.ArgumentError, match="rates"):
+            motion.jacobian(name, ["R"])
+    # The distance of two balls falls with a radius one to one; solids are changed by small steps.
+    assert motion.jacobian("gap", ["c"]).ravel() == pytest.approx([-1, -1, -1], abs=1e-8)
+    # Rows of inputs do not depend on what the drive is made of.
+    driven = scene.solve(inputs={"phi": [0.0, 1.0]})
+    assert (driven.jacobian("h", ["g"]) == 0).all()
 
 
 def test_one_name_has_no_axis_and_vjp_is_the_sum():

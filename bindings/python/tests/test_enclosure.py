@@ -61,5 +61,5 @@ def test_curves_are_those_of_the_program(program, tmp_path):
     motion = mechanim.load("four-bar").solve(times=np.arange(361) / 360 * 4)
     assert motion.plot("psi", "d(psi,phi)", against="phi") == out.read_text()
     assert motion.plot().startswith("<svg")
-    with pytest.raises(mechanim.SceneError):
+    with pytest.raises(mechanim.MechanimError):
         motion.plot("no such name")

@@ -3,6 +3,7 @@
 import csv
 import io
 import math
+from decimal import Decimal, getcontext
 
 import mechanim
 import numpy as np
@@ -23,8 +24,64 @@ def test_every_column_is_the_programs(name, program):
         text = np.array([float(row[column]) for row in printed])
         assert (text == motion[column]).all(), column
     bounds = np.array([float(row["error_bound"]) for row in printed])
-    # The program adds what printing rounds.
-    assert (motion.error_bound <= bounds).all()
+    assert (motion.error_bound == bounds).all()
+
+
+def cosine_and_sine(x: Decimal) -> tuple[Decimal, Decimal]:
+    terms, term, k = [Decimal(1)], Decimal(1), 0
+    while abs(term) > Decimal(10) ** -45:
+        k += 1
+        term = term * x / k
+        terms.append(term)
+    cos = sum(t * (-1) ** (k // 2) for k, t in enumerate(terms) if k % 2 == 0)
+    sin = sum(t * (-1) ** (k // 2) for k, t in enumerate(terms) if k % 2 == 1)
+    return Decimal(cos), Decimal(sin)
+
+
+@pytest.mark.parametrize("unit", ["rad", "deg"])
+def test_bounds_hold_for_the_numbers_returned(unit):
+    getcontext().prec = 50
+    pi = Decimal("3.14159265358979323846264338327950288419716939937511")
+    text = mechanim.load("slider-crank").text.replace('angle = "rad"', f'angle = "{unit}"')
+    scene = mechanim.loads(text, r=40, L=100)
+    top = 6.0 if unit == "rad" else 350.0
+    motion = scene.solve(inputs={"phi": np.linspace(0, top, 400)})
+    for phi, h, bound in zip(motion["phi"], motion["h"], motion.error_bound, strict=True):
+        angle = Decimal(repr(float(phi))) * (1 if unit == "rad" else pi / 180)
+        cos, sin = cosine_and_sine(angle)
+        exact = 40 * cos + (Decimal(100) ** 2 - (40 * sin) ** 2).sqrt()
+        assert abs(Decimal(float(h)) - exact) <= Decimal(float(bound)), phi
+
+
+@pytest.mark.parametrize("name", ["slider-crank", "gearshift", "four-bar"])
+def test_every_time_has_its_row(name):
+    scene = mechanim.load(name)
+    lists = [np.linspace(0, scene.duration, n) for n in range(2, 30)]
+    lists += [np.arange(20) * 0.1, np.arange(20) * 0.05, np.array([0.1, 0.1, 0.3, 3 * 0.1])]
+    for times in lists:
+        motion = scene.solve(times=times)
+        assert motion.times.tolist() == times.tolist()
+        assert len(motion[motion.columns[0]]) == len(times)
+
+
+def test_rows_of_inputs_are_as_many_as_given():
+    scene = mechanim.load("slider-crank")
+    for step in (0.1, 0.05, 0.3):
+        times = np.arange(25) * step
+        motion = scene.solve(inputs={"phi": np.arange(25.0)}, times=times)
+        assert motion["phi"].tolist() == np.arange(25.0).tolist()
+    assert scene.solve(inputs={"phi": 0.5}, times=[0, 1, 2])["phi"].tolist() == [0.5] * 3
+    for wrong in (np.zeros((2, 2)), np.array(["0.1"]), np.array([1j])):
+        with pytest.raises((mechanim.ArgumentError, TypeError), match="phi"):
+            scene.solve(inputs={"phi": wrong})
+
+
+def test_gaps_are_told_for_given_times_too():
+    scene = mechanim.load("slider-crank", r=40, L=30)
+    with pytest.warns(mechanim.MotionWarning) as told:
+        motion = scene.solve(times=[0.0, scene.duration])
+    assert not motion.is_whole and motion.events
+    assert told[0].filename == __file__
 
 
 def test_values_are_those_of_the_closed_form():

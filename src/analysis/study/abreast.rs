@@ -77,7 +77,7 @@ impl<'f> LaneEvaluator<'f> {
     /// A design posed individually.
     fn alone(&mut self, values: &[f64]) -> Result<MeasureValues, Rejection> {
         self.alone += 1;
-        let track_poses = self.plain.approach(self.anchors.track_poses, values)?;
+        let track_poses = self.plain.piece(self.anchors.track_poses, values)?;
         self.plain.measure(&track_poses)
     }
 

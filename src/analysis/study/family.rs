@@ -117,7 +117,11 @@ impl ParametricMechanism {
         Self::of(source, overrides, names.to_vec(), nominal.mechanism.size)
     }
 
-    fn of(
+    /// The same for a scene that has been read: its mechanism has this size.
+    ///
+    /// # Errors
+    /// As for [`varying`](Self::varying).
+    pub fn of(
         source: &Source,
         overrides: &Overrides,
         names: Vec<String>,

@@ -195,6 +195,30 @@ impl<'f> Evaluator<'f> {
         self.go(track_poses, values, false)
     }
 
+    /// The poses of a piece: as [`approach`](Self::approach), or along the piece's own motion. Next to a dead centre a pose of
+    /// the known ones may have no way to the piece's, though the piece moves.
+    ///
+    /// # Errors
+    /// The pose at which the way ends, if the piece has no whole motion in the same assembly either.
+    pub fn piece(
+        &mut self,
+        track_poses: &TrackPoses,
+        values: &[f64],
+    ) -> Result<TrackPoses, Rejection> {
+        let rejection = match self.approach(track_poses, values) {
+            Ok(reached) => return Ok(reached),
+            Err(rejection) => rejection,
+        };
+        let own = self.family.with_start(values).assembled();
+        let poses = own.and_then(|family| family.whole_motion());
+        let poses = poses.filter(|_| !self.is_cancelled()).ok_or(rejection.clone())?;
+        let mut pairs = poses.iter().zip(&track_poses.signs);
+        match pairs.all(|(pose, signs)| self.side(pose).0 == *signs) {
+            true => Ok(track_poses.approached(values.to_vec(), poses)),
+            false => Err(rejection),
+        }
+    }
+
     fn go(
         &mut self,
         track_poses: &TrackPoses,

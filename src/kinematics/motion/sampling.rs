@@ -215,18 +215,17 @@ enum KnotWeight {
     Pose,
 }
 
-/// The samples of a trajectory at the given times, ascending, without additional ones.
-pub fn only_times(actuation: &Actuation, trajectory: &Trajectory, times: &[f64]) -> Trajectory {
-    let slack = SAME_TIME * actuation.duration;
-    let is_given = |sample: &&Sample| {
-        let next = times.partition_point(|t| *t < sample.time - slack);
-        times.get(next).is_some_and(|t| *t <= sample.time + slack)
+/// The samples of a trajectory at the given times, one each, ascending: of those that are nearly one, the nearest.
+pub fn samples_at(actuation: &Actuation, trajectory: &Trajectory, times: &[f64]) -> Vec<Sample> {
+    let (slack, all) = (SAME_TIME * actuation.duration, &trajectory.samples);
+    let at = |time: &f64| {
+        let after = all.partition_point(|sample| sample.time < *time);
+        let near = all[after.saturating_sub(1)..].iter().take(2);
+        let off = |sample: &&Sample| (sample.time - time).abs();
+        near.min_by(|a, b| off(a).total_cmp(&off(b)))
+            .filter(|sample| off(sample) <= slack)
     };
-    let samples = trajectory.samples.iter().filter(is_given);
-    Trajectory {
-        samples: samples.cloned().collect(),
-        ..Trajectory::default()
-    }
+    times.iter().filter_map(at).cloned().collect()
 }
 
 #[cfg(test)]
@@ -263,5 +262,33 @@ mod tests {
         // A slow drive needs no more than its frames.
         let fine = even_times(mechanism, actuation, 2000);
         assert_eq!(path_times(mechanism, actuation, &fine).1, 1);
+    }
+
+    #[test]
+    fn every_time_has_one_sample() {
+        let actuation = Actuation {
+            duration: 2.0,
+            ..Actuation::default()
+        };
+        let sample = |time: f64| Sample {
+            time,
+            inputs: Vec::new(),
+            pose: None,
+        };
+        let rounded = 3.0 * 0.1;
+        assert!(rounded > 0.3);
+        let trajectory = Trajectory {
+            samples: [0.0, 0.3, rounded, 1.0].map(sample).to_vec(),
+            ..Trajectory::default()
+        };
+        let found = |times: &[f64]| -> Vec<f64> {
+            let samples = samples_at(&actuation, &trajectory, times);
+            samples.iter().map(|sample| sample.time).collect()
+        };
+        for times in [vec![0.3, rounded], vec![rounded], vec![0.0, 0.0, 0.3, 1.0]] {
+            assert_eq!(found(&times), times);
+        }
+        // One that was not solved has no sample.
+        assert_eq!(found(&[0.5, 1.0 + 1e-13]), [1.0]);
     }
 }

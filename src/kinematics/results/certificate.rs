@@ -1,5 +1,7 @@
 //! What could be proved about a pose, and about the motion between two of them, as values.
 
+use crate::numbers::rounding::GROW;
+
 /// What could be proved about a pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Certificate {
@@ -66,6 +68,31 @@ impl Certificate {
             } => Some([error_bound, unique_radius]),
             Self::Refused { .. } => None,
         }
+    }
+
+    /// The certificate of a pose whose unknowns are at most this far from those proved.
+    pub(crate) fn moved(mut self, by: f64) -> Self {
+        match &mut self {
+            Self::Certified {
+                error_bound,
+                unique_radius,
+            }
+            | Self::Consistent {
+                error_bound,
+                unique_radius,
+                ..
+            }
+            | Self::Locked {
+                error_bound,
+                unique_radius,
+                ..
+            } => {
+                *error_bound = (*error_bound + by) * GROW;
+                *unique_radius = (*unique_radius - by).max(0.0);
+            }
+            Self::Refused { .. } => {}
+        }
+        self
     }
 
     /// Bound on the closure errors of redundant equations, if they are bounded and not proved.

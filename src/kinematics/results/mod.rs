@@ -3,4 +3,5 @@
 pub mod certificate;
 pub mod columns;
 pub mod passed;
+pub mod printed;
 pub mod trajectory;

@@ -6,7 +6,7 @@ use mechanim::clearance::check::{ClearanceReport, Judgement, PairReport};
 use mechanim::diag::Source;
 use mechanim::distance::bodies::{BodyElements, LeftOut, nearest_bodies};
 
-use mechanim::kinematics::motion::sampling::only_times;
+use mechanim::kinematics::motion::sampling::samples_at;
 use mechanim::kinematics::results::trajectory::{ClosedPose, Trajectory};
 use mechanim::scene::{Overrides, Scene, load_scene};
 
@@ -446,9 +446,9 @@ fn frames_and_ends_of_the_drive_are_all_sampled() {
     assert_eq!(report.times.first(), Some(&0.0));
     assert_eq!(report.times.last(), Some(&scene.actuation.duration));
     // Sums and means are taken over what was asked for.
-    let asked = only_times(&scene.actuation, &trajectory, &times);
+    let asked = samples_at(&scene.actuation, &trajectory, &times);
     assert!(trajectory.samples.len() > times.len());
-    let kept: Vec<f64> = asked.samples.iter().map(|s| s.time).collect();
+    let kept: Vec<f64> = asked.iter().map(|s| s.time).collect();
     assert_eq!(kept, times);
 }
 

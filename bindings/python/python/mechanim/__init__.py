@@ -34,6 +34,7 @@ from .errors import (
     MotionWarning,
     SceneError,
     SceneWarning,
+    UnknownNameError,
 )
 
 __all__ = [
@@ -56,6 +57,7 @@ __all__ = [
     "Study",
     "Table",
     "Tolerance",
+    "UnknownNameError",
     "load",
     "loads",
     "scenes",

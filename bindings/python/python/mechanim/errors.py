@@ -16,7 +16,7 @@ class MechanimError(Exception):
 
 
 class SceneError(MechanimError, ValueError):
-    """The text of a scene has mistakes: one line for each, ``name:line:column: message``."""
+    """The text of a scene has mistakes: one line for each, ``name:line:column: message``. Or there is no such scene or file."""
 
 
 class MechanismError(MechanimError, ValueError):
@@ -27,8 +27,12 @@ class ArgumentError(MechanimError, ValueError):
     """A name that the scene does not have, or a value that does not fit."""
 
 
+class UnknownNameError(ArgumentError, KeyError):
+    """A result has nothing of that name: ``motion["hh"]``."""
+
+
 class LimitError(MechanimError, RuntimeError):
-    """A limit of the run is exceeded: samples, memory, time."""
+    """A limit of the run is exceeded: samples, memory, pixels."""
 
 
 class FileError(MechanimError, OSError):
