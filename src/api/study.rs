@@ -7,7 +7,7 @@ use super::motion::Samples;
 use super::optimum::{OptimiseOptions, Optimum};
 use super::sensitivity::Sensitivity;
 use super::tolerance::{Tolerance, ToleranceOptions};
-use crate::analysis::study::{LoadedStudy, varied_names};
+use crate::analysis::study::{DefaultVariables, LoadedStudy, varied_names};
 use crate::diag::Source;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -83,10 +83,11 @@ impl Study {
     /// # Ok::<(), mechanim::Error>(())
     /// ```
     pub fn sensitivity(&self) -> Result<Sensitivity, Error> {
-        Sensitivity::of(self.load(true)?)
+        Sensitivity::of(self.load(DefaultVariables::All)?)
     }
 
-    /// Tolerance analysis of the measures: worst case and root sum square, random pieces, and proved bands.
+    /// Tolerance analysis of the measures: worst case and root sum square, random pieces, and proved bands. Dimensions vary as
+    /// for [`enclose`](Self::enclose).
     ///
     /// Errors: as for [`sensitivity`](Self::sensitivity); a variable without a tolerance.
     ///
@@ -102,7 +103,8 @@ impl Study {
     /// # Ok::<(), mechanim::Error>(())
     /// ```
     pub fn tolerance(&self, options: &ToleranceOptions) -> Result<Tolerance, Error> {
-        Tolerance::of(&self.load(true)?, options, &self.cancel)
+        let loaded = self.load(DefaultVariables::WithTolerance)?;
+        Tolerance::of(&loaded, options, &self.cancel)
     }
 
     /// Proved bands that contain the motion of every piece within its tolerances. `tolerance` is half the width, in the
@@ -146,17 +148,17 @@ impl Study {
     /// # Ok::<(), mechanim::Error>(())
     /// ```
     pub fn optimise(&self, options: &OptimiseOptions) -> Result<Optimum, Error> {
-        Optimum::search(self.load(false)?, options, &self.cancel)
+        Optimum::search(self.load(DefaultVariables::OfStudy)?, options, &self.cancel)
     }
 
-    fn load(&self, all_by_default: bool) -> Result<LoadedStudy, Error> {
+    fn load(&self, default: DefaultVariables) -> Result<LoadedStudy, Error> {
         let Loaded {
             text,
             overrides,
             scene,
             ..
         } = &*self.loaded;
-        let names = varied_names(&self.names, all_by_default, &scene.dimensions)?;
+        let names = varied_names(&self.names, default, scene)?;
         Ok(LoadedStudy::new(
             Source::clone(text),
             overrides.clone(),

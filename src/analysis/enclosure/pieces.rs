@@ -1,7 +1,9 @@
 //! Dimensions with tolerances: which, how large, and the family of all pieces within them.
 
 use super::plan::MOST_DIMENSIONS;
-use crate::analysis::study::{FamilyError, ParametricMechanism, varied_names};
+use crate::analysis::study::{
+    DefaultVariables, FamilyError, ParametricMechanism, varied_names,
+};
 use crate::diag::Source;
 use crate::model::mechanism::{Kind, Mechanism};
 use crate::scene::{Overrides, Scene};
@@ -47,14 +49,12 @@ impl PieceTolerances<'_> {
 
     /// Names of the dimensions with a tolerance.
     fn names(&self, drawn: &Scene) -> Result<Vec<String>, FamilyError> {
-        let of_study = drawn.study.iter().flat_map(|s| &s.variables);
-        let mut of_study = of_study.filter(|v| v.tolerance.is_some()).peekable();
-        let listed = if !self.vary.is_empty() {
-            varied_names(self.vary, false, &drawn.dimensions)?
-        } else if self.own.is_empty() && of_study.peek().is_none() {
-            drawn.dimensions.to_vec()
-        } else {
-            of_study.map(|v| v.name.clone()).collect()
+        let variables = drawn.study.iter().flat_map(|s| &s.variables);
+        let has_tolerances = variables.clone().any(|v| v.tolerance.is_some());
+        // With tolerances of their own, no others vary by default than those of the scene.
+        let listed = match self.vary.is_empty() && !self.own.is_empty() && !has_tolerances {
+            true => Vec::new(),
+            false => varied_names(self.vary, DefaultVariables::WithTolerance, drawn)?,
         };
         let mut all: Vec<String> = self.own.iter().map(|(name, _)| name.clone()).collect();
         let more = listed.into_iter();

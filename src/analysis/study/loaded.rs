@@ -31,16 +31,41 @@ pub struct NominalStudy {
 /// Stands for every dimension.
 const ALL: &str = "all";
 
-/// The parameters named in `vary`; `all`, or nothing if `all_by_default`, stands for the scene's `dimensions`.
+/// What a study varies if no names are given.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DefaultVariables {
+    /// The variables of the scene's `[study]`: no names.
+    OfStudy,
+    /// Those of them with a tolerance; all dimensions if there are none.
+    WithTolerance,
+    /// All dimensions.
+    All,
+}
+
+/// Names of the parameters to vary, from those given; `all` stands for every dimension of the scene.
 ///
 /// # Errors
-/// A parameter that is named twice.
+/// A name is given twice.
 pub fn varied_names(
     vary: &[String],
-    all_by_default: bool,
-    dimensions: &[String],
+    default: DefaultVariables,
+    scene: &Scene,
 ) -> Result<Vec<String>, FamilyError> {
-    let all = vary.iter().any(|v| v == ALL) || (vary.is_empty() && all_by_default);
+    let dimensions = &scene.dimensions;
+    if vary.is_empty() {
+        let variables = scene.study.iter().flat_map(|study| &study.variables);
+        let with_tolerance = variables.filter(|v| v.tolerance.is_some());
+        let names: Vec<String> = match default {
+            DefaultVariables::WithTolerance => with_tolerance.map(|v| v.name.clone()).collect(),
+            DefaultVariables::OfStudy | DefaultVariables::All => Vec::new(),
+        };
+        return Ok(match default {
+            DefaultVariables::OfStudy => names,
+            _ if names.is_empty() => dimensions.to_vec(),
+            _ => names,
+        });
+    }
+    let all = vary.iter().any(|v| v == ALL);
     let mut names = if all { dimensions.to_vec() } else { Vec::new() };
     // Names given together with `all` may be among them.
     let named = vary.iter().filter(|name| *name != ALL);

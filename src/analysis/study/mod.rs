@@ -26,7 +26,7 @@ pub use family::{DRIVE_SAMPLES, Nominal, ParametricMechanism};
 pub use family_error::FamilyError;
 pub use gradient::Gradients;
 pub use lane_measures::LaneMeasures;
-pub use loaded::{LoadedStudy, NominalStudy, varied_names};
+pub use loaded::{DefaultVariables, LoadedStudy, NominalStudy, varied_names};
 pub use measure::MeasureValues;
 pub use peaks::{Guard, Peaks};
 pub use search::{Refusals, StudySearch, Watch};

@@ -132,7 +132,7 @@ pub struct OptimiseArgs {
     /// Seed of the random numbers (evolution).
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
-    /// Optimise every pair of the variables on its own and rank the pairs.
+    /// Optimise every pair of all dimensions, or of those named, on its own and rank the pairs.
     #[arg(long)]
     pub pairs: bool,
     /// Number of rows to print: the ranking of the pairs, the best first.

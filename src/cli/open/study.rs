@@ -2,7 +2,9 @@
 
 use super::{inputs_table, mode, scene as open_scene};
 use crate::analysis::enclosure::PieceTolerances;
-use crate::analysis::study::{FamilyError, LoadedStudy, ParametricMechanism, varied_names};
+use crate::analysis::study::{
+    DefaultVariables, FamilyError, LoadedStudy, ParametricMechanism, varied_names,
+};
 use crate::cli::args::scene::SceneArgs;
 use crate::cli::args::study::VaryArgs;
 use crate::cli::term::Term;
@@ -17,23 +19,23 @@ use std::sync::Arc;
 pub fn open_study(
     scene: &SceneArgs,
     vary: &VaryArgs,
-    all_by_default: bool,
+    default: DefaultVariables,
     term: &Term,
 ) -> Result<LoadedStudy, Failure> {
-    open_search(scene, vary, (all_by_default, None), term)
+    open_search(scene, vary, (default, None), term)
 }
 
 /// The same for a study whose objective may differ from the file's.
 pub fn open_search(
     scene: &SceneArgs,
     vary: &VaryArgs,
-    (all_by_default, minimise): (bool, Option<&str>),
+    (default, minimise): (DefaultVariables, Option<&str>),
     term: &Term,
 ) -> Result<LoadedStudy, Failure> {
     let (source, mut overrides) = open_scene::text_of(scene)?;
     overrides.minimise = minimise.map(str::to_owned);
     let (source, overrides, nominal) = nominal_of(scene, source, overrides, term)?;
-    let names = varied_names(&vary.vary, all_by_default, &nominal.dimensions)?;
+    let names = varied_names(&vary.vary, default, &nominal)?;
     Ok(LoadedStudy::new(source, overrides, &names)?)
 }
 

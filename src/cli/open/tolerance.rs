@@ -7,7 +7,7 @@ use super::planned::{
 use super::scene::text_of;
 use super::study::nominal_of;
 use crate::analysis::piece_sums::PieceSums;
-use crate::analysis::study::{LoadedStudy, varied_names};
+use crate::analysis::study::{DefaultVariables, LoadedStudy, varied_names};
 use crate::analysis::tolerance::{Distribution, SampleBatch};
 use crate::cli::args::study::{DistributionArg, ScatterArgs};
 use crate::cli::term::Term;
@@ -84,7 +84,11 @@ fn open(
 ) -> Result<OpenTolerance, Failure> {
     refuse_table(&scatter.scene, "a study in units")?;
     let (source, overrides, nominal) = nominal_of(&scatter.scene, source, overrides, term)?;
-    let names = varied_names(&scatter.vary.vary, true, &nominal.dimensions)?;
+    let names = varied_names(
+        &scatter.vary.vary,
+        DefaultVariables::WithTolerance,
+        &nominal,
+    )?;
     let arguments = arguments_of(scatter);
     let scene_bytes = source.text.clone().into_bytes();
     // The number of pieces is not part of it: the first ones of a larger number are the same.

@@ -3,7 +3,7 @@
 use super::{pairs, search_film, search_map, search_paths};
 use crate::analysis::optimise::StopReason;
 use crate::analysis::study::optimum::Verified;
-use crate::analysis::study::{FamilyError, FoundOptimum, LoadedStudy};
+use crate::analysis::study::{DefaultVariables, FamilyError, FoundOptimum, LoadedStudy};
 use crate::cli::args::study::OptimiseArgs;
 use crate::cli::files::chart::PlotFormat;
 use crate::cli::interrupt::{CANCEL, is_interrupted, save_results, unless_interrupted};
@@ -37,10 +37,15 @@ pub fn run_optimise(args: &OptimiseArgs, term: &Term) -> Result<Outcome, Failure
     let map = args.map.as_deref().map(PlotFormat::of).transpose()?;
     let film = args.film.as_deref().map(search_film::film_file);
     let film = film.transpose()?;
+    // Pairs are of all dimensions.
+    let default = match args.pairs {
+        true => DefaultVariables::All,
+        false => DefaultVariables::OfStudy,
+    };
     let mut study = open_search(
         &args.scene,
         &args.vary,
-        (args.pairs, args.minimise.as_deref()),
+        (default, args.minimise.as_deref()),
         term,
     )?;
     if let Some(share) = args.within {

@@ -1,4 +1,4 @@
-//! `mechanim optimise --pairs`: optimises every pair of the variables on its own, and ranks the pairs.
+//! `mechanim optimise --pairs`: optimises every pair of dimensions on its own, and ranks the pairs.
 
 use crate::analysis::optimise::Minimum;
 use crate::analysis::study::optimum::{Optimum, Verified, find_optimum, verify_optimum};

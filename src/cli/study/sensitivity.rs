@@ -1,5 +1,6 @@
 //! `mechanim sensitivity`: the exact derivative of every measure by every dimension, ranked; suggested tolerances.
 
+use crate::analysis::study::DefaultVariables;
 use crate::cli::args::study::SensitivityArgs;
 use crate::cli::io;
 use crate::cli::open::study::open_study;
@@ -13,7 +14,7 @@ pub fn run_sensitivity(args: &SensitivityArgs, term: &Term) -> Result<Outcome, F
     let plot = args.plot.as_deref();
     let plot = plot.map(|path| sensitivity_plot::open_bars(&args.scene, path));
     let plot = plot.transpose()?;
-    let study = open_study(&args.scene, &args.vary, true, term)?;
+    let study = open_study(&args.scene, &args.vary, DefaultVariables::All, term)?;
     let family = &study.family;
     let gradients = study.nominal()?.gradients;
     let rank = match &args.rank {

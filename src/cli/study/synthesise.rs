@@ -2,7 +2,7 @@
 
 use super::found_files::target_files;
 use super::target::{run_target, search_plan};
-use crate::analysis::study::{FamilyError, LoadedStudy};
+use crate::analysis::study::{DefaultVariables, FamilyError, LoadedStudy};
 use crate::analysis::synthesis::touching::Touching;
 use crate::analysis::synthesis::verify::{Proof, prove_found};
 use crate::analysis::synthesis::{FinishedStart, Listener, Synthesis, synthesise_path};
@@ -40,7 +40,7 @@ pub fn run_synthesise(args: &SynthesiseArgs, term: &Term) -> Result<Outcome, Fai
         opened.push(open_search(
             scene,
             &vary,
-            (false, args.minimise.as_deref()),
+            (DefaultVariables::OfStudy, args.minimise.as_deref()),
             term,
         )?);
     }

@@ -1,5 +1,6 @@
 //! `mechanim tolerance`: linear scatter and random pieces of a study, with yield against the limits of its measures.
 
+use crate::analysis::study::DefaultVariables;
 use crate::analysis::tolerance_study::ToleranceStudy;
 use crate::cli::args::study::ToleranceArgs;
 use crate::cli::interrupt::CANCEL;
@@ -31,7 +32,8 @@ pub fn run_tolerance(args: &ToleranceArgs, term: &Term) -> Result<Outcome, Failu
     ];
     let scatter = &args.scatter;
     io::refuse_clashes(&[&scatter.scene], &reports)?;
-    let loaded = open_study(&scatter.scene, &scatter.vary, true, term)?;
+    let default = DefaultVariables::WithTolerance;
+    let loaded = open_study(&scatter.scene, &scatter.vary, default, term)?;
     let start = Instant::now();
     let threads = args.threads.unwrap_or_else(core_count);
     let batch = batch_of(scatter, args.samples, args.first, threads);
