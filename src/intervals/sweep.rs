@@ -159,12 +159,18 @@ impl RowSweep {
     }
 }
 
-/// Solves rows · (p, 1) = 0 by elimination with pivots; the parameters and the determinant.
+/// A pivot below this share of the largest coefficient is rounding: the directions determine nothing, or hardly.
+const LEAST_PIVOT: f64 = 1e-13;
+
+/// Solves rows · (p, 1) = 0 by elimination with pivots; the parameters and the determinant. `None` if the rows are singular to
+/// rounding.
 fn solve_closing(
     rows: &mut [[f64; WIDTH]; MOST_PARAMETERS],
     n: usize,
 ) -> Option<([f64; MOST_PARAMETERS], f64)> {
     let mut determinant = 1.0;
+    let coefficients = rows.iter().take(n).flat_map(|row| &row[..n]);
+    let largest = coefficients.fold(0.0, |most: f64, c| most.max(c.abs()));
     for k in 0..n {
         // Partial pivoting; every exchange of rows changes the sign of the determinant.
         let place = (k..n).max_by(|i, j| rows[*i][k].abs().total_cmp(&rows[*j][k].abs()))?;
@@ -174,7 +180,7 @@ fn solve_closing(
         }
         let pivot = rows[k];
         determinant *= pivot[k];
-        if pivot[k] == 0.0 || !determinant.is_finite() {
+        if !(pivot[k].abs() > LEAST_PIVOT * largest && determinant.is_finite()) {
             return None;
         }
         // Elimination below the pivot, in the column of constants, too.

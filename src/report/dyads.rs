@@ -158,7 +158,7 @@ impl DyadReport<'_> {
             six_digits(singular.sigma_max / singular.sigma_min),
             six_digits(determinant(&table.rows)),
             off.map_or_else(
-                || "singular to rounding: no solution".to_owned(),
+                || "singular to rounding: they do not determine the velocities".to_owned(),
                 |off| format!("solution off by {off:.0e} at most")
             ),
         )

@@ -5,7 +5,7 @@ use super::rounded::at_most;
 use crate::analysis::study::{FamilyError, ParametricMechanism};
 use crate::analysis::synthesis::verify::Proof;
 use crate::analysis::synthesis::{FinishedStart, Synthesis, ending_word};
-use crate::model::measure::Measure;
+use crate::model::measure::{Measure, MeasureSource};
 
 /// Violation of a limit that is still called kept.
 const KEPT: f64 = 1e-6;
@@ -186,7 +186,27 @@ fn measure_lines(found: &FoundMechanism) -> String {
         row.extend(found.values(index, measure).map(error_cell));
         table.push(row);
     }
-    aligned_rows(&table)
+    aligned_rows(&table) + &coarse_line(found)
+}
+
+/// Which measures are of the poses of the search; the others are of the finer motion, so that formulas need not fit both.
+fn coarse_line(found: &FoundMechanism) -> String {
+    let family = found.family;
+    let list = &family.measures.list;
+    let counted = family
+        .measures
+        .depend_on_count(family.mechanism().inputs.len());
+    let is_coarse = |k: usize| counted[k] || family.study.objective == Some(k);
+    let names = (0..list.len()).filter(|k| is_coarse(*k));
+    let names: Vec<&str> = names.map(|k| list[k].name.as_str()).collect();
+    let is_finer = |k: usize| !is_coarse(k) && matches!(list[k].source, MeasureSource::Over { .. });
+    match !names.is_empty() && (0..list.len()).any(is_finer) {
+        true => format!(
+            "  found: {} at the poses of the search, all others at finer ones\n",
+            names.join(", ")
+        ),
+        false => String::new(),
+    }
 }
 
 fn proof_line(found: &FoundMechanism) -> String {

@@ -4,7 +4,9 @@ use super::cells::{aligned_rows, six_digits};
 use super::rounded::at_most;
 use crate::analysis::study::{FamilyError, ParametricMechanism};
 use crate::analysis::synthesis::ending_word;
-use crate::analysis::synthesis::target::{StartResult, Target, TargetSynthesis, VerifiedRows};
+use crate::analysis::synthesis::target::{
+    StartResult, Target, TargetRow, TargetSynthesis, VerifiedRows,
+};
 use crate::analysis::synthesis::verify::Proof;
 use serde_json::{Value, json};
 
@@ -25,24 +27,34 @@ pub struct FoundTarget<'a> {
 }
 
 impl FoundTarget<'_> {
-    /// Sum of squared deviations of the independent motion.
-    fn sum(&self) -> f64 {
+    /// Deviations of the independent motion, and the rows that count: those with a weight.
+    fn missed(&self) -> impl Iterator<Item = (f64, &TargetRow)> {
         let pairs = self.rows.missed.iter().zip(&self.target.rows);
-        pairs
-            .map(|(missed, row)| row.weight * missed.unwrap_or(f64::INFINITY).powi(2))
+        let missed = pairs.map(|(missed, row)| (missed.unwrap_or(f64::INFINITY), row));
+        missed.filter(|(_, row)| row.weight > 0.0)
+    }
+
+    /// Weighted sum of squared deviations.
+    fn sum(&self) -> f64 {
+        self.missed()
+            .map(|(off, row)| row.weight * off.powi(2))
             .sum()
+    }
+
+    /// Root of the weighted mean of squared deviations.
+    fn typical(&self) -> f64 {
+        let weights: f64 = self.missed().map(|(_, row)| row.weight).sum();
+        (self.sum() / weights).sqrt()
+    }
+
+    /// The largest deviation, and the line of its row.
+    fn farthest(&self) -> (f64, usize) {
+        let worst = self.missed().max_by(|a, b| a.0.total_cmp(&b.0));
+        worst.map_or((0.0, 0), |(off, row)| (off, row.line))
     }
 
     fn poses(&self) -> usize {
         self.synthesis.starts.iter().map(|tried| tried.poses).sum()
-    }
-
-    /// Line of the row with the largest deviation.
-    fn worst_line(&self) -> usize {
-        let missed = self.rows.missed.iter().map(|m| m.unwrap_or(f64::INFINITY));
-        let pairs = missed.zip(&self.target.rows);
-        let worst = pairs.max_by(|a, b| a.0.total_cmp(&b.0));
-        worst.map_or(0, |(_, row)| row.line)
     }
 }
 
@@ -70,14 +82,13 @@ pub fn target_text(found: &FoundTarget) -> String {
         synthesis.seconds,
         if synthesis.stopped { ", stopped" } else { "" }
     );
-    let sum = found.sum();
-    let typical = (sum / target.rows.len() as f64).sqrt();
+    let (farthest, line) = found.farthest();
     text += &format!(
         "  missed           sum of squares {}, root mean square {} {unit}, farthest {} {unit} (line {})\n",
-        six_digits(sum),
-        six_digits(typical),
-        six_digits(found.rows.worst()),
-        found.worst_line()
+        six_digits(found.sum()),
+        six_digits(found.typical()),
+        six_digits(farthest),
+        line
     );
     text += &format!("  rows             {}\n", rows_sentence(found));
     text += &format!(

@@ -8,4 +8,4 @@ mod trials;
 
 pub use not_dyads::NotDyads;
 pub use points::{PlanarRow, planar_row};
-pub use trials::{TrialOptions, Trials, run_trials};
+pub use trials::{NoTrials, TrialOptions, Trials, run_trials};

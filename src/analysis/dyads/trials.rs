@@ -62,10 +62,26 @@ struct TrialRow {
     lever: f64,
 }
 
-/// Runs the trials; `None` if the system needs more parameters than are supported.
-pub fn run_trials(chain: &DyadChain, asked: &TrialOptions) -> Option<Trials> {
-    let sweep = RowSweep::new(chain)?;
-    let trial = TrialRun::new(chain, &sweep, asked)?;
+/// Why there are no trials.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NoTrials {
+    /// The system needs more parameters than are supported.
+    #[error("the dyads are too strongly coupled for trials")]
+    Coupled,
+    /// The velocity of the given point does not determine the others in the pose.
+    #[error(
+        "the equations of the velocities are singular in this pose: no trials are compared with it"
+    )]
+    Singular,
+}
+
+/// Runs the trials.
+///
+/// # Errors
+/// See [`NoTrials`].
+pub fn run_trials(chain: &DyadChain, asked: &TrialOptions) -> Result<Trials, NoTrials> {
+    let sweep = RowSweep::new(chain).ok_or(NoTrials::Coupled)?;
+    let trial = TrialRun::new(chain, &sweep, asked).ok_or(NoTrials::Singular)?;
     let work = |scratch: &mut Scratch, portion: usize| {
         let first = portion * PORTION;
         let items = first..asked.count.min(first + PORTION);
@@ -78,7 +94,7 @@ pub fn run_trials(chain: &DyadChain, asked: &TrialOptions) -> Option<Trials> {
     let portions = asked.count.div_ceil(PORTION);
     let list = share_work(portions, asked.threads, Scratch::default, work);
     let rows: Vec<TrialRow> = list.into_iter().flat_map(|(_, rows)| rows).collect();
-    Some(collect_rows(&rows, chain.unknowns().len()))
+    Ok(collect_rows(&rows, chain.unknowns().len()))
 }
 
 fn collect_rows(rows: &[TrialRow], unknowns: usize) -> Trials {
@@ -155,6 +171,7 @@ impl<'c> TrialRun<'c> {
             &mut scratch.velocities,
         );
         run.sign = scratch.velocities.determinant.signum();
+        // Singular to rounding, it has no sign.
         solved.then_some(run)
     }
 

@@ -1,9 +1,7 @@
 //! Dimensions with tolerances: which, how large, and the family of all pieces within them.
 
 use super::plan::MOST_DIMENSIONS;
-use crate::analysis::study::{
-    DefaultVariables, FamilyError, ParametricMechanism, varied_names,
-};
+use crate::analysis::study::{DefaultVariables, FamilyError, ParametricMechanism, varied_names};
 use crate::diag::Source;
 use crate::model::mechanism::{Kind, Mechanism};
 use crate::scene::{Overrides, Scene};

@@ -211,7 +211,9 @@ impl<'f> Evaluator<'f> {
         };
         let own = self.family.with_start(values).assembled();
         let poses = own.and_then(|family| family.whole_motion());
-        let poses = poses.filter(|_| !self.is_cancelled()).ok_or(rejection.clone())?;
+        let poses = poses
+            .filter(|_| !self.is_cancelled())
+            .ok_or(rejection.clone())?;
         let mut pairs = poses.iter().zip(&track_poses.signs);
         match pairs.all(|(pose, signs)| self.side(pose).0 == *signs) {
             true => Ok(track_poses.approached(values.to_vec(), poses)),

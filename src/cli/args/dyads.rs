@@ -20,7 +20,8 @@ pub struct RowArgs {
     /// if absent.
     #[arg(long, value_name = "INPUT")]
     pub per: Option<String>,
-    /// Range of the angle between the two bars of a dyad, in degrees: FROM..TO.
+    /// Range of the angle between the two bars of a dyad, in degrees: FROM..TO. For `--derive tied` from an angle to its
+    /// supplement.
     #[arg(long, value_name = "FROM..TO", default_value = "10..170", value_parser = angle_range)]
     pub delta: [f64; 2],
 }
@@ -72,9 +73,9 @@ pub struct IntervalsArgs {
     /// Centre the cube on zero instead of on the velocities of the pose.
     #[arg(long)]
     pub about_zero: bool,
-    /// Number of trials.
-    #[arg(long, value_name = "N", default_value_t = 100_000, value_parser = trial_count)]
-    pub trials: usize,
+    /// Number of trials; 100000 if absent.
+    #[arg(long, value_name = "N", value_parser = trial_count)]
+    pub trials: Option<usize>,
     /// Seed of the random numbers.
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
@@ -84,9 +85,9 @@ pub struct IntervalsArgs {
     /// Half-width of the square searched around each point, in the scene's unit of length; a tenth of the mechanism if absent.
     #[arg(long, value_name = "LENGTH", value_parser = positive_number)]
     pub reach: Option<f64>,
-    /// How often the squares of a paving are halved.
-    #[arg(long, value_name = "N", default_value_t = 6, value_parser = halving_count)]
-    pub halvings: u32,
+    /// How often the squares of a paving are halved; 6 times if absent.
+    #[arg(long, value_name = "N", value_parser = halving_count)]
+    pub halvings: Option<u32>,
     /// Where to write: the result as .json; `-` for standard output.
     #[arg(long, short, value_name = "FILE")]
     pub out: Option<PathBuf>,

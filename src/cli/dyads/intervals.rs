@@ -1,7 +1,7 @@
 //! `mechanim intervals`: the system of a row of dyads with intervals for the directions of its bars.
 
 use super::row::{OpenRow, open_row};
-use crate::analysis::dyads::{TrialOptions, run_trials};
+use crate::analysis::dyads::{NoTrials, TrialOptions, run_trials};
 use crate::analysis::random::Random;
 use crate::charts::paving::paving_chart;
 use crate::cli::args::dyads::{Derivation, IntervalsArgs};
@@ -22,8 +22,15 @@ use crate::limits::allow_memory;
 use crate::report::row_intervals::{
     FormalPair, PavedPoint, TiedReport, centre_document, centre_text, trials_document, trials_text,
 };
+use clap::ValueEnum;
 use serde_json::Value;
 use std::f64::consts::PI;
+
+/// Default number of trials.
+const TRIALS: usize = 100_000;
+
+/// How often the squares of a paving are halved by default.
+const HALVINGS: u32 = 6;
 
 /// Default width of the right-hand sides as a fraction of the given velocity.
 const SIDE: f64 = 0.05;
@@ -33,6 +40,9 @@ const REACH: f64 = 0.1;
 
 /// Number of positions of the other points that are tried for squares inside a projection.
 const TRIES: usize = 200;
+
+/// Two angles, in radians, that differ by the rounding of degrees only.
+const SAME_ANGLE: f64 = 1e-12;
 
 /// Damping of the subdifferential Newton method: none.
 const TAU: f64 = 1.0;
@@ -47,10 +57,7 @@ pub fn run_intervals(args: &IntervalsArgs, term: &Term) -> Result<Outcome, Failu
         ("--plot", args.plot.as_deref()),
     ];
     io::refuse_clashes(&[&args.row.scene], &reports)?;
-    if args.plot.is_some() && args.derive != Derivation::Tied {
-        let message = "--plot draws the sets that --derive tied paves";
-        return Err(Failure::usage(message, Vec::new()));
-    }
+    refuse_unused(args)?;
     let format = args.plot.as_deref().map(PlotFormat::of).transpose()?;
     let row = open_row(&args.row, term)?;
     let (text, document, outcome) = match args.derive {
@@ -65,6 +72,37 @@ pub fn run_intervals(args: &IntervalsArgs, term: &Term) -> Result<Outcome, Failu
     let text = format!("{}\n{text}", row.report().headline());
     io::print_beside(term, args.out.as_deref(), &text)?;
     Ok(outcome)
+}
+
+/// Refuses options that would have no effect.
+fn refuse_unused(args: &IntervalsArgs) -> Result<(), Failure> {
+    use Derivation::{Centre, Formal, Tied, Trials};
+    let options: [(&str, bool, &[Derivation]); 8] = [
+        ("--spread", args.spread.is_some(), &[Trials, Formal, Centre]),
+        (
+            "--velocity",
+            args.velocity.is_some(),
+            &[Trials, Formal, Centre],
+        ),
+        ("--side", args.side.is_some(), &[Formal, Centre]),
+        ("--about-zero", args.about_zero, &[Centre]),
+        ("--trials", args.trials.is_some(), &[Trials]),
+        ("--reach", args.reach.is_some(), &[Tied]),
+        ("--halvings", args.halvings.is_some(), &[Tied]),
+        ("--plot", args.plot.is_some(), &[Tied]),
+    ];
+    let unused = options
+        .iter()
+        .find(|(_, given, used)| *given && !used.contains(&args.derive));
+    let Some((option, _, used)) = unused else {
+        return Ok(());
+    };
+    let words = used.iter().filter_map(Derivation::to_possible_value);
+    let words: Vec<String> = words
+        .map(|word| format!("--derive {}", word.get_name()))
+        .collect();
+    let message = format!("{option} has an effect with {} only", words.join(", "));
+    Err(Failure::usage(message, Vec::new()))
 }
 
 /// Directions that the bars may have.
@@ -88,19 +126,23 @@ fn speed_of([x, y]: [f64; 2]) -> f64 {
 fn run_random(args: &IntervalsArgs, row: &OpenRow) -> Result<Answered, Failure> {
     let chain = &row.row.chain;
     let numbers = 4 * chain.unknowns().len() + 4;
+    let count = args.trials.unwrap_or(TRIALS);
     // Stored once per trial, and once sorted.
-    let bytes = 2.0 * (args.trials * numbers * std::mem::size_of::<f64>()) as f64;
-    allow_memory(bytes, &format!("{} trials", args.trials))?;
+    let bytes = 2.0 * (count * numbers * std::mem::size_of::<f64>()) as f64;
+    allow_memory(bytes, &format!("{count} trials"))?;
     let asked = TrialOptions {
         directions: asked_directions(args, row),
         given: given_velocity(args, row),
-        count: args.trials,
+        count,
         seed: args.seed,
         threads: args.threads.unwrap_or_else(core_count),
     };
-    let trials = run_trials(chain, &asked).ok_or_else(|| {
-        let message = "the dyads are too strongly coupled for trials";
-        Failure::usage(message, vec!["see `mechanim dyads`".to_owned()])
+    let trials = run_trials(chain, &asked).map_err(|why| {
+        let (message, hints) = (why.to_string(), vec!["see `mechanim dyads`".to_owned()]);
+        match why {
+            NoTrials::Coupled => Failure::usage(message, hints),
+            NoTrials::Singular => Failure::Undecided { message, hints },
+        }
     })?;
     let size = speed_of(asked.given);
     let outcome = match trials.solved > 0 {
@@ -108,7 +150,7 @@ fn run_random(args: &IntervalsArgs, row: &OpenRow) -> Result<Answered, Failure> 
         false => Outcome::CheckFailed,
     };
     Ok((
-        trials_text(&row.row, &trials, args.trials, size),
+        trials_text(&row.row, &trials, count, size),
         trials_document(&row.row, &trials, size),
         outcome,
     ))
@@ -209,17 +251,18 @@ fn run_tied(
 ) -> Result<Answered, Failure> {
     let (chain, mechanism) = (&row.row.chain, &row.open.scene.mechanism);
     // These are undirected lines: an angle and its supplement are equivalent.
-    let least = row.delta.lo.min(PI - row.delta.hi);
-    if !(least > 0.0 && row.delta.hi < PI && least < 0.5 * PI) {
+    let [least, beyond] = [row.delta.lo, PI - row.delta.hi];
+    let is_symmetric = (least - beyond).abs() <= SAME_ANGLE;
+    if !(least > 0.0 && least < 0.5 * PI && is_symmetric) {
         return Err(Failure::usage(
-            "--derive tied takes angles between 0 and 180 degrees, such as 5..175",
+            "--derive tied takes --delta from an angle to its supplement, such as 5..175",
             Vec::new(),
         ));
     }
     let window = PavingWindow {
         least,
         reach: args.reach.unwrap_or(REACH * mechanism.size),
-        halvings: args.halvings,
+        halvings: args.halvings.unwrap_or(HALVINGS),
     };
     let still = [chain.fixed.clone(), vec![chain.given()]].concat();
     let moving: Vec<usize> = (0..chain.points.len())

@@ -34,12 +34,6 @@ impl VerifiedRows {
     pub fn holds(&self) -> bool {
         self.unproved == 0 && self.one_branch && self.missed.iter().all(Option::is_some)
     }
-
-    /// The farthest row.
-    pub fn worst(&self) -> f64 {
-        let missed = self.missed.iter().map(|m| m.unwrap_or(f64::INFINITY));
-        missed.fold(0.0, f64::max)
-    }
 }
 
 /// Follows the scene with the values in `overrides` through the rows. `begins` states that these lead to the start of
