@@ -1,21 +1,20 @@
 //! The position of a mechanism as a list of lengths, for comparing two poses.
 
 use crate::kinematics::loops::forward;
+use crate::math::sin_cos;
 use crate::model::mechanism::{Kind, Mechanism};
-use std::f64::consts::TAU;
 
 /// Coordinates of all body frames and traced points in the scene's unit. A scene without bodies is compared by its
-/// unknowns; angles then count as angle times size.
+/// unknowns; an angle then counts as a point of a circle with the mechanism's size as radius, so that a full turn is none.
 pub fn marked_positions(mechanism: &Mechanism, coordinates: &[f64]) -> Vec<f64> {
     if mechanism.bodies.is_empty() {
         let unknowns = mechanism.unknowns.iter().zip(coordinates);
         return unknowns
-            .map(|(unknown, value)| match unknown.kind {
-                Kind::Length | Kind::Number => *value,
+            .flat_map(|(unknown, value)| match unknown.kind {
+                Kind::Length | Kind::Number => vec![*value],
                 Kind::Angle => {
-                    // An angle plus a full turn is the same position.
-                    let turns = libm::floor(value / TAU + 0.5);
-                    (value - TAU * turns) * mechanism.size
+                    let (sin, cos) = sin_cos(*value);
+                    vec![cos * mechanism.size, sin * mechanism.size]
                 }
             })
             .collect();

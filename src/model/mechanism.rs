@@ -79,6 +79,18 @@ pub struct Bar {
     pub length: Option<f64>,
 }
 
+impl Bar {
+    /// By how much it is too long, where its equation has this value: (d² - L²) / (2 L) for a constant length. `None` for
+    /// a variable one, whose equation is one of squares.
+    pub fn off_length(&self, value: f64) -> Option<f64> {
+        let length = self.length?;
+        let squared = length * (length + 2.0 * value);
+        // Rounding below zero is none; what has no value keeps none.
+        let apart = if squared < 0.0 { 0.0 } else { squared.sqrt() };
+        Some(apart - length)
+    }
+}
+
 /// A point that a bar ends in.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BarEnd {
@@ -280,6 +292,13 @@ impl Mechanism {
             .enumerate()
             .map(&mut value_of)
             .collect()
+    }
+
+    /// How far an equation of this value is from holding: of a bar of constant length, by which length.
+    pub fn equation_gap(&self, equation: &Equation, value: f64) -> f64 {
+        let bar = self.bars.iter().find(|bar| bar.name == equation.name);
+        let off = bar.and_then(|bar| bar.off_length(value));
+        off.unwrap_or(value).abs()
     }
 
     /// Scale of a coordinate (unknowns, then inputs): its loops' unit for a length, its magnitude for a number, else one.

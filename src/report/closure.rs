@@ -100,12 +100,25 @@ pub fn offered_json(list: &[ClosureCheck]) -> [Vec<Value>; 2] {
     [loops, equations]
 }
 
+/// What a reader of a scene in degrees must know of the value of an equation.
+pub fn angles_note(mechanism: &Mechanism) -> &'static str {
+    match mechanism.angle_unit.radians.number() == 1.0 {
+        true => "",
+        false => ", angles in radians",
+    }
+}
+
 fn offered_sentence(mechanism: &Mechanism, item: &ClosureCheck) -> String {
     let unit = &mechanism.length_unit;
     let (angle, distance) = match item.gap {
         ClosureGap::Loop { angle, distance } => (angle, distance),
         ClosureGap::Equation(value) => {
-            return format!("{} (off by {value:.1e})", verdict_word(item.verdict));
+            let bar = mechanism.bars.iter().find(|bar| bar.name == item.name);
+            let off = match bar.and_then(|bar| bar.off_length(value)) {
+                Some(off) => format!("{off:.1e} {unit}"),
+                None => format!("{value:.1e}{}", angles_note(mechanism)),
+            };
+            return format!("{} (off by {off})", verdict_word(item.verdict));
         }
     };
     let [turned, apart] = [angle, distance].map(|v| decimals_of(v, 6));

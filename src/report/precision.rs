@@ -50,11 +50,19 @@ fn row_cells(row: &PrecisionRow) -> [String; 11] {
         row.steps.to_string(),
         format!("{:.2}", row.time),
         format!("{:.2}", row.iterations),
-        format!("{:.2e}", row.end_error),
-        format!("{:.2e}", row.error),
+        error_text(row.end_error),
+        error_text(row.error),
         format!("{:.1e}", row.closure),
         row.lost.to_string(),
     ]
+}
+
+/// An error; a route that is lost has none at its end.
+fn error_text(error: f64) -> String {
+    match error.is_nan() {
+        true => "-".to_owned(),
+        false => format!("{error:.2e}"),
+    }
 }
 
 /// Aligned columns, with what they mean.

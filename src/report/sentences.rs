@@ -1,5 +1,6 @@
 //! Events and gaps of a motion as sentences, with values in the scene's units.
 
+use super::closure::angles_note;
 use crate::diag::decimals_of;
 use crate::kinematics::results::trajectory::{Ending, Event, EventKind, Instant, MotionGap};
 use crate::model::mechanism::{Kind, Mechanism};
@@ -206,7 +207,10 @@ fn lack_words(mechanism: &Mechanism, at: &str, name: &str, [angle, distance]: [f
         return format!("bar `{name}` does not fit at {at}: {best} it {off}");
     }
     if mechanism.equations.iter().any(|e| e.name == name) {
-        return format!("equation `{name}` does not hold at {at}: {best} {left} instead of zero");
+        let note = angles_note(mechanism);
+        return format!(
+            "equation `{name}` does not hold at {at}: {best} {left} instead of zero{note}"
+        );
     }
     let turned = if angle > SEEN_ANGLE {
         format!(" and {} rad", shown_amount(angle))

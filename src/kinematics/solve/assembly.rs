@@ -245,15 +245,15 @@ fn closure_gap(mechanism: &Mechanism, block: &Block, coordinates: &[f64]) -> Not
     // Scalar equations, likewise.
     for index in &block.equations {
         let equation = &mechanism.equations[*index];
-        let value = equation.expression.value(coordinates).abs();
+        let value = equation.expression.value(coordinates);
         let weight = equation.weight;
-        let scaled = value * weight;
+        let scaled = value.abs() * weight;
         if scaled > largest || scaled.is_nan() {
             largest = scaled;
             worst = NotClosed {
                 name: equation.name.clone(),
                 angle: 0.0,
-                distance: value,
+                distance: mechanism.equation_gap(equation, value),
                 unit: 1.0 / weight,
                 ..worst
             };
