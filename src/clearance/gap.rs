@@ -4,9 +4,14 @@ use super::curved;
 use super::meeting::Meeting;
 use super::mesh_meeting;
 use super::slab::Slab;
+use crate::distance::bodies::separation_along;
+use crate::distance::pair::Proximity;
 use crate::distance::point::point_to;
 use crate::distance::primitive::Primitive;
 use glam::DVec3;
+
+/// Cosine of the largest angle between a normal and a steady one that is tried for it: a line that leans more has left the edge.
+const STEADY: f64 = 0.9;
 
 impl Meeting<'_> {
     /// Lower bound of the distance. Work stops when it reaches the second goal, or cannot reach the first.
@@ -40,7 +45,47 @@ impl Meeting<'_> {
                 lowest = gap.map_or(lowest, |gap| lowest.max(gap));
             }
         }
-        lowest
+        match lowest < goals[0] {
+            true => lowest.max(self.below_steady_plane(goals[0], supports)),
+            false => lowest,
+        }
+    }
+
+    /// The same from a plane that the motion does not tilt against: where a solid slides over a face and beyond its edge, the
+    /// line between the nearest points begins to lean, and no plane square to it keeps the gap.
+    fn below_steady_plane(&self, goal: f64, supports: impl Fn([DVec3; 2]) -> Option<f64>) -> f64 {
+        let Some(normal) = self.steady_normal() else {
+            return f64::NEG_INFINITY;
+        };
+        let distance = separation_along(self.a, self.b, normal);
+        if distance < goal {
+            return f64::NEG_INFINITY;
+        }
+        let found = Proximity {
+            distance,
+            normal,
+            missed: 0.0,
+            ..self.found
+        };
+        let beside = Self { found, ..*self };
+        let off = self.moved.deviation(self.mine.bounds());
+        let gap = beside.slab(DVec3::ZERO, off).gap(goal, supports);
+        gap.unwrap_or(f64::NEG_INFINITY)
+    }
+
+    /// The direction nearest to the normal in which points hardly move: the axis of the rotation, or across the translation.
+    fn steady_normal(&self) -> Option<DVec3> {
+        let (moved, n) = (self.moved, self.found.normal);
+        let across = || {
+            let way = moved.rate(self.found.points[1]).try_normalize()?;
+            (n - way * way.dot(n)).try_normalize()
+        };
+        let axis = moved
+            .spin
+            .try_normalize()
+            .map(|axis| axis * axis.dot(n).signum());
+        axis.or_else(across)
+            .filter(|steady| steady.dot(n) >= STEADY)
     }
 
     /// The plane between the elements is fixed, rotates with the line between the nearest points, or with the element that
