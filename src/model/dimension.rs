@@ -74,6 +74,11 @@ impl PhysicalDimension {
         self.angle != 0
     }
 
+    /// Whether it is of a number, or of a product of angles alone.
+    pub fn is_without_length(self) -> bool {
+        self.length == 0 && self.time == 0
+    }
+
     /// Half of every power, if there is one.
     pub fn half_powers(self) -> Self {
         let even = [self.length, self.angle, self.time];

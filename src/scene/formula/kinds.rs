@@ -201,7 +201,7 @@ pub fn own_kind(node: &FormulaNode, of_name: DimensionOfName) -> Option<Kind> {
 }
 
 /// Calls `visit` on everything that is added or compared in a formula.
-fn visit_terms(node: &FormulaNode, visit: &mut dyn FnMut(&FormulaNode)) {
+pub fn visit_terms(node: &FormulaNode, visit: &mut dyn FnMut(&FormulaNode)) {
     match &node.kind {
         NodeKind::Negate(inner) => visit_terms(inner, visit),
         NodeKind::Binary('+' | '-', a, b) => {

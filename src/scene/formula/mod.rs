@@ -10,4 +10,5 @@ pub mod expression;
 pub mod kinds;
 pub mod lexer;
 pub mod node;
+pub mod products;
 pub mod written;

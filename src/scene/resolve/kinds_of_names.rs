@@ -3,11 +3,13 @@
 use super::super::formula::expansion::Factor;
 use super::super::formula::kinds::infer_kind;
 use super::super::formula::node::FormulaNode;
+use super::super::formula::products::lengths_in_products;
 use super::names::Names;
 use super::parsed::{Parsed, ParsedInput};
 use super::words::TIME;
 use crate::diag::{Diagnostic, Diagnostics};
 use crate::model::chain::ElementaryMotion;
+use crate::model::dimension::PhysicalDimension;
 use crate::model::mechanism::Kind;
 
 impl Names {
@@ -43,6 +45,10 @@ impl Names {
         sites.extend(lengths.map(|node| (node, Some(Kind::Length))));
         sites.extend(parsed.points.iter().map(|node| (node, Some(Kind::Length))));
         sites.extend(parsed.solids.iter().map(|node| (node, None)));
+        let lengths = sites
+            .iter()
+            .filter(|(_, wanted)| *wanted == Some(Kind::Length));
+        let lengths: Vec<&FormulaNode> = lengths.map(|(node, _)| *node).collect();
         for (node, wanted) in sites {
             self.note(node, wanted, diagnostics);
             self.note_place(node, wanted);
@@ -72,7 +78,31 @@ impl Names {
                 }
             }
         }
+        self.infer_products(&lengths, parsed);
         self.store_kinds();
+    }
+
+    /// The kinds that products tell: what nothing else is known of, in a product that is a length beside numbers and angles.
+    fn infer_products(&mut self, lengths: &[&FormulaNode], parsed: &Parsed) {
+        let mut found = Vec::new();
+        for node in lengths {
+            // The time of a drive is not unknown.
+            let of_name = |name: &str| match name == TIME {
+                true => Some(PhysicalDimension::TIME),
+                false => self.dimension(name),
+            };
+            lengths_in_products(node, &of_name, &mut |name, span| {
+                found.push((name.to_owned(), span.clone()));
+            });
+        }
+        // What also stands in angles is a number.
+        found.retain(|(name, _)| !self.stands_in[1].contains(name));
+        for (name, span) in found {
+            self.kinds.entry(name).or_insert((Kind::Length, span));
+        }
+        for (name, node) in parsed.parameters.iter().rev() {
+            self.note_unknown(node, self.kind(&name.value));
+        }
     }
 
     /// Notes that the names of a formula appear where a length or an angle is expected.

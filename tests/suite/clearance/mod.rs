@@ -18,6 +18,7 @@ mod deep_clearances;
 mod distances;
 mod envelopes;
 mod estimates;
+mod exact_minimum;
 mod exclusions;
 mod far_places;
 mod few_samples;
