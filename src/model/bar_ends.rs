@@ -1,8 +1,10 @@
 //! Bars given as bars in the scene: the coordinates that only place their ends, and the links of the ends.
 
-use super::chain::{Chain, ChainStep};
+use super::chain::{ArgumentValue, Chain, ChainJoint, ChainStep, ElementaryMotion};
 use super::joints::Joint;
-use super::mechanism::{BarEnd, Mechanism};
+use super::mechanism::{BarEnd, Kind, Mechanism};
+use crate::math::{Pose, sin_cos};
+use glam::DVec3;
 use std::collections::BTreeSet;
 
 /// The ends of all bars of a mechanism.
@@ -21,8 +23,19 @@ impl<'m> BarEnds<'m> {
             slots: BTreeSet::new(),
         };
         let all = mechanism.bars.iter().flat_map(|bar| &bar.ends);
-        ends.slots = all.flat_map(|end| ends.unknowns_of(end)).collect();
+        let free = all.filter(|end| ends.guide_of(end).is_none());
+        ends.slots = free.flat_map(|end| ends.unknowns_of(end)).collect();
         ends
+    }
+
+    /// The step by which an end slides along a line of the frame, and those before it; `None` for all other ends.
+    pub fn guide_of(&self, end: &'m BarEnd) -> Option<(&'m [ChainStep], ChainJoint)> {
+        let steps = &end.carrier.steps;
+        let place = steps.iter().position(|step| step.joint().is_some())?;
+        let is_alone = steps[place + 1..].iter().all(|step| step.joint().is_none());
+        let joint = steps[place].joint().filter(|_| is_alone)?;
+        let is_shift = joint.motion == ElementaryMotion::Translation;
+        is_shift.then_some((&steps[..place], joint))
     }
 
     /// Every bar's ends.
@@ -68,12 +81,72 @@ impl<'m> BarEnds<'m> {
         if own.is_empty() {
             return Some(0);
         }
-        let mut links = 1..joints.links.len();
-        links.find(|link| {
-            !self.place_link(*link) && moving_steps(&joints.world_from_link(*link)) == own
-        })
+        let chains = (1..joints.links.len()).filter(|link| !self.place_link(*link));
+        let chains: Vec<(usize, Chain)> = chains
+            .map(|link| (link, joints.world_from_link(link)))
+            .collect();
+        let alike = chains.iter().find(|(_, chain)| moving_steps(chain) == own);
+        let resting = || {
+            chains
+                .iter()
+                .find(|(_, chain)| self.rests_on(&end.carrier, chain))
+        };
+        alike.or_else(resting).map(|(link, _)| *link)
+    }
+
+    /// The ends that links carry: the link, and the place in its frame.
+    pub fn carried(&self) -> Vec<(usize, DVec3)> {
+        // Where a link is does not matter.
+        let arguments = self.trial_arguments(0);
+        let ends = self.bars().flatten().filter_map(|end| {
+            let link = self.link_of(end).filter(|link| *link != 0)?;
+            let world_from_link = self.mechanism.joints.world_from_link(link).pose(&arguments);
+            let place = end.carrier.pose(&arguments).translation;
+            let place = world_from_link.inverse().transform_point(place);
+            place.is_finite().then_some((link, place))
+        });
+        ends.collect()
+    }
+
+    /// Arguments at coordinates that mean nothing.
+    fn trial_arguments(&self, trial: usize) -> Vec<ArgumentValue> {
+        let mechanism = self.mechanism;
+        let coordinates = (0..mechanism.coordinate_count()).map(|slot| {
+            let scale = match mechanism.kind_of(slot) {
+                Kind::Length => mechanism.size,
+                Kind::Angle | Kind::Number => 1.0,
+            };
+            scale * sin_cos(1.0 + (slot + 1) as f64 * (trial as f64 + 0.5)).0
+        });
+        mechanism.argument_values(&coordinates.collect::<Vec<f64>>())
+    }
+
+    /// Whether the end of a chain rests in the frame at the end of another one that is moved by the same arguments: chains may be
+    /// written in other ways, with a shift along an axis before or behind the rotation about it.
+    fn rests_on(&self, carried: &Chain, carrier: &Chain) -> bool {
+        if carried.arguments() != carrier.arguments() {
+            return false;
+        }
+        let size = self.mechanism.size;
+        let seen = (0..TRIALS).map(|trial| {
+            let arguments = self.trial_arguments(trial);
+            carrier.pose(&arguments).inverse() * carried.pose(&arguments)
+        });
+        let seen: Vec<Pose> = seen.collect();
+        let apart = |a: &Pose, b: &Pose| {
+            let turned = (0..3).map(|k| (a.rotation.col(k) - b.rotation.col(k)).length());
+            (a.translation - b.translation).length() + size * turned.sum::<f64>()
+        };
+        seen.windows(2)
+            .all(|pair| apart(&pair[0], &pair[1]) <= AT_REST * size)
     }
 }
+
+/// Places at which chains are compared.
+const TRIALS: usize = 3;
+
+/// What moves less, as a share of the mechanism's size, rests: the rest is rounding.
+const AT_REST: f64 = 1e-9;
 
 /// The steps of a chain up to the last moving one.
 fn moving_steps(chain: &Chain) -> Vec<ChainStep> {

@@ -97,15 +97,3 @@ pub fn bar_ends(mechanism: &Mechanism) -> Vec<(&BarEnd, bool)> {
     }
     ends
 }
-
-/// Places of the ends that a link carries, in its frame, as they are at a pose.
-pub fn carried_ends(mechanism: &Mechanism, at: &PlacedLinks) -> Vec<(usize, DVec3)> {
-    let all = BarEnds::new(mechanism);
-    let ends = all.bars().flatten().filter_map(|end| {
-        let link = all.link_of(end).filter(|link| *link != 0)?;
-        let link_from_world = at.link(link).inverse();
-        let point = end.point.pose(&at.arguments).translation;
-        Some((link, link_from_world.transform_point(point)))
-    });
-    ends.collect()
-}

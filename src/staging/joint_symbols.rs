@@ -115,7 +115,7 @@ impl JointSymbols {
         };
         // Without bodies links and bars are drawn as rods.
         if mechanism.bodies.is_empty() {
-            let links = link_symbols::drawn_links(mechanism, first, ROD * radius);
+            let links = link_symbols::drawn_links(mechanism, ROD * radius);
             let count = links.len();
             for link in links {
                 let frame = CarriedFrame::of_link(link.link);

@@ -1,6 +1,7 @@
 //! The joints of the mechanism's table and their placements at a pose, for pictures. Their symbols are made in
 //! `joint_symbols`.
 
+use super::axis_places::axis_shifts;
 use crate::kinematics::results::trajectory::{ClosedPose, Sample};
 use crate::math::Pose;
 use crate::model::bar_ends::BarEnds;
@@ -8,6 +9,7 @@ use crate::model::chain::{ArgumentValue, ChainStep, ElementaryMotion};
 use crate::model::joints::{Joint, JointKind, LinkFrame};
 use crate::model::mechanism::Mechanism;
 use crate::model::walk::walk_chain;
+use glam::DVec3;
 
 /// A joint with its placement in the world.
 #[derive(Clone, Debug, PartialEq)]
@@ -103,12 +105,42 @@ impl PlacedJoint {
 /// All joints except those that connect nothing, or only place ends of bars.
 pub fn placed_joints(mechanism: &Mechanism) -> Vec<PlacedJoint> {
     let ends = BarEnds::new(mechanism);
-    let jointed = mechanism.joints.list.iter();
-    let jointed = jointed.filter(|j| !j.is_placed && !ends.place_joint(j));
-    jointed.filter_map(place_joint).collect()
+    let jointed = mechanism.joints.list.iter().zip(axis_shifts(mechanism));
+    let jointed = jointed.filter(|(j, _)| !j.is_placed && !ends.place_joint(j));
+    let jointed = jointed.filter_map(|(joint, shift)| place_joint(joint, shift));
+    jointed.chain(guided_ends(mechanism, &ends)).collect()
 }
 
-fn place_joint(joint: &Joint) -> Option<PlacedJoint> {
+/// The guides of ends that slide along lines of the frame, where no joint of the table has their coordinate.
+fn guided_ends(mechanism: &Mechanism, ends: &BarEnds) -> Vec<PlacedJoint> {
+    let mut known: Vec<usize> = Vec::new();
+    let table = mechanism.joints.list.iter().flat_map(Joint::arguments);
+    known.extend(table);
+    let mut guides = Vec::new();
+    for end in ends.bars().flatten() {
+        let Some((before, joint)) = ends.guide_of(end) else {
+            continue;
+        };
+        if known.contains(&joint.argument) {
+            continue;
+        }
+        known.push(joint.argument);
+        // What stands behind the step is carried along.
+        let before_it = before.len();
+        let carried = CarriedFrame::of_link(0).then(before);
+        guides.push(PlacedJoint {
+            kind: JointKind::Prismatic,
+            axis: joint.axis,
+            last_axis: joint.axis,
+            grounded: true,
+            after: carried.clone().then(&end.carrier.steps[before_it..]),
+            before: carried,
+        });
+    }
+    guides
+}
+
+fn place_joint(joint: &Joint, shift: f64) -> Option<PlacedJoint> {
     let axis = |step: &ChainStep| match step {
         ChainStep::Joint { axis, .. } => Some(*axis),
         ChainStep::Fixed(_) => None,
@@ -122,7 +154,12 @@ fn place_joint(joint: &Joint) -> Option<PlacedJoint> {
         _ => None,
     };
     let first = joint.steps.iter().find_map(axis)?;
+    let along = ChainStep::Fixed(Pose::from_translation(DVec3::AXES[first] * shift).into());
     let before = CarriedFrame::new(&joint.before);
+    let before = match shift == 0.0 {
+        true => before,
+        false => before.then(&[along]),
+    };
     // What slides is seen from the frame of the mechanism, which has the guide: its axis is the same from both sides.
     let slides = matches!(
         joint.kind,

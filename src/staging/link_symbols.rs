@@ -1,7 +1,7 @@
 //! Links of a scene without bodies: rods between the positions of their joints, and the space they occupy.
 
-use super::bar_symbols;
-use super::joints::{self, PlacedLinks};
+use super::axis_places::{axis_shifts, joint_points};
+use super::joints;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::model::bar_ends::BarEnds;
 use crate::model::mechanism::Mechanism;
@@ -35,17 +35,16 @@ pub struct DrawnLink {
     pub colour: [u8; 3],
 }
 
-/// All links with two joints or more except the frame, which is drawn as ground; rods have the radius `radius`.
-///
-/// Ends of bars count as joints; where a link carries them is read off a pose.
-pub fn drawn_links(mechanism: &Mechanism, at: &PlacedLinks, radius: f64) -> Vec<DrawnLink> {
+/// All links with two joints or more except the frame, which is drawn as ground; rods have the radius `radius`. Ends of bars count
+/// as joints.
+pub fn drawn_links(mechanism: &Mechanism, radius: f64) -> Vec<DrawnLink> {
     let table = &mechanism.joints;
     let ends = BarEnds::new(mechanism);
     let mut places: Vec<Vec<DVec3>> = vec![Vec::new(); table.links.len()];
-    let joints = table.list.iter().filter(|joint| !ends.place_joint(joint));
-    let frames = joints.flat_map(|joint| [&joint.before, &joint.after]);
-    let joined = frames.map(|frame| (frame.link, frame.link_from_here.translation));
-    for (link, place) in joined.chain(bar_symbols::carried_ends(mechanism, at)) {
+    let joints = table.list.iter().zip(axis_shifts(mechanism));
+    let joints = joints.filter(|(joint, _)| !ends.place_joint(joint));
+    let joined = joints.flat_map(|(joint, shift)| joint_points(joint, shift));
+    for (link, place) in joined.chain(ends.carried()) {
         let known = &mut places[link];
         if link != 0 && known.iter().all(|p| p.distance(place) > SAME * radius) {
             known.push(place);

@@ -4,6 +4,7 @@
 
 mod arrows;
 mod axes;
+mod axis_places;
 mod bar_symbols;
 mod body_meshes;
 mod bounds;
