@@ -25,6 +25,11 @@ pub fn wait_until_overdue() {
     while SAVES.load(Ordering::Relaxed) {
         std::thread::sleep(POLLING);
     }
+    abandon();
+}
+
+/// Removes unfinished files and says that the run was interrupted; the process must end then.
+pub fn abandon() {
     crate::export::remove_unfinished();
     eprintln!("error: {}", Failure::Interrupted);
 }

@@ -45,6 +45,19 @@ pub fn refuse_clashes(
     Ok(())
 }
 
+/// Refuses reports over other inputs of the command: files, and everything in folders.
+pub fn refuse_over(inputs: &[PathBuf], reports: &[(&str, Option<&Path>)]) -> Result<(), Failure> {
+    let inputs = inputs.iter().filter_map(|input| input.canonicalize().ok());
+    let inputs: Vec<PathBuf> = inputs.collect();
+    for path in reports.iter().filter_map(|(_, path)| *path) {
+        let place = absolute_place(path);
+        if inputs.iter().any(|input| place.starts_with(input)) {
+            return Err(is_input(path));
+        }
+    }
+    Ok(())
+}
+
 /// The target of a path, also through links to a file that does not exist yet.
 fn absolute_place(path: &Path) -> PathBuf {
     if path == Path::new("-") {

@@ -108,6 +108,52 @@ impl<'m> BarEnds<'m> {
         ends.collect()
     }
 
+    /// The traced points that moving links carry: the link, and the place in its frame.
+    pub fn traced(&self) -> Vec<(usize, DVec3)> {
+        let (mechanism, arguments) = (self.mechanism, self.trial_arguments(0));
+        let points = mechanism.traces.iter().map(|trace| {
+            let link = mechanism.joints.of_body[trace.body];
+            let world_from_link = mechanism.joints.world_from_link(link).pose(&arguments);
+            let world_from_body = mechanism.bodies[trace.body]
+                .world_from_body
+                .pose(&arguments);
+            let place = world_from_body.transform_point(trace.point);
+            (link, world_from_link.inverse().transform_point(place))
+        });
+        points
+            .filter(|(link, place)| *link != 0 && place.is_finite())
+            .collect()
+    }
+
+    /// Bodies without a frame of their own that several bars hold, such as the platform of a delta robot: a chain that ends on each,
+    /// and the ends of the bars in its frame.
+    pub fn free_bodies(&self) -> Vec<(&'m Chain, Vec<DVec3>)> {
+        let arguments = self.trial_arguments(0);
+        let mut bodies: Vec<(&Chain, Vec<DVec3>)> = Vec::new();
+        for end in self.bars().flatten() {
+            if self.guide_of(end).is_some() || self.link_of(end).is_some() {
+                continue;
+            }
+            let place = end.carrier.pose(&arguments).translation;
+            match bodies
+                .iter_mut()
+                .find(|(first, _)| self.rests_on(&end.carrier, first))
+            {
+                Some((first, places)) => {
+                    let place = first.pose(&arguments).inverse().transform_point(place);
+                    if places
+                        .iter()
+                        .all(|p| p.distance(place) > AT_REST * self.mechanism.size)
+                    {
+                        places.push(place);
+                    }
+                }
+                None => bodies.push((&end.carrier, vec![DVec3::ZERO])),
+            }
+        }
+        bodies
+    }
+
     /// Arguments at coordinates that mean nothing.
     fn trial_arguments(&self, trial: usize) -> Vec<ArgumentValue> {
         let mechanism = self.mechanism;

@@ -294,6 +294,11 @@ impl Mechanism {
             .collect()
     }
 
+    /// Whether no body has a shape, so that pictures show joints, links and bars instead.
+    pub fn has_no_shapes(&self) -> bool {
+        self.bodies.iter().all(|body| body.shapes.is_empty())
+    }
+
     /// How far an equation of this value is from holding: of a bar of constant length, by which length.
     pub fn equation_gap(&self, equation: &Equation, value: f64) -> f64 {
         let bar = self.bars.iter().find(|bar| bar.name == equation.name);

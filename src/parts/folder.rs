@@ -88,10 +88,19 @@ impl Folder {
         self.path.join(LEASES).join(format!("unit-{unit}"))
     }
 
-    /// Whether a unit is done: its part is there, and its bytes are those that were written.
+    /// Whether a unit is done: its part is there, is of this study and of these items, and its bytes are those that were written.
     pub fn has(&self, unit: u64) -> bool {
-        let name = part_name(&self.plan.items_of(unit));
-        is_whole(&self.parts_folder().join(name))
+        let items = self.plan.items_of(unit);
+        let path = self.parts_folder().join(part_name(&items));
+        PartFile::open(&path, &self.plan).is_ok_and(|part| part.items == items) && is_whole(&path)
+    }
+
+    /// Files and folders that the study consists of, with those beside the plan.
+    pub fn own_files(&self, files: &[&str]) -> Vec<PathBuf> {
+        let names = [PLAN, PARTS, LEASES]
+            .into_iter()
+            .chain(files.iter().copied());
+        names.map(|name| self.path.join(name)).collect()
     }
 
     /// Units without an undamaged part of their own, ascending.

@@ -10,7 +10,7 @@ use glam::DVec3;
 pub fn axis_shifts(mechanism: &Mechanism) -> Vec<f64> {
     let joints = &mechanism.joints.list;
     let mut shifts = vec![None; joints.len()];
-    if mechanism.bars.is_empty() || !mechanism.bodies.is_empty() {
+    if mechanism.bars.is_empty() || !mechanism.has_no_shapes() {
         return vec![0.0; joints.len()];
     }
     // Next to the ends of bars first, then next to the hinges that are known.

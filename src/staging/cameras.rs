@@ -37,7 +37,7 @@ const FLAT: f64 = 1e-9;
 /// parallel view, unless a direction is given.
 pub fn view_of<'v>(scene: &'v Scene, points: &[DVec3]) -> Cow<'v, View> {
     let view = &*scene.view;
-    let is_own = scene.mechanism.bodies.is_empty() && !view.is_aimed;
+    let is_own = scene.mechanism.has_no_shapes() && !view.is_aimed;
     let flat = flat_axis(points).filter(|_| is_own && view.camera_path.is_empty());
     let Some(axis) = flat else {
         return Cow::Borrowed(view);

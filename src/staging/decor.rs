@@ -36,7 +36,7 @@ impl DecorParts {
         let (mechanism, decor) = (&scene.mechanism, &scene.view.decor);
         let extent = bounds::box_of(bounds).map_or(1.0, |[low, high]| (high - low).length());
         // A scene without bodies draws its joints and links instead.
-        let joints = if decor.joints || mechanism.bodies.is_empty() {
+        let joints = if decor.joints || mechanism.has_no_shapes() {
             JointSymbols::new(scene, trajectory, (extent, up), meshes)
         } else {
             JointSymbols::default()

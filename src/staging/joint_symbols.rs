@@ -8,6 +8,7 @@ use super::link_symbols;
 use super::solids::{merged_mesh, sign_instance};
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::math::Pose;
+use crate::model::bar_ends::BarEnds;
 use crate::model::chain::{Chain, ChainStep};
 use crate::model::joints::JointKind;
 use crate::model::mechanism::Mechanism;
@@ -114,12 +115,16 @@ impl JointSymbols {
             });
         };
         // Without bodies links and bars are drawn as rods.
-        if mechanism.bodies.is_empty() {
+        if mechanism.has_no_shapes() {
             let links = link_symbols::drawn_links(mechanism, ROD * radius);
             let count = links.len();
             for link in links {
                 let frame = CarriedFrame::of_link(link.link);
                 add(link.solids, PieceCarrier::Link(frame), link.colour);
+            }
+            for (chain, places) in BarEnds::new(mechanism).free_bodies() {
+                let rods = link_symbols::rods_between(&places, ROD * radius);
+                add(rods, PieceCarrier::End(chain.clone()), MOVER);
             }
             for drawn in bar_symbols::drawn_bars(mechanism, &poses, ROD * radius) {
                 let colour = link_symbols::link_colour(count + drawn.bar);
@@ -130,7 +135,7 @@ impl JointSymbols {
         for (end, is_fixed) in bar_symbols::bar_ends(mechanism) {
             let ball = bar_symbols::end_ball(radius);
             add(ball, PieceCarrier::End(end.point.clone()), SEAT);
-            if is_fixed && mechanism.bodies.is_empty() {
+            if is_fixed && mechanism.has_no_shapes() {
                 let place = end.point.pose(&first.arguments).translation;
                 add(ground_sign(place, up, radius), PieceCarrier::Still, GROUND);
             }
@@ -144,7 +149,7 @@ impl JointSymbols {
             let stroke = strokes.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], s| {
                 [low.min(s), high.max(s)]
             });
-            let ram = Ram::of(&joint, stroke).filter(|_| mechanism.bodies.is_empty());
+            let ram = Ram::of(&joint, stroke).filter(|_| mechanism.has_no_shapes());
             let (seat, mover) = match ram {
                 Some(ram) => ram.solids(DVec3::AXES[joint.axis], radius),
                 None => joint_solids(&joint, radius, stroke),

@@ -2,6 +2,7 @@
 //! `joint_symbols`.
 
 use super::axis_places::axis_shifts;
+use super::floating::floating_joints;
 use crate::kinematics::results::trajectory::{ClosedPose, Sample};
 use crate::math::Pose;
 use crate::model::bar_ends::BarEnds;
@@ -106,8 +107,11 @@ impl PlacedJoint {
 pub fn placed_joints(mechanism: &Mechanism) -> Vec<PlacedJoint> {
     let ends = BarEnds::new(mechanism);
     let jointed = mechanism.joints.list.iter().zip(axis_shifts(mechanism));
-    let jointed = jointed.filter(|(j, _)| !j.is_placed && !ends.place_joint(j));
-    let jointed = jointed.filter_map(|(joint, shift)| place_joint(joint, shift));
+    let jointed = jointed
+        .zip(floating_joints(mechanism))
+        .filter(|(_, floats)| !floats);
+    let jointed = jointed.filter(|((j, _), _)| !j.is_placed && !ends.place_joint(j));
+    let jointed = jointed.filter_map(|((joint, shift), _)| place_joint(joint, shift));
     jointed.chain(guided_ends(mechanism, &ends)).collect()
 }
 

@@ -1,6 +1,7 @@
 //! Links of a scene without bodies: rods between the positions of their joints, and the space they occupy.
 
 use super::axis_places::{axis_shifts, joint_points};
+use super::floating::floating_joints;
 use super::joints;
 use crate::kinematics::results::trajectory::Trajectory;
 use crate::model::bar_ends::BarEnds;
@@ -42,9 +43,12 @@ pub fn drawn_links(mechanism: &Mechanism, radius: f64) -> Vec<DrawnLink> {
     let ends = BarEnds::new(mechanism);
     let mut places: Vec<Vec<DVec3>> = vec![Vec::new(); table.links.len()];
     let joints = table.list.iter().zip(axis_shifts(mechanism));
-    let joints = joints.filter(|(joint, _)| !ends.place_joint(joint));
-    let joined = joints.flat_map(|(joint, shift)| joint_points(joint, shift));
-    for (link, place) in joined.chain(ends.carried()) {
+    let joints = joints
+        .zip(floating_joints(mechanism))
+        .filter(|(_, floats)| !floats);
+    let joints = joints.filter(|((joint, _), _)| !ends.place_joint(joint));
+    let joined = joints.flat_map(|((joint, shift), _)| joint_points(joint, shift));
+    for (link, place) in joined.chain(ends.carried()).chain(ends.traced()) {
         let known = &mut places[link];
         if link != 0 && known.iter().all(|p| p.distance(place) > SAME * radius) {
             known.push(place);
@@ -52,19 +56,7 @@ pub fn drawn_links(mechanism: &Mechanism, radius: f64) -> Vec<DrawnLink> {
     }
     let links = places.iter().enumerate().skip(1);
     let links = links.filter_map(|(link, places)| {
-        let count = places.len();
-        // Three or more positions make a closed polygon.
-        let rods = if count > 2 {
-            count
-        } else {
-            count.saturating_sub(1)
-        };
-        let rod = |k: usize| Solid::Capsule {
-            from: places[k],
-            to: places[(k + 1) % count],
-            radius,
-        };
-        let solids: Vec<Solid> = (0..rods).map(rod).collect();
+        let solids = rods_between(places, radius);
         (!solids.is_empty()).then_some((link, solids))
     });
     let numbered = links.enumerate().map(|(k, (link, solids))| DrawnLink {
@@ -73,6 +65,22 @@ pub fn drawn_links(mechanism: &Mechanism, radius: f64) -> Vec<DrawnLink> {
         colour: link_colour(k),
     });
     numbered.collect()
+}
+
+/// Rods from place to place; three or more make a closed polygon.
+pub fn rods_between(places: &[DVec3], radius: f64) -> Vec<Solid> {
+    let count = places.len();
+    let rods = if count > 2 {
+        count
+    } else {
+        count.saturating_sub(1)
+    };
+    let rod = |k: usize| Solid::Capsule {
+        from: places[k],
+        to: places[(k + 1) % count],
+        radius,
+    };
+    (0..rods).map(rod).collect()
 }
 
 /// The colour of a link or bar by its number.

@@ -15,6 +15,7 @@ mod decor;
 mod dimension_lines;
 mod explode;
 mod fitting;
+mod floating;
 mod gauge;
 mod ghosts;
 mod ground;

@@ -12,7 +12,6 @@ use crate::compare::{Comparison, Difference, LADDER};
 use crate::import::{FilmReader, Plays};
 use crate::snapshot::golden::save_triptych;
 use serde_json::{Value, json};
-use std::path::Path;
 use std::sync::atomic::Ordering;
 
 /// Maximum number of frames that are listed one by one.
@@ -20,12 +19,12 @@ const MAX_LINES: usize = 12;
 
 /// Runs the verb.
 pub fn run_diff(args: &DiffArgs, term: &Term) -> Result<Outcome, Failure> {
-    refuse_overwriting(args)?;
     let reports = [
         ("--out", args.out.as_deref()),
         ("--json", args.json.as_deref()),
     ];
     io::refuse_clashes(&[], &reports)?;
+    io::refuse_over(&[args.a.clone(), args.b.clone()], &reports)?;
     let (a, b) = (FilmReader::open(&args.a)?, FilmReader::open(&args.b)?);
     let kind = a.kind;
     if kind != b.kind {
@@ -63,17 +62,6 @@ pub fn run_diff(args: &DiffArgs, term: &Term) -> Result<Outcome, Failure> {
     } else {
         Outcome::CheckFailed
     })
-}
-
-/// The compared files are not overwritten.
-fn refuse_overwriting(args: &DiffArgs) -> Result<(), Failure> {
-    let real = |path: &Path| path.canonicalize().ok();
-    for path in [&args.out, &args.json].into_iter().flatten() {
-        if real(path).is_some_and(|p| [real(&args.a), real(&args.b)].contains(&Some(p))) {
-            return Err(io::is_input(path));
-        }
-    }
-    Ok(())
 }
 
 /// The report as text.

@@ -13,7 +13,7 @@ use crate::snapshot::{
     DrawError, GoldenVerdict, MANIFEST, Manifest, Update, draw_picture, judge_picture,
 };
 use serde_json::{Value, json};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Runs the verb.
 pub fn run_snapshot(args: &SnapshotArgs, term: &Term) -> Result<Outcome, Failure> {
@@ -23,6 +23,11 @@ pub fn run_snapshot(args: &SnapshotArgs, term: &Term) -> Result<Outcome, Failure
         picture.folders.clone_from(&args.allowed);
     }
     let wanted = wanted_pictures(args, &manifest)?;
+    let pictures = manifest.pictures.iter();
+    let files = pictures.flat_map(|picture| [picture.file.as_str(), picture.scene.as_str()]);
+    let inputs = files.chain([MANIFEST]).map(|file| args.folder.join(file));
+    let inputs: Vec<PathBuf> = inputs.collect();
+    io::refuse_over(&inputs, &[("--json", args.json.as_deref())])?;
     let mut results = Vec::new();
     for picture in wanted {
         let drawn = draw_picture(picture, &args.folder).map_err(|e| picture_failure(picture, e))?;

@@ -30,7 +30,7 @@ pub const VERB: &str = "sweep";
 const OUTPUT_SAMPLES: usize = 60;
 
 /// Name of the table of designs beside a plan.
-const DESIGN_FILE: &str = "design.csv";
+pub const DESIGN_FILE: &str = "design.csv";
 
 /// Maximum size in bytes of a table of designs, which is read before the run begins.
 const LARGEST_TABLE: u64 = 1 << 30;

@@ -44,6 +44,7 @@ pub fn run_sweep(args: &SweepArgs, term: &Term) -> Result<Outcome, Failure> {
         ("--plot", rows.plot.as_deref()),
     ];
     io::refuse_clashes(&[&args.asked.scene], &reports)?;
+    io::refuse_over(&[PathBuf::from(&args.asked.design)], &reports)?;
     refuse_format(rows)?;
     let opened = open_sweep(&args.asked, term)?;
     let mut taker = RowTaker::new(&opened.sweep, &opened.plan, rows)?;

@@ -13,7 +13,8 @@ use crate::cli::args::sweep::{
     SweepRequestArgs,
 };
 use crate::cli::io;
-use crate::cli::open::sweep::OpenSweep;
+use crate::cli::open::planned::SCENE_FILE;
+use crate::cli::open::sweep::{DESIGN_FILE, OpenSweep};
 use crate::cli::open::tolerance::OpenTolerance;
 use crate::cli::open::{sweep, tolerance};
 use crate::cli::term::Term;
@@ -213,6 +214,7 @@ fn work_on_share(
 
 fn print_status(path: &Path, report: Option<&Path>, term: &Term) -> Result<Outcome, Failure> {
     let folder = Folder::open(path)?;
+    refuse_over_study(&folder, &[("--json", report)])?;
     let (all, missing) = (folder.plan.units(), folder.missing_units());
     let (leased, done) = (folder.leased_units(), all - missing.len() as u64);
     let rate = unit_rate(&folder.part_times());
@@ -249,6 +251,15 @@ fn print_status(path: &Path, report: Option<&Path>, term: &Term) -> Result<Outco
     Ok(Outcome::Done)
 }
 
+/// Refuses reports over the files of a study.
+fn refuse_over_study(folder: &Folder, reports: &[(&str, Option<&Path>)]) -> Result<(), Failure> {
+    let scene = Path::new(&folder.plan.scene).file_name();
+    let scene = scene.map(|name| name.to_string_lossy().into_owned());
+    let names = [DESIGN_FILE, SCENE_FILE];
+    let names: Vec<&str> = names.into_iter().chain(scene.as_deref()).collect();
+    io::refuse_over(&folder.own_files(&names), reports)
+}
+
 /// Units per second between the first part and the last; unknown for fewer than two.
 fn unit_rate(times: &[SystemTime]) -> Option<f64> {
     let [first, .., last] = times else {
@@ -266,6 +277,8 @@ fn merge_parts(args: &MergeArgs, term: &Term) -> Result<Outcome, Failure> {
         return Ok(Outcome::Done);
     }
     let (folder, opened) = open_folder(&args.folder, term)?;
+    let (out, plot) = (args.rows.out.as_deref(), args.rows.plot.as_deref());
+    refuse_over_study(&folder, &[("--out", out), ("--plot", plot)])?;
     let text = match opened {
         OpenStudy::Sweep(opened) => {
             refuse_format(&args.rows)?;
